@@ -113,9 +113,15 @@ def test_values_may_be_changed_in_every_call():
     changed = vibsim.load_case("II-B", SHORT)
     for case in ("II-B", vibsim.load_case("II-B")):
         assert vibsim.simulate(case, overrides=SHORT).case.sha256 == changed.sha256
+        assert vibsim.simulate(case, SHORT).case.sha256 == changed.sha256
         assert vibsim.load_case(case, SHORT).sha256 == changed.sha256
     one = vibsim.lyapunov("II-B", 1, overrides=SHORT).exponents
     assert one.tobytes() == vibsim.lyapunov(changed, 1).exponents.tobytes()
+
+
+def test_what_is_no_change_of_values_is_refused():
+    with pytest.raises(TypeError, match=r"overrides must be a dict such as \{'?\"?Omega0.*, got 'c'"):
+        vibsim.simulate("II-B", "c")
 
 
 def test_verdicts_are_members_and_texts(saved):

@@ -122,3 +122,34 @@ def test_digits(tmp_path):
 def test_what_is_refused(words, code, message):
     done = call("orbit", *words)
     assert done.exit_code == code and message in done.stderr and "Traceback" not in done.stderr
+
+
+def test_at_start_looks_near_the_initial_state():
+    """Beside the orbit that the run goes to, without impacts; a motor is followed to phi = 0."""
+    assert told("I-A")["n"] == 5
+    smooth = told("I-A", "--at-start")
+    assert smooth["n"] == 1 and smooth["impacts"] == 0 and smooth["residual"] < 1e-13
+    same = vibsim.orbit("I-A", start=[0.0, 0.0, 0.0, 0.0])
+    assert list(same.state) == list(vibsim.orbit("I-A", start="initial").state)
+    first = told("II-B", *CAPTURED)
+    units = {"x1": "m", "v1": "m/s", "x2": "m", "v2": "m/s", "phidot": "rad/s"}
+    there = [word for key, unit in units.items() for word in ("-s", f"{key}={first['state'][key]!r} {unit}")]
+    again = told("II-B", *CAPTURED, *there, "-s", "phi=-0.1 rad", "--at-start")
+    assert again["period"] == pytest.approx(first["period"], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("I-A", "--at-start", "--search", "3"), "leave --search out"),
+        (("I-A", "--at-start", "--from", "x.h5"), "leave --from out"),
+    ],
+)
+def test_at_start_goes_with_no_other_start(words, message):
+    done = call("orbit", *words)
+    assert done.exit_code == 2 and message in done.stderr
+
+
+def test_other_words_are_no_start():
+    with pytest.raises(vibsim.OrbitError, match="the start is an orbit, a state or 'initial', got 'begin'"):
+        vibsim.orbit("I-A", start="begin")

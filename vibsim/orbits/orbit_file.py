@@ -27,7 +27,9 @@ def run_of_orbit(orbit: Orbit) -> Result:
     """
     if orbit.case is None:
         raise ValueError("the orbit of a scene alone has no case to be run")
-    run = simulate(case_on_orbit(orbit.case, orbit.state, orbit.period), orbit.return_map.carrier.engine)
+    run = simulate(
+        case_on_orbit(orbit.case, orbit.state, orbit.period), engine=orbit.return_map.carrier.engine
+    )
     known = {name: value for name, value in _attributes(orbit).items() if value is not None}
     arrays = {
         name: np.asarray(values, dtype=object if isinstance(values[0], str) else None)

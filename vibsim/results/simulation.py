@@ -6,6 +6,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from vibsim.cases.arguments import by_key
 from vibsim.files.signals import held_back
 from vibsim.results.recording.recording import MemorySink, Recording, Watch
 from vibsim.results.result import Result
@@ -16,10 +17,10 @@ if TYPE_CHECKING:
 
 def simulate(
     case: "Case | str | PathLike[str]",
+    overrides: Mapping[str, object] | None = None,
     engine: str = "auto",
     trust: bool = True,
     digits: int | str | None = None,
-    overrides: Mapping[str, object] | None = None,
 ) -> Result:
     """Run a case and keep its samples and events in memory.
 
@@ -34,16 +35,16 @@ def simulate(
 
     Raises EngineError (in `vibsim.engine.errors`) when the run fails, ValueError for other digits, and
     MultiprecisionMissing (in `vibsim.physics.arithmetic.number_kits`) where neither python-flint nor
-    mpmath is there.
+    mpmath is there; TypeError where `overrides` is no dict.
 
     >>> import vibsim
-    >>> result = vibsim.simulate("II-B", overrides={"Omega0": "6.5 Hz", "run.t_end": "5 s"})
+    >>> result = vibsim.simulate("II-B", {"Omega0": "6.5 Hz", "run.t_end": "5 s"})
     >>> len(result), result.complete
     (1001, True)
     """
     from vibsim.cases.loading import load_case
 
-    case = load_case(case, overrides)
+    case = load_case(case, by_key("overrides", overrides, '{"Omega0": "6.5 Hz"}'))
     if digits is not None:
         from vibsim.results.many_digits.truth import truth
 

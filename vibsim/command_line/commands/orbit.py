@@ -14,6 +14,7 @@ from vibsim.command_line.options.shared_options import engine_option
         "vibsim orbit I-A                              # where the run of the case goes to",
         "vibsim orbit II-B.h5 -o orbit.h5              # where a stored run goes to",
         "vibsim orbit II-B -s Omega0=5.1Hz --from orbit.h5   # the same orbit at another speed",
+        "vibsim orbit I-A --at-start                   # near its initial state: another one",
         "vibsim orbit gallery/bilinear-oscillator --search 50 --seed 1",
         "vibsim orbit I-C --digits 40 --json",
         "vibsim run orbit.h5 --t-end 60s               # start on it",
@@ -25,6 +26,11 @@ from vibsim.command_line.options.shared_options import engine_option
 @click.argument("source", metavar="CASE|FILE", type=CASE)
 @set_option
 @click.option("--from", "start", type=FILE, metavar="FILE", help="A stored orbit near which to look.")
+@click.option(
+    "--at-start",
+    is_flag=True,
+    help="Look near the initial state of the case, not where its run leads.",
+)
 @click.option(
     "--period", type=click.IntRange(min=1), metavar="N",
     help="Periods of the source, or turns of the motor. [default: as the run repeats itself]",
@@ -48,6 +54,7 @@ def command(
     source: str,
     changes: tuple[tuple[str, str], ...],
     start: str | None,
+    at_start: bool,
     period: int | None,
     search: int | None,
     seed: int | None,
@@ -64,8 +71,12 @@ def command(
     """
     from vibsim.command_line.jobs.orbit import Wish, find_one, search_all
 
-    wish = Wish(source, dict(changes), start, period, digits, engine, output, force)
+    wish = Wish(source, dict(changes), start, at_start, period, digits, engine, output, force)
     wish.check()
+    if at_start and (start is not None or search is not None):
+        raise click.UsageError(
+            f"--at-start is a start of its own; leave {'--from' if start else '--search'} out"
+        )
     if search is None:
         if seed is not None:
             raise click.UsageError("--seed draws the starts of --search, which is not given")

@@ -23,7 +23,7 @@ from vibsim.opening import open_result
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.orbit_file import save_orbit
 from vibsim.orbits.search.searching import search_attempts
-from vibsim.orbits.search.seeking import orbit
+from vibsim.orbits.search.seeking import INITIAL, orbit
 from vibsim.results import Result, kind_of, names_a_result
 
 
@@ -34,6 +34,7 @@ class Wish:
     source: str
     changes: dict[str, str]
     start: str | None
+    at_start: bool
     period: int | None
     digits: int | None
     engine: str
@@ -106,7 +107,8 @@ def find_one(wish: Wish, settings: Settings) -> int:
     subject, beginning = wish.subject(), wish.beginning()
     wish.check_likeness(subject.case if isinstance(subject, Result) else subject, beginning)
     with interrupted_with(lambda: f"{wish.output} is not written" if wish.output else ""):
-        row = _kept(orbit(subject, wish.changes, beginning, wish.period, wish.engine), wish, wish.output)
+        start = INITIAL if wish.at_start else beginning
+        row = _kept(orbit(subject, wish.changes, start, wish.period, wish.engine), wish, wish.output)
     if settings.json:
         print_json(row.object | _error_object(row.trouble))
     elif not settings.quiet:

@@ -18,7 +18,7 @@ BOTH = ("closed_form", "taylor")
 def run(case: Case, engine: str, flow: str | None = None) -> Result:
     """Run a case, by one flow where it is named."""
     own_case = case if flow is None else case.with_values({"run.method": flow})
-    return simulate(own_case, engine, trust=False)
+    return simulate(own_case, engine=engine, trust=False)
 
 
 def bare_run(scene: TwoBlocks, engine: str, flow: str) -> Result:

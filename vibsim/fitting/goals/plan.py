@@ -137,8 +137,8 @@ class FitPlan:
         sets = sum(comb(len(self.free), size) for size in range(1, at_most + 1))
         if sets > MOST_SETS:
             raise FitError(
-                f"at most {at_most} of {len(self.free)} parameters changed at a time makes {sets} sets of them, "
-                f"of which {MOST_SETS} can be searched: choose fewer, or let all change together"
+                f"at most {at_most} of {len(self.free)} parameters changed at a time makes {sets} sets of "
+                f"them, of which {MOST_SETS} can be searched: choose fewer, or let all change together"
             )
         self._check_keys()
 

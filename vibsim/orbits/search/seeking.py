@@ -17,12 +17,20 @@ from vibsim.orbits.returns.return_map import ReturnMap
 from vibsim.orbits.search.finding import least, unknowns
 from vibsim.orbits.search.growing import growing
 from vibsim.orbits.search.newton import solve
-from vibsim.orbits.search.settling import MORE, Course, course_of, course_of_result, likely_periods
+from vibsim.orbits.search.settling import (
+    MORE,
+    Course,
+    course_of,
+    course_of_result,
+    first_point,
+    likely_periods,
+)
 
 if TYPE_CHECKING:
     from vibsim.cases.case import Case
     from vibsim.results.result import Result
 
+INITIAL = "initial"  # the start that is the case's own
 TRIES = 6  # numbers of periods that are tried
 NEAR = 0.3  # of the spread of the points: an orbit further away is not where the run goes
 FURTHER = 16 * MORE  # periods that a run is followed beyond its end where it is near an unstable orbit
@@ -43,8 +51,9 @@ def orbit(
     source : a Case, the path of a case file or the name of a shipped case; or a `Result` of `vibsim.simulate`
         or its file, which may hold a stored orbit
     overrides : values by key that replace those of the case, e.g. {"c": "0.03 N s/m"}
-    start : near which state the orbit is: an `Orbit`, a `Result` that holds one, or a state by name of
-        the column or in their order; None: where the run of `source` comes to
+    start : near which state the orbit is: an `Orbit`, a `Result` that holds one, a state by name of the
+        column or in their order, or "initial", the case's own at t = 0, where Newton's method begins at once;
+        None: where the run of `source` comes to
     period : periods of the source, or turns of the motor, that it takes; None: as often as the run repeats
         itself, or as the start has
 
@@ -59,6 +68,8 @@ def orbit(
         check_count("period", period)
     case, result = opened(source, overrides)
     begin = start if start is not None else (result if _is_orbit(result) else None)
+    if isinstance(begin, str):
+        return _from_initial(case, begin, period, engine)
     if begin is not None:
         return _from_start(case, begin, period, engine)
     return _from_run(case, None if overrides else result, period, engine)
@@ -88,6 +99,15 @@ def _from_start(case: Case, start: Any, period: int | None, engine: str) -> Orbi
     X = unknowns(return_map.coordinates, state)
     T = T * return_map.n / n if T else None
     return least(Orbit(return_map, solve(return_map, X, T), case))
+
+
+def _from_initial(case: Case, start: str, period: int | None, engine: str) -> Orbit:
+    """The orbit near the initial state of a case."""
+    if start != INITIAL:
+        raise OrbitError(f"the start is an orbit, a state or {INITIAL!r}, got {start!r:.60}")
+    return_map = ReturnMap(case.scene(), period or 1, engine)
+    X = first_point(case.scene(), return_map.coordinates, return_map.carrier.engine)
+    return least(Orbit(return_map, solve(return_map, X), case))
 
 
 def start_of(start: Any) -> tuple[Any, int, float | None]:

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibsim.engine.resume import Row, rows_of_instant
+from vibsim.engine.state import start_of
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits.errors import OrbitError
 from vibsim.orbits.returns.coordinates import Coordinates
 from vibsim.orbits.returns.turning import returns, slowest_period
+from vibsim.physics.arithmetic.numbers import Doubles
 from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import source_period
@@ -78,6 +80,28 @@ def _course_of_turns(
         )
     X = coordinates.of(states)
     return Course(times[-KEPT:], X[-KEPT:], X.min(axis=0), X.max(axis=0))
+
+
+def first_point(scene: Scene, coordinates: Coordinates, engine: str = "auto") -> np.ndarray:
+    """Unknowns where a run of `scene` first is on the section: at t = 0, but for a motor that starts at
+    another angle and a body that nothing drives, which are followed until they come to it.
+
+    Raises OrbitError where they never do on the run, EngineError where that fails.
+    """
+    section = coordinates.section
+    if section.turning:
+        _, states = returns(scene, coordinates, engine, None)
+        if len(states):
+            return coordinates.of(states[0])
+    elif section.timed or (scene.motor is not None and scene.motor.phi == 0):
+        start = start_of(scene, Doubles)
+        spin = [start.phase, start.w] if scene.motor is not None else []
+        return coordinates.of([*start.x, *start.v, *spin])
+    else:
+        for block in open_trajectory(scene.without_samples(), engine, section=True).blocks():
+            if len(block.section["time"]):
+                return coordinates.of([block.section[name][0] for name in coordinates.columns])
+    raise OrbitError(f"the run of the case never comes to the section, {section.place}; give a longer one")
 
 
 def course_of_result(
