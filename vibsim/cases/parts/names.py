@@ -1,7 +1,7 @@
 """Rules for the names of bodies and parts: they become columns of a file and words of a command."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from vibsim.cases.parts.draft import CALLED, PARTS, Draft, Finding
 from vibsim.cases.parts.ends import NO_BODIES
@@ -10,6 +10,7 @@ from vibsim.physics.parts import columns_of
 
 LONGEST = 24  # characters: x_NAME stays a variable name in MATLAB
 WORDS = (*NO_BODIES, "motor", "none")  # with a meaning of their own
+# columns and groups of files, whether a file has them or not
 COLUMNS = (
     "time",
     "t",
@@ -17,10 +18,12 @@ COLUMNS = (
     "part",
     "phi",
     "phidot",
+    "phase",
+    "before_phidot",
     "contact",
     "error_estimate",
-    "before_phidot",
-)  # of every file
+)
+GROUPS = ("events", "digits", "orbit")
 _BODY = re.compile(r"[A-Za-z0-9][A-Za-z0-9_]*", re.ASCII)
 _PART = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 
@@ -37,10 +40,19 @@ def names_are_names(draft: Draft) -> Iterator[Finding]:
                     f"and has at most {LONGEST} characters; got {shown(name)}"
                 )
                 yield Finding(key, message, of_the_name=True)
-            elif name in WORDS or (section != "bodies" and name in COLUMNS):
-                reserved = ", ".join(WORDS if name in WORDS else COLUMNS)
-                message = f"the name is reserved, as are {reserved}; choose another"
+            elif name in WORDS:
+                message = (
+                    f"the name is taken by an end or a part; so are {_others(name, WORDS)}; choose another"
+                )
                 yield Finding(key, message, of_the_name=True)
+            elif section != "bodies" and name in COLUMNS + GROUPS:
+                others = _others(name, COLUMNS + GROUPS)
+                message = f"the name is taken by a column or group of files; so are {others}; choose another"
+                yield Finding(key, message, of_the_name=True)
+
+
+def _others(name: str, names: Iterable[str]) -> str:
+    return ", ".join(other for other in names if other != name)
 
 
 def names_are_different(draft: Draft) -> Iterator[Finding]:
