@@ -238,3 +238,25 @@ def test_where_sticking_and_slipping_on_are_both_possible_it_sticks(force, stick
         v = sense * (force - 4.0) * (1.0 - stop)
         assert result.samples["v_m"][-1] == pytest.approx(v, rel=1e-14)
     assert result.totals["uncertified"] == 0
+
+
+def freewheel(loss):
+    """A block that slips forwards with the friction `loss` and is held against any force backwards, driven by
+    5 N at 1 Hz.
+    """
+    drive = Force("drive", 0, 0.0, (Harmonic(5.0, 2 * pi, 1.0, 0.0, 0.0),))
+    frictions = (Friction("wheel", 0, GROUND, loss, 1e9, 0.0),)
+    bodies = (Body("m", M, 0.0, 0.0),)
+    return Scene(bodies, (), frictions=frictions, forces=(drive,), t_end=5.0, every_num=1, every_den=50)
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_a_freewheel_without_loss_touches_rest_once_a_period(engine):
+    """v = A / (m omega) (1 - cos omega t) touches 0 where the force does: a doubt each, the same motion."""
+    result = run(freewheel(0.0), engine, ledger=True)
+    exact = 5.0 / (M * 2 * pi) * (1 - np.cos(2 * pi * result.samples["time"]))
+    assert np.abs(result.samples["v_m"] - exact).max() < 1e-15
+    assert result.totals["uncertified"] == 5
+    touches = times(result, "stick_begin")
+    assert touches == pytest.approx(np.round(touches), abs=1e-7)  # sqrt(eps) of a period
+    assert run(freewheel(1e-6), engine).totals["uncertified"] == 0
