@@ -68,7 +68,7 @@ class Automaton(Generic[N]):
         try:
             yield
         except TooManyCuts as error:
-            names = ", ".join(self.scene.bodies[c].name for c in error.columns if c < self.maker.n)
+            names = ", ".join(self.scene.bodies[c].name for c in error.args if c < self.maker.n)
             raise EngineError("entangled", state, names) from error
 
     def _take(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken:

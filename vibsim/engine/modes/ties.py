@@ -21,11 +21,9 @@ MOST_CUTS = 2**12 - 1  # of a group: those of 12 bodies of which each is tied to
 
 
 class TooManyCuts(Exception):
-    """A group with redundant ties has more than MOST_CUTS cuts. columns: of the group, but for one."""
-
-    def __init__(self, columns: Sequence[int]) -> None:
-        super().__init__(f"more than {MOST_CUTS} cuts")
-        self.columns = columns
+    """A group with redundant ties has more than MOST_CUTS cuts; its arguments: the columns of the group, but
+    for one.
+    """
 
 
 @dataclass(frozen=True)
@@ -126,7 +124,7 @@ def connected_sides(others: Sequence[int], edges: Sequence[Edge], reference: int
                 continue
             found.append(side)
             if len(found) > MOST_CUTS:
-                raise TooManyCuts(others)
+                raise TooManyCuts(*others)
             neighbours = 0
             for c in others:
                 if side & bits[c]:
