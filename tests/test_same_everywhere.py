@@ -3,7 +3,7 @@
 Products of matrices go to a BLAS, sums follow numpy's release, and sines, logarithms and the like use
 whatever vector unit there is; those of the C library, which `math` offers too, differ in last bits between
 libraries and between processors with and without fused products. What ends in a result takes `sums`, `sines`
-and `elementary` of `vibsim.physics.arithmetic`.
+and `elementary` of `vibsim.physics.arithmetic`, and matrices of `vibsim.orbits.matrices`.
 """
 
 import ast
@@ -20,7 +20,7 @@ import vibsim
 
 PACKAGE = Path(vibsim.__file__).parent
 RESULTS = ("physics", "engine", "files", "results", "analysis", "sweeps", "fitting")
-RESULTS += ("orbits", "evidence/reports")
+RESULTS += ("orbits", "branches", "evidence/reports")
 ELEMENTARY = {"sin", "cos", "tan", "arcsin", "arccos", "arctan", "arctan2", "sinh", "cosh", "tanh", "hypot"}
 ELEMENTARY |= {"exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "power", "cbrt", "float_power"}
 LIBRARY = ELEMENTARY - {"hypot"} | {"asin", "acos", "atan", "atan2", "pow"}  # Python has a hypot of its own
@@ -32,15 +32,26 @@ WHOLE_NUMBERS = {  # sums and products of whole numbers are exact in any order
     "sweeps/plan/capacity.py": {"prod"},
     "engine/tangent/monodromy.py": {"sum"},  # whether all are finite
     "sweeps/ensemble.py": {"sum"},
+    "branches/description.py": {"sum"},
 }
-ROOTS = {  # steps to a fixed point, and eigenvalues there: right to rounding, whose bits may differ
-    "orbits/returns/coordinates.py": {"@"},
-    "orbits/lapack.py": {"vdot"},
-    "orbits/multipliers.py": {"vdot", "log"},
+ROUNDED = {  # what becomes whole digits; products one by one; the functions of that name of our own
+    "orbits/matrices.py": {"dot"},
     "orbits/orbit_digits.py": {"log10"},
-    "orbits/search/newton.py": {"@", "solve", "lstsq"},
     "orbits/returns/return_map.py": {"outer"},
 }
+LIBRARIES = {  # libraries whose arithmetic a result takes, each with the reason why it may
+    "analysis/block_averages.py": {"scipy.special"},  # stdtrit: half widths of intervals, told to two digits
+    "analysis/dominant_frequencies.py": {
+        "scipy.fft",
+        "scipy.signal",
+    },  # one code for all processors; a search
+    "analysis/regime/zero_one_test.py": {"numpy.fft"},  # the same; correlations to 1e-3
+    "branches/curve/reciprocal.py": {"numpy.polynomial"},  # sums and products in the order of its code
+    "fitting/goals/plan.py": {"scipy"},  # its version, which a file names
+    "fitting/search.py": {"scipy.optimize", "scipy.stats"},  # draws candidates, under the version in the file
+    "results/export_mat.py": {"scipy.io"},  # writes what there is
+}
+ARITHMETIC = ("linalg", "fft", "polynomial")  # of numpy
 
 
 def uses(tree):
@@ -63,6 +74,20 @@ def uses(tree):
             yield from [node.func.id] * any(not isinstance(argument, ast.Constant) for argument in node.args)
 
 
+def libraries(tree):
+    """Modules of numpy with arithmetic of a library, and of scipy, that a module uses."""
+    for node in ast.walk(tree):
+        numpy = isinstance(node, ast.Attribute) and ast.unparse(node.value) in ("np", "numpy")
+        if numpy and node.attr in ARITHMETIC:
+            yield f"numpy.{node.attr}"
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name.partition(".")[0] == "scipy")
+        if isinstance(node, ast.ImportFrom):
+            first, _, inner = (node.module or "").partition(".")
+            if first == "scipy" or (first == "numpy" and inner in ARITHMETIC):
+                yield node.module
+
+
 def test_results_take_no_arithmetic_that_differs_between_machines():
     modules = [path for room in RESULTS for path in sorted((PACKAGE / room).rglob("*.py"))]
     modules.remove(PACKAGE / "physics/arithmetic/elementary.py")
@@ -70,8 +95,9 @@ def test_results_take_no_arithmetic_that_differs_between_machines():
     found = {}
     for path in modules:
         name = path.relative_to(PACKAGE).as_posix()
-        allowed = (WHOLE_NUMBERS | ROOTS).get(name, set())
-        odd = set(uses(ast.parse(path.read_text(encoding="utf-8")))) - allowed
+        allowed = (WHOLE_NUMBERS | ROUNDED).get(name, set()) | LIBRARIES.get(name, set())
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        odd = {*uses(tree), *libraries(tree)} ^ allowed  # what is allowed is there, too
         if odd:
             found[name] = odd
     assert found == {}
@@ -81,6 +107,10 @@ def test_the_check_sees_what_it_is_for():
     text = "from math import log, pi; log(x); log(2); math.sin(1.0); math.hypot(x, y); "
     text += "float(t @ t); np.sin(x); points.mean(); np.linalg.norm(x); np.add(a, b); x.max()"
     assert sorted(uses(ast.parse(text))) == ["@", "log", "mean", "norm", "sin", "sin"]
+    text = (
+        "import scipy.linalg; from scipy.linalg import lapack; np.linalg.svd(x); from numpy.fft import rfft"
+    )
+    assert sorted(libraries(ast.parse(text))) == ["numpy.fft", "numpy.linalg", "scipy.linalg", "scipy.linalg"]
 
 
 def test_the_engine_in_c_takes_no_functions_of_the_c_library_that_differ_between_machines():
@@ -102,6 +132,41 @@ for name in ("I-C", "II-B", "gallery/impact-oscillator", "gallery/belt-oscillato
             digest.update(table[column].tobytes())
     print(name, result.attrs["events"], digest.hexdigest())
 """
+
+
+def digests_of_results(**switches):
+    """What `tests.digests` prints under switches of the environment."""
+    environment = {name: value for name, value in os.environ.items() if name not in SWITCHES} | switches
+    program = [sys.executable, "-m", "tests.digests"]
+    root = PACKAGE.parent
+    return subprocess.run(
+        program, env=environment, cwd=root, capture_output=True, text=True, check=True
+    ).stdout
+
+
+SWITCHES = ("OPENBLAS_CORETYPE", "OPENBLAS_NUM_THREADS", "NPY_DISABLE_CPU_FEATURES", "GLIBC_TUNABLES")
+DISPATCHED = """
+try:
+    from numpy._core._multiarray_umath import __cpu_dispatch__ as units
+except ImportError:
+    from numpy.core._multiarray_umath import __cpu_dispatch__ as units
+print(" ".join(units))
+"""
+
+
+@pytest.mark.skipif(
+    platform.machine() not in ("x86_64", "AMD64"), reason="kernels and vector units of x86-64"
+)
+def test_orbits_branches_fits_and_verdicts_have_the_same_bits_whatever_the_blas_and_the_vector_units():
+    """Orbits were right to rounding, which differed, and decided which special points a branch has."""
+    program = [sys.executable, "-c", DISPATCHED]
+    units = subprocess.run(program, capture_output=True, text=True, check=True).stdout.strip()
+    off = {"NPY_DISABLE_CPU_FEATURES": units} if units else {}
+    if platform.libc_ver()[0] == "glibc":
+        off["GLIBC_TUNABLES"] = "glibc.cpu.hwcaps=-FMA,-AVX2,-FMA4"
+    plain = digests_of_results(OPENBLAS_CORETYPE="Haswell", OPENBLAS_NUM_THREADS="2")
+    assert plain.count("\n") == 14
+    assert digests_of_results(OPENBLAS_CORETYPE="Prescott", OPENBLAS_NUM_THREADS="1", **off) == plain
 
 
 @pytest.mark.skipif(

@@ -21,10 +21,12 @@ from vibsim.cases.number import number
 from vibsim.engine.errors import EngineError
 from vibsim.once import once
 from vibsim.orbits import OrbitError, ReturnMap
+from vibsim.orbits.multipliers import largest_first
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.search.finding import unknowns
 from vibsim.orbits.search.seeking import opened, start_of
 from vibsim.orbits.search.settling import course_of
+from vibsim.physics.arithmetic.sums import total
 
 
 class EnergyFamily(Family):
@@ -80,7 +82,7 @@ class EnergyPoint(FamilyPoint):
     @property
     def _momentum(self) -> float:
         """A momentum to measure by [N s]."""
-        return self.lap * float(self.family.conserved.m.sum())
+        return self.lap * float(total(self.family.conserved.m))
 
     @once
     def reciprocal(self) -> Reciprocal:
@@ -94,7 +96,7 @@ class EnergyPoint(FamilyPoint):
         """Floquet multipliers, the largest first; those of what is kept are 1."""
         kept = len(self.matrix) - len(self.reciprocal.inner)
         every = [*self.reciprocal.multipliers, *[1.0 + 0j] * kept]
-        return np.array(sorted(every, key=lambda mu: (-abs(mu), mu.real, mu.imag)), dtype=complex)
+        return np.array(sorted(every, key=largest_first), dtype=complex)
 
     @once
     def fold(self) -> float:

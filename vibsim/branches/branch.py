@@ -21,6 +21,7 @@ from vibsim.cases.number import number
 from vibsim.files.declarations import Column, Dataset
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled, few
+from vibsim.orbits.matrices import length_of
 from vibsim.orbits.returns.word import Word
 
 # told of every point beside what its file holds
@@ -200,7 +201,7 @@ class Branch(Along, Labelled):
 
     def _arclength(self) -> np.ndarray:
         places = np.array([point.unknowns for point in self.points])
-        steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
+        steps = np.array([length_of(step) for step in np.diff(places, axis=0)])
         return np.concatenate([[0.0], np.cumsum(steps)])
 
     def spelled(self, word: Word) -> str:

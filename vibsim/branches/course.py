@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.orbits.matrices import dot, length_of
+
 ALONG = 0.9  # cosine of the angle between a step and the tangents at its ends; else these are not its own
 TESTED = 0.4  # share at which a stretch is compared with its chord: an S crosses it in the middle
 NEAR = 0.1  # of a stretch: a place behind that says nothing of how it bends
@@ -62,7 +64,7 @@ class Arc:
         chord = self._chord
         leaving, arriving = (self._along(tangent) for tangent in (self.leaving, self.arriving))
         if leaving is not None and arriving is not None:
-            half = np.sqrt((1 + min(1.0, float(leaving @ arriving) / (chord @ chord))) / 2)
+            half = np.sqrt((1 + min(1.0, dot(leaving, arriving) / dot(chord, chord))) / 2)
             longer = 2 / (1 + half)  # than the chord, by 1 / cos^2 of a quarter of the turn, as on a circle
             return longer * leaving - chord, chord - longer * arriving
         if leaving is not None:
@@ -73,10 +75,10 @@ class Arc:
 
     def _along(self, tangent: np.ndarray | None) -> Any:
         """A tangent as long as the chord; None where it does not go along."""
-        length = np.linalg.norm(self._chord)
-        if tangent is None or not abs(tangent @ self._chord) > ALONG * length:
+        length = length_of(self._chord)
+        if tangent is None or not abs(dot(tangent, self._chord)) > ALONG * length:
             return None
-        return tangent * np.copysign(length, tangent @ self._chord)
+        return tangent * np.copysign(length, dot(tangent, self._chord))
 
 
 def _other(bulge: np.ndarray, place: np.ndarray, behind: np.ndarray | None, chord: np.ndarray) -> np.ndarray:
@@ -86,8 +88,8 @@ def _other(bulge: np.ndarray, place: np.ndarray, behind: np.ndarray | None, chor
     if behind is None:
         return bulge
     back = place - behind
-    share = float(np.linalg.norm(back) / np.linalg.norm(chord))
-    if share < NEAR or not back @ chord > ALONG * share * (chord @ chord):
+    share = length_of(back) / length_of(chord)
+    if share < NEAR or not dot(back, chord) > ALONG * share * dot(chord, chord):
         return bulge
     # at -share the curve is at the place behind: chord - share (1 + share) ((1 + share) one - share other)
     missing = (share * chord - back) / (share * (1 + share))
@@ -168,7 +170,7 @@ def _passed(branch: Any, i: int) -> list[Any]:
     one, other = (np.array(point.unknowns) for point in branch.points[i : i + 2])
     chord = other - one
     between = [special for special in branch.specials if special.between == (i, i + 1)]
-    return [each for each in between if 0 < (np.array(each.unknowns) - one) @ chord < chord @ chord]
+    return [each for each in between if 0 < dot(np.array(each.unknowns) - one, chord) < dot(chord, chord)]
 
 
 def drawn(curve: Any, ends: tuple[Any, Any], value: Places, sizes: np.ndarray) -> np.ndarray:

@@ -17,6 +17,7 @@ from vibsim.branches.curve.node import Node, node_at
 from vibsim.branches.plan import BranchError, BranchPlan
 from vibsim.branches.special.special import BRANCHING, DOUBLING, NAMES
 from vibsim.branches.tracing.joining import shift
+from vibsim.orbits.matrices import directions, length_of, product
 from vibsim.orbits.returns.word import cyclic
 
 FIRST, TRIES = 2.0**-8, 8  # scaled distance of the first orbit from the special point, halved so often
@@ -45,7 +46,7 @@ def switched(branch: Branch, label: str, span: tuple[float, float] | None = None
     node = _first(family, special, z)
     values = node.z * family.scale
     state = tuple(values[: len(special.orbit.state)].tolist())
-    away = (node.z - z) / np.linalg.norm(node.z - z)
+    away = (node.z - z) / length_of(node.z - z)
     heading = () if times == 1 and _goes_through(family, z, node, away) else tuple(away.tolist())
     return replace(longer, state=state, period=node.point.period, parameter=node.parameter, heading=heading)
 
@@ -60,7 +61,7 @@ def _first(family: Family, special: SpecialPoint, z: np.ndarray) -> Node:
         except ContinuationError:
             size /= 2
             continue
-        if np.linalg.norm(node.z - z) > size / 2 and _is_new(family, special, node, size):
+        if length_of(node.z - z) > size / 2 and _is_new(family, special, node, size):
             if _begins_there(special, node):
                 return node
             other = other or node
@@ -74,7 +75,7 @@ def _goes_through(family: Family, z: np.ndarray, node: Node, away: np.ndarray) -
     """Whether the branch that leaves a branch point z by a node, along a unit vector, has orbits on the other
     side of its parameter, too.
     """
-    size = float(np.linalg.norm(node.z - z))
+    size = length_of(node.z - z)
     try:
         other = node_at(family, z - size * away, away, None, 8 * size)
     except ContinuationError:
@@ -94,7 +95,7 @@ def _is_new(family: Family, special: SpecialPoint, node: Node, size: float) -> b
     """Whether an orbit is none of the branch that is left: at a doubling, none that repeats itself before."""
     if special.kind != DOUBLING:
         return True
-    return bool(np.linalg.norm(shift(family, node, family.n // 2)) > size / 8)
+    return length_of(shift(family, node, family.n // 2)) > size / 8
 
 
 def _direction(family: Family, special: SpecialPoint, z: np.ndarray) -> np.ndarray:
@@ -103,10 +104,10 @@ def _direction(family: Family, special: SpecialPoint, z: np.ndarray) -> np.ndarr
         return _of_doubling(family, special, z)
     point = family(z)
     known = np.array(special.tangent)
-    _, _, vectors = np.linalg.svd(point.jacobian())
-    across = vectors[-2:] @ known
+    _, vectors, _ = directions(point.jacobian())
+    across = product(vectors[-2:], known)
     direction = across[1] * vectors[-2] - across[0] * vectors[-1]
-    return np.asarray(direction / np.linalg.norm(direction))
+    return np.asarray(direction / length_of(direction))
 
 
 def _of_doubling(family: Family, special: SpecialPoint, z: np.ndarray) -> np.ndarray:
@@ -116,7 +117,7 @@ def _of_doubling(family: Family, special: SpecialPoint, z: np.ndarray) -> np.nda
     end = half(np.array(special.orbit.state), None if half.section.timed else special.orbit.period)
     scale = family.scale[:count]
     matrix = end.derivative * (scale / scale[:, None])
-    _, _, vectors = np.linalg.svd(matrix + np.eye(count))
+    _, vectors, _ = directions(matrix + np.eye(count))
     direction: Any = np.zeros(len(z))
     direction[:count] = vectors[-1]
     return np.asarray(direction)

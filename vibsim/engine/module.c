@@ -1,4 +1,5 @@
 /* The Python face of the C engine: the type Run. The GIL is released while it computes, and not needed elsewhere. */
+#include "matrices.h"
 #include "run_object.h"
 
 #include <string.h>
@@ -362,8 +363,18 @@ static PyTypeObject run_type = {
     .tp_methods = methods,
 };
 
+static PyMethodDef functions[] = {
+    {"product", matrix_product, METH_VARARGS, "product(a, b, out): matrix product; vectors are a row a, a column b"},
+    {"dot", matrix_dot, METH_VARARGS, "dot(a, b) -> sum of the products of two vectors"},
+    {"solved", matrix_solved, METH_VARARGS, "solved(a, b, x) -> smallest pivot, 0 where a is singular: x with a x = b"},
+    {"determinant", matrix_determinant, METH_VARARGS, "determinant(a)"},
+    {"singular", matrix_singular, METH_VARARGS, "singular(a, out) -> whether a is finite; out: values, V and W of a (m, n), n (1 + n + m) doubles"},
+    {"eigenvalues", matrix_eigenvalues, METH_VARARGS, "eigenvalues(a, out) -> whether they were found; out (n, 2)"},
+    {NULL, NULL, 0, NULL},
+};
+
 static struct PyModuleDef module = {
-    PyModuleDef_HEAD_INIT, "_engine", "The C engine of vibsim; use vibsim.engine.", -1, NULL, NULL, NULL, NULL, NULL,
+    PyModuleDef_HEAD_INIT, "_engine", "The C engine of vibsim; use vibsim.engine.", -1, functions, NULL, NULL, NULL, NULL,
 };
 
 PyMODINIT_FUNC PyInit__engine(void)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import inf, log, sqrt
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from vibsim.orbits.matrices import eigenvalues, length_of, moduli, modulus
+from vibsim.physics.arithmetic.elementary import log
 
 if TYPE_CHECKING:
     from vibsim.orbits.returns.return_map import Return
@@ -24,19 +27,27 @@ def multipliers_of(end: Return) -> np.ndarray:
     what rounding leaves of that multiplier is made 0.
     """
     matrix = end.derivative * end.coordinates.ratios
-    rounding = ROUNDING * EPS * sqrt(np.vdot(matrix, matrix))
-    from vibsim.orbits.lapack import eigenvalues  # scipy, which most commands do without
-
-    values: list[complex] = sorted(eigenvalues(matrix), key=lambda mu: (-abs(mu), mu.real, mu.imag))
-    values = [mu if abs(mu) > rounding else 0.0 for mu in values]
+    rounding = ROUNDING * EPS * length_of(matrix)
+    values: list[complex] = sorted(eigenvalues(matrix), key=largest_first)
+    values = [mu if modulus(mu) > rounding else 0.0 for mu in values]
     if values and any(kind in FORGETS for kind, _ in end.events):
         values[-1] = 0.0
     return np.array(values, dtype=complex)
 
 
+def largest_first(mu: complex) -> tuple[float, float, float]:
+    """Key that sorts multipliers, the largest first."""
+    return -modulus(mu), mu.real, mu.imag
+
+
+def nearest_to_circle(multipliers: Iterable[complex]) -> complex:
+    """The complex multiplier with positive imaginary part that is nearest to the unit circle."""
+    return min(multipliers, key=lambda mu: abs(modulus(mu) - 1) + (mu.imag <= 0) * 1e3)
+
+
 def sides_of_circle(multipliers: np.ndarray) -> tuple[int, int, int]:
     """How many multipliers are inside the unit circle, on it but for rounding, and outside."""
-    beyond = np.abs(multipliers) - 1
+    beyond = moduli(multipliers) - 1
     outside = int(np.count_nonzero(beyond > ON_CIRCLE))
     inside = int(np.count_nonzero(beyond < -ON_CIRCLE))
     return inside, len(beyond) - inside - outside, outside
@@ -44,4 +55,4 @@ def sides_of_circle(multipliers: np.ndarray) -> tuple[int, int, int]:
 
 def exponents_of(multipliers: Iterable[complex], period: float) -> list[float]:
     """Exponents ln |mu| / T [1/s] of multipliers and a period [s]; -inf for 0."""
-    return [log(abs(mu)) / period if mu else -inf for mu in multipliers]
+    return [log(modulus(mu)) / period if mu else -inf for mu in multipliers]

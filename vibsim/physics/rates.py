@@ -2,8 +2,7 @@
 
 The natural ones are those of M x'' + K x = 0, friction and damping left out; a motor's unbalanced mass moves
 with its body. Where one pair of ends has all the springs of a set of bodies, the rate is sqrt(k/m), m the
-reduced mass. What sets cadences and time scales of results is rounded to three digits: eigenvalues differ by
-machine in the last ones.
+reduced mass. What sets cadences and time scales of results is rounded to three digits.
 """
 
 from collections.abc import Iterable, Sequence
@@ -11,6 +10,7 @@ from math import inf, pi, sqrt
 
 import numpy as np
 
+from vibsim.physics.arithmetic.matrices import symmetric_eigenvalues
 from vibsim.physics.arithmetic.numbers import N
 from vibsim.physics.body_sets import body_sets
 from vibsim.physics.parts import Link, RigidStop, Scene, Stop
@@ -107,7 +107,7 @@ def _eigenvalues(scene: Scene, springs: Sequence[Spring], bodies: Sequence[int])
             if end >= 0:
                 row[place[end]] = sign * share[place[end]]
         stiffness += spring.k * (row[:, None] * row)
-    squares = np.linalg.eigvalsh(stiffness).tolist()
+    squares = symmetric_eigenvalues(stiffness)
     return [sqrt(square) if square > RIGID * max(squares) else 0.0 for square in squares]
 
 

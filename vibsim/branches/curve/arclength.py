@@ -7,11 +7,11 @@ kernel has more dimensions, as in a family of orbits with a multiplier of exactl
 shortest one.
 """
 
-from math import sqrt
+from math import isfinite
 
 import numpy as np
 
-from vibsim.orbits.lapack import solved_by_pivots
+from vibsim.orbits.matrices import directions, length_of, product, singular_values, solved_by_pivots
 
 KERNEL = 1e-9  # singular values below this share of the largest are zero
 BY_SLOPE = 1e-6  # the same where the derivative by the parameter, a difference quotient, has a say
@@ -25,24 +25,22 @@ class NoCase(ContinuationError):
     """A value of the parameter that the case does not allow."""
 
 
-def length_of(vector: np.ndarray) -> float:
-    """Euclidean length."""
-    return sqrt(vector.dot(vector))
-
-
 def kernel(jacobian: np.ndarray) -> np.ndarray:
     """Orthonormal vectors that span the kernel of an n x (n + 1) matrix, one or more, one per row.
 
-    It has more than one only where the exact derivatives, all columns but the last, are singular too.
+    It has more than one only where the exact derivatives, all columns but the last, are singular too. Raises
+    ContinuationError for a motion without a derivative.
     """
-    _, values, vectors = np.linalg.svd(jacobian)
-    sizes = values.tolist()
+    if not isfinite(length_of(jacobian)):
+        raise ContinuationError("the motion has no derivative there")
+    values, vectors, _ = directions(jacobian)
+    sizes = values[: min(jacobian.shape)].tolist()
     if sizes[0] == 0:
         return vectors
     dimension = 1
     if sizes[-1] <= BY_SLOPE * sizes[0]:
-        exact = np.linalg.svd(jacobian[:, :-1], compute_uv=False)
-        zeros = int(np.sum(exact <= KERNEL * exact[0]))
+        exact = singular_values(jacobian[:, :-1])
+        zeros = int(np.count_nonzero(exact <= KERNEL * exact[0]))
         dimension += min(zeros, sum(size <= BY_SLOPE * sizes[0] for size in sizes))
     return vectors[len(vectors) - dimension :]
 
@@ -65,8 +63,8 @@ def tangent(jacobian: np.ndarray, along: np.ndarray) -> np.ndarray:
 
 def nearest(vectors: np.ndarray, along: np.ndarray) -> np.ndarray:
     """The unit vector nearest to `along` of those that orthonormal vectors, one per row, span."""
-    shares = vectors @ along
+    shares = product(vectors, along)
     if not shares.any():
         return np.asarray(vectors[-1])
-    direction = shares @ vectors
+    direction = product(shares, vectors)
     return np.asarray(direction / length_of(direction))

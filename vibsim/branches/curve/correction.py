@@ -7,8 +7,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from vibsim.branches.curve.arclength import BY_SLOPE, KERNEL, ContinuationError, length_of
-from vibsim.orbits.lapack import solved_by_pivots
+from vibsim.branches.curve.arclength import BY_SLOPE, KERNEL, ContinuationError
+from vibsim.orbits.matrices import dot, least_squares, length_of, product, solved_by_pivots
 
 ITERATIONS = 8  # of Newton's method: more mean that the step was too long
 CLOSE = 1e-13  # scaled length of a Newton step behind which rounding begins
@@ -202,8 +202,8 @@ def _creeps(one: np.ndarray, other: np.ndarray) -> float:
     """By how much the second of two Newton steps falls short of the place that both go to, where each is a
     steady share of the one before, as at the edge of what a power grows from: 1 / (1 - share); 1 elsewhere.
     """
-    size = one @ one
-    share = float(one @ other / size) if size else 0.0
+    size = dot(one, one)
+    share = dot(one, other) / size if size else 0.0
     straight = length_of(other - share * one) <= STRAIGHT * length_of(other)
     return 1 / (1 - share) if straight and CREEPS < share < 1 - CREEPS else 1.0
 
@@ -220,7 +220,7 @@ def _secant(one: Any, other: Any, slope: np.ndarray) -> np.ndarray:
     change = other.z - one.z
     if not abs(change[-1]) > max(TOLD, SHARE * length_of(change)):
         return slope
-    linear = (one.linear + other.linear) @ change[:-1] / 2
+    linear = product(one.linear + other.linear, change[:-1]) / 2
     return np.asarray((other.residual - one.residual - linear) / change[-1])
 
 
@@ -238,7 +238,7 @@ def _step(
     jacobian = point.jacobian(slope)
     matrix, right = np.empty((len(jacobian) + 1, len(away))), np.empty(len(jacobian) + 1)
     matrix[:-1], matrix[-1] = jacobian, across
-    right[:-1], right[-1] = point.residual, across @ away
+    right[:-1], right[-1] = point.residual, dot(across, away)
     return -_solved(matrix, right, families)
 
 
@@ -252,10 +252,10 @@ def _solved(matrix: np.ndarray, right: np.ndarray, families: bool) -> np.ndarray
         x, pivots = solved_by_pivots(matrix, right)
     if pivots > BY_SLOPE:  # not of what is not finite
         return x
-    if not isfinite(np.vdot(matrix, matrix)):
+    if not isfinite(length_of(matrix)):
         raise ContinuationError("the motion has no derivative there")
     if families:
-        return np.asarray(np.linalg.lstsq(matrix, right, rcond=BY_SLOPE)[0])
+        return least_squares(matrix, right, BY_SLOPE)
     if pivots > 0 and KERNEL * abs(x).max() * abs(matrix).max() <= abs(right).max():
         return x
-    return np.asarray(np.linalg.lstsq(matrix, right, rcond=KERNEL)[0])
+    return least_squares(matrix, right, KERNEL)

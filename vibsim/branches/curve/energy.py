@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.orbits.matrices import dot, product
 from vibsim.physics.body_sets import body_sets
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import masses
@@ -56,7 +57,7 @@ class Conserved:
         springs = sum(link.k * self._apart(x, link) ** 2 for link in self.scene.links)
         stops = sum(stop.k * max(0.0, self._depth(x, stop)) ** 2 for _, stop in self.scene.elastic_stops)
         loads = sum(force.constant * x[force.on] for force in self.scene.forces)
-        return float((self.m @ v**2 + springs + stops) / 2 - loads)
+        return float((dot(self.m, v * v) + springs + stops) / 2 - loads)
 
     def gradient(self, X: np.ndarray) -> np.ndarray:
         """Derivative of the energy by the unknowns."""
@@ -70,21 +71,21 @@ class Conserved:
                     slope[end] += sign * pull
         for force in self.scene.forces:
             slope[force.on] -= force.constant
-        return np.asarray(self.at.put.T @ slope)
+        return np.asarray(slope[self.at.free])
 
     def momenta(self, X: np.ndarray) -> np.ndarray:
         """Of each set that nothing holds."""
-        return np.asarray(self.rows @ self.at.lifted(X))
+        return product(self.rows, self.at.lifted(X))
 
     @property
     def momentum_rows(self) -> np.ndarray:
         """Derivative of the momenta by the unknowns."""
-        return np.asarray(self.rows @ self.at.put)
+        return np.asarray(self.rows[:, self.at.free])
 
     @property
     def kept_rows(self) -> np.ndarray:
         """The same with those of bodies that nothing joins to another, whose velocity is kept."""
-        return np.asarray(self._kept @ self.at.put)
+        return np.asarray(self._kept[:, self.at.free])
 
     def _apart(self, x: np.ndarray, part: Any) -> float:
         return float(sum(sign * x[end] for end, sign in ((part.P, 1), (part.Q, -1)) if end >= 0))

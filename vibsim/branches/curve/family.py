@@ -13,14 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.curve.arclength import ContinuationError, NoCase, length_of
+from vibsim.branches.curve.arclength import ContinuationError, NoCase
 from vibsim.branches.curve.reciprocal import Reciprocal
 from vibsim.branches.curve.scene_path import ScenePath
 from vibsim.cases import Case
 from vibsim.engine.errors import EngineError
 from vibsim.once import once
 from vibsim.orbits import OrbitError, ReturnMap
-from vibsim.orbits.lapack import determinant
+from vibsim.orbits.matrices import NoEigenvalues, determinant, dot, length_of, product
 from vibsim.orbits.multipliers import multipliers_of
 from vibsim.orbits.returns.start import case_on_orbit
 from vibsim.orbits.returns.word import circle
@@ -155,8 +155,11 @@ class FamilyPoint:
 
     @once
     def multipliers(self) -> np.ndarray:
-        """Floquet multipliers, the largest first."""
-        return np.asarray(multipliers_of(self.end))
+        """Floquet multipliers, the largest first. Raises ContinuationError for a motion without any."""
+        try:
+            return np.asarray(multipliers_of(self.end))
+        except NoEigenvalues as error:
+            raise ContinuationError(f"the motion has no derivative there: {error}") from error
 
     @once
     def reciprocal(self) -> Reciprocal:
@@ -312,7 +315,7 @@ class FamilyPoint:
         if not (self._forgotten and self.end.difference[self._forgotten].any()):
             return True
         nearest = self.end.image / self.family.scale[: len(self.end.X)] == self.z[: len(self.end.X)]
-        return all(row @ self.end.difference == 0.0 or nearest[row != 0].all() for row in self.end.held)
+        return all(dot(row, self.end.difference) == 0.0 or nearest[row != 0].all() for row in self.end.held)
 
     def moved(self, step: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
         """z after a Newton step.
@@ -323,7 +326,7 @@ class FamilyPoint:
         """
         count, scale = len(self.end.X), self.family.scale
         z = self.z + step
-        z[:count] = self.end.image / scale[:count] + self.flow @ step[:-1]
+        z[:count] = self.end.image / scale[:count] + product(self.flow, step[:-1])
         if step[-1] != 0:
             if slope is None or self._forgotten:  # another orbit's slope may not have forgotten
                 slope = self.slope

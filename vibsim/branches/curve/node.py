@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.curve.arclength import kernel, length_of, tangent
+from vibsim.branches.curve.arclength import kernel, tangent
 from vibsim.branches.curve.correction import correct
 from vibsim.branches.curve.family import Family, FamilyPoint
 from vibsim.once import once
+from vibsim.orbits.matrices import dot, length_of, modulus, product
 from vibsim.orbits.multipliers import ON_CIRCLE
 
 STEADY = 4.0  # times that the share of the parameter in the tangent may change where Newton holds it
@@ -54,7 +55,7 @@ class Node:
         """
         like, self.like = self.like, None
         along = tangent(self.point.jacobian(), self.along if like is None else like.heading)
-        if like is None or (like.word == self.word and along @ like.tangent > BENT):
+        if like is None or (like.word == self.word and dot(along, like.tangent) > BENT):
             return along
         sense = like.fold * self.fold  # no number where a rigid stop is grazed
         if not abs(sense) > 0 or self.point.family.conservative or self.in_family or like.in_family:
@@ -80,7 +81,7 @@ class Node:
         linear = self.point.linear
         if self.point.family.conservative:
             return None
-        pull = linear @ self.tangent[:-1]
+        pull = product(linear, self.tangent[:-1])
         return -pull / self.tangent[-1] if abs(pull).max() > TELLING * abs(linear).max() else None
 
     @property
@@ -115,13 +116,13 @@ class Node:
         """Number of multipliers outside the unit circle; those of a family are on it but for rounding."""
         if self.point.family.conservative:
             return int(self.point.reciprocal.outside)
-        return sum(abs(mu) > 1 for mu in self.own_multipliers)
+        return sum(modulus(mu) > 1 for mu in self.own_multipliers)
 
     @once
     def own_multipliers(self) -> list[complex]:
         """The multipliers without those that are 1 because the orbit belongs to a family."""
         every: list[complex] = self.multipliers.tolist()
-        distances = [abs(mu - 1) for mu in every]
+        distances = [modulus(mu - 1) for mu in every]
         if not any(distance < UNIT for distance in distances):
             return every
         count = max(self.families, sum(distance < ON_CIRCLE for distance in distances))
@@ -146,19 +147,19 @@ class Node:
     @once
     def pairs(self) -> list[complex]:
         """Complex multipliers with positive imaginary part, one of each pair, the largest first."""
-        return [mu for mu in self.multipliers.tolist() if mu.imag > REAL * abs(mu)]
+        return [mu for mu in self.multipliers.tolist() if mu.imag > REAL * modulus(mu)]
 
     @once
     def pairs_outside(self) -> int:
-        return sum(abs(mu) > 1 for mu in self.pairs)
+        return sum(modulus(mu) > 1 for mu in self.pairs)
 
     def torus(self, near: complex) -> float:
         """|mu|^2 - 1 of the pair of multipliers near `near`: zero at a Neimark-Sacker point.
 
         Where the pair has become real, the product of the two instead, which goes on smoothly.
         """
-        real = [mu.real for mu in self.multipliers if abs(mu.imag) <= REAL * abs(mu)]
-        products = [(abs(mu - near), abs(mu) ** 2) for mu in self.pairs]
+        real = [mu.real for mu in self.multipliers if abs(mu.imag) <= REAL * modulus(mu)]
+        products = [(modulus(mu - near), mu.real * mu.real + mu.imag * mu.imag) for mu in self.pairs]
         products += [(abs((a + b) / 2 - near.real) + abs(near.imag), a * b) for a, b in combinations(real, 2)]
         return min(products)[1] - 1.0
 
@@ -264,7 +265,7 @@ def goes_on(before: Node, node: Node) -> bool:
     section.
     """
     chord = node.z - before.z
-    return bool(node.tangent @ chord > STRAIGHT * length_of(chord))
+    return bool(dot(node.tangent, chord) > STRAIGHT * length_of(chord))
 
 
 @dataclass(frozen=True)
@@ -292,13 +293,13 @@ class Chord:
         if self.across is None:
             start[-1] = place[-1]
             return start
-        return np.asarray(start + self.across * (self.across @ (place - start)))
+        return np.asarray(start + self.across * (dot(self.across, place - start)))
 
     def pace(self, tangent: np.ndarray) -> np.ndarray:
         """dz / d share where the branch has a tangent."""
         if self.across is None:
             return np.asarray(tangent * (self.vector[-1] / tangent[-1]))
-        return np.asarray(tangent * (self.length / (self.across @ tangent)))
+        return np.asarray(tangent * (self.length / dot(self.across, tangent)))
 
 
 def chord_of(one: Node, other: Node) -> Chord:
@@ -306,7 +307,7 @@ def chord_of(one: Node, other: Node) -> Chord:
     vector = other.z - one.z
     length = length_of(vector)
     paces = np.array([vector[-1] / length, one.heading[-1], other.heading[-1]])
-    steady = abs(paces.sum()) == abs(paces).sum() and abs(paces).max() < STEADY * abs(paces).min()
+    steady = bool((paces > 0).all() or (paces < 0).all()) and abs(paces).max() < STEADY * abs(paces).min()
     return Chord(one.z, vector, length, None if steady else vector / length)
 
 

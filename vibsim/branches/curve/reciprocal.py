@@ -12,19 +12,20 @@ or where two within that interval meet and become complex: four multipliers leav
 
 from collections.abc import Sequence
 from itertools import combinations
+from math import sqrt
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
 from vibsim.once import once
-from vibsim.orbits.lapack import eigenvalues
+from vibsim.orbits.matrices import directions, eigenvalues, length_of, modulus, product, square_root
 
 
 def restricted(matrix: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """A matrix (m, m) on the vectors that `rows` (t, m), left eigenvectors of it, are orthogonal to."""
-    _, _, vectors = np.linalg.svd(rows / np.linalg.norm(rows, axis=1)[:, None])
+    _, vectors, _ = directions(rows / np.array([[length_of(row)] for row in rows]))
     within = vectors[len(rows) :]
-    return np.asarray(within @ matrix @ within.T)
+    return product(product(within, matrix), within.T)
 
 
 class Reciprocal:
@@ -36,7 +37,10 @@ class Reciprocal:
     @once
     def series(self) -> np.ndarray:
         """Q(tau) as a Chebyshev series in tau / 2, since x^j + x^-j = 2 T_j(tau / 2)."""
-        coefficients = np.real(np.poly(eigenvalues(self.inner))) if len(self.inner) else np.ones(1)
+        factors = [1 + 0j]  # of the characteristic polynomial, the highest power first
+        for mu in eigenvalues(self.inner) if len(self.inner) else ():
+            factors = [one - mu * other for one, other in zip([*factors, 0j], [0j, *factors], strict=True)]
+        coefficients = np.array([each.real for each in factors])
         middle = len(self.inner) // 2
         series = (coefficients[middle::-1] + coefficients[middle:]).copy()
         series[0] /= 2
@@ -47,7 +51,7 @@ class Reciprocal:
         """tau = mu + 1/mu of each pair."""
         if len(self.series) < 2:
             return []
-        return [complex(2 * root) for root in chebyshev.chebroots(self.series).tolist()]
+        return [2 * root for root in eigenvalues(chebyshev.chebcompanion(self.series))]
 
     @property
     def fold(self) -> float:
@@ -82,8 +86,8 @@ def _pair(tau: complex) -> Sequence[complex]:
     """mu and 1 / mu of their sum."""
     half = tau / 2
     if tau.imag == 0 and abs(half.real) <= 1:
-        rise = float(np.sqrt((1 - half.real) * (1 + half.real)))
+        rise = sqrt((1 - half.real) * (1 + half.real))
         return complex(half.real, rise), complex(half.real, -rise)
-    root = np.sqrt(half * half - 1)
-    mu = max(half + root, half - root, key=abs)
-    return complex(mu), complex(1 / mu)
+    root = square_root(half * half - 1)
+    mu = max(half + root, half - root, key=modulus)
+    return mu, 1 / mu

@@ -1,9 +1,12 @@
 """How long the next step along a branch is: by the angle that the tangent turned, and by Newton's count."""
 
 from dataclasses import dataclass
-from math import asin, sqrt
+from math import ldexp, sqrt
 
 import numpy as np
+
+from vibsim.orbits.matrices import length_of
+from vibsim.physics.arithmetic.elementary import asin
 
 TURN = 0.15  # angle between two tangents that is aimed at [rad]
 SHARP = 0.35  # beyond it a step is taken again, shorter
@@ -24,7 +27,8 @@ class Pace:
         of scaled length `size`.
         """
         by_angle = TURN / turned if turned > 0 else GROWTH
-        by_count = 2.0 ** ((COUNT - iterations) / 2)
+        halves, odd = divmod(COUNT - iterations, 2)
+        by_count = ldexp(sqrt(2.0) if odd else 1.0, halves)
         return float(
             min(
                 self.most * max(1.0, size),
@@ -36,4 +40,4 @@ class Pace:
 def turn(one: np.ndarray, other: np.ndarray) -> float:
     """Angle between two unit vectors [rad], right where it is small."""
     between = one - other
-    return 2.0 * asin(min(1.0, sqrt(between.dot(between)) / 2))
+    return 2.0 * asin(min(1.0, length_of(between) / 2))

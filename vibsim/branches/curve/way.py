@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.curve.arclength import ContinuationError, length_of
+from vibsim.branches.curve.arclength import ContinuationError
 from vibsim.branches.curve.family import Family
 from vibsim.branches.curve.node import Node, chord_of, node_at, start_between
+from vibsim.orbits.matrices import length_of
 from vibsim.orbits.returns.word import Word
 
 THROUGH = 3  # nodes that the polynomial goes through, the tangents at ends beside them

@@ -22,6 +22,7 @@ from vibsim.branches.special.holding import critical_share, excess_at
 from vibsim.branches.special.special import DOUBLING, FOLD, GRAZING, STICKING, TORUS
 from vibsim.branches.special.touching import TouchFamily, Window, window_of
 from vibsim.cases import Case, CaseError
+from vibsim.orbits.matrices import length_of, moduli, modulus
 
 DIFFERENCE = 2.0**-20  # of a scaled unknown: rounding over it and what it leaves out are about 1e-8
 ASIDE = 2.0**-12  # scaled: beside a kink, far beyond what difference quotients reach
@@ -137,7 +138,7 @@ class PlanePoint:
     def _gradient(self) -> np.ndarray:
         """Derivative of the test by the unknowns."""
         gradient = self._quotients(DIFFERENCE)
-        steepness = float(np.linalg.norm(gradient))
+        steepness = length_of(gradient)
         if self.plane.kind in WATCHED or steepness <= STEEP:
             return gradient
         return self._quotients(DIFFERENCE * STEEP / steepness)  # near a graze it is as bent as it is steep
@@ -160,7 +161,7 @@ class PlanePoint:
     @cached_property
     def _size(self) -> float:
         beside = self._aside if self.plane.kind == STICKING else self
-        return float(np.linalg.norm(beside._gradient)) or 1.0
+        return length_of(beside._gradient) or 1.0
 
     @property
     def grazes(self) -> bool:
@@ -216,15 +217,15 @@ class PlanePoint:
             return []
         target = {FOLD: 1.0, DOUBLING: -1.0}.get(self.plane.kind)
         if target is not None:
-            return [int(np.argmin(abs(multipliers - target)))]
+            return [int(np.argmin(moduli(multipliers - target)))]
         pair = self.plane.pair
-        return [int(np.argmin(abs(multipliers - mu))) for mu in (pair, pair.conjugate())]
+        return [int(np.argmin(moduli(multipliers - mu))) for mu in (pair, pair.conjugate())]
 
     @property
     def index(self) -> int:
         """Number of the other multipliers outside the unit circle."""
         others = np.delete(self.point.multipliers, self.critical)
-        return int(np.sum(abs(others) > 1))
+        return int(np.count_nonzero(moduli(others) > 1))
 
 
 @dataclass(frozen=True)
@@ -306,10 +307,10 @@ def follow_change(plane: Plane, point: PlanePoint) -> None:
 
 def follow_pair(plane: Plane, point: PlanePoint) -> None:
     """Go on with the pair of multipliers on the circle; raises _Short where it has become real."""
-    pairs = [mu for mu in point.point.multipliers if mu.imag > 0 and abs(abs(mu) - 1) < 1e-6]
+    pairs = [mu for mu in point.point.multipliers if mu.imag > 0 and abs(modulus(mu) - 1) < 1e-6]
     if not pairs:
         raise _Short("the pair meets on the real axis: here the Neimark-Sacker points end")
-    plane.pair = min(pairs, key=lambda mu: abs(mu - plane.pair))
+    plane.pair = min(pairs, key=lambda mu: modulus(mu - plane.pair))
 
 
 def _at_bound(

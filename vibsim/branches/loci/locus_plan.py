@@ -18,6 +18,7 @@ from vibsim.branches.special.holding import held
 from vibsim.branches.special.special import BRANCHING, GRAZING, NAMES, STICKING, TORUS
 from vibsim.branches.special.touching import CONTACTS
 from vibsim.cases.number import number
+from vibsim.orbits.multipliers import nearest_to_circle
 from vibsim.orbits.returns.word import changes
 
 FIRST_STEP = 0.1  # scaled, that the first correction may have
@@ -146,7 +147,7 @@ def locus_plan(
             f"the branch is at {keys[0]} = {number(value, 6)} {unit}, outside the range "
             f"{number(low, 6)}:{number(high, 6)}"
         )
-    pair = min(special.orbit.multipliers, key=lambda mu: abs(abs(mu) - 1) + (mu.imag <= 0) * 1e3)
+    pair = nearest_to_circle(special.orbit.multipliers)
     orbit = special.orbit
     where = orbit.state, orbit.period, orbit.parameter
     part = {GRAZING: touched, STICKING: holding}.get(special.kind, lambda _: -1)(special)

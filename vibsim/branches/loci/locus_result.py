@@ -16,6 +16,7 @@ from vibsim.branches.loci.locus_plan import LocusPlan
 from vibsim.branches.tracing.records import OrbitRecord, orbit_record
 from vibsim.labelled.arrays import Arrays
 from vibsim.labelled.labelled import Labelled, few
+from vibsim.orbits.multipliers import nearest_to_circle
 
 MOST_POINTS = 2000
 WAYS = (1, -1)
@@ -155,7 +156,7 @@ def trace_locus(
             plane.watch(np.array(last.unknowns))
         if last.number:
             here, direction = plane(np.array(last.unknowns)), np.array(last.tangent)
-            plane.pair = min(last.orbit.multipliers, key=lambda mu: abs(abs(mu) - 1) + (mu.imag <= 0) * 1e3)
+            plane.pair = nearest_to_circle(last.orbit.multipliers)
         for number, step in enumerate(walk(plane, here, direction, last.step, plan.spans), last.number + 1):
             known.append(_record_of(step, way, number))
             add(known[-1])

@@ -12,9 +12,11 @@ from vibsim.branches.curve.family import Family, FamilyPoint
 from vibsim.branches.curve.node import Node
 from vibsim.branches.special.special import GRAZING, Special
 from vibsim.branches.special.touching import TouchFamily, windows_of
+from vibsim.orbits.matrices import least_squares, length_of
 from vibsim.orbits.returns.word import Word, circle
 
 STEPS = 12
+EPS = 2.0**-52
 DIFFERENCE = 2.0**-30  # of a scaled unknown: hops that an incomplete chatter ends with are as short as 1e-8
 NEAR = 0.1  # scaled distance from the last orbit of the branch
 
@@ -55,16 +57,16 @@ def _touched(past: TouchFamily, node: Node) -> FamilyPoint | None:
             point = past(z)
             beside = [past(z + shift).end.clearance for shift in DIFFERENCE * np.eye(len(z))]
             gradient = (np.array(beside) - point.end.clearance) / DIFFERENCE
-            size = float(np.linalg.norm(gradient)) or 1.0
+            size = length_of(gradient) or 1.0
             matrix = np.vstack([point.jacobian(), gradient / size])
             if not np.isfinite(matrix).all():  # another stop is grazed
                 return None
             missing = np.append(point.residual, point.end.clearance / size)
-            step = -np.linalg.lstsq(matrix, missing, rcond=None)[0]
+            step = -least_squares(matrix, missing, EPS * len(matrix))
             z = z + step
-            if np.linalg.norm(z - node.z) > NEAR:
+            if length_of(z - node.z) > NEAR:
                 return None
-            length = float(np.linalg.norm(step))
+            length = length_of(step)
             if length <= CLOSE or last / 2 <= length <= ROUGH:
                 point = past(z)
                 return point if np.isfinite(point.matrix).all() else None
@@ -81,5 +83,5 @@ def _impacts(word: Word, stop: int) -> int:
 def _with(point: FamilyPoint, middle: float, stop: int) -> Word:
     """The word with the touch in its place, at a share of the period."""
     end = point.end
-    before = int(np.sum(end.carried.times < middle * end.T))
+    before = int(np.count_nonzero(end.carried.times < middle * end.T))
     return circle((*end.events[:before], ("impact", stop), *end.events[before:]))

@@ -13,8 +13,12 @@ from vibsim.branches.curve.family import Family
 from vibsim.branches.curve.node import Node
 from vibsim.branches.curve.way import Way, at_zero, regula_falsi
 from vibsim.branches.special.special import HOPF, Special
+from vibsim.orbits.matrices import length_of
 
-SHARES = (-0.4, 0.4, -0.25, 0.25, -0.15, 0.15)  # distances of these orbits, of that to the nearer end
+SHARES = (-0.4, 0.4, -0.25, 0.25, -0.15, 0.15)  # distances of these orbits, of the room for them
+# The least room, scaled: that to the nearer end if it is more. Rounding of 1e-16 over the swing there, some
+# 1e-4, is 1e-12 of the parameter; the polynomial leaves out the sixth power of the room.
+ROOM = 4e-3
 FINE, TRIES = 1e-6, 40  # share of it at which the place is known well enough to begin with
 SHRINKS = 0.5  # share of the rates of change that is left near rest: more, and the body alone stands still
 
@@ -32,10 +36,9 @@ def hopf_point(family: Family, one: Node, other: Node) -> Special | None:
     if not section.turning or one.word or other.word or swing(one) * swing(other) >= 0:
         return None
     try:
-        nodes = _near_rest(Way(family, one, other))
+        least, nodes = _near_rest(Way(family, one, other))
     except ContinuationError:
         return None
-    least = min(nodes, key=lambda node: abs(swing(node)))
     if not _pace(least) < SHRINKS * _pace(one):
         return None
     z = least.z.copy()
@@ -48,14 +51,14 @@ def _pace(node: Node) -> float:
     """Size of the velocities and accelerations at the turn [m/s^2]."""
     end = node.point.end
     count, rates = len(end.coordinates.scene.bodies), end.carried.rate
-    return float(np.linalg.norm([*(rates[:count] * 2 * np.pi / end.T), *rates[count : 2 * count]]))
+    return length_of(np.array([*(rates[:count] * 2 * np.pi / end.T), *rates[count : 2 * count]]))
 
 
-def _near_rest(way: Way) -> list[Node]:
-    """Orbits of little swing, one way and the other. Raises ContinuationError."""
+def _near_rest(way: Way) -> tuple[Node, list[Node]]:
+    """The orbit of the least swing, and others of little, one way and the other. Raises ContinuationError."""
     _, near = regula_falsi(way, swing, TRIES, FINE)
     place = next(share for share, node in way.known if node is near)
-    room = min(place, 1 - place)
-    if not room > 0:
-        raise ContinuationError("the state of rest is at a node")
-    return [way.node(place + share * room) for share in SHARES]
+    way.known = [(share, node) for share, node in way.known if swing(node)]  # rest itself has no derivative
+    room = max(min(place, 1 - place), ROOM / way.length)
+    least = min((node for _, node in way.known), key=lambda node: abs(swing(node)))
+    return least, [way.node(place + share * room) for share in SHARES]

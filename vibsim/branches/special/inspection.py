@@ -13,10 +13,12 @@ circle, where two pairs meet on it two do.
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import combinations, pairwise
+from math import inf, isfinite
 
 import numpy as np
 
-from vibsim.branches.curve.arclength import ContinuationError, length_of
+from vibsim.branches.curve.arclength import ContinuationError
+from vibsim.branches.curve.correction import CLOSES
 from vibsim.branches.curve.family import Family
 from vibsim.branches.curve.node import Node, between
 from vibsim.branches.curve.way import Way, regula_falsi
@@ -34,7 +36,8 @@ from vibsim.branches.special.special import (
     Special,
     kind_of_change,
 )
-from vibsim.orbits.returns.word import changes
+from vibsim.orbits.matrices import length_of, moduli, modulus, singular_values
+from vibsim.orbits.returns.word import changes, without_landings
 
 LONGEST_PART = 0.9  # of a stretch that is halved
 TRIES = 100  # nodes while locating
@@ -65,10 +68,52 @@ def _gathered(specials: Iterator[Special]) -> Iterator[Special]:
     run: list[Special] = []
     for each in specials:
         if run and length_of(each.node.z - run[-1].node.z) > SPREAD:
-            yield from _as_one(run)
+            yield from _as_one(_known_apart(run))
             run = []
         run.append(each)
-    yield from _as_one(run)
+    yield from _as_one(_known_apart(run))
+
+
+def _known_apart(run: list[Special]) -> list[Special]:
+    """Special points side by side with those changes of order as one that no computed orbit tells apart:
+    nearer to each other than orbits there are known, or a landing with and without an impact.
+    """
+    if len(run) < 2 or any(each.kind in BIFURCATIONS and each.kind != UNRESOLVED for each in run):
+        return run
+    left: list[Special] = []
+    for each in run:
+        if not left or not _in_doubt(left[-1], each):
+            left.append(each)
+            continue
+        last = left.pop()
+        if last.before.word != each.after.word:
+            one = _change_of(last.before, each.after)
+            sure = each if _lands(last) else last if _lands(each) else one
+            left.append(replace(one, node=sure.node))
+    return left
+
+
+def _in_doubt(one: Special, other: Special) -> bool:
+    """Whether rounding alone may part a change of order from the next."""
+    doubt = max(_doubt(node) for node in (one.before, one.after, other.before, other.after))
+    return _lands(one) or _lands(other) or length_of(other.node.z - one.node.z) <= doubt
+
+
+def _lands(special: Special) -> bool:
+    """Whether nothing changes but the impact of a landing, whose speed may be rounding."""
+    one, other = special.before.word, special.after.word
+    return one != other and without_landings(one) == without_landings(other)
+
+
+def _doubt(node: Node) -> float:
+    """How far an orbit may be from where it was found, scaled: what Newton's method takes for no residual,
+    over the smallest singular value of its equations; the more, the nearer the orbit is to those of a family.
+    """
+    matrix, size = node.point.jacobian(), max(1.0, length_of(node.z))
+    if not isfinite(length_of(matrix)):  # a rigid stop is grazed
+        return 0.0
+    smallest = float(singular_values(matrix)[-1])
+    return CLOSES * size / smallest if smallest > 0 else inf
 
 
 def _as_one(run: list[Special]) -> list[Special]:
@@ -270,7 +315,7 @@ def test_of(kind: str, one: Node, other: Node) -> Test:
     if one.point.family.conservative:
         return lambda node: node.collision
     outside = one if one.pairs_outside > other.pairs_outside else other
-    pair = min((mu for mu in outside.pairs if abs(mu) > 1), key=lambda mu: abs(abs(mu) - 1))
+    pair = min((mu for mu in outside.pairs if modulus(mu) > 1), key=lambda mu: abs(modulus(mu) - 1))
     return lambda node: node.torus(pair)
 
 
@@ -280,16 +325,16 @@ def _index_explained(special: Special) -> bool:
     if at.point.family.conservative:
         return _pairs_explained(special)
     distance = {
-        FOLD: abs(at.multipliers - 1),
-        BRANCHING: abs(at.multipliers - 1),
-        DOUBLING: abs(at.multipliers + 1),
-        TORUS: abs(abs(at.multipliers) - 1) + (abs(at.multipliers.imag) == 0),
+        FOLD: moduli(at.multipliers - 1),
+        BRANCHING: moduli(at.multipliers - 1),
+        DOUBLING: moduli(at.multipliers + 1),
+        TORUS: abs(moduli(at.multipliers) - 1) + (abs(at.multipliers.imag) == 0),
     }[special.kind]
     count = 2 if special.kind == TORUS else 1
     order = np.argsort(distance)
     if distance[order[count - 1]] > NEAR:
         return False
-    rest = int(np.sum(np.abs(at.multipliers[order[count:]]) > 1))
+    rest = int(np.count_nonzero(moduli(at.multipliers[order[count:]]) > 1))
     return sorted((before.index, after.index)) == [rest, rest + count]
 
 
@@ -299,12 +344,12 @@ def _pairs_explained(special: Special) -> bool:
     at: tuple[int, ...]
     if special.kind == TORUS:
         pairs = combinations(range(len(traces)), 2)
-        at = min(pairs, key=lambda pair: abs(traces[pair[0]] - traces[pair[1]]))
-        near = abs(traces[at[0]] - traces[at[1]]) < NEAR and abs(traces[at[0]].real) < 2
+        at = min(pairs, key=lambda pair: modulus(traces[pair[0]] - traces[pair[1]]))
+        near = modulus(traces[at[0]] - traces[at[1]]) < NEAR and abs(traces[at[0]].real) < 2
     else:
         place = -2 if special.kind == DOUBLING else 2
-        at = (min(range(len(traces)), key=lambda i: abs(traces[i] - place)),)
-        near = abs(traces[at[0]] - place) < NEAR
+        at = (min(range(len(traces)), key=lambda i: modulus(traces[i] - place)),)
+        near = modulus(traces[at[0]] - place) < NEAR
     rest = sum(tau.imag != 0 or abs(tau.real) > 2 for i, tau in enumerate(traces) if i not in at)
     return near and sorted((special.before.index, special.after.index)) == [rest, rest + count]
 
@@ -319,7 +364,7 @@ def _change(family: Family, one: Node, other: Node, first: bool = False) -> Spec
 
 def _inseparable(one: Node, other: Node) -> bool:
     """Whether two nodes are too near to be parted."""
-    return bool(np.linalg.norm(other.z - one.z) <= SHORT)
+    return length_of(other.z - one.z) <= SHORT
 
 
 def _middle(family: Family, one: Node, other: Node) -> Node | None:
@@ -328,12 +373,12 @@ def _middle(family: Family, one: Node, other: Node) -> Node | None:
     """
     if _inseparable(one, other):
         return None
-    length = float(np.linalg.norm(other.z - one.z))
+    length = length_of(other.z - one.z)
     for share in (0.5, 0.4, 0.6, 0.3, 0.7):
         try:
             middle = between(family, one, other, share)
         except ContinuationError:
             continue
-        if max(np.linalg.norm(middle.z - end.z) for end in (one, other)) < LONGEST_PART * length:
+        if max(length_of(middle.z - end.z) for end in (one, other)) < LONGEST_PART * length:
             return middle
     return None

@@ -9,11 +9,12 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from vibsim.branches.curve.arclength import ContinuationError, length_of
+from vibsim.branches.curve.arclength import ContinuationError
 from vibsim.branches.curve.family import Family, FamilyPoint
 from vibsim.branches.curve.node import Node
 from vibsim.branches.curve.way import Way, at_zero, regula_falsi
 from vibsim.branches.special.special import BRANCHING, CORNER, FOLD, UNRESOLVED, Special
+from vibsim.orbits.matrices import dot, least_squares, length_of, moduli
 
 TOUCHES = 1e-4  # distance from 1 of the multiplier where the parameter turns: the square of the way
 TRIES, FINE = 40, 1e-4  # evaluations while locating, and length of the last step
@@ -35,7 +36,7 @@ def with_pitchfork(
         return listed
     rest = [each for each in listed if each not in turns]
     chord = other.z - one.z
-    return tuple(sorted([*rest, special], key=lambda each: float((each.node.z - one.z) @ chord)))
+    return tuple(sorted([*rest, special], key=lambda each: dot(each.node.z - one.z, chord)))
 
 
 def _may_be_one(turns: list[Special]) -> bool:
@@ -60,7 +61,7 @@ def _pitchfork(family: Family, one: Node, other: Node) -> Special | None:
     way = Way(family, one, other)
     try:
         _, turn = regula_falsi(way, lambda node: node.ahead, TRIES, FINE)
-        if abs(turn.multipliers - 1).min(initial=1.0) > TOUCHES:
+        if moduli(turn.multipliers - 1).min(initial=1.0) > TOUCHES:
             return None
         at = _settled(family, turn.z, _parameter(way, turn))
     except (ContinuationError, ZeroDivisionError):
@@ -76,7 +77,7 @@ def _parameter(way: Way, turn: Node) -> float:
     other is zero from nodes at some distance, as right there the derivative is singular.
     """
     chord = way.other.z - way.one.z
-    place = float((turn.z - way.one.z) @ chord) / way.length**2
+    place = dot(turn.z - way.one.z, chord) / way.length**2
     widest = min(AWAY / way.length, place / 2, (1 - place) / 2)
     values = []
     for side in (1, -1):
@@ -90,5 +91,5 @@ def _settled(family: Family, near: np.ndarray, parameter: float) -> FamilyPoint:
     z = np.append(near[:-1], parameter)
     for _ in range(SETTLE):
         point = family(z)
-        z[:-1] -= np.linalg.lstsq(point.linear, point.residual, rcond=CRITICAL)[0]
+        z[:-1] -= least_squares(point.linear, point.residual, CRITICAL)
     return family(z)

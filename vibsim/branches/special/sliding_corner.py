@@ -6,13 +6,12 @@ across. It goes on among the orbits of the other kind, back in the parameter: a 
 (Leine and van Campen 2006).
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from vibsim.branches.curve.arclength import ContinuationError
 from vibsim.branches.curve.family import Family
@@ -21,6 +20,7 @@ from vibsim.branches.special.holding import STICK, kinds_of
 from vibsim.branches.special.special import CORNER, Special
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits import ReturnMap
+from vibsim.orbits.matrices import length_of
 from vibsim.orbits.returns.gaps import apart, motion_of_base
 from vibsim.orbits.returns.start import placed
 from vibsim.orbits.returns.word import Word, changes
@@ -47,7 +47,7 @@ def sliding_corner(family: Family, node: Node, risen: float) -> tuple[Special, N
             try:
                 behind = node_at(family, start, None, None, NEAR * back)
                 friction = _sticks_apart(node.word, behind.word)
-                if friction is None or np.linalg.norm(behind.z - node.z) > NEAR * back:
+                if friction is None or length_of(behind.z - node.z) > NEAR * back:
                     continue
                 slipping = min((node, behind), key=lambda one: len(one.word))
                 at = _touch(family, _near(family, slipping, start[-1]), friction, change)
@@ -140,9 +140,26 @@ def least_slip(family: Family, node: Node, friction: int) -> float:
     for at in sorted(turns, key=lambda i: sizes[i]):
         begin, end = max(times[at - 1], FIRST * period), times[at + 1]
         if rate(begin) * rate(end) < 0:
-            turn = brentq(rate, begin, end, xtol=1e-14 * period)
+            turn = _zero_of(rate, begin, end, 1e-14 * period)
             return abs(_slip_of(of.scene, part, turn, of.carrier.carry(start, turn, []))[0])
     raise ContinuationError("no sliding velocity turns before zero")
+
+
+def _zero_of(rate: Callable[[float], float], low: float, high: float, fine: float) -> float:
+    """Where a rate changes its sign between two times, after Anderson and Bjorck as in `regula_falsi`."""
+    r_low, r_high = rate(low), rate(high)
+    for _ in range(TRIES):
+        t = high - r_high * (high - low) / (r_high - r_low)
+        r = rate(t)
+        if r == 0 or abs(t - high) <= fine:
+            return t
+        if r * r_high < 0:
+            low, r_low = high, r_high
+        else:
+            shrink = 1 - r / r_high
+            r_low *= shrink if shrink > 0 else 0.5
+        high, r_high = t, r
+    return high
 
 
 def _sampled_slip(of: ReturnMap, node: Node, part: Any) -> tuple[np.ndarray, np.ndarray]:

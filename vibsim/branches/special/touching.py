@@ -9,7 +9,7 @@ both are those of the motion.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import floor, log2
+from math import frexp, ldexp
 from typing import Any
 
 import numpy as np
@@ -185,7 +185,7 @@ def _about(return_map: ReturnMap, X: np.ndarray, T: float, stop: int, touch: flo
     nearest = min(middle, 1 - middle, others)
     if min(middle, 1 - middle) < AT_SECTION or others < AT_EVENT:
         raise ContinuationError("the graze comes to the section, or to another event")
-    return Window(stop, round(middle * 2**20) / 2**20, 2.0 ** floor(log2(min(WIDEST, SHARE * nearest))))
+    return Window(stop, round(middle * 2**20) / 2**20, ldexp(0.5, frexp(min(WIDEST, SHARE * nearest))[1]))
 
 
 def touches(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> list[float]:

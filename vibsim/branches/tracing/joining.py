@@ -6,9 +6,10 @@ leaves a doubling it turns round there: the orbits on the other side are the sam
 
 import numpy as np
 
-from vibsim.branches.curve.arclength import ContinuationError, length_of
+from vibsim.branches.curve.arclength import ContinuationError
 from vibsim.branches.curve.family import Family
 from vibsim.branches.curve.node import Node, between
+from vibsim.orbits.matrices import dot, length_of
 from vibsim.orbits.returns.word import Word
 
 FINE = 2.0**-6  # share of a step at which its search ends: nearer, orbits are no longer told apart
@@ -22,7 +23,7 @@ def joining(family: Family, one: Node, other: Node) -> tuple[Node, str] | None:
     None where it does not.
     """
     for shorter in (d for d in range(1, family.n) if family.n % d == 0):
-        if shift(family, one, shorter) @ shift(family, other, shorter) < 0:
+        if dot(shift(family, one, shorter), shift(family, other, shorter)) < 0:
             node = _last_before(family, one, other, shorter)
             return node, _words(shorter)
     return None
@@ -72,7 +73,7 @@ def _last_before(family: Family, one: Node, other: Node, periods: int) -> Node:
             high = middle
             continue
         change = shift(family, tried, periods)
-        if change @ reference < 0 or length_of(change) <= CLOSES:
+        if dot(change, reference) < 0 or length_of(change) <= CLOSES:
             high = middle
         else:
             low, node = middle, tried

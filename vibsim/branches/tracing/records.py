@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.curve.arclength import length_of
 from vibsim.branches.curve.node import Node
 from vibsim.branches.special.special import Special
 from vibsim.branches.tracing.walk import Step
+from vibsim.orbits.matrices import length_of
 from vibsim.orbits.multipliers import sides_of_circle
 from vibsim.orbits.returns.word import Word
 

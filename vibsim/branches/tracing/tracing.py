@@ -7,13 +7,13 @@ from typing import Protocol
 
 import numpy as np
 
-from vibsim.branches.curve.arclength import length_of
 from vibsim.branches.curve.family import Family
 from vibsim.branches.curve.node import Node
 from vibsim.branches.plan import BranchPlan
 from vibsim.branches.special.special import DOUBLING, FOLD, NAMES, TORUS
 from vibsim.branches.tracing.records import PointRecord, SpecialRecord, point_record, records_of
 from vibsim.branches.tracing.walk import Walk
+from vibsim.orbits.matrices import length_of
 
 MOST_POINTS = 5000
 CLOSED = "closed"

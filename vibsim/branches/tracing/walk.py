@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.branches.curve.arclength import ContinuationError, NoCase, length_of
+from vibsim.branches.curve.arclength import ContinuationError, NoCase
 from vibsim.branches.curve.family import Family
 from vibsim.branches.curve.node import (
     LEAST_LIMIT,
@@ -30,6 +30,7 @@ from vibsim.branches.special.sliding_corner import sliding_corner
 from vibsim.branches.special.special import BRANCHING, CORNER, FOLD, UNRESOLVED, Special
 from vibsim.branches.tracing.joining import JOINS, joining, repetition
 from vibsim.branches.tracing.moved_section import beyond_the_impact, from_section
+from vibsim.orbits.matrices import dot, length_of, moduli
 from vibsim.orbits.search.newton import EPS
 
 END = "end of the range"
@@ -186,7 +187,7 @@ class Walk:
                 turned = turn(self.node.tangent, node.tangent)
                 chord = node.z - self.node.z
                 reason = "the branch turns too sharply"
-                straight = self.node.tangent @ chord > 0.9 * length_of(chord)
+                straight = dot(self.node.tangent, chord) > 0.9 * length_of(chord)
                 if turned <= SHARP and straight and not turned_over(self.node, node):
                     again = ROUNDING if self._beside_a_graze(node) else repetition(self.family, node)
                     if again is None:
@@ -249,7 +250,7 @@ class Walk:
             except ContinuationError:
                 continue
             node.go_like((self.node,))
-            near = np.linalg.norm(node.z - self.node.z) < 8 * length
+            near = length_of(node.z - self.node.z) < 8 * length
             if near and self.node.ahead * node.ahead > 0 and repetition(self.family, node) is None:
                 return node, self.pace.first * KINKS[-1]
         raise ContinuationError(reason)
@@ -278,7 +279,7 @@ class Walk:
         """Whether a graze of a rigid stop is to be looked for at the next node: a multiplier has gone beyond
         `INFINITE`, or another power of two there. Orbits within chaos have such too.
         """
-        before, now = (float(abs(each.multipliers).max()) for each in (self.node, node))
+        before, now = (float(moduli(each.multipliers).max()) for each in (self.node, node))
         larger = before <= INFINITE or frexp(now)[1] > frexp(before)[1]
         return bool(node.point.end.coordinates.scene.rigid_stops) and now > INFINITE and larger
 
@@ -289,7 +290,7 @@ class Walk:
         start = self.node.z + (node.z - self.node.z) * ((target - here) / (there - here))
         start[-1] = target
         try:
-            return node_at(self.family, start, None, node, float(np.linalg.norm(node.z - self.node.z)))
+            return node_at(self.family, start, None, node, length_of(node.z - self.node.z))
         except ContinuationError as error:
             raise NoBound(str(error)) from error
 
@@ -301,13 +302,13 @@ class Walk:
         chord = node.z - self.node.z
         length = length_of(chord)
         for z in self._starts:
-            share = float((z - self.node.z) @ chord) / length**2
+            share = dot(z - self.node.z, chord) / length**2
             if not 0 < share <= 1 or length_of(z - self.node.z - share * chord) > length / 4:
                 continue
             of_parameter = (z[-1] - self.node.z[-1]) / chord[-1] if chord[-1] else share
             for place in (share, float(of_parameter)):  # what `between` takes for a share
                 there = self._there(node, place)
-                if there is not None and np.linalg.norm(there.z - z) <= SAME:
+                if there is not None and length_of(there.z - z) <= SAME:
                     return there
         return None
 
@@ -347,7 +348,7 @@ def is_joint(special: Special) -> bool:
     a fold or branch point there, or a multiplier of 1 and a turn of the parameter that do not agree.
     """
     if special.kind == UNRESOLVED:
-        at_one = bool(abs(special.node.multipliers - 1).min(initial=1.0) < NEAR)
+        at_one = bool(moduli(special.node.multipliers - 1).min(initial=1.0) < NEAR)
         return at_one and special.before.word == special.after.word
     return special.kind in (FOLD, BRANCHING)
 

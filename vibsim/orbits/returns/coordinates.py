@@ -29,8 +29,8 @@ class Coordinates:
     of each body, then phi and phidot with a motor).
 
     names, units : of the unknowns, e.g. "x1-x2" in m
-    reference : by body of a set that nothing holds: the body that its displacements count from
-    take : X = take @ state (m x N); put : state = put @ X (N x m), references at 0
+        self.reference = reference
+        self.count = len(free)
     weights : of the unknowns; each is measured as a velocity [m/s], displacements by a natural rate
     """
 
@@ -44,19 +44,21 @@ class Coordinates:
             if i in reference:
                 self.take[row, reference[i]] = -1.0
         self.put = np.ascontiguousarray(np.eye(length(scene))[:, free])
+        self.free = np.array(free, dtype=int)
+        shifted = [(row, reference[i]) for row, i in enumerate(free) if i in reference]
+        self._shifted = np.array(shifted, dtype=int).reshape(-1, 2).T
         self.names = tuple(self._name(i, reference.get(i)) for i in free)
         self.units = tuple(self._unit(i) for i in free)
         self.references = sorted(set(reference.values()))
         self.reference = reference
-        self.count, self._free = len(free), free
+        self.count = len(free)
         self.one = np.eye(self.count)
         self._weigh(weights(scene, Doubles))
         self.none = np.empty((0, length(scene)))  # no disturbance
-        self._take = np.ascontiguousarray(self.take.T)
 
     def _weigh(self, squares: list[float]) -> None:
         self._squares = squares
-        self.weights = np.sqrt([squares[i] for i in self._free])
+        self.weights = np.sqrt([squares[i] for i in self.free])
         # by which entries of a matrix of unknowns are weighed
         self.ratios = self.weights[:, None] / self.weights
 
@@ -74,12 +76,18 @@ class Coordinates:
 
     def of(self, state: ArrayLike) -> np.ndarray:
         """Unknowns of state components, the last axis of `state`: sums and differences, rounded once."""
-        unknowns: np.ndarray = np.asarray(state) @ self._take
+        components = np.asarray(state, dtype="f8")
+        unknowns: np.ndarray = components[..., self.free]
+        rows, references = self._shifted
+        if len(rows):
+            unknowns[..., rows] -= components[..., references]
         return unknowns
 
     def lifted(self, X: np.ndarray) -> np.ndarray:
         """State components on the section, references at x = 0."""
-        return np.asarray(self.put @ X)
+        state = np.zeros(len(self.columns))
+        state[self.free] = X
+        return state
 
     def between(self, part: Any, speed: bool) -> np.ndarray:
         """The velocity of the ends of a part against each other, or their distance, by the unknowns (m)."""

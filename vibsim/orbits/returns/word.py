@@ -96,6 +96,22 @@ def without_sequences(word: Word) -> Word:
     return tuple(event for event, told in zip(word, kept, strict=True) if told)
 
 
+def without_landings(word: Word) -> Word:
+    """A word without the impacts after which bodies rest at once.
+
+    The speed of such an impact is rounding where the flight before it has just begun: then the engine has the
+    bodies rest without one.
+    """
+    following = word[1:] + word[:1]
+    return cyclic(
+        tuple(
+            (kind, part)
+            for (kind, part), after in zip(word, following, strict=True)
+            if not (kind == "impact" and after == ("rest_begin", part))
+        )
+    )
+
+
 def _over(slips: Iterable[tuple[str, int]]) -> bool:
     """Whether slips among ends and beginnings of sticks all begin and end among them."""
     sliding = set[int]()

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibsim.orbits.errors import OrbitError
+from vibsim.orbits.matrices import singular_values
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.returns.coordinates import Coordinates, components_of
 from vibsim.orbits.returns.return_map import Return, ReturnMap
@@ -99,5 +100,5 @@ def _displaced(orbit: Orbit) -> float:
     end = orbit.end
     weights = end.coordinates.weights
     matrix = (np.eye(len(weights)) - end.derivative) * (weights[:, None] / weights)
-    smallest = np.linalg.svd(matrix, compute_uv=False).min(initial=1.0)
+    smallest = singular_values(matrix).min(initial=1.0)
     return float(orbit.solution.tolerance / max(smallest, 1e-6) + EPS * end.T * end.pace)

@@ -15,6 +15,7 @@ import numpy as np
 from vibsim.cases.number import number
 from vibsim.engine.errors import EngineError
 from vibsim.orbits.errors import NotConverged, OrbitError
+from vibsim.orbits.matrices import dot, least_squares, product, solved_by_pivots
 from vibsim.orbits.returns.return_map import Return, ReturnMap
 
 STEPS, HALVINGS = 40, 12
@@ -140,19 +141,17 @@ def newton_step(end: Return, cut: float | None = None) -> tuple[np.ndarray, floa
     if cut is None:
         change = _solved(scaled, right * at.weights) / at.weights
     else:
-        change = np.linalg.lstsq(scaled, right * at.weights, rcond=cut)[0] / at.weights
+        change = least_squares(scaled, right * at.weights, cut) / at.weights
     if tilt is None:
         return change, 0.0
     slopes, rate = tilt
-    return change, -float(end.ahead + slopes @ change) / rate
+    return change, -(end.ahead + dot(slopes, change)) / rate
 
 
 def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """The solution of matrix x = right; the shortest one where the matrix is singular."""
-    try:
-        return np.linalg.solve(matrix, right)
-    except np.linalg.LinAlgError:
-        return np.asarray(np.linalg.lstsq(matrix, right, rcond=SINGULAR)[0])
+    change, pivots = solved_by_pivots(matrix, right)
+    return change if pivots else least_squares(matrix, right, SINGULAR)
 
 
 def _next(return_map: ReturnMap, end: Return) -> Return | None:
@@ -180,7 +179,7 @@ def _next(return_map: ReturnMap, end: Return) -> Return | None:
 
 def _moved(end: Return, change: np.ndarray, longer: float) -> np.ndarray:
     """X + change, as the image of the linearised map."""
-    moved = end.flow_matrix @ change
+    moved = product(end.flow_matrix, change)
     return np.asarray(end.image + (moved if end.tilt is None else moved + end.rate * longer))
 
 

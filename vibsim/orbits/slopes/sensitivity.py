@@ -19,6 +19,7 @@ from vibsim.cases.number import number
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.labelled.shown import Shown
 from vibsim.orbits.errors import OrbitError
+from vibsim.orbits.matrices import eigenvalues, modulus
 from vibsim.orbits.returns.coordinates import component_names, components_of
 from vibsim.orbits.slopes.parameter_slopes import NotFollowed, parameter_slopes
 from vibsim.orbits.slopes.scene_slopes import sloped_scene
@@ -58,7 +59,7 @@ class Monodromy(Shown):
 
     def lines(self) -> list[tuple[str, str]]:
         """Components, magnitudes of the multipliers, events on the way, errors of difference quotients."""
-        multipliers = np.sort(np.abs(np.linalg.eigvals(self.matrix)))[::-1]
+        multipliers = sorted(map(modulus, eigenvalues(self.matrix)), reverse=True)
         quotients = [
             f"{key} {number(np.max(error), 1)}" for key, error in self.error.items() if np.any(error)
         ]

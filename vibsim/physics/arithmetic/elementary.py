@@ -78,6 +78,20 @@ def cos(angle: float) -> float:
     return sine_cosine(angle)[1]
 
 
+def asin(x: float) -> float:
+    """Angle [rad] from -pi/2 to pi/2 of a sine; nan beyond 1. By Newton's method."""
+    if not abs(x) <= 1.0:
+        return math.nan
+    if abs(x) > ROOT_HALF:
+        return math.copysign(TWO_PI / 4 - 2 * asin(math.sqrt((1 - abs(x)) / 2)), x)
+    square = x * x
+    angle = x * (1 + square * (1 / 6 + square * (3 / 40 + square * (15 / 336 + square * (105 / 3456)))))
+    for _ in range(3):  # from 0.02 at most
+        sine, cosine = sine_cosine(angle)
+        angle = angle + (x - sine) / cosine
+    return angle
+
+
 def _sum_of_twelve(c: Sequence[float], x: float) -> float:
     """c[0] + c[1] x + ... + c[11] x^11."""
     x2 = x * x
