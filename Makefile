@@ -10,6 +10,7 @@ endif
 STAMP := $(VENV)/installed
 ENGINE := $(wildcard vibsim/engine/*.[ch] vibsim/engine/*/*.[ch] vibsim/engine/*/*/*.[ch])
 BELTS := 0.95,1.025,1.1,1.175,1.25,1.325,1.4,1.475,1.5,1.55,1.625,1.7,1.775,1.83,1.84,1.85,1.925,2
+KERNELS := Haswell Zen SkylakeX Prescott
 PAPER := I-A I-B I-C I-A-eq211 I-B-eq211 I-C-eq211 II-A II-B II-C
 BUILD_ENGINE := $(BIN)/python setup.py -q build_ext --inplace --force
 BRANCHES := results/branches
@@ -17,7 +18,7 @@ UP_DOWN := $(BIN)/vibsim sweep II-B --omega0 3:7:0.05 --param c=0.001,0.01,0.03,
   --compute power -o results/up-down.h5
 SANITIZED := tests/engine tests/kernel tests/events tests/flows tests/tangent tests/sweeps
 
-.PHONY: help env run paper test docs article wheel wheels oldest without-compiler coverage workflows fuzz sanitize verify lint figures sweep sommerfeld basins branches bench budgets truths clean
+.PHONY: help env run paper test everywhere docs article wheel wheels oldest without-compiler coverage workflows fuzz sanitize verify lint figures sweep sommerfeld basins branches bench budgets truths clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -65,6 +66,19 @@ wheel: $(STAMP) ## build sdist and wheel, install the wheel into an empty enviro
 wheels: $(STAMP) ## build and try wheels for all Pythons of this system with cibuildwheel: wheelhouse/
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check "cibuildwheel>=4,<5"
 	$(BIN)/python -m cibuildwheel --output-dir wheelhouse
+
+everywhere: $(STAMP) ## run the tests under four kernels of OpenBLAS, one thread and two, without numpy's vector units, numpy new and old (TESTS=)
+	test -x build/oldest/bin/python || $(PYTHON) -m venv build/oldest
+	build/oldest/bin/python -m pip install --quiet --disable-pip-version-check \
+	  --constraint tests/packaging/oldest.txt --editable '.[dev]'
+	for python in $(BIN)/python build/oldest/bin/python; do \
+	  units="$$($$python -m tests.digests units)" && \
+	  NPY_DISABLE_CPU_FEATURES="$$units" $$python -m pytest -n auto -q $(TESTS) || exit 1; \
+	  for kernel in $(KERNELS); do for threads in 1 2; do \
+	    echo "$$python, OPENBLAS_CORETYPE=$$kernel OPENBLAS_NUM_THREADS=$$threads"; \
+	    OPENBLAS_CORETYPE=$$kernel OPENBLAS_NUM_THREADS=$$threads $$python -m pytest -n auto -q $(TESTS) || exit 1; \
+	  done; done; \
+	done
 
 oldest: ## run the tests with the oldest dependencies, in an environment of their own (PYTHON=python3.10)
 	test -x build/oldest/bin/python || $(PYTHON) -m venv build/oldest

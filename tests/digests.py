@@ -1,9 +1,12 @@
 """Digests of what orbits, branches, loci, fits, sweeps and verdicts come to, a line each.
 
 `python -m tests.digests` prints them: every machine, every BLAS and every vector unit must print the same.
+`python -m tests.digests units` prints the vector units that numpy chooses code for on this machine: what
+NPY_DISABLE_CPU_FEATURES may name.
 """
 
 import hashlib
+import sys
 
 import numpy as np
 
@@ -110,7 +113,18 @@ def digest(value):
     return hashlib.sha256(repr(value).encode()).hexdigest()
 
 
-if __name__ == "__main__":
+def vector_units():
+    """Vector units beyond those that numpy needs, for which it has code of their own."""
+    try:
+        from numpy._core import _multiarray_umath as core
+    except ImportError:  # before numpy 2
+        from numpy.core import _multiarray_umath as core
+    return [unit for unit in core.__cpu_dispatch__ if core.__cpu_features__.get(unit)]
+
+
+if __name__ == "__main__" and sys.argv[1:] == ["units"]:
+    print(*vector_units())
+elif __name__ == "__main__":
     np.set_printoptions(floatmode="unique", threshold=2**31)
     for name, made in CASES.items():
         print(f"{name}: {digest(made())}", flush=True)

@@ -17,6 +17,7 @@ from pathlib import Path
 import pytest
 
 import vibsim
+from tests.digests import vector_units
 
 PACKAGE = Path(vibsim.__file__).parent
 RESULTS = ("physics", "engine", "files", "results", "analysis", "sweeps", "fitting")
@@ -145,13 +146,6 @@ def digests_of_results(**switches):
 
 
 SWITCHES = ("OPENBLAS_CORETYPE", "OPENBLAS_NUM_THREADS", "NPY_DISABLE_CPU_FEATURES", "GLIBC_TUNABLES")
-DISPATCHED = """
-try:
-    from numpy._core._multiarray_umath import __cpu_dispatch__ as units
-except ImportError:
-    from numpy.core._multiarray_umath import __cpu_dispatch__ as units
-print(" ".join(units))
-"""
 
 
 @pytest.mark.skipif(
@@ -159,8 +153,7 @@ print(" ".join(units))
 )
 def test_orbits_branches_fits_and_verdicts_have_the_same_bits_whatever_the_blas_and_the_vector_units():
     """Orbits were right to rounding, which differed, and decided which special points a branch has."""
-    program = [sys.executable, "-c", DISPATCHED]
-    units = subprocess.run(program, capture_output=True, text=True, check=True).stdout.strip()
+    units = " ".join(vector_units())
     off = {"NPY_DISABLE_CPU_FEATURES": units} if units else {}
     if platform.libc_ver()[0] == "glibc":
         off["GLIBC_TUNABLES"] = "glibc.cpu.hwcaps=-FMA,-AVX2,-FMA4"
