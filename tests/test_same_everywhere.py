@@ -151,6 +151,7 @@ SWITCHES = ("OPENBLAS_CORETYPE", "OPENBLAS_NUM_THREADS", "NPY_DISABLE_CPU_FEATUR
 @pytest.mark.skipif(
     platform.machine() not in ("x86_64", "AMD64"), reason="kernels and vector units of x86-64"
 )
+@pytest.mark.timeout(600)  # of ten seconds each, where nothing else runs
 def test_orbits_branches_fits_and_verdicts_have_the_same_bits_whatever_the_blas_and_the_vector_units():
     """Orbits were right to rounding, which differed, and decided which special points a branch has."""
     units = " ".join(vector_units())
