@@ -74,10 +74,14 @@ everywhere: $(STAMP) ## run the tests under four kernels of OpenBLAS, one thread
 	for python in $(BIN)/python build/oldest/bin/python; do \
 	  units="$$($$python -m tests.digests units)" && \
 	  NPY_DISABLE_CPU_FEATURES="$$units" $$python -m pytest -n auto -q $(TESTS) || exit 1; \
-	  for kernel in $(KERNELS); do for threads in 1 2; do \
-	    echo "$$python, OPENBLAS_CORETYPE=$$kernel OPENBLAS_NUM_THREADS=$$threads"; \
-	    OPENBLAS_CORETYPE=$$kernel OPENBLAS_NUM_THREADS=$$threads $$python -m pytest -n auto -q $(TESTS) || exit 1; \
-	  done; done; \
+	  for kernel in $(KERNELS); do \
+	    OPENBLAS_CORETYPE=$$kernel $$python -c "import numpy as np; a = np.eye(50); np.linalg.svd(a @ a)" || \
+	      { echo "left out: this processor cannot run the kernels for $$kernel"; continue; }; \
+	    for threads in 1 2; do \
+	      echo "$$python, OPENBLAS_CORETYPE=$$kernel OPENBLAS_NUM_THREADS=$$threads"; \
+	      OPENBLAS_CORETYPE=$$kernel OPENBLAS_NUM_THREADS=$$threads $$python -m pytest -n auto -q $(TESTS) || exit 1; \
+	    done; \
+	  done; \
 	done
 
 oldest: ## run the tests with the oldest dependencies, in an environment of their own (PYTHON=python3.10)
