@@ -41,7 +41,7 @@ ROUNDED = {  # what becomes whole digits; products one by one; the functions of 
     "orbits/returns/return_map.py": {"outer"},
 }
 LIBRARIES = {  # libraries whose arithmetic a result takes, each with the reason why it may
-    "analysis/block_averages.py": {"scipy.special"},  # stdtrit: half widths of intervals, told to two digits
+    "analysis/block_averages.py": {"scipy.special"},  # stdtrit: half widths, 2e-11 apart between releases
     "analysis/dominant_frequencies.py": {
         "scipy.fft",
         "scipy.signal",
