@@ -20,7 +20,7 @@ from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.span import Span, steady_span
 from vibsim.analysis.verdicts import DriftVerdict, name_verdict
 from vibsim.physics.arithmetic.sines import sine_cosine
-from vibsim.physics.arithmetic.sums import mean
+from vibsim.physics.arithmetic.sums import dot, mean, total
 from vibsim.physics.body_sets import drifting_sets
 from vibsim.physics.parts import Scene, columns_of
 from vibsim.physics.rates import is_driven, masses, source_period
@@ -102,7 +102,7 @@ def _rate_of(scene: Scene, of: str, rates: Mapping[str, float]) -> float:
     """The mean velocity of a body, or of the centre of mass, from those of all bodies [m/s]."""
     values = [rates[body.name] for body in scene.bodies]
     if of == CENTRE:
-        return float(np.average(values, weights=masses(scene)))
+        return float(dot(masses(scene), np.array(values)) / total(masses(scene)))
     return values[[columns_of(body.name)[0] for body in scene.bodies].index(of)]
 
 
