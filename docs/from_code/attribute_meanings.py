@@ -42,6 +42,8 @@ RUN = {
     "energy_residual_relative": "the same over the largest of its terms",
     "trust_horizon_s": "time until which the displacements are right to `trust_tolerance_m` [s]",
     "trust_tolerance_m": "tolerance of the trust horizon [m]",
+    "trust_known_to_s": "time of the last sample of which an error is known, where a run beside failed [s]",
+    "trust_unknown_why": "why nothing is known behind it",
     "error_estimate_max": "greatest estimated error of the displacements [m]",
     "clearances_needed": "distance that each clearance needs, in the order of the case [m]",
     "rest_distance_needed": "greatest x1 - x2: the distance that the two blocks need at rest [m]",

@@ -11,14 +11,19 @@ from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.results.trust.companion import BLOCKS_AHEAD, Companion, companion_scene, described
-from vibsim.results.trust.third_run import third_scene
+from vibsim.results.trust.companion import BLOCKS_AHEAD, GIVEN_UP, Companion, companion_scene, described
+from vibsim.results.trust.third_run import LastSamples, third_scene
 
 LONG = {"run.t_end": "100000 s"}
 # those of II-B that are no doubles
 NUMBERS = [lambda it, i=i: it.bodies[i].m for i in range(2)]
 NUMBERS += [lambda it: it.links[0].c, lambda it: it.stops[0].gap, lambda it: it.frictions[0].forward]
 NUMBERS += [lambda it, n=n: getattr(it.motor, n) for n in ("m3", "e", "J", "M0", "Omega0")]
+
+
+def any_number(samples):
+    """Events that a companion may take up to each of so many samples: as many as it likes."""
+    return np.full(samples, 10**9)
 
 
 def companion_of(name, **changes):
@@ -104,7 +109,7 @@ def test_samples_come_in_any_portions(name, companions):
     _, other = companion_of(name, run__t_end="40 s", run__every="1 ms")
     whole = run(other).samples
     companion = companions(other)
-    portions = [companion.take(count) for count in (1, 0, 7, 20_000, 19_993)]
+    portions = [companion.take(any_number(count)) for count in (1, 0, 7, 20_000, 19_993)]
     got = np.concatenate(portions, axis=1)
     assert got.tobytes() == np.stack([whole["x1"], whole["x2"]]).tobytes()
 
@@ -112,7 +117,7 @@ def test_samples_come_in_any_portions(name, companions):
 def test_a_companion_that_nobody_asks_waits_and_can_be_ended(companions):
     _, other = companion_of("I-A", **{"run__t_end": "100000 s"})
     companion = companions(other)
-    companion.take(10)
+    companion.take(any_number(10))
     assert companion._thread.is_alive()
     companion._thread.join(0.3)
     assert companion._queue.qsize() <= BLOCKS_AHEAD
@@ -150,14 +155,49 @@ def failing(monkeypatch, companions):
 def test_of_a_companion_that_fails_nothing_is_known(failing):
     _, other = companion_of("I-A", run__t_end="1000 s")
     companion = failing(other, EngineError("diverged", State(0.0, [0.0], [0.0], 0.0, 0.0, 0.0)))
-    got = companion.take(200_000)
+    got = companion.take(any_number(200_000))
     known = int(np.count_nonzero(~np.isnan(got[0])))
     assert 0 < known < 200_000
     assert np.isnan(got[:, known:]).all()
-    assert np.isnan(companion.take(3)).all()
+    assert np.isnan(companion.take(any_number(3))).all()
+    assert companion.failure.startswith("ended at 0 s: the state is no longer finite")
 
 
 def test_a_bug_in_the_companion_is_raised(failing):
     _, other = companion_of("I-A", run__t_end="1000 s")
     with pytest.raises(ZeroDivisionError):
-        failing(other, ZeroDivisionError()).take(200_000)
+        failing(other, ZeroDivisionError()).take(any_number(200_000))
+
+
+@pytest.mark.parametrize("portion", [7, 1000, 20_001])
+def test_a_companion_that_takes_too_many_events_is_given_up_where_it_does(portion, companions):
+    """However its blocks and the portions asked for fall, and whether it is asked before it is waited for."""
+    _, other = companion_of("I-B", run__t_end="100 s")
+    whole = run(other)
+    taken = np.searchsorted(whole.events["t"], whole.samples["time"], side="right")
+    most = np.minimum(taken, taken[9000])
+    known = int(np.argmax(taken > most))
+    assert 9000 < known < 19_000
+    companion = companions(other)
+    got = []
+    for begin in range(0, 20_001, portion):
+        while not companion.has(most[begin : begin + portion]):
+            companion._thread.join(0.01)
+        got.append(companion.take(most[begin : begin + portion]))
+    got = np.concatenate(got, axis=1)
+    assert got[:, :known].tobytes() == np.stack([whole.samples[x][:known] for x in ("x1", "x2")]).tobytes()
+    assert np.isnan(got[:, known:]).all()
+    assert companion.failure == GIVEN_UP and companion.t_reached == np.inf
+
+
+def test_of_a_third_run_that_takes_too_many_events_nothing_is_known():
+    _, other = companion_of("I-B", run__t_end="100 s")
+    events = len(run(other).events["t"])
+    for most, known in ((events, True), (events - 1, False)):
+        third = LastSamples(other, "c", 20_001, 16, most)
+        third.start()
+        while (told := third.told(0.1)) is None:
+            pass
+        assert np.isfinite(told).all() == known and np.isinf(told).all() != known
+        assert (third.failure == GIVEN_UP) != known
+        third.close()

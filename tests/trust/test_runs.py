@@ -16,6 +16,7 @@ from vibsim.results import simulate, simulate_to_file
 from vibsim.results.recording import recording
 from vibsim.results.recording.cadence import Thinning, instants_per_sample, sampled_finer
 from vibsim.results.trust import trust
+from vibsim.results.trust.companion import Piece
 from vibsim.results.trust.third_run import LastSamples
 from vibsim.sweeps import sweep
 
@@ -214,3 +215,29 @@ def test_what_judges_a_run_is_freed_with_it(monkeypatch):
         assert [judge() for judge in judges] == [None]
     finally:
         gc.enable()
+
+
+@pytest.mark.parametrize("who", ["companion", "third run"])
+def test_a_run_beside_that_takes_too_many_events_is_given_up(who, monkeypatch, tmp_path):
+    """Nothing is known from there on, whatever the tolerance; the file and what is printed say so, and the
+    motion is all there.
+    """
+    case = short_case("II-B", "119 s", run__trust_tolerance="100 m")
+    plain = simulate(case)
+    assert plain.trust_horizon == 119 and "trust_known_to_s" not in plain.attrs
+    most = {"companion": lambda taken: np.minimum(taken, 300), "third run": lambda taken: taken + 1000}[who]
+    monkeypatch.setattr(trust, "most_events", most)
+    if who == "third run":
+        monkeypatch.setattr(LastSamples, "_piece", lambda self, block: Piece(np.empty((2, 0)), [], 10**6))
+    written = simulate_to_file(case, tmp_path / "a.h5")
+    read = vibsim.open_result(tmp_path / "a.h5")
+    known_to = read.attrs["trust_known_to_s"]
+    assert written.trust_horizon == read.trust_horizon == known_to and 10 < known_to < 110
+    if who == "companion":
+        taken = np.searchsorted(plain.events["t"], plain.time, side="right")
+        assert abs(known_to - plain.time[np.argmax(taken > 300)]) < 0.5
+    assert f"{who} took more than 2 times the events of the run" in read.attrs["trust_unknown_why"]
+    assert read.complete and read["x1"].tobytes() == plain["x1"].tobytes()
+    shown = call("info", tmp_path / "a.h5").output
+    assert f"nothing is known behind {known_to:.4g} s" in " ".join(shown.split())
+    assert "took more than 2 times" in str(read)

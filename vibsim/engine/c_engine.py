@@ -18,7 +18,6 @@ from vibsim.engine.errors import EngineError, Stopped
 from vibsim.engine.events.automaton import Automaton
 from vibsim.engine.events.certificate import Certificate
 from vibsim.engine.events.departures import scout
-from vibsim.engine.events.impacts.chatter import LOWEST
 from vibsim.engine.events.rule_maker import RuleMaker
 from vibsim.engine.extremes import Gap
 from vibsim.engine.flows.closed.modal import pitches
@@ -81,7 +80,7 @@ class CRun:
     """A run of a scene made of parts on the C engine.
 
     carries : whether disturbances are carried as they are (`CarryingRun`); such a run is begun later
-    lowest : as of `open_trajectory`
+    early : as of `open_trajectory`
     """
 
     def __init__(
@@ -94,9 +93,9 @@ class CRun:
         tangent: tuple[int, float] = (0, 0.0),
         carries: bool = False,
         extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None = None,
-        lowest: int = LOWEST,
+        early: bool = False,
     ) -> None:
-        self.scene, self.n, self.size, self.lowest = scene, len(scene.bodies), length(scene), lowest
+        self.scene, self.n, self.size, self.early = scene, len(scene.bodies), length(scene), early
         self.table, self.momentum = mode_table(scene, pitched=not carries), momentum
         self.keys, self.doubts = self.table.keys, Doubts(self)
         self.carries = carries or tangent[0] > 0  # disturbances, now or later, by which rules are made
@@ -114,7 +113,7 @@ class CRun:
             self.run.keep_ledger(*pack_ledger(scene, names, jumps_of(scene, names), self.maker.ends))
         if scene.rigid_stops:
             names = self.meters.names if self.meters else []
-            self.run.keep_blows(*pack_blows(scene, names, self.maker.ends, lowest))
+            self.run.keep_blows(*pack_blows(scene, names, self.maker.ends, early))
         count, begin = tangent
         self.moving = count > 0
         if self.moving:
@@ -148,7 +147,7 @@ class CRun:
     def automaton(self) -> Automaton:
         """Decides what C leaves open."""
         automaton = Automaton(self.scene, self.maker, self.scout, Doubles)
-        automaton.rigid.chatter.lowest, automaton.departures.stopped = self.lowest, self.stopped
+        automaton.rigid.chatter.early, automaton.departures.stopped = self.early, self.stopped
         return automaton
 
     @cached_property

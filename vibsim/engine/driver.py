@@ -13,7 +13,6 @@ from typing import Generic
 from vibsim.engine.errors import EngineError, Stopped
 from vibsim.engine.events.automaton import Automaton
 from vibsim.engine.events.departures import scout
-from vibsim.engine.events.impacts.chatter import LOWEST
 from vibsim.engine.extremes import Extremes, Gap
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.ledgers.ledger import Ledger
@@ -44,7 +43,7 @@ class Driver(Generic[N]):
     end.
 
     tangent : disturbances whose growth is told, and from when [s]; carry : disturbances that are carried as
-    they are; flow : one of the scene that does more than its own; lowest : as of `open_trajectory`
+    they are; flow : one of the scene that does more than its own; early : as of `open_trajectory`
     """
 
     def __init__(
@@ -59,13 +58,13 @@ class Driver(Generic[N]):
         carry: Sequence[Sequence[N]] = (),
         flow: Flow[N] | None = None,
         extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None = None,
-        lowest: int = LOWEST,
+        early: bool = False,
     ) -> None:
         self.scene, self.kit = scene, kit
         self.maker = RowMaker(scene, kit)
         self.flow = flow or Flow(scene, kit)
         self.automaton = Automaton(scene, self.maker, scout(scene, kit, self.flow.certificate), kit)
-        self.automaton.rigid.chatter.lowest = lowest
+        self.automaton.rigid.chatter.early = early
         self.section = StroboscopicSection(scene, self.flow) if section else None
         self.ledger = Ledger(scene, kit, self.maker, self.flow, momentum) if ledger or momentum else None
         self.extremes = Extremes(scene, kit, self.flow, *extremes) if extremes else None

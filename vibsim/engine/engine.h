@@ -310,15 +310,14 @@ typedef struct {
 } Bound;
 
 /* What a blow may change: rigid stops and frictions in the order of their numbers, elastic stops, clearances; none where none
- * were told of. `codes`: of the mode behind a blow; kinds, parts: of the events that it makes. lowest: of hops, see
+ * were told of. `codes`: of the mode behind a blow; kinds, parts: of the events that it makes. early: see
  * chatter.py
  */
 typedef struct {
     RigidStop *stops;
     Rubbing *frictions;
     Bound *bounds;
-    double lowest;
-    int stop_count, friction_count, bound_count, *codes, *kinds, *parts;
+    int stop_count, friction_count, bound_count, early, *codes, *kinds, *parts;
 } Blows;
 
 /* A blow: rates of the depth before and after it, impulse, speeds of its ends in front of it; position and velocity of the

@@ -12,7 +12,6 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from vibsim.engine.choice import check_method, engine_name
-from vibsim.engine.events.impacts.chatter import LOWEST
 from vibsim.engine.extremes import Gap
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.resume import Row, resume_point
@@ -33,7 +32,7 @@ def open_trajectory(
     tangent: int = 0,
     tangent_from: float = 0.0,
     extremes: tuple[Sequence[Edge], float] | None = None,
-    lowest: int = LOWEST,
+    early: bool = False,
 ) -> Trajectory:
     """A run of `scene` (a `vibsim.physics.parts.Scene`) from its start, not yet computed.
 
@@ -53,8 +52,8 @@ def open_trajectory(
         x_P - x_Q of each pair, then of the rotor's speed, exact to rounding: by period in the blocks, where
         they carry the section, and of all in `extremes` of the object returned, with the smallest gap at a
         turn without contact of each stop between the ends of a pair
-    lowest : height of the hops under friction with which a sequence of impacts ends, in roundings of
-        displacements
+    early : whether infinite sequences of impacts end at least one whole hop before they do without it: what
+        the one run leaves out, the difference of two shows
 
     Returns an object with `engine`, `blocks()` (an iterator of `Block`s; raises EngineError when the run
     fails) and `totals`. Raises ValueError for another engine or method, a row that no run has or more
@@ -68,7 +67,7 @@ def open_trajectory(
         "momentum": momentum,
         "tangent": (tangent, tangent_from),
         "extremes": extremes_of(scene, *extremes) if extremes else None,
-        "lowest": lowest,
+        "early": early,
     }
     point = None if resume is None else resume_point(scene, resume)
     if engine_name(engine) == "python":

@@ -1,6 +1,7 @@
 """The few lines that tell most about a run."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from vibsim.cases.number import number
 from vibsim.cases.plain_text import one_line
@@ -35,5 +36,12 @@ def _trust(result: "Result") -> str:
     horizon = result.trust_horizon
     assert horizon is not None
     if horizon < result.t_reached:
-        return f"{tolerance} until {horizon:.4g} s"
+        return f"{tolerance} until {horizon:.4g} s{unknown_text(result.attrs)}"
     return f"{tolerance} over the whole run"
+
+
+def unknown_text(attrs: Mapping[str, Any]) -> str:
+    """From when on nothing is known of the error of a run, and why; empty where something is to its end."""
+    if "trust_known_to_s" not in attrs:
+        return ""
+    return f"; nothing is known behind {attrs['trust_known_to_s']:.4g} s: {attrs['trust_unknown_why']}"

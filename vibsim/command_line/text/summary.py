@@ -13,6 +13,7 @@ from vibsim.command_line.text.scene import clearance_lines, count_lines, motor_t
 from vibsim.files.plain_data import plain
 from vibsim.physics.parts import Scene
 from vibsim.results import Result
+from vibsim.results.telling import unknown_text
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -112,7 +113,7 @@ def trust_text(result: Result) -> str:
     attrs = result.attrs
     tolerance, horizon = f"right to {number(attrs['trust_tolerance_m'], 2)} m", attrs["trust_horizon_s"]
     if horizon < result.t_reached:
-        return f"{tolerance} until {horizon:.4g} s"
+        return f"{tolerance} until {horizon:.4g} s{unknown_text(attrs)}"
     error = number(attrs["error_estimate_max"], 2)
     return f"{tolerance} over the whole run; estimated error up to {error} m"
 

@@ -23,17 +23,17 @@ def pack_ledger(
 
 
 def pack_blows(
-    scene: Scene, names: Sequence[Entry], ends: Callable[[Joined], Edge], lowest: int
+    scene: Scene, names: Sequence[Entry], ends: Callable[[Joined], Edge], early: bool
 ) -> tuple[bytes, bytes]:
     """The rigid stops, with the entries `names` of the ledgers that a blow on them adds to, the frictions
-    that it may turn, and the elastic stops and clearances that it may close or open. lowest: height of the
-    last hops, as of `RigidStops`
+    that it may turn, and the elastic stops and clearances that it may close or open. early: as of
+    `Chatter`
     """
     pack = Packer()
     entry = {name: number for number, name in enumerate(names)}
     bounds = [(*ends(stop), stop.sense, stop.gap) for _, stop in scene.elastic_stops]
     bounds += [(*ends(one), -1, one.distance) for one in scene.clearances]
-    pack.put((len(scene.rigid_stops), len(scene.frictions), len(bounds)), (lowest,))
+    pack.put((len(scene.rigid_stops), len(scene.frictions), len(bounds), int(early)))
     for j, stop in scene.rigid_stops:
         ground = len(scene.bodies)
         place = {ground: "ground", ground + 1: "base"}.get(max(ends(stop)), "")

@@ -76,7 +76,7 @@ class CarryingRun(CRun):
         if self.packer and (touching or not plainly_weighed_alike(before, scene)):
             self.packer = self.packer.of(scene)
         if touching and scene.rigid_stops:
-            self.run.keep_blows(*pack_blows(scene, [], self.maker.ends, self.lowest))
+            self.run.keep_blows(*pack_blows(scene, [], self.maker.ends, self.early))
 
     def restart(self, state: State, end: float, vectors: np.ndarray) -> None:
         """Begin anew from `state` at t = 0 and run to `end` [s], with disturbances to be carried as they are:

@@ -53,7 +53,7 @@ class Wishes(TypedDict, total=False):
     """What a run is to keep besides samples and events; see `open_trajectory`.
 
     tangent : number of disturbances, and from when their growth counts [s]
-    extremes : columns of the pairs, the stops whose gaps are watched, since when [s]; lowest : see there
+    extremes : columns of the pairs, the stops whose gaps are watched, since when [s]; early : see there
     """
 
     section: bool
@@ -61,7 +61,7 @@ class Wishes(TypedDict, total=False):
     momentum: bool
     tangent: tuple[int, float]
     extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None
-    lowest: int
+    early: bool
 
 
 class Trajectory(Generic[N]):

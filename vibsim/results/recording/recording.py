@@ -111,7 +111,9 @@ class Recording:
             self._known_to = max(float(block.t_reached), *times, self._known_to)
             self._worked_to = block.worked_to
             tag = block.events, self._known_to
-            self._hand_on(sink, self._trust.judged(block.samples, missing, tag, go_on, going))
+            self._hand_on(
+                sink, self._trust.judged(block.samples, block.events["t"], missing, tag, go_on, going)
+            )
             if not goes_on():
                 self._ahead.stop()
         self.complete = going

@@ -45,6 +45,8 @@ ATTRIBUTES = [
     Attribute("trust_horizon_s", NUMBER, optional=True),
     Attribute("trust_tolerance_m", NUMBER, optional=True, where="trust_horizon_s"),
     Attribute("error_estimate_max", NUMBER, optional=True, where="trust_horizon_s"),
+    Attribute("trust_known_to_s", NUMBER, optional=True),
+    Attribute("trust_unknown_why", TEXT, optional=True, where="trust_known_to_s"),
     Attribute("clearances_needed", LIST, optional=True),
     Attribute("taylor_order", WHOLE, optional=True),
     Attribute("digits", WHOLE, optional=True),

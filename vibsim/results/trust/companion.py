@@ -2,8 +2,8 @@
 
 What two runs share, their difference cannot show. So the companion takes other steps, at full
 tolerance: those of the other flow where there are two, else of another order (the same flow from other
-data alone misses some growth). Sequences of impacts whose hops friction hides it ends at hops four times as
-fast: what the run leaves out there is not left out by both. And its data lie on the other side of the true
+data alone misses some growth). Infinite sequences of impacts it ends at least one whole hop earlier: what the
+run leaves out there is not left out by both. And its data lie on the other side of the true
 ones: a decimal such as 0.297 kg is no double, and every number that is none is moved by one unit in the last
 place towards its exact value. Without that the phase error of a motor that turns evenly, which comes of the
 data, would be missed: after 10,000 s it is 70 times the distance of two runs from equal data.
@@ -12,7 +12,7 @@ data, would be missed: after 10,000 s it is 70 times the distance of two runs fr
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from fractions import Fraction
 from math import inf, nextafter
 from queue import Empty, SimpleQueue
@@ -22,7 +22,6 @@ import numpy as np
 
 from vibsim.cases.values.pi import FIRST_BITS, two_pi_bounds
 from vibsim.engine.choice import flow_of
-from vibsim.engine.events.impacts.chatter import LOWEST
 from vibsim.engine.trajectories.blocks import Block, Trajectory
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import Scene
@@ -37,9 +36,32 @@ PARTS = ("bodies", "links", "stops", "frictions", "forces", "base", "motor")
 TURNS = ("cycles", "cycles_lo")
 USUAL_ORDER, OTHER_ORDER = 20, 25  # of the Taylor flow; both cost the same
 TOLERANCE = 2.0**-53
-HIGHER = 16  # hops, at the end of sequences of impacts under friction: four times as fast
+# A run beside another may take so many times its events, and so many more, up to any sample: runs of one
+# motion take the same ones, of sequences of impacts that a sample falls into thousands more or less
+TIMES, MORE = 2, 4096
 BLOCKS_AHEAD = 8  # bounds the memory of a companion that is faster than the run
 GoOn = Callable[[], bool]
+GIVEN_UP = f"took more than {TIMES} times the events of the run and {MORE} besides"
+
+
+def most_events(taken: np.ndarray) -> np.ndarray:
+    """How many events a run beside another may take where that has `taken` so many. Counts and no times: what
+    comes of them is the same on every machine.
+    """
+    return TIMES * taken + MORE
+
+
+@dataclass(frozen=True)
+class Piece:
+    """The next samples of a run beside another.
+
+    x : displacements [m], shape (blocks that move, samples); events : how many it took up to each sample, and
+    in `total` up to where it is
+    """
+
+    x: np.ndarray
+    events: np.ndarray
+    total: int
 
 
 def companion_scene(case: "Case", scene: Scene) -> Scene:
@@ -119,7 +141,9 @@ class Beside:
         self._names = tables_of(scene).displacements
         self._closed = False
         self._trajectory: Trajectory[float] | None = None
+        self._taken = 0  # events
         self.t_reached = 0.0  # [s]; infinite once it has ended
+        self.failure = ""  # why it ended before the run, in words
         self._thread = threading.Thread(target=self._run, name="vibsim companion", daemon=True)
 
     def start(self) -> None:
@@ -136,18 +160,18 @@ class Beside:
             self._thread.join(LONGEST)
 
     def _run(self) -> None:
-        from vibsim.engine.errors import EngineError
+        from vibsim.engine.errors import REASONS, EngineError
 
         error: BaseException | None = None
         try:
             for block in self._blocks():
-                self._hand_on(np.stack([block.samples[name] for name in self._names]))
+                self._hand_on(self._piece(block))
                 if self._closed:
-                    return
+                    break
                 self.t_reached = max(block.t_reached, *block.samples["time"][-1:].tolist(), self.t_reached)
                 self._tell_news()
-        except EngineError:
-            pass  # the run went on where this one failed: nothing more to compare with
+        except EngineError as raised:  # the run went on where this one failed: nothing more to compare with
+            self.failure = self.failure or f"ended at {raised.state.t:.6g} s: {REASONS[raised.reason][0]}"
         except BaseException as raised:  # raised again where the samples are asked for
             error = raised
         self._end(error)
@@ -156,7 +180,7 @@ class Beside:
 
     def _blocks(self) -> Iterator[Block]:
         with self._cores:
-            self._trajectory = open_trajectory(self._scene, self._engine, lowest=HIGHER * LOWEST)
+            self._trajectory = open_trajectory(self._scene, self._engine, early=True)
             blocks = self._trajectory.blocks()
         while not self._closed:
             with self._cores:
@@ -165,8 +189,15 @@ class Beside:
                 return
             yield block
 
-    def _hand_on(self, piece: np.ndarray) -> None:
-        """Take the next samples, shape (blocks that move, samples)."""
+    def _piece(self, block: Block) -> Piece:
+        x = np.stack([block.samples[name] for name in self._names])
+        begun, happened = self._taken, block.events["t"]
+        self._taken += len(happened)
+        counts = begun + np.searchsorted(happened, block.samples["time"], side="right")
+        return Piece(x, counts, self._taken)
+
+    def _hand_on(self, piece: Piece) -> None:
+        """Take the next samples."""
         raise NotImplementedError
 
     def _end(self, error: BaseException | None) -> None:
@@ -185,40 +216,55 @@ class Companion(Beside):
         cores: Cores | None = None,
     ):
         super().__init__(scene, engine, tell_news, cores)
-        self._queue: SimpleQueue[np.ndarray | BaseException | None] = SimpleQueue()
+        self._queue: SimpleQueue[Piece | BaseException | None] = SimpleQueue()
         self._room = threading.Semaphore(BLOCKS_AHEAD)
         self._ended = False
-        self._waiting: deque[np.ndarray] = deque()
+        self._waiting: deque[Piece] = deque()
+        self._total = 0  # events by the last piece that has arrived
 
-    def has(self, count: int) -> bool:
-        """Whether the next `count` samples, or all that there are, can be taken without waiting."""
-        while not self._ended and not self._queue.empty() and self._at_hand < count:
+    def has(self, most: np.ndarray) -> bool:
+        """Whether the next samples, as many as `most` has (see `take`), or all that there are, can be taken
+        without waiting.
+        """
+        while not self._ended and not self._queue.empty() and self._at_hand < len(most):
             piece = self._arrived(lambda: True)
-            if piece is not None:
+            if piece is not None and len(piece.events):
                 self._waiting.append(piece)
-        return self._ended or self._at_hand >= count
+            if self._at_hand < len(most) and self._total > most[self._at_hand]:
+                return True
+        return self._ended or self._at_hand >= len(most)
 
     @property
     def _at_hand(self) -> int:
-        return sum(piece.shape[1] for piece in self._waiting)
+        return sum(len(piece.events) for piece in self._waiting)
 
-    def take(self, count: int, go_on: GoOn = lambda: True) -> np.ndarray:
-        """Displacements [m] at the next `count` samples, shape (blocks that move, count).
+    def take(self, most: np.ndarray, go_on: GoOn = lambda: True) -> np.ndarray:
+        """Displacements [m] at the next samples, shape (blocks that move, samples).
 
-        NaN from where the companion has failed, or where `go_on` says no: it is asked while they are waited
+        most : how many events the companion may take up to each of them: where it takes more it is given up.
+        NaN from there, from where it has failed, or where `go_on` says no: it is asked while they are waited
         for, since the companion may be far slower than the run.
         """
-        rows = len(self._names)
-        parts = [np.empty((rows, 0))]
-        while count:
-            piece = self._next(go_on)
-            if piece is None:
-                piece = np.full((rows, count), np.nan)
-            if piece.shape[1] > count:
-                self._waiting.appendleft(piece[:, count:])
-            parts.append(piece[:, :count])
-            count -= parts[-1].shape[1]
-        return np.concatenate(parts, axis=1)
+        taken = np.full((len(self._names), len(most)), np.nan)
+        done = 0
+        while done < len(most) and (piece := self._next(go_on, most[done])) is not None:
+            count = min(len(piece.events), len(most) - done)
+            within = piece.events[:count] <= most[done : done + count]
+            if not within.all():
+                count = int(np.argmin(within))
+                self._give_up()
+            elif count < len(piece.events):
+                rest = Piece(piece.x[:, count:], piece.events[count:], piece.total)
+                self._waiting.appendleft(rest)
+            taken[:, done : done + count] = piece.x[:, :count]
+            done += count
+        return taken
+
+    def _give_up(self) -> None:
+        """End it, with what it has computed by now."""
+        self.failure, self._ended, self._closed, self.t_reached = GIVEN_UP, True, True, inf
+        self._waiting.clear()
+        self._room.release()
 
     def close(self) -> None:
         """End the companion where it is."""
@@ -226,20 +272,27 @@ class Companion(Beside):
         self._room.release()
         super().close()
 
-    def _next(self, go_on: GoOn) -> np.ndarray | None:
-        """The next samples; None after the last, or when not to go on."""
-        return self._waiting.popleft() if self._waiting else self._arrived(go_on)
+    def _next(self, go_on: GoOn, most: int) -> Piece | None:
+        """The next samples; None after the last, when not to go on, and where more than `most` events came
+        before them.
+        """
+        if self._waiting:
+            return self._waiting.popleft()
+        if not self._ended and self._total > most:
+            self._give_up()
+        return self._arrived(go_on)
 
-    def _arrived(self, go_on: GoOn) -> np.ndarray | None:
+    def _arrived(self, go_on: GoOn) -> Piece | None:
         """The next samples of those that have not been looked at; None as in `_next`."""
         piece = None if self._ended else self._awaited(go_on)
         if isinstance(piece, BaseException):
             raise piece
         self._ended = piece is None
+        self._total = self._total if piece is None else piece.total
         self._room.release()
         return piece
 
-    def _awaited(self, go_on: GoOn) -> np.ndarray | BaseException | None:
+    def _awaited(self, go_on: GoOn) -> Piece | BaseException | None:
         """The next block, or what ended it; None when not to go on, which is asked whenever it waits."""
         while True:
             if self._queue.empty() and not go_on():
@@ -249,7 +302,7 @@ class Companion(Beside):
             except Empty:
                 continue
 
-    def _hand_on(self, piece: np.ndarray) -> None:
+    def _hand_on(self, piece: Piece) -> None:
         self._room.acquire()
         self._queue.put(piece)
 

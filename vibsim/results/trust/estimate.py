@@ -23,7 +23,7 @@ import numpy as np
 
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import longest_period
-from vibsim.results.trust.share import Share, Third
+from vibsim.results.trust.share import MOST, Share, Third
 
 ULP = 2.0**-52
 DECADES = 4.0  # of growth for which the distance counts once more
@@ -46,6 +46,7 @@ class ErrorEstimate:
         self._time = self._distance = self._size = 0.0  # at the last sample
         self._within = 0.0  # time of the last sample before the estimate passes the tolerance [s]
         self._passed = False
+        self.known_to: float | None = None  # time of the last sample before nothing is known [s]
         self._share = Share()
 
     def update(
@@ -68,26 +69,34 @@ class ErrorEstimate:
             return np.empty(0)
         size = np.maximum.accumulate(np.maximum(np.abs(ours).max(axis=0), self._size))
         apart = np.abs(ours - theirs).max(axis=0)
-        apart = np.maximum(np.where(np.isnan(apart), size, apart), left_out)
+        unknown = np.isnan(apart)
+        apart = np.maximum(np.where(unknown, size, apart), left_out)
         times, apart = np.append(self._time, time), np.append(self._distance, apart)
         distance = held(times, apart, self._fading)[1:]
         rounding = ULP * size
         share = self._share.of(time, ours, apart[1:], distance, rounding, third) if third else None
+        if share is not None:
+            unknown |= share >= MOST
         bounded = distance if share is None else np.minimum(distance * share, np.maximum(distance, size))
         estimate = rounded_up(widened(bounded, rounding))
+        self._note(time, estimate, unknown)
         self._time, self._distance, self._size = time[-1], distance[-1], size[-1]
-        self._note(time, estimate)
         return estimate
 
     def horizon(self, t_reached: float) -> float:
-        """Time of the last sample before the estimate passes the tolerance [s]; else `t_reached`."""
+        """Time of the last sample before the estimate passes the tolerance, or nothing is known [s]; else
+        `t_reached`.
+        """
         return self._within if self._passed else t_reached
 
-    def _note(self, time: np.ndarray, estimate: np.ndarray) -> None:
+    def _note(self, time: np.ndarray, estimate: np.ndarray, unknown: np.ndarray) -> None:
         self.largest = max(self.largest, float(estimate.max()))
+        if self.known_to is None and unknown.any():
+            first = int(np.argmax(unknown))
+            self.known_to = float(time[first - 1] if first else self._time)
         if self._passed:
             return
-        beyond = np.flatnonzero(estimate > self.tolerance)
+        beyond = np.flatnonzero((estimate > self.tolerance) | unknown)
         inside = int(beyond[0]) if len(beyond) else len(estimate)
         if inside:
             self._within = float(time[inside - 1])

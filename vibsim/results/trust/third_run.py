@@ -9,7 +9,16 @@ import numpy as np
 from vibsim.physics.parts import Scene
 from vibsim.results.blocks_ahead import PATIENCE
 from vibsim.results.cores import Cores
-from vibsim.results.trust.companion import OTHER_ORDER, PARTS, USUAL_ORDER, Beside, GoOn, with_numbers
+from vibsim.results.trust.companion import (
+    GIVEN_UP,
+    OTHER_ORDER,
+    PARTS,
+    USUAL_ORDER,
+    Beside,
+    GoOn,
+    Piece,
+    with_numbers,
+)
 
 ORDERS = (22, OTHER_ORDER, USUAL_ORDER)
 
@@ -45,7 +54,10 @@ class Sides:
 
 
 class LastSamples(Beside):
-    """The `last` of the first `count` samples of a run of `scene`, which ends with them."""
+    """The `last` of the first `count` samples of a run of `scene`, which ends with them.
+
+    most : events that it may take before it is given up
+    """
 
     def __init__(
         self,
@@ -53,17 +65,18 @@ class LastSamples(Beside):
         engine: str,
         count: int,
         last: int,
+        most: int,
         tell_news: Callable[[], None] = lambda: None,
         cores: Cores | None = None,
     ):
         super().__init__(scene, engine, tell_news, cores)
-        self._first, self._last, self._seen = count - last, last, 0
+        self._first, self._last, self._seen, self._most = count - last, last, 0, most
         self._parts: list[np.ndarray] = []
         self._error: BaseException | None = None
 
     def told(self, seconds: float) -> np.ndarray | None:
-        """Displacements [m], shape (blocks that move, last), NaN where the run has failed; None where it goes
-        on for more than so many `seconds`.
+        """Displacements [m], shape (blocks that move, last), NaN where the run has failed, infinite where it
+        was given up; None where it goes on for more than so many `seconds`.
         """
         if self.t_reached < inf:
             self._thread.join(seconds)
@@ -71,13 +84,17 @@ class LastSamples(Beside):
             return None
         if self._error:
             raise self._error
+        if self.failure == GIVEN_UP:
+            return np.full((len(self._names), self._last), inf)
         rest = self._first + self._last - max(self._seen, self._first)
         return np.concatenate([*self._parts, np.full((len(self._names), max(rest, 0)), np.nan)], axis=1)
 
-    def _hand_on(self, piece: np.ndarray) -> None:
+    def _hand_on(self, piece: Piece) -> None:
+        if piece.total > self._most:
+            self.failure, self._closed = GIVEN_UP, True
         low, high = self._first - self._seen, self._first + self._last - self._seen
-        self._seen += piece.shape[1]
-        self._parts.append(piece[:, max(low, 0) : max(high, 0)].copy())
+        self._seen += len(piece.events)
+        self._parts.append(piece.x[:, max(low, 0) : max(high, 0)].copy())
 
     def _end(self, error: BaseException | None) -> None:
         self._error = error
@@ -101,11 +118,18 @@ class ThirdRun:
         """Whether it was asked and has not ended."""
         return self._run is not None and self._run.t_reached < inf
 
-    def displacements(self, go_on: GoOn, count: int, last: int, until: float) -> np.ndarray | None:
-        """What `LastSamples` of a run up to `until` [s] tells; None where it goes on when `go_on` says no."""
+    @property
+    def failure(self) -> str:
+        """Why nothing is known of it, in words; empty where something is."""
+        return GIVEN_UP if self._run is not None and self._run.failure == GIVEN_UP else ""
+
+    def displacements(self, go_on: GoOn, count: int, last: int, until: float, most: int) -> np.ndarray | None:
+        """What `LastSamples` of a run up to `until` [s], of `most` events, tells; None where it goes on when
+        `go_on` says no.
+        """
         if self._run is None:
             third = replace(third_scene(self._companion, self._scene), t_end=until)
-            self._run = LastSamples(third, self._engine, count, last, self._tell_news, self._cores)
+            self._run = LastSamples(third, self._engine, count, last, most, self._tell_news, self._cores)
             self._run.start()
         while (told := self._run.told(PATIENCE if go_on() else 0.0)) is None and go_on():
             pass

@@ -13,7 +13,7 @@ import numpy as np
 from vibsim.physics.parts import Scene
 from vibsim.results.columns import tables_of
 from vibsim.results.cores import Cores, available_cores
-from vibsim.results.trust.companion import Companion, GoOn, companion_scene, described
+from vibsim.results.trust.companion import Companion, GoOn, companion_scene, described, most_events
 from vibsim.results.trust.estimate import ErrorEstimate
 from vibsim.results.trust.share import NotYet
 from vibsim.results.trust.third_run import ThirdRun
@@ -32,10 +32,11 @@ Tag = TypeVar("Tag")  # whatever goes with a block
 class Unjudged(Generic[Tag]):
     """A block of samples that waits to be judged, with the displacements of the companion [m] once known.
 
-    left_out, tag : as of `Trust.judged`
+    left_out, tag : as of `Trust.judged`; most : events that the companion may take up to each sample
     """
 
     samples: Rows
+    most: np.ndarray
     left_out: np.ndarray | float
     tag: Tag
     theirs: np.ndarray | None = None
@@ -54,7 +55,13 @@ class NoTrust(Generic[Tag]):
         """Nothing runs beside."""
 
     def judged(
-        self, samples: Rows, left_out: np.ndarray | float, tag: Tag, go_on: GoOn, waits: bool = True
+        self,
+        samples: Rows,
+        happened: np.ndarray,
+        left_out: np.ndarray | float,
+        tag: Tag,
+        go_on: GoOn,
+        waits: bool = True,
     ) -> Iterator[tuple[Rows, Tag]]:
         """The samples as they are."""
         yield samples, tag
@@ -86,6 +93,7 @@ class Trust(NoTrust[Tag]):
         self._estimate = ErrorEstimate(scene, case.number("run.trust_tolerance"))
         self._names = tables_of(scene).displacements
         self._held: deque[Unjudged[Tag]] = deque()
+        self._taken = 0  # events of the run
         self._cores = Cores(max(available_cores() - 1, 1))  # one is for the run itself, until that has ended
 
     @cached_property
@@ -116,16 +124,25 @@ class Trust(NoTrust[Tag]):
         return self._companion.t_reached
 
     def judged(
-        self, samples: Rows, left_out: np.ndarray | float, tag: Tag, go_on: GoOn, waits: bool = True
+        self,
+        samples: Rows,
+        happened: np.ndarray,
+        left_out: np.ndarray | float,
+        tag: Tag,
+        go_on: GoOn,
+        waits: bool = True,
     ) -> Iterator[tuple[Rows, Tag]]:
         """Take the next block of samples, and yield those that are judged by now, with the column
         `error_estimate` [m]: none where the companion or a third run is waited for.
 
-        left_out : distance [m] at each sample that the run has left out of infinite sequences of impacts, as
-        its companion has; tag : what goes with the block; `go_on` as in `Companion.take`; waits : whether to
-        wait where many blocks are held
+        happened : times of the events that the engine handed over with them [s]
+        left_out : distance [m] at each sample that the run has left out of infinite sequences of impacts
+        tag : what goes with the block; `go_on` as in `Companion.take`; waits : whether to wait where many
+        blocks are held
         """
-        self._held.append(Unjudged(samples, left_out, tag))
+        taken = self._taken + np.searchsorted(happened, samples["time"], side="right")
+        self._taken += len(happened)
+        self._held.append(Unjudged(samples, most_events(taken), left_out, tag))
         yield from self._released(go_on, HELD if waits else inf)
 
     def ready(self, go_on: GoOn) -> Iterator[tuple[Rows, Tag]]:
@@ -145,12 +162,12 @@ class Trust(NoTrust[Tag]):
         while self._held:
             block, waits = self._held[0], len(self._held) > most
             times = block.samples["time"]
-            if block.theirs is None and (waits or self._companion.has(len(times))):
-                block.theirs = self._companion.take(len(times), go_on)
+            if block.theirs is None and (waits or self._companion.has(block.most)):
+                block.theirs = self._companion.take(block.most, go_on)
             if block.theirs is None or (self._third.is_awaited and not waits):
                 return
             ours = np.stack([block.samples[name] for name in self._names])
-            third = partial(self._by_a_third_run, go_on, waits)
+            third = partial(self._by_a_third_run, go_on, waits, block)
             try:
                 estimates = self._estimate.update(times, ours, block.theirs, block.left_out, third)
             except NotYet:
@@ -158,19 +175,29 @@ class Trust(NoTrust[Tag]):
             self._held.popleft()
             yield {**block.samples, COLUMN: estimates}, block.tag
 
-    def _by_a_third_run(self, go_on: GoOn, waits: bool, count: int, last: int, until: float) -> np.ndarray:
-        """`trust_share.Third`, to be waited for or not."""
-        told = self._third.displacements(lambda: waits and go_on(), count, last, until)
+    def _by_a_third_run(
+        self, go_on: GoOn, waits: bool, block: Unjudged[Tag], count: int, last: int, until: float
+    ) -> np.ndarray:
+        """`trust_share.Third`, to be waited for or not, where `block` is judged."""
+        most = int(block.most[np.searchsorted(block.samples["time"], until)])
+        told = self._third.displacements(lambda: waits and go_on(), count, last, until, most)
         if told is None and not waits:
             raise NotYet
         return np.full((len(self._names), last), inf) if told is None else told
 
     def attrs(self, t_reached: float) -> dict[str, Any]:
-        """Attributes of the file: horizon [s], tolerance [m], method, and the largest estimate [m].
+        """Attributes of the file: horizon [s], tolerance [m], method, and the largest estimate [m]; and from
+        when on nothing is known [s], and why, where a run beside this one was given up or failed.
 
         The horizon is `t_reached` where the tolerance is never passed.
         """
+        known_to, unknown = self._estimate.known_to, {}
+        companion, third = self._companion.failure, self._third.failure
+        if known_to is not None and (companion or third):
+            why = f"its companion {companion}" if companion else f"a third run {third}"
+            unknown = {"trust_known_to_s": known_to, "trust_unknown_why": why}
         return {
+            **unknown,
             "trust_horizon_s": self._estimate.horizon(t_reached),
             "trust_tolerance_m": self._estimate.tolerance,
             "trust_method": described(self._other),

@@ -13,6 +13,11 @@
 #define ROUNDING 8
 #define TURNING 4 /* times the speed of a hop: what slips faster does not turn round in it */
 #define CANCELLED 65536 /* times EPS, of all forces: more than what their rounding leaves of an acceleration, twice */
+#define LOWEST 1024 /* of displacements */
+#define NOISE 64
+#define EARLY 0.25
+#define FURTHEST 0x1p-10
+#define SURELY (2.0 / 3)
 #define CLEAR 2   /* times the bounds of a hop: as `drive` is not that of Python to the bit */
 
 static const RigidStop *stop_of(const Blows *b, int number)
@@ -262,13 +267,21 @@ static double beyond_rounding(const Run *r, const Blow *done)
 static int departs(Run *r, const Event *event, const Blow *done)
 {
     double speed = -done->after, e = done->stop->e, drive = -derivative_at_next(r, r->modes[done->target], event->key, 2);
+    double ahead = r->blows.early ? fmin(fmax(SURELY * e, FURTHEST), EARLY) : 1, furthest = r->blows.early ? FURTHEST : 1;
+    double rounding = CLEAR * (EPS * size_of(r, done->stop, done->X)), height, shortest;
     if (!isfinite(drive))
         return 0;
-    if (!(2 * speed > CLEAR * (drive * (fmax(NEXT, (1 - e) * LAST) * resolution(r, done->stop, drive)))))
+    shortest = CLEAR * (fmax(NEXT, (1 - e) * LAST) * resolution(r, done->stop, drive));
+    if (!(ahead * (2 * speed) > drive * shortest))
         return 0;
-    if (e == 1 && drive > 0 && !(speed > beyond_rounding(r, done)))
+    if (drive <= 0)
+        return 1;
+    if (e == 1 && !(speed > beyond_rounding(r, done)))
         return 0;
-    if (drive <= 0 || speed * (2 * speed / drive) / 4 > CLEAR * (r->blows.lowest * EPS * size_of(r, done->stop, done->X)))
+    if (r->known[event->key] != 1 && !(done->before * (done->before / drive) / 2 > NOISE * rounding))
+        return 0;
+    height = speed * (2 * speed / drive) / 4;
+    if (furthest * furthest * height > LOWEST * rounding && furthest * (2 * speed) > drive * shortest)
         return 1;
     return !rubs(r, done, 2 * speed / drive);
 }

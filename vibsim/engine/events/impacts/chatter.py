@@ -11,36 +11,60 @@ Resolution of forces: with e = 1 hops never end. Where forces cancel and roundin
 ends that stand, they would hop on with the speeds that rounding gave them, 1e17 times a second. So a hop no
 faster than rounding of the forces can have made it since t = 0 ends in rest, in doubt.
 
-Resolution of length: where a friction turns round at the top of a hop, the motion starts anew from rounded
+Resolution of length: where a friction changes within a hop, the motion starts anew from rounded
 displacements, and the return is lost in that where the height w^2 / (2 a) is. So the sequence ends below
-LOWEST of their rounding, at e = 1 too. With the acceleration b of the return it would have lasted for another
-w (1 / a + 1 / sqrt(a b)) / (1 - e sqrt(b / a)), some 1e-7 s, which is told. A friction that holds from where
-it comes to rest, after s, takes from the hop as well: it returns from w s - a s^2 / 2 on at b. So too where
-an elastic stop closes with each hop and lets go by force within it, at e < 1: its force is next to none, and
-b is a.
+LOWEST of their rounding. What it leaves out is some 1e-7 s, and is told: where a hop takes the time T, and
+speeds shrink by r from one to the next, it would have lasted for another T / (1 - r). T and r are those of a
+hop with the forces of its start, in which each friction turns round or holds from where it comes to rest
+(`Hop`). With e = 1 the sequence ends only where these take something of it. So too where an elastic stop
+closes with each hop and lets go by force within it, at e < 1: its force is next to none, and r is e.
+
+No speed shrinks that rounded displacements have made. So hops end in rest, in doubt, where an approach was
+lower than NOISE of that rounding and the stretch that led to it did not begin with the blow before.
+
+What a run leaves out, its companion (`early`) must not leave out too, or their difference shows nothing of
+it. It ends each sequence at least one whole hop before: it asks of the next hop, which is slower by r, and by
+SURELY for what r does not know, what a run asks of this one; where hops shrink slowly, of one EARLY as fast.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Generic
 
+from vibsim.engine.events.certificate import Certificate
+from vibsim.engine.events.departures import Departures, scout
 from vibsim.engine.events.impacts.blows import Blows
 from vibsim.engine.events.impacts.newton_moreau import Contact
 from vibsim.engine.events.impacts.touch import Touch
 from vibsim.engine.events.resolution import LAST, NEXT, ROUNDING, unit_of
 from vibsim.engine.events.settling import Settling
+from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import SLIDE, STRIKE
 from vibsim.engine.modes.status import OPEN, RESTING, STICK, Status
 from vibsim.engine.state import State
-from vibsim.physics.arithmetic.numbers import N, abs
+from vibsim.physics.arithmetic.numbers import Kit, N, abs
 from vibsim.physics.parts import AT_FORCE, Scene
 
 TURNING = 4  # times the speed of a hop: what slips faster does not turn round in it
 BESIDE = 32  # of displacements: how near a stop closes to where another is struck; blows.c asks for 64
 LOWEST = 1024  # of displacements; event functions near zero are watched to some hundred
+NOISE = 64  # of displacements: some times what a start and a return from rounded ones are off
+EARLY = 1 / 4  # of the speed of a hop: the one that a companion asks about is no faster
+SURELY = 2 / 3  # of the speed of the next hop as it is known
+FURTHEST = 2.0**-10  # of the speed of a hop: none that is slower is asked about
+CHANGES = 16  # of frictions within a hop that are followed
+
+
+@dataclass(frozen=True)
+class Hop(Generic[N]):
+    """A hop with the forces of its start: how long it lasts [s], with which speed it returns [m/s]."""
+
+    time: N
+    speed: N
 
 
 @dataclass
@@ -65,16 +89,24 @@ class CutOff(Generic[N]):
 class Chatter(Generic[N]):
     """Ends sequences of impacts that time, forces or displacements no longer tell from rest.
 
-    cut_off : see `CutOff`; lowest : see LOWEST
+    cut_off : see `CutOff`; early : whether they end at least one hop before those of a run
     """
 
     def __init__(self, scene: Scene[N], maker: RowMaker[N], settling: Settling[N], blows: Blows[N]) -> None:
         self.scene, self.maker, self.settling, self.blows = scene, maker, settling, blows
         self.departures, self.relative = settling.departures, settling.relative
         self.kit, self.stops = blows.kit, blows.stops
-        self.lowest = LOWEST
+        self.early = False
         zero = self.kit.number(0)
         self.cut_off = CutOff(zero, zero, zero)
+
+    @cached_property
+    def _beyond(self) -> Settling[N]:
+        """Settles what stands within hops that are only looked at: its doubts are none of the run."""
+        flow = scout(self.scene, self.kit, Certificate(self.kit))
+        departures = Departures(self.relative, self.maker, flow, self.kit)
+        departures.stopped = self.departures.stopped
+        return Settling(self.scene, self.maker, departures)
 
     def ends(self, state: State[N], status: Status, touch: Touch[N]) -> bool:
         """Bring open stops to rest that would be struck again within the resolution of time; whether there
@@ -89,26 +121,46 @@ class Chatter(Generic[N]):
             if drive <= 0:
                 continue
             unit, after = self._resolution(state.t, c, drive), 2 * speed / drive
-            hidden = unit * drive
-            last = after if c.e == 1 else after / (1 - c.e)
-            soon = after <= NEXT * unit or (c.e < 1 and after <= (1 - c.e) * (LAST * unit))
+            hidden, height = unit * drive, speed * after / 4
+            furthest = self._ahead(self.kit.number(0))
+            near = self._is_low(state, c.stop, furthest * furthest * height)
+            rubbing = near and self._rubs(state, status, c, speed, after)
+            hop = self._hop(state, status, c, speed) if rubbing else Hop(after, speed)
+            share = c.e * (hop.speed / speed) if hop else c.e
+            ahead = self._ahead(share)
+            soon = ahead * after <= NEXT * unit or (c.e < 1 and ahead * after <= (1 - c.e) * (LAST * unit))
             if c.e == 1 and not soon:
                 cancelled = 2 * self.unsure(state, status, c.stop)
                 soon = 2 * speed <= NEXT * cancelled
                 if soon:
                     hidden = cancelled
                     self.departures.doubt(state)
-            low = not soon and self._is_low(state, c.stop, speed * after / 4)
-            rubbing = self._rubbing(state, status, c, speed, after) if low else []
-            if rubbing:
-                lasting = self._lasting(state, status, c, rubbing, speed, drive)
-                soon, last = lasting is not None, last if lasting is None else lasting
-            if soon or (low and c.e < 1 and self._switches(state, status, c, speed)):
-                self.cut_off.add(state.t, last, speed, speed * after / 4)
+            low = not soon and self._is_low(state, c.stop, ahead * ahead * height)
+            if low and rubbing:
+                soon = c.e < 1 or share < 1
+            elif low and c.e < 1:
+                soon = self._switches(state, status, c, speed)
+            if not soon and self._is_noise(state, touch, c.stop, drive):
+                soon = True
+                self.departures.doubt(state)
+            if soon:
+                one, shrinks = (hop.time, share) if hop else (after, c.e)
+                lasting = one / (1 - shrinks) if shrinks < 1 else one
+                self.cut_off.add(state.t, lasting, speed, height)
                 touch.rates |= dict.fromkeys(self.blows.twins(touch, c.stop), self.kit.number(0))
                 touch.ended[c.stop] = hidden
                 chatter = True
         return chatter
+
+    def _ahead(self, share: N) -> N:
+        """Speed of the hop that decides on the end, of that of the hop at hand, where the next one has the
+        `share` of that.
+        """
+        number = self.kit.number
+        if not self.early:
+            return number(1)
+        ahead, furthest, nearest = SURELY * share, number(FURTHEST), number(EARLY)
+        return furthest if ahead < furthest else nearest if ahead > nearest else ahead
 
     def _resolution(self, t: N, contact: Contact[N], drive: N) -> N:
         """What rounding leaves open of times [s] at a stop that `drive` [m/s^2] closes."""
@@ -154,21 +206,20 @@ class Chatter(Generic[N]):
         after = 2 * speed / drive
         self.cut_off.add(t, after / (1 - e), speed, speed * after / 4)
 
-    def _rubbing(self, state: State[N], status: Status, contact: Contact[N], speed: N, after: N) -> list[int]:
-        """Frictions at an end of a stop, or at what moves with it, that slip so slowly that a hop which
-        begins with a speed [m/s] turns them round, or come to rest before the next blow, `after` [s].
+    def _rubs(self, state: State[N], status: Status, contact: Contact[N], speed: N, after: N) -> bool:
+        """Whether a friction at an end of a stop, or at what moves with it, slips so slowly that a hop which
+        begins with a speed [m/s] turns it round, or comes to rest before the next blow, `after` [s].
         """
         ends = self._hopping(status, contact)
-        return [
-            i
-            for i, one in enumerate(self.scene.frictions)
-            if status.frictions[i] != STICK
+        return any(
+            status.frictions[i] != STICK
             and ends & set(self.maker.ends(one))
             and (
                 abs(self.relative.slip(one, state)) <= TURNING * speed
                 or 0 < self._halt(state, status, i) <= after
             )
-        ]
+            for i, one in enumerate(self.scene.frictions)
+        )
 
     def _switches(self, state: State[N], status: Status, contact: Contact[N], speed: N) -> bool:
         """Whether an elastic stop at an end of a stop, or at what moves with it, closes just where that is
@@ -189,52 +240,57 @@ class Chatter(Generic[N]):
         hopping = {leader[column] for column in (contact.P, contact.Q) if leader[column] < n}
         return {column for column in range(n) if leader[column] in hopping}
 
-    def _is_low(self, state: State[N], j: int, height: N) -> bool:
+    def _is_low(self, state: State[N], j: int, height: N, most: int = LOWEST) -> bool:
         """Whether rounding of displacements hides a hop of some height [m]."""
-        return height <= self.lowest * self.kit.eps * self.blows.size(self.stops[j], state)
+        return height <= most * self.kit.eps * self.blows.size(self.stops[j], state)
 
-    def _lasting(
-        self, state: State[N], status: Status, c: Contact[N], rubbing: Sequence[int], speed: N, drive: N
-    ) -> N | None:
-        """How long a sequence of impacts would go on whose hops rise against `drive` and return with the
-        frictions `rubbing` turned round, or holding where they do not turn [s]; None where these take nothing
-        of them and e = 1 does not either.
+    def _is_noise(self, state: State[N], touch: Touch[N], j: int, drive: N) -> bool:
+        """Whether an approach to stop `j` against `drive` is one that rounded displacements have made."""
+        speed = touch.before[j]
+        height = speed * (speed / drive) / 2
+        return speed > 0 and state.t > 0 and touch.hop != j and self._is_low(state, j, height, NOISE)
+
+    def _hop(self, state: State[N], status: Status, c: Contact[N], speed: N) -> Hop[N] | None:
+        """The hop that begins with a speed [m/s] at `state`, where forces change with the frictions of what
+        hops alone; None where it does not return.
         """
-        turned = status.with_frictions({i: -status.frictions[i] for i in rubbing})
-        back = self._drive(state, turned, c.stop)
-        if not 0 < back < drive:
-            lasting = self._lasting_held(state, status, c, rubbing, speed, drive)
-            return 2 * speed / drive / (1 - c.e) if lasting is None and c.e < 1 else lasting
-        share = self.kit.sqrt(back / drive)
-        return speed / drive * (1 + 1 / share) / (1 - c.e * share)
+        at, kit, zero = state.copy(), self.kit, self.kit.number(0)
+        height, rate, time = zero, speed, zero
+        for _ in range(CHANGES):
+            rows = self._beyond.departures.enter(at, status)
+            if rows.leader[c.P] == rows.leader[c.Q]:
+                return None
+            a, _ = accelerations(self.scene, kit, rows, at)
+            drive = c.sense * (a[c.Q] - a[c.P])
+            back = _return(kit, height, rate, drive)
+            i, halt = self._next_halt(at, status, c, a)
+            if i is None or (back is not None and back <= halt):
+                return None if back is None else Hop(time + back, drive * back - rate)
+            time, height = time + halt, height + (rate - drive * halt / 2) * halt
+            rate = rate - drive * halt
+            at.t, at.v[:] = at.t + halt, [v + one * halt for v, one in zip(at.v, a, strict=False)]
+            status = self._beyond.settle(at, status, self._beyond.standing(status, [i]))
+            if status.frictions[i] == STICK:
+                self._beyond.join(at, self.maker.rows(status), i)
+        return None
 
-    def _lasting_held(
-        self, state: State[N], status: Status, c: Contact[N], rubbing: Sequence[int], speed: N, drive: N
-    ) -> N | None:
-        """How long a sequence of impacts would go on whose hops return with the frictions `rubbing` holding
-        from where they come to rest [s]; None where they do not, or no such hop is lower than the one before.
+    def _next_halt(
+        self, state: State[N], status: Status, c: Contact[N], accelerations: Sequence[N]
+    ) -> tuple[int | None, N]:
+        """The friction at what hops that comes to rest first with the accelerations of all columns, and after
+        which time [s]; None where none does.
         """
-        back = self._drive_held(state, status, c, rubbing)
-        halts = [self._halt(state, status, i) for i in rubbing]
-        if not 0 < back < drive or not all(halt > 0 for halt in halts):
-            return None
-        halt = halts[0]
-        for other in halts[1:]:
-            halt = other if other > halt else halt
-        height, rate = (speed - drive * halt / 2) * halt, speed - drive * halt
-        if height <= 0:
-            return None
-        again = self.kit.sqrt(rate * rate + 2 * back * height)
-        share = c.e * again / speed
-        return (halt + (rate + again) / back) / (1 - share) if share < 1 else None
-
-    def _drive_held(self, state: State[N], status: Status, c: Contact[N], rubbing: Sequence[int]) -> N:
-        """As `_drive`, with the frictions `rubbing` holding; 0 where these hold the ends of the stop."""
-        held = status.with_frictions(dict.fromkeys(rubbing, STICK))
-        leader = self.maker.ties(held)[0]
-        if leader[c.P] == leader[c.Q] or not self.settling.possible(self.maker.rows(held)):
-            return self.kit.number(0)
-        return self._drive(state, held, c.stop)
+        ends, first, soonest = self._hopping(status, c), None, self.kit.number(0)
+        for i, one in enumerate(self.scene.frictions):
+            P, Q = self.maker.ends(one)
+            sense = status.frictions[i]
+            slowing = -sense * (accelerations[P] - accelerations[Q])
+            if sense != STICK and ends & {P, Q} and slowing > 0:
+                slip = sense * self.relative.slip(one, state)
+                halt = slip / slowing if slip > 0 else self.kit.number(0)
+                if first is None or halt < soonest:
+                    first, soonest = i, halt
+        return first, soonest
 
     def _halt(self, state: State[N], status: Status, i: int) -> N:
         """When a friction that slips comes to rest [s]; 0 where it gathers speed."""
@@ -256,3 +312,14 @@ class Chatter(Generic[N]):
         rows = self.departures.enter(state, status)
         event = self.departures.event(rows, (STRIKE, j))
         return self.departures.bounds(state, event, 2)[2] * state.t
+
+
+def _return(kit: Kit[N], height: N, rate: N, drive: N) -> N | None:
+    """When ends at a height [m] that part at a rate [m/s] against `drive` [m/s^2] meet [s]; None where they
+    do not.
+    """
+    square = rate * rate + 2 * drive * height
+    if square < 0 or (drive <= 0 and rate >= 0):
+        return None
+    root = kit.sqrt(square)
+    return (rate + root) / drive if rate > 0 else 2 * height / (root - rate)

@@ -27,7 +27,7 @@ int blows_read(Run *r, Reader *in)
     int bounds = read_index(in, 0, r->parts - stops - frictions), i;
     if (in->short_of || !room_for_blows(r, stops, frictions, bounds))
         return 0;
-    b->lowest = read_double(in);
+    b->early = read_index(in, 0, 1);
     for (i = 0; i < stops; i++) {
         RigidStop *s = &b->stops[i];
         s->stop = read_index(in, 0, r->parts - 1);
