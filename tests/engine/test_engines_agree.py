@@ -17,8 +17,8 @@ from vibsim.engine.tangent.events.jumps import Jumps
 from vibsim.engine.tangent.tangent_space import dimension
 
 
-def assert_engines_agree(scene, tangent=0):
-    options = {"ledger": True, "momentum": True, "section": True, "tangent": tangent}
+def assert_engines_agree(scene, tangent=0, dither=0):
+    options = {"ledger": True, "momentum": True, "section": True, "tangent": tangent, "dither": dither}
     fast, slow = outcome(scene, "c", **options), outcome(scene, "python", **options)
     if isinstance(slow, Run) and isinstance(fast, Run):
         assert differences(fast, slow) == []
@@ -95,9 +95,9 @@ def test_disturbances_that_python_takes_through_events(scene):
 
 
 @settings(max_examples=25)
-@given(rigid_scenes())
-def test_random_scenes_with_rigid_stops(scene):
-    assert_engines_agree(scene)
+@given(rigid_scenes(), st.integers(0, 2))
+def test_random_scenes_with_rigid_stops(scene, dither):
+    assert_engines_agree(scene, dither=dither)
 
 
 @pytest.mark.slow

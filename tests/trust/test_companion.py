@@ -6,6 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from tests.engine.runs import run as run_of_parts
 from tests.trajectories import run
 from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError
@@ -107,7 +108,7 @@ def test_the_companion_goes_on_where_the_rest_distance_ends_the_run():
 @pytest.mark.parametrize("name", ["I-A", "II-B"])
 def test_samples_come_in_any_portions(name, companions):
     _, other = companion_of(name, run__t_end="40 s", run__every="1 ms")
-    whole = run(other).samples
+    whole = run_of_parts(other, dither=Companion.dither).samples
     companion = companions(other)
     portions = [companion.take(any_number(count)) for count in (1, 0, 7, 20_000, 19_993)]
     got = np.concatenate(portions, axis=1)

@@ -80,7 +80,7 @@ class CRun:
     """A run of a scene made of parts on the C engine.
 
     carries : whether disturbances are carried as they are (`CarryingRun`); such a run is begun later
-    early : as of `open_trajectory`
+    early, dither : as of `open_trajectory`
     """
 
     def __init__(
@@ -94,6 +94,7 @@ class CRun:
         carries: bool = False,
         extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None = None,
         early: bool = False,
+        dither: int = 0,
     ) -> None:
         self.scene, self.n, self.size, self.early = scene, len(scene.bodies), length(scene), early
         self.table, self.momentum = mode_table(scene, pitched=not carries), momentum
@@ -114,6 +115,7 @@ class CRun:
         if scene.rigid_stops:
             names = self.meters.names if self.meters else []
             self.run.keep_blows(*pack_blows(scene, names, self.maker.ends, early))
+        self.run.dither(dither)
         count, begin = tangent
         self.moving = count > 0
         if self.moving:

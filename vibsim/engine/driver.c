@@ -126,7 +126,7 @@ void run_rewind(Run *r, double t_end)
     for (k = 0; k < r->ledger.count; k++)
         r->ledger.entries[k] = 0.0;
     r->evaluations = r->steps = r->first_violation = 0;
-    r->crowd = r->finished = r->violated_once = 0;
+    r->crowd = r->finished = r->violated_once = r->dithered = 0;
     r->status = OK;
     r->stage = ADVANCE;
     certificate_open(&r->certificate);
@@ -197,16 +197,33 @@ static double meeting(Run *r, const Event *e)
     return fabs(step) <= nextafter(r->pending_end, INFINITY) - r->pending_end ? tau - step : tau;
 }
 
+/* The time of an event, on the grid of time; with `dither` the next one there. See driver.py. */
+static double dithered(Run *r)
+{
+    unsigned ones;
+    int odd = 0;
+    double at;
+    if (!r->dither || r->pending_end <= r->t0)
+        return r->pending_end;
+    r->dithered += 1;
+    for (ones = r->dithered & (r->dithered >> r->dither); ones; ones &= ones - 1)
+        odd = !odd;
+    at = nextafter(r->pending_end, odd ? -INFINITY : INFINITY);
+    return r->t0 < at && at <= r->t_end ? at : r->pending_end;
+}
+
 /* Take the state at the end of the stretch, once: there, or at the very instant of an impact. */
 void run_arrive(Run *r)
 {
     const Event *e = r->pending_event == NOTHING ? NULL : &r->mode->events[r->pending_event];
+    double at;
     if (r->arrived)
         return;
     r->arrived = 1;
-    r->pending_tau = r->pending_end - r->t0;
+    at = e == NULL ? r->pending_end : dithered(r);
+    r->pending_tau = at - r->t0;
     if (e == NULL || e->kind != STRIKE) {
-        flow_state(r, r->pending_end, &r->next);
+        flow_state(r, at, &r->next);
     } else {
         r->pending_tau = meeting(r, e);
         if (r->pending_tau == 0)
@@ -215,7 +232,7 @@ void run_arrive(Run *r)
             closed_form_state_after(r, r->pending_tau, &r->next);
         else
             taylor_state_after(r, r->pending_tau, &r->next);
-        r->next.t = r->pending_end;
+        r->next.t = at;
     }
     memcpy(r->before_v, r->next.v, sizeof(double) * (size_t)r->bodies);
     r->before_w = r->next.w;

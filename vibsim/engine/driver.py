@@ -43,7 +43,7 @@ class Driver(Generic[N]):
     end.
 
     tangent : disturbances whose growth is told, and from when [s]; carry : disturbances that are carried as
-    they are; flow : one of the scene that does more than its own; early : as of `open_trajectory`
+    they are; flow : one of the scene that does more than its own; early, dither : as of `open_trajectory`
     """
 
     def __init__(
@@ -59,12 +59,14 @@ class Driver(Generic[N]):
         flow: Flow[N] | None = None,
         extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None = None,
         early: bool = False,
+        dither: int = 0,
     ) -> None:
         self.scene, self.kit = scene, kit
         self.maker = RowMaker(scene, kit)
         self.flow = flow or Flow(scene, kit)
         self.automaton = Automaton(scene, self.maker, scout(scene, kit, self.flow.certificate), kit)
         self.automaton.rigid.chatter.early = early
+        self.dither, self.dithered = dither, 0
         self.section = StroboscopicSection(scene, self.flow) if section else None
         self.ledger = Ledger(scene, kit, self.maker, self.flow, momentum) if ledger or momentum else None
         self.extremes = Extremes(scene, kit, self.flow, *extremes) if extremes else None
@@ -194,12 +196,25 @@ class Driver(Generic[N]):
         instant of an impact. So a speed grows or shrinks by nothing but the impact, however short the stretch
         is against the grid of time. No rounding moves a state that is struck where the stretch begins.
         """
+        at = end if event is None else self._dithered(end)
         if event is None or event.kind != STRIKE:
-            return self.flow.state_at(end).settled(self.kit), end - self.flow.t0
+            return self.flow.state_at(at).settled(self.kit), at - self.flow.t0
         tau = self.flow.meeting(event, end)
         state = self.flow.state_after(tau) if tau != 0 else self.flow.start.copy()
-        state.t = end
+        state.t = at
         return state.settled(self.kit), tau
+
+    def _dithered(self, end: N) -> N:
+        """The time of an event [s], which is rounded to the grid of time; with `dither` = k > 0 the next time
+        on that grid. For the n-th event it is later where an even number of binary digits 1 of n stand k
+        places before another (k = 1: Rudin and Shapiro), else earlier: as uncorrelated as random signs.
+        """
+        if not self.dither or end <= self.flow.t0:
+            return end
+        self.dithered += 1
+        later = (self.dithered & (self.dithered >> self.dither)).bit_count() % 2 == 0
+        at = self.kit.next_after(end, inf if later else -inf)
+        return at if self.flow.t0 < at <= self.scene.t_end else end
 
     def _sample_until(self, end: N, last: bool) -> Iterator[None]:
         """Samples in [now, end), or up to and including the end of the run.

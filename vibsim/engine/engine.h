@@ -343,7 +343,8 @@ typedef struct Run {
     State state, next, scratch;
     double known_since, first_violation, evaluations, steps, counts[KINDS], t0;
     double milestone; /* time up to which `stretches` are counted */
-    int stretches;
+    int stretches, dither;
+    unsigned dithered; /* events so far whose times were moved by `dither` */
     Certificate certificate;
     long long next_sample;
     int crowd, finished, status, violated_once, stage, pending_event; /* stage: of the stretch in hand, which may take many calls */

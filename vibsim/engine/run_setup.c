@@ -187,6 +187,17 @@ PyObject *run_keep_section(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
+PyObject *run_dither(RunObject *self, PyObject *args)
+{
+    int dither;
+    if (!PyArg_ParseTuple(args, "i", &dither))
+        return NULL;
+    if (dither < 0 || dither > 31)
+        return PyErr_Format(PyExc_ValueError, "dither must be 0 to 31, got %d", dither);
+    self->run.dither = dither;
+    Py_RETURN_NONE;
+}
+
 PyObject *run_set_rule(RunObject *self, PyObject *args)
 {
     Run *r = &self->run;

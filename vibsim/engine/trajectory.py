@@ -33,6 +33,7 @@ def open_trajectory(
     tangent_from: float = 0.0,
     extremes: tuple[Sequence[Edge], float] | None = None,
     early: bool = False,
+    dither: int = 0,
 ) -> Trajectory:
     """A run of `scene` (a `vibsim.physics.parts.Scene`) from its start, not yet computed.
 
@@ -54,6 +55,8 @@ def open_trajectory(
         turn without contact of each stop between the ends of a pair
     early : whether infinite sequences of impacts end at least one whole hop before they do without it: what
         the one run leaves out, the difference of two shows
+    dither : k > 0: events are taken one unit in the last place of the time later or earlier than they are
+        rounded, with signs of their own for every k up to 31
 
     Returns an object with `engine`, `blocks()` (an iterator of `Block`s; raises EngineError when the run
     fails) and `totals`. Raises ValueError for another engine or method, a row that no run has or more
@@ -68,6 +71,7 @@ def open_trajectory(
         "tangent": (tangent, tangent_from),
         "extremes": extremes_of(scene, *extremes) if extremes else None,
         "early": early,
+        "dither": dither,
     }
     point = None if resume is None else resume_point(scene, resume)
     if engine_name(engine) == "python":

@@ -53,7 +53,8 @@ class Wishes(TypedDict, total=False):
     """What a run is to keep besides samples and events; see `open_trajectory`.
 
     tangent : number of disturbances, and from when their growth counts [s]
-    extremes : columns of the pairs, the stops whose gaps are watched, since when [s]; early : see there
+    extremes : columns of the pairs, the stops whose gaps are watched, since when [s]
+    early, dither : see there
     """
 
     section: bool
@@ -62,6 +63,7 @@ class Wishes(TypedDict, total=False):
     tangent: tuple[int, float]
     extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None
     early: bool
+    dither: int
 
 
 class Trajectory(Generic[N]):

@@ -6,7 +6,10 @@ data alone misses some growth). Infinite sequences of impacts it ends at least o
 run leaves out there is not left out by both. And its data lie on the other side of the true
 ones: a decimal such as 0.297 kg is no double, and every number that is none is moved by one unit in the last
 place towards its exact value. Without that the phase error of a motor that turns evenly, which comes of the
-data, would be missed: after 10,000 s it is 70 times the distance of two runs from equal data.
+data, would be missed: after 10,000 s it is 70 times the distance of two runs from equal data. And its events
+lie on other points of the grid of time: an impact comes between two doubles, and a run takes the nearer one.
+Where motions forget their start, as a body does that has rested on a shaken base, that is nearly all of the
+error, and runs that round to the same double share it.
 """
 
 import threading
@@ -127,7 +130,10 @@ class Beside:
 
     The C engine lets go of the interpreter while it computes: on two cores it costs hardly any time.
     tell_news : called in that thread whenever it has come further; cores : asked for one, block by block
+    dither : how its events are moved on the grid of time, as of `open_trajectory`
     """
+
+    dither = 1
 
     def __init__(
         self,
@@ -180,7 +186,7 @@ class Beside:
 
     def _blocks(self) -> Iterator[Block]:
         with self._cores:
-            self._trajectory = open_trajectory(self._scene, self._engine, early=True)
+            self._trajectory = open_trajectory(self._scene, self._engine, early=True, dither=self.dither)
             blocks = self._trajectory.blocks()
         while not self._closed:
             with self._cores:

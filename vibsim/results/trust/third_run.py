@@ -59,6 +59,8 @@ class LastSamples(Beside):
     most : events that it may take before it is given up
     """
 
+    dither = 2  # the companion has 1
+
     def __init__(
         self,
         scene: Scene,
