@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import vibsim
+from vibsim.cases.loading import load_case_text
 from vibsim.orbits.errors import OrbitError
 
 TEXT = """
@@ -115,3 +116,46 @@ def test_behind_a_chatter_and_a_rest_errors_are_told():
             error = np.abs(told.by_parameter[key] - exact)
             assert (error <= told.error[key]).all() and (told.error[key] <= 1e-7 * np.abs(exact)).all(), key
     assert (np.abs(told.by_parameter["stops.wall.e"]) <= told.error["stops.wall.e"]).all()
+
+
+CHATTERING = """
+bodies: {a: 1 kg, b: 2 kg}
+links: {la: {between: [a, ground], k: 50 N/m, c: 0.8 N s/m}, lb: {between: [b, ground], k: 50 N/m}}
+stops:
+  sa: {between: [a, ground], gap: 1 mm, acts: extension, law: rigid, e: 1}
+  sb: {between: [b, ground], gap: 1 mm, acts: extension, law: rigid, e: 0.3}
+forces: {da: {on: a, A: 3 N, omega: 2 Hz}, db: {on: b, A: 3 N, omega: 0.5 Hz, F0: -4 N}}
+run: {t_end: 10 s, every: 10 ms}
+"""
+ALONE = """
+bodies: {a: 1 kg}
+links: {la: {between: [a, ground], k: 50 N/m, c: 0.8 N s/m}}
+stops: {sa: {between: [a, ground], gap: 1 mm, acts: extension, law: rigid, e: 1}}
+forces: {da: {on: a, A: 3 N, omega: 2 Hz}}
+run: {t_end: 10 s, every: 10 ms}
+"""
+
+
+@pytest.mark.parametrize("e", ["1", "0.9"])
+def test_a_number_where_its_range_ends(e):
+    """b comes to rest by infinitely many impacts, so derivatives are quotients, one-sided at e = 1. Nothing
+    of a depends on b, and without b they are carried along, exact to rounding.
+    """
+    key, start = "stops.sa.e", {"v_a": -0.1}
+    told = vibsim.monodromy(load_case_text(CHATTERING, overrides={key: e}), start, 1.7, (key,))
+    assert ("rest_begin", 1) in told.events and told.events.count(("impact", 0)) > 2
+    alone = vibsim.monodromy(load_case_text(ALONE, overrides={key: e}), start, 1.7, (key,))
+    assert not alone.error[key].any()
+    error = np.abs(told.by_parameter[key][[0, 2]] - alone.by_parameter[key])
+    assert np.all(error <= told.error[key][[0, 2]]) and error.max() < 1e-9
+
+
+def test_a_number_without_unit_at_0():
+    """A body pressed on a wall: with a small e it hops for a time in proportion to e, which is long over at
+    the end. So it rests there as with e = 0.
+    """
+    text = ALONE.replace("A: 3 N, omega: 2 Hz", "F0: -4 N")
+    told = vibsim.monodromy(load_case_text(text, overrides={"stops.sa.e": "0"}), {}, 1.0, ("stops.sa.e",))
+    assert told.events == (("impact", 0), ("rest_begin", 0))
+    assert np.all(np.abs(told.by_parameter["stops.sa.e"]) <= told.error["stops.sa.e"])
+    assert 0 < told.error["stops.sa.e"].max() < 1e-10

@@ -3,12 +3,14 @@
 Changes of the state, and of numbers of the case, are carried along by the motion, exact to rounding. Where
 the motion rests on a rigid stop, strikes several at one instant or strikes one with a body that sticks,
 changes of numbers are difference quotients of motions beside it, of two widths, whose leading error cancels
-(Richardson): of infinitely many impacts in front of a rest no closed form is known here. Behind the rest of a
-chattering oscillator they are right to 1e-13 by its force and mass, to 1e-9 by its frequency.
+(Richardson), of four widths on one side where the range of the number ends: of infinitely many impacts in
+front of a rest no closed form is known here. Behind the rest of a chattering oscillator they are right to
+1e-13 by its force and mass, to 1e-9 by its frequency.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import inf
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
     from vibsim.cases import Case
     from vibsim.physics.parts import Scene
 
-ROUNDINGS = 8  # of a state behind a motion that has been at rest and forgotten what came before
+ROUNDINGS = 8  # of each state behind a motion that has been at rest and forgotten what came before
 WIDTH = 2.0**-10  # of the number: rounding 2^-53 / 2^-10 and what is left out, 2^-40, are both 1e-12 about
 
 
@@ -151,28 +153,62 @@ def _slopes(case: "Case", parameters: Sequence[str], started: "Scene") -> np.nda
 def _quotient(
     case: "Case", key: str, start: Sequence[float], T: float, engine: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """d state(T) / d number of the case, and the estimate of its error."""
+    """d state(T) / d number of the case, and the estimate of its error: central where the case allows both
+    sides of the number, one-sided where the range of the number ends at it.
+    """
     value = case.number(key)
-    if value == 0:
+    if value == 0 and _si(case, key):
         raise OrbitError(f"{key} is 0, which leaves open how far to change it; give it a small value")
-    (wide, _), (narrow, rounding) = (
-        _central(case, key, value, share, start, T, engine) for share in (WIDTH, WIDTH / 2)
-    )
-    return (4 * narrow - wide) / 3, np.abs(narrow - wide) * WIDTH + rounding
+
+    def motion(share: float) -> tuple[float, np.ndarray]:
+        """The number changed by a share of it, of 1 where it is 0, and the state at the end."""
+        number = value * (1 + share) if value else share
+        changed = case.with_values({key: f"{number!r} {_si(case, key)}".strip()}) if share else case
+        return changed.number(key), Carrier(changed.scene(), engine).carry(start, T, []).state
+
+    sides = _sides(case, key, value)
+    if len(sides) == 2:
+        pairs = [(motion(share), motion(-share)) for share in (WIDTH, WIDTH / 2)]
+        return _extrapolated(pairs, (2,))
+    here = motion(0.0)
+    pairs = [(motion(sides[0] * WIDTH / 2**i), here) for i in range(4)]
+    return _extrapolated(pairs, (1, 2, 3))
 
 
-def _central(
-    case: "Case", key: str, value: float, share: float, start: Sequence[float], T: float, engine: str
+def _sides(case: "Case", key: str, value: float) -> list[int]:
+    """The sides of a number that the case allows. Raises CaseError where it allows none."""
+    from vibsim.cases import CaseError
+
+    sides, refused = [], None
+    for side in (1, -1):
+        number = value * (1 + side * WIDTH) if value else side * WIDTH
+        try:
+            case.with_values({key: f"{number!r} {_si(case, key)}".strip()})
+            sides.append(side)
+        except CaseError as error:
+            refused = error
+    if refused and not sides:
+        raise refused
+    return sides
+
+
+Motion = tuple[float, np.ndarray]  # a number of the case, and the state at the end
+
+
+def _extrapolated(
+    pairs: Sequence[tuple[Motion, Motion]], powers: Sequence[int]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Central difference quotient over value (1 +- share), and what rounding of the motions does to it."""
-    ends, numbers = [], []
-    for sign in (1, -1):
-        changed = case.with_values({key: f"{value * (1 + sign * share)!r} {_si(case, key)}".strip()})
-        numbers.append(changed.number(key))
-        ends.append(Carrier(changed.scene(), engine).carry(start, T, []).state)
-    apart = numbers[0] - numbers[1]
-    largest = float(np.abs(ends).max())
-    return (ends[0] - ends[1]) / apart, np.full(len(ends[0]), ROUNDINGS * 2.0**-52 * largest / abs(apart))
+    """Difference quotients of pairs of motions, each half as far apart as those before, with what is left out
+    of them in these powers of the width taken away; and what is left and rounding make of it.
+    """
+    rows = [(end - other) / (number - there) for (number, end), (there, other) in pairs]
+    (number, end), (there, other) = pairs[-1]
+    rounding = 2 * ROUNDINGS * 2.0**-52 * float(np.abs([end, other]).max()) / abs(number - there)
+    for power in powers:
+        halves, apart = 2**power, np.abs(rows[-1] - rows[-2])
+        rows = [(halves * narrow - wide) / (halves - 1) for wide, narrow in pairwise(rows)]
+        rounding *= (halves + 1) / (halves - 1)
+    return rows[-1], apart * WIDTH + rounding
 
 
 def _si(case: "Case", key: str) -> str:
