@@ -141,7 +141,7 @@ def test_a_run_that_is_stopped_before_a_third_run_has_ended_is_not_trusted_beyon
     result = simulate_to_file(short_case("II-B", "300 s"), tmp_path / "a.h5", watch=lambda t: t < 90)
     assert not result.complete and result.t_reached > 80
     assert len(result.error_estimate) == len(result) > 0.99 * result.t_reached / 5e-3
-    assert 50 < result.trust_horizon < 70
+    assert 30 < result.trust_horizon < 70  # the third run is asked at 37 s, where errors have grown 1e4 times
 
 
 def test_the_python_engine_estimates_the_same():

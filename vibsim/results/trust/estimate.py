@@ -1,7 +1,7 @@
 """The error of a run at every sample, estimated from the distance to its companion.
 
     distance = the largest |dx| of any body, at least one ulp of the largest displacement so far
-    estimate = (1 + decades / 4) x distance, held for about two periods
+    estimate = (1 + decades / 8) x distance, held for about two periods
 
 The distance swings with the motion, so the largest of the last periods counts: a value fades by the
 factor e in two periods, along straight lines from one power of two to the next. Where errors die out, as in a
@@ -10,8 +10,9 @@ damped motion under a steady force, the estimate follows them down.
 Two rounding errors of one size start in different directions, and what counts is their share in the
 direction that grows; by bad luck the distance is small where the error is not. Where nothing grows this
 averages out; where errors grow it stays. So the distance is multiplied by a factor that rises with the
-decades by which it has grown beyond rounding: 1 at the start, 3.5 when 1e-16 m has become 1e-6 m; and by
-what a third run tells (`trust_share`).
+decades by which it has grown beyond rounding: 1 at the start, 2.25 when 1e-16 m has become 1e-6 m; and by
+what a third run tells (`trust_share`). The companion's data and the times of its events are one unit in the
+last place from those of the run, which are at most half of one from the true ones.
 
 When the two runs have nothing to do with each other any more, the estimate says how far apart such runs are:
 it saturates at the size of the motion.
@@ -26,7 +27,7 @@ from vibsim.physics.rates import longest_period
 from vibsim.results.trust.share import MOST, Share, Third
 
 ULP = 2.0**-52
-DECADES = 4.0  # of growth for which the distance counts once more
+DECADES = 8.0  # of growth for which the distance counts once more
 PERIODS_HELD = 2.0
 BITS_BELOW = 12  # of a double, left out of its logarithm: room for sums
 UNIT = 2.0 ** (52 - BITS_BELOW)  # of the logarithm: so many to a power of two
