@@ -1,6 +1,7 @@
 """The second run beside the first: what it integrates; that it keeps step, ends and fails as it should."""
 
 import threading
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from tests.engine.runs import run as run_of_parts
 from tests.trajectories import run
 from vibsim.cases import load_case
+from vibsim.cases.loading import load_case_text
 from vibsim.engine.errors import EngineError
 from vibsim.engine.state import State
 from vibsim.engine.trajectory import open_trajectory
@@ -16,6 +18,7 @@ from vibsim.results.trust.companion import BLOCKS_AHEAD, GIVEN_UP, Companion, co
 from vibsim.results.trust.third_run import LastSamples, third_scene
 
 LONG = {"run.t_end": "100000 s"}
+END = "run: {t_end: 1 s, every: 10 ms}"
 # those of II-B that are no doubles
 NUMBERS = [lambda it, i=i: it.bodies[i].m for i in range(2)]
 NUMBERS += [lambda it: it.links[0].c, lambda it: it.stops[0].gap, lambda it: it.frictions[0].forward]
@@ -202,3 +205,33 @@ def test_of_a_third_run_that_takes_too_many_events_nothing_is_known():
         assert np.isfinite(told).all() == known and np.isinf(told).all() != known
         assert (third.failure == GIVEN_UP) != known
         third.close()
+
+
+@pytest.mark.parametrize("dither", [1, 2])
+def test_events_lie_one_unit_in_the_last_place_aside(dither):
+    """Of the first one before which nothing was moved exactly, of the others but for what comes of it; the
+    motions are the same but for rounding.
+    """
+    scene = replace(load_case("I-A", {"run.t_end": "20 s"}).scene(), method="taylor")
+    plain, moved = run_of_parts(scene), run_of_parts(scene, dither=dither)
+    one, other = plain.events["t"][1:-1], moved.events["t"][1:-1]
+    assert len(one) == len(other) > 100
+    assert abs(other[0] - one[0]) == np.spacing(one[0])
+    units = np.rint((other - one) / np.spacing(one))
+    assert min(np.sum(units > 0), np.sum(units < 0)) > 30
+    assert np.abs(units).max() < 64
+    for name in ("x1", "x2"):
+        assert 0 < np.abs(moved.samples[name] - plain.samples[name]).max() < 1e-14
+
+
+def test_events_at_the_end_of_a_run_stay_within_it():
+    """A body dropped from g / 2 strikes the floor after 1 s, where the run ends."""
+    text = (
+        "bodies: {a: 1 kg}\nstops: {s: {between: [a, ground], gap: 0 m, acts: extension, law: rigid, e: 0.5}}"
+    )
+    case = load_case_text(f"{text}\nforces: {{f: {{on: a, F0: -2 N}}}}\ninitial: {{a: {{x: 1 m}}}}\n{END}")
+    for dither in range(4):
+        for engine in ("c", "python"):
+            found = run_of_parts(case.scene(), engine, dither=dither)
+            start, impact, end = found.events["t"].tolist()
+            assert start == 0 and 1 - 1e-14 < impact <= end == found.samples["time"][-1] == 1

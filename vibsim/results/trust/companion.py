@@ -102,7 +102,8 @@ def described(companion: Scene) -> str:
     series = f"Taylor series of order {companion.order}"
     both = f"closed form or {series}"
     stepping = {"taylor": series, "closed_form": "closed form", "auto": both}[companion.method]
-    return f"difference from a second run by {stepping}, its data one ulp towards their decimal values"
+    moved = "its data one ulp towards their decimal values, its events one ulp aside"
+    return f"difference from a second run by {stepping}, {moved}"
 
 
 def with_numbers(value: Any, other: Any, change: Callable[[float, Any], float]) -> Any:
