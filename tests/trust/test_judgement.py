@@ -116,7 +116,7 @@ def test_scenes_driven_hard():
     cases = [*map(hard_scene, range(1, HARD + 1)), *(load_case_text(text) for text, *_ in LATE)]
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         found = list(pool.map(judged, cases))
-    assert sum(len(one.horizons) for one in found) > HARD
+    assert sum(len(one.horizons) for one in found) > HARD // 2
     assert max(one.latest for one in found) <= 1.1
     assert max(one.too_low for one in found) <= 0.1
 
