@@ -30,6 +30,7 @@ from vibsim.files.errors import ResultFileError
 from vibsim.plots.branches.leaps import dead_ends
 from vibsim.plots.branches.load_curve import load_curve_panel
 from vibsim.plots.branches.motor_lines import torque_of
+from vibsim.plots.branches.values import amplitude_of
 from vibsim.plots.page.sheet import sheet
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
@@ -94,18 +95,35 @@ def _stored(case: Case, path: Path) -> Branch | None:
 
 
 def measure_ends(branches: Mapping[str, Branch]) -> Numbers:
-    """Of each branch: up to which no-load speed orbits are held, mean speed [Hz] and torque [N m] there."""
+    """Of each branch: up to which no-load speed orbits are held, mean speed [Hz], torque [N m], power [W] and
+    amplitude [m] there and, as `half`, at the last orbit before that takes at most half the power.
+    """
     return {name: _end(branch) for name, branch in branches.items()}
 
 
 def _end(branch: Branch) -> Numbers:
     last = max(dead_ends(branch), key=lambda orbit: orbit.parameter)
     (special,) = (one for one in branch.specials if one.orbit is last)
+    end = _point(branch, last)
+    before = [point.orbit for point in branch.points[: special.between[0] + 1]]
+    half = next(one for one in reversed(before) if _point(branch, one)["power"] <= end["power"] / 2)
+    amplitude = amplitude_of(branch)
     return {
-        "no_load_hz": last.parameter,
-        "speed_hz": branch.plan.n / last.period,
-        "torque": torque_of(branch)(last),
+        **end,
         "kind": special.kind,
+        "amplitude": amplitude(last),
+        "half": {**_point(branch, half), "amplitude": amplitude(half)},
+    }
+
+
+def _point(branch: Branch, orbit: Any) -> Numbers:
+    """No-load speed, mean speed [Hz], mean torque [N m] and their power [W] of an orbit."""
+    speed, torque = branch.plan.n / orbit.period, torque_of(branch)(orbit)
+    return {
+        "no_load_hz": orbit.parameter,
+        "speed_hz": speed,
+        "torque": torque,
+        "power": 2 * pi * speed * torque,
     }
 
 

@@ -30,7 +30,8 @@ from vibsim.evidence.reports.figures.paper_figures import growth_figure, paper_f
 from vibsim.evidence.reports.load_curves import obtain_branches
 from vibsim.evidence.reports.measured.numbers_file import NumbersFile
 from vibsim.evidence.reports.measured.paper_numbers import Tell, measure_paper
-from vibsim.evidence.reports.measured.paper_runs import PAPER_RUNS, Interrupted, obtain_run
+from vibsim.evidence.reports.measured.paper_runs import PAPER_RUNS, Interrupted
+from vibsim.evidence.reports.measured.true_motions import obtain
 from vibsim.evidence.reports.pages.document import Picture
 from vibsim.evidence.reports.pages.html_page import render_html
 from vibsim.evidence.reports.pages.paper_document import paper_document
@@ -108,7 +109,7 @@ def obtain_runs(folder: Path, tell: Tell, fresh: bool = False) -> tuple[dict[str
     results, simulated, total = {}, 0, len(PAPER_RUNS)
     for done, name in enumerate(PAPER_RUNS):
         watch = partial(_still_at, tell, done, total)
-        results[name], anew = obtain_run(load_case(name), folder, watch, fresh)
+        results[name], anew = obtain(load_case(name), folder, watch, fresh)
         simulated += anew
         if not tell("simulating", done + 1, total):
             raise Interrupted

@@ -30,11 +30,16 @@ def starts() -> list[float]:
 
 def measure_ensemble(case: Case, advance: Advance) -> Numbers:
     """What comes of a case from each start; raises Interrupted when `advance` returns False."""
-    members = [case.with_values({"initial.x1": f"{start:.4g} m"}) for start in starts()]
+    members = from_starts(case)
     return {
         "starts": starts(),
         "outcomes": run_all([partial(member_outcome, each) for each in members], advance),
     }
+
+
+def from_starts(case: Case) -> list[Case]:
+    """The case from each of the perturbed starts."""
+    return [case.with_values({"initial.x1": f"{start:.4g} m"}) for start in starts()]
 
 
 def member_outcome(case: Case) -> Numbers:

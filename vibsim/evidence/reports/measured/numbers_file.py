@@ -17,7 +17,7 @@ from vibsim.files.output_file import output_file
 
 Numbers = dict[str, Any]
 
-MEASURES = 3  # goes up when what is measured of the same runs changes
+MEASURES = 4  # goes up when what is measured of the same runs changes
 
 
 class NumbersFile:

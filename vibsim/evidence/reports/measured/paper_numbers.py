@@ -17,7 +17,7 @@ from vibsim.evidence.reports.measured.ensembles import measure_ensemble, starts
 from vibsim.evidence.reports.measured.measurements import Numbers, measure_run, plain
 from vibsim.evidence.reports.measured.numbers_file import NumbersFile
 from vibsim.evidence.reports.measured.outcomes import Advance, run_all
-from vibsim.evidence.reports.measured.paper_runs import EQUAL_FORCE, MOTORS, PRINTED, READINGS
+from vibsim.evidence.reports.measured.paper_runs import EQUAL_FORCE, MOTORS, PRINTED, PRINTED_MOTOR, READINGS
 from vibsim.evidence.reports.measured.parameter_search import made_of, search_plane, search_readings
 from vibsim.evidence.reports.measured.regimes_nearby import (
     DAMPINGS,
@@ -25,10 +25,11 @@ from vibsim.evidence.reports.measured.regimes_nearby import (
     FREQUENCIES,
     LAWS,
     LONGER,
+    STARTS,
     measure_nearby,
 )
 from vibsim.evidence.reports.measured.solver_hypothesis import SOLVERS, measure_solvers
-from vibsim.evidence.reports.measured.without_stop import measure_without_stop
+from vibsim.evidence.reports.measured.without_stop import GAPS_MM, measure_gaps, measure_without_stop
 from vibsim.physics.arithmetic import elementary
 from vibsim.results import Result, simulate
 
@@ -70,9 +71,18 @@ def measure_paper(
         file.section(f"ensemble {name}", [prints[name], starts()], measure)
     shown = [case for name, case in cases.items() if name not in READINGS]
     file.section("without_stop", prints, lambda: measure_without_stop(shown, told("taking the stop away")))
-    ideal, m3e = cases[PRINTED[1]], unbalance(cases)
-    beside = [ideal.sha256, m3e, FREQUENCIES, DAMPINGS, LAWS, FOLLOWED, LONGER]
-    file.section("nearby", beside, lambda: measure_nearby(ideal, m3e, told("looking beside")))
+    m3e = unbalance(cases)
+    by_law = {
+        law: [cases[name] for name in names] for law, names in zip(LAWS, (PRINTED, EQUAL_FORCE), strict=True)
+    }
+    beside = [prints, m3e, FREQUENCIES, DAMPINGS, LAWS, STARTS, FOLLOWED, LONGER]
+    file.section("nearby", beside, lambda: measure_nearby(by_law, m3e, told("looking beside")))
+    gapped = cases[PRINTED_MOTOR]
+    file.section("gaps", [gapped.sha256, GAPS_MM], lambda: measure_gaps(gapped, told("widening the gap")))
+    for case in motors:
+        changed = case.with_values(at_voltage(case, cases[MOTORS[0]]))
+        measure = partial(measure_ensemble, changed, told(f"raising the voltage to {case.name}"))
+        file.section(f"voltage {case.name}", [changed.sha256, starts()], measure)
     sought = [keys, made_of()]
     file.section("readings", sought, lambda: search_readings(motors, told("judging readings")))
     file.section("plane", sought, lambda: search_plane(motors, told("searching over J and c")))
@@ -82,13 +92,17 @@ def measure_paper(
 
 def table_of(sections: Mapping[str, Any]) -> Numbers:
     """The sections as the claims read them."""
-    ensembles = {
-        name.split(" ", 1)[1]: value for name, value in sections.items() if name.startswith("ensemble ")
-    }
+    ensembles, voltages = (_of_cases(sections, kind) for kind in ("ensemble", "voltage"))
     search = {name: sections[name] for name in ("readings", "plane")}
-    names = ("facts", "ends", "runs", "long_runs", "without_stop", "nearby", "solvers")
+    names = ("facts", "ends", "runs", "long_runs", "without_stop", "nearby", "gaps", "solvers")
     whole = {name: sections[name] for name in names}
-    return {**whole, "ensembles": ensembles, "search": search}
+    return {**whole, "ensembles": ensembles, "voltages": voltages, "search": search}
+
+
+def _of_cases(sections: Mapping[str, Any], kind: str) -> Numbers:
+    """The sections "KIND CASE" by case."""
+    parted = {name: name.partition(" ") for name in sections}
+    return {case: sections[name] for name, (head, _, case) in parted.items() if head == kind}
 
 
 def measure_facts(cases: Mapping[str, Case]) -> Numbers:
@@ -100,10 +114,26 @@ def measure_facts(cases: Mapping[str, Case]) -> Numbers:
         **{f"free_hz_{kind}": facts[kind]["free"] for kind in facts},
         **{f"bilinear_hz_{kind}": facts[kind]["bilinear"] for kind in facts},
         "least_hold_s": {f"{J:g}": least_hold(cases[MOTORS[2]], J) for J in INERTIAS},
+        "characteristics": [_characteristic(cases[name]) for name in MOTORS],
         "amplitudes": [
             _amplitudes(*names, cases) for names in zip(PRINTED, EQUAL_FORCE, MOTORS, strict=True)
         ],
     }
+
+
+def _characteristic(case: Case) -> Numbers:
+    """No-load speed [Hz], torque at standstill [N m] and slope [N m s] of a motor's line."""
+    scene = case.two_blocks()
+    return {"no_load_hz": scene.Omega0 / (2 * pi), "M0": scene.M0, "slope": scene.M0 / scene.Omega0}
+
+
+def at_voltage(case: Case, motor: Case) -> dict[str, str]:
+    """What makes of a case the motor of another, at the voltage of the no-load speed of the case.
+
+    On a DC motor with a constant field M0 = kt V / R and Omega0 = V / ke are both proportional to V.
+    """
+    one, other = (_characteristic(each) for each in (case, motor))
+    return {"excitation.M0": f"{other['slope'] * one['M0'] / one['slope']!r} N m"}
 
 
 def least_hold(case: Case, inertia: float) -> float:

@@ -57,6 +57,7 @@ READINGS = (
     "M0=0.004 N m",
     "m3=54 g",
     "m3=62 g, c=0.00175 N s/m",
+    "G=252 mm",
     WITHOUT_STOP,
 )
 FREE = {"J": "0.5:20 g m^2", "c": "0.001:0.05 N s/m"}
