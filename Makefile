@@ -131,6 +131,9 @@ verify: $(STAMP) ## verify against known cases, then run the slow tests
 truths: $(STAMP) ## compute the stored truths of `vibsim verify` anew (ten minutes)
 	$(BIN)/python -m vibsim.evidence.verification.truth_making
 
+true-motions: $(STAMP) ## run the paper's cases with many digits, and keep their motions from rest (half an hour; takes the runs that are in results/true-motions)
+	$(BIN)/python -m vibsim.evidence.reports.measured.true_motions
+
 lint: $(STAMP) ## check style and types
 	$(BIN)/ruff check vibsim tests docs setup.py
 	$(BIN)/ruff format --check --quiet vibsim tests docs setup.py

@@ -29,8 +29,11 @@ def regime(verdict="periodic", period=1, end=300.0):
     }
 
 
-def nearby(law, c, hz, kind, later):
-    return {"law": law, "c": c, "hz": hz, "regime": kind, "period": None, "later": later}
+def nearby(law, c, hz, kind, later=None, period=None, at_rest=None):
+    """A point of which most starts, and rest unless told otherwise, have a regime."""
+    one = {"regime": kind, "period": period}
+    row = {"law": law, "c": c, "hz": hz, **one, "starts": [{**one, "regime": at_rest or kind}, *4 * [one]]}
+    return {**row, "later": later} if later else row
 
 
 def cycles(verdict="every cycle", counts=None):
@@ -57,6 +60,7 @@ def run(rate=0.0, vibration=0.01, **more):
         "peak": {"time": 65.0, "height": 0.02, "end": -0.04},
         "regime": regime(),
         "changes": {},
+        "how": "",
         **more,
     }
 
@@ -127,6 +131,9 @@ def numbers():
                 }
                 for x in LETTERS
             ],
+            "characteristics": [
+                {"no_load_hz": HERTZ[x], "M0": 0.005, "slope": 0.005 / (6.2832 * HERTZ[x])} for x in LETTERS
+            ],
         },
         "ends": {
             "as printed": end(4.0513, 3.709, 0.42e-3, "fold"),
@@ -139,10 +146,12 @@ def numbers():
         "ensembles": ensembles(),
         "without_stop": {name: without_stop(name) for name in (*IDEAL, *EQUAL, *MOTORS)},
         "nearby": [
-            {"law": "Table 1", "c": 0.001, "hz": 3.5, "regime": "periodic", "period": 5},
+            nearby("Table 1", 0.001, 3.5, "periodic", period=5),
             nearby("Table 1", 0.001, 3.8, "chaotic", {"regime": "chaotic", "period": None}),
             nearby("Eq. (2.11)", 0.0, 6.3, "quasi-periodic", {"regime": "periodic", "period": 10}),
         ],
+        "gaps": [gap(1.0, 3.69, 1.3), gap(200.0, 3.9, 1.0), gap(252.0, 4.02, 0.0), gap(400.0, 4.04, 0.0)],
+        "voltages": {name: {"outcomes": 47 * [CAPTURED] + [PASSED]} for name in ("II-B", "II-C")},
         "search": {
             "readings": {
                 "ranking": [
@@ -164,7 +173,14 @@ def numbers():
 
 def end(no_load, speed, torque, kind):
     """Where held orbits end: speeds [Hz], torque [N m]."""
-    return {"no_load_hz": no_load, "speed_hz": speed, "torque": torque, "kind": kind}
+    point = {"no_load_hz": no_load, "speed_hz": speed, "torque": torque, "power": 6.2832 * speed * torque}
+    half = {**point, "no_load_hz": 0.9 * no_load, "speed_hz": 0.98 * speed, "power": point["power"] / 2.1}
+    return {**point, "kind": kind, "amplitude": 0.05, "half": {**half, "amplitude": 0.034}}
+
+
+def gap(gap_mm, speed, impacts):
+    """What II-B does with a gap."""
+    return {**outcome("captured", 20.0, None, speed, speed), "gap_mm": gap_mm, "impacts_per_turn": impacts}
 
 
 def ensembles():
@@ -204,6 +220,8 @@ def without_stop(name):
         "drift": drift(0.0),
         "overall": 5e-3 if name in EQUAL else 1e-6,
         "impacts": 0,
+        "starts_overall": 1e-6,
+        "starts_drifting": 0,
         "regime": regime(end=10000.0),
         "capture": capture("captured", 10.0, None, 4.02, 4.02) if name in MOTORS else None,
     }

@@ -18,8 +18,8 @@ from vibsim.evidence.reports.measured.measurements import (
     steady_amplitudes,
 )
 from vibsim.evidence.reports.measured.paper_numbers import changes_of, least_hold, measure_facts
-from vibsim.evidence.reports.measured.paper_runs import PAPER_RUNS
-from vibsim.evidence.reports.measured.regimes_nearby import LAWS, at_point, followed
+from vibsim.evidence.reports.measured.paper_runs import EQUAL_FORCE, PAPER_RUNS, PRINTED
+from vibsim.evidence.reports.measured.regimes_nearby import LAWS, at_point, followed, most_common
 from vibsim.evidence.reports.measured.without_stop import measure_without_stop
 
 TIME = np.linspace(0, 300, 6001)
@@ -142,10 +142,30 @@ def test_without_the_stop_nothing_drifts():
 
 def test_neighbours_follow_the_law_of_the_amplitude():
     """m3 e omega as Table 1 has it, m3 e omega^2 as Eq. (2.11) has it."""
-    table, equation = (at_point(load_case("I-B"), 0.0033, law, 5.5, 0.0) for law in LAWS)
-    assert table.number("A") == pytest.approx(0.11404, abs=1e-5)
-    assert equation.number("A") == pytest.approx(3.941, abs=1e-3)
+    table, equation = (at_point([load_case("I-B")], 0.0033, law, 5.4, 0.0) for law in LAWS)
+    omega = 2 * np.pi * 5.4
+    assert table.number("A") == pytest.approx(0.0033 * omega, rel=1e-15)  # to all digits
+    assert equation.number("A") == pytest.approx(0.0033 * omega**2, rel=1e-15)
     assert table.number("coupling.c") == 0.0
+
+
+@pytest.mark.parametrize(("law", "names"), [*zip(LAWS, (PRINTED, EQUAL_FORCE), strict=True)])
+def test_at_the_frequencies_of_table_1_the_shipped_cases_are_run(law, names):
+    """An amplitude rounded to six digits selects another of the motions that coexist there."""
+    shipped = [load_case(name) for name in names]
+    for case, hz in zip(shipped, (3.5, 5.5, 6.5), strict=True):
+        assert at_point(shipped, 0.0033, law, hz, 0.001) is case
+        undamped = at_point(shipped, 0.0033, law, hz, 0.0)
+        assert undamped.two_blocks().A == case.two_blocks().A
+        assert undamped.number("coupling.c") == 0.0
+
+
+def test_a_point_has_the_regime_of_most_starts():
+    """And the period that most of those have; the starts are kept, rest first."""
+    kinds = [("chaotic", None), ("periodic", 6), ("periodic", 1), ("transient", 2), ("periodic", 1)]
+    starts = [{"regime": regime, "period": period} for regime, period in kinds]
+    assert most_common(starts) == {"regime": "periodic", "period": 1, "starts": starts}
+    assert most_common(starts[:2])["regime"] == "chaotic"  # as common: that of the earlier start
 
 
 def test_the_first_irregular_neighbours_are_followed():

@@ -132,11 +132,13 @@ def test_both_pages_tell_every_claim(document, render):
     page = render(document)
     told = re.sub(r"\s+", " ", read(page).text if render is render_html else page)
     for claim, finding in judge_claims(numbers()):
-        words = (claim.statement, claim.criterion, claim.whose, finding.condition, finding.remark)
+        words = [claim.statement, claim.criterion, claim.whose, finding.remark]
+        words += [verdict.condition for verdict in finding.verdicts]
         quoted = [text for quote in claim.quotes for text in (quote.text, quote.place)]
         for text in (*words, *quoted, *finding.measured):
             assert text in told
-        assert finding.verdict in told.lower()
+        for verdict in finding.verdicts:
+            assert verdict.word in told.lower()
 
 
 def test_assumptions_come_first(document):

@@ -96,7 +96,8 @@ def _stored(case: Case, path: Path) -> Branch | None:
 
 def measure_ends(branches: Mapping[str, Branch]) -> Numbers:
     """Of each branch: up to which no-load speed orbits are held, mean speed [Hz], torque [N m], power [W] and
-    amplitude [m] there and, as `half`, at the last orbit before that takes at most half the power.
+    amplitude [m] there and, as `half`, at the last orbit before that takes at most half the power,
+    None where the branch has none.
     """
     return {name: _end(branch) for name, branch in branches.items()}
 
@@ -106,13 +107,14 @@ def _end(branch: Branch) -> Numbers:
     (special,) = (one for one in branch.specials if one.orbit is last)
     end = _point(branch, last)
     before = [point.orbit for point in branch.points[: special.between[0] + 1]]
-    half = next(one for one in reversed(before) if _point(branch, one)["power"] <= end["power"] / 2)
+    powers = [_point(branch, orbit)["power"] for orbit in before]
+    lower = [orbit for orbit, power in zip(before, powers, strict=True) if power <= end["power"] / 2]
     amplitude = amplitude_of(branch)
     return {
         **end,
         "kind": special.kind,
         "amplitude": amplitude(last),
-        "half": {**_point(branch, half), "amplitude": amplitude(half)},
+        "half": {**_point(branch, lower[-1]), "amplitude": amplitude(lower[-1])} if lower else None,
     }
 
 

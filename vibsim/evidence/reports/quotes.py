@@ -33,6 +33,12 @@ QUOTES = {
         "spring",
         "Section 2.1",
     ),
+    "voltage": Quote(
+        "Its variation is achieved by altering the current or voltage on the electric motor", "Section 2.2"
+    ),
+    "torque constant kept": Quote(
+        "The torque constant was kept fixed and the angular velocity constant of the motor", "Section 2.2"
+    ),
     # regimes
     "chaotic": Quote("For certain values of the parameters of the system, the motion is chaotic", "Abstract"),
     "responses": Quote(
@@ -95,6 +101,16 @@ QUOTES = {
         "Each characteristic curve shows that the motor reaches equilibrium for the system operating at "
         "different angular velocities",
         "Section 2.2",
+    ),
+    "determines a speed": Quote(
+        "Each characteristic curve of the motor determines an angular velocity of the motor axis where the "
+        "motor reaches the steady state",
+        "Section 2.2",
+    ),
+    "additional power": Quote(
+        "additional power supplied to the motor will only increase the amplitude of the oscillating system "
+        "response, with little effect on the angular velocity of the energy source",
+        "Section 1",
     ),
     "steady state": Quote(
         "the motor has reached a steady state angular frequency similar to the angular velocity constant of "

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from vibsim.evidence.reports.quotes import Quote
+from vibsim.evidence.reports.wording import words_of
 
-HOLDS, ONLY_IF, FAILS, OPEN = "holds", "holds only if", "does not hold", "undecided"
-VERDICTS = (HOLDS, ONLY_IF, FAILS, OPEN)
+HOLDS, ONLY_IF, IN_KIND = "holds", "holds only if", "holds in kind"
+EXAMPLE, FAILS, OPEN = "holds, for example, with", "does not hold", "undecided"
+VERDICTS = (HOLDS, ONLY_IF, IN_KIND, EXAMPLE, FAILS, OPEN)
 
 # whose a criterion is
 PAPERS = "the paper's own"
@@ -20,25 +22,44 @@ Numbers = dict[str, Any]
 
 
 @dataclass(frozen=True)
+class Verdict:
+    """One of VERDICTS, and with what: the condition, the other numbers, or how it differs in kind."""
+
+    word: str
+    condition: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.word} {self.condition}".strip()
+
+
+@dataclass(frozen=True)
 class Finding:
     """What came of a claim.
 
     Attributes
     ----------
-    verdict : one of VERDICTS
+    verdicts : on the motion from rest and over the perturbed starts; one alone where no start enters
     measured : the numbers it rests on, in words, one line each
     runs : names of the runs that they are from
-    condition : what a claim that "holds only if" needs
     remark : what a reader should know besides
     basis : what it rests on besides the runs, or instead
     """
 
-    verdict: str
+    verdicts: tuple[Verdict, ...]
     measured: tuple[str, ...]
     runs: tuple[str, ...] = ()
-    condition: str = ""
     remark: str = ""
     basis: str = ""
+
+    @property
+    def rest(self) -> Verdict:
+        """On the motion from rest, or on what no start enters into."""
+        return self.verdicts[0]
+
+    @property
+    def starts(self) -> Verdict | None:
+        """Over the perturbed starts; None where no start enters."""
+        return self.verdicts[1] if len(self.verdicts) > 1 else None
 
 
 @dataclass(frozen=True)
@@ -67,16 +88,25 @@ class Claim:
     pictures: tuple[str, ...] = ()
 
 
-def only_if(printed: bool, otherwise: bool) -> str:
-    """The verdict on a claim that is true as printed, or else under a condition."""
-    return HOLDS if printed else ONLY_IF if otherwise else FAILS
+def holds(true: bool) -> Verdict:
+    """The verdict on a claim without conditions."""
+    return Verdict(HOLDS if true else FAILS)
 
 
-def either(first: bool, second: bool) -> str:
-    """The verdict on a claim about two situations: under a condition where it is true of one of them."""
-    return HOLDS if first and second else ONLY_IF if first or second else FAILS
+def with_numbers(true: Sequence[bool], numbers: str) -> Verdict:
+    """The verdict on a claim that is true as printed, or else with other `numbers`, given as an example.
+
+    true : as printed, and with those numbers
+    """
+    printed, otherwise = true
+    return Verdict(EXAMPLE, numbers) if otherwise and not printed else holds(printed)
 
 
-def one_of(first: bool, second: bool, if_first: str, if_second: str) -> str:
-    """The condition under which a claim holds that is true of one of two situations."""
-    return "" if first == second else if_first if first else if_second
+def only_if(true: Mapping[str, bool], what: str = "") -> Verdict:
+    """The verdict on a claim about several situations: where it is true of some, with their names behind
+    `what`.
+    """
+    names = [name for name, each in true.items() if each]
+    if not names or len(names) == len(true):
+        return holds(bool(names))
+    return Verdict(ONLY_IF, f"{what} {words_of(names, 'or')}".strip())

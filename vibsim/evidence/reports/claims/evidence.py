@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from itertools import product
 from statistics import median
@@ -54,6 +55,19 @@ def share_above(numbers: Numbers, one: str, other: str, key: str) -> float:
     return sum(ours > theirs for ours, theirs in pairs) / len(pairs) if pairs else 0.0
 
 
+def rest_value(numbers: Numbers, name: str, key: str) -> float:
+    """Magnitude from rest of what `magnitudes` has of the starts; 0 where undecided."""
+    run = numbers["runs"][name]
+    value = run["drift"]["rate"] if key == "drift" else run[key]
+    return abs(value) if value is not None else 0.0
+
+
+def commonest_regime(numbers: Numbers, name: str) -> str | None:
+    """The regime of most perturbed starts."""
+    regimes = Counter(str(each["regime"]) for each in members(numbers, name) if "regime" in each)
+    return regimes.most_common(1)[0][0] if regimes else None
+
+
 def capture_line(numbers: Numbers, name: str) -> str:
     """Verdict, hold, how far the vibration has grown at its end, and final speed, from rest."""
     run = numbers["runs"][name]
@@ -76,5 +90,5 @@ def in_reading(numbers: Numbers, name: str) -> str:
     """The numbers that a reading changes, in words."""
     changes = numbers["runs"][name]["changes"]
     return typeset(
-        " and ".join(f"{key} is {now} (printed: {printed})" for key, (now, printed) in changes.items())
+        " and ".join(f"{key} = {now} (printed: {printed})" for key, (now, printed) in changes.items())
     )

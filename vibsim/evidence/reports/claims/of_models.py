@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from vibsim.evidence.reports.claims.claim import (
-    FAILS,
-    HOLDS,
     ONLY_IF,
     OUR_MARGIN,
     OURS,
@@ -12,12 +10,17 @@ from vibsim.evidence.reports.claims.claim import (
     Claim,
     Finding,
     Numbers,
+    Verdict,
+    holds,
 )
+from vibsim.evidence.reports.claims.evidence import members
+from vibsim.evidence.reports.claims.of_capture import is_captured
 from vibsim.evidence.reports.quotes import said
+from vibsim.evidence.reports.wording import hz, of_all
 
 NATURAL_HZ = 4.1
 ROUNDS = 0.05  # a number with one decimal
-SAME_AMPLITUDE = 0.01  # relative
+SAME_AMPLITUDE = SAME_SLOPE = 0.01  # relative
 
 
 def models_claims() -> list[Claim]:
@@ -49,6 +52,17 @@ def models_claims() -> list[Claim]:
             OUR_MARGIN,
             amplitude,
         ),
+        Claim(
+            "voltage",
+            "The voltage of the motor changes Ω0, the torque constant M0 being kept.",
+            said("voltage", "torque constant kept"),
+            "A DC motor with a constant field has M0 = kt V/R and Ω0 = V/ke: the voltage V changes both "
+            "alike, and M0/Ω0 = kt ke/R is that of the motor. So the three characteristics would have one "
+            "M0/Ω0, to within 1 %.",
+            OURS,
+            voltage,
+            figures=("fig-04",),
+        ),
     ]
 
 
@@ -67,7 +81,7 @@ def periodic_without_stop(numbers: Numbers) -> Finding:
         "present, and a record of some hundred seconds looks quasi-periodic."
     )
     basis = "each case for 10000 s with a gap of 1000 m, which no motion closes"
-    return Finding(FAILS if bad else HOLDS, lines, remark=remark, basis=basis)
+    return Finding((holds(not bad),), lines, remark=remark, basis=basis)
 
 
 def natural_frequency(numbers: Numbers) -> Finding:
@@ -83,8 +97,9 @@ def natural_frequency(numbers: Numbers) -> Finding:
     held_way = "block 2 is held and the motor not counted"
     if _rounds_to_natural(motor):
         remark = "It is not the frequency at which a motor is captured here: see there."
-        return Finding(HOLDS, lines, remark=remark)
-    return Finding(ONLY_IF, lines, condition=held_way) if _rounds_to_natural(held) else Finding(FAILS, lines)
+        return Finding((holds(True),), lines, remark=remark)
+    verdict = Verdict(ONLY_IF, held_way) if _rounds_to_natural(held) else holds(False)
+    return Finding((verdict,), lines)
 
 
 def _rounds_to_natural(value: float) -> bool:
@@ -102,10 +117,39 @@ def amplitude(numbers: Numbers) -> Finding:
         for row in rows
     )
     if all(abs(ratio - 1) <= SAME_AMPLITUDE for ratio in ratios):
-        return Finding(HOLDS, lines)
+        return Finding((holds(True),), lines)
     remark = (
         f"Eq. (2.11) demands {min(ratios):.0f} to {max(ratios):.0f} times as much. Table 1 is within "
         f"{100 * off:.1f} % of m3 e ω, prints m as the unit, and is used as N: unequal forces are compared. "
         "So Table 1 confirms m3 e = 0.0033 kg m."
     )
-    return Finding(FAILS, lines, remark=remark)
+    return Finding((holds(False),), lines, remark=remark)
+
+
+def voltage(numbers: Numbers) -> Finding:
+    """M0/Omega0 of the three characteristics; and the motor of II-A at the voltages of the others."""
+    rows = numbers["facts"]["characteristics"]
+    slopes = [row["slope"] for row in rows]
+    lines = [
+        f"no-load speed {hz(row['no_load_hz'])}: M0/Ω0 = {1e3 * row['slope']:.3f} mN m s, "
+        f"{row['slope'] / slopes[0]:.2f} times that of the first"
+        for row in rows
+    ]
+    for row in rows[1:]:
+        torque = 1e3 * slopes[0] * row["M0"] / row["slope"]
+        lines.append(
+            f"the motor of II-A at the voltage for {hz(row['no_load_hz'])} has M0 = {torque:.2f} mN m"
+        )
+    for name, ensemble in numbers["voltages"].items():
+        outcomes = ensemble["outcomes"]
+        captured = of_all(sum(map(is_captured, outcomes)), len(outcomes))
+        printed = sum(map(is_captured, members(numbers, name)))
+        lines.append(
+            f"{name} with that M0: captured from {captured} perturbed starts, as printed from {printed}"
+        )
+    remark = (
+        "The voltage alone cannot do it; a resistance that grows with the voltage could, or a field that is "
+        "weakened as it grows."
+    )
+    same = max(slopes) / min(slopes) - 1 <= SAME_SLOPE
+    return Finding((holds(same),), tuple(lines), remark="" if same else remark)

@@ -86,7 +86,7 @@ def draw_capture(numbers: Numbers) -> Figure:
 
 
 def draw_regimes(numbers: Numbers) -> Figure:
-    """Regime at each frequency of the ideal source, a row for each law of the amplitude and damping."""
+    """Regime of most starts at each frequency of the ideal source, a row for each law and damping."""
     figure = sheet(PAGE, 5.4)
     axes = figure.subplots()
     rows = [(law, c) for law in LAWS for c in DAMPINGS]
@@ -100,8 +100,13 @@ def draw_regimes(numbers: Numbers) -> Figure:
         edges, range(len(rows) + 1), classes, cmap=colours, vmin=-0.5, vmax=len(kinds) - 0.5,
         edgecolors="white", linewidth=0.4, gid="regimes",
     )  # fmt: skip
+    for row in numbers["nearby"]:
+        if len({str(each["regime"]) for each in row["starts"]}) > 1:
+            place = rows.index((row["law"], row["c"])) + 0.5
+            axes.plot(row["hz"], place, "o", color="white", markersize=1.8, markeredgewidth=0, gid="disagree")
     for hz in (3.5, 5.5, 6.5):
-        axes.plot(hz, 1 + rows.index(("Table 1", DAMPINGS[1])) - 0.5, "kx", markersize=4)
+        for law in LAWS:
+            axes.plot(hz, rows.index((law, DAMPINGS[1])) + 0.75, "kx", markersize=4)
     axes.set_yticks(np.arange(len(rows)) + 0.5, [f"{law}, c = {c:g}" for law, c in rows])
     axes.tick_params(length=0)
     axes.set_xlabel(r"Frequency of the ideal source $\omega/2\pi$ (Hz)")

@@ -18,6 +18,7 @@ from vibsim.evidence.reports.load_curves import draw_load_curves
 from vibsim.evidence.reports.measured.measurements import Numbers
 from vibsim.evidence.reports.measured.paper_numbers import Tell
 from vibsim.evidence.reports.measured.paper_runs import READINGS, Interrupted
+from vibsim.evidence.reports.measured.regimes_nearby import STARTS
 from vibsim.evidence.reports.pages.document import Picture
 from vibsim.files.output_file import output_file
 from vibsim.plots.page.sheet import CM
@@ -40,10 +41,17 @@ def write_figures(
     pictures = []
     for done, figure in enumerate(figures, start=1):
         path = save(figure.figure(subjects), folder / figure.key, formats)
-        pictures.append(Picture(path, figure.heading, figure.caption, figure.alt))
+        known = known_from([subjects[name] for name in figure.runs])
+        pictures.append(Picture(path, figure.heading, f"{figure.caption}{known}", figure.alt))
         if not tell("drawing", done, len(figures)):
             raise Interrupted
     return pictures
+
+
+def known_from(subjects: Sequence[Subject]) -> str:
+    """How the motions shown were had, a sentence each, where they were not simply run."""
+    how = {subject.name: subject.result.attrs.get("comment") for subject in subjects}
+    return "".join(f" {name}: {words}." for name, words in how.items() if words)
 
 
 def write_page(pictures: Sequence[Picture], folder: Path, formats: Sequence[str]) -> Path:
@@ -95,8 +103,9 @@ EVIDENCE = {
     "regimes": (
         draw_regimes,
         "Regimes",
-        "Regime of the ideal source's motion between 150 and 300 s, from rest: rows for the law of the "
-        "amplitude and the damping c in N s/m; crosses: Table 1.",
+        f"Regime of the ideal source's motion between 150 and 300 s that most of {len(STARTS)} starts have "
+        "(rest; x1 displaced by 0.6 and 1.2 mm to either side): rows for the law of the amplitude and the "
+        "damping c in N s/m; white dots: the starts disagree; crosses: the shipped cases.",
         "Four rows of coloured cells over frequency. With the amplitude of Table 1 nearly all are periodic, "
         "some near 3.8 to 4 Hz chaotic; with that of Eq. (2.11) most are chaotic or transient.",
     ),

@@ -134,4 +134,5 @@ def _centred(sheet: Figure) -> Axes:
 
 
 def _title(sheet: Figure | SubFigure, subject: Subject) -> None:
-    sheet.suptitle(f"{subject.name}: {subject.title}", x=0.01, ha="left", fontsize=8)
+    known = f" ({subject.result.attrs['comment']})" if "comment" in subject.result.attrs else ""
+    sheet.suptitle(f"{subject.name}: {subject.title}{known}", x=0.01, ha="left", fontsize=8)

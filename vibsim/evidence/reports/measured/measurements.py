@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.analysis import count_impacts, find_frequencies, judge_capture, measure_drift
+from vibsim.analysis.drift import STILL
 from vibsim.physics.arithmetic.sums import mean
 from vibsim.results import Result
 from vibsim.results.windows import Window, rows_within
@@ -68,6 +69,11 @@ def steady_amplitudes(result: Result) -> Numbers:
 def overall_rate(result: Result) -> float:
     """Displacement of block 2 at the end over the whole time [m/s], start included."""
     return float(result["x2"][-1] - result["x2"][0]) / result.t_reached
+
+
+def drifts(drift: Numbers) -> bool:
+    """Whether a measured drift can be told from nothing."""
+    return drift["rate"] is not None and bool(abs(drift["rate"]) > max(drift["half_width"], STILL))
 
 
 def reach_at_end(result: Result, hold: Window) -> Numbers:

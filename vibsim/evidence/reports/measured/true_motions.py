@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Context, Decimal
 from importlib import resources
@@ -90,9 +90,7 @@ def read_motion(case: Case) -> TrueMotion | None:
     return motion if motion.sha256 == case.sha256 else None
 
 
-def obtain(
-    case: Case, folder: Path, watch: Watch | None = None, fresh: bool = False
-) -> tuple[Result, bool]:
+def obtain(case: Case, folder: Path, watch: Watch | None = None, fresh: bool = False) -> tuple[Result, bool]:
     """The run of a case in FOLDER/NAME.h5, and whether it had to be made: the true motion where one is kept,
     else as `paper_runs.obtain_run` has it.
     """
@@ -111,10 +109,8 @@ def obtain(
 def true_motion(case: Case, motion: TrueMotion) -> Result:
     """The whole motion, right to its end: restarted from each of the rows kept."""
     pieces = list(restarted(case, motion))
-    samples, events = (
-        {name: np.concatenate([piece[which][name] for piece in pieces]) for name in pieces[0][which]}
-        for which in (0, 1)
-    )
+    samples = _joined([piece for piece, _, _ in pieces])
+    events = _joined([piece for _, piece, _ in pieces])
     scene, error = case.scene(), motion.made["error"]
     samples["error_estimate"] = np.full(len(samples["time"]), error)
     end = float(scene.t_end)
@@ -133,6 +129,10 @@ def true_motion(case: Case, motion: TrueMotion) -> Result:
         "comment": how_it_was_had(motion),
     }
     return Result(attrs, samples, events, case=case)
+
+
+def _joined(tables: Sequence[Table]) -> dict[str, np.ndarray]:
+    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
 
 def how_it_was_had(motion: TrueMotion) -> str:

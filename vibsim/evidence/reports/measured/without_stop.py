@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from vibsim.analysis import count_impacts, judge_capture, judge_regime, measure_drift
 from vibsim.evidence.reports.measured.ensembles import EVERY, from_starts
-from vibsim.evidence.reports.measured.measurements import Numbers, overall_rate, plain
+from vibsim.evidence.reports.measured.measurements import Numbers, drifts, overall_rate, plain
 from vibsim.evidence.reports.measured.outcomes import Advance, outcome_of, run_all
 from vibsim.evidence.reports.measured.paper_runs import PRINTED
 from vibsim.results import Result, simulate
@@ -50,7 +50,7 @@ def _of_starts(case: Case) -> Numbers:
     runs = [simulate(each, trust=False) for each in from_starts(case.with_values(AS_LONG))]
     return {
         "starts_overall": median(abs(overall_rate(run)) for run in runs),
-        "starts_drifting": sum(measure_drift(run).verdict != "none" for run in runs),
+        "starts_drifting": sum(drifts(plain(measure_drift(run))) for run in runs),
     }
 
 

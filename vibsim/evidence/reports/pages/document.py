@@ -8,7 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from vibsim.evidence.reports.claims.claim import Claim, Finding
+from vibsim.evidence.reports.claims.claim import Claim, Finding, Verdict
+from vibsim.evidence.reports.measured.ensembles import EACH_WAY
 from vibsim.evidence.reports.quotes import Quote
 
 
@@ -21,12 +22,12 @@ class Paragraph:
 
 @dataclass(frozen=True)
 class Table:
-    """A table: the first column names the rows; `verdict` is the number of a column that holds verdicts."""
+    """A table: the first column names the rows; `verdicts` are the numbers of columns that hold verdicts."""
 
     caption: str
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
-    verdict: int | None = None
+    verdicts: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -82,3 +83,14 @@ class Document:
     subtitle: str
     sections: tuple[Section, ...]
     provenance: tuple[tuple[str, str], ...] = field(default=())
+
+
+FROM_REST, FROM_STARTS = "From rest", f"From {2 * EACH_WAY} starts"
+NO_START = "Whatever the start"
+
+
+def verdicts_of(finding: Finding) -> list[tuple[str, Verdict]]:
+    """Both verdicts of a finding with what each is about; the one verdict where no start enters."""
+    if finding.starts is None:
+        return [(NO_START, finding.rest)]
+    return [(FROM_REST, finding.rest), (FROM_STARTS, finding.starts)]

@@ -16,6 +16,7 @@ from vibsim.evidence.reports.pages.document import (
     Said,
     Section,
     Table,
+    verdicts_of,
 )
 from vibsim.evidence.reports.pages.page_style import STYLE
 from vibsim.evidence.reports.quotes import Quote
@@ -77,7 +78,7 @@ def _table(table: Table) -> str:
     many = ' class="many"' if len(table.columns) > MANY else ""
     rows = "".join(
         f'<tr><th scope="row">{escape(row[0])}</th>'
-        + "".join(_cell(cell, number == table.verdict) for number, cell in enumerate(row[1:], start=1))
+        + "".join(_cell(cell, number in table.verdicts) for number, cell in enumerate(row[1:], start=1))
         + "</tr>\n"
         for row in table.rows
     )
@@ -89,7 +90,7 @@ def _table(table: Table) -> str:
 
 
 def _cell(text: str, verdict: bool) -> str:
-    return f"<td>{_badge(text) if verdict else escape(text)}</td>"
+    return f"<td>{_badge(text) if verdict and text else escape(text)}</td>"
 
 
 def _badge(verdict: str) -> str:
@@ -100,13 +101,16 @@ def _badge(verdict: str) -> str:
 
 def _judged(block: Judged) -> str:
     claim, finding = block.claim, block.finding
-    condition = f" {escape(finding.condition)}" if finding.condition else ""
+    verdicts = "".join(
+        f'<p class="finding">{escape(words)}: {_badge(verdict.word)} {escape(verdict.condition)}</p>\n'
+        for words, verdict in verdicts_of(finding)
+    )
     measured = "".join(f"<li>{escape(line)}</li>" for line in finding.measured)
     remark = f"<dt>Remark</dt><dd>{escape(finding.remark)}</dd>" if finding.remark else ""
     return f"""<article id="{claim.key}">
 <h3>{block.number}. {escape(claim.statement)}</h3>
-{_quotes(claim.quotes)}<p class="finding">{_badge(finding.verdict)}{condition}</p>
-<dl><dt>Criterion</dt><dd>{escape(claim.criterion)} <em>({escape(claim.whose)})</em></dd>
+{_quotes(claim.quotes)}{verdicts}<dl>
+<dt>Criterion</dt><dd>{escape(claim.criterion)} <em>({escape(claim.whose)})</em></dd>
 <dt>Measured</dt><dd><ul>{measured}</ul></dd>
 <dt>Runs</dt><dd>{escape(block.trust)}</dd>
 {remark}{_figures(block)}</dl>

@@ -42,8 +42,8 @@ cite::before { content: "· "; }
 article figure { margin: 1.2rem 0 0; }
 .finding { margin: .3rem 0 .8rem; max-width: none; }
 .verdict { font-weight: 600; white-space: nowrap; border-bottom: 2px solid currentColor; }
-.v0 { color: var(--yes); } .v1 { color: var(--if); } .v2 { color: var(--no); }
-.v3, .v4 { color: var(--open); }
+.v0 { color: var(--yes); } .v1, .v2, .v3 { color: var(--if); } .v4 { color: var(--no); }
+.v5, .v6 { color: var(--open); }
 article dl, footer dl { display: grid; grid-template-columns: 6.2rem 1fr; gap: .35rem .8rem; margin: 0; }
 dt { color: var(--soft); font-size: .9rem; }
 dd { margin: 0; font-size: .95rem; overflow-wrap: anywhere; }

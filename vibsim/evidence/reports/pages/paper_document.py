@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from vibsim import __version__
-from vibsim.evidence.reports.claims.claim import ONLY_IF, VERDICTS, Numbers
+from vibsim.evidence.reports.claims.claim import EXAMPLE, VERDICTS, Numbers, Verdict
 from vibsim.evidence.reports.claims.claims import judge_claims, trust_of
 from vibsim.evidence.reports.load_curves import ends_table, load_words
 from vibsim.evidence.reports.measured.ensembles import EACH_WAY, STEP
 from vibsim.evidence.reports.pages.assumptions import assumption_blocks, unjudged_blocks
-from vibsim.evidence.reports.pages.document import Block, Document, Judged, Paragraph, Picture, Section, Table
+from vibsim.evidence.reports.pages.document import (
+    FROM_REST,
+    FROM_STARTS,
+    Block,
+    Document,
+    Judged,
+    Paragraph,
+    Picture,
+    Section,
+    Table,
+)
 from vibsim.evidence.reports.pages.run_tables import facts_table, regime_table
 from vibsim.evidence.reports.pages.search_tables import (
     captured_by,
@@ -34,8 +44,8 @@ SUBTITLE = (
 FIGURES = (
     "Panels (a) and (b) as the captions of the paper have them; these give neither windows nor ranges, so "
     "those here are ours. Figs. 1 and 3 are sketches of the models and not drawn again. Case I is shown "
-    "with both amplitudes, that of Table 1 and that of Eq. (2.11). Beyond a trust horizon (hatched) the "
-    "motion is one of many that the model allows. Figures marked as readings use a J and c under which the "
+    "with both amplitudes, that of Table 1 and that of Eq. (2.11). The motions are those from rest, exactly; "
+    "each caption says how they were had. Figures marked as readings use a J and c under which the "
     "paper's account of them holds, but for the 4.1 Hz."
 )
 MECHANISM = (
@@ -101,28 +111,48 @@ def _judged(numbers: Numbers, pictures: Sequence[Picture], audit: Mapping[str, P
 
 
 def _summary(judged: Sequence[Judged]) -> tuple[Block, ...]:
-    count = Counter(each.finding.verdict for each in judged)
-    words = ", ".join(f"{count[verdict]} × {verdict}" for verdict in VERDICTS if count[verdict])
+    findings = [each.finding for each in judged]
+    alone = [finding.rest for finding in findings if finding.starts is None]
+    both = [finding for finding in findings if finding.starts is not None]
+    rest = _counted(finding.rest for finding in both)
+    starts = _counted(finding.starts for finding in both)
     rows = tuple(
         (
             f"{each.number}. {each.claim.statement}",
             each.claim.quotes[0].place.replace("Section ", "§ "),
-            each.finding.verdict,
+            each.finding.rest.word,
+            "" if each.finding.starts is None else each.finding.starts.word,
         )
         for each in judged
     )
-    basis = "Each verdict follows from the numbers in numbers.json, by the criterion given with it."
-    return (
-        Paragraph(f"{len(judged)} claims: {words}. {basis}"),
-        Table("Claims, in our words, and verdicts", ("Claim", "Paper", "Verdict"), rows, verdict=2),
+    words = (
+        f"{len(judged)} claims. {len(both)} of them are about motions and have two verdicts. On the motions "
+        f"from rest, which are known exactly: {rest}. Over {2 * EACH_WAY} perturbed starts: {starts}. No "
+        f"start enters into the other {len(alone)}: {_counted(alone)}. Each verdict follows from the numbers "
+        "in numbers.json, by the criterion given with it."
     )
+    return (
+        Paragraph(words),
+        Table(
+            "Claims, in our words, and verdicts",
+            ("Claim", "Paper", FROM_REST, FROM_STARTS),
+            rows,
+            verdicts=(2, 3),
+        ),
+    )
+
+
+def _counted(verdicts: Iterable[Verdict | None]) -> str:
+    """How many verdicts there are of each kind, in words."""
+    count = Counter(verdict.word for verdict in verdicts if verdict is not None)
+    return ", ".join(f"{count[word]} × {word}" for word in VERDICTS if count[word])
 
 
 def _search(numbers: Numbers, judged: Sequence[Judged], audit: Mapping[str, Picture]) -> tuple[Block, ...]:
     outcomes = {name: numbers["runs"][name]["capture"]["verdict"] for name in ("II-B", "II-C")}
     printed = ", ".join(f"{name}: {verdict}" for name, verdict in outcomes.items())
-    verdicts = {each.claim.key: each.finding.verdict for each in judged}
-    conditional = all(verdicts[key] == ONLY_IF for key in ("II-B-captured", "II-C-escapes"))
+    verdicts = {each.claim.key: each.finding.rest.word for each in judged}
+    conditional = all(verdicts[key] == EXAMPLE for key in ("II-B-captured", "II-C-escapes"))
     why = (Paragraph(MECHANISM),) if conditional else ()
     return (
         Paragraph(f"Verdicts on the motors as printed: {printed}. {READ}"),

@@ -32,7 +32,7 @@ def facts_table(numbers: Numbers) -> Table:
     """What was measured of each run."""
     columns = (
         "Run", "Right until", "Impacts", "Sticks", "Impacts per cycle", "Drift of block 2",
-        "Strongest line of x1 − x2", "Rest distance needed",
+        "Strongest line of x1 − x2", "Rest distance needed", "How it is known",
     )  # fmt: skip
     rows = tuple((name, *_facts(run)) for name, run in numbers["runs"].items())
     return Table("Measured in the second half of each run; counts over all of it", columns, rows)
@@ -49,4 +49,5 @@ def _facts(run: Numbers) -> tuple[str, ...]:
         drift_rate(run["drift"]),
         f"{hz(lines[0]['hz'])}, {mm(lines[0]['amplitude'])}" if lines else "none",
         mm(run["rest_distance_needed"]),
+        run["how"] or "a run in double precision",
     )

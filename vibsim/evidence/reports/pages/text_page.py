@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator, Sequence
-from textwrap import wrap
+from functools import partial
 
-from vibsim.evidence.reports.pages.document import Document, Judged, Paragraph, Picture, Said, Section, Table
+from vibsim.evidence.reports.pages.document import (
+    Document,
+    Judged,
+    Paragraph,
+    Picture,
+    Said,
+    Section,
+    Table,
+    verdicts_of,
+)
 from vibsim.evidence.reports.quotes import Quote
 
 WIDTH = 100
 WIDEST_CELL = 46
+
+wrap = partial(textwrap.wrap, break_on_hyphens=False)  # II-B-captured stays in one piece
 
 
 def render_text(document: Document) -> str:
@@ -41,11 +53,11 @@ def _judged(block: Judged) -> Iterator[str]:
     claim, finding = block.claim, block.finding
     yield from wrap(f"{block.number}. {claim.statement}", WIDTH, subsequent_indent="   ")
     yield from _quotes(claim.quotes, "   ")
-    verdict = f"{finding.verdict} {finding.condition}".strip()
     parts = [
-        ("verdict", verdict.upper() if not finding.condition else verdict),
-        ("criterion", f"{claim.criterion} ({claim.whose})"),
+        ("verdict" if i == 0 else "", f"{words}: {verdict if verdict.condition else verdict.word.upper()}")
+        for i, (words, verdict) in enumerate(verdicts_of(finding))
     ]
+    parts += [("criterion", f"{claim.criterion} ({claim.whose})")]
     parts += [("measured" if i == 0 else "", line) for i, line in enumerate(finding.measured)]
     parts += [("runs", block.trust)]
     parts += [("remark", finding.remark)] if finding.remark else []
