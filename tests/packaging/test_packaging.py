@@ -31,6 +31,20 @@ def test_a_job_calls_targets_that_run_here_too(job):
     assert job["timeout-minutes"] <= 90
 
 
+def test_long_targets_run_every_week():
+    """README's examples, the known cases, the paper and the benchmark: what no pull request runs."""
+    # YAML reads the key `on` as true
+    weekly = [yaml.safe_load(path.read_text(encoding="utf-8")) for path in WORKFLOWS]
+    scheduled = [
+        content for content in weekly if "schedule" in (content[True] or {})
+    ]
+    crons = [rule["cron"].split() for content in scheduled for rule in content[True]["schedule"]]
+    assert all(len(fields) == 5 and fields[2] == "*" for fields in crons)
+    steps = [step for content in scheduled for job in content["jobs"].values() for step in job["steps"]]
+    called = {word for step in steps for word in step.get("run", "").split()}
+    assert {"run", "sweep", "verify", "paper", "bench"} <= called
+
+
 def test_actions_run_on_what_the_runners_have():
     """Node 20 is gone from GitHub's runners since September 2026: these are the first majors on Node 24."""
     first = {"actions/checkout": 5, "actions/setup-python": 6, "actions/upload-artifact": 6}

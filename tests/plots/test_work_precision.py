@@ -9,6 +9,7 @@ from tests.evidence.benchmark.made import planted
 from tests.plots.artists import clipped_texts, lines, points
 from vibsim.evidence.benchmark import make_plan, open_bench
 from vibsim.evidence.benchmark.bench_file import write_bench
+from vibsim.evidence.benchmark.event_counts import EventCount
 from vibsim.evidence.benchmark.families import FAMILIES
 from vibsim.evidence.benchmark.provenance import origin
 from vibsim.evidence.benchmark.row import DONE, FAILED, SLOWER, Row
@@ -19,7 +20,8 @@ from vibsim.plots.subject import open_subject
 from vibsim.plots.view import View
 
 TIMES = np.linspace(0, 10.0, 101)
-# method: wall times [s] and errors [m] of its rows
+MISSED = {("dop853", "rtol 1e-3"): 2}  # events
+# method: processor times [s] and errors [m] of its rows
 ROWS = {
     "taylor": ([5e-4, 6e-4], [1e-6, 1e-14]),
     "python": ([0.1], [1e-14]),
@@ -32,10 +34,11 @@ ROWS = {
 def rows():
     for method, measured in ROWS.items():
         ladder = [setting for setting, _ in next(f for f in FAMILIES if f.name == method).ladder]
-        for setting, wall_time, error in zip(ladder, *measured, strict=False):
+        for setting, cpu_time, error in zip(ladder, *measured, strict=False):
             yield Row(
-                method, setting, DONE, wall_time=wall_time, t_reached=10.0,
+                method, setting, DONE, wall_time=5 * cpu_time, cpu_time=cpu_time, t_reached=10.0,
                 error=np.full(101, error), faithful_time=10.0 if error < 1e-3 else 2.0,
+                events={"contact_begin": EventCount(9, MISSED.get((method, setting), 0), 0)},
             )  # fmt: skip
     yield Row("rk45", "rtol 1e-9", SLOWER, wall_time=20.0, t_reached=0.5, error=np.full(101, np.nan))
     yield Row("radau", "rtol 1e-3", FAILED, "too stiff", error=np.full(101, np.nan))
@@ -67,7 +70,7 @@ def test_every_row_is_where_the_file_has_it(figure, path):
         (line,) = lines(figure, method)
         mine = [row for row in bench.rows if row.method == method]
         x, y = points(line)
-        np.testing.assert_array_equal(x, [row.wall_time / 10 for row in mine])
+        np.testing.assert_array_equal(x, [row.cpu_time / 10 for row in mine])
         np.testing.assert_array_equal(y, [row.error[-1] for row in mine])
     faithful = [points(line)[0].tolist() for line in lines(figure, "faithful")]
     assert faithful == [[10, 10], [10], [10, 10], [10, 10], [2, 10]]
@@ -90,6 +93,15 @@ def test_every_family_is_named_beside_its_curve(figure):
 def test_the_lead_is_that_at_no_larger_error(figure):
     leads = [text.get_text() for text in figure.axes[0].texts if text.get_gid() == "lead"]
     assert leads == ["4 x faster", "1000 x faster"]  # heyoka and DOP853 beside the row of 6e-4 s
+
+
+def test_rows_that_missed_events_are_ringed_and_signs_are_explained(figure, path):
+    (rings,) = lines(figure, "missed")
+    assert points(rings)[1].tolist() == [1e-5]
+    words = figure.axes[0].get_title(loc="right").replace("\n", "; ")
+    assert words == (
+        "II-B; dashed: events not located; ringed: events missed; arrows: vibsim at no larger error"
+    )
 
 
 def test_vibsim_stands_out(figure):

@@ -1,4 +1,4 @@
-"""The work-precision diagram: error against computing time of every method, and until when it is faithful."""
+"""The work-precision diagram: error against processor time of every method, and until when it is faithful."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
 from vibsim.evidence.benchmark.families import Family, family_of
+from vibsim.evidence.benchmark.row import Row
 from vibsim.evidence.benchmark.verdicts import error_at, faster, most_accurate
 from vibsim.plots.errors import PlotError
 from vibsim.plots.page.curve_labels import Named, write_names
@@ -27,6 +28,10 @@ LEADS = 2  # peers that an arrow says the distance of
 SIDE_BY_SIDE = {"ncols": 2, "width_ratios": (2.8, 1)}
 OWN: dict[str, Any] = {"color": VERMILLION, "linewidth": 1.8, "markersize": 5.0, "zorder": 4}
 PEER: dict[str, Any] = {"linewidth": 0.8, "markersize": 3.2, "zorder": 3}
+RING: dict[str, Any] = {
+    "marker": "o", "markersize": 8.0, "markerfacecolor": "none", "markeredgecolor": GREY, "linestyle": "none",
+    "markeredgewidth": 0.8, "zorder": 2,
+}  # fmt: skip
 DASHED = (0, (4, 1.5))
 UNDRAWN = {"orders"}  # they crowd where the curve of the Taylor series ends; the table has them
 LOOKS: dict[str, dict[str, Any]] = {
@@ -50,12 +55,15 @@ def look_of(family: Family) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Curve:
-    """One family: computing time per second of motion [s], error [m], faithful time [s] of its rows (n)."""
+    """One family: processor time per second of motion [s], error [m], faithful time [s] of its rows (n), and
+    whether they missed events while they were faithful.
+    """
 
     family: Family
     time: np.ndarray
     error: np.ndarray
     faithful: np.ndarray
+    missed: np.ndarray
 
 
 def draw(subjects: Sequence[Subject], view: View) -> Figure:
@@ -71,13 +79,14 @@ def draw(subjects: Sequence[Subject], view: View) -> Figure:
     shape: dict[str, Any] = {"nrows": 2, "height_ratios": (1.6, 1)} if narrow else SIDE_BY_SIDE
     axes, beside = figure.subplots(**shape)
     _draw_curves(axes, drawn)
-    axes.set_xlabel("Computing time per second of motion (s)")
+    axes.set_xlabel("Least processor time per second of motion (s)")
     axes.set_ylabel(f"Largest error of the displacements until {bench.telling_time:g} s (m)")
-    note(axes, f"{as_text(bench.attrs['case_name'])}; dashed: events not located")
+    leads = _leads(axes, bench, drawn)
+    note(axes, f"{as_text(bench.attrs['case_name'])}; {_legend(drawn, leads)}")
     note(beside, f"error within {1e3 * bench.faithful_error:.3g} mm")
     _draw_faithful(beside, drawn, float(bench["time"][-1]))
     letter_panels([axes, beside])
-    write_names(axes, [*_leads(axes, bench, drawn), *_names(drawn)])
+    write_names(axes, [*leads, *_names(drawn)])
     return figure
 
 
@@ -93,10 +102,29 @@ def curves(bench: Any) -> list[Curve]:
                     [row.time_per_second for row in rows],
                     [error_at(bench, row) for row in rows],
                     [row.faithful_time for row in rows],
+                    [_missed(row) for row in rows],
                 )
             ]
             listed.append(Curve(family_of(method), *columns))
     return listed
+
+
+def _missed(row: Row) -> bool:
+    """Whether a row stepped over events while its displacements were still faithful."""
+    count = row.counted()
+    return count is not None and count.missed > 0
+
+
+def _legend(drawn: Sequence[Curve], leads: Sequence[Named]) -> str:
+    """What dashes, rings and arrows mean, as far as they are there."""
+    words = ["dashed: events not located"] if any(_is_dashed(curve.family) for curve in drawn) else []
+    words += ["ringed: events missed"] if any(curve.missed.any() for curve in drawn) else []
+    words += ["arrows: vibsim at no larger error"] if leads else []
+    return "; ".join(words)
+
+
+def _is_dashed(family: Family) -> bool:
+    return look_of(family).get("linestyle") is DASHED
 
 
 def _draw_curves(axes: Axes, drawn: Sequence[Curve]) -> None:
@@ -104,6 +132,8 @@ def _draw_curves(axes: Axes, drawn: Sequence[Curve]) -> None:
     axes.set_yscale("log")
     for curve in drawn:
         axes.plot(curve.time, curve.error, gid=curve.family.name, **look_of(curve.family))
+        if curve.missed.any():
+            axes.plot(curve.time[curve.missed], curve.error[curve.missed], gid="missed", **RING)
     axes.margins(0.1, 0.1)
     axes.yaxis.set_major_locator(LogLocator(numticks=12))
 

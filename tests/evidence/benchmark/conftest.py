@@ -3,7 +3,7 @@ import pytest
 
 @pytest.fixture(autouse=True, scope="package")
 def run_once():
-    """Time every method once: medians are for real benches."""
+    """Time every method once: the least of several is for real benches."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("vibsim.evidence.benchmark.measuring.ENOUGH", 0.0)
         yield

@@ -21,8 +21,8 @@ from vibsim.evidence.benchmark.verdicts import (
 TIMES = np.array([0.0, 1.0, 2.0])
 
 
-def row(method, setting, wall_time, errors, status=DONE, t_reached=2.0):
-    return Row(method, setting, status, wall_time=wall_time, t_reached=t_reached, error=np.array(errors))
+def row(method, setting, cpu_time, errors, status=DONE, t_reached=2.0):
+    return Row(method, setting, status, cpu_time=cpu_time, t_reached=t_reached, error=np.array(errors))
 
 
 ROWS = [
@@ -94,5 +94,5 @@ def test_facts_are_plain():
     found = facts(bench())
     assert found["telling_time_s"] == 1.0 and found["case"]["name"] == "II-B" and len(found["rows"]) == 7
     assert found["rows"][5]["errors_m"] == [None, None] and found["rows"][5]["status"] == "slower"
-    assert found["rows"][6]["problem"] == "why" and found["rows"][6]["wall_time"] is None
+    assert found["rows"][6]["problem"] == "why" and found["rows"][6]["cpu_time"] is None
     assert found["rows"][0]["evaluations"] is None

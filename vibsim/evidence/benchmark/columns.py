@@ -26,10 +26,10 @@ TEXTS = {
     "problem": Column(None, "why the method failed", dtype="text"),
 }
 ROW = {
-    "wall_time": Column("s", "wall time of a run, median"),
-    "cpu_time": Column("s", "CPU time of a run, median"),
+    "wall_time": Column("s", "wall time of a run, least"),
+    "cpu_time": Column("s", "CPU time of a run, least"),
     "setup_time": Column("s", "wall time before the first run, such as compiling"),
-    "runs": Column("1", "runs of which the median is taken", dtype="i4"),
+    "runs": Column("1", "runs of which the least is taken", dtype="i4"),
     "steps": Column("1", "steps of a run", dtype="i8", missing=NONE),
     "evaluations": Column("1", "right-hand sides evaluated in a run", dtype="i8", missing=NONE),
     "t_reached": Column("s", "time of the motion until which the method ran"),

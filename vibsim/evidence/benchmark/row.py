@@ -19,7 +19,8 @@ class Row:
     ----------
     method, setting : name of the family, entry of its ladder
     status : DONE; SLOWER where the time limit stopped it at t_reached; FAILED, then `problem` says how
-    wall_time, cpu_time : of a run, the median of `runs` [s]; setup_time : before the first, such as compiling
+    wall_time, cpu_time : of a run, the least of `runs`, which other processes disturb least [s]
+    setup_time : before the first run, such as compiling [s]
     steps, evaluations : steps and right-hand sides of a run; -1 where there is no such number
     t_reached : time until which it ran [s]
     faithful_time : time until which the error is within 1e-3 m [s]
@@ -44,8 +45,8 @@ class Row:
 
     @property
     def time_per_second(self) -> float:
-        """Wall time per second of motion [s/s]; NaN where nothing was run."""
-        return self.wall_time / self.t_reached if self.t_reached else nan
+        """Processor time per second of motion [s/s]; NaN where nothing was run."""
+        return self.cpu_time / self.t_reached if self.t_reached else nan
 
     def error_until(self, time: np.ndarray, t: float) -> float:
         """Largest error [m] at the instants `time` [s] up to `t`; NaN where the run ended before."""

@@ -15,7 +15,7 @@ FLOOR = 2.0**-60  # m: smaller errors are rounding of the truth, 1e-18 m beside 
 
 @dataclass(frozen=True)
 class Beside:
-    """A row beside that of vibsim: ratios of wall times and of errors, theirs to vibsim's."""
+    """A row beside that of vibsim: ratios of processor times and of errors, theirs to vibsim's."""
 
     row: Row
     times: float
@@ -62,11 +62,11 @@ def beside_reference(bench: BenchResult) -> list[Beside]:
 
 
 def impacts_per_second(bench: BenchResult, row: Row) -> float | None:
-    """True impacts until the time that a row reached, per second of wall time; None where there are none."""
+    """True impacts until the time that a row reached, per second of processor time; None where there are none."""
     codes = [EVENT_KINDS[name] for name in IMPACTS]
     impacts = np.isin(bench.truth.events["kind"], codes) & (bench.truth.events["t"] <= row.t_reached)
     count = np.count_nonzero(impacts)
-    return count / row.wall_time if count and row.wall_time > 0 else None
+    return count / row.cpu_time if count and row.cpu_time > 0 else None
 
 
 def faster(bench: BenchResult, row: Row) -> float | None:
