@@ -18,7 +18,7 @@ UP_DOWN := $(BIN)/vibsim sweep II-B --omega0 3:7:0.05 --param c=0.001,0.01,0.03,
   --compute power -o results/up-down.h5
 SANITIZED := tests/engine tests/kernel tests/events tests/flows tests/tangent tests/sweeps
 
-.PHONY: help env run paper test everywhere docs article wheel wheels oldest without-compiler coverage workflows fuzz sanitize verify lint figures sweep sommerfeld basins branches bench budgets truths clean
+.PHONY: help env run paper test everywhere docs article wheel wheels oldest without-compiler coverage workflows fuzz sanitize verify lint figures sweep sommerfeld basins branches bench budgets truths true-motions paper-page clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -130,6 +130,9 @@ verify: $(STAMP) ## verify against known cases, then run the slow tests
 
 truths: $(STAMP) ## compute the stored truths of `vibsim verify` anew (ten minutes)
 	$(BIN)/python -m vibsim.evidence.verification.truth_making
+
+paper-page: $(STAMP) ## bring the numbers of docs/paper.md up to date with results/paper
+	$(BIN)/python -m tests.docs.paper_page results/paper/numbers.json
 
 true-motions: $(STAMP) ## run the paper's cases with many digits, and keep their motions from rest (half an hour; takes the runs that are in results/true-motions)
 	$(BIN)/python -m vibsim.evidence.reports.measured.true_motions

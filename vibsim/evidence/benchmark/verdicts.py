@@ -62,7 +62,7 @@ def beside_reference(bench: BenchResult) -> list[Beside]:
 
 
 def impacts_per_second(bench: BenchResult, row: Row) -> float | None:
-    """True impacts until the time that a row reached, per second of processor time; None where there are none."""
+    """True impacts until the time that a row reached, per second of processor time; None without any."""
     codes = [EVENT_KINDS[name] for name in IMPACTS]
     impacts = np.isin(bench.truth.events["kind"], codes) & (bench.truth.events["t"] <= row.t_reached)
     count = np.count_nonzero(impacts)

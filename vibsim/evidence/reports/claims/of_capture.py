@@ -283,7 +283,7 @@ def capture_frequency(numbers: Numbers) -> Finding:
     names = (*PRINTED, *READINGS)
     speeds = {name: numbers["runs"][name]["capture"]["speed_hz"] for name in names}
     held = [name for name in names if speeds[name] is not None]
-    near = {name: _near_natural(speeds[name]) for name in names}
+    near = {name: near_natural(speeds[name]) for name in names}
     near_from_starts = {name: mostly(numbers, name, _held_near_natural) for name in names}
     counts = ", ".join(f"{name} {count_of(numbers, name, _held_near_natural)}" for name in names)
     lines = [_frequency_line(numbers, name) for name in held]
@@ -301,7 +301,7 @@ def capture_frequency(numbers: Numbers) -> Finding:
 
 
 def _held_near_natural(outcome: Numbers) -> bool:
-    return _near_natural(outcome.get("speed_hz"))
+    return near_natural(outcome.get("speed_hz"))
 
 
 def _with_gaps(numbers: Numbers) -> str:
@@ -310,7 +310,7 @@ def _with_gaps(numbers: Numbers) -> str:
     tried = (
         f"gaps from {rows[0]['gap_mm']:g} to {rows[-1]['gap_mm']:g} mm, {len(rows)} values, II-B from rest"
     )
-    wide = [row for row in rows if row["speed_hz"] is not None and _near_natural(row["speed_hz"])]
+    wide = [row for row in rows if row["speed_hz"] is not None and near_natural(row["speed_hz"])]
     if not wide:
         return f"{tried}: held at 4.0 to 4.2 Hz with none"
     first = wide[0]
@@ -323,7 +323,8 @@ def _with_gaps(numbers: Numbers) -> str:
     )
 
 
-def _near_natural(speed: float | None) -> bool:
+def near_natural(speed: float | None) -> bool:
+    """Whether a motor is held at the paper's 4.1 Hz."""
     return speed is not None and abs(speed - NATURAL_HZ) <= NEAR_HZ
 
 
