@@ -112,13 +112,13 @@ def digits_of(n):
 
 
 def chaotic_hz(n):
-    """First and last frequency of the chaotic points by Table 1's rule with the printed damping."""
+    """Frequencies of the chaotic points by Table 1's rule with the printed damping [Hz]."""
     found = [
         row["hz"]
         for row in n["nearby"]
         if (row["law"], row["c"], row["regime"]) == ("Table 1", 0.001, "chaotic")
     ]
-    return [f"{each:.1f}" for each in (found[0], found[-1])]
+    return [f"{each:.1f}" for each in found]
 
 
 def gaps(n):
@@ -240,7 +240,7 @@ PHRASES = (
         lambda n: [run(n, name)["regime"]["period"] for name in PRINTED],
     ),
     (
-        "most of {} starts are chaotic at {} to {} Hz",
+        "most of {} starts are chaotic at {}, {} and {} Hz",
         lambda n: [len(n["nearby"][0]["starts"]), *chaotic_hz(n)],
     ),
     (

@@ -30,6 +30,7 @@ KINDS = {
 CAPTURED = ("II-B", "II-C", *READINGS)
 COLOURS = dict(zip(CAPTURED, (BLUE, ORANGE, GREEN, VERMILLION), strict=True))
 RING: dict[str, Any] = {"color": BLACK, "markersize": 5, "markerfacecolor": "none", "markeredgewidth": 1.0}
+CROSS: dict[str, Any] = {"color": BLACK, "markersize": 5, "markeredgecolor": "white", "markeredgewidth": 0.6}
 SOURCES = ((BLUE, "ideal, Table 1"), (SKY, "ideal, equal force"), (ORANGE, "motor"))
 MARKS = dict(zip(CAPTURED, "osD^", strict=True))
 
@@ -106,7 +107,7 @@ def draw_regimes(numbers: Numbers) -> Figure:
             axes.plot(row["hz"], place, "o", color="white", markersize=1.8, markeredgewidth=0, gid="disagree")
     for hz in (3.5, 5.5, 6.5):
         for law in LAWS:
-            axes.plot(hz, rows.index((law, DAMPINGS[1])) + 0.75, "kx", markersize=4)
+            axes.plot(hz, rows.index((law, DAMPINGS[1])) + 0.75, "X", **CROSS)
     axes.set_yticks(np.arange(len(rows)) + 0.5, [f"{law}, c = {c:g}" for law, c in rows])
     axes.tick_params(length=0)
     axes.set_xlabel(r"Frequency of the ideal source $\omega/2\pi$ (Hz)")

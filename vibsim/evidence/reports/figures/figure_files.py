@@ -107,7 +107,7 @@ EVIDENCE = {
         "(rest; x1 displaced by 0.6 and 1.2 mm to either side): rows for the law of the amplitude and the "
         "damping c in N s/m; white dots: the starts disagree; crosses: the shipped cases.",
         "Four rows of coloured cells over frequency. With the amplitude of Table 1 nearly all are periodic, "
-        "some near 3.8 to 4 Hz chaotic; with that of Eq. (2.11) most are chaotic or transient.",
+        "those at 3.8 and 3.9 Hz chaotic; with that of Eq. (2.11) most are chaotic or transient.",
     ),
     "drift": (
         draw_drift,
