@@ -15,6 +15,7 @@ from vibsim.command_line.text.going_on import goes_on
 from vibsim.command_line.text.quantities import size
 from vibsim.command_line.text.summary import print_lines
 from vibsim.evidence.reports.measured.paper_runs import Interrupted
+from vibsim.evidence.reports.pages.document import verdicts_of
 from vibsim.evidence.reports.paper import Report, write_paper
 from vibsim.files.signals import interrupted_with
 
@@ -42,15 +43,18 @@ def write_report(folder: str, formats: tuple[str, ...], fresh: bool, settings: S
 
 def _print_report(report: Report, folder: str, took: float, settings: Settings) -> None:
     if settings.json:
-        claims = {claim.key: finding.verdict for claim, finding in report.findings}
+        claims = {
+            claim.key: [verdict.word for verdict in finding.verdicts] for claim, finding in report.findings
+        }
         print_json({"folder": folder, "report": str(report.html), "text": str(report.text), "claims": claims})
         return
     if settings.quiet:
         return
-    count = Counter(finding.verdict for _, finding in report.findings)
+    count = Counter(verdict.word for _, finding in report.findings for verdict in finding.verdicts)
     for number, (claim, finding) in enumerate(report.findings, start=1):
-        say(f"{number:3}. {finding.verdict:14} {claim.statement}")
-    verdicts = ", ".join(f"{number} {verdict}" for verdict, number in count.items())
+        words = "; ".join(f"{about.lower()} {verdict.word}" for about, verdict in verdicts_of(finding))
+        say(f"{number:3}. {claim.statement} {words}.")
+    verdicts = ", ".join(f"{number} × {verdict}" for verdict, number in count.items())
     runs = f"{report.simulated} simulated" if report.simulated else "all there already"
     print_lines(
         [

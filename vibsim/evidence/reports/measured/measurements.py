@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, is_dataclass
+from dataclasses import asdict, is_dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from vibsim.analysis import count_impacts, find_frequencies, judge_capture, measure_drift
+from vibsim.analysis import Capture, count_impacts, find_frequencies, judge_capture, measure_drift
 from vibsim.analysis.drift import STILL
 from vibsim.physics.arithmetic.sums import mean
 from vibsim.results import Result
@@ -42,12 +42,24 @@ def measure_run(result: Result) -> Numbers:
         "peak": displacement_peak(result.time, result["x2"]),
     }
     if scene.has_motor:
-        capture = judge_capture(result)
+        capture = capture_of(result)
         facts["capture"] = plain(capture)
         if capture.since is not None:
             held = (capture.since, capture.until or result.t_reached)
             facts["held"] = {**plain(find_frequencies(result, held)), "reach": reach_at_end(result, held)}
     return facts
+
+
+def capture_of(result: Result) -> Capture:
+    """The verdict on capture, with the longest hold where none counts because the end is undecided.
+
+    A motor that was let go was so whether or not its speed has settled by the end.
+    """
+    capture = judge_capture(result)
+    if capture.verdict == "undecided" and capture.since is None and capture.holds:
+        hold = max(capture.holds, key=lambda one: one.delay)
+        return replace(capture, since=hold.begin, until=hold.end, speed_hz=hold.speed_hz)
+    return capture
 
 
 def greatest(values: np.ndarray) -> float:

@@ -9,12 +9,11 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, wait
-from dataclasses import replace
 from threading import Thread
 from typing import Any
 
-from vibsim.analysis import judge_capture, measure_drift
-from vibsim.evidence.reports.measured.measurements import Numbers, displacement_peak
+from vibsim.analysis import measure_drift
+from vibsim.evidence.reports.measured.measurements import Numbers, capture_of, displacement_peak
 from vibsim.evidence.reports.measured.paper_runs import Interrupted
 from vibsim.results import Result
 from vibsim.results.cores import available_cores
@@ -58,15 +57,8 @@ def _work_off(waiting: deque[tuple[Callable[[], Numbers], Future[Numbers]]]) -> 
 
 
 def outcome_of(result: Result) -> Numbers:
-    """Capture verdict with its hold and the final speed [Hz], drift rate [m/s], and peak of x2.
-
-    A motor that was let go was so whether or not its speed has settled by the end: where that leaves the
-    verdict undecided, the longest hold is told all the same.
-    """
-    capture, drift = judge_capture(result), measure_drift(result)
-    if capture.verdict == "undecided" and capture.since is None and capture.holds:
-        hold = max(capture.holds, key=lambda one: one.delay)
-        capture = replace(capture, since=hold.begin, until=hold.end, speed_hz=hold.speed_hz)
+    """Capture verdict with its hold and the final speed [Hz], drift rate [m/s], and peak of x2."""
+    capture, drift = capture_of(result), measure_drift(result)
     outcome: dict[str, Any] = {
         "verdict": capture.verdict,
         "since": capture.since,
