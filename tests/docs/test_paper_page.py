@@ -34,7 +34,8 @@ def test_every_number_of_the_page_is_held_or_given(page):
 
 
 def test_a_number_that_is_not_held_is_noticed(page):
-    assert numbers_left(page + "\nSome 7 of 9 do.") == [" Some 7 of 9 do.", " Some 7 of 9 do."]
+    left = numbers_left(page + "\nSome 7 of 9 do.")
+    assert len(left) == 2 and all(words.endswith("of 9 do.") for words in left)
 
 
 @pytest.mark.parametrize("phrase", range(len(PHRASES)), ids=[phrase for phrase, _ in PHRASES])
@@ -67,6 +68,11 @@ def test_facts_are_measured_again(numbers):
         assert stored == pytest.approx(fresh, rel=1e-5), AGAIN
 
 
+def assert_same(stored, fresh):
+    """A stored number, which has six digits, or None."""
+    assert stored == (None if fresh is None else pytest.approx(fresh, rel=1e-5)), AGAIN
+
+
 def test_motions_from_rest_are_measured_again(numbers):
     """What the page says of II-B and II-C from rest."""
     for name in ("II-B", "II-C"):
@@ -75,7 +81,7 @@ def test_motions_from_rest_are_measured_again(numbers):
         for key in ("impacts", "sticks", "rest_distance_needed", "overall"):
             assert stored[key] == pytest.approx(fresh[key], rel=1e-5), AGAIN
         for key in ("since", "until", "speed_hz", "final_speed_hz"):
-            assert stored["capture"][key] == pytest.approx(fresh["capture"][key], rel=1e-5), AGAIN
+            assert_same(stored["capture"][key], fresh["capture"][key])
         assert stored["peak"]["time"] == pytest.approx(fresh["peak"]["time"], rel=1e-5), AGAIN
 
 
@@ -86,4 +92,4 @@ def test_two_starts_of_the_ensembles_are_measured_again(numbers):
         fresh = member_outcome(load_case(name, {"initial.x1": f"{start:.4g} m"}))
         for key in ("overall", "impacts", "final_hz", "period"):
             if key in fresh:
-                assert ensemble["outcomes"][i][key] == pytest.approx(fresh[key], rel=1e-5), AGAIN
+                assert_same(ensemble["outcomes"][i][key], fresh[key])

@@ -52,9 +52,9 @@ def _print_report(report: Report, folder: str, took: float, settings: Settings) 
         return
     count = Counter(verdict.word for _, finding in report.findings for verdict in finding.verdicts)
     for number, (claim, finding) in enumerate(report.findings, start=1):
-        words = "; ".join(f"{about.lower()} {verdict.word}" for about, verdict in verdicts_of(finding))
-        say(f"{number:3}. {claim.statement} {words}.")
-    verdicts = ", ".join(f"{number} × {verdict}" for verdict, number in count.items())
+        words = "; ".join(f"{about.lower()}: {verdict.word}" for about, verdict in verdicts_of(finding))
+        say(f"{number:3}. {claim.statement}\n     {words}")
+    verdicts = "; ".join(f"{number} × {verdict}" for verdict, number in count.items())
     runs = f"{report.simulated} simulated" if report.simulated else "all there already"
     print_lines(
         [

@@ -134,5 +134,5 @@ def _centred(sheet: Figure) -> Axes:
 
 
 def _title(sheet: Figure | SubFigure, subject: Subject) -> None:
-    known = f" ({subject.result.attrs['comment']})" if "comment" in subject.result.attrs else ""
+    known = " (true motion)" if "comment" in subject.result.attrs else ""  # the caption says how it was had
     sheet.suptitle(f"{subject.name}: {subject.title}{known}", x=0.01, ha="left", fontsize=8)
