@@ -35,9 +35,7 @@ def test_long_targets_run_every_week():
     """README's examples, the known cases, the paper and the benchmark: what no pull request runs."""
     # YAML reads the key `on` as true
     weekly = [yaml.safe_load(path.read_text(encoding="utf-8")) for path in WORKFLOWS]
-    scheduled = [
-        content for content in weekly if "schedule" in (content[True] or {})
-    ]
+    scheduled = [content for content in weekly if "schedule" in (content[True] or {})]
     crons = [rule["cron"].split() for content in scheduled for rule in content[True]["schedule"]]
     assert all(len(fields) == 5 and fields[2] == "*" for fields in crons)
     steps = [step for content in scheduled for job in content["jobs"].values() for step in job["steps"]]

@@ -15,7 +15,7 @@ from vibsim.analysis.holds import Hold
 from vibsim.analysis.span import Span
 from vibsim.cases import load_case
 from vibsim.engine.errors import REASONS, EngineError
-from vibsim.evidence.reports.measured import ensembles, outcomes
+from vibsim.evidence.reports.measured import ensembles
 from vibsim.evidence.reports.measured.ensembles import EVERY, member_outcome
 from vibsim.evidence.reports.measured.outcomes import outcome_of, run_all
 from vibsim.evidence.reports.measured.paper_runs import Interrupted
@@ -37,10 +37,10 @@ def test_a_hold_counts_whether_or_not_the_speed_settles_behind_it(monkeypatch):
     result = simulate(load_case("II-A", {"run.t_end": "20 s"}), trust=False)
     holds = tuple(Hold(20.0, 20.0 + 10 * delay, 3.7, 40.0, 0.4, delay, False) for delay in (3.0, 4.0))
     capture = Capture("undecided", "the speed is still changing", Span(0.0, 20.0), 6.5, 6.1, holds=holds)
-    monkeypatch.setattr(outcomes, "judge_capture", lambda result: capture)
+    monkeypatch.setattr(measurements, "judge_capture", lambda result: capture)
     told = outcome_of(result)
     assert (told["verdict"], told["since"], told["until"], told["speed_hz"]) == ("undecided", 20.0, 60.0, 3.7)
-    monkeypatch.setattr(outcomes, "judge_capture", lambda result: replace(capture, verdict="not met"))
+    monkeypatch.setattr(measurements, "judge_capture", lambda result: replace(capture, verdict="not met"))
     assert outcome_of(result)["since"] is None
 
 
