@@ -15,7 +15,7 @@ from vibsim.analysis.holds import Hold
 from vibsim.analysis.span import Span
 from vibsim.cases import load_case
 from vibsim.engine.errors import REASONS, EngineError
-from vibsim.evidence.reports.measured import ensembles
+from vibsim.evidence.reports.measured import ensembles, measurements
 from vibsim.evidence.reports.measured.ensembles import EVERY, member_outcome
 from vibsim.evidence.reports.measured.outcomes import outcome_of, run_all
 from vibsim.evidence.reports.measured.paper_runs import Interrupted
