@@ -177,7 +177,7 @@ def test_a_bug_in_the_companion_is_raised(failing):
 def test_a_companion_that_takes_too_many_events_is_given_up_where_it_does(portion, companions):
     """However its blocks and the portions asked for fall, and whether it is asked before it is waited for."""
     _, other = companion_of("I-B", run__t_end="100 s")
-    whole = run(other)
+    whole = run_of_parts(other, early=True, dither=Companion.dither)
     taken = np.searchsorted(whole.events["t"], whole.samples["time"], side="right")
     most = np.minimum(taken, taken[9000])
     known = int(np.argmax(taken > most))
