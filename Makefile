@@ -52,8 +52,8 @@ article: $(STAMP) ## make the article about vibsim with its references: build/ar
 	mkdir -p build
 	$(BIN)/python -c "import pypandoc" 2>/dev/null || \
 	  $(BIN)/python -m pip install --quiet --disable-pip-version-check pypandoc_binary
-	$(BIN)/python -c "import pypandoc; pypandoc.convert_file('paper.md', 'html', outputfile='build/article.html', \
-	  extra_args=['--citeproc', '--standalone', '--fail-if-warnings'])"
+	$(BIN)/python -c "import pypandoc; pypandoc.convert_file('docs/article/paper.md', 'html', outputfile='build/article.html', \
+	  extra_args=['--citeproc', '--resource-path=docs/article', '--standalone', '--fail-if-warnings'])"
 
 wheel: $(STAMP) ## build sdist and wheel, install the wheel into an empty environment, try it there
 	rm -rf dist build/empty

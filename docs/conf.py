@@ -20,7 +20,7 @@ version = release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
 myst_heading_anchors = 3
-exclude_patterns = ["from_code/*"]
+exclude_patterns = ["from_code/*", "article/*"]
 smartquotes = False  # --set is an option, not a dash
 highlight_language = "none"
 

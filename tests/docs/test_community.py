@@ -7,11 +7,11 @@ import pytest
 import yaml
 
 import vibsim
-from tests.docs.pages import ROOT
+from tests.docs.pages import DOCS, ROOT
 
 FORMS = sorted((ROOT / ".github" / "ISSUE_TEMPLATE").glob("*.yml"))
-BIBLIOGRAPHY = (ROOT / "paper.bib").read_text(encoding="utf-8")
-ARTICLE = (ROOT / "paper.md").read_text(encoding="utf-8")
+BIBLIOGRAPHY = (DOCS / "article" / "paper.bib").read_text(encoding="utf-8")
+ARTICLE = (DOCS / "article" / "paper.md").read_text(encoding="utf-8")
 CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
 CODEMETA = json.loads((ROOT / "codemeta.json").read_text(encoding="utf-8"))
 

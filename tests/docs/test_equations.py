@@ -42,7 +42,7 @@ MEANINGS = {
     "2.11": r"m3 ?e ?(?:omega\^2|Omega0\^2|ω²)|m_3 e|[Aa]mplitude|Table 1|\"chaotic\"|Section 2\.1",
     "2.1 2.2 2.3 2.4 2.5 2.6 2.7 2.8 2.9 2.10 2.11": r"numbers",
 }
-TREE = ("vibsim", "docs", "tests", "cases", "README.md", "CHANGELOG.md", "CONTRIBUTING.md", "paper.md")
+TREE = ("vibsim", "docs", "tests", "cases", "README.md", "CHANGELOG.md", "CONTRIBUTING.md")
 TEXTS = {".py", ".c", ".h", ".md", ".yaml", ".js", ".html"}
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from tests.docs.pages import DOCS, PAGES, ROOT, name_of
 
+LINKING = [*PAGES, ROOT / "CONTRIBUTING.md", *sorted((ROOT / ".github").glob("*.md"))]
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 OUTSIDE = ("http://", "https://", "mailto:")
 # a path with a folder and an ending of a text of ours; `NAME`, `*` and {braces} stand for others
@@ -71,7 +72,7 @@ def missing(text):
     return sorted({path for path in cited(text) if not is_there(path)})
 
 
-@pytest.mark.parametrize("path", PAGES, ids=name_of)
+@pytest.mark.parametrize("path", LINKING, ids=name_of)
 def test_links_and_pictures_lead_somewhere(path):
     for target in LINK.findall(path.read_text(encoding="utf-8")):
         file = target.partition("#")[0]
