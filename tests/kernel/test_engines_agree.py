@@ -10,6 +10,7 @@ from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, MOTORS, TABLE_1, fixed_block, paper
 from tests.trajectories import Run, assert_same_bits, run
 from vibsim.engine.errors import EngineError
+from vibsim.physics.modes import EVENT_NAMES
 
 IDEAL_NAMES = tuple(name for name in CASE_NAMES if name not in MOTORS)
 TAYLOR_SETTINGS = ((20, 2.0**-53), (12, 1e-9), (30, 2.0**-53), (8, 1e-6), (40, 1e-20))
@@ -89,6 +90,15 @@ def test_many_random_scenes_by_taylor(scene):
 
 def with_method(scene, method):
     return replace(scene, method=method)
+
+
+@pytest.mark.parametrize("method", ("closed_form", "taylor"))
+def test_a_run_that_ends_at_its_start(method):
+    scene = fixed_block(x1=0.02, rest_distance=0.01, stop_on_violation=True, method=method)
+    result = assert_engines_agree(scene)
+    assert [EVENT_NAMES[code] for code in result.events["kind"]] == ["start", "end"]
+    assert result.events["t"].tolist() == [0.0, 0.0] and result.events["x1"].tolist() == [0.02, 0.02]
+    assert result.totals["first_violation_time"] == 0.0
 
 
 def test_comparison_sees_one_bit():

@@ -42,13 +42,14 @@ class PythonTrajectory(Trajectory[N]):
         self.kit, self.driver = kit, Driver(scene, kit, point, **wishes)
 
     def blocks(self) -> Iterator[Block]:
-        """Yield `Block`s until the run ends."""
-        stopped = False
-        while not (stopped or self.driver.finished):
+        """Yield `Block`s until the run ends, one of them where it ends at its start."""
+        ended = False
+        while not ended:
             try:
                 self.driver.run(PIECES, SAMPLES, SECONDS)
+                ended = self.driver.finished
             except Stopped:
-                stopped = True
+                ended = True
             yield self._block(*self.driver.take())
 
     def stop(self) -> None:
