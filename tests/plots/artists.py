@@ -2,6 +2,8 @@
 
 import numpy as np
 
+BLANK = np.nan  # a cell of a map where nothing is drawn
+
 
 def lines(figure, gid):
     """The lines of a figure that carry a name, in drawing order."""
@@ -21,6 +23,11 @@ def patches(figure, gid):
 def points(line):
     """Data of a line, (x, y)."""
     return np.asarray(line.get_xdata(), dtype=float), np.asarray(line.get_ydata(), dtype=float)
+
+
+def assert_cells(mesh, expected):
+    """A map shows these cells as rows from below, those between values far apart among them."""
+    np.testing.assert_array_equal(mesh.get_array().filled(BLANK), expected)
 
 
 def clipped_texts(figure):

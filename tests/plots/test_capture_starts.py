@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.plots.artists import clipped_texts
+from tests.plots.artists import BLANK, assert_cells, clipped_texts
 from vibsim.cases import load_case
 from vibsim.plots.errors import PlotError
 from vibsim.plots.registry import choose, fitting, kind_named
@@ -53,7 +53,7 @@ def test_probability_over_two_ranges(ensemble):
     verdicts[0, 1, :1] = CAPTURED
     figure = draw(ensemble({"Omega0": "3, 4 Hz", "c": "0.01:0.03/3"}, verdicts))
     (mesh,) = [artist for artist in figure.axes[0].collections if artist.get_gid() == "share"]
-    np.testing.assert_array_equal(mesh.get_array(), [[0, 0], [0.25, 0], [0, 1]])
+    assert_cells(mesh, [[0, BLANK, 0], [0.25, BLANK, 0], [0, BLANK, 1]])
 
 
 def test_starts_by_their_verdict(ensemble):
