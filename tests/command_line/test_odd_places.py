@@ -108,7 +108,9 @@ def test_the_run_of_a_file_goes_into_another(files):
 
 def test_a_style_sheet_of_an_impossible_name(files):
     done = call("plot", "a.h5", "--style", "x" * 300)
-    assert done.exit_code == 2 and "no such file" in done.stderr
+    assert done.exit_code == 2 and done.stderr.endswith(
+        ": must be a file, or a style of matplotlib such as ggplot\n"
+    )
 
 
 ENVIRONMENTS = {
