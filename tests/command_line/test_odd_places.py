@@ -2,8 +2,11 @@
 
 import json
 import os
+from copy import copy
 
+import matplotlib
 import pytest
+from matplotlib import font_manager
 
 import vibsim
 from tests.command_line.made import call, process
@@ -127,3 +130,20 @@ def test_pictures_in_any_environment(files, name):
     done = process("plot", "a.h5", "--kind", "motor", "-o", "a.png", "--json", cwd=files, env=environment)
     assert (done.returncode, done.stderr) == (0, "")
     assert json.loads(done.stdout) == {"written": ["a.png"]}
+
+
+def test_pictures_where_the_list_of_fonts_lacks_those_of_matplotlib(files):
+    """Such a list is written while matplotlib is being removed or installed."""
+    fonts = copy(font_manager.fontManager)
+    own = matplotlib.get_data_path()
+    fonts.ttflist = [font for font in fonts.ttflist if not font.fname.startswith(own)]
+    fonts.afmlist = []
+    (files / "settings").mkdir()
+    written = files / "settings" / f"fontlist-v{fonts.__version__}.json"
+    font_manager.json_dump(fonts, written)
+    before = written.read_bytes()
+    environment = {**os.environ, "MPLCONFIGDIR": str(files / "settings")}
+    for kind, name in (("motor", "a.png"), ("stiffness", "b.pdf")):
+        done = process("plot", "a.h5", "--kind", kind, "-o", name, "--json", cwd=files, env=environment)
+        assert (done.returncode, done.stderr) == (0, "")
+    assert written.read_bytes() == before  # it was that list which was read

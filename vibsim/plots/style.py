@@ -58,6 +58,7 @@ def applied(sheet: str | PathLike[str] | bool = True, font_size: float | None = 
     """
     with _settings_given_back(), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font")  # a title in such signs shows boxes
+        _list_own_fonts()
         if sheet is not False:
             matplotlib.rcdefaults()
             matplotlib.rcParams.update(SETTINGS)
@@ -85,6 +86,20 @@ def _settings_given_back() -> Iterator[None]:
                 interactive = matplotlib.is_interactive()
     finally:
         matplotlib.interactive(interactive)
+
+
+def _list_own_fonts() -> None:
+    """Add to matplotlib's list of fonts those of its own that it lacks.
+
+    The list is a file among the user's. One that was written while matplotlib was being removed or installed
+    lacks them for good: pictures are then drawn in other fonts, and each says so in some 20 lines.
+    """
+    from matplotlib import font_manager
+
+    fonts = font_manager.fontManager
+    own = {str(path) for path in Path(matplotlib.get_data_path(), "fonts").rglob("*.[at][ft][mf]")}
+    for path in sorted(own - {font.fname for font in [*fonts.ttflist, *fonts.afmlist]}):
+        fonts.addfont(path)
 
 
 def _lay_over(sheet: str | PathLike[str]) -> None:
