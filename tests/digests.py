@@ -32,7 +32,7 @@ run: {t_end: 40 s, every: 10 ms}
 
 def chain():
     """Four bodies, one stop."""
-    from vibsim.cases.loading import load_case_text
+    from vibsim.cases.case import load_case_text
 
     return load_case_text(FREE, name="chain")
 

@@ -7,12 +7,12 @@ from importlib import import_module
 import pytest
 
 MODULES = [
-    "vibsim.analysis.verdicts",
+    "vibsim.analysis.cycles",
     "vibsim.cases.case",
-    "vibsim.cases.loading",
-    "vibsim.labelled.labelled",
-    "vibsim.plots.from_python",
-    "vibsim.results.events",
+    "vibsim.cases.case",
+    "vibsim.results.labelled",
+    "vibsim.plots.picture",
+    "vibsim.results.result",
     "vibsim.results.result",
     "vibsim.results.simulation",
     "vibsim.sweeps.sweep_result",

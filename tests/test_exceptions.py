@@ -9,8 +9,8 @@ import pytest
 
 import vibsim
 from vibsim.cases.problems import Problem
-from vibsim.engine.state import State
-from vibsim.orbits.errors import NotConverged
+from vibsim.engine.errors import State
+from vibsim.orbits.coordinates import NotConverged
 
 STATE = State(t=0.5, x=[1.0], v=[2.0], phase=0.0, turns=0.0, w=0.0)
 RAISED = {

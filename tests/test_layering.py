@@ -1,4 +1,4 @@
-"""Imports point down, those by name too: command line, plots, reports; ...; results; cases; numbers."""
+"""Rooms and their order: imports point down, those by name too; no circle of files, one class of a name."""
 
 import ast
 import re
@@ -10,11 +10,9 @@ import pytest
 import vibsim
 
 PACKAGE = Path(vibsim.__file__).parent
-GROUND = ["lazy_names", "once", "physics", "engine"]
+GROUND = ["lazy", "signals", "physics", "engine"]
 # each may import those before it, and the ground floor
-MIDDLE = ["cases", "files", "labelled", "results", "orbits", "branches", "analysis"]
-MIDDLE += [f"sweeps.{room}" for room in ("statistics", "computations", "plan", "points", "store", "schedule")]
-MIDDLE += ["sweeps", "fitting"]
+MIDDLE = ["cases", "results", "orbits", "analysis", "sweeps", "fitting"]
 MIDDLE += ["evidence", "evidence.peers", "evidence.verification", "evidence.benchmark", "opening"]
 TOP = {"command_line", "plots", "evidence.reports"}
 FRONT = {"__init__", "__main__"}  # modules of the package itself: above all rooms
@@ -24,41 +22,13 @@ DATA = "shipped_cases"  # a package without modules
 OF_ENGINE = {"choice", "columns", "driver", "errors", "state"}
 OF_ENGINE |= {"flows.flow", "tangent.error_growth", "tangent.tangent_space"}
 OF_ENGINE |= {"trajectory", "truth", "_engine"}  # the last by name, to ask whether it is there
-# rooms within others -> rooms beside them that they may not import: what serves all pictures and all commands
-# knows none of them, and a run is recorded by way of what stands below
+# rooms of the engine -> rooms beside them that they may not import
 WITHIN = {
     "engine.events.roots": {"impacts"},
     "engine.flows.closed": {"series"},
     "engine.flows.series": {"closed"},
     "engine.tangent.flows": {"events", "bundle"},
     "engine.tangent.events": {"bundle"},
-    "cases.values": {"schema", "parts", "reading"},
-    "cases.schema": {"reading"},
-    "cases.parts": {"reading"},
-    "results.motion": {"trust", "stored", "recording", "many_digits"},
-    "results.trust": {"stored", "recording", "many_digits"},
-    "results.stored": {"recording", "many_digits"},
-    "results.recording": {"many_digits"},
-    "orbits.returns": {"search", "slopes"},
-    "orbits.slopes": {"search"},
-    "branches.curve": {"special", "tracing", "loci", "store"},
-    "branches.special": {"tracing", "loci", "store"},
-    "branches.tracing": {"loci", "store"},
-    "fitting.goals": {"store"},
-    "evidence.peers.equations": {"automaton", "solvers"},
-    "evidence.peers.automaton": {"solvers"},
-    "evidence.verification.bounds": {"truths", "vibrations", "impacts", "friction", "laws", "hard"},
-    "evidence.verification.truths": {"vibrations", "impacts", "friction", "laws", "hard"},
-    "evidence.reports.measured": {"claims", "pages", "figures"},
-    "evidence.reports.claims": {"pages", "figures"},
-    "evidence.reports.pages": {"figures"},
-    "plots.page": {"motion", "runs", "cases", "sweeps", "branches", "machine", "animation", "live"},
-    "plots.motion": {"runs", "cases", "sweeps", "branches", "machine", "animation", "live"},
-    "plots.machine": {"motion", "runs", "cases", "sweeps", "branches", "animation", "live"},
-    "command_line.terminal": {"commands", "jobs", "text", "options"},
-    "command_line.options": {"commands", "jobs", "text"},
-    "command_line.text": {"commands"},
-    "command_line.jobs": {"commands"},
 }
 LIGHT = {"numpy"}  # what the ground floor may import besides the standard library
 OPTIONAL = {"multiprecision.py": {"flint"}, "big_floats.py": {"mpmath"}}  # and who is there for it
@@ -154,14 +124,13 @@ def test_what_serves_all_knows_none_of_them(room):
         ("physics", "from vibsim.engine.modes.status import OPEN"),
         ("results", "from vibsim import sweeps"),
         ("results", "import vibsim.plots.style"),
-        ("analysis", "from vibsim.sweeps.plan.axis import Axis"),
+        ("analysis", "from vibsim.sweeps.axes import Axis"),
         ("results", "import vibsim.command_line"),
         ("results", "from vibsim import load_case"),
         ("results", "from vibsim.opening import open_result"),
-        ("sweeps.plan", "from vibsim.sweeps.points.point import Point"),
         ("results", 'READERS = {"sweep": ("vibsim.sweeps", "open_sweep")}'),
-        ("evidence.peers", 'OWN = "vibsim.evidence.benchmark.own_engine:OwnEngine"'),
-        ("fitting", "from vibsim.evidence.benchmark.truth import Truth"),
+        ("evidence.peers", 'OWN = "vibsim.evidence.benchmark.plan:OwnEngine"'),
+        ("fitting", "from vibsim.evidence.benchmark.scoring import Truth"),
         ("evidence.verification", "from vibsim.engine.modes.rows import rows_of"),
         ("evidence.benchmark", "from vibsim.engine.flows import modal"),
     ],
@@ -169,3 +138,90 @@ def test_what_serves_all_knows_none_of_them(room):
 def test_what_is_misplaced_is_found(tmp_path, room, line):
     (tmp_path / "module.py").write_text(line)
     assert len(list(misplaced(tmp_path / "module.py", room))) == 1
+
+
+def loaded(path, tree=None):
+    """Modules of vibsim that a module imports when it is loaded, and those that functions of it import."""
+    tree = tree or ast.parse(path.read_text(encoding="utf-8"))
+    at_once = {id(node) for node in tree.body}
+    found = {True: set(), False: set()}
+    checked = {
+        id(child)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING")
+        for child in ast.walk(node)
+    }
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module.startswith("vibsim") and id(node) not in checked:
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+            found[id(node) in at_once] |= {name if name in NAMES else node.module for name in names}
+    return found[True], found[False]
+
+
+def name_of(path):
+    return ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
+
+
+NAMES = {name_of(path): path for path in MODULES}
+LOADED = {name: loaded(path) for name, path in NAMES.items()}
+
+
+def reached(name, seen=None):
+    """All modules of vibsim that are loaded with one."""
+    seen = set() if seen is None else seen
+    if name in LOADED and name not in seen:
+        seen.add(name)
+        for other in LOADED[name][0]:
+            reached(other, seen)
+    return seen
+
+
+def test_no_circle_of_files():
+    """Of no two files does each import the other, at once or later, directly or by way of others."""
+    order, state = [], {}
+
+    def visit(name, way):
+        assert state.get(name) != "open", " -> ".join([*way, name])
+        if name in LOADED and name not in state:
+            state[name] = "open"
+            for other in sorted(LOADED[name][0] | LOADED[name][1]):
+                if other != name:
+                    visit(other, [*way, name])
+            state[name] = "done"
+            order.append(name)
+
+    for name in NAMES:
+        visit(name, [])
+    assert len(order) == len(NAMES)
+
+
+def test_one_class_of_a_name():
+    named = {}
+    for path in MODULES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ClassDef):
+                named.setdefault(node.name, []).append(name_of(path))
+    assert {name: where for name, where in named.items() if len(where) > 1} == {}
+
+
+@pytest.mark.parametrize("name", sorted(name for name in NAMES if not name.startswith("vibsim.engine")))
+def test_functions_import_only_what_is_not_loaded_yet(name):
+    """An import within a function spares the start of a command something; else it belongs to the top."""
+    _, later = LOADED[name]
+    modules = {other for other in later if NAMES.get(other, PACKAGE).name != "__init__.py"}
+    spared = {other for other in modules if not reached(other) <= reached(name)}
+    assert modules - spared - ALIASED.get(name, set()) == set()
+
+
+# imports that give one local name to one of several functions
+ALIASED = {"vibsim.opening": {"vibsim.results.simulation"}, "vibsim.plots.traces": {"vibsim.results.columns"}}
+
+
+def test_rooms_are_few_and_modules_are_subjects():
+    """At most ten rooms beside the engine, one level of folders in them, few files of fewer than 80 lines."""
+    outside = [path for path in MODULES if "engine" not in path.relative_to(PACKAGE).parts]
+    depths = {len(path.relative_to(PACKAGE).parts) for path in outside}
+    rooms = {path.relative_to(PACKAGE).parts[0] for path in outside if path.parent != PACKAGE}
+    assert len(rooms) <= 10 and max(depths) <= 3 and len(outside) <= 205
+    short = [path for path in MODULES if len(path.read_text(encoding="utf-8").splitlines()) < 80]
+    assert len(short) < 0.2 * len(MODULES)

@@ -2,8 +2,8 @@
 
 Products of matrices go to a BLAS, sums follow numpy's release, and sines, logarithms and the like use
 whatever vector unit there is; those of the C library, which `math` offers too, differ in last bits between
-libraries and between processors with and without fused products. What ends in a result takes `sums`, `sines`
-and `elementary` of `vibsim.physics.arithmetic`, and matrices of `vibsim.orbits.matrices`.
+libraries and between processors with and without fused products. What ends in a result takes
+`vibsim.physics.elementary`, and matrices of `vibsim.orbits.stability`.
 """
 
 import ast
@@ -20,8 +20,8 @@ import vibsim
 from tests.digests import vector_units
 
 PACKAGE = Path(vibsim.__file__).parent
-RESULTS = ("physics", "engine", "files", "results", "analysis", "sweeps", "fitting")
-RESULTS += ("orbits", "branches", "evidence/reports")
+RESULTS = ("physics", "engine", "results", "analysis", "sweeps", "fitting")
+RESULTS += ("orbits", "evidence/reports")
 ELEMENTARY = {"sin", "cos", "tan", "arcsin", "arccos", "arctan", "arctan2", "sinh", "cosh", "tanh", "hypot"}
 ELEMENTARY |= {"exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "power", "cbrt", "float_power"}
 LIBRARY = ELEMENTARY - {"hypot"} | {"asin", "acos", "atan", "atan2", "pow"}  # Python has a hypot of its own
@@ -29,28 +29,28 @@ SUMS = {"sum", "nansum", "mean", "nanmean", "average", "std", "var", "nanstd", "
 PRODUCTS = {"dot", "vdot", "inner", "outer", "einsum", "matmul", "tensordot", "convolve", "correlate"}
 PRODUCTS |= {"polyfit", "lstsq", "norm", "solve", "corrcoef", "cov"}
 WHOLE_NUMBERS = {  # sums and products of whole numbers are exact in any order
-    "files/chunk_encoding.py": {"sum", "@"},
-    "sweeps/plan/capacity.py": {"prod"},
+    "results/hdf5_writing.py": {"sum", "@"},
+    "sweeps/sweep_plan.py": {"prod"},
     "engine/tangent/monodromy.py": {"sum"},  # whether all are finite
-    "sweeps/ensemble.py": {"sum"},
-    "branches/description.py": {"sum"},
+    "sweeps/points.py": {"sum"},
+    "orbits/branches/description.py": {"sum"},
 }
 ROUNDED = {  # what becomes whole digits; products one by one; the functions of that name of our own
-    "orbits/matrices.py": {"dot"},
+    "orbits/stability.py": {"dot"},
     "orbits/orbit_digits.py": {"log10"},
-    "orbits/returns/return_map.py": {"outer"},
+    "orbits/return_map.py": {"outer"},
 }
 LIBRARIES = {  # libraries whose arithmetic a result takes, each with the reason why it may
-    "analysis/block_averages.py": {"scipy.special"},  # stdtrit: half widths, 2e-11 apart between releases
+    "analysis/comparison.py": {"scipy.special"},  # stdtrit: half widths, 2e-11 apart between releases
     "analysis/dominant_frequencies.py": {
         "scipy.fft",
         "scipy.signal",
     },  # one code for all processors; a search
-    "analysis/regime/zero_one_test.py": {"numpy.fft"},  # the same; correlations to 1e-3
-    "branches/curve/reciprocal.py": {"numpy.polynomial"},  # sums and products in the order of its code
-    "fitting/goals/plan.py": {"scipy"},  # its version, which a file names
+    "analysis/chaos_tests.py": {"numpy.fft"},  # the same; correlations to 1e-3
+    "orbits/branches/family.py": {"numpy.polynomial"},  # sums and products in the order of its code
+    "fitting/plan.py": {"scipy"},  # its version, which a file names
     "fitting/search.py": {"scipy.optimize", "scipy.stats"},  # draws candidates, under the version in the file
-    "results/export_mat.py": {"scipy.io"},  # writes what there is
+    "results/exports.py": {"scipy.io"},  # writes what there is
 }
 ARITHMETIC = ("linalg", "fft", "polynomial")  # of numpy
 
@@ -91,7 +91,7 @@ def libraries(tree):
 
 def test_results_take_no_arithmetic_that_differs_between_machines():
     modules = [path for room in RESULTS for path in sorted((PACKAGE / room).rglob("*.py"))]
-    modules.remove(PACKAGE / "physics/arithmetic/elementary.py")
+    modules.remove(PACKAGE / "physics/elementary.py")
     assert len(modules) > 100
     found = {}
     for path in modules:

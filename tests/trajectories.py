@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.modes import EVENT_NAMES
+from vibsim.physics.parts import EVENT_NAMES
 from vibsim.physics.two_blocks import TwoBlocks
 
 ENGINES = ("c", "python")

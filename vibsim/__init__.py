@@ -22,26 +22,13 @@ Names are imported when they are used, so `import vibsim` costs next to nothing.
 
 from typing import TYPE_CHECKING
 
-from vibsim.lazy_names import FRONT, lazy_names
+from vibsim.lazy import FRONT, lazy_names
 
 if TYPE_CHECKING:
-    from vibsim.analysis import (
-        Analysis as Analysis,
-    )
-    from vibsim.analysis import (
-        Lyapunov as Lyapunov,
-    )
-    from vibsim.analysis import (
-        analyse as analyse,
-    )
-    from vibsim.analysis import (
-        lyapunov as lyapunov,
-    )
-    from vibsim.branches import Branch as Branch
-    from vibsim.branches import BranchError as BranchError
-    from vibsim.branches import Locus as Locus
-    from vibsim.branches import continue_branch as continue_branch
-    from vibsim.branches import continue_locus as continue_locus
+    from vibsim.analysis import Analysis as Analysis
+    from vibsim.analysis import Lyapunov as Lyapunov
+    from vibsim.analysis import analyse as analyse
+    from vibsim.analysis import lyapunov as lyapunov
     from vibsim.cases import Case as Case
     from vibsim.cases import CaseError as CaseError
     from vibsim.cases import load_case as load_case
@@ -49,20 +36,25 @@ if TYPE_CHECKING:
     from vibsim.fitting import FitError as FitError
     from vibsim.fitting import FitResult as FitResult
     from vibsim.fitting import fit as fit
-    from vibsim.labelled.extras import MissingExtra as MissingExtra
-    from vibsim.labelled.labelled import Labelled as Labelled
     from vibsim.opening import open_result as open_result
     from vibsim.orbits import Orbit as Orbit
     from vibsim.orbits import OrbitError as OrbitError
     from vibsim.orbits import monodromy as monodromy
     from vibsim.orbits import search_orbits as search_orbits
-    from vibsim.orbits.search.seeking import orbit as orbit
-    from vibsim.plots.errors import PlotError as PlotError
-    from vibsim.plots.from_python import plot as plot
+    from vibsim.orbits.branches.branch import Branch as Branch
+    from vibsim.orbits.branches.continuing import continue_branch as continue_branch
+    from vibsim.orbits.branches.continuing import continue_locus as continue_locus
+    from vibsim.orbits.branches.locus_result import Locus as Locus
+    from vibsim.orbits.branches.plan import BranchError as BranchError
+    from vibsim.orbits.search import orbit as orbit
+    from vibsim.plots.picture import plot as plot
+    from vibsim.plots.view import PlotError as PlotError
     from vibsim.results import Result as Result
     from vibsim.results import ResultFileError as ResultFileError
     from vibsim.results import simulate as simulate
-    from vibsim.results.events import Events as Events
+    from vibsim.results.labelled import Labelled as Labelled
+    from vibsim.results.labelled import MissingExtra as MissingExtra
+    from vibsim.results.result import Events as Events
     from vibsim.sweeps import PlanError as PlanError
     from vibsim.sweeps import SweepResult as SweepResult
     from vibsim.sweeps import join as join
@@ -70,25 +62,24 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-FRONT |= {"plot": "vibsim.plots.from_python:plot"}
+FRONT |= {"plot": "vibsim.plots.picture:plot"}
 
 __getattr__, __dir__, __all__ = lazy_names(
     __name__,
     {
         "vibsim.analysis": ["Analysis", "Lyapunov", "analyse", "lyapunov"],
-        "vibsim.branches": ["Branch", "BranchError", "Locus", "continue_branch", "continue_locus"],
         "vibsim.cases": ["Case", "CaseError", "load_case"],
         "vibsim.engine.errors": ["EngineError"],
         "vibsim.fitting": ["FitError", "FitResult", "fit"],
-        "vibsim.labelled.extras": ["MissingExtra"],
-        "vibsim.labelled.labelled": ["Labelled"],
         "vibsim.opening": ["open_result"],
         "vibsim.orbits": ["Orbit", "OrbitError", "monodromy", "search_orbits"],
-        "vibsim.orbits.search.seeking": ["orbit"],
-        "vibsim.plots.errors": ["PlotError"],
-        "vibsim.plots.from_python": ["plot"],
-        "vibsim.results.events": ["Events"],
+        "vibsim.orbits.branches": ["Branch", "BranchError", "Locus", "continue_branch", "continue_locus"],
+        "vibsim.orbits.search": ["orbit"],
+        "vibsim.plots.picture": ["plot"],
+        "vibsim.plots.view": ["PlotError"],
         "vibsim.results": ["Result", "ResultFileError", "simulate"],
+        "vibsim.results.labelled": ["Labelled", "MissingExtra"],
+        "vibsim.results.result": ["Events"],
         "vibsim.sweeps": ["PlanError", "SweepResult", "join", "sweep"],
     },
 )

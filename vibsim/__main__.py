@@ -1,6 +1,6 @@
 """The command `vibsim`, also as `python -m vibsim`: here its process begins."""
 
-from vibsim.command_line.terminal.interruption import ended_by_signals
+from vibsim.command_line.interruption import ended_by_signals
 
 
 def main() -> None:

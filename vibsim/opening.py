@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from vibsim.files.signals import ended_at_once
-from vibsim.results.opening import kind_of
+from vibsim.results.simulation import kind_of
+from vibsim.signals import ended_at_once
 
 
 @ended_at_once()
@@ -20,15 +20,15 @@ def open_result(path: str | Path) -> Any:
     """
     match kind_of(path):
         case "trajectory":
-            from vibsim.results.opening import open_trajectory_file as read
+            from vibsim.results.simulation import open_trajectory_file as read
         case "sweep":
             from vibsim.sweeps import open_sweep as read
         case "fit":
             from vibsim.fitting import open_fit as read
         case "branch":
-            from vibsim.branches.store.branch_file import read_branch as read
+            from vibsim.orbits.branches.branch_file import read_branch as read
         case "locus":
-            from vibsim.branches.store.locus_file import read_locus as read
+            from vibsim.orbits.branches.branch_file import read_locus as read
         case _:
             from vibsim.evidence.benchmark import open_bench as read
     return read(path)

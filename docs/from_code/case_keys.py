@@ -4,11 +4,10 @@ from collections.abc import Iterator
 from typing import Any, Literal, get_args, get_origin
 
 from from_code.markdown import code, plain, table
-from vibsim.cases.schema.forms import LONG, SHORT, Form
-from vibsim.cases.schema.keys import holds_names, measured_in, section_models
-from vibsim.cases.schema.measured import Measured
-from vibsim.cases.schema.sections import Section
-from vibsim.cases.values.units import FACTORS, FACTORS_IN_TURNS, unit_names
+from vibsim.cases.quantities import FACTORS, FACTORS_IN_TURNS, unit_names
+from vibsim.cases.schema import Section
+from vibsim.cases.schema_keys import LONG, SHORT, Form, holds_names, measured_in, section_models
+from vibsim.cases.schema_kinds import Measured
 
 HEAD = """# Case keys
 

@@ -1,7 +1,7 @@
 """The page of exit codes, from the table that the command ends by."""
 
 from from_code.markdown import table, with_code
-from vibsim.command_line.errors import EXIT_CODES
+from vibsim.command_line.main import EXIT_CODES
 
 HEAD = """# Exit codes
 

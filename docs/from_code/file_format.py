@@ -4,17 +4,17 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from from_code.attribute_meanings import MEANINGS
 from from_code.markdown import code, plain, table
-from vibsim.branches.store import structure as branch_structure
 from vibsim.cases import load_case
-from vibsim.evidence.benchmark import bench_structure
-from vibsim.files.declarations import Attribute, Dataset
+from vibsim.evidence.benchmark import bench_result
+from vibsim.fitting import fit_file
 from vibsim.fitting.fitting import make_plan as make_fit_plan
-from vibsim.fitting.goals.plan import Search
-from vibsim.fitting.store import fit_structure
+from vibsim.fitting.plan import Search
+from vibsim.orbits.branches import file_structure as branch_structure
+from vibsim.results import trajectory_file
 from vibsim.results.columns import JUDGEMENTS, tables_of
-from vibsim.results.stored import orbit_structure, trajectory_structure
-from vibsim.sweeps.statistics.columns import DEFINITIONS
-from vibsim.sweeps.store import sweep_structure
+from vibsim.results.file_contents import Attribute, Dataset
+from vibsim.sweeps import sweep_file
+from vibsim.sweeps.quantities import DEFINITIONS
 from vibsim.sweeps.sweeping import make_plan as make_sweep_plan
 
 HEAD = """# File format
@@ -43,9 +43,7 @@ def _trajectory() -> Iterator[str]:
     ):
         tables = tables_of(load_case(name).scene()).judged(JUDGEMENTS)
         yield f"### Datasets of {code(name)}: {what}\n"
-        yield _datasets(
-            [*trajectory_structure.sample_datasets(tables), *trajectory_structure.event_datasets(tables)]
-        )
+        yield _datasets([*trajectory_file.sample_datasets(tables), *trajectory_file.event_datasets(tables)])
     yield (
         "A run with `--digits` also holds the decimal texts of all states under `digits/`, those of the\n"
         "events under `digits/events/`. What an instant has between two samples can be evaluated again from\n"
@@ -53,10 +51,10 @@ def _trajectory() -> Iterator[str]:
     )
     yield "### Datasets of a periodic orbit\n"
     yield "A stored orbit (`vibsim orbit -o`) is a run of one period, and holds besides:\n"
-    yield _datasets([*orbit_structure.DATASETS, *orbit_structure.DIGITS])
+    yield _datasets([*trajectory_file.DATASETS, *trajectory_file.DIGITS])
     yield "The last three are there where the orbit was refined with `--digits`.\n"
     yield "### Attributes of runs\n"
-    yield _attributes(trajectory_structure.ATTRIBUTES)
+    yield _attributes(trajectory_file.ATTRIBUTES)
     yield (
         "Beside these stand the entries of the energy ledger [J]: `energy_start`, `energy_end`,\n"
         "`work_source`, `work_base`, `work_belt`, `loss_viscous`, `loss_friction`, `loss_stops`, and one\n"
@@ -70,9 +68,9 @@ def _sweep() -> Iterator[str]:
     yield "## Sweeps (`vibsim_kind` = sweep)\n"
     yield "### Datasets of a sweep of `II-B` over Omega0 and c, with `--compute all`\n"
     yield plain(DEFINITIONS) + "\n"
-    yield _datasets(sweep_structure.datasets_of(plan))
+    yield _datasets(sweep_file.datasets_of(plan))
     yield "### Attributes of sweeps\n"
-    yield _attributes(sweep_structure.ATTRIBUTES)
+    yield _attributes(sweep_file.ATTRIBUTES)
 
 
 def _branch() -> Iterator[str]:
@@ -93,17 +91,17 @@ def _fit() -> Iterator[str]:
     plan = make_fit_plan([load_case("II-B")], {"J": "0.5:20 g m^2"}, statements, (), {}, 0, {}, Search())
     yield "## Fits (`vibsim_kind` = fit)\n"
     yield "### Datasets of a fit of `II-B` with J free\n"
-    yield _datasets(fit_structure.datasets_of(plan))
+    yield _datasets(fit_file.datasets_of(plan))
     yield "### Attributes of fits\n"
-    yield _attributes(fit_structure.ATTRIBUTES)
+    yield _attributes(fit_file.ATTRIBUTES)
 
 
 def _bench() -> Iterator[str]:
     yield "## Benches (`vibsim_kind` = bench)\n"
     yield "### Datasets of a bench of `II-B`\n"
-    yield _datasets(bench_structure.datasets_of(load_case("II-B").scene()))
+    yield _datasets(bench_result.datasets_of(load_case("II-B").scene()))
     yield "### Attributes of benches\n"
-    yield _attributes(bench_structure.ATTRIBUTES)
+    yield _attributes(bench_result.ATTRIBUTES)
 
 
 def _datasets(datasets: Iterable[Dataset]) -> str:

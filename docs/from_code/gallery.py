@@ -8,7 +8,7 @@ from from_code.gallery_numbers import NUMBERS, Number, agreement
 from from_code.markdown import code, fence, plain, table
 from vibsim import load_case, simulate
 from vibsim.cases import Case
-from vibsim.cases.reading.sources import gallery_case_names
+from vibsim.cases.sources import gallery_case_names
 from vibsim.plots.machine import draw_machine_file
 from vibsim.plots.picture import draw_files
 from vibsim.plots.view import View

@@ -9,7 +9,7 @@ from math import acos, atan2, pi, sin, sqrt
 import numpy as np
 
 from vibsim import Result, load_case, simulate
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.parts import EVENT_KINDS
 
 G = 9.81
 Run = Callable[..., Result]

@@ -8,12 +8,10 @@ import pytest
 from tests.results.made import short_run
 from tests.scenes import motor, scene
 from vibsim.analysis import cycles
-from vibsim.analysis.capture import capture_of_turns, judge_capture
-from vibsim.analysis.cycles import cycle_ends
-from vibsim.analysis.holds import BAND, TURNS, longest_stretch
-from vibsim.analysis.resonances import resonances
+from vibsim.analysis.capture import capture_of_turns, judge_capture, resonances
+from vibsim.analysis.cycles import BAND, TURNS, cycle_ends, longest_stretch
 from vibsim.analysis.span import Span
-from vibsim.cases.loading import load_case_text
+from vibsim.cases.case import load_case_text
 from vibsim.results import simulate
 
 SCENE = scene(motor(5.5)).as_parts()  # time constant 9.42 s; half bilinear 3.685 Hz, free 4.149 Hz

@@ -5,7 +5,7 @@ import pytest
 
 from tests.results.made import short_run
 from vibsim.analysis.cycles import cycle_ends
-from vibsim.analysis.impacts_per_cycle import count_impacts, words_of
+from vibsim.analysis.drift import count_impacts, words_of
 
 
 def test_counts_against_the_published_ones():

@@ -5,8 +5,8 @@ import pytest
 
 from tests.results.made import short_run
 from vibsim.analysis import analyse, judge_regime, largest_exponent
-from vibsim.analysis.regime.largest_exponent import exponent_of
-from vibsim.command_line.text.analysis import regime_lines
+from vibsim.analysis.regime import exponent_of
+from vibsim.command_line.commands.analyse import regime_lines
 
 LINEAR = {"blocks__m2": "fixed", "friction": "none", "stop": "none"}
 

@@ -6,8 +6,8 @@ import pytest
 import vibsim
 from tests.results.made import short_case, short_run
 from tests.trust.random_cases import driven_hard
-from vibsim.analysis.regime.section import section_of
-from vibsim.analysis.regime.verdict import judge_regime, word_period
+from vibsim.analysis.regime import judge_regime, word_period
+from vibsim.analysis.sections import section_of
 from vibsim.analysis.span import Span
 from vibsim.engine.trajectory import open_trajectory
 

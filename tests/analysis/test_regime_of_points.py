@@ -4,10 +4,14 @@ import numpy as np
 import pytest
 
 from tests.analysis import known_maps
-from vibsim.analysis.regime.determinism import prediction_error
-from vibsim.analysis.regime.points import Exponent, judge_points
-from vibsim.analysis.regime.recurrence import approached_period, find_period
-from vibsim.analysis.regime.zero_one_test import square_displacements, zero_one
+from vibsim.analysis.chaos_tests import (
+    approached_period,
+    find_period,
+    prediction_error,
+    square_displacements,
+    zero_one,
+)
+from vibsim.analysis.sections import Exponent, judge_points
 
 RNG = np.random.default_rng(11)
 

@@ -8,7 +8,7 @@ import pytest
 import vibsim
 from tests.command_line.made import call
 from vibsim.cases import load_case
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.parts import EVENT_KINDS
 
 
 @pytest.fixture(scope="module")

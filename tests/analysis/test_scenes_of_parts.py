@@ -10,11 +10,11 @@ import pytest
 
 import vibsim
 from vibsim.analysis import analyse, compare, count_impacts, find_frequencies, judge_regime, measure_drift
-from vibsim.analysis.regime.section import section_of
-from vibsim.analysis.resonances import resonances
+from vibsim.analysis.capture import resonances
+from vibsim.analysis.sections import section_of
 from vibsim.analysis.span import Span
 from vibsim.cases import load_case
-from vibsim.cases.loading import load_case_text
+from vibsim.cases.case import load_case_text
 
 # a driven body with a motor beside it that turns against a spring, on a shaken base: three frequencies
 SHAKEN = """

@@ -7,7 +7,7 @@ import pytest
 from tests.results.made import short_run
 from tests.trajectories import opened
 from vibsim.analysis import judge_capture, judge_regime
-from vibsim.analysis.streaming import StreamedVerdicts
+from vibsim.analysis.analysis import StreamedVerdicts
 
 
 def streamed(run, begin):

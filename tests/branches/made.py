@@ -3,9 +3,9 @@
 from functools import cache
 
 from tests.orbits.truths import STORED, TRUTHS
-from vibsim.branches import continue_branch
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
+from vibsim.orbits.branches.continuing import continue_branch
 
 CAPTURED = "II-B c=0.03 captured n=1 (2 impacts/turn)"
 PERIOD_5 = "I-A attractor, period 5"

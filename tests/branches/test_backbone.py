@@ -8,11 +8,12 @@ import pytest
 
 import vibsim
 from tests.command_line.made import call
-from vibsim.branches import BranchError, continue_branch, read_branch
-from vibsim.branches.curve.energy import Conserved
-from vibsim.branches.span import read_energy_span
 from vibsim.cases import load_case
 from vibsim.orbits import ReturnMap
+from vibsim.orbits.branches.branch_file import read_branch
+from vibsim.orbits.branches.continuing import continue_branch
+from vibsim.orbits.branches.node import Conserved
+from vibsim.orbits.branches.plan import BranchError, read_energy_span
 
 FREE = {"excitation": "none", "coupling.c": "0", "friction": "none"}
 FREE_WORDS = ["I-A", *(f"-s{key}={value}" for key, value in FREE.items()), "-s"]

@@ -8,9 +8,9 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import vibsim
-from vibsim.branches import continue_branch
-from vibsim.branches.curve.reciprocal import Reciprocal, restricted
 from vibsim.cases import load_case
+from vibsim.orbits.branches.continuing import continue_branch
+from vibsim.orbits.branches.family import Reciprocal, restricted
 
 TWINS = """
 name: twins

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import vibsim
-from vibsim.branches.loci.locus_plan import locus_plan
-from vibsim.branches.span import read_span
-from vibsim.branches.store.locus_file import LocusStore
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
+from vibsim.orbits.branches.branch_file import LocusStore
+from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.plan import read_span
 
 COCO, PERIOD = "gallery/impact-oscillator-coco", 2 * pi  # [s]; damping 0.1 N s/m of 1 kg, restitution 0.8
 RATIO = 1.1  # of the frequencies: at 1 the impact without damping is where the section is

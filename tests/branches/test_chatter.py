@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from vibsim.branches import continue_branch
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
-from vibsim.orbits.returns.word import LETTERS, circle
-from vibsim.orbits.search.seeking import orbit
+from vibsim.orbits.branches.continuing import continue_branch
+from vibsim.orbits.coordinates import LETTERS, circle
+from vibsim.orbits.search import orbit
 
 OMEGA = 99.045444115315068  # [rad/s]
 KINDS = {letter: kind for kind, letter in LETTERS.items()}

@@ -7,15 +7,12 @@ import numpy as np
 import pytest
 
 import vibsim
-from vibsim.branches import continue_branch
-from vibsim.branches.continuing import complete
-from vibsim.branches.curve.step_size import Pace
-from vibsim.branches.plan import plan_from
-from vibsim.branches.span import read_span
-from vibsim.branches.store.branch_store import BranchFileStore, BranchStore
-from vibsim.branches.tracing.moved_section import MovedFamily, quiet_share
 from vibsim.cases import load_case
-from vibsim.orbits.search.newton import solve
+from vibsim.orbits.branches.continuing import BranchFileStore, BranchStore, complete, continue_branch
+from vibsim.orbits.branches.correction import Pace
+from vibsim.orbits.branches.interpolant import MovedFamily, quiet_share
+from vibsim.orbits.branches.plan import plan_from, read_span
+from vibsim.orbits.newton import solve
 
 BILINEAR = """
 name: bilinear

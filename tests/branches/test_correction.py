@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vibsim.branches.curve.correction import correct
+from vibsim.orbits.branches.correction import correct
 
 ACROSS = np.array([0.6, 0.8])
 

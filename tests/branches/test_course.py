@@ -6,20 +6,17 @@ import numpy as np
 import pytest
 
 from tests.branches.made import CAPTURED, branch_of, orbit_of
-from vibsim.branches.continuing import complete
-from vibsim.branches.course import FINE, Arc, curve_of, drawn, stretches
-from vibsim.branches.curve.step_size import Pace
-from vibsim.branches.loci.locus_plan import locus_plan
-from vibsim.branches.plan import plan_from
-from vibsim.branches.span import read_span
-from vibsim.branches.store.branch_store import BranchStore
-from vibsim.branches.store.locus_file import LocusStore
 from vibsim.cases import load_case
-from vibsim.orbits.search.seeking import orbit
-from vibsim.plots.branches.curves import pieces, ranges
-from vibsim.plots.branches.motor_lines import torque_of
-from vibsim.plots.branches.multipliers import magnitudes_along
-from vibsim.plots.branches.values import amplitude_of, mean_speed_of, parameter_of
+from vibsim.orbits.branches.branch_file import LocusStore
+from vibsim.orbits.branches.continuing import BranchStore, complete
+from vibsim.orbits.branches.correction import Pace
+from vibsim.orbits.branches.course import FINE, Arc, curve_of, drawn, stretches
+from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.plan import plan_from, read_span
+from vibsim.orbits.search import orbit
+from vibsim.plots.branch_curves import torque_of
+from vibsim.plots.branch_values import amplitude_of, mean_speed_of, parameter_of, pieces, ranges
+from vibsim.plots.loci import magnitudes_along
 
 SHORT = Pace(first=0.006, most=0.006)
 

@@ -5,8 +5,8 @@ from collections import Counter
 import pytest
 
 from tests.branches.made import KEYS, RESONANT, orbit_of
-from vibsim.branches import continue_branch
-from vibsim.branches.curve.family import Family, FamilyPoint
+from vibsim.orbits.branches.continuing import continue_branch
+from vibsim.orbits.branches.family import Family, FamilyPoint
 
 
 @pytest.mark.parametrize("span", ["6.2:8 Hz", "5:8 Hz"])

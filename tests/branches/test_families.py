@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from vibsim.branches import continue_branch
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
+from vibsim.orbits.branches.continuing import continue_branch
 
 STUCK = """
 name: family

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from vibsim.branches import continue_branch
-from vibsim.branches.loci.locus_plan import locus_plan
-from vibsim.branches.span import read_span
-from vibsim.branches.store.locus_file import LocusStore
+from vibsim.orbits.branches.branch_file import LocusStore
+from vibsim.orbits.branches.continuing import continue_branch
+from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.plan import read_span
 
 
 def fold_of_one_impact(w, c=0.1, e=0.8):

@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 
-from vibsim.branches.continuing import continue_branch
-from vibsim.branches.curve.node import node_at
-from vibsim.branches.plan import plan_from
-from vibsim.branches.span import read_span
-from vibsim.branches.special.inspection import inspect
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
-from vibsim.orbits.search.seeking import orbit
+from vibsim.orbits.branches.continuing import continue_branch
+from vibsim.orbits.branches.inspection import inspect
+from vibsim.orbits.branches.node import node_at
+from vibsim.orbits.branches.plan import plan_from, read_span
+from vibsim.orbits.search import orbit
 
 SCENE = """
 name: across

@@ -8,12 +8,12 @@ import pytest
 from tests.branches.made import KEYS, PERIOD_5, orbit_of
 from tests.branches.test_closed_forms import BILINEAR, GRAZING
 from tests.command_line.made import call
-from vibsim.branches import continue_branch
-from vibsim.branches.loci.locus_plan import locus_plan
-from vibsim.branches.span import read_span
-from vibsim.branches.store.locus_file import LocusStore, read_locus
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
+from vibsim.orbits.branches.branch_file import LocusStore, read_locus
+from vibsim.orbits.branches.continuing import continue_branch
+from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.plan import read_span
 from vibsim.physics.parts import GROUND
 
 ELASTIC, RIGID = "law: elastic, k: 29 N/m", "law: rigid, e: 0.8"

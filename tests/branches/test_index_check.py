@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from tests.command_line.made import call
-from vibsim.branches import continue_branch, read_branch
-from vibsim.branches.branch import Branch
-from vibsim.branches.description import branch_lines, facts
-from vibsim.branches.special.special import UNRESOLVED
 from vibsim.cases import load_case
 from vibsim.orbits import search_orbits
+from vibsim.orbits.branches.branch import Branch
+from vibsim.orbits.branches.branch_file import read_branch
+from vibsim.orbits.branches.continuing import continue_branch
+from vibsim.orbits.branches.description import branch_lines, facts
+from vibsim.orbits.branches.special_points import UNRESOLVED
 
 FEW, MANY = (0, 1), range(2, 40)
 

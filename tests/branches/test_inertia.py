@@ -11,7 +11,7 @@ import pytest
 import vibsim
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
-from vibsim.orbits.returns.start import case_on_orbit
+from vibsim.orbits.coordinates import case_on_orbit
 
 PAGE = Path(__file__).parents[2] / "docs" / "branches.md"
 STARTS = {  # turns: x1, v1, v2, phidot near the stable orbit at c = 0.03 N s/m, whose x2 is 0

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from vibsim.branches import continue_branch
-from vibsim.branches.tracing.walk import landed
 from vibsim.cases import load_case
-from vibsim.orbits.search.seeking import orbit
+from vibsim.orbits.branches.continuing import continue_branch
+from vibsim.orbits.branches.walk import landed
+from vibsim.orbits.search import orbit
 
 
 def test_the_plateau_at_three_quarters_is_an_isola():

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import vibsim
-from vibsim.branches.curve.node import Node
-from vibsim.branches.store.branch_store import BranchStore
-from vibsim.branches.tracing.joining import shift
-from vibsim.branches.tracing.tracing import trace
 from vibsim.cases import load_case
-from vibsim.cases.loading import load_case_text
+from vibsim.cases.case import load_case_text
 from vibsim.orbits import find_orbit
+from vibsim.orbits.branches.continuing import BranchStore
+from vibsim.orbits.branches.interpolant import shift
+from vibsim.orbits.branches.node import Node
+from vibsim.orbits.branches.tracing import trace
 
 SPAN = "0.1172:0.1173 Hz"  # of the bilinear oscillator: graze, doubling and another graze within 5e-5 of it
 

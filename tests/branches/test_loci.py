@@ -8,13 +8,13 @@ import pytest
 from tests.branches.made import CAPTURED, KEYS, branch_of, parameter
 from tests.command_line.made import call
 from tests.orbits.truths import TRUTHS
-from vibsim.branches import BranchError, continue_branch
-from vibsim.branches.loci.locus_plan import locus_plan
-from vibsim.branches.span import read_span
-from vibsim.branches.store.locus_file import LocusStore, read_locus
 from vibsim.cases import load_case
 from vibsim.opening import open_result
 from vibsim.orbits import find_orbit
+from vibsim.orbits.branches.branch_file import LocusStore, read_locus
+from vibsim.orbits.branches.continuing import continue_branch
+from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.plan import BranchError, read_span
 
 pytestmark = pytest.mark.slow  # curves in two parameters, followed whole
 

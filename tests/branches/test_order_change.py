@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from vibsim.branches.curve.way import _newton
-from vibsim.branches.special.inspection import _gathered
-from vibsim.branches.special.order_change import _zero
-from vibsim.branches.special.special import STICKING, Special
-from vibsim.orbits.returns.word import LETTERS
+from vibsim.orbits.branches.inspection import _gathered
+from vibsim.orbits.branches.interpolant import _newton
+from vibsim.orbits.branches.order_change import _zero
+from vibsim.orbits.branches.special_points import STICKING, Special
+from vibsim.orbits.coordinates import LETTERS
 
 KINDS = {letter: kind for kind, letter in LETTERS.items()}
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from vibsim.branches import continue_branch
+from vibsim.orbits.branches.continuing import continue_branch
 
 
 @pytest.mark.parametrize(

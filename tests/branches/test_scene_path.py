@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vibsim.branches.curve.scene_path import ScenePath
 from vibsim.cases import load_case
+from vibsim.orbits.branches.family import ScenePath
 
 PATHS = [
     ("II-B", ("excitation.Omega0",), "Hz"),

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from vibsim.branches import continue_branch
 from vibsim.cases import load_case
+from vibsim.orbits.branches.continuing import continue_branch
 
 
 def test_a_stick_that_comes_to_the_section():

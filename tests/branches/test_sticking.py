@@ -3,19 +3,18 @@
 import numpy as np
 import pytest
 
-from vibsim.branches import BranchError, continue_branch
-from vibsim.branches.curve.family import Family
-from vibsim.branches.loci.locus_plan import locus_plan
-from vibsim.branches.loci.locus_result import Locus
-from vibsim.branches.span import read_span
-from vibsim.branches.special.holding import held
-from vibsim.branches.store.locus_file import LocusStore, read_locus
 from vibsim.cases import load_case
-from vibsim.files.errors import ResultFileError
-from vibsim.orbits.search.seeking import orbit
+from vibsim.orbits.branches.branch_file import LocusStore, read_locus
+from vibsim.orbits.branches.continuing import continue_branch
+from vibsim.orbits.branches.family import Family
+from vibsim.orbits.branches.locus_result import Locus, locus_plan
+from vibsim.orbits.branches.plan import BranchError, read_span
+from vibsim.orbits.branches.special_points import held
+from vibsim.orbits.search import orbit
 from vibsim.plots.registry import kind_named
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
+from vibsim.results.hdf5_reading import ResultFileError
 
 COULOMB = """
 name: coulomb

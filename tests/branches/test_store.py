@@ -8,19 +8,16 @@ import numpy as np
 import pytest
 
 from tests.branches.made import CAPTURED, KEYS, orbit_of
-from vibsim.branches import continue_branch, read_branch
-from vibsim.branches.continuing import complete
-from vibsim.branches.loci.locus_plan import locus_plan
-from vibsim.branches.plan import plan_from
-from vibsim.branches.span import read_span
-from vibsim.branches.store.branch_store import BranchFileStore
-from vibsim.branches.store.locus_file import LocusStore
-from vibsim.branches.tracing.records import plain, read_record
 from vibsim.cases import UnknownKeyError
-from vibsim.files.errors import ResultFileError
-from vibsim.files.journal import journal_path
 from vibsim.opening import open_result
 from vibsim.orbits import find_orbit
+from vibsim.orbits.branches.branch_file import LocusStore, read_branch
+from vibsim.orbits.branches.continuing import BranchFileStore, complete, continue_branch
+from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.plan import plan_from, read_span
+from vibsim.orbits.branches.tracing import plain, read_record
+from vibsim.results.hdf5_reading import ResultFileError
+from vibsim.results.journal import journal_path
 
 SPAN = "5.7:5.9 Hz"
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from tests.branches.made import CAPTURED, RESONANT, branch_of, nearest
-from vibsim.branches import BranchError, continue_branch
+from vibsim.orbits.branches.continuing import continue_branch
+from vibsim.orbits.branches.plan import BranchError
 
 pytestmark = pytest.mark.slow  # branches of doubled orbits, followed whole
 

@@ -9,7 +9,7 @@ import vibsim
 from tests.branches.made import KEYS, RESONANT, orbit_of
 from tests.command_line.made import call
 from tests.plots.test_pages import data_of
-from vibsim.branches import continue_branch
+from vibsim.orbits.branches.continuing import continue_branch
 
 
 @pytest.fixture(scope="module")

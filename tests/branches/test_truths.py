@@ -5,9 +5,9 @@ import pytest
 
 from tests.branches.made import CAPTURED, PERIOD_5, RESONANT, branch_of, nearest, parameter
 from tests.orbits.truths import TRUTHS
-from vibsim.branches.curve.node import Node
-from vibsim.branches.special.inspection import inspect
-from vibsim.orbits.returns.word import cyclic
+from vibsim.orbits.branches.inspection import inspect
+from vibsim.orbits.branches.node import Node
+from vibsim.orbits.coordinates import cyclic
 
 LOWER = "3.47:3.53 Hz"
 # truth, branch, its span, kind

@@ -2,11 +2,12 @@
 
 import pytest
 
-from vibsim.branches import BranchError, continue_branch, continue_locus
-from vibsim.branches.branch import SpecialPoint
-from vibsim.branches.curve.arclength import ContinuationError
-from vibsim.branches.loci.locus_plan import locus_plan
-from vibsim.orbits.search.seeking import orbit
+from vibsim.orbits.branches.branch import SpecialPoint
+from vibsim.orbits.branches.continuing import continue_branch, continue_locus
+from vibsim.orbits.branches.correction import ContinuationError
+from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.plan import BranchError
+from vibsim.orbits.search import orbit
 
 CASE = "gallery/friction-oscillator"
 
@@ -80,6 +81,6 @@ def test_what_is_not_found_is_a_branch_error(branch, monkeypatch):
     def lost(*_):
         raise ContinuationError("Newton's method came to no end")
 
-    monkeypatch.setattr("vibsim.branches.continuing.trace", lost)
+    monkeypatch.setattr("vibsim.orbits.branches.continuing.trace", lost)
     with pytest.raises(BranchError, match="Newton's method came to no end"):
         continue_branch(orbit(CASE), "drive.A", "1.4:1.6 N")

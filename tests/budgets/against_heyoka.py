@@ -9,9 +9,9 @@ from tests.budgets.row import Row, stopwatch
 from tests.budgets.true_states import error_of
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.evidence.peers.time_limit import TimeLimit
-from vibsim.evidence.verification.truths.event_matching import match_events
-from vibsim.physics.modes import EVENT_NAMES
+from vibsim.evidence.peers.solvers import TimeLimit
+from vibsim.evidence.verification.stored_truths import match_events
+from vibsim.physics.parts import EVENT_NAMES
 
 STATES = ("x1", "v1", "x2", "v2", "phi", "phidot")
 CHECKED = {"II-A": (20, 40), "II-B": (20, 50), "II-C": (20, 40)}  # s
@@ -35,7 +35,7 @@ def rows():
 
 def case_rows(name):
     """Time of vibsim / time of heyoka, both with 60,001 samples, taken in turns; errors; events."""
-    from vibsim.evidence.peers.solvers.heyoka_events import HeyokaEvents
+    from vibsim.evidence.peers.heyoka_events import HeyokaEvents
 
     scene = load_case(name).scene()
     times = np.array([scene.sample_time(i) for i in range(scene.sample_count)])

@@ -10,9 +10,7 @@ from tests.budgets.row import Row, stopwatch
 from tests.budgets.true_states import error_of
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.evidence.peers.solvers.solve_ivp_eventless import EventlessSolver
-from vibsim.evidence.peers.solvers.solve_ivp_events import EventSolver
-from vibsim.evidence.peers.time_limit import TimeLimit
+from vibsim.evidence.peers.solvers import EventlessSolver, EventSolver, TimeLimit
 
 SPAN = 20  # s
 LADDER = (1e-10, 1e-12, 2.3e-14)  # rtol; the last is the tightest that solve_ivp takes

@@ -15,11 +15,11 @@ import numpy as np
 
 from tests.sweeps.clusters import ROOT, loopback_cluster
 from vibsim.cases import load_case
-from vibsim.sweeps.plan.sweep_plan import Plan
-from vibsim.sweeps.points.point import Point
-from vibsim.sweeps.schedule import cluster
-from vibsim.sweeps.statistics.columns import DONE
-from vibsim.sweeps.store.point_store import FileStore
+from vibsim.sweeps import workers as sweep_workers
+from vibsim.sweeps.point_store import FileStore
+from vibsim.sweeps.points import SweepPoint
+from vibsim.sweeps.quantities import DONE
+from vibsim.sweeps.sweep_plan import SweepPlan
 from vibsim.sweeps.sweeping import complete, make_plan
 
 POINT = 0.05  # seconds
@@ -36,7 +36,7 @@ def sleep_there(recipe, pieces, engine, expected):
             time.sleep(POINT)
             values = {f"value{i}": float(i) for i in range(34)} | {"wall_time": POINT}
             arrays = {f"section{i}": np.random.random(100) for i in range(3)}
-            found.append(Point(index, DONE, "0" * 64, "", values, arrays))
+            found.append(SweepPoint(index, DONE, "0" * 64, "", values, arrays))
     return found
 
 
@@ -46,7 +46,7 @@ def cpu_seconds(pid):
     return (int(fields[11]) + int(fields[12])) / TICK
 
 
-class CountedWorkers(cluster.ClusterWorkers):
+class CountedWorkers(sweep_workers.ClusterWorkers):
     """Workers that count the batches that they are handed."""
 
     handed = 0
@@ -56,9 +56,9 @@ class CountedWorkers(cluster.ClusterWorkers):
         return super().submit(pieces)
 
 
-def measured(running, plan: Plan, folder: Path, batch_seconds: float):
+def measured(running, plan: SweepPlan, folder: Path, batch_seconds: float):
     """Run a plan; CPU times of client, scheduler and workers [s], batches and wall time."""
-    cluster.ClusterWorkers.batch_seconds = batch_seconds
+    sweep_workers.ClusterWorkers.batch_seconds = batch_seconds
     with CountedWorkers(plan.recipe, running.address) as workers:
         pids = [running.scheduler.pid, *(worker.pid for worker in running.workers)]
         before, began, own = [cpu_seconds(pid) for pid in pids], time.perf_counter(), time.process_time()
@@ -70,7 +70,7 @@ def measured(running, plan: Plan, folder: Path, batch_seconds: float):
 
 
 def main():
-    cluster.compute_there = sleep_there
+    sweep_workers.compute_there = sleep_there
     case = load_case("II-B", {"run.t_end": "1 s"})
     with tempfile.TemporaryDirectory() as name, loopback_cluster(Path(name), 0) as running:
         for _ in range(2):

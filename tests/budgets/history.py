@@ -13,9 +13,9 @@ from datetime import datetime, timezone
 from pathlib import Path
 from statistics import median
 
-from vibsim.evidence.benchmark.provenance import processor
-from vibsim.files.output_file import output_file
-from vibsim.results.cores import available_cores
+from vibsim.evidence.benchmark.scoring import processor
+from vibsim.results.blocks_ahead import available_cores
+from vibsim.results.hdf5_writing import output_file
 
 FORMAT = 1
 ROOT = Path(__file__).resolve().parents[2]

@@ -17,18 +17,15 @@ from pathlib import Path
 import numpy as np
 
 from vibsim.cases import load_case
-from vibsim.sweeps.computations.registry import COMPUTATIONS
-from vibsim.sweeps.plan.sweep_plan import Plan
-from vibsim.sweeps.points.point import Point, compute_point
-from vibsim.sweeps.points.table import Table
-from vibsim.sweeps.schedule.backlog import Backlog
-from vibsim.sweeps.schedule.runner import run
-from vibsim.sweeps.statistics.columns import DONE
-from vibsim.sweeps.statistics.measured_run import MeasuredRun
-from vibsim.sweeps.statistics.resolution import sampled_for_statistics
-from vibsim.sweeps.store.point_store import FileStore
-from vibsim.sweeps.store.sweep_file import write_sweep
+from vibsim.sweeps.computations import COMPUTATIONS
+from vibsim.sweeps.point_store import FileStore
+from vibsim.sweeps.points import SweepPoint, Table, compute_point
+from vibsim.sweeps.quantities import DONE
+from vibsim.sweeps.statistics import MeasuredRun, sampled_for_statistics
+from vibsim.sweeps.sweep_file import write_sweep
+from vibsim.sweeps.sweep_plan import SweepPlan
 from vibsim.sweeps.sweeping import make_plan
+from vibsim.sweeps.workers import Backlog, run
 
 OMEGA0 = "excitation.Omega0"
 MICRO = 1e6
@@ -77,17 +74,17 @@ def computing():
         print(f"  + {name:<26s} {(cpu(points([name])) / len(indices) - whole) * 1e3:8.2f} ms")
 
 
-def unlike(plan: Plan, made: Point, points: int):
+def unlike(plan: SweepPlan, made: SweepPoint, points: int):
     """So many points, as incompressible as real ones: no two numbers alike."""
     draw = np.random.default_rng(1)
     for i in range(points):
         factors = iter((1 + draw.random(len(made.values))).tolist())
         values = {name: value * next(factors) for name, value in made.values.items()}
         arrays = {name: array * (1 + draw.random(len(array))) for name, array in made.arrays.items()}
-        yield Point((i % 100, i // 100, 0), DONE, draw.bytes(32).hex(), "", values, arrays)
+        yield SweepPoint((i % 100, i // 100, 0), DONE, draw.bytes(32).hex(), "", values, arrays)
 
 
-def a_point(plan: Plan, index) -> Point:
+def a_point(plan: SweepPlan, index) -> SweepPoint:
     return compute_point(plan.recipe, index, plan.changes(index), None, "c")
 
 
@@ -134,7 +131,7 @@ class Inventing:
 
     batch_seconds, count = 1.0, 2
 
-    def __init__(self, made: Point):
+    def __init__(self, made: SweepPoint):
         self.made = made
 
     def submit(self, pieces):

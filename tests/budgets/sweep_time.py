@@ -8,10 +8,9 @@ from tests.budgets.engine_clock import EngineClock
 from tests.budgets.processes import VIBSIM, seconds
 from tests.budgets.row import Row
 from vibsim.cases import load_case
-from vibsim.results.cores import available_cores
-from vibsim.sweeps.statistics.measured_run import MeasuredRun
-from vibsim.sweeps.statistics.quantities import quantities_of
-from vibsim.sweeps.statistics.resolution import sampled_for_statistics
+from vibsim.results.blocks_ahead import available_cores
+from vibsim.sweeps.quantities import quantities_of
+from vibsim.sweeps.statistics import MeasuredRun, sampled_for_statistics
 
 POINTS, OVERHEAD = 81, 1.5
 REPETITIONS = 3

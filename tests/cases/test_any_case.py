@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vibsim.cases import Case, CaseError, load_case
-from vibsim.cases.loading import load_case_text
-from vibsim.cases.values.units import UNITS
+from vibsim.cases.case import load_case_text
+from vibsim.cases.quantities import UNITS
 
 number = st.decimals(allow_nan=False, allow_infinity=False, min_value="1e-9", max_value="1e9").map(str)
 

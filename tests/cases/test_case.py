@@ -160,7 +160,7 @@ def test_fingerprints_of_stored_files_stay(name):
 def test_a_case_of_two_blocks_does_not_load_the_long_form():
     code = (
         "import sys; from vibsim import load_case; load_case('II-B').scene(); "
-        "print('vibsim.cases.parts.schema' in sys.modules)"
+        "print('vibsim.cases.part_schema' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"

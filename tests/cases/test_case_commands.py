@@ -9,8 +9,7 @@ import yaml
 from click.testing import CliRunner
 
 from vibsim.cases import gallery_case_names, shipped_case_names
-from vibsim.cases.schema.forms import LONG, SHORT
-from vibsim.cases.schema.keys import all_keys
+from vibsim.cases.schema_keys import LONG, SHORT, all_keys
 from vibsim.command_line.main import group
 
 SHIPPED = [*shipped_case_names(), *gallery_case_names()]

@@ -5,8 +5,8 @@ from math import pi, sqrt
 import pytest
 
 from vibsim.cases import load_case, shipped_case_names
-from vibsim.cases.derived_facts import derived_facts
-from vibsim.cases.loading import load_case_text
+from vibsim.cases.case import load_case_text
+from vibsim.cases.validation import derived_facts
 
 
 def facts(name, overrides=None):

@@ -5,8 +5,8 @@ from html.parser import HTMLParser
 import pytest
 
 from vibsim import load_case
-from vibsim.cases.derived_facts import derived_facts
-from vibsim.cases.number import number
+from vibsim.cases.quantities import number
+from vibsim.cases.validation import derived_facts
 
 
 class Tags(HTMLParser):

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibsim.cases.number import number
-from vibsim.cases.plain_text import one_line, plain_text
+from vibsim.cases.problems import one_line, plain_text
+from vibsim.cases.quantities import number
 
 
 @pytest.mark.parametrize(

@@ -5,11 +5,10 @@ from typing import Annotated, Literal
 
 import pytest
 
-from vibsim.cases.schema.json_schema import case_schema
-from vibsim.cases.schema.kinds import Fault, Text, WholeNumber
-from vibsim.cases.schema.measured import Measured
-from vibsim.cases.schema.sections import Section, key
-from vibsim.cases.values.quantities import Quantity
+from vibsim.cases.quantities import Quantity
+from vibsim.cases.schema import Section, key
+from vibsim.cases.schema_keys import case_schema
+from vibsim.cases.schema_kinds import Fault, Measured, TextKind, WholeNumber
 
 
 class Inner(Section):
@@ -26,7 +25,7 @@ class Outer(Section):
     parts: dict[str, Inner] = key(default={})
     other: Inner | None = key(default=None)
     how: Literal["one", "two"] = "one"
-    name: Annotated[str, Text(5, "[a-z]+", "letters")] = key(default="case")
+    name: Annotated[str, TextKind(5, "[a-z]+", "letters")] = key(default="case")
 
 
 def read(values):

@@ -8,12 +8,11 @@ from hypothesis import strategies as st
 
 from tests.docs.pages import ROOT
 from vibsim.cases import CaseError, load_case
-from vibsim.cases.loading import load_case_text
-from vibsim.cases.reading.sources import shipped_case_names
-from vibsim.cases.schema.forms import LONG, SHORT
-from vibsim.cases.schema.keys import all_keys
-from vibsim.cases.spelling import LIMITS, LIMITS_PAGE, nearest, slips
-from vibsim.cases.values.units import UNITS
+from vibsim.cases.case import load_case_text
+from vibsim.cases.problems import LIMITS, LIMITS_PAGE, nearest, slips
+from vibsim.cases.quantities import UNITS
+from vibsim.cases.schema_keys import LONG, SHORT, all_keys
+from vibsim.cases.sources import shipped_case_names
 from vibsim.command_line.main import COMMANDS
 
 WORDS = st.text("abc-", max_size=6)

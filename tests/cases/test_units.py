@@ -8,9 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibsim.cases.values.pi import radians_to_turns, times_two_pi, two_pi_bounds
-from vibsim.cases.values.quantities import QuantityError, decimal_text, parse_quantity
-from vibsim.cases.values.units import UNITS, unit_names
+from vibsim.cases.quantities import (
+    UNITS,
+    QuantityError,
+    decimal_text,
+    parse_quantity,
+    radians_to_turns,
+    times_two_pi,
+    two_pi_bounds,
+    unit_names,
+)
 
 # dimension, text, value in SI units
 EXACT = [

@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 
 from tests.command_line.made import call
-from vibsim.cases.number import number
+from vibsim.cases.quantities import number
 from vibsim.engine.choice import compiled
 from vibsim.evidence.benchmark import open_bench
-from vibsim.evidence.benchmark.families import FAMILIES
+from vibsim.evidence.benchmark.plan import FAMILIES
 
 SHORT = ("--t-end", "1s", "--methods", "python,dop853,rk4")
 SHORTEST = ("--t-end", "0.5s", "--methods", "dop853")
@@ -24,7 +24,7 @@ SHORTEST = ("--t-end", "0.5s", "--methods", "dop853")
 @pytest.fixture(autouse=True)
 def own_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("vibsim.evidence.benchmark.measuring.ENOUGH", 0.0)
+    monkeypatch.setattr("vibsim.evidence.benchmark.running.ENOUGH", 0.0)
     return tmp_path
 
 
@@ -90,7 +90,7 @@ def test_what_is_not_installed_is_named(monkeypatch):
     from importlib.util import find_spec
 
     monkeypatch.setattr(
-        "vibsim.evidence.benchmark.families.find_spec",
+        "vibsim.evidence.benchmark.plan.find_spec",
         lambda name: None if name == "heyoka" else find_spec(name),
     )
     done = call("bench", "--t-end", "1s", "--methods", "python,heyoka")
@@ -118,7 +118,7 @@ def test_what_is_refused(words, code, message, own_folder):
 
 
 def test_without_a_library_for_the_truth(monkeypatch):
-    monkeypatch.setattr("vibsim.physics.arithmetic.number_kits.find_spec", lambda name: None)
+    monkeypatch.setattr("vibsim.physics.precision.find_spec", lambda name: None)
     done = call("bench", "I-A", *SHORT)
     assert done.exit_code == 2 and "pip install 'vibsim[reference]'" in done.stderr
 

@@ -13,7 +13,7 @@ from tests.command_line.made import call
 PACKAGE = Path(vibsim.__file__).parent
 COMMANDS = {
     PACKAGE / "plots" / "picture.py",
-    PACKAGE / "plots" / "animation" / "channels.py",
+    PACKAGE / "plots" / "animated_machine.py",
 }  # of commands alone
 
 

@@ -12,7 +12,7 @@ import pytest
 import vibsim
 from tests.command_line.made import call
 from vibsim.command_line.main import group
-from vibsim.command_line.options.parameters import FILE, CaseSource
+from vibsim.command_line.options import FILE, CaseSource
 
 CASE_MISSING, RESULT_MISSING, NO_STYLE = 3, 6, 2
 EITHER = {"gone.yaml": CASE_MISSING, "gone": CASE_MISSING, "gone.h5": RESULT_MISSING}

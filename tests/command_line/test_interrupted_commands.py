@@ -19,15 +19,15 @@ import pytest
 
 import vibsim
 from tests.command_line.made import SLOW_SOURCE, call
-from vibsim.command_line.terminal.interruption import Interruption, ended_by_signals, heard_from_now_on
+from vibsim.command_line.interruption import Interruption, ended_by_signals, heard_from_now_on
 from vibsim.opening import open_result
 
 GOES_ON = "holds what was done; the same command goes on from there"
 REFINE = "vibsim.orbits.orbit_digits:refine"
-RUN = "vibsim.results.recording.recording:Recording.into"
-FRAMES = "vibsim.plots.animation.film:Film.frames"
-PAGE, PAGES = "vibsim.plots.live.run_page:run_data", "vibsim.plots.picture:_pages"
-ROWS, JUDGED = "vibsim.results.export_csv:_texts", "vibsim.command_line.jobs.analysis:analyse"
+RUN = "vibsim.results.recording:Recording.into"
+FRAMES = "vibsim.plots.animation:Film.frames"
+PAGE, PAGES = "vibsim.plots.html_pages:run_data", "vibsim.plots.picture:_pages"
+ROWS, JUDGED = "vibsim.results.exports:_texts", "vibsim.command_line.commands.analyse:analyse"
 PARTIAL = "slow.h5.partial"
 CAPTURED = "II-B -s c=0.03 -s Omega0=3.8Hz"
 BELT = "--spread block.x=-2:2m --spread block.v=0:2m/s --section 0 --compute end-state"
@@ -271,7 +271,7 @@ def test_a_signal_while_the_command_line_is_imported_ends_without_a_word(signum)
 
 SWALLOWED = """
 import gc, os, signal, time, weakref
-from vibsim.command_line.terminal.interruption import heard_from_now_on
+from vibsim.command_line.terminal import heard_from_now_on
 class Thing: pass
 heard_from_now_on()
 thing = Thing()
@@ -355,7 +355,7 @@ def test_a_search_does_not_begin_where_its_orbits_could_not_be_stored(tmp_path, 
 
 def test_a_run_that_fills_its_chunks_slowly_is_on_file_all_the_same(tmp_path, monkeypatch):
     """Flushed by the clock, its file holds at every moment what a run in one go has, and at its end all."""
-    monkeypatch.setattr("vibsim.results.stored.trajectory_writer.LONGEST", 0.0)
+    monkeypatch.setattr("vibsim.results.trajectory_file.LONGEST", 0.0)
     seen = []
 
     def watch(t):

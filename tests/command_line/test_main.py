@@ -13,11 +13,9 @@ import pytest
 import vibsim
 from tests.command_line.made import call, process
 from vibsim.cases import CaseError, Problem
-from vibsim.command_line.errors import exit_code_of
-from vibsim.command_line.main import COMMANDS, group
-from vibsim.engine.errors import EngineError
-from vibsim.engine.state import State
-from vibsim.plots.errors import PlotError
+from vibsim.command_line.main import COMMANDS, exit_code_of, group
+from vibsim.engine.errors import EngineError, State
+from vibsim.plots.view import PlotError
 from vibsim.results import ResultFileError
 
 
@@ -97,7 +95,7 @@ def test_color(words, environment, colored, tmp_path):
 
 def test_no_color_holds_on_a_terminal():
     with click.Context(group) as ctx:
-        from vibsim.command_line.options.settings import _remember
+        from vibsim.command_line.options import _remember
 
         with pytest.MonkeyPatch.context() as patch:
             patch.setenv("NO_COLOR", "1")
@@ -181,7 +179,7 @@ def test_run_imports_no_more_than_it_needs(tmp_path):
         "concurrent.futures",
         "multiprocessing",
         "html",
-        "vibsim.branches",
+        "vibsim.orbits.branches",
         "vibsim.orbits",
     }
 
@@ -189,7 +187,7 @@ def test_run_imports_no_more_than_it_needs(tmp_path):
 def test_a_plain_sweep_imports_no_verdicts_and_no_other_processes(tmp_path):
     words = ["sweep", "I-A", "--omega", "3:4:1", "--t-end", "2s", "-q"]
     imported = modules_after(*words, cwd=tmp_path)
-    assert "vibsim.sweeps.points.point" in imported
+    assert "vibsim.sweeps.points" in imported
     verdicts = (
         "vibsim.analysis.regime",
         "vibsim.analysis.capture",

@@ -7,8 +7,7 @@ import pytest
 
 from tests.command_line.made import call
 from tests.results.made import short_run
-from vibsim.command_line.text.quantities import metres, seconds
-from vibsim.command_line.text.summary import case_lines
+from vibsim.command_line.text import case_lines, metres, seconds
 
 
 @pytest.fixture(scope="module")

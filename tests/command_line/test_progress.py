@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from vibsim.command_line.terminal.progress import PATIENCE, Progress
+from vibsim.command_line.terminal import PROGRESS_AFTER, Progress
 
 
 class Terminal(io.StringIO):
@@ -25,9 +25,9 @@ def clock(monkeypatch):
 
 def test_the_rest_takes_as_long_as_what_is_done(monkeypatch, clock):
     monkeypatch.setattr(sys, "stderr", Terminal())
-    progress = Progress(shown=True, patience=PATIENCE)
+    progress = Progress(shown=True, patience=PROGRESS_AFTER)
     for done in (10, 20):
-        clock[0] += 10 * PATIENCE
+        clock[0] += 10 * PROGRESS_AFTER
         progress.show("points", done, 100)
     progress.close()
     shown = sys.stderr.getvalue().split("\r")[-1]
@@ -36,9 +36,9 @@ def test_the_rest_takes_as_long_as_what_is_done(monkeypatch, clock):
 
 def test_time_of_the_motion_is_shown_in_seconds(monkeypatch, clock):
     monkeypatch.setattr(sys, "stderr", Terminal())
-    progress = Progress(shown=True, patience=PATIENCE)
+    progress = Progress(shown=True, patience=PROGRESS_AFTER)
     for t in (15.0, 30.0):
-        clock[0] += 2 * PATIENCE
+        clock[0] += 2 * PROGRESS_AFTER
         progress.show("II-B", t, 300.0)
     progress.close()
     assert re.search(r"II-B .* 10% +00:00:36 +30.0 of 300 s", sys.stderr.getvalue())
@@ -46,13 +46,13 @@ def test_time_of_the_motion_is_shown_in_seconds(monkeypatch, clock):
 
 def test_the_same_step_once_more_has_a_bar_and_a_beginning_of_its_own(monkeypatch, clock):
     monkeypatch.setattr(sys, "stderr", Terminal())
-    progress = Progress(shown=True, patience=PATIENCE)
-    clock[0] += 10 * PATIENCE
+    progress = Progress(shown=True, patience=PROGRESS_AFTER)
+    clock[0] += 10 * PROGRESS_AFTER
     progress.show("II-B", 300.0, 300.0)
     progress.show("II-B", 1.0, 300.0)  # within its first second
     assert sys.stderr.getvalue().endswith("300.0 of 300 s\x1b[?25h\n")
     for t in (75.0, 150.0):
-        clock[0] += 5 * PATIENCE
+        clock[0] += 5 * PROGRESS_AFTER
         progress.show("II-B", t, 300.0)
     progress.close()
     assert re.search(r" 50% +00:00:10 +150.0 of 300 s", sys.stderr.getvalue())
@@ -71,8 +71,8 @@ def test_a_step_of_unequal_things_names_them_and_promises_no_time(monkeypatch, c
 
 def test_no_bar_within_the_first_second(monkeypatch, clock):
     monkeypatch.setattr(sys, "stderr", Terminal())
-    progress = Progress(shown=True, patience=PATIENCE)
-    clock[0] += PATIENCE / 2
+    progress = Progress(shown=True, patience=PROGRESS_AFTER)
+    clock[0] += PROGRESS_AFTER / 2
     progress.show("points", 1, 100)
     assert sys.stderr.getvalue() == ""
 

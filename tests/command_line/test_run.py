@@ -9,9 +9,8 @@ import pytest
 import vibsim
 from tests.command_line.made import call
 from vibsim.engine.choice import compiled
-from vibsim.engine.errors import EngineError
-from vibsim.engine.state import State
-from vibsim.engine.trajectories.python_trajectory import PythonTrajectory
+from vibsim.engine.errors import EngineError, State
+from vibsim.engine.python_trajectory import PythonTrajectory
 
 
 @pytest.fixture(autouse=True)

@@ -13,7 +13,7 @@ import pytest
 
 from tests.command_line.made import call
 from vibsim.opening import open_result
-from vibsim.sweeps.computations.registry import COMPUTATIONS
+from vibsim.sweeps.computations import COMPUTATIONS
 
 SHORT = ("--t-end", "2s", "-j", "2")
 

@@ -7,7 +7,7 @@ import pytest
 
 from tests.command_line.made import call, process
 from vibsim.command_line.main import COMMANDS
-from vibsim.command_line.terminal.printing import print_json, say, style
+from vibsim.command_line.terminal import print_json, say, style
 
 HOSTILE = "x\x1b[2J\x1b]0;PWN\x07\x9b31m\u202e"
 SHOWN = "x\\x1b[2J\\x1b]0;PWN\\x07\\x9b31m\\u202e"

@@ -14,15 +14,12 @@ from itertools import pairwise
 from pathlib import Path
 
 from tests.docs.pages import DOCS
-from vibsim.evidence.reports.claims.claim import EXAMPLE, FAILS, HOLDS, IN_KIND, ONLY_IF
-from vibsim.evidence.reports.claims.claims import judge_claims
-from vibsim.evidence.reports.claims.evidence import how_many, share_above
-from vibsim.evidence.reports.claims.of_capture import is_captured, is_settled, near_natural
-from vibsim.evidence.reports.claims.of_escape import peaks_late
-from vibsim.evidence.reports.claims.of_regimes import one_impact
-from vibsim.evidence.reports.measured.paper_numbers import table_of
-from vibsim.evidence.reports.measured.paper_runs import EQUAL_FORCE, MOTORS, PRINTED, READINGS
-from vibsim.evidence.reports.pages.search_tables import named, price_of
+from vibsim.evidence.reports.claims import EXAMPLE, FAILS, HOLDS, IN_KIND, ONLY_IF, how_many, share_above
+from vibsim.evidence.reports.measurements import EQUAL_FORCE, MOTORS, PRINTED, SHIPPED_READINGS
+from vibsim.evidence.reports.model_claims import one_impact
+from vibsim.evidence.reports.motor_claims import is_captured, is_settled, near_natural, peaks_late
+from vibsim.evidence.reports.paper_document import judge_claims, named, price_of
+from vibsim.evidence.reports.paper_numbers import table_of
 
 PAGE, STORED = DOCS / "paper.md", DOCS / "paper-numbers.json"
 DIGITS = 6  # of a stored number
@@ -272,9 +269,9 @@ PHRASES = (
         "cases of 5 it is {} % and {} of {}, but then II-B is faster than I-B in {} % of the "
         "pairs, II-C than I-C in {} %",
         lambda n: (
-            *percents(n, [READINGS], "drift"),
+            *percents(n, [SHIPPED_READINGS], "drift"),
             *how_many(n, "II-C-escape", peaks_late),
-            *percents(n, zip(READINGS, PRINTED[1:], strict=True), "drift"),
+            *percents(n, zip(SHIPPED_READINGS, PRINTED[1:], strict=True), "drift"),
         ),
     ),
     (

@@ -11,17 +11,15 @@ from from_code.gallery import comment
 from from_code.gallery_numbers import NUMBERS, SOLVER, Kind, Number, agreement
 from from_code.markdown import plain
 from tests.docs.pages import DOCS, README
-from vibsim.branches.store import structure as branch_structure
 from vibsim.cases import load_case
-from vibsim.cases.reading.sources import gallery_case_names
-from vibsim.cases.schema.forms import LONG, SHORT
-from vibsim.cases.schema.keys import all_keys
-from vibsim.command_line.errors import EXIT_CODES
-from vibsim.command_line.main import COMMANDS
-from vibsim.evidence.benchmark import bench_structure
-from vibsim.fitting.store import fit_structure
-from vibsim.results.stored import trajectory_structure
-from vibsim.sweeps.store import sweep_structure
+from vibsim.cases.schema_keys import LONG, SHORT, all_keys
+from vibsim.cases.sources import gallery_case_names
+from vibsim.command_line.main import COMMANDS, EXIT_CODES
+from vibsim.evidence.benchmark import bench_result
+from vibsim.fitting import fit_file
+from vibsim.orbits.branches import file_structure as branch_structure
+from vibsim.results import trajectory_file
+from vibsim.sweeps import sweep_file
 
 CASES = [name.partition("/")[2] for name in gallery_case_names()]
 WITH_NUMBERS = [(name, number) for name, numbers in NUMBERS.items() for number in numbers]
@@ -43,7 +41,7 @@ def test_tables_are_whole(page):
 def test_every_attribute_has_a_meaning():
     declared = [
         attribute.name
-        for structure in (trajectory_structure, sweep_structure, fit_structure, bench_structure)
+        for structure in (trajectory_file, sweep_file, fit_file, bench_result)
         for attribute in structure.ATTRIBUTES
     ]
     declared += [each.name for each in (*branch_structure.ATTRIBUTES, *branch_structure.LOCUS_ATTRIBUTES)]

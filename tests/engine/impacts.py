@@ -2,16 +2,7 @@
 
 from math import pi
 
-from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.parts import (
-    COMPRESSION,
-    GROUND,
-    Body,
-    Force,
-    Harmonic,
-    RigidStop,
-    Scene,
-)
+from vibsim.physics.parts import COMPRESSION, EVENT_KINDS, GROUND, Body, Force, Harmonic, RigidStop, Scene
 
 METHODS = ("auto", "taylor")
 GRAVITY = 9.81  # m/s^2

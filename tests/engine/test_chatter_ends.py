@@ -7,11 +7,11 @@ import pytest
 
 from tests.engine.many_digits import exact_parts, truth
 from tests.engine.runs import run, run_both
-from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (
     AT_FORCE,
     BASE,
     COMPRESSION,
+    EVENT_KINDS,
     EXTENSION,
     GROUND,
     Body,

@@ -7,10 +7,10 @@ from mpmath import mp
 from tests.engine.impacts import GRAVITY as G
 from tests.engine.impacts import METHODS
 from tests.engine.runs import run
-from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,
+    EVENT_KINDS,
     EXTENSION,
     GROUND,
     Body,

@@ -7,16 +7,7 @@ import pytest
 
 from tests.engine.impacts import METHODS, column, scene, times
 from tests.engine.runs import run
-from vibsim.physics.parts import (
-    COMPRESSION,
-    GROUND,
-    Body,
-    Force,
-    Friction,
-    Motor,
-    RigidStop,
-    Scene,
-)
+from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, Friction, Motor, RigidStop, Scene
 
 
 @pytest.mark.parametrize("wall", (False, True))

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.engine.random_parts import part_scenes, rigid_scenes
 from tests.engine.runs import Run, differences, outcome, run
 from tests.scenes import CASE_NAMES, MOTORS, paper
-from vibsim.engine.tangent.events.jumps import Jumps
+from vibsim.engine.tangent.tangencies import Jumps
 from vibsim.engine.tangent.tangent_space import dimension
 
 

@@ -19,10 +19,10 @@ from tests.engine.test_tangent_jacobian import assert_derivative
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.tangent.tangent_space import dimension
-from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,
+    EVENT_KINDS,
     EXTENSION,
     GROUND,
     Body,

@@ -11,10 +11,11 @@ from tests.engine.impacts import METHODS, scene, times
 from tests.engine.runs import run
 from vibsim.cases import load_case
 from vibsim.engine.events.impacts.newton_moreau import Contact, Masses, blow
-from vibsim.physics.arithmetic.numbers import Doubles
-from vibsim.physics.modes import EVENT_KINDS, EVENT_NAMES
+from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import (
     COMPRESSION,
+    EVENT_KINDS,
+    EVENT_NAMES,
     EXTENSION,
     GROUND,
     Body,

@@ -16,18 +16,17 @@ from tests.engine.runs import differences, run
 from vibsim.cases import load_case
 from vibsim.engine import c_engine
 from vibsim.engine.columns import part_columns
-from vibsim.engine.errors import EngineError
+from vibsim.engine.errors import EngineError, start_of
 from vibsim.engine.events.automaton import Automaton
-from vibsim.engine.events.departures import scout
-from vibsim.engine.events.settling import Settling
+from vibsim.engine.events.departures import derivative_flow
+from vibsim.engine.events.settling import StickSlipResolution
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.modes import mode_table, row_maker
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.status import STICK
 from vibsim.engine.modes.ties import TooManyCuts, connected_sides
-from vibsim.engine.state import start_of
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.arithmetic.numbers import Doubles
+from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,
@@ -121,13 +120,13 @@ def scene_at_rest(rng):
 
 def test_ties_obey_coulombs_law(monkeypatch):
     """Accelerations behind the start, where everything stands: unique, and those of the least energy."""
-    descents, descend = [], Settling._descend
-    monkeypatch.setattr(Settling, "_descend", lambda *args: descents.append(1) or descend(*args))
+    descents, descend = [], StickSlipResolution._descend
+    monkeypatch.setattr(StickSlipResolution, "_descend", lambda *args: descents.append(1) or descend(*args))
     rng = random.Random(30)
     for _ in range(60):
         scene = scene_at_rest(rng)
         maker, flow = RowMaker(scene, Doubles), Flow(scene, Doubles)
-        automaton = Automaton(scene, maker, scout(scene, Doubles, flow.certificate), Doubles)
+        automaton = Automaton(scene, maker, derivative_flow(scene, Doubles, flow.certificate), Doubles)
         state = start_of(scene, Doubles)
         status, _ = automaton.initial(state)
         base = -sum(term.amplitude * term.omega**2 for term in scene.base)
@@ -308,7 +307,7 @@ def test_a_decision_without_end_hears_that_it_is_to_stop(engine, eight, tmp_path
         while True:
             settling.departures.enter(state, candidate)
 
-    monkeypatch.setattr(Settling, "_descend", forever)
+    monkeypatch.setattr(StickSlipResolution, "_descend", forever)
     late = time.monotonic() + 2.0
     result = simulate_to_file(eight, tmp_path / "eight.h5", engine, watch=lambda _: time.monotonic() < late)
     assert not result.complete

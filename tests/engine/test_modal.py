@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vibsim.engine.flows.closed.matrices import jacobi
-from vibsim.physics.arithmetic.numbers import Doubles
+from vibsim.physics.numbers import Doubles
 
 
 @pytest.mark.parametrize("apart", [0.0, 1e-12, 1e-6, 1e-3, 0.3, -1e-6, -0.3])

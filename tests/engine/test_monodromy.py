@@ -19,7 +19,7 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.tangent.tangent_space import TangentSpace, length
-from vibsim.physics.arithmetic.multiprecision import Balls
+from vibsim.physics.multiprecision import Balls
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, Friction, Link, RigidStop, Stop
 
 OF_CARRIED = ("state", "rate", "vectors", "times", "states", "codes")

@@ -8,8 +8,8 @@ from scipy.optimize import linprog
 from tests.engine.random_parts import rigid_scenes
 from tests.engine.runs import run
 from vibsim.engine.errors import EngineError
-from vibsim.engine.flows.harmonics import value_and_rate
-from vibsim.physics.arithmetic.numbers import Doubles
+from vibsim.engine.flows.motion import value_and_rate
+from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import COMPRESSION, EXTENSION, GROUND, Body, RigidStop, Scene
 
 TOUCHING = 1e-12  # m, of depths whose terms are some 0.01 m

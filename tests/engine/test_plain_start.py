@@ -7,21 +7,21 @@ from hypothesis import given, settings
 
 from tests.engine.random_parts import part_scenes
 from tests.engine.test_closed_cases import scene
+from vibsim.engine.errors import start_of
 from vibsim.engine.events.automaton import Automaton
-from vibsim.engine.events.certificate import Certificate
-from vibsim.engine.events.departures import scout
-from vibsim.engine.events.plain_start import PlainStart
+from vibsim.engine.events.departures import derivative_flow
+from vibsim.engine.events.initial_mode import UnambiguousStart
+from vibsim.engine.events.records import Certificate
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.state import start_of
-from vibsim.physics.arithmetic.numbers import Doubles
+from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Friction, Stop
 
 
 def decided(of):
     """(mode, known zeros, doubts) of the start by the automaton; the mode by signs alone, or None."""
     maker, certificate = RowMaker(of, Doubles), Certificate(Doubles)
-    automaton = Automaton(of, maker, scout(of, Doubles, certificate), Doubles)
-    plain = PlainStart(of, maker.ends)
+    automaton = Automaton(of, maker, derivative_flow(of, Doubles, certificate), Doubles)
+    plain = UnambiguousStart(of, maker.ends)
     status = plain.status(start_of(of, Doubles)) if plain.known else None
     return (*automaton.initial(start_of(of, Doubles)), certificate.uncertified), status
 

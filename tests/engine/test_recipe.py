@@ -10,13 +10,13 @@ import pytest
 
 from vibsim.cases import load_case
 from vibsim.engine import c_engine
-from vibsim.engine.modes.likeness import differences
+from vibsim.engine.errors import start_of
 from vibsim.engine.modes.mode_table import ModeTable
-from vibsim.engine.state import start_of
+from vibsim.engine.modes.same_structure import differences
 from vibsim.engine.tangent.carrying_run import CarryingRun
 from vibsim.engine.tangent.monodromy import Carrier
-from vibsim.physics.arithmetic.numbers import Doubles
-from vibsim.physics.arithmetic.recorded_numbers import NotRecorded, Record, RecordedNumbers
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.traced_numbers import NotRecorded, Record, RecordedNumbers
 
 
 def test_a_record_is_repeated_on_other_numbers():

@@ -11,10 +11,11 @@ import pytest
 from tests.engine.many_digits import exact_parts, truth
 from tests.engine.runs import run_both
 from tests.engine.test_restart import assert_restarts
-from vibsim.physics.modes import EVENT_KINDS, EVENT_NAMES
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,
+    EVENT_KINDS,
+    EVENT_NAMES,
     EXTENSION,
     GROUND,
     Body,

@@ -10,10 +10,10 @@ from tests.engine.runs import run
 from vibsim.engine.columns import state_columns
 from vibsim.engine.modes.status import RESTING
 from vibsim.engine.tangent.error_growth import _kick
-from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,
+    EVENT_KINDS,
     EXTENSION,
     Body,
     Force,

@@ -15,8 +15,19 @@ from hypothesis import strategies as st
 
 from tests.engine.random_parts import LENGTH, part_scenes, rigid_scenes
 from tests.engine.runs import differences, outcome, run
-from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.parts import BASE, GROUND, Body, Force, Friction, Harmonic, Link, RigidStop, Scene, Stop
+from vibsim.physics.parts import (
+    BASE,
+    EVENT_KINDS,
+    GROUND,
+    Body,
+    Force,
+    Friction,
+    Harmonic,
+    Link,
+    RigidStop,
+    Scene,
+    Stop,
+)
 
 W = 2 * math.pi
 RESTS = (Harmonic(0.0, W, 1.0, 0.0, 0.5), Harmonic(-0.0, 2 * W, 2.0, 0.0, 0.0))

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from tests.engine.impacts import GRAVITY, METHODS, ball, column, cosine, floor, scene, times, weights
 from tests.engine.random_parts import rigid_scenes
 from tests.engine.runs import outcome, run
-from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,
+    EVENT_KINDS,
     EXTENSION,
     GROUND,
     Body,

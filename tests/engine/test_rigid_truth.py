@@ -10,10 +10,10 @@ from tests.engine.many_digits import exact_parts, truth
 from tests.engine.random_parts import rigid_scenes
 from tests.engine.runs import Run, outcome, run
 from tests.engine.whole_truth import faults
-from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (
     AT_GAP,
     COMPRESSION,
+    EVENT_KINDS,
     EXTENSION,
     GROUND,
     Body,

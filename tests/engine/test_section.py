@@ -8,7 +8,7 @@ import pytest
 from tests.engine.runs import run, same_bits
 from tests.scenes import paper
 from vibsim.physics.parts import BASE, GROUND, Body, Force, Harmonic, Link, Scene
-from vibsim.physics.period import common_period
+from vibsim.physics.rates import common_period
 
 ENGINES = ("c", "python")
 

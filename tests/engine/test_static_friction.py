@@ -15,11 +15,12 @@ from vibsim.engine.columns import part_columns, state_columns
 from vibsim.engine.driver import Driver
 from vibsim.engine.modes.rows import SLIDE
 from vibsim.engine.resume import resume_point
-from vibsim.physics.arithmetic.numbers import Doubles
-from vibsim.physics.modes import EVENT_KINDS, EVENT_NAMES
+from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,
+    EVENT_KINDS,
+    EVENT_NAMES,
     GROUND,
     Body,
     Force,

@@ -11,14 +11,14 @@ from tests.engine.random_parts import part_scenes
 from tests.engine.test_closed_cases import harmonic, scene
 from tests.scenes import paper
 from vibsim.engine.errors import EngineError
-from vibsim.engine.tangent.events.saltation import Saltation
+from vibsim.engine.tangent.saltation import Saltation
 from vibsim.engine.tangent.tangent_space import components, dimension, references
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.modes import EVENT_KINDS
 from vibsim.physics.parts import (
     AT_GAP,
     BASE,
     COMPRESSION,
+    EVENT_KINDS,
     EXTENSION,
     GROUND,
     Body,

@@ -12,13 +12,13 @@ from tests.engine.bundles import course, finished, in_digits, started
 from tests.engine.random_parts import part_scenes
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.tangent.tangent_space import Gauge, TangentSpace
-from vibsim.physics.arithmetic.multiprecision import Balls
-from vibsim.physics.modes import EVENT_NAMES
+from vibsim.physics.multiprecision import Balls
 from vibsim.physics.parts import (
     AT_FORCE,
     AT_GAP,
     BASE,
     COMPRESSION,
+    EVENT_NAMES,
     EXTENSION,
     GROUND,
     Body,

@@ -15,11 +15,11 @@ from time import sleep
 import pytest
 
 import vibsim
-from vibsim.engine.ledgers.meters import MeterMaker
+from vibsim.engine.ledger_integrals import MeterMaker
 from vibsim.engine.modes import mode_table
 from vibsim.engine.modes.status import CONTACT, OPEN, Status
 from vibsim.engine.truth import open_truth
-from vibsim.physics.arithmetic.working_precision import GUARD_BITS
+from vibsim.physics.precision import GUARD_BITS
 
 THREADS = 4
 SPAN = {"run.t_end": "2 s", "run.every": "20 ms"}

@@ -12,7 +12,7 @@ from tests.engine.many_digits import exact_parts, truth
 from tests.engine.random_parts import LENGTH, part_scenes
 from tests.engine.runs import Run, outcome
 from vibsim.cases import load_case
-from vibsim.physics.arithmetic import number_kits
+from vibsim.physics import precision
 from vibsim.physics.parts import GROUND, Body, Friction, Link, Scene
 
 pytest.importorskip("flint")
@@ -80,8 +80,8 @@ def test_closed_form_and_taylor_agree(name):
 def test_mpmath_agrees_with_flint(monkeypatch):
     case = load_case(place("drifting-capsule"), {"run.t_end": "0.1 s", "run.every": "50 s"})
     balls, _ = ends(case.exact_scene, 30)
-    without = {name: kit for name, kit in number_kits.KITS.items() if name != "flint"}
-    monkeypatch.setattr(number_kits, "KITS", without)  # put back, flint would come second
+    without = {name: kit for name, kit in precision.KITS.items() if name != "flint"}
+    monkeypatch.setattr(precision, "KITS", without)  # put back, flint would come second
     floats, totals = ends(case.exact_scene, 30)
     assert apart(balls, floats) < 1e-28
     assert totals["events"] > 2

@@ -7,7 +7,7 @@ import numpy as np
 from tests.engine.many_digits import exact_parts, truth
 from tests.engine.random_parts import LENGTH
 from vibsim.engine.errors import EngineError
-from vibsim.physics.modes import EVENT_KINDS, EVENT_NAMES
+from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES
 
 CLOSE = 1e-12 * LENGTH  # as for scenes without rigid stops
 LACKING = 4  # times `chatter_speed`, by which velocities may be wrong behind the hops that are left out

@@ -15,10 +15,10 @@ from tests.events.true_events import MOST_STEPS, Crawling
 from tests.scenes import harmonic, scene
 from tests.trajectories import ENGINES, run
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.modes import EVENT_NAMES
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,
+    EVENT_NAMES,
     EXTENSION,
     GROUND,
     Body,

@@ -7,9 +7,8 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from vibsim.engine.events.roots.first_root import deflated_step, leading_order, safe_step
-from vibsim.engine.events.roots.polynomial_root import PolynomialSearch
-from vibsim.physics.arithmetic.numbers import Doubles
+from vibsim.engine.events.root_finding import PolynomialSearch, deflated_step, leading_order, safe_step
+from vibsim.physics.numbers import Doubles
 
 EPS = 2.0**-53
 roots_ahead = st.lists(st.integers(1, 60).map(lambda n: n / 20), min_size=1, max_size=4, unique=True)

@@ -8,7 +8,7 @@ import pytest
 from tests.engine.runs import run as run_parts
 from tests.scenes import fixed_block, scene
 from tests.trajectories import ENGINES, run
-from vibsim.physics.modes import EVENT_NAMES
+from vibsim.physics.parts import EVENT_NAMES
 
 METHODS = ("closed_form", "taylor")
 everywhere = pytest.mark.parametrize(("engine", "method"), [(e, m) for e in ENGINES for m in METHODS])

@@ -11,10 +11,20 @@ from scipy.optimize import brentq
 
 from tests.engine.runs import run_both
 from tests.events.coincidences import harmonic
-from vibsim.physics.arithmetic.numbers import Doubles
-from vibsim.physics.arithmetic.sloped_numbers import Sloped, SlopedNumbers
-from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.parts import COMPRESSION, EXTENSION, GROUND, Body, Force, Link, RigidStop, Scene, Stop
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import (
+    COMPRESSION,
+    EVENT_KINDS,
+    EXTENSION,
+    GROUND,
+    Body,
+    Force,
+    Link,
+    RigidStop,
+    Scene,
+    Stop,
+)
+from vibsim.physics.traced_numbers import Sloped, SlopedNumbers
 
 OMEGA = 5.0
 

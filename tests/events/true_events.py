@@ -5,12 +5,11 @@ from math import pi
 
 from tests.engine.many_digits import exact_parts, sine, touches, touching
 from vibsim.engine.driver import Driver
-from vibsim.engine.state import State
+from vibsim.engine.errors import State
 from vibsim.engine.truth import bare
-from vibsim.physics.arithmetic.number_kits import number_kit
-from vibsim.physics.arithmetic.numbers import Doubles
-from vibsim.physics.modes import EVENT_NAMES
-from vibsim.physics.parts import Scene
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import EVENT_NAMES, Scene
+from vibsim.physics.precision import number_kit
 
 DIGITS = 40
 MOST_STEPS = 40_000  # of a run, which takes some hundred

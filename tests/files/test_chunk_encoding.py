@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibsim.files import chunk_encoding
-from vibsim.files.chunk_encoding import encoded, fletcher32
+from vibsim.results import hdf5_writing
+from vibsim.results.hdf5_writing import encoded, fletcher32
 
 CHUNK = 4096
 
@@ -63,7 +63,7 @@ def test_noise_is_stored_and_the_rest_is_compressed():
 
 
 def test_the_deflated_part_is_one_zlib_stream():
-    plain = chunk_encoding._byte_planes(CHUNKS["noise between flat bytes"]).tobytes()
+    plain = hdf5_writing._byte_planes(CHUNKS["noise between flat bytes"]).tobytes()
     assert zlib.decompress(encoded(CHUNKS["noise between flat bytes"])[:-4]) == plain
 
 

@@ -4,10 +4,9 @@ import h5py
 import numpy as np
 import pytest
 
-from vibsim.files.declarations import TEXT, Attribute, Column, Dataset
-from vibsim.files.errors import ResultFileError
-from vibsim.files.reading import opened, read_attributes, read_datasets
-from vibsim.files.writing import FOR_INDEX, write_hdf5
+from vibsim.results.file_contents import TEXT, Attribute, Column, Dataset
+from vibsim.results.hdf5_reading import ResultFileError, opened, read_attributes, read_datasets
+from vibsim.results.hdf5_writing import FOR_INDEX, write_hdf5
 
 FLAGS = {"not run": 0, "done": 1}
 DECLARED = [

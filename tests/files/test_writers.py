@@ -9,10 +9,9 @@ import sys
 import pytest
 
 import vibsim
-from vibsim.files import writers
-from vibsim.files.errors import ResultFileError
-from vibsim.files.output_file import output_file
-from vibsim.files.writers import Lock, check_unlocked
+from vibsim.results import hdf5_writing
+from vibsim.results.hdf5_reading import ResultFileError
+from vibsim.results.hdf5_writing import Lock, check_unlocked, output_file
 
 DEAD = "4194304 "  # a number that Linux gives to no process (pid_max is at most 2^22)
 
@@ -76,10 +75,10 @@ def test_one_writer_at_a_time_holds_the_lock(tmp_path):
     check_unlocked(path, "a.h5")  # by others, that is
     lock.release()
     assert names(tmp_path) == []
-    writers.lock_path(path).write_text(f"{DEAD}somewhere")  # left by a writer that was killed
+    hdf5_writing.lock_path(path).write_text(f"{DEAD}somewhere")  # left by a writer that was killed
     check_unlocked(path, "a.h5")
     assert names(tmp_path) == []
-    writers.lock_path(path).write_text("")
+    hdf5_writing.lock_path(path).write_text("")
     Lock(path, "a.h5").release()
     assert names(tmp_path) == []
 
@@ -90,14 +89,16 @@ def test_a_disk_without_locks(tmp_path, monkeypatch, missing):
         raise OSError(missing, "no locks here")
 
     monkeypatch.setattr(fcntl, "flock", no_flock)
-    path, machine = tmp_path / "a.h5", writers.socket.gethostname()
+    path, machine = tmp_path / "a.h5", hdf5_writing.socket.gethostname()
     lock = Lock(path, "a.h5")
     with pytest.raises(ResultFileError, match=r"is writing it \(.*\); where it has ended, remove a.h5.lock"):
         Lock(path, "a.h5")
     lock.release()
-    writers.lock_path(path).write_text(f"{DEAD}{machine}")
+    hdf5_writing.lock_path(path).write_text(f"{DEAD}{machine}")
     Lock(path, "a.h5").release()
-    writers.lock_path(path).write_text(f"{DEAD}{machine}.elsewhere")  # nobody here knows whether it lives
+    hdf5_writing.lock_path(path).write_text(
+        f"{DEAD}{machine}.elsewhere"
+    )  # nobody here knows whether it lives
     with pytest.raises(ResultFileError, match=r"where it has ended, remove a\.h5\.lock"):
         Lock(path, "a.h5")
     with output_file(tmp_path / "a.csv") as file:
@@ -107,14 +108,14 @@ def test_a_disk_without_locks(tmp_path, monkeypatch, missing):
 
 def test_a_folder_in_which_nothing_can_be_made():
     with pytest.raises(ResultFileError, match=r"^x.h5: cannot write: "):
-        Lock(writers.Path("/proc/x.h5"), "x.h5")
+        Lock(hdf5_writing.Path("/proc/x.h5"), "x.h5")
 
 
 AT_ONCE = """
 import sys
 from tests.command_line.made import call
 words = sys.argv[1:]
-import vibsim.command_line.jobs.export, vibsim.command_line.jobs.ro_crate, vibsim.plots.picture
+import vibsim.command_line.commands.export, vibsim.command_line.commands.export, vibsim.plots.picture
 print("ready", flush=True)
 for line in sys.stdin:
     done = call(*words, *line.split())

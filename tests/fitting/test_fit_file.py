@@ -13,11 +13,11 @@ import xarray
 
 from tests.command_line.made import call
 from tests.fitting.made import done, numbers_of, small_plan
+from vibsim.fitting.fit_file import FileRunStore
 from vibsim.fitting.fitting import run_fit
-from vibsim.fitting.store.run_store import FileRunStore
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
-from vibsim.sweeps.store.journal import journal_path
+from vibsim.sweeps.point_store import journal_path
 
 
 def test_a_fit_comes_back_as_it_was(tmp_path):

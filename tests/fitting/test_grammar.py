@@ -6,11 +6,8 @@ from math import inf, pi
 import pytest
 
 from vibsim.cases import load_case
-from vibsim.fitting.errors import FitError
-from vibsim.fitting.goals.bounds import Bounds
-from vibsim.fitting.goals.grammar import PHRASES, parse_statement
-from vibsim.fitting.goals.measures import CAPTURES, REGIMES
-from vibsim.fitting.goals.observables import OBSERVABLES
+from vibsim.fitting.measures import CAPTURES, OBSERVABLES, REGIMES, Bounds, FitError
+from vibsim.fitting.statements import PHRASES, parse_statement
 
 MOTORS = [load_case("II-B"), load_case("II-C")]
 MOTOR, IDEAL = [load_case("II-B")], [load_case("I-C")]

@@ -5,9 +5,9 @@ import pytest
 
 from tests.fitting.made import light_motor, run_up
 from vibsim.cases import load_case
-from vibsim.fitting.goals.grammar import parse_statement
-from vibsim.fitting.goals.measures import CAPTURES, REGIMES, averaged
-from vibsim.fitting.goals.measuring import measure
+from vibsim.fitting.measures import CAPTURES, REGIMES, averaged
+from vibsim.fitting.plan import measure
+from vibsim.fitting.statements import parse_statement
 from vibsim.results import Result, simulate
 
 

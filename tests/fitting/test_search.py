@@ -7,7 +7,7 @@ from tests.fitting.made import done, light_motor, numbers_of, plan_of, run_up, s
 from vibsim.cases import CaseError, load_case
 from vibsim.fitting import FitError, fit
 from vibsim.fitting.search import best_of, sobol, subsets
-from vibsim.sweeps.ensemble import share
+from vibsim.sweeps.points import share
 
 
 @pytest.mark.parametrize("method", ["quasi-random", "evolution"])

@@ -14,7 +14,7 @@ import pytest
 
 from tests.flows.exact_responses import exact_responses, sensitivity
 from vibsim.engine.flows.closed.responses import Oscillator, free_harmonic_response
-from vibsim.physics.arithmetic.numbers import Doubles
+from vibsim.physics.numbers import Doubles
 
 EPS = 2.0**-53
 UNITS = {"C": 6, "S": 6, "I": 8, "H": 16, "H'": 24}

@@ -88,10 +88,10 @@ def preload():
     matplotlib.use("Agg")
     for name in (
         "cases",
-        "results.stored.trajectory_file",
+        "results.trajectory_file",
         "sweeps.sweeping",
         "sweeps.sweep_result",
-        "branches.continuing",
+        "orbits.branches.continuing",
         "fitting.fitting",
         "plots.picture",
     ):

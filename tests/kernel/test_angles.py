@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibsim.physics.arithmetic.number_kits import number_kit
-from vibsim.physics.arithmetic.numbers import TWO_PI, TWO_PI_LO, Doubles
+from vibsim.physics.numbers import TWO_PI, TWO_PI_LO, Doubles
+from vibsim.physics.precision import number_kit
 
 EPS = 2.0**-53
 frequencies = st.floats(1e-3, 1e3)

@@ -10,7 +10,7 @@ from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, MOTORS, TABLE_1, fixed_block, paper
 from tests.trajectories import Run, assert_same_bits, run
 from vibsim.engine.errors import EngineError
-from vibsim.physics.modes import EVENT_NAMES
+from vibsim.physics.parts import EVENT_NAMES
 
 IDEAL_NAMES = tuple(name for name in CASE_NAMES if name not in MOTORS)
 TAYLOR_SETTINGS = ((20, 2.0**-53), (12, 1e-9), (30, 2.0**-53), (8, 1e-6), (40, 1e-20))

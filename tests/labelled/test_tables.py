@@ -9,9 +9,8 @@ import pytest
 
 import vibsim
 from tests.command_line.made import call
-from vibsim.labelled import csv_table
-from vibsim.labelled.csv_table import write_table
-from vibsim.labelled.tidy import Tidy
+from vibsim.results import labelled
+from vibsim.results.labelled import Tidy, write_table
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +35,7 @@ def numbers(texts):
 
 
 def test_a_sweep_as_csv_is_a_row_per_point(sweep, tmp_path, monkeypatch):
-    monkeypatch.setattr(csv_table, "PIECE", 4)  # several pieces, the last one short
+    monkeypatch.setattr(labelled, "PIECE", 4)  # several pieces, the last one short
     done = call("export", str(sweep), "-o", str(tmp_path / "a.csv"))
     assert (done.exit_code, done.stderr) == (0, f"{tmp_path / 'a.csv'} written\n")
     header, columns = read(tmp_path / "a.csv")

@@ -7,8 +7,8 @@ import pytest
 
 import vibsim
 from tests.results.made import short_run
-from vibsim.labelled.extras import MissingExtra
-from vibsim.physics.modes import EVENT_NAMES
+from vibsim.physics.parts import EVENT_NAMES
+from vibsim.results.labelled import MissingExtra
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,8 @@ import pytest
 
 import vibsim
 from vibsim.cases import load_case
-from vibsim.engine.modes.likeness import differences
-from vibsim.orbits.errors import OrbitError
+from vibsim.engine.modes.same_structure import differences
+from vibsim.orbits.coordinates import OrbitError
 
 CASE = """
 bodies: {block: 1 kg}

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from tests.command_line.made import call
-from vibsim.branches import BranchError, continue_branch
 from vibsim.cases import UnknownKeyError, load_case
 from vibsim.orbits import ReturnMap, find_orbit
-from vibsim.orbits.errors import NotConverged, OrbitError
-from vibsim.orbits.search.growing import growing
-from vibsim.orbits.search.seeking import orbit
+from vibsim.orbits.branches.continuing import continue_branch
+from vibsim.orbits.branches.plan import BranchError
+from vibsim.orbits.coordinates import NotConverged, OrbitError
+from vibsim.orbits.newton import growing
+from vibsim.orbits.search import orbit
 
 DRIVEN = """
 name: driven
@@ -178,7 +179,7 @@ def test_what_cannot_be_followed_is_told_before_an_orbit_is_looked_for(key, span
     def looked_for(*_, **__):
         raise AssertionError("an orbit is looked for")
 
-    monkeypatch.setattr("vibsim.orbits.search.seeking.orbit", looked_for)
+    monkeypatch.setattr("vibsim.orbits.search.orbit", looked_for)
     with pytest.raises((BranchError, UnknownKeyError), match=re.escape(message)):
         continue_branch("II-B", key, span)
     done = call("continue", "II-B", "--param", f"{key}={span}")

@@ -8,14 +8,13 @@ import pytest
 
 from tests.orbits.truths import STORED
 from vibsim.cases import load_case
-from vibsim.cases.loading import load_case_text
-from vibsim.orbits.errors import OrbitError
+from vibsim.cases.case import load_case_text
+from vibsim.orbits.coordinates import OrbitError
 from vibsim.orbits.orbit_digits import refine
-from vibsim.orbits.search.finding import find_orbit
-from vibsim.orbits.search.seeking import orbit
-from vibsim.orbits.small_matrices import characteristic_polynomial, product, refined_roots, solved
-from vibsim.physics.arithmetic.number_kits import number_kit
-from vibsim.physics.arithmetic.numbers import Doubles
+from vibsim.orbits.search import find_orbit, orbit
+from vibsim.orbits.stability import characteristic_polynomial, generic_product, refined_roots, solved
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.precision import number_kit
 
 BY_NAME = {stored["name"]: stored for stored in STORED}
 EXACT = ["I-A attractor, period 5", "I-C attractor, period 1", "II-B c=0.03 captured n=1 (2 impacts/turn)"]
@@ -104,7 +103,7 @@ def test_matrices_of_any_kit(kit):
     values = np.linalg.eigvals(matrix)
     roots = refined_roots(kit, polynomial, (values * (1 + 1e-3)).tolist(), 8)
     np.testing.assert_allclose([complex(float(a), float(b)) for a, b in roots], values, rtol=1e-14)
-    squared = [[float(value) for value in row] for row in product(kit, numbers, numbers)]
+    squared = [[float(value) for value in row] for row in generic_product(kit, numbers, numbers)]
     np.testing.assert_allclose(squared, np.array(matrix) @ matrix, rtol=1e-14)
 
 

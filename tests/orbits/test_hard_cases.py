@@ -9,7 +9,7 @@ import pytest
 import vibsim
 from tests.engine.test_closed_cases import harmonic, scene
 from vibsim.cases import load_case
-from vibsim.command_line.text.orbit import stability_text
+from vibsim.command_line.commands.orbit import stability_text
 from vibsim.orbits import find_orbit
 from vibsim.orbits.stability import neighbours
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Clearance, Force, Friction, Link, Stop

@@ -83,7 +83,7 @@ def test_what_cannot_be_stored_is_printed(tmp_path, monkeypatch):
     def full(descriptor, start, count):
         raise OSError(errno.ENOSPC, "full")
 
-    monkeypatch.setattr("vibsim.files.disk_space._extend", full)
+    monkeypatch.setattr("vibsim.results.hdf5_reading._extend", full)
     monkeypatch.chdir(tmp_path)
     done = call("orbit", "I-C", "--digits", 25, "-o", "a.h5")
     assert done.exit_code == 6 and "1.53846153846153846153846" in done.stdout

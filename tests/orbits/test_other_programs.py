@@ -9,7 +9,7 @@ from functools import cache
 
 import pytest
 
-from vibsim.orbits.search.seeking import orbit
+from vibsim.orbits.search import orbit
 
 DIFFERENCED = 1e-7  # of a multiplier: rounding 1e-16 over steps of 1e-5 to 1e-7, and its spread over these
 

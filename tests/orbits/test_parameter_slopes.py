@@ -9,13 +9,12 @@ import pytest
 import vibsim
 from tests.engine.bundles import course, finished
 from tests.engine.test_tangent_jacobian import numbers
-from vibsim.cases.schema.keys import measured_at
-from vibsim.cases.values.quantities import decimal_text
-from vibsim.cases.values.units import si_unit
+from vibsim.cases.quantities import decimal_text, si_unit
+from vibsim.cases.schema_keys import measured_at
 from vibsim.engine.truth import bare
-from vibsim.orbits.errors import OrbitError
-from vibsim.orbits.slopes.sensitivity import monodromy
-from vibsim.physics.arithmetic.multiprecision import Balls
+from vibsim.orbits.coordinates import OrbitError
+from vibsim.orbits.slopes import monodromy
+from vibsim.physics.multiprecision import Balls
 
 KIT = Balls(40)
 SHIFT = Fraction(1, 10**14)  # what a one-sided quotient leaves out is of this size

@@ -7,16 +7,14 @@ import pytest
 
 import vibsim
 from tests.orbits.truths import TRUTHS
-from vibsim.branches import BranchError
 from vibsim.cases import load_case
-from vibsim.files.errors import ResultFileError
-from vibsim.orbits.errors import NoSection, OrbitError
-from vibsim.orbits.orbit_file import save_orbit
-from vibsim.orbits.returns.word import cyclic
-from vibsim.orbits.search.searching import same, search_attempts, search_orbits
-from vibsim.orbits.search.seeking import orbit, time_of_returns
-from vibsim.orbits.search.settling import likely_periods
+from vibsim.orbits.branches.plan import BranchError
+from vibsim.orbits.coordinates import NoSection, OrbitError, cyclic
+from vibsim.orbits.newton import likely_periods
+from vibsim.orbits.orbit import save_orbit
+from vibsim.orbits.search import orbit, same, search_attempts, search_orbits, time_of_returns
 from vibsim.results import simulate
+from vibsim.results.hdf5_reading import ResultFileError
 
 SETTLES = {"I-A": 5, "I-B": 18, "I-C": 1, "I-A-eq211": 1, "II-A": 1, "II-B": 3, "II-C": 1}
 CAPTURED = {"c": "0.03 N s/m", "Omega0": "5 Hz"}

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import vibsim
-from vibsim.cases.loading import load_case_text
-from vibsim.orbits.errors import OrbitError
+from vibsim.cases.case import load_case_text
+from vibsim.orbits.coordinates import OrbitError
 
 TEXT = """
 name: linear

@@ -12,7 +12,7 @@ from tests.command_line.made import call
 from tests.engine.test_closed_cases import scene
 from vibsim.cases import load_case
 from vibsim.orbits import ReturnMap, find_orbit
-from vibsim.orbits.errors import NotConverged
+from vibsim.orbits.coordinates import NotConverged
 from vibsim.orbits.orbit_digits import refine
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Friction, Link, Stop
 

@@ -6,8 +6,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from vibsim.physics.arithmetic import elementary
-from vibsim.physics.arithmetic.sines import sine_cosine
+from vibsim.physics import elementary
+from vibsim.physics.elementary import sine_cosine_of_arrays
 
 RANDOM = np.random.default_rng(7)
 ULP = 2.0**-52
@@ -61,4 +61,4 @@ def test_at_the_ends_of_their_ranges():
 def test_arrays_have_the_bits_of_scalars():
     angles = np.concatenate([RANDOM.uniform(-10, 10, 2000), RANDOM.uniform(-3e6, 3e6, 500), [0.0, 1e300]])
     one_by_one = np.array([elementary.sine_cosine(float(x)) for x in angles]).T
-    assert np.array_equal(np.array(sine_cosine(angles)), one_by_one)
+    assert np.array_equal(np.array(sine_cosine_of_arrays(angles)), one_by_one)

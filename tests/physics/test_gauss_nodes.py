@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from vibsim.physics.arithmetic.gauss_nodes import EIGHT, TWELVE
+from vibsim.physics.elementary import EIGHT, TWELVE
 
 
 @pytest.mark.parametrize("rule", [EIGHT, TWELVE], ids=["eight", "twelve"])

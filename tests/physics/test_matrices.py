@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from vibsim.orbits import matrices as faces
-from vibsim.orbits.matrices import NoEigenvalues, directions, eigenvalues, least_squares, solved_by_pivots
-from vibsim.physics.arithmetic.matrices import symmetric_eigenvalues
+from vibsim.orbits import stability as faces
+from vibsim.orbits.stability import NoEigenvalues, directions, eigenvalues, least_squares, solved_by_pivots
+from vibsim.physics.linear_algebra import symmetric_eigenvalues
 
 EPS = 2.0**-52
 CALLS = {

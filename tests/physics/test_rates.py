@@ -6,12 +6,12 @@ from math import inf, pi, sin, sqrt
 import numpy as np
 import pytest
 
-from vibsim.cases.loading import load_case_text
-from vibsim.physics.body_sets import body_sets, drifting_sets, pairs_of
-from vibsim.physics.period import common_period
+from vibsim.cases.case import load_case_text
+from vibsim.physics.parts import body_sets, drifting_sets, pairs_of
 from vibsim.physics.rates import (
     all_rates,
     bilinear_frequencies,
+    common_period,
     is_driven,
     natural_rates,
     reduced_mass,

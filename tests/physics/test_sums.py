@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibsim.physics.arithmetic.sums import dot, mean, total
+from vibsim.physics.elementary import dot, mean, total
 
 NUMBERS = st.lists(st.floats(-1e6, 1e6), max_size=300)
 

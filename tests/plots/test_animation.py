@@ -15,14 +15,10 @@ from tests.command_line.made import call
 from tests.plots.browser import Browser, program
 from tests.plots.test_pages import data_of, numbers
 from vibsim.plots import style
-from vibsim.plots.animation.channels import channels_of
-from vibsim.plots.animation.display_list import moving_shapes
-from vibsim.plots.animation.film import Film
-from vibsim.plots.animation.sketch import display_list, sketch
-from vibsim.plots.animation.stage import NOSE_CM, attached
-from vibsim.plots.animation.writing import SIZES, comfortable
-from vibsim.plots.errors import PlotError
+from vibsim.plots.animated_machine import NOSE_CM, attached, channels_of, display_list, moving_shapes, sketch
+from vibsim.plots.animation import SIZES, Film, comfortable
 from vibsim.plots.subject import open_subject, subject_of
+from vibsim.plots.view import PlotError
 
 NAMES = ["II-B", "II-A", "gallery/drifting-capsule", "gallery/impact-damper", "gallery/impact-pair",
          "gallery/two-balls-and-a-spring", "gallery/pile-driver", "gallery/energy-sink"]  # fmt: skip
@@ -177,10 +173,10 @@ def test_without_an_encoder_the_extra_is_named(runs, tmp_path, monkeypatch):
 
 
 def test_a_case_has_no_motion(tmp_path):
-    from vibsim.plots.animation.writing import Wish, animate
+    from vibsim.plots.animation import FilmWish, animate
 
     with pytest.raises(PlotError, match="II-B is a case, and a moving picture shows a run"):
-        animate("II-B", str(tmp_path / "a.gif"), Wish())
+        animate("II-B", str(tmp_path / "a.gif"), FilmWish())
 
 
 def test_a_page_holds_the_motion(runs, tmp_path):

@@ -9,26 +9,31 @@ from tests.branches.test_families import STUCK
 from tests.plots.artists import clipped_texts, lines, points
 from vibsim import orbit
 from vibsim.analysis import judge_capture, judge_regime
-from vibsim.branches import continue_branch
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
-from vibsim.orbits.returns.start import case_on_orbit
-from vibsim.plots.branches.curves import MARKS, pieces
-from vibsim.plots.branches.leaps import dead_ends, leaps_of
-from vibsim.plots.branches.load_curve import LEAVES, NEAR, STAYS
-from vibsim.plots.branches.motor_lines import LoadCurve, crossings, torque_of
-from vibsim.plots.branches.over_sweep import belongs
-from vibsim.plots.branches.values import amplitude_of, mean_speed_of, parameter_of
-from vibsim.plots.errors import PlotError
-from vibsim.plots.page.quantities import Scale
+from vibsim.orbits.branches.continuing import continue_branch
+from vibsim.orbits.coordinates import case_on_orbit
+from vibsim.plots.branch_curves import (
+    LEAVES,
+    LOAD_CURVE_NEAR,
+    STAYS,
+    LoadCurve,
+    belongs,
+    crossings,
+    dead_ends,
+    leaps_of,
+    torque_of,
+)
+from vibsim.plots.branch_values import MARKS, amplitude_of, mean_speed_of, parameter_of, pieces
 from vibsim.plots.registry import choose, kind_named
+from vibsim.plots.sheet import Scale
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweeps.curves import curves, families
-from vibsim.plots.view import View
+from vibsim.plots.sweep_curves import curves, families
+from vibsim.plots.view import PlotError, View
 from vibsim.results import simulate
-from vibsim.sweeps.schedule.workers import LocalWorkers
-from vibsim.sweeps.store.point_store import Store
+from vibsim.sweeps.point_store import Store
 from vibsim.sweeps.sweeping import complete, make_plan
+from vibsim.sweeps.workers import LocalWorkers
 
 
 def subject_of(name, span):
@@ -120,7 +125,7 @@ def test_marks_are_told_apart_in_black_and_white(captured):
     looks = [(marker, filled) for marker, _, filled, _ in MARKS.values()]
     ours = {(one.get_marker(), one.get_markerfacecolor() != "white") for one in places}
     assert ours == {("o", True), ("o", False)}
-    assert len({(mark.fill, mark.face) for mark in (STAYS, NEAR, LEAVES)}) == 3
+    assert len({(mark.fill, mark.face) for mark in (STAYS, LOAD_CURVE_NEAR, LEAVES)}) == 3
     assert len({*looks, *ours}) == len(MARKS) + 2 and len({marker for marker, _ in looks}) == len(MARKS)
     (fold,) = lines(figure, "fold")
     assert fold.get_marker() == MARKS["fold"][0]
@@ -252,7 +257,7 @@ def test_a_motor_stays_where_its_orbit_is_only_doubled(slow):
     assert capture.final_speed_hz == pytest.approx(place.speed, rel=1e-3)
     figure = kind_named("load-curve").draw([Subject("s.h5", "s", "branch", slow.case, slow)], View())
     looks = [one.get_fillstyle() for one in lines(figure, "operating point")]
-    assert set(looks) <= {STAYS.fill, NEAR.fill} and NEAR.fill in looks
+    assert set(looks) <= {STAYS.fill, LOAD_CURVE_NEAR.fill} and LOAD_CURVE_NEAR.fill in looks
     assert LEAVES.face not in {one.get_markerfacecolor() for one in lines(figure, "operating point")}
 
 

@@ -5,12 +5,10 @@ import pytest
 
 import vibsim
 from tests.command_line.made import call
-from vibsim.plots import columns
-from vibsim.plots.errors import PlotError
-from vibsim.plots.motion.spectra import pieces, spectra
-from vibsim.plots.runs import spectrogram, spectrum, waterfall
+from vibsim.plots import columns, frequency_pictures
+from vibsim.plots.spectra import pieces, spectra
 from vibsim.plots.subject import open_subject, subject_of
-from vibsim.plots.view import View
+from vibsim.plots.view import PlotError, View
 
 # x = A sin(omega t) / (k / m - omega^2) once the free vibration is set off rightly: v(0) makes it a pure sine
 HZ, K, A = 2.0, 100.0, 1.0
@@ -48,7 +46,7 @@ def test_a_spectrum_has_the_amplitude_of_a_sine_at_its_frequency(forced):
     top = np.argmax(amplitudes)
     assert abs(hz[top] - HZ) <= hz[1]  # to a step of frequency
     assert amplitudes[top] == pytest.approx(abs(AMPLITUDE), rel=0.01)  # flat to 1 % within half a step
-    axes = spectrum.draw([forced], View()).axes[0]
+    axes = frequency_pictures.spectrum_picture([forced], View()).axes[0]
     hz, shown = line(axes, "spectrum")
     assert abs(hz[np.argmax(shown)] - HZ) < 0.05 and axes.get_ylabel() == "Amplitude (mm)"
 
@@ -62,40 +60,42 @@ def test_pieces_tell_when_what_vibrates(forced):
 
 
 def test_a_spectrogram_and_a_waterfall_are_drawn(forced):
-    axes = spectrogram.draw([forced], View()).axes[0]
+    axes = frequency_pictures.spectrogram_picture([forced], View()).axes[0]
     (picture,) = [mesh for mesh in axes.collections if mesh.get_gid() == "spectrogram"]
     covered = picture.get_coordinates()[..., 0]
     assert (covered.min(), covered.max()) == axes.get_xlim() == (0.0, 50.0)  # no white margins
     values = np.asarray(picture.get_array())
     assert values.max() == pytest.approx(1e3 * abs(AMPLITUDE), rel=0.02)
-    (axes,) = waterfall.draw([forced], View()).axes
+    (axes,) = frequency_pictures.waterfall_picture([forced], View()).axes
     rows = [each for each in axes.lines if each.get_gid() == "spectrum"]
     assert max(axes.get_yticks()) <= forced.result.t_reached  # lines reach higher, the run does not
     assert 5 < len(rows) <= 40
-    assert len(waterfall.draw([forced, forced], View()).axes[0].lines) == 2
+    assert len(frequency_pictures.waterfall_picture([forced, forced], View()).axes[0].lines) == 2
 
 
 def test_two_columns_of_a_run(runs):
     subject = open_subject(runs["motor"])
-    axes = columns.draw([subject], View(x="time", y="error_estimate", window=(1, 2))).axes[0]
+    axes = columns.columns_picture([subject], View(x="time", y="error_estimate", window=(1, 2))).axes[0]
     x, y = line(axes, "columns")
     assert (x[0], x[-1], len(x)) == (1.0, 2.0, 201)
     rows = slice(200, 401)
     assert np.array_equal(y, subject.result["error_estimate"][rows])
     assert axes.get_xlabel() == "time (s)" and axes.get_ylabel() == "error_estimate (m)"
-    states = line(columns.draw([subject], View(x="x1", y="v1", window=(10, 11))).axes[0], "columns")
+    states = line(
+        columns.columns_picture([subject], View(x="x1", y="v1", window=(10, 11))).axes[0], "columns"
+    )
     inside = np.isin(subject.result["x1"][2000:2201], states[0])
     assert inside.all() and len(states[0]) > 400  # the samples, and instants between them
 
 
 def test_two_columns_of_events_and_of_a_sweep(runs, sweep):
     subject = open_subject(runs["motor"])
-    axes = columns.draw([subject], View(x="events/t", y="events/kind")).axes[0]
+    axes = columns.columns_picture([subject], View(x="events/t", y="events/kind")).axes[0]
     assert np.array_equal(line(axes, "columns")[1], subject.result.events["kind"])
     assert "contact_begin" in [text.get_text() for text in axes.get_yticklabels()]
-    points = line(columns.draw([sweep], View(x="omega0", y="mean_speed")).axes[0], "columns")
+    points = line(columns.columns_picture([sweep], View(x="omega0", y="mean_speed")).axes[0], "columns")
     assert np.array_equal(points, [sweep.result["omega0"], sweep.result["mean_speed"][:, 0]])
-    section = line(columns.draw([sweep], View(x="omega0", y="section_speed")).axes[0], "columns")
+    section = line(columns.columns_picture([sweep], View(x="omega0", y="section_speed")).axes[0], "columns")
     known = sweep.result["section_speed"].ravel()
     assert np.array_equal(section[1], known[~np.isnan(known)])
 
@@ -123,9 +123,9 @@ def test_what_cannot_be_drawn_is_named(runs, words, message, tmp_path, monkeypat
 
 def test_a_case_has_no_columns_and_a_short_run_no_spectrum(forced):
     with pytest.raises(PlotError, match="has no columns to draw"):
-        columns.draw([subject_of(forced.case)], View(x="x1", y="v1"))
+        columns.columns_picture([subject_of(forced.case)], View(x="x1", y="v1"))
     with pytest.raises(PlotError, match="a spectrum needs 64 samples"):
-        spectrum.draw([forced], View(window=(0, 0.3)))
+        frequency_pictures.spectrum_picture([forced], View(window=(0, 0.3)))
 
 
 def test_without_springs_a_spectrum_goes_as_far_as_the_source_tells():
@@ -147,12 +147,13 @@ def test_without_springs_and_source_a_spectrum_ends_where_it_is_faint():
 
 def test_bodies_of_one_run_end_at_one_frequency_and_straight_motions_say_so():
     driver = subject_of(vibsim.simulate("gallery/pile-driver"))
-    ram, pile = (each for each in spectrum.draw([driver], View()).axes[0].lines)
+    ram, pile = (each for each in frequency_pictures.spectrum_picture([driver], View()).axes[0].lines)
     assert ram.get_xdata()[-1] == pile.get_xdata()[-1]
     assert ram.get_linestyle() != pile.get_linestyle()
     balls = subject_of(vibsim.simulate("gallery/three-balls"))  # uniform motion after 0.1 s
-    for kind in (spectrum, spectrogram, waterfall):
-        axes = kind.draw([balls], View(window=(0.15, 0.3))).axes[0]
+    kinds = ("spectrum", "spectrogram", "waterfall")
+    for draw in (getattr(frequency_pictures, f"{kind}_picture") for kind in kinds):
+        axes = draw([balls], View(window=(0.15, 0.3))).axes[0]
         assert "nothing vibrates here" in [text.get_text() for text in axes.texts]
         for each in axes.lines:
             assert not np.ptp(each.get_ydata())

@@ -7,14 +7,12 @@ import pytest
 
 import vibsim
 from tests.plots.artists import lines, points
-from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.parts import columns_of
-from vibsim.plots.errors import PlotError
-from vibsim.plots.motion import samples, trace
-from vibsim.plots.motion.dense import dense
+from vibsim.physics.parts import EVENT_KINDS, columns_of
+from vibsim.plots import samples, traces
+from vibsim.plots.portraits import _bins
 from vibsim.plots.registry import kind_named
-from vibsim.plots.runs.impact_velocity import _bins
-from vibsim.plots.view import View
+from vibsim.plots.traces import dense
+from vibsim.plots.view import PlotError, View
 
 
 def figure_of(kind, subjects, **view):
@@ -52,9 +50,9 @@ def test_short_windows_hold_every_sample(subject, kind, columns):
 
 
 def test_long_windows_keep_the_extremes(subject, monkeypatch):
-    from vibsim.plots.runs import time_history
+    from vibsim.plots import time_histories
 
-    monkeypatch.setattr(time_history, "pixel_columns", lambda axes: 50)
+    monkeypatch.setattr(time_histories, "pixel_columns", lambda axes: 50)
     one = subject("ideal")
     figure = figure_of("displacement", [one])
     assert len(figure.axes) == 2
@@ -86,7 +84,7 @@ def test_impacts_are_marked(subject):
 
 
 def test_contact_is_shaded(subject):
-    from vibsim.plots.motion.impacts import contact_spans
+    from vibsim.plots.relative_motion import contact_spans
 
     one = subject("motor")
     spans = contact_spans(one, (15.0, 16.0))
@@ -164,9 +162,9 @@ def test_relative_data(subject):
 
 
 def test_long_portraits_are_thinned_and_rasterized(subject, monkeypatch):
-    monkeypatch.setattr(trace, "SMOOTH_UP_TO", 0)
-    monkeypatch.setattr(trace, "LINE_UP_TO", 100)
-    monkeypatch.setattr(trace, "VECTOR_UP_TO", 1000)
+    monkeypatch.setattr(traces, "SMOOTH_UP_TO", 0)
+    monkeypatch.setattr(traces, "LINE_UP_TO", 100)
+    monkeypatch.setattr(traces, "VECTOR_UP_TO", 1000)
     one = subject("motor")
     (line,) = lines(figure_of("relative", [one], window=(0.0, 20.0)), "relative")
     y = (one.result["x1"] - one.result["x2"]) * 1000
@@ -301,7 +299,7 @@ def test_long_portraits_keep_the_blows(monkeypatch):
     run = vibsim.simulate("gallery/impact-oscillator", overrides={"run.t_end": "60 s", "run.every": "0.5 s"})
     body = run.case.scene().bodies[0].name
     x, v = columns_of(body)
-    monkeypatch.setattr("vibsim.plots.motion.dense.AT_MOST", 300)
+    monkeypatch.setattr("vibsim.plots.traces.AT_MOST", 300)
     drawn = dense(run, (x, v), (0.0, 60.0))
     blows = run.events["kind"] == EVENT_KINDS["impact"]
     assert blows.sum() > 10 and len(drawn["time"]) < 300 + 121 + 2 * len(run.events["t"])

@@ -9,7 +9,7 @@ from vibsim.plots.registry import kind_named
 from vibsim.plots.subject import open_subject
 from vibsim.plots.view import View
 from vibsim.sweeps import sweep
-from vibsim.sweeps.ensemble import quantile
+from vibsim.sweeps.points import quantile
 
 COLUMNS = {"sommerfeld": ("mean", "mean_speed"), "amplitude": ("relative", "amplitude_relative")}
 FACTOR = {"Hz": 1.0, "mm": 1e3, "µm": 1e6}

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibsim.plots.motion.envelope import Envelope
+from vibsim.plots.samples import Envelope
 
 COLUMNS = 37
 

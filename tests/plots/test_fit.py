@@ -6,12 +6,11 @@ import pytest
 
 from tests.fitting.made import done, light_motor, plan_of
 from vibsim.plots import style
-from vibsim.plots.errors import PlotError
-from vibsim.plots.page.log_axis import Powers
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import fitting
+from vibsim.plots.sheet import Powers
 from vibsim.plots.subject import Subject
-from vibsim.plots.view import View
+from vibsim.plots.view import PlotError, View
 
 WANTED = ["passes 3 Hz before 5 s"]
 
@@ -27,10 +26,10 @@ def artist(figure, gid):
 
 
 def drawn(subject):
-    from vibsim.plots.fit import draw
+    from vibsim.plots.fit_and_bench import fit_picture
 
     with style.applied():
-        figure = draw([subject], View())
+        figure = fit_picture([subject], View())
         figure.canvas.draw()
     return figure
 

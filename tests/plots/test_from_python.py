@@ -10,11 +10,10 @@ import pytest
 from matplotlib.axes import Axes
 
 import vibsim
-from vibsim.plots.errors import PlotError
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import KINDS, kind_named
 from vibsim.plots.subject import open_subject
-from vibsim.plots.view import View
+from vibsim.plots.view import PlotError, View
 
 matplotlib.use("agg")
 

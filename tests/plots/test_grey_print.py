@@ -7,18 +7,18 @@ import pytest
 from matplotlib.figure import Figure
 
 from vibsim.cases import load_case
+from vibsim.plots import capture_pictures, sweep_pictures
+from vibsim.plots.capture_pictures import grey_of, lay_classes
 from vibsim.plots.subject import open_subject
-from vibsim.plots.sweeps import capture_map, end_state, power, regime
-from vibsim.plots.sweeps.plane import plane_of
-from vibsim.plots.sweeps.verdict_colours import grey_of, lay_classes
+from vibsim.plots.sweep_axes import plane_of
 from vibsim.sweeps import sweep
 
 APART = 0.09  # of grey, from 0 to 1: a tenth of the range is seen beside each other
 AREAS = {
-    "capture": [(shade.name, shade.colour, shade.hatch) for shade in capture_map.SHADES],
-    "regime": [(shade.name, shade.colour, shade.hatch) for shade in regime.SHADES],
-    "end-state": [(shade.name, shade.colour, shade.hatch) for shade in end_state.SHADES],
-    "power": list(power.TAKERS.values()),
+    "capture": [(shade.name, shade.colour, shade.hatch) for shade in capture_pictures.CAPTURE_MAP_SHADES],
+    "regime": [(shade.name, shade.colour, shade.hatch) for shade in capture_pictures.REGIME_SHADES],
+    "end-state": [(shade.name, shade.colour, shade.hatch) for shade in sweep_pictures.SHADES],
+    "power": list(sweep_pictures.TAKERS.values()),
 }
 
 
@@ -40,14 +40,14 @@ def test_hatches_lie_on_the_cells_of_their_class(tmp_path):
     sweep(case, {"Omega0": "5, 5.5, 6 Hz", "c": "0.01, 0.02, 0.03"}, out=path)
     classes = np.array([[0, 2, 6], [2, 5, np.nan], [0, 1, 6]], dtype=float)  # rows are dampings
     axes = Figure().subplots()
-    lay_classes(axes, plane_of(open_subject(path)), classes, regime.SHADES, "regime")
+    lay_classes(axes, plane_of(open_subject(path)), classes, capture_pictures.REGIME_SHADES, "regime")
     hatched = {patch.get_gid(): patch for patch in axes.patches}
-    expected = {code: f"hatch {regime.SHADES[code].name}" for code in (2, 5, 6)}
+    expected = {code: f"hatch {capture_pictures.REGIME_SHADES[code].name}" for code in (2, 5, 6)}
     assert set(hatched) == set(expected.values())
     edges = [4.75, 5.25, 5.75, 6.25], [0.005, 0.015, 0.025, 0.035]
     for code, name in expected.items():
         patch = hatched[name]
-        assert patch.get_hatch() == regime.SHADES[code].hatch
+        assert patch.get_hatch() == capture_pictures.REGIME_SHADES[code].hatch
         boxes = [(*box.min(axis=0), *box.max(axis=0)) for box in patch.get_path().to_polygons()]
         cells = [
             (edges[0][i], edges[1][k], edges[0][i + 1], edges[1][k + 1])

@@ -1,6 +1,6 @@
 import numpy as np
 
-from vibsim.plots.motion.hermite import hermite, root_time
+from vibsim.plots.traces import hermite, root_time
 
 
 def cubic(t):

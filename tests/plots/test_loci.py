@@ -10,15 +10,14 @@ import pytest
 from tests.branches.made import CAPTURED, branch_of
 from tests.command_line.made import call
 from tests.plots.artists import clipped_texts, lines, points
-from vibsim.branches.course import curve_of
-from vibsim.branches.loci.locus_plan import locus_plan
-from vibsim.branches.span import read_span
-from vibsim.branches.store.locus_file import LocusStore
 from vibsim.cases import load_case
-from vibsim.plots.errors import PlotError
+from vibsim.orbits.branches.branch_file import LocusStore
+from vibsim.orbits.branches.course import curve_of
+from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.plan import read_span
 from vibsim.plots.registry import kind_named
 from vibsim.plots.subject import Subject
-from vibsim.plots.view import View
+from vibsim.plots.view import PlotError, View
 from vibsim.results import simulate
 from vibsim.sweeps import sweep
 

@@ -5,12 +5,7 @@ import math
 import pytest
 
 from vibsim.cases import load_case
-from vibsim.plots.motion.natural_frequencies import (
-    fractions,
-    natural_frequencies,
-    shortest_period,
-    source_period,
-)
+from vibsim.plots.samples import fractions, natural_frequencies, shortest_period, source_period
 
 
 def named(case):

@@ -8,11 +8,11 @@ import pytest
 import vibsim
 from tests.plots.artists import lines, patches, points
 from vibsim.cases import load_case
-from vibsim.physics.modes import EVENT_KINDS
-from vibsim.plots.motion.turns import turn_times
+from vibsim.physics.parts import EVENT_KINDS
 from vibsim.plots.registry import kind_named
-from vibsim.plots.runs.drift import drift_rate
+from vibsim.plots.spectra import turn_times
 from vibsim.plots.subject import Subject, open_subject
+from vibsim.plots.time_histories import drift_rate
 from vibsim.plots.view import View
 
 

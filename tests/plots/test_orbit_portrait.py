@@ -5,14 +5,13 @@ import pytest
 
 import vibsim
 from tests.plots.artists import clipped_texts, letters, lines, points
-from vibsim.orbits.orbit_file import save_orbit
+from vibsim.orbits.orbit import save_orbit
 from vibsim.plots import style
-from vibsim.plots.errors import PlotError
-from vibsim.plots.motion.spans import last_half
+from vibsim.plots.portraits import POINTS, orbit_portrait_picture
 from vibsim.plots.registry import choose, kind_named
-from vibsim.plots.runs.orbit_portrait import POINTS, draw
+from vibsim.plots.relative_motion import last_half
 from vibsim.plots.subject import open_subject
-from vibsim.plots.view import View
+from vibsim.plots.view import PlotError, View
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +26,7 @@ def stored(tmp_path_factory):
 def test_what_is_drawn(stored, width):
     orbit, subject = stored
     with style.applied():
-        figure = draw([subject], View(width=width))
+        figure = orbit_portrait_picture([subject], View(width=width))
         figure.draw_without_rendering()
     assert letters(figure) == ["(a)", "(b)"] and clipped_texts(figure) == []
     (curve,) = lines(figure, "orbit")

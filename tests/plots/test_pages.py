@@ -12,7 +12,7 @@ import vibsim
 from tests.branches.made import CAPTURED, branch_of
 from tests.command_line.made import call
 from tests.plots.browser import Browser, program
-from vibsim.plots.live.run_page import thinned
+from vibsim.plots.html_pages import thinned
 
 
 def data_of(path):

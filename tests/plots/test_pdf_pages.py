@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 
-from vibsim.plots.page.pdf_pages import LeanPages
+from vibsim.plots.sheet import LeanPages
 
 METADATA = {"CreationDate": None}
 

@@ -6,9 +6,8 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from vibsim.plots import plot_run
-from vibsim.plots.errors import PlotError
 from vibsim.plots.picture import draw_files
-from vibsim.plots.view import View
+from vibsim.plots.view import PlotError, View
 from vibsim.results import ResultFileError
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from vibsim.plots.page.quantities import amount, rounded, scale_for, seconds, symbol
+from vibsim.plots.sheet import amount, rounded, scale_for, seconds, symbol
 
 
 @pytest.mark.parametrize(

@@ -5,9 +5,9 @@ import pytest
 
 from tests.plots.artists import lines, points
 from vibsim.cases import load_case
-from vibsim.plots.motion.dense import samples_are_sparse
-from vibsim.plots.runs.displacement import draw
 from vibsim.plots.subject import Subject
+from vibsim.plots.time_histories import displacement_picture
+from vibsim.plots.traces import samples_are_sparse
 from vibsim.plots.view import View
 from vibsim.results import simulate
 
@@ -25,7 +25,7 @@ def test_which_samples_are_sparse(sparse):
 
 
 def test_vibrations_between_samples_are_drawn_and_the_interval_is_stated(sparse):
-    figure = draw([sparse], View(width="column"))
+    figure = displacement_picture([sparse], View(width="column"))
     t, x1 = points(lines(figure, "x1")[0])
     assert len(t) > 16 * 6.5 * 20
     assert np.ptp(x1) > 1.5 * 1000 * np.ptp(sparse.result["x1"])
@@ -34,4 +34,6 @@ def test_vibrations_between_samples_are_drawn_and_the_interval_is_stated(sparse)
 
 def test_an_interrupted_run_says_so(sparse):
     sparse.result.attrs["complete"] = 0
-    assert "incomplete run" in draw([sparse], View(width="column")).axes[0].get_title(loc="right")
+    assert "incomplete run" in displacement_picture([sparse], View(width="column")).axes[0].get_title(
+        loc="right"
+    )

@@ -5,11 +5,10 @@ import pytest
 
 from tests.plots.artists import clipped_texts, letters, lines
 from vibsim.cases import load_case
+from vibsim.plots.capture_pictures import speed_classes
 from vibsim.plots.registry import fitting, kind_named
 from vibsim.plots.subject import open_subject
-from vibsim.plots.sweeps.axes import along, value_texts
-from vibsim.plots.sweeps.capture_map import speed_classes
-from vibsim.plots.sweeps.plane import plane_of
+from vibsim.plots.sweep_axes import along, plane_of, value_texts
 from vibsim.plots.view import View
 from vibsim.sweeps import sweep
 

@@ -8,10 +8,9 @@ import pytest
 
 from tests.plots.artists import clipped_texts
 from vibsim.cases import load_case
-from vibsim.plots.errors import PlotError
 from vibsim.plots.registry import choose, kind_named
 from vibsim.plots.subject import open_subject
-from vibsim.plots.view import View
+from vibsim.plots.view import PlotError, View
 from vibsim.sweeps import sweep
 
 NOT_MET, PASSED, ESCAPED, CAPTURED = 1, 2, 3, 4

@@ -7,11 +7,10 @@ import pytest
 
 from tests.plots.artists import clipped_texts, colliding_legends
 from vibsim.cases import load_case
-from vibsim.plots.errors import PlotError
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import choose, fitting, kind_named
 from vibsim.plots.subject import open_subject
-from vibsim.plots.view import View
+from vibsim.plots.view import PlotError, View
 from vibsim.sweeps import sweep
 
 UNIT = re.compile(r"\((s|Hz|[kmµn]?(m|m/s|N|N m|N s/m))\)$")

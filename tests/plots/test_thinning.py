@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vibsim.plots.motion.thinning import one_per_pixel
+from vibsim.plots.traces import one_per_pixel
 
 PIXELS = (60, 40)
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from vibsim.plots.motion import samples
-from vibsim.plots.motion.turns import states_at, turn_times
+from vibsim.plots import samples
+from vibsim.plots.spectra import states_at, turn_times
 
 
 def test_harmonic_turns_are_multiples_of_the_period(subject):
@@ -31,7 +31,7 @@ def test_no_turn_is_lost_between_blocks(subject, monkeypatch):
 
 
 def test_several_turns_between_samples():
-    from vibsim.plots.motion.turns import _motor_turns
+    from vibsim.plots.spectra import _motor_turns
 
     t = np.array([0.0, 1.0, 2.0])
     part = {"time": t, "phi": 2 * math.pi * 3.5 * t - 1, "phidot": np.full(3, 2 * math.pi * 3.5)}

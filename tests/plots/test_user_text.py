@@ -8,9 +8,9 @@ from matplotlib.cbook import is_math_text
 from matplotlib.text import Text
 
 from vibsim.cases import load_case
-from vibsim.plots.page.user_text import as_text
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import KINDS, kind_named
+from vibsim.plots.sheet import as_text
 from vibsim.plots.subject import open_subject, open_subjects
 from vibsim.plots.view import View
 from vibsim.results import simulate_to_file

@@ -2,8 +2,7 @@ import math
 
 import pytest
 
-from vibsim.plots.errors import PlotError
-from vibsim.plots.view import parse_span
+from vibsim.plots.view import PlotError, parse_span
 
 
 @pytest.mark.parametrize(

@@ -8,16 +8,13 @@ import pytest
 from tests.evidence.benchmark.made import planted
 from tests.plots.artists import clipped_texts, lines, points
 from vibsim.evidence.benchmark import make_plan, open_bench
-from vibsim.evidence.benchmark.bench_file import write_bench
-from vibsim.evidence.benchmark.event_counts import EventCount
-from vibsim.evidence.benchmark.families import FAMILIES
-from vibsim.evidence.benchmark.provenance import origin
-from vibsim.evidence.benchmark.row import DONE, FAILED, SLOWER, Row
+from vibsim.evidence.benchmark.bench_result import DONE, FAILED, SLOWER, BenchRow, write_bench
+from vibsim.evidence.benchmark.plan import FAMILIES
+from vibsim.evidence.benchmark.scoring import EventCount, origin
 from vibsim.plots import style
-from vibsim.plots.errors import PlotError
 from vibsim.plots.registry import choose, fitting, kind_named
 from vibsim.plots.subject import open_subject
-from vibsim.plots.view import View
+from vibsim.plots.view import PlotError, View
 
 TIMES = np.linspace(0, 10.0, 101)
 MISSED = {("dop853", "rtol 1e-3"): 2}  # events
@@ -35,13 +32,13 @@ def rows():
     for method, measured in ROWS.items():
         ladder = [setting for setting, _ in next(f for f in FAMILIES if f.name == method).ladder]
         for setting, cpu_time, error in zip(ladder, *measured, strict=False):
-            yield Row(
+            yield BenchRow(
                 method, setting, DONE, wall_time=5 * cpu_time, cpu_time=cpu_time, t_reached=10.0,
                 error=np.full(101, error), faithful_time=10.0 if error < 1e-3 else 2.0,
                 events={"contact_begin": EventCount(9, MISSED.get((method, setting), 0), 0)},
             )  # fmt: skip
-    yield Row("rk45", "rtol 1e-9", SLOWER, wall_time=20.0, t_reached=0.5, error=np.full(101, np.nan))
-    yield Row("radau", "rtol 1e-3", FAILED, "too stiff", error=np.full(101, np.nan))
+    yield BenchRow("rk45", "rtol 1e-9", SLOWER, wall_time=20.0, t_reached=0.5, error=np.full(101, np.nan))
+    yield BenchRow("radau", "rtol 1e-3", FAILED, "too stiff", error=np.full(101, np.nan))
 
 
 @pytest.fixture(scope="module")

@@ -11,20 +11,20 @@ import pytest
 import vibsim
 from tests.results.damages import OF_ATTRIBUTES, OF_DATASETS, damage_attribute, datasets
 from tests.results.made import short_case
-from vibsim.branches.store.branch_store import BranchFileStore
-from vibsim.branches.store.locus_file import LocusStore
-from vibsim.branches.store.structure import ATTRIBUTES as OF_BRANCH
-from vibsim.branches.store.structure import LOCUS_ATTRIBUTES as OF_LOCUS
-from vibsim.evidence.benchmark.bench_structure import ATTRIBUTES as OF_BENCH
-from vibsim.files.reading import damage_named
+from vibsim.evidence.benchmark.bench_result import ATTRIBUTES as OF_BENCH
 from vibsim.fitting import fit
-from vibsim.fitting.store.fit_structure import ATTRIBUTES as OF_FIT
-from vibsim.fitting.store.run_store import FileRunStore
+from vibsim.fitting.fit_file import ATTRIBUTES as OF_FIT
+from vibsim.fitting.fit_file import FileRunStore
+from vibsim.orbits.branches.branch_file import LocusStore
+from vibsim.orbits.branches.continuing import BranchFileStore
+from vibsim.orbits.branches.file_structure import ATTRIBUTES as OF_BRANCH
+from vibsim.orbits.branches.file_structure import LOCUS_ATTRIBUTES as OF_LOCUS
 from vibsim.results import ResultFileError
-from vibsim.results.stored.trajectory_structure import ATTRIBUTES as OF_TRAJECTORY
+from vibsim.results.hdf5_reading import damage_named
+from vibsim.results.trajectory_file import ATTRIBUTES as OF_TRAJECTORY
 from vibsim.sweeps import sweep
-from vibsim.sweeps.store.point_store import FileStore
-from vibsim.sweeps.store.sweep_structure import ATTRIBUTES as OF_SWEEP
+from vibsim.sweeps.point_store import FileStore
+from vibsim.sweeps.sweep_file import ATTRIBUTES as OF_SWEEP
 
 ATTRIBUTES = {
     "run": OF_TRAJECTORY,

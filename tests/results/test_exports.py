@@ -8,11 +8,10 @@ from scipy.io import loadmat
 
 import vibsim
 from tests.results.made import short_run
-from vibsim.labelled.tidy import Tidy
-from vibsim.physics.modes import EVENT_NAMES
-from vibsim.results import ResultFileError, export_csv, export_mat
-from vibsim.results.export_csv import write_csv
-from vibsim.results.export_mat import write_mat
+from vibsim.physics.parts import EVENT_NAMES
+from vibsim.results import ResultFileError, exports
+from vibsim.results.exports import write_csv, write_mat
+from vibsim.results.labelled import Tidy
 
 EVERYTHING = (0.0, np.inf)
 
@@ -30,7 +29,7 @@ def read_csv(path):
 
 
 def test_csv_reads_back_to_the_same_bits(result, tmp_path, monkeypatch):
-    monkeypatch.setattr(export_csv, "PIECE", 300)  # several pieces, the last one short
+    monkeypatch.setattr(exports, "PIECE", 300)  # several pieces, the last one short
     write_csv(result, tmp_path / "a.csv", EVERYTHING)
     header, columns = read_csv(tmp_path / "a.csv")
     assert header == result.keys()
@@ -90,7 +89,7 @@ def test_mat_of_a_window(result, tmp_path):
 
 
 def test_mat_beyond_its_limit_is_refused(result, tmp_path, monkeypatch):
-    monkeypatch.setattr(export_mat, "LARGEST", 1000)
+    monkeypatch.setattr(exports, "LARGEST", 1000)
     with pytest.raises(ResultFileError, match="a MAT file takes 2 GB; export a window, or as CSV"):
         write_mat(result, tmp_path / "a.mat", EVERYTHING)
     assert not (tmp_path / "a.mat").exists()

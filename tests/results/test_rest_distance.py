@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.results.made import short_case, short_run
-from vibsim.results.motion.rest_distance import LARGEST_STEP, Distances, largest_of_cubics
+from vibsim.results.columns import LARGEST_STEP, Distances, largest_of_cubics
 
 SCENE = short_case().two_blocks()
 

@@ -7,12 +7,11 @@ import pytest
 
 import vibsim
 from vibsim.cases import load_case
-from vibsim.cases.loading import load_case_text
-from vibsim.engine.errors import EngineError
-from vibsim.engine.state import State
+from vibsim.cases.case import load_case_text
+from vibsim.engine.errors import EngineError, State
 from vibsim.results import ResultFileError, simulate_to_file
-from vibsim.results.motion.part_counts import part_counts
-from vibsim.results.trust.companion import companion_scene
+from vibsim.results.columns import part_counts
+from vibsim.results.parallel_runs import companion_scene
 
 # A ram on a shaken table that strikes a tool: two stops, friction on the base, a belt, a watched distance.
 HAMMER = """

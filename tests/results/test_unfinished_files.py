@@ -9,18 +9,16 @@ import pytest
 import vibsim
 from tests.command_line.made import call
 from tests.fitting.made import small_plan
-from vibsim.branches.continuing import complete, orbit_from
-from vibsim.branches.loci.locus_plan import locus_plan
-from vibsim.branches.plan import plan_from
-from vibsim.branches.span import read_span
-from vibsim.branches.store.branch_store import BranchFileStore
-from vibsim.branches.store.locus_file import LocusStore
 from vibsim.fitting.fitting import run_fit
 from vibsim.opening import open_result
-from vibsim.sweeps.schedule.workers import LocalWorkers
-from vibsim.sweeps.store.point_store import FileStore
+from vibsim.orbits.branches.branch_file import LocusStore
+from vibsim.orbits.branches.continuing import BranchFileStore, complete, orbit_from
+from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.plan import plan_from, read_span
+from vibsim.sweeps.point_store import FileStore
 from vibsim.sweeps.sweeping import complete as complete_sweep
 from vibsim.sweeps.sweeping import make_plan
+from vibsim.sweeps.workers import LocalWorkers
 
 
 class Kill:

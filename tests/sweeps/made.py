@@ -4,10 +4,10 @@ import numpy as np
 
 from vibsim.cases import load_case
 from vibsim.sweeps import sweeping
-from vibsim.sweeps.schedule.workers import LocalWorkers
-from vibsim.sweeps.statistics.columns import DONE, NOT_REPRODUCIBLE
-from vibsim.sweeps.store.point_store import FileStore, Store
+from vibsim.sweeps.point_store import FileStore, Store
+from vibsim.sweeps.quantities import DONE, NOT_REPRODUCIBLE
 from vibsim.sweeps.sweeping import make_plan
+from vibsim.sweeps.workers import LocalWorkers
 
 OMEGA0 = "excitation.Omega0"
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from tests.trajectories import opened
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.parts import EVENT_KINDS
 
 
 def dense_run(scene, per_second):

@@ -7,11 +7,11 @@ import pytest
 
 import vibsim
 from tests.sweeps.made import OMEGA0, short_case, short_plan
-from vibsim.analysis.discard import parse_discard
+from vibsim.analysis.span import parse_discard
 from vibsim.cases import CaseError, RangeError, UnknownKeyError
-from vibsim.sweeps.description import axis_text, sweep_lines
-from vibsim.sweeps.plan.axis import read_axis
-from vibsim.sweeps.plan.sweep_plan import PlanError
+from vibsim.sweeps.axes import read_axis
+from vibsim.sweeps.sweep_plan import PlanError
+from vibsim.sweeps.sweep_result import axis_text, sweep_lines
 
 
 def test_the_81_values():

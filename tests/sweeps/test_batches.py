@@ -6,13 +6,10 @@ from dataclasses import replace
 import pytest
 
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
-from vibsim.sweeps.points.batch import compute_batch
-from vibsim.sweeps.points.point import Point
-from vibsim.sweeps.schedule.backlog import ROUNDS, Backlog
-from vibsim.sweeps.schedule.chain import Chain
-from vibsim.sweeps.schedule.runner import run
-from vibsim.sweeps.statistics.columns import DONE, FAILED
-from vibsim.sweeps.store.point_store import Store
+from vibsim.sweeps.point_store import Store
+from vibsim.sweeps.points import SweepPoint, compute_batch
+from vibsim.sweeps.quantities import DONE, FAILED
+from vibsim.sweeps.workers import ROUNDS, Backlog, Chain, run
 
 CARRIED = {"carry_state": True, "direction": "both"}
 
@@ -45,7 +42,7 @@ class ImmediateWorkers:
 def invented(index, seconds):
     """A point that was not computed; its end is the start of the next."""
     end = {f"end_{name}": float(sum(index)) for name in ("x1", "v1", "x2", "v2", "phi", "phidot")}
-    return Point(index, DONE, "f" * 64, "", {"wall_time": seconds, **end})
+    return SweepPoint(index, DONE, "f" * 64, "", {"wall_time": seconds, **end})
 
 
 def run_through(plan, workers):

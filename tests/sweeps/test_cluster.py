@@ -13,11 +13,11 @@ from tests.command_line.made import call
 from tests.sweeps.clusters import loopback_cluster
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from vibsim.opening import open_result
-from vibsim.sweeps.plan.sweep_plan import STATISTICS
-from vibsim.sweeps.schedule.cluster import DIED, ClusterError, ClusterWorkers
-from vibsim.sweeps.statistics.columns import FAILED
-from vibsim.sweeps.store.point_store import FileStore, Store
+from vibsim.sweeps.point_store import FileStore, Store
+from vibsim.sweeps.quantities import FAILED
+from vibsim.sweeps.sweep_plan import STATISTICS
 from vibsim.sweeps.sweeping import complete
+from vibsim.sweeps.workers import DIED, ClusterError, ClusterWorkers
 
 pytest.importorskip("distributed")
 CARRIED = {"carry_state": True, "direction": "both"}
@@ -139,7 +139,7 @@ def sweep_process(folder, *words):
 
 
 def test_nobody_there(tmp_path, monkeypatch):
-    monkeypatch.setattr("vibsim.sweeps.schedule.cluster.TIMEOUT", 0.5)
+    monkeypatch.setattr("vibsim.sweeps.workers.TIMEOUT", 0.5)
     monkeypatch.chdir(tmp_path)
     with socket.socket() as unused:
         unused.bind(("127.0.0.1", 0))

@@ -9,25 +9,24 @@ import pytest
 from tests.scenes import fixed_block, harmonic, motor, paper
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from tests.trajectories import opened
-from vibsim.analysis.discard import parse_discard
-from vibsim.cases.loading import load_case_text
+from vibsim.analysis.span import parse_discard
+from vibsim.cases.case import load_case_text
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.opening import open_result
-from vibsim.physics.modes import EVENT_KINDS
-from vibsim.sweeps.computations.impact_velocity import QUANTILES
-from vibsim.sweeps.computations.registry import COMPUTATIONS, read_computations
-from vibsim.sweeps.plan.recipe import Recipe
-from vibsim.sweeps.plan.sweep_plan import PlanError
-from vibsim.sweeps.points.point import measure
-from vibsim.sweeps.statistics import measured_run
-from vibsim.sweeps.statistics.quantities import of_two_blocks
-from vibsim.sweeps.statistics.resolution import sampled_for_statistics
-from vibsim.sweeps.store.point_store import FileStore, Store
+from vibsim.physics.parts import EVENT_KINDS
+from vibsim.sweeps import statistics
+from vibsim.sweeps.computations import COMPUTATIONS, read_computations
+from vibsim.sweeps.contact_computations import QUANTILES
+from vibsim.sweeps.point_store import FileStore, Store
+from vibsim.sweeps.points import measure
+from vibsim.sweeps.quantities import of_two_blocks
+from vibsim.sweeps.statistics import sampled_for_statistics
+from vibsim.sweeps.sweep_plan import PlanError, PointRecipe
 
 
 def computed(scene, *names, discard="50 %", section=10):
     """Values and arrays of one run by name."""
-    recipe = Recipe(None, False, parse_discard(discard), section, None, names)
+    recipe = PointRecipe(None, False, parse_discard(discard), section, None, names)
     parts = scene.as_parts()
     vars(recipe)["of"] = of_two_blocks(parts)
     return measure(sampled_for_statistics(parts), recipe, "auto", None)
@@ -157,7 +156,7 @@ def test_the_certificate_counts_uncertified_searches(monkeypatch):
         )
 
     assert computed(paper("II-B", t_end=4.0), "certificate")[0]["uncertified"] == 0
-    monkeypatch.setattr(measured_run, "open_trajectory", doubtful)
+    monkeypatch.setattr(statistics, "open_trajectory", doubtful)
     assert computed(paper("II-B", t_end=4.0), "certificate")[0]["uncertified"] == 4  # transient and rest
 
 

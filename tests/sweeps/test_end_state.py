@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from vibsim.cases import load_case
-from vibsim.cases.loading import load_case_text
+from vibsim.cases.case import load_case_text
 from vibsim.sweeps import sweep
-from vibsim.sweeps.computations.end_state import VERDICTS
-from vibsim.sweeps.plan.sweep_plan import PlanError
+from vibsim.sweeps.computations import VERDICTS
+from vibsim.sweeps.sweep_plan import PlanError
 
 NAMES = {code: name for name, code in VERDICTS.items()}
 OSCILLATOR = """

@@ -11,11 +11,10 @@ from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case
 from vibsim.cases import CaseError
 from vibsim.opening import open_result
 from vibsim.sweeps import describe, sweep
-from vibsim.sweeps.ensemble import share, summary
-from vibsim.sweeps.plan.members import Members, read_members
-from vibsim.sweeps.plan.spread import SpreadError, read_spread
-from vibsim.sweeps.plan.sweep_plan import PlanError
-from vibsim.sweeps.store.point_store import FileStore, Store
+from vibsim.sweeps.axes import Members, SpreadError, read_members, read_spread
+from vibsim.sweeps.point_store import FileStore, Store
+from vibsim.sweeps.points import share, summary
+from vibsim.sweeps.sweep_plan import PlanError
 from vibsim.sweeps.sweeping import make_plan
 
 CARRIED = {"carry_state": True, "direction": "both"}

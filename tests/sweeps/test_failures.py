@@ -11,15 +11,14 @@ from tests.sweeps.made import (
     short_case,
     short_plan,
 )
-from vibsim.sweeps.statistics.columns import DONE, FAILED
-from vibsim.sweeps.store.point_store import Store
+from vibsim.sweeps.point_store import Store
+from vibsim.sweeps.quantities import DONE, FAILED
 
 
 def test_a_failed_point_is_kept_with_its_reason_and_tried_again(tmp_path, monkeypatch):
-    from vibsim.engine.errors import EngineError
-    from vibsim.engine.state import State
+    from vibsim.engine.errors import EngineError, State
     from vibsim.engine.trajectory import open_trajectory
-    from vibsim.sweeps.statistics import measured_run
+    from vibsim.sweeps import statistics
 
     def failing(scene, *arguments, **options):
         if abs(scene.motor.Omega0 / 2 / np.pi - 4) < 1e-9:
@@ -27,7 +26,7 @@ def test_a_failed_point_is_kept_with_its_reason_and_tried_again(tmp_path, monkey
         return open_trajectory(scene, *arguments, **options)
 
     plan, path = short_plan({OMEGA0: "3, 4, 5 Hz"}, carry_state=True), tmp_path / "sweep.h5"
-    monkeypatch.setattr(measured_run, "open_trajectory", failing)
+    monkeypatch.setattr(statistics, "open_trajectory", failing)
     result, _ = complete(plan, path)
     assert result["status"].ravel().tolist() == [DONE, FAILED, DONE]
     assert "t = 1.5 s: the state is no longer finite" in result["error"][1, 0]
@@ -47,15 +46,15 @@ def test_a_point_whose_case_is_not_allowed_fails_alone():
 
 
 def test_a_bug_at_one_point_does_not_stop_the_others(monkeypatch):
-    from vibsim.sweeps.points import point
+    from vibsim.sweeps import points
 
-    class Faulty(point.Statistics):
+    class Faulty(points.Statistics):
         def update(self, block):
             if abs(self.scene.motor.Omega0 / 2 / np.pi - 4) < 1e-9:
                 raise ZeroDivisionError("by nothing")
             super().update(block)
 
-    monkeypatch.setattr(point, "Statistics", Faulty)
+    monkeypatch.setattr(points, "Statistics", Faulty)
     result, _ = run_stored(Store(short_plan({OMEGA0: "3, 4, 5 Hz"})), 2)
     assert result["status"].ravel().tolist() == [DONE, FAILED, DONE]
     assert result["error"][1, 0].startswith(

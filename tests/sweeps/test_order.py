@@ -5,8 +5,8 @@ from itertools import pairwise
 import pytest
 
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
-from vibsim.sweeps.statistics.columns import DONE
-from vibsim.sweeps.store.point_store import Store
+from vibsim.sweeps.point_store import Store
+from vibsim.sweeps.quantities import DONE
 
 SETTINGS = {
     "fresh": {},

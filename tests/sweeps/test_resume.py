@@ -21,9 +21,8 @@ from tests.sweeps.made import (
 )
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
-from vibsim.sweeps.statistics.columns import DONE, MISSING
-from vibsim.sweeps.store.journal import Journal, journal_path
-from vibsim.sweeps.store.point_store import FileStore
+from vibsim.sweeps.point_store import FileStore, PointJournal, journal_path
+from vibsim.sweeps.quantities import DONE, MISSING
 from vibsim.sweeps.sweeping import sweep
 
 CARRIED = {"carry_state": True, "direction": "both"}
@@ -179,8 +178,8 @@ def test_a_trajectory_is_not_overwritten(tmp_path):
 def test_a_second_process_is_refused(tmp_path):
     path = tmp_path / "sweep.h5"
     with FileStore(short_plan(), path), pytest.raises(ResultFileError, match="another command is writing it"):
-        Journal(path)
-    Journal(path).close(remove=True)
+        PointJournal(path)
+    PointJournal(path).close(remove=True)
 
 
 def journal_of(plan, path, count):

@@ -8,12 +8,10 @@ from tests.command_line.made import call
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
-from vibsim.sweeps import join
-from vibsim.sweeps.plan import capacity
-from vibsim.sweeps.plan.members import read_members
-from vibsim.sweeps.plan.shard import read_shard, shard
-from vibsim.sweeps.plan.sweep_plan import PlanError
-from vibsim.sweeps.store.point_store import FileStore, Store
+from vibsim.sweeps import join, sweep_plan
+from vibsim.sweeps.axes import read_members
+from vibsim.sweeps.point_store import FileStore, Store
+from vibsim.sweeps.sweep_plan import PlanError, read_shard, shard
 from vibsim.sweeps.sweeping import make_plan
 
 CASE = short_case(t_end="1 s")
@@ -120,13 +118,13 @@ def test_a_long_axis_is_stored_in_short(tmp_path):
 
 def test_what_does_not_fit_into_memory_is_refused(monkeypatch, tmp_path):
     plan = PLANS["fresh"]
-    needed = plan.count * capacity.bytes_per_point(plan)
+    needed = plan.count * sweep_plan.bytes_per_point(plan)
     table = Store(plan).table
     held = sum(array.nbytes for array in table.numbers.values())
     assert held < needed < held + 200 * plan.count
-    monkeypatch.setattr(capacity, "_memory", lambda: int(needed / 0.71))
+    monkeypatch.setattr(sweep_plan, "_memory", lambda: int(needed / 0.71))
     with pytest.raises(PlanError, match=r"35 points of \d+ bytes take .*--shard"):
         FileStore(plan, tmp_path / "s.h5")
     assert list(tmp_path.iterdir()) == []
-    monkeypatch.setattr(capacity, "_memory", lambda: int(needed / 0.69))
+    monkeypatch.setattr(sweep_plan, "_memory", lambda: int(needed / 0.69))
     Store(plan)

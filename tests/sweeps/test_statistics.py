@@ -12,11 +12,9 @@ from tests.scenes import fixed_block, harmonic, paper, scene
 from tests.sweeps.made import short_plan
 from tests.sweeps.naive_statistics import naive_statistics
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.sweeps.points import table
-from vibsim.sweeps.statistics.measured_run import GivenUpError, MeasuredRun
-from vibsim.sweeps.statistics.point_statistics import Statistics
-from vibsim.sweeps.statistics.quantities import of_two_blocks
-from vibsim.sweeps.statistics.resolution import sampled_for_statistics
+from vibsim.sweeps import points
+from vibsim.sweeps.quantities import of_two_blocks
+from vibsim.sweeps.statistics import GivenUpError, MeasuredRun, Statistics, sampled_for_statistics
 
 
 def measured(scene, begin, engine="auto", every=None):
@@ -186,6 +184,6 @@ def test_run_is_given_up_when_nobody_wants_it():
 
 
 def test_what_is_not_known_of_a_table_is_nan_in_every_piece(monkeypatch):
-    monkeypatch.setattr(table, "PIECE", 7)
+    monkeypatch.setattr(points, "PIECE", 7)
     plan = short_plan(section=5)
-    assert all(np.isnan(column).all() for column in table.Table(plan).numbers.values())
+    assert all(np.isnan(column).all() for column in points.Table(plan).numbers.values())

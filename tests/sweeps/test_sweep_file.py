@@ -11,9 +11,8 @@ from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
 from vibsim.sweeps import describe, sweep
-from vibsim.sweeps.statistics.columns import DEFINITIONS, always, section
-from vibsim.sweeps.statistics.quantities import quantities_of
-from vibsim.sweeps.store.point_store import FileStore
+from vibsim.sweeps.point_store import FileStore
+from vibsim.sweeps.quantities import DEFINITIONS, always, quantities_of, section
 
 SECTIONS = 7
 

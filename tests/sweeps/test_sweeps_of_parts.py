@@ -8,18 +8,17 @@ import numpy as np
 import pytest
 
 from tests.sweeps.made import assert_same_points, complete, in_memory, short_plan
-from vibsim.analysis.discard import parse_discard
+from vibsim.analysis.span import parse_discard
 from vibsim.cases import load_case
-from vibsim.cases.loading import load_case_text
+from vibsim.cases.case import load_case_text
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.opening import open_result
-from vibsim.physics.modes import EVENT_KINDS
-from vibsim.sweeps.plan.recipe import Recipe
-from vibsim.sweeps.plan.sweep_plan import PlanError
-from vibsim.sweeps.points.point import measure
-from vibsim.sweeps.statistics.columns import FAILED
-from vibsim.sweeps.statistics.resolution import sampled_for_statistics
-from vibsim.sweeps.store.point_store import FileStore
+from vibsim.physics.parts import EVENT_KINDS
+from vibsim.sweeps.point_store import FileStore
+from vibsim.sweeps.points import measure
+from vibsim.sweeps.quantities import FAILED
+from vibsim.sweeps.statistics import sampled_for_statistics
+from vibsim.sweeps.sweep_plan import PlanError, PointRecipe
 from vibsim.sweeps.sweeping import sweep
 
 SIEVE = """
@@ -61,7 +60,7 @@ def case_named(name):
 
 def measured(case, *names, discard="50 %", section=10, engine="auto"):
     """Values and arrays of one run by name."""
-    recipe = Recipe(case, False, parse_discard(discard), section, None, names)
+    recipe = PointRecipe(case, False, parse_discard(discard), section, None, names)
     return measure(sampled_for_statistics(case.scene()), recipe, engine, None)
 
 

@@ -9,13 +9,13 @@ import pytest
 import vibsim
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from vibsim.analysis import capture, judge_capture, judge_regime
-from vibsim.analysis.streaming import StreamedVerdicts
+from vibsim.analysis.analysis import StreamedVerdicts
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.opening import open_result
-from vibsim.physics.modes import EVENT_KINDS
-from vibsim.sweeps.computations import capture_verdict, regime_label
-from vibsim.sweeps.plan.sweep_plan import PlanError
-from vibsim.sweeps.store.point_store import FileStore, Store
+from vibsim.physics.parts import EVENT_KINDS
+from vibsim.sweeps import computations
+from vibsim.sweeps.point_store import FileStore, Store
+from vibsim.sweeps.sweep_plan import PlanError
 
 
 def swept(case, *names, key="c", values=None, **settings):
@@ -43,7 +43,7 @@ def test_capture(name, changes, discard):
     case = short_case(name, t_end="120 s", **changes)
     result = swept(case, "capture", discard=discard)
     expected = judge_capture(vibsim.simulate(case, trust=False))
-    assert only(result, "capture") == capture_verdict.VERDICTS[expected.verdict]
+    assert only(result, "capture") == computations.CAPTURE_VERDICTS[expected.verdict]
     for column, value in [
         ("capture_since", expected.since),
         ("capture_until", expected.until),
@@ -81,7 +81,7 @@ def test_regime(name):
     case = short_case(name, t_end="120 s")
     result = swept(case, "regime")
     expected = judge_regime(vibsim.simulate(case, trust=False))
-    assert only(result, "regime") == regime_label.VERDICTS[expected.verdict]
+    assert only(result, "regime") == computations.REGIME_VERDICTS[expected.verdict]
     if expected.period is not None:
         assert only(result, "regime_period") == expected.period
 
@@ -100,7 +100,7 @@ def test_a_chaotic_motion_with_its_exponent():
 
 
 def test_an_exponent_decides_where_the_section_does_not(monkeypatch):
-    from vibsim.analysis.regime.points import Exponent
+    from vibsim.analysis.sections import Exponent
 
     told = []
 

@@ -9,12 +9,11 @@ from tests.command_line.made import call
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_plan
 from vibsim.opening import open_result
 from vibsim.plots.subject import open_subjects
-from vibsim.plots.sweeps.curves import curves
-from vibsim.plots.sweeps.plane import plane_of
+from vibsim.plots.sweep_axes import plane_of
+from vibsim.plots.sweep_curves import curves
 from vibsim.sweeps import join
-from vibsim.sweeps.plan.shard import shard
-from vibsim.sweeps.plan.sweep_plan import DOWN, UP, PlanError
-from vibsim.sweeps.store.point_store import FileStore, Store
+from vibsim.sweeps.point_store import FileStore, Store
+from vibsim.sweeps.sweep_plan import DOWN, UP, PlanError, shard
 
 CARRIED = {"carry_state": True}
 

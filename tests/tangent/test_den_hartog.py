@@ -15,7 +15,7 @@ import pytest
 from tests.scenes import harmonic, scene
 from tests.tangent.bundles import exponents
 from tests.trajectories import run
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.parts import EVENT_KINDS
 
 HEAVY = 1e15  # block 1, moved as a sin(Omega t): a base that feels no reaction
 SETTLED, PERIODS = 400, 50

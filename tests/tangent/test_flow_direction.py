@@ -7,9 +7,9 @@ import pytest
 
 from tests.scenes import paper, scene
 from vibsim.engine.driver import Driver
-from vibsim.physics.arithmetic.numbers import Doubles
-from vibsim.physics.forces import motor_accelerations, transmitted_force
-from vibsim.physics.modes import EVENT_NAMES
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import EVENT_NAMES
+from vibsim.physics.two_blocks import motor_accelerations, transmitted_force
 
 
 def direction(scene, state, status):

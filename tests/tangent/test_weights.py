@@ -6,7 +6,7 @@ import pytest
 
 from tests.scenes import paper
 from vibsim.engine.tangent.tangent_space import plainly_weighed_alike, weights
-from vibsim.physics.arithmetic.numbers import Doubles
+from vibsim.physics.numbers import Doubles
 
 SCENE = paper("II-B").as_parts()
 LINK, STOP, BODY, MOTOR = SCENE.links[0], SCENE.stops[0], SCENE.bodies[0], SCENE.motor

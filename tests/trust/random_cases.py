@@ -7,7 +7,7 @@ import random
 from math import exp, log
 
 from vibsim.cases import Case
-from vibsim.cases.loading import load_case_text
+from vibsim.cases.case import load_case_text
 
 
 def mixed(seed) -> Case:

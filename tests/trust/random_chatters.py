@@ -8,7 +8,7 @@ from decimal import Decimal
 from tests.trust.exact_hops import GROUND, Line, Rub, Wall
 from tests.trust.random_long_cases import _even, _section, _spread
 from vibsim.cases import Case
-from vibsim.cases.loading import load_case_text
+from vibsim.cases.case import load_case_text
 
 NAMES = ("ram", "tool")
 

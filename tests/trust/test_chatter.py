@@ -9,8 +9,8 @@ import pytest
 from tests.trust.judging import FACTOR, true_error
 from tests.trust.random_chatters import chatter, crowded, pushed
 from vibsim import simulate
-from vibsim.cases.loading import load_case, load_case_text
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.cases.case import load_case, load_case_text
+from vibsim.physics.parts import EVENT_KINDS
 
 
 def test_the_estimate_covers_what_chatter_leaves_out():

@@ -10,12 +10,18 @@ import pytest
 from tests.engine.runs import run as run_of_parts
 from tests.trajectories import run
 from vibsim.cases import load_case
-from vibsim.cases.loading import load_case_text
-from vibsim.engine.errors import EngineError
-from vibsim.engine.state import State
+from vibsim.cases.case import load_case_text
+from vibsim.engine.errors import EngineError, State
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.results.trust.companion import BLOCKS_AHEAD, GIVEN_UP, Companion, companion_scene, described
-from vibsim.results.trust.third_run import LastSamples, third_scene
+from vibsim.results.parallel_runs import (
+    BLOCKS_AHEAD,
+    GIVEN_UP,
+    Companion,
+    LastSamples,
+    companion_scene,
+    described,
+    third_scene,
+)
 
 LONG = {"run.t_end": "100000 s"}
 END = "run: {t_end: 1 s, every: 10 ms}"
@@ -148,7 +154,7 @@ def failing(monkeypatch, companions):
     def start(scene, error):
         real = open_trajectory
         monkeypatch.setattr(
-            "vibsim.results.trust.companion.open_trajectory",
+            "vibsim.results.parallel_runs.open_trajectory",
             lambda scene, engine, **wishes: Failing(real(scene), error),
         )
         return companions(scene)

@@ -9,8 +9,16 @@ import vibsim
 from tests.command_line.made import call
 from tests.results.made import short_case, short_run
 from vibsim.analysis import comparison
-from vibsim.analysis.block_averages import FEWEST_BLOCKS, Average, average, averages, block_values, blocks_of
-from vibsim.analysis.comparison import ComparedStatistic, compare
+from vibsim.analysis.comparison import (
+    FEWEST_BLOCKS,
+    Average,
+    ComparedStatistic,
+    average,
+    averages,
+    block_values,
+    blocks_of,
+    compare,
+)
 
 TOLERANCE = 1e-6
 

@@ -8,8 +8,8 @@ import pytest
 
 from tests.scenes import NO_SOURCE, fixed_block, harmonic, motor, scene
 from vibsim.physics.rates import longest_period
-from vibsim.results.trust.estimate import ErrorEstimate, held, rounded_up, widened
-from vibsim.results.trust.share import GROWN, WINDOW, NotYet
+from vibsim.results.parallel_runs import GROWN, WINDOW, NotYet
+from vibsim.results.trust_horizon import ErrorEstimate, held, rounded_up, widened
 
 TIME = np.arange(2001) / 200
 PERIOD = 0.5

@@ -14,7 +14,7 @@ from tests.trust.random_cases import driven_hard, mixed
 from tests.trust.random_hard_scenes import hard_scene
 from tests.trust.random_long_cases import scene_of_parts
 from vibsim.cases import load_case
-from vibsim.cases.loading import load_case_text
+from vibsim.cases.case import load_case_text
 from vibsim.results import simulate
 
 pytest.importorskip("flint")

@@ -12,12 +12,9 @@ import vibsim
 from tests.command_line.made import call
 from tests.results.made import short_case
 from vibsim.physics.rates import longest_period
-from vibsim.results import simulate, simulate_to_file
-from vibsim.results.recording import recording
-from vibsim.results.recording.cadence import Thinning, instants_per_sample, sampled_finer
-from vibsim.results.trust import trust
-from vibsim.results.trust.companion import Piece
-from vibsim.results.trust.third_run import LastSamples
+from vibsim.results import recording, simulate, simulate_to_file, trust_horizon
+from vibsim.results.blocks_ahead import Thinning, instants_per_sample, sampled_finer
+from vibsim.results.parallel_runs import LastSamples, RunPiece
 from vibsim.sweeps import sweep
 
 
@@ -120,16 +117,16 @@ def test_an_interrupted_run_is_judged_as_far_as_it_went(tmp_path):
 def test_a_run_goes_on_while_a_third_run_is_waited_for(monkeypatch):
     """Whether it waits at once or goes on for four blocks, all comes out the same."""
     case = short_case("II-B", "119 s")
-    monkeypatch.setattr(trust, "HELD", 0)
+    monkeypatch.setattr(trust_horizon, "HELD", 0)
     waiting = simulate(case)
-    monkeypatch.setattr(trust, "HELD", 4)
+    monkeypatch.setattr(trust_horizon, "HELD", 4)
     going_on = simulate(case)
     assert waiting.trust_horizon == going_on.trust_horizon < 100
     assert all(waiting[name].tobytes() == going_on[name].tobytes() for name in waiting)
 
 
 def test_a_run_tells_how_far_it_is_before_its_companion_has_begun(monkeypatch, tmp_path):
-    monkeypatch.setattr(trust.Trust, "t_reached", 0.0)
+    monkeypatch.setattr(trust_horizon.Trust, "t_reached", 0.0)
     told = []
     simulate_to_file(short_case("II-B", "119 s"), tmp_path / "a.h5", watch=lambda t: told.append(t) is None)
     assert told and 0 < told[0] <= told[-1] < 119
@@ -137,7 +134,7 @@ def test_a_run_tells_how_far_it_is_before_its_companion_has_begun(monkeypatch, t
 
 def test_a_run_that_is_stopped_before_a_third_run_has_ended_is_not_trusted_beyond(monkeypatch, tmp_path):
     monkeypatch.setattr(LastSamples, "told", lambda *_: None)
-    monkeypatch.setattr(trust, "GRACE", 0.05)
+    monkeypatch.setattr(trust_horizon, "GRACE", 0.05)
     result = simulate_to_file(short_case("II-B", "300 s"), tmp_path / "a.h5", watch=lambda t: t < 90)
     assert not result.complete and result.t_reached > 80
     assert len(result.error_estimate) == len(result) > 0.99 * result.t_reached / 5e-3
@@ -154,8 +151,8 @@ def test_sweeps_do_without(monkeypatch):
     def refuse(*_):
         raise AssertionError("a sweep pays for a second run")
 
-    monkeypatch.setattr("vibsim.results.trust.trust.Trust.__init__", refuse)
-    monkeypatch.setattr("vibsim.results.trust.companion.Companion.__init__", refuse)
+    monkeypatch.setattr("vibsim.results.trust_horizon.Trust.__init__", refuse)
+    monkeypatch.setattr("vibsim.results.parallel_runs.Companion.__init__", refuse)
     done = sweep(short_case("II-B", "2 s"), {"excitation.Omega0": "3:4:0.5 Hz"}, jobs=1)
     assert done.complete
     with pytest.raises(AssertionError, match="pays"):
@@ -226,9 +223,9 @@ def test_a_run_beside_that_takes_too_many_events_is_given_up(who, monkeypatch, t
     plain = simulate(case)
     assert plain.trust_horizon == 119 and "trust_known_to_s" not in plain.attrs
     most = {"companion": lambda taken: np.minimum(taken, 300), "third run": lambda taken: taken + 1000}[who]
-    monkeypatch.setattr(trust, "most_events", most)
+    monkeypatch.setattr(trust_horizon, "most_events", most)
     if who == "third run":
-        monkeypatch.setattr(LastSamples, "_piece", lambda self, block: Piece(np.empty((2, 0)), [], 10**6))
+        monkeypatch.setattr(LastSamples, "_piece", lambda self, block: RunPiece(np.empty((2, 0)), [], 10**6))
     written = simulate_to_file(case, tmp_path / "a.h5")
     read = vibsim.open_result(tmp_path / "a.h5")
     known_to = read.attrs["trust_known_to_s"]

@@ -5,7 +5,7 @@ import pytest
 import vibsim
 from tests.command_line.made import call
 from tests.truth.made import case
-from vibsim.physics.arithmetic import number_kits
+from vibsim.physics import precision
 
 
 @pytest.mark.parametrize(
@@ -26,7 +26,7 @@ def test_wrong_usage(words, message, tmp_path):
 
 
 def test_a_missing_library_names_the_extra(monkeypatch, tmp_path):
-    monkeypatch.setattr(number_kits, "KITS", {})
+    monkeypatch.setattr(precision, "KITS", {})
     done = call("run", "I-A", "--digits", "60", "-o", tmp_path / "out.h5")
     assert done.exit_code == 2
     assert "pip install 'vibsim[reference]'" in done.stderr

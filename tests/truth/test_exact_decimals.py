@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibsim.physics.arithmetic.exact_decimals import decimal_text, nearest_double, text_width
+from vibsim.physics.numbers import decimal_text, nearest_double, text_width
 
 
 @given(st.integers(-(2**300), 2**300), st.integers(-1500, 600))

@@ -9,8 +9,8 @@ from vibsim.cases import shipped_case_names
 from vibsim.engine.tangent.error_growth import error_growth
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.engine.truth import open_truth
-from vibsim.physics.arithmetic import number_kits
-from vibsim.results.many_digits.right_digits import agreement
+from vibsim.physics import precision
+from vibsim.results.many_digits import agreement
 
 
 @pytest.mark.parametrize("name", ["I-A", "I-C", "II-B"])
@@ -35,8 +35,8 @@ def test_closed_form_and_taylor_agree(name):
 def test_mpmath_agrees_with_flint(name, method, monkeypatch):
     t_end = "1.2 s" if name == "II-A" else "0.7 s"
     _, balls = true_end(name, t_end, 30, method)
-    without = {name: kit for name, kit in number_kits.KITS.items() if name != "flint"}
-    monkeypatch.setattr(number_kits, "KITS", without)  # put back, flint would come second
+    without = {name: kit for name, kit in precision.KITS.items() if name != "flint"}
+    monkeypatch.setattr(precision, "KITS", without)  # put back, flint would come second
     trajectory = open_truth(case(name, t_end, method).exact_scene, 30)
     assert trajectory.kit.name == "mpf"
     *_, last = trajectory.blocks()

@@ -7,7 +7,7 @@ import pytest
 
 import vibsim
 from tests.truth.made import case, true_end
-from vibsim.results.many_digits.right_digits import DOUBLE_DIGITS, DigitsPlan, agreement
+from vibsim.results.many_digits import DOUBLE_DIGITS, DigitsPlan, agreement
 
 
 def test_agreement_is_that_of_the_worst_quantity():

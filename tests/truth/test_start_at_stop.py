@@ -8,7 +8,7 @@ import vibsim
 from tests.engine.runs import run as run_parts
 from tests.trajectories import ENGINES, run
 from vibsim.engine.truth import open_truth
-from vibsim.physics.modes import EVENT_NAMES
+from vibsim.physics.parts import EVENT_NAMES
 
 CASE = """
 name: at-stop

@@ -15,7 +15,7 @@ Names are imported when they are used: scipy takes longer to import than most ru
 
 from typing import TYPE_CHECKING
 
-from vibsim.lazy_names import lazy_names
+from vibsim.lazy import lazy_names
 
 if TYPE_CHECKING:
     from vibsim.analysis.analysis import Analysis as Analysis
@@ -24,33 +24,25 @@ if TYPE_CHECKING:
     from vibsim.analysis.capture import judge_capture as judge_capture
     from vibsim.analysis.comparison import Comparison as Comparison
     from vibsim.analysis.comparison import compare as compare
-    from vibsim.analysis.dominant_frequencies import (
-        DominantFrequencies as DominantFrequencies,
-    )
-    from vibsim.analysis.dominant_frequencies import (
-        find_frequencies as find_frequencies,
-    )
+    from vibsim.analysis.cycles import CaptureVerdict as CaptureVerdict
+    from vibsim.analysis.cycles import ComparisonVerdict as ComparisonVerdict
+    from vibsim.analysis.cycles import DriftVerdict as DriftVerdict
+    from vibsim.analysis.cycles import FrequenciesVerdict as FrequenciesVerdict
+    from vibsim.analysis.cycles import ImpactsVerdict as ImpactsVerdict
+    from vibsim.analysis.cycles import RegimeVerdict as RegimeVerdict
+    from vibsim.analysis.dominant_frequencies import DominantFrequencies as DominantFrequencies
+    from vibsim.analysis.dominant_frequencies import find_frequencies as find_frequencies
     from vibsim.analysis.drift import Drift as Drift
+    from vibsim.analysis.drift import ImpactsPerCycle as ImpactsPerCycle
+    from vibsim.analysis.drift import count_impacts as count_impacts
     from vibsim.analysis.drift import measure_drift as measure_drift
     from vibsim.analysis.exponents import Lyapunov as Lyapunov
     from vibsim.analysis.exponents import lyapunov as lyapunov
-    from vibsim.analysis.impacts_per_cycle import (
-        ImpactsPerCycle as ImpactsPerCycle,
-    )
-    from vibsim.analysis.impacts_per_cycle import (
-        count_impacts as count_impacts,
-    )
-    from vibsim.analysis.regime.largest_exponent import largest_exponent as largest_exponent
-    from vibsim.analysis.regime.points import Exponent as Exponent
-    from vibsim.analysis.regime.verdict import Regime as Regime
-    from vibsim.analysis.regime.verdict import judge_regime as judge_regime
+    from vibsim.analysis.regime import Regime as Regime
+    from vibsim.analysis.regime import judge_regime as judge_regime
+    from vibsim.analysis.regime import largest_exponent as largest_exponent
+    from vibsim.analysis.sections import Exponent as Exponent
     from vibsim.analysis.span import Span as Span
-    from vibsim.analysis.verdicts import CaptureVerdict as CaptureVerdict
-    from vibsim.analysis.verdicts import ComparisonVerdict as ComparisonVerdict
-    from vibsim.analysis.verdicts import DriftVerdict as DriftVerdict
-    from vibsim.analysis.verdicts import FrequenciesVerdict as FrequenciesVerdict
-    from vibsim.analysis.verdicts import ImpactsVerdict as ImpactsVerdict
-    from vibsim.analysis.verdicts import RegimeVerdict as RegimeVerdict
 
 __getattr__, __dir__, __all__ = lazy_names(
     __name__,
@@ -58,17 +50,19 @@ __getattr__, __dir__, __all__ = lazy_names(
         "vibsim.analysis.analysis": ["Analysis", "analyse"],
         "vibsim.analysis.capture": ["Capture", "judge_capture"],
         "vibsim.analysis.comparison": ["Comparison", "compare"],
-        "vibsim.analysis.dominant_frequencies": ["DominantFrequencies", "find_frequencies"],
-        "vibsim.analysis.drift": ["Drift", "measure_drift"],
-        "vibsim.analysis.exponents": ["Lyapunov", "lyapunov"],
-        "vibsim.analysis.impacts_per_cycle": ["ImpactsPerCycle", "count_impacts"],
-        "vibsim.analysis.regime.largest_exponent": ["largest_exponent"],
-        "vibsim.analysis.regime.points": ["Exponent"],
-        "vibsim.analysis.regime.verdict": ["Regime", "judge_regime"],
-        "vibsim.analysis.span": ["Span"],
-        "vibsim.analysis.verdicts": [
-            *("CaptureVerdict", "ComparisonVerdict", "DriftVerdict", "FrequenciesVerdict"),
-            *("ImpactsVerdict", "RegimeVerdict"),
+        "vibsim.analysis.cycles": [
+            "CaptureVerdict",
+            "ComparisonVerdict",
+            "DriftVerdict",
+            "FrequenciesVerdict",
+            "ImpactsVerdict",
+            "RegimeVerdict",
         ],
+        "vibsim.analysis.dominant_frequencies": ["DominantFrequencies", "find_frequencies"],
+        "vibsim.analysis.drift": ["Drift", "ImpactsPerCycle", "count_impacts", "measure_drift"],
+        "vibsim.analysis.exponents": ["Lyapunov", "lyapunov"],
+        "vibsim.analysis.regime": ["Regime", "judge_regime", "largest_exponent"],
+        "vibsim.analysis.sections": ["Exponent"],
+        "vibsim.analysis.span": ["Span"],
     },
 )

@@ -16,20 +16,61 @@ turns until there is a mean over TURNS turns, and then by these.
 """
 
 from dataclasses import dataclass, replace
-from math import floor
+from math import floor, pi
 
 import numpy as np
 
-from vibsim.analysis.cycles import TURN, cycle_ends
-from vibsim.analysis.event_rows import events_within
-from vibsim.analysis.holds import BAND, DELAY, TURNS, Hold, holds_of, mean_speeds
-from vibsim.analysis.resonances import Resonance, resonances
+from vibsim.analysis.cycles import (
+    BAND,
+    DELAY,
+    TURN,
+    TURNS,
+    CaptureVerdict,
+    Hold,
+    cycle_ends,
+    events_within,
+    holds_of,
+    mean_speeds,
+    name_verdict,
+)
 from vibsim.analysis.span import Span, span_of
-from vibsim.analysis.verdicts import CaptureVerdict, name_verdict
 from vibsim.physics.parts import Motor, Scene
-from vibsim.results.motion.closing_velocity import IMPACT_CODES
+from vibsim.physics.rates import bilinear_frequencies, natural_rates
+from vibsim.results.columns import IMPACT_CODES
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
+
+# Frequencies at which a motor of limited power may be captured.
+
+
+@dataclass(frozen=True)
+class Resonance:
+    """A frequency [Hz] of the vibration, friction and damping left out."""
+
+    name: str
+    hz: float
+
+
+def resonances(scene: Scene, impacting: bool) -> tuple[Resonance, ...]:
+    """Where the vibration answers most, ascending; numbered where there are several of a kind.
+
+    Without impacts, and with those on rigid stops alone, its natural frequencies f1, all stops open. With
+    impacts on elastic stops, in the limit of large amplitudes, the bilinear frequencies 2 f1 f2/(f1 + f2), f2
+    with all stops closed, and half of them: superharmonic resonances, in which the bodies vibrate and strike
+    twice in a turn of the rotor.
+    """
+    if not (impacting and scene.elastic_stops):
+        return _named("free", [rate / (2 * pi) for rate in natural_rates(scene)])
+    bilinear = bilinear_frequencies(scene)
+    frequencies = _named("half bilinear", [hz / 2 for hz in bilinear]) + _named("bilinear", bilinear)
+    return tuple(sorted(frequencies, key=lambda one: one.hz))
+
+
+def _named(kind: str, frequencies: list[float]) -> tuple[Resonance, ...]:
+    if len(frequencies) == 1:
+        return (Resonance(kind, frequencies[0]),)
+    return tuple(Resonance(f"{kind} {i}", hz) for i, hz in enumerate(frequencies, 1))
+
 
 CAPTURE = 15.0  # II-B as printed: 10.6; every capture for good in 300 s: over 100
 FAR = 0.15  # below the no-load speed, relative; a motor above the resonance settles 1 to 12 % below it

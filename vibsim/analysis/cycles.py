@@ -4,14 +4,225 @@ Forces and base: the multiples of their common period. Motor: the first passages
 2 pi, on the line between two samples.
 """
 
-from math import ceil, floor, pi
+from collections import deque
+from dataclasses import dataclass
+from enum import Enum
+from math import ceil, floor, inf, pi
 
 import numpy as np
 
-from vibsim.physics.parts import Scene
-from vibsim.physics.period import common_period
+from vibsim.physics import elementary
+from vibsim.physics.elementary import mean
+from vibsim.physics.parts import Motor, Scene
+from vibsim.physics.rates import common_period
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, pieces, rows_within
+
+# The words of verdicts, as enumerations whose members are these very texts.
+
+
+class Verdict(str, Enum):
+    """A word out of a few; equal to its text, printed and written as it.
+
+    >>> from vibsim.analysis import CaptureVerdict
+    >>> CaptureVerdict.NOT_MET == "not met", f"{CaptureVerdict.NOT_MET}", CaptureVerdict("passed")
+    (True, 'not met', <CaptureVerdict.PASSED: 'passed'>)
+    """
+
+    __str__ = str.__str__
+
+    def __format__(self, format_spec: str) -> str:
+        return str.__format__(self, format_spec)
+
+
+class CaptureVerdict(Verdict):
+    """Was a motor captured: see `vibsim.analysis.capture`."""
+
+    CAPTURED = "captured"
+    ESCAPED = "escaped"
+    PASSED = "passed"
+    NOT_MET = "not met"
+    UNDECIDED = "undecided"
+
+
+class DriftVerdict(Verdict):
+    """Which way a body drifts; undecided where the interval of the rate contains 0 and more."""
+
+    FORWARD = "forward"
+    BACKWARD = "backward"
+    NONE = "none"
+    UNDECIDED = "undecided"
+
+
+class ImpactsVerdict(Verdict):
+    """In how many cycles of the source there are impacts, or of a friction sticks."""
+
+    EVERY_CYCLE = "every cycle"
+    SOME_CYCLES = "some cycles"
+    NO_IMPACTS = "no impacts"
+    NO_STICKS = "no sticks"
+    UNDECIDED = "undecided"
+
+
+class RegimeVerdict(Verdict):
+    """What kind of motion it is."""
+
+    AT_REST = "at rest"
+    PERIODIC = "periodic"
+    TRANSIENT = "transient"
+    QUASI_PERIODIC = "quasi-periodic"
+    CHAOTIC = "chaotic"
+    UNDECIDED = "undecided"
+
+
+class FrequenciesVerdict(Verdict):
+    """Whether a displacement has dominant frequencies; still: nothing vibrates."""
+
+    LINES = "lines"
+    STILL = "still"
+    UNDECIDED = "undecided"
+
+
+class ComparisonVerdict(Verdict):
+    """Whether two runs are the same."""
+
+    IDENTICAL = "identical"
+    AGREE = "agree"
+    AGREE_UNTIL = "agree_until"
+    AGREE_IN_STATISTICS = "agree_in_statistics"
+    DIFFER = "differ"
+
+
+def name_verdict(judged: object, kind: type[Verdict]) -> None:
+    """Make the verdict of a frozen dataclass a member of its enumeration. Raises ValueError for others."""
+    object.__setattr__(judged, "verdict", kind(judged.verdict))  # type: ignore[attr-defined]
+
+
+# Stretches in which the mean speed of a motor stays within a narrow band, and how much they delay it.
+#
+# Without vibration the motor would run up as Omega0 (1 - exp(-t/T)), T = Omega0 (J + m3 e^2)/M0, and pass the
+# band from w1 to w2 in T ln((Omega0 - w1)/(Omega0 - w2)). A hold that lasts n times as long is one in which
+# the vibration takes up the share 1 - 1/n of the torque.
+
+
+TURNS = 12  # to average over: a multiple of the periods 1, 2, 3, 4 and 6 that the motion may have
+BAND = 0.03  # half width of the band, relative; beside a resonance the mean speed beats by about 2 %
+LEAST_TURNS = 20  # of a hold
+DELAY = 3.0  # least delay that is called lingering
+MOST_MEANS = 20_000  # of a run; longer ones are thinned
+
+
+@dataclass(frozen=True)
+class Hold:
+    """A stretch in which the mean speed stays within the band.
+
+    Attributes
+    ----------
+    begin, end : [s]
+    speed_hz : mean over it [Hz]
+    turns : of the rotor
+    below_no_load : 1 - speed / no-load speed, the share of the stall torque that drives
+    delay : its length over the time in which the free motor would pass the band; 0 where it never would
+    at_end : whether it lasts to the end of the span
+    """
+
+    begin: float
+    end: float
+    speed_hz: float
+    turns: float
+    below_no_load: float
+    delay: float
+    at_end: bool
+
+    @property
+    def absorbed(self) -> float:
+        """Share of the driving torque that the vibration takes up: 1 - 1/delay."""
+        return max(0.0, 1 - 1 / self.delay) if self.delay else 0.0
+
+
+def mean_speeds(turn_times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean speeds over TURNS turns [Hz] and the middles of those turns [s], from the ends of the turns."""
+    step = max(1, len(turn_times) // MOST_MEANS)
+    first, last = turn_times[:-TURNS:step], turn_times[TURNS::step]
+    return (first + last) / 2, TURNS / (last - first)
+
+
+def run_up_time(motor: Motor) -> float:
+    """Time constant of the motor without vibration [s]: Omega0 (J + m3 e^2)/M0; inf without torque."""
+    return motor.Omega0 * motor.inertia / motor.M0 if motor.M0 else inf
+
+
+def holds_of(times: np.ndarray, speeds: np.ndarray, motor: Motor) -> list[Hold]:
+    """All holds among the mean speeds [Hz] at `times` [s], the longest taken first, in order of time."""
+    spans = [(0, len(speeds))]
+    holds = []
+    while spans:
+        start, stop = spans.pop()
+        first, last = longest_stretch(speeds[start:stop])
+        first, last = first + start, last + start
+        hold = _hold(times, speeds, first, last, motor)
+        if hold is not None:
+            holds.append(hold)
+            spans += [(start, first), (last + 1, stop)]
+    return sorted(holds, key=lambda hold: hold.begin)
+
+
+def _hold(times: np.ndarray, speeds: np.ndarray, first: int, last: int, motor: Motor) -> Hold | None:
+    """The means from `first` to `last` as a hold; None where it has too few turns."""
+    if last <= first:
+        return None
+    length = float(times[last] - times[first])
+    speed = float(mean(speeds[first : last + 1]))
+    if speed * length < LEAST_TURNS:
+        return None
+    no_load = motor.Omega0 / TURN
+    return Hold(
+        float(times[first]),
+        float(times[last]),
+        speed,
+        speed * length,
+        1 - speed / no_load,
+        length / free_passage(motor, speed),
+        last == len(speeds) - 1,
+    )
+
+
+def free_passage(motor: Motor, speed: float) -> float:
+    """Time in which the motor would pass the band about `speed` [Hz] without vibration [s]; inf: never."""
+    low, high = speed * (1 - BAND), speed * (1 + BAND)
+    no_load = motor.Omega0 / TURN
+    return run_up_time(motor) * elementary.log((no_load - low) / (no_load - high)) if high < no_load else inf
+
+
+def longest_stretch(speeds: np.ndarray) -> tuple[int, int]:
+    """First and last of the longest stretch of consecutive positive values within the band; (0, -1): none."""
+    ratio = (1 + BAND) / (1 - BAND)
+    highest: deque[int] = deque()  # candidates for the greatest value from `start` on, descending
+    lowest: deque[int] = deque()
+    start, best = 0, (0, -1)
+    values = speeds.tolist()
+    for i, value in enumerate(values):
+        if value <= 0:
+            highest.clear()
+            lowest.clear()
+            start = i + 1
+            continue
+        while highest and values[highest[-1]] <= value:
+            highest.pop()
+        while lowest and values[lowest[-1]] >= value:
+            lowest.pop()
+        highest.append(i)
+        lowest.append(i)
+        while values[highest[0]] > ratio * values[lowest[0]]:
+            start += 1
+            if highest[0] < start:
+                highest.popleft()
+            if lowest[0] < start:
+                lowest.popleft()
+        if i - start > best[1] - best[0]:
+            best = start, i
+    return best
+
 
 TURN = 2 * pi
 ROWS = 1 << 20  # samples read at a time
@@ -59,3 +270,16 @@ def _passages(t: np.ndarray, phi: np.ndarray, reached: float) -> np.ndarray:
     rise = phi[right] - phi[left]
     share = np.divide(turns - phi[left], rise, out=np.zeros_like(rise), where=rise > 0)
     return np.asarray(t[left] + share * (t[right] - t[left]))
+
+
+# The events of a span; of a file only their rows are read.
+
+
+def events_within(result: Result, window: Window, *names: str, before: int = 0) -> dict[str, np.ndarray]:
+    """Event columns by name (all without names) within the window [s], both ends included.
+
+    before : how many events before the window to add, as far as there are any
+    """
+    rows = rows_within(result.event_column("t"), window)
+    rows = slice(max(0, rows.start - before), rows.stop)
+    return {name: np.asarray(result.event_column(name)[rows]) for name in names or result.events}

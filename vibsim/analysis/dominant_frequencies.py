@@ -13,18 +13,14 @@ from math import ceil, pi
 
 import numpy as np
 
-from vibsim.analysis.cycles import cycle_ends
+from vibsim.analysis.cycles import FrequenciesVerdict, cycle_ends, name_verdict
 from vibsim.analysis.span import Span, steady_span
-from vibsim.analysis.verdicts import FrequenciesVerdict, name_verdict
-from vibsim.cases.number import number
-from vibsim.physics.arithmetic import elementary
-from vibsim.physics.arithmetic.sines import sine_cosine
-from vibsim.physics.arithmetic.sums import dot, mean
-from vibsim.physics.body_sets import Pair, pairs_of
-from vibsim.physics.parts import Scene
+from vibsim.cases.quantities import number
+from vibsim.physics import elementary
+from vibsim.physics.elementary import dot, mean, sine_cosine_of_arrays
+from vibsim.physics.parts import Pair, Scene, pairs_of
 from vibsim.physics.rates import natural_rates
-from vibsim.results.columns import tables_of
-from vibsim.results.motion.relative_motion import RelativeMotion
+from vibsim.results.columns import PairMotion, tables_of
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, rows_within
 
@@ -154,7 +150,7 @@ def spectrum_of(x: np.ndarray, every: float) -> tuple[np.ndarray, float]:
 
 def _window(count: int) -> np.ndarray:
     """The window of `count` values, whose mean is its first term."""
-    cosine = sine_cosine(2 * np.pi * (np.arange(count) + 0.5) / count)[1]
+    cosine = sine_cosine_of_arrays(2 * np.pi * (np.arange(count) + 0.5) / count)[1]
     twice = 2 * cosine * cosine - 1  # cosines of the double and the triple angle
     return np.asarray(TERMS[0] + TERMS[1] * cosine + TERMS[2] * twice + TERMS[3] * cosine * (2 * twice - 1))
 
@@ -218,6 +214,6 @@ def displacement(result: Result, rows: slice, of: str) -> np.ndarray:
     if of in tables_of(scene).displacements:
         return np.asarray(result.column(of)[rows])
     motions = motions_of(scene)
-    motion = RelativeMotion(scene, next(iter(motions.values())) if of == RELATIVE else motions[of])
+    motion = PairMotion(scene, next(iter(motions.values())) if of == RELATIVE else motions[of])
     columns = {name: np.asarray(result.column(name)[rows]) for name in ("time", *motion.columns)}
     return np.asarray(motion(columns, "time")[1])

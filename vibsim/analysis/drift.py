@@ -9,22 +9,21 @@ says that there is no drift. Where the motion is on a periodic orbit, or goes to
 is exact: its displacement in a period over the period.
 """
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
-from vibsim.analysis.block_averages import FEWEST_BLOCKS, MOST_BLOCKS, average
-from vibsim.analysis.cycles import cycle_ends
+from vibsim.analysis.comparison import FEWEST_BLOCKS, MOST_BLOCKS, average
+from vibsim.analysis.cycles import DriftVerdict, ImpactsVerdict, cycle_ends, events_within, name_verdict
 from vibsim.analysis.span import Span, steady_span
-from vibsim.analysis.verdicts import DriftVerdict, name_verdict
-from vibsim.physics.arithmetic.sines import sine_cosine
-from vibsim.physics.arithmetic.sums import dot, mean, total
-from vibsim.physics.body_sets import drifting_sets
-from vibsim.physics.parts import Scene, columns_of
+from vibsim.physics.elementary import dot, mean, sine_cosine_of_arrays, total
+from vibsim.physics.parts import EVENT_KINDS, Scene, columns_of, drifting_sets
 from vibsim.physics.rates import is_driven, masses, source_period
-from vibsim.results.columns import tables_of
+from vibsim.results.columns import closing_velocities, part_names, tables_of
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 
@@ -160,7 +159,153 @@ def displacement(result: Result, rows: slice, of: str) -> np.ndarray:
     moment = sum(body.m * x for body, x in zip(scene.bodies, places, strict=True))
     mass = sum(body.m for body in scene.bodies)
     if scene.motor is not None:
-        motor, cosine = scene.motor, sine_cosine(np.asarray(result.column("phi")[rows]))[1]
+        motor, cosine = scene.motor, sine_cosine_of_arrays(np.asarray(result.column("phi")[rows]))[1]
         moment = moment + motor.m3 * (places[motor.on] + motor.e * cosine)
         mass += motor.m3
     return np.asarray(moment / mass)
+
+
+# What happens in each cycle of the source: impacts, sticks, and the word that the events spell.
+
+
+# letter of each event in a word; c ... o is a contact, s ... g a stick, r a reversal; of a rigid stop i is an
+# impact, t one passed on to it, h the end of a sequence, b ... e a rest
+LETTERS = {"contact_begin": "c", "contact_end": "o", "reversal": "r", "stick_begin": "s", "stick_end": "g"}
+LETTERS |= {"impact": "i", "transmitted": "t", "chatter": "h", "rest_begin": "b", "rest_end": "e"}
+MOST_WORDS = 8  # listed
+
+
+@dataclass(frozen=True)
+class RateSpread:
+    """Distribution of a quantity: number, mean, least, median, greatest, and their unit."""
+
+    count: int
+    mean: float
+    least: float
+    median: float
+    greatest: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class ImpactsPerCycle:
+    """What happens in the cycles of the source within a span.
+
+    Attributes
+    ----------
+    verdict : "every cycle", "some cycles", "no impacts" (of a friction "no sticks") or "undecided"
+    reason : in words
+    cycles : whole cycles counted
+    impacts, sticks : mean per cycle; None without a cycle, and of a part that has none by its kind
+    impact_counts, stick_counts : number of events in a cycle -> number of such cycles
+    words : the commonest words -> number of cycles, see LETTERS; "" is a cycle without events
+    distinct_words : how many there are
+    velocity : relative speed of the ends of the stop at impact [m/s]; None without impacts
+    """
+
+    verdict: ImpactsVerdict | str
+    reason: str
+    span: Span
+    cycles: int = 0
+    impacts: float | None = None
+    sticks: float | None = None
+    impact_counts: dict[int, int] | None = None
+    stick_counts: dict[int, int] | None = None
+    words: dict[str, int] | None = None
+    distinct_words: int = 0
+    velocity: RateSpread | None = None
+
+    def __post_init__(self) -> None:
+        name_verdict(self, ImpactsVerdict)
+
+
+def counted_parts(scene: Scene) -> tuple[str, ...]:
+    """The parts whose events are counted one by one: stops and frictions where there is a stop, and more than
+    one of either; none where all events are counted together.
+    """
+    if len(scene.stops) <= 1 and len(scene.frictions) <= 1:
+        return ()
+    parts: tuple[Any, ...] = (*scene.stops, *scene.frictions)
+    return tuple(part.name for part in parts)
+
+
+def count_impacts(result: Result, window: Window | None = None, part: str | None = None) -> ImpactsPerCycle:
+    """Impacts and sticks per cycle within `window` [s], by default the second half of the run.
+
+    part : the stop or friction whose events count; None: all events
+
+    Raises ValueError for a window outside the run, and where there is no such part.
+    """
+    scene = result.case.scene()
+    stops = [stop.name for stop in scene.stops]
+    frictions = [friction.name for friction in scene.frictions]
+    if part not in (None, *stops, *frictions):
+        raise ValueError(f"part must be one of {', '.join((*stops, *frictions))}, got {part!r}")
+    span = steady_span(result, window)
+    ends = cycle_ends(result, span.window)
+    speed = speeds(result, span, part)
+    if len(ends) < 2:
+        return ImpactsPerCycle("undecided", "no whole cycle of a source", span, velocity=speed)
+    words = words_of(result, ends, part)
+    impacts, sticks = ([sum(map(word.count, letters)) for word in words] for letters in ("ci", "s"))
+    own, noun = (sticks, "sticks") if part in frictions else (impacts, "impacts")
+    cycles, happened = len(words), sum(map(bool, own))
+    verdict = f"no {noun}" if not happened else "every cycle" if happened == cycles else "some cycles"
+    counts = ImpactsPerCycle(
+        verdict,
+        f"{noun} in {happened} of {cycles} cycles",
+        span,
+        cycles,
+        sum(impacts) / cycles,
+        sum(sticks) / cycles,
+        dict(sorted(Counter(impacts).items())),
+        dict(sorted(Counter(sticks).items())),
+        dict(Counter(words).most_common(MOST_WORDS)),
+        len(set(words)),
+        speed,
+    )
+    if part in stops:
+        return replace(counts, sticks=None, stick_counts=None)
+    return replace(counts, impacts=None, impact_counts=None) if part in frictions else counts
+
+
+def words_of(result: Result, ends: np.ndarray, part: str | None = None) -> list[str]:
+    """The word of each cycle between ascending `ends` [s]: an event at an end belongs to the next cycle.
+
+    part : whose events count; None: those of all parts
+    """
+    events = events_within(result, (float(ends[0]), float(ends[-1])), "t", "kind", "part")
+    if part is not None:
+        own = events["part"] == part_names(result.case.scene()).index(part)
+        events = {name: column[own] for name, column in events.items()}
+    letters = {EVENT_KINDS[kind]: letter for kind, letter in LETTERS.items()}
+    text = "".join(letters.get(kind, " ") for kind in events["kind"].tolist())
+    edges = np.searchsorted(events["t"], ends, side="left").tolist()
+    return [text[a:b].replace(" ", "") for a, b in pairwise(edges)]
+
+
+def happenings(result: Result, ends: np.ndarray) -> list[bytes]:
+    """What happens in each cycle between ascending `ends` [s]: kinds and parts of the events, in order."""
+    events = events_within(result, (float(ends[0]), float(ends[-1])), "t", "kind", "part")
+    counted = np.isin(events["kind"], [EVENT_KINDS[kind] for kind in LETTERS])
+    codes = np.stack([events["kind"], events["part"]], axis=1).astype("i4")[counted]
+    edges = np.searchsorted(events["t"][counted], ends, side="left").tolist()
+    return [codes[a:b].tobytes() for a, b in pairwise(edges)]
+
+
+def speeds(result: Result, span: Span, part: str | None = None) -> RateSpread | None:
+    """Relative speed |v_P - v_Q| of the ends of the stop `part`, of all stops if None, at the impacts within
+    the span; None without impacts.
+    """
+    scene = result.case.scene()
+    events = events_within(result, span.window)
+    values = np.abs(closing_velocities(scene, events))
+    own = np.isin(events["part"], [i for i, stop in enumerate(scene.stops) if part in (None, stop.name)])
+    values = values[own & ~np.isnan(values)]
+    return spread(values, "m/s") if len(values) else None
+
+
+def spread(values: np.ndarray, unit: str) -> RateSpread:
+    """The distribution of at least one value."""
+    least, median, greatest = (float(value) for value in np.quantile(values, [0, 0.5, 1]))
+    return RateSpread(len(values), float(mean(values)), least, median, greatest, unit)

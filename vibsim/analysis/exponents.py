@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibsim.analysis.discard import transient
-from vibsim.analysis.regime.largest_exponent import exponent_of
-from vibsim.cases.arguments import whole_number
-from vibsim.cases.number import number
+from vibsim.analysis.regime import exponent_of
+from vibsim.analysis.span import transient
+from vibsim.cases.case import load_case, whole_number
+from vibsim.cases.quantities import number
 from vibsim.engine.tangent.lyapunov import LyapunovExponents, lyapunov_exponents
 from vibsim.engine.tangent.tangent_space import dimension
-from vibsim.labelled.shown import Shown
+from vibsim.results.labelled import Shown
 from vibsim.results.result import Result
 
 if TYPE_CHECKING:
@@ -110,7 +110,6 @@ def lyapunov(
     >>> vibsim.lyapunov(vibsim.load_case("gallery/bilinear-oscillator", changes)).exponents.round(3)
     array([-0.1, -0.1])
     """
-    from vibsim.cases.loading import load_case
 
     scene = load_case(case, overrides).scene()
     number = None if count is None or count == "all" else whole_number("count", count, 0)

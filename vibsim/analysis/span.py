@@ -1,8 +1,10 @@
 """The span of a run that a verdict rests on, and until when the run is right."""
 
 from dataclasses import dataclass
+from fractions import Fraction
+from numbers import Real
 
-from vibsim.analysis.discard import transient
+from vibsim.cases.quantities import QuantityError, decimal_text, parse_quantity
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 
@@ -65,3 +67,75 @@ def later_part(result: Result, window: Window | None, discard: float | str | Non
             f"a transient of {left_out:g} s leaves nothing of {whole.begin:g} to {whole.end:g} s"
         )
     return whole.begin + left_out, whole.end
+
+
+# How much of a run is left out at its start, where its steady motion is judged: the transient.
+
+
+@dataclass(frozen=True)
+class Discard:
+    """A time [s], or a fraction of t_end where `relative`; exact."""
+
+    value: Fraction
+    relative: bool
+
+    def time(self, t_end: float) -> float:
+        """Time [s] at which the statistics begin, in a run up to t_end [s]."""
+        return float(self.value * Fraction(t_end)) if self.relative else float(self.value)
+
+    def __str__(self) -> str:
+        return f"{decimal_text(self.value * 100)} %" if self.relative else f"{decimal_text(self.value)} s"
+
+
+HALF = Discard(Fraction(1, 2), True)
+
+
+def transient(discard: object, length: float) -> float:
+    """Time [s] that is left out at the start of a span of `length` [s].
+
+    discard : a time [s], or a text such as "100 s", "0.5" (of the span) or "50 %"; None: half of the span
+
+    Raises ValueError for a text that is neither, TypeError for anything else.
+    """
+    if isinstance(discard, str):
+        try:
+            return parse_discard(discard).time(length)
+        except ValueError as error:
+            raise ValueError(f"discard: {error}") from None
+    if isinstance(discard, Real) and not isinstance(discard, bool):
+        return float(discard)
+    if discard is not None:
+        raise TypeError(
+            f"discard must be a time in s, or a text such as '100 s' or '50 %', got {discard!r:.60}"
+        )
+    return HALF.time(length)
+
+
+def parse_discard(text: str) -> Discard:
+    """The transient that `text` spells: `100 s`, `0.5` (of t_end) or `50 %`. Raises ValueError."""
+    word = text.strip()
+    number, percent, rest = word.partition("%")
+    try:
+        if percent and not rest:
+            fraction = parse_quantity(number, "number").value / 100
+        elif word[-1:].isdigit() or word[-1:] == ".":
+            fraction = parse_quantity(word, "number").value
+        else:
+            return _time(parse_quantity(word, "time").value, word)
+    except QuantityError:
+        raise ValueError(f"must be a time or a fraction, such as 100s, 0.5 or 50%, got {text!r}") from None
+    return _fraction(fraction, word)
+
+
+def _time(time: Fraction, word: str) -> Discard:
+    if time < 0:
+        raise ValueError(f"the time {word} is negative")
+    return Discard(time, False)
+
+
+def _fraction(value: Fraction, word: str) -> Discard:
+    if not 0 <= value < 1:
+        raise ValueError(
+            f"a fraction must be at least 0 and below 1, got {word}; a time needs its unit, such as 100s"
+        )
+    return Discard(value, True)

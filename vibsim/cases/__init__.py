@@ -6,31 +6,29 @@ scene = case.scene()
 
 from typing import TYPE_CHECKING
 
-from vibsim.lazy_names import lazy_names
+from vibsim.lazy import lazy_names
 
 if TYPE_CHECKING:
     from vibsim.cases.case import Case as Case
-    from vibsim.cases.loading import load_case as load_case
+    from vibsim.cases.case import load_case as load_case
     from vibsim.cases.problems import CaseError as CaseError
     from vibsim.cases.problems import Problem as Problem
-    from vibsim.cases.reading.sources import gallery_case_names as gallery_case_names
-    from vibsim.cases.reading.sources import hard_case_names as hard_case_names
-    from vibsim.cases.reading.sources import shipped_case_names as shipped_case_names
-    from vibsim.cases.schema.json_schema import case_schema as case_schema
-    from vibsim.cases.schema.keys import UnknownKeyError as UnknownKeyError
-    from vibsim.cases.values.ranges import RangeError as RangeError
-    from vibsim.cases.values.ranges import RangeValue as RangeValue
-    from vibsim.cases.values.ranges import parse_range as parse_range
+    from vibsim.cases.quantities import RangeError as RangeError
+    from vibsim.cases.quantities import RangeValue as RangeValue
+    from vibsim.cases.quantities import parse_range as parse_range
+    from vibsim.cases.schema_keys import UnknownKeyError as UnknownKeyError
+    from vibsim.cases.schema_keys import case_schema as case_schema
+    from vibsim.cases.sources import gallery_case_names as gallery_case_names
+    from vibsim.cases.sources import hard_case_names as hard_case_names
+    from vibsim.cases.sources import shipped_case_names as shipped_case_names
 
 __getattr__, __dir__, __all__ = lazy_names(
     __name__,
     {
-        "vibsim.cases.case": ["Case"],
-        "vibsim.cases.schema.json_schema": ["case_schema"],
-        "vibsim.cases.schema.keys": ["UnknownKeyError"],
-        "vibsim.cases.loading": ["load_case"],
+        "vibsim.cases.case": ["Case", "load_case"],
         "vibsim.cases.problems": ["CaseError", "Problem"],
-        "vibsim.cases.values.ranges": ["RangeError", "RangeValue", "parse_range"],
-        "vibsim.cases.reading.sources": ["gallery_case_names", "hard_case_names", "shipped_case_names"],
+        "vibsim.cases.quantities": ["RangeError", "RangeValue", "parse_range"],
+        "vibsim.cases.schema_keys": ["UnknownKeyError", "case_schema"],
+        "vibsim.cases.sources": ["gallery_case_names", "hard_case_names", "shipped_case_names"],
     },
 )

@@ -1,24 +1,40 @@
 """A case: one system and one run of it, validated and exact."""
 
-from collections.abc import Callable, Mapping
+import textwrap
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from html import escape
+from operator import index
+from os import PathLike, fspath
+from pathlib import Path
 from typing import Any
 
-from vibsim.cases.parts.building import build_parts
-from vibsim.cases.parts.short_form import long_values
-from vibsim.cases.parts.text import long_text, sections_text
 from vibsim.cases.problems import CaseError, Problem
-from vibsim.cases.reading.file_tree import Tree
-from vibsim.cases.reading.overrides import apply_overrides
-from vibsim.cases.reading.validation import validated
-from vibsim.cases.resolved import fingerprint, flat_values, nested_values, resolved_text, resolved_values
-from vibsim.cases.scene_building import DOUBLES, amplitude_value, build_two_blocks, exact_numbers
-from vibsim.cases.schema.forms import form_of
-from vibsim.cases.schema.keys import UnknownKeyError, full_key, keys_of
-from vibsim.cases.schema.schema import CaseFile, CaseHead, Harmonic
-from vibsim.cases.values.quantities import Quantity
+from vibsim.cases.quantities import Quantity, number
+from vibsim.cases.scene_building import DOUBLES, amplitude_value, build_parts, build_two_blocks, exact_numbers
+from vibsim.cases.schema import CaseFile, CaseHead, HarmonicKeys, Section
+from vibsim.cases.schema_keys import UnknownKeyError, form_of, full_key, holds_names, keys_of, section_models
+from vibsim.cases.short_form import HEAD, flow, long_text, long_values, scalar, sections_text
+from vibsim.cases.sources import (
+    SourceText,
+    Tree,
+    apply_overrides,
+    case_name_from,
+    decoded,
+    find_source,
+    read_tree,
+)
+from vibsim.cases.validation import (
+    derived_facts,
+    fingerprint,
+    flat_values,
+    nested_values,
+    resolved_text,
+    resolved_values,
+    validated,
+)
 from vibsim.cases.yaml_nodes import Place
 from vibsim.physics.parts import Scene
 from vibsim.physics.two_blocks import TwoBlocks
@@ -160,7 +176,7 @@ class Case:
         """
         if key in ("A", "excitation.A") and isinstance(self.model, CaseFile):
             source = self.model.excitation
-            if isinstance(source, Harmonic):
+            if isinstance(source, HarmonicKeys):
                 return float(DOUBLES.convert(*amplitude_value(source)))
         return self.quantity(key).number()
 
@@ -204,7 +220,6 @@ class Case:
         return f"<Case {self.name}: {bodies}{stops}, {source}, {self.quantity('run.t_end')}>"
 
     def _repr_html_(self) -> str:
-        from vibsim.cases.notebook import html_of_case
 
         return html_of_case(self)
 
@@ -225,3 +240,185 @@ class Case:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Case, (self.model, self.text, self.source)
+
+
+# From a path, a shipped name or standard input to a case.
+
+
+def load_case(source: Case | str | PathLike[str], overrides: Mapping[str, object] | None = None) -> Case:
+    """Read and check a case.
+
+    Parameters
+    ----------
+    source : path of a YAML file, name of a shipped case, "-" for standard input, or a Case
+    overrides : dotted (or unambiguous short) key -> text or number, e.g. {"excitation.Omega0": "6.5 Hz"};
+        checked as if the file said so, with "overrides" as the file
+
+    Raises CaseError with every problem found, TypeError for what is neither.
+
+    >>> import vibsim
+    >>> vibsim.load_case("II-B", {"Omega0": "6.5 Hz", "run.t_end": "20 s"})
+    <Case II-B: 2 bodies, 1 stop, source motor at 6.5 Hz, 20 s>
+    """
+    if isinstance(source, Case):
+        return source.with_values(overrides) if overrides else source
+    if not isinstance(source, str | PathLike) or not isinstance(path := fspath(source), str):
+        allowed = "a Case, the path of a case file or the name of a shipped case"
+        raise TypeError(f"a case must be {allowed}, got {source!r:.60}")
+    return _case(find_source(path), overrides or {})
+
+
+def load_case_text(text: str, overrides: Mapping[str, object] | None = None, name: str = "case") -> Case:
+    """The same from YAML text; `name` stands for the file in messages, and is the case's name by default."""
+    return _case(
+        SourceText(name, name, decoded(text.encode("utf-8", "replace"), name), Path(), name), overrides or {}
+    )
+
+
+def _case(source: SourceText, overrides: Mapping[str, object]) -> Case:
+    tree = read_tree(source)
+    tree.values.setdefault("name", case_name_from(source.stem))
+    apply_overrides(tree, overrides)
+    return Case(validated(tree), source.text, source.shown)
+
+
+# Arguments of Python calls, checked at the edge: an error names the argument and what it may be.
+
+
+def whole_number(name: str, value: Any, least: int) -> int:
+    """A whole number, at least `least`. Raises TypeError for what is none, ValueError for a lesser one."""
+    try:
+        number = index(value)
+    except TypeError:
+        number = None
+    if number is None or isinstance(value, bool):
+        raise TypeError(f"{name} must be a whole number, got {value!r:.60}")
+    if number < least:
+        raise ValueError(f"{name} must be at least {least}, got {number}")
+    return number
+
+
+def by_key(name: str, values: Any, example: str) -> Mapping[str, Any]:
+    """Values by keys of a case; None: none. Raises TypeError for what is no dict."""
+    if values is None:
+        return {}
+    if not isinstance(values, Mapping) or not all(isinstance(key, str) for key in values):
+        raise TypeError(f"{name} must be a dict such as {example}, got {values!r:.60}")
+    return values
+
+
+def texts(name: str, values: Any) -> list[str]:
+    """Texts, or one of them. Raises TypeError for anything else."""
+    listed = (
+        [values] if isinstance(values, str) else list(values) if isinstance(values, Iterable) else [values]
+    )
+    for value in listed:
+        if not isinstance(value, str):
+            raise TypeError(f"{name} must be a text or a list of texts, got {value!r:.60}")
+    return listed
+
+
+# A case as YAML text in which every key says what it is: a file to start one's own from.
+#
+# The comments are the descriptions of the schema. Keys that may be left out and are stand in comments, with
+# an example.
+
+
+COLUMN = 34  # where comments begin
+LONGEST = 96  # characters of a line of a comment
+
+
+def commented_text(case: Case, name: str) -> str:
+    """The text, to be a file called `name`; reads back to the same motion."""
+    return "\n".join([*_head(case, name), *_sections(case)]) + "\n"
+
+
+def _head(case: Case, name: str) -> Iterator[str]:
+    yield f"# A case of vibsim, begun from {case.name}."
+    yield "#"
+    yield f"#   vibsim check {name}            is everything right?"
+    yield f"#   vibsim cases {name} --draw     what the machine looks like"
+    yield f"#   vibsim run {name}"
+    yield "#"
+    yield "# Numbers without a unit are SI; angular rates need one (Hz, rpm, rad/s)."
+    yield ""
+    yield _line("", f"title: {scalar(case.title or case.name)}", "one line on what the case shows")
+
+
+def _sections(case: Case) -> Iterator[str]:
+    values, model = nested_values(case.model), case.model
+    for section, field in type(model).keys.items():
+        if section in (*HEAD, "extends"):
+            continue
+        yield ""
+        if not values.get(section):
+            yield "\n#   ".join(textwrap.wrap(f"# {section}: {field.description}", COLUMN + LONGEST))
+        elif holds_names(field.annotation):
+            yield _line("", f"{section}:", field.description)
+            yield from _parts(field.annotation, values[section])
+        else:
+            content = type(getattr(model, section))
+            yield _line("", f"{section}:", _summary(content))
+            yield from _keys(content, "  ", values[section], suggest=False)
+
+
+def _parts(annotation: Any, parts: dict[str, Any]) -> Iterator[str]:
+    """Parts by name; what the keys mean, and which more there are, is said at the first."""
+    models = [model for _, model in section_models(annotation)]
+    for place, (name, part) in enumerate(parts.items()):
+        if not models:
+            yield f"  {scalar(name)}: {flow(part)}"
+            continue
+        yield f"  {scalar(name)}:"
+        yield from _keys(models[0], "    ", part, say=place == 0, suggest=place == 0)
+
+
+def _keys(
+    model: type[Section], indent: str, values: dict[str, Any], say: bool = True, suggest: bool = True
+) -> Iterator[str]:
+    """The keys of a section, those that it may have too.
+
+    say : whether to tell what the keys mean; suggest : whether to name those that it has not, with an example
+    """
+    for key, field in model.keys.items():
+        if key in values:
+            yield _line(indent, f"{key}: {flow(values[key], key)}", field.description if say else "")
+        elif suggest and field.examples:
+            yield _line(indent, f"# {key}: {field.examples[0]}", field.description)
+
+
+def _line(indent: str, text: str, comment: str | None) -> str:
+    """A key and what it means; a meaning that is longer than a line goes on below, in the same column."""
+    line = f"{indent}{text}"
+    if not comment:
+        return line
+    first, *more = textwrap.wrap(comment, LONGEST)
+    return "\n".join([f"{line:{COLUMN}}  # {first}", *(f"{'':{COLUMN}}  #   {rest}" for rest in more)])
+
+
+def _summary(model: type[Section]) -> str:
+    return (model.__doc__ or "").strip().splitlines()[0]
+
+
+# What a notebook shows of a case: what it is, what follows from its numbers, and its text when opened.
+
+
+CELL = 'style="text-align:left;padding:0 1em 0 0;vertical-align:top"'
+
+
+def html_of_case(case: "Case") -> str:
+    """The short text of the case, its title, a table of derived numbers and the folded case file; colours are
+    the page's own.
+    """
+    rows = "".join(
+        _row(fact.name, f"{number(fact.value, 6)} {fact.unit}".strip(), fact.meaning)
+        for fact in derived_facts(case.scene())
+    )
+    return (
+        f"<div><b>{escape(repr(case)[1:-1])}</b><br>{escape(case.title)}<table>{rows}</table>"
+        f"<details><summary>case file</summary><pre>{escape(case.to_yaml())}</pre></details></div>"
+    )
+
+
+def _row(*cells: str) -> str:
+    return "<tr>" + "".join(f"<td {CELL}>{escape(cell)}</td>" for cell in cells) + "</tr>"

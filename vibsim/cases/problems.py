@@ -1,10 +1,10 @@
 """What is wrong with a case: one problem per line, all problems at once."""
 
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
-
-from vibsim.cases.plain_text import one_line, plain_text
+from typing import Any, NamedTuple
+from unicodedata import category
 
 MOST_LISTED = 25  # problems of one case that are printed
 
@@ -67,3 +67,173 @@ def shown(text: object, limit: int = 60) -> str:
     if not line:
         return "nothing"
     return line if len(line) <= limit else line[: limit - 3] + "..."
+
+
+# Keys that stand in place of one another: the one that a child or an override gives drops the other.
+
+
+ALTERNATIVES: dict[str, tuple[tuple[frozenset[str], frozenset[str]], ...]] = {
+    "friction": (
+        (frozenset({"N"}), frozenset({"g"})),
+        (frozenset({"mu", "static", "mu_s", "mu_d", "d", "v0"}), frozenset({"plus", "minus"})),
+        (frozenset({"mu", "static"}), frozenset({"mu_s", "mu_d", "d", "v0"})),
+        (frozenset({"d"}), frozenset({"v0"})),
+    ),
+    "stops": ((frozenset({"e"}), frozenset({"k", "c", "release"})),),
+    "forces": ((frozenset({"terms"}), frozenset({"A", "omega", "phase"})),),
+    "base": ((frozenset({"terms"}), frozenset({"a", "omega", "phase"})),),
+}
+DEPTH = {"stops": 2, "friction": 2, "forces": 2, "base": 1}  # of the dotted key of the part that has them
+
+
+def superseded(part: str, keys: Collection[str]) -> set[str]:
+    """Keys of a part, such as "friction.guide", that give way when `keys` are set over it."""
+    section, *names = part.split(".")
+    out: set[str] = set()
+    if DEPTH.get(section) != len(names) + 1:
+        return out
+    for one, other in ALTERNATIVES[section]:
+        for new, old in ((one, other), (other, one)):
+            if new & set(keys) and not old & set(keys):
+                out |= old
+    return out
+
+
+# The allowed word that a misspelt one most likely stands for.
+#
+# Two words are near where few slips of the typing hand lie between them: a letter left out, put in, mistyped,
+# or two neighbours exchanged (the restricted Damerau-Levenshtein distance). One slip is allowed per three
+# letters of the shorter word, one at least, and one more where first and last letter are right: `rnu` is
+# `run`, `herz` is `Hz`, and `nosuch` is not `bench`.
+
+
+LETTERS_PER_SLIP = 3
+LONGEST = 60  # characters; nothing that is allowed is longer
+
+
+class KnownLimit(NamedTuple):
+    """Something that users of other programs expect, by the words that they write, and what there is."""
+
+    words: tuple[str, ...]
+    instead: str
+
+
+LIMITS_PAGE = "docs/scenes.md, What a scene cannot have"
+LIMITS = (
+    KnownLimit(
+        ("k3", "kc", "cubic", "quadratic", "nonlinear", "duffing", "hertz", "c3"),
+        "links and stops have linear springs and dampers",
+    ),
+    KnownLimit(
+        ("pulse", "ramp", "square", "sawtooth", "chirp", "table", "formula", "expression", "function"),
+        "forces and the base are sums of sines, with A, omega and phase, or terms",
+    ),
+    KnownLimit(("noise", "random", "stochastic"), "all that happens in a scene follows from its numbers"),
+    KnownLimit(
+        ("delay", "control", "controller", "feedback", "pid"),
+        "forces and the base follow from the time alone",
+    ),
+    KnownLimit(
+        ("gravity", "weight", "angle", "slope", "incline", "tilt"),
+        "weight, or its part along the line, is a constant force F0 on each body",
+    ),
+    KnownLimit(
+        ("theta", "rotation", "torsion", "torque"), "bodies move along one line; only a motor's rotor turns"
+    ),
+    KnownLimit(
+        ("voltage", "current", "resistance", "inductance"), "a motor has the torque M0 (1 - w / Omega0)"
+    ),
+)
+
+
+def nearest(word: str, allowed: Iterable[str]) -> str | None:
+    """The allowed word with the fewest slips, or None where none is near; letter case counts for nothing.
+
+    Of several, the one with the fewest slips among letters and digits, then the first. A word that begins
+    just one allowed word, or goes on behind one, stands for it too.
+    """
+    typed, names = _folded(word)[:LONGEST], {_folded(name): name for name in reversed(list(allowed))}
+    if not typed or not names:
+        return None
+    near = min(reversed(names), key=lambda name: (slips(typed, name), slips(_letters(typed), _letters(name))))
+    if slips(typed, near) <= _slips_allowed(typed, near):
+        return names[near]
+    begun = [name for name in names if len(typed) > 1 and name.startswith(typed)]
+    if len(begun) == 1:
+        return names[begun[0]]
+    longest = max((name for name in names if len(name) > 1 and typed.startswith(name)), key=len, default=None)
+    return names[longest] if longest else None
+
+
+def did_you_mean(word: str, allowed: Iterable[str]) -> str:
+    """ " (did you mean X?)", or an empty text where nothing allowed is near."""
+    match = nearest(word, allowed)
+    return f" (did you mean {match}?)" if match else ""
+
+
+def unsupported(word: str) -> str:
+    """What there is in place of something that no scene has, and where that is written; empty for others."""
+    limit = next((limit for limit in LIMITS if word.casefold() in limit.words), None)
+    return f"is not supported: {limit.instead} ({LIMITS_PAGE})" if limit else ""
+
+
+def slips(a: str, b: str) -> int:
+    """Restricted Damerau-Levenshtein distance: letters left out, put in, mistyped, neighbours exchanged."""
+    before: list[int] = []
+    row = list(range(len(b) + 1))
+    for i, x in enumerate(a, start=1):
+        last, before, row = before, row, [i]
+        for j, y in enumerate(b, start=1):
+            best = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (x != y))
+            if i > 1 and j > 1 and x == b[j - 2] and y == a[i - 2]:
+                best = min(best, last[j - 2] + 1)
+            row.append(best)
+    return row[-1]
+
+
+def _slips_allowed(typed: str, name: str) -> int:
+    shorter = min(len(typed), len(name))
+    if shorter < 2:
+        return 0
+    ends_right = typed[0] == name[0] and typed[-1] == name[-1]
+    return max(1, shorter // LETTERS_PER_SLIP) + (ends_right and max(len(typed), len(name)) > 2)
+
+
+def _letters(word: str) -> str:
+    return "".join(filter(str.isalnum, word))
+
+
+def _folded(word: str) -> str:
+    return word.casefold().replace("_", "-")
+
+
+# User text as text: what a terminal would obey and no font can show is written out, such as \x1b.
+
+
+UNSTORABLE = re.compile("[\0\ud800-\udfff]")  # the end of a text in HDF5; what UTF-8 does not take
+
+
+def plain_text(text: object, allowed: str = "") -> str:
+    """A text with every character that is not printed as an escape of ASCII characters.
+
+    Control and format characters (colours, cursor, direction of writing), line breaks, lone surrogates and
+    code points without a character become \\x1b, \\n, \\u202e ...; those in `allowed` stay as they are.
+    """
+    return "".join(
+        ch if ch.isprintable() or ch in allowed or category(ch) == "Zs" else _escape(ch) for ch in str(text)
+    )
+
+
+def one_line(text: object) -> str:
+    """A plain text on one line, runs of white space as one blank."""
+    return plain_text(" ".join(str(text).split()))
+
+
+def unstorable(text: str) -> str:
+    """The first character of a text that files cannot hold (null, lone surrogates), written out."""
+    match = UNSTORABLE.search(text)
+    return _escape(match.group()) if match else ""
+
+
+def _escape(character: str) -> str:
+    return character.encode("unicode_escape").decode("ascii")

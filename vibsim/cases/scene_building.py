@@ -4,9 +4,28 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from vibsim.cases.schema.schema import AmplitudeRule, CaseFile, Harmonic, Motor
-from vibsim.cases.values.pi import times_two_pi, two_pi_fraction
-from vibsim.cases.values.quantities import Quantity
+from vibsim.cases.part_laws import Direction, directions
+from vibsim.cases.quantities import Quantity, times_two_pi, two_pi_fraction
+from vibsim.cases.schema import AmplitudeRule, CaseFile, HarmonicKeys, MotorKeys
+from vibsim.cases.short_form import BASE as BASE_END
+from vibsim.cases.short_form import GROUND as GROUND_END
+from vibsim.physics.parts import (
+    BASE,
+    COMPRESSION,
+    EXTENSION,
+    GROUND,
+    Body,
+    Clearance,
+    Fall,
+    Force,
+    Friction,
+    Harmonic,
+    Link,
+    Motor,
+    RigidStop,
+    Scene,
+    Stop,
+)
 from vibsim.physics.two_blocks import TwoBlocks
 
 Number = Any
@@ -53,7 +72,7 @@ def exact_numbers(number: Callable[[Fraction], Number], pi: Number = None) -> Nu
     return NumberType(convert, cycles)
 
 
-def amplitude_value(source: Harmonic) -> tuple[Fraction, int]:
+def amplitude_value(source: HarmonicKeys) -> tuple[Fraction, int]:
     """Amplitude A [N] of the ideal source as (value, power), value * (2 pi)**power; the rule: Eq. (2.11)."""
     if not isinstance(source.A, AmplitudeRule):
         return source.A.value, 0
@@ -124,11 +143,11 @@ def _source(case: CaseFile, numbers: NumberType) -> dict[str, Number]:
         ("A", "F0", "omega", "cycles", "cycles_lo", "m3", "e", "J", "M0", "Omega0")
     )
     source_numbers["source"] = source.kind
-    if isinstance(source, Harmonic):
+    if isinstance(source, HarmonicKeys):
         source_numbers["A"] = numbers.convert(*amplitude_value(source))
         source_numbers["F0"], source_numbers["omega"] = numbers.of(source.F0), numbers.of(source.omega)
         source_numbers["cycles"], source_numbers["cycles_lo"] = numbers.cycles(source.omega)
-    elif isinstance(source, Motor):
+    elif isinstance(source, MotorKeys):
         source_numbers |= {
             name: numbers.of(getattr(source, name)) for name in ("m3", "e", "J", "M0", "Omega0")
         }
@@ -138,6 +157,161 @@ def _source(case: CaseFile, numbers: NumberType) -> dict[str, Number]:
 def _initial_state(case: CaseFile, numbers: NumberType) -> dict[str, Number]:
     names = ["x1", "v1"]
     names += ["x2", "v2"] if isinstance(case.blocks.m2, Quantity) else []
-    names += ["phi", "phidot"] if isinstance(case.excitation, Motor) else []
+    names += ["phi", "phidot"] if isinstance(case.excitation, MotorKeys) else []
     state: dict[str, Number] = dict.fromkeys(("x1", "v1", "x2", "v2", "phi", "phidot"))
     return state | {name: numbers.of(getattr(case.initial, name)) for name in names}
+
+
+# From the values of the long form to a scene of parts: exact quantities to numbers, each rounded once.
+
+
+Values = dict[str, Any]
+# sections of a case that make a part of a scene each, and which
+FIELDS = {
+    "links": "links",
+    "stops": "stops",
+    "friction": "frictions",
+    "forces": "forces",
+    "base": "base",
+    "motor": "motor",
+    "clearances": "clearances",
+}
+SENSES = {"extension": EXTENSION, "compression": COMPRESSION}
+
+
+def build_parts(values: Values, numbers: NumberType = DOUBLES) -> Scene:
+    """The scene [SI, rad/s] of the nested values of a case in the long form, defaults filled in."""
+    return _SceneBuilder(values, numbers).scene()
+
+
+def rebuild_parts(scene: Scene, values: Values, section: str, numbers: NumberType = DOUBLES) -> Scene:
+    """The scene of values that differ from those of `scene` in one section; the other parts are the same
+    objects. Bodies have a say in other parts, and no section of their own here.
+    """
+    if section not in FIELDS:
+        return build_parts(values, numbers)
+    changed: dict[str, Any] = {FIELDS[section]: _SceneBuilder(values, numbers).section(section)}
+    return scene.but(**changed)
+
+
+class _SceneBuilder:
+    """The values of one case, the numbers they become and the bodies they speak of."""
+
+    def __init__(self, values: Values, numbers: NumberType):
+        self.values, self.numbers = values, numbers
+        self.index = {name: i for i, name in enumerate(values["bodies"])}
+        self.index |= {GROUND_END: GROUND, BASE_END: BASE}
+
+    def scene(self) -> Scene:
+        run = self.values["run"]
+        every = run["every"].value
+        return Scene(
+            bodies=tuple(self.body(name, mass) for name, mass in self.values["bodies"].items()),
+            **{field: self.section(name) for name, field in FIELDS.items()},
+            stop_on_violation=run["on_violation"] == "stop",
+            t_end=self.numbers.of(run["t_end"]),
+            every_num=every.numerator,
+            every_den=every.denominator,
+            method=run["method"],
+            order=run["order"],
+            tol=self.numbers.of(run["tol"]),
+        )
+
+    def section(self, name: str) -> Any:
+        """What of the scene a section of the case makes."""
+        part = self.values.get(name, {})
+        if name == "base":
+            return self.harmonics(part, "a")
+        if name == "motor":
+            return self.motor(part) if part else None
+        make = {
+            "links": self.link,
+            "stops": self.stop,
+            "friction": self.friction,
+            "forces": self.force,
+            "clearances": self.clearance,
+        }[name]
+        parts = (make(*each) for each in part.items())
+        return tuple(one for one in parts if one is not None)
+
+    def ends(self, part: Values) -> tuple[int, int]:
+        return self.index[part["between"].P], self.index[part["between"].Q]
+
+    def several(self, part: Values, *keys: str) -> list[Number]:
+        return [self.numbers.of(part[key]) for key in keys]
+
+    def body(self, name: str, mass: Quantity) -> Body:
+        return Body(name, self.numbers.of(mass), *self.several(self.values["initial"][name], "x", "v"))
+
+    def link(self, name: str, part: Values) -> Link:
+        return Link(name, *self.ends(part), *self.several(part, "k", "c"))
+
+    def stop(self, name: str, part: Values) -> Stop | RigidStop:
+        ahead, sense = self.distance(part), SENSES[part["acts"]]
+        at_start = ahead is not None and part["gap"].value == -sense * ahead
+        gap = self.numbers.of(part["gap"])
+        if part["law"] == "rigid":
+            return RigidStop(name, *self.ends(part), gap, sense, self.numbers.of(part["e"]), at_start)
+        k, c = self.several(part, "k", "c")
+        return Stop(name, *self.ends(part), gap, sense, k, c, part["release"], at_start)
+
+    def friction(self, name: str, part: Values) -> Friction | None:
+        """Forces coefficient times N or m g, multiplied exactly and rounded once; None where all are 0."""
+        load = part["N"].value if "N" in part else self.weight(part)
+        sides = directions(part)
+        if not (load and any(side.hold for side in sides)):
+            return None
+        forward, backward = (self.numbers.convert(side.slip * load, 0) for side in sides)
+        holds = (self.hold(side, load) for side in sides)
+        falls = (self.fall(part, side, load) for side in sides)
+        belt = self.numbers.of(part["belt"])
+        return Friction(name, *self.ends(part), forward, backward, belt, *holds, *falls)
+
+    def hold(self, side: Direction, load: Any) -> Number | None:
+        """The most that a friction holds in one direction; None where that is what slip begins with."""
+        return None if side.hold == side.slip + side.drop else self.numbers.convert(side.hold * load, 0)
+
+    def fall(self, part: Values, side: Direction, load: Any) -> Fall | None:
+        """What of a friction falls with speed in one direction."""
+        if not side.drop:
+            return None
+        drop, rate = self.numbers.convert(side.drop * load, 0), self.numbers.convert(side.rate, 0)
+        return Fall(part["law"], drop, rate)
+
+    def weight(self, part: Values) -> Any:
+        """m g [N] of the first-named end, as an exact fraction."""
+        return self.values["bodies"][part["between"].P].value * part["g"].value
+
+    def force(self, name: str, part: Values) -> Force:
+        on = self.index[part["on"]]
+        return Force(name, on, self.numbers.of(part["F0"]), self.harmonics(part, "A"))
+
+    def harmonics(self, part: Values, amplitude: str) -> tuple[Harmonic, ...]:
+        """The harmonics of a force (amplitude "A") or of the base ("a")."""
+        terms = part["terms"].values() if "terms" in part else [part] if amplitude in part else []
+        return tuple(self.harmonic(term, term[amplitude]) for term in terms)
+
+    def harmonic(self, term: Values, amplitude: Any) -> Harmonic:
+        omega = term["omega"]
+        value = rule_value(amplitude, omega) if isinstance(amplitude, dict) else (amplitude.value, 0)
+        cycles, cycles_lo = self.numbers.cycles(omega)
+        size, phase = self.numbers.convert(*value), self.numbers.of(term["phase"])
+        return Harmonic(size, self.numbers.of(omega), cycles, cycles_lo, phase)
+
+    def motor(self, part: Values) -> Motor:
+        constants = self.several(part, "m3", "e", "J", "M0", "Omega0")
+        start = self.several(self.values["initial"]["motor"], "phi", "phidot")
+        return Motor(self.index[part["on"]], *constants, *start)
+
+    def clearance(self, name: str, part: Values) -> Clearance:
+        distance = part["distance"]
+        at_start = self.distance(part) == distance.value
+        return Clearance(name, *self.ends(part), self.numbers.of(distance), at_start)
+
+    def distance(self, part: Values) -> Any:
+        """x_P - x_Q [m] at t = 0 as an exact fraction; None where the base, whose place is none, is one."""
+        ends = [part["between"].P, part["between"].Q]
+        if BASE_END in ends:
+            return None
+        P, Q = (0 if end == GROUND_END else self.values["initial"][end]["x"].value for end in ends)
+        return P - Q

@@ -24,9 +24,7 @@ from yaml.events import (
     SequenceStartEvent,
 )
 
-from vibsim.cases.plain_text import unstorable
-from vibsim.cases.problems import Problem, shown
-from vibsim.cases.spelling import did_you_mean
+from vibsim.cases.problems import Problem, did_you_mean, shown, unstorable
 
 DEEPEST = 8  # nesting; a case needs 5
 MOST_VALUES = 10_000  # a case needs about 40, a chain of a hundred bodies 2,000

@@ -14,35 +14,31 @@ import numpy as np
 
 import vibsim.engine._engine as _engine
 from vibsim.engine.columns import part_columns
-from vibsim.engine.errors import EngineError, Stopped
+from vibsim.engine.errors import EngineError, State, Stopped, start_of
 from vibsim.engine.events.automaton import Automaton
-from vibsim.engine.events.certificate import Certificate
-from vibsim.engine.events.departures import scout
+from vibsim.engine.events.departures import derivative_flow
+from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.rule_maker import RuleMaker
 from vibsim.engine.extremes import Gap
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.flows.flow import Flow
-from vibsim.engine.flows.harmonics import value_and_rate
-from vibsim.engine.ledgers.ledger import struck_entries
-from vibsim.engine.ledgers.meters import jumps_of
-from vibsim.engine.ledgers.packing_meters import pack_blows, pack_extremes, pack_ledger
+from vibsim.engine.flows.motion import value_and_rate
+from vibsim.engine.ledger import struck_entries
+from vibsim.engine.ledger_integrals import jumps_of, pack_blows, pack_extremes, pack_ledger
 from vibsim.engine.modes.mode_table import bytes_of, mode_table
 from vibsim.engine.modes.packing import pack_scene, pack_state
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import Event, Known, ModeRows
-from vibsim.engine.modes.rule import Rule
+from vibsim.engine.modes.rows import Event, Known, ModeRows, Rule
 from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.resume import Point
-from vibsim.engine.state import State, start_of
 from vibsim.engine.tangent.tangent_space import length
-from vibsim.physics.arithmetic.numbers import Doubles
-from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.parts import Scene
-from vibsim.physics.period import common_period
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import EVENT_KINDS, Scene
+from vibsim.physics.rates import common_period
 
 if TYPE_CHECKING:
-    from vibsim.engine.tangent.events.jumps import Jumps
+    from vibsim.engine.tangent.tangencies import Jumps
 
 SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 65536, 4096, 1024  # at most
 MOST_BYTES = 1 << 23  # of packed modes that C is told of before it forgets them
@@ -97,7 +93,7 @@ class CRun:
         dither: int = 0,
     ) -> None:
         self.scene, self.n, self.size, self.early = scene, len(scene.bodies), length(scene), early
-        self.table, self.momentum = mode_table(scene, pitched=not carries), momentum
+        self.table, self.momentum = mode_table(scene, harmonic_keys=not carries), momentum
         self.keys, self.doubts = self.table.keys, Doubts(self)
         self.carries = carries or tangent[0] > 0  # disturbances, now or later, by which rules are made
         ints, self._doubles = pack_scene(scene, pitches(scene))
@@ -143,7 +139,7 @@ class CRun:
     @cached_property
     def scout(self) -> Flow:
         """Looks ahead from an event that Python decides."""
-        return scout(self.scene, Doubles, self.doubts)
+        return derivative_flow(self.scene, Doubles, self.doubts)
 
     @cached_property
     def automaton(self) -> Automaton:
@@ -155,7 +151,7 @@ class CRun:
     @cached_property
     def jumps(self) -> Jumps:
         """Takes disturbances through events that Python decides."""
-        from vibsim.engine.tangent.events.jumps import Jumps
+        from vibsim.engine.tangent.tangencies import Jumps
 
         return Jumps(self.scene, self.run, self.maker.rows)
 

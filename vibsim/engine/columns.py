@@ -1,6 +1,6 @@
 """Names of what a run of a scene made of parts gives: states of bodies and rotor, states of parts."""
 
-from vibsim.physics.arithmetic.numbers import N
+from vibsim.physics.numbers import N
 from vibsim.physics.parts import AT_FORCE, Clearance, Friction, RigidStop, Scene, Stop, columns_of
 
 RIGID_FLAGS = {"free": 0, "resting": 3}

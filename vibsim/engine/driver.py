@@ -10,28 +10,26 @@ from collections.abc import Iterator, Sequence
 from math import inf
 from typing import Generic
 
-from vibsim.engine.errors import EngineError, Stopped
+from vibsim.engine.errors import EngineError, State, Stopped, start_of
 from vibsim.engine.events.automaton import Automaton
-from vibsim.engine.events.departures import scout
+from vibsim.engine.events.departures import derivative_flow
 from vibsim.engine.extremes import Extremes, Gap
 from vibsim.engine.flows.flow import Flow
-from vibsim.engine.ledgers.ledger import Ledger
+from vibsim.engine.ledger import Ledger
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import STRIKE, Event
 from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.resume import Point
 from vibsim.engine.section import StroboscopicSection
-from vibsim.engine.state import State, start_of
-from vibsim.engine.tangent.bundle.tangent_bundle import TangentBundle
+from vibsim.engine.tangent.bundle import TangentBundle
 from vibsim.engine.tangent.disturbances import Disturbances
-from vibsim.physics.arithmetic.numbers import Doubles, Kit, N
-from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.parts import Scene
+from vibsim.physics.numbers import Doubles, Kit, N
+from vibsim.physics.parts import EVENT_KINDS, Scene
 
 Velocities = tuple[list[N], N]  # of the bodies [m/s], speed of the rotor [rad/s]
 # code of the kind, part, state and mode behind, velocities in front
-Happening = tuple[int, int, State[N], Status, Velocities[N]]
+EventRecord = tuple[int, int, State[N], Status, Velocities[N]]
 EVENTS_AT_ONE_INSTANT = 64
 SAMPLES_AT_ONCE = 256
 MOST_STRETCHES, PROGRESS = 50_000, 2.0**-30  # stretches that a run in doubles may take for this share of it
@@ -64,7 +62,7 @@ class Driver(Generic[N]):
         self.scene, self.kit = scene, kit
         self.maker = RowMaker(scene, kit)
         self.flow = flow or Flow(scene, kit)
-        self.automaton = Automaton(scene, self.maker, scout(scene, kit, self.flow.certificate), kit)
+        self.automaton = Automaton(scene, self.maker, derivative_flow(scene, kit, self.flow.certificate), kit)
         self.automaton.rigid.chatter.early = early
         self.dither, self.dithered = dither, 0
         self.section = StroboscopicSection(scene, self.flow) if section else None
@@ -76,7 +74,7 @@ class Driver(Generic[N]):
         elif len(carry):
             self.tangent = Disturbances(scene, kit, self.flow, carry)
         self.samples: list[tuple[State[N], Status]] = []
-        self.events: list[Happening[N]] = []
+        self.events: list[EventRecord[N]] = []
         self.counts = [0] * len(EVENT_KINDS)
         self.first_violation: N | None = None
         self.next_sample = 0
@@ -91,7 +89,7 @@ class Driver(Generic[N]):
                 self.section.skip_to(self.state.t)
         self.start = self.state.copy(), self.status
         self.known, self.known_since, self.crowd = known, self.state.t, 0
-        self.milestone, self.stretches = self.state.t, 0
+        self.progress_deadline, self.stretches = self.state.t, 0
         self._record("start", -1)
         if any(self.status.clearances):
             self._note_violation()
@@ -184,8 +182,8 @@ class Driver(Generic[N]):
 
     def _check_progress(self) -> None:
         """Raise EngineError for a run that would never end, stretch by stretch within its rounding."""
-        if self.state.t > self.milestone:
-            self.milestone, self.stretches = self.state.t + PROGRESS * self.scene.t_end, 0
+        if self.state.t > self.progress_deadline:
+            self.progress_deadline, self.stretches = self.state.t + PROGRESS * self.scene.t_end, 0
             return
         self.stretches += 1
         if self.stretches > MOST_STRETCHES:
@@ -272,7 +270,7 @@ class Driver(Generic[N]):
 
     def take(
         self,
-    ) -> tuple[list[tuple[State[N], Status]], list[Happening[N]], list[State[N]], list[tuple[N, ...]]]:
+    ) -> tuple[list[tuple[State[N], Status]], list[EventRecord[N]], list[State[N]], list[tuple[N, ...]]]:
         """The samples, events, section points and rows of extremes collected since the last call."""
         samples, events = self.samples, self.events
         section: list[State[N]] = []

@@ -1,4 +1,4 @@
-/* Elementary functions with the same bits on every machine; twin of vibsim/physics/arithmetic/elementary.py. */
+/* Elementary functions with the same bits on every machine; twin of vibsim/physics/elementary.py. */
 #ifndef VIBSIM_ELEMENTARY_H
 #define VIBSIM_ELEMENTARY_H
 

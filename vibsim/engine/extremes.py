@@ -14,10 +14,10 @@ from collections.abc import Iterator, Sequence
 from typing import Generic
 
 from vibsim.engine.flows.flow import Flow
-from vibsim.engine.flows.harmonics import value_and_rate
+from vibsim.engine.flows.motion import value_and_rate
 from vibsim.engine.modes.status import OPEN, Status
 from vibsim.engine.modes.ties import Edge
-from vibsim.physics.arithmetic.numbers import Kit, N, abs
+from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 
 Gap = tuple[int, int, int, float]  # stop, its place among the pairs, sense, gap [m]

@@ -1,4 +1,4 @@
-/* Matrices of doubles in one order of operations: the copy of vibsim/physics/arithmetic/matrices.py, which says
+/* Matrices of doubles in one order of operations: the copy of vibsim/physics/linear_algebra.py, which says
 what they are. They come and go as buffers of doubles in rows, of one or two dimensions. */
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>

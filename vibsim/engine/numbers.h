@@ -1,4 +1,4 @@
-/* Elementary operations in a fixed order; twin of vibsim/physics/arithmetic/numbers.py. */
+/* Elementary operations in a fixed order; twin of vibsim/physics/numbers.py. */
 #ifndef VIBSIM_NUMBERS_H
 #define VIBSIM_NUMBERS_H
 

@@ -6,17 +6,27 @@ from math import isfinite
 import numpy as np
 
 from vibsim.engine.columns import flags_of_parts, part_columns, state_columns
-from vibsim.engine.events.impacts.twins import twins_of
-from vibsim.engine.events.parting import let_go
+from vibsim.engine.errors import State
+from vibsim.engine.events.impacts.simultaneous import coincident_stops_of
+from vibsim.engine.events.parting import released_parts
 from vibsim.engine.events.relative_motion import meets
-from vibsim.engine.flows.harmonics import value_and_rate
+from vibsim.engine.flows.motion import value_and_rate
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known
 from vibsim.engine.modes.status import LIFTED, OPEN, STICK, Status
-from vibsim.engine.state import State
-from vibsim.physics.arithmetic.numbers import TWO_PI, Doubles, N
-from vibsim.physics.modes import EVENT_NAMES, RIGID_KINDS
-from vibsim.physics.parts import AT_FORCE, BASE, Clearance, Friction, RigidStop, Scene, Stop, columns_of
+from vibsim.physics.numbers import TWO_PI, Doubles, N
+from vibsim.physics.parts import (
+    AT_FORCE,
+    BASE,
+    EVENT_NAMES,
+    RIGID_KINDS,
+    Clearance,
+    Friction,
+    RigidStop,
+    Scene,
+    Stop,
+    columns_of,
+)
 
 Point = tuple[State[N], Status, Known]  # what a run goes on from: state, mode, known zeros
 Row = Mapping[str, float]  # of a table of events, by column
@@ -127,7 +137,7 @@ def _zeros(scene: Scene, row: Row, state: State, status: Status, jumps: bool, st
         parted = kind == "rest_end" and not struck  # no faster than rounding of velocities
         released = 2 if jumps else 3
         known: Known = {}
-        for one in twins_of(scene, part):
+        for one in coincident_stops_of(scene, part):
             if status.stops[one] == OPEN:
                 rate = 0.0 if parted else _closing(scene, scene.stops[one], state)
                 known[STRIKE, one] = released if rate == 0 else 1
@@ -148,7 +158,9 @@ def _zeros_of_parted(scene: Scene, rows: Sequence[Row], state: State, status: St
     ties += [len(scene.frictions) + part for kind, part in names if kind == "rest_end"]
     if not ties:
         return {}
-    stops, clearances = let_go(RowMaker(scene, Doubles), status.with_ties(dict.fromkeys(ties, STICK)), status)
+    stops, clearances = released_parts(
+        RowMaker(scene, Doubles), status.with_ties(dict.fromkeys(ties, STICK)), status
+    )
     known: Known = {}
     for i in stops:
         stop = dict(scene.elastic_stops)[i]

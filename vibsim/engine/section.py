@@ -8,11 +8,11 @@ changes no trajectory.
 from collections.abc import Iterator
 from typing import Generic
 
+from vibsim.engine.errors import State
 from vibsim.engine.flows.flow import Flow
-from vibsim.engine.state import State
-from vibsim.physics.arithmetic.numbers import TWO_PI, TWO_PI_LO, N
+from vibsim.physics.numbers import TWO_PI, TWO_PI_LO, N
 from vibsim.physics.parts import Scene
-from vibsim.physics.period import common_period
+from vibsim.physics.rates import common_period
 
 ITERATIONS = 60
 LAST_PERIOD = 2**53  # behind it whole numbers of periods are no doubles

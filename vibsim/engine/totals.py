@@ -4,13 +4,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import inf, nan
 from typing import Any
 
-from vibsim.engine.ledgers.ledger import momenta, stored_energy
-from vibsim.engine.ledgers.meters import Entry
+from vibsim.engine.errors import State
+from vibsim.engine.ledger import momenta, stored_energy
+from vibsim.engine.ledger_integrals import Entry
 from vibsim.engine.modes.status import Status
-from vibsim.engine.state import State
-from vibsim.physics.arithmetic.numbers import Kit, N, abs, total_of
-from vibsim.physics.modes import EVENT_KINDS
-from vibsim.physics.parts import Scene
+from vibsim.physics.numbers import Kit, N, abs, total_of
+from vibsim.physics.parts import EVENT_KINDS, Scene
 
 INTO = {  # totals of the energy ledger, by quantity and section of the case
     ("work", "forces"): "work_source",

@@ -11,14 +11,14 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from vibsim.engine.blocks import Trajectory, Wishes
+from vibsim.engine.c_trajectory import CTrajectory
 from vibsim.engine.choice import check_method, engine_name
 from vibsim.engine.extremes import Gap
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.resume import Row, resume_point
 from vibsim.engine.tangent.tangent_space import dimension
-from vibsim.engine.trajectories.blocks import Trajectory, Wishes
-from vibsim.engine.trajectories.c_trajectory import CTrajectory
-from vibsim.physics.arithmetic.numbers import Doubles
+from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 
 
@@ -75,7 +75,7 @@ def open_trajectory(
     }
     point = None if resume is None else resume_point(scene, resume)
     if engine_name(engine) == "python":
-        from vibsim.engine.trajectories.python_trajectory import PythonTrajectory
+        from vibsim.engine.python_trajectory import PythonTrajectory
 
         return PythonTrajectory(scene, Doubles, point, **wishes)
     return CTrajectory(scene, point, **wishes)

@@ -13,15 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.engine.blocks import Block
 from vibsim.engine.columns import state_columns
-from vibsim.engine.errors import EngineError
-from vibsim.engine.state import State
-from vibsim.engine.trajectories.blocks import Block
-from vibsim.engine.trajectories.python_trajectory import PythonTrajectory
-from vibsim.physics.arithmetic.exact_decimals import text_width
-from vibsim.physics.arithmetic.number_kits import DigitsKit, number_kit, one_precision
-from vibsim.physics.arithmetic.numbers import Number
+from vibsim.engine.errors import EngineError, State
+from vibsim.engine.python_trajectory import PythonTrajectory
+from vibsim.physics.numbers import Number, text_width
 from vibsim.physics.parts import Scene
+from vibsim.physics.precision import DigitsKit, number_kit, one_precision
 
 SAMPLES, PIECES, SECONDS = 512, 8, 0.1  # a stretch of 60 digits takes some ten milliseconds
 

@@ -8,21 +8,20 @@ Names are imported when they are used.
 
 from typing import TYPE_CHECKING
 
-from vibsim.lazy_names import lazy_names
+from vibsim.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from vibsim.fitting.description import describe as describe
-    from vibsim.fitting.errors import FitError as FitError
     from vibsim.fitting.fit_result import FitResult as FitResult
+    from vibsim.fitting.fit_result import describe as describe
     from vibsim.fitting.fit_result import open_fit as open_fit
     from vibsim.fitting.fitting import fit as fit
+    from vibsim.fitting.measures import FitError as FitError
 
 __getattr__, __dir__, __all__ = lazy_names(
     __name__,
     {
-        "vibsim.fitting.description": ["describe"],
-        "vibsim.fitting.errors": ["FitError"],
-        "vibsim.fitting.fit_result": ["FitResult", "open_fit"],
+        "vibsim.fitting.fit_result": ["FitResult", "describe", "open_fit"],
         "vibsim.fitting.fitting": ["fit"],
+        "vibsim.fitting.measures": ["FitError"],
     },
 )

@@ -7,24 +7,18 @@ from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 
 from vibsim.cases import Case
-from vibsim.cases.arguments import by_key, texts
-from vibsim.cases.loading import load_case
-from vibsim.fitting.errors import FitError, Interrupted
-from vibsim.fitting.evaluation import Evaluation, Watch
+from vibsim.cases.case import by_key, load_case, texts
+from vibsim.fitting.fit_file import FileRunStore, RunStore, origin
 from vibsim.fitting.fit_result import FitResult
-from vibsim.fitting.goals.free_parameter import read_free
-from vibsim.fitting.goals.grammar import parse_statement
-from vibsim.fitting.goals.measuring import measure_all
-from vibsim.fitting.goals.plan import METHODS, FitPlan, Search
-from vibsim.fitting.goals.reading import read_reading
-from vibsim.fitting.search import search
-from vibsim.fitting.store.fit_file import origin
-from vibsim.fitting.store.run_store import FileRunStore, RunStore
-from vibsim.results.cores import available_cores
-from vibsim.sweeps.plan.members import Members, read_members
-from vibsim.sweeps.plan.sweep_plan import PlanError
-from vibsim.sweeps.schedule.workers import LocalWorkers
+from vibsim.fitting.measures import FitError, FitInterrupted
+from vibsim.fitting.plan import METHODS, FitPlan, Search, measure_all
+from vibsim.fitting.search import Evaluation, Watch, search
+from vibsim.fitting.statements import parse_statement, read_free, read_reading
+from vibsim.results.blocks_ahead import available_cores
+from vibsim.sweeps.axes import Members, read_members
+from vibsim.sweeps.sweep_plan import PlanError
 from vibsim.sweeps.sweeping import read_ensemble
+from vibsim.sweeps.workers import LocalWorkers
 
 CaseLike = Case | str | PathLike[str]
 
@@ -196,6 +190,6 @@ def _result(evaluation: Evaluation, engine: str, complete: bool) -> FitResult:
 def _searched(evaluation: Evaluation) -> bool:
     try:
         search(evaluation)
-    except Interrupted:
+    except FitInterrupted:
         return False
     return True

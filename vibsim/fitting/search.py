@@ -11,20 +11,33 @@ Nothing depends on how many workers there are, nor on when they are done.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import suppress
+from dataclasses import dataclass
 from itertools import combinations
 from math import ceil
+from statistics import median
 
 import numpy as np
 
-from vibsim.fitting.errors import Interrupted
-from vibsim.fitting.evaluation import Evaluation
-from vibsim.fitting.goals.free_parameter import FreeParameter
-from vibsim.fitting.goals.plan import EVOLUTION, FitPlan
-from vibsim.fitting.goals.reading import PRINTED, READING, SEARCHED, Candidate, leaving_price
-from vibsim.fitting.judgement import Judgement
-from vibsim.fitting.store.run_store import Runs, RunStore
+from vibsim.fitting.fit_file import Runs, RunStore
+from vibsim.fitting.measures import FitInterrupted
+from vibsim.fitting.plan import EVOLUTION, TRUST, FitPlan, FitTask, Index
+from vibsim.fitting.statements import (
+    PRINTED,
+    READING,
+    SEARCHED,
+    Candidate,
+    FreeParameter,
+    Statement,
+    leaving_price,
+)
+from vibsim.physics.elementary import dot, mean, total
+from vibsim.sweeps.points import SweepPoint
+from vibsim.sweeps.points import share as share_of
+from vibsim.sweeps.workers import AHEAD, RUNNER_PATIENCE, LocalWorkers
 
 GOES_ON = 4  # one of so many screened candidates is judged from all starts
 FEWEST = 5  # members of a population, the least that scipy takes
@@ -53,7 +66,7 @@ def candidates_within(plan: FitPlan, runs: Runs) -> list[Candidate]:
     store = RunStore()
     store.runs = dict(runs)
     evaluation = Evaluation(plan, store, None)
-    with suppress(Interrupted):
+    with suppress(FitInterrupted):
         search(evaluation)
     return evaluation.candidates
 
@@ -147,3 +160,169 @@ def sobol(dimension: int, count: int, seed: Sequence[int]) -> np.ndarray:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # balanced or not: each point stands for itself
         return np.asarray(engine.random(count))
+
+
+# Runs that the search needs: those that are not there yet are handed to workers, and kept as they come.
+
+
+Watch = Callable[[str, int, int], bool]  # what is done, how many runs of it, of how many; False to stop
+
+
+class Evaluation:
+    """What is known of the candidates of a plan, and the means to know more."""
+
+    def __init__(
+        self, plan: FitPlan, store: RunStore, workers: LocalWorkers | None, watch: Watch | None = None
+    ):
+        """workers : None where nothing is to be run; what is missing is then Interrupted"""
+        self.plan, self.store, self._workers = plan, store, workers
+        self._watch = watch or (lambda *_: True)
+        self.candidates: list[Candidate] = []
+
+    def make(self, origin: str, changes: dict[str, str], leaving: float) -> Candidate:
+        """A new candidate, the next in number."""
+        candidate = Candidate(len(self.candidates), origin, changes, leaving)
+        self.candidates.append(candidate)
+        return candidate
+
+    def judge(self, candidates: Sequence[Candidate], starts: Sequence[int], step: str) -> list[Judgement]:
+        """The candidates judged from these starts, run as far as they are not yet. Raises Interrupted."""
+        self._complete(
+            [
+                self.plan.task(one, case, start)
+                for one in candidates
+                for start in starts
+                for case in self._cases
+            ],
+            step,
+        )
+        return [judge(self.plan, one, self.store.runs, starts) for one in candidates]
+
+    def tell_horizons(self, candidates: Iterable[Candidate], step: str) -> None:
+        """Run candidates from the cases' own start with their trust horizons."""
+        self._complete(
+            [
+                FitTask((one.number, case, TRUST), case, one.changes, True)
+                for one in candidates
+                for case in self._cases
+            ],
+            step,
+        )
+
+    @property
+    def _cases(self) -> range:
+        return range(len(self.plan.cases))
+
+    def _complete(self, tasks: Sequence[FitTask], step: str) -> None:
+        waiting = deque(task for task in tasks if task.index not in self.store.runs)
+        if self._workers is None:
+            if waiting:
+                raise FitInterrupted
+            return
+        active: dict[Future[list[SweepPoint]], Index] = {}
+        while True:
+            while waiting and len(active) < AHEAD * self._workers.count:
+                task = waiting.popleft()
+                active[self._workers.submit((task,))] = task.index
+            if not self._watch(step, len(tasks) - len(waiting) - len(active), len(tasks)):
+                self._give_up(self._workers, active)
+                raise FitInterrupted
+            if not active:
+                return
+            for future in wait(active, RUNNER_PATIENCE, FIRST_COMPLETED).done:
+                del active[future]
+                self.store.add(self._workers.result(future))
+
+    def _give_up(self, workers: LocalWorkers, active: Iterable[Future[list[SweepPoint]]]) -> None:
+        workers.stop()
+        running = [future for future in active if not future.cancel()]
+        for future in wait(running).done:
+            self.store.add(workers.result(future))
+
+
+# What a candidate comes to: from which share of the starts each statement holds, and its price.
+#
+# The price is the mean shortfall of the statements over the starts, each statement by its weight, and what
+# leaving the printed values costs.
+
+
+@dataclass(frozen=True)
+class StatementResult:
+    """How many of the starts one statement holds from.
+
+    Attributes
+    ----------
+    count : starts from which it holds; of : from how many it was judged
+    share, low, high : the share, with its interval of 95 %
+    shortfall : mean, from 0 (fulfilled from every start) to 1
+    median : of the values that were measured; NaN without any
+    """
+
+    statement: Statement
+    count: int
+    of: int
+    share: float
+    low: float
+    high: float
+    shortfall: float
+    median: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether it holds from the share of the starts that it asks for."""
+        return self.share >= self.statement.share
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A candidate judged from some starts; `failed` of its runs failed, and count as far off."""
+
+    candidate: Candidate
+    starts: tuple[int, ...]
+    results: tuple[StatementResult, ...]
+    price: float
+    failed: int
+
+    @property
+    def explained(self) -> int:
+        """Number of statements that hold."""
+        return sum(each.holds for each in self.results)
+
+
+def judge(
+    plan: FitPlan, candidate: Candidate, runs: Mapping[Index, SweepPoint], starts: Sequence[int]
+) -> Judgement:
+    """The candidate judged from these starts, all of which were run."""
+    results = tuple(
+        _result_of(each, values_of(plan, each, candidate.number, runs, starts)) for each in plan.statements
+    )
+    weights = np.array([each.weight for each in plan.statements])
+    missed = float(dot(weights, np.array([each.shortfall for each in results])) / total(weights))
+    failed = sum(
+        not runs[candidate.number, case, start].done for case in range(len(plan.cases)) for start in starts
+    )
+    return Judgement(candidate, tuple(starts), results, missed + candidate.leaving, failed)
+
+
+def values_of(
+    plan: FitPlan, statement: Statement, number: int, runs: Mapping[Index, SweepPoint], starts: Sequence[int]
+) -> np.ndarray:
+    """What was measured for a statement from each start (n); NaN where the run failed or does not have it."""
+    position = str(plan.asked[statement.case].index(statement.asked))
+    return np.array([runs[number, statement.case, start].values.get(position, np.nan) for start in starts])
+
+
+def _result_of(statement: Statement, values: np.ndarray) -> StatementResult:
+    holds = np.array([statement.bounds.contain(value) for value in values])
+    share = share_of(holds, np.ones(len(values), bool), 0)
+    known = sorted(values[~np.isnan(values)].tolist())
+    return StatementResult(
+        statement,
+        int(np.count_nonzero(holds)),
+        len(values),
+        float(share.estimate),
+        float(share.low),
+        float(share.high),
+        float(mean(np.array([statement.shortfall(value) for value in values]))),
+        median(known) if known else np.nan,
+    )

@@ -13,32 +13,29 @@ Names are imported when they are used.
 
 from typing import TYPE_CHECKING
 
-from vibsim.lazy_names import lazy_names
+from vibsim.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from vibsim.orbits.errors import OrbitError as OrbitError
+    from vibsim.orbits.coordinates import OrbitError as OrbitError
+    from vibsim.orbits.coordinates import section_of as section_of
+    from vibsim.orbits.newton import solve as solve
     from vibsim.orbits.orbit import Orbit as Orbit
+    from vibsim.orbits.orbit import save_orbit as save_orbit
     from vibsim.orbits.orbit_digits import refine as refine
-    from vibsim.orbits.orbit_file import save_orbit as save_orbit
-    from vibsim.orbits.returns.return_map import ReturnMap as ReturnMap
-    from vibsim.orbits.returns.section import section_of as section_of
-    from vibsim.orbits.search.finding import find_orbit as find_orbit
-    from vibsim.orbits.search.newton import solve as solve
-    from vibsim.orbits.search.searching import search_orbits as search_orbits
-    from vibsim.orbits.slopes.sensitivity import monodromy as monodromy
+    from vibsim.orbits.return_map import ReturnMap as ReturnMap
+    from vibsim.orbits.search import find_orbit as find_orbit
+    from vibsim.orbits.search import search_orbits as search_orbits
+    from vibsim.orbits.slopes import monodromy as monodromy
 
 __getattr__, __dir__, __all__ = lazy_names(
     __name__,
     {
-        "vibsim.orbits.errors": ["OrbitError"],
-        "vibsim.orbits.search.finding": ["find_orbit"],
-        "vibsim.orbits.search.newton": ["solve"],
-        "vibsim.orbits.orbit": ["Orbit"],
+        "vibsim.orbits.coordinates": ["OrbitError", "section_of"],
+        "vibsim.orbits.newton": ["solve"],
+        "vibsim.orbits.orbit": ["Orbit", "save_orbit"],
         "vibsim.orbits.orbit_digits": ["refine"],
-        "vibsim.orbits.orbit_file": ["save_orbit"],
-        "vibsim.orbits.returns.return_map": ["ReturnMap"],
-        "vibsim.orbits.search.searching": ["search_orbits"],
-        "vibsim.orbits.returns.section": ["section_of"],
-        "vibsim.orbits.slopes.sensitivity": ["monodromy"],
+        "vibsim.orbits.return_map": ["ReturnMap"],
+        "vibsim.orbits.search": ["find_orbit", "search_orbits"],
+        "vibsim.orbits.slopes": ["monodromy"],
     },
 )

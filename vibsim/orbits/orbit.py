@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.cases.number import number
-from vibsim.labelled.arrays import Arrays
-from vibsim.labelled.labelled import Labelled, few
-from vibsim.orbits.measures import energy_of, points_of
-from vibsim.orbits.multipliers import exponents_of, multipliers_of, sides_of_circle
-from vibsim.orbits.returns.word import Word, circle, spelled
-from vibsim.orbits.sliding import sliding_margin
+from vibsim.cases.quantities import number
+from vibsim.engine.blocks import Trajectory
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.orbits.coordinates import Word, case_on_orbit, circle, placed, spelled
+from vibsim.orbits.return_map import returns
+from vibsim.orbits.stability import exponents_of, multipliers_of, sides_of_circle, sliding_margin
+from vibsim.results.labelled import Arrays, Labelled, few
+from vibsim.results.recording import Recording
+from vibsim.results.result import Result
+from vibsim.results.simulation import simulate
+from vibsim.results.trajectory_file import DATASETS, DIGITS, GROUP, TrajectoryFile, TrajectoryWriter
+from vibsim.signals import held_back
 
 if TYPE_CHECKING:
     from vibsim.cases.case import Case
-    from vibsim.orbits.returns.return_map import Return, ReturnMap
-    from vibsim.orbits.search.newton import Solution
+    from vibsim.orbits.newton import Solution
+    from vibsim.orbits.orbit_digits import OrbitDigits
+    from vibsim.orbits.return_map import Return, ReturnMap
     from vibsim.physics.parts import Scene
-    from vibsim.results.result import Result
 
 
 @dataclass(frozen=True, repr=False)
@@ -151,7 +157,6 @@ class Orbit(Labelled):
     @cached_property
     def run(self) -> Result:
         """One period as a run, from the section on. Raises ValueError for the orbit of a scene alone."""
-        from vibsim.orbits.orbit_file import run_of_orbit
 
         return run_of_orbit(self)
 
@@ -162,7 +167,6 @@ class Orbit(Labelled):
 
         Raises ResultFileError where it cannot be written, ValueError for an orbit of a scene without a case.
         """
-        from vibsim.orbits.orbit_file import save_orbit
 
         target = Path(path).absolute()
         save_orbit(self, target, force)
@@ -199,3 +203,122 @@ class Orbit(Labelled):
 def _text(mu: complex) -> str:
     sign = "-" if mu.imag < 0 else "+"
     return f"{number(mu.real, 5)}{sign}{number(abs(mu.imag), 5)}i"
+
+
+# An orbit as a run of one period, in memory or in a file for every command, with what is known of it.
+
+
+def run_of_orbit(orbit: Orbit) -> Result:
+    """One period in memory, with what its file would know of the orbit.
+
+    Raises ValueError for an orbit of a scene without a case.
+    """
+    if orbit.case is None:
+        raise ValueError("the orbit of a scene alone has no case to be run")
+    run = simulate(
+        case_on_orbit(orbit.case, orbit.state, orbit.period), engine=orbit.return_map.carrier.engine
+    )
+    known = {name: value for name, value in _attributes(orbit).items() if value is not None}
+    arrays = {
+        name: np.asarray(values, dtype=object if isinstance(values[0], str) else None)
+        for name, values in _values(orbit).items()
+    }
+    samples = {name: run[name] for name in run}
+    return Result({**run.attrs, **known}, samples, dict(run.events), case=run.case, orbit=arrays)
+
+
+def save_orbit(
+    orbit: Orbit, path: str | Path, force: bool = False, digits: OrbitDigits | None = None
+) -> Result:
+    """Write an orbit to an HDF5 file and open it.
+
+    digits : the orbit in many digits, or None. Raises ResultFileError where it cannot be written, ValueError
+    for an orbit of a scene without a case.
+    """
+    if orbit.case is None:
+        raise ValueError("an orbit of a scene alone has no case to be stored with")
+    case = case_on_orbit(orbit.case, orbit.state, orbit.period)
+    recording = Recording(case, orbit.return_map.carrier.engine)
+    start = {**recording.start, **_attributes(orbit, digits)}
+    with ExitStack() as at_the_end:
+        with held_back():
+            writer = TrajectoryWriter(path, recording.tables, start, force)
+            at_the_end.callback(writer.close)
+        recording.into(writer)
+        values = {f"{GROUP}/{name}": value for name, value in _values(orbit, digits).items()}
+        writer.attach(DATASETS + (DIGITS if digits else []), values)
+        target = writer.finish(recording.end())
+    file = TrajectoryFile(target)
+    return Result(file.attrs, file.samples, file.events, case=file.case, orbit=file.orbit)
+
+
+def _attributes(orbit: Orbit, digits: OrbitDigits | None = None) -> dict[str, Any]:
+    return {
+        "orbit_periods": orbit.n,
+        "orbit_period_s": orbit.period,
+        "orbit_stable": int(orbit.stable),
+        "orbit_events": orbit.spelled,
+        "orbit_residual": orbit.residual,
+        "orbit_sliding_margin": orbit.sliding,
+        "orbit_digits": digits.digits if digits else None,
+    }
+
+
+def _values(orbit: Orbit, digits: OrbitDigits | None = None) -> dict[str, Any]:
+    """By name within the group of the file."""
+    at, multipliers = orbit.end.coordinates, orbit.multipliers
+    values = {
+        "unknown": at.names,
+        "units": at.units,
+        "multiplier": np.arange(len(multipliers)),
+        "multiplier_real": multipliers.real,
+        "multiplier_imaginary": multipliers.imag,
+        "return": np.arange(orbit.n),
+        "points": orbit.points,
+        "derivative": orbit.end.derivative,
+    }
+    if digits:
+        real, imaginary = digits.multiplier_texts
+        values |= {
+            "digits_start": np.array(list(digits.coordinates.values()), dtype="S"),
+            "digits_real": np.array(real, dtype="S"),
+            "digits_imaginary": np.array(imaginary, dtype="S"),
+        }
+    return values
+
+
+# What an orbit does in one period, from a run of that length: energies, and its points on the section.
+
+
+WORKS = ("work_source", "work_base", "work_belt")
+LOSSES = ("loss_viscous", "loss_stops", "loss_friction")
+ENERGIES = (*WORKS, *LOSSES, "energy_residual")
+
+
+def energy_of(orbit: Orbit) -> dict[str, float]:
+    """Sums of the energy ledger over one period [J], by name."""
+    trajectory = _run(orbit, ledger=True)
+    for _ in trajectory.blocks():
+        pass
+    totals = trajectory.totals
+    return {name: float(totals[name]) for name in ENERGIES}
+
+
+def points_of(orbit: Orbit) -> np.ndarray:
+    """The unknowns at each return to the section, (n, m); the first is the start."""
+    at = orbit.end.coordinates
+    rows = [orbit.X]
+    if at.section.turning:
+        if orbit.n > 1:
+            scene = placed(orbit.scene, orbit.state, orbit.period)
+            rows += list(at.of(returns(scene, at, orbit.return_map.carrier.engine)[1]))
+        return np.array(rows[: orbit.n])
+    for block in _run(orbit, section=True).blocks():
+        rows += list(at.of(np.stack([block.section[name] for name in at.columns], axis=1)))
+    return np.array(rows[: orbit.n])
+
+
+def _run(orbit: Orbit, section: bool = False, ledger: bool = False) -> Trajectory:
+    scene = placed(orbit.scene, orbit.state, orbit.period)
+    engine = orbit.return_map.carrier.engine
+    return open_trajectory(scene.without_samples(), engine, section=section, ledger=ledger)

@@ -10,20 +10,17 @@ from dataclasses import dataclass, replace
 from math import isfinite, log10
 from typing import Any
 
-from vibsim.cases.number import number
+from vibsim.cases.quantities import number
 from vibsim.engine.driver import Driver
+from vibsim.engine.errors import State
 from vibsim.engine.flows.accelerations import accelerations
-from vibsim.engine.state import State
 from vibsim.engine.truth import bare
-from vibsim.orbits.errors import OrbitError
+from vibsim.orbits.coordinates import OrbitError, Word, spelled, word_of
 from vibsim.orbits.orbit import Orbit
-from vibsim.orbits.returns.word import Word, spelled, word_of
-from vibsim.orbits.small_matrices import characteristic_polynomial, refined_roots, solved
-from vibsim.physics.arithmetic.exact_decimals import decimal_text
-from vibsim.physics.arithmetic.number_kits import DigitsKit, number_kit, one_precision
-from vibsim.physics.arithmetic.numbers import Number
-from vibsim.physics.arithmetic.working_precision import MOST_DIGITS
-from vibsim.physics.modes import EVENT_NAMES, IMPACTS
+from vibsim.orbits.stability import characteristic_polynomial, refined_roots, solved
+from vibsim.physics.numbers import Number, decimal_text
+from vibsim.physics.parts import EVENT_NAMES, IMPACTS
+from vibsim.physics.precision import MOST_DIGITS, DigitsKit, number_kit, one_precision
 
 GUARD = 15  # digits beyond those asked for: what components much smaller than the largest need
 PIECES = 4096
@@ -139,8 +136,8 @@ class _ExactMap:
         if period is None:
             return self.kit.number(orbit.period)
         terms = zip(orbit.scene.harmonics, self.scene.harmonics, strict=True)
-        pitch = next(exact.cycles for term, exact in terms if term.cycles == period.cycles)
-        return self.kit.exact(self.kit.number(self.n * period.turns) / self.kit.number(pitch))
+        harmonic_key = next(exact.cycles for term, exact in terms if term.cycles == period.cycles)
+        return self.kit.exact(self.kit.number(self.n * period.turns) / self.kit.number(harmonic_key))
 
     def step(self, X: list[Number], T: Number) -> tuple[list[Number], Number, list[list[Number]]]:
         """Newton's step (change of X, change of T), and the derivative of the map at X."""

@@ -6,12 +6,49 @@ the relative displacement is x_P - x_Q and the relative velocity v_P - v_Q. Numb
 engines; runs of many digits put other number types in.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from math import ceil
-from typing import Any, Generic
+from typing import Any, Generic, NamedTuple
 
-from vibsim.physics.arithmetic.numbers import N
-from vibsim.physics.sampling import Sampled
+from vibsim.physics.numbers import N
+
+# The instants at which a run is sampled.
+
+
+class Sampled(Generic[N]):
+    """Of a scene that ends at `t_end` [s] and has samples at i * every_num / every_den [s], i = 0, 1, ..."""
+
+    t_end: N
+    every_num: int
+    every_den: int
+
+    @property
+    def sample_count(self) -> int:
+        """Number of samples from t = 0 up to and including t_end."""
+        count = int(float(self.t_end) * self.every_den / self.every_num)
+        while self.sample_time(count) <= self.t_end:
+            count += 1
+        while count > 0 and self.sample_time(count - 1) > self.t_end:
+            count -= 1
+        return count
+
+    def sample_index(self, t: N | float) -> int:
+        """Index of the first sample at or after t [s]."""
+        i = int(float(t) * self.every_den / self.every_num)
+        while i > 0 and self.sample_time(i - 1) >= t:
+            i -= 1
+        while self.sample_time(i) < t:
+            i += 1
+        return i
+
+    def sample_time(self, i: int) -> float:
+        """Time of sample i [s]: one correctly rounded division, so 3 x 5 ms is 0.015 and nothing else.
+
+        In doubles, as the C engine has it; the product is exact up to 2^53.
+        """
+        return (float(i) * self.every_num) / self.every_den
+
 
 GROUND, BASE = -1, -2
 EXTENSION, COMPRESSION = 1, -1  # sense of a stop: it acts where x_Q - x_P, or x_P - x_Q, exceeds its gap
@@ -289,3 +326,125 @@ class Scene(Sampled[N], Generic[N]):
     def end_name(self, end: int) -> str:
         """What an end of a part is called: a body's name, ground or base."""
         return {GROUND: "ground", BASE: "base"}.get(end) or self.bodies[end].name
+
+
+# Names and codes of the events, the same in both engines and in every file.
+
+
+EVENT_KINDS = {
+    "start": 0,
+    "contact_begin": 1,
+    "contact_end": 2,
+    "reversal": 3,
+    "stick_begin": 4,
+    "stick_end": 5,
+    "violation_begin": 6,
+    "violation_end": 7,
+    "end": 8,
+    "impact": 9,
+    "transmitted": 10,
+    "chatter": 11,
+    "rest_begin": 12,
+    "rest_end": 13,
+}
+IMPACTS = ("contact_begin", "impact")  # of elastic stops, and of rigid ones
+RIGID_KINDS = ("impact", "transmitted", "chatter", "rest_begin", "rest_end")  # of rigid stops alone
+EVENT_NAMES = {code: name for name, code in EVENT_KINDS.items()}
+
+
+# Which bodies of a scene hang together, and the pairs of ends whose motion against each other matters.
+#
+# Parts join their ends to sets of bodies. A set that springs hold at the ground or the base vibrates about a
+# place; any other may drift. Coordinates of a motion without its drift are those of the pairs.
+
+
+class Pair(NamedTuple):
+    """Two ends, called after the first part between them; x = x_P - x_Q."""
+
+    name: str
+    P: int
+    Q: int
+
+
+class BodySet(NamedTuple):
+    """Bodies, ascending, that parts join; `held` where the ground or the base is among their ends."""
+
+    bodies: tuple[int, ...]
+    held: bool
+
+    @property
+    def reference(self) -> int:
+        """The body that stands for the set where it moves as a whole: the last one."""
+        return self.bodies[-1]
+
+
+def body_sets(scene: Scene, parts: Iterable[Any]) -> list[BodySet]:
+    """The sets of bodies that `parts` join, each body in one of them, in the order of their first bodies."""
+    leader = list(range(len(scene.bodies)))
+    held = [False] * len(leader)
+
+    def root(body: int) -> int:
+        while leader[body] != body:
+            body = leader[body]
+        return body
+
+    for part in parts:
+        ends = [root(end) for end in (part.P, part.Q) if end >= 0]
+        first, last = min(ends), max(ends)
+        leader[last] = first
+        held[first] = held[first] or held[last] or len(ends) == 1
+    roots = [root(body) for body in range(len(leader))]
+    return [
+        BodySet(tuple(body for body, own in enumerate(roots) if own == first), held[first])
+        for first in sorted(set(roots))
+    ]
+
+
+def pairs_of(scene: Scene) -> tuple[Pair, ...]:
+    """The pairs of ends of links and stops, each once, in the order of the parts; for bodies that none of
+    them touches, the pairs of their frictions; for others, the body against the ground, called after it.
+    """
+    joined = _distinct((*scene.links, *scene.stops))
+    touched = _bodies(joined)
+    rubbing = [part for part in scene.frictions if not _bodies([part]) <= touched]
+    pairs = _distinct((*joined, *rubbing))
+    touched = _bodies(pairs)
+    alone = [Pair(body.name, i, GROUND) for i, body in enumerate(scene.bodies) if i not in touched]
+    return (*pairs, *alone)
+
+
+def joined_pairs(scene: Scene) -> tuple[Pair, ...]:
+    """The pairs of ends of links and stops alone: those whose distance makes forces."""
+    return _distinct((*scene.links, *scene.stops))
+
+
+def drifting_sets(scene: Scene) -> list[BodySet]:
+    """The sets of bodies that neither springs, nor stops on both sides, hold at the ground or the base; each
+    is joined by springs or such stops, so that all of it drifts alike.
+    """
+    springs = [link for link in scene.links if link.k]
+    return [one for one in body_sets(scene, [*springs, *_caged(scene)]) if not one.held]
+
+
+def _caged(scene: Scene) -> list[Any]:
+    """The stops of pairs of ends that are stopped both ways."""
+    senses: dict[frozenset[int], set[int]] = {}
+    for stop in scene.stops:
+        senses.setdefault(frozenset((stop.P, stop.Q)), set()).add(_sense(stop))
+    return [stop for stop in scene.stops if len(senses[frozenset((stop.P, stop.Q))]) == 2]
+
+
+def _sense(stop: Any) -> int:
+    """The sense of a stop, its ends taken in ascending order."""
+    return int(stop.sense if stop.P < stop.Q else -stop.sense)
+
+
+def _distinct(parts: Iterable[Any]) -> tuple[Pair, ...]:
+    pairs: dict[frozenset[int], Pair] = {}
+    for part in parts:
+        pairs.setdefault(frozenset((part.P, part.Q)), Pair(part.name, part.P, part.Q))
+    return tuple(pairs.values())
+
+
+def _bodies(parts: Iterable[Any]) -> set[int]:
+    return {end for part in parts for end in (part.P, part.Q) if end >= 0}

@@ -1,8 +1,7 @@
 """The kinds of pictures, and which of them fit what.
 
-A new kind is one line here and one module `vibsim/plots/<room of what it reads>/<name, - as _>.py` with
-`draw(subjects, view) -> Figure`. Nothing here imports matplotlib: `vibsim plot --list` and shell completion
-read this table.
+A new kind is a `PictureKind` here and a function `<kind>_picture(subjects, view) -> Figure` in a module of
+`DRAWN_IN`. Nothing here imports matplotlib: `vibsim plot --list` and shell completion read this table.
 """
 
 from __future__ import annotations
@@ -11,26 +10,34 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from vibsim.cases.spelling import nearest
-from vibsim.lazy_names import named
-from vibsim.plots.errors import PlotError
+from vibsim.cases.problems import nearest
+from vibsim.lazy import named
+from vibsim.plots.view import PlotError
 
 if TYPE_CHECKING:
     from vibsim.plots.subject import Subject
 
 
-# what a kind reads -> the room of its module; kinds of the others are in this one
-ROOMS = {
-    "trajectory": "runs.",
-    "case": "cases.",
-    "sweep": "sweeps.",
-    "branch": "branches.",
-    "locus": "branches.",
+# module of vibsim.plots -> the kinds that it draws, each by a function `<kind>_picture(subjects, view)`
+DRAWN_IN: dict[str, tuple[str, ...]] = {
+    "branch_curves": ("branch", "load-curve"),
+    "capture_pictures": ("regime", "capture"),
+    "characteristics": ("stiffness", "motor"),
+    "columns": ("columns",),
+    "fit_and_bench": ("fit", "work-precision"),
+    "frequency_pictures": ("displacement-frequency", "spectrum", "spectrogram", "waterfall"),
+    "loci": ("multipliers", "locus"),
+    "overview": ("overview",),
+    "portraits": ("phase", "phase-drift-free", "impact-velocity", "stroboscopic", "orbit-portrait"),
+    "sweep_curves": ("amplitude",),
+    "sweep_pictures": ("sommerfeld", "orbit", "lyapunov", "power", "end-state"),
+    "time_histories": ("displacement", "velocity", "relative", "motor-speed"),
 }
+MODULES = {kind: module for module, kinds in DRAWN_IN.items() for kind in kinds}
 
 
 @dataclass(frozen=True)
-class Kind:
+class PictureKind:
     """One kind of picture.
 
     Attributes
@@ -59,97 +66,107 @@ class Kind:
     def draw(self) -> Callable[..., Any]:
         """The function that draws it; its module (and matplotlib) is imported here."""
         function: Callable[..., Any] = named(
-            f"vibsim.plots.{ROOMS.get(self.reads, '')}{self.name.replace('-', '_')}:draw"
+            f"vibsim.plots.{MODULES[self.name]}:{self.name.replace('-', '_')}_picture"
         )
         return function
 
 
 KINDS = (
-    Kind(
+    PictureKind(
         "overview",
         "trajectory",
         "one page: the machine, displacements, detail, relative portrait, speed",
         width="page",
         spans=("window", "detail"),
     ),
-    Kind(
+    PictureKind(
         "displacement",
         "trajectory",
         "displacements of the bodies against time, impacts marked, with a detail",
         spans=("window", "detail"),
     ),
-    Kind(
+    PictureKind(
         "velocity",
         "trajectory",
         "velocities of the bodies against time, impacts marked, with a detail",
         spans=("window", "detail"),
     ),
-    Kind("phase", "trajectory", "phase portrait of each body, impacts marked"),
-    Kind(
+    PictureKind("phase", "trajectory", "phase portrait of each body, impacts marked"),
+    PictureKind(
         "phase-drift-free",
         "trajectory",
         "the same, less the drift of the blocks that nothing holds",
         ("excitation", "free blocks"),
     ),
-    Kind("relative", "trajectory", "phase portrait of the relative motion, with the stop"),
-    Kind(
+    PictureKind("relative", "trajectory", "phase portrait of the relative motion, with the stop"),
+    PictureKind(
         "motor-speed",
         "trajectory",
         "motor speed against time, with the natural frequencies",
         ("motor",),
     ),
-    Kind("displacement-frequency", "trajectory", "displacements against the motor's speed", ("motor",)),
-    Kind(
+    PictureKind(
+        "displacement-frequency", "trajectory", "displacements against the motor's speed", ("motor",)
+    ),
+    PictureKind(
         "impact-velocity", "trajectory", "closing velocity of each impact: time, phase, histogram", ("stop",)
     ),
-    Kind("stroboscopic", "trajectory", "relative motion once per period of the source", ("excitation",)),
-    Kind("spectrum", "trajectory", "amplitude spectra of the displacements, natural frequencies marked"),
-    Kind(
+    PictureKind(
+        "stroboscopic", "trajectory", "relative motion once per period of the source", ("excitation",)
+    ),
+    PictureKind(
+        "spectrum", "trajectory", "amplitude spectra of the displacements, natural frequencies marked"
+    ),
+    PictureKind(
         "spectrogram",
         "trajectory",
         "amplitude over time and frequency, with the motor's speed",
         alone=True,
     ),
-    Kind("waterfall", "trajectory", "spectra one behind the other: of pieces of a run, or of several runs"),
-    Kind(
+    PictureKind(
+        "waterfall", "trajectory", "spectra one behind the other: of pieces of a run, or of several runs"
+    ),
+    PictureKind(
         "orbit-portrait",
         "trajectory",
         "a stored orbit: phase plane with impacts, multipliers in the unit circle",
         ("orbit",),
         spans=(),
     ),
-    Kind(
+    PictureKind(
         "stiffness",
         "case",
         "force of springs and stops against the relative displacement",
         ("springs",),
         spans=(),
     ),
-    Kind("motor", "case", "torque of the motor against its speed", ("motor",), spans=()),
-    Kind(
+    PictureKind("motor", "case", "torque of the motor against its speed", ("motor",), spans=()),
+    PictureKind(
         "sommerfeld",
         "sweep",
         "steady speed of the motor against its no-load speed, and branches over it",
         ("motor", "Omega0"),
         besides=("branch",),
     ),
-    Kind("amplitude", "sweep", "amplitudes against the frequency, or whatever was swept"),
-    Kind(
+    PictureKind("amplitude", "sweep", "amplitudes against the frequency, or whatever was swept"),
+    PictureKind(
         "orbit",
         "sweep",
         "orbit diagram: stroboscopic points against what was swept",
         ("excitation", "section"),
     ),
-    Kind("lyapunov", "sweep", "Lyapunov exponents against what was swept", ("exponents",)),
-    Kind("power", "sweep", "power of the source, and where it goes, against what was swept", ("power",)),
-    Kind(
+    PictureKind("lyapunov", "sweep", "Lyapunov exponents against what was swept", ("exponents",)),
+    PictureKind(
+        "power", "sweep", "power of the source, and where it goes, against what was swept", ("power",)
+    ),
+    PictureKind(
         "regime",
         "sweep",
         "map of two ranges: periodic, quasi-periodic or chaotic",
         ("regime", "map"),
         alone=True,
     ),
-    Kind(
+    PictureKind(
         "capture",
         "sweep",
         "where the motor is captured: a map, or a probability, and loci over it",
@@ -157,30 +174,32 @@ KINDS = (
         alone=True,
         besides=("locus",),
     ),
-    Kind("branch", "branch", "periodic orbits over what was continued, stable or not, with bifurcations"),
-    Kind(
+    PictureKind(
+        "branch", "branch", "periodic orbits over what was continued, stable or not, with bifurcations"
+    ),
+    PictureKind(
         "multipliers",
         "branch",
         "multipliers along a branch, and about the unit circle",
         width="page",
         alone=True,
     ),
-    Kind("locus", "locus", "bifurcations of periodic orbits in the plane of two parameters"),
-    Kind(
+    PictureKind("locus", "locus", "bifurcations of periodic orbits in the plane of two parameters"),
+    PictureKind(
         "load-curve",
         "branch",
         "torque that vibration takes against speed, with the motor's lines",
         ("motor", "continued Omega0"),
         width="page",
     ),
-    Kind(
+    PictureKind(
         "end-state",
         "sweep",
         "what starts come to, rest or vibration: a map, starts, or shares",
         ("end states", "map or starts"),
         alone=True,
     ),
-    Kind(
+    PictureKind(
         "fit",
         "fit",
         "price of the candidates over the free parameters",
@@ -188,11 +207,13 @@ KINDS = (
         alone=True,
         spans=(),
     ),
-    Kind("work-precision", "bench", "error against computing time of every method", width="page", spans=()),
+    PictureKind(
+        "work-precision", "bench", "error against computing time of every method", width="page", spans=()
+    ),
 )
 
 # drawn where two columns are named, and not one of `all`: any result of columns has it
-COLUMNS = Kind("columns", "result", "any two columns against each other (--x and --y)")
+COLUMNS = PictureKind("columns", "result", "any two columns against each other (--x and --y)")
 
 NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
     "motor": ("a motor", lambda subject: subject.scene.has_motor),
@@ -251,7 +272,7 @@ DEFAULTS = {
 
 def _is_along_speed(subject: Subject) -> bool:
     """Whether the sweep is drawn along the motor constant."""
-    from vibsim.plots.sweeps.axes import along, is_motor_speed
+    from vibsim.plots.sweep_axes import along, is_motor_speed
 
     return is_motor_speed(subject.result.axes[along(subject.result)].key)
 
@@ -263,7 +284,7 @@ def _is_periodic(scene: Any) -> bool:
 
 
 def _drifts(scene: Any) -> bool:
-    from vibsim.physics.body_sets import drifting_sets
+    from vibsim.physics.parts import drifting_sets
 
     return bool(drifting_sets(scene))
 
@@ -290,7 +311,7 @@ def _has_starts(subject: Subject) -> bool:
     return len(members.spreads) <= 2 if _ranges(subject) == 0 else _ranges(subject) <= 2
 
 
-def misfit(kind: Kind, subject: Subject) -> str | None:
+def misfit(kind: PictureKind, subject: Subject) -> str | None:
     """Why `kind` cannot show `subject`, or None when it can."""
     if subject.reads in kind.besides:
         return None
@@ -305,18 +326,18 @@ def misfit(kind: Kind, subject: Subject) -> str | None:
     return None
 
 
-def fitting(subjects: Sequence[Subject]) -> list[Kind]:
+def fitting(subjects: Sequence[Subject]) -> list[PictureKind]:
     """The kinds that can show all the subjects together, in the order of the table."""
     kinds = [kind for kind in KINDS if not any(misfit(kind, subject) for subject in subjects)]
     return [kind for kind in kinds if (count := own(kind, subjects)) and (count == 1 or not kind.alone)]
 
 
-def own(kind: Kind, subjects: Sequence[Subject]) -> int:
+def own(kind: PictureKind, subjects: Sequence[Subject]) -> int:
     """How many of the subjects are what `kind` shows, and not laid over that."""
     return sum(subject.reads not in kind.besides for subject in subjects)
 
 
-def kind_named(name: str) -> Kind:
+def kind_named(name: str) -> PictureKind:
     """The kind called `name`; PlotError with the nearest match when there is none."""
     for kind in KINDS:
         if kind.name == name:
@@ -327,7 +348,7 @@ def kind_named(name: str) -> Kind:
     raise PlotError(f"unknown kind {name!r}: {hint} kinds are {', '.join(names)}")
 
 
-def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Kind]:
+def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[PictureKind]:
     """The kinds to draw: those named, every fitting one for "all", the default ones for None.
 
     Raises PlotError for an unknown kind, or for one that does not fit (with those that do).
@@ -356,5 +377,5 @@ def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Kin
     return chosen
 
 
-def _those_that_fit(fit: Sequence[Kind]) -> str:
+def _those_that_fit(fit: Sequence[PictureKind]) -> str:
     return f"kinds that fit: {', '.join(kind.name for kind in fit)}" if fit else "no kind fits"

@@ -13,8 +13,8 @@ from typing import Any
 
 import matplotlib
 
-from vibsim.files.errors import reason
-from vibsim.plots.errors import PlotError
+from vibsim.plots.view import PlotError
+from vibsim.results.hdf5_reading import reason
 
 # Okabe and Ito, "Color Universal Design" (2008), dark and light in turn: they print in different greys.
 BLUE, ORANGE, BLACK, SKY, VERMILLION, PINK, GREEN = (

@@ -8,8 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vibsim.plots.errors import PlotError
-from vibsim.plots.page.user_text import as_text
+from vibsim.plots.sheet import as_text
+from vibsim.plots.view import PlotError
 
 if TYPE_CHECKING:
     from vibsim.physics.parts import Scene

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from vibsim.plots.errors import PlotError
 from vibsim.results.windows import read_window
 
 Span = tuple[float, float]
@@ -69,3 +68,18 @@ def parse_span(text: object) -> Span:
         return read_window(text)
     except ValueError as error:
         raise PlotError(str(error)) from None
+
+
+# What a user can get wrong about a picture.
+
+
+class PlotError(Exception):
+    """One line, ready to print: an unknown or unfit kind, a window outside the run, an unknown suffix.
+
+    >>> import vibsim
+    >>> try:
+    ...     vibsim.plot("II-B", "phase-portrait")
+    ... except vibsim.PlotError as error:
+    ...     print(str(error).partition(":")[0])
+    unknown kind 'phase-portrait'
+    """

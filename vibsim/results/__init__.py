@@ -9,32 +9,30 @@ Names are imported when they are used: h5py takes longer to import than most run
 
 from typing import TYPE_CHECKING
 
-from vibsim.lazy_names import lazy_names
+from vibsim.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from vibsim.files.errors import ResultFileError as ResultFileError
-    from vibsim.results.opening import (
-        is_result_file as is_result_file,
-    )
-    from vibsim.results.opening import (
-        kind_of as kind_of,
-    )
-    from vibsim.results.opening import (
-        names_a_result as names_a_result,
-    )
-    from vibsim.results.opening import (
-        open_trajectory_file as open_trajectory_file,
-    )
+    from vibsim.results.hdf5_reading import ResultFileError as ResultFileError
     from vibsim.results.result import Result as Result
+    from vibsim.results.simulation import is_result_file as is_result_file
+    from vibsim.results.simulation import kind_of as kind_of
+    from vibsim.results.simulation import names_a_result as names_a_result
+    from vibsim.results.simulation import open_trajectory_file as open_trajectory_file
     from vibsim.results.simulation import simulate as simulate
     from vibsim.results.simulation import simulate_to_file as simulate_to_file
 
 __getattr__, __dir__, __all__ = lazy_names(
     __name__,
     {
-        "vibsim.files.errors": ["ResultFileError"],
-        "vibsim.results.opening": ["is_result_file", "kind_of", "names_a_result", "open_trajectory_file"],
+        "vibsim.results.hdf5_reading": ["ResultFileError"],
         "vibsim.results.result": ["Result"],
-        "vibsim.results.simulation": ["simulate", "simulate_to_file"],
+        "vibsim.results.simulation": [
+            "is_result_file",
+            "kind_of",
+            "names_a_result",
+            "open_trajectory_file",
+            "simulate",
+            "simulate_to_file",
+        ],
     },
 )

@@ -1,6 +1,6 @@
 """A trajectory as users meet it: arrays by name, events, attributes, and its state at any instant."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from functools import cache, partial
 from pathlib import Path
@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.files.declarations import Dataset
-from vibsim.files.signals import held_back
-from vibsim.labelled.arrays import Arrays
-from vibsim.labelled.labelled import Labelled
-from vibsim.results.events import Events
+from vibsim.cases.problems import one_line
+from vibsim.cases.quantities import number
+from vibsim.results.file_contents import Dataset
+from vibsim.results.labelled import Arrays, Labelled, few, words_of
+from vibsim.signals import held_back
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
-    from vibsim.results.columns import Tables
-    from vibsim.results.digits import Digits
-    from vibsim.results.stored.trajectory_writer import TrajectoryWriter
+    from vibsim.results.columns import Digits, Tables
+    from vibsim.results.file_contents import Column
+    from vibsim.results.trajectory_file import TrajectoryWriter
+
 
 Table = Mapping[str, np.ndarray]
 
@@ -137,7 +138,7 @@ class Result(Labelled):
 
         Returns the columns, each of the shape of `t`. Raises ValueError for times outside the run.
         """
-        from vibsim.results.restart import states_at
+        from vibsim.results.columns import states_at
 
         return states_at(self.case.scene(), self.events, t, self.t_reached)
 
@@ -146,7 +147,7 @@ class Result(Labelled):
 
         Raises ResultFileError when the file exists and `force` is not given, or cannot be written.
         """
-        from vibsim.results.stored.trajectory_writer import TrajectoryWriter
+        from vibsim.results.trajectory_file import TrajectoryWriter
 
         with ExitStack() as at_the_end:
             with held_back():
@@ -162,7 +163,7 @@ class Result(Labelled):
 
     def _attach(self, writer: "TrajectoryWriter", orbit: Table) -> None:
         """Write what is known of a periodic orbit."""
-        from vibsim.results.stored.orbit_structure import GROUP, orbit_datasets
+        from vibsim.results.trajectory_file import GROUP, orbit_datasets
 
         writer.attach(orbit_datasets(orbit), {f"{GROUP}/{name}": orbit[name] for name in orbit})
 
@@ -175,7 +176,7 @@ class Result(Labelled):
 
     def _truth_writer(self, path: str | Path, digits: "Digits", force: bool) -> Any:
         """A writer that has the digits already."""
-        from vibsim.results.many_digits.truth_writer import TruthWriter
+        from vibsim.results.trajectory_file import TruthWriter
 
         writer = TruthWriter(path, self._tables(), {}, self.attrs["digits"], force)
         writer.append_digits(digits.table, digits.event_table)
@@ -201,7 +202,6 @@ class Result(Labelled):
 
     def lines(self) -> list[tuple[str, str]]:
         """Title, method, what happened, until when the run is right, and the names of the columns."""
-        from vibsim.results.telling import lines_of
 
         return lines_of(self)
 
@@ -217,3 +217,151 @@ def _case(attrs: Mapping[str, Any], case: "Case | None") -> "Case":
 
 def _column(table: Table, name: str) -> Any:
     return table.column(name) if hasattr(table, "column") else table[name]
+
+
+# The events of a run as a table: when, of which kind, of which part, and the state then.
+
+
+SHOWN = 10  # events that a notebook shows
+
+
+class Events(Labelled, Mapping[str, np.ndarray]):
+    """The events of a run, in memory or on file: `events["t"]` is a column (1-D array, SI).
+
+    `kind` and `part` are codes there; `events.words("kind")` are their names, as in `to_dataframe()`.
+
+    >>> import vibsim
+    >>> result = vibsim.simulate(vibsim.load_case("II-B", {"run.t_end": "2 s"}))
+    >>> result.events.words("kind")[0], result.events.words("part")[1]
+    ('start', 'friction')
+    """
+
+    def __init__(self, table: Mapping[str, np.ndarray], case: "Callable[[], Case]"):
+        self._table: Mapping[str, np.ndarray] = table._table if isinstance(table, Events) else table
+        self._case = case
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """For pickle: with all columns, so that what comes out needs no file."""
+        return Events, (dict(self), partial(_itself, self._case()))
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        self._check(name)
+        return self._table[name]
+
+    def _check(self, name: str) -> None:
+        """Raises KeyError with the columns that there are where `name` is none."""
+        if name not in self._table:
+            raise KeyError(f"no column {name}; these events have {', '.join(self._table)}")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._table)
+
+    def __len__(self) -> int:
+        return len(self._table)
+
+    def column(self, name: str) -> Any:
+        """One column; on file a handle that reads only the rows it is indexed with."""
+        self._check(name)
+        return self._table.column(name) if hasattr(self._table, "column") else self._table[name]
+
+    def words(self, name: str) -> np.ndarray:
+        """The words of a column of codes, such as kind, part, or the state of a part (n, objects).
+
+        Raises KeyError for a column that has no words.
+        """
+        column = self._columns()[name]
+        if not column.flags:
+            worded = [each for each, column in self._columns().items() if column.flags]
+            raise KeyError(f"{name} is no column of codes; such are {', '.join(worded)}")
+        return words_of(column, self[name])
+
+    def arrays(self) -> Arrays:
+        """The columns over the events."""
+        declared = tuple(Dataset(name, column, ("t",)) for name, column in self._columns().items())
+        return Arrays(declared, self.__getitem__, ("t",), numbered=True)
+
+    def _columns(self) -> "dict[str, Column]":
+        from vibsim.results.columns import tables_of
+
+        columns = tables_of(self._case().scene()).events
+        return {name: columns[name] for name in self}
+
+    def heading(self) -> str:
+        """How many there are."""
+        return f"of {self._case().name}: {len(self.column('t'))}, start and end among them"
+
+    def lines(self) -> list[tuple[str, str]]:
+        """How many of each kind and of each part, and the names of the columns."""
+        counted = [(label, self._counts(name)) for label, name in (("kinds", "kind"), ("parts", "part"))]
+        return [*counted, ("columns", few(self))]
+
+    def _counts(self, name: str) -> str:
+        codes, flags = np.asarray(self[name]), self._columns()[name].flags
+        counts = ((word, np.count_nonzero(codes == code)) for word, code in flags.items())
+        return ", ".join(f"{count} {word}" for word, count in counts if count)
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        rows = slice(0, SHOWN)
+        columns = self._columns()
+        shown = {
+            name: words_of(column, self.column(name)[rows]) if column.flags else self.column(name)[rows]
+            for name, column in columns.items()
+        }
+        units = [f"{name} [{column.units}]" if column.units else name for name, column in columns.items()]
+        head = "".join(f"<th>{escape(text)}</th>" for text in units)
+        body = "".join(_row(values) for values in zip(*shown.values(), strict=True))
+        left = len(self.column("t")) - SHOWN
+        more = f"<div>and {left} more</div>" if left > 0 else ""
+        return f"<div><b>Events {escape(self.heading())}</b><table><tr>{head}</tr>{body}</table>{more}</div>"
+
+
+def _itself(case: "Case") -> "Case":
+    return case
+
+
+def _row(values: tuple[Any, ...]) -> str:
+    from html import escape
+
+    texts = (number(value, 6) if isinstance(value, float) else str(value) for value in values)
+    return "<tr>" + "".join(f"<td>{escape(text)}</td>" for text in texts) + "</tr>"
+
+
+# The few lines that tell most about a run.
+
+
+def lines_of(result: "Result") -> list[tuple[str, str]]:
+    """Label and text; what is not known has no line."""
+    attrs = result.attrs
+    lines = [("title", one_line(result.case.title))] if result.case.title else []
+    lines.append(("method", f"{attrs.get('method')} on the {attrs.get('engine')} engine"))
+    counted = [_counted(attrs[f"{word}s"], word) for word in ("impact", "stick") if f"{word}s" in attrs]
+    if counted:
+        lines.append(("motion", ", ".join(counted)))
+    if result.trust_horizon is not None:
+        lines.append(("right", _trust(result)))
+    if "certified" in attrs:
+        doubt = f"{attrs.get('uncertified')} stretches in doubt"
+        lines.append(("certificate", "every event proved" if attrs["certified"] else doubt))
+    return [*lines, ("columns", few(result.keys()))]
+
+
+def _counted(count: int, word: str) -> str:
+    return f"{count} {word}{'' if count == 1 else 's'}"
+
+
+def _trust(result: "Result") -> str:
+    tolerance = f"to {number(result.attrs['trust_tolerance_m'], 2)} m"
+    horizon = result.trust_horizon
+    assert horizon is not None
+    if horizon < result.t_reached:
+        return f"{tolerance} until {horizon:.4g} s{unknown_text(result.attrs)}"
+    return f"{tolerance} over the whole run"
+
+
+def unknown_text(attrs: Mapping[str, Any]) -> str:
+    """From when on nothing is known of the error of a run, and why; empty where something is to its end."""
+    if "trust_known_to_s" not in attrs:
+        return ""
+    return f"; nothing is known behind {attrs['trust_known_to_s']:.4g} s: {attrs['trust_unknown_why']}"

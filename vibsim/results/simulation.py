@@ -4,12 +4,15 @@ from collections.abc import Mapping
 from contextlib import closing
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from vibsim.cases.arguments import by_key
-from vibsim.files.signals import held_back
-from vibsim.results.recording.recording import MemorySink, Recording, Watch
+from vibsim.cases.case import by_key, load_case
+from vibsim.cases.sources import called_as_result
+from vibsim.results.hdf5_reading import ResultFileError, check_signature, damage_named, open_hdf5, read_attr
+from vibsim.results.recording import MemorySink, Recording, Watch
 from vibsim.results.result import Result
+from vibsim.results.trajectory_file import TrajectoryFile, TrajectoryWriter
+from vibsim.signals import ended_at_once, held_back
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -34,7 +37,7 @@ def simulate(
         they are in `result.digits`. None: doubles
 
     Raises EngineError (in `vibsim.engine.errors`) when the run fails, ValueError for other digits, and
-    MultiprecisionMissing (in `vibsim.physics.arithmetic.number_kits`) where neither python-flint nor
+    MultiprecisionMissing (in `vibsim.physics.precision`) where neither python-flint nor
     mpmath is there; TypeError where `overrides` is no dict.
 
     >>> import vibsim
@@ -42,11 +45,10 @@ def simulate(
     >>> len(result), result.complete
     (1001, True)
     """
-    from vibsim.cases.loading import load_case
 
     case = load_case(case, by_key("overrides", overrides, '{"Omega0": "6.5 Hz"}'))
     if digits is not None:
-        from vibsim.results.many_digits.truth import truth
+        from vibsim.results.many_digits import truth
 
         return truth(case, digits, engine)
     recording = Recording(case, engine, trust)
@@ -75,18 +77,15 @@ def simulate_to_file(
     Raises EngineError when the run fails and ResultFileError when the file cannot be written. Either way what
     was written before is kept beside `path`, in NAME.partial.
     """
-    from vibsim.cases.loading import load_case
 
     case = load_case(case)
     if digits is not None:
-        from vibsim.results.many_digits.truth import truth_to_file
+        from vibsim.results.many_digits import truth_to_file
 
         return truth_to_file(case, path, digits, engine, force, watch)
     recording = Recording(case, engine, trust, tangent)
     with closing(recording):
         recording.set_off()  # HDF5 is loaded while the engine runs
-        from vibsim.results.stored.trajectory_file import TrajectoryFile
-        from vibsim.results.stored.trajectory_writer import TrajectoryWriter
 
         writer: TrajectoryWriter | None = None
         try:
@@ -101,3 +100,64 @@ def simulate_to_file(
     target = writer.finish(end)
     file = TrajectoryFile(target, recording.tables)
     return Result({**recording.start, **end}, file.samples, file.events, case=case)
+
+
+# Open a trajectory file, and tell what kind of result a file holds.
+
+
+KINDS = ("trajectory", "sweep", "fit", "branch", "locus", "bench")
+
+
+@ended_at_once()
+def kind_of(path: str | Path) -> str:
+    """What a result file holds, one of KINDS; raises as `vibsim.open_result`."""
+
+    with damage_named(Path(path)), open_hdf5(Path(path)) as file:
+        kind = str(read_attr(file, "vibsim_kind", "trajectory"))
+    if kind not in KINDS:
+        raise ResultFileError(f"{path}: holds a {kind!r:.60}, which this vibsim does not read")
+    return kind
+
+
+def names_a_result(source: str | Path) -> bool:
+    """Whether a source is a result file, or is called as one that is not there."""
+
+    return str(source) != "-" and (is_result_file(source) or called_as_result(str(source)))
+
+
+def is_result_file(path: str | Path) -> bool:
+    """Whether `path` is a regular file that begins as an HDF5 file does; of a pipe nothing is read.
+
+    One that must not be read is judged by its name, and whoever opens it says so.
+    """
+
+    try:
+        check_signature(Path(path))
+    except ResultFileError as error:
+        return isinstance(error.__cause__, PermissionError) and called_as_result(str(path))
+    return True
+
+
+def open_trajectory_file(path: str | Path) -> Any:
+    """The Result in a trajectory file; raises as `open_result`, and for no single run."""
+
+    if kind_of(path) != "trajectory":
+        raise ResultFileError(f"{path}: holds no single run")
+    file = TrajectoryFile(path)
+    return Result(file.attrs, file.samples, file.events, case=file.case, digits=file.digits, orbit=file.orbit)
+
+
+# A run, however it is named: a Result, its file, or a case that is run first.
+
+
+def as_result(run: "Result | Case | str | PathLike[str]") -> Result:
+    """The Result itself, that in a file, or that of running a case (a Case, its file or its shipped name).
+
+    Raises ResultFileError, CaseError, and TypeError for anything else.
+    """
+    if isinstance(run, Result):
+        return run
+    if isinstance(run, str | PathLike) and names_a_result(Path(run)):
+        stored: Result = open_trajectory_file(Path(run))
+        return stored
+    return simulate(run)

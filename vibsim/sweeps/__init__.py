@@ -8,23 +8,21 @@ Names are imported when they are used.
 
 from typing import TYPE_CHECKING
 
-from vibsim.lazy_names import lazy_names
+from vibsim.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from vibsim.sweeps.description import describe as describe
-    from vibsim.sweeps.joining import join as join
-    from vibsim.sweeps.plan.sweep_plan import PlanError as PlanError
+    from vibsim.sweeps.sweep_plan import PlanError as PlanError
     from vibsim.sweeps.sweep_result import SweepResult as SweepResult
+    from vibsim.sweeps.sweep_result import describe as describe
+    from vibsim.sweeps.sweep_result import join as join
     from vibsim.sweeps.sweep_result import open_sweep as open_sweep
     from vibsim.sweeps.sweeping import sweep as sweep
 
 __getattr__, __dir__, __all__ = lazy_names(
     __name__,
     {
-        "vibsim.sweeps.description": ["describe"],
-        "vibsim.sweeps.joining": ["join"],
-        "vibsim.sweeps.plan.sweep_plan": ["PlanError"],
-        "vibsim.sweeps.sweep_result": ["SweepResult", "open_sweep"],
+        "vibsim.sweeps.sweep_plan": ["PlanError"],
+        "vibsim.sweeps.sweep_result": ["SweepResult", "describe", "join", "open_sweep"],
         "vibsim.sweeps.sweeping": ["sweep"],
     },
 )

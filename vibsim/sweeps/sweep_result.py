@@ -1,30 +1,37 @@
 """A sweep as users meet it: arrays by name over its axes, and the case of each point."""
 
-from collections.abc import Callable, Iterator
+import json
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import cache, cached_property, partial
+from itertools import pairwise
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from vibsim.cases import Case
-from vibsim.files.declarations import Column
-from vibsim.files.journal import Waiting
-from vibsim.files.output_file import check_result_output
-from vibsim.labelled.arrays import Arrays
-from vibsim.labelled.labelled import Labelled, few
-from vibsim.sweeps.ensemble import Share, Summary, share, summary
-from vibsim.sweeps.plan.axis import Axis
-from vibsim.sweeps.plan.members import Members
-from vibsim.sweeps.plan.recipe import Start
-from vibsim.sweeps.plan.sweep_plan import Index, Plan
-from vibsim.sweeps.points.table import TEXTS_AND_STATUS, Table
-from vibsim.sweeps.statistics.columns import DONE, MISSING
-from vibsim.sweeps.store.journal import point_from
-from vibsim.sweeps.store.provenance import outcome
-from vibsim.sweeps.store.stored_plan import read_sweep
-from vibsim.sweeps.store.sweep_file import coordinates, read_column, write_sweep
-from vibsim.sweeps.store.sweep_structure import datasets_of, dimensions
+from vibsim.cases.problems import one_line
+from vibsim.cases.quantities import decimal_text
+from vibsim.results.file_contents import Column
+from vibsim.results.hdf5_reading import ResultFileError
+from vibsim.results.hdf5_writing import check_result_output
+from vibsim.results.journal import Waiting
+from vibsim.results.labelled import Arrays, Labelled, few
+from vibsim.sweeps.axes import Axis, Members
+from vibsim.sweeps.point_store import origin, outcome, point_from
+from vibsim.sweeps.points import TEXTS_AND_STATUS, Share, Summary, Table, share, summary
+from vibsim.sweeps.quantities import DONE, MISSING
+from vibsim.sweeps.sweep_file import (
+    coordinates,
+    datasets_of,
+    dimensions,
+    read_column,
+    read_sweep,
+    write_sweep,
+)
+from vibsim.sweeps.sweep_plan import DIRECTION_NAMES, Index, Start, SweepPlan
 
 
 class SweepResult(Labelled):
@@ -44,7 +51,7 @@ class SweepResult(Labelled):
     def __init__(
         self,
         attrs: dict[str, Any],
-        plan: Plan,
+        plan: SweepPlan,
         read: Callable[[str], np.ndarray],
         table: Table | None = None,
     ):
@@ -201,7 +208,6 @@ class SweepResult(Labelled):
 
     def lines(self) -> list[tuple[str, str]]:
         """Axes, points, how they begin, what was computed, and the first columns."""
-        from vibsim.sweeps.description import axis_text, points_text, start_text
 
         computed = [("computed", ", ".join(self.plan.compute))] if self.plan.compute else []
         return [
@@ -229,3 +235,202 @@ def open_sweep(path: str | Path) -> SweepResult:
     for point in map(point_from, points):
         table.put(point)
     return SweepResult({**attrs, **outcome(table)}, plan, table.column, table)
+
+
+# What a sweep file holds, in labelled lines for people and as a dict for programs.
+
+
+Lines = list[tuple[str, str]]
+
+
+def describe(path: str | Path) -> tuple[Lines, dict[str, Any]]:
+    """Lines (label, text) and facts of a sweep file. Raises ResultFileError where it holds none."""
+    result = open_sweep(path)
+    return [*sweep_lines(result), ("written", _written(result.attrs))], facts(result)
+
+
+def sweep_lines(result: SweepResult) -> Lines:
+    """What was swept, how, and what came of it."""
+    attrs, plan = result.attrs, result.plan
+    name, title = one_line(attrs["case_name"]), one_line(attrs["title"])
+    lines = [("case", title if title == name else f"{name}  {title}")]
+    lines += [(axis.name, axis_text(axis)) for axis in plan.axes]
+    lines.append(("points", points_text(attrs)))
+    lines.append(("start", start_text(result)))
+    lines.append(("run", f"{_ends(plan)}, transient of {plan.discard} left out of the statistics"))
+    if plan.compute:
+        lines.append(("computed", ", ".join(plan.compute)))
+    lines.append(("section", f"the last {plan.section} stroboscopic points of each"))
+    failures = list(result.table.failures())
+    lines += [("failed", f"{place_text(result, index)}: {reason}") for index, reason in failures[:5]]
+    if len(failures) > 5:
+        lines.append(("failed", f"and {len(failures) - 5} more"))
+    return lines
+
+
+def _ends(plan: SweepPlan) -> str:
+    """How long the runs are: 300 s, or the values of an axis."""
+    for axis in plan.axes:
+        if isinstance(axis, Axis) and "run.t_end" in (axis.key, *axis.also):
+            return axis_text(axis)
+    return str(plan.case.quantity("run.t_end"))
+
+
+def facts(result: SweepResult) -> dict[str, Any]:
+    """The attributes as plain data, the case as an object."""
+    attrs = {name: value for name, value in result.attrs.items() if name != "case_yaml"}
+    case, settings = json.loads(attrs.pop("case_resolved_json")), json.loads(attrs.pop("sweep_settings_json"))
+    failed = [{"at": place_text(result, index), "error": reason} for index, reason in result.table.failures()]
+    return {**attrs, "case": case, "sweep": settings, "failed": failed}
+
+
+def axis_text(axis: Axis | Members) -> str:
+    """The values of an axis: 3 to 7 Hz in steps of 0.05, 81 values."""
+    if isinstance(axis, Members):
+        return str(axis)
+    values, count = axis.values, f"{len(axis)} value{'' if len(axis) == 1 else 's'}"
+    steps = {after - before for before, after in pairwise(values)}
+    if len(values) > 2 and len(steps) == 1:
+        span = f"{decimal_text(values[0])} to {decimal_text(values[-1])} {axis.unit}".strip()
+        return f"{span} in steps of {decimal_text(abs(steps.pop()))}, {count}"
+    if axis.by_ratio:
+        return (
+            f"{decimal_text(values[0])} to {decimal_text(values[-1])} {axis.unit}".strip()
+            + f" by ratio, {count}"
+        )
+    shown = [decimal_text(value) for value in values]
+    listed = shown if len(shown) <= 6 else [*shown[:3], "...", shown[-1]]
+    return f"{', '.join(listed)} {axis.unit}".strip() + f", {count}"
+
+
+def points_text(attrs: dict[str, Any]) -> str:
+    """How many were computed, failed and are missing."""
+    total, done, failed = attrs["points"], attrs["points_done"], attrs["points_failed"]
+    parts = [f"{done} of {total} done"]
+    parts += [f"{failed} failed"] if failed else []
+    parts += [f"{total - done - failed} missing"] if total > done + failed else []
+    return ", ".join(parts)
+
+
+def start_text(result: SweepResult) -> str:
+    """How the points begin."""
+    plan = result.plan
+    if not plan.carry:
+        return "every point from the state of its case"
+    axis = plan.axes[0]
+    if axis.way:
+        way = " and back ".join(DIRECTION_NAMES[code] for code in plan.directions)
+    else:
+        way = "as listed" + (" and back" if len(plan.directions) > 1 else "")
+    return f"every point from the end of the one before, {axis.name} {way}"
+
+
+def place_text(result: SweepResult, index: tuple[int, ...]) -> str:
+    """Where a point is: omega0 = 3.05 Hz, down."""
+    places = [f"{axis.name} = {axis.text(i)}" for axis, i in zip(result.axes, index, strict=False)]
+    direction = [DIRECTION_NAMES[result.directions[index[-1]]]] if result.plan.carry else []
+    return ", ".join([*places, *direction])
+
+
+def _written(attrs: dict[str, Any]) -> str:
+    versions = (
+        f"vibsim {attrs['vibsim_version']}, Python {attrs['python_version']}, numpy {attrs['numpy_version']}"
+    )
+    engine = {"c": "C", "python": "Python"}[attrs["engine"]]
+    took = f"{attrs['wall_time_s']:.3g} s of {engine} engine"
+    return f"{attrs['date_created']}, {took}; {versions}; {attrs['platform']}"
+
+
+# Several sweep files read as one sweep: the parts of a large one, or ranges that were swept one by one.
+
+
+AnyAxis = Axis | Members
+
+
+def join(paths: Iterable[str | PathLike[str]]) -> SweepResult:
+    """The sweeps in several files as one, along the one axis in which they differ, in any order.
+
+    A column is read when it is asked for, from all files; `save` writes one file. Raises ResultFileError
+    where the files are not parts of one sweep.
+
+    >>> import vibsim
+    >>> case = vibsim.load_case("II-B", {"run.t_end": "5 s"})
+    >>> for speeds, path in (("3,4 Hz", "slow.h5"), ("5,6 Hz", "fast.h5")):
+    ...     part = vibsim.sweep(case, {"Omega0": speeds}, section=0, jobs=1, out=path)
+    >>> vibsim.join(["fast.h5", "slow.h5"])["omega0"]
+    array([3., 4., 5., 6.])
+    """
+    files = [Path(path) for path in paths]
+    if not files:
+        raise ResultFileError("nothing to join: no files are given")
+    parts = [open_sweep(path) for path in files]
+    along = _dimension(files, parts)
+    order = _order([part.axes[along] for part in parts])
+    files, parts = [files[i] for i in order], [parts[i] for i in order]
+    plan = _whole(files, parts, along)
+
+    def read(name: str) -> np.ndarray:
+        return np.concatenate([part[name] for part in parts], axis=along)
+
+    attrs = origin(plan, parts[0].attrs["engine"])
+    counted = ("points", "points_done", "points_failed", "wall_time_s")
+    attrs |= {name: sum(part.attrs[name] for part in parts) for name in counted}
+    attrs["complete"] = min(part.attrs["complete"] for part in parts)
+    return SweepResult(attrs, plan, read)
+
+
+def _dimension(files: Sequence[Path], parts: Sequence[SweepResult]) -> int:
+    """Position of the axis along which the parts differ."""
+    first = parts[0].axes
+    differing = set()
+    for file, part in zip(files, parts, strict=True):
+        if [axis.key for axis in part.axes] != [axis.key for axis in first]:
+            raise ResultFileError(f"{file}: sweeps other axes than {files[0]}")
+        differing |= {i for i, axis in enumerate(part.axes) if axis != first[i]}
+    if len(differing) > 1:
+        names = " and ".join(first[i].name for i in sorted(differing))
+        raise ResultFileError(f"{files[-1]}: differs from {files[0]} in {names}; parts differ in one axis")
+    return differing.pop() if differing else 0
+
+
+def _whole(files: Sequence[Path], parts: Sequence[SweepResult], along: int) -> SweepPlan:
+    """The plan of the whole; every part must be a part of it."""
+    axes = list(parts[0].axes)
+    axes[along] = _joined(files, [part.axes[along] for part in parts])
+    wholes = [replace(part.plan, axes=tuple(axes)) for part in parts]
+    for file, whole in zip(files, wholes, strict=True):
+        if whole.fingerprint != wholes[0].fingerprint:
+            raise ResultFileError(f"{file}: its case or its settings are not those of {files[0]}")
+    return wholes[0]
+
+
+def _way(axes: Sequence[AnyAxis]) -> int:
+    """Which way the values of all parts run: 1 up, -1 down, 0 neither."""
+    ways = {axis.way for axis in axes if len(axis) > 1} or {1}
+    return ways.pop() if len(ways) == 1 else 0
+
+
+def _order(axes: Sequence[AnyAxis]) -> list[int]:
+    """Positions of the parts the way that their values run; as they are given where they run neither way."""
+    way = _way(axes)
+    return sorted(range(len(axes)), key=lambda i: way * axes[i].numbers()[0])
+
+
+def _overlap(axis: AnyAxis, follower: AnyAxis, way: int) -> bool:
+    """Whether a part does not follow on another."""
+    values, later = axis.numbers(), follower.numbers()
+    return bool(set(values.tolist()) & set(later.tolist()) or way * values[-1] > way * later[0])
+
+
+def _joined(files: Sequence[Path], axes: Sequence[AnyAxis]) -> AnyAxis:
+    """The axes one after another."""
+    for (one, axis), (other, follower) in pairwise(zip(files, axes, strict=True)):
+        if _overlap(axis, follower, _way(axes)):
+            raise ResultFileError(f"{one} and {other} overlap in {axis.name}")
+    first = axes[0]
+    if isinstance(first, Members):
+        whole = replace(first, count=sum(map(len, axes)))
+        if whole.numbers().tolist() != [n for axis in axes for n in axis.numbers().tolist()]:
+            raise ResultFileError(f"members are missing between {files[0]} and {files[-1]}")
+        return whole
+    return replace(first, values=tuple(v for axis in axes if isinstance(axis, Axis) for v in axis.values))

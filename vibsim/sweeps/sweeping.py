@@ -6,21 +6,18 @@ from fractions import Fraction
 from os import PathLike
 from pathlib import Path
 
-from vibsim.analysis.discard import parse_discard
+from vibsim.analysis.span import parse_discard
 from vibsim.cases import Case
-from vibsim.cases.arguments import by_key, texts, whole_number
-from vibsim.cases.loading import load_case
-from vibsim.cases.values.quantities import parse_quantity
-from vibsim.results.cores import available_cores
-from vibsim.sweeps.computations.registry import read_computations
-from vibsim.sweeps.plan.axis import Axis, range_and_unit, read_axis
-from vibsim.sweeps.plan.members import Members, read_members
-from vibsim.sweeps.plan.sweep_plan import Plan, PlanError, read_directions
-from vibsim.sweeps.schedule.runner import Watch, run
-from vibsim.sweeps.schedule.workers import LocalWorkers, Workers
-from vibsim.sweeps.statistics.quantities import quantities_of
-from vibsim.sweeps.store.point_store import FileStore, Store
+from vibsim.cases.case import by_key, load_case, texts, whole_number
+from vibsim.cases.quantities import parse_quantity
+from vibsim.results.blocks_ahead import available_cores
+from vibsim.sweeps.axes import Axis, Members, range_and_unit, read_axis, read_members
+from vibsim.sweeps.computations import read_computations
+from vibsim.sweeps.point_store import FileStore, Store
+from vibsim.sweeps.quantities import quantities_of
+from vibsim.sweeps.sweep_plan import PlanError, SweepPlan, read_directions
 from vibsim.sweeps.sweep_result import SweepResult
+from vibsim.sweeps.workers import ClusterWorkers, LocalWorkers, Watch, Workers, run
 
 # a range as text, values, or values and their unit
 AxisValues = str | Iterable[object] | tuple[Iterable[object], str]
@@ -62,7 +59,7 @@ def sweep(
     section : stroboscopic points kept per point, the last ones
     every : interval of the samples that verdicts on the regime are scaled with, such as "1 ms"; by default
         what suits the motion. All else is exact
-    compute : names of what is computed besides, see `vibsim.sweeps.computations.registry`, or "all"
+    compute : names of what is computed besides, see `vibsim.sweeps.computations`, or "all"
     ensemble : members of an ensemble that is run at every point; 0: none
     seed : of the members' draws; member 7 of a seed is the same in an ensemble of any size
     spread : key -> what varies over the ensemble and by how much, e.g. {"x1": "1 mm", "v1": "normal 2 mm/s",
@@ -116,7 +113,7 @@ def make_plan(
     every: str | None = None,
     compute: str | Iterable[str] = (),
     ensemble: tuple[Members, ...] = (),
-) -> Plan:
+) -> SweepPlan:
     """The plan of `sweep`, everything checked.
 
     axes : key, range and, as `read_axis` takes them, the unit of a range without one and the argument
@@ -128,7 +125,7 @@ def make_plan(
         every_axis: tuple[Axis | Members, ...] = (*(read_axis(case, *axis) for axis in axes), *ensemble)
         if not every_axis:
             raise PlanError("a sweep needs something to vary")
-        return Plan(
+        return SweepPlan(
             case=case,
             axes=every_axis,
             directions=read_directions(direction, every_axis[0], carry_state),
@@ -163,13 +160,11 @@ def read_ensemble(case: Case, count: int, seed: int, spread: Mapping[str, str]) 
         raise PlanError(str(error)) from None
 
 
-def open_workers(plan: Plan, jobs: int | None, scheduler: str | None, engine: str) -> Workers:
+def open_workers(plan: SweepPlan, jobs: int | None, scheduler: str | None, engine: str) -> Workers:
     """Workers here, or those of a scheduler; to be entered. Raises PlanError for wishes that do not fit."""
     if scheduler is not None and jobs is not None:
         raise PlanError("jobs are the workers of this machine; with a scheduler its workers compute")
     if scheduler is not None:
-        from vibsim.sweeps.schedule.cluster import ClusterWorkers
-
         return ClusterWorkers(plan.recipe, scheduler, engine)
     if jobs is not None and jobs < 1:
         raise PlanError(f"jobs must be at least 1, got {jobs}")

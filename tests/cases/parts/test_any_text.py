@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from tests.cases.test_any_case import PIECES
 from vibsim.cases import CaseError
-from vibsim.cases.loading import load_case_text
+from vibsim.cases.case import load_case_text
 
 TEXT = (Path(__file__).parent / "valid/hammer.yaml").read_text()
 MORE = ["ground", "base", "[ram, tool]", "[", "terms: ", "plus: ", "motor", "0 Hz", "none", "law: rigid"]

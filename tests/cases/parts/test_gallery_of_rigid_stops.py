@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 
 from tests.engine.runs import run
 from vibsim.cases import load_case
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.parts import EVENT_KINDS
 
 G = 9.81
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.cases.test_any_case import BASE, changes, quantities
 from vibsim.cases import Case, hard_case_names, load_case, shipped_case_names
-from vibsim.cases.loading import load_case_text
+from vibsim.cases.case import load_case_text
 
 VALID = Path(__file__).parent / "valid"
 FILES = sorted(VALID.glob("*.yaml"))

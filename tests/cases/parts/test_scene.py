@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from vibsim.cases import CaseError, hard_case_names, load_case, shipped_case_names
-from vibsim.cases.schema.schema import CaseFile
+from vibsim.cases.schema import CaseFile
 from vibsim.physics.friction_laws import EXPONENTIAL, HYPERBOLIC
 from vibsim.physics.parts import (
     AT_FORCE,
@@ -30,7 +30,7 @@ from vibsim.physics.parts import (
     columns_of,
 )
 from vibsim.results.simulation import simulate
-from vibsim.sweeps.plan.axis import read_axis
+from vibsim.sweeps.axes import read_axis
 
 VALID = Path(__file__).parent / "valid"
 HAMMER = VALID / "hammer.yaml"

@@ -4,9 +4,9 @@ import h5py
 import pytest
 
 import vibsim
-from vibsim.cases.loading import load_case_text
-from vibsim.cases.parts.names import COLUMNS, GROUPS, WORDS
-from vibsim.orbits.orbit_file import save_orbit
+from vibsim.cases.case import load_case_text
+from vibsim.cases.part_rules import COLUMNS, GROUPS, WORDS
+from vibsim.orbits.orbit import save_orbit
 from vibsim.results.simulation import simulate_to_file
 
 SCENE = """

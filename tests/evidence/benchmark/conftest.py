@@ -5,5 +5,5 @@ import pytest
 def run_once():
     """Time every method once: the least of several is for real benches."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("vibsim.evidence.benchmark.measuring.ENOUGH", 0.0)
+        patch.setattr("vibsim.evidence.benchmark.running.ENOUGH", 0.0)
         yield

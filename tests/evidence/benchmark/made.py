@@ -6,7 +6,7 @@ import numpy as np
 
 from vibsim.cases import load_case
 from vibsim.evidence.benchmark.plan import make_plan
-from vibsim.evidence.benchmark.truth import Truth, compute_truth
+from vibsim.evidence.benchmark.scoring import BenchTruth, compute_truth
 
 METHODS = ("taylor", "dop853", "rk4")
 
@@ -28,4 +28,4 @@ def planted(times, x1, events=()):
     times = np.asarray(times, dtype="f8")
     columns = {"time": times, "x1": np.asarray(x1, dtype="f8"), "x2": np.zeros(len(times))}
     table = np.array(events, dtype="f8").reshape(-1, 2)
-    return Truth("made up", columns, {"t": table[:, 0], "kind": table[:, 1].astype("i1")}, {})
+    return BenchTruth("made up", columns, {"t": table[:, 0], "kind": table[:, 1].astype("i1")}, {})

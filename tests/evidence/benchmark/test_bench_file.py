@@ -9,10 +9,8 @@ import pytest
 
 from tests.evidence.benchmark.made import METHODS, plan, truth
 from vibsim.evidence.benchmark import open_bench, run_bench
-from vibsim.evidence.benchmark.columns import ROW
-from vibsim.evidence.benchmark.errors import BenchError
-from vibsim.evidence.benchmark.known_truth import truth_at_hand, truth_from
-from vibsim.evidence.benchmark.row import Row
+from vibsim.evidence.benchmark.bench_result import ROW, BenchRow, truth_at_hand, truth_from
+from vibsim.evidence.benchmark.plan import BenchError
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError, kind_of, simulate
 
@@ -24,7 +22,7 @@ def made(tmp_path_factory):
     return run_bench(plan(), path, truth()), path
 
 
-def assert_same_row(got: Row, expected: Row):
+def assert_same_row(got: BenchRow, expected: BenchRow):
     np.testing.assert_array_equal(got.error, expected.error)
     for name in ("method", "setting", "status", "problem", "events", *ROW):
         assert getattr(got, name) == getattr(expected, name), name

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibsim.evidence.benchmark.event_counts import EventCount, count_events
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.evidence.benchmark.scoring import EventCount, count_events
+from vibsim.physics.parts import EVENT_KINDS
 
 TRUE = [1.0, 2.0, 2.1, 5.0]
 EVER = 1e9

@@ -5,14 +5,12 @@ import pytest
 
 from tests.evidence.benchmark.made import plan, truth
 from vibsim.engine.choice import compiled
-from vibsim.evidence.benchmark import measuring
-from vibsim.evidence.benchmark.families import Family, family_of
-from vibsim.evidence.benchmark.measuring import MOST_RUNS, measure
-from vibsim.evidence.benchmark.own_engine import OwnEngine
-from vibsim.evidence.benchmark.row import DONE, FAILED, SLOWER
-from vibsim.evidence.peers.attempt import EVERY_KIND
-from vibsim.evidence.peers.time_limit import TimeLimit
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.evidence.benchmark import running
+from vibsim.evidence.benchmark.bench_result import DONE, FAILED, SLOWER
+from vibsim.evidence.benchmark.plan import OwnEngine, SolverFamily, family_of
+from vibsim.evidence.benchmark.running import MOST_RUNS, measure
+from vibsim.evidence.peers.solvers import EVERY_KIND, TimeLimit
+from vibsim.physics.parts import EVENT_KINDS
 
 
 class Failing:
@@ -23,7 +21,7 @@ class Failing:
         raise ArithmeticError("the step is too small\nand more")
 
 
-FAILS = Family(
+FAILS = SolverFamily(
     "failing", "failing", "failing", "tests.evidence.benchmark.test_measuring:Failing", {}, [("as it is", {})]
 )
 
@@ -47,8 +45,8 @@ def test_a_peer_is_timed_counted_and_judged():
 def test_the_least_of_several_runs_counts(monkeypatch):
     """Runs that other processes disturb move no number: neither the first nor most of them."""
     clocks = iter([(1.0, 1.0), (0.2, 0.1), (0.02, 0.01), (0.15, 0.14), (0.2, 0.19)])  # setup, then runs [s]
-    monkeypatch.setattr(measuring, "ENOUGH", 0.5)
-    monkeypatch.setattr(measuring, "_timed", lambda call: (next(clocks), call()))
+    monkeypatch.setattr(running, "ENOUGH", 0.5)
+    monkeypatch.setattr(running, "_timed", lambda call: (next(clocks), call()))
     found = row("dop853", "rtol 1e-9")
     assert (found.runs, found.wall_time, found.cpu_time) == (4, 0.02, 0.01)
     assert found.time_per_second == 0.01 / 2.0

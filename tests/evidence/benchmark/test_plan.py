@@ -2,9 +2,7 @@ import pytest
 
 from tests.evidence.benchmark.made import plan
 from vibsim.cases import CaseError, load_case
-from vibsim.evidence.benchmark.errors import BenchError
-from vibsim.evidence.benchmark.families import FAMILIES, family_of
-from vibsim.evidence.benchmark.plan import make_plan
+from vibsim.evidence.benchmark.plan import FAMILIES, BenchError, family_of, make_plan
 
 
 @pytest.mark.parametrize(
@@ -79,7 +77,7 @@ def test_a_rest_distance_stops_no_run():
 
 
 def test_what_is_not_installed_is_left_out(monkeypatch):
-    monkeypatch.setattr("vibsim.evidence.benchmark.families.find_spec", lambda name: None)
+    monkeypatch.setattr("vibsim.evidence.benchmark.plan.find_spec", lambda name: None)
     found = plan(methods=())
     assert [family.name for family in found.absent()] == ["taylor", "orders", "heyoka"]
     assert {family.name for family, _ in found.rows()}.isdisjoint({"heyoka", "taylor"})

@@ -5,10 +5,9 @@ import pytest
 
 from tests.evidence.benchmark.made import planted
 from tests.scenes import paper, scene
-from vibsim.evidence.benchmark.event_counts import EventCount
-from vibsim.evidence.benchmark.row import DONE, Row
-from vibsim.evidence.benchmark.scoring import faithful_error, score, shortest_period
-from vibsim.evidence.peers.attempt import CONTACTS, EVERY_KIND, Attempt
+from vibsim.evidence.benchmark.bench_result import DONE, BenchRow
+from vibsim.evidence.benchmark.scoring import EventCount, faithful_error, score, shortest_period
+from vibsim.evidence.peers.solvers import CONTACTS, EVERY_KIND, Attempt
 
 TIMES = [0.0, 1.0, 2.0, 3.0]
 
@@ -67,13 +66,13 @@ def test_shortest_period():
 
 
 def test_error_until_is_the_largest_so_far():
-    row = Row("taylor", "", DONE, error=np.array([0, 3e-4, 1e-4, math.nan]))
+    row = BenchRow("taylor", "", DONE, error=np.array([0, 3e-4, 1e-4, math.nan]))
     time = np.array(TIMES)
     assert [row.error_until(time, t) for t in (0.0, 1.0, 2.5)] == [0, 3e-4, 3e-4]
     assert math.isnan(row.error_until(time, 3.0))
 
 
 def test_counts_of_all_kinds_add_up():
-    row = Row("taylor", "", DONE, events={"a": EventCount(1, 2, 3), "b": EventCount(4, 5, 6)})
+    row = BenchRow("taylor", "", DONE, events={"a": EventCount(1, 2, 3), "b": EventCount(4, 5, 6)})
     assert row.counted() == EventCount(5, 7, 9)
-    assert Row("taylor", "", DONE).counted() is None
+    assert BenchRow("taylor", "", DONE).counted() is None

@@ -5,12 +5,15 @@ import pytest
 
 from tests.evidence.benchmark.made import planted
 from vibsim.cases import load_case
-from vibsim.evidence.benchmark.bench_result import BenchResult
-from vibsim.evidence.benchmark.description import facts
-from vibsim.evidence.benchmark.row import DONE, FAILED, SLOWER, Row
-from vibsim.evidence.benchmark.verdicts import (
+from vibsim.evidence.benchmark.bench_result import (
+    DONE,
+    FAILED,
+    SLOWER,
+    BenchResult,
+    BenchRow,
     beside_reference,
     error_at,
+    facts,
     faster,
     fastest,
     impacts_per_second,
@@ -22,7 +25,7 @@ TIMES = np.array([0.0, 1.0, 2.0])
 
 
 def row(method, setting, cpu_time, errors, status=DONE, t_reached=2.0):
-    return Row(method, setting, status, cpu_time=cpu_time, t_reached=t_reached, error=np.array(errors))
+    return BenchRow(method, setting, status, cpu_time=cpu_time, t_reached=t_reached, error=np.array(errors))
 
 
 ROWS = [
@@ -32,7 +35,7 @@ ROWS = [
     row("dop853", "rtol 1e-3", 1.0, [0, 1e-3, 1e-2]),
     row("dop853", "rtol 1e-9", 4.0, [0, 1e-9, 1e-2]),
     row("rk45", "rtol 1e-9", 1e-4, [0, math.nan, math.nan], SLOWER, 0.5),
-    Row("rk4", "step 2 ms", FAILED, "why", error=np.full(3, math.nan)),
+    BenchRow("rk4", "step 2 ms", FAILED, "why", error=np.full(3, math.nan)),
 ]
 TEXT = load_case("II-B").resolved_json()
 

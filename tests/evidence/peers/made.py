@@ -8,8 +8,8 @@ import numpy as np
 from vibsim.cases import load_case
 from vibsim.engine.tangent.error_growth import error_growth
 from vibsim.engine.truth import open_truth
-from vibsim.evidence.peers.attempt import EVERY_KIND
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.evidence.peers.solvers import EVERY_KIND
+from vibsim.physics.parts import EVENT_KINDS
 
 DIGITS = 30
 CODES = [EVENT_KINDS[name] for name in EVERY_KIND]

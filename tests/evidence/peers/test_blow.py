@@ -9,10 +9,8 @@ import pytest
 
 from tests.scenes import paper
 from vibsim.cases import load_case
-from vibsim.evidence.peers.automaton.blow import _impulses, blow
-from vibsim.evidence.peers.automaton.consistent_states import consistent_states
-from vibsim.evidence.peers.automaton.instant import Instant
-from vibsim.evidence.peers.equations.compiled import Compiled, start_of
+from vibsim.evidence.peers.automaton import Instant, _impulses, blow, consistent_states
+from vibsim.evidence.peers.equations import Compiled, start_of
 from vibsim.physics.parts import COMPRESSION, GROUND, RigidStop
 
 

@@ -10,10 +10,9 @@ from hypothesis import strategies as st
 
 from tests.scenes import fixed_block, paper, scene
 from vibsim.cases import load_case
-from vibsim.evidence.peers.equations.compiled import Compiled, start_of
-from vibsim.evidence.peers.equations.of_motion import Equations
-from vibsim.evidence.peers.equations.straight_line import NAMES, Tape
-from vibsim.physics.forces import gap_function, motor_accelerations, source_force, transmitted_force
+from vibsim.evidence.peers.equations import Compiled, Equations, start_of
+from vibsim.evidence.peers.straight_line import NAMES, Tape
+from vibsim.physics.two_blocks import gap_function, motor_accelerations, source_force, transmitted_force
 
 STATES = st.lists(st.floats(-1, 1), min_size=6, max_size=6)
 FLOATS = SimpleNamespace(**NAMES)

@@ -5,11 +5,14 @@ import pytest
 
 from tests.evidence.peers.made import error, known
 from tests.scenes import scene
-from vibsim.evidence.peers.solvers.eventless import eventless_motion
-from vibsim.evidence.peers.solvers.runge_kutta4 import RungeKutta4
-from vibsim.evidence.peers.solvers.sign_changes import SignChanges, depths_of
-from vibsim.evidence.peers.solvers.solve_ivp_eventless import EventlessSolver
-from vibsim.evidence.peers.time_limit import TimeLimit
+from vibsim.evidence.peers.solvers import (
+    EventlessSolver,
+    RungeKutta4,
+    SignChanges,
+    TimeLimit,
+    depths_of,
+    eventless_motion,
+)
 
 CONTACTS = (1, 2)
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from tests.evidence.peers.made import error, known
-from vibsim.evidence.peers.solvers.solve_ivp_events import EventSolver
-from vibsim.evidence.peers.time_limit import TimeLimit
+from vibsim.evidence.peers.solvers import EventSolver, TimeLimit
 
 CASES = [("I-A", "8 s"), ("II-B", "8 s")]
 
@@ -47,7 +46,7 @@ def test_errors_fall_with_the_tolerance():
 @pytest.mark.skipif(find_spec("heyoka") is None, reason="needs heyoka")
 @pytest.mark.parametrize(("name", "t_end"), CASES)
 def test_heyoka(name, t_end):
-    from vibsim.evidence.peers.solvers.heyoka_events import HeyokaEvents
+    from vibsim.evidence.peers.heyoka_events import HeyokaEvents
 
     truth = known(name, t_end)
     peer = HeyokaEvents(truth.scene, 2.0**-52)

@@ -7,11 +7,8 @@ import pytest
 
 from tests.scenes import fixed_block, harmonic, motor, scene
 from tests.trajectories import run
-from vibsim.evidence.peers.attempt import EVERY_KIND
-from vibsim.evidence.peers.solvers.solve_ivp_eventless import EventlessSolver
-from vibsim.evidence.peers.solvers.solve_ivp_events import EventSolver
-from vibsim.evidence.peers.time_limit import TimeLimit
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.evidence.peers.solvers import EVERY_KIND, EventlessSolver, EventSolver, TimeLimit
+from vibsim.physics.parts import EVENT_KINDS
 
 RUN = {"t_end": 3.0, "every_num": 1, "every_den": 20}
 SCENES = {
@@ -53,7 +50,7 @@ def test_with_events(name):
 @pytest.mark.skipif(find_spec("heyoka") is None, reason="needs heyoka")
 @pytest.mark.parametrize("name", SCENES)
 def test_heyoka(name):
-    from vibsim.evidence.peers.solvers.heyoka_events import HeyokaEvents
+    from vibsim.evidence.peers.heyoka_events import HeyokaEvents
 
     displacements, kinds = reference(SCENES[name])
     attempt = HeyokaEvents(SCENES[name].as_parts(), 1e-15).run(instants(SCENES[name]), TimeLimit())

@@ -7,8 +7,7 @@ from hypothesis import HealthCheck, Phase, assume, given, settings
 from tests.engine.random_parts import part_scenes, rigid_scenes
 from vibsim.engine.errors import EngineError
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.evidence.peers.solvers.solve_ivp_events import EventSolver
-from vibsim.evidence.peers.time_limit import TimeLimit
+from vibsim.evidence.peers.solvers import EventSolver, TimeLimit
 from vibsim.results.columns import tables_of
 
 AGREE = 1e-7  # of the largest displacement: rtol 1e-11 over some hundred steps, grown by less than 100

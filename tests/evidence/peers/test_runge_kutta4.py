@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 
 from tests.scenes import scene
-from vibsim.evidence.peers.solvers.runge_kutta4 import RungeKutta4
-from vibsim.evidence.peers.time_limit import TimeLimit
+from vibsim.evidence.peers.solvers import RungeKutta4, TimeLimit
 
 STEPS = (8e-3, 4e-3, 2e-3, 1e-3, 5e-4)
 RELEASE = 1e-3  # m

@@ -6,14 +6,10 @@ import numpy as np
 import pytest
 
 from vibsim.cases import load_case
-from vibsim.cases.loading import load_case_text
+from vibsim.cases.case import load_case_text
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.evidence.peers.attempt import kinds_of
-from vibsim.evidence.peers.solvers.eventless import eventless_motion
-from vibsim.evidence.peers.solvers.runge_kutta4 import RungeKutta4
-from vibsim.evidence.peers.solvers.solve_ivp_events import EventSolver
-from vibsim.evidence.peers.time_limit import TimeLimit
-from vibsim.physics.modes import EVENT_NAMES
+from vibsim.evidence.peers.solvers import EventSolver, RungeKutta4, TimeLimit, eventless_motion, kinds_of
+from vibsim.physics.parts import EVENT_NAMES
 from vibsim.results.columns import tables_of
 
 # without chatter, over a span in which something happens; chaos multiplies errors by less than 1e3 there
@@ -78,7 +74,7 @@ def dop853(scene):
 
 
 def heyoka(scene):
-    from vibsim.evidence.peers.solvers.heyoka_events import HeyokaEvents
+    from vibsim.evidence.peers.heyoka_events import HeyokaEvents
 
     return HeyokaEvents(scene, 2.0**-52)
 

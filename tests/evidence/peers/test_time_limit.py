@@ -6,10 +6,7 @@ import numpy as np
 import pytest
 
 from tests.scenes import paper
-from vibsim.evidence.peers.solvers.runge_kutta4 import RungeKutta4
-from vibsim.evidence.peers.solvers.solve_ivp_eventless import EventlessSolver
-from vibsim.evidence.peers.solvers.solve_ivp_events import EventSolver
-from vibsim.evidence.peers.time_limit import OutOfTime, TimeLimit
+from vibsim.evidence.peers.solvers import EventlessSolver, EventSolver, OutOfTime, RungeKutta4, TimeLimit
 
 TIMES = np.linspace(0, 50.0, 1001)
 PEERS = {
@@ -38,7 +35,7 @@ def test_what_was_computed_is_kept(name):
 
 @pytest.mark.skipif(find_spec("heyoka") is None, reason="needs heyoka")
 def test_heyoka():
-    from vibsim.evidence.peers.solvers.heyoka_events import PIECE, HeyokaEvents
+    from vibsim.evidence.peers.heyoka_events import PIECE, HeyokaEvents
 
     attempt = HeyokaEvents(paper("I-C").as_parts(), 1e-9).run(TIMES, TimeLimit(going_on=looks(1)))
     assert attempt.stopped and len(attempt.states) == 2 * PIECE + 1

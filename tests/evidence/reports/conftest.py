@@ -3,7 +3,7 @@
 import pytest
 
 from vibsim.cases import load_case
-from vibsim.evidence.reports.measured.paper_runs import PAPER_RUNS
+from vibsim.evidence.reports.measurements import PAPER_RUNS
 from vibsim.plots import style
 from vibsim.plots.subject import Subject
 from vibsim.results import simulate

@@ -2,7 +2,7 @@
 
 from copy import deepcopy
 
-from vibsim.evidence.reports.measured.parameter_search import POINTS, STATEMENTS
+from vibsim.evidence.reports.readings import POINTS, STATEMENTS
 
 LETTERS = "ABC"
 FORCE = {"A": 1.596, "B": 3.941, "C": 5.504}  # N, m3 e omega^2

@@ -15,7 +15,7 @@ from tests.evidence.reports.made import (
     outcome,
     regime,
 )
-from vibsim.evidence.reports.claims.claim import (
+from vibsim.evidence.reports.claims import (
     EXAMPLE,
     FAILS,
     HOLDS,
@@ -25,10 +25,10 @@ from vibsim.evidence.reports.claims.claim import (
     OUR_MARGIN,
     OURS,
     PAPERS,
-    Verdict,
+    ClaimVerdict,
 )
-from vibsim.evidence.reports.claims.claims import judge_claims, paper_claims, trust_of
-from vibsim.evidence.reports.claims.of_escape import is_brief_hold, is_held_for_100, is_released_at_100
+from vibsim.evidence.reports.motor_claims import is_brief_hold, is_held_for_100, is_released_at_100
+from vibsim.evidence.reports.paper_document import judge_claims, paper_claims, trust_of
 
 EXPECTED = {
     "no-impacts": (HOLDS,),
@@ -209,7 +209,7 @@ def test_captured_as_printed_needs_no_condition():
     table = numbers()
     table["runs"]["II-B"]["capture"] = capture("captured", 11.0, None, 3.69, 3.69)
     table["ensembles"]["II-B"]["outcomes"] = [CAPTURED]
-    assert findings(table)["II-B-captured"].verdicts == (Verdict(HOLDS), Verdict(HOLDS))
+    assert findings(table)["II-B-captured"].verdicts == (ClaimVerdict(HOLDS), ClaimVerdict(HOLDS))
 
 
 @pytest.mark.parametrize("finding", findings(numbers()).values(), ids=EXPECTED)

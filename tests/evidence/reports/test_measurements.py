@@ -7,20 +7,22 @@ import pytest
 
 from vibsim.analysis import Capture, Span
 from vibsim.cases import load_case
-from vibsim.evidence.reports.figures.layouts import reach_by_second
-from vibsim.evidence.reports.measured.ensembles import member_outcome, starts
-from vibsim.evidence.reports.measured.measurements import (
+from vibsim.evidence.reports.measurements import (
+    EQUAL_FORCE,
+    PAPER_RUNS,
+    PRINTED,
     displacement_peak,
     measure_run,
+    member_outcome,
     overall_rate,
     plain,
     reach_at_end,
+    starts,
     steady_amplitudes,
 )
-from vibsim.evidence.reports.measured.paper_numbers import changes_of, least_hold, measure_facts
-from vibsim.evidence.reports.measured.paper_runs import EQUAL_FORCE, PAPER_RUNS, PRINTED
-from vibsim.evidence.reports.measured.regimes_nearby import LAWS, at_point, followed, most_common
-from vibsim.evidence.reports.measured.without_stop import measure_without_stop
+from vibsim.evidence.reports.paper_figures import reach_by_second
+from vibsim.evidence.reports.paper_numbers import changes_of, least_hold, measure_facts
+from vibsim.evidence.reports.readings import LAWS, at_point, followed, measure_without_stop, most_common
 
 TIME = np.linspace(0, 300, 6001)
 

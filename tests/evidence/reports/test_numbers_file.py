@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from vibsim.evidence.reports.measured import numbers_file
-from vibsim.evidence.reports.measured.numbers_file import NumbersFile
+from vibsim.evidence.reports import measurements
+from vibsim.evidence.reports.measurements import NumbersFile
 
 
 class Measure:
@@ -36,7 +36,7 @@ def test_a_section_of_something_else_is_measured_again(tmp_path):
 def test_a_section_of_another_version_is_measured_again(tmp_path, monkeypatch):
     path, measure = tmp_path / "numbers.json", Measure()
     NumbersFile(path).section("runs", 1, measure)
-    monkeypatch.setattr(numbers_file, "__version__", "0.0")
+    monkeypatch.setattr(measurements, "__version__", "0.0")
     NumbersFile(path).section("runs", 1, measure)
     assert measure.calls == 2
 

@@ -11,14 +11,18 @@ import pytest
 
 from vibsim.analysis import judge_capture
 from vibsim.analysis.capture import Capture
-from vibsim.analysis.holds import Hold
+from vibsim.analysis.cycles import Hold
 from vibsim.analysis.span import Span
 from vibsim.cases import load_case
 from vibsim.engine.errors import REASONS, EngineError
-from vibsim.evidence.reports.measured import ensembles, measurements
-from vibsim.evidence.reports.measured.ensembles import EVERY, member_outcome
-from vibsim.evidence.reports.measured.outcomes import outcome_of, run_all
-from vibsim.evidence.reports.measured.paper_runs import Interrupted
+from vibsim.evidence.reports import measurements
+from vibsim.evidence.reports.measurements import (
+    EVERY,
+    MeasurementInterrupted,
+    member_outcome,
+    outcome_of,
+    run_all,
+)
 from vibsim.results import simulate
 
 
@@ -56,7 +60,7 @@ def test_a_run_that_fails_is_an_outcome_too(monkeypatch):
     def fail(*given, **options):
         raise EngineError(reason, state)
 
-    monkeypatch.setattr(ensembles, "simulate", fail)
+    monkeypatch.setattr(measurements, "simulate", fail)
     assert member_outcome(load_case("II-A")) == {"failed": str(EngineError(reason, state))}
 
 
@@ -68,7 +72,7 @@ def test_work_stops_when_told():
         seen.append((done, total))
         return done < 2
 
-    with pytest.raises(Interrupted):
+    with pytest.raises(MeasurementInterrupted):
         run_all([lambda: {}] * 2 + [lambda: {"waited": never.wait(60)}] * 7, advance)
     never.set()
     assert seen[-1] == (2, 9)
@@ -78,8 +82,8 @@ INTERRUPTED_WITH_A_FILE_IN_USE = """
 import time
 from threading import Event
 from h5py._objects import phil
-from vibsim.evidence.reports.measured.outcomes import run_all
-from vibsim.evidence.reports.measured.paper_runs import Interrupted
+from vibsim.evidence.reports.measurements import run_all
+from vibsim.evidence.reports.measurements import MeasurementInterrupted as Interrupted
 
 held = Event()
 

@@ -10,12 +10,18 @@ from itertools import pairwise
 import pytest
 
 from tests.evidence.reports.made import numbers
-from vibsim.evidence.reports.claims.claim import FAILS, HOLDS
-from vibsim.evidence.reports.claims.claims import judge_claims
-from vibsim.evidence.reports.pages.document import Document, Paragraph, Picture, Section, Table
-from vibsim.evidence.reports.pages.html_page import render_html
-from vibsim.evidence.reports.pages.paper_document import paper_document
-from vibsim.evidence.reports.pages.text_page import WIDTH, render_text
+from vibsim.evidence.reports.claims import FAILS, HOLDS
+from vibsim.evidence.reports.pages import (
+    WIDTH,
+    Document,
+    PageSection,
+    PageTable,
+    Paragraph,
+    Picture,
+    render_html,
+    render_text,
+)
+from vibsim.evidence.reports.paper_document import judge_claims, paper_document
 
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
@@ -121,7 +127,9 @@ def test_pictures_are_inside_with_their_words(document):
 
 def test_text_is_escaped():
     hostile = '<script>alert("x")</script> & <b>'
-    sections = (Section("s", hostile, (Paragraph(hostile), Table(hostile, (hostile,), ((hostile,),)))),)
+    sections = (
+        PageSection("s", hostile, (Paragraph(hostile), PageTable(hostile, (hostile,), ((hostile,),)))),
+    )
     reader = read(render_html(Document(hostile, hostile, sections, ((hostile, hostile),))))
     assert not reader.all("script") and not reader.all("b")
     assert hostile in reader.text

@@ -11,12 +11,11 @@ import pytest
 from tests.command_line.made import call
 from tests.docs.paper_page import stored_numbers
 from tests.evidence.reports.test_pages import assert_accessible, assert_stands_alone, finding_in, read
-from vibsim.evidence.reports.claims.claim import FAILS, HOLDS
-from vibsim.evidence.reports.claims.claims import judge_claims, paper_claims
-from vibsim.evidence.reports.figures.figure_files import EVIDENCE
-from vibsim.evidence.reports.figures.paper_figures import paper_figures
-from vibsim.evidence.reports.measured.paper_runs import PAPER_RUNS
-from vibsim.evidence.reports.pages.search_tables import readings_table
+from vibsim.evidence.reports.claims import FAILS, HOLDS
+from vibsim.evidence.reports.figures import EVIDENCE
+from vibsim.evidence.reports.measurements import PAPER_RUNS
+from vibsim.evidence.reports.paper_document import judge_claims, paper_claims, readings_table
+from vibsim.evidence.reports.paper_figures import paper_figures
 
 ROOT = Path(__file__).resolve().parents[3]
 

@@ -9,13 +9,18 @@ from matplotlib.image import imread, imsave
 from tests.branches.made import CAPTURED, branch_of, parameter
 from tests.evidence.reports.made import numbers
 from vibsim.analysis import judge_capture
-from vibsim.evidence.reports.figures import figure_files
-from vibsim.evidence.reports.figures.evidence_figures import draw_capture, draw_drift, draw_regimes
-from vibsim.evidence.reports.figures.figure_files import write_figures, write_page
-from vibsim.evidence.reports.figures.paper_figures import PAGE_ROWS, growth_figure, paper_figures
-from vibsim.evidence.reports.load_curves import followed_cases, load_words, measure_ends
-from vibsim.evidence.reports.measured.paper_runs import Interrupted
-from vibsim.evidence.reports.pages.document import Picture
+from vibsim.evidence.reports import figures
+from vibsim.evidence.reports.figures import draw_capture, draw_drift, draw_regimes, write_figures, write_page
+from vibsim.evidence.reports.measurements import MeasurementInterrupted
+from vibsim.evidence.reports.pages import Picture
+from vibsim.evidence.reports.paper_figures import (
+    PAGE_ROWS,
+    followed_cases,
+    growth_figure,
+    load_words,
+    measure_ends,
+    paper_figures,
+)
 from vibsim.plots.style import BLUE
 
 pytestmark = pytest.mark.usefixtures("house_style")
@@ -126,10 +131,10 @@ def test_passages_show_speed_and_displacement(subjects):
 
 def test_figures_are_written_one_by_one(subjects, tmp_path, monkeypatch):
     """One of each layout; the whole report draws them all."""
-    monkeypatch.setattr(figure_files, "PNG_DPI", 40)
+    monkeypatch.setattr(figures, "PNG_DPI", 40)
     keys, told = ["fig-04", "fig-05", "fig-08", "fig-11", "fig-14", "growth"], []
-    figures = [FIGURES[key] for key in keys]
-    pictures = write_figures(figures, subjects, tmp_path, [], lambda *done: told.append(done) or True)
+    chosen = [FIGURES[key] for key in keys]
+    pictures = write_figures(chosen, subjects, tmp_path, [], lambda *done: told.append(done) or True)
     assert sorted(path.stem for path in tmp_path.iterdir()) == keys
     assert [picture.path.stem for picture in pictures] == keys
     assert told == [("drawing", i, len(keys)) for i in range(1, len(keys) + 1)]
@@ -153,7 +158,7 @@ def test_a_figure_is_written_in_every_format(subjects, tmp_path):
 
 
 def test_drawing_stops_when_told(subjects, tmp_path):
-    with pytest.raises(Interrupted):
+    with pytest.raises(MeasurementInterrupted):
         write_figures(paper_figures(), subjects, tmp_path, [], lambda step, done, total: done < 1)
     assert [path.name for path in tmp_path.iterdir()] == ["fig-02.png"]
 

@@ -3,8 +3,8 @@
 import pytest
 
 from vibsim.cases import load_case
-from vibsim.evidence.reports.measured import paper_runs
-from vibsim.evidence.reports.measured.paper_runs import Interrupted, obtain_run, stored_run
+from vibsim.evidence.reports import measurements
+from vibsim.evidence.reports.measurements import MeasurementInterrupted, obtain_run, stored_run
 from vibsim.opening import open_result
 from vibsim.results import simulate
 
@@ -34,7 +34,7 @@ def test_a_run_of_another_case_is_replaced(tmp_path, case):
 
 def test_a_run_of_another_version_is_replaced(tmp_path, case, monkeypatch):
     obtain_run(case, tmp_path)
-    monkeypatch.setattr(paper_runs, "__version__", "0.0")
+    monkeypatch.setattr(measurements, "__version__", "0.0")
     assert stored_run(case, tmp_path / "I-A.h5") is None
 
 
@@ -57,7 +57,7 @@ def test_fresh_simulates_again(tmp_path, case):
 
 def test_an_interrupted_run_is_not_taken_over(tmp_path, case):
     long = load_case("I-A", {"run.t_end": "100000 s"})
-    with pytest.raises(Interrupted):
+    with pytest.raises(MeasurementInterrupted):
         obtain_run(long, tmp_path, watch=lambda t: False)
     assert not open_result(tmp_path / "I-A.h5").complete
     assert stored_run(long, tmp_path / "I-A.h5") is None

@@ -9,11 +9,9 @@ import pytest
 
 from tests.evidence.reports.made import numbers
 from tests.evidence.reports.test_pages import audit_pictures
-from vibsim.evidence.reports.claims.claims import paper_claims
-from vibsim.evidence.reports.pages.html_page import render_html
-from vibsim.evidence.reports.pages.paper_document import paper_document
-from vibsim.evidence.reports.pages.text_page import render_text
-from vibsim.evidence.reports.quotes import QUOTES
+from vibsim.evidence.reports.claims import QUOTES
+from vibsim.evidence.reports.pages import render_html, render_text
+from vibsim.evidence.reports.paper_document import paper_claims, paper_document
 
 ROOT = Path(__file__).resolve().parents[3]
 PLACES = {"Abstract", "Eq. (2.11)", "Section 1", "Section 2.1", "Section 2.2", "Section 3", "Section 4"}

@@ -8,11 +8,9 @@ import pytest
 
 from vibsim.analysis import judge_capture
 from vibsim.cases import load_case
-from vibsim.evidence.peers.solvers.runge_kutta4 import RungeKutta4
-from vibsim.evidence.peers.time_limit import TimeLimit
-from vibsim.evidence.reports.claims.of_escape import is_brief_hold
-from vibsim.evidence.reports.measured.ensembles import member_outcome
-from vibsim.evidence.reports.measured.outcomes import run_all
+from vibsim.evidence.peers.solvers import RungeKutta4, TimeLimit
+from vibsim.evidence.reports.measurements import member_outcome, run_all
+from vibsim.evidence.reports.motor_claims import is_brief_hold
 from vibsim.results import simulate
 
 

@@ -4,11 +4,12 @@ import pytest
 
 from tests.evidence.reports.made import numbers, plane, reading
 from vibsim.cases import load_case
-from vibsim.evidence.reports.figures.search_figure import draw_search, points_of
-from vibsim.evidence.reports.measured import parameter_search
-from vibsim.evidence.reports.measured.paper_runs import READINGS as CASES
-from vibsim.evidence.reports.measured.paper_runs import Interrupted
-from vibsim.evidence.reports.measured.parameter_search import (
+from vibsim.evidence.reports import readings
+from vibsim.evidence.reports.figures import draw_search, points_of
+from vibsim.evidence.reports.measurements import SHIPPED_READINGS as CASES
+from vibsim.evidence.reports.measurements import MeasurementInterrupted
+from vibsim.evidence.reports.paper_document import captured_by, readings_table
+from vibsim.evidence.reports.readings import (
     FREE,
     POINTS,
     READINGS,
@@ -19,9 +20,8 @@ from vibsim.evidence.reports.measured.parameter_search import (
     search_plane,
     search_readings,
 )
-from vibsim.evidence.reports.pages.search_tables import captured_by, readings_table
 from vibsim.fitting.fitting import make_plan
-from vibsim.fitting.goals.plan import Search
+from vibsim.fitting.plan import Search
 from vibsim.plots import style
 
 
@@ -44,8 +44,8 @@ def test_the_shipped_cases_are_the_shipped_reading():
 
 
 def test_readings_are_judged_from_all_starts(monkeypatch):
-    monkeypatch.setattr(parameter_search, "READINGS", (SHIPPED, "c=0.03 N s/m"))
-    monkeypatch.setattr(parameter_search, "STARTS", 2)
+    monkeypatch.setattr(readings, "READINGS", (SHIPPED, "c=0.03 N s/m"))
+    monkeypatch.setattr(readings, "PARAMETER_SEARCH_STARTS", 2)
     told = []
     found = search_readings(motors(**{"run.t_end": "20 s"}), lambda *done: told.append(done) or True)
     assert len(found["ranking"]) == 3
@@ -54,7 +54,7 @@ def test_readings_are_judged_from_all_starts(monkeypatch):
 
 
 def test_the_plane_is_covered(monkeypatch):
-    monkeypatch.setattr(parameter_search, "POINTS", 8)
+    monkeypatch.setattr(readings, "POINTS", 8)
     found = search_plane(motors(**{"run.t_end": "10 s"}), lambda *done: True)
     places, shares = points_of(found["ranking"], (0, 1))
     assert len(places) == len(shares) == 8
@@ -62,7 +62,7 @@ def test_the_plane_is_covered(monkeypatch):
 
 
 def test_the_search_stops_when_told():
-    with pytest.raises(Interrupted):
+    with pytest.raises(MeasurementInterrupted):
         search_readings(motors(**{"run.t_end": "10 s"}), lambda done, total: done < 3)
 
 

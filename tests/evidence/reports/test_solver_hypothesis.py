@@ -3,8 +3,8 @@
 import pytest
 
 from vibsim.cases import load_case
-from vibsim.evidence.reports.measured.paper_runs import Interrupted
-from vibsim.evidence.reports.measured.solver_hypothesis import PATIENCE, measure_solvers, solved
+from vibsim.evidence.reports.measurements import MeasurementInterrupted
+from vibsim.evidence.reports.readings import PATIENCE, measure_solvers, solved
 
 
 def test_a_solver_follows_the_run_up():
@@ -26,5 +26,5 @@ def test_work_is_given_up_at_once():
     """Work for minutes, stopped at the first look: the time limit of a test is shorter."""
     case = load_case("II-B", {"run.t_end": "100000 s"})
     assert PATIENCE >= 120
-    with pytest.raises(Interrupted):
+    with pytest.raises(MeasurementInterrupted):
         measure_solvers([case], lambda done, total: False)

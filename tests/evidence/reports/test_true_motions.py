@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vibsim.cases import load_case
-from vibsim.evidence.reports.measured.true_motions import (
+from vibsim.evidence.reports.true_motions import (
     CHAOTIC,
     keep,
     motion_path,
@@ -16,7 +16,7 @@ from vibsim.evidence.reports.measured.true_motions import (
     rows_to_keep,
     true_motion,
 )
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.physics.parts import EVENT_KINDS
 from vibsim.results import simulate
 
 COUNTED = {"impacts": "contact_begin", "sticks": "stick_begin", "reversals": "reversal"}

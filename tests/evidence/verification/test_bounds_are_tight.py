@@ -5,10 +5,10 @@ from dataclasses import replace
 import pytest
 
 import vibsim.engine.trajectory
-from vibsim.evidence.verification import runs, verify
+from vibsim.evidence.verification import checks, verify
 from vibsim.evidence.verification.catalogue import all_checks
-from vibsim.orbits.returns import return_map
-from vibsim.results.recording import recording
+from vibsim.orbits import return_map
+from vibsim.results import recording
 
 WRONG = 1 + 1e-13
 JUDGED = ("V1/I-", "V2/", "V3/", "V4/", "V5/", "hard/")
@@ -64,7 +64,7 @@ def is_noticed(name, wrong, monkeypatch):
         return right(heavier(scene, wrong), *more, **options)
 
     monkeypatch.setattr(recording, "open_trajectory", run)
-    monkeypatch.setattr(runs, "open_trajectory", run)
+    monkeypatch.setattr(checks, "open_trajectory", run)
     return not all(row.passed for row in verify([name], "c"))
 
 

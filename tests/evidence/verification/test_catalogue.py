@@ -5,10 +5,9 @@ from pathlib import Path
 import pytest
 
 from vibsim.cases import hard_case_names, load_case
-from vibsim.evidence.verification.catalogue import all_checks
-from vibsim.evidence.verification.hard.hard_cases import REPORTED
-from vibsim.evidence.verification.runs import flows_of
-from vibsim.evidence.verification.selection import UnknownCheckError, selected, spellings
+from vibsim.evidence.verification.catalogue import UnknownCheckError, all_checks, selected, spellings
+from vibsim.evidence.verification.checks import flows_of
+from vibsim.evidence.verification.hard_cases import REPORTED
 
 NAMES = [check.name for check in all_checks()]
 

@@ -5,8 +5,8 @@ from random import Random
 import pytest
 
 import vibsim
-from vibsim.engine.state import State
-from vibsim.evidence.verification.bounds.kicks import (
+from vibsim.engine.errors import State
+from vibsim.evidence.verification.checks import (
     NUMBERS,
     SCENE_UNITS,
     START,
@@ -15,9 +15,8 @@ from vibsim.evidence.verification.bounds.kicks import (
     kicked_scene,
     kicked_state,
 )
-from vibsim.evidence.verification.digits_runs import Plan, run_digits
-from vibsim.evidence.verification.stray import states_apart
-from vibsim.physics.arithmetic.number_kits import number_kit
+from vibsim.evidence.verification.truth_making import TruthPlan, run_digits, states_apart
+from vibsim.physics.precision import number_kit
 
 
 @pytest.fixture
@@ -73,7 +72,7 @@ def test_stray_is_what_conditioning_says(kit):
             "run.every": "1 s",
         },
     )
-    how = Plan(case, 1)
+    how = TruthPlan(case, 1)
     truth = run_digits(how, "closed_form", 40)
     way = 0.05**2 / (2 * 0.001 * 9.81)
     assert float(truth.states["x2"][-1]) == pytest.approx(way, rel=1e-15)

@@ -4,12 +4,12 @@ from math import inf, nan
 
 import pytest
 
-from vibsim.evidence.verification import Point, Row
-from vibsim.evidence.verification.row import compared, counted_row, number_row, worst_row
+from vibsim.evidence.verification import CheckPoint, CheckRow
+from vibsim.evidence.verification.checks import compared, counted_row, number_row, worst_row
 
 
 def row(error, bound):
-    return Row("V0", "x", "1", "1", error, bound, "m", "no reason")
+    return CheckRow("V0", "x", "1", "1", error, bound, "m", "no reason")
 
 
 @pytest.mark.parametrize(("error", "bound"), [(0.0, 0.0), (1.0, 1.0), (1e-300, 1e-299), (3.0, inf)])
@@ -45,7 +45,7 @@ def test_a_count_must_be_right():
     ],
 )
 def test_the_worst_point_stands_for_all(points, worst):
-    made = [Point(f"x{i}", 0.0, 0.0, *pair) for i, pair in enumerate(points)]
+    made = [CheckPoint(f"x{i}", 0.0, 0.0, *pair) for i, pair in enumerate(points)]
     assert worst_row("V0", made, "no reason").what == f"x{worst}"
     assert worst_row("V0", made, "no reason").points == tuple(made)
 

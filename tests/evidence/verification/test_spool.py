@@ -6,8 +6,8 @@ import pytest
 
 from vibsim.cases import load_case
 from vibsim.engine.truth import open_truth
-from vibsim.evidence.verification.hard.spool import PERIOD, SPOOL, TRUTH
-from vibsim.physics.modes import EVENT_NAMES
+from vibsim.evidence.verification.paper_cases import PERIOD, SPOOL, TRUTH
+from vibsim.physics.parts import EVENT_NAMES
 
 
 @pytest.mark.parametrize("method", ("auto", "taylor"))

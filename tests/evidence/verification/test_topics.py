@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from vibsim.cases import load_case
-from vibsim.evidence.verification.runs import run
-from vibsim.physics.modes import EVENT_KINDS
+from vibsim.evidence.verification.checks import run
+from vibsim.physics.parts import EVENT_KINDS
 
 
 @cache

@@ -6,19 +6,18 @@ from decimal import Decimal
 import pytest
 
 from vibsim.cases import hard_case_names, load_case
-from vibsim.evidence.verification.digits_runs import Run as DigitsRun
-from vibsim.evidence.verification.hard.hard_cases import REPORTED, judged_names, state_points
-from vibsim.evidence.verification.hard.paper_cases import judged_case
-from vibsim.evidence.verification.runs import run
-from vibsim.evidence.verification.stray import undecided_spans
-from vibsim.evidence.verification.truth_making import confirm, make_truth, stored_names
-from vibsim.evidence.verification.truths.truth_file import (
+from vibsim.evidence.verification.checks import run
+from vibsim.evidence.verification.hard_cases import REPORTED, hard_state_points, judged_names
+from vibsim.evidence.verification.paper_cases import judged_case
+from vibsim.evidence.verification.stored_truths import (
     TruthError,
     read_truth,
     truth_path,
     truths_folder,
     write_truth,
 )
+from vibsim.evidence.verification.truth_making import TruthRun as DigitsRun
+from vibsim.evidence.verification.truth_making import confirm, make_truth, stored_names, undecided_spans
 
 ZERO = Decimal("1e-39")  # what rounding may leave of a zero among 40 digits
 
@@ -131,5 +130,5 @@ def test_hard_cases_are_compared_to_their_end(name):
     """No instant is left out for chaos."""
     truth = read_truth(name, case_of(name).sha256)
     for flow in truth.stray:
-        points = list(state_points(truth, run(case_of(name), "c", flow), flow))
+        points = list(hard_state_points(truth, run(case_of(name), "c", flow), flow))
         assert len(points) == len(truth.states) * len(truth.time)

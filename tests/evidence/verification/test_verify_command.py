@@ -8,12 +8,9 @@ import numpy as np
 import pytest
 
 from tests.command_line.made import call
-from vibsim.engine.errors import EngineError
-from vibsim.engine.state import State
-from vibsim.evidence.verification import runs, verify
+from vibsim.engine.errors import EngineError, State
+from vibsim.evidence.verification import checks, laws, verify, vibrations
 from vibsim.evidence.verification.catalogue import all_checks
-from vibsim.evidence.verification.laws import monodromy
-from vibsim.evidence.verification.vibrations import bilinear_oscillator, free_vibration
 from vibsim.results import Result
 
 QUICK = ("V2", "V3/taylor", "hard/light-rotor")
@@ -71,7 +68,9 @@ def test_an_unknown_name_is_a_usage_error():
 
 
 def test_a_planted_wrong_expectation_falls_short(monkeypatch):
-    monkeypatch.setattr(free_vibration, "PERIOD", bilinear_oscillator.PERIOD * (1 + 1e-12))
+    monkeypatch.setattr(
+        vibrations, "BILINEAR_OSCILLATOR_PERIOD", vibrations.BILINEAR_OSCILLATOR_PERIOD * (1 + 1e-12)
+    )
     done = call("verify", "V2", "V3")
     assert done.exit_code == 4
     assert done.stdout.count("FALLS SHORT") == 2
@@ -81,14 +80,14 @@ def test_a_planted_wrong_expectation_falls_short(monkeypatch):
 
 
 def test_a_jump_left_out_of_the_determinant_falls_short(monkeypatch):
-    monkeypatch.setattr(monodromy, "jump_logarithms", lambda *given: ([], 0.0))
+    monkeypatch.setattr(laws, "jump_logarithms", lambda *given: ([], 0.0))
     (row,) = verify(["V10/period/closed_form"])
     assert not row.passed and row.error > 0.1
 
 
 def broken(monkeypatch, change):
     """Let every run be followed by `change` of its samples and events."""
-    sound = runs.simulate
+    sound = checks.simulate
 
     def simulate(*given, **options):
         result = sound(*given, **options)
@@ -97,7 +96,7 @@ def broken(monkeypatch, change):
         samples, events = change(samples, events)
         return Result(result.attrs, samples, events, result.case)
 
-    monkeypatch.setattr(runs, "simulate", simulate)
+    monkeypatch.setattr(checks, "simulate", simulate)
 
 
 def fallen(*names):
@@ -146,7 +145,7 @@ def test_a_run_that_fails_is_a_row(monkeypatch):
     def failing(*given, **options):
         raise EngineError("diverged", State(1.5, [0.0], [0.0], 0.0, 0.0, 0.0))
 
-    monkeypatch.setattr(runs, "simulate", failing)
+    monkeypatch.setattr(checks, "simulate", failing)
     done = call("verify", "V2/taylor")
     assert done.exit_code == 4
     assert "failed: " in done.stdout and "FALLS SHORT" in done.stdout
@@ -158,7 +157,7 @@ def test_the_python_engine_is_verified_where_it_is_named():
 
 
 def test_what_takes_the_python_engine_minutes_is_left_out():
-    from vibsim.evidence.verification.verifying import chosen_checks
+    from vibsim.evidence.verification.catalogue import chosen_checks
 
     chosen, left_out = chosen_checks([], "python")
     assert {"hard/conservative/taylor", "hard/a-million-seconds/closed_form"} <= {
@@ -181,7 +180,7 @@ def test_an_engine_that_does_not_exist():
 
 
 def test_an_interrupted_verification_prints_what_it_has(monkeypatch):
-    sound, calls = runs.simulate, []
+    sound, calls = checks.simulate, []
 
     def simulate(*given, **options):
         calls.append(given)
@@ -189,7 +188,7 @@ def test_an_interrupted_verification_prints_what_it_has(monkeypatch):
             signal.raise_signal(signal.SIGINT)
         return sound(*given, **options)
 
-    monkeypatch.setattr(runs, "simulate", simulate)
+    monkeypatch.setattr(checks, "simulate", simulate)
     done = call("verify", "V2", "V3")
     assert done.exit_code == 130
     assert "V2/taylor" in done.stdout and "V3" not in done.stdout

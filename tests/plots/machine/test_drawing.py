@@ -5,12 +5,10 @@ from pathlib import Path
 import pytest
 
 from vibsim.cases import gallery_case_names, load_case, shipped_case_names
-from vibsim.cases.loading import load_case_text
+from vibsim.cases.case import load_case_text
 from vibsim.plots import style
-from vibsim.plots.machine import draw_machine_file
-from vibsim.plots.machine.drawing import machine_figure
-from vibsim.plots.machine.elements import elements, short
-from vibsim.plots.machine.layout import layout
+from vibsim.plots.machine import draw_machine_file, layout, machine_figure
+from vibsim.plots.machine_symbols import elements, short
 
 HAMMER = Path(__file__).parents[2] / "cases/parts/valid/hammer.yaml"
 RIGID = Path(__file__).with_name("rigid_stops.yaml")

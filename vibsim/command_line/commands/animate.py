@@ -2,9 +2,9 @@
 
 import click
 
-from vibsim.command_line.options.examples import examples
-from vibsim.command_line.options.parameters import FILE, WINDOW, FiniteRange
-from vibsim.command_line.terminal.printing import print_json, say
+from vibsim.command_line.options import FILE, WINDOW, FiniteRange, examples
+from vibsim.command_line.terminal import PROGRESS_AFTER, Progress, print_json, say
+from vibsim.signals import interrupted_with
 
 
 @click.command(
@@ -44,18 +44,16 @@ def command(
     scale. A page (.html) needs no network and can be stopped, slowed and turned back; an .mp4 needs ffmpeg,
     or vibsim[video].
     """
-    from vibsim.command_line.terminal.progress import PATIENCE, Progress
-    from vibsim.files.output_file import check_output
-    from vibsim.files.signals import interrupted_with
-    from vibsim.plots.animation.channels import speed_text
-    from vibsim.plots.animation.writing import Wish, animate, too_short
+    from vibsim.plots.animated_machine import speed_text
+    from vibsim.plots.animation import FilmWish, animate, too_short
+    from vibsim.results.hdf5_writing import check_output
 
     check_output(output, force)
-    progress = Progress(not ctx.obj.quiet, PATIENCE)
+    progress = Progress(not ctx.obj.quiet, PROGRESS_AFTER)
     try:
         with interrupted_with(lambda: f"{output} is not written"):
             written = animate(
-                file, output, Wish(window, speed), force, lambda n, of: progress.show(output, n, of)
+                file, output, FilmWish(window, speed), force, lambda n, of: progress.show(output, n, of)
             )
     finally:
         progress.close()

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from vibsim.cases.number import number
-from vibsim.command_line.options.examples import examples
-from vibsim.command_line.options.parameters import CASE, FILE
-from vibsim.command_line.options.settings import Settings
-from vibsim.command_line.terminal.printing import print_json, say
+from vibsim.cases.problems import one_line
+from vibsim.cases.quantities import number
+from vibsim.command_line.options import CASE, FILE, Settings, examples
+from vibsim.command_line.terminal import print_json, say
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -130,8 +129,6 @@ def _short_frequency(case: Case) -> str:
 
 
 def _print_table(cases: Iterable[Case]) -> None:
-    from vibsim.cases.plain_text import one_line
-
     rows = [("name", "source", "frequency", "title")]
     rows += [
         (_shipped_name(case), case.source_kind, _short_frequency(case), one_line(case.title))

@@ -8,17 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from vibsim.cases.number import number
 from vibsim.cases.problems import listed
-from vibsim.command_line.errors import INVALID_CASE
-from vibsim.command_line.options.examples import examples
-from vibsim.command_line.options.settings import Settings
-from vibsim.command_line.terminal.printing import print_json, say, style
+from vibsim.cases.quantities import number
+from vibsim.command_line.main import INVALID_CASE
+from vibsim.command_line.options import Settings, examples
+from vibsim.command_line.terminal import print_json, say, style
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
-    from vibsim.cases.derived_facts import Fact
     from vibsim.cases.problems import Problem
+    from vibsim.cases.validation import Fact
 
     Report = tuple[str, Case | None, Sequence[Problem]]
 
@@ -89,7 +88,7 @@ def _print_facts(case: Case) -> None:
 
 
 def _facts(case: Case) -> Sequence[Fact]:
-    from vibsim.cases.derived_facts import derived_facts
+    from vibsim.cases.validation import derived_facts
 
     return derived_facts(case.scene())
 

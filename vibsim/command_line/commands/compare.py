@@ -1,13 +1,16 @@
 """vibsim compare: are two runs the same, and if not, from when on and in what?"""
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
 import click
 
-from vibsim.command_line.options.examples import examples
-from vibsim.command_line.options.parameters import FILE, FiniteRange
-from vibsim.command_line.terminal.printing import print_json
+from vibsim.analysis.comparison import WORDS, Average, ComparedStatistic, Comparison, compare
+from vibsim.cases.quantities import number
+from vibsim.command_line.options import FILE, FiniteRange, examples
+from vibsim.command_line.terminal import print_json, style
+from vibsim.results import Result
 
 
 @click.command(
@@ -42,9 +45,7 @@ def command(
     instant, and too little is left for statistics; agree in statistics: up to an instant, and beyond
     it on the average; differ. The exit code is 0 for every verdict.
     """
-    from vibsim.analysis.comparison import compare
-    from vibsim.command_line.text.comparison import comparison_lines
-    from vibsim.command_line.text.summary import print_lines
+    from vibsim.command_line.text import print_lines
     from vibsim.results import ResultFileError
 
     ours, theirs = _run(a), _run(b)
@@ -68,3 +69,55 @@ def _run(path: str) -> Any:
     if kind_of(path) != "trajectory":
         raise ResultFileError(f"{path}: holds no single run; compare takes the files of two runs")
     return open_result(path)
+
+
+# A comparison of two runs in lines for people.
+
+
+COLORS = {"identical": "green", "agree": "green", "differ": "red"}
+
+
+def comparison_lines(
+    runs: Sequence[Result], paths: Sequence[str], comparison: Comparison
+) -> list[tuple[str, str]]:
+    """Label and text: both runs, what differs of them, until when they agree, statistics, verdict."""
+    lines = [(label, _run_text(run, path)) for label, run, path in zip("AB", runs, paths, strict=True)]
+    for row, difference in enumerate(comparison.differences):
+        lines.append(("" if row else "differences", f"{difference.key}: {difference.a}  |  {difference.b}"))
+    if comparison.verdict != "identical":
+        lines.append(("agreement", _agreement_text(comparison)))
+    if comparison.statistics:
+        lines.append(("statistics", f"from {comparison.statistics_from:.4g} to {comparison.span:g} s"))
+    lines += [(statistic.name, _statistic_text(statistic)) for statistic in comparison.statistics]
+    if comparison.verdict in ("agree_until", "differ") and not comparison.statistics:
+        lines.append(("statistics", "none: what lies beyond is too short"))
+    verdict = style(WORDS[comparison.verdict], fg=COLORS.get(comparison.verdict, "yellow"), bold=True)
+    return [*lines, ("verdict", verdict + _reason(comparison))]
+
+
+def _run_text(run: Result, path: str) -> str:
+    horizon = "" if run.trust_horizon is None else f", trust horizon {run.trust_horizon:.4g} s"
+    return f"{path}: {run.attrs['case_name']}, {run.t_reached:g} s{horizon}"
+
+
+def _agreement_text(comparison: Comparison) -> str:
+    within = f"within {number(comparison.tolerance, 2)} m"
+    if comparison.verdict == "agree":
+        return f"{within} to the end, {comparison.span:g} s"
+    if comparison.agree_until is None:
+        return f"not {within} at the start"
+    return f"{within} until {comparison.agree_until:.4g} of {comparison.span:g} s"
+
+
+def _statistic_text(statistic: ComparedStatistic) -> str:
+    text = f"{_interval(statistic.a)}  |  {_interval(statistic.b)} {statistic.unit}"
+    return text + style("  differs", fg="red") if statistic.differs else text
+
+
+def _interval(value: Average) -> str:
+    return f"{number(value.mean, 5)} +- {number(value.half_width, 1)}"
+
+
+def _reason(comparison: Comparison) -> str:
+    names = [statistic.name for statistic in comparison.statistics if statistic.differs]
+    return f": {', '.join(names)}" if names else ""

@@ -1,16 +1,51 @@
 """vibsim continue: a periodic orbit followed over a parameter."""
 
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
 import click
 
-from vibsim.command_line.options.examples import examples
-from vibsim.command_line.options.parameters import CASE, Pair, set_option, some_text
-from vibsim.command_line.options.shared_options import (
+from vibsim.cases import Case, UnknownKeyError
+from vibsim.command_line.commands.run import check_engine, hdf5_name, read_case, to_be_completed
+from vibsim.command_line.commands.sweep import source_key
+from vibsim.command_line.interruption import Interruption
+from vibsim.command_line.options import (
+    CASE,
+    PairType,
+    Settings,
     engine_option,
+    examples,
     output_option,
+    set_option,
+    some_text,
     stored_force_option,
 )
+from vibsim.command_line.terminal import PROGRESS_AFTER, Progress, print_json, say
+from vibsim.command_line.text import completed_file, goes_on, print_lines
+from vibsim.opening import open_result
+from vibsim.orbits.branches.branch import Branch
+from vibsim.orbits.branches.branch_file import LocusStore
+from vibsim.orbits.branches.continuing import BranchFileStore, complete, orbit_from, switched
+from vibsim.orbits.branches.description import branch_lines, facts, locus_facts, locus_lines, special_table
+from vibsim.orbits.branches.locus_result import MOST_POINTS as locus_result_MOST_POINTS
+from vibsim.orbits.branches.locus_result import Locus, LocusPlan, locus_plan
+from vibsim.orbits.branches.plan import (
+    BranchError,
+    BranchPlan,
+    energy_plan,
+    parameter_within,
+    plan_from,
+    read_span,
+)
+from vibsim.orbits.branches.tracing import MOST_POINTS
+from vibsim.results import kind_of, names_a_result
+from vibsim.signals import interrupted_with
+from vibsim.sweeps.axes import scale_name
 
-SPAN = Pair("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
+SPAN = PairType("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
 
 
 @click.command(
@@ -69,8 +104,6 @@ def command(
     or --locus a branch. The file of a branch or a locus, given alone, is completed. The order of events need
     not be told: where it changes is located, and listed beside folds, doublings and Neimark-Sacker points.
     """
-    from vibsim.command_line.jobs.continuation import read_energy_plan, read_plan, run_continuation
-    from vibsim.command_line.jobs.run_plan import check_engine, hdf5_name, to_be_completed
 
     check_engine(engine)
     if not any((omega0, omega, param, energy, switch, locus)):
@@ -79,12 +112,9 @@ def command(
             output = hdf5_name(output or source)
             if stored.attrs["vibsim_kind"] == "branch":
                 return run_continuation(stored.plan, output, max_points, engine, force, ctx.obj)
-            from vibsim.command_line.jobs.locus import run_locus
 
             return run_locus(stored.plan, output, max_points, engine, force, ctx.obj)
     if locus is not None:
-        from vibsim.command_line.jobs.locus import read_locus_plan, run_locus
-
         if omega0 or omega or energy or switch or changes:
             raise click.UsageError("--locus takes its second parameter from --param, and nothing else")
         locus_plan, output = read_locus_plan(source, locus, param, output)
@@ -97,3 +127,212 @@ def command(
     ranges = {"--omega0": omega0, "--omega": omega}
     plan, output = read_plan(source, dict(changes), ranges, param, switch, engine, output)
     return run_continuation(plan, output, max_points, engine, force, ctx.obj)
+
+
+# What `vibsim continue` does: find the orbit, follow it with progress, list what was met.
+
+
+def read_plan(
+    source: str,
+    changes: dict[str, str],
+    options: Mapping[str, str | None],
+    param: tuple[str, str] | None,
+    switch: str | None,
+    engine: str,
+    output: str | None,
+) -> tuple[BranchPlan, str]:
+    """The plan that the options describe, and its file.
+
+    Raises UsageError for what cannot be followed, CaseError, OrbitError and ResultFileError for the source.
+    """
+    chosen = [(option, text) for option, text in options.items() if text is not None]
+    parameters = len(chosen) + (param is not None)
+    if switch is not None:
+        return _switched(source, changes, parameters, switch, output)
+    if parameters != 1:
+        raise click.UsageError("give one range to follow: --omega0, --omega, --energy or --param KEY=FROM:TO")
+    _check_kind(source)
+    case = read_case(source, changes)
+    if param is None:
+        option, text = chosen[0]
+        key = source_key(case, option, text)
+    else:
+        option, (key, text) = "--param", param
+    try:
+        keys, unit, span = read_span(case, key, text)
+        parameter_within(case, keys, unit, span)
+        plan = plan_from(_orbit(source, case, changes, engine), keys, unit, span)
+    except (BranchError, UnknownKeyError) as error:
+        raise click.UsageError(f"{option}: {error}") from None
+    return plan, hdf5_name(output or f"{case.name}-{scale_name(keys[0])}-branch.h5")
+
+
+def read_energy_plan(
+    source: str, changes: dict[str, str], text: str, engine: str, output: str | None
+) -> tuple[BranchPlan, str]:
+    """The plan of a backbone curve, and its file.
+
+    Raises UsageError, CaseError, OrbitError, ResultFileError.
+    """
+
+    _check_kind(source)
+    is_file = not changes and names_a_result(source)
+    subject = open_result(source) if is_file else read_case(source, changes)
+    try:
+        plan = energy_plan(subject, text, engine)
+    except BranchError as error:
+        raise click.UsageError(f"--energy: {error}") from None
+    return plan, hdf5_name(output or f"{plan.case.name}-energy-branch.h5")
+
+
+def _check_kind(source: str) -> None:
+    """Usage error for a file that holds neither an orbit nor a run."""
+    kind = kind_of(source) if names_a_result(source) else "trajectory"
+    if kind == "branch":
+        raise click.UsageError(
+            f"{source} holds a branch; --switch PD1 or --locus NS1 go on from one, and alone it is completed"
+        )
+    if kind != "trajectory":
+        raise click.UsageError(f"{source} holds a {kind}; give a case, or the file of an orbit or a run")
+
+
+def _switched(
+    source: str, changes: dict[str, str], ranges: int, label: str, output: str | None
+) -> tuple[BranchPlan, str]:
+    """The branch that leaves another, over the range of that one."""
+    if changes or ranges:
+        raise click.UsageError("--switch follows over the range of its branch; leave ranges and --set out")
+    try:
+        plan = switched(read_branch_for(f"--switch {label}", source), label)
+    except BranchError as error:
+        raise click.UsageError(f"--switch {label}: {error}") from None
+    return plan, hdf5_name(output or f"{Path(source).stem}-{label}.h5")
+
+
+def read_branch_for(option: str, source: str) -> Branch:
+    """The branch that an option goes on from. Raises UsageError for what is none, ResultFileError and
+    CaseError for what cannot be read.
+    """
+    branch = open_result(source) if names_a_result(source) else read_case(source, {})
+    if not isinstance(branch, Branch):
+        raise click.UsageError(f"{option}: {source} is no branch; give the file of one")
+    return branch
+
+
+def _orbit(source: str, case: Case, changes: dict[str, str], engine: str) -> object:
+    """The orbit in a file, or where the run of a case comes to."""
+    if changes or not names_a_result(source):
+        return orbit_from(case, engine)
+    return orbit_from(open_result(source), engine)
+
+
+def run_continuation(
+    plan: BranchPlan, output: str, most: int | None, engine: str, force: bool, settings: Settings
+) -> int:
+    """Follow a branch, or complete one; returns the exit code."""
+    path, most = Path(output), most or MOST_POINTS
+    return Following(
+        lambda: BranchFileStore(plan, path, engine, force),
+        lambda store, watch: complete(store, most, engine, watch),
+        facts,
+        print_branch,
+    ).run(path, most, settings)
+
+
+def print_branch(branch: Branch, file: str, more: Iterable[tuple[str, str]] = ()) -> None:
+    """Lines about a branch, a line per special point, more lines and the file."""
+    print_lines(branch_lines(branch))
+    rows = special_table(branch)
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = (text.ljust(width) for text, width in zip(row, widths, strict=True))
+        say(f"  {'  '.join(cells)}".rstrip())
+    print_lines([*more, ("file", file)])
+
+
+# What `vibsim continue --locus` does: follow a bifurcation of a branch in two parameters.
+
+
+def read_locus_plan(
+    source: str, label: str, param: tuple[str, str] | None, output: str | None
+) -> tuple[LocusPlan, str]:
+    """The plan that the options describe, and its file. Raises UsageError, ResultFileError, CaseError."""
+    if param is None:
+        raise click.UsageError(f"--locus {label} needs the second parameter: --param KEY=FROM:TO")
+    branch = read_branch_for(f"--locus {label}", source)
+    try:
+        plan = locus_plan(branch, label, *read_span(branch.case, *param))
+    except (BranchError, UnknownKeyError) as error:
+        raise click.UsageError(f"--locus {label}: {error}") from None
+    return plan, hdf5_name(output or f"{Path(source).stem}-{label}-locus.h5")
+
+
+def run_locus(
+    plan: LocusPlan, output: str, most: int | None, engine: str, force: bool, settings: Settings
+) -> int:
+    """Follow a locus, or complete one; returns the exit code."""
+    path, most = Path(output), most or locus_result_MOST_POINTS
+    return Following(
+        lambda: LocusStore(plan, path, engine, force),
+        lambda store, watch: store.complete(most, watch),
+        locus_facts,
+        print_locus,
+    ).run(path, most, settings)
+
+
+def print_locus(locus: Locus, file: str, more: Iterable[tuple[str, str]] = ()) -> None:
+    """Lines about a locus, more lines and the file."""
+    print_lines([*locus_lines(locus), *more, ("file", file)])
+
+
+# What is followed point by point into a file, a branch or a locus: progress, interruption, what is said.
+
+
+Watch = Callable[..., bool]  # told the number of points; whether to go on
+
+
+@dataclass(frozen=True)
+class Following:
+    """How one kind of thing is followed.
+
+    open_store : opens what takes the points, which has `points` and `notes`
+    complete : given the store and a Watch, follows what is missing: what there is, whether it came to its end
+    facts, show : it as plain data, and printed with a text about its file
+    """
+
+    open_store: Callable[[], Any]
+    complete: Callable[[Any, Watch], tuple[Any, bool]]
+    facts: Callable[[Any], dict[str, Any]]
+    show: Callable[[Any, str], None]
+
+    def run(self, path: Path, most: int, settings: Settings) -> int:
+        """Follow it into a file, or complete that; returns the exit code."""
+        began, store = time.perf_counter(), None
+        with Interruption() as interruption, interrupted_with(lambda: _kept(path, store)):
+            store = self.open_store()
+            for note in store.notes:
+                say(f"Warning: {note}", err=True)
+            had, progress = len(store.points), Progress(not settings.quiet, PROGRESS_AFTER)
+
+            def watch(count: int, *_: object) -> bool:
+                progress.show("points", count, most)
+                return interruption.signum is None
+
+            try:
+                followed, finished = self.complete(store, watch)
+            finally:
+                progress.close()
+        if settings.json:
+            print_json({"file": str(path), **self.facts(followed)})
+        elif not settings.quiet:
+            self.show(followed, completed_file(path, len(followed), had, time.perf_counter() - began))
+        if not finished:
+            say(f"interrupted: {_kept(path, store)}", err=True)
+            return interruption.exit_code
+        return 0
+
+
+def _kept(path: Path, store: Any) -> str:
+    if store is None or not store.points:
+        return "stopped before the first point; nothing is kept"
+    return goes_on(path)

@@ -5,9 +5,8 @@ from shlex import quote
 
 import click
 
-from vibsim.command_line.options.examples import examples
-from vibsim.command_line.options.parameters import CASE, FILE
-from vibsim.command_line.terminal.printing import print_json, say
+from vibsim.command_line.options import CASE, FILE, examples
+from vibsim.command_line.terminal import print_json, say
 
 DEFAULT = "gallery/drifting-capsule"  # two bodies, a link, a stop, a friction, forces: a bit of everything
 
@@ -39,8 +38,8 @@ def command(
     The file holds the values of the case that it begins from and, in comments, the keys that may be added.
     """
     from vibsim.cases import load_case
-    from vibsim.cases.commented import commented_text
-    from vibsim.files.output_file import output_file
+    from vibsim.cases.case import commented_text
+    from vibsim.results.hdf5_writing import output_file
 
     if not any(character.isalnum() for character in Path(name).name):
         raise click.BadParameter(f"a file needs a name, such as capsule; got {name!r}", param_hint="NAME")

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+import time
+from collections import Counter
+from pathlib import Path
 from typing import Any
 
 import click
 
-from vibsim.command_line.options.examples import examples
+from vibsim.command_line.interruption import Interruption
+from vibsim.command_line.main import told
+from vibsim.command_line.options import Settings, examples
+from vibsim.command_line.terminal import Progress, print_json, say
+from vibsim.command_line.text import goes_on, print_lines, size
+from vibsim.evidence.reports.measurements import MeasurementInterrupted
+from vibsim.evidence.reports.pages import verdicts_of
+from vibsim.evidence.reports.paper import Report, write_paper
+from vibsim.signals import interrupted_with
 
 FORMATS = ("png", "pdf", "svg")
 
@@ -55,6 +66,53 @@ def command(ctx: click.Context, folder: str, formats: tuple[str, ...], fresh: bo
     DIR then holds report.html (one file, opens offline) and report.txt, the figures, the trajectories as HDF5
     files, and numbers.json, from which the verdicts follow. The exit code is 0 whatever the verdicts are.
     """
-    from vibsim.command_line.jobs.paper import write_report
 
     return write_report(folder, formats, fresh, ctx.obj)
+
+
+# What `vibsim paper` does: write the report with progress and interruption, then say what came of it.
+
+
+def write_report(folder: str, formats: tuple[str, ...], fresh: bool, settings: Settings) -> int:
+    """Write the report into the folder; returns the exit code."""
+    began = time.perf_counter()
+    steps = Progress(not settings.quiet, listed=True)
+    remedy = goes_on(folder)
+    with Interruption() as interruption, interrupted_with(lambda: remedy):
+
+        def tell(step: str, done: int, total: int) -> bool:
+            steps.show(step, done, total)
+            return interruption.signum is None
+
+        try:
+            report = write_paper(folder, formats, tell, fresh)
+        except MeasurementInterrupted:
+            return told(f"interrupted: {remedy}", interruption.exit_code, settings.json)
+        finally:
+            steps.close()
+    _print_report(report, folder, time.perf_counter() - began, settings)
+    return 0
+
+
+def _print_report(report: Report, folder: str, took: float, settings: Settings) -> None:
+    if settings.json:
+        claims = {
+            claim.key: [verdict.word for verdict in finding.verdicts] for claim, finding in report.findings
+        }
+        print_json({"folder": folder, "report": str(report.html), "text": str(report.text), "claims": claims})
+        return
+    if settings.quiet:
+        return
+    count = Counter(verdict.word for _, finding in report.findings for verdict in finding.verdicts)
+    for number, (claim, finding) in enumerate(report.findings, start=1):
+        words = "; ".join(f"{about.lower()}: {verdict.word}" for about, verdict in verdicts_of(finding))
+        say(f"{number:3}. {claim.statement}\n     {words}")
+    verdicts = "; ".join(f"{number} × {verdict}" for verdict, number in count.items())
+    runs = f"{report.simulated} simulated" if report.simulated else "all there already"
+    print_lines(
+        [
+            ("claims", f"{len(report.findings)}: {verdicts}"),
+            ("runs", f"{Path(folder) / 'runs'}: {runs}"),
+            ("report", f"{report.html} ({size(report.html)}), {report.text}; {took:.1f} s"),
+        ]
+    )

@@ -8,14 +8,10 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from vibsim.command_line.options.examples import examples
-from vibsim.command_line.options.parameters import FiniteRange, OneOf
-from vibsim.command_line.options.settings import Settings
-from vibsim.command_line.terminal.printing import print_json, say
-from vibsim.command_line.text.in_shell import in_shell
-from vibsim.plots.errors import PlotError
+from vibsim.command_line.options import FiniteRange, OneOf, Settings, examples
+from vibsim.command_line.terminal import in_shell, print_json, say
 from vibsim.plots.registry import KINDS, NEEDS, fitting
-from vibsim.plots.view import WIDTHS_CM, Span, View, parse_size, parse_span
+from vibsim.plots.view import WIDTHS_CM, PlotError, Span, View, parse_size, parse_span
 
 
 class KindNames(click.ParamType):

@@ -2,8 +2,8 @@
 
 import click
 
-from vibsim.command_line.options.examples import examples
-from vibsim.command_line.terminal.printing import print_json
+from vibsim.command_line.options import examples
+from vibsim.command_line.terminal import print_json
 
 
 @click.command(

@@ -13,22 +13,21 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Generic
 
-from vibsim.engine.errors import EngineError
-from vibsim.engine.events.departures import Departures
-from vibsim.engine.events.happenings import Happened, Taken, changes
+from vibsim.engine.errors import EngineError, State
+from vibsim.engine.events.departures import DerivativeSigns
 from vibsim.engine.events.impacts.rigid_stops import RigidStops
-from vibsim.engine.events.impacts.touch import Touch
-from vibsim.engine.events.parting import Parting
+from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
+from vibsim.engine.events.initial_mode import InitialMode
+from vibsim.engine.events.parting import TouchingParts
+from vibsim.engine.events.records import Happened, Taken, changes
 from vibsim.engine.events.relative_motion import RelativeMotion
-from vibsim.engine.events.settling import Settling
-from vibsim.engine.events.starts import Starts
+from vibsim.engine.events.settling import StickSlipResolution
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Event, Known
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, STICK, Status
 from vibsim.engine.modes.ties import TooManyCuts
-from vibsim.engine.state import State
-from vibsim.physics.arithmetic.numbers import Kit, N
+from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Scene
 
 
@@ -38,11 +37,11 @@ class Automaton(Generic[N]):
     def __init__(self, scene: Scene[N], maker: RowMaker[N], flow: Flow[N], kit: Kit[N]) -> None:
         self.scene, self.maker = scene, maker
         self.elastic = dict(scene.elastic_stops)
-        self.departures = Departures(RelativeMotion(scene, maker, kit), maker, flow, kit)
-        self.settling = Settling(scene, maker, self.departures)
-        self.parting = Parting(scene, maker, self.departures)
+        self.departures = DerivativeSigns(RelativeMotion(scene, maker, kit), maker, flow, kit)
+        self.settling = StickSlipResolution(scene, maker, self.departures)
+        self.parting = TouchingParts(scene, maker, self.departures)
         self.rigid = RigidStops(scene, maker, self.settling, self.parting)
-        self.starts = Starts(scene, maker, self.settling, self.rigid)
+        self.starts = InitialMode(scene, maker, self.settling, self.rigid)
 
     def initial(self, state: State[N]) -> tuple[Status, Known]:
         """Status that the motion starts in from `state`, and the known zeros there."""
@@ -85,7 +84,7 @@ class Automaton(Generic[N]):
             return self._sliding_ends(state, status, event)
         return self._hold_ends(state, status, event, order)
 
-    def touch(self, event: Event[N]) -> Touch[N] | None:
+    def touch(self, event: Event[N]) -> SimultaneousImpacts[N] | None:
         """The `Touch` of rigid stops that `event`, taken just now, was; None of other events."""
         return self.rigid.touch if event.kind == STRIKE else None
 

@@ -10,16 +10,15 @@ import threading
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Generic
 
-from vibsim.engine.errors import Stopped
-from vibsim.engine.events.certificate import Certificate
+from vibsim.engine.errors import State, Stopped
+from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.flows.flow import Flow
-from vibsim.engine.flows.series.taylor_rounding import TaylorRounding
+from vibsim.engine.flows.taylor_rounding import TaylorRounding
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import COUPLING, DIFFERENCE, Event, EventKey, ModeRows, Term
 from vibsim.engine.modes.status import Status
-from vibsim.engine.state import State
-from vibsim.physics.arithmetic.numbers import Kit, N, abs, total_of
+from vibsim.physics.numbers import Kit, N, abs, total_of
 from vibsim.physics.parts import Scene
 
 FEW = 2  # derivatives behind the first that is asked for: most often enough
@@ -35,12 +34,12 @@ def highest_derivative(scene: Scene[N]) -> int:
     return min(max(LEAST_JET, 2 * len(scene.bodies) + 3), MOST_JET)
 
 
-def scout(scene: Scene[N], kit: Kit[N], certificate: Certificate[N]) -> Flow[N]:
+def derivative_flow(scene: Scene[N], kit: Kit[N], certificate: Certificate[N]) -> Flow[N]:
     """A flow that looks ahead from an event, with as many derivatives as are consulted there."""
     return Flow(scene, kit, certificate, highest_derivative(scene) + 1)
 
 
-class Departures(Generic[N]):
+class DerivativeSigns(Generic[N]):
     """Decides on which side of zero event functions are just behind an instant."""
 
     def __init__(self, relative: RelativeMotion[N], maker: RowMaker[N], flow: Flow[N], kit: Kit[N]) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Generic
 
 from vibsim.engine.modes.rows import ACCELERATION, COUPLING, DIFFERENCE, LOAD, RATE, Acceleration, Event, Term
-from vibsim.physics.arithmetic.numbers import N, abs, total_of
+from vibsim.physics.numbers import N, abs, total_of
 from vibsim.physics.parts import Harmonic
 
 if TYPE_CHECKING:

@@ -9,20 +9,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Generic
 
-from vibsim.engine.events.departures import Departures
-from vibsim.engine.events.happenings import Happened
+from vibsim.engine.errors import State
+from vibsim.engine.events.departures import DerivativeSigns
+from vibsim.engine.events.records import Happened
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, Known
 from vibsim.engine.modes.status import CONTACT, KEPT, OPEN, VIOLATED, Status
-from vibsim.engine.state import State
-from vibsim.physics.arithmetic.numbers import N
+from vibsim.physics.numbers import N
 from vibsim.physics.parts import Clearance, Scene, Stop
 
 
-class Parting(Generic[N]):
+class TouchingParts(Generic[N]):
     """Decides which of these part and which close."""
 
-    def __init__(self, scene: Scene[N], maker: RowMaker[N], departures: Departures[N]) -> None:
+    def __init__(self, scene: Scene[N], maker: RowMaker[N], departures: DerivativeSigns[N]) -> None:
         self.scene, self.maker, self.departures = scene, maker, departures
         self.relative, self.elastic = departures.relative, dict(scene.elastic_stops)
 
@@ -30,7 +30,7 @@ class Parting(Generic[N]):
         self, state: State[N], status: Status, after: Status, order: int, known: Known
     ) -> tuple[Status, Happened]:
         """As `touching`, behind the release of ties, for the parts that the tied ends just touched."""
-        parts = self.touched(state, *let_go(self.maker, status, after))
+        parts = self.touched(state, *released_parts(self.maker, status, after))
         return self.touching(state, status, after, parts, order, known)
 
     def touching(
@@ -79,7 +79,7 @@ class Parting(Generic[N]):
         )
 
 
-def let_go(maker: RowMaker[N], before: Status, behind: Status) -> tuple[list[int], list[int]]:
+def released_parts(maker: RowMaker[N], before: Status, behind: Status) -> tuple[list[int], list[int]]:
     """The numbers of the elastic stops and of the clearances whose ends are tied in the mode `before` and not
     in the one `behind`.
     """

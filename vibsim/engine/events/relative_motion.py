@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Generic
 
-from vibsim.engine.flows.harmonics import series_rounding, value_and_rate
+from vibsim.engine.errors import State
+from vibsim.engine.flows.motion import series_rounding, value_and_rate
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import Joined
-from vibsim.engine.state import State
-from vibsim.physics.arithmetic.numbers import Kit, N, abs
+from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Clearance, Friction, RigidStop, Scene, Stop
 
 START_ROUNDING = 16  # at least: each of three numbers and of two differences is rounded once

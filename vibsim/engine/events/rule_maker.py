@@ -7,18 +7,22 @@ from __future__ import annotations
 
 from vibsim.engine.events.automaton import Automaton
 from vibsim.engine.modes.rows import (
+    BEAR,
     CLEARANCE,
+    CROSS,
     GAP,
     HOLD,
     PUSH,
     SLIDE,
+    STAND,
     STRIKE,
+    STRUCK,
     Event,
     EventKey,
     Joined,
     ModeRows,
+    Rule,
 )
-from vibsim.engine.modes.rule import BEAR, CROSS, STAND, STRUCK, Rule
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
 from vibsim.engine.modes.ties import TooManyCuts
 from vibsim.physics.parts import AT_FORCE

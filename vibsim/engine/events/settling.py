@@ -7,14 +7,13 @@ from itertools import combinations, product
 from math import prod
 from typing import Generic
 
-from vibsim.engine.errors import EngineError
-from vibsim.engine.events.departures import Departures, first_sign, sign
+from vibsim.engine.errors import EngineError, State
+from vibsim.engine.events.departures import DerivativeSigns, first_sign, sign
 from vibsim.engine.flows.accelerations import accelerations, base_acceleration
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import HOLD, SLIDE, STRIKE, Event, ModeRows
 from vibsim.engine.modes.status import BACKWARD, FORWARD, STICK, Status
-from vibsim.engine.state import State
-from vibsim.physics.arithmetic.numbers import N, abs
+from vibsim.physics.numbers import N, abs
 from vibsim.physics.parts import Motor, RigidStop, Scene
 
 # of all forces of a mode: nearer to its limit than that the force of a tie is measured closely
@@ -23,10 +22,10 @@ MOST_TRIED = 3**6  # combinations of ties that are tried one by one: those of si
 STEPS_A_TIE = 16  # of a descent; some two were needed in random scenes
 
 
-class Settling(Generic[N]):
+class StickSlipResolution(Generic[N]):
     """Decides what sticks, rests, slips and parts where frictions and rigid stops stand."""
 
-    def __init__(self, scene: Scene[N], maker: RowMaker[N], departures: Departures[N]) -> None:
+    def __init__(self, scene: Scene[N], maker: RowMaker[N], departures: DerivativeSigns[N]) -> None:
         self.scene, self.maker, self.kit, self.flow = scene, maker, departures.kit, departures.flow
         self.departures, self.relative = departures, departures.relative
 

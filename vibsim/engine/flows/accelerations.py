@@ -5,10 +5,10 @@ It is written from the equations of motion and uses no flow.
 
 from collections.abc import Sequence
 
-from vibsim.engine.flows.harmonics import sine_and_cosine, value_and_rate
+from vibsim.engine.errors import State
+from vibsim.engine.flows.motion import sine_and_cosine, value_and_rate
 from vibsim.engine.modes.rows import ModeRows
-from vibsim.engine.state import State
-from vibsim.physics.arithmetic.numbers import Kit, N
+from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Scene
 
 

@@ -11,16 +11,16 @@ from __future__ import annotations
 from math import inf
 from typing import Generic
 
-from vibsim.engine.events.certificate import Certificate
+from vibsim.engine.errors import State
+from vibsim.engine.events.records import Certificate
 from vibsim.engine.flows.closed.closed_form import ClosedForm
-from vibsim.engine.flows.closed.flat_zeros import leaves_flat
+from vibsim.engine.flows.closed.reaches import leaves_flat
 from vibsim.engine.flows.motion import Advance
-from vibsim.engine.flows.series.taylor import Taylor
-from vibsim.engine.ledgers.meters import Meters, Node
+from vibsim.engine.flows.taylor import Taylor
+from vibsim.engine.ledger_integrals import Meters, QuadratureNode
 from vibsim.engine.modes.rows import STRIKE, Event, Known, ModeRows
-from vibsim.engine.state import State
-from vibsim.physics.arithmetic.gauss_nodes import Quadrature
-from vibsim.physics.arithmetic.numbers import Kit, N, abs
+from vibsim.physics.elementary import Quadrature
+from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 
 
@@ -136,7 +136,7 @@ class Flow(Generic[N]):
     def open_nodes(self, meters: Meters[N]) -> None:
         self.now.open_nodes(meters)
 
-    def node(self, tau: N, meters: Meters[N]) -> Node[N]:
+    def node(self, tau: N, meters: Meters[N]) -> QuadratureNode[N]:
         return self.now.node(tau, meters)
 
     def spin_rate(self, tau: N) -> N:

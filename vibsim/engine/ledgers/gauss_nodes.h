@@ -1,4 +1,4 @@
-/* Gauss-Legendre quadrature on [0, 1]; twin of vibsim/physics/arithmetic/gauss_nodes.py. */
+/* Gauss-Legendre quadrature on [0, 1]; twin of vibsim/physics/elementary.py. */
 #ifndef VIBSIM_ENGINE_GAUSS_NODES_H
 #define VIBSIM_ENGINE_GAUSS_NODES_H
 

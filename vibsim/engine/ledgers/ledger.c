@@ -1,4 +1,4 @@
-/* The ledgers of energy and momentum; twin of vibsim/engine/ledgers/ledger.py. */
+/* The ledgers of energy and momentum; twin of vibsim/engine/ledger.py. */
 #include <string.h>
 
 #include "event_functions.h"

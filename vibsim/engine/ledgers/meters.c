@@ -1,4 +1,4 @@
-/* Ledgers and the meters of modes from packed numbers, in the order in which vibsim/engine/ledgers/packing_meters.py writes them. */
+/* Ledgers and the meters of modes from packed numbers, in the order in which vibsim/engine/ledger_integrals.py writes them. */
 #include <stdlib.h>
 #include <string.h>
 

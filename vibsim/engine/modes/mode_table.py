@@ -13,18 +13,16 @@ from collections.abc import Callable
 from threading import Lock, RLock
 from typing import TYPE_CHECKING
 
-from vibsim.engine.flows.closed.modal import pitch, pitches
-from vibsim.engine.ledgers.meters import MeterMaker
-from vibsim.engine.ledgers.packing_meters import pack_meters, terms_of
-from vibsim.engine.modes.likeness import Numbers, Place, settings
+from vibsim.engine.flows.closed.modal import harmonic_key, pitches
+from vibsim.engine.ledger_integrals import MeterMaker, pack_meters, terms_of
 from vibsim.engine.modes.packing import Packed, packed_mode
-from vibsim.engine.modes.recipe import Recipe, recipe_of
+from vibsim.engine.modes.recipe import ParametricRows, recipe_of
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import Event, EventKey, ModeRows
-from vibsim.engine.modes.rule import Rule
+from vibsim.engine.modes.rows import Event, EventKey, ModeRows, Rule
+from vibsim.engine.modes.same_structure import Numbers, Place, settings
 from vibsim.engine.modes.status import Kept, Status
-from vibsim.once import once
-from vibsim.physics.arithmetic.numbers import Doubles
+from vibsim.lazy import once
+from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
@@ -52,7 +50,7 @@ class ModeTable:
         self._meters = Kept[tuple[Status, bool], Packed](MOST_BYTES)
         self._makers: dict[bool, MeterMaker] = {}
         self._rules = Kept[tuple[Status, int], Rule | None](MOST_RULES)
-        self._recipes: dict[tuple[Place, ...], Kept[Status, Recipe | None]] = {}
+        self._recipes: dict[tuple[Place, ...], Kept[Status, ParametricRows | None]] = {}
         self._lock = RLock()  # one thread at a time makes rows, keys, meters and rules
 
     @once
@@ -81,13 +79,13 @@ class ModeTable:
         """The table of a scene whose modes differ from those of this one in `numbers` alone, as
         `likeness.differences` tells them.
         """
-        return RetunedTable(self, scene, numbers) if numbers else self
+        return ParametricModeTable(self, scene, numbers) if numbers else self
 
-    def recipes(self, places: tuple[Place, ...]) -> Kept[Status, Recipe | None]:
+    def recipes(self, places: tuple[Place, ...]) -> Kept[Status, ParametricRows | None]:
         """How the packed numbers of the modes met so far follow from those of the scene in `places`."""
         return self._recipes.setdefault(places, Kept(MOST_RECIPES))
 
-    def recipe(self, places: tuple[Place, ...], status: Status) -> Recipe | None:
+    def recipe(self, places: tuple[Place, ...], status: Status) -> ParametricRows | None:
         """The same of one mode, which may be new."""
         recipes = self.recipes(places)
         if status not in recipes:
@@ -131,7 +129,7 @@ class ModeTable:
             return self._rules[key]
 
 
-class RetunedTable(ModeTable):
+class ParametricModeTable(ModeTable):
     """The table of a scene whose modes are those of another table but for some numbers."""
 
     def __init__(self, of: ModeTable, scene: Scene, numbers: Numbers) -> None:
@@ -156,14 +154,14 @@ _tables: OrderedDict[bytes, ModeTable] = OrderedDict()
 _lock = Lock()
 
 
-def mode_table(scene: Scene, pitched: bool = True) -> ModeTable:
+def mode_table(scene: Scene, harmonic_keys: bool = True) -> ModeTable:
     """The table of a scene, the same for all that differ in nothing but their starts, ends, samples and the
     numbers of a motor, which no row holds.
 
-    pitched : False to share it over the frequencies of forces as well; then what is packed is that of all
-        these scenes, and of its rows the closed form is that of the first
+    harmonic_keys : False to share it over the frequencies of forces as well; then what is packed is that of
+        all these scenes, and of its rows the closed form is that of the first
     """
-    key = _signature(scene, pitched)
+    key = _signature(scene, harmonic_keys)
     with _lock:
         table = _tables.pop(key, None) or ModeTable(scene)
         _tables[key] = table
@@ -175,18 +173,22 @@ def mode_table(scene: Scene, pitched: bool = True) -> ModeTable:
 PARTS = ("links", "stops", "frictions", "base", "clearances")
 
 
-def _signature(scene: Scene, pitched: bool) -> bytes:
+def _signature(scene: Scene, harmonic_keys: bool) -> bytes:
     """Bits of all numbers and names that modes are made of: -0.0 is not 0.0 here."""
     masses = [body.m for body in scene.bodies]
     parts = [getattr(scene, name) for name in PARTS]
-    forces = scene.forces if pitched else _loads(scene)
-    return pickle.dumps((pitched, masses, parts, forces, settings(scene)))
+    forces = scene.forces if harmonic_keys else _loads(scene)
+    return pickle.dumps((harmonic_keys, masses, parts, forces, settings(scene)))
 
 
 def _loads(scene: Scene) -> list[tuple[int, float, list[tuple[float, int | None]]]]:
     """Forces with the number of the harmonic in the place of its frequency and phase."""
     numbers = {one: number for number, one in enumerate(pitches(scene))}
     return [
-        (force.on, force.constant, [(term.amplitude, numbers.get(pitch(term))) for term in force.terms])
+        (
+            force.on,
+            force.constant,
+            [(term.amplitude, numbers.get(harmonic_key(term))) for term in force.terms],
+        )
         for force in scene.forces
     ]

@@ -8,10 +8,10 @@ from functools import lru_cache
 from itertools import islice
 from typing import TYPE_CHECKING
 
-from vibsim.engine.flows.closed.modal import Pitch, pitch
+from vibsim.engine.errors import State
+from vibsim.engine.flows.closed.modal import Pitch, harmonic_key
 from vibsim.engine.modes.rows import DIFFERENCE, RATE, Event, EventKey, ModeRows, Term
-from vibsim.engine.state import State
-from vibsim.physics.arithmetic import elementary
+from vibsim.physics import elementary
 from vibsim.physics.parts import BASE, GROUND, Harmonic, Scene
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def pack_scene(scene: Scene, harmonics: Sequence[Pitch]) -> Packed:
     """The scene as bytes of ints and of doubles. harmonics: distinct pitches, as `ClosedForm.harmonics`."""
     motor = scene.motor
     parts = len(scene.stops) + len(scene.frictions) + len(scene.clearances)
-    of_pitch = iter(voices(scene, harmonics))
+    of_pitch = iter(harmonic_indices(scene, harmonics))
     ints = [
         len(scene.bodies),
         parts,
@@ -67,10 +67,10 @@ def pack_scene(scene: Scene, harmonics: Sequence[Pitch]) -> Packed:
     return array("i", ints).tobytes(), scene_doubles(scene, harmonics)
 
 
-def voices(scene: Scene, harmonics: Sequence[Pitch]) -> list[int]:
-    """The number of the pitch of each harmonic of the base, then of the forces; -1 for amplitudes of 0."""
+def harmonic_indices(scene: Scene, harmonics: Sequence[Pitch]) -> list[int]:
+    """The number of the key of each harmonic of the base, then of the forces; -1 for amplitudes of 0."""
     terms = [*scene.base, *(term for force in scene.forces for term in force.terms)]
-    return [harmonics.index(pitch(term)) if term.amplitude != 0 else -1 for term in terms]
+    return [harmonics.index(harmonic_key(term)) if term.amplitude != 0 else -1 for term in terms]
 
 
 def scene_doubles(scene: Scene, harmonics: Sequence[Pitch]) -> bytes:

@@ -12,16 +12,16 @@ from typing import Any, NamedTuple
 
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.flows.closed.modal_maker import modal_of
-from vibsim.engine.modes.likeness import Place, with_number
 from vibsim.engine.modes.packing import Packed, packed_mode
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import EventKey
+from vibsim.engine.modes.same_structure import Place, with_number
 from vibsim.engine.modes.status import Status
-from vibsim.physics.arithmetic.recorded_numbers import NotRecorded, Record, Recorded, RecordedNumbers
 from vibsim.physics.parts import Scene
+from vibsim.physics.traced_numbers import NotRecorded, Record, Recorded, RecordedNumbers
 
 
-class Recipe(NamedTuple):
+class ParametricRows(NamedTuple):
     """The packed numbers of a mode at first, and how those that change follow from the numbers of the scene.
 
     changing : by place among the doubles, the place in the record
@@ -45,7 +45,7 @@ class Recipe(NamedTuple):
 
 def recipe_of(
     scene: Scene, places: Sequence[Place], status: Status, keys: dict[EventKey, int]
-) -> Recipe | None:
+) -> ParametricRows | None:
     """The recipe of a mode for the numbers of a scene in `places`; None where it cannot be recorded.
 
     keys : {event key: number}, which grows
@@ -65,7 +65,7 @@ def recipe_of(
     numbers: list[Any] = [*pack.doubles]
     changing = tuple((i, number.place) for i, number in enumerate(numbers) if isinstance(number, Recorded))
     doubles = array("d", (n.value if isinstance(n, Recorded) else n for n in numbers))
-    return Recipe(array("i", pack.ints).tobytes(), doubles, changing, record)
+    return ParametricRows(array("i", pack.ints).tobytes(), doubles, changing, record)
 
 
 def _number(scene: Any, place: Place) -> float:

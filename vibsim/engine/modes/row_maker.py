@@ -29,19 +29,9 @@ from vibsim.engine.modes.rows import (
 )
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Kept, Status
 from vibsim.engine.modes.ties import Cut, Edge, Groups, Limits, Tie, cuts
-from vibsim.physics.arithmetic.numbers import Kit, N, abs, total_of
 from vibsim.physics.friction_laws import LAWS
-from vibsim.physics.parts import (
-    AT_GAP,
-    BASE,
-    EXTENSION,
-    GROUND,
-    Clearance,
-    Friction,
-    RigidStop,
-    Scene,
-    Stop,
-)
+from vibsim.physics.numbers import Kit, N, abs, total_of
+from vibsim.physics.parts import AT_GAP, BASE, EXTENSION, GROUND, Clearance, Friction, RigidStop, Scene, Stop
 
 MOST_EVENTS, MOST_MODES = 20_000, 5000  # event functions of the rows that are kept, some 30 MB; modes
 

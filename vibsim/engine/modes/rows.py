@@ -17,15 +17,16 @@ bodies hold on both is decided at once.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Generic, Protocol
+from typing import TYPE_CHECKING, Generic, NamedTuple, Protocol
 
 from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Cut, Groups
-from vibsim.physics.arithmetic.numbers import N
 from vibsim.physics.friction_laws import Law
+from vibsim.physics.numbers import N
 
 if TYPE_CHECKING:
     from vibsim.engine.flows.closed.closed_form import ModalMotion
+
 
 GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE = range(6)  # kinds of event functions; STRIKE: of a rigid stop
 DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL = range(6)  # kinds of terms
@@ -144,3 +145,28 @@ class ModeRows(Generic[N]):
         mass = self.mass[leader]
         assert mass is not None
         return mass
+
+
+# What C is told of an event beforehand: the mode behind it, where that is simple.
+
+
+ASK, CROSS, STAND, STRUCK, BEAR = range(5)  # kinds of rules, as in rules.c; ASK: Python decides
+
+
+class Rule(NamedTuple):
+    """A rule of one event of a mode.
+
+    target : the mode behind it; other : of STAND, the mode where HOLD event number `hold` of the target is
+        overloaded; None and -1 where there is none
+    happened, part : kind of the event by name, and the part that it happens to
+    key, order : of the event function that is zero behind it
+    """
+
+    kind: int
+    target: Status
+    other: Status | None
+    hold: int
+    happened: str
+    part: int
+    key: EventKey
+    order: int

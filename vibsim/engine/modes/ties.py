@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic
 
-from vibsim.physics.arithmetic.numbers import N
+from vibsim.physics.numbers import N
 
 Edge = tuple[int, int]  # columns of P and Q
 Tie = tuple[int, int, int]  # number, columns of P and Q

@@ -9,8 +9,8 @@ from math import nan
 
 import numpy as np
 
-from vibsim.once import once
-from vibsim.physics.modes import EVENT_NAMES
+from vibsim.lazy import once
+from vibsim.physics.parts import EVENT_NAMES
 
 
 @dataclass(eq=False)

@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from vibsim.engine.c_engine import REASONS, UNDECIDED, CRun
-from vibsim.engine.events.plain_start import PlainStart
-from vibsim.engine.ledgers.packing_meters import pack_blows
+from vibsim.engine.errors import State
+from vibsim.engine.events.initial_mode import UnambiguousStart
+from vibsim.engine.ledger_integrals import pack_blows
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.rows import ModeRows
-from vibsim.engine.state import State
 from vibsim.engine.tangent.packing_tangent import DisturbancePacker
 from vibsim.engine.tangent.tangent_space import plainly_weighed_alike
 from vibsim.physics.parts import Scene
@@ -41,7 +41,7 @@ class CarryingRun(CRun):
 
     def __init__(self, scene: Scene) -> None:
         self.packer: DisturbancePacker | None = None
-        self.plain: PlainStart | None = None
+        self.plain: UnambiguousStart | None = None
         super().__init__(scene, carries=True)
 
     def rates_of(self, number: int) -> Callable[[], ModeRows]:
@@ -87,7 +87,7 @@ class CarryingRun(CRun):
         if self.moving:
             self.packer = self.packer or DisturbancePacker(self.scene, self.maker.ends)
             self.run.keep_tangent(*self.packer.packed(vectors))
-        self.plain = self.plain or PlainStart(self.scene, self.maker.ends)
+        self.plain = self.plain or UnambiguousStart(self.scene, self.maker.ends)
         status = self.plain.status(state) if self.plain.known else None
         self._set_off(*(self._begun(state) if status is None else (state, status, {})))
 

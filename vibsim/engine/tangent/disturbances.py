@@ -8,18 +8,18 @@ displacement of their ends.
 from collections.abc import Iterator, Sequence
 from typing import Generic
 
-from vibsim.engine.events.impacts.touch import Touch
+from vibsim.engine.errors import State
+from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.flows.accelerations import joined
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.modes.rows import Event, ModeRows
-from vibsim.engine.state import State
-from vibsim.engine.tangent.events.impact_saltation import Undefined
-from vibsim.engine.tangent.events.saltation import Jump, resting, saltation
-from vibsim.engine.tangent.events.tangencies import Tangencies
-from vibsim.engine.tangent.flows.tangent_closed_form import ClosedFormTangent
-from vibsim.engine.tangent.flows.tangent_taylor import TaylorTangent
+from vibsim.engine.tangent.impact_saltation import Undefined
+from vibsim.engine.tangent.saltation import Jump, resting, saltation
+from vibsim.engine.tangent.tangencies import Tangencies
+from vibsim.engine.tangent.tangent_closed_form import ClosedFormTangent
 from vibsim.engine.tangent.tangent_space import seated
-from vibsim.physics.arithmetic.numbers import Kit, N
+from vibsim.engine.tangent.tangent_taylor import TaylorTangent
+from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Scene
 
 
@@ -77,7 +77,7 @@ class Disturbances(Generic[N]):
         state: State[N],
         before: ModeRows[N],
         after: ModeRows[N],
-        touch: Touch[N] | None = None,
+        touch: SimultaneousImpacts[N] | None = None,
     ) -> None:
         """Take `event` at `state` from the mode of the rows `before` to that of `after`; touch: of rigid
         stops, where it was one.

@@ -16,7 +16,7 @@ from vibsim.engine.columns import state_columns, stop_column
 from vibsim.engine.modes.status import RESTING, STICK
 from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.arithmetic import elementary
+from vibsim.physics import elementary
 from vibsim.physics.parts import Friction, RigidStop, Scene, columns_of
 
 KICK = 1e-12  # of the largest velocity: far above rounding, far below what bends the growth

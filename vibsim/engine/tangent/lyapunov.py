@@ -29,7 +29,7 @@ class LyapunovExponents:
     volume_residual : what is missing in the identity of Liouville over the whole run [-], where all exponents
         were asked for; else NaN
     tangencies : events crossed almost tangentially, turns almost in contact; `closest_tangency` [-] at
-        `closest_tangency_time` [s]; see `vibsim.engine.tangent.events.tangencies`
+        `closest_tangency_time` [s]; see `vibsim.engine.tangent.tangencies`
     tangent_pieces : stretches that the residual adds up over
     undefined_time : when the motion first had no derivative [s], grazing a rigid stop say; NaN without that
     """

@@ -20,17 +20,17 @@ from numpy.typing import ArrayLike
 
 from vibsim.engine.choice import engine_name
 from vibsim.engine.driver import Driver
+from vibsim.engine.errors import State
 from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.flows.closed.modal import pitches
-from vibsim.engine.modes.likeness import Numbers, differences
 from vibsim.engine.modes.mode_table import ModeTable
-from vibsim.engine.modes.packing import scene_doubles, voices
+from vibsim.engine.modes.packing import harmonic_indices, scene_doubles
 from vibsim.engine.modes.rows import ModeRows
-from vibsim.engine.state import State
+from vibsim.engine.modes.same_structure import Numbers, differences
 from vibsim.engine.tangent.carried import Carried
 from vibsim.engine.tangent.tangent_space import length
-from vibsim.once import once
-from vibsim.physics.arithmetic.numbers import Doubles
+from vibsim.lazy import once
+from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
@@ -42,12 +42,15 @@ PIECES = 4096  # of the Python engine at once
 class _Shared:
     """A run on the C engine that carriers of several scenes use by turns, and the scene that it is on.
 
-    first : the scene that it begins with; pitches, voices, doubles : of its harmonics, and its numbers
+    first : the scene that it begins with; pitches, harmonic_indices, doubles : of its harmonics, and its numbers
     """
 
     def __init__(self, first: Scene) -> None:
         self.first, self.pitches = first, pitches(first)
-        self.voices, self.doubles = voices(first, self.pitches), scene_doubles(first, self.pitches)
+        self.harmonic_indices, self.doubles = (
+            harmonic_indices(first, self.pitches),
+            scene_doubles(first, self.pitches),
+        )
         self.on: Scene | None = None
 
     @once
@@ -171,7 +174,7 @@ class Carrier:
             return None
         if scene.forces is not first.forces or scene.base is not first.base:
             sounds = pitches(scene)
-            if voices(scene, sounds) != shared.voices:
+            if harmonic_indices(scene, sounds) != shared.harmonic_indices:
                 return None
         other = object.__new__(Carrier)
         other.engine, other.size, other._shared, other._order = self.engine, self.size, shared, self._order

@@ -9,10 +9,10 @@ import numpy as np
 from vibsim.engine.modes.packing import Packed, Packer, tolerance_exponent
 from vibsim.engine.modes.rows import Joined
 from vibsim.engine.modes.ties import Edge
-from vibsim.engine.tangent.flows.tangent_taylor import reach
 from vibsim.engine.tangent.tangent_space import Gauge, components, natural_rate, weights
-from vibsim.once import once
-from vibsim.physics.arithmetic.numbers import Doubles
+from vibsim.engine.tangent.tangent_taylor import reach
+from vibsim.lazy import once
+from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import RigidStop, Scene
 
 Ends = Callable[[Joined], Edge]  # columns of the ends of a part

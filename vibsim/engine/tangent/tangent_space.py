@@ -16,7 +16,7 @@ from typing import Generic
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.modes.status import RESTING, Status
 from vibsim.engine.modes.ties import Groups
-from vibsim.physics.arithmetic.numbers import Kit, N
+from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import BASE, GROUND, Scene
 from vibsim.physics.rates import mobility
 

@@ -8,20 +8,19 @@ Names are imported when they are used.
 
 from typing import TYPE_CHECKING
 
-from vibsim.lazy_names import lazy_names
+from vibsim.lazy import lazy_names
 
 if TYPE_CHECKING:
     from vibsim.evidence.benchmark.bench_result import BenchResult as BenchResult
+    from vibsim.evidence.benchmark.bench_result import facts as facts
     from vibsim.evidence.benchmark.bench_result import open_bench as open_bench
-    from vibsim.evidence.benchmark.description import facts as facts
     from vibsim.evidence.benchmark.plan import make_plan as make_plan
     from vibsim.evidence.benchmark.running import run_bench as run_bench
 
 __getattr__, __dir__, __all__ = lazy_names(
     __name__,
     {
-        "vibsim.evidence.benchmark.bench_result": ["BenchResult", "open_bench"],
-        "vibsim.evidence.benchmark.description": ["facts"],
+        "vibsim.evidence.benchmark.bench_result": ["BenchResult", "facts", "open_bench"],
         "vibsim.evidence.benchmark.plan": ["make_plan"],
         "vibsim.evidence.benchmark.running": ["run_bench"],
     },

@@ -14,11 +14,9 @@ from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 
-from vibsim.branches.branch import Branch
 from vibsim.cases import load_case
-from vibsim.evidence.reports.claims.claim import Claim, Finding, Numbers
-from vibsim.evidence.reports.claims.claims import judge_claims
-from vibsim.evidence.reports.figures.figure_files import (
+from vibsim.evidence.reports.claims import Claim, Finding, Numbers
+from vibsim.evidence.reports.figures import (
     FORMATS,
     write_evidence,
     write_figures,
@@ -26,23 +24,19 @@ from vibsim.evidence.reports.figures.figure_files import (
     write_page,
     write_search,
 )
-from vibsim.evidence.reports.figures.paper_figures import growth_figure, paper_figures
-from vibsim.evidence.reports.load_curves import obtain_branches
-from vibsim.evidence.reports.measured.numbers_file import NumbersFile
-from vibsim.evidence.reports.measured.paper_numbers import Tell, measure_paper
-from vibsim.evidence.reports.measured.paper_runs import PAPER_RUNS, Interrupted
-from vibsim.evidence.reports.measured.true_motions import obtain
-from vibsim.evidence.reports.pages.document import Picture
-from vibsim.evidence.reports.pages.html_page import render_html
-from vibsim.evidence.reports.pages.paper_document import paper_document
-from vibsim.evidence.reports.pages.text_page import render_text
-from vibsim.files.errors import reason
-from vibsim.files.output_file import output_file
-from vibsim.files.signals import held_back
-from vibsim.files.writers import Lock
+from vibsim.evidence.reports.measurements import PAPER_RUNS, MeasurementInterrupted, NumbersFile
+from vibsim.evidence.reports.pages import Picture, render_html, render_text
+from vibsim.evidence.reports.paper_document import judge_claims, paper_document
+from vibsim.evidence.reports.paper_figures import growth_figure, obtain_branches, paper_figures
+from vibsim.evidence.reports.paper_numbers import Tell, measure_paper
+from vibsim.evidence.reports.true_motions import obtain
+from vibsim.orbits.branches.branch import Branch
 from vibsim.plots import style
 from vibsim.plots.subject import Subject
 from vibsim.results import Result, ResultFileError
+from vibsim.results.hdf5_reading import reason
+from vibsim.results.hdf5_writing import Lock, output_file
+from vibsim.signals import held_back
 
 
 @dataclass(frozen=True)
@@ -112,7 +106,7 @@ def obtain_runs(folder: Path, tell: Tell, fresh: bool = False) -> tuple[dict[str
         results[name], anew = obtain(load_case(name), folder, watch, fresh)
         simulated += anew
         if not tell("simulating", done + 1, total):
-            raise Interrupted
+            raise MeasurementInterrupted
     return results, simulated
 
 

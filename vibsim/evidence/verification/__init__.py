@@ -9,19 +9,18 @@ follow from rounding and from the conditioning of each motion. Needs nothing but
 
 from typing import TYPE_CHECKING
 
-from vibsim.lazy_names import lazy_names
+from vibsim.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from vibsim.evidence.verification.row import Point as Point
-    from vibsim.evidence.verification.row import Row as Row
-    from vibsim.evidence.verification.selection import UnknownCheckError as UnknownCheckError
-    from vibsim.evidence.verification.verifying import verify as verify
+    from vibsim.evidence.verification.catalogue import UnknownCheckError as UnknownCheckError
+    from vibsim.evidence.verification.catalogue import verify as verify
+    from vibsim.evidence.verification.checks import CheckPoint as CheckPoint
+    from vibsim.evidence.verification.checks import CheckRow as CheckRow
 
 __getattr__, __dir__, __all__ = lazy_names(
     __name__,
     {
-        "vibsim.evidence.verification.row": ["Point", "Row"],
-        "vibsim.evidence.verification.selection": ["UnknownCheckError"],
-        "vibsim.evidence.verification.verifying": ["verify"],
+        "vibsim.evidence.verification.catalogue": ["UnknownCheckError", "verify"],
+        "vibsim.evidence.verification.checks": ["CheckPoint", "CheckRow"],
     },
 )

@@ -6,18 +6,127 @@ by runs that are kicked as doubles round. Takes minutes; needs python-flint.
 
 import sys
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from decimal import Decimal
+from random import Random
 from typing import Any
 
-from vibsim.cases import hard_case_names, load_case
-from vibsim.evidence.verification.digits_runs import Run, plan, run_digits
-from vibsim.evidence.verification.hard.hard_cases import CLOSED_FORMS, REPORTED
-from vibsim.evidence.verification.hard.paper_cases import CASE_I, SPANS
-from vibsim.evidence.verification.runs import flows_of
-from vibsim.evidence.verification.stray import states_apart, stored_digits, times_apart, undecided_spans
-from vibsim.evidence.verification.truths.event_matching import outside
-from vibsim.evidence.verification.truths.truth_file import Truth, truth_path, write_truth
-from vibsim.physics.arithmetic.number_kits import number_kit
+from vibsim.cases import Case, hard_case_names, load_case
+from vibsim.engine.columns import state_columns
+from vibsim.engine.driver import Driver
+from vibsim.engine.errors import State
+from vibsim.engine.truth import bare
+from vibsim.evidence.verification.checks import KickedFlow, flows_of, kicked_scene
+from vibsim.evidence.verification.hard_cases import CLOSED_FORMS, PERIOD, PERIODIC, REPORTED, SETTLED
+from vibsim.evidence.verification.paper_cases import CASE_I, SPANS, judged_case
+from vibsim.evidence.verification.stored_truths import (
+    Event,
+    StoredTruth,
+    Window,
+    match_events,
+    outside,
+    reach,
+    truth_path,
+    write_truth,
+)
+from vibsim.physics.numbers import Number
+from vibsim.physics.parts import EVENT_NAMES
+from vibsim.physics.precision import DigitsKit, number_kit, one_precision
+
+# Runs of many digits for the stored truths, kicked or not.
+
+
+INSTANTS = 10  # at which states are kept, besides the start
+
+
+@dataclass(frozen=True)
+class TruthRun:
+    """A finished run: time [s] and states of its samples, its events."""
+
+    time: list[float]
+    states: dict[str, list[Decimal]]
+    events: list[Event]
+
+
+@dataclass(frozen=True)
+class TruthPlan:
+    """How a truth is made: case to run, samples per instant kept, whether events are kept.
+
+    settled, period : where only one period [s] after a settled start [s] is kept
+    """
+
+    case: Case
+    stride: int
+    with_events: bool = True
+    settled: float | None = None
+    period: float | None = None
+
+
+def plan(name: str) -> TruthPlan:
+    """The plan for a hard case, or for one of the paper's."""
+    if name == PERIODIC:
+        case = load_case(name, {"run.t_end": f"{SETTLED + PERIOD:g} s", "run.every": f"{PERIOD / 16:g} s"})
+        return TruthPlan(case, 1, True, SETTLED, PERIOD)
+    case = load_case(name) if name.startswith("hard/") else judged_case(name)
+    stride = max(1, (case.two_blocks().sample_count - 1) // INSTANTS)
+    return TruthPlan(case, stride, name.startswith("hard/"))
+
+
+def run_digits(how: TruthPlan, flow: str, digits: int, seed: int | None = None) -> TruthRun:
+    """A run of many digits, kicked where a seed is given."""
+    with one_precision:
+        return _run_digits(how, flow, digits, seed)
+
+
+def _run_digits(how: TruthPlan, flow: str, digits: int, seed: int | None) -> TruthRun:
+    kit: Any = number_kit(digits)
+    kit.activate()
+    doubles = how.case.two_blocks()
+    scene = how.case.exact_two_blocks(kit.number, kit.pi)
+    scene = replace(scene, t_end=kit.number(doubles.t_end), every_num=scene.every_num * how.stride)
+    rng = None if seed is None else Random(seed)
+    if rng:
+        scene = kicked_scene(scene, kit, rng)
+    parts = replace(bare(scene.as_parts(), kit), method=flow)
+    driver = Driver(parts, kit, flow=KickedFlow(parts, kit, rng) if rng else None)
+    while not driver.finished:
+        driver.run(10**9, 10**9, 10**9)
+    return _kept_part(_finished(kit, driver), how)
+
+
+def _finished(kit: DigitsKit[Number], driver: Driver[Number]) -> TruthRun:
+    samples, events, *_ = driver.take()
+    states = [state for state, _ in samples]
+    names = state_columns(driver.scene)
+    rows = [_values(kit, state) for state in states]
+    columns = {name: kit.texts([row[i] for row in rows]) for i, name in enumerate(names)}
+    times = kit.texts([state.t for _, _, state, *_ in events])
+    kinds = [EVENT_NAMES[code] for code, *_ in events]
+    return TruthRun(
+        [float(state.t) for state in states],
+        {name: [Decimal(text) for text in texts] for name, texts in columns.items()},
+        list(zip(kinds, map(Decimal, times), strict=True))[1:-1],
+    )
+
+
+def _values(kit: DigitsKit[Number], state: State[Number]) -> list[Number]:
+    moving = [value for pair in zip(state.x, state.v, strict=True) for value in pair]
+    return [*moving, kit.unwind(state.phase, state.turns), state.w]
+
+
+def _kept_part(run: TruthRun, how: TruthPlan) -> TruthRun:
+    """The run as its truth keeps it: without events, or one settled period with times from its start."""
+    if not how.with_events:
+        return replace(run, events=[])
+    if how.settled is None:
+        return run
+    late = [i for i, t in enumerate(run.time) if t >= how.settled]
+    return TruthRun(
+        [run.time[i] - how.settled for i in late[:-1]],  # the last one is the first of the next period
+        {name: [column[i] for i in late[:-1]] for name, column in run.states.items()},
+        [(kind, t - Decimal(how.settled)) for kind, t in run.events if t >= how.settled],
+    )
+
 
 DIGITS, FEWER_DIGITS = 40, 30
 KICKED_RUNS = 8
@@ -25,7 +134,7 @@ CONFIRMED = 1e-6  # of what rounding does: so much the two runs that make a trut
 NOTHING = 1e-24  # relative to a number: likewise where rounding does nothing
 
 
-def make_truth(name: str) -> Truth:
+def make_truth(name: str) -> StoredTruth:
     """Compute the truth of a case. Raises ValueError where its two runs do not confirm each other."""
     how = plan(name)
     flows = flows_of(how.case)
@@ -46,7 +155,7 @@ def make_truth(name: str) -> Truth:
         "confirmed_by": f"{flows[-1]}, {FEWER_DIGITS} digits",
         "kicked_runs": KICKED_RUNS,
     }
-    return Truth(
+    return StoredTruth(
         name,
         load_case(name).sha256 if how.period else how.case.sha256,
         provenance,
@@ -61,7 +170,9 @@ def make_truth(name: str) -> Truth:
     )
 
 
-def confirm(name: str, truth: Run, other: Run, stray: Mapping[str, Any], timing: tuple[Any, Any]) -> None:
+def confirm(
+    name: str, truth: TruthRun, other: TruthRun, stray: Mapping[str, Any], timing: tuple[Any, Any]
+) -> None:
     """ValueError where two runs differ by more than a small part of what rounding does in doubles."""
     for column, apart in states_apart(truth, [other]).items():
         allowed = [min(flow[column][i] for flow in stray.values()) for i in range(len(apart))]
@@ -93,3 +204,70 @@ def main(names: list[str], say: Callable[[str], object] = print) -> None:
 
 if __name__ == "__main__":
     main(sys.argv[1:])
+
+
+# How far runs lie apart: their states, the times of their events, and where they disagree about events.
+
+
+KEPT = 25  # digits of a stored number
+WIDENED = 4  # a touch may last some times as long as in the runs that showed it
+
+
+def states_apart(truth: TruthRun, runs: list[TruthRun]) -> dict[str, list[float]]:
+    """Largest distance of the runs from the truth, by column and instant."""
+    return {
+        name: [
+            rounded(max(abs(run.states[name][i] - value) for run in runs)) for i, value in enumerate(column)
+        ]
+        for name, column in truth.states.items()
+    }
+
+
+def times_apart(events: list[Event], runs: list[TruthRun]) -> list[float]:
+    """Largest distance in time [s] of the runs' events from those of the truth."""
+    apart, near = [Decimal(0)] * len(events), reach(events)
+    for run in runs:
+        for i, j in match_events(events, near, run.events).pairs:
+            apart[i] = max(apart[i], abs(run.events[j][1] - events[i][1]))
+    return [rounded(value) for value in apart]
+
+
+def undecided_spans(truth: list[Event], runs: list[TruthRun]) -> list[Window]:
+    """Spans [s] around the touches, pairs of events, that the truth has and some run has not, or the reverse.
+
+    Every span is as wide as the longest touch asks for: which of them are seen, and how long, is luck.
+    """
+    late = times_apart(truth, runs)
+    touches, longest = [], Decimal(0)
+    for run in runs:
+        matching = match_events(truth, reach(truth), run.events)
+        alone = [(truth[i][1], late[i]) for i in matching.missed]
+        alone += [(run.events[j][1], 0.0) for j in matching.spurious]
+        if len(alone) % 2:
+            raise ValueError(f"an event without its counterpart among those at {alone}")
+        alone.sort()
+        for (begin, before), (end, behind) in zip(alone[::2], alone[1::2], strict=True):
+            touches.append((begin, end))
+            longest = max(longest, end - begin + Decimal(max(before, behind)))
+    return merged([(begin - WIDENED * longest, end + WIDENED * longest) for begin, end in touches])
+
+
+def merged(spans: list[Window]) -> list[Window]:
+    """The same spans, those that overlap made one."""
+    windows: list[Window] = []
+    for low, high in sorted(spans):
+        if windows and low <= windows[-1][1]:
+            windows[-1] = windows[-1][0], max(high, windows[-1][1])
+        else:
+            windows.append((low, high))
+    return [(stored_digits(low), stored_digits(high)) for low, high in windows]
+
+
+def stored_digits(value: Decimal) -> Decimal:
+    """`value` to the digits that are stored."""
+    return Decimal(f"{value:.{KEPT - 1}e}")
+
+
+def rounded(value: Decimal) -> float:
+    """A distance to two digits."""
+    return float(f"{value:.1e}")

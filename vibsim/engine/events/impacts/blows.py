@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Generic
 
-from vibsim.engine.errors import EngineError
-from vibsim.engine.events.departures import Departures
+from vibsim.engine.errors import EngineError, State
+from vibsim.engine.events.departures import DerivativeSigns
 from vibsim.engine.events.impacts.newton_moreau import (
     MOST_BLOWS,
     NEAR,
@@ -17,13 +17,11 @@ from vibsim.engine.events.impacts.newton_moreau import (
     size_of,
     unmet,
 )
-from vibsim.engine.events.impacts.touch import Touch
-from vibsim.engine.events.impacts.twins import hardest, twins_of
-from vibsim.engine.events.resolution import LAST, ROUNDING, unit_of
+from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts, coincident_stops_of, hardest
+from vibsim.engine.events.records import LAST, ROUNDING, unit_of
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.status import OPEN, RESTING, Status
-from vibsim.engine.state import State
-from vibsim.physics.arithmetic.numbers import N, abs
+from vibsim.physics.numbers import N, abs
 from vibsim.physics.parts import RigidStop, Scene, Stop
 
 IN_TURN = 32  # blows one after the other that are tried where the order is in doubt
@@ -32,11 +30,11 @@ IN_TURN = 32  # blows one after the other that are tried where the order is in d
 class Blows(Generic[N]):
     """Applies the law of impacts to all rigid stops that touch."""
 
-    def __init__(self, scene: Scene[N], maker: RowMaker[N], departures: Departures[N]) -> None:
+    def __init__(self, scene: Scene[N], maker: RowMaker[N], departures: DerivativeSigns[N]) -> None:
         self.scene, self.maker, self.kit = scene, maker, departures.kit
         self.departures, self.relative = departures, departures.relative
         self.stops = dict(scene.rigid_stops)
-        self.places = {j: tuple(twins_of(scene, j)) for j in self.stops}
+        self.places = {j: tuple(coincident_stops_of(scene, j)) for j in self.stops}
         ends = {j: maker.ends(stop) for j, stop in self.stops.items()}
         self.contacts = {j: Contact(j, *ends[j], stop.sense, stop.e) for j, stop in self.stops.items()}
         bodies = {j: {column for column in ends[j] if column < maker.n} for j in ends}
@@ -56,7 +54,7 @@ class Blows(Generic[N]):
             for c in carried:
                 state.v[c] = base + drift[c]
 
-    def touching(self, state: State[N], status: Status, i: int) -> Touch[N]:
+    def touching(self, state: State[N], status: Status, i: int) -> SimultaneousImpacts[N]:
         """The stops that rest, and those that meet stop `i` within the resolution of time and length.
 
         A body that was seated at one stop has moved by the rounding of that one's displacements. Stop `i` is
@@ -81,13 +79,13 @@ class Blows(Generic[N]):
             if beside and status.stops[j] == OPEN and rate > 0:
                 together |= room <= NEAR * (rate * unit_of(self.kit, state.t) + kit.eps * size)
         rates = {c.stop: rate_of(kit, c, v) for c in contacts}
-        return Touch(contacts, dict(rates), rates, v, state.w, together)
+        return SimultaneousImpacts(contacts, dict(rates), rates, v, state.w, together)
 
     def size(self, stop: Stop[N] | RigidStop[N], state: State[N]) -> N:
         xP, xQ = self.relative.ends(stop, state, "x")
         return abs(xP) + abs(xQ) + abs(stop.gap)
 
-    def strike(self, state: State[N], touch: Touch[N]) -> None:
+    def strike(self, state: State[N], touch: SimultaneousImpacts[N]) -> None:
         """Blows as long as a stop closes; the last of too many are plastic. So are those behind one that
         cannot obey its law though the bodies can stand: without room between two stops blows follow each
         other at one instant until nothing is left of the speed.
@@ -110,7 +108,7 @@ class Blows(Generic[N]):
             touch.rates = {c.stop: rate_of(self.kit, c, v, size) for c in contacts}
             telling = [one for one in passed if count == 0 or touch.rates[one.stop] != 0]
             for one in telling:
-                touch.rates |= dict.fromkeys(self.twins(touch, one.stop), one.after)
+                touch.rates |= dict.fromkeys(self.coincident_stops(touch, one.stop), one.after)
             contact = {c.stop: c for c in contacts}
             touch.blows.append([(contact[one.stop], one) for one in passed])
         ends = [(c.P, c.Q) for one in touch.passed for c in contacts if c.stop == one.stop]
@@ -126,7 +124,7 @@ class Blows(Generic[N]):
     def names(self, stops: Iterable[int]) -> str:
         return ", ".join(sorted(self.stops[j].name for j in stops))
 
-    def twins(self, touch: Touch[N], i: int) -> list[int]:
+    def coincident_stops(self, touch: SimultaneousImpacts[N], i: int) -> list[int]:
         """The stops that touch between the ends of stop `i` and on its side, itself first: their depths are
         one.
         """
@@ -134,11 +132,11 @@ class Blows(Generic[N]):
         ways = [(one.P, one.Q, one.sense), (one.Q, one.P, -one.sense)]
         return [i, *(c.stop for c in touch.contacts if c.stop != i and (c.P, c.Q, c.sense) in ways)]
 
-    def foremost(self, touch: Touch[N], i: int) -> int:
-        """The hardest of the `twins` of stop `i`."""
-        return hardest(self.stops, self.twins(touch, i))
+    def governing_stop(self, touch: SimultaneousImpacts[N], i: int) -> int:
+        """The hardest of the `coincident_stops` of stop `i`."""
+        return hardest(self.stops, self.coincident_stops(touch, i))
 
-    def doubt_order(self, state: State[N], status: Status, touch: Touch[N], i: int) -> None:
+    def doubt_order(self, state: State[N], status: Status, touch: SimultaneousImpacts[N], i: int) -> None:
         """Doubt a blow at stop `i` in which others take part that rounding has brought to the same instant,
         where blows one after the other would have another outcome. Those at rest take part anyway, what
         touches at the start does so exactly, and stops at one place are always struck at once.

@@ -34,19 +34,18 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Generic
 
-from vibsim.engine.events.certificate import Certificate
-from vibsim.engine.events.departures import Departures, scout
+from vibsim.engine.errors import State
+from vibsim.engine.events.departures import DerivativeSigns, derivative_flow
 from vibsim.engine.events.impacts.blows import Blows
 from vibsim.engine.events.impacts.newton_moreau import Contact
-from vibsim.engine.events.impacts.touch import Touch
-from vibsim.engine.events.resolution import LAST, NEXT, ROUNDING, unit_of
-from vibsim.engine.events.settling import Settling
+from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
+from vibsim.engine.events.records import LAST, NEXT, ROUNDING, Certificate, unit_of
+from vibsim.engine.events.settling import StickSlipResolution
 from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import SLIDE, STRIKE
 from vibsim.engine.modes.status import OPEN, RESTING, STICK, Status
-from vibsim.engine.state import State
-from vibsim.physics.arithmetic.numbers import Kit, N, abs
+from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import AT_FORCE, Scene
 
 TURNING = 4  # times the speed of a hop: what slips faster does not turn round in it
@@ -68,7 +67,7 @@ class Hop(Generic[N]):
 
 
 @dataclass
-class CutOff(Generic[N]):
+class ChatterRemainder(Generic[N]):
     """What the ends of infinite sequences of impacts left out, summed: time [s], speed [m/s], distance
     [m].
 
@@ -92,30 +91,36 @@ class Chatter(Generic[N]):
     cut_off : see `CutOff`; early : whether they end at least one hop before those of a run
     """
 
-    def __init__(self, scene: Scene[N], maker: RowMaker[N], settling: Settling[N], blows: Blows[N]) -> None:
+    def __init__(
+        self, scene: Scene[N], maker: RowMaker[N], settling: StickSlipResolution[N], blows: Blows[N]
+    ) -> None:
         self.scene, self.maker, self.settling, self.blows = scene, maker, settling, blows
         self.departures, self.relative = settling.departures, settling.relative
         self.kit, self.stops = blows.kit, blows.stops
         self.early = False
         zero = self.kit.number(0)
-        self.cut_off = CutOff(zero, zero, zero)
+        self.cut_off = ChatterRemainder(zero, zero, zero)
 
     @cached_property
-    def _beyond(self) -> Settling[N]:
+    def _beyond(self) -> StickSlipResolution[N]:
         """Settles what stands within hops that are only looked at: its doubts are none of the run."""
-        flow = scout(self.scene, self.kit, Certificate(self.kit))
-        departures = Departures(self.relative, self.maker, flow, self.kit)
+        flow = derivative_flow(self.scene, self.kit, Certificate(self.kit))
+        departures = DerivativeSigns(self.relative, self.maker, flow, self.kit)
         departures.stopped = self.departures.stopped
-        return Settling(self.scene, self.maker, departures)
+        return StickSlipResolution(self.scene, self.maker, departures)
 
-    def ends(self, state: State[N], status: Status, touch: Touch[N]) -> bool:
+    def ends(self, state: State[N], status: Status, touch: SimultaneousImpacts[N]) -> bool:
         """Bring open stops to rest that would be struck again within the resolution of time; whether there
         are any.
         """
         chatter = False
         for c in touch.contacts:
             speed = -touch.rates[c.stop]
-            if status.stops[c.stop] != OPEN or speed == 0 or self.blows.foremost(touch, c.stop) != c.stop:
+            if (
+                status.stops[c.stop] != OPEN
+                or speed == 0
+                or self.blows.governing_stop(touch, c.stop) != c.stop
+            ):
                 continue
             drive = self._drive(state, status, c.stop)
             if drive <= 0:
@@ -130,7 +135,7 @@ class Chatter(Generic[N]):
             ahead = self._ahead(share)
             soon = ahead * after <= NEXT * unit or (c.e < 1 and ahead * after <= (1 - c.e) * (LAST * unit))
             if c.e == 1 and not soon:
-                cancelled = 2 * self.unsure(state, status, c.stop)
+                cancelled = 2 * self.velocity_uncertainty(state, status, c.stop)
                 soon = 2 * speed <= NEXT * cancelled
                 if soon:
                     hidden = cancelled
@@ -147,7 +152,7 @@ class Chatter(Generic[N]):
                 one, shrinks = (hop.time, share) if hop else (after, c.e)
                 lasting = one / (1 - shrinks) if shrinks < 1 else one
                 self.cut_off.add(state.t, lasting, speed, height)
-                touch.rates |= dict.fromkeys(self.blows.twins(touch, c.stop), self.kit.number(0))
+                touch.rates |= dict.fromkeys(self.blows.coincident_stops(touch, c.stop), self.kit.number(0))
                 touch.ended[c.stop] = hidden
                 chatter = True
         return chatter
@@ -173,7 +178,7 @@ class Chatter(Generic[N]):
             blur = blur + abs(term.amplitude * term.omega * (kit.eps * angle))
         return blur / drive if blur > unit * drive else unit
 
-    def fade(self, state: State[N], status: Status, touch: Touch[N], i: int) -> None:
+    def end_last_hop(self, state: State[N], status: Status, touch: SimultaneousImpacts[N], i: int) -> None:
         """Take a hop on stop `i` that ends in rest for the last of its sequence where rounding of velocities
         tells no approach, or none of how a plastic blow tears another stop open that would be struck next.
         """
@@ -185,7 +190,7 @@ class Chatter(Generic[N]):
             if status.stops[i] == RESTING == status.stops[j]:
                 v, c = self.blows.velocities(state), self.blows.contacts[j]
                 opened = status
-                for twin in self.blows.twins(touch, j):
+                for twin in self.blows.coincident_stops(touch, j):
                     opened = opened.with_stop(twin, OPEN)
                 drive = self._drive(state, opened, j)
                 if drive > 0:
@@ -194,11 +199,11 @@ class Chatter(Generic[N]):
                     )
                     touch.faded.append(j)
 
-    def _torn(self, touch: Touch[N], j: int) -> bool:
+    def _torn(self, touch: SimultaneousImpacts[N], j: int) -> bool:
         """Whether blows moved an end of a stop that rested, and rounding hides what came of it."""
         ends = set(self.maker.ends(self.stops[j]))
         busy = {*touch.ended, *(one.stop for one in touch.passed)}
-        idle = j == self.blows.foremost(touch, j) and j not in busy
+        idle = j == self.blows.governing_stop(touch, j) and j not in busy
         return idle and bool(ends & touch.moved) and touch.before[j] == touch.rates[j] == 0
 
     def _leave_out(self, t: N, speed: N, drive: N, e: N) -> None:
@@ -244,7 +249,7 @@ class Chatter(Generic[N]):
         """Whether rounding of displacements hides a hop of some height [m]."""
         return height <= most * self.kit.eps * self.blows.size(self.stops[j], state)
 
-    def _is_noise(self, state: State[N], touch: Touch[N], j: int, drive: N) -> bool:
+    def _is_noise(self, state: State[N], touch: SimultaneousImpacts[N], j: int, drive: N) -> bool:
         """Whether an approach to stop `j` against `drive` is one that rounded displacements have made."""
         speed = touch.before[j]
         height = speed * (speed / drive) / 2
@@ -304,7 +309,7 @@ class Chatter(Generic[N]):
         event = self.departures.event(rows, (STRIKE, j))
         return -self.departures.flow.derivatives(event, 2)[2]
 
-    def unsure(self, state: State[N], status: Status, j: int) -> N:
+    def velocity_uncertainty(self, state: State[N], status: Status, j: int) -> N:
         """Speed that rounding of the forces may have given the ends of an open stop since t = 0 [m/s].
 
         Bodies that pass where their springs are slack bring the rounding of where they came from.

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Generic
 
-from vibsim.physics.arithmetic.numbers import Kit, N, abs
+from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Motor, Scene
 
 ROUNDING = 8  # roundings of a sum of a few products, in units of eps

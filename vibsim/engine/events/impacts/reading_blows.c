@@ -19,7 +19,7 @@ static int room_for_blows(Run *r, int stops, int frictions, int bounds)
     return 1;
 }
 
-/* The numbers in which vibsim/engine/ledgers/packing_meters.py writes them; 0 without memory or where they are none. */
+/* The numbers in which vibsim/engine/ledger_integrals.py writes them; 0 without memory or where they are none. */
 int blows_read(Run *r, Reader *in)
 {
     Blows *b = &r->blows;

@@ -11,21 +11,18 @@ from __future__ import annotations
 from collections.abc import Container
 from typing import Generic
 
-from vibsim.engine.errors import EngineError
-from vibsim.engine.events.happenings import Happened, Taken, changes
+from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.impacts.blows import Blows
 from vibsim.engine.events.impacts.chatter import Chatter
 from vibsim.engine.events.impacts.newton_moreau import rate_of, size_of
-from vibsim.engine.events.impacts.seats import Seats
-from vibsim.engine.events.impacts.touch import Touch
-from vibsim.engine.events.parting import Parting
-from vibsim.engine.events.resolution import NEXT, ROUNDING
-from vibsim.engine.events.settling import Settling
+from vibsim.engine.events.impacts.simultaneous import RestProjection, SimultaneousImpacts
+from vibsim.engine.events.parting import TouchingParts
+from vibsim.engine.events.records import NEXT, ROUNDING, Happened, Taken, changes
+from vibsim.engine.events.settling import StickSlipResolution
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import PUSH, SLIDE, STRIKE, Event, Known
 from vibsim.engine.modes.status import BACKWARD, CONTACT, FORWARD, LIFTED, OPEN, RESTING, STICK, Status
-from vibsim.engine.state import State
-from vibsim.physics.arithmetic.numbers import N, abs
+from vibsim.physics.numbers import N, abs
 from vibsim.physics.parts import AT_FORCE, Scene
 
 LATEST = 6  # derivative of a depth that is consulted where rounding hides those before it
@@ -38,16 +35,16 @@ class RigidStops(Generic[N]):
     """
 
     def __init__(
-        self, scene: Scene[N], maker: RowMaker[N], settling: Settling[N], parting: Parting[N]
+        self, scene: Scene[N], maker: RowMaker[N], settling: StickSlipResolution[N], parting: TouchingParts[N]
     ) -> None:
         self.scene, self.maker, self.settling, self.parting = scene, maker, settling, parting
         self.departures, self.relative, self.kit = settling.departures, settling.relative, settling.kit
         self.blows = Blows(scene, maker, self.departures)
         self.chatter = Chatter(scene, maker, settling, self.blows)
-        self.seats = Seats(scene, maker, self.relative)
+        self.seats = RestProjection(scene, maker, self.relative)
         self.stops = self.blows.stops
         self.frictions = len(scene.frictions)
-        self.touch: Touch[N] | None = None
+        self.touch: SimultaneousImpacts[N] | None = None
 
     def meet(self, state: State[N], status: Status, i: int, hop: bool = False) -> Taken:
         """What follows where stop `i` touches, as `Automaton.take`: (status, what happened, known zeros).
@@ -56,7 +53,7 @@ class RigidStops(Generic[N]):
         """
         self.blows.carry(state, status)
         touch = self.blows.touching(state, status, i)
-        i = self.blows.foremost(touch, i)
+        i = self.blows.governing_stop(touch, i)
         touch.hop = i if hop else None
         self.blows.doubt_order(state, status, touch, i)
         self.blows.strike(state, touch)
@@ -66,7 +63,7 @@ class RigidStops(Generic[N]):
         while self.chatter.ends(state, settled, touch):
             settled = self._settled(state, after, touch)
         if touch.hop is not None:
-            self.chatter.fade(state, settled, touch, i)
+            self.chatter.end_last_hop(state, settled, touch, i)
         resting = [j for j in touch.rates if status.stops[j] == OPEN != settled.stops[j]]
         self.seats.seat(state, sorted({*resting, *(one.stop for one in touch.passed)}))
         for k, (old, new) in enumerate(zip(status.frictions, settled.frictions, strict=True)):
@@ -78,7 +75,7 @@ class RigidStops(Generic[N]):
         settled, begun = self.parting.touching(state, status, settled, bounds, 1, known)
         opened = {j for j in touch.rates if status.stops[j] == RESTING}
         struck = {i, *(one.stop for one in touch.passed)}
-        for j in {*opened, *(twin for one in struck for twin in self.blows.twins(touch, one))}:
+        for j in {*opened, *(twin for one in struck for twin in self.blows.coincident_stops(touch, one))}:
             if settled.stops[j] == OPEN:
                 known[STRIKE, j] = self._parting_order(state, settled, j) if touch.rates[j] == 0 else 1
         for j, rate in touch.rates.items():
@@ -99,7 +96,7 @@ class RigidStops(Generic[N]):
             self.touch = touch
             return status, [], {event.key: at}
         after = status.with_stop(i, RESTING)
-        slow = self.stops[i].e == 0 and touch.rates[i] <= self.chatter.unsure(state, status, i)
+        slow = self.stops[i].e == 0 and touch.rates[i] <= self.chatter.velocity_uncertainty(state, status, i)
         if not slow or not self.settling.possible(self.maker.rows(after)):
             return None
         self.departures.doubt(state)
@@ -129,7 +126,7 @@ class RigidStops(Generic[N]):
             self.seats.seat(state, standing)
         return parting, standing
 
-    def _forgotten(self, touch: Touch[N], status: Status) -> Known:
+    def _forgotten(self, touch: SimultaneousImpacts[N], status: Status) -> Known:
         """Zeros of functions of velocities that blows have changed: none any more, but for what stands."""
         known: Known = {}
         for i, friction in enumerate(self.scene.frictions):
@@ -140,7 +137,7 @@ class RigidStops(Generic[N]):
                 known[PUSH, i] = 0
         return known
 
-    def _turned(self, state: State[N], status: Status, touch: Touch[N]) -> Status:
+    def _turned(self, state: State[N], status: Status, touch: SimultaneousImpacts[N]) -> Status:
         """The status with the frictions of the columns that blows moved as the velocities say."""
         v, size = self.blows.velocities(state), size_of(touch.contacts, touch.v)
         turned: dict[int, int] = {}
@@ -153,7 +150,7 @@ class RigidStops(Generic[N]):
                 turned[i] = STICK if abs(slip) <= noise else FORWARD if slip > 0 else BACKWARD
         return status.with_frictions(turned)
 
-    def _bounds(self, state: State[N], touch: Touch[N]) -> tuple[list[int], list[int]]:
+    def _bounds(self, state: State[N], touch: SimultaneousImpacts[N]) -> tuple[list[int], list[int]]:
         """The elastic stops and the clearances whose ends just touch and are moved by blows: in doubt behind
         the start, where rounding may have brought them there.
         """
@@ -168,7 +165,7 @@ class RigidStops(Generic[N]):
         return stops, clearances
 
     def _lifted(
-        self, state: State[N], status: Status, touch: Touch[N], bounds: Container[int]
+        self, state: State[N], status: Status, touch: SimultaneousImpacts[N], bounds: Container[int]
     ) -> tuple[Status, Happened]:
         """The status with the damped stops that let go at zero force as the velocities say, and the elastic
         stops `bounds`, whose ends just touch, in contact where they close; what happened to the former.
@@ -188,7 +185,7 @@ class RigidStops(Generic[N]):
                 status = status.with_stop(i, after)
         return status, happened
 
-    def _settled(self, state: State[N], status: Status, touch: Touch[N]) -> Status:
+    def _settled(self, state: State[N], status: Status, touch: SimultaneousImpacts[N]) -> Status:
         """The status in which all that stands sticks, rests or parts consistently; tied bodies get their
         common velocities.
         """
@@ -203,7 +200,7 @@ class RigidStops(Generic[N]):
             raise EngineError("crushed", state, self.blows.names(resting))
         return settled
 
-    def _happened(self, touch: Touch[N]) -> Happened:
+    def _happened(self, touch: SimultaneousImpacts[N]) -> Happened:
         """Impacts, blows passed on and ends of infinite sequences, by stop.
 
         A sequence may end at a stop that was not struck last: at e = 0 two stops that tear each other open

@@ -1,4 +1,4 @@
-/* Certified first root of a polynomial event function; twin of vibsim/engine/events/roots/polynomial_root.py. */
+/* Certified first root of a polynomial event function; twin of vibsim/engine/events/root_finding.py. */
 #include "certificate.h"
 #include "first_root.h"
 #include "engine.h"

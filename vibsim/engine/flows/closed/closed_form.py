@@ -9,18 +9,25 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Generic
 
-from vibsim.engine.events.certificate import Certificate
+from vibsim.engine.errors import State
+from vibsim.engine.events.records import Certificate
 from vibsim.engine.flows.closed.closed_form_search import JET_ORDER, ClosedFormSearch
-from vibsim.engine.flows.closed.modal import Coordinate, Modal, Source, pitch, pitches, sounding
+from vibsim.engine.flows.closed.modal import (
+    Coordinate,
+    Modal,
+    Source,
+    harmonic_key,
+    nonzero_harmonics,
+    pitches,
+)
 from vibsim.engine.flows.closed.modal_maker import modal_of
 from vibsim.engine.flows.closed.reaches import EventReaches, Reach, reaches_of
 from vibsim.engine.flows.closed.responses import UNHURRIED, Oscillator, Responses, free_harmonic_response
 from vibsim.engine.flows.motion import Advance
-from vibsim.engine.ledgers.meters import Meters, Node
+from vibsim.engine.ledger_integrals import Meters, QuadratureNode
 from vibsim.engine.modes.rows import Event, EventKey, Known, ModeRows
-from vibsim.engine.state import State
-from vibsim.physics.arithmetic.gauss_nodes import TWELVE
-from vibsim.physics.arithmetic.numbers import Kit, N, abs, total_of
+from vibsim.physics.elementary import TWELVE
+from vibsim.physics.numbers import Kit, N, abs, total_of
 from vibsim.physics.parts import Force, Harmonic, Scene
 
 
@@ -155,8 +162,8 @@ class ClosedForm(Generic[N]):
     def _base(self, sines: Sequence[N], cosines: Sequence[N]) -> tuple[N, N]:
         """Displacement and velocity of the base from sines and cosines of the harmonics."""
         X = V = self.kit.number(0)
-        for term in sounding(self.scene.base):
-            h = self.harmonics.index(pitch(term))
+        for term in nonzero_harmonics(self.scene.base):
+            h = self.harmonics.index(harmonic_key(term))
             X = X + term.amplitude * sines[h]
             V = V + term.amplitude * term.omega * cosines[h]
         return X, V
@@ -251,7 +258,7 @@ class ClosedForm(Generic[N]):
     def open_nodes(self, meters: Meters[N]) -> None:
         """Prepare the nodes of a stretch: nothing to do."""
 
-    def node(self, tau: N, meters: Meters[N]) -> Node[N]:
+    def node(self, tau: N, meters: Meters[N]) -> QuadratureNode[N]:
         """What the meters read a time tau after the anchor."""
         state = self.state_after(tau)
         v = [*state.v, self.kit.number(0), self._base(self.sines, self.cosines)[1]]
@@ -259,12 +266,14 @@ class ClosedForm(Generic[N]):
         of = self.search.functions_of
         if meters.functions:
             of.here(2)
-        return Node(v, self.kit.number(0), forces, [of.derivative(one, 0) for one in meters.functions])
+        return QuadratureNode(
+            v, self.kit.number(0), forces, [of.derivative(one, 0) for one in meters.functions]
+        )
 
     def _force_here(self, force: Force[N]) -> N:
         total = force.constant
-        for term in sounding(force.terms):
-            total = total + term.amplitude * self.sines[self.harmonics.index(pitch(term))]
+        for term in nonzero_harmonics(force.terms):
+            total = total + term.amplitude * self.sines[self.harmonics.index(harmonic_key(term))]
         return total
 
     def jets(self, count: int) -> list[list[N]]:
@@ -288,7 +297,7 @@ class ClosedForm(Generic[N]):
     def base_jet(self, count: int) -> list[N]:
         """Derivatives of order 0 to `count` of the base's displacement at the point evaluated last."""
         d = [self.kit.number(0)] * (count + 1)
-        for term in sounding(self.scene.base):
+        for term in nonzero_harmonics(self.scene.base):
             self._add_jet(d, term)
         return d
 
@@ -298,13 +307,13 @@ class ClosedForm(Generic[N]):
         for force in self.scene.forces:
             if force.on == column:
                 d[0] = d[0] + force.constant
-                for term in sounding(force.terms):
+                for term in nonzero_harmonics(force.terms):
                     self._add_jet(d, term)
         return d
 
     def _add_jet(self, d: list[N], term: Harmonic[N]) -> None:
         """Add the derivatives of a harmonic at the point evaluated last to those in d."""
-        h, factor = self.harmonics.index(pitch(term)), term.amplitude
+        h, factor = self.harmonics.index(harmonic_key(term)), term.amplitude
         turns = self.sines[h], self.cosines[h], -self.sines[h], -self.cosines[h]
         for n in range(len(d)):
             d[n] = d[n] + factor * turns[n % 4]

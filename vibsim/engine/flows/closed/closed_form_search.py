@@ -5,14 +5,19 @@ from __future__ import annotations
 from math import inf
 from typing import TYPE_CHECKING, Generic
 
-from vibsim.engine.events.certificate import crosses, latest_zero, may_vanish_by
 from vibsim.engine.events.event_functions import EventFunctions, reaches
-from vibsim.engine.events.roots.first_root import deflated_step, leading_order, safe_step
-from vibsim.engine.events.roots.turning_point import extreme_of_slope, turning_point
+from vibsim.engine.events.records import crosses, latest_zero, may_vanish_by
+from vibsim.engine.events.root_finding import (
+    deflated_step,
+    extreme_of_slope,
+    leading_order,
+    safe_step,
+    turning_point,
+)
 from vibsim.engine.flows.closed.rounding import Scales, close_scales, plain_scales
 from vibsim.engine.flows.motion import Advance
 from vibsim.engine.modes.rows import STRIKE, Event, EventKey, Known
-from vibsim.physics.arithmetic.numbers import N, abs
+from vibsim.physics.numbers import N, abs
 
 if TYPE_CHECKING:
     from vibsim.engine.flows.closed.closed_form import ClosedForm

@@ -1,4 +1,4 @@
-/* Zeros too flat for the closed form; twin of vibsim/engine/flows/closed/flat_zeros.py. */
+/* Zeros too flat for the closed form; twin of vibsim/engine/flows/closed/reaches.py. */
 #include <stddef.h>
 
 #include "engine.h"

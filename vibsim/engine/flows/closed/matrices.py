@@ -1,6 +1,6 @@
 """Small matrices in numbers of any kit, lists of rows: factors, and one rotation that makes two diagonal."""
 
-from vibsim.physics.arithmetic.numbers import Kit, N, abs
+from vibsim.physics.numbers import Kit, N, abs
 
 Matrix = list[list[N]]
 SWEEPS = 60  # of Jacobi's rotations; they converge quadratically

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Generic
 
 from vibsim.engine.modes.ties import Edge
-from vibsim.physics.arithmetic.numbers import N
+from vibsim.physics.numbers import N
 from vibsim.physics.parts import Harmonic, Scene
 
 Pitch = tuple[N, N, N, N]  # omega, cycles, cycles_lo, phase
@@ -44,7 +44,7 @@ class Coordinate(Generic[N]):
 
 
 @dataclass
-class Place(Generic[N]):
+class ModalPlace(Generic[N]):
     """A column as sum of shape[m] q_m, of positions at the start of the segment (sign, column), and of the
     base's displacement times `base`.
     """
@@ -74,20 +74,20 @@ class Modal(Generic[N]):
     """Closed form of a mode: coordinates, and where each column, and pair of columns, is in terms of them."""
 
     coordinates: list[Coordinate[N]]
-    places: list[Place[N]]
+    places: list[ModalPlace[N]]
     pairs: dict[Edge, Difference[N]]
 
 
-def pitch(term: Harmonic[N]) -> Pitch[N]:
+def harmonic_key(term: Harmonic[N]) -> Pitch[N]:
     """What tells one harmonic function of time from another: frequency and phase."""
     return term.omega, term.cycles, term.cycles_lo, term.phase
 
 
-def sounding(terms: Iterable[Harmonic[N]]) -> list[Harmonic[N]]:
+def nonzero_harmonics(terms: Iterable[Harmonic[N]]) -> list[Harmonic[N]]:
     """The terms with an amplitude."""
     return [term for term in terms if term.amplitude != 0]
 
 
 def pitches(scene: Scene[N]) -> list[Pitch[N]]:
     """The distinct frequencies and phases of forces and base, in the order in which they are numbered."""
-    return list(dict.fromkeys(pitch(term) for term in sounding(scene.harmonics)))
+    return list(dict.fromkeys(harmonic_key(term) for term in nonzero_harmonics(scene.harmonics)))

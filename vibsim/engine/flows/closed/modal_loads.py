@@ -7,9 +7,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic
 
 from vibsim.engine.flows.closed.matrices import Matrix
-from vibsim.engine.flows.closed.modal import Pitch, Place, Positions, Shift, pitch, sounding
+from vibsim.engine.flows.closed.modal import (
+    ModalPlace,
+    Pitch,
+    Positions,
+    Shift,
+    harmonic_key,
+    nonzero_harmonics,
+)
 from vibsim.engine.modes.ties import Edge
-from vibsim.physics.arithmetic.numbers import N
+from vibsim.physics.numbers import N
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
@@ -44,7 +51,7 @@ class Loads(Generic[N]):
         scene: Scene[N],
         rows: ModeRows[N],
         harmonics: Sequence[Pitch[N]],
-        places: dict[int, Place[N]],
+        places: dict[int, ModalPlace[N]],
         zero: N,
     ) -> None:
         self.scene, self.rows, self.harmonics, self.places, self.zero = scene, rows, harmonics, places, zero
@@ -61,8 +68,8 @@ class Loads(Generic[N]):
             share = self._force_weight(weights, component.edges, self.leader[force.on])
             if share is not None:
                 load = load + _per_mass(force.constant, share)
-                for term in sounding(force.terms):
-                    h = self.harmonics.index(pitch(term))
+                for term in nonzero_harmonics(force.terms):
+                    h = self.harmonics.index(harmonic_key(term))
                     sines[h] = sines[h] + _per_mass(term.amplitude, share)
         for column, value in self.rows.constants:
             share = self._force_weight(weights, component.edges, self.leader[column])
@@ -76,8 +83,8 @@ class Loads(Generic[N]):
     ) -> None:
         """Loads from the base: inertia where the component is measured from it, else through links to it."""
         rides = component.reference is not None and self.places[component.reference].base == 1
-        for term in sounding(self.scene.base):
-            h = self.harmonics.index(pitch(term))
+        for term in nonzero_harmonics(self.scene.base):
+            h = self.harmonics.index(harmonic_key(term))
             X, V = term.amplitude, term.amplitude * term.omega
             if rides:
                 for weight, (P, Q) in zip(weights, component.edges, strict=True):
@@ -141,8 +148,8 @@ class Loads(Generic[N]):
         for force in self.scene.forces:
             if self.leader[force.on] in leaders:
                 load = load + force.constant
-                for term in sounding(force.terms):
-                    h = self.harmonics.index(pitch(term))
+                for term in nonzero_harmonics(force.terms):
+                    h = self.harmonics.index(harmonic_key(term))
                     sines[h] = sines[h] + term.amplitude / total
         for column, value in self.rows.constants:
             if self.leader[column] in leaders:

@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Generic
 
-from vibsim.engine.flows.closed.magnitudes import magnitudes, size_of
 from vibsim.engine.flows.closed.matrices import (
     Matrix,
     cholesky,
@@ -25,8 +24,9 @@ from vibsim.engine.flows.closed.matrices import (
     transposed,
 )
 from vibsim.engine.flows.closed.modal_loads import Component, Loads
+from vibsim.engine.flows.closed.rounding import magnitudes, size_of
 from vibsim.engine.modes.ties import Edge
-from vibsim.physics.arithmetic.numbers import Kit, N
+from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
@@ -36,8 +36,8 @@ from vibsim.engine.flows.closed.modal import (
     Coordinate,
     Difference,
     Modal,
+    ModalPlace,
     Pitch,
-    Place,
     Source,
     Stands,
     Vector,
@@ -64,7 +64,7 @@ class _Builder(Generic[N]):
         self.n, self.zero = len(scene.bodies), kit.number(0)
         self.leader, self.moves = rows.leader, rows.groups.moves
         self.coordinates: list[Coordinate[N]] = []
-        self.places: dict[int, Place[N]] = {}
+        self.places: dict[int, ModalPlace[N]] = {}
         self.loads = Loads(scene, rows, harmonics, self.places, self.zero)
 
     def build(self) -> Modal[N] | None:
@@ -94,12 +94,12 @@ class _Builder(Generic[N]):
         base = 1 if leader == self.n + 1 else 0
         for c in self.rows.groups.members[leader]:
             if c == leader:
-                self.places[c] = Place({}, (), base)
+                self.places[c] = ModalPlace({}, (), base)
             elif self.rows.drift[c] != 0:
                 self.coordinates.append(self._coasting(c, leader if base else None))
-                self.places[c] = Place({len(self.coordinates) - 1: 1}, (), base)
+                self.places[c] = ModalPlace({len(self.coordinates) - 1: 1}, (), base)
             else:
-                self.places[c] = Place({}, ((1, c),) + (((-1, leader),) if base else ()), base)
+                self.places[c] = ModalPlace({}, ((1, c),) + (((-1, leader),) if base else ()), base)
 
     def _coasting(self, c: int, base: int | None) -> Coordinate[N]:
         """A column that moves with a belt at constant speed, measured from the base where that carries it."""
@@ -107,11 +107,11 @@ class _Builder(Generic[N]):
         zero = self.zero
         return Coordinate(zero, zero, zero, zero, none, none, none, [((c, base), 1)], free=True)
 
-    def _follower(self, c: int) -> Place[N]:
+    def _follower(self, c: int) -> ModalPlace[N]:
         """A body within a group that moves: where its leader is, and the distance at the start."""
         place = self.places[self.leader[c]]
         fixed = (*place.fixed, (1, c), (-1, self.leader[c]))
-        return Place(place.shape, fixed, place.base, place.sides, place.vectors)
+        return ModalPlace(place.shape, fixed, place.base, place.sides, place.vectors)
 
     def _components(self) -> list[list[int]]:
         """Leading columns that move, by what couplings join them: [(leaders, couplings)]."""
@@ -157,8 +157,8 @@ class _Builder(Generic[N]):
                     total = part if total is None else total + part
                 if total is not None and total != 0:
                     shape[m] = total
-            at: Place[N] = Place({}, ()) if reference is None else self.places[reference]
-            self.places[c] = Place({**at.shape, **shape}, at.fixed, at.base)
+            at: ModalPlace[N] = ModalPlace({}, ()) if reference is None else self.places[reference]
+            self.places[c] = ModalPlace({**at.shape, **shape}, at.fixed, at.base)
             if reference is None:
                 self.places[c].sides, self.places[c].vectors = tuple(stands[c]), vectors
         return True
@@ -298,7 +298,7 @@ class _Builder(Generic[N]):
         rates = [k[m][m] if k[m][m] > 0 else self.zero for m in range(size)]
         return forward, backward, rates, [c[m][m] / 2 for m in range(size)]
 
-    def _pairs(self, places: list[Place[N]]) -> dict[Edge, Difference[N]]:
+    def _pairs(self, places: list[ModalPlace[N]]) -> dict[Edge, Difference[N]]:
         """Differences of columns that events, couplings and frictions read."""
         pairs = {(t.P, t.Q) for event in self.rows.events for t in event.terms if t.kind in (0, 1)}
         pairs |= {(q.P, q.Q) for q in self.rows.couplings}
@@ -310,7 +310,7 @@ def _sizes(load: N, sines: list[N], cosines: list[N]) -> list[N]:
     return [size_of(load), *(size_of(s) + size_of(c) for s, c in zip(sines, cosines, strict=True))]
 
 
-def difference(one: Place[N], other: Place[N]) -> Difference[N]:
+def difference(one: ModalPlace[N], other: ModalPlace[N]) -> Difference[N]:
     """x_P - x_Q of two places."""
     if one.vectors and one.vectors is other.vectors:  # of one component: its centre drops out exactly
         turns = [a - b for a, b in zip(one.sides, other.sides, strict=True)]

@@ -13,7 +13,7 @@ nested divided differences or as power series, so that each response keeps full 
 from functools import cached_property
 from typing import Generic
 
-from vibsim.physics.arithmetic.numbers import Kit, N, abs, horner
+from vibsim.physics.numbers import Kit, N, abs, horner
 
 Responses = tuple[N, N, N, N]  # Re H, Im H [s^2] and their rates [s]
 

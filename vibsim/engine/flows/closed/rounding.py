@@ -12,13 +12,14 @@ Steps far from every zero need no more than the plain one; `reaches.py` tells ho
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Generic
+from typing import TYPE_CHECKING, Any, Generic, cast
 
 from vibsim.engine.flows.closed.responses import QUARTER, Oscillator, Responses
-from vibsim.physics.arithmetic.numbers import N, abs
+from vibsim.physics.numbers import N, abs
 
 if TYPE_CHECKING:
     from vibsim.engine.flows.closed.closed_form import ClosedForm
+
 
 Pair = tuple[N, N]
 Triple = tuple[N, N, N]
@@ -136,3 +137,50 @@ def _free_response(osc: Oscillator[N], tau: N, responses: Responses[N]) -> Pair[
     if angle * angle >= QUARTER:
         return (3 + angle) * abs(osc.inverse_r), 3 / osc.omega
     return abs(responses[0]) + abs(responses[1]), abs(responses[2]) + abs(responses[3])
+
+
+# Magnitudes of sums and products: what their rounding is proportional to, however much they cancel.
+
+
+class Magnitude(Generic[N]):
+    """A number of which only the magnitude counts: |a + b| and |a - b| are taken as |a| + |b|.
+
+    What is written for numbers gives, on magnitudes, the sum of the magnitudes of its terms. Such a number is
+    zero only where every term is.
+    """
+
+    __slots__ = ("size",)
+
+    def __init__(self, value: N | int) -> None:
+        self.size = abs(value)
+
+    def __add__(self, other: Any) -> Magnitude[N]:
+        return Magnitude(self.size + size_of(other))
+
+    __radd__ = __sub__ = __rsub__ = __add__
+
+    def __mul__(self, other: Any) -> Magnitude[N]:
+        return Magnitude(self.size * size_of(other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Magnitude[N]:
+        return Magnitude(self.size / size_of(other))
+
+    def __neg__(self) -> Magnitude[N]:
+        return self
+
+    def __eq__(self, other: object) -> bool:
+        return bool(self.size == other)
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def size_of(value: Any) -> Any:
+    """The magnitude of a number, or of a `Magnitude` what it stands for."""
+    return value.size if isinstance(value, Magnitude) else abs(value)
+
+
+def magnitudes(values: list[N]) -> list[N]:
+    """The numbers as magnitudes, for what is written for numbers."""
+    return cast("list[N]", [Magnitude(value) for value in values])

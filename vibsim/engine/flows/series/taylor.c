@@ -1,4 +1,4 @@
-/* The Taylor flow; twin of vibsim/engine/flows/series/taylor.py. */
+/* The Taylor flow; twin of vibsim/engine/flows/taylor.py. */
 #include "certificate.h"
 #include "engine.h"
 #include "friction_laws.h"

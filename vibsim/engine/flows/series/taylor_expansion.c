@@ -1,4 +1,4 @@
-/* Taylor coefficients of the motion at a state: the recurrences of vibsim/engine/flows/series/taylor.py.
+/* Taylor coefficients of the motion at a state: the recurrences of vibsim/engine/flows/taylor.py.
  *
  * A row of the table holds the coefficients of one order: displacements of the bodies, phi, ground and base; then
  * the rates of all of them in the same places. Small scenes run in shapes whose columns are known at compile time.

@@ -1,4 +1,4 @@
-/* The tangent bundle of a run: disturbances carried through modes and events; twin of vibsim/engine/tangent/bundle/tangent_bundle.py. */
+/* The tangent bundle of a run: disturbances carried through modes and events; twin of vibsim/engine/tangent/bundle.py. */
 #include <string.h>
 
 #include "elementary.h"

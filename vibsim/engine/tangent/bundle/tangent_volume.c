@@ -1,4 +1,4 @@
-/* How a volume of disturbances grows within a mode; twin of vibsim/engine/tangent/bundle/tangent_volume.py. */
+/* How a volume of disturbances grows within a mode; twin of vibsim/engine/tangent/bundle.py. */
 #include "friction_laws.h"
 #include "gauss_nodes.h"
 #include "tangent.h"

@@ -1,4 +1,4 @@
-/* What an event does to small disturbances; twin of vibsim/engine/tangent/events/saltation.py. */
+/* What an event does to small disturbances; twin of vibsim/engine/tangent/saltation.py. */
 #include <stddef.h>
 
 #include "tangent.h"

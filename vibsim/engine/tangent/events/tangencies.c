@@ -1,4 +1,4 @@
-/* Events that are crossed almost tangentially; twin of vibsim/engine/tangent/events/tangencies.py. */
+/* Events that are crossed almost tangentially; twin of vibsim/engine/tangent/tangencies.py. */
 #include "tangent.h"
 
 #define CLOSE 1e-6

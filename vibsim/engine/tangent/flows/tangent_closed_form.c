@@ -1,4 +1,4 @@
-/* Disturbances inside a mode of the closed-form flow; twin of vibsim/engine/tangent/flows/tangent_closed_form.py. */
+/* Disturbances inside a mode of the closed-form flow; twin of vibsim/engine/tangent/tangent_closed_form.py. */
 #include <string.h>
 
 #include "responses.h"

@@ -1,5 +1,5 @@
 /* How far one expansion of disturbances reaches along a step of the Taylor flow; twin of that in
- * vibsim/engine/tangent/flows/tangent_taylor.py.
+ * vibsim/engine/tangent/tangent_taylor.py.
  */
 #include "friction_laws.h"
 #include "tangent.h"

@@ -1,4 +1,4 @@
-/* Disturbances along a step of the Taylor flow, two at a time; twin of vibsim/engine/tangent/flows/tangent_taylor.py. */
+/* Disturbances along a step of the Taylor flow, two at a time; twin of vibsim/engine/tangent/tangent_taylor.py. */
 #include <stddef.h>
 
 #include "friction_laws.h"

@@ -1,0 +1,302 @@
+"""The regime of a motion from its stroboscopic section: recurrence, the 0-1 test, and how points follow."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import chain
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from vibsim.analysis.chaos_tests import EXACT, MOSTLY, NEAR, SHRINKS, TOLERANCE
+from vibsim.analysis.comparison import average
+from vibsim.analysis.cycles import ROWS, RegimeVerdict, name_verdict
+from vibsim.analysis.drift import happenings
+from vibsim.analysis.sections import Exponent, JudgedPoints, SectionCoordinates, judge_points, section_of
+from vibsim.analysis.span import Span, steady_span
+from vibsim.cases.quantities import number
+from vibsim.engine.columns import state_columns
+from vibsim.engine.errors import EngineError
+from vibsim.engine.section import has_section
+from vibsim.engine.tangent.lyapunov import lyapunov_exponents
+from vibsim.orbits.coordinates import OrbitError
+from vibsim.orbits.newton import likely_periods, solve
+from vibsim.orbits.orbit import Orbit
+from vibsim.orbits.return_map import ReturnMap
+from vibsim.orbits.search import least
+from vibsim.orbits.stability import exponents_of
+from vibsim.physics.parts import Scene, columns_of, drifting_sets
+from vibsim.physics.rates import is_driven
+from vibsim.results.result import Result
+from vibsim.results.windows import Window, pieces, rows_within
+
+# The regime of a run: periodic, quasi-periodic, chaotic, or something less settled, and what says so.
+
+
+STILL = 1e-9  # [m], [m/s], [rad], [rad/s]: nothing moves that moves less
+
+
+@dataclass(frozen=True)
+class Regime:
+    """Verdict on a motion and its evidence; what was not worked out is None.
+
+    Attributes
+    ----------
+    verdict : "at rest", "periodic", "transient", "quasi-periodic", "chaotic" or "undecided"
+    reason : in words
+    span : transient left out
+    cycles : points of the stroboscopic section
+    period : of a periodic motion, or of the one that a transient approaches, in cycles of the source
+    since : from when on it is periodic [s]; None where it is still on its way
+    step : distance of points a period apart at the end of the span, relative to the vibration
+    chaos_number : K of the 0-1 test, see `zero_one_test`
+    prediction : error of predicting points from their neighbours, relative to guessing
+    word_period : cycles after which the events repeat themselves, in its later half; None: they do not
+    exponent : as it was given
+    multipliers : of the periodic orbit that the motion is on or goes to, (real, imaginary) each
+    exponents : that follow from them [1/s], the largest first; None where sticking took the direction
+    drift_rates : mean velocity of each body on that orbit [m/s], by name
+    """
+
+    verdict: RegimeVerdict | str
+    reason: str
+    span: Span
+    cycles: int = 0
+    period: int | None = None
+    since: float | None = None
+    step: float | None = None
+    chaos_number: float | None = None
+    prediction: float | None = None
+    word_period: int | None = None
+    exponent: Exponent | None = None
+    multipliers: tuple[tuple[float, float], ...] | None = None
+    exponents: tuple[float | None, ...] | None = None
+    drift_rates: dict[str, float] | None = None
+
+    def __post_init__(self) -> None:
+        name_verdict(self, RegimeVerdict)
+
+
+def judge_regime(result: Result, window: Window | None = None, exponent: Exponent | None = None) -> Regime:
+    """The regime within `window` [s], by default the second half of the run.
+
+    exponent : largest Lyapunov exponent of the motion, where it is known
+
+    Raises ValueError for a window outside the run.
+    """
+    span = steady_span(result, window)
+    if is_at_rest(result, span):
+        return Regime("at rest", "nothing moves", span, exponent=exponent)
+    scene = result.case.scene()
+    if not is_driven(scene):
+        return Regime("undecided", "no source, so no stroboscopic section", span, exponent=exponent)
+    if not has_section(scene):
+        reason = "sources without a common period, so no stroboscopic section"
+        return Regime("undecided", reason, span, exponent=exponent)
+    if result.orbit is not None:
+        return _stored_orbit(result, span)
+    section = section_of(result, span)
+    judged = judge_points(section.points, exponent)
+    if section.sizes is not None:
+        judged = decided(judged, scene, section.states, SectionCoordinates(scene), section.sizes)
+    since, word_period = _since(result, section.times, judged)
+    evidence = {name: value for name, value in asdict(judged).items() if name != "onset"}
+    return Regime(
+        span=span, cycles=len(section), since=since, word_period=word_period, exponent=exponent, **evidence
+    )
+
+
+def _stored_orbit(result: Result, span: Span) -> Regime:
+    """The regime of a run that is one period of an orbit."""
+    assert result.orbit is not None
+    real, imaginary = (result.orbit[f"multiplier_{part}"].tolist() for part in ("real", "imaginary"))
+    multipliers = tuple(zip(real, imaginary, strict=True))
+    period = result.attrs["orbit_period_s"]
+    rates = exponents_of([complex(*pair) for pair in multipliers], period)
+    numbers = tuple(rate if isfinite(rate) else None for rate in rates)
+    n, kind = result.attrs["orbit_periods"], "a stable" if result.attrs["orbit_stable"] else "an unstable"
+    reason = f"the file holds {kind} orbit"
+    return Regime(
+        "periodic", reason, span, n, n, 0.0, 0.0,
+        multipliers=multipliers, exponents=numbers, drift_rates=_shifts(result, period),
+    )  # fmt: skip
+
+
+def _shifts(result: Result, period: float) -> dict[str, float]:
+    """By body: how far the `period` [s] moves it, over the period [m/s]; 0 where something holds it."""
+    scene = result.case.scene()
+    both = result.at(np.array([0.0, period]))
+    free = {scene.bodies[body].name for one in drifting_sets(scene) for body in one.bodies}
+    ends = {body.name: both[columns_of(body.name)[0]] for body in scene.bodies}
+    return {name: float((x[1] - x[0]) / period) if name in free else 0.0 for name, x in ends.items()}
+
+
+def _since(result: Result, times: np.ndarray, judged: JudgedPoints) -> tuple[float | None, int | None]:
+    """When a periodic motion began to be so [s], and after how many cycles its events repeat themselves."""
+    if judged.onset is None:
+        return None, None
+    later = times[(judged.onset + len(times)) // 2 :]
+    return float(times[judged.onset]), word_period(happenings(result, later))
+
+
+def word_period(words: Sequence[str | bytes]) -> int | None:
+    """Cycles after which the words repeat themselves all along, at least twice; None: they do not."""
+    periods = range(1, len(words) // 2 + 1)
+    return next((period for period in periods if words[period:] == words[:-period]), None)
+
+
+def is_at_rest(result: Result, span: Span) -> bool:
+    """Whether everything stands still at the samples of the span; not known without two of them."""
+    rows = rows_within(result.column("time"), span.window)
+    if rows.stop - rows.start < 2:
+        return False
+    for name in state_columns(result.case.scene()):
+        column = result.column(name)
+        first = float(column[rows.start])
+        if any(np.abs(column[piece] - first).max() > STILL for piece in pieces(rows, ROWS)):
+            return False
+    return True
+
+
+# One Newton solve decides: is there a stable orbit where the section ends, and does the run go there?
+#
+# The section tells a period only where it has been seen often enough. An orbit is there or is not: Newton's
+# method finds it from the last point, its multipliers tell whether it attracts, and the distances of the
+# points from it whether the run comes nearer. So a motion that is still settling, or was seen for too few
+# cycles, is known to be periodic, and its exponents are those of the orbit.
+
+
+OPEN = (
+    "periodic",
+    "transient",
+    "undecided",
+)  # verdicts that an orbit can settle; the others have their evidence
+TRIES = 2  # numbers of periods that are tried besides the one that the section tells
+FEWEST = 12  # points from which a trend can be told
+STEPS = 8  # of Newton's method: an orbit that is near is met in four
+
+States = Mapping[str, np.ndarray]
+
+
+def decided(
+    judged: JudgedPoints, scene: Scene, states: States, coordinates: SectionCoordinates, sizes: np.ndarray
+) -> JudgedPoints:
+    """The verdict on a section, settled by an orbit where there is one that the run goes to.
+
+    states : the points of the section by name of the column, among them `time` [s], each (n)
+    sizes : by which `coordinates` of them are divided
+    """
+    if judged.verdict not in OPEN or len(states["time"]) < FEWEST:
+        return judged
+    for orbit in _orbits(judged, scene, states):
+        if not orbit.stable:
+            continue
+        distances = _distances(orbit, states, coordinates, sizes)
+        if _is_approached(distances, judged.verdict == "periodic"):
+            return _settled(judged, orbit, distances)
+    return judged
+
+
+def _orbits(judged: JudgedPoints, scene: Scene, states: States) -> Iterator[Orbit]:
+    """Orbits near the last point; where one is unstable, the doubled one beside it too."""
+    try:
+        return_map = ReturnMap(scene)
+    except OrbitError:
+        return
+    if return_map.section.turning:
+        return
+    at, times = return_map.coordinates, states["time"]
+    X = at.of(np.stack([states[name] for name in at.columns], axis=1))
+    told = [judged.period] if judged.period else []
+    numbers = list(dict.fromkeys([*told, *likely_periods(X)[0][:TRIES]]))
+    for n in chain.from_iterable((n, 2 * n) for n in numbers):
+        if n >= len(X):
+            continue
+        over = return_map.of(n)
+        T = None if over.section.timed else float(times[-1] - times[-1 - n])
+        try:
+            yield least(Orbit(over, solve(over, X[-1], T, STEPS)))
+        except (OrbitError, EngineError):
+            continue
+
+
+def _distances(
+    orbit: Orbit, states: States, coordinates: SectionCoordinates, sizes: np.ndarray
+) -> np.ndarray:
+    """Distance of each point from the orbit's of its place, relative to the vibration (n)."""
+    columns, count = orbit.end.coordinates.columns, len(states["time"])
+    place = np.arange(1 - count, 1) % orbit.n
+    lifted = np.array([orbit.end.coordinates.lifted(point) for point in orbit.points])[place]
+    both = {name: np.concatenate([states[name], lifted[:, i]]) for i, name in enumerate(columns)}
+    both["time"] = np.concatenate([states["time"]] * 2)
+    points = coordinates.points(both, sizes)
+    return np.asarray(np.abs(points[:count] - points[count:]).max(axis=1))
+
+
+def _is_approached(distances: np.ndarray, repeats: bool) -> bool:
+    """Whether points come near and nearer, by their first and last quarter; those that repeat themselves need
+    but be near.
+    """
+    first, last = (float(np.quantile(part, MOSTLY)) for part in np.array_split(distances, 4)[::3])
+    near_enough = TOLERANCE if repeats else EXACT
+    return last <= near_enough or (last <= NEAR and last <= SHRINKS * first)
+
+
+def _settled(judged: JudgedPoints, orbit: Orbit, distances: np.ndarray) -> JudgedPoints:
+    apart = np.flatnonzero(distances > TOLERANCE)
+    onset = int(apart[-1]) + 1 if len(apart) else 0
+    known: dict[str, Any] = {
+        "multipliers": tuple((mu.real, mu.imag) for mu in orbit.multipliers.tolist()),
+        "exponents": tuple(rate if isfinite(rate) else None for rate in orbit.exponents),
+        "drift_rates": orbit.drift_rates,
+    }
+    if judged.verdict == "periodic" and judged.period == orbit.n:
+        return replace(judged, **known)
+    reason = f"a stable orbit is there, {number(distances[-1], 2)} of the vibration from the last point"
+    return replace(
+        judged,
+        verdict="periodic",
+        reason=reason,
+        period=orbit.n,
+        onset=onset if onset < len(distances) else None,
+        step=float(distances[-1]),
+        **known,
+    )
+
+
+# The largest Lyapunov exponent of a run: its case run again with a disturbance carried through it.
+#
+# How fast the disturbance grows is taken over blocks of the span; their scatter tells how well its mean is
+# known. With a motor the exponent is at least 0, that of a shift in time; a periodic motion under an ideal
+# source has a negative one.
+
+
+BLOCKS = 10
+EPS = 2.0**-52  # the rounding of each value of the growth, relative to what it has grown by
+DOUBT = 0.05  # probability that the interval misses the exponent
+
+
+def largest_exponent(result: Result, window: Window | None = None, engine: str = "auto") -> Exponent | None:
+    """The largest Lyapunov exponent within `window` [s], by default the second half of the run.
+
+    None where the span is too short for intervals, where sticking or rest wiped the disturbance out, and
+    where the motion has no derivative. Costs one more run on `engine`. Raises ValueError for a window outside
+    the run.
+    """
+    span = steady_span(result, window)
+    scene = replace(result.case.scene(), t_end=span.end)
+    growth = lyapunov_exponents(scene, 1, span.begin, engine).growth
+    return exponent_of(growth[:, 0], growth[:, 1]) if len(growth) else None
+
+
+def exponent_of(times: np.ndarray, growth: np.ndarray) -> Exponent | None:
+    """The exponent from the logarithm of a disturbance's growth (n) at ascending times [s] (n).
+
+    None with fewer than two values to a block, and where the growth is not finite.
+    """
+    if len(times) < 2 * BLOCKS + 1 or not np.all(np.isfinite(growth)):
+        return None
+    edges = np.linspace(0, len(times) - 1, BLOCKS + 1).round().astype(int)
+    rate = average(np.diff(growth[edges]) / np.diff(times[edges]), DOUBT)
+    rounding = len(growth) * EPS * (1 + np.abs(growth).max()) / (times[-1] - times[0])
+    return Exponent(rate.mean, max(rate.half_width, float(rounding)))

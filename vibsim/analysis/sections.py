@@ -1,0 +1,283 @@
+"""The stroboscopic section of a run: its exact state at the end of every cycle, made comparable.
+
+Drift is left out: a point has y = x_P - x_Q and u = v_P - v_Q of every pair of ends that links and stops
+join; the velocity of one body of each set that they join to each other, but not to ground or base; the speed
+of the rotor, and with a rotor cosine and sine of the phases of forces and base, which its turns do not fix.
+Of two blocks that is (y, u, v2, w). Lengths are divided by the amplitude of y in the span, speeds of bodies
+by that of u, the speed of the rotor by its mean; so a distance of 1e-3 between points is a thousandth of the
+vibration. What moves less than the share LEAST of the largest vibration is measured by that.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import isnan
+
+import numpy as np
+
+from vibsim.analysis.chaos_tests import (
+    EXACT,
+    LONGEST,
+    TOLERANCE,
+    approached_period,
+    find_period,
+    prediction_error,
+    zero_one,
+)
+from vibsim.analysis.chaos_tests import LEAST as chaos_tests_LEAST
+from vibsim.analysis.chaos_tests import MOST as chaos_tests_MOST
+from vibsim.analysis.cycles import ROWS, TURN, RegimeVerdict, cycle_ends, events_within, name_verdict
+from vibsim.analysis.span import Span
+from vibsim.cases.quantities import number
+from vibsim.physics.elementary import mean, sine_cosine_of_arrays
+from vibsim.physics.parts import Scene, body_sets, columns_of, joined_pairs
+from vibsim.results.columns import PairMotion, states_at
+from vibsim.results.result import Result
+from vibsim.results.windows import pieces, rows_within
+
+MOST = 5000  # points, the last ones of the span
+NEWTON_STEPS = 2  # from an error of 1e-4 rad, which the line between two samples leaves
+LEAST = 1e-3  # amplitude relative to the largest of its unit: ten times what a point may stray
+
+Table = Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class SectionPoints:
+    """Points (n, d) at ascending `times` [s], without unit.
+
+    states : the same by name of the column, SI, and `time`; sizes : by which their coordinates were divided
+    """
+
+    times: np.ndarray
+    points: np.ndarray
+    states: dict[str, np.ndarray] = field(default_factory=dict)
+    sizes: np.ndarray | None = None
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+
+class SectionCoordinates:
+    """The coordinates of the motion of a scene without its drift.
+
+    They are the relative motions of pairs of ends, (y, u) each, and the velocities of what moves as a whole.
+    """
+
+    def __init__(self, scene: Scene):
+        pairs = joined_pairs(scene)
+        free = [one for one in body_sets(scene, pairs) if not one.held]
+        self._scene = scene
+        self._motions = [PairMotion(scene, pair) for pair in pairs]
+        self._free = [columns_of(scene.bodies[one.reference].name)[1] for one in free]
+        self._pairs_of_free = [
+            [i for i, pair in enumerate(pairs) if {pair.P, pair.Q} & set(one.bodies)] for one in free
+        ]
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Columns of states that they need."""
+        columns = [name for motion in self._motions for name in motion.columns]
+        return tuple(dict.fromkeys([*columns, *self._free]))
+
+    def of(self, states: Table) -> np.ndarray:
+        """y [m] of every pair, u [m/s] of every pair, v [m/s] of what moves as a whole: shape (d, n).
+
+        states : columns by name, among them `time`
+        """
+        motions = [motion(states, "time") for motion in self._motions]
+        rows = [motion[1] for motion in motions] + [motion[2] for motion in motions]
+        rows += [np.asarray(states[name]) for name in self._free]
+        return np.stack(rows) if rows else np.empty((0, len(states["time"])))
+
+    def sizes(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+        """By what each of `of` is divided, from its extremes (d): see above."""
+        amplitude = (high - low) / 2
+        count = len(self._motions)
+        lengths, speeds, whole = amplitude[:count], amplitude[count : 2 * count], amplitude[2 * count :]
+        own = [
+            max(speeds[pairs]) if pairs else one
+            for pairs, one in zip(self._pairs_of_free, whole, strict=True)
+        ]
+        speeds = np.concatenate([speeds, own])
+        sizes = np.concatenate(
+            [np.maximum(part, LEAST * part.max(initial=0.0)) for part in (lengths, speeds)]
+        )
+        sizes[~(sizes > 0)] = 1.0
+        return sizes
+
+    def points(self, states: Table, sizes: np.ndarray) -> np.ndarray:
+        """Points (n, d) of the states by name, each (n)."""
+        columns = [row / size for row, size in zip(self.of(states), sizes, strict=True)]
+        if self._scene.has_motor:
+            columns += [states["phidot"] / (mean(states["phidot"]) or 1.0), *self._phases(states["time"])]
+        return np.stack(columns, axis=1)
+
+    def _phases(self, time: np.ndarray) -> Iterator[np.ndarray]:
+        """Cosine and sine of the phase of every frequency of forces and base."""
+        terms = [term for term in self._scene.harmonics if term.amplitude]
+        for cycles in dict.fromkeys(term.cycles for term in terms):
+            sine, cosine = sine_cosine_of_arrays(TURN * np.fmod(cycles * time, 1.0))
+            yield cosine
+            yield sine
+
+
+def section_of(result: Result, span: Span) -> SectionPoints:
+    """The section of a run within the span; empty without a source."""
+    times = cycle_ends(result, span.window)[-MOST:]
+    if not len(times):
+        return SectionPoints(times, np.empty((0, 0)))
+    times, states = _turned(result, span, times)
+    coordinates = SectionCoordinates(result.case.scene())
+    sizes = coordinates.sizes(*extremes(result, span, coordinates))
+    states = {**states, "time": times}
+    return SectionPoints(times, coordinates.points(states, sizes), states, sizes)
+
+
+def extremes(result: Result, span: Span, coordinates: SectionCoordinates) -> tuple[np.ndarray, np.ndarray]:
+    """Least and greatest of each coordinate among the samples of the span; 0 without samples."""
+    rows = rows_within(result.column("time"), span.window)
+    turns = []
+    for piece in pieces(rows, ROWS):
+        values = coordinates.of(
+            {name: np.asarray(result.column(name)[piece]) for name in ("time", *coordinates.names)}
+        )
+        turns.append((values.min(axis=1), values.max(axis=1)))
+    if not turns:
+        nothing = np.zeros(len(coordinates.of({name: np.empty(0) for name in ("time", *coordinates.names)})))
+        return nothing, nothing
+    low, high = (np.array(part) for part in zip(*turns, strict=True))
+    return low.min(axis=0), high.max(axis=0)
+
+
+def _turned(result: Result, span: Span, times: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Exact ends of the cycles and the states there."""
+    scene = result.case.scene()
+    window = float(times[0]) - 1.0, float(times[-1]) + 1.0
+    events = events_within(result, window, before=1)
+    states = states_at(scene, events, times, result.t_reached)
+    for _ in range(NEWTON_STEPS if scene.has_motor else 0):
+        apart = states["phi"] - TURN * np.round(states["phi"] / TURN)
+        step = np.divide(apart, states["phidot"], out=np.zeros_like(apart), where=states["phidot"] > 0)
+        times = np.clip(times - step, span.begin, span.end)
+        states = states_at(scene, events, times, result.t_reached)
+    return times, states
+
+
+# The verdict on a stroboscopic section, and the evidence for it.
+#
+#     periodic         the points repeat themselves, up to the last one
+#     transient        they come closer to repeating themselves and are not there yet; or disturbances die out
+#     quasi-periodic   they lie on a curve, never repeat themselves, and the 0-1 test finds them regular
+#     chaotic          each follows from the one before, and the 0-1 test finds them chaotic
+#     undecided        with the reason
+#
+# A largest Lyapunov exponent, where it is given, has its say: a positive one where the 0-1 test finds no
+# chaos is evidence against evidence, and so is another where it does. What is judged is a deterministic
+# motion: noise is told apart only where it hides how points follow.
+
+
+REGULAR, CHAOTIC = 0.1, 0.9  # |K| of the 0-1 test below, K above
+FEWEST = 200  # points that the 0-1 test needs: with fewer, K of a regular motion strays up to 0.5
+FOLLOWS = 0.3  # prediction error of a deterministic motion, at most; that of noise is 1
+CURVE = 10.0  # prediction error times number of points on a curve, at most
+
+
+@dataclass(frozen=True)
+class Exponent:
+    """Largest Lyapunov exponent of a motion and the half width of its interval [1/s]."""
+
+    value: float
+    half_width: float
+
+    @property
+    def sign(self) -> int:
+        """1 or -1 where the interval leaves no doubt, else 0."""
+        return int(np.sign(self.value)) if abs(self.value) > self.half_width else 0
+
+
+@dataclass(frozen=True)
+class JudgedPoints:
+    """A verdict on points and its evidence; what was not worked out is None.
+
+    Attributes
+    ----------
+    verdict, reason : see above
+    period : after which they repeat themselves, or come closer to doing so
+    onset : position of the point from which on they do
+    step : distance of points a period apart, at the end, relative to the vibration
+    chaos_number : K of the 0-1 test
+    prediction : error of predicting points from their neighbours, relative to guessing
+    multipliers, exponents : of the orbit that a periodic motion is on, or goes to: (real, imaginary) of each
+        Floquet multiplier, and the Lyapunov exponents [1/s] that follow from them, None where sticking took
+        the direction
+    drift_rates : mean velocity of each body on that orbit [m/s], by name
+    """
+
+    verdict: RegimeVerdict | str
+    reason: str
+    period: int | None = None
+    onset: int | None = None
+    step: float | None = None
+    chaos_number: float | None = None
+    prediction: float | None = None
+    multipliers: tuple[tuple[float, float], ...] | None = None
+    exponents: tuple[float | None, ...] | None = None
+    drift_rates: dict[str, float] | None = None
+
+    def __post_init__(self) -> None:
+        name_verdict(self, RegimeVerdict)
+
+
+def judge_points(points: np.ndarray, exponent: Exponent | None = None) -> JudgedPoints:
+    """The regime of points (n, d), each coordinate scaled to the size of the vibration."""
+    if len(points) < chaos_tests_LEAST:
+        return JudgedPoints("undecided", f"{len(points)} cycles are too few, {chaos_tests_LEAST} are needed")
+    repeated = find_period(points)
+    if repeated is not None:
+        lasted = len(points) - repeated.onset
+        reason = f"the section repeats itself within {number(TOLERANCE, 6)}, over {lasted} cycles"
+        return JudgedPoints("periodic", reason, repeated.period, repeated.onset, repeated.step)
+    near = approached_period(points)
+    if near is not None:
+        before, now = number(near.step / near.trend, 2), number(near.step, 2)
+        reason = f"points a period apart come closer, from {before} to {now}"
+        return JudgedPoints("transient", reason, near.period, step=near.step)
+    if len(points) < FEWEST:
+        reason = f"no period up to {min(LONGEST, len(points) // 5)}, and {len(points)} cycles are too few"
+        return JudgedPoints("undecided", f"{reason} to tell chaos, {FEWEST} are needed")
+    return _irregular(points, exponent)
+
+
+def _irregular(points: np.ndarray, exponent: Exponent | None) -> JudgedPoints:
+    """The verdict on points that neither repeat themselves nor come closer to it."""
+    k = float(np.nanmedian([zero_one(column) for column in points.T if np.ptp(column) > EXACT]))
+    prediction = prediction_error(points)
+    if isnan(prediction):
+        return JudgedPoints(
+            "undecided", "too many points are the same to tell how they follow", chaos_number=k
+        )
+    verdict, reason = _weighed(k, prediction, len(points), exponent.sign if exponent else None)
+    return JudgedPoints(verdict, reason, chaos_number=k, prediction=prediction)
+
+
+def _weighed(k: float, prediction: float, count: int, sign: int | None) -> tuple[str, str]:
+    """Verdict and reason from K, the prediction error, and the sign of the exponent (None: not known)."""
+    test = f"0-1 test K = {k:.2f}"
+    known = {None: "", 1: ", exponent positive", 0: ", exponent near 0", -1: ", exponent negative"}[sign]
+    if prediction > FOLLOWS:
+        return (
+            "undecided",
+            f"points do not follow from neighbours (error {prediction:.2f}): noise, or too few",
+        )
+    if k >= CHAOTIC and sign in (1, None):
+        return "chaotic", test + known
+    if sign == -1 and k < CHAOTIC:
+        return "transient", f"exponent negative, so it settles; no period up to {LONGEST} is near yet"
+    if abs(k) <= REGULAR and sign != 1:
+        if prediction * min(count, chaos_tests_MOST) <= CURVE:
+            return "quasi-periodic", f"{test}, points on a curve" + known
+        return "undecided", f"{test}, but the points lie on no curve"
+    if k >= CHAOTIC or (sign == 1 and abs(k) <= REGULAR):
+        return "undecided", f"{test}{known}: the one speaks against the other"
+    return "undecided", f"{test}{known}: between regular and chaotic"

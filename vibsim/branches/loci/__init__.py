@@ -1,1 +1,0 @@
-"""Special points followed in a second parameter."""

@@ -1,1 +1,0 @@
-"""What happens between two neighbouring points of a branch: detected, parted, located."""

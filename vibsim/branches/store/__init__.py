@@ -1,1 +1,0 @@
-"""Where a branch is kept: the journal while it is traced, the HDF5 file, and the check of what they hold."""

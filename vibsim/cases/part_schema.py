@@ -1,0 +1,237 @@
+"""The schema of the long form: named parts with their keys, units, ranges and defaults.
+
+What concerns several keys at once stands in the modules of rules beside this one.
+"""
+
+from typing import Annotated, Literal
+
+from vibsim.cases.quantities import Quantity
+from vibsim.cases.schema import (
+    Amplitude,
+    Angle,
+    CaseHead,
+    Eccentricity,
+    Force,
+    Length,
+    Mass,
+    PositiveRate,
+    Rate,
+    RunKeys,
+    Section,
+    Velocity,
+    key,
+    optional,
+)
+from vibsim.cases.schema_kinds import Measured
+from vibsim.cases.short_form import Ends
+
+Stiffness = Annotated[Quantity, Measured("stiffness", least="0")]
+Damping = Annotated[Quantity, Measured("damping", least="0")]
+FrictionCoefficient = Annotated[Quantity, Measured("number", least="0")]
+StaticRatio = Annotated[Quantity, Measured("number", least="1")]
+
+MU = key(default=None, description="law coulomb: friction coefficient while slipping", examples=["0.2"])
+MU_S = key(
+    default=None,
+    description="laws stribeck: friction coefficient at speed 0, and of the limit while sticking",
+    examples=["0.37"],
+)
+MU_D = key(
+    default=None,
+    description="laws stribeck: friction coefficient at high speed, at most mu_s",
+    examples=["0.19"],
+)
+D = key(
+    default=None,
+    description="law stribeck hyperbolic: mu = mu_d + (mu_s - mu_d) / (1 + d |v_rel|)",
+    examples=["18 s/m"],
+)
+V0 = key(
+    default=None,
+    description="law stribeck exponential: mu = mu_d + (mu_s - mu_d) exp(-|v_rel| / v0)",
+    examples=["0.26 m/s"],
+)
+STATIC = key(
+    default=None,
+    description="law coulomb: limit while sticking over the force while slipping, at least 1; left out: 1",
+    examples=["1.3"],
+)
+BETWEEN = key(description="the two ends: bodies, ground or base", examples=["[ram, ground]"])
+ON = key(description="the body that it acts on", examples=["ram"])
+
+
+class LinkKeys(Section):
+    """Spring and damper between two ends: force -k (x_P - x_Q) - c (v_P - v_Q) on P."""
+
+    between: Ends = BETWEEN
+    k: Stiffness = optional("0 N/m", "stiffness", "4 kN/m")
+    c: Damping = optional("0 N s/m", "damping", "2 N s/m")
+
+
+class AnyStop(Section):
+    """A stop: an elastic one pushes its ends back with k g + c g' in contact, g the depth; a rigid one turns
+    the rate of g round in an impact.
+    """
+
+    between: Ends = BETWEEN
+    gap: Length = key(
+        description="free distance, 0 or negative too; measured from all displacements 0", examples=["1 mm"]
+    )
+    acts: Literal["extension", "compression"] = key(
+        description="extension: contact while x_Q - x_P >= gap; compression: while x_P - x_Q >= gap",
+        examples=["compression"],
+    )
+    law: Literal["elastic", "rigid"] = key(default="elastic", description="law of contact")
+    k: Annotated[Quantity, Measured("stiffness", above="0")] | None = key(
+        default=None, description="stiffness in contact (elastic only)", examples=["1 MN/m"]
+    )
+    c: Damping = optional("0 N s/m", "damping in contact (elastic only)", "20 N s/m")
+    release: Literal["gap", "force"] = key(
+        default="gap",
+        description="gap: in contact while the depth g >= 0; force: pushes max(0, k g + c g') while g > 0 "
+        "(elastic only)",
+    )
+    e: Annotated[Quantity, Measured("number", least="0", most="1")] | None = key(
+        default=None, description="coefficient of restitution (rigid only)", examples=["0.8"]
+    )
+
+
+class OneWay(Section):
+    """Friction in one direction of slip: the coefficients of the law."""
+
+    mu: FrictionCoefficient | None = MU
+    static: StaticRatio | None = STATIC
+    mu_s: FrictionCoefficient | None = MU_S
+    mu_d: FrictionCoefficient | None = MU_D
+    d: Annotated[Quantity, Measured("inverse velocity", least="0")] | None = D
+    v0: Annotated[Quantity, Measured("velocity", above="0")] | None = V0
+
+
+class DryFriction(Section):
+    """Dry friction of P on Q; v_rel = v_P - v_Q - belt."""
+
+    between: Ends = BETWEEN
+    law: Literal["coulomb", "stribeck hyperbolic", "stribeck exponential"] = key(
+        default="coulomb", description="law of friction"
+    )
+    mu: FrictionCoefficient | None = MU
+    static: StaticRatio | None = STATIC
+    mu_s: FrictionCoefficient | None = MU_S
+    mu_d: FrictionCoefficient | None = MU_D
+    d: Annotated[Quantity, Measured("inverse velocity", least="0")] | None = D
+    v0: Annotated[Quantity, Measured("velocity", above="0")] | None = V0
+    plus: OneWay | None = key(
+        default=None, description="where v_rel > 0; with minus, in place of coefficients for both directions"
+    )
+    minus: OneWay | None = key(
+        default=None, description="where v_rel < 0; with plus, in place of coefficients for both directions"
+    )
+    N: Annotated[Quantity, Measured("force", least="0")] | None = key(
+        default=None, description="normal load; left out: m g of the first end", examples=["3 N"]
+    )
+    g: Annotated[Quantity, Measured("acceleration", above="0")] | None = key(
+        default=None,
+        description="gravity, where N is left out; 9.81 m/s^2 by default",
+        examples=["9.81 m/s^2"],
+    )
+    belt: Velocity = optional("0 m/s", "velocity of the surface of Q against Q", "0.2 m/s")
+
+
+class ForceTerm(Section):
+    """A sin(omega t + phase)."""
+
+    A: Amplitude = key(description="amplitude", examples=["10 N"])
+    omega: PositiveRate = key(description="frequency", examples=["25 Hz"])
+    phase: Angle = optional("0 rad", "phase at t = 0; 90 deg: a cosine", "90 deg")
+
+
+class BodyForce(Section):
+    """Force F0 + sum of A sin(omega t + phase) on a body."""
+
+    on: str = ON
+    A: Amplitude | None = key(default=None, description="amplitude", examples=["10 N"])
+    omega: PositiveRate | None = key(default=None, description="frequency", examples=["25 Hz"])
+    phase: Angle | None = key(
+        default=None, description="phase at t = 0, 0 by default; 90 deg: a cosine", examples=["90 deg"]
+    )
+    terms: dict[str, ForceTerm] | None = key(
+        default=None, description="several harmonics, in place of A, omega and phase"
+    )
+    F0: Force = optional("0 N", "constant part", "-2 N")
+
+
+class BaseTerm(Section):
+    """a sin(omega t + phase)."""
+
+    a: Length = key(description="amplitude", examples=["0.1 mm"])
+    omega: PositiveRate = key(description="frequency", examples=["50 Hz"])
+    phase: Angle = optional("0 rad", "phase at t = 0", "90 deg")
+
+
+class BaseMotion(Section):
+    """Displacement of base: sum of a sin(omega t + phase)."""
+
+    a: Length | None = key(default=None, description="amplitude", examples=["0.1 mm"])
+    omega: PositiveRate | None = key(default=None, description="frequency", examples=["50 Hz"])
+    phase: Angle | None = key(default=None, description="phase at t = 0, 0 by default", examples=["90 deg"])
+    terms: dict[str, BaseTerm] | None = key(
+        default=None, description="several harmonics, in place of a, omega and phase"
+    )
+
+
+class BodyMotor(Section):
+    """Motor of limited power with an unbalanced rotor on a body, Eqs. (2.8) to (2.10)."""
+
+    on: str = ON
+    m3: Mass = key(description="unbalanced mass", examples=["0.03 kg"])
+    e: Eccentricity = key(description="eccentricity; negative: mirrored", examples=["0.11 m"])
+    J: Annotated[Quantity, Measured("inertia", least="0")] = key(
+        description="moment of inertia of the rotor without m3", examples=["0.001 kg m^2"]
+    )
+    M0: Annotated[Quantity, Measured("torque", least="0")] = key(
+        description="torque at standstill", examples=["0.005 N m"]
+    )
+    Omega0: PositiveRate = key(description="speed at which the torque vanishes", examples=["5.5 Hz"])
+
+
+class StartState(Section):
+    """State of a body, or of the rotor under the name motor, at t = 0; 0 unless given."""
+
+    x: Length | None = key(default=None, description="displacement of a body", examples=["1 mm"])
+    v: Velocity | None = key(default=None, description="velocity of a body", examples=["0 m/s"])
+    phi: Angle | None = key(default=None, description="rotor angle (motor only)", examples=["90 deg"])
+    phidot: Rate | None = key(default=None, description="rotor speed (motor only)", examples=["0 Hz"])
+
+
+class ClearanceKeys(Section):
+    """A limit that is watched and exerts no force: x_P - x_Q <= distance."""
+
+    between: Ends = BETWEEN
+    distance: Annotated[Quantity, Measured("length", above="0")] = key(
+        description="distance of the ends at rest", examples=["80 mm"]
+    )
+
+
+class PartsRun(RunKeys):
+    """How long, how often and how."""
+
+    on_violation: Literal["warn", "stop"] = key(
+        default="warn", description="of a clearance: count and warn, or end the run"
+    )
+
+
+class PartsFile(CaseHead):
+    """A scene of bodies on a line, made of named parts, and one run of it."""
+
+    bodies: dict[str, Mass] = key(description="name and mass of each body", examples=["{ram: 2 kg}"])
+    links: dict[str, LinkKeys] = key(default={}, description="springs and dampers, by name")
+    stops: dict[str, AnyStop] = key(default={}, description="stops, by name")
+    friction: dict[str, DryFriction] = key(default={}, description="dry frictions, by name")
+    forces: dict[str, BodyForce] = key(default={}, description="forces on bodies, by name")
+    base: BaseMotion | None = key(default=None, description="motion of base; left out: there is none")
+    motor: BodyMotor | None = key(default=None, description="the motor; left out: there is none")
+    initial: dict[str, StartState] = key(
+        default={}, description="state at t = 0 by body, and of the rotor as motor; left out: at rest"
+    )
+    clearances: dict[str, ClearanceKeys] = key(default={}, description="limits that are watched, by name")
+    run: PartsRun = key(default={}, description="left out: 300 s, every 5 ms")

@@ -1,0 +1,351 @@
+"""What may stand at which key of a case, in either form; see `schema` for the short one."""
+
+from functools import cached_property
+from inspect import cleandoc
+from typing import Annotated, Any, ClassVar, Literal, NoReturn, TypeVar
+
+from vibsim.cases.quantities import Quantity
+from vibsim.cases.schema_kinds import (
+    ChosenBy,
+    Fault,
+    Json,
+    KeyKind,
+    Location,
+    Measured,
+    Tag,
+    TextKind,
+    WholeNumber,
+    kind_of,
+)
+
+# Sections of a case: classes whose annotations say what stands at their keys.
+
+
+REFERENCE = "#/$defs/"  # where JSON Schema keeps sections
+REQUIRED = object()
+
+S = TypeVar("S", bound="Section")
+
+
+class Key:
+    """A key of a section.
+
+    Attributes
+    ----------
+    annotation : what stands there
+    default : as a file would say it; REQUIRED where the key must be given
+    description, examples : for people
+    """
+
+    def __init__(self, annotation: Any, default: Any, description: str, examples: list[str]):
+        self.annotation, self.default = annotation, default
+        self.description, self.examples = description, examples
+
+    def is_required(self) -> bool:
+        return self.default is REQUIRED
+
+    @cached_property
+    def kind(self) -> KeyKind:
+        return kind_of(self.annotation)
+
+    @cached_property
+    def _default(self) -> Any:
+        """The default, read as if a file gave it."""
+        faults: list[Fault] = []
+        value = None if self.default is None else self.kind.read(self.default, (), faults)
+        if faults:
+            raise TypeError(f"a default that is none: {faults[0].message}")
+        return value
+
+    def default_value(self) -> Any:
+        """What stands at the key where it is left out; never the same mapping twice."""
+        return dict(self._default) if isinstance(self._default, dict) else self._default
+
+    def json(self, sections: dict[str, Json]) -> Json:
+        """JSON Schema of the value; of the sections in it the schema is put into `sections`."""
+        about: Json = {"description": self.description, "examples": self.examples}
+        schema = {**self.kind.json(sections), **{name: note for name, note in about.items() if note}}
+        if isinstance(self.default, str | int):
+            schema["default"] = self.default
+        return dict(sorted(schema.items()))
+
+
+def key(description: str = "", default: Any = REQUIRED, examples: list[str] | None = None) -> Any:
+    """What a class says of a key beside its annotation."""
+    return Key(None, default, description, examples or [])
+
+
+class Section:
+    """Base of all sections: unknown keys are faults, and a section does not change once it is read."""
+
+    keys: ClassVar[dict[str, Key]] = {}  # of the sections that inherit it too
+
+    def __init_subclass__(cls) -> None:
+        cls.keys = dict(cls.keys)
+        for name, annotation in cls.__annotations__.items():
+            cls.keys[name] = _key(annotation, cls.__dict__.get(name, REQUIRED))
+
+    @classmethod
+    def read(cls: type[S], values: Any, at: Location, faults: list[Fault]) -> S | None:
+        """The section of nested texts; what is wrong is added to `faults`, and then it is of no use."""
+        if isinstance(values, cls):
+            return values
+        if not isinstance(values, dict):
+            faults.append(Fault("no mapping", at, values))
+            return None
+        section = cls.__new__(cls)
+        content = section.__dict__
+        for name, key in cls.keys.items():
+            if name in values:
+                content[name] = key.kind.read(values[name], (*at, name), faults)
+            elif key.is_required():
+                faults.append(Fault("missing", (*at, name), values))
+            else:
+                content[name] = key.default_value()
+        faults += [Fault("unknown", (*at, name), values[name]) for name in values if name not in cls.keys]
+        return section
+
+    @classmethod
+    def as_kind(cls) -> KeyKind:
+        return cls
+
+    @classmethod
+    def json(cls, sections: dict[str, Json]) -> Json:
+        """A reference; the JSON Schema of the section itself is put into `sections`."""
+        name = cls.__name__.removesuffix("Keys")
+        if name not in sections:
+            sections[name] = {}
+            sections[name] = cls.json_schema(sections)
+        return {"$ref": REFERENCE + name}
+
+    @classmethod
+    def json_schema(cls, sections: dict[str, Json]) -> Json:
+        """JSON Schema of the section, those of the sections in it beside it."""
+        required = [name for name, key in cls.keys.items() if key.is_required()]
+        schema: Json = {
+            "additionalProperties": False,
+            "description": cleandoc(cls.__doc__ or ""),
+            "properties": {name: key.json(sections) for name, key in cls.keys.items()},
+        }
+        return schema | ({"required": required} if required else {}) | {"type": "object"}
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        raise AttributeError(f"a section does not change: {name}")
+
+    def __delattr__(self, name: str) -> NoReturn:
+        raise AttributeError(f"a section does not change: {name}")
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and self.__dict__ == other.__dict__
+
+    def __hash__(self) -> int:
+        return hash((type(self), *self.__dict__.values()))
+
+    def __repr__(self) -> str:
+        content = ", ".join(f"{name}={value!r}" for name, value in self.__dict__.items())
+        return f"{type(self).__name__.removesuffix('Keys')}({content})"
+
+
+def _key(annotation: Any, said: Any) -> Key:
+    """A key from its annotation and what the class says of it: `key(...)`, a default alone, or nothing."""
+    if isinstance(said, Key):
+        return Key(annotation, said.default, said.description, said.examples)
+    return Key(annotation, said, "", [])
+
+
+# The schema of a case file: sections, keys, units, ranges and defaults, as classes that read them.
+#
+# `vibsim schema` prints it as JSON Schema. What concerns several keys at once stands in contradictions.py.
+
+
+NAME_PATTERN = r"[A-Za-z0-9][A-Za-z0-9._+ -]*"
+NAMES = "may hold letters, digits, spaces and . _ + -, and begins with a letter or digit"
+
+Mass = Annotated[Quantity, Measured("mass", above="0")]
+MassOrFixed = Annotated[Quantity | str, Measured("mass", above="0", word="fixed")]
+Length = Annotated[Quantity, Measured("length")]
+Velocity = Annotated[Quantity, Measured("velocity")]
+Force = Annotated[Quantity, Measured("force")]
+Duration = Annotated[Quantity, Measured("time", above="0")]
+Angle = Annotated[Quantity, Measured("angle")]
+Rate = Annotated[Quantity, Measured("angular rate")]
+PositiveRate = Annotated[Quantity, Measured("angular rate", above="0")]
+Eccentricity = Annotated[Quantity, Measured("length", nonzero=True)]
+
+
+def optional(default: str, description: str, *examples: str) -> Any:
+    """A key with a default, written and checked as in a file; the default is an example too."""
+    return key(description, default, [*examples] or [default])
+
+
+class Blocks(Section):
+    """The two blocks."""
+
+    m1: Mass = key(description="mass of block 1, the excited one", examples=["0.297 kg"])
+    m2: MassOrFixed = key(
+        description="mass of block 2, which rubs on the surface; fixed: a wall", examples=["2.94 kg", "fixed"]
+    )
+
+
+class CouplingKeys(Section):
+    """Spring and damper between the blocks, Eqs. (2.4) and (2.6)."""
+
+    k1: Annotated[Quantity, Measured("stiffness", least="0")] = key(
+        description="stiffness of the coupling spring", examples=["200 N/m"]
+    )
+    c: Annotated[Quantity, Measured("damping", least="0")] = optional(
+        "0 N s/m", "coefficient of the damper", "0.001 N s/m"
+    )
+
+
+class StopKeys(Section):
+    """The impact spring, Eq. (2.5); it acts only while the blocks are in contact."""
+
+    k2: Annotated[Quantity, Measured("stiffness", above="0")] = key(
+        description="stiffness of the impact spring", examples=["12400 N/m"]
+    )
+    G: Length = key(description="gap; negative: the stop is preloaded", examples=["1 mm"])
+    acts: Literal["extension", "compression"] = key(
+        default="extension",
+        description="extension: contact while x2 - x1 >= G (the paper); compression: while x1 - x2 >= G",
+    )
+
+
+class FrictionKeys(Section):
+    """Coulomb friction between block 2 and the surface, Eq. (2.7)."""
+
+    mu: Annotated[Quantity, Measured("number", least="0")] = key(
+        description="friction coefficient; 0: no friction", examples=["0.001"]
+    )
+    g: Annotated[Quantity, Measured("acceleration", above="0")] = optional("9.81 m/s^2", "gravity")
+
+
+class AmplitudeRule(Section):
+    """The amplitude that an unbalanced mass of the same speed would give, Eq. (2.11)."""
+
+    rule: Literal["m3 e omega^2"] = key(description="A = m3 e omega^2; follows omega when that is swept")
+    m3: Mass = key(description="unbalanced mass", examples=["0.03 kg"])
+    e: Eccentricity = key(description="eccentricity", examples=["0.11 m"])
+
+
+def _amplitude_tag(amplitude: object) -> str:
+    return "(rule)" if isinstance(amplitude, dict | AmplitudeRule) else "(value)"
+
+
+Amplitude = Annotated[
+    Annotated[AmplitudeRule, Tag("(rule)")]
+    | Annotated[
+        Quantity, Measured("force", alternative="{rule: m3 e omega^2, m3: ..., e: ...}"), Tag("(value)")
+    ],
+    ChosenBy(_amplitude_tag),
+]
+
+
+class HarmonicKeys(Section):
+    """Ideal source: the force A sin(omega t) + F0 on block 1, Eqs. (2.1) to (2.3)."""
+
+    kind: Literal["harmonic"]
+    A: Amplitude = key(description="amplitude of the force", examples=["0.0725 N"])
+    omega: PositiveRate = key(description="excitation frequency", examples=["3.5 Hz", "22 rad/s", "210 rpm"])
+    F0: Force = optional("0 N", "constant part of the force")
+
+
+class MotorKeys(Section):
+    """Non-ideal source: unbalanced rotor on block 1, motor of limited power, Eqs. (2.8) to (2.10)."""
+
+    kind: Literal["motor"]
+    m3: Mass = key(description="unbalanced mass", examples=["0.03 kg"])
+    e: Eccentricity = key(description="eccentricity; negative: mirrored", examples=["0.11 m"])
+    J: Annotated[Quantity, Measured("inertia", least="0")] = key(
+        description="moment of inertia of the rotor without m3", examples=["0.001 kg m^2"]
+    )
+    M0: Annotated[Quantity, Measured("torque", least="0")] = key(
+        description="torque of the motor at standstill", examples=["0.005 N m"]
+    )
+    Omega0: PositiveRate = key(
+        description="speed at which the torque vanishes", examples=["5.5 Hz", "330 rpm"]
+    )
+
+
+class NoExcitation(Section):
+    """No excitation: the blocks move from their initial state."""
+
+    kind: Literal["none"] = "none"
+
+
+def _excitation_tag(excitation: object) -> str:
+    kind = excitation.get("kind") if isinstance(excitation, dict) else getattr(excitation, "kind", None)
+    return f"({kind})"
+
+
+Excitation = Annotated[
+    Annotated[MotorKeys, Tag("(motor)")]
+    | Annotated[HarmonicKeys, Tag("(harmonic)")]
+    | Annotated[NoExcitation, Tag("(none)")],
+    ChosenBy(_excitation_tag),
+]
+
+
+class Initial(Section):
+    """State at t = 0; at rest unless given."""
+
+    x1: Length = optional("0 m", "displacement of block 1")
+    v1: Velocity = optional("0 m/s", "velocity of block 1")
+    x2: Length = optional("0 m", "displacement of block 2")
+    v2: Velocity = optional("0 m/s", "velocity of block 2")
+    phi: Angle = optional("0 rad", "rotor angle (motor only)", "0 rad", "90 deg")
+    phidot: Rate = optional("0 rad/s", "rotor speed (motor only)", "0 Hz")
+
+
+class RestDistance(Section):
+    """Distance of the blocks at rest; the model stops being valid when x1 - x2 exceeds it."""
+
+    value: Annotated[Quantity, Measured("length", above="0")] = key(
+        description="distance of the blocks at rest", examples=["80 mm"]
+    )
+    on_violation: Literal["warn", "stop"] = key(default="warn", description="count and warn, or end the run")
+
+
+class RunKeys(Section):
+    """How long, how often and how."""
+
+    t_end: Duration = optional("300 s", "end of the run")
+    every: Duration = optional("5 ms", "output interval; never changes the trajectory", "5 ms", "1/60 s")
+    method: Literal["auto", "closed_form", "taylor"] = key(
+        default="auto",
+        description="auto: the closed form in modes that have one (none with a motor or falling friction), "
+        "else Taylor series; closed_form: the same, but refused with a motor; taylor: series in every mode",
+    )
+    order: Annotated[int, WholeNumber(4, 40)] = key(default=20, description="order of the Taylor series")
+    tol: Annotated[Quantity, Measured("number", least="1e-30", most="1e-3")] = optional(
+        "1.1102230246251565e-16",
+        "relative tolerance of the Taylor series; 2^-53 by default, and less helps only beyond doubles",
+    )
+    trust_tolerance: Annotated[Quantity, Measured("length", above="0")] = optional(
+        "1e-6 m", "error up to which the displacements count as right: the trust horizon ends there", "1 um"
+    )
+
+
+class CaseHead(Section):
+    """What every case file has: what it extends, its name and its title."""
+
+    extends: str | None = key(
+        default=None, description="another case file, or a shipped case, that this one starts from"
+    )
+    name: Annotated[str, TextKind(80, NAME_PATTERN, NAMES)] = key(
+        default="case", description="default: the file's name"
+    )
+    title: Annotated[str, TextKind(300)] = key(default="", description="one line on what the case shows")
+
+
+class CaseFile(CaseHead):
+    """A vibro-impact system of the paper's two blocks and one run of it: the short form of a case."""
+
+    blocks: Blocks
+    coupling: CouplingKeys
+    stop: StopKeys | None = key(default=None, description="left out or none: no stop")
+    friction: FrictionKeys | None = key(default=None, description="left out or none: no friction")
+    excitation: Excitation = key(default={"kind": "none"}, description="left out or none: no excitation")
+    initial: Initial = key(default={}, description="left out: at rest")
+    rest_distance: RestDistance | None = key(default=None, description="left out or none: not watched")
+    run: RunKeys = key(default={}, description="left out: 300 s, every 5 ms")

@@ -1,0 +1,303 @@
+"""What may stand at a key of a case: how it is read, what is said where it is wrong, its JSON Schema.
+
+A kind follows from the annotation of a key: Annotated[Quantity, Measured("mass")], Literal["warn", "stop"],
+str, Ends, a section, a section or None, dict[str, Link].
+"""
+
+import re
+from collections.abc import Callable
+from fractions import Fraction
+from functools import lru_cache
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, NamedTuple, Protocol, Union, get_args, get_origin
+
+from vibsim.cases.problems import did_you_mean, shown
+from vibsim.cases.quantities import NUMBER, Quantity, QuantityError, parse_quantity, si_unit, unit_names
+
+Json = dict[str, Any]
+Location = tuple[str, ...]  # keys, and variants such as "(motor)"
+
+
+class Fault(NamedTuple):
+    """What is wrong at one place of a case.
+
+    Attributes
+    ----------
+    what : "missing" or "unknown" key, "no mapping", "no variant", or "value" where the message says it
+    location : the place, from the outermost key on
+    value : what stands there; the section around a missing key
+    message : empty where the words depend on the keys of the schema
+    """
+
+    what: str
+    location: Location
+    value: object
+    message: str = ""
+
+
+class Tag(NamedTuple):
+    """Names a variant of a value in locations, such as "(motor)"."""
+
+    tag: str
+
+
+class ChosenBy(NamedTuple):
+    """How the tag of a variant follows from a value as it is written."""
+
+    tag_of: Callable[[object], str]
+
+
+class Value(Protocol):
+    """Reads a single value; raises ValueError with what is wrong and what is allowed."""
+
+    def read(self, value: object) -> Any: ...
+    def json_schema(self) -> Json: ...
+
+
+class KeyKind(Protocol):
+    """Reads what stands at a key and adds what is wrong to `faults`."""
+
+    def read(self, value: Any, at: Location, faults: list[Fault]) -> Any: ...
+    def json(self, sections: dict[str, Json]) -> Json:
+        """JSON Schema; that of the sections in it is put into `sections`."""
+        ...
+
+
+class Words(NamedTuple):
+    """One of a few words."""
+
+    allowed: tuple[str, ...]
+
+    def read(self, value: object) -> str:
+        if isinstance(value, str) and value in self.allowed:
+            return value
+        near = did_you_mean(str(value), self.allowed)
+        one_of = "one of " if len(self.allowed) > 1 else ""
+        raise ValueError(f"must be {one_of}{', '.join(self.allowed)}, got {kind_of_value(value)}{near}")
+
+    def json_schema(self) -> Json:
+        words = {"enum": [*self.allowed]} if len(self.allowed) > 1 else {"const": self.allowed[0]}
+        return words | {"type": "string"}
+
+
+class TextKind(NamedTuple):
+    """A text of bounded length.
+
+    Attributes
+    ----------
+    longest : the most characters that it may have; None: any number
+    pattern : what it must match; None: anything
+    why : what to say of a text that does not match
+    """
+
+    longest: int | None = None
+    pattern: str | None = None
+    why: str = ""
+
+    def read(self, value: object) -> str:
+        if not isinstance(value, str):
+            raise ValueError(f"must be a text, got {kind_of_value(value)}")
+        if self.longest is not None and len(value) > self.longest:
+            raise ValueError(f"may have at most {self.longest} characters")
+        if self.pattern is not None and not re.fullmatch(self.pattern, value):
+            raise ValueError(f"{self.why}; got {shown(value)}")
+        return value
+
+    def json_schema(self) -> Json:
+        pattern = None if self.pattern is None else f"^{self.pattern}$"
+        bounds = {"maxLength": self.longest, "pattern": pattern}
+        return {"type": "string"} | {name: bound for name, bound in bounds.items() if bound is not None}
+
+
+class WholeNumber(NamedTuple):
+    """A whole number from `least` to `most`, from its text; 20.0, 2e1 and 1_0 are none."""
+
+    least: int
+    most: int
+
+    def read(self, value: object) -> int:
+        text = str(value).strip()
+        if not (text.isascii() and text.isdigit() and len(text) < 10):
+            raise ValueError(f"must be a whole number, got {shown(value)}")
+        if int(text) < self.least:
+            raise ValueError(f"must be >= {self.least}, got {text}")
+        if int(text) > self.most:
+            raise ValueError(f"must be <= {self.most}, got {text}")
+        return int(text)
+
+    def json_schema(self) -> Json:
+        return {"type": "integer", "minimum": self.least, "maximum": self.most}
+
+
+class Single(NamedTuple):
+    """A single value."""
+
+    of: Value
+
+    def read(self, value: Any, at: Location, faults: list[Fault]) -> Any:
+        try:
+            return self.of.read(value)
+        except ValueError as error:
+            faults.append(Fault("value", at, value, str(error)))
+            return None
+
+    def json(self, sections: dict[str, Json]) -> Json:
+        return self.of.json_schema()
+
+
+class Optional(NamedTuple):
+    """What may be left out; None stands for that in files that vibsim wrote, and nothing does in a case."""
+
+    of: KeyKind
+
+    def read(self, value: Any, at: Location, faults: list[Fault]) -> Any:
+        return None if value is None else self.of.read(value, at, faults)
+
+    def json(self, sections: dict[str, Json]) -> Json:
+        return self.of.json(sections)
+
+
+class NamedKind(NamedTuple):
+    """Parts by name, or terms by number."""
+
+    of: KeyKind
+
+    def read(self, value: Any, at: Location, faults: list[Fault]) -> Any:
+        if not isinstance(value, dict):
+            faults.append(Fault("no mapping", at, value))
+            return None
+        return {name: self.of.read(part, (*at, name), faults) for name, part in value.items()}
+
+    def json(self, sections: dict[str, Json]) -> Json:
+        return {"type": "object", "additionalProperties": self.of.json(sections)}
+
+
+class Variants(NamedTuple):
+    """One of several kinds, by a tag."""
+
+    tag_of: Callable[[object], str]
+    by_tag: dict[str, KeyKind]
+
+    def read(self, value: Any, at: Location, faults: list[Fault]) -> Any:
+        tag = self.tag_of(value)
+        if tag not in self.by_tag:
+            faults.append(Fault("no variant", at, value))
+            return None
+        return self.by_tag[tag].read(value, (*at, tag), faults)
+
+    def json(self, sections: dict[str, Json]) -> Json:
+        return {"oneOf": [kind.json(sections) for kind in self.by_tag.values()]}
+
+
+def kind_of(annotation: Any) -> KeyKind:
+    """The kind that an annotation asks for. Raises TypeError for one that says nothing about a case."""
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        return _annotated(arguments[0], arguments[1:])
+    if origin is Literal:
+        return Single(Words(arguments))
+    if origin in (Union, UnionType) and NoneType in arguments and len(arguments) == 2:
+        return Optional(kind_of(next(item for item in arguments if item is not NoneType)))
+    if origin is dict:
+        return NamedKind(kind_of(arguments[1]))
+    if annotation is str:
+        return Single(TextKind())
+    if hasattr(annotation, "as_kind"):
+        kind: KeyKind = annotation.as_kind()
+        return kind
+    raise TypeError(f"no kind of value is known for {annotation}")
+
+
+def _annotated(inner: Any, notes: tuple[Any, ...]) -> KeyKind:
+    for note in notes:
+        if isinstance(note, ChosenBy):
+            return Variants(note.tag_of, {_tag(variant): kind_of(variant) for variant in get_args(inner)})
+        if hasattr(note, "read"):
+            return Single(note)
+    return kind_of(inner)
+
+
+def _tag(variant: Any) -> str:
+    return next(note.tag for note in variant.__metadata__ if isinstance(note, Tag))
+
+
+def kind_of_value(value: object) -> str:
+    """A value as messages show it; a mapping is not written out."""
+    return "a mapping" if isinstance(value, dict) else shown(value)
+
+
+# What one value of a case must be: its dimension and its range, as a note in the annotation of a key.
+
+
+_exact = lru_cache(maxsize=64)(Fraction)  # of the few texts that bounds are written as
+
+
+class Measured(NamedTuple):
+    """A quantity of one dimension and its range, for use inside Annotated.
+
+    Attributes
+    ----------
+    dimension : name in the unit table, such as "length"
+    above, least, most : the value must be > above, >= least, <= most (texts in SI units; None: no bound)
+    nonzero : the value must not be 0
+    word : a word that may stand in place of the quantity, such as "fixed"
+    alternative : what else may stand there, for messages
+    """
+
+    dimension: str
+    above: str | None = None
+    least: str | None = None
+    most: str | None = None
+    nonzero: bool = False
+    word: str | None = None
+    alternative: str = ""
+
+    def read(self, value: object) -> Quantity | str:
+        """The quantity behind a text (or the word). Raises QuantityError."""
+        if isinstance(value, Quantity):
+            return value
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            raise QuantityError(f"must be a single value, got {kind_of_value(value)}")
+        text = str(value)
+        if self.word is not None and text.strip() == self.word:
+            return self.word
+        alternative = f"the word {self.word}" if self.word else self.alternative
+        quantity = parse_quantity(text, self.dimension, alternative)
+        broken = self.broken_bound(quantity.value)
+        if broken:
+            raise QuantityError(f"must be {broken}, got {shown(text)}")
+        return quantity
+
+    def broken_bound(self, value: Fraction) -> str | None:
+        """The bound that a value breaks, in words; None inside the range."""
+        if self.nonzero and value == 0:
+            return "different from 0"
+        if self.above is not None and value <= _exact(self.above):
+            return f"> {self.above}"
+        if self.least is not None and value < _exact(self.least):
+            return f">= {self.least}"
+        if self.most is not None and value > _exact(self.most):
+            return f"<= {self.most}"
+        return None
+
+    def json_schema(self) -> dict[str, Any]:
+        """A number in SI units with its bounds, a text with a unit, or the word."""
+        units = unit_names(self.dimension)
+        tail = r"\s*[^\s0-9].*" if self.dimension == "angular rate" else ".*" if units else r"\s*"
+        text: dict[str, Any] = {"type": "string", "pattern": rf"^\s*{NUMBER}(\s*/\s*\d+)?{tail}$"}
+        if units:
+            text["description"] = f"number and unit: {', '.join(units)}"
+        choices = [text]
+        if self.dimension != "angular rate":
+            choices.insert(
+                0, {"type": "number", "description": f"in {si_unit(self.dimension).name or 'no unit'}"}
+            )
+            choices[0] |= self._json_bounds()
+        if self.word is not None:
+            choices.append({"const": self.word})
+        return {"anyOf": choices}
+
+    def _json_bounds(self) -> dict[str, Any]:
+        bounds = {"exclusiveMinimum": self.above, "minimum": self.least, "maximum": self.most}
+        keywords: dict[str, Any] = {name: float(bound) for name, bound in bounds.items() if bound is not None}
+        return keywords | ({"not": {"const": 0}} if self.nonzero else {})

@@ -1,0 +1,463 @@
+"""Where cases come from: a path, a shipped name, or standard input; size and encoding checked."""
+
+import re
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from os.path import exists, isdir, isfile, normpath
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from vibsim.cases.problems import CaseError, Problem, did_you_mean, shown, superseded, unstorable
+from vibsim.cases.schema_keys import LONG, SHORT, UnknownKeyError, form_of, full_key, keys_of
+from vibsim.cases.yaml_nodes import Broken, Node, Place, Text, read_yaml
+from vibsim.cases.yaml_nodes import Mapping as yaml_nodes_Mapping
+
+LARGEST_FILE = 1_000_000  # bytes
+HDF5_SIGNATURE = b"\x89HDF"
+ASCII_TEXT = re.compile("[\t\n\r -~]*")
+CONTROL = "[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"  # what YAML forbids
+SUFFIXES = (".yaml", ".yml")
+RESULTS = (".h5", ".hdf5", ".partial")
+HARD, GALLERY = "hard/", "gallery/"  # folders of shipped cases, and how their names begin
+
+
+class SourceText(NamedTuple):
+    """The text of one case file.
+
+    Attributes
+    ----------
+    shown : path as the user gave it, for messages
+    stem : name of the case where the file gives none
+    text : the YAML text
+    folder : where an `extends` of this file looks for relative paths
+    identity : tells whether two sources are the same file
+    """
+
+    shown: str
+    stem: str
+    text: str
+    folder: Path
+    identity: str
+
+
+def shipped_folder() -> Path:
+    """The folder of the shipped cases, installed or in a checkout."""
+    from importlib import resources
+
+    try:
+        return Path(str(resources.files("vibsim.shipped_cases").joinpath("II-B.yaml"))).parent
+    except ModuleNotFoundError:
+        return Path(__file__).resolve().parents[2] / "cases"
+
+
+def shipped_case_names() -> list[str]:
+    """Names of the shipped cases, sorted: I-A, I-A-eq211, ... II-C."""
+    return sorted(path.stem for path in shipped_folder().glob("*.yaml"))
+
+
+def hard_case_names() -> list[str]:
+    """Names of the cases that are hard to compute, sorted: hard/a-million-seconds, ... hard/..."""
+    return _names_in(HARD)
+
+
+def gallery_case_names() -> list[str]:
+    """Names of the published models and examples, sorted: gallery/bilinear-oscillator, ... gallery/..."""
+    return _names_in(GALLERY)
+
+
+def _names_in(folder: str) -> list[str]:
+    return sorted(f"{folder}{path.stem}" for path in (shipped_folder() / folder).glob("*.yaml"))
+
+
+def is_path(source: str) -> bool:
+    """True for what names a file: it ends in .yaml or .yml or has a folder in it."""
+    return source.lower().endswith(SUFFIXES) or "/" in source or "\\" in source
+
+
+def find_source(source: str, folder: Path | None = None) -> SourceText:
+    """Read the case file that `source` names: a path, a shipped name, or "-" for standard input.
+
+    Relative paths count from `folder`: that of the file which names the source (default: the current one, for
+    what the user names). Raises CaseError where there is no such file, or where it is too large or no UTF-8
+    text; a file may only name regular files, because opening another kind can wait for ever.
+    """
+    if source == "-":
+        text = decoded(sys.stdin.buffer.read(LARGEST_FILE + 1), "stdin")
+        return SourceText("stdin", "stdin", text, Path(), "-")
+    path = Path(source)
+    if source.startswith((HARD, GALLERY)) and source in _names_in(source.partition("/")[0] + "/"):
+        path = shipped_folder() / f"{source}.yaml"
+        return _file(path, str(path))
+    if is_path(source):
+        if folder is None:
+            return _file(path, str(path))
+        path = path if path.is_absolute() else Path(normpath(folder / path))
+        if exists(path) and not isfile(path) and not isdir(path):
+            raise CaseError([Problem(str(path), None, None, "", "is no regular file")])
+        return _file(path, str(path))
+    if source in shipped_case_names():
+        path = shipped_folder() / f"{source}.yaml"
+        return _file(path, str(path))
+    raise CaseError([Problem(source or '""', None, None, "", _no_such_case(source))])
+
+
+def called_as_result(source: str) -> bool:
+    """Whether a source has the name of a result file, which holds no text."""
+    return source.lower().endswith(RESULTS)
+
+
+def _no_case_but(source: str) -> str:
+    """What a source with the name of a result file is instead of a case."""
+    if isdir(source):
+        return _no_case_but_a_folder(Path(source))
+    if not isfile(source):
+        return "no such file"
+    try:
+        with open(source, "rb") as file:
+            is_result = file.read(len(HDF5_SIGNATURE)) == HDF5_SIGNATURE
+    except OSError:
+        is_result = True
+    if not is_result:
+        return "is not an HDF5 file, as its name says; a case file ends in .yaml"
+    return "is a result and no case file; vibsim info --case prints its case"
+
+
+def _no_case_but_a_folder(path: Path) -> str:
+    inside = [f"{path}/*{suffix}" for suffix in SUFFIXES if any(path.glob(f"*{suffix}"))]
+    others = f"; for those in it write {' '.join(inside)}" if inside else _shipped_in(path)
+    return f"is a folder, not a case file{others}"
+
+
+def _shipped_in(path: Path) -> str:
+    """The shipped cases whose names begin as a folder is called; empty for other folders."""
+    names = _names_in(f"{path}/") if f"{path}/" in (GALLERY, HARD) else []
+    return f"; shipped are {', '.join(names)}" if names else ""
+
+
+def _no_such_case(source: str) -> str:
+    if called_as_result(source):
+        return _no_case_but(source)
+    if isdir(source):
+        return _no_case_but_a_folder(Path(source))
+    if f"{source}/" in (GALLERY, HARD):
+        return f"is no shipped case{_shipped_in(Path(source))}"
+    names = shipped_case_names()
+    inner = [f"{folder}{source}" for folder in (GALLERY, HARD) if f"{folder}{source}" in _names_in(folder)]
+    hint = f" (did you mean {inner[0]}?)" if inner else did_you_mean(source, names)
+    if isfile(source):  # False too for what no file can be called
+        hint = f"; for the file write ./{source}"
+    elif isfile(f"{source}.yaml"):
+        hint = f"; did you mean the file {source}.yaml?"
+    return f"is no shipped case{hint}; shipped are {', '.join(names)}; a file name ends in .yaml"
+
+
+def _file(path: Path, name: str) -> SourceText:
+    try:
+        with open(path, "rb") as file:
+            raw = file.read(LARGEST_FILE + 1)
+    except (OSError, ValueError) as error:
+        raise CaseError([Problem(name, None, None, "", _unreadable(path, error))]) from None
+    return SourceText(name, path.stem, decoded(raw, name), path.parent, str(path.resolve()))
+
+
+def _unreadable(path: Path, error: Exception) -> str:
+    if isinstance(error, FileNotFoundError):
+        names = shipped_case_names()
+        near = f"; the shipped case is called {path.stem}" if path.stem in names else _shipped_in(path)
+        if str(path).startswith((HARD, GALLERY)):
+            near = did_you_mean(str(path), [*hard_case_names(), *gallery_case_names()])
+        return f"no such file{near}"
+    if isinstance(error, IsADirectoryError):
+        return _no_case_but_a_folder(path)
+    return f"cannot be read: {getattr(error, 'strerror', None) or error}"
+
+
+def decoded(raw: bytes, name: str) -> str:
+    """Bytes of a case file as text. Raises CaseError for large, binary and non-UTF-8 files."""
+    if raw.startswith(HDF5_SIGNATURE):
+        raise CaseError([Problem(name, None, None, "", "is an HDF5 file, not a YAML case file")])
+    if len(raw) > LARGEST_FILE:
+        raise CaseError([Problem(name, None, None, "", "is larger than 1 MB; a case file has about 2 kB")])
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        what = f"is not UTF-8 text (byte 0x{raw[error.start]:02x}); save the file as UTF-8"
+        raise CaseError([_at(name, raw[: error.start].decode("utf-8", "replace"), what)]) from None
+    control = None if ASCII_TEXT.fullmatch(text) else re.search(CONTROL, text)
+    if control:
+        what = f"holds the control character 0x{ord(control[0]):02x}; is it a binary file?"
+        raise CaseError([_at(name, text[: control.start()], what)])
+    return text
+
+
+def _at(name: str, before: str, message: str) -> Problem:
+    """A problem right behind the text `before`."""
+    line = before.count("\n") + 1
+    column = len(before) - (before.rfind("\n") + 1) + 1
+    return Problem(name, line, column, "", message)
+
+
+def case_name_from(stem: str) -> str:
+    """A case's name from its file's name: what a name may not hold becomes "_"."""
+    name = re.sub(r"[^A-Za-z0-9._+ -]", "_", stem).strip()[:80]
+    return name if name[:1].isalnum() and name.isascii() else f"case{name}"[:80]
+
+
+# Case files to one plain tree of texts: `extends` followed, child over parent, every place kept.
+
+
+LONGEST_CHAIN = 8  # files that extend one another
+FEW_KEYS = 3  # that may all be misspelt
+OWN_KEYS = ("name", "title", "extends")  # not inherited: they speak of one file
+BROKEN = object()  # a value that has been reported already
+
+
+@dataclass
+class Tree:
+    """A case before validation.
+
+    Attributes
+    ----------
+    values : nested dict of texts
+    places : dotted key -> place of its value
+    key_places : dotted key -> place of the key itself
+    root : where the case begins, the place of what is missing
+    problems : what reading found
+    complete : False where a file could not be read, so that keys may be missing for that reason
+    """
+
+    values: dict[str, Any]
+    root: Place
+    places: dict[str, Place] = field(default_factory=dict)
+    key_places: dict[str, Place] = field(default_factory=dict)
+    problems: list[Problem] = field(default_factory=list)
+    complete: bool = True
+
+    def place(self, key: str) -> Place:
+        """Place of a key's value, or of the section around it where it is missing."""
+        return self.places[key] if key in self.places else self.key_place(key.rpartition(".")[0])
+
+    def key_place(self, key: str) -> Place:
+        """Place of a key itself, or of the section around it where it is missing."""
+        while key:
+            if key in self.key_places:
+                return self.key_places[key]
+            key = key.rpartition(".")[0]
+        return self.root
+
+
+def read_tree(source: SourceText) -> Tree:
+    """Read a case file and the files that it extends. What is wrong is left in `problems`."""
+    tree = Tree({}, Place(source.shown, 1, 1))
+    merged = _read_chain(source, [], tree)
+    if merged is not None:
+        _plain(merged, "", tree.values, tree)
+    if not isinstance(tree.values.get("extends"), dict):
+        tree.values.pop("extends", None)  # followed, or reported
+    return tree
+
+
+def _read_chain(source: SourceText, chain: list[str], tree: Tree) -> yaml_nodes_Mapping | None:
+    """The mapping of one file over that of its parent; None where nothing could be read."""
+    own, problems = read_yaml(source.text, source.shown)
+    if own is not None and _is_no_case(own):
+        first, place = next(iter(own.key_places.items()))
+        count = f"none of its {len(own.values)} keys is one of a case"
+        own, problems = None, [place.problem("", f"is no case file: {count}, as {shown(first, 20)} is not")]
+    tree.problems += problems
+    extends = own.values.get("extends") if own else None
+    parent = None
+    if isinstance(extends, Text):
+        parent = _parent(extends, source, [*chain, source.identity], tree)
+    if own is None or (extends and parent is None):
+        tree.complete = False
+    if own is None or parent is None:
+        return own
+    inherited = [key for key in parent.values if key not in OWN_KEYS]
+    parent = yaml_nodes_Mapping(
+        own.place,
+        {key: parent.values[key] for key in inherited},
+        {key: parent.key_places[key] for key in inherited},
+    )
+    return _over(parent, own)
+
+
+def _is_no_case(mapping: yaml_nodes_Mapping) -> bool:
+    """Whether a file holds many keys, and none of a case: its lines are nobody's to be told one by one."""
+    known = {*OWN_KEYS, "vibsim_case", *SHORT.sections, *LONG.sections}
+    return len(mapping.values) > FEW_KEYS and known.isdisjoint(mapping.values)
+
+
+def _parent(extends: Text, source: SourceText, chain: list[str], tree: Tree) -> yaml_nodes_Mapping | None:
+    """What a file extends; None, with a problem at that line, where it cannot be read."""
+    try:
+        if extends.text == "-":
+            raise CaseError([Problem("-", None, None, "", "standard input cannot be extended")])
+        parent = find_source(extends.text, source.folder)
+    except CaseError as error:
+        tree.problems += [_blamed(problem, extends.place) for problem in error.problems]
+        return None
+    if parent.identity in chain:
+        tree.problems.append(
+            extends.place.problem(
+                "extends", f"goes round in a circle, back to {shown(parent.shown, limit=200)}"
+            )
+        )
+        return None
+    if len(chain) >= LONGEST_CHAIN:
+        tree.problems.append(
+            extends.place.problem("extends", f"more than {LONGEST_CHAIN} files extend one another")
+        )
+        return None
+    return _read_chain(parent, chain, tree)
+
+
+def _blamed(problem: Problem, place: Place) -> Problem:
+    """A problem of a parent that cannot be read at all, told at the line that asks for it."""
+    if problem.line is not None:
+        return problem
+    return place.problem("extends", f"{shown(problem.file, limit=200)}: {problem.message}")
+
+
+def _over(parent: yaml_nodes_Mapping, child: yaml_nodes_Mapping, key: str = "") -> yaml_nodes_Mapping:
+    """Child over parent, key by key; lists, and an excitation of another kind, replace what was there."""
+    replaced = superseded(key, child.values.keys())
+    values = {name: value for name, value in parent.values.items() if name not in replaced}
+    places = {name: parent.key_places[name] for name in values}
+    for name, value in child.values.items():
+        below = values.get(name)
+        if (
+            isinstance(below, yaml_nodes_Mapping)
+            and isinstance(value, yaml_nodes_Mapping)
+            and not _replaces(below, value)
+        ):
+            value = _over(below, value, f"{key}.{name}" if key else name)
+        values[name] = value
+        places[name] = child.key_places[name]
+    return yaml_nodes_Mapping(child.place, values, places)
+
+
+def _replaces(parent: yaml_nodes_Mapping, child: yaml_nodes_Mapping) -> bool:
+    old, new = parent.values.get("kind"), child.values.get("kind")
+    other_kind = new is not None and (
+        not isinstance(old, Text) or not isinstance(new, Text) or old.text != new.text
+    )
+    return child.is_list or other_kind
+
+
+def _plain(mapping: yaml_nodes_Mapping, prefix: str, values: dict[str, Any], tree: Tree) -> None:
+    """Fill `values` with plain texts and dicts, and the places of the tree with where they stand."""
+    for name, node in mapping.values.items():
+        key = f"{prefix}{name}"
+        tree.key_places[key] = mapping.key_places[name]
+        tree.places[key] = node.place
+        values[name] = _plain_value(node, key, tree)
+
+
+def _plain_value(node: Node, key: str, tree: Tree) -> Any:
+    if isinstance(node, Text):
+        return node.text
+    if isinstance(node, Broken):
+        return BROKEN
+    inner: dict[str, Any] = {}
+    _plain(node, f"{key}.", inner, tree)
+    return inner
+
+
+# Overrides such as excitation.Omega0=6.5 Hz, set into a tree as if the file said so.
+
+
+FILE = "overrides"
+PLACED = ("between", "on")  # an override that gives one of these makes a new part
+
+
+def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
+    """Set each override in the tree; unknown keys are added to its problems. Raises TypeError for what is no
+    mapping from keys.
+    """
+    if not isinstance(overrides, Mapping) or not all(isinstance(key, str) for key in overrides):
+        raise TypeError(f"overrides must be a mapping such as {{'Omega0': '6 Hz'}}, got {overrides!r:.60}")
+    if not overrides:
+        return
+    settings = [(key.strip(), value) for key, value in overrides.items()]
+    present = _leaf_keys(tree.values)
+    allowed = keys_of(form_of(tree.values), _with_new_parts(tree.values, [key for key, _ in settings]))
+    named: dict[str, object] = {}
+    for key, value in settings:
+        try:
+            full = full_key(key, present, allowed)
+            if character := unstorable(str(value)):
+                tree.problems.append(Place(FILE).problem(full, f"holds {character}, which no file can"))
+                value = BROKEN
+            if full in named:
+                tree.problems.append(Place(FILE).problem(full, "is given twice"))
+            named[full] = value
+        except UnknownKeyError as error:
+            tree.problems.append(Place(FILE).problem(key, str(error)))
+    for full in named:
+        whole = next((key for key in named if full.startswith(f"{key}.")), None)
+        if whole is not None:
+            message = f"is part of {whole}, which is given too; choose one"
+            tree.problems.append(Place(FILE).problem(full, message))
+    _replace_kind(tree.values, named)
+    _supersede(tree, named)
+    for key, value in named.items():
+        tree.values = _with(tree.values, key.split("."), value)
+        tree.places[key] = tree.key_places[key] = Place(FILE)
+
+
+def _with_new_parts(values: dict[str, Any], keys: Iterable[str]) -> dict[str, Any]:
+    """The values with the parts that overrides may add: those whose ends or body they give, and states."""
+    form = form_of(values)
+    for key in keys:
+        section, *names = key.split(".")
+        if section in form.named and len(names) > 1 and (names[1] in PLACED or section == "initial"):
+            parts = values.get(section)
+            if names[0] not in (parts if isinstance(parts, dict) else {}):
+                values = _with(values, [section, names[0], names[1]], "")
+    return values
+
+
+def _supersede(tree: Tree, named: Mapping[str, object]) -> None:
+    """Take out what the overrides put something else in place of."""
+    split = [key.split(".") for key in named]
+    parts = [".".join(path[:depth]) for path in split for depth in range(1, len(path))]
+    for part in dict.fromkeys(parts):
+        names = [key[len(part) + 1 :].partition(".")[0] for key in named if key.startswith(f"{part}.")]
+        replaced = superseded(part, names)
+        section: Any = tree.values
+        for name in part.split("."):
+            section = section.get(name) if isinstance(section, dict) else None
+        if replaced and isinstance(section, dict):
+            remaining = {name: value for name, value in section.items() if name not in replaced}
+            tree.values = _with(tree.values, part.split("."), remaining)
+
+
+def _leaf_keys(values: dict[str, Any], prefix: str = "") -> list[str]:
+    keys = []
+    for name, value in values.items():
+        keys += _leaf_keys(value, f"{prefix}{name}.") if isinstance(value, dict) else [f"{prefix}{name}"]
+    return keys
+
+
+def _replace_kind(values: dict[str, Any], named: dict[str, object]) -> None:
+    """An excitation of another kind starts from an empty section."""
+    kind = named.get("excitation.kind")
+    section = values.get("excitation")
+    if kind is not None and isinstance(section, dict) and section.get("kind") != kind:
+        values["excitation"] = {}
+
+
+def _with(values: dict[str, Any], path: list[str], value: object) -> dict[str, Any]:
+    """A copy with values["a"]["b"] = value for ["a", "b"]; a section that is none starts empty."""
+    name, *rest = path
+    if rest:
+        inner = values.get(name)
+        return values | {name: _with(inner if isinstance(inner, dict) else {}, rest, value)}
+    return values | {name: value if isinstance(value, str | dict) else _text(value)}
+
+
+def _text(value: object) -> str:
+    """A number given from Python as text; repr of a float, also one of numpy, is its shortest decimal."""
+    return repr(float(value)) if isinstance(value, float) else str(value)

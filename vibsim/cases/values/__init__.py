@@ -1,1 +1,0 @@
-"""Values: decimal text with a unit, read exactly; ranges of them; products with pi rounded once."""

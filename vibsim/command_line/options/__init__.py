@@ -1,1 +1,0 @@
-"""Options and parameters that several commands share."""

@@ -1,1 +1,0 @@
-"""The terminal: what goes to its streams, progress, and interruption."""

@@ -1,1 +1,0 @@
-"""Results and cases in words: what commands print."""

@@ -1,0 +1,101 @@
+"""A run on the C engine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from math import nan
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibsim.engine.blocks import Block, Trajectory, Wishes
+from vibsim.engine.errors import State
+from vibsim.engine.modes.status import LIFTED
+from vibsim.engine.resume import Point
+from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import Scene
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+class CTrajectory(Trajectory[float]):
+    """A run on the C engine; wishes: section, ledger and others of `CRun`."""
+
+    engine = "c"
+
+    def __init__(self, scene: Scene, point: Point | None = None, **wishes: Unpack[Wishes]) -> None:
+        super().__init__(scene)
+        from vibsim.engine.c_engine import CRun
+
+        self.point = point
+        self.run = CRun(scene, point, **wishes)
+
+    @property
+    def extremes(self) -> tuple[list[float], list[float], list[float]]:
+        """Least and greatest of every pair so far, and the smallest gap of every stop that is watched."""
+        return self.run.run.extremes()
+
+    @property
+    def left_out(self) -> list[tuple[float, float]]:
+        """(time [s], distance [m] that ends of infinite sequences of impacts have left out from then on)."""
+        return self.run.automaton.rigid.chatter.cut_off.ends
+
+    def blocks(self) -> Iterator[Block]:
+        """Yield `Block`s until the run ends; raises EngineError when it fails."""
+        for rows in self.run.blocks():
+            yield self.block(*rows)
+
+    def stop(self) -> None:
+        """Have `blocks` end with what is computed, from any thread; at once where it decides what follows."""
+        self.run.stopped.set()
+
+    @property
+    def totals(self) -> dict[str, Any]:
+        """Counts and margins so far, and the ledgers and exponents where they are kept."""
+        tally = self.run.tally
+        totals = totals_of(
+            tally["counts"],
+            tally["certificate"],
+            (tally["steps"], tally["evaluations"]),
+            tally["first_violation"] if tally["violated_once"] else nan,
+        )
+        if self.run.meters:
+            now = self.run.left_at or State(*tally["state"]), self.run.statuses[tally["mode"]]
+            where = self.run.first, now
+            totals |= ledger_totals(self.scene, Doubles, self.run.meters.names, tally["entries"], *where)
+        cut = self.run.automaton.rigid.chatter.cut_off
+        totals |= rigid_totals(self.scene, tally["counts"], (cut.time, cut.speed, cut.distance))
+        if self.run.moving:
+            from vibsim.engine.tangent.bundle import tangent_totals
+
+            _, _, margin, margin_time = tally["certificate"]
+            totals |= tangent_totals(self.scene, Doubles, self.run.disturbances, margin, margin_time)
+        return totals
+
+    def state_at(self, times: Iterable[float]) -> dict[str, np.ndarray]:
+        """States at ascending times before the next event, as columns.
+
+        A lifted stop opens without a record, and where a row does not tell every zero of its instant an event
+        may come once more: what follows an event is Python's.
+        """
+        times = list(times)
+        rows = [] if self.point is not None and LIFTED in self.point[1].stops else self._rows_at(times)
+        if len(rows) < len(times):
+            from vibsim.engine.python_trajectory import PythonTrajectory
+
+            return PythonTrajectory(self.scene, Doubles, self.point).state_at(times)
+        width = 3 + 2 * len(self.scene.bodies)
+        table = np.array(rows, dtype="f8").reshape(-1, width).T
+        return self.columns_of(table, self.run.statuses[self.run.tally["mode"]].codes)
+
+    def _rows_at(self, times: Iterable[float]) -> list[tuple[float, ...]]:
+        """(time, states) at ascending times, up to the first event."""
+        rows: list[tuple[float, ...]] = []
+        for t in times:
+            row = self.run.state_at(t)
+            if row is None:
+                break
+            rows.append(row)
+        return rows

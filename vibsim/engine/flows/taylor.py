@@ -1,0 +1,269 @@
+"""The Taylor flow: any mode, polynomials of high order from step to step.
+
+Inside a mode the motion is analytic and its Taylor coefficients follow by recurrence from the balance of
+forces of each group of bodies. One step gives the state to round-off and a polynomial that is the dense
+output and carries the event search.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import inf
+
+from vibsim.engine.errors import State
+from vibsim.engine.events.records import Certificate, latest_zero, may_vanish_by
+from vibsim.engine.events.root_finding import PolynomialSearch
+from vibsim.engine.flows.motion import Advance
+from vibsim.engine.flows.taylor_expansion import TaylorExpansion
+from vibsim.engine.ledger_integrals import Meters, QuadratureNode
+from vibsim.engine.modes.rows import (
+    ACCELERATION,
+    COUPLING,
+    DIFFERENCE,
+    FALL,
+    RATE,
+    STRIKE,
+    Event,
+    Known,
+    ModeRows,
+    Term,
+)
+from vibsim.physics.elementary import EIGHT, TWELVE
+from vibsim.physics.numbers import Kit, N, abs, horner
+from vibsim.physics.parts import Force, Scene
+
+# A step of order 20 at full tolerance takes at most 1.32 rad of the fastest rate (h^20 / 20! = 2^-53): there
+# eight nodes miss 5e-17 of the power of a velocity, (2 h)^16 (8!)^4 / (2 * 17 (16!)^3); 3e-15 at order 22.
+EIGHT_NODES_ORDER = 20
+
+
+class Taylor(TaylorExpansion[N]):
+    """Flow by Taylor steps of the scene's order, or of `order`, and its tolerance."""
+
+    method = "taylor"
+
+    def __init__(
+        self, scene: Scene[N], kit: Kit[N], certificate: Certificate[N], order: int | None = None
+    ) -> None:
+        super().__init__(scene, kit, order or kit.order(scene))
+        self.search = PolynomialSearch(kit)
+        self.search.certificate = certificate
+        self.evaluations = self.steps = 0
+        self.looked_at: tuple[ModeRows[N], tuple[N, ...]] | None = None
+        rates = [term.omega for term in scene.harmonics if term.amplitude != 0]
+        self.longest = min((3 / rate for rate in rates), default=kit.inf)
+        self.quadrature = TWELVE if rates or self.order > EIGHT_NODES_ORDER else EIGHT
+
+    @property
+    def certificate(self) -> Certificate[N]:
+        """What doubts are told to."""
+        return self.search.certificate
+
+    def enter(self, state: State[N], rows: ModeRows[N], known: Known) -> None:
+        """Expand the motion at `state` in the mode of `rows`; known: {event key: order of its zero here}."""
+        self._expand_in(state, rows, known)
+        self.reach(self.order)
+        self.steps += 1
+        self.h = self.step_length()
+
+    def look(self, state: State[N], rows: ModeRows[N]) -> None:
+        """Expand the motion at `state` in the mode of `rows` for its derivatives there, as far as they are
+        asked for: no step follows. What was looked at last is not expanded anew.
+        """
+        place = (state.t, *state.x, *state.v, state.phase, state.w)
+        if self.looked_at is None or self.looked_at[0] is not rows or self.looked_at[1] != place:
+            self._expand_in(state, rows, {})
+            self.looked_at = rows, place
+
+    def _expand_in(self, state: State[N], rows: ModeRows[N], known: Known) -> None:
+        self.known, self.looked_at = known, None
+        self.t0, self.start = state.t, state
+        self.expand(state, rows)
+
+    def carry_on(self, state: State[N]) -> None:
+        """Go on from an instant that was no event: the next step."""
+        self.enter(state, self.rows, {})
+
+    def polynomial(self, event: Event[N]) -> list[N]:
+        """Coefficients of an event function over the step, without the known zeros' rounding."""
+        if not event.terms:
+            return [event.constant, self.kit.number(0)] + [self.kit.number(0)] * (self.order - 1)
+        series = self._term(event.terms[0])
+        for term in event.terms[1:]:
+            series = [a + b for a, b in zip(series, self._term(term), strict=False)]
+        return self.kit.all_exact([series[0] + event.constant] + series[1:])
+
+    def _term(self, term: Term[N]) -> list[N]:
+        P, Q, factor, p = term.P, term.Q, term.coefficient, self.order
+        if term.kind == DIFFERENCE:
+            return [factor * (a - b) for a, b in zip(self.x[P], self.x[Q], strict=True)]
+        if term.kind == RATE:
+            return [factor * (a - b) for a, b in zip(self.v[P][:-1], self.v[Q][:-1], strict=True)]
+        if term.kind == COUPLING:
+            return [factor * self.coupling_force(self.rows.couplings[P], n) for n in range(p + 1)]
+        if term.kind == ACCELERATION:
+            return [factor * ((n + 1) * self.v[P][n + 1]) for n in range(p)]
+        if term.kind == FALL:
+            return [factor * value for value in self.falls[P]]
+        return [factor * value for value in self._load_on(P)]
+
+    def _load_on(self, column: int) -> list[N]:
+        """Series of the load on a column: its forces and what a motor on it exerts while it is tied to the
+        ground or the base.
+        """
+        series = self.load[column] or [self.kit.number(0)] * self.order
+        if self.rotor is None or self.rotor.motor.on != column:
+            return series
+        return [a + b for a, b in zip(series, self.rotor.thrust(), strict=True)]
+
+    def value_and_slope(self, event: Event[N], tau: N) -> tuple[N, N]:
+        """Value and slope of an event function a time tau after the expansion point, but for its known zeros
+        there: divided by that power of tau.
+        """
+        return self.search.value_and_slope(self.polynomial(event), self.known.get(event.key, 0), tau)
+
+    def derivatives(self, event: Event[N], count: int) -> list[N]:
+        """Derivatives of order 0 to `count` of an event function at the expansion point."""
+        self.reach(count + 1)
+        factorial = 1
+        derivatives: list[N] = []
+        series = self.polynomial(event)
+        for n in range(count + 1):
+            factorial = factorial * n if n > 0 else 1
+            derivatives.append(series[n] * factorial)
+        return derivatives
+
+    def advance(self, limit: N) -> Advance[N]:
+        """One step to its end, to the first event within it or to `limit`; returns (time, event or None)."""
+        length = limit - self.t0
+        h = self.h if self.h < length else length
+        end = limit if self.h >= length else self.kit.exact(self.t0 + h)
+        if end <= self.t0:
+            self.certificate.doubt(self.t0)
+            return self.kit.next_after(self.t0, inf), None
+        first: Event[N] | None = None
+        for event in self.rows.events:
+            known = self.known.get(event.key, 0)
+            polynomial = self.polynomial(event)
+            if event.kind == STRIKE and known == 0 == polynomial[0] and closes(polynomial):
+                return self.t0, event
+            if event.kind == STRIKE and known == 0:
+                nearer = self.search.nearer(polynomial, self.t0, h, self._magnitude(event))
+                if nearer < h:
+                    end, first = self.kit.exact(self.t0 + nearer), None
+                    h = end - self.t0
+            sharp = event.kind == STRIKE
+            t, zero = self.search.first_root(polynomial, known, self.t0, h, event.turns, sharp)
+            if t is not None and (t < end or (zero and first is None)):
+                end, first = t, event if zero else None
+                h = end - self.t0
+            if h == 0:  # an event at the start: no other can come before it
+                break
+        if first is not None:
+            self._certify_order(first, end)
+        return end, first
+
+    def _certify_order(self, first: Event[N], end: N) -> None:
+        """Doubt that the zero of `first`, at time `end`, is the first, where that of another event may come
+        as soon. Two names of one function vanish together.
+        """
+        here = self._near_zero(first, end - self.t0)
+        if here is None or here[1] >= 0:  # a touch is in doubt by itself
+            return
+        value, slope, noise = here
+        latest = latest_zero(self.kit, value, slope, noise, end)
+        for event in self.rows.events:
+            there = None if event is first else self._near_zero(event, end - self.t0)
+            if there is None:
+                continue
+            other, fall, blur = there
+            if (other, fall) != (value, slope) and may_vanish_by(other, fall, blur, latest):
+                self.certificate.doubt(self.t0)
+
+    def _near_zero(self, event: Event[N], tau: N) -> tuple[N, N, N] | None:
+        known = self.known.get(event.key, 0)
+        near = self.search.near_zero(self.polynomial(event), known, tau, self._magnitude(event))
+        return near and (self.kit.exact(near[0]), self.kit.exact(near[1]), near[2])
+
+    def _magnitude(self, event: Event[N]) -> N:
+        """Sum of the magnitudes that an event function is made of at the expansion point."""
+        total = event.size
+        for term in event.terms:
+            total = total + abs(term.coefficient) * self._magnitude_of(term)
+        return total
+
+    def _magnitude_of(self, term: Term[N]) -> N:
+        if term.kind == DIFFERENCE:
+            return abs(self.x[term.P][0]) + abs(self.x[term.Q][0])
+        if term.kind == RATE:
+            return abs(self.v[term.P][0]) + abs(self.v[term.Q][0])
+        if term.kind == COUPLING:
+            one = self.rows.couplings[term.P]
+            places = abs(self.x[one.P][0]) + abs(self.x[one.Q][0])
+            speeds = abs(self.v[one.P][0]) + abs(self.v[one.Q][0])
+            return one.k * places + one.c * speeds + abs(one.offset)
+        if term.kind == ACCELERATION:
+            return abs(self.v[term.P][1])
+        if term.kind == FALL:
+            return self._magnitude_of_fall(term.P)
+        return abs(self._load_on(term.P)[0])
+
+    def _magnitude_of_fall(self, k: int) -> N:
+        """f, and what its argument, a difference, may be wrong by in units of the rounding of one."""
+        one, f = self.rows.falls[k], self.falls[k][0]
+        speeds = abs(self.v[one.P][0]) + abs(self.v[one.Q][0]) + abs(one.drift)
+        return abs(f) + abs(one.law.slope(f)) * (abs(one.rate) * speeds)
+
+    def longest_piece(self, _tau: N) -> N:
+        """Longest stretch [s] that one quadrature rule integrates to round-off: a whole step, or 3 rad of the
+        fastest force.
+        """
+        return self.longest
+
+    def open_nodes(self, meters: Meters[N]) -> None:
+        """Prepare the nodes of the step: the functions that the meters read, as polynomials."""
+        self.series = [self.polynomial(function) for function in meters.functions]
+
+    def node(self, tau: N, meters: Meters[N]) -> QuadratureNode[N]:
+        """What the meters read a time tau after the expansion point."""
+        v = [self.kit.number(0)] * (self.n + 2)
+        for c in meters.columns:
+            v[c] = horner(self.v[c], tau)
+        forces = [self._force_at(force, tau) for force in self.scene.forces] if meters.forces else []
+        w = horner(self.rotor.w, tau) if self.rotor and meters.spins else self.kit.number(0)
+        return QuadratureNode(v, w, forces, [horner(series, tau) for series in self.series])
+
+    def _force_at(self, force: Force[N], tau: N) -> N:
+        kit, total = self.kit, force.constant
+        for term in force.terms:
+            anchor = kit.turn_angle(term.cycles, term.cycles_lo, self.t0) + term.phase
+            sine = kit.sin(anchor + kit.turn_angle(term.cycles, term.cycles_lo, tau))
+            total = total + term.amplitude * sine
+        return total
+
+    def spin_rate(self, tau: N) -> N:
+        """Rate of the speed of the rotor [rad/s^2] a time tau after the expansion point."""
+        assert self.rotor is not None
+        return self.rotor.spin_rate(tau)
+
+    def state_at(self, t: N) -> State[N]:
+        """State at time t within the step."""
+        state = self.state_after(t - self.t0)
+        state.t = t
+        return state
+
+    def state_after(self, tau: N) -> State[N]:
+        """State a time tau after the expansion point, which need not be on the time grid."""
+        kit = self.kit
+        zero = kit.number(0)
+        x = [horner(self.x[c], tau) for c in range(self.n)]
+        v = [horner(self.v[c], tau) for c in range(self.n)]
+        if not self.rotor:
+            return State(self.t0 + tau, x, v, zero, zero, zero)
+        phase, turns = kit.reduce_angle(horner(self.rotor.phi, tau))
+        return State(self.t0 + tau, x, v, phase, self.start.turns + turns, horner(self.rotor.w, tau))
+
+
+def closes(polynomial: Iterable[N]) -> bool:
+    """Whether a function falls from where it is: its first coefficient that is not zero is negative."""
+    return next((value < 0 for value in polynomial if value != 0), False)

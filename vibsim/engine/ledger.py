@@ -1,0 +1,205 @@
+"""The ledgers of energy and momentum: what goes into a scene, what is lost, and what is stored.
+
+    energy    stored: kinetic energy of bodies and rotor, springs of links, stops in contact
+              in: work of forces, motor, base and belts; out: losses in links, stops and frictions
+    momentum  of bodies and unbalanced mass; changed by impulses of forces, ground, base and belts alone
+
+The integrals are taken stretch by stretch by Gauss-Legendre quadrature of the flow itself, to round-off, so
+that stored - stored(0) - work + losses is zero but for rounding: a check on every run (first law).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Generic
+
+from vibsim.engine.errors import State
+from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
+from vibsim.engine.flows.flow import Flow
+from vibsim.engine.flows.motion import value_and_rate
+from vibsim.engine.ledger_integrals import (
+    IMPULSE,
+    NOTHING,
+    RUB,
+    SLIP,
+    SQUARE,
+    TORQUE,
+    WORK,
+    Entry,
+    LedgerIntegral,
+    MeterMaker,
+    Meters,
+    QuadratureNode,
+    jumps_of,
+)
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import ModeRows
+from vibsim.engine.modes.status import CONTACT, Status
+from vibsim.physics.numbers import Kit, N
+from vibsim.physics.parts import Scene, Stop
+
+
+class Ledger(Generic[N]):
+    """Sums the entries of `names` over the stretches of a run."""
+
+    def __init__(
+        self, scene: Scene[N], kit: Kit[N], maker: RowMaker[N], flow: Flow[N], momentum: bool = False
+    ) -> None:
+        self.scene, self.kit, self.flow = scene, kit, flow
+        self.ground, self.base = maker.n, maker.n + 1
+        self.maker = MeterMaker(scene, kit, maker, momentum)
+        self.names = self.maker.names
+        self.entries = [kit.number(0)] * len(self.names)
+        self.elastic, self.jumps = dict(scene.elastic_stops), jumps_of(scene, self.names)
+
+    def gather(self, start: State[N], last: N, rows: ModeRows[N]) -> Iterator[N]:
+        """Add the stretch from the state `start` in the mode of `rows` to `last` [s] after the flow's start.
+
+        A generator, which yields how far it is [s] after every piece; the entries change when all are done.
+        """
+        meters, t0 = self.maker.meters(rows), self.flow.t0
+        tau = start.t - t0
+        entries = list(self.entries)
+        self.flow.open_nodes(meters)
+        while tau < last:
+            piece = self.flow.longest_piece(tau)
+            ahead = tau + piece if piece < last - tau else last
+            self._integrate(entries, meters, tau, ahead - tau)
+            tau = ahead
+            yield t0 + tau
+        self.entries = entries
+
+    def _integrate(self, entries: list[N], meters: Meters[N], tau: N, length: N) -> None:
+        """Add one piece. The nodes lie where they should, not on the time grid, whose rounding would show in
+        the sums.
+        """
+        totals = [self.kit.number(0)] * len(meters.meters)
+        for node, weight in zip(*self.flow.quadrature, strict=True):
+            point = self.flow.node(tau + node * length, meters)
+            for i, meter in enumerate(meters.meters):
+                totals[i] = totals[i] + weight * self._rate(meter, point)
+        for meter, total in zip(meters.meters, totals, strict=True):
+            entries[meter.entry] = entries[meter.entry] + length * (meter.factor * total)
+
+    def _rate(self, meter: LedgerIntegral[N], point: QuadratureNode[N]) -> N:
+        """What a meter integrates, at a node."""
+        v = point.v
+        if meter.kind == SQUARE:
+            u = v[meter.P] - v[meter.Q]
+            return u * u
+        if meter.kind == WORK:
+            return point.forces[meter.source] * v[meter.P]
+        if meter.kind == TORQUE:
+            return motor_power(self.scene, point.w)
+        if meter.kind == SLIP:
+            return (v[meter.P] - v[meter.Q]) - meter.drift
+        if meter.kind == IMPULSE:
+            return point.forces[meter.source]
+        value = point.functions[meter.source]
+        if meter.kind == RUB:
+            return value * ((v[meter.P] - v[meter.Q]) - meter.drift)
+        return value if meter.P == NOTHING else value * v[meter.P]
+
+    def strike(self, state: State[N], touch: SimultaneousImpacts[N] | None) -> None:
+        """Count the blows and ends of rigid stops at `state`."""
+        if touch:
+            V = value_and_rate(self.kit, self.scene.base, state.t)[1]
+            for entry, value in struck_entries(self.scene, self.names, touch, V):
+                self.entries[entry] = self.entries[entry] + value
+
+    def _places(self, state: State[N]) -> tuple[N, ...]:
+        """Displacements of all columns."""
+        zero = self.kit.number(0)
+        X = value_and_rate(self.kit, self.scene.base, state.t)[0] if self.scene.base else zero
+        return (*state.x, zero, X)
+
+    def cross(self, state: State[N], before: Status, after: Status) -> None:
+        """Count what the springs of stops hold where those let go, or push again, though pressed."""
+        for jump in self.jumps:
+            pressed = before.stops[jump.stop] == CONTACT, after.stops[jump.stop] == CONTACT
+            if pressed[0] != pressed[1]:
+                held = stop_energy(self.elastic[jump.stop], self._places(state), self.ground)
+                entry = self.entries[jump.entry]
+                self.entries[jump.entry] = entry + held if pressed[0] else entry - held
+
+
+def struck_entries(
+    scene: Scene[N], names: Sequence[Entry], touch: SimultaneousImpacts[N], V: N
+) -> list[tuple[int, N]]:
+    """What rigid stops add to the entries `names`, as [(number of the entry, value)]: loss at the stops, work
+    and impulses of ground and base.
+
+    V: velocity of the base [m/s]. A blow takes L (g' before + g' after) / 2; the base gives V times its
+    impulse. What sequences leave out at their ends goes where their blows went.
+    """
+    added: list[tuple[int, N]] = []
+    for one in touch.passed:
+        stop = scene.stops[one.stop]
+        added.append((names.index(("loss", "stops", stop.name)), one.impulse * (one.before + one.after) / 2))
+        for end, other, sign in ((stop.P, stop.Q, stop.sense), (stop.Q, stop.P, -stop.sense)):
+            if end >= 0 > other:
+                impulse = sign * one.impulse
+                place = "base" if scene.column(other) > len(scene.bodies) else "ground"
+                if place == "base":
+                    added.append((names.index(("work", "base", "")), V * impulse))
+                if ("impulse", place, "") in names:
+                    added.append((names.index(("impulse", place, "")), impulse))
+    for catch in touch.catches:
+        added.append((names.index(("loss", "stops", scene.stops[catch.stop].name)), catch.loss))
+        place = "ground" if catch.column <= len(scene.bodies) else "base"
+        if place == "base":
+            added.append((names.index(("work", "base", "")), V * catch.impulse))
+        if ("impulse", place, "") in names:
+            added.append((names.index(("impulse", place, "")), catch.impulse))
+    return added
+
+
+def motor_power(scene: Scene[N], w: N) -> N:
+    """Power of the motor [W] at the speed w [rad/s] of its rotor: its torque, Eq. (2.8), times w."""
+    motor = scene.motor
+    assert motor is not None
+    return motor.torque(w) * w
+
+
+def stop_energy(stop: Stop[N], places: Sequence[N], ground: int) -> N:
+    """Energy [J] that the spring of a stop in contact holds; places: displacements of all columns."""
+    P, Q = (end if end >= 0 else ground - 1 - end for end in (stop.P, stop.Q))
+    depth = -(stop.sense * (places[P] - places[Q])) - stop.gap
+    return stop.k * (depth * depth) / 2
+
+
+def stored_energy(scene: Scene[N], kit: Kit[N], state: State[N], status: Status) -> N:
+    """Kinetic and elastic energy [J] of `state` in the mode `status`; the unbalanced mass moves with velocity
+    (v - e w sin phi, e w cos phi), from which Eqs. (2.9), (2.10) follow.
+    """
+    ground, energy = len(scene.bodies), kit.number(0)
+    X = value_and_rate(kit, scene.base, state.t)[0] if scene.base else kit.number(0)
+    places = (*state.x, kit.number(0), X)
+    for body, v in zip(scene.bodies, state.v, strict=True):
+        energy = energy + body.m * (v * v) / 2
+    for link in scene.links:
+        P, Q = (end if end >= 0 else ground - 1 - end for end in (link.P, link.Q))
+        d = places[P] - places[Q]
+        energy = energy + link.k * (d * d) / 2
+    for i, stop in scene.elastic_stops:
+        if status.stops[i] == CONTACT:
+            energy = energy + stop_energy(stop, places, ground)
+    return energy + rotor_energy(scene, kit, state) if scene.motor else energy
+
+
+def rotor_energy(scene: Scene[N], kit: Kit[N], state: State[N]) -> N:
+    """Kinetic energy [J] of rotor and unbalanced mass."""
+    motor = scene.motor
+    assert motor is not None
+    v = state.v[motor.on]
+    energy = motor.m3 * (v * v) / 2 + motor.inertia * (state.w * state.w) / 2
+    return energy - motor.m3 * (v * (motor.e * state.w * kit.sin(state.phase)))
+
+
+def momenta(scene: Scene[N], kit: Kit[N], state: State[N]) -> list[N]:
+    """Momenta [N s] of bodies and unbalanced mass along the line."""
+    each = [body.m * v for body, v in zip(scene.bodies, state.v, strict=True)]
+    if scene.motor:
+        motor = scene.motor
+        each += [motor.m3 * state.v[motor.on], -(motor.m3 * (motor.e * state.w * kit.sin(state.phase)))]
+    return each

@@ -1,0 +1,341 @@
+"""Meter rows: what the ledgers integrate in a mode, made from its rows when it is met.
+
+A meter adds factor times an integral over each stretch of the mode to one entry of a ledger:
+
+    SQUARE    (v_P - v_Q)^2
+    WORK      force number `source` times v_P
+    TORQUE    torque of the motor times the speed of its rotor
+    FUNCTION  a function of the mode's rows, times the velocity of column P where that is not NOTHING
+    IMPULSE   force number `source`
+    SLIP      v_P - v_Q - drift: from velocities, whose digits do not drown in displacements
+    RUB       a function of the mode's rows, times v_P - v_Q - drift
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Generic, NamedTuple
+
+from vibsim.engine.modes.packing import Packer
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import COUPLING, FALL, HOLD, Event, Falling, Joined, ModeRows, Term, Terms
+from vibsim.engine.modes.status import CONTACT, STICK, Kept, Status
+from vibsim.engine.modes.ties import Edge, Groups, Tie, beyond
+from vibsim.physics.numbers import Kit, N
+from vibsim.physics.parts import AT_FORCE, Friction, Scene
+
+SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB = range(7)
+NOTHING = -1
+MOST_METERS = 1000  # modes whose meters are kept
+
+Entry = tuple[str, str, str]  # name of an entry: quantity, section of the case, part
+
+
+@dataclass(frozen=True)
+class LedgerIntegral(Generic[N]):
+    """factor times the integral that `kind` names, for entry number `entry`."""
+
+    kind: int
+    entry: int
+    factor: N
+    P: int = NOTHING
+    Q: int = NOTHING
+    source: int = NOTHING
+    drift: N | float = 0.0
+
+
+@dataclass
+class Meters(Generic[N]):
+    """The meters of a mode, and what they read at the nodes of the quadrature."""
+
+    meters: list[LedgerIntegral[N]] = field(default_factory=list)
+    functions: list[Event[N]] = field(default_factory=list)
+
+    @property
+    def columns(self) -> list[int]:
+        """Bodies whose velocities are read, and the base where its velocity is."""
+        read = {m.P for m in self.meters if m.kind in (SQUARE, WORK, FUNCTION, SLIP, RUB)}
+        read |= {m.Q for m in self.meters if m.kind in (SQUARE, SLIP, RUB)}
+        return sorted(read - {NOTHING})
+
+    @property
+    def forces(self) -> bool:
+        """Whether forces are read."""
+        return any(m.kind in (WORK, IMPULSE) for m in self.meters)
+
+    @property
+    def spins(self) -> bool:
+        """Whether the speed of the rotor is read."""
+        return any(m.kind == TORQUE for m in self.meters)
+
+
+@dataclass
+class QuadratureNode(Generic[N]):
+    """What the meters read at a node of the quadrature: velocities by column [m/s], speed of the rotor
+    [rad/s], forces [N] and functions of the rows; 0 and empty where no meter reads them.
+    """
+
+    v: list[N]
+    w: N
+    forces: list[N]
+    functions: list[N]
+
+
+class LedgerJump(NamedTuple):
+    """A stop that may let go while it is pressed: what its spring holds then, k g^2 / 2, is lost there, and
+    counts against the loss where it pushes again.
+    """
+
+    stop: int
+    entry: int
+
+
+def entries_of(scene: Scene[N], momentum: bool = False) -> list[Entry]:
+    """Names of the entries of a scene's ledger: (quantity, section, part), work and loss [J], impulse
+    [N s].
+    """
+    belts = [f.name for f in scene.frictions if f.belt != 0]
+    names = [("work", "forces", force.name) for force in scene.forces]
+    names += [("work", "motor", "")] if scene.motor else []
+    names += [("work", "base", "")] if scene.base else []
+    names += [("work", "friction", name) for name in belts]
+    names += [("loss", "links", link.name) for link in scene.links if link.c != 0]
+    rigid = [i for i, _ in scene.rigid_stops]
+    damped = [i for i, stop in scene.elastic_stops if stop.c != 0]
+    names += [("loss", "stops", stop.name) for i, stop in enumerate(scene.stops) if i in (*rigid, *damped)]
+    names += [("loss", "friction", friction.name) for friction in scene.frictions]
+    if momentum:
+        names += [("impulse", "forces", force.name) for force in scene.forces]
+        names += [("impulse", "ground", "")]
+        names += [("impulse", "base", "")] if scene.base_moves else []
+        names += [("impulse", "friction", name) for name in belts]
+    return names
+
+
+def jumps_of(scene: Scene[N], names: Sequence[Entry]) -> list[LedgerJump]:
+    """The stops whose stored energy jumps where they let go by force."""
+    return [
+        LedgerJump(i, names.index(("loss", "stops", stop.name)))
+        for i, stop in scene.elastic_stops
+        if stop.release == AT_FORCE and stop.c != 0
+    ]
+
+
+class MeterMaker(Generic[N]):
+    """Makes the meters of the modes of a scene."""
+
+    def __init__(self, scene: Scene[N], kit: Kit[N], maker: RowMaker[N], momentum: bool = False) -> None:
+        self.scene, self.kit, self.maker, self.momentum = scene, kit, maker, momentum
+        self.names = entries_of(scene, momentum)
+        self.ground, self.base = maker.n, maker.n + 1
+        self.by_status = Kept[Status, Meters[N]](MOST_METERS)
+
+    def meters(self, rows: ModeRows[N]) -> Meters[N]:
+        """The meters of the mode of `rows`."""
+        meters = self.by_status.get(rows.status)
+        return self.by_status.keep(rows.status, self._make(rows)) if meters is None else meters
+
+    def _make(self, rows: ModeRows[N]) -> Meters[N]:
+        self.now: Meters[N] = Meters()
+        self._sources()
+        self._dampers(rows.status)
+        self._couplings(rows)
+        for i, friction in enumerate(self.scene.frictions):
+            if rows.status.frictions[i] != STICK:
+                self._slipping(i, friction, rows.status.frictions[i])
+        for k, fall in enumerate(rows.falls):
+            self._falling(k, fall)
+        for k, function, orientation in self._ties(rows):
+            self._holding(k, function, orientation)
+        return self.now
+
+    def _add(
+        self,
+        kind: int,
+        name: Entry,
+        factor: N,
+        P: int = NOTHING,
+        Q: int = NOTHING,
+        source: int = NOTHING,
+        drift: N | float = 0.0,
+    ) -> None:
+        """A meter for the entry `name`, where the ledger has it."""
+        if name in self.names:
+            self.now.meters.append(LedgerIntegral(kind, self.names.index(name), factor, P, Q, source, drift))
+
+    def _function(self, terms: Iterable[Term[N]], constant: N) -> int:
+        """Number of a function of the rows."""
+        function: Event[N] = Event(HOLD, 0, 1, (), tuple(terms), constant, self.kit.number(0))
+        self.now.functions.append(function)
+        return len(self.now.functions) - 1
+
+    def _sources(self) -> None:
+        one = self.kit.number(1)
+        for i, force in enumerate(self.scene.forces):
+            self._add(WORK, ("work", "forces", force.name), one, P=force.on, source=i)
+            self._add(IMPULSE, ("impulse", "forces", force.name), one, source=i)
+        self._add(TORQUE, ("work", "motor", ""), one)
+
+    def _dampers(self, status: Status) -> None:
+        for link in self.scene.links:
+            P, Q = self.maker.ends(link)
+            self._add(SQUARE, ("loss", "links", link.name), link.c, P=P, Q=Q)
+        for i, stop in self.scene.elastic_stops:
+            if status.stops[i] == CONTACT:
+                P, Q = self.maker.ends(stop)
+                self._add(SQUARE, ("loss", "stops", stop.name), stop.c, P=P, Q=Q)
+
+    def _couplings(self, rows: ModeRows[N]) -> None:
+        """Forces of couplings that end at the base, or at the ground for the balance of momentum."""
+        one, zero = self.kit.number(1), self.kit.number(0)
+        for q, coupling in enumerate(rows.couplings):
+            outside = [end for end in (coupling.P, coupling.Q) if end >= self.ground]
+            if self.base in outside or (self.momentum and outside):
+                source = self._function([Term(COUPLING, 1, q)], zero)
+                self._driven((coupling.P, coupling.Q), -one, zero, "", FUNCTION, source)  # -S on P
+
+    def _driven(self, ends: Edge, on_P: N, belt: N, name: str, kind: int, source: int) -> None:
+        """Meters of a force between P and Q, on_P times a function (or, for SLIP, times 1) on P and the
+        opposite on Q: what base and belt, which keep their courses, put in, and the impulse from outside.
+        """
+        for end, on_end in zip(ends, (on_P, -on_P), strict=True):
+            if end == self.base:
+                P, Q = (self.base, self.ground) if kind == SLIP else (self.base, NOTHING)
+                self._add(kind, ("work", "base", ""), -on_end, P=P, Q=Q, source=source)
+        if belt != 0:
+            self._timed(kind, ("work", "friction", name), on_P * belt, source)
+        outside = [end for end in ends if end >= self.ground]
+        if self.momentum and len(outside) == 1:
+            on_body = on_P if outside[0] == ends[1] else -on_P
+            place = "base" if outside[0] == self.base else "ground"
+            entry = ("impulse", "friction", name) if belt != 0 else ("impulse", place, "")
+            self._timed(kind, entry, on_body, source)
+
+    def _timed(self, kind: int, name: Entry, factor: N, source: int) -> None:
+        """factor times the integral of the function, or of 1."""
+        if kind == SLIP:
+            self._add(SLIP, name, factor, P=self.ground, Q=self.ground, drift=-self.kit.number(1))
+        else:
+            self._add(FUNCTION, name, factor, source=source)
+
+    def _slipping(self, i: int, friction: Friction[N], sign: int) -> None:
+        P, Q = self.maker.ends(friction)
+        on_P = -friction.forward if sign > 0 else friction.backward
+        self._add(SLIP, ("loss", "friction", friction.name), -on_P, P=P, Q=Q, drift=friction.belt)
+        self._driven((P, Q), on_P, friction.belt, friction.name, SLIP, NOTHING)
+
+    def _falling(self, k: int, fall: Falling[N]) -> None:
+        """Loss and work of what falls with speed, beside those of the constant part."""
+        zero, name = self.kit.number(0), self.scene.frictions[fall.part].name
+        source = self._function([Term(FALL, 1, k)], zero)
+        loss = ("loss", "friction", name)
+        self._add(RUB, loss, -fall.on_P, P=fall.P, Q=fall.Q, source=source, drift=fall.drift)
+        self._driven((fall.P, fall.Q), fall.on_P, fall.drift, name, FUNCTION, source)
+
+    def _holding(self, k: int, function: tuple[Terms[N], N], orientation: int) -> None:
+        part, belt = self.maker.tie(k), self.maker.belt(k)
+        P, Q = self.maker.ends(part)
+        if belt != 0 or self.base in (P, Q) or (self.momentum and max(P, Q) >= self.ground):
+            on_P = self.kit.number(1) if orientation > 0 else -self.kit.number(1)
+            source = self._function(*function)
+            self._driven((P, Q), on_P, belt, part.name, FUNCTION, source)
+
+    def _ties(self, rows: ModeRows[N]) -> Iterator[tuple[int, tuple[Terms[N], N], int]]:
+        """(number of the tie, (terms, constant) of the force T that it passes, +1 where T acts on P and -1 on
+        Q).
+
+        Where ties are redundant the split of the force is not unique: stops carry it, then the first
+        frictions that hold the group together. The sums of the ledgers do not depend on that.
+        """
+        frictions = len(self.scene.frictions)
+        stuck = sorted(self.maker.stuck(rows.status), key=lambda tie: tie[0] < frictions)
+        tree: list[Tie] = []
+        joined = 0
+        for tie in stuck:
+            members = Groups(self.maker.n, [*tree, tie]).members
+            if len(members) < self.maker.n + 2 - joined:
+                tree.append(tie)
+                joined += 1
+        for i, P, Q in tree:
+            leader = rows.leader[P]
+            group = [tie for tie in tree if rows.leader[tie[1]] == leader]
+            edges = [(a, b) for _, a, b in group]
+            reference = self.maker.reference(leader, rows.groups.members[leader])
+            side = beyond(edges, group.index((i, P, Q)), reference)
+            yield i, self.maker.tie_force(rows, side), 1 if P in side else -1
+
+
+# Ledgers, meters, extremes and sections as flat numbers, in the order in which meters.c reads them.
+
+
+def pack_ledger(
+    scene: Scene, names: Sequence[Entry], jumps: Sequence[LedgerJump], ends: Callable[[Joined], Edge]
+) -> tuple[bytes, bytes]:
+    """Number of entries, and the stops whose stored energy jumps. ends: columns of the ends of a part."""
+    pack = Packer()
+    pack.put((len(names), len(jumps)))
+    elastic = dict(scene.elastic_stops)
+    for jump in jumps:
+        stop = elastic[jump.stop]
+        pack.put((jump.stop, jump.entry, *ends(stop), stop.sense), (stop.gap, stop.k))
+    return pack.packed
+
+
+def pack_blows(
+    scene: Scene, names: Sequence[Entry], ends: Callable[[Joined], Edge], early: bool
+) -> tuple[bytes, bytes]:
+    """The rigid stops, with the entries `names` of the ledgers that a blow on them adds to, the frictions
+    that it may turn, and the elastic stops and clearances that it may close or open. early: as of
+    `Chatter`
+    """
+    pack = Packer()
+    entry = {name: number for number, name in enumerate(names)}
+    bounds = [(*ends(stop), stop.sense, stop.gap) for _, stop in scene.elastic_stops]
+    bounds += [(*ends(one), -1, one.distance) for one in scene.clearances]
+    pack.put((len(scene.rigid_stops), len(scene.frictions), len(bounds), int(early)))
+    for j, stop in scene.rigid_stops:
+        ground = len(scene.bodies)
+        place = {ground: "ground", ground + 1: "base"}.get(max(ends(stop)), "")
+        work = entry.get(("work", "base", ""), -1) if place == "base" else -1
+        entries = entry.get(("loss", "stops", stop.name), -1), work, entry.get(("impulse", place, ""), -1)
+        pack.put((j, *ends(stop), stop.sense, *entries), (stop.gap, stop.e))
+    for friction in scene.frictions:
+        pack.put(ends(friction), (friction.belt,))
+    for P, Q, sense, gap in bounds:
+        pack.put((P, Q, sense), (gap,))
+    return pack.packed
+
+
+def pack_extremes(
+    pairs: Sequence[Edge], gaps: Sequence[tuple[int, int, int, float]], since: float
+) -> tuple[bytes, bytes]:
+    """The pairs of columns whose extremes are kept, the stops whose gaps are, and the time they begin at."""
+    pack = Packer()
+    pack.put((len(pairs), len(gaps), *(column for pair in pairs for column in pair)))
+    for stop, pair, sense, gap in gaps:
+        pack.put((stop, pair, sense), (gap,))
+    pack.put((), (since,))
+    return pack.packed
+
+
+def pack_meters(meters: Meters, terms: int) -> tuple[bytes, bytes]:
+    """The meters of a mode, whose event functions have so many `terms`."""
+    pack, columns = Packer(), meters.columns
+    pack.put((len(meters.meters), len(meters.functions), len(columns)))
+    pack.put((terms, sum(len(function.terms) for function in meters.functions)))
+    pack.put((meters.forces, meters.spins))
+    pack.put(columns)
+    for m in meters.meters:
+        pack.put((m.kind, m.entry, m.P, m.Q, m.source), (m.factor, m.drift))
+    for function in meters.functions:
+        pack.put((len(function.terms),), (function.constant,))
+        for term in function.terms:
+            pack.put((term.kind, term.P), (term.coefficient,))
+    return pack.packed
+
+
+def terms_of(rows: ModeRows) -> int:
+    """Number of terms of the event functions of a mode."""
+    slopes = sum(len(one.terms) for event in rows.events for one in event.slope)
+    return sum(len(event.terms) for event in rows.events) + slopes

@@ -1,0 +1,293 @@
+"""What an event does to a small disturbance: the saltation matrix.
+
+A disturbed motion meets the event function h a little earlier or later, and moves by the other vector field
+for so long: S = I + (f+ - f-) n^T / (n^T f- + dh/dt), with n = grad h and f-, f+ the vector fields before and
+after (Aizerman & Gantmakher 1958; Mueller 1995). Displacements, velocities and the rotor's angle and speed go
+on without a jump, so f+ - f- consists of accelerations; for impacts see `impact_saltation.py`.
+    clearance; ties at a limit that slip holds too; damper that would have to pull; stop without damper
+                      f+ = f-, so S = I
+    stop with damper  its force is c g' on one side and 0 on the other, dh/dt = +-g': their ratio is c,
+                      however slow the contact
+    sticking          f+ - f- is what a force between the two bodies makes, n^T f+ + dh/dt = 0: whatever the
+                      forces, S gives the bodies their common velocity and keeps momentum
+    reversal          friction jumps by its sum in both directions
+    release           where a tie at its limit begins to slip with less force than that, f+ - f- is what
+                      the drop makes and n the gradient of the force that the tie passes
+    rest              that begins or ends where a force jumps: by the vector fields on both sides
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Generic, Protocol
+
+from vibsim.engine.errors import State
+from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
+from vibsim.engine.events.records import Certificate
+from vibsim.engine.flows.accelerations import accelerations, joined, response
+from vibsim.engine.flows.motion import value_and_rate
+from vibsim.engine.flows.taylor import Taylor
+from vibsim.engine.modes.rows import DIFFERENCE, GAP, HOLD, SLIDE, STRIKE, Event, ModeRows, Term
+from vibsim.engine.modes.status import CONTACT, FORWARD, RESTING, STICK, Status
+from vibsim.engine.tangent.impact_saltation import Undefined, impact_saltation
+from vibsim.engine.tangent.tangent_taylor import TaylorTangent
+from vibsim.physics.numbers import Kit, N, total_of
+from vibsim.physics.parts import Friction, Scene, Stop
+
+Forces = list[tuple[int, int, N | int]]  # of parts between P and Q: on P, the opposite on Q [N]
+Accelerations = tuple[list[N], N]  # of bodies [m/s^2] and rotor [rad/s^2]
+
+
+class Jump(Protocol[N]):
+    """A saltation matrix S; `determinant` where the ties are the same on both sides."""
+
+    @property
+    def determinant(self) -> N: ...
+    def applied(self, vector: Sequence[N], /) -> list[N]: ...
+
+
+@dataclass
+class Saltation(Generic[N]):
+    """S = I + jump n^T.
+
+    event : event function, whose gradient is n
+    jump : (f+ - f-) / (n^T f- + dh/dt)
+    determinant : of S, where the ties are the same on both sides
+    """
+
+    event: Event[N]
+    jump: list[N]
+    bodies: int
+    kit: Kit[N]
+
+    def applied(self, vector: Sequence[N]) -> list[N]:
+        """S times a disturbance."""
+        moved = self._along(vector)
+        return [a + moved * b for a, b in zip(vector, self.jump, strict=True)]
+
+    @property
+    def determinant(self) -> N:
+        return 1 + self._along(self.jump)
+
+    def _along(self, vector: Sequence[N]) -> N:
+        return gradient(self.kit, self.event, vector, self.bodies)
+
+
+@dataclass
+class Release(Saltation[N]):
+    """S where ties begin to slip with less force; flow: Taylor's, at the event in the mode before."""
+
+    flow: Taylor[N]
+
+    def _along(self, vector: Sequence[N]) -> N:
+        tangent = TaylorTangent(self.flow.scene, self.flow.kit, self.flow)
+        return tangent.value(self.event, vector)
+
+
+@dataclass
+class Sticking(Generic[N]):
+    """S that joins velocities."""
+
+    scene: Scene[N]
+    kit: Kit[N]
+    rows: ModeRows[N]
+    state: State[N]
+
+    def applied(self, vector: Sequence[N]) -> list[N]:
+        """S times a disturbance."""
+        return joined(self.scene, self.kit, self.rows, self.state, vector)
+
+    @property
+    def determinant(self) -> N:
+        """Of S, which takes a direction from the velocities."""
+        return self.kit.number(0)
+
+
+def gradient(kit: Kit[N], event: Event[N], vector: Sequence[N], bodies: int) -> N:
+    """n^T times a disturbance: the change of a function made of differences or of their rates. Ground and
+    base are not disturbed.
+    """
+
+    def part(term: Term[N]) -> N:
+        shift = 0 if term.kind == DIFFERENCE else bodies
+        P, Q = (vector[shift + c] if c < bodies else kit.number(0) for c in (term.P, term.Q))
+        return term.coefficient * (P - Q)
+
+    return total_of(kit, map(part, event.terms))
+
+
+def saltation(
+    scene: Scene[N],
+    kit: Kit[N],
+    state: State[N],
+    before: ModeRows[N],
+    after: ModeRows[N],
+    event: Event[N],
+    touch: SimultaneousImpacts[N] | None = None,
+) -> Jump[N] | Undefined | None:
+    """The saltation of `event` at `state` between the modes of the rows `before` and `after`; None where it
+    changes nothing, UNDEFINED where there is none. touch: of rigid stops, where the event was one.
+    """
+    if event.kind == STRIKE:
+        assert touch is not None
+        return impact_saltation(scene, kit, state, before, after, event, touch)
+    old, new = before.status, after.status
+    pairs = zip(old.frictions, new.frictions, strict=True)
+    turned = [i for i, (one, other) in enumerate(pairs) if one != other]
+    damped = _damper(scene, old, new, event)
+    if event.kind in (SLIDE, GAP) and resting(old) != resting(new):
+        return _general(scene, kit, state, before, after, event)
+    if not turned:
+        return _rank_one(scene, kit, state, before, event, *damped) if damped else None
+    tied = before.leader != after.leader
+    if event.kind == SLIDE and tied and all(new.frictions[i] == STICK for i in turned):
+        return Sticking(scene, kit, after, state)
+    if event.kind == SLIDE and not tied:
+        forces: Forces[N] = [
+            (f.P, f.Q, _friction(f, new.frictions[i]) - _friction(f, old.frictions[i]))
+            for i in turned
+            for f in [scene.frictions[i]]
+        ]
+        return _rank_one(scene, kit, state, before, event, forces, None)
+    if event.kind in (SLIDE, GAP):
+        return _general(scene, kit, state, before, after, event)
+    if event.kind == HOLD and released_frictions(scene, before, after):
+        return _released(scene, kit, state, before, after, event)
+    return None
+
+
+def resting(status: Status) -> list[int]:
+    """Numbers of the rigid stops at rest."""
+    return [i for i, one in enumerate(status.stops) if one == RESTING]
+
+
+def released_frictions(scene: Scene[N], before: ModeRows[N], after: ModeRows[N]) -> list[int]:
+    """Frictions that begin to slip between two modes with less force than they held."""
+    pairs = zip(before.status.frictions, after.status.frictions, strict=True)
+    changed = [(i, new) for i, (old, new) in enumerate(pairs) if old == STICK and new != STICK]
+    return [i for i, sense in changed if scene.frictions[i].drops(sense)]
+
+
+def _damper(scene: Scene[N], old: Status, new: Status, event: Event[N]) -> tuple[Forces[N], N | int] | None:
+    """Force on P that a damped stop gains per unit of the rate x_P' - x_Q', as ([(P, Q, force)], rate of h);
+    None without any.
+    """
+    if event.kind != GAP:
+        return None
+    stop = scene.stops[event.part]
+    assert isinstance(stop, Stop)
+    gained = (new.stops[event.part] == CONTACT) - (old.stops[event.part] == CONTACT)
+    if stop.c == 0 or gained == 0:
+        return None
+    return [(stop.P, stop.Q, -(gained * stop.c))], event.terms[0].coefficient
+
+
+def _friction(friction: Friction[N], status: int) -> N | int:
+    """Force of a slipping friction on P at v_rel = 0; one that sticks acts within a group, where it does not
+    count.
+    """
+    forward, backward = friction.starts
+    return 0 if status == STICK else -forward if status == FORWARD else backward
+
+
+def reversal(friction: Friction[N], status: int) -> Forces[N]:
+    """Forces [(P, Q, force)] that a friction gains where it turns round from `status`."""
+    forward, backward = friction.starts
+    total = forward + backward
+    return [(friction.P, friction.Q, total if status == FORWARD else -total)]
+
+
+def _rank_one(
+    scene: Scene[N],
+    kit: Kit[N],
+    state: State[N],
+    rows: ModeRows[N],
+    event: Event[N],
+    forces: Forces[N],
+    rate: N | int | None,
+) -> Jump[N] | None:
+    """S where the ties stay and the parts' `forces` on P, less on Q, jump; rate: that of h, None to take it
+    from the motion.
+    """
+    rate = event_rate(scene, kit, state, rows, event) if rate is None else rate
+    return _saltation(scene, kit, event, forced(scene, kit, rows, state, forces), rate)
+
+
+def forced(
+    scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[N], forces: Forces[N]
+) -> Accelerations[N]:
+    """Accelerations (bodies, rotor) by forces [(P, Q, force)] on P, less on Q."""
+    n, zero = len(scene.bodies), kit.number(0)
+    F = [zero] * (n + 2)
+    for P, Q, force in forces:
+        for end, value in ((P, force), (Q, -force)):
+            if end >= 0:
+                leader = rows.leader[end]
+                F[leader] = F[leader] + value
+    return response(scene, kit, rows, state, F, zero, zero)
+
+
+def event_rate(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
+    """Rate of an event function along the motion in the mode of `rows`, n^T f- + dh/dt."""
+    if event.terms[0].kind == DIFFERENCE:
+        values = [*state.v, kit.number(0), value_and_rate(kit, scene.base, state.t)[1]]
+    else:
+        values, _ = accelerations(scene, kit, rows, state)
+    return total_of(kit, (term.coefficient * (values[term.P] - values[term.Q]) for term in event.terms))
+
+
+def _general(
+    scene: Scene[N], kit: Kit[N], state: State[N], before: ModeRows[N], after: ModeRows[N], event: Event[N]
+) -> Jump[N] | None:
+    """S by the vector fields on both sides."""
+    jump = _jump(scene, kit, state, before, after)
+    return _saltation(scene, kit, event, jump, event_rate(scene, kit, state, before, event))
+
+
+def _jump(
+    scene: Scene[N], kit: Kit[N], state: State[N], before: ModeRows[N], after: ModeRows[N]
+) -> Accelerations[N]:
+    """Jump of the accelerations (bodies, rotor) between two modes."""
+    (one, rotor), (other, turned) = (accelerations(scene, kit, rows, state) for rows in (before, after))
+    return [b - a for a, b in zip(one, other, strict=True)], turned - rotor
+
+
+def _released(
+    scene: Scene[N], kit: Kit[N], state: State[N], before: ModeRows[N], after: ModeRows[N], event: Event[N]
+) -> Jump[N] | None:
+    """S where ties begin to slip with less force than they held."""
+    flow, rate = expanded(scene, kit, state, before), tie_rate(scene, kit, state, before, event)
+    change = _change(scene, kit, _jump(scene, kit, state, before, after), rate)
+    return None if change is None else Release(event, change, len(scene.bodies), kit, flow)
+
+
+def expanded(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N]) -> Taylor[N]:
+    """The Taylor flow at `state` in the mode of `rows`."""
+    flow = Taylor(scene, kit, Certificate(kit))
+    flow.enter(state, rows, {})
+    return flow
+
+
+def tie_rate(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
+    """Rate of the event function of a tie along the motion in the mode of `rows` [N/s]."""
+    return expanded(scene, kit, state, rows).derivatives(event, 1)[1]
+
+
+def _saltation(
+    scene: Scene[N], kit: Kit[N], event: Event[N], jump: Accelerations[N], rate: N | int
+) -> Jump[N] | None:
+    """S from the jump of accelerations; None at a tangency, where first order says nothing."""
+    change = _change(scene, kit, jump, rate)
+    return None if change is None else Saltation(event, change, len(scene.bodies), kit)
+
+
+def _change(scene: Scene[N], kit: Kit[N], jump: Accelerations[N], rate: N | int) -> list[N] | None:
+    """(f+ - f-) / rate as a disturbance; None at a tangency."""
+    if rate == 0:
+        return None
+    n, zero = len(scene.bodies), kit.number(0)
+    change = [zero] * n + [a / rate for a in jump[0][:n]]
+    if scene.motor is not None:
+        change += [zero, jump[1] / rate]
+    return change

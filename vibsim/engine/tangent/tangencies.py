@@ -1,0 +1,187 @@
+"""Events that are crossed almost tangentially: there a disturbance is small only as long as it is tiny.
+
+Where an event function h is crossed at the rate h', the motion goes beyond by about h'^2 / (2 |h''|) before
+it can turn. A disturbance larger than that misses the event, and first order (the tangent flow) says nothing
+of it. Crossings are judged by the square of their rate over that of the whole motion, about their share of
+the depth of the deepest one. A share below CLOSE counts as a tangency. An impact on a rigid stop counts
+where the acceleration in front of it parts the ends; where it drives them together, as in chatter, no motion
+turns before the stop. Below GRAZING rounding decides whether it comes up to the stop at all, and there is no
+derivative; nor at other events whose saltation is undefined.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Callable
+from typing import Any, Generic
+
+from vibsim.engine.errors import State
+from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
+from vibsim.engine.flows.motion import value_and_rate
+from vibsim.engine.modes.rows import GAP, HOLD, SLIDE, STRIKE, Event, Joined, ModeRows, Rule
+from vibsim.engine.modes.status import STICK, Status
+from vibsim.engine.tangent.impact_saltation import ImpactSaltation, Undefined
+from vibsim.engine.tangent.saltation import (
+    Jump,
+    event_rate,
+    forced,
+    gradient,
+    released_frictions,
+    reversal,
+    saltation,
+    tie_rate,
+)
+from vibsim.engine.tangent.tangent_space import natural_rate
+from vibsim.physics.numbers import Doubles, Kit, N, abs
+from vibsim.physics.parts import Scene
+
+CLOSE = 1e-6  # a rate of 1/1000 of the largest
+GRAZING = 2.0**-40  # a depth of some thousand roundings
+
+
+class Tangencies(Generic[N]):
+    """Counts close crossings and keeps the closest.
+
+    fastest : by stop, the largest |v_P - v_Q| + rate |x_P - x_Q| at an event or the end of a step [m/s]
+    undefined, undefined_time : events that have no derivative, the time of the first [s]
+    """
+
+    def __init__(self, scene: Scene[N], kit: Kit[N]) -> None:
+        self.scene, self.kit, self.rate = scene, kit, natural_rate(scene, kit)
+        self.fastest = [kit.number(0)] * len(scene.stops)
+        self.nothing = kit.number(1), kit.number(0)
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin to count anew."""
+        self.count = 0
+        self.closest, self.time = self.nothing
+        self.undefined, self.undefined_time = 0, self.kit.number(0)
+
+    def refuse(self, t: N) -> None:
+        """Learn of an event at t [s] that has no derivative."""
+        if self.undefined == 0:
+            self.undefined_time = t
+        self.undefined += 1
+
+    def pass_by(self, state: State[N]) -> None:
+        """Learn how fast the ends of the stops move against each other."""
+        for i, stop in enumerate(self.scene.stops):
+            distance, rate = self._between(stop, state)
+            speed = abs(rate) + self.rate * abs(distance)
+            self.fastest[i] = speed if speed > self.fastest[i] else self.fastest[i]
+
+    def _between(self, stop: Joined, state: State[N]) -> tuple[N, N]:
+        """x_P - x_Q and v_P - v_Q."""
+        X, V = value_and_rate(self.kit, self.scene.base, state.t)
+        zero = self.kit.number(0)
+        x, v = (*state.x, X, zero), (*state.v, V, zero)  # BASE is -2, GROUND -1
+        return x[stop.P] - x[stop.Q], v[stop.P] - v[stop.Q]
+
+    def judge(
+        self,
+        event: Event[N],
+        state: State[N],
+        before: ModeRows[N],
+        after: ModeRows[N],
+        jump: Jump[N] | Undefined | None,
+    ) -> None:
+        """Judge `event` at `state` between the modes of the rows `before` and `after`, with its saltation."""
+        i = event.part
+        if isinstance(jump, Undefined):
+            self.refuse(state.t)
+            return
+        if event.kind == GAP and self.fastest[i] > 0 and before.status.stops[i] != after.status.stops[i]:
+            _, rate = self._between(self.scene.stops[i], state)
+            share = rate / self.fastest[i]
+        elif isinstance(jump, ImpactSaltation) and self.fastest[i] > 0 and jump.drive <= 0:
+            share = jump.approach / self.fastest[i]
+            if share * share < GRAZING:
+                self.refuse(state.t)
+        elif event.kind == SLIDE and after.status.frictions[i] == STICK:
+            share = self._stopping_share(event, state, before)
+        elif event.kind == HOLD and before.leader != after.leader:
+            tearing = self._tearing_share(event, state, before, after)
+            if tearing is None:
+                return
+            share = tearing
+        else:
+            return
+        share = share * share
+        if share < CLOSE:
+            self.count += 1
+        if share < self.closest:
+            self.closest, self.time = share, state.t
+
+    def _tearing_share(
+        self, event: Event[N], state: State[N], before: ModeRows[N], after: ModeRows[N]
+    ) -> N | None:
+        """How fast the force of ties comes to a limit at which it drops, over a sweep through all that they
+        can hold at the natural rate [-]; None where it does not drop, so that nothing depends on the instant.
+        """
+        if not released_frictions(self.scene, before, after):
+            return None
+        cut, held = before.cuts[event.part], self.kit.number(0)
+        for limit in (cut.above, cut.below):  # a rigid stop at rest holds any force one way
+            held = held if limit is None else held + limit
+        return -tie_rate(self.scene, self.kit, state, before, event) / (held * self.rate)
+
+    def _stopping_share(self, event: Event[N], state: State[N], before: ModeRows[N]) -> N:
+        """Deceleration of a sliding that ends, over the largest with which it can end in sticking [-]: with
+        the friction turned round it would be 0 at least.
+
+        It is 0 where the motion just touches v_rel = 0, which a disturbed one may miss; 1 where ground and
+        base hold both ends, so that no force decides.
+        """
+        scene, kit, i = self.scene, self.kit, event.part
+        n = len(scene.bodies)
+        forces = reversal(scene.frictions[i], before.status.frictions[i])
+        gained, _ = forced(scene, kit, before, state, forces)
+        largest = gradient(kit, event, [kit.number(0)] * n + gained[:n], n)
+        return -event_rate(scene, kit, state, before, event) / largest if largest != 0 else kit.number(1)
+
+
+# Jumps of disturbances at events, where the C engine leaves them to Python.
+
+
+class Jumps:
+    """What events of a scene do to disturbances that a run in C carries.
+
+    run : that run, an `_engine.Run`; rows : the rows of a mode, by its status
+    """
+
+    def __init__(self, scene: Scene, run: Any, rows: Callable[[Status], ModeRows]) -> None:
+        self.scene, self.run, self.rows = scene, run, rows
+        self.tangencies = Tangencies(scene, Doubles)
+
+    def in_c(self, before: ModeRows, after: ModeRows, event: Event) -> bool:
+        """Whether C knows what `event` does to disturbances between the modes of two rows: saltation.c and
+        tangencies.c, against `saltation.py` and `tangencies.py`.
+        """
+        if event.kind == STRIKE:
+            return False
+        return event.kind != HOLD or not released_frictions(self.scene, before, after)
+
+    def of_rule_in_c(self, rows: ModeRows, rule: Rule, event: Event) -> bool:
+        """The same for all that a rule may lead to."""
+        behind = [rule.target] if rule.other is None or rule.hold < 0 else [rule.target, rule.other]
+        return all(self.in_c(rows, self.rows(status), event) for status in behind)
+
+    def hand(
+        self, event: Event, state: State, before: ModeRows, after: ModeRows, touch: SimultaneousImpacts | None
+    ) -> None:
+        """Take disturbances from C through `event`, as `TangentBundle.cross` does, and give them back.
+
+        touch : what rigid stops did
+        """
+        entries, near = self.run.disturbances(), self.tangencies
+        vectors = entries["vectors"]
+        near.forget()
+        near.fastest = entries["fastest"]
+        jump = saltation(self.scene, Doubles, state, before, after, event, touch)
+        near.judge(event, state, before, after, jump)
+        jump = None if isinstance(jump, Undefined) else jump
+        determinant = jump.determinant if jump and before.leader == after.leader else 1.0
+        moved = array("d", (value for one in vectors for value in (jump.applied(one) if jump else one)))
+        lost = near.undefined > 0
+        self.run.hand_jump(jump is not None, determinant, near.count, near.closest, lost, moved.tobytes())

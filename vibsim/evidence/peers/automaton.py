@@ -1,0 +1,462 @@
+"""The modes of a scene around a solver that finds events: which follows, and what a blow does."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations, product
+from math import inf, prod, sin
+
+import numpy as np
+
+from vibsim.evidence.peers.equations import Compiled
+from vibsim.evidence.peers.straight_line import (
+    BACKWARD,
+    CONTACT,
+    FORWARD,
+    FREE,
+    LIFTED,
+    OPEN,
+    REST,
+    STICK,
+    TIES,
+    masses,
+    rows_of,
+)
+from vibsim.physics.parts import AT_FORCE, Friction, RigidStop, Scene
+
+# A scene at one instant: depths and rates of its parts, forces of ties and accelerations in any mode.
+
+
+class Instant:
+    """The parts of a scene at the time t [s] and in `state`, whose velocities may be changed."""
+
+    def __init__(self, compiled: Compiled, t: float, state: list[float]):
+        self.compiled, self.t, self.state = compiled, t, state
+        self.switches = compiled.switches
+        self._parts = compiled.parts(t, state)
+
+    def look_again(self) -> None:
+        """Take note of changed velocities."""
+        self._parts = self.compiled.parts(self.t, self.state)
+
+    def depth(self, i: int) -> float:
+        """Depth of stop i [m]."""
+        return self._parts[2 * i]
+
+    def rate(self, i: int) -> float:
+        """Its rate [m/s]; of a friction the velocity of slip."""
+        return self._parts[2 * i + 1]
+
+    def contact_force(self, i: int) -> float:
+        """k g + c g' of elastic stop i [N]."""
+        part = self.switches[i].part
+        return float(part.k * self.depth(i) + part.c * self.rate(i))
+
+    def balance(self, states: Sequence[str]) -> tuple[float, ...]:
+        """d state/dt, and behind it the force in each part that can tie [N], were the parts in `states`."""
+        parameters = self.compiled.parameters(states)
+        rates: tuple[float, ...] = self.compiled.balance(self.t, self.state, parameters)
+        return rates
+
+    def tie_force(self, i: int, values: Sequence[float]) -> float:
+        """The force in part i [N], from a `balance`."""
+        return values[self.compiled.ties.index(i) - len(self.compiled.ties)]
+
+    def second_rate(self, i: int, values: Sequence[float]) -> float:
+        """Second rate of the depth of a rigid stop, of x_P - x_Q of a friction, from a `balance` [m/s^2]."""
+        total = self.compiled.of_base[i] * self.compiled.base_acceleration(self.t)
+        for body, sign in self.compiled.rows[i]:
+            total += sign * values[2 * body + 1]
+        return float(-total if isinstance(self.switches[i].part, RigidStop) else total)
+
+    def halt(self, parts: Sequence[int]) -> None:
+        """Take the rates of these parts to zero, or what rounding left of them."""
+        rigid = (isinstance(self.switches[i].part, RigidStop) for i in parts)
+        rates = [-self.rate(i) if stop else self.rate(i) for i, stop in zip(parts, rigid, strict=True)]
+        if any(rates):
+            for body, row in enumerate(self.compiled.halts(parts)):
+                self.state[2 * body + 1] += sum(a * rate for a, rate in zip(row, rates, strict=True))
+            self.look_again()
+
+
+# The states of the parts behind an event, found by trying.
+#
+# Of all combinations of states of the parts that are undecided at an instant, the first whose accelerations
+# and forces are consistent; those with most ties are tried first, so friction sticks whenever it can.
+
+
+HELD = 1.0 - 1e-10  # of the limit friction, below which ends stick: at a release the force equals it
+SLACK = 1e-9  # of the largest force: beside a release that of slip is zero to HELD
+MOST = 3**9  # combinations that are tried: those of nine frictions
+ZERO = 1e-13  # of the largest force: zero but for rounding
+
+States = list[str]
+
+
+def consistent_states(at: Instant, states: States, undecided: Sequence[int]) -> States | None:
+    """`states` with those of the parts `undecided` chosen; None where no combination is consistent.
+
+    Raises ArithmeticError where one may be whose forces are not unique: its consistency cannot be told; and
+    for more combinations than MOST.
+    """
+    if not undecided:
+        return states
+    if len(undecided) == 1 and isinstance(at.switches[undecided[0]].part, Friction):
+        return _of_one_friction(at, states, undecided[0])
+    trials = _combinations(at, states, undecided)
+    return next((trial for trial in trials if _is_consistent(at, trial, undecided)), None)
+
+
+def _of_one_friction(at: Instant, states: States, i: int) -> States:
+    """It sticks if it holds, else it slips the way it is pulled."""
+    chosen = list(states)
+    chosen[i] = STICK
+    force, (forwards, backwards) = at.tie_force(i, at.balance(chosen)), at.switches[i].part.limits
+    if force < -HELD * forwards:
+        chosen[i] = FORWARD
+    elif force > HELD * backwards:
+        chosen[i] = BACKWARD
+    return chosen
+
+
+def _combinations(at: Instant, states: States, undecided: Sequence[int]) -> Iterator[States]:
+    count = prod(len(at.switches[i].states) for i in undecided)
+    if count > MOST:
+        raise ArithmeticError(f"{count} combinations of the parts at rest, of which {MOST} can be tried")
+    choices = product(*(at.switches[i].states for i in undecided))
+    for choice in sorted(choices, key=lambda choice: -sum(state in TIES for state in choice)):
+        trial = list(states)
+        for i, state in zip(undecided, choice, strict=True):
+            trial[i] = state
+        yield trial
+
+
+def _is_consistent(at: Instant, states: States, undecided: Sequence[int]) -> bool:
+    values = at.balance(states)
+    scale = max((abs(at.tie_force(i, values)) for i in at.compiled.ties), default=0.0)
+    for body, mass in enumerate(at.compiled.masses):
+        scale = max(scale, abs(mass * values[2 * body + 1]))
+    return all(_agrees(at, i, states[i], values, scale) for i in undecided)
+
+
+def _agrees(at: Instant, i: int, state: str, values: Sequence[float], scale: float) -> bool:
+    """Whether the state of part i agrees with its force, or with its acceleration. scale : forces [N]"""
+    if state == REST:
+        return at.tie_force(i, values) >= -ZERO * scale
+    if state == STICK:
+        forwards, backwards = at.switches[i].part.limits
+        return bool(-HELD * forwards <= at.tie_force(i, values) <= HELD * backwards)
+    force = min(at.compiled.masses) * at.second_rate(i, values)
+    if state == OPEN:
+        return bool(force <= ZERO * scale)
+    return bool((force if state == FORWARD else -force) >= -SLACK * scale)
+
+
+# What happens at a rigid stop that is struck: blows until none closes, then rest or a hop.
+
+
+MOST_BLOWS = 100  # at one instant
+LATER, NEVER = 1e300, inf  # s, until a hop ends
+
+
+@dataclass(frozen=True)
+class Shortest:
+    """Hops of no more than `height` [m], or `time` [s], are none."""
+
+    height: float
+    time: float = 0.0
+
+    def holds(self, speed: float, press: float) -> bool:
+        """Whether a hop that begins with `speed` [m/s] against `press` [m/s^2] is none."""
+        return press > 0 and (speed**2 <= 2 * press * self.height or 2 * speed <= press * self.time)
+
+
+@dataclass
+class Struck:
+    """impacts : stops that were struck while they closed; undecided : parts at rest behind the blows;
+    hop_ends : until the shortest hop ends [s], LATER where that is not in sight
+    """
+
+    impacts: int
+    undecided: list[int]
+    hop_ends: float
+
+
+def strike(
+    at: Instant, states: States, striking: Sequence[int], undecided: Sequence[int], shortest: Shortest
+) -> Struck:
+    """Blows of the stops `striking` and of those that touch; changes velocities of `at`, and `states` of the
+    parts that they set in motion. undecided : other parts at rest. Raises ArithmeticError as `blow`.
+    """
+    touching = [i for i in _rigid(at) if _touches(at, i, states, {*striking, *undecided}, shortest)]
+    frictions = [i for i, switch in enumerate(at.switches) if isinstance(switch.part, Friction)]
+    slips = {i: at.rate(i) for i in frictions}
+    first, struck = max(at.rate(i) for i in touching), set()
+    for _ in range(MOST_BLOWS):
+        rates = [at.rate(i) for i in touching]
+        if not max(rates) > ZERO * first >= 0:
+            break
+        impulses = blow(at, touching, rates)
+        struck |= {i for i, L, rate in zip(touching, impulses, rates, strict=True) if L > 0 and rate > 0}
+    else:
+        raise ArithmeticError(f"blows without end at {at.t:g} s")
+    torn = [i for i in frictions if at.rate(i) != slips[i]]
+    for i in torn:
+        states[i] = FORWARD if at.rate(i) > 0 else BACKWARD
+    short, hop_ends = _let_go(at, states, touching, first, shortest)
+    still = [i for i in frictions if i not in torn and (i in undecided or states[i] == STICK)]
+    return Struck(len(struck), [*short, *still], hop_ends)
+
+
+def _rigid(at: Instant) -> list[int]:
+    return [i for i, switch in enumerate(at.switches) if isinstance(switch.part, RigidStop)]
+
+
+def _touches(at: Instant, i: int, states: States, there: set[int], shortest: Shortest) -> bool:
+    return i in there or states[i] == REST or abs(at.depth(i)) <= shortest.height
+
+
+def _let_go(
+    at: Instant, states: States, touching: Sequence[int], first: float, shortest: Shortest
+) -> tuple[list[int], float]:
+    """Open the stops that separate behind a blow; those at rest, or with a hop that is none, and until the
+    shortest of the other hops ends.
+    """
+    for i in touching:
+        states[i] = OPEN
+    values = at.balance(states)
+    short, hop_ends = [], LATER
+    for i in touching:
+        speed, press = max(-at.rate(i), 0.0), at.second_rate(i, values)
+        if speed <= ZERO * first or shortest.holds(speed, press):
+            short.append(i)
+        elif press > 0:
+            hop_ends = min(hop_ends, 2 * speed / press)
+    if short:
+        at.halt(short)
+    return short, hop_ends
+
+
+# The mode automaton around a solver that finds events: which state each stop and friction is in.
+
+
+KINDS = {
+    (FREE, CONTACT): "contact_begin",
+    (CONTACT, FREE): "contact_end",
+    (CONTACT, LIFTED): "contact_end",
+    (LIFTED, CONTACT): "contact_begin",
+    (FORWARD, BACKWARD): "reversal",
+    (BACKWARD, FORWARD): "reversal",
+    (FORWARD, STICK): "stick_begin",
+    (BACKWARD, STICK): "stick_begin",
+    (STICK, FORWARD): "stick_end",
+    (STICK, BACKWARD): "stick_end",
+    (OPEN, REST): "rest_begin",
+    (REST, OPEN): "rest_end",
+}
+
+STILL = 1e-12  # of the fastest velocity: at rest but for rounding
+
+Events = list[str]  # kinds
+
+
+class Mode:
+    """The mode of the motion: `begin` with the state at t = 0, then `switch` at every event.
+
+    states : of the parts; parameters : what the equations take; hop_ends : until the shortest hop ends that
+    has just begun [s], LATER where that is not in sight, NEVER where none began
+    """
+
+    def __init__(self, compiled: Compiled, shortest: Shortest):
+        self.compiled, self.switches, self.shortest = compiled, compiled.switches, shortest
+        self.states = [switch.states[0] for switch in self.switches]
+        self.parameters: list[float] = []
+        self.hop_ends = NEVER
+        self._damped = [i for i, switch in enumerate(self.switches) if LIFTED in switch.states]
+        self._without_jump = {
+            i
+            for i, switch in enumerate(self.switches)
+            if switch.states == (FREE, CONTACT) and not switch.part.c
+        }
+
+    def begin(self, state: list[float]) -> Events:
+        """Take the mode of the state at t = 0, in which a blow may fall; kinds of the events."""
+        at = Instant(self.compiled, 0.0, state)
+        undecided, striking = [], []
+        for i, switch in enumerate(self.switches):
+            if isinstance(switch.part, Friction):
+                self.states[i] = FORWARD if at.rate(i) > 0 else BACKWARD
+                undecided += [i] * (at.rate(i) == 0)
+            elif isinstance(switch.part, RigidStop):
+                touches = switch.part.at_start or at.depth(i) == 0
+                self.states[i] = OPEN
+                undecided += [i] * (touches and at.rate(i) == 0)
+                striking += [i] * (touches and at.rate(i) > 0)
+            else:
+                self.states[i] = _elastic_at_start(at, i)
+        events: Events = []
+        if striking:
+            events, undecided = self._strike(at, striking, undecided)
+        self._settle(at, undecided)
+        return events
+
+    def switch(self, i: int, t: float, state: list[float]) -> Events:
+        """Enter the mode behind the zero of an event function of part i; kinds of the events.
+
+        Sets the velocities in `state` to those behind it. No kind where nothing changes, as rounding makes
+        zeros beside a release. Raises ArithmeticError where no mode is consistent.
+        """
+        before = list(self.states)
+        impacts: Events = []
+        self.hop_ends = NEVER
+        if i in self._without_jump:  # of any force: nothing else changes
+            self.states[i] = CONTACT if before[i] == FREE else FREE
+            self.parameters = self.compiled.parameters(self.states)
+            return [KINDS[before[i], self.states[i]]]
+        at = Instant(self.compiled, t, state)
+        undecided = [j for j, each in enumerate(before) if each in TIES and j != i]
+        match before[i]:
+            case "open":
+                impacts, undecided = self._strike(at, [i], undecided)
+            case "rest":
+                self.states[i] = OPEN
+            case "stick":
+                self.states[i] = self._torn(at, i)
+            case "forward" | "backward":
+                undecided += [i, *self._still(at, i)]
+            case _:
+                self.states[i] = _elastic_behind(at, i, before[i])
+        self._settle(at, undecided, i)
+        steps = zip(before, self.states, strict=True)
+        return impacts + [KINDS[step] for step in steps if step in KINDS]
+
+    def _strike(self, at: Instant, striking: list[int], undecided: list[int]) -> tuple[Events, list[int]]:
+        struck = strike(at, self.states, striking, undecided, self.shortest)
+        self.hop_ends = struck.hop_ends
+        return ["impact"] * struck.impacts, struck.undecided
+
+    def _still(self, at: Instant, i: int) -> list[int]:
+        """Frictions that slide, and come to rest at the same instant as friction i."""
+        fastest = max(map(abs, at.state[1 : 2 * len(self.compiled.masses) : 2]))
+        slides = (j for j, each in enumerate(self.states) if each in (FORWARD, BACKWARD) and j != i)
+        return [j for j in slides if abs(at.rate(j)) <= STILL * fastest]
+
+    def _torn(self, at: Instant, i: int) -> str:
+        """The way a stick that ends begins to slip."""
+        forwards, backwards = self.switches[i].part.limits
+        force = at.tie_force(i, at.balance(self.states))
+        return FORWARD if forwards + force < backwards - force else BACKWARD
+
+    def _settle(self, at: Instant, undecided: list[int], last: int | None = None) -> None:
+        """Choose the states of the parts `undecided`; where that cannot be done, of part `last` too."""
+        self._mend_lifts(at)
+        states = consistent_states(at, self.states, undecided)
+        if states is None and last is not None and self.switches[last].tie:
+            undecided = [*undecided, last]
+            states = consistent_states(at, self.states, undecided)
+        if states is None:
+            raise ArithmeticError(f"no mode is consistent at {at.t:.9g} s")
+        self.states, self.parameters = states, self.compiled.parameters(states)
+        tied = [i for i in dict.fromkeys(undecided) if states[i] in TIES]
+        if tied:
+            at.halt(tied)
+
+    def _mend_lifts(self, at: Instant) -> None:
+        """Where a blow has turned the force of a damped stop round, it lets go, or takes hold again."""
+        for i in self._damped:
+            if self.states[i] != FREE and at.depth(i) > self.shortest.height:
+                force = at.contact_force(i)
+                if abs(force) > SLACK * self.switches[i].part.k * at.depth(i):
+                    self.states[i] = CONTACT if force > 0 else LIFTED
+
+
+def _elastic_at_start(at: Instant, i: int) -> str:
+    """The state of an elastic stop at t = 0: deep, or touching on its way in."""
+    part = at.switches[i].part
+    depth = 0.0 if part.at_start else at.depth(i)
+    if depth < 0 or (depth == 0 and at.rate(i) < 0):
+        return FREE
+    return LIFTED if part.release == AT_FORCE and at.contact_force(i) < 0 else CONTACT
+
+
+def _elastic_behind(at: Instant, i: int, state: str) -> str:
+    """The state of an elastic stop behind the end of one."""
+    part, depth = at.switches[i].part, at.depth(i)
+    if state == FREE:
+        return CONTACT
+    if state == CONTACT:
+        return LIFTED if part.release == AT_FORCE and part.c and depth > 0 else FREE
+    return FREE if part.k * depth < abs(at.contact_force(i)) else CONTACT
+
+
+# Blows of rigid stops by the Newton-Moreau law, by trying which of them pass on an impulse.
+#
+# With g' the rates of depth of the stops that touch, L their impulses and A = D G^-1 D' (D the rows of g', G
+# the masses, the rotor among them):  g'(after) = g' - A L,  L >= 0,  w = g'(after) + e g' <= 0,  L w = 0.
+
+
+ROUNDING = 1e-12  # of the largest rate: what counts as zero
+MOST_STOPS = 12  # that touch at once, of which all sets are tried
+
+
+def blow(at: Instant, touching: Sequence[int], rates: Sequence[float]) -> list[float]:
+    """Change the velocities of `at` by a blow of the rigid stops `touching`, whose depths change by `rates`
+    [m/s]; the impulse of each [N s]. Raises ArithmeticError where no impulses obey the law.
+    """
+    if len(touching) == 1 and at.compiled.scene.motor is None:
+        impulses = _of_one_stop(at, touching[0], rates[0])
+    else:
+        impulses = _of_several(at, touching, rates)
+    at.look_again()
+    return impulses
+
+
+def _of_one_stop(at: Instant, i: int, rate: float) -> list[float]:
+    """Newton's law: the ends part with e times the speed at which they met."""
+    row, own = at.compiled.rows[i], at.compiled.masses
+    impulse = (1 + at.switches[i].part.e) * rate / sum(1 / own[body] for body, _ in row)
+    for body, sign in row:
+        at.state[2 * body + 1] += sign * impulse / own[body]
+    return [impulse]
+
+
+def _of_several(at: Instant, touching: Sequence[int], rates: Sequence[float]) -> list[float]:
+    scene, switches = at.compiled.scene, [at.switches[i] for i in touching]
+    rotor = [0.0] * scene.has_motor
+    rows = np.array([[*row, *rotor] for row in -rows_of(scene, switches)[0]])
+    mobility = np.linalg.inv(_mass_matrix(scene, at.state))
+    e = np.array([float(switch.part.e) for switch in switches])
+    impulses = _impulses(rows @ mobility @ rows.T, np.array(rates), e)
+    velocities = [*range(1, 2 * len(scene.bodies), 2), *([2 * len(scene.bodies) + 1] if rotor else [])]
+    for place, step in zip(velocities, (-mobility @ rows.T @ impulses).tolist(), strict=True):
+        at.state[place] += step
+    passed: list[float] = impulses.tolist()
+    return passed
+
+
+def _mass_matrix(scene: Scene, state: Sequence[float]) -> np.ndarray:
+    """Of the bodies, and of the rotor behind them, whose unbalance ties it to its body."""
+    matrix = np.diag(masses(scene))
+    if scene.motor is None:
+        return matrix
+    p, n = scene.motor, len(scene.bodies)
+    matrix = np.pad(matrix, ((0, 1), (0, 1)))
+    matrix[n, n] = p.J + p.m3 * p.e**2
+    matrix[p.on, n] = matrix[n, p.on] = -p.m3 * p.e * sin(state[2 * n])
+    return matrix
+
+
+def _impulses(A: np.ndarray, rates: np.ndarray, e: np.ndarray) -> np.ndarray:
+    """L of the law, trying all sets of stops that pass on an impulse, small ones first."""
+    closing, count = (1 + e) * rates, len(rates)
+    slack = ROUNDING * np.abs(rates).max()
+    if count > MOST_STOPS:
+        raise ArithmeticError(f"{count} stops touch at once, of which {MOST_STOPS} can be tried in all sets")
+    for size in range(count + 1):
+        for members in map(list, combinations(range(count), size)):
+            L = np.zeros(count)
+            if members:
+                L[members] = np.linalg.lstsq(A[np.ix_(members, members)], closing[members], rcond=None)[0]
+            w = closing - A @ L
+            if (np.abs(w[members]) <= slack).all() and (w <= slack).all() and (L >= 0).all():
+                return L
+    raise ArithmeticError("no impulses obey the law of impact: a body is held from both sides")

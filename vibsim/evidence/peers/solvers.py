@@ -1,0 +1,421 @@
+"""The solvers themselves: scipy's with events and without, heyoka, the classical Runge-Kutta method."""
+
+import time
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil, inf, isfinite, pi
+from typing import Any
+
+import numpy as np
+import scipy.integrate
+from scipy.integrate import solve_ivp
+
+from vibsim.evidence.peers.automaton import NEVER, Mode, Shortest
+from vibsim.evidence.peers.equations import (
+    Compiled,
+    Equations,
+    ModeEquations,
+    Number,
+    parameters_of,
+    start_of,
+    state_count,
+)
+from vibsim.evidence.peers.straight_line import Tape, switches_of
+from vibsim.physics.parts import AT_FORCE, EVENT_KINDS, Friction, Scene, Stop
+from vibsim.physics.rates import fastest_rate
+
+# Equations of motion with the switches left inside: what is written down when nobody looks for events.
+#
+# An elastic stop acts wherever its depth is positive, and friction follows a function of the velocity of
+# slip: sgn as printed in Eq. (2.7), or tanh(v / width), which smooths it (then bodies creep instead of
+# sticking). Rigid stops cannot be written so.
+
+
+Motion = Callable[[float, Sequence[float]], tuple[float, ...]]
+
+
+def eventless_motion(scene: Scene, width: float | None = None) -> Motion:
+    """d state/dt at (t, state), whatever the mode there; width of tanh [m/s], None for sgn."""
+    tape = Tape(state_count(scene))
+    at = Equations(scene, tape, tape.t, tape.states)
+    switches = switches_of(scene)
+    flags: list[Number] = []
+    for switch in switches:
+        slides = isinstance(switch.part, Friction)
+        flags += _slipping(tape, at, switch.part, width) if slides else _in_contact(tape, at, switch.part)
+        flags += [0.0] * (len(switch.states) - 2)
+    untied = parameters_of(scene, [switch.states[0] for switch in switches])[len(flags) :]
+    return tape.function(ModeEquations(scene, tape, tape.t, tape.states, [*flags, *untied]).rates)
+
+
+def _slipping(tape: Tape, at: Equations, part: Friction, width: float | None) -> list[Number]:
+    """How much it slips forwards and backwards, 0 to 1."""
+    slip = at.slip_velocity(part)
+    sign = tape.sgn(slip) if width is None else tape.tanh(slip / width)
+    return [tape.where(slip, sign, 0.0), tape.where(slip, 0.0, -sign)]
+
+
+def _in_contact(tape: Tape, at: Equations, part: Stop) -> list[Number]:
+    """0 for free, and whether it acts."""
+    acts: Any = 1.0
+    if part.release == AT_FORCE:
+        acts = tape.where(at.contact_force(part), 1.0, 0.0)
+    return [0.0, tape.where(at.depth(part), acts, 0.0)]
+
+
+# What a peer's run comes to.
+
+
+@dataclass
+class Attempt:
+    """One run of one method.
+
+    Attributes
+    ----------
+    states : x, v of each body in turn (, phi, phidot) at the first of the instants asked for
+        (reached, states)
+    t_reached : time until which it ran [s]
+    steps : steps taken
+    evaluations : right-hand sides evaluated; None for a method that evaluates series instead
+    events : (time [s], kind code) of the events that it reports, ascending
+    kinds : names of the kinds of event that it can report at all
+    stopped : whether the time limit ended it
+    """
+
+    states: np.ndarray
+    t_reached: float
+    steps: int
+    evaluations: int | None
+    events: list[tuple[float, int]]
+    kinds: tuple[str, ...]
+    stopped: bool = False
+
+
+EVERY_KIND = ("contact_begin", "contact_end", "reversal", "stick_begin", "stick_end")
+RIGID_KINDS = ("impact", "rest_begin", "rest_end")
+CONTACTS = ("contact_begin", "contact_end")
+
+
+def kinds_of(scene: Scene) -> tuple[str, ...]:
+    """The kinds of event that are compared: those of rigid stops only where there are such."""
+    return EVERY_KIND + RIGID_KINDS if scene.rigid_stops else EVERY_KIND
+
+
+# A limit on the wall time of a run, and a way to interrupt it: looked at after every step or few.
+
+
+class OutOfTime(Exception):
+    """The limit has passed, or nobody waits for the result any more."""
+
+
+class TimeLimit:
+    """From its making on, `check` raises OutOfTime after `seconds`, or once `going_on` says False."""
+
+    def __init__(self, seconds: float = inf, going_on: Callable[[], bool] = lambda: True):
+        self._end = time.perf_counter() + seconds
+        self._going_on = going_on
+
+    def check(self) -> None:
+        """Raise OutOfTime where the run is to end here."""
+        if time.perf_counter() > self._end or not self._going_on():
+            raise OutOfTime
+
+
+# The classical Runge-Kutta method of order 4 with a fixed step, sgn(v) and no events.
+
+
+STAGES = 4  # right-hand sides of a step
+ROUNDING = 1e-9  # of a step count: 50 ms / 1 ms is 50 steps and not 51
+
+
+class RungeKutta4:
+    """A scene stepped by `step` [s], or by the largest smaller step that divides the sampling interval."""
+
+    def __init__(self, scene: Scene, step: float):
+        self.scene, self.step = scene, step
+        self.motion, self.depths = eventless_motion(scene), depths_of(scene)
+
+    def run(self, times: np.ndarray, limit: TimeLimit) -> Attempt:
+        """States at the ascending `times` [s], from 0 to the end. Raises ArithmeticError where it fails."""
+        state, motion = start_of(self.scene), self.motion
+        changes = SignChanges(self.depths, state)
+        samples, steps, stopped, grid = [state], 0, False, times.tolist()
+        try:
+            for start, end in pairwise(grid):
+                count = max(ceil((end - start) / self.step - ROUNDING), 1)
+                h = (end - start) / count
+                for i in range(count):
+                    state = rk4_step(motion, start + i * h, state, h)
+                    changes.look(start + (i + 1) * h, state)
+                if not isfinite(state[0]):
+                    raise ArithmeticError(f"no longer finite at {end:g} s")
+                samples.append(state)
+                steps += count
+                limit.check()
+        except OutOfTime:
+            stopped = True
+        t_reached = grid[len(samples) - 1]
+        evaluations = STAGES * steps
+        return Attempt(np.array(samples), t_reached, steps, evaluations, changes.events, CONTACTS, stopped)
+
+
+def rk4_step(
+    motion: Callable[[float, Sequence[float]], Sequence[float]], t: float, state: list[float], h: float
+) -> list[float]:
+    """The state a step h [s] after `state`: Kutta (1901)."""
+    a = motion(t, state)
+    b = motion(t + h / 2, [x + h / 2 * rate for x, rate in zip(state, a, strict=True)])
+    c = motion(t + h / 2, [x + h / 2 * rate for x, rate in zip(state, b, strict=True)])
+    d = motion(t + h, [x + h * rate for x, rate in zip(state, c, strict=True)])
+    stages = zip(state, a, b, c, d, strict=True)
+    return [x + h / 6 * (p + 2 * (q + r) + s) for x, p, q, r, s in stages]
+
+
+# Contacts read off a run without events: where the depth of a stop changes sign between two steps.
+
+
+BEGIN, END = EVENT_KINDS["contact_begin"], EVENT_KINDS["contact_end"]
+
+Depths = Callable[[float, Sequence[float]], tuple[float, ...]]
+
+
+def depths_of(scene: Scene) -> Depths:
+    """The depths [m] of the stops of a scene at (t, state)."""
+    tape = Tape(state_count(scene))
+    at = Equations(scene, tape, tape.t, tape.states)
+    return tape.function([at.depth(stop) for stop in scene.stops])
+
+
+class SignChanges:
+    """Collects `events` (time [s], kind) while it is shown the states of a run step by step."""
+
+    def __init__(self, depths: Depths, state: Sequence[float]):
+        self.events: list[tuple[float, int]] = []
+        self._depths, self._t, self._last = depths, 0.0, depths(0.0, state)
+
+    def look(self, t: float, state: Sequence[float]) -> None:
+        """The next state; a sign that has changed since the last is a contact, timed on the chord."""
+        depths = self._depths(t, state)
+        for depth, last in zip(depths, self._last, strict=True):
+            if (depth >= 0) != (last >= 0):
+                crossing = self._t + (t - self._t) * last / (last - depth)
+                self.events.append((crossing, BEGIN if depth >= 0 else END))
+        self._t, self._last = t, depths
+
+
+# scipy's solve_ivp without events, in one call: what most people do.
+
+
+class EventlessSolver:
+    """A scene for solve_ivp with `method` at the tolerances rtol, atol.
+
+    width : of the smoothed friction law tanh(v / width) [m/s]; None: sgn(v)
+    """
+
+    def __init__(self, scene: Scene, method: str, rtol: float, atol: float, width: float | None = None):
+        self.scene, self.method = scene, method
+        self.tolerances = {"rtol": rtol, "atol": atol}
+        self.motion, self.depths = eventless_motion(scene, width), depths_of(scene)
+
+    def run(self, times: np.ndarray, limit: TimeLimit) -> Attempt:
+        """States at the ascending `times` [s], from 0 to the end. Raises ArithmeticError where it fails."""
+        start, motion = start_of(self.scene), self.motion
+        steps = _Steps(times, SignChanges(self.depths, start), start, limit)
+        stopped = False
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # LSODA warns where it fails, which is said anyway
+            try:
+                answer = solve_ivp(
+                    steps.counted(motion), (0.0, times[-1]), start,
+                    watched(self.method, steps.taken), times[-1:], **self.tolerances,
+                )  # fmt: skip
+                if answer.status < 0:
+                    raise ArithmeticError(answer.message)
+            except OutOfTime:
+                stopped = True
+        states, events = np.array(steps.samples), steps.changes.events
+        return Attempt(states, steps.t, steps.count, steps.evaluations, events, CONTACTS, stopped)
+
+
+class _Steps:
+    """Samples and contacts gathered step by step: of a run that the limit ends, solve_ivp returns nothing."""
+
+    def __init__(self, times: np.ndarray, changes: SignChanges, start: list[float], limit: TimeLimit):
+        self.times, self.changes, self.limit = times, changes, limit
+        self.samples, self.count, self.evaluations, self.t = [np.array(start)], 0, 0, 0.0
+
+    def counted(self, motion: Motion) -> Callable[[float, np.ndarray], tuple[float, ...]]:
+        """What solve_ivp calls."""
+
+        def rates(t: float, state: np.ndarray) -> tuple[float, ...]:
+            self.evaluations += 1
+            return motion(t, state.tolist())
+
+        return rates
+
+    def taken(self, solver: Any) -> None:
+        """Look at the step that `solver` has just taken."""
+        self.count += 1
+        self.t = solver.t
+        passed = len(self.samples)
+        if passed < len(self.times) and self.times[passed] <= solver.t:
+            ahead = int(np.searchsorted(self.times, solver.t, side="right"))
+            self.samples += list(solver.dense_output()(self.times[passed:ahead]).T)
+        self.changes.look(solver.t, solver.y)
+        self.limit.check()
+
+
+# scipy's solve_ivp with terminal events, one call per mode.
+#
+# solve_ivp looks at events at the ends of its steps alone (scipy 9228): a free flight is one step, and what
+# is met in it is passed through. So steps are at most a share of the shortest period of the motion.
+
+
+INSIDE = 1e-300  # stands for an event function that is exactly 0: solve_ivp takes 0 after 0 for an event
+LONGEST = 0.25  # of the shortest period with all stops closed: a step; a contact lasts half of it
+FIRST = 0.25  # of a hop that has just begun: its first step, so that the next ones see it end
+BEHIND_A_BLOW = 0.01  # of the longest step, where the hop has no end in sight yet
+
+
+class EventSolver:
+    """A scene for solve_ivp with `method` ("DOP853", "Radau", "LSODA", ...) at the tolerance rtol."""
+
+    def __init__(self, scene: Scene, method: str, rtol: float):
+        self.scene, self.method = scene, method
+        rate = fastest_rate(scene)
+        longest = LONGEST * 2 * pi / rate if rate else inf
+        self.settings = {"rtol": rtol, "atol": SHARE * rtol, "max_step": longest}
+        self.compiled = Compiled(scene)
+
+    def run(self, times: np.ndarray, limit: TimeLimit) -> Attempt:
+        """States at the ascending `times` [s], from 0 to the end. Raises ArithmeticError where it fails."""
+        run = _EventRun(self, times, limit)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # LSODA warns where it fails, which is said anyway
+            return run.attempt()
+
+
+class _EventRun:
+    """One run in progress."""
+
+    def __init__(self, peer: EventSolver, times: np.ndarray, limit: TimeLimit):
+        self.times, self.limit, self.settings = times, limit, peer.settings
+        self.compiled, self.scene = peer.compiled, peer.scene
+        self.solver = watched(peer.method, self._taken)
+        self.t, self.state = 0.0, start_of(peer.scene)
+        self.mode = Mode(self.compiled, Shortest(peer.settings["atol"]))
+        self.progress = SolverProgress()
+        self.events = self._named(self.mode.begin(self.state))
+        self.steps = self.evaluations = self.sampled = 0
+        self.samples: list[np.ndarray] = []
+
+    def attempt(self) -> Attempt:
+        """Run to the end or to the limit."""
+        stopped = False
+        try:
+            while self.t < self.times[-1]:
+                self._call()
+        except OutOfTime:
+            stopped = True
+        states = np.concatenate(self.samples) if self.samples else np.empty((0, len(self.state)))
+        kinds = kinds_of(self.scene)
+        return Attempt(states, self.t, self.steps, self.evaluations, self.events, kinds, stopped)
+
+    def _call(self) -> None:
+        """One call of solve_ivp, to the end of the mode."""
+        (owners, ends), span = self._ends(), (self.t, self.times[-1])
+        answer = solve_ivp(
+            self._motion, span, np.array(self.state), self.solver, self.times[self.sampled :],
+            events=ends or None, first_step=self._first_step(), **self.settings,
+        )  # fmt: skip
+        if answer.status < 0:
+            raise ArithmeticError(answer.message)
+        if len(answer.t):
+            self.samples.append(answer.y.T)
+            self.sampled += len(answer.t)
+        if answer.status == 0:
+            self.t = self.times[-1]
+            return
+        happened = next(i for i, times in enumerate(answer.t_events) if len(times))
+        self.t = float(answer.t_events[happened][0])
+        self.state = answer.y_events[happened][0].tolist()
+        self.events += self._named(self.mode.switch(owners[happened], self.t, self.state))
+        self.progress.event(self.t)
+
+    def _first_step(self) -> float | None:
+        """Of a call behind a blow; None leaves it to solve_ivp, which would step over the whole hop."""
+        if self.mode.hop_ends == NEVER:
+            return None
+        step = min(self.mode.hop_ends * FIRST, self.settings["max_step"] * BEHIND_A_BLOW)
+        return step if step < self.times[-1] - self.t else None
+
+    def _named(self, kinds: list[str]) -> list[tuple[float, int]]:
+        return [(self.t, EVENT_KINDS[kind]) for kind in kinds]
+
+    def _motion(self, t: float, state: np.ndarray) -> tuple[float, ...]:
+        self.evaluations += 1
+        rates: tuple[float, ...] = self.compiled.motion(t, state.tolist(), self.mode.parameters)
+        return rates
+
+    def _ends(self) -> tuple[list[int], list[Callable[..., float]]]:
+        """The event functions of the mode, terminal and falling, and the part of each."""
+        states = enumerate(self.mode.states)
+        pairs = [(i, self._end(end)) for i, state in states for end in self.compiled.ends(i, state)]
+        return [i for i, _ in pairs], [end for _, end in pairs]
+
+    def _end(self, function: Callable[..., Any]) -> Callable[..., float]:
+        parameters = self.mode.parameters
+
+        def end(t: float, state: np.ndarray) -> float:
+            return function(t, state.tolist(), parameters)[0] or INSIDE
+
+        end.terminal, end.direction = True, -1  # type: ignore[attr-defined]
+        return end
+
+    def _taken(self, solver: Any) -> None:
+        self.steps += 1
+        self.limit.check()
+
+
+# The solvers of scipy, counted and timed step by step under solve_ivp.
+
+
+def watched(method: str, taken: Callable[[Any], None]) -> Any:
+    """The solver class `method` of scipy that calls taken(solver) after every step."""
+    base: Any = getattr(scipy.integrate, method)
+
+    def step(solver: Any) -> Any:
+        message = base.step(solver)
+        taken(solver)
+        return message
+
+    return type("Watched", (base,), {"step": step})
+
+
+# How solve_ivp is told a tolerance.
+
+
+TIGHTEST = 2.3e-14  # smallest rtol that it takes: 100 units of round-off
+SHARE = 1e-3  # atol / rtol, as in its own defaults: displacements are of the order of 1e-2 m
+
+
+# Whether time goes on from event to event.
+
+
+MOST = 1000  # events at one instant that are no error: far more than a scene has parts
+
+
+class SolverProgress:
+    """Counts events at one instant, as a zero that is met again and again makes them."""
+
+    def __init__(self) -> None:
+        self._t, self._count = -1.0, 0
+
+    def event(self, t: float) -> None:
+        """Raise ArithmeticError where events go on without time going on."""
+        self._count = self._count + 1 if t == self._t else 0
+        self._t = t
+        if self._count == MOST:
+            raise ArithmeticError(f"{MOST} events at {t:.9g} s: time does not go on")

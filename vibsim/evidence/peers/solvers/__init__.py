@@ -1,1 +1,0 @@
-"""The solvers themselves: scipy's with events and without, heyoka, the classical Runge-Kutta method."""

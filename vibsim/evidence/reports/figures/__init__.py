@@ -1,1 +1,0 @@
-"""The figures of the report: the paper's, and those that decide a claim."""

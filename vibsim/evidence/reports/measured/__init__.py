@@ -1,1 +1,0 @@
-"""What is run and measured for the report, into one table of plain numbers."""

@@ -1,1 +1,0 @@
-"""The report in words: a document without a shape, and the HTML and text made of it."""

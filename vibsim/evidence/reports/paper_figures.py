@@ -1,0 +1,517 @@
+"""The figures of the paper: what each shows, of which runs, and how it is laid out.
+
+Figs. 1 and 3 are sketches of the two models and are not drawn again. Figures 9 and 10, 15 and 16 are drawn a
+second time, from the readings of the parameters under which the paper's account of them holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.ticker import MaxNLocator
+
+from vibsim import __version__
+from vibsim.analysis import judge_capture
+from vibsim.cases import Case, load_case
+from vibsim.evidence.reports.claims import Numbers, hz, words_of
+from vibsim.evidence.reports.measurements import (
+    MOTORS,
+    PRINTED_MOTOR,
+    SHIPPED_READINGS,
+    MeasurementInterrupted,
+)
+from vibsim.evidence.reports.pages import PageTable
+from vibsim.orbits.branches.branch import Branch
+from vibsim.orbits.branches.branch_file import read_branch
+from vibsim.orbits.branches.continuing import BranchFileStore, complete, orbit_from
+from vibsim.orbits.branches.plan import plan_from, read_span
+from vibsim.orbits.branches.tracing import MOST_POINTS
+from vibsim.plots.branch_curves import dead_ends, load_curve_panel, torque_of
+from vibsim.plots.branch_values import amplitude_of
+from vibsim.plots.characteristics import motor_panel, stiffness_panel
+from vibsim.plots.frequency_pictures import displacement_frequency_panels
+from vibsim.plots.pairs import mark_detail
+from vibsim.plots.portraits import moving, phase_panels
+from vibsim.plots.relative_motion import detail_span
+from vibsim.plots.samples import common_window, motor_of
+from vibsim.plots.sheet import legend_above, letter_panels, sheet, time_axis
+from vibsim.plots.style import overlay
+from vibsim.plots.subject import Subject
+from vibsim.plots.time_histories import (
+    DISPLACEMENT,
+    SPEED,
+    Panel,
+    curve_groups,
+    histories,
+    motor_speed_panel,
+    relative_panel,
+)
+from vibsim.plots.view import View
+from vibsim.results.hdf5_reading import ResultFileError
+
+LETTERS = "ABC"
+HERTZ = {"A": "3.5", "B": "5.5", "C": "6.5"}
+READINGS = {"B": "II-B-captured", "C": "II-C-escape"}
+PAGE_CM = 17.8
+
+# keys as on the page with all figures: A, B and C side by side
+PAGE_ROWS = (
+    ("fig-02", "fig-04"),
+    ("fig-05", "fig-06", "fig-07"),
+    ("fig-08", "fig-09", "fig-10"),
+    ("", "fig-09-reading", "fig-10-reading"),
+    ("fig-11", "fig-12", "fig-13"),
+    ("fig-14", "fig-15", "fig-16"),
+    ("", "fig-15-reading", "fig-16-reading"),
+)
+
+
+@dataclass(frozen=True)
+class PaperFigure:
+    """One figure.
+
+    Attributes
+    ----------
+    key : file name without suffix, such as "fig-05"
+    heading : "Fig. 5"
+    caption : one sentence, as under a figure
+    alt : what is to be seen, in words, for those who do not see it
+    runs : names of the cases shown, in their order
+    height_cm : at the width of a page
+    draw : draws it on an empty sheet
+    """
+
+    key: str
+    heading: str
+    caption: str
+    alt: str
+    runs: tuple[str, ...]
+    height_cm: float
+    draw: Callable[[Figure, Sequence[Subject]], None]
+
+    def figure(self, subjects: Mapping[str, Subject]) -> Figure:
+        """It, drawn; call under `vibsim.plots.style.applied()`."""
+        empty = sheet(View(width="page"), self.height_cm)
+        self.draw(empty, [subjects[name] for name in self.runs])
+        return empty
+
+
+def paper_figures() -> list[PaperFigure]:
+    """All of them, in the order of the paper."""
+    return [
+        _stiffness(),
+        _motors(),
+        *(_displacements_ideal(letter) for letter in LETTERS),
+        *(_displacements_motor(letter) for letter in LETTERS),
+        *(_displacements_reading(letter) for letter in READINGS),
+        *(_portraits(letter) for letter in LETTERS),
+        *(_passage(letter) for letter in LETTERS),
+        *(_passage_reading(letter) for letter in READINGS),
+    ]
+
+
+def growth_figure() -> PaperFigure:
+    """Why one motor stays and the other leaves; no figure of the paper."""
+    return PaperFigure(
+        "growth",
+        "Growth",
+        "How far the vibration has grown, in the two readings: the greatest x1 − x2 in each second.",
+        "Two rising curves that start together. That of II-C-escape is the higher one until the motor "
+        "escapes, then falls; that of II-B-captured goes on and levels off.",
+        tuple(READINGS.values()),
+        5.6,
+        draw_growth,
+    )
+
+
+def _stiffness() -> PaperFigure:
+    return PaperFigure(
+        "fig-02",
+        "Fig. 2",
+        "Stiffness: force of the two springs against the relative displacement.",
+        "A line of slope k1 that turns steeper, to slope k1 + k2, where x1 - x2 falls below -G = -1 mm.",
+        ("I-A",),
+        6.0,
+        draw_stiffness,
+    )
+
+
+def _motors() -> PaperFigure:
+    return PaperFigure(
+        "fig-04",
+        "Fig. 4",
+        "Characteristics of the motor: torque against speed, for the three motor constants. Filled points: "
+        "where each motor runs in the end; square: where it is held on the way; open circles: no load.",
+        "Three straight lines that fall from 5 mN m at standstill to zero at 3.5, 5.5 and 6.5 Hz, each with "
+        "an operating point near its lower end; the line of 5.5 Hz has a square at 3.7 Hz as well.",
+        ("II-A", "II-B", "II-C"),
+        6.0,
+        draw_motors,
+    )
+
+
+def _displacements_ideal(letter: str) -> PaperFigure:
+    number = 5 + LETTERS.index(letter)
+    return PaperFigure(
+        f"fig-{number:02}",
+        f"Fig. {number}",
+        f"Case I-{letter}, ideal source at {HERTZ[letter]} Hz: (a) displacements over 300 s, (b) a detail "
+        "with impacts (contact shaded); above with the amplitude of Table 1, below with that of Eq. (2.11).",
+        "Four panels. Left: x1 and x2 against time over 300 s, x1 a band that vibrates about the drifting "
+        f"x2; right: about ten periods with each impact marked. Ideal source, {HERTZ[letter]} Hz.",
+        (f"I-{letter}", f"I-{letter}-eq211"),
+        11.0,
+        draw_displacements,
+    )
+
+
+def _displacements_motor(letter: str) -> PaperFigure:
+    number = 8 + LETTERS.index(letter)
+    return PaperFigure(
+        f"fig-{number:02}",
+        f"Fig. {number}",
+        f"Case II-{letter}, motor constant {HERTZ[letter]} Hz: (a) displacements over 300 s, (b) a detail "
+        "with impacts.",
+        "Two panels: x1 and x2 against time over 300 s, and about ten turns of the motor with each impact "
+        f"marked. Motor constant {HERTZ[letter]} Hz, printed parameters.",
+        (f"II-{letter}",),
+        5.6,
+        draw_displacements,
+    )
+
+
+def _displacements_reading(letter: str) -> PaperFigure:
+    number = 8 + LETTERS.index(letter)
+    return PaperFigure(
+        f"fig-{number:02}-reading",
+        f"Fig. {number}, reading",
+        f"The same from {READINGS[letter]}, the reading under which the account of II-{letter} holds.",
+        "Two panels: x1 and x2 against time over 300 s, and a detail with impacts, for the case "
+        f"{READINGS[letter]}.",
+        (READINGS[letter],),
+        5.6,
+        draw_displacements,
+    )
+
+
+def _portraits(letter: str) -> PaperFigure:
+    number = 11 + LETTERS.index(letter)
+    return PaperFigure(
+        f"fig-{number}",
+        f"Fig. {number}",
+        f"Phase portraits at {HERTZ[letter]} Hz, the last periods: (a) ideal source, with the amplitude of "
+        "Table 1 and with that of Eq. (2.11); (b) motor. Blocks 1 and 2, and at the right their relative "
+        "motion, which no drift smears.",
+        "Nine panels of velocity against displacement: rows for I as printed, I with equal force, and II; "
+        "columns for blocks 1 and 2 and for x1 − x2.",
+        (f"I-{letter}", f"I-{letter}-eq211", f"II-{letter}"),
+        14.5,
+        draw_portraits,
+    )
+
+
+def _passage(letter: str) -> PaperFigure:
+    number = 14 + LETTERS.index(letter)
+    return PaperFigure(
+        f"fig-{number}",
+        f"Fig. {number}",
+        f"Case II-{letter}: (a) motor speed against time, (b) displacements against motor frequency.",
+        "Left: motor speed over 300 s with the levels of the natural frequencies; right: x1 and x2 against "
+        f"the speed of the motor. Motor constant {HERTZ[letter]} Hz, printed parameters.",
+        (f"II-{letter}",),
+        7.8,
+        draw_passage,
+    )
+
+
+def _passage_reading(letter: str) -> PaperFigure:
+    number = 14 + LETTERS.index(letter)
+    return PaperFigure(
+        f"fig-{number}-reading",
+        f"Fig. {number}, reading",
+        f"The same from {READINGS[letter]}, the reading under which the account of II-{letter} holds.",
+        "Left: motor speed over 300 s with the levels of the natural frequencies; right: x1 and x2 against "
+        f"the speed of the motor. Case {READINGS[letter]}.",
+        (READINGS[letter],),
+        7.8,
+        draw_passage,
+    )
+
+
+# How the paper lays out its figures, from the panels of `vibsim.plots`.
+
+
+WHOLE = View()
+NARROW = 0.55  # width of a lone characteristic, of the page
+SECOND = 1.0  # [s] in which the greatest x1 - x2 is looked for: several vibrations of every motor
+
+
+def draw_stiffness(sheet: Figure, subjects: Sequence[Subject]) -> None:
+    """Spring force against x1 - x2."""
+    stiffness_panel(_centred(sheet), subjects[:1])
+
+
+def draw_motors(sheet: Figure, subjects: Sequence[Subject]) -> None:
+    """Torque against speed of several motors, and where each of them runs: in the end, and while held."""
+    axes = _centred(sheet)
+    motor_panel(axes, subjects)
+    for i, subject in enumerate(subjects):
+        capture, colour = judge_capture(subject.result), overlay(i)["color"]
+        if capture.final_speed_hz is not None:
+            place = _layouts_point(subject, capture.final_speed_hz)
+            axes.plot(*place, "o", color=colour, markersize=4.5, gid="final")
+        if capture.until is not None and capture.speed_hz is not None:
+            axes.plot(
+                *_layouts_point(subject, capture.speed_hz), "s", color=colour, markersize=4, markerfacecolor="white",
+                gid="held",
+            )  # fmt: skip
+
+
+def _layouts_point(subject: Subject, speed_hz: float) -> tuple[float, float]:
+    """Mean speed [Hz] and torque [mN m]: the torque is linear in the speed, and so are their means."""
+    motor = motor_of(subject.scene)
+    return speed_hz, 1e3 * motor.M0 * (1 - 2 * np.pi * speed_hz / motor.Omega0)
+
+
+def draw_displacements(sheet: Figure, subjects: Sequence[Subject]) -> None:
+    """A row for each run: displacements of both blocks, and a detail with impacts."""
+    rows = sheet.subfigures(len(subjects), 1, squeeze=False)[:, 0]
+    for row, subject in zip(rows, subjects, strict=True):
+        _title(row, subject)
+        whole, detail = row.subplots(1, 2, gridspec_kw={"width_ratios": (1.5, 1)})
+        span = detail_span([subject], WHOLE)
+        curves = curve_groups([subject], DISPLACEMENT)[0]
+        window = common_window([subject], None)
+        histories([Panel(whole, curves, window), Panel(detail, curves, span)], DISPLACEMENT)
+        mark_detail(whole, span)
+        legend_above(whole)
+        letter_panels([whole, detail])
+
+
+def draw_portraits(sheet: Figure, subjects: Sequence[Subject]) -> None:
+    """A row for each run: portraits of blocks 1 and 2, and of their relative motion, free of drift."""
+    rows = sheet.subfigures(len(subjects), 1, squeeze=False)[:, 0]
+    for row, subject in zip(rows, subjects, strict=True):
+        mark = "(b)" if subject.scene.has_motor else "(a)"
+        row.suptitle(f"{mark} {subject.name}: {subject.case.title}", x=0.01, ha="left", fontsize=8)
+        panels: Any = row.subplots(1, 3)
+        phase_panels(panels[:2], [subject], WHOLE, moving([subject]))
+        relative_panel(panels[2], [subject], WHOLE)
+        panels[2].set_xlabel(panels[2].get_xlabel().removeprefix("Relative displacement "))
+        panels[2].set_ylabel(panels[2].get_ylabel().removeprefix("Relative velocity "))
+        for axes in panels:
+            axes.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
+
+
+def draw_passage(sheet: Figure, subjects: Sequence[Subject]) -> None:
+    """Motor speed against time, beside the displacements against the motor's speed."""
+    _title(sheet, subjects[0])
+    left, right = sheet.subfigures(1, 2, width_ratios=(1.25, 1), squeeze=False)[0]
+    speed = left.subplots()
+    motor_speed_panel(speed, subjects, WHOLE, height_cm=7.0)
+    legend_above(speed)
+    panels = right.subplots(2, 1, sharex=True)
+    displacement_frequency_panels(panels, subjects, WHOLE, moving(subjects))
+    panels[-1].set_xlabel(f"Motor speed {SPEED} (Hz)")
+    for axes in panels:
+        axes.set_ylabel(axes.get_ylabel().removeprefix("Displacement "))
+    letter_panels([speed, panels[0]])
+    right.align_ylabels()
+
+
+def draw_growth(sheet: Figure, subjects: Sequence[Subject]) -> None:
+    """Greatest x1 - x2 in each second [mm] against time, of several runs."""
+    axes = sheet.subplots()
+    for i, subject in enumerate(subjects):
+        t, reach = reach_by_second(subject.result)
+        axes.plot(t, 1e3 * reach, label=subject.name, linewidth=1.0, gid="reach", **overlay(i))
+    axes.set_ylim(bottom=0)
+    axes.set_ylabel("Greatest $x_1 - x_2$ (mm)")
+    time_axis(axes, common_window(subjects, None))
+    legend_above(axes)
+
+
+def reach_by_second(result: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Middle of each whole second of a run [s], and the greatest x1 - x2 of its samples [m]."""
+    time, y = result["time"], result["x1"] - result["x2"]
+    edges = np.arange(time[0], time[-1] + SECOND / 2, SECOND)
+    starts = np.searchsorted(time, edges[:-1])
+    return (edges[:-1] + edges[1:]) / 2, np.maximum.reduceat(y, starts)
+
+
+def _centred(sheet: Figure) -> Axes:
+    """Axes in the middle of the sheet."""
+    side = (1 - NARROW) / 2
+    axes: Axes = sheet.subfigures(1, 3, width_ratios=(side, NARROW, side), squeeze=False)[0, 1].subplots()
+    return axes
+
+
+def _title(sheet: Figure | SubFigure, subject: Subject) -> None:
+    known = " (true motion)" if "comment" in subject.result.attrs else ""  # the caption says how it was had
+    sheet.suptitle(f"{subject.name}: {subject.title}{known}", x=0.01, ha="left", fontsize=8)
+
+
+# Load curves of the motors: up to which no-load speed orbits are held, as printed and in the readings.
+#
+# The branch of orbits of one turn is followed from below the resonance, over all no-load speeds. Where the
+# motor's line meets it the motor can run; beyond its fold no line does, and no such orbit holds the motor.
+
+
+KEY, SPAN = "excitation.Omega0", "3:9 Hz"
+BEGIN = {KEY: "3.8 Hz"}  # below the resonance, where a run from rest comes to an orbit of the branch
+CHANGED = {  # name: what is changed of the motor as printed, to the value of the reading
+    "as printed": (),
+    "c alone": ("coupling.c",),
+    "J alone": ("excitation.J",),
+    "the reading": ("coupling.c", "excitation.J"),
+}
+DRAWN = ("as printed", "the reading")
+HEIGHT_CM = 8.0
+Tell = Callable[[str, int, int], bool]
+
+
+def followed_cases() -> dict[str, Case]:
+    """The motors whose branches are followed, by what is changed."""
+    printed, reading = load_case(PRINTED_MOTOR), load_case(SHIPPED_READINGS[0])
+    return {
+        name: printed.with_values({**{key: str(reading.quantity(key)) for key in keys}, **BEGIN})
+        for name, keys in CHANGED.items()
+    }
+
+
+def obtain_branches(folder: Path, tell: Tell, fresh: bool = False) -> dict[str, Branch]:
+    """The branches by name, from FOLDER or followed now. Raises Interrupted when `tell` returns False."""
+    branches, cases = {}, followed_cases()
+    for done, (name, case) in enumerate(cases.items()):
+
+        def watch(*_: object, done: int = done) -> bool:
+            return tell("following orbits", done, len(cases))
+
+        branches[name] = _branch(case, folder / f"{name.replace(' ', '-')}.h5", watch, fresh)
+        if not tell("following orbits", done + 1, len(cases)):
+            raise MeasurementInterrupted
+    return branches
+
+
+def _branch(case: Case, path: Path, watch: Callable[..., bool], fresh: bool) -> Branch:
+    stored = None if fresh else _stored(case, path)
+    if stored is not None:
+        return stored
+    plan = plan_from(orbit_from(case), *read_span(case, KEY, SPAN))
+    branch, finished = complete(BranchFileStore(plan, path, force=True), MOST_POINTS, watch=watch)
+    if not finished:
+        raise MeasurementInterrupted
+    return branch
+
+
+def _stored(case: Case, path: Path) -> Branch | None:
+    """The branch on file, if it is whole and of this very case and version."""
+    try:
+        branch = read_branch(path) if path.is_file() else None
+    except ResultFileError:
+        return None
+    if branch is None or not branch.attrs.get("complete"):
+        return None
+    same = (branch.case.sha256, branch.attrs.get("vibsim_version")) == (case.sha256, __version__)
+    return branch if same else None
+
+
+def measure_ends(branches: Mapping[str, Branch]) -> Numbers:
+    """Of each branch: up to which no-load speed orbits are held, mean speed [Hz], torque [N m], power [W] and
+    amplitude [m] there and, as `half`, at the last orbit before that takes at most half the power,
+    None where the branch has none.
+    """
+    return {name: _end(branch) for name, branch in branches.items()}
+
+
+def _end(branch: Branch) -> Numbers:
+    last = max(dead_ends(branch), key=lambda orbit: orbit.parameter)
+    (special,) = (one for one in branch.specials if one.orbit is last)
+    end = _load_curves_point(branch, last)
+    before = [point.orbit for point in branch.points[: special.between[0] + 1]]
+    powers = [_load_curves_point(branch, orbit)["power"] for orbit in before]
+    lower = [orbit for orbit, power in zip(before, powers, strict=True) if power <= end["power"] / 2]
+    amplitude = amplitude_of(branch)
+    return {
+        **end,
+        "kind": special.kind,
+        "amplitude": amplitude(last),
+        "half": {**_load_curves_point(branch, lower[-1]), "amplitude": amplitude(lower[-1])}
+        if lower
+        else None,
+    }
+
+
+def _load_curves_point(branch: Branch, orbit: Any) -> Numbers:
+    """No-load speed, mean speed [Hz], mean torque [N m] and their power [W] of an orbit."""
+    speed, torque = branch.plan.n / orbit.period, torque_of(branch)(orbit)
+    return {
+        "no_load_hz": orbit.parameter,
+        "speed_hz": speed,
+        "torque": torque,
+        "power": 2 * pi * speed * torque,
+    }
+
+
+def draw_load_curves(branches: Mapping[str, Branch]) -> Figure:
+    """Both load curves, with the lines of the paper's three motors."""
+    figure = sheet(View(width="page"), HEIGHT_CM)
+    subjects = [Subject(f"{name}.h5", name, "branch", branches[name].case, branches[name]) for name in DRAWN]
+    load_curve_panel(figure, figure.subplots(), subjects, View(width="page"), no_load_speeds())
+    return figure
+
+
+def no_load_speeds() -> list[float]:
+    """Of the paper's motors [Hz]."""
+    motors = [load_case(name).scene().motor for name in MOTORS]
+    return [motor.Omega0 / (2 * pi) for motor in motors if motor is not None]
+
+
+def ends_table(ends: Mapping[str, Any]) -> PageTable:
+    """How far orbits are held, for every combination of the two numbers."""
+    kinds = {"fold": "fold", "neimark-sacker": "Neimark–Sacker point before the fold"}
+    rows = tuple(
+        (
+            name,
+            f"{end['no_load_hz']:.4f} Hz",
+            f"{end['speed_hz']:.3f} Hz",
+            f"{1e3 * end['torque']:.2f} mN m",
+            kinds.get(end["kind"], end["kind"]),
+        )
+        for name, end in ends.items()
+    )
+    columns = ("II with", "Held up to a no-load speed of", "Mean speed there", "Torque taken", "Ends in")
+    return PageTable("Where orbits held near half the bilinear frequency end", columns, rows)
+
+
+def load_words(ends: Mapping[str, Any]) -> str:
+    """What the load curves say of the motors of 5.5 and 6.5 Hz."""
+    printed, reading = (ends[name] for name in DRAWN)
+    return (
+        "A motor can run where its line meets the curve of the torque that the vibration takes. Orbits held "
+        "near half the bilinear frequency end where that curve turns back: beyond, no line meets it, and the "
+        "motor leaves along its own. As printed there are such orbits up to a no-load speed of "
+        f"{hz(printed['no_load_hz'])}, where the vibration takes {1e3 * printed['torque']:.2f} mN m: "
+        f"{_held(printed)}. In the reading there are such orbits up to {reading['no_load_hz']:.3f} Hz: "
+        f"{_held(reading)}. This bounds what any start can come to; whether a motor is caught where it can "
+        "be held depends on the start."
+    )
+
+
+def _held(end: Mapping[str, Any]) -> str:
+    """Which of the two faster motors can be held."""
+    faster = no_load_speeds()[1:]
+    held = [f"{speed:g} Hz" for speed in faster if speed <= end["no_load_hz"]]
+    lost = [f"{speed:g} Hz" for speed in faster if speed > end["no_load_hz"]]
+    if not held:
+        return f"they hold neither the motor of {' nor that of '.join(lost)}"
+    return f"they can hold the motor of {words_of(held)}" + (
+        f", not that of {words_of(lost)}" if lost else ""
+    )

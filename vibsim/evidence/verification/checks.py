@@ -1,0 +1,303 @@
+"""A check: a named piece of the verification that computes its rows afresh."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from math import inf, ulp
+from random import Random
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibsim.cases import Case, load_case
+from vibsim.cases.case import load_case_text
+from vibsim.cases.quantities import number
+from vibsim.engine.errors import State
+from vibsim.engine.flows.flow import Flow
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.numbers import Kit, Number
+from vibsim.physics.parts import Scene
+from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.results import Result, simulate
+
+if TYPE_CHECKING:
+    from vibsim.engine.modes.rows import Known, ModeRows
+
+
+# One row of the verification: a number as expected and as obtained, its error and the bound of it.
+
+
+@dataclass(frozen=True)
+class CheckPoint:
+    """A number of a run held against what it should be; the bound is on the absolute error.
+
+    what : which number, such as "x1 at 4 s"; unit : of all four
+    """
+
+    what: str
+    expected: float
+    obtained: float
+    error: float
+    bound: float
+    unit: str = ""
+
+    @property
+    def share(self) -> float:
+        """Error as a part of the bound; infinite where the error is no number."""
+        if self.error == 0:
+            return 0.0
+        share = self.error / self.bound if self.bound else inf
+        return share if share == share else inf
+
+
+@dataclass(frozen=True)
+class CheckRow:
+    """One row of the table.
+
+    check, what : the check that it belongs to, and the number; because : where the bound comes from
+    points : everything that was compared, where it was more than one number
+
+    An error that is not within the bound, NaN included, falls short.
+    """
+
+    check: str
+    what: str
+    expected: str
+    obtained: str
+    error: float
+    bound: float
+    unit: str
+    because: str
+    points: tuple[CheckPoint, ...] = ()
+
+    @property
+    def name(self) -> str:
+        return f"{self.check}: {self.what}"
+
+    @property
+    def passed(self) -> bool:
+        return bool(self.error <= self.bound)
+
+
+def number_row(check: str, point: CheckPoint, because: str, points: Iterable[CheckPoint] = ()) -> CheckRow:
+    """The row of one number."""
+    unit = f" {point.unit}" if point.unit else ""
+    return CheckRow(
+        check,
+        point.what,
+        f"{number(point.expected, 10)}{unit}",
+        f"{number(point.obtained, 10)}{unit}",
+        point.error,
+        point.bound,
+        point.unit,
+        because,
+        tuple(points),
+    )
+
+
+def compared(
+    what: str, expected: float, obtained: float, bound: float, unit: str = "", error: float | None = None
+) -> CheckPoint:
+    """A point; the error is the difference unless it is known better."""
+    return CheckPoint(
+        what, expected, obtained, abs(obtained - expected) if error is None else error, bound, unit
+    )
+
+
+def worst_row(check: str, points: Iterable[CheckPoint], because: str) -> CheckRow:
+    """The row of many numbers: it shows the one that comes nearest to its bound, or is furthest beyond it."""
+    listed = list(points)
+    return number_row(check, max(listed, key=lambda point: point.share), because, listed)
+
+
+def counted_row(check: str, what: str, expected: int, obtained: int, because: str) -> CheckRow:
+    """The row of a whole number, which must be right."""
+    return number_row(check, compared(what, expected, obtained, 0.0), because)
+
+
+@dataclass(frozen=True)
+class Check:
+    """One check.
+
+    name : such as V3/closed_form or hard/stiff-stop/taylor; title : one line on what it shows
+    rows : given the engine ("c" or "python"), runs it and yields its rows
+    long : takes the Python engine minutes
+    """
+
+    name: str
+    title: str
+    rows: Callable[[str], Iterator[CheckRow]]
+    long: bool = False
+
+
+# The runs that are verified: through the Python interface, as a user has them.
+
+
+BOTH = ("closed_form", "taylor")
+
+
+def run(case: Case, engine: str, flow: str | None = None) -> Result:
+    """Run a case, by one flow where it is named."""
+    own_case = case if flow is None else case.with_values({"run.method": flow})
+    return simulate(own_case, engine=engine, trust=False)
+
+
+def bare_run(scene: TwoBlocks, engine: str, flow: str) -> Result:
+    """Run a scene by one flow, without energy ledger: a million seconds of it take longer than the run."""
+    trajectory = open_trajectory(replace(scene.as_parts(), method=flow), engine)
+    blocks = list(trajectory.blocks())
+    samples, events = (_joined([getattr(block, name) for block in blocks]) for name in ("samples", "events"))
+    attrs = {**trajectory.totals, "method": flow, "t_reached_s": float(scene.t_end)}
+    return Result(attrs, samples, events)
+
+
+def _joined(tables: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+
+
+def made_case(text: str, name: str, **values: Any) -> Case:
+    """A case from YAML text; values as excitation__A=0.1, where a float stands for all its digits."""
+    return load_case_text(text, overrides(values), name)
+
+
+def named_case(name: str, **values: Any) -> Case:
+    """A shipped case, changed likewise."""
+    return load_case(name, overrides(values))
+
+
+def overrides(values: Mapping[str, Any]) -> dict[str, object]:
+    """Dotted keys for those of a call."""
+    return {key.replace("__", "."): value for key, value in values.items()}
+
+
+def flows_of(case: Case) -> tuple[str, ...]:
+    """The flows that a case can be run by."""
+    return ("taylor",) if case.two_blocks().has_motor else BOTH
+
+
+# Rounding, imitated where it can be seen: runs of many digits that are kicked as a run in doubles is.
+#
+# A run in doubles rounds every number of its scene, and the state behind every event, for Taylor series
+# behind every step. Here the very same is done to a run of many digits, by random signs and known amounts.
+# How far its states and event times then stray tells what an algorithm without faults of its own may be off
+# by in doubles: the conditioning of the motion, amplification by impacts and chaos included.
+
+
+UNIT = 2.0**-53  # unit round-off of doubles
+# a number of the scene is rounded once, and what follows from several (k1 + k2, 1/m1 + 1/m2, w0) twice more
+SCENE_UNITS = 4
+# a state is made of responses right to 6, 8 and 16 units (tests/flows/test_responses.py)
+STATE_UNITS = 16
+NUMBERS = ("m1", "m2", "k1", "c", "k2", "G", "N", "A", "F0", "omega", "m3", "e", "J", "M0", "Omega0")
+START = ("x1", "v1", "x2", "v2", "phi", "phidot")
+
+
+def kicked_scene(scene: TwoBlocks, kit: Kit[Number], rng: Random) -> TwoBlocks:
+    """`scene` with every number of it off by SCENE_UNITS, up or down.
+
+    The frequency in Hz stays: both flows reduce the phase with twice the digits of a double.
+    """
+    numbers = {name: getattr(scene, name) for name in NUMBERS + START}
+    return replace(
+        scene,
+        **{
+            name: value * _factor(kit, rng, SCENE_UNITS)
+            for name, value in numbers.items()
+            if value is not None
+        },
+    )
+
+
+def _factor(kit: Kit[Number], rng: Random, units: int) -> Number:
+    return 1 + kit.number(rng.choice((-1, 1)) * units * UNIT)
+
+
+def kicked_state(state: State[Number], kit: Kit[Number], rng: Random) -> State[Number]:
+    """Displacements and velocities off by STATE_UNITS of the larger of the two, the phase by as much of a
+    radian. An exact zero stays: such are set, not computed.
+    """
+
+    def kicked(value: Number, size: Number | int) -> Number:
+        return value + size * (_factor(kit, rng, STATE_UNITS) - 1) if value != 0 else value
+
+    length, speed = max(map(abs, state.x)), max(map(abs, state.v))
+    return State(
+        state.t,
+        [kicked(x, length) for x in state.x],
+        [kicked(v, speed) for v in state.v],
+        kicked(state.phase, 1),
+        state.turns,
+        kicked(state.w, abs(state.w)),
+    )
+
+
+class KickedFlow(Flow[Number]):
+    """The flow of a run, kicked at every event, and by Taylor series at every step."""
+
+    def __init__(self, scene: Scene[Number], kit: Kit[Number], rng: Random) -> None:
+        self.rng = rng
+        super().__init__(scene, kit)
+
+    def enter(self, state: State[Number], rows: ModeRows[Number], known: Known) -> None:
+        """Go on from `state`, kicked."""
+        super().enter(kicked_state(state, self.kit, self.rng), rows, known)
+
+    def carry_on(self, state: State[Number]) -> None:
+        """The next step, from `state`, kicked."""
+        self.now.carry_on(kicked_state(state, self.kit, self.rng))
+
+
+# What rounding may do to a motion that does not amplify errors: the bounds of the cases with a closed form.
+#
+# Every number of the scene is off by SCENE_UNITS of round-off, which moves the result by as much times its
+# conditioning; every event, and every Taylor step, adds STATE_UNITS of the size of the motion. Bounds add the
+# absolute values, as if no two errors ever cancelled.
+
+
+REASON = "rounding: 4 units per number of the scene x conditioning, 16 per event or Taylor step"
+
+
+def roundings(result: Result, memory: float = inf) -> float:
+    """How many states of the run were rounded: one at each event and Taylor step, and the one asked for.
+
+    memory : time [s] in which the motion forgets an error but for the part 1/e; older ones do not count
+    """
+    steps = result.attrs["steps"] if result.attrs["method"] == "taylor" else 0
+    return float(1 + (result.attrs["events"] + steps) * min(1.0, memory / result.t_reached))
+
+
+def relative_rounding(result: Result, conditioning: float = 1.0, memory: float = inf) -> float:
+    """Bound of the error relative to the size of the motion."""
+    return UNIT * (SCENE_UNITS * conditioning + STATE_UNITS * roundings(result, memory))
+
+
+def time_rounding(result: Result, t: float, conditioning: float = 1.0, rate: float = 1.0) -> float:
+    """Bound of the error of an event's time t [s], with errors of states turned into time by `rate` [1/s].
+
+    The time itself is a double; numbers of the scene scale it.
+    """
+    return ulp(t) + UNIT * (SCENE_UNITS * conditioning * t + STATE_UNITS * roundings(result) / rate)
+
+
+# What rounding may do to a number of a periodic motion that attracts: the bounds of V12 to V17.
+#
+# A change of 1 of all numbers of the scene moves the number by `conditioning`, the sum of |p dq/dp| over
+# them. A rounding at each event, or Taylor step, of a period does no more than as large a change of the
+# scene: either persists from period to period and is forgotten as fast. Event times are doubles: half a unit
+# in the last place of t each, as much as a shift of the drive by the motion's rate times that.
+
+
+BECAUSE = (
+    "rounding: (4 units of the scene, 16 per event or step of a period, half a unit of t) x conditioning"
+)
+
+
+def settled_bound(conditioning: float, t: float, roundings: float, rate: float = 1.0) -> float:
+    """Bound of a number read at t [s]; `roundings` states of a period are rounded; rate [1/s] of motion."""
+    return conditioning * (UNIT * (SCENE_UNITS + STATE_UNITS * roundings) + rate * ulp(t) / 2)
+
+
+def last_digit(places: int) -> float:
+    """Half a unit of the last of `places` decimals: how far a printed number may be off."""
+    return 0.5 * 10.0**-places

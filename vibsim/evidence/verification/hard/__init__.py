@@ -1,1 +1,0 @@
-"""Hard cases, and the paper's: held against stored truths and closed forms."""

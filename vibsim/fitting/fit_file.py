@@ -1,0 +1,374 @@
+"""A fit as an HDF5 file: what was measured over candidates, statements and starts, and what came of it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibsim.cases import Case
+from vibsim.cases.quantities import UNITS, parse_quantity
+from vibsim.engine.choice import engine_name
+from vibsim.fitting.plan import HORIZON, TRUST, FitPlan, Index, Search, fingerprint_of
+from vibsim.fitting.statements import Candidate, FreeParameter, parse_statement
+from vibsim.results.file_contents import (
+    ENGINE,
+    PROVENANCE,
+    TEXT,
+    WHOLE,
+    Attribute,
+    Column,
+    Dataset,
+    provenance,
+)
+from vibsim.results.hdf5_reading import (
+    ResultFileError,
+    opened,
+    read_attributes,
+    read_datasets,
+    stored_case,
+    understood,
+)
+from vibsim.results.hdf5_writing import check_leftover, check_result_output, write_hdf5
+from vibsim.sweeps.axes import Members, axis_from_plain
+from vibsim.sweeps.point_store import PointJournal
+from vibsim.sweeps.points import SweepPoint
+from vibsim.sweeps.quantities import DONE, MISSING, STATUS_FLAGS
+
+if TYPE_CHECKING:
+    from vibsim.fitting.fit_result import FitResult
+
+
+DEFINITIONS = (
+    "A shortfall is 0 where a value lies in the range that a statement asks for and grows in proportion to "
+    "the distance from it, up to 1 at one width of the range (of an open range: the magnitude of its end); a "
+    "verdict has 0 or 1. The price is the mean shortfall over statements (by weight) and starts, and what "
+    "leaving the printed values costs. Start 0 is that of the case, the last n_fresh are not seen by "
+    "the search."
+)
+
+
+def origin(plan: FitPlan, engine: str) -> dict[str, Any]:
+    """Attributes that are known before the first run."""
+    names = " and ".join(each.name for each in plan.cases)
+    return {
+        **provenance("fit", plan.cases[0], f"Fit of {names}"),
+        "cases_resolved_json": json.dumps([each.resolved_json() for each in plan.cases]),
+        "fit_settings_json": json.dumps(plan.settings),
+        "fit_sha256": plan.fingerprint,
+        "n_fresh": len(plan.fresh_starts),
+        "definitions": DEFINITIONS,
+        "engine": engine_name(engine),
+    }
+
+
+def write_fit(path: Path, fit: FitResult) -> None:
+    """Write a fit to `path`, replacing what is there in one instant. Raises ResultFileError."""
+    write_hdf5(path, fit.attrs, datasets_of(fit.plan), file_values(fit))
+
+
+def file_values(fit: FitResult) -> dict[str, Any]:
+    """What stands in the datasets of a fit, by name."""
+    return {**_scales(fit), **_described(fit), **_read_measured(fit), **_read_judged(fit)}
+
+
+def _scales(fit: FitResult) -> dict[str, Any]:
+    """The numbers of candidates, cases, statements and starts."""
+    lengths = {CANDIDATE: len(fit.candidates), **lengths_of(fit.plan)}
+    return {name: np.arange(length) for name, length in lengths.items()}
+
+
+def _described(fit: FitResult) -> dict[str, Any]:
+    """Cases and statements; of each candidate what it changes."""
+    candidates = fit.candidates
+    values = {f"value_{free.name}": [number_of(one, free) for one in candidates] for free in fit.plan.free}
+    return {
+        "case_name": [case.name for case in fit.plan.cases],
+        "statement_text": [each.text for each in fit.statements],
+        "statement_case": [each.case for each in fit.statements],
+        "changes": [json.dumps(one.changes) for one in candidates],
+        "origin": [one.origin for one in candidates],
+        "leaving": [one.leaving for one in candidates],
+        **values,
+    }
+
+
+def _read_measured(fit: FitResult) -> dict[str, Any]:
+    """What came of each run."""
+    candidates, cases, starts = fit.candidates, range(len(fit.plan.cases)), range(fit.plan.all_starts)
+    index = product([one.number for one in candidates], cases, starts)
+    runs = [fit.runs.get(each) or SweepPoint(each, MISSING, "") for each in index]
+    return {
+        **{name: [getattr(run, name) for run in runs] for name in ("status", "sha256", "error")},
+        "value": [fit.values(each, one) for one in candidates for each in fit.statements],
+        "trust_horizon": [fit.horizon(one, case) for one in candidates for case in cases],
+    }
+
+
+def _read_judged(fit: FitResult) -> dict[str, Any]:
+    """What every candidate is worth; NaN, and rank 0, for one that is not in the ranking."""
+    numbers = [one.number for one in fit.candidates]
+    judged = {each.candidate.number: each for each in fit.ranking}
+    ranks = {number: rank for rank, number in enumerate(judged, start=1)}
+    price = [judged[number].price if number in judged else np.nan for number in numbers]
+    results = [
+        judged[number].results if number in judged else [None] * len(fit.statements) for number in numbers
+    ]
+    of_statements = {
+        name: [getattr(each, name, np.nan) for row in results for each in row]
+        for name in ("share", "shortfall")
+    }
+    return {"price": price, "rank": [ranks.get(number, 0) for number in numbers], **of_statements}
+
+
+def number_of(candidate: Candidate, free: FreeParameter) -> float:
+    """The value of a free parameter in its unit; NaN where the candidate leaves it as printed."""
+
+    text = candidate.changes.get(free.key)
+    if text is None:
+        return np.nan
+    quantity = parse_quantity(text, UNITS[free.unit].dimension)
+    return float(quantity.value / UNITS[free.unit].factor)
+
+
+# What a fit file holds.
+
+
+ATTRIBUTES = [
+    *PROVENANCE,
+    *(Attribute(name, TEXT) for name in ("cases_resolved_json", "fit_settings_json", "fit_sha256")),
+    ENGINE,
+    *(Attribute(name, WHOLE) for name in ("runs", "n_fresh")),
+    Attribute("complete", WHOLE, allowed=(0, 1)),
+]
+CANDIDATE, CASE, STATEMENT, START = "candidate", "case", "statement", "start"
+DIMENSIONS = (CANDIDATE, CASE, STATEMENT, START)
+RUN = (CANDIDATE, CASE, START)
+
+
+def lengths_of(plan: FitPlan) -> dict[str, int]:
+    """Lengths of the dimensions that the plan knows."""
+    return {CASE: len(plan.cases), STATEMENT: len(plan.statements), START: plan.all_starts}
+
+
+def datasets_of(plan: FitPlan) -> list[Dataset]:
+    """The datasets of a fit: what it is read back from, and what was made of it for other readers."""
+    scales = [Dataset(name, Column("1", f"number of the {name}", dtype="i4"), (name,)) for name in DIMENSIONS]
+    return [*scales, *_measured_datasets(), *_judged_datasets(plan), *map(_value_of, plan.free)]
+
+
+def _measured_datasets() -> list[Dataset]:
+    return [
+        _text("origin", "where the candidate comes from", CANDIDATE),
+        _text("changes", "values changed, as JSON", CANDIDATE),
+        Dataset("leaving", Column("1", "price of leaving the printed values"), (CANDIDATE,)),
+        Dataset("status", Column("1", "whether it was run", dtype="i1", flags=STATUS_FLAGS), RUN),
+        _text("sha256", "SHA-256 of the case of a run", *RUN),
+        _text("error", "why a run failed", *RUN),
+        _number("value", Column("1", "what was measured, in SI units and Hz"), CANDIDATE, STATEMENT, START),
+        _number("trust_horizon", Column("s", "of the run from the case's own start"), CANDIDATE, CASE),
+    ]
+
+
+def _judged_datasets(plan: FitPlan) -> list[Dataset]:
+    of_case = frozenset(range(len(plan.cases)))
+    rank = Column("1", "place in the ranking, from 1; 0: not judged from all starts", dtype="i8")
+    return [
+        _text("case_name", "name of the case", CASE),
+        _text("statement_text", "as given", STATEMENT),
+        Dataset("statement_case", Column("1", "position of its case", dtype="i8"), (STATEMENT,), of_case),
+        _number("price", Column("1", "see the attribute `definitions`"), CANDIDATE),
+        Dataset("rank", rank, (CANDIDATE,)),
+        _number("share", Column("1", "share of the starts from which it holds"), CANDIDATE, STATEMENT),
+        _number("shortfall", Column("1", "mean"), CANDIDATE, STATEMENT),
+    ]
+
+
+def _value_of(free: FreeParameter) -> Dataset:
+    column = Column(free.unit or "1", f"{free.key}, as printed where NaN")
+    return _number(f"value_{free.name}", column, CANDIDATE)
+
+
+def _number(name: str, column: Column, *dims: str) -> Dataset:
+    return Dataset(name, column, dims, gaps=True)
+
+
+def _text(name: str, long_name: str, *dims: str) -> Dataset:
+    return Dataset(name, Column(None, long_name, dtype="text"), dims)
+
+
+# A fit file read back, held against what it must hold.
+
+
+SETTINGS = "the attribute fit_settings_json"
+
+Stored = tuple[dict[str, Any], FitPlan, list[Candidate], list[SweepPoint]]
+
+
+def read_fit(path: Path) -> Stored:
+    """Attributes, plan, candidates and runs of a fit file, the file checked. Raises ResultFileError."""
+    with opened(path, "fit") as file:
+        attrs = read_attributes(path, file, ATTRIBUTES)
+        case = stored_case(path, attrs)
+        with understood(path, f"{SETTINGS} and fit_sha256 describe no fit of its cases"):
+            plan = _plan(case, attrs)
+            plan.check()
+        values = read_datasets(path, file, datasets_of(plan), lengths_of(plan))
+    with understood(path, "changes has values that its cases do not take"):
+        candidates = _candidates(values, plan)
+    return attrs, plan, candidates, _runs(values, plan)
+
+
+def _plan(first: Case, attrs: Mapping[str, Any]) -> FitPlan:
+    """The plan that a file's attributes describe."""
+    settings = json.loads(attrs["fit_settings_json"])
+    others = [Case.from_resolved_json(text) for text in json.loads(attrs["cases_resolved_json"])[1:]]
+    cases = (first, *others)
+    if fingerprint_of(cases, settings) != attrs["fit_sha256"]:
+        raise ValueError("settings or cases were changed")
+    members = axis_from_plain(settings["starts"]) if settings["starts"] else None
+    if not (members is None or isinstance(members, Members)):
+        raise ValueError("starts")
+    return FitPlan(
+        cases,
+        tuple(map(FreeParameter.from_plain, settings["free"])),
+        tuple(dict(reading) for reading in settings["readings"]),
+        tuple(parse_statement(text, cases) for text in settings["statements"]),
+        members,
+        Search(**settings["search"]),
+    )
+
+
+def _candidates(stored: Mapping[str, Any], plan: FitPlan) -> list[Candidate]:
+    candidates = []
+    rows = zip(stored["origin"], stored["changes"], stored["leaving"], strict=True)
+    for number, (origin, changes, leaving) in enumerate(rows):
+        values = dict(json.loads(changes))
+        plan.cases[0].with_values(values)
+        candidates.append(Candidate(number, str(origin), values, float(leaving)))
+    return candidates
+
+
+def _runs(stored: Mapping[str, Any], plan: FitPlan) -> list[SweepPoint]:
+    """The runs, trust horizons included."""
+    names = ("status", "value", "trust_horizon", "sha256", "error")
+    status, values, horizons, sha256, error = (stored[name] for name in names)
+    runs = []
+    for number, case, start in np.argwhere(status != MISSING).tolist():
+        measured = {
+            str(plan.asked[case].index(each.asked)): float(values[number, i, start])
+            for i, each in enumerate(plan.statements)
+            if each.case == case
+        }
+        at = number, case, start
+        runs.append(SweepPoint(at, int(status[at]), str(sha256[at]), str(error[at]), measured))
+    for number, case in np.argwhere(~np.isnan(horizons)).tolist():
+        attributes = {HORIZON: float(horizons[number, case])}
+        runs.append(SweepPoint((number, case, TRUST), DONE, str(sha256[number, case, 0]), "", attributes))
+    return runs
+
+
+# The runs of a fit: in memory, and on file as they come, so that none is computed twice.
+
+
+Runs = dict[Index, SweepPoint]
+
+
+class RunStore:
+    """Runs by index, kept in memory; `notes` is what the user should know of what was there before."""
+
+    def __init__(self) -> None:
+        self.runs: Runs = {}
+        self.attrs: dict[str, str] = {}  # of the file, where there is one
+        self.notes: list[str] = []
+
+    def add(self, points: Iterable[SweepPoint]) -> None:
+        """Keep runs."""
+        for point in points:
+            self.runs[point.index] = point  # type: ignore[index]
+
+    def close(self, written: bool) -> None:
+        """Let go of what is held."""
+
+
+class FileRunStore(RunStore):
+    """Runs that go into the journal of a file at once; those of the file and its journal are there already.
+
+    Raises ResultFileError where the file holds another fit or anything else (unless `force`), where another
+    process writes it, or where it cannot be written.
+    """
+
+    def __init__(self, plan: FitPlan, path: str | Path, force: bool = False):
+        super().__init__()
+        self.path = check_result_output(path, force=True)
+        check_leftover(path, force)
+        self._shown = path
+        self._on_file = (-1, False)  # runs, and whether the search had come to its end; no file yet
+        self._journal = PointJournal(self.path, "fit", path)
+        try:
+            if force:
+                self._journal.restart(plan.fingerprint)
+            else:
+                self._go_on(plan)
+        except BaseException:
+            self._journal.close(remove=False)
+            raise
+
+    def _go_on(self, plan: FitPlan) -> None:
+        if self.path.exists():
+            attrs, there, _, points = read_fit(Path(self._shown))
+            if attrs["fit_sha256"] != plan.fingerprint:
+                others = " and ".join(_differences(plan, there.cases, attrs["fit_settings_json"]))
+                raise ResultFileError(
+                    f"{self._shown}: holds another fit, of other {others}; kept (force=True replaces it)"
+                )
+            super().add(points)
+            self.attrs = {"date_created": attrs["date_created"]}
+            self._on_file = (len(self.runs), bool(attrs["complete"]))
+        waiting = list(self._journal.read(plan.fingerprint))
+        super().add(waiting)
+        self.notes += self._journal.notes()
+        self._journal.go_on(plan.fingerprint, waiting)
+
+    def add(self, points: Iterable[SweepPoint]) -> None:
+        batch = list(points)
+        super().add(batch)
+        self._journal.add(batch)
+
+    def begin(self, result: FitResult) -> None:
+        """Make the file, which holds the plan, before the first run; one that is there holds it."""
+        if self._on_file < (0, False):
+            with suppress(ResultFileError):  # the journal keeps the runs; what is wrong is told at the end
+                write_fit(self.path, result)
+
+    def publish(self, result: FitResult) -> None:
+        """Write the file of the fit, unless it is there; where that fails, the journal keeps its runs.
+
+        Raises ResultFileError.
+        """
+        if (len(self.runs), bool(result.attrs["complete"])) <= self._on_file:
+            return
+        try:
+            write_fit(self.path, result)
+        except ResultFileError as failure:
+            raise self._journal.kept_after(failure) from failure
+
+    def close(self, written: bool) -> None:
+        self._journal.close(remove=written)
+
+
+NAMES = {"free": "free parameters", "starts": "starts", "search": "search settings", "scipy": "scipy",
+         "fitting": "version of vibsim"}  # fmt: skip
+
+
+def _differences(plan: FitPlan, cases: Sequence[Case], stored: str) -> list[str]:
+    """What differs between a plan and the fit on file, in words."""
+    ours, theirs = json.loads(json.dumps(plan.settings)), json.loads(stored)
+    named = [NAMES.get(key, key) for key in ours if ours[key] != theirs.get(key)]
+    same_cases = [case.sha256 for case in plan.cases] == [case.sha256 for case in cases]
+    return named if same_cases else ["cases", *named]

@@ -1,1 +1,0 @@
-"""Fits and their runs on file."""

@@ -1,0 +1,66 @@
+"""What is imported when it is used, so that `import vibsim` costs next to nothing."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+
+# What lower rooms call of the highest ones, by name -> "module:name"; the package itself fills it in
+FRONT: dict[str, str] = {}
+
+Lazy = tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]
+
+
+def lazy_names(package: str, homes: Mapping[str, Sequence[str]]) -> Lazy:
+    """`__getattr__`, `__dir__` and `__all__` of a package.
+
+    homes : module -> names that are taken from it
+    """
+    modules = {name: module for module, names in homes.items() for name in names}
+
+    def imported(name: str) -> Any:
+        if name not in modules:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        value = getattr(import_module(modules[name]), name)
+        setattr(sys.modules[package], name, value)
+        return value
+
+    public = sorted(modules)
+    return imported, lambda: sorted(public), public
+
+
+def named(path: str) -> Any:
+    """The object of a name such as "vibsim.physics.multiprecision:Balls", its module imported."""
+    module, _, name = path.partition(":")
+    return getattr(import_module(module), name)
+
+
+# Attributes that are worked out once, when they are first asked for.
+
+
+T = TypeVar("T")
+
+
+class once(Generic[T]):
+    """As `functools.cached_property`, whose lock (before Python 3.12) takes longer than most of what a point
+    of a branch works out.
+    """
+
+    def __init__(self, function: Callable[[Any], T]):
+        self.function, self.name, self.__doc__ = function, function.__name__, function.__doc__
+
+    @overload
+    def __get__(self, instance: None, owner: type) -> Self: ...
+    @overload
+    def __get__(self, instance: object, owner: type) -> T: ...
+    def __get__(self, instance: object | None, owner: type) -> Self | T:
+        if instance is None:
+            return self
+        value = instance.__dict__[self.name] = self.function(instance)
+        return value

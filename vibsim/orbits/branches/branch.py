@@ -1,0 +1,264 @@
+"""A branch of periodic orbits: arrays by name along it, and its special points."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vibsim.cases.quantities import number
+from vibsim.orbits.branches.course import CurveArrays
+from vibsim.orbits.branches.file_structure import (
+    POINT,
+    branch_origin,
+    branch_values,
+    datasets_of,
+    write_branch,
+)
+from vibsim.orbits.branches.node import ENERGY
+from vibsim.orbits.branches.plan import BranchPlan
+from vibsim.orbits.branches.special_points import LABELS
+from vibsim.orbits.branches.tracing import CLOSED, OrbitRecord, PointRecord, SpecialRecord
+from vibsim.orbits.coordinates import Word, spelled
+from vibsim.orbits.stability import length_of
+from vibsim.results.file_contents import Column, Dataset
+from vibsim.results.hdf5_writing import check_result_output
+from vibsim.results.labelled import Arrays, Labelled, few
+
+# told of every point beside what its file holds
+STABILITY = (
+    Dataset("index", Column("1", "multipliers outside the unit circle", dtype="i1"), (POINT,)),
+    Dataset("stable", Column(None, "stability", dtype="i1", flags={"unstable": 0, "stable": 1}), (POINT,)),
+)
+LEAVES = "leaves another branch"
+
+
+@dataclass(frozen=True, repr=False)
+class SpecialPoint:
+    """A special point of a branch.
+
+    Attributes
+    ----------
+    label : such as PD1, numbered along the branch
+    kind : fold, doubling, neimark-sacker, grazing, ...
+    between : numbers of the points of the branch on both sides
+    before, after : words there, along the branch
+    jump : how many more multipliers are outside the unit circle behind it
+    """
+
+    label: str
+    kind: str
+    orbit: OrbitRecord
+    unknowns: tuple[float, ...]
+    tangent: tuple[float, ...]
+    between: tuple[int, int]
+    before: Word
+    after: Word
+    jump: int
+
+    @property
+    def parameter(self) -> float:
+        return self.orbit.parameter
+
+    @property
+    def period(self) -> float:
+        """[s]"""
+        return self.orbit.period
+
+    @property
+    def multipliers(self) -> np.ndarray:
+        return np.array(self.orbit.multipliers)
+
+    def __repr__(self) -> str:
+        where = f"{self.kind} at {number(self.parameter, 10)}, period {self.period:.8g} s"
+        return f"<SpecialPoint {self.label}: {where}, between points {self.between[0]} and {self.between[1]}>"
+
+
+class Branch(CurveArrays, Labelled):
+    """A branch: `branch["period"]` and so on along it, `branch.specials` on it.
+
+    Attributes
+    ----------
+    plan : what was continued
+    attrs : of its file
+
+    >>> import vibsim
+    >>> branch = vibsim.continue_branch("gallery/friction-oscillator", "drive.omega", "0.88:0.92 rad/s")
+    >>> branch.key, branch.specials, bool(branch["period"].max() > 6.98)
+    ('forces.drive.omega', [], True)
+    """
+
+    noun = "branch"
+
+    def __init__(
+        self,
+        plan: BranchPlan,
+        points: Sequence[PointRecord],
+        specials: Sequence[SpecialRecord],
+        attrs: Mapping[str, Any] | None = None,
+    ):
+        self.plan, self.attrs = plan, dict(attrs or {})
+        self._records = (list(points), list(specials))
+        last = {(point.way, point.number): point for point in points}  # where it is stuck it is told again
+        back = sorted((p for p in last.values() if p.way < 0), key=lambda p: -p.number)
+        self.points = [*back, *sorted((p for p in last.values() if p.way > 0), key=lambda p: p.number)]
+
+    @property
+    def records(self) -> tuple[list[PointRecord], list[SpecialRecord]]:
+        """Points and special points in the order in which they came."""
+        return self._records
+
+    @property
+    def case(self) -> Any:
+        return self.plan.case
+
+    @property
+    def unit(self) -> str:
+        """Of the parameter."""
+        return self.plan.unit
+
+    @property
+    def key(self) -> str:
+        """The key of the case that is varied."""
+        return self.plan.keys[0]
+
+    @cached_property
+    def map(self) -> Any:
+        """The return map at the start, which names the unknowns."""
+        return self.plan.family().map(self.plan.parameter)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the unknowns on the section."""
+        return tuple(self.map.coordinates.names)
+
+    @property
+    def closed(self) -> bool:
+        """Whether it came back to its start."""
+        return any(point.ended == CLOSED for point in self.points)
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        """Why it ends, at its first and its last point; empty where it was not followed further."""
+        forwards = [p for p in self.points if p.way > 0]
+        backwards = [p for p in self.points if p.way < 0]
+        last = forwards[-1].ended if forwards else ""
+        first = backwards[0].ended if backwards else CLOSED if last == CLOSED else ""
+        return (LEAVES if self.plan.heading else first), last
+
+    def arrays(self) -> Arrays:
+        """What its file holds, by point, special point and multiplier; and the stability of each point."""
+
+        declared = [*datasets_of(self.unit), *STABILITY]
+        values = branch_values(self) | {each.name: self[each.name].astype("i1") for each in STABILITY}
+        shown = ("parameter", "period", "multiplier_re")
+        return Arrays.of_values(declared, values, (POINT,), self.attrs, shown)
+
+    def heading(self) -> str:
+        """Name of the case, what was continued over what, and how many points."""
+        from vibsim.orbits.branches.description import branch_lines
+
+        what = branch_lines(self)[0][1]
+        special = f"{len(self.specials)} special point" + "s" * (len(self.specials) != 1)
+        return f"{what}, {len(self)} points, {special}"
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Points, ends, special points, and the names of the arrays."""
+        from vibsim.orbits.branches.description import branch_lines
+
+        special = few(
+            f"{one.label} at {number(one.parameter, 6)} {self.unit}".strip() for one in self.specials
+        )
+        return [*branch_lines(self)[1:], ("special", special or "none"), ("arrays", few(self.keys()))]
+
+    def case_at(self, point: int) -> Any:
+        """The case that runs one period on the orbit of a point."""
+        return self.plan.family().case_on(self.points[point].orbit)
+
+    @cached_property
+    def _arrays(self) -> dict[str, np.ndarray]:
+        orbits = [point.orbit for point in self.points]
+        states = np.array([orbit.state for orbit in orbits]).reshape(len(orbits), -1)
+        arrays = {
+            "parameter": np.array([orbit.parameter for orbit in orbits]),
+            "period": np.array([orbit.period for orbit in orbits]),
+            "multipliers": np.array([orbit.multipliers for orbit in orbits]),
+            "index": np.array([orbit.index for orbit in orbits]),
+            "stable": np.array([self._stable(orbit) for orbit in orbits]),
+            "word": np.array([self.spelled(orbit.word) for orbit in orbits], dtype=object),
+            "arclength": self._arclength(),
+            "dp_ds": np.array([point.way * point.tangent[-1] for point in self.points]),
+            "drift": np.array([orbit.drift for orbit in orbits]),
+        }
+        for name in ("fold", "doubling", "margin", "residual"):
+            arrays[name] = np.array([getattr(orbit, name) for orbit in orbits])
+        return arrays | {name: states[:, i] for i, name in enumerate(self.names)}
+
+    def _stable(self, orbit: OrbitRecord) -> bool:
+        """Whether nothing grows; where energy is kept nothing decays either."""
+        return orbit.index == 0 if self.key == ENERGY else orbit.stable
+
+    def _arclength(self) -> np.ndarray:
+        places = np.array([point.unknowns for point in self.points])
+        steps = np.array([length_of(step) for step in np.diff(places, axis=0)])
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+    def spelled(self, word: Word) -> str:
+        """A word in letters."""
+
+        return spelled(self.map.scene, word)
+
+    @cached_property
+    def specials(self) -> list[SpecialPoint]:
+        """The special points along the branch."""
+        place = {(point.way, point.number): i for i, point in enumerate(self.points)}
+        place[-1, 0] = place[1, 0]
+        backwards = [record for record in reversed(self._records[1]) if record.way < 0]
+        forwards = [record for record in self._records[1] if record.way > 0]
+        backwards.sort(key=lambda record: -record.number)
+        forwards.sort(key=lambda record: record.number)
+        counts: Counter[str] = Counter()
+        specials = []
+        for record in (*backwards, *forwards):
+            counts[record.kind] += 1
+            ends = sorted((place[record.way, record.number - 1], place[record.way, record.number]))
+            before, after = (record.before, record.after)[:: record.way]
+            specials.append(
+                SpecialPoint(
+                    f"{LABELS[record.kind]}{counts[record.kind]}",
+                    record.kind,
+                    record.orbit,
+                    record.unknowns,
+                    record.tangent,
+                    (ends[0], ends[1]),
+                    before,
+                    after,
+                    record.way * record.jump,
+                )
+            )
+        return specials
+
+    def save(self, path: str | PathLike[str], force: bool = False) -> Path:
+        """Write the branch to an HDF5 file, which every command takes; its absolute path.
+
+        force : replace what is there. Raises ResultFileError where it cannot be written.
+
+        `continue_branch(..., out=path)` goes on with it where it was not followed to its ends.
+        """
+
+        target = check_result_output(Path(path), force)
+        attrs = self.attrs or branch_origin(self.plan)
+        write_branch(target, self, attrs, self.closed or all(self.ends))
+        return target
+
+    def special(self, label: str) -> SpecialPoint:
+        """The special point of a label. Raises KeyError with the labels that there are."""
+        for one in self.specials:
+            if one.label == label:
+                return one
+        listed = ", ".join(one.label for one in self.specials) or "none"
+        raise KeyError(f"{label} is not on this branch; its special points are {listed}")

@@ -1,0 +1,472 @@
+"""The return map past a touch: at an orbit that grazes a stop, as if the stop were not there just then.
+
+Beside a graze the return map has a root of the depth, at a rigid stop an infinite derivative, and the contact
+itself comes and goes. What a locus of grazings needs is smooth: the motion through a short window about the
+touch without that stop, and how far from the stop it turns there, below zero inside it. At the graze itself
+both are those of the motion.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import frexp, ldexp
+from typing import Any
+
+import numpy as np
+
+from vibsim.engine.modes.status import OPEN
+from vibsim.engine.tangent.carried import Carried
+from vibsim.engine.tangent.monodromy import Carrier
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.orbits import OrbitError, ReturnMap
+from vibsim.orbits.branches.correction import CLOSE as correction_CLOSE
+from vibsim.orbits.branches.correction import ROUGH as correction_ROUGH
+from vibsim.orbits.branches.correction import ContinuationError
+from vibsim.orbits.branches.family import Family, FamilyPoint
+from vibsim.orbits.branches.node import Node, node_at
+from vibsim.orbits.branches.special_points import CORNER, GRAZING, STICK, Special, kinds_of
+from vibsim.orbits.coordinates import Word, apart, changes, circle, gap_of, motion_of_base, placed
+from vibsim.orbits.return_map import Return
+from vibsim.orbits.stability import least_squares, length_of
+from vibsim.physics.parts import EVENT_KINDS, RIGID_KINDS, Scene
+
+TOUCHING_SAMPLES = (
+    65536  # of a period, among which the touch is looked for: hops may be as short as 1e-4 of it
+)
+SAME = 1e-4  # share of the period within which events of the stop belong to the touch
+WIDEST, TOUCHING_SHARE = 0.05, 0.5  # half of the window: of the period, and of the way to the nearest event
+AT_SECTION = 1e-4  # of the period: a touch so near to the section has no window
+AT_EVENT = 1e-5  # the same of another event: hops that an incomplete chatter ends with are short
+FEW = 3  # of a motion's touches, that may be the graze
+TURNS = 12  # Newton steps to the turn
+CLOSE, ROUGH = (
+    1e-12,
+    1e-8,
+)  # of the window, of the last of them, and where rounding keeps it from growing shorter
+CONTACTS = ("contact_begin", "contact_end", "impact", "transmitted")
+OF_STOPS = [EVENT_KINDS[kind] for kind in ("contact_begin", "contact_end", *RIGID_KINDS)]
+
+
+@dataclass(frozen=True)
+class Window:
+    """Where a stop is left out: its number, and the window [s / period] about a middle."""
+
+    stop: int
+    middle: float
+    half: float
+
+    def times(self, T: float) -> tuple[float, float]:
+        """Beginning and end [s]."""
+        return (self.middle - self.half) * T, (self.middle + self.half) * T
+
+
+@dataclass(eq=False)
+class Touching(Return):
+    """A motion past a touch; clearance: of the stop at the turn [m], below 0 inside it."""
+
+    clearance: float = 0.0
+
+
+class MapPastTouch(ReturnMap):
+    """From the section to itself, without a stop within a window of the motion."""
+
+    def __init__(self, scene: Any, n: int, engine: str, window: Window):
+        super().__init__(scene, n, engine)
+        self.window = window
+        self._engine, self._carriers = engine, dict[float, Carrier]()
+        stops = tuple(stop for i, stop in enumerate(scene.stops) if i != window.stop)
+        self._without = replace(scene, stops=stops)
+
+    def _motion(self, X: np.ndarray, T: float | None, disturbances: np.ndarray) -> Touching:
+        """As of a `ReturnMap`. Raises OrbitError where the motion does not turn within the window."""
+        T = self.section.time(self.n) if self.section.timed else self.time_of_return(X) if T is None else T
+        at, window = self.coordinates, self.window.times(T)
+        first = self.carrier.carry(at.lifted(X), window[0], disturbances)
+        past = self._from(self._without, window[0])
+        touch = past.carry(first.state, window[1] - window[0], first.vectors)
+        last = self._from(self.scene, window[1]).carry(touch.state, T - window[1], touch.vectors)
+        carried = joined([(0.0, first), (window[0], touch), (window[1], last)], self.window.stop)
+        clearance = self._clearance(past, first.state, window)
+        return Touching(at, np.asarray(X, dtype="f8"), T, self._ahead(carried), carried, clearance)
+
+    def plain(self, X: np.ndarray, T: float | None = None) -> Touching:
+        """The same: derivatives are no part of what takes long."""
+        return self._motion(X, T, self.coordinates.disturbances)
+
+    def _from(self, scene: Any, t: float) -> Carrier:
+        """A carrier of motions that begin at the time t [s]."""
+        key = -t if scene is self.scene else t
+        if key not in self._carriers:
+            self._carriers[key] = Carrier(later(scene, t), self._engine)
+        return self._carriers[key]
+
+    def _clearance(self, past: Carrier, state: np.ndarray, window: tuple[float, float]) -> float:
+        """The gap where it turns within the window [m]. Raises OrbitError."""
+        begin, end = window
+        s, last = (end - begin) / 2, end - begin
+        for _ in range(TURNS):
+            there = past.carry(state, s, [])
+            gap, rate, bend = gap_of(self.scene, self.window.stop, begin + s, there.state, there.rate)
+            if not bend > 0:
+                break
+            step = rate / bend
+            s -= step
+            if not 0 < s < end - begin:
+                break
+            if abs(step) <= CLOSE * (end - begin) or last / 2 <= abs(step) <= ROUGH * (end - begin):
+                return float(gap - rate * step / 2)
+            last = abs(step)
+        raise OrbitError("the motion does not turn before the stop where it did")
+
+
+class TouchFamily(Family):
+    """The orbits of another family past the touch of a window."""
+
+    def __init__(self, of: Family, window: Window):
+        super().__init__(of.case, of.keys, of.unit, of.n, of.engine)
+        self.scale, self.window, self.path = of.scale, window, of.path
+
+    def _new_map(self, scene: Scene) -> ReturnMap:
+        return MapPastTouch(scene, self.n, self.engine, self.window)
+
+
+def later(scene: Any, t: float) -> Any:
+    """The scene with its sources as they are at the time t [s], which becomes 0."""
+
+    def shifted(term: Any) -> Any:
+        return replace(term, phase=float(np.remainder(term.phase + term.omega * t, 2 * np.pi)))
+
+    forces = tuple(replace(one, terms=tuple(map(shifted, one.terms))) for one in scene.forces)
+    return replace(scene, forces=forces, base=tuple(map(shifted, scene.base)))
+
+
+def joined(parts: list[tuple[float, Carried]], stop: int) -> Carried:
+    """Motions one after another as one, each with the time at which it begins [s]; in the middle one the stop
+    is left out, whose number the others have.
+    """
+    tables, happened = [], []
+    for begin, each in parts:
+        tables.append(each.table + begin * (np.arange(each.table.shape[1]) == 0))
+        happened.append(each.happened)
+    codes = np.insert(happened[1], 2 + stop, OPEN, axis=1)
+    later_stop = np.isin(codes[:, 0], OF_STOPS) & (codes[:, 1] >= stop)
+    codes[:, 1] += later_stop
+    happened[1] = codes
+    return replace(
+        parts[-1][1],
+        table=np.concatenate(tables),
+        happened=np.concatenate(happened),
+        uncertified=sum(each.uncertified for _, each in parts),
+        margin=min(each.margin for _, each in parts),
+    )
+
+
+def window_of(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> Window:
+    """The window about the touch of a stop on an orbit of the full map that is nearest to a graze.
+
+    Raises ContinuationError where there is none, or it lies on the section.
+    """
+    return _about(return_map, X, T, stop, touches(return_map, X, T, stop)[0])
+
+
+def windows_of(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> Iterator[Window]:
+    """The windows about what is nearest to a graze of a stop, the nearest first."""
+    for touch in touches(return_map, X, T, stop)[:FEW]:
+        try:
+            yield _about(return_map, X, T, stop, touch)
+        except ContinuationError:
+            continue
+
+
+def _about(return_map: ReturnMap, X: np.ndarray, T: float, stop: int, touch: float) -> Window:
+    """The window about a touch at a time [s]. Raises ContinuationError."""
+    middle, end = touch / T, return_map(X, None if return_map.section.timed else T)
+    shares = [
+        t / T
+        for (kind, part), t in zip(end.carried.events, end.carried.times, strict=True)
+        if not (part == stop and kind in CONTACTS and abs(t / T - middle) < SAME)
+    ]
+    others = min((abs(share - middle) for share in shares), default=1.0)
+    nearest = min(middle, 1 - middle, others)
+    if min(middle, 1 - middle) < AT_SECTION or others < AT_EVENT:
+        raise ContinuationError("the graze comes to the section, or to another event")
+    return Window(
+        stop, round(middle * 2**20) / 2**20, ldexp(0.5, frexp(min(WIDEST, TOUCHING_SHARE * nearest))[1])
+    )
+
+
+def touches(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> list[float]:
+    """When an orbit is near to graze a stop [s], the nearest first: turns of the gap by what is left of it,
+    blows by how deep the motion would go if the stop were not there. Raises ContinuationError without any.
+    """
+    scene = placed(return_map.scene, return_map.coordinates.state(X), T)
+    step = Fraction(T / TOUCHING_SAMPLES).limit_denominator(10**9)
+    sampled = replace(scene, every_num=step.numerator, every_den=step.denominator)
+    blocks = [block.samples for block in open_trajectory(sampled, return_map.carrier.engine).blocks()]
+    times, *columns = (
+        np.concatenate([block[name] for block in blocks])
+        for name in ("time", *return_map.coordinates.columns)
+    )
+    start = return_map.coordinates.lifted(X)
+    carried = return_map.carrier.carry(start, T, [])
+    blows = [i for i, event in enumerate(carried.events) if event == ("impact", stop)]
+    gap, rate, _ = gap_of(scene, stop, times, np.array(columns))
+    turns = np.flatnonzero((rate[:-1] < 0) & (rate[1:] >= 0))
+    struck = np.searchsorted(times, carried.times[blows]) - 1
+    near = []
+    for at in np.setdiff1d(turns, struck):
+        share = rate[at] / (rate[at] - rate[at + 1])
+        near.append((abs(float(gap[at])), float(times[at] + share * (times[at + 1] - times[at]))))
+    for i in blows:
+        t = float(carried.times[i])
+        there = return_map.carrier.carry(start, t, [])
+        _, rate, bend = gap_of(scene, stop, t, carried.states[i], there.rate)
+        if bend > 0:
+            near.append((float(rate**2 / (2 * bend)), t))
+    if not near:
+        raise ContinuationError("no turn before the stop is left of the graze")
+    return [t for _, t in sorted(near)]
+
+
+# Where a branch ends because a rigid stop is grazed: the graze itself, past the touch.
+#
+# On the side with the impact multipliers grow without bound, on the other the motion meets the stop: no step
+# of the branch gets there. Past the touch the orbits go on smoothly, and the graze is where they reach the
+# stop.
+
+
+STEPS = 12
+EPS = 2.0**-52
+DIFFERENCE = 2.0**-30  # of a scaled unknown: hops that an incomplete chatter ends with are as short as 1e-8
+NEAR_END = 0.1  # scaled distance from the last orbit of the branch
+
+
+def grazing_end(family: Family, node: Node) -> Special | None:
+    """The graze of a rigid stop near the last orbit of a branch; None where there is none."""
+    scene = node.point.end.coordinates.scene
+    for stop, _ in scene.rigid_stops:
+        found = _graze(family, node, stop)
+        if found is None:
+            continue
+        point, middle = found
+        at = Node(point, node.heading, 0)
+        impacting = _impacts(node.word, stop) > _impacts(at.word, stop)
+        touched = node.word if impacting else _with(point, middle, stop)
+        words = (node.word, at.word) if touched == node.word else (node.word, touched)
+        return Special(GRAZING, at, node, at, words)
+    return None
+
+
+def _graze(family: Family, node: Node, stop: int) -> tuple[FamilyPoint, float] | None:
+    """The nearest orbit that grazes a stop, and when [s / period]; None without any."""
+    try:
+        for window in windows_of(family.map(node.parameter), node.point.end.X, node.point.period, stop):
+            point = _touched(TouchFamily(family, window), node)
+            if point is not None:
+                return point, window.middle
+    except ContinuationError:
+        pass
+    return None
+
+
+def _touched(past: TouchFamily, node: Node) -> FamilyPoint | None:
+    """The orbit near a node that grazes in a window; None where there is none."""
+    z, last = node.z, np.inf
+    try:
+        for _ in range(STEPS):
+            point = past(z)
+            beside = [past(z + shift).end.clearance for shift in DIFFERENCE * np.eye(len(z))]
+            gradient = (np.array(beside) - point.end.clearance) / DIFFERENCE
+            size = length_of(gradient) or 1.0
+            matrix = np.vstack([point.jacobian(), gradient / size])
+            if not np.isfinite(matrix).all():  # another stop is grazed
+                return None
+            missing = np.append(point.residual, point.end.clearance / size)
+            step = -least_squares(matrix, missing, EPS * len(matrix))
+            z = z + step
+            if length_of(z - node.z) > NEAR_END:
+                return None
+            length = length_of(step)
+            if length <= correction_CLOSE or last / 2 <= length <= correction_ROUGH:
+                point = past(z)
+                return point if np.isfinite(point.matrix).all() else None
+            last = length
+    except ContinuationError:
+        pass
+    return None
+
+
+def _impacts(word: Word, stop: int) -> int:
+    return sum(part == stop for _, part in word)
+
+
+def _with(point: FamilyPoint, middle: float, stop: int) -> Word:
+    """The word with the touch in its place, at a share of the period."""
+    end = point.end
+    before = int(np.count_nonzero(end.carried.times < middle * end.T))
+    return circle((*end.events[:before], ("impact", stop), *end.events[before:]))
+
+
+# Where a branch turns back because a sliding velocity touches zero.
+#
+# Some orbits slide all the time at a friction, others stick on it for a while: as both come to the touch they
+# become one, and beyond it there is neither. The return map has a kink there, and no step of the branch gets
+# across. It goes on among the orbits of the other kind, back in the parameter: a fold without a multiplier 1
+# (Leine and van Campen 2006).
+
+
+BACK = (1e-4, 1e-3, 1e-2)  # scaled: how far back in the parameter orbits of the other kind are looked for
+ASIDE = (0.25, 1.0, 4.0, 16.0)  # times that: how far a state is moved to be of the other kind
+NEAR_CORNER = 200.0  # times that: how far such an orbit may be
+CORNER_SAMPLES = 256  # of a period, among which the touch is looked for
+FIRST = 1e-9  # of it: a motion takes some time
+CORNER_SHARE = 0.1  # of the slip that is left, at the next orbit on the way to the touch
+TOUCHED = 1e-12  # of the first slip that is left: the touch
+TRIES = 40
+
+
+def sliding_corner(family: Family, node: Node, risen: float) -> tuple[Special, Node] | None:
+    """The touch near the last node of a branch at which it turns back, and the node behind it; None where
+    there is none.
+
+    risen : above 0 where the parameter has risen to the node
+    """
+    for back in BACK:
+        change = float(np.copysign(back, risen))
+        for start in _beside(family, node, -change, back):
+            try:
+                behind = node_at(family, start, None, None, NEAR_CORNER * back)
+                friction = _sticks_apart(node.word, behind.word)
+                if friction is None or length_of(behind.z - node.z) > NEAR_CORNER * back:
+                    continue
+                slipping = min((node, behind), key=lambda one: len(one.word))
+                at = _touch(family, _near(family, slipping, start[-1]), friction, change)
+            except ContinuationError:
+                continue
+            away = Node(behind.point, behind.z - at.z, behind.iterations)
+            return Special(CORNER, at, node, away), away
+    return None
+
+
+def _beside(family: Family, node: Node, change: float, size: float) -> Iterator[np.ndarray]:
+    """Scaled unknowns about the size beside those of a node, at a parameter changed, with sticks or without
+    where it has none or has them.
+    """
+    count = len(node.point.end.X)
+    for times in ASIDE:
+        for shift in (*np.eye(count), *-np.eye(count)):
+            z = node.z.copy()
+            z[:count] += times * size * shift
+            z[-1] += change
+            try:
+                if _sticks_apart(node.word, family(z).word) is not None:
+                    yield z
+            except ContinuationError:
+                continue
+
+
+def _sticks_apart(one: Word, other: Word) -> int | None:
+    """The friction at which one of two words has a stick and the other not; None where they differ else."""
+    gone, come = changes(one, other)
+    more = gone or come
+    frictions = {part for _, part in more}
+    alone = kinds_of(more) == STICK and not (gone and come) and len(frictions) == 1
+    return frictions.pop() if alone else None
+
+
+def _near(family: Family, node: Node, parameter: float) -> Node:
+    """The orbit of the kind of a node at a scaled parameter beside it. Raises ContinuationError."""
+    change = parameter - node.z[-1]
+    beside = node if change == 0 else node_at(family, _along(node, change), None, None, NEAR_CORNER)
+    if beside.word != node.word:
+        raise ContinuationError("beside the touch there is no orbit of its kind")
+    return beside
+
+
+def _along(node: Node, change: float) -> np.ndarray:
+    """Scaled unknowns on the tangent of a node, where the parameter has changed."""
+    return np.asarray(node.z + node.tangent * (change / node.tangent[-1]))
+
+
+def _touch(family: Family, node: Node, friction: int, distance: float) -> Node:
+    """The orbit that touches, from one that slides all the time, about so far away in the scaled parameter.
+
+    Raises ContinuationError.
+
+    Each orbit on the way has a tenth of the slip of the one before, where the secant says.
+    """
+    places, slips = [node.z], [least_slip(family, node, friction)]
+    for _ in range(TRIES):
+        if slips[-1] <= TOUCHED * slips[0]:
+            break
+        if len(slips) > 1:
+            if slips[-1] == slips[-2]:
+                raise ContinuationError("the slip does not change on the way to the touch")
+            slope = (places[-1] - places[-2]) / (slips[-1] - slips[-2])
+            start = places[-1] - (1 - CORNER_SHARE) * slips[-1] * slope
+        else:
+            start = _along(node, CORNER_SHARE * distance)
+        following = node_at(family, start, None, None, NEAR_CORNER)
+        if following.word != node.word:
+            raise ContinuationError("the way to the touch leads elsewhere")
+        places.append(following.z)
+        slips.append(least_slip(family, following, friction))
+        node = following
+    return node
+
+
+def least_slip(family: Family, node: Node, friction: int) -> float:
+    """The least speed of slip at a turn of it on an orbit [m/s]. Raises ContinuationError without any."""
+    of, period = family.map(node.parameter), node.point.period
+    start, part = of.coordinates.lifted(node.point.end.X), of.scene.frictions[friction]
+    times, slips = _sampled_slip(of, node, part)
+    sizes = abs(slips)
+    inner = (sizes[1:-1] <= sizes[:-2]) & (sizes[1:-1] <= sizes[2:])
+    turns = 1 + np.flatnonzero(inner & (slips[:-2] * slips[2:] > 0))
+
+    def rate(t: float) -> float:
+        return _slip_of(of.scene, part, t, of.carrier.carry(start, t, []))[1]
+
+    for at in sorted(turns, key=lambda i: sizes[i]):
+        begin, end = max(times[at - 1], FIRST * period), times[at + 1]
+        if rate(begin) * rate(end) < 0:
+            turn = _zero_of(rate, begin, end, 1e-14 * period)
+            return abs(_slip_of(of.scene, part, turn, of.carrier.carry(start, turn, []))[0])
+    raise ContinuationError("no sliding velocity turns before zero")
+
+
+def _zero_of(rate: Callable[[float], float], low: float, high: float, fine: float) -> float:
+    """Where a rate changes its sign between two times, after Anderson and Bjorck as in `regula_falsi`."""
+    r_low, r_high = rate(low), rate(high)
+    for _ in range(TRIES):
+        t = high - r_high * (high - low) / (r_high - r_low)
+        r = rate(t)
+        if r == 0 or abs(t - high) <= fine:
+            return t
+        if r * r_high < 0:
+            low, r_low = high, r_high
+        else:
+            shrink = 1 - r / r_high
+            r_low *= shrink if shrink > 0 else 0.5
+        high, r_high = t, r
+    return high
+
+
+def _sampled_slip(of: ReturnMap, node: Node, part: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Times [s] of a period, and the sliding velocity of a friction at them."""
+    at = of.coordinates
+    scene = placed(of.scene, at.state(node.point.end.X), node.point.period)
+    step = Fraction(node.point.period / CORNER_SAMPLES).limit_denominator(10**9)
+    sampled = replace(scene, every_num=step.numerator, every_den=step.denominator)
+    blocks = [block.samples for block in open_trajectory(sampled, of.carrier.engine).blocks()]
+    n = len(scene.bodies)
+    names = ("time", *at.columns[n : 2 * n])
+    times, *v = (np.concatenate([block[name] for block in blocks]) for name in names)
+    return times, apart(part, v, motion_of_base(scene, times)[1]) - part.belt
+
+
+def _slip_of(scene: Any, friction: Any, t: float, there: Any) -> tuple[float, float]:
+    """Sliding velocity of a friction and its rate, where a motion has come to."""
+    n, base = len(scene.bodies), motion_of_base(scene, t)
+    v, a = apart(friction, there.state[n:], base[1]), apart(friction, there.rate[n:], base[2])
+    return float(v) - friction.belt, float(a)

@@ -1,0 +1,357 @@
+"""A locus: a bifurcation along two parameters, arrays by name."""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vibsim.cases.quantities import number
+from vibsim.orbits.branches.branch import Branch, SpecialPoint
+from vibsim.orbits.branches.correction import correct, tangent
+from vibsim.orbits.branches.course import CurveArrays
+from vibsim.orbits.branches.file_structure import (
+    POINT,
+    locus_datasets,
+    locus_origin,
+    locus_values,
+    write_locus,
+)
+from vibsim.orbits.branches.grazing import CONTACTS
+from vibsim.orbits.branches.locus import (
+    KINDS,
+    WATCHED,
+    LocusStep,
+    ParameterPlane,
+    PlanePoint,
+    follow_pair,
+    walk,
+)
+from vibsim.orbits.branches.node import Node
+from vibsim.orbits.branches.plan import BranchError, BranchPlan, must_matter, value_in
+from vibsim.orbits.branches.special_points import BRANCHING, GRAZING, NAMES, STICKING, TORUS, held
+from vibsim.orbits.branches.tracing import OrbitRecord, orbit_record
+from vibsim.orbits.coordinates import changes
+from vibsim.orbits.stability import nearest_to_circle
+from vibsim.results.hdf5_writing import check_result_output
+from vibsim.results.labelled import Arrays, Labelled, few
+
+# Which bifurcation is to be followed, and over what.
+
+
+FIRST_STEP = 0.1  # scaled, that the first correction may have
+WHY_NOT = {  # why no locus of a kind is followed, and what to do
+    BRANCHING: ". Two branches cross there, which only a symmetry of the scene keeps up when a second "
+    "parameter varies, and along such points the equations of a locus are singular; continue the branch at "
+    "several values of the second parameter",
+}
+
+
+@dataclass(frozen=True)
+class LocusPlan:
+    """A bifurcation of a branch to be followed in its parameter and a second one.
+
+    branch : plan of the branch; label, kind : of the special point
+    keys, unit, span, value : of the second parameter, its range and its value on the branch
+    state, period, parameter, pair : of the special point; pair: its multiplier, for a Neimark-Sacker point
+    part : number of the stop that is grazed, or of the friction that begins to hold
+    """
+
+    branch: BranchPlan
+    label: str
+    kind: str
+    keys: tuple[str, ...]
+    unit: str
+    span: tuple[float, float]
+    value: float
+    state: tuple[float, ...]
+    period: float
+    parameter: float
+    pair: complex
+    part: int = -1
+
+    @cached_property
+    def settings(self) -> dict[str, Any]:
+        """All of it but the case, as plain data."""
+        return {
+            "branch": self.branch.settings,
+            "label": self.label,
+            "kind": self.kind,
+            "keys": list(self.keys),
+            "unit": self.unit,
+            "span": list(self.span),
+            "value": self.value,
+            "state": list(self.state),
+            "period": self.period,
+            "parameter": self.parameter,
+            "pair": [self.pair.real, self.pair.imag],
+            "stop": self.part,
+        }
+
+    @staticmethod
+    def from_settings(case: Any, settings: dict[str, Any]) -> "LocusPlan":
+        """The plan that `settings` wrote down."""
+        known = {**settings, "branch": BranchPlan.from_settings(case, settings["branch"])}
+        for name in ("keys", "span", "state"):
+            known[name] = tuple(settings[name])
+        known["part"] = known.pop("stop")  # as files have called it since they knew of stops alone
+        return LocusPlan(**{**known, "pair": complex(*settings["pair"])})
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """Of the case and the settings."""
+        text = json.dumps([self.branch.case.sha256, self.settings])
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    def plane(self, engine: str = "auto") -> ParameterPlane:
+        """The orbits over both parameters."""
+        scale = max(abs(self.value), abs(self.span[1] - self.span[0]) / 4)
+        family = self.branch.family(engine)
+        return ParameterPlane(family, self.keys, self.unit, scale, self.kind, self.pair, self.part)
+
+    def start(self, plane: ParameterPlane) -> tuple[PlanePoint, np.ndarray]:
+        """The first point, and the tangent there towards larger values of the second parameter.
+
+        Raises ContinuationError.
+        """
+        family = plane.family_at(self.value)
+        z = np.append(
+            family.unknowns(np.array(self.state), self.period, self.parameter), self.value / plane.scale[-1]
+        )
+        along = np.eye(len(z))[-1]
+        if self.kind in WATCHED:
+            plane.watch(z)
+        point = correct(plane, z, along, FIRST_STEP).point
+        if self.kind == TORUS:
+            follow_pair(plane, point)
+        return point, tangent(point.jacobian(), along)
+
+    @property
+    def spans(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Ranges of both parameters: of the first all that has a sense."""
+        return self.first_span, self.span
+
+    @property
+    def first_span(self) -> tuple[float, float]:
+        """Of the first parameter: that of the branch, widened to where the locus may lead."""
+        low, high = self.branch.span
+        return min(low, 0.25 * low), max(high, 4 * high)
+
+
+def locus_plan(
+    branch: Branch, label: str, keys: Sequence[str], unit: str, span: tuple[float, float]
+) -> LocusPlan:
+    """The plan of following the special point `label` of a branch over a second parameter.
+
+    Raises BranchError for a label that is none or cannot be followed, a key that is the branch's own or
+    that no orbit depends on, and a range without the value of the case.
+    """
+    try:
+        special = branch.special(label)
+    except KeyError as error:
+        raise BranchError(str(error.args[0])) from None
+    if special.kind not in KINDS:
+        why = WHY_NOT.get(special.kind, "")
+        raise BranchError(
+            f"{label} is {NAMES[special.kind]}; loci are followed of {', '.join(KINDS)} points{why}"
+        )
+    if set(keys) & set(branch.plan.keys):
+        raise BranchError(f"{keys[0]} is the parameter of the branch; a locus needs another")
+    value = value_in(branch.case.quantity(keys[0]), unit)
+    must_matter(branch.case, keys)
+    low, high = sorted(span)
+    if not low <= value <= high or low == high:
+        raise BranchError(
+            f"the branch is at {keys[0]} = {number(value, 6)} {unit}, outside the range "
+            f"{number(low, 6)}:{number(high, 6)}"
+        )
+    pair = nearest_to_circle(special.orbit.multipliers)
+    orbit = special.orbit
+    where = orbit.state, orbit.period, orbit.parameter
+    part = {GRAZING: touched, STICKING: holding}.get(special.kind, lambda _: -1)(special)
+    of = branch.plan, label, special.kind, tuple(keys), unit, (low, high), value
+    return LocusPlan(*of, *where, pair, part)
+
+
+def touched(special: SpecialPoint) -> int:
+    """Number of the stop that is grazed at a special point. Raises BranchError where there are several."""
+    gone, come = changes(special.before, special.after)
+    stops = {part for kind, part in gone + come if kind in CONTACTS}
+    if len(stops) != 1:
+        raise BranchError(f"{special.label}: {len(stops)} stops are grazed at once; a locus follows one")
+    return stops.pop()
+
+
+def holding(special: SpecialPoint) -> int:
+    """Number of the friction that begins to hold at a reversal at a special point. Raises BranchError where
+    sticks come or go in another way.
+    """
+    friction = held(special.before, special.after)
+    if friction is None:
+        raise BranchError(
+            f"{special.label}: loci are followed where a reversal of one friction becomes a stick; here a "
+            "sliding velocity touches zero, a stop comes to rest, or several things happen at once"
+        )
+    return friction
+
+
+MOST_POINTS = 2000
+WAYS = (1, -1)
+FIRST = 0.01  # scaled length of the first step
+
+
+@dataclass(frozen=True)
+class LocusRecord:
+    """A point of a locus; way, number, step, ended: as of `vibsim.orbits.branches.tracing.PointRecord`.
+
+    orbit : at the bifurcation; second : value of the second parameter
+    index : number of the other multipliers outside the unit circle
+    """
+
+    way: int
+    number: int
+    orbit: OrbitRecord
+    second: float
+    index: int
+    unknowns: tuple[float, ...]
+    tangent: tuple[float, ...]
+    step: float
+    ended: str = ""
+
+
+class Locus(CurveArrays, Labelled):
+    """A locus: `locus["parameter"]`, `locus["second"]` and so on along it.
+
+    plan : what was followed
+    attrs : of its file
+
+    >>> import vibsim
+    >>> orbit = vibsim.orbit("I-C", {"omega": "4.2 Hz"}, period=1)
+    >>> branch = vibsim.continue_branch(orbit, "omega", "4:4.3 Hz")
+    >>> locus = vibsim.continue_locus(branch, "PD1", "c", "0.001:0.003 N s/m", max_points=4)
+    >>> bool(float(locus.case_at(0).quantity("c").value) == locus["second"][0])
+    True
+    """
+
+    noun = "locus"
+
+    def __init__(
+        self, plan: LocusPlan, points: Sequence[LocusRecord], attrs: Mapping[str, Any] | None = None
+    ):
+        self.plan, self.attrs = plan, dict(attrs or {})
+        back = sorted((p for p in points if p.way < 0), key=lambda p: -p.number)
+        self.points = [*back, *sorted((p for p in points if p.way > 0), key=lambda p: p.number)]
+
+    @property
+    def case(self) -> Any:
+        return self.plan.branch.case
+
+    @property
+    def kind(self) -> str:
+        """Of the bifurcation."""
+        return self.plan.kind
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        """Why it ends, at its first and its last point; empty where it was not followed further."""
+        return (self.points[0].ended, self.points[-1].ended) if self.points else ("", "")
+
+    def arrays(self) -> Arrays:
+        """What its file holds, by point and multiplier."""
+
+        declared = locus_datasets(self.plan.branch.unit, self.plan.unit)
+        shown = ("parameter", "second", "period")
+        return Arrays.of_values(declared, locus_values(self), (POINT,), self.attrs, shown)
+
+    def heading(self) -> str:
+        """Name of the case, which bifurcation in which two parameters, and how many points."""
+        from vibsim.orbits.branches.description import locus_lines
+
+        return f"{locus_lines(self)[0][1]}, {len(self)} points"
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Points, ends, and the names of the arrays."""
+        from vibsim.orbits.branches.description import locus_lines
+
+        return [*locus_lines(self)[1:], ("arrays", few(self.keys()))]
+
+    def case_at(self, point: int) -> Any:
+        """The case that runs one period on the orbit of a point."""
+        return self.plan.plane().family_at(self.points[point].second).case_on(self.points[point].orbit)
+
+    def save(self, path: str | PathLike[str], force: bool = False) -> Path:
+        """Write the locus to an HDF5 file, which every command takes; its absolute path.
+
+        force : replace what is there. Raises ResultFileError where it cannot be written.
+
+        `vibsim continue BRANCH --locus LABEL ... -o path` goes on with it where it did not come to its ends.
+        """
+
+        target = check_result_output(Path(path), force)
+        write_locus(target, self, self.attrs or locus_origin(self.plan), all(self.ends))
+        return target
+
+    @cached_property
+    def _arrays(self) -> dict[str, np.ndarray]:
+        orbits = [point.orbit for point in self.points]
+        return {
+            "parameter": np.array([orbit.parameter for orbit in orbits]),
+            "second": np.array([point.second for point in self.points]),
+            "period": np.array([orbit.period for orbit in orbits]),
+            "state": np.array([orbit.state for orbit in orbits]),
+            "multipliers": np.array([orbit.multipliers for orbit in orbits]),
+            "index": np.array([point.index for point in self.points]),
+        }
+
+
+def trace_locus(
+    plan: LocusPlan, add: Any, points: Sequence[LocusRecord], most: int, engine: str, watch: Any
+) -> bool:
+    """Follow a locus both ways from where `points` know it; `add` is given each new point.
+
+    watch : told the number of points; whether to go on. Returns whether it came to its ends or `most`
+    points. Raises ContinuationError where the bifurcation is not found again.
+    """
+    plane = plan.plane(engine)
+    start, along = plan.start(plane)
+    known, pair = list(points), plane.pair
+    if not known:
+        known.append(_record(start, along, 1, 0, FIRST))
+        add(known[-1])
+    for way in WAYS:
+        done = [point for point in known if point.way == way or point.number == 0]
+        last, plane.pair = done[-1], pair
+        room = (most + 1) // 2 - len(done) if way == WAYS[0] else most - len(known)
+        if last.ended or room <= 0:
+            continue
+        here, direction = start, way * along
+        if plane.kind in WATCHED:
+            plane.watch(np.array(last.unknowns))
+        if last.number:
+            here, direction = plane(np.array(last.unknowns)), np.array(last.tangent)
+            plane.pair = nearest_to_circle(last.orbit.multipliers)
+        for i, step in enumerate(walk(plane, here, direction, last.step, plan.spans), last.number + 1):
+            known.append(_record_of(step, way, i))
+            add(known[-1])
+            if watch is not None and not watch(len(known)):
+                return False
+            if i == last.number + room:
+                break
+    return True
+
+
+def _record_of(step: LocusStep, way: int, number: int) -> LocusRecord:
+    return _record(step.point, step.tangent, way, number, step.next, step.ended)
+
+
+def _record(
+    point: PlanePoint, along: np.ndarray, way: int, number: int, step: float, ended: str = ""
+) -> LocusRecord:
+    orbit = orbit_record(Node(point.point, along[:-1], 0))
+    places = tuple(point.z.tolist()), tuple(along.tolist())
+    return LocusRecord(way, number, orbit, point.second, point.index, *places, step, ended)

@@ -1,0 +1,566 @@
+"""The unknowns of an orbit: the state on the section without what no force feels.
+
+A set of bodies that springs and stops join to each other, but not to ground or base, may be shifted as a
+whole. Displacements of its bodies count from its last body, and the orbit may drift by a shift per period.
+What the section fixes (the angle of a motor) is no unknown either.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import isfinite, pi
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from vibsim.engine.tangent.carried import Carried
+from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike, weights
+from vibsim.lazy import once
+from vibsim.physics.elementary import sine_cosine_of_arrays
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import BASE, Link, Scene, Stop, body_sets, columns_of
+from vibsim.physics.rates import Period, common_period
+
+if TYPE_CHECKING:
+    from vibsim.cases.case import Case
+
+
+class Coordinates:
+    """The m unknowns X of the orbits of a scene, and how they make its N state components (x of each body, v
+    of each body, then phi and phidot with a motor).
+
+    names, units : of the unknowns, e.g. "x1-x2" in m
+        self.reference = reference
+        self.count = len(free)
+    weights : of the unknowns; each is measured as a velocity [m/s], displacements by a natural rate
+    """
+
+    def __init__(self, scene: Scene, section: PoincareSection) -> None:
+        self.scene, self.section = scene, section
+        self.columns = component_names(scene)
+        reference = _references(scene)
+        free = [i for i in range(length(scene)) if i != section.pinned and reference.get(i) != i]
+        self.take = np.eye(length(scene))[free]
+        for row, i in enumerate(free):
+            if i in reference:
+                self.take[row, reference[i]] = -1.0
+        self.put = np.ascontiguousarray(np.eye(length(scene))[:, free])
+        self.free = np.array(free, dtype=int)
+        shifted = [(row, reference[i]) for row, i in enumerate(free) if i in reference]
+        self._shifted = np.array(shifted, dtype=int).reshape(-1, 2).T
+        self.names = tuple(self._name(i, reference.get(i)) for i in free)
+        self.units = tuple(self._unit(i) for i in free)
+        self.references = sorted(set(reference.values()))
+        self.reference = reference
+        self.count = len(free)
+        self.one = np.eye(self.count)
+        self._weigh(weights(scene, Doubles))
+        self.none = np.empty((0, length(scene)))  # no disturbance
+
+    def _weigh(self, squares: list[float]) -> None:
+        self._squares = squares
+        self.weights = np.sqrt([squares[i] for i in self.free])
+        # by which entries of a matrix of unknowns are weighed
+        self.ratios = self.weights[:, None] / self.weights
+
+    def of_scene(self, scene: Scene) -> Coordinates:
+        """Those of another scene with the same bodies, of which the same are joined."""
+        if plainly_weighed_alike(self.scene, scene):
+            return self
+        squares = weights(scene, Doubles)
+        if squares == self._squares:
+            return self
+        other = object.__new__(Coordinates)
+        vars(other).update(vars(self), scene=scene)
+        other._weigh(squares)
+        return other
+
+    def of(self, state: ArrayLike) -> np.ndarray:
+        """Unknowns of state components, the last axis of `state`: sums and differences, rounded once."""
+        components = np.asarray(state, dtype="f8")
+        unknowns: np.ndarray = components[..., self.free]
+        rows, references = self._shifted
+        if len(rows):
+            unknowns[..., rows] -= components[..., references]
+        return unknowns
+
+    def lifted(self, X: np.ndarray) -> np.ndarray:
+        """State components on the section, references at x = 0."""
+        state = np.zeros(len(self.columns))
+        state[self.free] = X
+        return state
+
+    def between(self, part: Any, speed: bool) -> np.ndarray:
+        """The velocity of the ends of a part against each other, or their distance, by the unknowns (m)."""
+        first = len(self.scene.bodies) if speed else 0
+        ends = [self.put[first + end] if end >= 0 else np.zeros(self.count) for end in (part.P, part.Q)]
+        return np.asarray(ends[0] - ends[1])
+
+    @once
+    def disturbances(self) -> np.ndarray:
+        """A disturbance of the state for each unknown, one per row."""
+        return np.ascontiguousarray(self.put.T)
+
+    def drift(self, state: np.ndarray) -> dict[str, float]:
+        """By name of the body: how far each set that is held nowhere has moved from the start at 0 [m]."""
+        return {self.scene.bodies[r].name: float(state[r]) for r in self.references}
+
+    def state(self, X: np.ndarray) -> dict[str, float]:
+        """The state on the section by name of the column [m, m/s, rad, rad/s]."""
+        return dict(zip(self.columns, self.lifted(X).tolist(), strict=True))
+
+    def named(self, X: ArrayLike) -> dict[str, float]:
+        """The unknowns by name."""
+        return dict(zip(self.names, np.asarray(X).tolist(), strict=True))
+
+    def size(self, X: np.ndarray) -> float:
+        """The largest of the unknowns, as weighed [m/s]."""
+        return float(np.abs(X * self.weights).max())
+
+    def travel(self, carried: Carried) -> float:
+        """The largest of the unknowns at the events of a motion, as weighed [m/s]."""
+        return self.size(self.of(carried.states)) if len(carried.states) else 0.0
+
+    def _name(self, i: int, reference: int | None) -> str:
+        return self.columns[i] if reference is None else f"{self.columns[i]}-{self.columns[reference]}"
+
+    def _unit(self, i: int) -> str:
+        n = len(self.scene.bodies)
+        return "m" if i < n else "m/s" if i < 2 * n else ("rad", "rad/s")[i - 2 * n]
+
+
+def unknown_count(scene: Scene) -> int:
+    """Number of unknowns of the orbits of a scene, and of their multipliers. Raises NoSection."""
+    return Coordinates(scene, section_of(scene)).count
+
+
+def component_names(scene: Scene) -> list[str]:
+    """Columns in the order of state components."""
+    pairs = [columns_of(body.name) for body in scene.bodies]
+    rotor = ["phi", "phidot"] if scene.motor is not None else []
+    return [x for x, _ in pairs] + [v for _, v in pairs] + rotor
+
+
+def _references(scene: Scene) -> dict[int, int]:
+    """By body of each set that may be shifted: the body that its displacements count from."""
+    springs = [link for link in scene.links if link.k]
+    sets = [one for one in body_sets(scene, [*springs, *scene.stops]) if not one.held]
+    return {body: one.reference for one in sets for body in one.bodies}
+
+
+def components_of(state: Any, columns: Sequence[str], left_out: float | None = None) -> list[float]:
+    """The components of a state, by name of the column or all in their order.
+
+    left_out : what those are that are not named, and nothing else may be; None: each must be named, but the
+    angle of a motor. Raises OrbitError.
+    """
+    words = f"the components of this scene are {', '.join(columns)}"
+    if isinstance(state, Mapping):
+        unknown = [str(name) for name in state if name not in columns]
+        missing = [name for name in columns if name not in state and name != "phi"]
+        if unknown and left_out is not None:
+            raise OrbitError(f"no column {', '.join(unknown)}; {words}")
+        if missing and left_out is None:
+            raise OrbitError(f"the state misses {', '.join(missing)}; {words}")
+        state = [state.get(name, left_out or 0.0) for name in columns]
+    try:
+        components = [float(each) for each in state]
+    except (TypeError, ValueError):
+        components = []
+    if len(components) != len(columns) or not all(map(isfinite, components)):
+        raise OrbitError(f"a state is a finite number for each component, got {state!r:.60}; {words}")
+    return components
+
+
+# A scene, or a case, that starts on an orbit.
+
+
+SAMPLES = 400  # of a stored orbit, about
+
+
+def placed(scene: Scene, state: Mapping[str, float], t_end: float) -> Scene:
+    """The scene from a state, by name of the column, to `t_end` [s]."""
+    bodies = []
+    for body in scene.bodies:
+        x, v = columns_of(body.name)
+        bodies.append(replace(body, x=state[x], v=state[v]))
+    motor = scene.motor
+    if motor is not None:
+        motor = replace(motor, phi=state["phi"], phidot=state["phidot"])
+    stops = tuple(replace(stop, at_start=False) for stop in scene.stops)
+    return replace(scene, bodies=tuple(bodies), motor=motor, stops=stops, t_end=t_end)
+
+
+def case_on_orbit(case: Case, state: Mapping[str, float], period: float) -> Case:
+    """The case from a state by name of the column over one period [s]; every number as the double it is."""
+    return case.with_values({**_initial(case, state), **_span(period), **_freely(case)})
+
+
+def _initial(case: Case, state: Mapping[str, float]) -> dict[str, str]:
+    values: dict[str, str] = {}
+    for body in case.scene().bodies:
+        x, v = columns_of(body.name)
+        names = (f"{body.name}.x", f"{body.name}.v") if case.is_long else (x, v)
+        values |= {f"initial.{names[0]}": f"{state[x]!r} m", f"initial.{names[1]}": f"{state[v]!r} m/s"}
+    if "phidot" in state:
+        motor = "initial.motor." if case.is_long else "initial."
+        values |= {f"{motor}phi": f"{state['phi']!r} rad", f"{motor}phidot": f"{state['phidot']!r} rad/s"}
+    return values
+
+
+def _span(period: float) -> dict[str, str]:
+    """Samples lie on decimals; the end of the period is in the table of events."""
+    return {"run.t_end": f"{period!r} s", "run.every": f"{period / SAMPLES:.3g} s"}
+
+
+def _freely(case: Case) -> dict[str, str]:
+    """A limit that is watched ends no orbit."""
+    if case.is_long:
+        return {"run.on_violation": "warn"}
+    return {"rest_distance.on_violation": "warn"} if case.scene().clearances else {}
+
+
+# Gaps of stops and differences of ends on a motion that is known, and when two of them are zero at once.
+
+
+ROUNDING = 2e-12  # of the size of a motion: what rounding and Newton's method leave of a gap that is zero
+OF_STOPS = ("contact_begin", "contact_end", "impact", "transmitted")
+OF_FRICTIONS = ("reversal", "stick_begin", "stick_end")
+
+
+def at_once(scene: Scene, kind: str, part: int, t: float, state: np.ndarray) -> bool:
+    """Whether an event of a kind at a part is due at the time t [s] of another but for rounding: its gap, or
+    its sliding velocity, is zero to a share of the displacements, or velocities, there.
+    """
+    n = len(scene.bodies)
+    if kind in OF_STOPS:
+        gap = gap_of(scene, part, t, state)[0]
+        return bool(abs(gap) <= ROUNDING * max(abs(state[:n]).max(), abs(scene.stops[part].gap)))
+    if kind in OF_FRICTIONS:
+        friction = scene.frictions[part]
+        slip = apart(friction, state[n:], motion_of_base(scene, t)[1]) - friction.belt
+        return bool(abs(slip) <= ROUNDING * max(abs(state[n : 2 * n]).max(), abs(friction.belt)))
+    return False
+
+
+def gap_of(
+    scene: Any, number: int, t: Any, state: np.ndarray, rates: np.ndarray | None = None
+) -> tuple[Any, Any, Any]:
+    """Gap of a stop [m], its rate and acceleration at states (N, ...), with their rates of change."""
+    stop, n = scene.stops[number], len(scene.bodies)
+    base = motion_of_base(scene, t)
+    values = state, state[n:], None if rates is None else rates[n:]
+    gap, rate, bend = (
+        0.0 if of is None else stop.sense * apart(stop, of, base[order]) for order, of in enumerate(values)
+    )
+    return stop.gap + gap, rate, bend
+
+
+def apart(part: Any, values: Any, of_base: Any) -> Any:
+    """P - Q of the ends of a part: `values` by body, that of the base, and 0 of the ground."""
+    P, Q = (values[end] if end >= 0 else of_base if end == BASE else 0.0 for end in (part.P, part.Q))
+    return P - Q
+
+
+def motion_of_base(scene: Any, t: Any) -> tuple[Any, Any, Any]:
+    """Displacement, velocity and acceleration of the base at the times t."""
+    x = v = a = 0.0
+    for term in scene.base:
+        sine, cosine = sine_cosine_of_arrays(term.omega * t + term.phase)
+        x = x + term.amplitude * sine
+        v = v + term.amplitude * term.omega * cosine
+        a = a - term.amplitude * term.omega**2 * sine
+    return x, v, a
+
+
+# The word of an orbit: the events of one period in their order, read as a circle.
+
+
+Word = tuple[tuple[str, int], ...]  # kinds of events, and the parts that they happen to
+
+
+LETTERS = {
+    "contact_begin": "b",
+    "contact_end": "e",
+    "reversal": "r",
+    "stick_begin": "s",
+    "stick_end": "u",
+    "impact": "i",
+    "transmitted": "t",
+    "chatter": "c",
+    "rest_begin": "h",
+    "rest_end": "o",
+}
+TOGETHER = 1e-12  # of the period, between events of one kind at different parts
+NEAR = 1e-3  # the same of events that may come together although slowness keeps their times apart
+STICKS = ("stick_begin", "stick_end")
+OF_FRICTION = ("reversal", "stick_begin", "stick_end")
+
+
+def word_of(events: Iterable[tuple[str, int]]) -> Word:
+    """The events that make an orbit's word: all but those that exert no force (limits that are watched)."""
+    return tuple((kind, part) for kind, part in events if kind in LETTERS)
+
+
+def in_order(
+    events: Sequence[tuple[str, int]],
+    times: Sequence[float],
+    period: float,
+    at_once: Callable[[int], bool],
+) -> list[tuple[str, int]]:
+    """Events with those of one kind that come together, as where bodies move alike, in the order of their
+    parts: rounding would else say which is first.
+
+    at_once : whether an event of the same kind as the one before it, at another part, is due with that; it is
+        asked where their times are not the same but near
+    """
+    ordered, begin = list(events), 0
+    for i in range(1, len(ordered) + 1):
+        together = i < len(events) and events[i][0] == events[i - 1][0]
+        if together:
+            apart = (times[i] - times[i - 1]) / period
+            together = apart <= TOGETHER or (apart <= NEAR and events[i] != events[i - 1] and at_once(i))
+        if not together:
+            ordered[begin:i] = sorted(ordered[begin:i])
+            begin = i
+    return ordered
+
+
+def counted(events: Sequence[tuple[str, int]]) -> list[bool]:
+    """Which events of a circle its word has: all but the impacts that a chatter brings to an end, and the
+    slips that each of them begins and that end before the next.
+
+    There are infinitely many of them; how many are told one by one depends on rounding alone, and that number
+    changes along a branch without anything happening.
+    """
+    kept, ending = [True] * len(events), set[int]()
+    slips: list[int] = []  # behind the impact that is looked for
+    for i in reversed(range(-len(events), len(events))):  # twice round: the section may cut a sequence
+        kind, part = events[i]
+        if kind == "chatter":
+            ending, slips = {part}, []
+        elif kind == "impact" and part in ending and _over([events[j] for j in reversed(slips)]):
+            for j in (i, *slips):
+                kept[j] = False
+            slips = []
+        elif kind in STICKS:
+            slips.append(i)
+        else:
+            ending = set()
+    return kept
+
+
+def without_sequences(word: Word) -> Word:
+    """A word without the impacts that a chatter brings to an end, and what sticks and slips among them."""
+    kept, ending = [True] * len(word), set[int]()
+    for i in reversed(range(-len(word), len(word))):
+        kind, part = word[i]
+        if kind == "chatter":
+            ending = {part}
+        elif (kind == "impact" and part in ending) or (kind in STICKS and ending):
+            kept[i] = False
+        else:
+            ending = set()
+    return tuple(event for event, told in zip(word, kept, strict=True) if told)
+
+
+def without_landings(word: Word) -> Word:
+    """A word without the impacts after which bodies rest at once.
+
+    The speed of such an impact is rounding where the flight before it has just begun: then the engine has the
+    bodies rest without one.
+    """
+    following = word[1:] + word[:1]
+    return cyclic(
+        tuple(
+            (kind, part)
+            for (kind, part), after in zip(word, following, strict=True)
+            if not (kind == "impact" and after == ("rest_begin", part))
+        )
+    )
+
+
+def _over(slips: Iterable[tuple[str, int]]) -> bool:
+    """Whether slips among ends and beginnings of sticks all begin and end among them."""
+    sliding = set[int]()
+    for kind, part in slips:
+        if (kind == "stick_end") == (part in sliding):
+            return False
+        sliding ^= {part}
+    return not sliding
+
+
+def circle(events: Word) -> Word:
+    """The word of the events of one period, wherever the section cuts it."""
+    if any(kind == "chatter" for kind, _ in events):
+        events = tuple(event for event, told in zip(events, counted(events), strict=True) if told)
+    return cyclic(events)
+
+
+@lru_cache(maxsize=4096)
+def cyclic(word: Word) -> Word:
+    """The least of all rotations of a word: orbits are compared by it, wherever the section cuts them."""
+    doubled = word + word
+    return min((doubled[i : i + len(word)] for i in range(len(word))), default=word)
+
+
+def changes(before: Word, after: Word) -> tuple[Counter[tuple[str, int]], Counter[tuple[str, int]]]:
+    """The events that a word has more often than another, and those that it has less often."""
+    one, other = Counter(before), Counter(after)
+    return one - other, other - one
+
+
+def spelled(scene: Scene, word: Word) -> str:
+    """A word in letters, e.g. "rbre"; where a scene has several stops or frictions, with the number of the
+    part behind each letter, e.g. "b1 r2 e1 r2".
+    """
+    numbered = {True: len(scene.frictions) > 1, False: len(scene.stops) > 1}
+    letters = [
+        LETTERS[kind] + (str(part + 1) if numbered[kind in OF_FRICTION] else "") for kind, part in word
+    ]
+    return (" " if any(numbered.values()) else "").join(letters)
+
+
+# The section on which the orbits of a scene are looked at.
+#
+# Ideal sources: phase 0 of the common period of all forces and the base, so the time of return is known. A
+# motor: its angle phi = 0 mod 2 pi, so phi is known and the time of return is not. Neither: the velocity of a
+# body that springs bring back is 0, at its least or its greatest displacement, where fewer stops act.
+
+
+@dataclass(frozen=True)
+class PoincareSection:
+    """Where an orbit begins and ends.
+
+    period : the common period of ideal sources, or None
+    pinned : number of the component of the state that the section fixes at 0, or None; such a section is met
+        again where the component has advanced by `advance`, after a time that is not known beforehand
+    body : name of the body at whose turn it is, where nothing drives the scene, or empty; `advance` is 0 then
+    sense : 1 at the least displacement of the body, -1 at the greatest
+    """
+
+    period: Period | None = None
+    pinned: int | None = None
+    advance: float = 0.0
+    body: str = ""
+    sense: int = 1
+
+    @property
+    def timed(self) -> bool:
+        """Whether the time between two returns is known."""
+        return self.pinned is None
+
+    @property
+    def turning(self) -> bool:
+        """Whether it is where a body turns round, as nothing drives the scene."""
+        return bool(self.body)
+
+    @property
+    def of_return(self) -> str:
+        """What is counted from one return to the next."""
+        if self.body:
+            return f"swing of {self.body}"
+        return "period of the source" if self.timed else "turn of the motor"
+
+    @property
+    def place(self) -> str:
+        """Where it is, in words."""
+        if self.body:
+            side = "least" if self.sense > 0 else "greatest"
+            return f"{columns_of(self.body)[1]} = 0, at the {side} displacement of {self.body}"
+        return "phase 0 of the source" if self.timed else "phi = 0"
+
+    @property
+    def component(self) -> int:
+        """The pinned component, of sections whose time of return is not known."""
+        assert self.pinned is not None
+        return self.pinned
+
+    def time(self, n: int) -> float:
+        """Time of n periods of the source [s]; of timed sections only."""
+        assert self.period is not None
+        return float(self.period.end(n))
+
+
+def section_of(scene: Scene) -> PoincareSection:
+    """The section of a scene. Raises NoSection where there is none."""
+    if scene.motor is not None:
+        if any(term.amplitude != 0 and term.cycles != 0 for term in scene.harmonics):
+            raise NoSection(
+                "a motor whose speed is free and a force or base of its own frequency have no common period, "
+                "so the scene has no periodic orbit; leave out one of them"
+            )
+        return PoincareSection(pinned=2 * len(scene.bodies), advance=2 * pi)
+    period = common_period(scene)
+    if period is not None:
+        return PoincareSection(period)
+    if any(term.amplitude != 0 and term.cycles != 0 for term in scene.harmonics):
+        raise NoSection(
+            "the frequencies of forces and base have no common period (no exact ratio of whole numbers), "
+            "so the motion is at best quasi-periodic"
+        )
+    for i, body in enumerate(scene.bodies):
+        if any(i in (part.P, part.Q) for part in _springs(scene)):
+            return PoincareSection(pinned=len(scene.bodies) + i, body=body.name, sense=_freer_side(scene, i))
+    raise NoSection(
+        "an orbit needs a periodic source (a harmonic force, a moving base or a motor), or a spring that "
+        "brings a body back; the scene has neither"
+    )
+
+
+def _freer_side(scene: Scene, body: int) -> int:
+    """1 where no more stops act at the least displacement of a body than at the greatest, else -1: an orbit
+    that just grazes a stop does so where its body turns.
+    """
+    sides = [
+        stop.sense if body == stop.P else -stop.sense for stop in scene.stops if body in (stop.P, stop.Q)
+    ]
+    return -1 if sum(sides) > 0 else 1
+
+
+def _springs(scene: Scene) -> list[Link | Stop]:
+    """Links and elastic stops with stiffness."""
+    parts: list[Link | Stop] = [*scene.links, *(stop for _, stop in scene.elastic_stops)]
+    return [part for part in parts if part.k]
+
+
+# Why there is no orbit.
+
+
+class OrbitError(ValueError):
+    """An orbit that cannot be looked for, or was not found: cause and remedy in one sentence.
+
+    >>> import vibsim
+    >>> try:
+    ...     vibsim.orbit("gallery/three-balls")
+    ... except vibsim.OrbitError as error:
+    ...     print(str(error).partition(" (")[0])
+    an orbit needs a periodic source
+    """
+
+
+class NoSection(OrbitError):
+    """A scene whose motion has no section that it comes back to."""
+
+
+class NotConverged(OrbitError):
+    """Newton's method found no orbit near its start; `residual` [m/s], as weighed: the least of its way."""
+
+    def __init__(self, message: str, residual: float) -> None:
+        super().__init__(message)
+        self.residual = residual
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """For pickle, as between processes."""
+        return type(self), (str(self), self.residual)
+
+
+def check_count(name: str, value: object, least: int = 1) -> None:
+    """Raise OrbitError unless an argument is a whole number, no less than `least`."""
+    if isinstance(value, bool) or not hasattr(value, "__index__") or int(value.__index__()) < least:
+        words = "one" if least == 1 else str(least)
+        raise OrbitError(f"{name} must be a whole number, {words} or more, got {value!r}")

@@ -1,1 +1,0 @@
-"""Derivatives of the return map by the numbers of a scene."""

@@ -1,0 +1,261 @@
+"""Elementary functions of doubles with the same bits on every machine.
+
+Additions, products and quotients only: the C library's functions differ in last bits between libraries, and
+between processors with and without fused products; a chaotic motion makes another motion of that. The
+operations stand in a fixed order, which `engine/elementary.h` repeats. Each is right to one or two units in
+the last place.
+
+An argument is reduced by whole multiples of pi/2 or ln 2, which are split so that the products are exact, and
+the Taylor series of what is left is summed in pairs of pairs, which shortens the chain of operations.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+X = TypeVar("X", float, "np.ndarray")
+
+WHOLE = 6755399441055744.0  # 1.5 * 2**52: adding it rounds to a whole number, which the last bits then hold
+QUARTERS = 2 / math.pi  # quarter turns to a radian
+# pi/2 in three parts; a whole number below 2^20 times one of the first two is exact
+FIRST, SECOND, THIRD = 1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21
+LARGEST = 1.6e6  # [rad], below 2^20 quarter turns
+TWO_PI = 6.283185307179586
+# of (sin r / r - 1) / r^2; left out: (pi/4)^18 / 19! < 2e-19
+SINE = [(-1) ** n / math.factorial(2 * n + 1) for n in range(1, 9)]
+# of (cos r - 1 + r^2/2) / r^4; left out: (pi/4)^18 / 18! < 3e-18
+COSINE = [(-1) ** n / math.factorial(2 * n) for n in range(2, 9)]
+
+PER_LN_2, PER_LN_10 = 1.4426950408889634, 0.4342944819032518
+LN_2, LN_2_LO = 0.6931471803691238, 1.9082149292705877e-10  # their sum; of the first, the last 21 bits are 0
+EXPONENTIAL = [1 / math.factorial(n) for n in range(2, 14)]  # left out: 0.35^14 / 14! < 5e-18
+FLAT = 1400.0  # beyond which exp is 0 or infinite
+ROOT_HALF = 0.7071067811865476
+LOGARITHM = [2 / (2 * n + 1) for n in range(1, 13)]  # left out: 0.03^13 / 27 < 1e-21
+
+
+def off_quarters(angle: X) -> tuple[X, X, X]:
+    """Whole quarter turns in an angle [rad] below LARGEST, and sine and cosine of what is left: at most pi/4.
+
+    Of a double, or of an array with the same bits.
+    """
+    quarters = (angle * QUARTERS + WHOLE) - WHOLE
+    r = ((angle - quarters * FIRST) - quarters * SECOND) - quarters * THIRD
+    z = r * r
+    z2 = z * z
+    z4 = z2 * z2
+    a, b = SINE, COSINE
+    s = ((a[0] + a[1] * z) + (a[2] + a[3] * z) * z2) + ((a[4] + a[5] * z) + (a[6] + a[7] * z) * z2) * z4
+    c = ((b[0] + b[1] * z) + (b[2] + b[3] * z) * z2) + ((b[4] + b[5] * z) + b[6] * z2) * z4
+    half = 0.5 * z
+    near = 1 - half
+    return quarters, r + r * (z * s), near + (((1 - near) - half) + z2 * c)
+
+
+def sine_cosine(angle: float) -> tuple[float, float]:
+    """Sine and cosine of an angle [rad]; beyond a million radians with the error that n eps in it makes."""
+    if not -LARGEST < angle < LARGEST:
+        angle = math.fmod(angle, TWO_PI) if math.isfinite(angle) else math.nan
+    if angle != angle:
+        return angle, angle
+    quarters, sine, cosine = off_quarters(angle)
+    quadrant = int(quarters) & 3
+    if quadrant & 1:
+        sine, cosine = cosine, sine
+    return -sine if quadrant & 2 else sine, -cosine if quadrant + 1 & 2 else cosine
+
+
+def sin(angle: float) -> float:
+    """Sine of an angle [rad]."""
+    return sine_cosine(angle)[0]
+
+
+def cos(angle: float) -> float:
+    """Cosine of an angle [rad]."""
+    return sine_cosine(angle)[1]
+
+
+def asin(x: float) -> float:
+    """Angle [rad] from -pi/2 to pi/2 of a sine; nan beyond 1. By Newton's method."""
+    if not abs(x) <= 1.0:
+        return math.nan
+    if abs(x) > ROOT_HALF:
+        return math.copysign(TWO_PI / 4 - 2 * asin(math.sqrt((1 - abs(x)) / 2)), x)
+    square = x * x
+    angle = x * (1 + square * (1 / 6 + square * (3 / 40 + square * (15 / 336 + square * (105 / 3456)))))
+    for _ in range(3):  # from 0.02 at most
+        sine, cosine = sine_cosine(angle)
+        angle = angle + (x - sine) / cosine
+    return angle
+
+
+def _sum_of_twelve(c: Sequence[float], x: float) -> float:
+    """c[0] + c[1] x + ... + c[11] x^11."""
+    x2 = x * x
+    x4 = x2 * x2
+    low = (c[0] + c[1] * x) + (c[2] + c[3] * x) * x2
+    middle = (c[4] + c[5] * x) + (c[6] + c[7] * x) * x2
+    high = (c[8] + c[9] * x) + (c[10] + c[11] * x) * x2
+    return low + (middle + high * x4) * x4
+
+
+def _reduced(x: float) -> tuple[float, float]:
+    """(n, exp(r) - 1) of x = n ln 2 + r, |r| < 0.35; x is not nan."""
+    n = (x * PER_LN_2 + WHOLE) - WHOLE
+    r = (x - n * LN_2) - n * LN_2_LO
+    return n, r + r * r * _sum_of_twelve(EXPONENTIAL, r)
+
+
+def exp(x: float) -> float:
+    """exp(x); 0 or infinite where that is what is nearest."""
+    if x != x:
+        return x
+    n, rise = _reduced(-FLAT if x < -FLAT else FLAT if x > FLAT else x)
+    first = (n * 0.5 + WHOLE) - WHOLE
+    return ((1 + rise) * math.ldexp(1.0, int(first))) * math.ldexp(1.0, int(n - first))
+
+
+def expm1(x: float) -> float:
+    """exp(x) - 1."""
+    if not -40.0 < x < 700.0:
+        return exp(x) - 1
+    n, rise = _reduced(x)
+    if n == 0:
+        return rise
+    scale = math.ldexp(1.0, int(n))
+    return scale * rise + (scale - 1)
+
+
+def sinh(x: float) -> float:
+    """Hyperbolic sine."""
+    if -1.0 < x < 1.0:
+        rise = expm1(x)
+        return (rise + rise / (1 + rise)) / 2
+    return (exp(x) - exp(-x)) / 2
+
+
+def cosh(x: float) -> float:
+    """Hyperbolic cosine."""
+    return (exp(x) + exp(-x)) / 2
+
+
+def log(x: float) -> float:
+    """Natural logarithm; -infinity of 0, nan of what is below it."""
+    if not 0.0 < x < math.inf:
+        return -math.inf if x == 0 else x if x > 0 else math.nan
+    m, e = math.frexp(x)
+    if m < ROOT_HALF:
+        m, e = m + m, e - 1
+    f = m - 1
+    s = f / (2 + f)
+    z = s * s
+    rest = z * _sum_of_twelve(LOGARITHM, z)
+    half = 0.5 * f * f
+    return e * LN_2 - ((half - (s * (half + rest) + e * LN_2_LO)) - f)
+
+
+def log2(x: float) -> float:
+    """Binary logarithm, exact for powers of two."""
+    m, e = math.frexp(x)
+    return e + log(m) * PER_LN_2 if m != 0.5 else e - 1.0
+
+
+def log10(x: float) -> float:
+    """Decimal logarithm."""
+    return log(x) * PER_LN_10
+
+
+# Sine and cosine of many angles: `vibsim.physics.elementary`, operation by operation on arrays.
+#
+# numpy's own pick other code for other vector units, with other last bits.
+
+
+def sine_cosine_of_arrays(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Sines and cosines of angles [rad] of any shape, right to 2e-16 up to a million radians.
+
+    Of larger angles n the error is that of n eps, as of the angles themselves.
+    """
+    angles = np.asarray(angles, dtype="f8")
+    if np.any(np.abs(angles) >= LARGEST):
+        angles = np.where(np.abs(angles) < LARGEST, angles, np.fmod(angles, TWO_PI))
+    quarters, sine, cosine = off_quarters(angles)
+    quadrant = quarters - 4 * np.floor(quarters / 4)
+    swapped = (quadrant == 1) | (quadrant == 3)
+    first, second = np.where(swapped, cosine, sine), np.where(swapped, sine, cosine)
+    return (
+        np.where(quadrant >= 2, -first, first),
+        np.where((quadrant == 1) | (quadrant == 2), -second, second),
+    )
+
+
+# Sums of arrays in one order, so that their bits are the same everywhere.
+#
+# A dot product of numpy goes to whatever BLAS is installed, which shares it out among its threads; the order
+# of numpy's own sums is that of its release. Here the second half of the values is added to the first, then
+# the second half of that, and so on: element by element, each addition that of IEEE 754, in an order that the
+# number of values alone decides. It is as fast, and its rounding errors grow like log2(n).
+
+
+def total(values: np.ndarray) -> np.ndarray:
+    """Sum over the last axis of an array (..., n), shape (...); 0 for n = 0."""
+    values = np.asarray(values, dtype="f8")
+    if not values.shape[-1]:
+        return np.zeros(values.shape[:-1])
+    while (count := values.shape[-1]) > 1:
+        half = (count + 1) // 2  # of an odd number the one in the middle waits
+        sums = values[..., :half].copy()
+        sums[..., : count - half] += values[..., half:]
+        values = sums
+    return values[..., 0]
+
+
+def mean(values: np.ndarray) -> np.ndarray:
+    """Mean over the last axis of an array (..., n), n > 0."""
+    means: np.ndarray = total(values) / np.shape(values)[-1]
+    return means
+
+
+def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Sum of products over the last axis of two arrays, which numpy stretches to one shape."""
+    return total(np.asarray(a) * b)
+
+
+# Gauss-Legendre quadrature on [0, 1]: n nodes integrate polynomials of degree 2 n - 1 exactly.
+
+
+class Quadrature(NamedTuple):
+    """Nodes, ascending, and their weights."""
+
+    nodes: tuple[float, ...]
+    weights: tuple[float, ...]
+
+
+# fmt: off
+TWELVE = Quadrature(
+    nodes=(
+        0.009219682876640375, 0.04794137181476257, 0.11504866290284765, 0.2063410228566913,
+        0.3160842505009099, 0.43738329574426554, 0.5626167042557345, 0.6839157494990901, 0.7936589771433087,
+        0.8849513370971523, 0.9520586281852375, 0.9907803171233597,
+    ),
+    weights=(
+        0.023587668193255914, 0.05346966299765921, 0.08003916427167311, 0.10158371336153296,
+        0.1167462682691774, 0.12457352290670139, 0.12457352290670139, 0.1167462682691774,
+        0.10158371336153296, 0.08003916427167311, 0.05346966299765921, 0.023587668193255914,
+    ),
+)
+EIGHT = Quadrature(
+    nodes=(
+        0.019855071751231884, 0.10166676129318664, 0.2372337950418355, 0.4082826787521751,
+        0.591717321247825, 0.7627662049581645, 0.8983332387068134, 0.9801449282487681,
+    ),
+    weights=(
+        0.05061426814518813, 0.11119051722668721, 0.15685332293894363, 0.181341891689181,
+        0.181341891689181, 0.15685332293894363, 0.11119051722668721, 0.05061426814518813,
+    ),
+)

@@ -1,0 +1,563 @@
+"""Branches of periodic orbits over their parameter: mean speed of the motor, or amplitude."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+from scipy.optimize import brentq
+
+from vibsim.analysis.cycles import BAND
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.orbits.branches.course import Stretch, stretches
+from vibsim.orbits.coordinates import placed
+from vibsim.plots.branch_values import (
+    MARKS,
+    Value,
+    amplitude_of,
+    amplitude_words,
+    draw_branch,
+    keys_to_marks,
+    mean_speed_of,
+    parameter_label,
+    parameter_of,
+    scaled,
+)
+from vibsim.plots.samples import motor_of
+from vibsim.plots.sheet import (
+    NamedQuantity,
+    Scale,
+    add_below,
+    legend_above,
+    legend_below,
+    scale_for,
+    sheet,
+    write_names,
+)
+from vibsim.plots.style import BLACK, GREY, VERMILLION, overlay, points
+from vibsim.plots.subject import Subject
+from vibsim.plots.sweep_axes import is_motor_speed
+from vibsim.plots.sweep_curves import Curve
+from vibsim.plots.view import View
+
+BRANCH_HEIGHT_CM = 7.0
+SPEED = r"Mean motor speed $\langle\dot\varphi\rangle/2\pi$ (Hz)"
+
+
+def branch_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Solid where orbits are stable, dashed where not, marks at bifurcations; several are numbered.
+
+    Under a motor its mean speed against the parameter, with the line of the no-load speed; else the amplitude
+    of the first displacement.
+    """
+    figure = sheet(view, BRANCH_HEIGHT_CM)
+    axes = figure.subplots()
+    branches = [subject.result for subject in subjects]
+    motor = all(subject.scene.has_motor for subject in subjects)
+    values = [mean_speed_of(branch) if motor else amplitude_of(branch) for branch in branches]
+    every = [[value(p.orbit) for p in b.points] for b, value in zip(branches, values, strict=True)]
+    unit = Scale(1.0, "Hz") if motor else scale_for("m", *every)
+    drawn = draw_branches(
+        axes,
+        subjects,
+        [(parameter_of(branch), scaled(value, unit)) for branch, value in zip(branches, values, strict=True)],
+    )
+    axes.margins(x=0.02)
+    if view.window is not None:
+        axes.set_xlim(*view.window)
+    if motor and is_motor_speed(branches[0].key):
+        span = axes.get_xlim()
+        axes.plot(span, span, color=GREY, linewidth=0.5, scalex=False, scaley=False, zorder=1, gid="no-load")
+    axes.set_xlabel(parameter_label(subjects))
+    axes.set_ylabel(SPEED if motor else unit.label(amplitude_words(branches[0])))
+    if len(subjects) > 1:
+        legend_above(axes)
+    keys = keys_to_marks(branches)
+    legend_below(figure, keys, [str(key.get_label()) for key in keys])
+    write_numbers(axes, drawn)
+    return figure
+
+
+# The load curve: the mean torque that the vibration takes against the mean speed, and what the motor gives.
+#
+# Over a periodic orbit the rotor comes back to its speed, so the mean torque of the motor is the mean torque
+# that the vibration takes; and as the motor's torque falls linearly with its speed, Eq. (2.8), that is
+# M0 (1 - <phi'> / Omega0) with the mean speed <phi'> = 2 pi n / T. Where the line of a no-load speed meets
+# the curve, the motor can run. On a solid part it stays. On a dashed one the orbit is unstable, and a run
+# from beside it tells what the motor does: behind a doubling it mostly stays near, on the orbit of twice the
+# period; behind a fold it leaves. Where the curve turns back, the motor has to leave along its line.
+
+
+LOAD_CURVE_HEIGHT_CM = 8.0
+LINES = 6  # of the motor, about
+
+
+class OperatingMark(NamedTuple):
+    """How a place at which the motor can run is drawn, by what the motor does there."""
+
+    label: str
+    size: float
+    fill: str
+    face: str
+
+    @property
+    def look(self) -> dict[str, Any]:
+        """Keywords of a line of matplotlib."""
+        return {
+            "color": BLACK, "linestyle": "none", "marker": "o", "markersize": self.size,
+            "fillstyle": self.fill, "markerfacecolor": self.face, "markerfacecoloralt": "white",
+            "markeredgecolor": BLACK, "markeredgewidth": 0.6,
+        }  # fmt: skip
+
+
+STAYS = OperatingMark("motor stays", 2.6, "full", BLACK)
+LOAD_CURVE_NEAR = OperatingMark("motor stays near", 4.4, "left", BLACK)
+LEAVES = OperatingMark("motor leaves", 4.2, "full", "white")
+LOAD_CURVE_MARKED = ("fold", "doubling", "neimark-sacker", "branch point", "corner")
+
+
+def load_curve_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Branches over the no-load speed as load curves; lines of the motor; operating points; leaps."""
+    figure = sheet(view, LOAD_CURVE_HEIGHT_CM)
+    load_curve_panel(figure, figure.subplots(), subjects, view)
+    return figure
+
+
+def load_curve_panel(
+    figure: Figure,
+    axes: Axes,
+    subjects: Sequence[Subject],
+    view: View,
+    no_load: Sequence[float] | None = None,
+) -> None:
+    """The load curve in given axes, its legend below the figure.
+
+    no_load : no-load speeds [Hz] whose lines are drawn, without leaps; None: round ones, and leaps
+    """
+    branches = [subject.result for subject in subjects]
+    torques = [[torque_of(branch)(point.orbit) for point in branch.points] for branch in branches]
+    scale = scale_for("N m", *torques)
+    curves = [LoadCurve(branch, scale) for branch in branches]
+    drawn = draw_branches(
+        axes, subjects, [(curve.speed, curve.torque) for curve in curves], LOAD_CURVE_MARKED
+    )
+    _limit(axes, curves, view)
+    speeds = no_load or _round_speeds(curves)
+    leaps = leaps_of(curves, axes.get_xlim()) if no_load is None else []
+    avoided = [place for curve in curves for place in curve.places()]
+    avoided += [place for leap in leaps for place in leap.places()]
+    stall = float(scale(motor_of(subjects[0].scene).M0))
+    draw_motor_lines(axes, [MotorLine(speed, stall) for speed in speeds], avoided)
+    for curve in curves:
+        for speed in speeds:
+            for place in crossings(curve, speed):
+                _mark(axes, place)
+    for leap in leaps:
+        draw_leap(axes, leap)
+    axes.set_xlabel(r"Mean motor speed $\langle\dot\varphi\rangle/2\pi$ (Hz)")
+    axes.set_ylabel(scale.label("Mean torque"))
+    if len(subjects) > 1:
+        legend_above(axes)
+    keys = [*keys_to_marks(branches, LOAD_CURVE_MARKED), *_keys(bool(leaps))]
+    legend_below(figure, keys, [str(key.get_label()) for key in keys])
+    write_numbers(axes, drawn)
+
+
+def _limit(axes: Axes, curves: Sequence[LoadCurve], view: View) -> None:
+    """All of the branches, from no torque up."""
+    speeds, torques = zip(*(place for curve in curves for place in curve.places()), strict=True)
+    low, high = min(speeds), max(speeds)
+    axes.set_xlim(*(view.window or (low - 0.03 * (high - low), high + 0.05 * (high - low))))
+    axes.set_ylim(min(0.0, *torques), 1.08 * max(torques))
+
+
+def _round_speeds(curves: Sequence[LoadCurve]) -> list[float]:
+    """Round no-load speeds [Hz] that branches have."""
+    values = [parameter_of(curve.branch)(point.orbit) for curve in curves for point in curve.branch.points]
+    low, high = min(values), max(values)
+    ticks = MaxNLocator(LINES, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+    return [float(tick) for tick in ticks if low <= tick <= high]
+
+
+def _mark(axes: Axes, place: Crossing) -> None:
+    """What the motor does; a dot and a ring nearly meet where a branch turns back."""
+    mark = STAYS if place.stable else LOAD_CURVE_NEAR if place.stays else LEAVES
+    axes.plot(
+        place.speed, place.torque, zorder=6.5 if place.stable else 6, gid="operating point", **mark.look
+    )
+
+
+def _keys(leaps: bool) -> list[Line2D]:
+    keys = [Line2D([], [], color=GREY, linewidth=0.5, label="motor (no-load Hz)")]
+    keys += [Line2D([], [], label=mark.label, **mark.look) for mark in (STAYS, LOAD_CURVE_NEAR, LEAVES)]
+    if leaps:
+        keys.append(Line2D([], [], color=VERMILLION, linewidth=1.2, label="held no longer"))
+    return keys
+
+
+# Lines of the motor over load curves: torque against speed for given no-load speeds, and what they meet.
+
+
+RUN = 3000  # periods of an orbit that a motor has to stay or leave
+ASIDE = 1e-3  # by which share the velocities are off the orbit at the start of that run
+MULTIPLIER = 1e-6  # rounding of a multiplier
+MOTOR_LINES_FONT_SIZE = 6.5
+MOTOR_LINES_PLACES = 120  # on a line that are tried for its name
+CLEAR_PT, LEAST_PT = 14.0, 5.0  # between a name and a curve or the frame: enough, and the least
+HEIGHT = 0.62  # of the axes where names stand if they can
+
+
+def torque_of(branch: Any) -> Value:
+    """Mean torque [N m] of an orbit of a branch over the no-load speed."""
+    stall, speed, no_load = motor_of(branch.map.scene).M0, mean_speed_of(branch), parameter_of(branch)
+    return lambda orbit: float(stall * (1 - speed(orbit) / no_load(orbit)))
+
+
+@dataclass(frozen=True)
+class LoadCurve:
+    """A branch over the no-load speed; torques are drawn in the unit of `scale`."""
+
+    branch: Any
+    scale: Scale
+
+    def speed(self, orbit: Any) -> float:
+        """Mean speed of an orbit [Hz]."""
+        return mean_speed_of(self.branch)(orbit)
+
+    def torque(self, orbit: Any) -> float:
+        """Mean torque of an orbit, as drawn."""
+        return float(self.scale(torque_of(self.branch)(orbit)))
+
+    @cached_property
+    def stretches(self) -> list[Stretch]:
+        """The curve from one computed orbit to the next."""
+        return stretches(self.branch)
+
+    def places(self) -> list[tuple[float, float]]:
+        """Mean speed and torque of every orbit."""
+        return [(self.speed(point.orbit), self.torque(point.orbit)) for point in self.branch.points]
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Where a line of the motor meets a load curve: mean speed [Hz], torque as drawn, the orbit there."""
+
+    curve: LoadCurve
+    stretch: Stretch
+    orbit: Any
+
+    @property
+    def speed(self) -> float:
+        return self.curve.speed(self.orbit)
+
+    @property
+    def torque(self) -> float:
+        return self.curve.torque(self.orbit)
+
+    @property
+    def stable(self) -> bool:
+        """Whether the orbit is."""
+        return self.stretch.stable
+
+    @cached_property
+    def stays(self) -> bool:
+        """Whether the motor keeps its mean speed: on the orbit where that is stable; on a motion near it, as
+        on one of twice the period, where a run from beside the orbit ends within 3 % of its speed. Where
+        disturbances grow without turning round (a real multiplier above 1: behind a fold) it leaves.
+        """
+        return self.stable or not (self._is_saddle() or self._departs())
+
+    def _is_saddle(self) -> bool:
+        ends = (self.stretch.one, self.stretch.other)
+        multipliers = [mu for end in ends for mu in end.multipliers]
+        return any(mu.imag == 0 and mu.real > 1 + MULTIPLIER for mu in multipliers)
+
+    def _departs(self) -> bool:
+        """Whether a run that starts beside the orbit ends with another mean speed."""
+        family = self.curve.branch.plan.family()
+        state = family.map(self.orbit.parameter).coordinates.state(np.array(self.orbit.state))
+        beside = {name: x * (1 + ASIDE) if name[0] == "v" else x for name, x in state.items()}
+        scene = placed(family.at(self.orbit.parameter).scene(), beside, RUN * self.orbit.period)
+        trajectory = open_trajectory(scene.without_samples(), section=True)
+        times = np.concatenate([block.section["time"] for block in trajectory.blocks()])
+        late = times[len(times) // 2 :]
+        return len(late) < 2 or abs((len(late) - 1) / (late[-1] - late[0]) / self.speed - 1) > BAND
+
+
+def crossings(curve: LoadCurve, no_load: float) -> list[Crossing]:
+    """Where the line of a no-load speed [Hz] meets a curve: its orbits at that speed."""
+    met = []
+    for stretch in curve.stretches:
+        share = _share(parameter_of(curve.branch), stretch, no_load)
+        if share is not None:
+            met.append(Crossing(curve, stretch, stretch.at(share)))
+    return met
+
+
+def _share(parameter: Value, stretch: Stretch, value: float) -> float | None:
+    """Share of a stretch at which its parameter has a value; None where it has not."""
+    ends = {0.0: parameter(stretch.one) - value, 1.0: parameter(stretch.other) - value}
+    if ends[0.0] * ends[1.0] > 0 or ends[0.0] == ends[1.0]:
+        return None
+
+    def beyond(share: float) -> float:
+        return ends[share] if share in ends else parameter(stretch.at(share)) - value
+
+    return float(brentq(beyond, 0.0, 1.0))
+
+
+@dataclass(frozen=True)
+class MotorLine:
+    """Torque stall (1 - speed / no_load), the speeds in Hz, the torques as drawn."""
+
+    no_load: float
+    stall: float
+
+    def at(self, speed: Any) -> Any:
+        """Torque at speeds [Hz]."""
+        return self.stall * (1 - speed / self.no_load)
+
+    def draw(self, axes: Axes) -> None:
+        """Through the axes, whose limits must be final."""
+        x = np.array(axes.get_xlim())
+        axes.plot(
+            x, self.at(x), color=GREY, linewidth=0.5, scalex=False, scaley=False, zorder=1, gid="motor line"
+        )
+
+    def write(self, axes: Axes, speed: float, text: str, **look: Any) -> None:
+        """A text on the line, in its direction."""
+        slope = np.degrees(np.arctan2(-self.stall / self.no_load, 1.0))
+        axes.text(
+            speed, float(self.at(speed)), text, rotation=slope, rotation_mode="anchor",
+            transform_rotates_text=True, ha="center", **look,
+        )  # fmt: skip
+
+
+def draw_motor_lines(axes: Axes, lines: Sequence[MotorLine], avoided: Sequence[tuple[float, float]]) -> None:
+    """Draw lines, and write each one's no-load speed where it keeps clear of places in data coordinates."""
+    for line in lines:
+        line.draw(axes)
+        speed = _free_place(axes, line, np.array(avoided))
+        if speed is not None:
+            line.write(
+                axes, speed, f"{line.no_load:g}", va="center", fontsize=points(MOTOR_LINES_FONT_SIZE), color="0.3",
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8}, zorder=2, gid="no-load speed",
+            )  # fmt: skip
+
+
+def _free_place(axes: Axes, line: MotorLine, avoided: np.ndarray) -> float | None:
+    """Speed at which a name is clear of everything, nearest to the usual height; None where none is."""
+    speeds = np.linspace(*axes.get_xlim(), MOTOR_LINES_PLACES)
+    places = axes.transData.transform(np.column_stack([speeds, line.at(speeds)]))
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    pt, box = 72 / figure.dpi, axes.bbox
+    gaps = np.linalg.norm(places[:, None] - axes.transData.transform(avoided), axis=2).min(axis=1)
+    edges = [places[:, 0] - box.x0, box.x1 - places[:, 0], places[:, 1] - box.y0, box.y1 - places[:, 1]]
+    clearance = pt * np.minimum(gaps, np.min(edges, axis=0))
+    if clearance.max() < LEAST_PT:
+        return None
+    free = np.flatnonzero(clearance >= min(CLEAR_PT, clearance.max()))
+    heights = (places[free, 1] - box.y0) / box.height
+    return float(speeds[free[np.abs(heights - HEIGHT).argmin()]])
+
+
+# Leaps of a motor: where stable orbits end as its no-load speed rises, it has to leave along its line.
+
+
+LEAPS_NEAR = 0.01  # of the parameter's range: how far the branch may go on unstable before it turns back
+FAR = 0.05  # of the speeds drawn: a leap that can be seen
+ARROW = 0.6  # of the way to the last place on the line: where on it the motor comes to stay is not told
+LEAPS_FONT_SIZE = 7
+
+
+@dataclass(frozen=True)
+class Leap:
+    """A leap along the line of a no-load speed, from a speed to the greatest at which it can run [Hz]."""
+
+    line: MotorLine
+    start: float
+    last: float
+
+    def places(self) -> list[tuple[float, float]]:
+        """Places along it, as drawn."""
+        return [(speed, self.line.at(speed)) for speed in np.linspace(self.start, self.last, 50).tolist()]
+
+
+def leaps_of(curves: Sequence[LoadCurve], span: tuple[float, float]) -> list[Leap]:
+    """From each dead end, where the motor's line meets a curve of the same machine much further right."""
+    leaps = []
+    for curve in curves:
+        ours = [other for other in curves if _machine(other) == _machine(curve)]
+        for orbit in dead_ends(curve.branch):
+            no_load, start = parameter_of(curve.branch)(orbit), curve.speed(orbit)
+            last = max((place.speed for other in ours for place in crossings(other, no_load)), default=start)
+            if last - start > FAR * (span[1] - span[0]):
+                stall = curve.torque(orbit) / (1 - start / no_load)
+                leaps.append(Leap(MotorLine(no_load, stall), start, last))
+    return leaps
+
+
+def _machine(curve: LoadCurve) -> tuple[object, ...]:
+    """Everything that acts, but for the no-load speed and the start."""
+    scene = curve.branch.map.scene
+    motor = motor_of(scene)
+    masses = tuple(body.m for body in scene.bodies)
+    acting = scene.links, scene.stops, scene.frictions, scene.forces, scene.base
+    return (masses, *acting, motor.on, motor.m3, motor.e, motor.J, motor.M0)
+
+
+def dead_ends(branch: Any) -> list[Any]:
+    """The orbits of a branch at which stability ends, as its parameter rises, a hair before or at a fold."""
+    ends, between, outside = [], (-1, -1), 0
+    for special in branch.specials:
+        if special.between != between:
+            between = special.between
+            outside = branch.points[between[0]].orbit.index
+        before, outside = outside, outside + special.jump
+        ends_here = special.jump and 0 in (before, outside)
+        if ends_here and _turns_back(branch, special, 1 if special.jump > 0 else -1):
+            ends.append(special.orbit)
+    return ends
+
+
+def _turns_back(branch: Any, special: Any, way: int) -> bool:
+    """Whether the branch rises up to a special point, and followed `way` soon comes to lower values again."""
+    values = np.array([parameter_of(branch)(point.orbit) for point in branch.points])
+    here = parameter_of(branch)(special.orbit)
+    behind, ahead = special.between[::way]
+    risen = values[ahead::way] - here
+    back = np.flatnonzero(risen < 0)
+    if values[behind] > here or not len(back):
+        return False
+    return bool(risen[: back[0]].max(initial=0.0) <= LEAPS_NEAR * np.ptp(values))
+
+
+def draw_leap(axes: Axes, leap: Leap) -> None:
+    """An arrow on the line of the motor, which is dashed on to the last place; its no-load speed."""
+    ends = np.array([leap.start, leap.last])
+    tip = leap.start + ARROW * (leap.last - leap.start)
+    axes.plot(
+        ends, leap.line.at(ends), color=VERMILLION, linewidth=0.8, linestyle=(0, (2, 1.5)), zorder=3,
+        gid="line of the leap",
+    )  # fmt: skip
+    axes.annotate(
+        "", (tip, leap.line.at(tip)), (leap.start, leap.line.at(leap.start)), zorder=5,
+        arrowprops={"arrowstyle": "-|>,head_width=0.18,head_length=0.4", "color": VERMILLION,
+                    "linewidth": 1.2, "shrinkA": 5, "shrinkB": 0},
+    )  # fmt: skip
+    leap.line.write(
+        axes, (leap.start + tip) / 2, f"{leap.line.no_load:.4g}", va="bottom", fontsize=points(LEAPS_FONT_SIZE),
+        color=VERMILLION, gid="leap",
+    )  # fmt: skip
+
+
+# Several branches in one picture: each has a number, in the legend and at its curve, so that they are told
+# apart in grey print too.
+
+
+NUMBERED_PLACES, PARTS = 40, 4  # along a branch where its number may stand; of each piece between its corners
+APART = 12.0  # pt between a branch and others: enough for its number
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A branch as it is drawn: places along it (n, 2), and its colour."""
+
+    line: np.ndarray
+    colour: Any
+
+
+def draw_branches(
+    axes: Axes,
+    subjects: Sequence[Subject],
+    values: Sequence[tuple[Value, Value]],
+    kinds: Sequence[str] = tuple(MARKS),
+) -> list[Drawn]:
+    """Draw branches in a colour each; of several the legend has numbers and names. `write_numbers` writes the
+    numbers, when all else is drawn.
+
+    values : what is drawn of each branch across and up
+    kinds : of special points that are marked
+    """
+    drawn = []
+    for i, (subject, (x, y)) in enumerate(zip(subjects, values, strict=True)):
+        label = f"{i + 1}: {subject.name}" if len(subjects) > 1 else ""
+        colour = overlay(i)["color"]
+        drawn.append(Drawn(draw_branch(axes, subject.result, x, y, colour, label, kinds), colour))
+    return drawn
+
+
+def write_numbers(axes: Axes, drawn: Sequence[Drawn]) -> None:
+    """Write the number of each of several branches where it ends, or else where it is apart from the others.
+
+    Call it last: limits of the axes must be final.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    if len(drawn) == 1:
+        return
+    figure.draw_without_rendering()
+    lines = [axes.transData.transform(each.line) for each in drawn]
+    named = []
+    for i, line in enumerate(lines):
+        inside = line[[axes.bbox.contains(*place) for place in line.tolist()]]
+        if len(inside):
+            places = inside[np.linspace(len(inside) - 1, 0, NUMBERED_PLACES).round().astype(int)]
+            others = np.concatenate([_dense(other) for j, other in enumerate(lines) if j != i])
+            away = np.linalg.norm(places[:, None] - others, axis=2).min(axis=1) * 72 / figure.dpi
+            order = np.argsort(-np.minimum(away, APART), kind="stable")
+            x, y = axes.transData.inverted().transform(places[order]).T
+            named.append(
+                NamedQuantity(str(i + 1), x, y, {"color": drawn[i].colour, "gid": "number of a branch"})
+            )
+    write_names(axes, named)
+
+
+def _dense(line: np.ndarray) -> np.ndarray:
+    """Places along a polygon, some between its corners."""
+    count = np.arange(len(line))
+    shares = np.linspace(0, len(line) - 1, PARTS * (len(line) - 1) + 1)
+    return np.column_stack([np.interp(shares, count, column) for column in line.T])
+
+
+# Branches of periodic orbits over the curves of a sweep.
+
+
+OVER_SWEEP_MARKED = ("fold", "doubling", "neimark-sacker")
+SIZE = 0.7  # of lines and marks: what was swept shall show beside them
+
+
+def lay_branches(axes: Axes, drawn: Sequence[Curve], branches: Sequence[Subject]) -> None:
+    """Draw the branches whose cases have the values of what else was swept of the curves of a panel."""
+    limits = axes.get_xlim(), axes.get_ylim()
+    for branch in branches:
+        if any(belongs(branch, curve) for curve in drawn):
+            result = branch.result
+            draw_branch(
+                axes, result, parameter_of(result), mean_speed_of(result), BLACK, "", OVER_SWEEP_MARKED, SIZE
+            )
+    axes.set_xlim(*limits[0])
+    axes.set_ylim(*limits[1])
+
+
+def name_branches(figure: Figure, branches: Sequence[Subject]) -> None:
+    """What lines and marks of the branches mean, in the legend under the picture."""
+    if branches:
+        add_below(figure, keys_to_marks([branch.result for branch in branches], OVER_SWEEP_MARKED))
+
+
+def belongs(branch: Subject, curve: Curve) -> bool:
+    """Whether the case of a branch has the values that set a curve apart from others of its sweep."""
+    for axis, position in curve.apart:
+        swept = branch.case.with_values({axis.key: axis.text(position)})
+        if swept.quantity(axis.key).value != branch.case.quantity(axis.key).value:
+            return False
+    return True

@@ -1,0 +1,184 @@
+"""Branches as curves: solid where their orbits are stable, dashed where not, with marks at bifurcations."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from vibsim.cases.quantities import UNITS
+from vibsim.orbits.branches.course import drawn, half_range, stretches
+from vibsim.orbits.branches.node import ENERGY
+from vibsim.plots.sheet import Scale, symbol
+from vibsim.plots.style import BLACK
+from vibsim.plots.subject import Subject
+from vibsim.plots.sweep_axes import is_speed, label_of
+from vibsim.plots.view import PlotError
+
+WIDTH, DASHES = 1.0, (0, (3, 1.5))
+LINE = 0.9  # width of the strokes of marks without an area, and at others 0.2 less [pt]
+MARKS = {  # kind: marker, size [pt], filled, name: each tells itself by its shape, in black and white too
+    "fold": ("x", 3.4, False, "fold"),
+    "doubling": ("s", 3.2, False, "period doubling"),
+    "neimark-sacker": ("D", 4.0, False, "Neimark–Sacker"),
+    "branch point": ("P", 4.2, True, "branch point"),
+    "corner": ("v", 3.8, True, "corner"),
+    "hopf": ("*", 6.0, True, "Hopf point"),
+    "grazing": ("^", 3.6, False, "grazing"),
+    "sticking": ("1", 5.5, False, "stick begins or ends"),
+}
+STROKES = ("x", "1")  # markers without an area
+
+
+@dataclass(frozen=True)
+class CurvePiece:
+    """A piece of a branch whose orbits are all stable, or all not: x and y (n)."""
+
+    x: np.ndarray
+    y: np.ndarray
+    stable: bool
+
+
+def pieces(branch: Any, x: Value, y: Value) -> list[CurvePiece]:
+    """The pieces of a branch between changes of stability, which lie on its special points; smooth."""
+
+    def value(orbit: Any) -> tuple[float, float]:
+        return x(orbit), y(orbit)
+
+    sizes = ranges([value(point.orbit) for point in branch.points])
+    lines = []
+    for stable, members in groupby(stretches(branch), key=lambda stretch: stretch.stable):
+        parts = [drawn(each.at, (each.one, each.other), value, sizes) for each in members]
+        line = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
+        lines.append(CurvePiece(line[:, 0], line[:, 1], stable))
+    return lines
+
+
+def ranges(places: Sequence[tuple[float, ...]]) -> np.ndarray:
+    """Extent of what is drawn in each direction, 1 where it has none."""
+    spans = np.ptp(np.array(places), axis=0)
+    return np.where(spans > 0, spans, 1.0)
+
+
+def draw_branch(
+    axes: Axes,
+    branch: Any,
+    x: Value,
+    y: Value,
+    colour: Any = BLACK,
+    label: str = "",
+    kinds: Sequence[str] = tuple(MARKS),
+    size: float = 1.0,
+) -> np.ndarray:
+    """One branch with its bifurcations; `kinds` are marked, all of it larger or smaller by `size`. The places
+    along it (n, 2).
+    """
+    parts = pieces(branch, x, y)
+    for piece in parts:
+        style = "-" if piece.stable else DASHES
+        gid = "stable" if piece.stable else "unstable"
+        axes.plot(piece.x, piece.y, color=colour, linestyle=style, linewidth=size * WIDTH, zorder=4, gid=gid)
+    if label:
+        axes.plot([], [], color=colour, linewidth=WIDTH, label=label)
+    for kind in kinds:
+        marker, pt, filled, _ = MARKS[kind]
+        orbits = [special.orbit for special in branch.specials if special.kind == kind]
+        if orbits:
+            axes.plot(
+                [x(o) for o in orbits], [y(o) for o in orbits], marker, color=colour, markersize=size * pt,
+                markerfacecolor=colour if filled else "white", markeredgewidth=_stroke(marker) * size,
+                gid=kind, zorder=6 if filled or marker in STROKES else 5,
+            )  # fmt: skip
+    return np.concatenate([np.column_stack([piece.x, piece.y]) for piece in parts])
+
+
+def keys_to_marks(branches: Sequence[Any], kinds: Sequence[str] = tuple(MARKS)) -> list[Line2D]:
+    """What lines and marks mean, for a legend: those that are there."""
+    there = {special.kind for branch in branches for special in branch.specials}
+    stable = any(branch["stable"].any() for branch in branches if branch.key != ENERGY)
+    unstable = any(not branch["stable"].all() for branch in branches)
+    keys = [Line2D([], [], color=BLACK, linewidth=WIDTH, label="stable")] * stable
+    keys += [Line2D([], [], color=BLACK, linewidth=WIDTH, linestyle=DASHES, label="unstable")] * unstable
+    return [*keys, *(_mark(kind) for kind in kinds if kind in there)]
+
+
+def _mark(kind: str) -> Line2D:
+    marker, size, filled, name = MARKS[kind]
+    key = Line2D([], [], color=BLACK, marker=marker, markersize=size, linestyle="none", label=name)
+    key.set_markerfacecolor(BLACK if filled else "white")
+    key.set_markeredgewidth(_stroke(marker))
+    return key
+
+
+def _stroke(marker: str) -> float:
+    return LINE if marker in STROKES else LINE - 0.2
+
+
+# What is drawn of the orbits of a branch: parameter, mean speed of a motor, amplitude.
+
+
+Value = Callable[[Any], float]  # of an orbit record
+
+
+class ParameterAxis:
+    """A parameter as the axis of a picture, with what `sweep_axes.label_of` asks of one."""
+
+    def __init__(self, key: str, unit: str):
+        self.key, self.unit, self.name = key, unit, key.rpartition(".")[2]
+
+
+def parameter_of(branch: Any) -> Value:
+    """The parameter of an orbit: in Hz for the speed of a source, else in its unit; of a backbone curve the
+    frequency in place of the energy.
+    """
+    if branch.key == ENERGY:
+        return mean_speed_of(branch)
+    factor = parameter_factor(branch.key, branch.unit)
+    return lambda orbit: float(orbit.parameter) * factor
+
+
+def parameter_factor(key: str, unit: str) -> float:
+    """What makes of a value in a unit the number that is drawn: Hz for the speed of a source."""
+    if not is_speed(key):
+        return 1.0
+    return float(UNITS[unit].factor) / (1.0 if UNITS[unit].per_turn else 2 * math.pi)
+
+
+def parameter_label(subjects: Sequence[Subject]) -> str:
+    """Label of the axis of the parameter; PlotError where branches are over different ones."""
+    axes = [ParameterAxis(subject.result.key, subject.result.unit) for subject in subjects]
+    if len({axis.key for axis in axes}) > 1:
+        listed = ", ".join(f"{s.path} over {axis.key}" for s, axis in zip(subjects, axes, strict=True))
+        raise PlotError(f"branches over different things do not go into one picture: {listed}")
+    return "Frequency (Hz)" if axes[0].key == ENERGY else label_of(axes[0])
+
+
+def scaled(value: Value, scale: Scale) -> Value:
+    """The same in the unit of a scale."""
+    return lambda orbit: float(scale(value(orbit)))
+
+
+def mean_speed_of(branch: Any) -> Value:
+    """Mean speed of the motor over an orbit [Hz]: its turns over their time."""
+    turns = branch.plan.n
+    return lambda orbit: turns / float(orbit.period)
+
+
+def amplitude_of(branch: Any) -> Value:
+    """Half the range of the first displacement of an orbit [m], from its extremes over a period."""
+
+    family = branch.plan.family()
+    return cache(lambda orbit: half_range(family.map(orbit.parameter), orbit))
+
+
+def amplitude_words(branch: Any) -> str:
+    """What `amplitude_of` is the half range of."""
+    first, *rest = branch.names[0].split("-")
+    return f"Amplitude of {symbol(first)}" + "".join(f" − {symbol(name)}" for name in rest)

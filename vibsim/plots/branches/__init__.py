@@ -1,1 +1,0 @@
-"""Pictures of branches of periodic orbits and of loci: one kind in each module with `draw`."""

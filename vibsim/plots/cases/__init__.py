@@ -1,1 +1,0 @@
-"""Pictures of cases: what a law of force or a motor is, before anything moves."""

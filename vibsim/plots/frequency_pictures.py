@@ -1,0 +1,294 @@
+"""Displacements against the motor's speed: the passage through resonance in one picture."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm, Normalize, to_rgb
+from matplotlib.figure import Figure
+
+from vibsim.plots.pairs import trust_remark
+from vibsim.plots.portraits import moving
+from vibsim.plots.relative_motion import last_half
+from vibsim.plots.samples import mark_frequencies, natural_frequencies, shown, window_of
+from vibsim.plots.sheet import (
+    CM,
+    Scale,
+    legend_above,
+    legend_below,
+    letter_panels,
+    note,
+    pixel_columns,
+    say_inside,
+    scale_for,
+    seconds,
+    sheet,
+    symbol,
+    time_axis,
+)
+from vibsim.plots.spectra import FLOOR, NOTHING, TurnExtremes, first_motion, pieces, spectra, turn_extremes
+from vibsim.plots.style import BLUE, dashed, overlay
+from vibsim.plots.subject import Subject
+from vibsim.plots.time_histories import SPEED, mean_speed
+from vibsim.plots.traces import Block, Trace, draw_trace, trace
+from vibsim.plots.view import Span, View
+
+LOOPS_UP_TO = 40  # turns that are seen as loops; of more, the extremes of each
+HERTZ = Scale(1.0, "Hz")
+PALE, PALER = "0.86", 0.22  # grey of one run; what is left of the colour of one of several
+COLOURS_OF_TIME = "viridis"
+
+
+@dataclass(frozen=True)
+class FrequencyPassage:
+    """Displacement of a block of one run against the motor's speed, and the extremes where turns are many."""
+
+    subject: Subject
+    loops: Trace
+    extremes: TurnExtremes | None
+    colour: Any
+
+
+def displacement_frequency_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Displacements [m] against phidot / 2 pi [Hz]; the whole run unless the view has a window.
+
+    Many turns overlap to an area: it is pale then, and upon it stand the least and the greatest displacement
+    of every turn at the mean speed of that turn, coloured by time (by run where they are several).
+    """
+    columns = moving(subjects)
+    figure = sheet(view, 1.4 + 4.4 * len(columns))
+    panels = list(figure.subplots(len(columns), 1, squeeze=False, sharex=True)[:, 0])
+    shown = displacement_frequency_panels(panels, subjects, view, columns)
+    panels[-1].set_xlabel(f"Motor speed {SPEED} (Hz)")
+    if shown is not None:
+        figure.colorbar(shown, ax=panels, label="Time (s)", pad=0.02, aspect=40)
+    spans = [window_of(subject, view.window) for subject in subjects]
+    remarks = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
+    note(panels[0], "; ".join(filter(None, remarks)))
+    if len(subjects) > 1:
+        legend_above(panels[0], markerscale=4)
+    letter_panels(panels)
+    figure.align_ylabels()
+    return figure
+
+
+def displacement_frequency_panels(
+    panels: Sequence[Axes], subjects: Sequence[Subject], view: View, columns: Sequence[str]
+) -> Any:
+    """The displacements `columns`, each in given axes; the artist whose colours tell the time, if any."""
+    spans = [window_of(subject, view.window) for subject in subjects]
+    drawn = [_passages(subjects, spans, column) for column in columns]
+    scale = scale_for("m", *(passage.loops.y for passages in drawn for passage in passages))
+    shown = None
+    for axes, column, passages in zip(panels, columns, drawn, strict=True):
+        for passage in passages:
+            shown = _draw(axes, passage, column, scale, alone=len(subjects) == 1) or shown
+        axes.margins(0.04)
+        axes.set_ylabel(scale.label(f"Displacement {symbol(column)}"))
+    return shown
+
+
+def _passages(subjects: Sequence[Subject], spans: Sequence[Span], column: str) -> list[FrequencyPassage]:
+    def plane(columns: Block) -> tuple[np.ndarray, np.ndarray]:
+        return columns["phidot"] / (2 * math.pi), columns[column]
+
+    passages = []
+    for i, (subject, span) in enumerate(zip(subjects, spans, strict=True)):
+        if column in subject.tables.samples:
+            colour = overlay(i)["color"] if len(subjects) > 1 else BLUE
+            loops = trace(subject.result, ("phidot", column), plane, span)
+            extremes = turn_extremes(subject.result, column, span)
+            many = len(extremes.hertz) > LOOPS_UP_TO
+            passages.append(FrequencyPassage(subject, loops, extremes if many else None, colour))
+    return passages
+
+
+def _draw(axes: Axes, passage: FrequencyPassage, column: str, scale: Scale, alone: bool) -> Any:
+    """One run: loops, and on them the extremes; what tells the time by colours, if anything does."""
+    many = passage.extremes is not None
+    look: dict[str, Any] = {"color": passage.colour, "linewidth": 0.3, "gid": column}
+    if many:
+        look["color"] = PALE if alone else tuple(1 - (1 - part) * PALER for part in to_rgb(passage.colour))
+    name = passage.subject.name
+    draw_trace(axes, passage.loops, (HERTZ, scale), **look, label="" if many else name)
+    return _draw_extremes(axes, passage, scale, name, alone) if many else None
+
+
+def _draw_extremes(axes: Axes, passage: FrequencyPassage, scale: Scale, name: str, alone: bool) -> Any:
+    extremes = passage.extremes
+    assert extremes is not None
+    x = np.concatenate([extremes.hertz, extremes.hertz])
+    y = scale(np.concatenate([extremes.least, extremes.greatest]))
+    size, rasterized = 1.6, len(x) > 10_000
+    if not alone:
+        axes.plot(
+            x, y, linestyle="none", marker="o", markersize=1.2, markeredgewidth=0, color=passage.colour,
+            label=name, gid="extremes", rasterized=rasterized, zorder=2.95,
+        )  # fmt: skip
+        return None
+    times = np.concatenate([extremes.t, extremes.t])
+    return axes.scatter(
+        x, y, s=size, c=times, cmap=COLOURS_OF_TIME, norm=Normalize(float(times.min()), float(times.max())),
+        linewidths=0, gid="extremes", rasterized=rasterized, zorder=2.95,
+    )  # fmt: skip
+
+
+# Amplitude spectra of the displacements, with the frequencies at which the scene likes to vibrate.
+
+
+def spectrum_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Amplitude against frequency of each body, over the last half of the run unless the view has a window.
+
+    Of several runs that of the first body.
+    """
+    figure = sheet(view, 7.4)
+    axes = figure.subplots()
+    spans = [shown(subject, view.window, last_half) for subject in subjects]
+    curves = [
+        curve
+        for subject, span in zip(subjects, spans, strict=True)
+        for curve in _curves(subject, span, len(subjects) == 1)
+    ]
+    scale = scale_for("m", *(amplitudes for _, _, amplitudes in curves))
+    largest = max(float(scale(amplitudes).max()) for _, _, amplitudes in curves)
+    for i, (name, hz, amplitudes) in enumerate(curves):
+        axes.plot(hz, scale(amplitudes), label=name, gid="spectrum", **dashed(i))
+    if largest:
+        axes.set_yscale("log")
+        axes.set_ylim(largest * FLOOR, 2 * largest)
+    else:
+        axes.set_ylim(0, 1)
+        axes.set_yticks([])
+        say_inside(axes, NOTHING)
+    axes.set_xlim(0, max(hz[-1] for _, hz, _ in curves))
+    axes.set_xlabel("Frequency (Hz)")
+    axes.set_ylabel(scale.label("Amplitude"))
+    remarks = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
+    note(axes, "; ".join(filter(None, remarks)))
+    if len(subjects) > 1:
+        legend_above(axes)
+    else:
+        mark_frequencies([axes], natural_frequencies(subjects[0].scene), (view.width_cm - 1.6) * CM * 72)
+        legend_below(figure, *axes.get_legend_handles_labels())
+    return figure
+
+
+def _curves(subject: Subject, span: Span, alone: bool) -> list[tuple[str, np.ndarray, np.ndarray]]:
+    """Name, frequencies [Hz] and amplitudes [m] of each body, or of the first one where runs are several."""
+    columns = subject.columns_in("m")[: None if alone else 1]
+    hz, amplitudes = spectra(subject, span, columns)
+    names = [symbol(column) if alone else subject.name for column in columns]
+    return [(name, hz, sizes) for name, sizes in zip(names, amplitudes, strict=True)]
+
+
+# How the spectrum of a motion changes in time, the speed of the motor and its multiples drawn in.
+
+
+DECADES = 4  # of amplitude that are told apart
+
+
+def spectrogram_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Amplitude of the first relative motion over time and frequency."""
+    subject = subjects[0]
+    span, motion = window_of(subject, view.window), first_motion(subject)
+    cut = pieces(subject, span, motion, count=600)
+    figure = sheet(view, 7.0)
+    axes = figure.subplots()
+    scale = scale_for("m", cut.amplitudes)
+    values = scale(cut.amplitudes)
+    largest = float(values.max()) or 1.0
+    least = largest * 10.0**-DECADES
+    picture = axes.pcolormesh(
+        _edges(cut.times, span), _edges(cut.hz, (0.0, float(cut.hz[-1]))), np.maximum(values, least).T,
+        cmap="magma", shading="flat", norm=LogNorm(least, largest), rasterized=True, gid="spectrogram",
+    )  # fmt: skip
+    if not values.any():
+        axes.text(0.5, 0.5, NOTHING, transform=axes.transAxes, ha="center", va="center", color="white")
+    figure.colorbar(picture, ax=axes, label=scale.label(f"Amplitude of {motion}"), pad=0.01)
+    if subject.scene.has_motor:
+        _speeds(axes, subject, span)
+    axes.set_ylim(0, cut.hz[-1])
+    axes.set_ylabel("Frequency (Hz)")
+    time_axis(axes, span)
+    note(axes, f"pieces of {cut.length:.3g} s")
+    return figure
+
+
+def _edges(middles: np.ndarray, span: Span) -> np.ndarray:
+    """Where the cell of each value (n) ends, (n + 1): half-way to the next one, and at the ends of a span.
+
+    The first and the last piece of a run reach that far: nobody else tells of their halves.
+    """
+    return np.array([span[0], *((middles[1:] + middles[:-1]) / 2), span[1]])
+
+
+def _speeds(axes: Axes, subject: Subject, span: Span) -> None:
+    """The motor's mean speed over the picture."""
+    t, hertz = mean_speed(subject, span, pixel_columns(axes))
+    axes.plot(t, hertz, color="white", linewidth=0.7, linestyle=(0, (3, 2)), gid="motor-speed")
+
+
+# Spectra one behind the other: of pieces of a run, or of several runs.
+
+
+MOST = 40  # spectra
+HEIGHT = 6.0  # of the largest line, in distances between spectra
+
+
+@dataclass(frozen=True)
+class SpectrumRow:
+    """One spectrum: where it stands on the y axis, frequencies [Hz] and amplitudes [m]."""
+
+    place: float
+    hz: np.ndarray
+    amplitudes: np.ndarray
+
+
+def waterfall_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Spectra of the first relative motion, each raised to its time, or of several runs to their number."""
+    alone = len(subjects) == 1
+    drawn = _of_pieces(subjects[0], view) if alone else _of_runs(subjects, view)
+    scale = scale_for("m", *(row.amplitudes for row in drawn))
+    largest = max(float(row.amplitudes.max()) for row in drawn)
+    apart = (drawn[-1].place - drawn[0].place) / max(len(drawn) - 1, 1) or 1.0
+    raised = HEIGHT * apart / (largest or 1.0)
+    figure = sheet(view, 9.0)
+    axes = figure.subplots()
+    for i, row in enumerate(reversed(drawn)):  # the last, which stands highest, is behind
+        y = row.place + raised * row.amplitudes
+        axes.fill_between(row.hz, y, row.place, facecolor="white", edgecolor="none", zorder=2 + i / MOST)
+        axes.plot(row.hz, y, color=BLUE, linewidth=0.5, gid="spectrum", zorder=2 + i / MOST)
+    axes.set_xlim(0, max(row.hz[-1] for row in drawn))
+    axes.set_xlabel("Frequency (Hz)")
+    if alone:
+        axes.set_ylabel("Time (s)")
+        end = drawn[-1].place + apart  # above it there are lines, and no time
+        axes.set_yticks([tick for tick in axes.get_yticks() if axes.get_ylim()[0] <= tick <= end])
+    else:
+        axes.set_ylabel("Run")
+        axes.set_yticks([row.place for row in drawn], [subject.name for subject in subjects])
+    if not largest:
+        say_inside(axes, NOTHING)
+        return figure
+    note(axes, f"largest line {float(scale(largest)):.3g} {scale.unit}")
+    return figure
+
+
+def _of_pieces(subject: Subject, view: View) -> list[SpectrumRow]:
+    cut = pieces(subject, window_of(subject, view.window), first_motion(subject), count=MOST)
+    return [
+        SpectrumRow(float(time), cut.hz, sizes) for time, sizes in zip(cut.times, cut.amplitudes, strict=True)
+    ]
+
+
+def _of_runs(subjects: Sequence[Subject], view: View) -> list[SpectrumRow]:
+    spans = [shown(subject, view.window, last_half) for subject in subjects]
+    drawn = [
+        spectra(subject, span, [first_motion(subject)]) for subject, span in zip(subjects, spans, strict=True)
+    ]
+    return [SpectrumRow(float(i), hz, sizes) for i, (hz, (sizes,)) in enumerate(drawn)]

@@ -1,0 +1,529 @@
+"""Basins of attraction of a motion without a source: which starts end at rest, which in vibration."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from vibsim.physics.parts import GROUND
+from vibsim.plots.branch_curves import lay_branches, name_branches
+from vibsim.plots.capture_pictures import (
+    Pictures,
+    Shade,
+    lay_classes,
+    legend_of,
+    map_sheet,
+    scatter_classes,
+    share_map,
+)
+from vibsim.plots.relative_motion import DISPLACEMENT, VELOCITY, difference
+from vibsim.plots.samples import mark_frequencies
+from vibsim.plots.sheet import Level, Scale, draw_levels, legend_below, letter_panels, note, scale_for, sheet
+from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PINK, SKY, VERMILLION, YELLOW
+from vibsim.plots.subject import Subject
+from vibsim.plots.sweep_axes import (
+    along,
+    ascending,
+    axis_label,
+    draws_by_ratio,
+    is_speed,
+    label_of,
+    missing_note,
+    numbers,
+    plane_of,
+    show_span,
+)
+from vibsim.plots.sweep_curves import (
+    PAGE_CM,
+    Curve,
+    CurvePanels,
+    alone,
+    curve_panels,
+    curves,
+    draw_bands,
+    ensemble_note,
+    families,
+    finish,
+    frequencies,
+    in_columns,
+    label_outer,
+    limit,
+    name_curves,
+    spread_over,
+)
+from vibsim.plots.view import PlotError, View
+from vibsim.sweeps.computations import VERDICTS
+from vibsim.sweeps.points import Share
+
+END_STATE_HEIGHT_CM = 6.8
+UNDRAWN = 0.005  # greatest share of a curve that would lie on the axis
+EDGE = 0.02  # of the range, beside the first and last mark
+COLOURS = {"undecided": VERMILLION, "rest": BLUE, "vibration": ORANGE}
+SHADES = [Shade(name, COLOURS[name]) for name in VERDICTS]
+MARKS = {"undecided": "^", "rest": "o", "vibration": "s"}
+
+
+def end_state_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """What suits the sweep.
+
+    Two ranges: the verdict on every point, as colours; with an ensemble at every point, the share of its
+    members that come to rest. One range and an ensemble: the share of each verdict against the range. An
+    ensemble alone over two start values: its starts, coloured by the verdict.
+    """
+    (subject,) = subjects
+    return PICTURES.draw(subject, view)
+
+
+def _draw_map(subject: Subject, view: View) -> Figure:
+    plane, verdicts = plane_of(subject), subject.result["end_state"]
+    figure, panels = map_sheet(plane, 1, view)
+    for d, axes in enumerate(panels):
+        lay_classes(axes, plane, plane.grid(verdicts, d), SHADES, "end_state")
+    legend_of(figure, SHADES, verdicts[..., : len(panels)])
+    return figure
+
+
+def _draw_shares(subject: Subject, view: View) -> Figure:
+    """Shares with Wilson's interval of 95 %, which is a bar where it is wider than a mark."""
+    result = subject.result
+    axis = result.axes[along(result)]
+    figure = sheet(view, END_STATE_HEIGHT_CM)
+    axes = figure.subplots()
+    for shade in SHADES:
+        share = result.probability(result["end_state"] == VERDICTS[shade.name])
+        if np.nanmax(share.estimate) > UNDRAWN:
+            _draw_share(axes, axis, share, shade)
+    axes.set_ylim(-0.03, 1.03)
+    x = numbers(axis)[ascending(axis)]
+    show_span(axes, (x[0], x[-1]), EDGE, draws_by_ratio(axis), view)
+    axes.set_xlabel(label_of(axis))
+    axes.set_ylabel("Share of the starts")
+    figure.legend(loc="outside lower center", ncols=2)
+    doubts = int(np.count_nonzero(result["end_state"] == VERDICTS["undecided"]))
+    doubts_text = f"; {doubts} undecided" if doubts else ""
+    _end_state_say(axes, f"{len(result.members)} starts each; bars: 95 %{doubts_text}", subject)
+    return figure
+
+
+def _draw_share(axes: Axes, axis: Any, share: Share, shade: Shade) -> None:
+    order = ascending(axis)
+    x = numbers(axis)[order]
+    estimate, low, high = (v[..., 0].ravel()[order] for v in (share.estimate, share.low, share.high))
+    bars = np.array([estimate - low, high - estimate])
+    drawn = axes.errorbar(
+        x, estimate, np.maximum(bars, 0), label=shade.name, color=shade.colour, marker=MARKS[shade.name],
+        markersize=2.5, capsize=1.5, elinewidth=0.7,
+    )  # fmt: skip
+    drawn.lines[0].set_gid(shade.name)
+
+
+def _draw_starts(subject: Subject, view: View) -> Figure:
+    """Two start values of the members; of one alone, against the displacement at the end."""
+    result = subject.result
+    spreads, verdicts = result.members.spreads, result["end_state"][..., 0].ravel()
+    drawn = [result.members.drawn[spread.key] for spread in spreads]
+    labels = [label_of(spread) for spread in spreads]
+    if len(spreads) == 1:
+        name = next(name for name in result.plan.columns if name.startswith("end_x"))
+        drawn.append(result[name][..., 0].ravel())
+        labels.append(f"{name.removeprefix('end_')} at the end (m)")
+    figure = sheet(view, END_STATE_HEIGHT_CM)
+    axes = figure.subplots()
+    scatter_classes(axes, drawn[0], drawn[1], verdicts, SHADES, view)
+    axes.set_xlabel(labels[0])
+    axes.set_ylabel(labels[1])
+    share = result.probability(result["end_state"] == VERDICTS["rest"])
+    estimate, low, high = (float(100 * np.ravel(v)[0]) for v in (share.estimate, share.low, share.high))
+    _end_state_say(axes, f"rest: {estimate:.3g} % ({low:.3g} to {high:.3g})", subject)
+    legend_of(figure, SHADES, verdicts)
+    return figure
+
+
+def _end_state_say(axes: Axes, words: str, subject: Subject) -> None:
+    """A note above the axes, and what of the sweep is missing."""
+    note(axes, "; ".join(filter(None, [words, missing_note(subject)])))
+
+
+PICTURES = Pictures(
+    _draw_map, _draw_starts, _draw_shares, share_map("end_state", VERDICTS["rest"], "at rest")
+)  # after the functions that it names
+
+
+# The Lyapunov diagram: exponents against what was swept.
+
+
+LYAPUNOV_HEIGHT_CM = 6.0
+LYAPUNOV_PANEL_CM, LYAPUNOV_PANEL_WIDTH_CM = 4.2, 5.4
+TOGETHER = 2  # curves in one panel: up and down
+FURTHER = ((ORANGE, "s"), (GREEN, "^"), (PINK, "v"), (BLACK, "D"), (SKY, "x"), (YELLOW, "+"))
+LARGEST, SPECTRUM = "lyapunov", "lyapunov_spectrum"
+
+
+def lyapunov_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Lyapunov exponents [1/s], the largest with its interval of 95 %, all of them where they are stored.
+
+    Up and down share a panel; more curves, or several exponents of each, have a panel each.
+    """
+    every = curves(subjects)
+    spectrum = any(SPECTRUM in curve.subject.result.plan.columns for curve in every)
+    if len(every) > TOGETHER or (spectrum and len(every) > 1):
+        sheets = curve_panels(every, view, (LYAPUNOV_PANEL_CM,), LYAPUNOV_PANEL_WIDTH_CM)
+        figure, panels = sheets.figure, sheets.panels
+        groups, remark = [[alone(curve)] for curve in sheets.drawn], sheets.omitted
+        top_right = sheets.top_right
+    else:
+        figure = sheet(view, LYAPUNOV_HEIGHT_CM)
+        top_right = figure.subplots()
+        panels, groups, remark = np.array([[top_right]]), [every], ""
+    for axes, group in zip(panels[:, 0], groups, strict=True):
+        exponent_panel(axes, group)
+    limit(panels[0, 0], every, view)
+    label_outer(panels, axis_label(subjects), [exponent_label(every)])
+    note(top_right, "; ".join(filter(None, [remark, exponent_note(every)])))
+    handles, labels = panels[0, 0].get_legend_handles_labels()
+    named = [(handle, label) for handle, label in zip(handles, labels, strict=True) if label]
+    if len(named) > 1:
+        legend_below(figure, *zip(*named, strict=True))
+    return figure
+
+
+def has_exponents(subjects: Sequence[Subject]) -> bool:
+    """Whether every sweep has Lyapunov exponents."""
+    return all({LARGEST, SPECTRUM} & set(subject.result.plan.columns) for subject in subjects)
+
+
+def exponent_panel(axes: Axes, drawn: Sequence[Curve]) -> None:
+    """The exponents of the curves in given axes; where all of a curve are known, each in its colour."""
+    axes.axhline(0, color=GREY, linewidth=0.5, zorder=1, gid="zero")
+    for curve in drawn:
+        spectrum = SPECTRUM in curve.subject.result.plan.columns
+        name, values, half = _largest(curve)
+        if half is not None:
+            axes.vlines(
+                curve.x, values - half, values + half, color=curve.colour, alpha=0.5, linewidth=1.0,
+                gid="interval",
+            )  # fmt: skip
+        draw_bands(axes, curve, name, np.asarray)
+        look = {**curve.look, "markersize": 1.6}
+        label = r"$\lambda_1$" if spectrum and len(drawn) == 1 else curve.label
+        axes.plot(curve.x, values, label=label, gid="exponent", zorder=3, **look)
+        if spectrum:
+            _further(axes, curve, named=curve is drawn[0])
+    axes.margins(y=0.06)
+
+
+def _further(axes: Axes, curve: Curve, named: bool) -> None:
+    """The exponents after the largest, each with a colour and a mark of its own."""
+    for i, others in enumerate(curve.values(SPECTRUM).T[1:]):
+        colour, marker = FURTHER[i % len(FURTHER)]
+        axes.plot(
+            curve.x, others, color=colour, linewidth=0.5, marker=marker, markersize=1.8, markeredgewidth=0.3,
+            label=rf"$\lambda_{{{i + 2}}}$" if named else "", gid="further exponent",
+        )  # fmt: skip
+
+
+def exponent_label(drawn: Sequence[Curve]) -> str:
+    """Label of the axis of the exponents."""
+    spectrum = any(SPECTRUM in curve.subject.result.plan.columns for curve in drawn)
+    return r"Exponents $\lambda_i$ (1/s)" if spectrum else r"Exponent $\lambda_1$ (1/s)"
+
+
+def exponent_note(drawn: Sequence[Curve]) -> str:
+    """What bars or bands about the largest exponent mean."""
+    return ensemble_note(drawn) or "bars: 95 %"
+
+
+def _largest(curve: Curve) -> tuple[str, np.ndarray, np.ndarray | None]:
+    """Column of the largest exponent, its values and the half width of its interval (n).
+
+    Of an ensemble the median, and no interval: the bands tell more.
+    """
+    if LARGEST in curve.subject.result.plan.columns:
+        half = None if curve.members else curve.values(f"{LARGEST}_half_width")
+        return LARGEST, curve.values(LARGEST), half
+    half = None if curve.members else curve.values(f"{SPECTRUM}_half_width")[:, 0]
+    return SPECTRUM, curve.values(SPECTRUM)[:, 0], half
+
+
+# Power flow: what the source gives on the average, and where it goes, against what was swept.
+
+
+POWER_PANEL_CM = 4.4
+POWER_PANEL_WIDTH_CM = 5.4
+MARGINS_CM = 4.4  # names of frequencies above, label and legend below
+GIVERS = ("power_source", "power_base", "power_belts")
+TAKERS = {
+    "power_damper": ("damper", PALE, ""),
+    "power_stops": ("stops", GREEN, ""),
+    "power_friction": ("friction", ORANGE, ""),
+    "power_stored": ("stored (beyond the line: released)", PINK, "////"),
+}  # words, colour and hatches
+
+
+def power_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Mean power of all sources [W] as a line; what dampers, stops and friction take and what is stored as
+    areas.
+
+    The areas add up to the line (first law); of an ensemble all are means, and bands hold the members. One
+    panel for each curve of the sweep, or for some of them, evenly spread, where a page has no room for all.
+    """
+    every = curves(subjects)
+    sheet = curve_panels(every, view, (POWER_PANEL_CM,), POWER_PANEL_WIDTH_CM, MARGINS_CM)
+    panels = sheet.panels[:, 0]
+    limit(panels[0], sheet.drawn, view)
+    scale = scale_for(
+        "W",
+        *(
+            values
+            for curve in sheet.drawn
+            for values in (source_power(curve), *absorbed_powers(curve).values())
+        ),
+    )
+    for axes, curve in zip(panels, sheet.drawn, strict=True):
+        _power_panel(axes, curve, scale)
+    label_outer(sheet.panels, axis_label(subjects), [scale.label("Mean power")])
+    members = [f"mean of {c.members} members, source with bands" for c in sheet.drawn if c.members][:1]
+    note(sheet.top_right, "; ".join(filter(None, [sheet.omitted, *members])))
+    if all(is_speed(subject.result.axes[along(subject.result)].key) for subject in subjects):
+        columns = len({axes.get_subplotspec().colspan.start for axes in panels})
+        for i in range(columns):
+            width_pt = (view.width_cm / columns - 1.6) * 28
+            mark_frequencies(list(panels[i::columns]), frequencies(subjects), width_pt)
+    handles, labels = panels[0].get_legend_handles_labels()
+    legend_below(sheet.figure, handles, labels)
+    return sheet.figure
+
+
+def source_power(curve: Curve) -> np.ndarray:
+    """Mean power that sources, base and belts give together along a curve [W] (n)."""
+    names = [name for name in GIVERS if name in curve.subject.result.plan.columns]
+    total: np.ndarray = sum((curve.mean(name) for name in names[1:]), curve.mean(names[0]))
+    return total
+
+
+def absorbed_powers(curve: Curve) -> dict[str, np.ndarray]:
+    """Mean powers that are taken and stored along a curve [W] (n), by column; those that are 0 left out."""
+    names = [name for name in TAKERS if name in curve.subject.result.plan.columns]
+    powers = {name: curve.mean(name) for name in names}
+    return {name: values for name, values in powers.items() if name != "power_stops" or np.any(values)}
+
+
+def _power_panel(axes: Axes, curve: Curve, scale: Scale) -> None:
+    below = np.zeros(len(curve.x))
+    for name, values in absorbed_powers(curve).items():
+        words, colour, hatch = TAKERS[name]
+        above = below + scale(values)
+        look: dict[str, Any] = {"facecolor": colour, "edgecolor": "0.25", "hatch": hatch, "linewidth": 0}
+        axes.fill_between(curve.x, below, above, label=words, gid=name, **look)
+        below = above
+    source = replace(curve, colour=BLACK)
+    single = [
+        name for name in GIVERS if name in curve.subject.result.plan.columns and np.any(curve.mean(name))
+    ]
+    if len(single) == 1:
+        draw_bands(axes, source, single[0], scale)
+    axes.plot(curve.x, scale(source_power(curve)), label="source", gid="power_source", **source.look)
+    axes.axhline(0, color=GREY, linewidth=0.5, zorder=1)
+
+
+# The orbit diagram: the stroboscopic points of every run of a sweep against what was swept.
+
+
+VECTOR_UP_TO = 20_000  # points: more are pixels in a PDF or SVG
+ORBIT_PANEL_CM, LONE_CM, ORBIT_PANEL_WIDTH_CM = 3.5, 4.2, 5.4
+PANEL_PT = 180  # about the width of a panel
+DOTS_PT = (0.8, 2.0)  # diameters, by how close the points of the sweep lie
+SPEED = r"Speed $\dot\varphi/2\pi$"
+ROWS = 3  # motions shown of a scene of named parts
+
+
+@dataclass(frozen=True)
+class PictureQuantity:
+    """What is drawn in one row of panels: a column of the sweep, its label and unit."""
+
+    column: str
+    label: str
+    unit: str
+
+
+def orbit_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Once per period of the source: displacements; motor speed, or velocity of a single displacement.
+
+    Displacements are those of the ends of stops and links against each other, of bodies where there are none.
+
+    Below, on the same axis, the Lyapunov exponents where the sweep has them. Every curve has panels of its
+    own, up and down too: points upon points would hide each other. Of an ensemble the points of all members.
+    """
+    every = curves(subjects)
+    rows, below = quantities_of(subjects), has_exponents(subjects)
+    height = LONE_CM if len(every) == 1 else ORBIT_PANEL_CM
+    sheets = curve_panels(every, view, [height] * (len(rows) + below), ORBIT_PANEL_WIDTH_CM)
+    drawn = [alone(curve) for curve in sheets.drawn]
+    scales = [_scale(drawn, row) for row in rows]
+    for stack, curve in zip(sheets.panels, drawn, strict=True):
+        for axes, row, scale in zip(stack, rows, scales, strict=False):
+            _orbit_panel(axes, curve, row.column, scale)
+        if below:
+            exponent_panel(stack[-1], [curve])
+    limit(sheets.panels[0, 0], drawn, view)
+    labels = [scale.label(row.label) for row, scale in zip(rows, scales, strict=True)]
+    label_outer(sheets.panels, axis_label(subjects), [*labels, *([exponent_label(drawn)] if below else [])])
+    _orbit_say(sheets, subjects, drawn, below)
+    return sheets.figure
+
+
+def quantities_of(subjects: Sequence[Subject]) -> list[PictureQuantity]:
+    """What all sweeps have stroboscopic points of, and is drawn; PlotError where that is nothing."""
+    rows = _sections(subjects[0])
+    rows = [row for row in rows if all(row.column in subject.result for subject in subjects)]
+    displacements = [row for row in rows if row.unit == "m"]
+    if not displacements:
+        raise PlotError("the sweeps have no stroboscopic points of the same motion")
+    speeds = [row for row in rows if row.unit == "Hz"]
+    rates = [row for row in rows if row.unit == "m/s"]
+    return [*displacements[:ROWS], *(speeds or (rates if len(displacements) == 1 else []))]
+
+
+def _sections(subject: Subject) -> list[PictureQuantity]:
+    """The sections of a sweep: of pairs where there are any, else of bodies."""
+    of = subject.result.plan.recipe.of
+    pairs = {name: each for name, each in of.sections.items() if each[0].Q != GROUND}
+    rows = [
+        PictureQuantity(
+            name, difference(subject.scene, motion, "v" if is_rate else "x"), "m/s" if is_rate else "m"
+        )
+        for name, (motion, is_rate) in (pairs or of.sections).items()
+    ]
+    if not of.of_parts:
+        rows = [replace(row, label=DISPLACEMENT if row.unit == "m" else VELOCITY) for row in rows]
+    return [*rows, *([PictureQuantity("section_speed", SPEED, "Hz")] if of.has_motor else [])]
+
+
+def _orbit_say(sheets: CurvePanels, subjects: Sequence[Subject], drawn: Sequence[Curve], below: bool) -> None:
+    """What the points are and what is left out, above the panels; the names of the exponents under them."""
+    count = max(subject.result.plan.section for subject in subjects)
+    words = f"the last {count} stroboscopic points of each run" if len(drawn) == 1 else f"{count} points each"
+    note(sheets.top_right, "; ".join(filter(None, [sheets.omitted, words])))
+    if below:
+        lowest = sheets.panels[0, -1]
+        note(lowest, exponent_note(drawn))
+        handles, labels = lowest.get_legend_handles_labels()
+        if len(handles) > 1:
+            legend_below(sheets.figure, handles, labels)
+
+
+def _scale(drawn: Sequence[Curve], row: PictureQuantity) -> Scale:
+    if row.unit == "Hz":
+        return Scale(1.0, row.unit)
+    return scale_for(row.unit, *(curve.every(row.column) for curve in drawn))
+
+
+def _orbit_panel(axes: Axes, curve: Curve, name: str, scale: Scale) -> None:
+    section = curve.every(name).reshape(len(curve.x), -1)
+    x = np.broadcast_to(curve.x[:, np.newaxis], section.shape)
+    apart_pt = PANEL_PT / len(curve.x)
+    axes.plot(
+        x.ravel(), scale(section.ravel()), linestyle="none", marker="o", markeredgewidth=0, gid=name,
+        markersize=min(max(0.6 * apart_pt, DOTS_PT[0]), DOTS_PT[1]), color=curve.colour,
+        rasterized=section.size > VECTOR_UP_TO,
+    )  # fmt: skip
+    axes.margins(y=0.06)
+
+
+# The Sommerfeld diagram: steady speed of the motor against its no-load speed.
+
+
+SOMMERFELD_HEIGHT_CM = 7.0
+SOMMERFELD_PANEL_CM = 4.8
+DASHED = (0, (4, 2))
+STEADY_SPEED = r"Steady motor speed $\langle\dot\varphi\rangle/2\pi$ (Hz)"
+SHORT = r"Steady speed $\langle\dot\varphi\rangle/2\pi$ (Hz)"  # beside a low panel
+
+
+def sommerfeld_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Mean speed [Hz] against Omega0 [Hz]; natural frequencies and fractions of them as levels.
+
+    Points on the thin line turn at the no-load speed; a plateau below it is a capture: the power of the motor
+    goes into vibration. One curve has its least to greatest speed as a band; up and down have the hysteresis
+    between them shaded, and a panel for each value of what else was swept. Branches of periodic orbits lie
+    over the curves of the same values, solid where stable, dashed where not.
+    """
+    branches = [subject for subject in subjects if subject.reads == "branch"]
+    subjects = [subject for subject in subjects if subject.reads == "sweep"]
+    drawn = curves(subjects)
+    groups = [drawn]
+    omitted = ""
+    if len(subjects) == 1 and subjects[0].result.plan.carry:
+        every = [[alone(curve) for curve in group] for group in families(drawn)]
+        groups = spread_over(every, in_columns(len(every), view) * int((PAGE_CM - 1.6) / SOMMERFELD_PANEL_CM))
+        omitted = f"{len(groups)} of {len(every)} values" if len(groups) < len(every) else ""
+    columns = in_columns(len(groups), view)
+    rows = -(-len(groups) // columns)
+    height_cm = SOMMERFELD_HEIGHT_CM if len(groups) == 1 else SOMMERFELD_PANEL_CM * rows + 1.6
+    figure = sheet(view, height_cm)
+    grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
+    limit(grid[0, 0], drawn, view)
+    grid[0, 0].set_ylim(*_limits(drawn, np.array(grid[0, 0].get_xlim()), any(map(_is_banded, groups))))
+    levels = [
+        Level(f.hz, f"{f.label}  {f.hz:.2f}", {"linestyle": DASHED})
+        for f in frequencies(subjects, parts=True)
+    ]
+    for i, (axes, group) in enumerate(zip(grid.flat, groups, strict=False)):
+        _sommerfeld_panel(axes, group, len(groups) > 1)
+        lay_branches(axes, group, branches)
+        last = (i + 1) % columns == 0 or i + 1 == len(groups)
+        draw_levels(axes, levels, (height_cm - 1.6) / rows * 28, named=last)
+    finish(grid, len(groups), axis_label(subjects), STEADY_SPEED if len(groups) == 1 else SHORT)
+    panels = list(grid.ravel()[: len(groups)])
+    remarks = [panels[0].get_title(loc="right") if len(panels) == 1 else "", omitted, ensemble_note(drawn)]
+    note(panels[columns - 1], "; ".join(filter(None, remarks)))
+    name_curves(
+        figure, panels, [curve for group in groups for curve in group] if len(groups) == 1 else groups[0]
+    )
+    name_branches(figure, branches)
+    letter_panels(panels)
+    return figure
+
+
+def _sommerfeld_panel(axes: Axes, drawn: Sequence[Curve], titled: bool) -> None:
+    """The curves of one panel."""
+    span = np.array(axes.get_xlim())
+    axes.plot(span, span, color=GREY, linewidth=0.5, scalex=False, scaley=False, zorder=1, gid="no-load")
+    if _is_banded(drawn):
+        (curve,) = drawn
+        axes.fill_between(
+            curve.x, curve.values("min_speed"), curve.values("max_speed"),
+            color=curve.colour, alpha=0.2, linewidth=0, gid="band",
+        )  # fmt: skip
+        note(axes, "band: least to greatest")
+    for curve in drawn:
+        draw_bands(axes, curve, "mean_speed", np.asarray)
+        axes.plot(curve.x, curve.values("mean_speed"), label=curve.label, gid="mean", zorder=3, **curve.look)
+    if len(drawn) == 2 and drawn[0].family == drawn[1].family:
+        up, down = (curve.values("mean_speed") for curve in drawn)
+        axes.fill_between(
+            drawn[0].x, up, down, color=ORANGE, alpha=0.3, linewidth=0, gid="hysteresis", label="hysteresis"
+        )
+    if titled:
+        axes.set_title(drawn[0].title, loc="left", pad=3)
+
+
+def _is_banded(drawn: Sequence[Curve]) -> bool:
+    return len(drawn) == 1 and drawn[0].members is None
+
+
+def _limits(drawn: Sequence[Curve], span: np.ndarray, banded: bool) -> tuple[float, float]:
+    """Room for speeds, bands where they are drawn, and the line of the no-load speed."""
+    names = ("min_speed", "max_speed") if banded else ("mean_speed",)
+    shown = [
+        curve.values(name)[(curve.x >= span[0]) & (curve.x <= span[1])] for curve in drawn for name in names
+    ]
+    values = np.concatenate([*shown, span])
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    margin = 0.03 * (high - low)
+    return low - margin, high + margin

@@ -1,0 +1,422 @@
+"""Time histories of the bodies: the whole window, and a detail in which single impacts are seen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from vibsim.physics.parts import Scene, columns_of, drifting_sets
+from vibsim.plots.pairs import (
+    annotate_runs,
+    common_pairs,
+    label_relative,
+    mark_detail,
+    relative_traces,
+    trust_marks,
+    trust_remark,
+)
+from vibsim.plots.relative_motion import (
+    DETAIL_PERIODS,
+    contact_spans,
+    detail_span,
+    draw_stop_line,
+    impacts_of,
+    period_of,
+    steady_span,
+)
+from vibsim.plots.samples import (
+    POINTS_PER_COLUMN,
+    Envelope,
+    Series,
+    common_window,
+    motor_of,
+    natural_frequencies,
+    series,
+    shown,
+    window_of,
+)
+from vibsim.plots.sheet import (
+    Level,
+    Scale,
+    above_wider,
+    draw_levels,
+    legend_above,
+    letter_panels,
+    note,
+    pixel_columns,
+    scale_for,
+    seconds,
+    sheet,
+    symbol,
+    time_axis,
+)
+from vibsim.plots.spectra import TURNS, states_at, turn_times
+from vibsim.plots.style import BLUE, GREY, SHADE, SKY, THIN, dashed, nested, overlay
+from vibsim.plots.subject import Subject
+from vibsim.plots.traces import dense, draw_trace, samples_are_sparse
+from vibsim.plots.view import Span, View
+
+SINGLE_MARKS = 120  # impacts in a detail up to which each gets its own mark on the curves
+
+
+@dataclass(frozen=True)
+class HistoryQuantity:
+    """What is drawn against time: words, and the SI unit of the states of bodies that it is."""
+
+    words: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class HistoryCurve:
+    """One column of one subject, and how it looks.
+
+    alone : whether the picture shows this subject alone
+    """
+
+    subject: Subject
+    column: str
+    label: str
+    look: dict[str, Any]
+    alone: bool
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Axes, and what is drawn on them: curves over a span [s]."""
+
+    axes: Axes
+    curves: list[HistoryCurve]
+    span: Span
+
+    @cached_property
+    def is_short(self) -> bool:
+        """Whether single periods can be seen."""
+        return is_short(self.curves[0].subject, self.span)
+
+    @cached_property
+    def drawn(self) -> list[Series]:
+        """Instants [s] and values (SI) of each curve: smooth over a short span, else an envelope."""
+        series_of = _short_series if self.is_short else _long_series
+        return [series_of(curve, self.span, pixel_columns(self.axes)) for curve in self.curves]
+
+    @property
+    def runs(self) -> tuple[list[Subject], list[Any]]:
+        """The runs shown and their colours; one of which several bodies are shown counts once, in grey."""
+        if self.curves[0].alone:
+            return [self.curves[0].subject], [GREY]
+        return [curve.subject for curve in self.curves], [curve.look["color"] for curve in self.curves]
+
+
+def draw_history(subjects: Sequence[Subject], view: View, quantity: HistoryQuantity) -> Figure:
+    """Panels of the whole window above, of the detail below.
+
+    One subject: all bodies in one panel. Several: a panel per body, and a detail only where the view asks
+    for it (runs that drift apart leave nothing to be seen in a common one).
+    """
+    groups = curve_groups(subjects, quantity)
+    spans = _spans(subjects, view)
+    count = len(spans) * len(groups)
+    figure = sheet(view, 1.0 + count * (4.2 if len(groups) == 1 else 3.4))
+    panels = list(figure.subplots(count, 1, squeeze=False)[:, 0])
+    shown = [(span, group) for span in spans for group in groups]
+    histories([Panel(axes, group, span) for axes, (span, group) in zip(panels, shown, strict=True)], quantity)
+    for row, axes in enumerate(panels):
+        if row % len(groups) < len(groups) - 1:
+            axes.tick_params(labelbottom=False)
+            axes.set_xlabel("")
+        if row < len(groups) and len(spans) == 2:
+            mark_detail(axes, spans[1])
+    legend_above(panels[0])
+    letter_panels(panels)
+    figure.align_ylabels()
+    return figure
+
+
+def _spans(subjects: Sequence[Subject], view: View) -> list[Span]:
+    window = common_window(subjects, view.window)
+    if view.detail is None and (len(subjects) > 1 or is_short(subjects[0], window)):
+        return [window]
+    return [window, detail_span(subjects, view)]
+
+
+def is_short(subject: Subject, span: Span) -> bool:
+    """Whether a span holds so few periods of the source that single ones can be seen."""
+    return span[1] - span[0] <= 4 * DETAIL_PERIODS * period_of(subject, span)
+
+
+def curve_groups(subjects: Sequence[Subject], quantity: HistoryQuantity) -> list[list[HistoryCurve]]:
+    """The curves of each panel: all bodies of one subject together, or one body of all subjects."""
+    present = [subject.columns_in(quantity.unit) for subject in subjects]
+    if len(subjects) == 1:
+        return [
+            [
+                HistoryCurve(subjects[0], name, symbol(name), dashed(i), True)
+                for i, name in enumerate(present[0])
+            ]
+        ]
+    count = len(subjects)
+    return [
+        [
+            HistoryCurve(s, name, s.name, nested(i, count), False)
+            for i, s in enumerate(subjects)
+            if name in present[i]
+        ]
+        for name in dict.fromkeys(name for names in present for name in names)
+    ]
+
+
+def histories(panels: Sequence[Panel], quantity: HistoryQuantity) -> None:
+    """Draw panels of one quantity, all in the same unit.
+
+    A short span is smooth, with impacts and contact marked; a long one an envelope with a tick per impact.
+    """
+    scale = scale_for(quantity.unit, *(values for panel in panels for _, values in panel.drawn))
+    for panel in panels:
+        draw = _draw_short if panel.is_short else _draw_long
+        draw(panel, scale)
+        first = panel.curves[0]
+        panel.axes.set_ylabel(scale.label(quantity.words if first.alone else symbol(first.column)))
+        time_axis(panel.axes, panel.span)
+
+
+def _draw_long(panel: Panel, scale: Scale) -> None:
+    """Envelopes, pale where the bands of several runs may lie upon each other; impacts, trust horizons.
+
+    Dashes make no sense of a band: the legend has those of the detail.
+    """
+    for curve, (t, values) in zip(panel.curves, panel.drawn, strict=True):
+        alpha = 1.0 if curve.alone else 0.6
+        look = {**curve.look, "linewidth": THIN, "alpha": alpha, "zorder": above_wider(values)}
+        panel.axes.plot(t, scale(values), gid=curve.column, **{**look, "linestyle": "-"})
+        panel.axes.plot([], [], label=curve.label, gid="legend", **curve.look)
+    subjects, colours = panel.runs
+    annotate_runs(panel.axes, subjects, panel.span, colours)
+
+
+def _draw_short(panel: Panel, scale: Scale) -> None:
+    """Smooth curves, impacts marked on them; for a single run, contact shaded."""
+    axes, span = panel.axes, panel.span
+    for curve, (t, values) in zip(panel.curves, panel.drawn, strict=True):
+        axes.plot(t, scale(values), label=curve.label, gid=curve.column, **curve.look)
+        _mark_impacts(axes, curve, span, scale)
+    subject = panel.curves[0].subject
+    if panel.curves[0].alone and subject.scene.has_stop:
+        for begin, end in contact_spans(subject, span):
+            axes.axvspan(begin, end, color=SHADE, linewidth=0, zorder=0, gid="contact")
+    subjects, colours = panel.runs
+    note(axes, trust_marks(axes, subjects, span, colours))
+
+
+def _short_series(curve: HistoryCurve, span: Span, columns: int) -> Series:
+    """Column against time as smooth as the motion."""
+    smooth = dense(curve.subject.result, (curve.column,), window_of(curve.subject, span))
+    return smooth["time"], smooth[curve.column]
+
+
+def _long_series(curve: HistoryCurve, span: Span, columns: int) -> Series:
+    """Column against time over a long span; from the engine where samples are sparse."""
+    subject, own = curve.subject, window_of(curve.subject, span)
+    if samples_are_sparse(subject.scene):
+        filled = dense(subject.result, (curve.column,), own, step=period_of(subject, own) / 16)
+        return filled["time"], filled[curve.column]
+    return series(subject.result, (curve.column,), own, columns)[curve.column]
+
+
+def _mark_impacts(axes: Axes, curve: HistoryCurve, span: Span, scale: Scale) -> None:
+    if not curve.subject.scene.has_stop:
+        return
+    t, values = impacts_of(curve.subject, span, curve.column)
+    if len(t) > SINGLE_MARKS:
+        return
+    axes.plot(
+        t, scale(values), linestyle="none", marker="o", markersize=2.4, markerfacecolor="white",
+        markeredgewidth=0.6, color=curve.look["color"], gid="impacts", zorder=3,
+    )  # fmt: skip
+
+
+# Displacements of the bodies against time.
+
+
+DISPLACEMENT = HistoryQuantity("Displacement", "m")
+
+
+def displacement_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """x of each body against time [s], impacts marked, with a detail."""
+    return draw_history(subjects, view, DISPLACEMENT)
+
+
+# Velocities of the bodies against time.
+
+
+VELOCITY = HistoryQuantity("Velocity", "m/s")
+
+
+def velocity_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """v of each body against time [s], impacts marked, with a detail."""
+    return draw_history(subjects, view, VELOCITY)
+
+
+# Phase portrait of the relative motion.
+
+
+BESIDE_STOP = 20  # characters of a remark that has room beside the name of the stop
+
+
+def relative_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Relative velocity against relative displacement, and the stop.
+
+    The last 50 periods unless the view has a window.
+    """
+    figure = sheet(view, 7.2)
+    axes = figure.subplots()
+    relative_panel(axes, subjects, view)
+    if len(subjects) > 1:
+        legend_above(axes)
+    return figure
+
+
+def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
+    """The portrait in given axes."""
+    spans = [shown(subject, view.window, steady_span) for subject in subjects]
+    pairs = common_pairs(subjects)
+    traces = relative_traces(subjects, pairs, spans)
+    scales = scale_for("m", *(each.x for each in traces)), scale_for("m/s", *(each.y for each in traces))
+    for i, (subject, each) in enumerate(zip(subjects, traces, strict=True)):
+        look = {**overlay(i), "alpha": 0.7} if len(subjects) > 1 else {"color": BLUE}
+        draw_trace(axes, each, scales, label=subject.name, gid="relative", **look)
+    stops = dict.fromkeys(stop for pair in pairs for stop in pair.stops)
+    for position, text in stops:
+        draw_stop_line(axes, position, scales[0], text if len(subjects) == 1 else "")
+    axes.margins(0.05)
+    label_relative(axes, pairs[0], scales)
+    remarks = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
+    text = "; ".join(filter(None, remarks))
+    crowded = len(text) > BESIDE_STOP or any(not name.startswith("$") for _, name in stops)
+    note(axes, text, above=1 if len(subjects) == 1 and stops and crowded else 0)
+
+
+# The slow drift of a block, by which friction and impacts carry it along while it vibrates.
+
+
+ROUNDING = 1e-9  # of the greatest displacement: what points of a settled motion scatter by
+EXACT_UP_TO = 5000  # stroboscopic points that the engine evaluates; more are interpolated
+
+
+def drift_rate(result: Any, column: str, span: Span) -> float:
+    """Velocity at which a block travels over the span while it vibrates [m/s]; x is its `column`.
+
+    From points a multiple of the source's period apart, the median of (x(t + nT) - x(t)) / nT: exact for a
+    motion whose period divides n = 12, as those of 1, 2, 3, 4 and 6 turns do, whatever transient leads to it.
+    With fewer turns in the span, n is half of them; with fewer than two there is no drift to tell from the
+    vibration, and it is 0. So it is where nothing but rounding moves the points, and of a block that springs
+    or stops hold.
+    """
+    times = turn_times(result, span)
+    apart = min(TURNS, len(times) // 2)
+    if apart < 1 or column not in free_columns(result.case.scene()):
+        return 0.0
+    x = states_at(result, (column, f"v{column[1:]}"), times, EXACT_UP_TO)[column]
+    times = times[: len(x)]
+    rate = float(np.median((x[apart:] - x[:-apart]) / (times[apart:] - times[:-apart])))
+    return rate if abs(rate) * (span[1] - span[0]) > ROUNDING * np.abs(x).max() else 0.0
+
+
+def free_columns(scene: Scene) -> set[str]:
+    """Columns of the displacements of the blocks that nothing holds at the ground or the base."""
+    return {columns_of(scene.bodies[body].name)[0] for one in drifting_sets(scene) for body in one.bodies}
+
+
+# Speed of the motor against time, with the frequencies at which it may be captured.
+
+
+NEAR = 0.25  # frequencies up to this part of the drawn range beyond it are drawn too
+HEIGHT_CM = 5.6
+SPEED = r"$\dot\varphi/2\pi$"
+
+
+def motor_speed_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """phidot / 2 pi [Hz] against time [s]; no-load speed and natural frequencies as labelled levels."""
+    figure = sheet(view, HEIGHT_CM)
+    axes = figure.subplots()
+    motor_speed_panel(axes, subjects, view)
+    legend_above(axes)
+    return figure
+
+
+def motor_speed_panel(
+    axes: Axes, subjects: Sequence[Subject], view: View, height_cm: float = HEIGHT_CM
+) -> None:
+    """The speed in given axes, instantaneous as a pale band and averaged over turns as a line.
+
+    height_cm : height of the figure that the axes would fill [cm]
+    """
+    window = common_window(subjects, view.window)
+    low, high = math.inf, -math.inf
+    for i, subject in enumerate(subjects):
+        span = window_of(subject, window)
+        t, phidot = series(subject.result, ("phidot",), span, pixel_columns(axes))["phidot"]
+        hertz = phidot / (2 * math.pi)
+        low, high = min(low, hertz.min()), max(high, hertz.max())
+        pale, clear = _looks(subject, i, len(subjects))
+        axes.plot(t, hertz, gid="phidot", zorder=above_wider(hertz), **pale)
+        mean = mean_speed(subject, span, pixel_columns(axes))
+        if len(mean[0]) or len(subjects) > 1:
+            axes.plot(*mean, gid="mean", linewidth=0.9, zorder=2.9, **clear)
+    colours = [overlay(i)["color"] for i in range(len(subjects))] if len(subjects) > 1 else [GREY]
+    annotate_runs(axes, subjects, window, colours, impacts=False)
+    _draw_frequencies(axes, subjects, low, high, (height_cm - 1.6) * 28)
+    axes.set_ylabel(f"Motor speed {SPEED} (Hz)")
+    time_axis(axes, window)
+
+
+def _looks(subject: Subject, index: int, count: int) -> tuple[dict[str, Any], dict[str, Any]]:
+    """How the band and the line of a subject look; in a picture of one, both are named."""
+    if count == 1:
+        return {"color": SKY, "label": "instantaneous"}, {"color": BLUE, "label": f"mean of {TURNS} turns"}
+    look = overlay(index)
+    return {"color": look["color"], "alpha": 0.35}, {**look, "label": subject.name}
+
+
+def mean_speed(subject: Subject, span: Span, columns: int) -> Series:
+    """Mean speed over TURNS turns of the rotor [Hz] at their middle [s]; an envelope where they are many."""
+    turns = turn_times(subject.result, span)
+    middle, hertz = (turns[:-TURNS] + turns[TURNS:]) / 2, TURNS / (turns[TURNS:] - turns[:-TURNS])
+    if len(middle) <= POINTS_PER_COLUMN * columns:
+        return middle, hertz
+    envelope = Envelope(*span, columns)
+    envelope.add(middle, hertz)
+    return envelope.points()
+
+
+def _draw_frequencies(
+    axes: Axes, subjects: Sequence[Subject], low: float, high: float, height_pt: float
+) -> None:
+    reach = NEAR * (high - low) or 0.1 * abs(high) or 1.0
+    levels = [level for level in levels_of(subjects) if low - reach <= level.value <= high + reach]
+    low, high = (
+        min([low, *(level.value for level in levels)]),
+        max([high, *(level.value for level in levels)]),
+    )
+    margin = 0.06 * (high - low) or 0.1
+    axes.set_ylim(low - margin, high + margin)
+    draw_levels(axes, levels, height_pt)
+
+
+def levels_of(subjects: Sequence[Subject]) -> list[Level]:
+    """Omega0 and natural frequencies [Hz] of the subjects, equal ones once, each named with its value."""
+    levels: dict[tuple[str, float], Level] = {}
+    for subject in subjects:
+        no_load = motor_of(subject.scene).Omega0 / (2 * math.pi)
+        named: list[tuple[str, float, dict[str, Any]]] = [(r"$\Omega_0$", no_load, {"linestyle": "-"})]
+        named += [(f.label, f.hz, {"linestyle": (0, (4, 2))}) for f in natural_frequencies(subject.scene)]
+        for label, hz, look in named:
+            levels.setdefault((label, hz), Level(hz, f"{label}  {hz:.2f}", look))
+    return list(levels.values())

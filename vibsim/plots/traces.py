@@ -1,0 +1,239 @@
+"""Curves in a plane of state variables, honest about what is drawn and small on the page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from vibsim.plots.relative_motion import events_within, impacts_of
+from vibsim.plots.samples import blocks, rows, samples, shortest_period, source_period
+from vibsim.plots.sheet import Scale, above_wider
+from vibsim.plots.subject import Subject
+from vibsim.plots.view import Span
+
+Block = Mapping[str, np.ndarray]
+Plane = Callable[[Block], tuple[np.ndarray, np.ndarray]]
+
+SMOOTH_UP_TO = 20_000  # samples: a span up to this gets instants between its samples
+LINE_UP_TO = 200_000  # samples: up to this a line joins them; beyond, one dot per pixel
+VECTOR_UP_TO = 20_000  # points: larger ones are pixels in a PDF or SVG, at 600 dpi
+RINGS_UP_TO = 60  # impacts marked by rings; more by dots
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Points (x, y), each (n), SI; joined by a line, or the dots of a long run."""
+
+    x: np.ndarray
+    y: np.ndarray
+    joined: bool
+
+
+def trace(result: Any, names: tuple[str, ...], plane: Plane, span: Span) -> Trace:
+    """The run within the span as seen in a plane.
+
+    Parameters
+    ----------
+    names : the columns that `plane` needs
+    plane : maps columns by name to (x, y)
+    """
+    within = rows(result, span)
+    count = within.stop - within.start
+    if count <= SMOOTH_UP_TO:
+        return Trace(*plane(dense(result, names, span)), joined=True)
+    if count <= LINE_UP_TO:
+        return Trace(*plane(samples(result, names, span)), joined=True)
+    return Trace(
+        *one_per_pixel(lambda: (plane(block) for block in blocks(result, names, span))), joined=False
+    )
+
+
+def impact_points(subject: Subject, names: tuple[str, ...], plane: Plane, span: Span) -> Trace:
+    """The states of a body at which contact begins within the span, in the same plane."""
+    columns = tuple(name for name in names if name != "time")
+    t, *values = impacts_of(subject, span, *columns)
+    return Trace(*plane({"time": t, **dict(zip(columns, values, strict=True))}), joined=False)
+
+
+def draw_trace(axes: Axes, drawn: Trace, scales: tuple[Scale, Scale], **look: Any) -> None:
+    """Draw a trace; one with many points is rasterized in vector files."""
+    if not drawn.joined:
+        look = {**look, "linestyle": "none", "marker": ",", "markersize": 0.5}
+    x, y = scales[0](drawn.x), scales[1](drawn.y)
+    look.setdefault("zorder", above_wider(x))
+    axes.plot(x, y, rasterized=len(x) > VECTOR_UP_TO, **{"linewidth": 0.5, **look})
+
+
+def draw_impacts(axes: Axes, impacts: Trace, scales: tuple[Scale, Scale], colour: Any) -> None:
+    """Mark impacts on a trace: rings, or dots where they are many."""
+    few = len(impacts.x) <= RINGS_UP_TO
+    axes.plot(
+        scales[0](impacts.x), scales[1](impacts.y), linestyle="none", marker="o", zorder=3,
+        markersize=2.4 if few else 1.4, markeredgewidth=0.5 if few else 0, color=colour if few else "black",
+        markerfacecolor="white" if few else "black", gid="impacts",
+    )  # fmt: skip
+
+
+# A short stretch of a run as smooth as the motion: samples, events, and instants between them.
+
+
+PER_PERIOD = 40  # instants per shortest period: chords of 9 degrees, round at any print size
+AT_MOST = 40_000  # instants to be evaluated
+
+
+def dense(
+    result: Any, names: tuple[str, ...], span: Span, step: float | None = None
+) -> dict[str, np.ndarray]:
+    """Columns `time` and `names` within the span, the events, and instants between them.
+
+    Every sample and every event within the span is among the rows, as stored, and before an event at which
+    velocities jump the state in front of it; the instants between are evaluated by the engine, further
+    apart where the span is too long for all of them. A span with too many events comes back as samples alone.
+    """
+    names = tuple(name for name in names if name != "time")
+    stored = samples(result, ("time", *names), span)
+    if len(events_within(result, ("t",), span)["t"]) > AT_MOST:
+        return stored
+    between = _instants_between(stored["time"], span, step or _fine_step(result.case.scene()))
+    between = between[between <= result.t_reached]  # of a run that was killed, samples may reach further
+    before, after = _event_rows(result, names, span)
+    # a sample at the instant of an event is the state after it
+    parts = [before, stored, after, {**states_at(result, names, between), "time": between}]
+    order = np.argsort(np.concatenate([part["time"] for part in parts]), kind="stable")
+    return {name: np.concatenate([part[name] for part in parts])[order] for name in stored}
+
+
+def _event_rows(result: Any, names: tuple[str, ...], span: Span) -> tuple[dict[str, np.ndarray], ...]:
+    """Columns `time` and `names` of the events within the span: the states in front of them, and after."""
+    before = {name: f"before_{name}" for name in names if f"before_{name}" in result.events}
+    events = events_within(result, ("t", *names, *before.values()), span)
+    after = {"time": events["t"], **{name: events[name] for name in names}}
+    if not before:
+        return {name: values[:0] for name, values in after.items()}, after
+    return after | {name: events[column] for name, column in before.items()}, after
+
+
+def states_at(result: Any, names: tuple[str, ...], times: np.ndarray) -> dict[str, np.ndarray]:
+    """Columns `names` at ascending instants `times` (n) [s], the engine restarted from stored events.
+
+    As `result.at`, but of a file only the events between the first and the last instant are read.
+    """
+    from vibsim.results.columns import states_at as restarted
+
+    if not len(times):
+        return {name: np.empty(0) for name in names}
+    events = events_within(result, None, (float(times[0]), float(times[-1])), before=1)
+    states = restarted(result.case.scene(), events, times, result.t_reached)
+    return {name: states[name] for name in names}
+
+
+def samples_are_sparse(scene: Any) -> bool:
+    """Whether a line through the samples would miss vibrations: fewer than four to a period of the source."""
+    period = source_period(scene)
+    return period is not None and scene.sample_time(1) > period / 4
+
+
+def _fine_step(scene: Any) -> float | None:
+    period = shortest_period(scene)
+    return None if period is None else period / PER_PERIOD
+
+
+def _instants_between(time: np.ndarray, span: Span, step: float | None) -> np.ndarray:
+    """Equally spaced instants between the samples [s], at most about AT_MOST."""
+    knots = np.unique(np.concatenate([[span[0]], time, [span[1]]]))
+    if step is None:
+        return np.empty(0)
+    pieces = np.maximum(np.ceil(np.diff(knots) / step), 1)
+    if pieces.sum() > AT_MOST:
+        pieces = np.maximum(np.floor(pieces * (AT_MOST / pieces.sum())), 1)
+    parts = [
+        np.linspace(a, b, int(n) + 1)[1:-1] for a, b, n in zip(knots[:-1], knots[1:], pieces, strict=True)
+    ]
+    return np.concatenate([np.empty(0), *parts])
+
+
+# Cubic Hermite interpolation between samples of a function and its derivative.
+
+
+NEWTON_STEPS = 6  # quadratic from an error below the interval: 1 -> 2^-64 of it
+
+
+def hermite(
+    t: np.ndarray, f: np.ndarray, slope: np.ndarray, left: np.ndarray, at: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Value and derivative (n) at the instants `at` (n), in the intervals that begin with samples `left`."""
+    h = t[left + 1] - t[left]
+    return _cubic((at - t[left]) / h, h, f[left], f[left + 1], slope[left], slope[left + 1])
+
+
+def _cubic(
+    s: np.ndarray, h: np.ndarray, f0: np.ndarray, f1: np.ndarray, d0: np.ndarray, d1: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Value and time derivative at s in [0, 1] of intervals of length h, end values f, slopes d."""
+    a, b = h * d0 - (f1 - f0), (f1 - f0) - h * d1
+    value = (1 - s) * f0 + s * f1 + s * (1 - s) * ((1 - s) * a + s * b)
+    derivative = f1 - f0 + (1 - 2 * s) * ((1 - s) * a + s * b) + s * (1 - s) * (b - a)
+    return value, derivative / h
+
+
+def root_time(
+    t0: np.ndarray,
+    t1: np.ndarray,
+    f0: np.ndarray,
+    f1: np.ndarray,
+    d0: np.ndarray,
+    d1: np.ndarray,
+    target: np.ndarray,
+) -> np.ndarray:
+    """Instants (n) at which the interpolant passes `target`, between f0 and f1: Newton, kept inside."""
+    h = t1 - t0
+    s = np.clip((target - f0) / (f1 - f0), 0.0, 1.0)
+    for _ in range(NEWTON_STEPS):
+        value, derivative = _cubic(s, h, f0, f1, d0, d1)
+        steep = np.where(derivative == 0, 1.0, derivative)
+        s = np.clip(s - np.where(derivative == 0, 0.0, (value - target) / (steep * h)), 0.0, 1.0)
+    return np.asarray(t0 + s * h)
+
+
+# Long portraits reduced to one sample per pixel.
+
+
+Blocks = Callable[[], Iterable[tuple[np.ndarray, np.ndarray]]]
+
+
+def one_per_pixel(blocks: Blocks, pixels: tuple[int, int] = (1200, 900)) -> tuple[np.ndarray, np.ndarray]:
+    """The first sample (x, y) to fall into each pixel of the picture, of a series too long to draw.
+
+    Parameters
+    ----------
+    blocks : called twice, yields the series block by block as (x, y), each (n)
+    pixels : size of the grid laid over the range of the data
+
+    Every point returned is a sample, and no sample lies farther than one pixel from a point returned.
+    """
+    x_low, x_span, y_low, y_span = _range(blocks)
+    wide, high = pixels
+    painted = np.zeros(wide * high, dtype=bool)
+    kept_x, kept_y = [], []
+    for x, y in blocks():
+        column = np.minimum(((x - x_low) / x_span * wide).astype(np.int64), wide - 1)
+        row = np.minimum(((y - y_low) / y_span * high).astype(np.int64), high - 1)
+        pixel, first = np.unique(row * wide + column, return_index=True)
+        first = first[~painted[pixel]]
+        painted[pixel] = True
+        kept_x.append(x[first])
+        kept_y.append(y[first])
+    return np.concatenate(kept_x), np.concatenate(kept_y)
+
+
+def _range(blocks: Blocks) -> tuple[float, float, float, float]:
+    x_low = y_low = np.inf
+    x_high = y_high = -np.inf
+    for x, y in blocks():
+        x_low, x_high = min(x_low, x.min()), max(x_high, x.max())
+        y_low, y_high = min(y_low, y.min()), max(y_high, y.max())
+    return x_low, (x_high - x_low) or 1.0, y_low, (y_high - y_low) or 1.0

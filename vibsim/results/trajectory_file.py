@@ -1,0 +1,633 @@
+"""A trajectory file opened for reading: checked once, its columns read when they are asked for."""
+
+import errno
+import time
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from itertools import repeat
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import h5py
+import numpy as np
+
+from vibsim.engine.blocks import part_offsets
+from vibsim.physics.numbers import text_width
+from vibsim.physics.parts import EVENT_KINDS, Clearance, Scene
+from vibsim.results.columns import TIMES, Digits, Tables, tables_of
+from vibsim.results.file_contents import (
+    ENGINE,
+    EXTENDED,
+    LIST,
+    NUMBER,
+    PROVENANCE,
+    ROWS,
+    TEXT,
+    WHOLE,
+    Attribute,
+    Column,
+    Dataset,
+)
+from vibsim.results.hdf5_reading import (
+    ResultFileError,
+    check_datasets,
+    check_values,
+    checked_attributes,
+    damage_named,
+    detach,
+    open_hdf5,
+    read_attrs,
+    reason,
+    release,
+    reserve,
+    stored_case,
+    write_attrs,
+)
+from vibsim.results.hdf5_writing import (
+    DatasetStream,
+    DigitsStream,
+    Lock,
+    check_leftover,
+    check_result_output,
+    held_until,
+    partial_path,
+    publish,
+    write_datasets,
+)
+from vibsim.results.trust_horizon import COLUMN as ERROR_ESTIMATE
+from vibsim.signals import held_back
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+
+class TrajectoryFile:
+    """An HDF5 file of one trajectory.
+
+    tables : the columns of a file that this process has just written, which is not checked again; None:
+    everything is checked, and `attrs` and `case` are read. Raises ResultFileError for a file that is no
+    trajectory, or damaged.
+    """
+
+    def __init__(self, path: str | Path, tables: Tables | None = None):
+        self.path = Path(path)
+        self.attrs: dict[str, Any] = {}
+        self.case: Case | None = None
+        self._file = open_hdf5(self.path)
+        try:
+            with damage_named(self.path):
+                self._open_tables(tables)
+        except BaseException:
+            self.close()
+            raise
+
+    def _open_tables(self, tables: Tables | None) -> None:
+        t_end = inf
+        if tables is None:
+            tables, t_end = self._promised()
+        older = self._scene_of_an_older_file()
+        if older is not None:
+            tables = older_tables(tables, older)
+        samples, events = sample_datasets(tables, t_end), event_datasets(tables, t_end)
+        digits = digit_datasets(tables) if "digits" in self._file else []
+        orbit = orbit_datasets(self._file[GROUP]) if GROUP in self._file else []
+        if self.case is not None:
+            check_datasets(self.path, self._file, [*samples, *events, *digits, *orbit])
+        self.orbit = FileColumns(self.path, self._file, orbit) if orbit else None
+        self.samples = FileColumns(self.path, self._file, samples)
+        self.events: Mapping[str, np.ndarray] = FileColumns(self.path, self._file, events)
+        if older is not None:
+            self.events = CompletedEvents(self.events, older)
+        self.digits = self._digits(digits)
+
+    def _promised(self) -> tuple[Tables, float]:
+        """Columns and end [s] that the case and the attributes promise, both checked."""
+
+        self.attrs = checked_attributes(self.path, read_attrs(self._file), ATTRIBUTES)
+        self.case = stored_case(self.path, self.attrs)
+        scene = self.case.scene()
+        known = ERROR_ESTIMATE in self._file or "trust_horizon_s" in self.attrs
+        tables = tables_of(scene)
+        return (tables.judged() if known else tables), scene.t_end
+
+    def _scene_of_an_older_file(self) -> Scene | None:
+        """The scene, where the file is from before events named their part."""
+        if self.case is None or self.case.is_long or "part" in self._file.get("events", ("part",)):
+            return None
+        return self.case.scene()
+
+    def _digits(self, datasets: list[Dataset]) -> Digits | None:
+        if not datasets:
+            return None
+        samples, events = (
+            FileColumns(self.path, self._file, [each for each in datasets if of_events(each) == after])
+            for after in (False, True)
+        )
+        return Digits(samples, events)
+
+    def close(self) -> None:
+        """Let go of the file; columns not read so far can then not be read."""
+        self._file.close()
+
+
+def of_events(dataset: Dataset) -> bool:
+    """Whether a dataset of digits belongs to the table of events."""
+    return "/events/" in dataset.name
+
+
+class FileColumns(Mapping[str, np.ndarray]):
+    """Columns of one table on file, read whole on first access and kept; `column` reads slices instead."""
+
+    def __init__(self, path: Path, file: h5py.File, datasets: Iterable[Dataset]):
+        self._path, self._file = path, file
+        self._datasets = {dataset.name.rpartition("/")[2]: dataset for dataset in datasets}
+        self._kept: dict[str, np.ndarray] = {}
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self._kept:
+            self._kept[name] = self.column(name)[:]
+        return self._kept[name]
+
+    def column(self, name: str) -> "FileColumn":
+        """One column, not read yet; KeyError when there is none of this name."""
+        return FileColumn(self._path, self._file, self._datasets[name])
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._datasets
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._datasets)
+
+    def __len__(self) -> int:
+        return len(self._datasets)
+
+
+class FileColumn:
+    """One column on file: `column[a:b]` and `column[i]` read that much, `len` reads nothing.
+
+    Raises ResultFileError for numbers that cannot be right.
+    """
+
+    def __init__(self, path: Path, file: h5py.File, declared: Dataset):
+        self._path, self._declared = path, declared
+        with damage_named(path):
+            item = file[declared.name]
+        self.dtype = item.dtype
+        self._dataset = item.asstr() if declared.column.dtype == "text" else item
+
+    def __len__(self) -> int:
+        return int(self._dataset.shape[0])
+
+    def __getitem__(self, rows: Any) -> Any:
+        with damage_named(self._path):
+            values = self._dataset[rows]
+        check_values(self._path, self._declared, values)
+        return values
+
+
+# What the file of a periodic orbit holds besides a run of one period: the group `orbit`, and attributes.
+
+
+GROUP = "orbit"
+ORBIT_ATTRIBUTES = [
+    Attribute("orbit_periods", WHOLE, optional=True),
+    Attribute("orbit_period_s", NUMBER, optional=True, where="orbit_periods"),
+    Attribute("orbit_stable", WHOLE, optional=True, where="orbit_periods", allowed=(0, 1)),
+    Attribute("orbit_events", TEXT, optional=True, where="orbit_periods"),
+    Attribute("orbit_residual", NUMBER, optional=True, where="orbit_periods"),
+    Attribute("orbit_sliding_margin", EXTENDED, optional=True, where="orbit_periods"),
+    Attribute("orbit_digits", WHOLE, optional=True),
+]
+UNKNOWN, MULTIPLIER, RETURN = ("unknown",), ("multiplier",), ("return",)
+DATASETS = [
+    Dataset(f"{GROUP}/unknown", Column(None, "name of the unknown on the section", dtype="text"), UNKNOWN),
+    Dataset(f"{GROUP}/units", Column(None, "unit of the unknown", dtype="text"), UNKNOWN),
+    Dataset(f"{GROUP}/multiplier", Column("1", "number of the multiplier", dtype="i4"), MULTIPLIER),
+    Dataset(f"{GROUP}/multiplier_real", Column("1", "real part of the Floquet multiplier"), MULTIPLIER),
+    Dataset(f"{GROUP}/multiplier_imaginary", Column("1", "imaginary part of it"), MULTIPLIER),
+    Dataset(f"{GROUP}/return", Column("1", "number of the return to the section", dtype="i4"), RETURN),
+    Dataset(f"{GROUP}/points", Column(None, "unknowns at the returns"), (*RETURN, *UNKNOWN)),
+    Dataset(f"{GROUP}/derivative", Column(None, "derivative of the return map"), (*UNKNOWN, *UNKNOWN)),
+]
+DIGITS = [
+    Dataset(
+        f"{GROUP}/digits_start", Column(None, "unknowns at the start, decimal digits", dtype="S"), UNKNOWN
+    ),
+    Dataset(f"{GROUP}/digits_real", Column(None, "real part, decimal digits", dtype="S"), MULTIPLIER),
+    Dataset(
+        f"{GROUP}/digits_imaginary", Column(None, "imaginary part, decimal digits", dtype="S"), MULTIPLIER
+    ),
+]
+
+
+def orbit_datasets(group: object) -> list[Dataset]:
+    """The datasets of a group `orbit`, by what is in it."""
+    return DATASETS + (DIGITS if "digits_start" in group else [])  # type: ignore[operator]
+
+
+# What a trajectory file must hold, told from the columns of its scene.
+
+
+COUNTS = ("impacts", "sticks", "reversals", "steps", "evaluations")
+STRUCK = ("transmitted", "chatters", "rests")  # of scenes with rigid stops
+LEFT_OUT = ("chatter_time", "chatter_speed", "chatter_distance")
+NUMBERS = ("rest_distance_needed", "wall_time_s", "taylor_tolerance", "lyapunov_volume_residual")
+
+ATTRIBUTES = [
+    *PROVENANCE,
+    Attribute("method", TEXT),
+    ENGINE,
+    Attribute("t_end_s", NUMBER),
+    Attribute("complete", WHOLE, allowed=(0, 1)),
+    Attribute("t_reached_s", NUMBER, optional=True, where="complete"),
+    Attribute("events", WHOLE, optional=True),
+    *(Attribute(name, WHOLE, optional=True, where="events") for name in COUNTS),
+    *(Attribute(name, WHOLE, optional=True) for name in STRUCK),
+    *(Attribute(name, NUMBER, optional=True) for name in LEFT_OUT),
+    Attribute("certified", WHOLE, optional=True, allowed=(0, 1)),
+    Attribute("uncertified", WHOLE, optional=True, where="certified"),
+    Attribute("first_uncertified_time", NUMBER, optional=True, where="uncertified"),
+    Attribute("violations", WHOLE, optional=True),
+    Attribute("first_violation_time", NUMBER, optional=True, where="violations"),
+    Attribute("grazing_margin", NUMBER, optional=True, where="grazing_time"),
+    Attribute("grazing_time", NUMBER, optional=True, where="grazing_margin"),
+    Attribute("energy_residual", NUMBER, optional=True),
+    Attribute("energy_residual_relative", NUMBER, optional=True, where="energy_residual"),
+    Attribute("trust_horizon_s", NUMBER, optional=True),
+    Attribute("trust_tolerance_m", NUMBER, optional=True, where="trust_horizon_s"),
+    Attribute("error_estimate_max", NUMBER, optional=True, where="trust_horizon_s"),
+    Attribute("trust_known_to_s", NUMBER, optional=True),
+    Attribute("trust_unknown_why", TEXT, optional=True, where="trust_known_to_s"),
+    Attribute("clearances_needed", LIST, optional=True),
+    Attribute("taylor_order", WHOLE, optional=True),
+    Attribute("digits", WHOLE, optional=True),
+    Attribute("number_type", TEXT, optional=True, where="digits"),
+    Attribute("digits_right", WHOLE, optional=True),
+    Attribute("digits_right_from", TEXT, optional=True, where="digits_right"),
+    Attribute("lyapunov_growth", ROWS, optional=True),
+    Attribute("lyapunov_exponents", LIST, optional=True, where="lyapunov_growth"),
+    Attribute("lyapunov_rank_losses", WHOLE, optional=True, where="lyapunov_growth"),
+    Attribute("lyapunov_pieces", WHOLE, optional=True, where="lyapunov_growth"),
+    Attribute("lyapunov_tangencies", WHOLE, optional=True, where="lyapunov_growth"),
+    Attribute("lyapunov_closest_tangency", EXTENDED, optional=True, where="lyapunov_growth"),
+    Attribute("lyapunov_closest_tangency_time", NUMBER, optional=True),
+    Attribute("lyapunov_undefined_time", NUMBER, optional=True),
+    *(Attribute(name, NUMBER, optional=True) for name in NUMBERS),
+    *ORBIT_ATTRIBUTES,
+]
+ROUNDED = 1 + 4 * 2.0**-52  # the last sample and the end are rounded apart
+SAMPLE, EVENT = "sample", "event"
+
+
+def sample_datasets(tables: Tables, t_end: float = inf) -> list[Dataset]:
+    """The datasets of the sampled columns, `time` first, of a run that ends at `t_end` [s] or before."""
+    return [_dataset(name, name, column, SAMPLE, t_end) for name, column in tables.samples.items()]
+
+
+def event_datasets(tables: Tables, t_end: float = inf) -> list[Dataset]:
+    """The datasets of the table of events."""
+    return [_dataset(f"events/{name}", name, column, EVENT, t_end) for name, column in tables.events.items()]
+
+
+def digit_datasets(tables: Tables) -> list[Dataset]:
+    """The texts of sampled states, and those of the table of events."""
+    samples, events = digit_columns(tables)
+    return [
+        *(Dataset(f"digits/{name}", column, (SAMPLE,)) for name, column in samples.items()),
+        *(Dataset(f"digits/events/{name}", column, (EVENT,)) for name, column in events.items()),
+    ]
+
+
+def digit_columns(tables: Tables) -> tuple[dict[str, Column], dict[str, Column]]:
+    """What the texts of sampled states, and those of the table of events, are, by name."""
+    return (
+        {name: _written_out(tables.samples[name]) for name in tables.states},
+        {name: _written_out(tables.events[name]) for name in ("t", *tables.states)},
+    )
+
+
+def _written_out(column: Column) -> Column:
+    return Column(column.units, f"{column.long_name}, decimal digits", dtype="S")
+
+
+def _dataset(path: str, name: str, column: Column, dimension: str, t_end: float) -> Dataset:
+    if name in TIMES:
+        return Dataset(path, column, (dimension,), ascending=True, span=(0.0, t_end * ROUNDED))
+    return Dataset(path, column, (dimension,))
+
+
+# Files of the short form from before events named their part and a rest distance had a state.
+
+
+Table = Mapping[str, np.ndarray]
+NO_PARTS = [EVENT_KINDS["start"], EVENT_KINDS["end"]]
+
+
+def older_tables(tables: Tables, scene: Scene) -> Tables:
+    """The columns that such a file has."""
+    added = {"part", *(clearance.name for clearance in scene.clearances)}
+
+    def without(columns: Mapping[str, Column]) -> dict[str, Column]:
+        return {name: column for name, column in columns.items() if name not in added}
+
+    return replace(tables, samples=without(tables.samples), events=without(tables.events))
+
+
+class CompletedEvents(dict[str, np.ndarray]):
+    """The events of such a file with the columns that it lacks: their kinds tell the parts."""
+
+    def __init__(self, events: Table, scene: Scene):
+        kind = np.asarray(events["kind"])
+        part = np.where(np.isin(kind, NO_PARTS), -1, part_offsets(scene)[kind])
+        super().__init__({**events, "part": part.astype("i1")})
+        for clearance in scene.clearances:
+            self[clearance.name] = _violated(events, clearance)
+
+
+def _violated(events: Table, clearance: Clearance) -> np.ndarray:
+    """Whether the distance is violated behind each event."""
+    kind, far = np.asarray(events["kind"]), np.asarray(events["x1"] - events.get("x2", 0.0))
+    begun = (kind == EVENT_KINDS["violation_begin"]).astype(int)
+    ended = (kind == EVENT_KINDS["violation_end"]).astype(int)
+    return (int(far[0] > clearance.distance) + np.cumsum(begun - ended)).astype("i1")
+
+
+# Lyapunov exponents of a run as attributes of its file.
+
+
+def exponent_attributes(totals: Mapping[str, Any]) -> dict[str, Any]:
+    """Attributes from the totals of a run; empty where it carried no tangent bundle, or ended too early.
+
+    lyapunov_exponents [1/s], the largest first, -inf where sticking or rest took the direction, NaN where the
+    motion has no derivative, from lyapunov_undefined_time [s] on; lyapunov_growth: rows (t [s], logarithm of
+    the growth of each disturbance since the first row); what checks them.
+    """
+    if len(totals.get("growth", ())) < 2:
+        return {}
+    known = {
+        "lyapunov_exponents": totals["exponents"],
+        "lyapunov_growth": totals["growth"],
+        "lyapunov_rank_losses": totals["rank_losses"],
+        "lyapunov_pieces": totals["tangent_pieces"],
+        "lyapunov_tangencies": totals["tangencies"],
+        "lyapunov_closest_tangency": totals["closest_tangency"],
+    }
+    for name in ("volume_residual", "closest_tangency_time", "undefined_time"):
+        if np.isfinite(totals[name]):
+            known[f"lyapunov_{name}"] = totals[name]
+    return known
+
+
+# Write a trajectory to an HDF5 file while it is being computed.
+#
+# The file grows as NAME.partial, is flushed every few megabytes, and every ten seconds where these take
+# longer (a killed run leaves a file that opens, holding what the last flush held), and gets its name when it
+# is whole. Memory does not grow with the length of the run.
+
+
+SAMPLE_CHUNK = 16384  # rows: 128 kB per column, 82 s at 5 ms; a window reads few chunks, a run writes few
+EVENT_CHUNK = 2048
+FLUSH_BYTES = 4 << 20  # flushed at a time, so at most some 5 MB of samples are lost with a killed run
+LONGEST = 10.0  # seconds of computing that are lost at most with a killed run that fills its chunks slowly
+FOR_COLUMN = 4 << 10  # bytes that a column takes besides its rows: header, attributes, index; 3.5 kB measured
+FOR_INDEX = 2200  # bytes of a node in the index of a column's chunks
+FOR_ATTRIBUTE = 128  # bytes that an attribute takes besides its value
+FOR_FILE = 16 << 10  # bytes that the root takes besides long attributes
+
+# 'earliest' keeps the file readable after a kill: the newer formats mark an open file and refuse it later.
+LIBVER = ("earliest", "v110")
+
+
+class TrajectoryWriter:
+    """Streams samples and events to `path`; nothing is under that name before `finish`.
+
+    Parameters
+    ----------
+    path : the target; kept if it exists unless `force`
+    tables : the columns of its samples and events
+    attrs : root attributes known at the start; every later one by `update`
+    """
+
+    def __init__(self, path: str | Path, tables: Tables, attrs: Mapping[str, Any], force: bool = False):
+        self.target = check_result_output(path, force)
+        self.partial = partial_path(self.target)
+        self.shown = f"{path}.partial"
+        self.force = force
+        self._path = path
+        with held_back():
+            self._lock = Lock(self.target, path)
+            try:
+                check_leftover(path, force)  # once more: another may have been killed in between
+                self._create(tables, attrs)
+            except BaseException:
+                self._lock.release()
+                raise
+
+    def _create(self, tables: Tables, attrs: Mapping[str, Any]) -> None:
+        self._unflushed = 0
+        self._flushed = time.monotonic()
+        self._reserved = 0  # size [bytes] up to which there is room
+        self._indexed = False  # whether rows are on file
+        count = len(tables.samples) + len(tables.events)
+        self._besides = FOR_FILE + _size_of(attrs) + FOR_COLUMN * count
+        self.streams: list[Any] = []
+        try:
+            self.partial.unlink(missing_ok=True)  # it may be another name of a whole file
+            self._file = h5py.File(self.partial, "w", libver=LIBVER)
+        except OSError as error:
+            raise ResultFileError(f"{self._path}: cannot write: {reason(error)}") from error
+        if not self._make_room():
+            self._file.close()
+            self.partial.unlink()
+            raise ResultFileError(f"{self._path}: disk full")
+        self.update(attrs)
+        self.samples = DatasetStream(self._file.id, tables.samples, SAMPLE_CHUNK)
+        self.events = DatasetStream(self._file.create_group("events").id, tables.events, EVENT_CHUNK)
+        self.streams += [self.samples, self.events]
+        self._besides -= (FOR_COLUMN - FOR_INDEX) * count
+        self._file.flush()
+
+    def append(self, samples: Mapping[str, np.ndarray], events: Mapping[str, np.ndarray]) -> None:
+        """Take one block of samples and events (name -> 1-D array)."""
+        rows = [len(samples["time"]), len(events["t"])] * (len(self.streams) // 2)
+        ahead = [2 * count for count in rows]  # room for the next block too, where there is that much
+        if not (self._make_room(ahead) or self._make_room(rows)):
+            self._write_last()
+        self._take(samples, events)
+        if self.samples.waiting >= SAMPLE_CHUNK or self.events.waiting >= EVENT_CHUNK:
+            self._write()
+        if time.monotonic() - self._flushed > LONGEST:
+            self._write(everything=True)
+
+    def _take(self, samples: Mapping[str, np.ndarray], events: Mapping[str, np.ndarray]) -> None:
+        self.samples.append(samples)
+        self.events.append(events)
+
+    def update(self, attrs: Mapping[str, Any]) -> None:
+        """Set root attributes; one that is None is left out."""
+        write_attrs(self._file.id, attrs)
+
+    def attach(self, declared: Sequence[Dataset], values: Mapping[str, Any]) -> None:
+        """Write small datasets that are made at once, by name, beside the tables."""
+        self._besides += sum(FOR_COLUMN + np.asarray(values[each.name]).nbytes for each in declared)
+        if not self._make_room():
+            self._write_last()
+        try:
+            write_datasets(self._file, declared, values)
+        except (OSError, RuntimeError) as error:
+            raise self._lost(error) from error
+
+    def finish(self, attrs: Mapping[str, Any]) -> Path:
+        """Write what waits and the last attributes, and give the file its name; returns that path."""
+        try:
+            self._complete(attrs)
+            publish(self.partial, self.target, self.force)
+        except ResultFileError as error:
+            if self.partial.exists() and self.shown not in str(error):
+                raise ResultFileError(f"{error}; the run is in {self.shown}") from error
+            raise
+        finally:
+            self._lock.release()
+        return self.target
+
+    def keep(self, attrs: Mapping[str, Any]) -> None:
+        """Write what waits and the last attributes, and close the file, leaving it under its partial name;
+        without a sample it is removed.
+        """
+        try:
+            self._complete(attrs)
+            if held_until(self.partial) == 0.0:
+                self.partial.unlink(missing_ok=True)
+        finally:
+            self._lock.release()
+
+    def _complete(self, attrs: Mapping[str, Any]) -> None:
+        if self._file:
+            self._besides += _size_of(attrs)
+            if not self._make_room():
+                self._write_last()
+            self._write(everything=True)
+            self.update(attrs)
+            self._close_file()
+
+    def drop(self) -> None:
+        """Close the file and remove it."""
+        try:
+            self._close_file()
+            self.partial.unlink()
+        finally:
+            self._lock.release()
+
+    def close(self) -> None:
+        """Close the file as it is, and let others write it."""
+        try:
+            self._close_file()
+        finally:
+            self._lock.release()
+
+    def _close_file(self) -> None:
+        if not self._file:
+            return
+        try:
+            self._file.flush()
+            used = self._file.id.get_filesize()
+            self._file.close()
+            release(self.partial, used)
+        except (OSError, RuntimeError) as error:
+            raise ResultFileError(f"{self.shown}: cannot write: {reason(error)}") from error
+
+    def _write(self, everything: bool = False) -> None:
+        if not self._indexed:
+            self._besides *= 2  # from now on an index may have to be split, which takes two nodes
+            self._indexed = True
+        try:
+            for stream in self.streams:
+                self._unflushed += stream.waiting_bytes()
+                stream.write(everything)
+            if self._unflushed >= FLUSH_BYTES or everything:
+                self._file.flush()
+                self._unflushed, self._flushed = 0, time.monotonic()
+        except (OSError, RuntimeError) as error:
+            raise self._lost(error) from error
+
+    def _write_last(self) -> NoReturn:
+        """The disk is full: write what waits, as far as there is room for it, and end."""
+        if self._needed() > self._reserved:
+            raise self._lost(OSError(errno.ENOSPC, "no room for what waits"))
+        self._write(everything=True)
+        self._close_file()
+        raise ResultFileError(self._ended_by("disk full"))
+
+    def _ended_by(self, cause: str) -> str:
+        """Why the closed file is not finished, and what it holds; it is removed where that is nothing."""
+        reached = held_until(self.partial)
+        if reached > 0.0:
+            return f"{self.shown}: {cause}; it holds the run until {reached:g} s"
+        self.partial.unlink()
+        return f"{self.shown.removesuffix('.partial')}: {cause}; nothing is stored"
+
+    def _lost(self, error: Exception) -> ResultFileError:
+        """Close the file as the last flush left it, after a write that has failed; what to raise."""
+        detach(self._file.id.get_vfd_handle())
+        with suppress(ResultFileError):
+            self._close_file()
+        return ResultFileError(self._ended_by(f"cannot write: {reason(error)}"))
+
+    def _needed(self, more: Iterable[int] = repeat(0)) -> int:
+        """Size of the file [bytes] with what waits, `more` rows per stream, and what is written besides."""
+        rows = sum(stream.waiting_bytes(extra) for stream, extra in zip(self.streams, more, strict=False))
+        return int(self._file.id.get_filesize() + rows + self._besides)
+
+    def _make_room(self, more: Iterable[int] = repeat(0)) -> bool:
+        """Reserve what is needed; False where there is no room for it."""
+        needed = self._needed(more)
+        if needed > self._reserved:
+            used = self._file.id.get_filesize()
+            if not reserve(self.partial, used, needed - used):
+                return False
+            self._reserved = needed
+        return True
+
+
+def _size_of(attrs: Mapping[str, Any]) -> int:
+    """Bytes that attributes take on file, about."""
+    return FOR_ATTRIBUTE * len(attrs) + sum(
+        2 * len(value) if isinstance(value, str) else getattr(value, "nbytes", 0) for value in attrs.values()
+    )
+
+
+# Write a trajectory and its digits to an HDF5 file while they are being computed.
+
+
+class TruthWriter(TrajectoryWriter):
+    """A trajectory writer that also takes texts of `digits` digits: groups /digits and /digits/events."""
+
+    def __init__(
+        self,
+        path: str | Path,
+        tables: Tables,
+        attrs: Mapping[str, Any],
+        digits: int,
+        force: bool = False,
+    ):
+        super().__init__(path, tables, attrs, force)
+        states, happened = digit_columns(tables)
+        width = text_width(digits)
+        group = self._file.create_group("digits")
+        time = self._file["time"]
+        self.sample_digits = DigitsStream(group, states, width, SAMPLE_CHUNK, time)
+        self.event_digits = DigitsStream(group.create_group("events"), happened, width, EVENT_CHUNK)
+        self.streams += [self.sample_digits, self.event_digits]
+        self._besides += FOR_COLUMN * (2 * len(states) + 2)
+        self._file.flush()
+
+    def append_digits(self, samples: Mapping[str, np.ndarray], events: Mapping[str, np.ndarray]) -> None:
+        """Take the digits of one block, before its samples and events."""
+        self._digits = samples, events
+
+    def _take(self, samples: Mapping[str, np.ndarray], events: Mapping[str, np.ndarray]) -> None:
+        super()._take(samples, events)
+        self.sample_digits.append(self._digits[0])
+        self.event_digits.append(self._digits[1])

@@ -1,1 +1,0 @@
-"""What a sweep computes of each point on demand, see `registry`."""

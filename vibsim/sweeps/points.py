@@ -1,0 +1,386 @@
+"""The points of a sweep: computed one by one, in batches, and gathered in a table."""
+
+import time
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vibsim.cases import CaseError
+from vibsim.engine.blocks import Block
+from vibsim.engine.columns import state_columns
+from vibsim.engine.errors import EngineError
+from vibsim.engine.section import has_section
+from vibsim.physics.elementary import total
+from vibsim.physics.parts import Scene
+from vibsim.physics.rates import source_rates
+from vibsim.sweeps.computations import COMPUTATIONS, Computation
+from vibsim.sweeps.contact_computations import Task
+from vibsim.sweeps.quantities import DONE, FAILED, MISSING
+from vibsim.sweeps.statistics import (
+    GivenUpError,
+    MeasuredRun,
+    Statistics,
+    TooFineError,
+    sampled_for_statistics,
+)
+from vibsim.sweeps.sweep_plan import Index, PointRecipe, Start, SweepPlan
+
+# One point of a sweep: computed here, in whatever thread, process or machine it falls to.
+
+
+Measured = tuple[dict[str, float], dict[str, np.ndarray]]
+
+NOTHING_TO_CARRY = (
+    "the run after the transient holds no whole excitation period, so there is no state to carry on from"
+)
+NO_PERIOD = "forces and base have no common period, so there is no state to carry on from"
+
+
+@dataclass(frozen=True)
+class SweepPoint:
+    """What came of one point.
+
+    Attributes
+    ----------
+    index : position on every axis, then of the direction
+    status : DONE or FAILED
+    sha256 : fingerprint of the point's case, its start included; empty where the case is not allowed
+    error : why it failed
+    values : statistics, totals and end state by name (see `columns`); what does not apply is missing
+    arrays : what has a further dimension, such as the last stroboscopic points, by name
+    """
+
+    index: Index
+    status: int
+    sha256: str
+    error: str = ""
+    values: dict[str, float] = field(default_factory=dict)
+    arrays: dict[str, np.ndarray] = field(default_factory=dict)
+
+    @property
+    def done(self) -> bool:
+        """Whether it was computed and did not fail."""
+        return self.status == DONE
+
+
+def compute_point(
+    recipe: PointRecipe,
+    index: Index,
+    changes: Mapping[str, str],
+    start: Start | None,
+    engine: str,
+    go_on: Callable[[], bool] | None = None,
+) -> SweepPoint | None:
+    """Run one point and take its statistics.
+
+    Parameters
+    ----------
+    changes : what the point replaces in the case of the recipe
+    start : where a state is carried, the end of the point before
+    go_on : asked every few milliseconds; the point is given up (None) when it says False
+
+    A point that cannot be run is returned as FAILED with the reason; it raises nothing for that.
+    """
+    began = time.perf_counter()
+    try:
+        case = recipe.point_case(changes, start)
+    except CaseError as error:
+        return SweepPoint(index, FAILED, "", str(error))
+    try:
+        scene = sampled_for_statistics(case.scene(), recipe.every)
+        values, arrays = measure(scene, recipe, engine, go_on)
+    except (EngineError, TooFineError) as error:
+        return SweepPoint(index, FAILED, case.sha256, str(error))
+    except GivenUpError:
+        return None
+    except Exception as error:  # a bug that shows at one point must not cost all the others
+        return SweepPoint(index, FAILED, case.sha256, described_bug(error))
+    if recipe.carry and not any(name.startswith("end_") for name in values):
+        return SweepPoint(index, FAILED, case.sha256, NOTHING_TO_CARRY if has_section(scene) else NO_PERIOD)
+    values["wall_time"] = time.perf_counter() - began
+    return SweepPoint(index, DONE, case.sha256, "", values, arrays)
+
+
+def described_bug(error: Exception) -> str:
+    """What went wrong and where, in one line."""
+    frame = traceback.extract_tb(error.__traceback__)[-1]
+    place = f"{Path(frame.filename).name}:{frame.lineno}"
+    return f"a bug in vibsim, please report it: {type(error).__name__}: {error} ({place})"
+
+
+def measure(scene: Scene, recipe: PointRecipe, engine: str, go_on: Callable[[], bool] | None) -> Measured:
+    """Statistics, totals and end state by name; sections and what else has a further dimension by name."""
+    begin = recipe.discard.time(scene.t_end)
+    kinds = [COMPUTATIONS[name] for name in recipe.compute]
+    if not any(kind.samples for kind in kinds):
+        scene = scene.without_samples()
+    statistics = Statistics(scene, recipe.of, begin)
+    computed = [kind.make(Task(scene, recipe.of, begin, recipe.section)) for kind in kinds]
+    run = MeasuredRun(
+        scene, recipe.of, begin, engine, go_on, any(kind.ledger for kind in kinds), _watchers(computed)
+    )
+    end: dict[str, float] = {}
+    for block in run.blocks():
+        statistics.update(block)
+        for computation in computed:
+            computation.update(block)
+        end = _end_state(scene, block) or end
+    values = {**statistics.values(run), **run.totals, "t_reached": run.t_reached, **end}
+    measured: dict[str, Any] = dict(statistics.section(recipe.section))
+    if run.late:
+        for computation in computed:
+            measured |= computation.values(statistics.window(run), run, measured)
+    numbers = {name: value for name, value in measured.items() if isinstance(value, float)}
+    arrays = {name: value for name, value in measured.items() if not isinstance(value, float)}
+    return {**values, **numbers}, arrays
+
+
+def _watchers(computed: list[Computation]) -> Callable[[Block], None] | None:
+    """Shows blocks of the transient to those computations that take them; None where none does."""
+    taking = [computation.transient for computation in computed if hasattr(computation, "transient")]
+    if not taking:
+        return None
+
+    def show(block: Block) -> None:
+        for take in taking:
+            take(block)
+
+    return show
+
+
+def _end_state(scene: Scene, block: Block) -> dict[str, float]:
+    """Where a carried sweep goes on, as far as this block tells.
+
+    Forces and the base begin the next point as they began this one, so the last stroboscopic point is the end
+    whose motion they continue.
+    """
+    table = block.section if scene.motor is None and source_rates(scene) else block.events
+    states = {name: table[name] for name in state_columns(scene)}
+    if scene.has_motor:
+        states["phi"] = table["phase"]
+    return {f"end_{name}": float(column[-1]) for name, column in states.items() if len(column)}
+
+
+# A batch: points that one worker computes one after another, and gives back together.
+#
+# It is made of pieces. Within a piece a state is carried from point to point where the sweep does so; the
+# pieces have nothing to do with each other.
+
+
+@dataclass(frozen=True)
+class BatchPiece:
+    """Neighbours of one chain: index of each and what it changes in the case; where the first begins."""
+
+    points: tuple[tuple[Index, dict[str, str]], ...]
+    start: Start | None = None
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+
+Pieces = tuple[BatchPiece, ...]
+
+
+def compute_batch(
+    recipe: PointRecipe, pieces: Pieces, engine: str, go_on: Callable[[], bool] | None = None
+) -> list[SweepPoint]:
+    """The points of all pieces, in their order; those that were done before `go_on` said False."""
+    points: list[SweepPoint] = []
+    for piece in pieces:
+        done = list(compute_piece(recipe, piece, engine, go_on))
+        points += done
+        if len(done) < len(piece):
+            break
+    return points
+
+
+def compute_piece(
+    recipe: PointRecipe, piece: BatchPiece, engine: str, go_on: Callable[[], bool] | None
+) -> Iterator[SweepPoint]:
+    """The points of a piece, up to one that was given up. After a failed one the next begins where it did."""
+    start = piece.start
+    for index, changes in piece.points:
+        point = compute_point(recipe, index, changes, start, engine, go_on)
+        if point is None:
+            return
+        if recipe.carry and point.done:
+            start = recipe.start_after(point.values)
+        yield point
+
+
+# The points of a sweep as arrays by name, over the axes and the direction.
+
+
+TEXTS_AND_STATUS = ("status", "sha256", "error")
+PIECE = 2**20  # numbers
+
+
+class Table:
+    """All points; what was not computed is NaN, its status MISSING.
+
+    Attributes
+    ----------
+    numbers : name -> array of the sweep's shape, or with a further dimension such as (*shape, section)
+    status : codes of `columns.STATUS_FLAGS` (shape)
+    sha256, error : texts (shape)
+    """
+
+    def __init__(self, plan: SweepPlan):
+        shape = self.shape = plan.shape
+        self._further = {name for name, column in plan.columns.items() if column.dimension}
+        self.numbers = {name: _unknown(plan.shape_of(name)) for name in plan.columns}
+        self.status = np.full(shape, MISSING, dtype="i1")
+        self.sha256 = np.full(shape, "", dtype=object)
+        self.error = np.full(shape, "", dtype=object)
+
+    def column(self, name: str) -> np.ndarray:
+        """A column of numbers, or status, sha256 or error."""
+        return getattr(self, name) if name in TEXTS_AND_STATUS else self.numbers[name]
+
+    def fill(self, read: Callable[[str], np.ndarray]) -> None:
+        """Take over all columns as `read` gives them."""
+        for name in (*self.numbers, *TEXTS_AND_STATUS):
+            self.column(name)[...] = read(name)
+
+    def put(self, point: SweepPoint) -> None:
+        """Store a point, in place of what was there; what is shorter than its dimension gets NaN in front."""
+        for name, array in self.numbers.items():
+            if name not in self._further:
+                array[point.index] = point.values.get(name, np.nan)
+                continue
+            row, values = array[point.index], point.arrays.get(name)
+            row[...] = np.nan
+            if values is not None:
+                row[len(row) - len(values) :] = values
+        self.status[point.index] = point.status
+        self.sha256[point.index] = point.sha256
+        self.error[point.index] = point.error
+
+    def point(self, index: Index) -> SweepPoint:
+        """The point at `index`, as it was put."""
+        further = self._further
+        values = {name: float(array[index]) for name, array in self.numbers.items() if name not in further}
+        arrays = {name: array[index].copy() for name, array in self.numbers.items() if name in further}
+        status, sha256, error = self.status[index], self.sha256[index], self.error[index]
+        return SweepPoint(index, int(status), str(sha256), str(error), values, arrays)
+
+    def count(self, status: int) -> int:
+        """Number of points of a status."""
+        return int(np.count_nonzero(self.status == status))
+
+    @property
+    def complete(self) -> bool:
+        """Whether every point was computed, failed ones included."""
+        return self.count(MISSING) == 0
+
+    @property
+    def done(self) -> bool:
+        """Whether every point was computed and none failed."""
+        return self.count(DONE) == self.status.size
+
+    def failures(self) -> Iterator[tuple[Index, str]]:
+        """Index and reason of each failed point."""
+        for index in np.argwhere(self.status == FAILED).tolist():
+            yield tuple(index), str(self.error[tuple(index)])
+
+
+def _unknown(shape: Index) -> np.ndarray:
+    """An array of NaN, filled piece by piece: memory can come slowly, and Ctrl-C is heard between pieces."""
+    array = np.empty(shape)
+    flat = array.reshape(-1)
+    for first in range(0, flat.size, PIECE):
+        flat[first : first + PIECE] = np.nan
+    return array
+
+
+# What the members of an ensemble have in common: means and quantiles, and probabilities with intervals.
+
+
+CONFIDENT = 1.959963984540054  # standard deviations either side that hold 95 % of a normal distribution
+
+
+@dataclass(frozen=True)
+class Summary:
+    """A statistic over the members, arrays over what is left of the sweep; NaN where no member has it.
+
+    Attributes
+    ----------
+    count : members that have it
+    mean, deviation : mean and standard deviation (of a sample, so NaN for fewer than two members)
+    least, median, greatest : quantiles
+    """
+
+    count: np.ndarray
+    mean: np.ndarray
+    deviation: np.ndarray
+    least: np.ndarray
+    median: np.ndarray
+    greatest: np.ndarray
+
+
+@dataclass(frozen=True)
+class Share:
+    """A probability, estimated as a share of members.
+
+    Attributes
+    ----------
+    count : members that count
+    estimate : share of them; NaN for none
+    low, high : Wilson's interval of 95 %, which holds for shares near 0 and 1 and for few members too
+    """
+
+    count: np.ndarray
+    estimate: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+
+def summary(values: np.ndarray, dimension: int) -> Summary:
+    """Sum up `values` along a dimension; NaN does not count."""
+    known = ~np.isnan(values)
+    count = known.sum(axis=dimension)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = _along(np.where(known, values, 0.0), dimension) / count
+        apart = np.where(known, values - np.expand_dims(mean, dimension), 0.0)
+        deviation = np.sqrt(_along(apart * apart, dimension) / np.where(count > 1, count - 1, np.nan))
+    ordered = np.sort(values, axis=dimension)  # NaN last
+    return Summary(
+        count, mean, deviation, *(_quantile(ordered, count, dimension, q) for q in (0.0, 0.5, 1.0))
+    )
+
+
+def quantile(values: np.ndarray, dimension: int, q: float) -> np.ndarray:
+    """The q-quantile of `values` along a dimension, linear between members; NaN does not count."""
+    count = (~np.isnan(values)).sum(axis=dimension)
+    return _quantile(np.sort(values, axis=dimension), count, dimension, q)
+
+
+def _along(values: np.ndarray, dimension: int) -> np.ndarray:
+    """Sum along a dimension."""
+    return total(np.moveaxis(values, dimension, -1))
+
+
+def _quantile(ordered: np.ndarray, count: np.ndarray, dimension: int, q: float) -> np.ndarray:
+    """Quantile of the first `count` along the dimension, linear between members."""
+    place = q * np.maximum(count - 1, 0)
+    ends = [np.expand_dims(edge(place).astype(int), dimension) for edge in (np.floor, np.ceil)]
+    low, high = (np.take_along_axis(ordered, end, dimension).squeeze(dimension) for end in ends)
+    return np.asarray(low + (place - np.floor(place)) * (high - low))
+
+
+def share(condition: np.ndarray, counts: np.ndarray, dimension: int) -> Share:
+    """Share of those that count for which a condition holds, along a dimension; both of one shape, boolean.
+
+    Wilson (1927): centre (p + z^2/2n) / (1 + z^2/n), half width z sqrt(p (1 - p)/n + z^2/4n^2) / (1 + z^2/n).
+    """
+    n = counts.sum(axis=dimension)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        p = (condition & counts).sum(axis=dimension) / n
+        squared = CONFIDENT * CONFIDENT / n
+        centre = (p + squared / 2) / (1 + squared)
+        half = CONFIDENT * np.sqrt(p * (1 - p) / n + squared / (4 * n)) / (1 + squared)
+    return Share(n, p, np.where(n > 0, np.maximum(centre - half, 0), 0), np.where(n > 0, centre + half, 1))

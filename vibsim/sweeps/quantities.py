@@ -1,0 +1,325 @@
+"""What a sweep measures of a scene: motions of bodies and of pairs of ends, events of parts, by name.
+
+Cases in the long form take the names of their bodies and parts. The short form keeps those of the paper's two
+blocks: x1, x2, and `relative` for x1 - x2, or for x1 where block 2 is fixed.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import chain
+from typing import TYPE_CHECKING
+
+from vibsim.engine.columns import state_columns
+from vibsim.physics.parts import GROUND, Link, RigidStop, Scene, Stop, columns_of
+from vibsim.physics.rates import is_driven
+from vibsim.results.file_contents import Column
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+
+RELATIVE = "x1 - x2 (x1 where block 2 is fixed)"
+RELATIVE_RATE = "v1 - v2 (v1 where block 2 is fixed)"
+
+
+@dataclass(frozen=True)
+class MeasuredMotion:
+    """The displacement x_P - x_Q of one end of a part against the other; Q is GROUND for that of a body.
+
+    Attributes
+    ----------
+    name, rate : of displacement and velocity in the names of columns, such as x_ram and v_ram
+    words, rate_words : what they are, for definitions
+    P, Q : the ends, as of a part of a scene
+    part : the stop or link that joins them, of a pair
+    """
+
+    name: str
+    rate: str
+    words: str
+    rate_words: str
+    P: int
+    Q: int = GROUND
+    part: str = ""
+
+
+@dataclass(frozen=True)
+class Quantities:
+    """What is measured, and how it is called.
+
+    Attributes
+    ----------
+    motions : those whose amplitudes are taken: bodies, then pairs
+    ranged : name in columns -> the motion whose least and greatest displacement is kept
+    drifting : column of the drift rate -> the motion that drifts
+    sections : column of the stroboscopic section -> (motion, whether its velocity)
+    stops, frictions : names of the parts whose events are counted one by one
+    has_stop, has_friction, has_motor, has_source : what the scene has; friction with mu = 0 too, which may
+        be swept
+    is_powered : whether something puts power in: a source, a constant force, a belt
+    powers : column of a part's mean power -> (its entry in the energy ledger, what it is)
+    starts : state (x_ram, phi) -> key of its start value in the case
+    of_parts : whether the case has the long form
+    """
+
+    motions: tuple[MeasuredMotion, ...]
+    ranged: dict[str, MeasuredMotion]
+    drifting: dict[str, MeasuredMotion]
+    sections: dict[str, tuple[MeasuredMotion, bool]]
+    stops: tuple[str, ...]
+    frictions: tuple[str, ...]
+    has_stop: bool
+    has_friction: bool
+    has_motor: bool
+    has_source: bool
+    is_powered: bool
+    powers: dict[str, tuple[str, str]]
+    starts: dict[str, str]
+    of_parts: bool
+
+
+def quantities_of(case: "Case") -> Quantities:
+    """What a sweep of a case measures."""
+    scene = case.scene()
+    if not case.is_long:
+        return of_two_blocks(scene)
+    return of_parts(scene, case.long_values().get("friction", {}))
+
+
+def of_two_blocks(scene: Scene) -> Quantities:
+    """Of the scene of a case in the short form."""
+    two = len(scene.bodies) > 1
+    x1, *x2 = _bodies(scene)
+    pair = MeasuredMotion("relative", "velocity", "x1 - x2", RELATIVE_RATE, 0, 1 if two else GROUND)
+    states = state_columns(scene)
+    return Quantities(
+        motions=(x1, *x2, pair) if two else (x1,),
+        ranged={"relative": pair if two else x1},
+        drifting={"drift_rate": x2[0]} if two else {},
+        sections={"section_displacement": (pair, False), "section_velocity": (pair, True)},
+        stops=(),
+        frictions=(),
+        has_stop=bool(scene.stops),
+        has_friction=two,
+        has_motor=scene.has_motor,
+        has_source=is_driven(scene),
+        is_powered=is_driven(scene),
+        powers={},
+        starts={name: f"initial.{name}" for name in states},
+        of_parts=False,
+    )
+
+
+def of_parts(scene: Scene, frictions: Iterable[str]) -> Quantities:
+    """Of a scene of named parts; frictions: names of all, of those with mu = 0 too."""
+    bodies = tuple(_bodies(scene))
+    motions = (*bodies, *_pairs(scene))
+    frictions = tuple(frictions)
+    starts = {
+        column: f"initial.{body.name}.{state}"
+        for body in scene.bodies
+        for column, state in zip(columns_of(body.name), "xv", strict=True)
+    }
+    if scene.has_motor:
+        starts |= {name: f"initial.motor.{name}" for name in ("phi", "phidot")}
+    return Quantities(
+        motions=motions,
+        ranged={motion.name: motion for motion in motions},
+        drifting={f"drift_rate_{motion.name}": motion for motion in bodies},
+        sections={
+            f"section_{name}": (motion, is_rate)
+            for motion in motions
+            for name, is_rate in ((motion.name, False), (motion.rate, True))
+        },
+        stops=tuple(stop.name for stop in scene.stops),
+        frictions=frictions,
+        has_stop=bool(scene.stops),
+        has_friction=bool(frictions),
+        has_motor=scene.has_motor,
+        has_source=is_driven(scene),
+        is_powered=is_driven(scene) or bool(scene.forces) or any(f.belt for f in scene.frictions),
+        powers=_powers(scene, frictions),
+        starts=starts,
+        of_parts=True,
+    )
+
+
+def _bodies(scene: Scene) -> Iterator[MeasuredMotion]:
+    for i, body in enumerate(scene.bodies):
+        x, v = columns_of(body.name)
+        yield MeasuredMotion(x, v, x, v, i)
+
+
+def _pairs(scene: Scene) -> Iterator[MeasuredMotion]:
+    """Each pair of ends that a stop or a link joins, called after the first of them, stops before links.
+
+    Ends on the ground make no pair: there the relative motion is that of the body.
+    """
+    listed = set()
+    parts: tuple[Stop | RigidStop | Link, ...] = (*scene.stops, *scene.links)
+    for part in parts:
+        ends = frozenset((part.P, part.Q))
+        if GROUND not in ends and ends not in listed:
+            listed.add(ends)
+            (x, v), (other_x, other_v) = (_end_columns(scene, end) for end in (part.P, part.Q))
+            names = f"relative_{part.name}", f"velocity_{part.name}"
+            yield MeasuredMotion(*names, f"{x} - {other_x}", f"{v} - {other_v}", part.P, part.Q, part.name)
+
+
+def _end_columns(scene: Scene, end: int) -> tuple[str, str]:
+    """x and v of an end; those of the base are called X and V."""
+    return columns_of(scene.bodies[end].name) if end >= 0 else ("X of the base", "V of the base")
+
+
+def _damped_stops(scene: Scene) -> list[str]:
+    """Names of the stops that take energy: elastic ones with a damper, and rigid ones."""
+    return [stop.name for stop in scene.stops if isinstance(stop, RigidStop) or stop.c]
+
+
+def _powers(scene: Scene, frictions: Iterable[str]) -> dict[str, tuple[str, str]]:
+    """The parts that give or take power: forces, motor, belts; dampers, stops with one, frictions."""
+    powers = {
+        f"power_force_{f.name}": (f"work.forces.{f.name}", f"force {f.name} gives") for f in scene.forces
+    }
+    if scene.has_motor:
+        powers["power_motor"] = "work.motor", "the motor gives"
+    belts, damped = [f.name for f in scene.frictions if f.belt], _damped_stops(scene)
+    powers |= {f"power_belt_{name}": (f"work.friction.{name}", f"the belt of {name} gives") for name in belts}
+    dampers = [link.name for link in scene.links if link.c]
+    powers |= {
+        f"power_damper_{name}": (f"loss.links.{name}", f"the damper of {name} takes") for name in dampers
+    }
+    powers |= {f"power_stop_{name}": (f"loss.stops.{name}", f"the stop {name} takes") for name in damped}
+    powers |= {
+        f"power_friction_{name}": (f"loss.friction.{name}", f"the friction {name} takes")
+        for name in frictions
+    }
+    return {name: (entry, f"mean power that {words}") for name, (entry, words) in powers.items()}
+
+
+# What a sweep stores per point: names, units, definitions. The definitions go into every file.
+
+
+MISSING, DONE, FAILED = 0, 1, 2
+STATUS_FLAGS = {"missing": MISSING, "done": DONE, "failed": FAILED}
+
+Columns = dict[str, Column]
+
+NOT_REPRODUCIBLE = ("wall_time",)
+
+DEFINITIONS = (
+    "An excitation period runs from one stroboscopic point to the next: t = k/f of a harmonic source, of "
+    "several their common period, phi = 2 pi k passed forwards of a motor. Only whole periods between the "
+    "transient and the end count. "
+    "Amplitudes are half the peak-to-peak within one period, so that a drift does not add up; without "
+    "periods they are half the peak-to-peak of the whole time after the transient, and what is counted "
+    "per period is NaN. Extremes are those of the motion between its events, exact to rounding. The mean "
+    "speed is whole turns over their time. Stroboscopic points are counted back from the last."
+)
+
+_LATE = "after the transient"
+_HALF = f"half the peak-to-peak of {{}} in one excitation period, {{}} over the whole periods {_LATE}"
+_END = (
+    "{} where a carried sweep goes on: at the end of the run, with a harmonic source at its last whole period"
+)
+
+
+def always(of: Quantities) -> Columns:
+    """The columns that every sweep of a scene has."""
+    return {**statistics(of), **totals(of), **end_state(of), **section(of)}
+
+
+def distinct(*tables: Iterable[tuple[str, Column]]) -> Columns:
+    """All columns of tables of (name, column). Raises ValueError where two have one name."""
+    columns: Columns = {}
+    for name, column in chain(*tables):
+        if name in columns:
+            raise ValueError(f"two columns would be called {name}: give a body or stop another name")
+        columns[name] = column
+    return columns
+
+
+def statistics(of: Quantities) -> Columns:
+    """Statistics of the time after the transient."""
+    whole = f"whole excitation periods {_LATE}, from which the statistics are taken"
+    return distinct(
+        _speeds().items() if of.has_motor else (),
+        _amplitudes(of),
+        _ranges(of),
+        _drifts(of),
+        _counts("impacts_per_period", "beginnings of contact", of.stops).items() if of.has_stop else (),
+        _counts("sticks_per_period", "beginnings of stick", of.frictions).items() if of.has_friction else (),
+        [("periods", Column("1", whole))],
+    )
+
+
+def _amplitudes(of: Quantities) -> Iterator[tuple[str, Column]]:
+    for motion in of.motions:
+        yield f"amplitude_{motion.name}", Column("m", _HALF.format(motion.words, "mean"))
+        yield f"amplitude_{motion.name}_max", Column("m", _HALF.format(motion.words, "greatest"))
+
+
+def _drifts(of: Quantities) -> Iterator[tuple[str, Column]]:
+    for name, motion in of.drifting.items():
+        line = f"slope of the least-squares line through {motion.words} at the stroboscopic points {_LATE}"
+        yield name, Column("m s-1", line)
+
+
+def _speeds() -> Columns:
+    return {
+        "mean_speed": Column("Hz", f"mean motor speed over the whole periods {_LATE}"),
+        "min_speed": Column("Hz", f"least motor speed {_LATE}"),
+        "max_speed": Column("Hz", f"greatest motor speed {_LATE}"),
+    }
+
+
+def _ranges(of: Quantities) -> Iterator[tuple[str, Column]]:
+    """Least and greatest displacements; of the two blocks the greatest is the rest distance needed."""
+    for name, motion in of.ranged.items():
+        words, needed = (motion.words, "") if of.of_parts else (RELATIVE, ": the rest distance needed")
+        yield f"{name}_min", Column("m", f"least {words} {_LATE}")
+        yield f"{name}_max", Column("m", f"greatest {words} {_LATE}{needed}")
+
+
+def _counts(name: str, what: str, parts: Iterable[str]) -> Columns:
+    """Events per period, of all parts together and of each."""
+    per = f"per excitation period {_LATE}"
+    by_part = {f"{name}_{part}": Column("1", f"{what} of {part} {per}") for part in parts}
+    return {name: Column("1", f"{what} {per}"), **by_part}
+
+
+def totals(of: Quantities) -> Columns:
+    """Totals of the whole run."""
+    whole = "in the whole run"
+    margin = Column("m", f"smallest gap at a turn without contact {whole}")
+    return {
+        **({"impacts": Column("1", f"beginnings of contact {whole}")} if of.has_stop else {}),
+        **({"sticks": Column("1", f"beginnings of stick {whole}")} if of.has_friction else {}),
+        "events": Column("1", f"events {whole}"),
+        **({"grazing_margin": margin} if of.has_stop else {}),
+        "t_reached": Column("s", "time that the run reached"),
+        "wall_time": Column("s", "time that the point took to compute, waiting included"),
+    }
+
+
+def end_state(of: Quantities) -> Columns:
+    """The state that a carried sweep goes on from."""
+    rotor = {
+        "phi": Column("rad", _END.format("rotor angle, reduced to one turn,")),
+        "phidot": Column("rad s-1", _END.format("rotor speed")),
+    }
+    units = {"x": "m", "v": "m s-1"}
+    return {f"end_{name}": rotor.get(name) or Column(units[name[0]], _END.format(name)) for name in of.starts}
+
+
+def section(of: Quantities) -> Columns:
+    """The last stroboscopic points."""
+    points = "at the last stroboscopic points"
+    columns = {
+        name: Column("m s-1", f"{motion.rate_words} {points}", dimension="section")
+        if is_rate
+        else Column("m", f"{motion.words if of.of_parts else RELATIVE} {points}", dimension="section")
+        for name, (motion, is_rate) in of.sections.items()
+    }
+    speed = Column("Hz", f"motor speed {points}", dimension="section")
+    return {**columns, "section_speed": speed} if of.has_motor else columns

@@ -1,0 +1,361 @@
+"""Statistics of one run, taken stretch by stretch; what a sweep stores per point, see `columns`."""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from functools import reduce
+from operator import add
+from typing import Any
+
+import numpy as np
+
+from vibsim.cases.validation import MOST_SAMPLES
+from vibsim.engine.blocks import Block
+from vibsim.engine.columns import part_columns, section_columns, stop_column
+from vibsim.engine.resume import Row, rows_of_instant
+from vibsim.engine.trajectory import open_trajectory, state_at
+from vibsim.physics.elementary import dot, mean
+from vibsim.physics.parts import BASE, EVENT_KINDS, GROUND, IMPACTS, Link, Scene, Stop, columns_of
+from vibsim.physics.rates import mobility, source_rates
+from vibsim.results.columns import base_motion
+from vibsim.sweeps.quantities import MeasuredMotion, Quantities
+
+# One run of a scene for its statistics: first the transient, without output, then the rest.
+#
+# A run resumed from a stored event goes on bit for bit as the uninterrupted one. So the transient is run
+# without samples up to its end, and the part that counts begins at the last event before that.
+
+
+SUMMED = ("impacts", "sticks", "events", "uncertified")
+
+
+class GivenUpError(Exception):
+    """The run was given up because nobody wants it any more."""
+
+
+class MeasuredRun:
+    """A run of `scene`: its blocks from about the time `begin` [s] on, with stroboscopic points.
+
+    `totals` are those of the whole run, up to date after the last block; `late` those of the blocks that were
+    shown, which begin with the events `rows` of one instant (None: with the run), with the energy ledger if
+    that is wanted.
+    `extremes` are least and greatest displacements and smallest gaps of the time from `begin` on, see
+    `vibsim.engine.extremes`, of the motions that are measured.
+    `watch_transient` is shown the blocks of the transient, which have no samples. `go_on` is asked before
+    every block, those of the transient too; where it says False, GivenUpError is raised.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        of: Quantities,
+        begin: float,
+        engine: str,
+        go_on: Callable[[], bool] | None = None,
+        ledger: bool = False,
+        watch_transient: Callable[[Block], None] | None = None,
+    ):
+        self.scene, self.of, self.begin = scene, of, begin
+        self.engine, self.ledger = engine, ledger
+        self._go_on, self._watch_transient = go_on, watch_transient
+        self.totals: dict[str, float] = dict.fromkeys(SUMMED, 0.0) | {"grazing_margin": math.nan}
+        self.late: dict[str, Any] = {}
+        self.extremes: tuple[Sequence[float], Sequence[float], Sequence[float]] = ([], [], [])
+        self.rows: list[Row] | None = None
+        self.t_reached = 0.0
+        self._start: list[Row] = []  # the first event of the run
+        self._last: Row = {}  # the last event so far
+
+    def blocks(self) -> Iterator[Block]:
+        """The blocks from the last event before `begin` on; none where the run ended before."""
+        self.rows = self._transient() if self.begin > 0 else None
+        if self.t_reached < self.begin:
+            return
+        ends = [(motion.P, motion.Q) for motion in self.of.motions]
+        trajectory = open_trajectory(
+            self.scene,
+            self.engine,
+            self.rows,
+            section=True,
+            ledger=self.ledger,
+            extremes=(ends, self.begin),
+        )
+        yield from self._asked(trajectory)
+        self.late, self.extremes = trajectory.totals, trajectory.extremes
+        self._add(self.late)
+
+    def ends(self) -> dict[str, np.ndarray]:
+        """Time and states at `begin` and at the end of the run, each (2)."""
+        times = np.array([self.begin, self.t_reached])
+        states = state_at(self.scene, self.rows or self._start, times[:1], self.engine)
+        return {name: np.array([states[name][0], self._last[name]]) for name in section_columns(self.scene)}
+
+    def _transient(self) -> list[Row] | None:
+        """Run up to `begin`; the rows of the last instant of events."""
+        scene = replace(self.scene, t_end=self.begin).without_samples()
+        watch = self._watch_transient
+        trajectory = open_trajectory(scene, self.engine, section=watch is not None)
+        rows: list[Row] | None = None
+        for block in self._asked(trajectory):
+            if watch is not None:
+                watch(block)
+            before = np.flatnonzero(block.events["kind"] != EVENT_KINDS["end"])
+            if len(before):
+                rows = rows_of_instant(block.events, int(before[-1]), rows or ())
+        self._add(trajectory.totals)
+        return rows
+
+    def ask(self) -> None:
+        """Raise GivenUpError where nobody wants the run any more; for those who run more of it themselves."""
+        if self._go_on is not None and not self._go_on():
+            raise GivenUpError
+
+    def _asked(self, trajectory: Any) -> Iterator[Block]:
+        for block in trajectory.blocks():
+            self.ask()
+            self.t_reached = block.t_reached
+            if len(block.events["t"]):
+                last = {name: column[-1] for name, column in block.events.items()}
+                self._last = {**last, "time": last["t"]}
+                self._start = self._start or [{name: column[0] for name, column in block.events.items()}]
+            yield block
+
+    def _add(self, totals: dict[str, Any]) -> None:
+        for name in SUMMED:
+            self.totals[name] += float(totals[name])
+        margins = [self.totals["grazing_margin"], float(totals["grazing_margin"])]
+        self.totals["grazing_margin"] = min((m for m in margins if not math.isnan(m)), default=math.nan)
+
+
+# The statistics of one point, taken block by block from its run; no trajectory is kept.
+#
+# Everything is taken from the time `begin` on. A period is one of the excitation, from one stroboscopic point
+# to the next; only whole periods count. Where there is none (no source, a motor that stands), what is meant
+# per period is NaN, and amplitudes are half the peak-to-peak of the whole time. Extremes are the engine's,
+# see `vibsim.engine.extremes`.
+
+
+TURN = 2 * math.pi
+COUNTED = {"impacts_per_period": IMPACTS, "sticks_per_period": ("stick_begin",)}  # by kinds of events
+
+
+class Statistics:
+    """Running statistics of one run. Memory grows with its periods and impacts, not with its length."""
+
+    def __init__(self, scene: Scene, of: Quantities, begin: float):
+        self.scene, self.of, self.begin = scene, of, begin
+        self._points: list[dict[str, np.ndarray]] = []
+        self._extremes: list[np.ndarray] = []
+        self._begun: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {name: [] for name in COUNTED}
+
+    def update(self, block: Block) -> None:
+        """Take the next block of a `MeasuredRun`."""
+        late = block.section["time"] >= self.begin
+        self._points.append({name: column[late] for name, column in block.section.items()})
+        self._extremes.append(block.extremes[:, late])
+        for name, begun in self._begun.items():
+            of_kind = np.isin(block.events["kind"], [EVENT_KINDS[kind] for kind in COUNTED[name]])
+            begun.append((block.events["t"][of_kind], block.events["part"][of_kind]))
+
+    def values(self, run: MeasuredRun) -> dict[str, float]:
+        """The statistics by name, see `columns`; empty where the run ended before `begin`."""
+        if not run.late:
+            return {}
+        points = self.points()
+        periods = max(len(points["time"]) - 1, 0)
+        if not periods:
+            points = run.ends()
+        return {
+            **self._amplitudes(run, periods),
+            **self._per_period(points["time"], periods),
+            **self._drift(points),
+            **self._speeds(points, run),
+        }
+
+    def window(self, run: MeasuredRun) -> tuple[float, float]:
+        """Begin and end of the whole periods [s]; of everything that was taken where there is none."""
+        times = self.points()["time"]
+        return (float(times[0]), float(times[-1])) if len(times) > 1 else (self.begin, run.t_reached)
+
+    def points(self) -> dict[str, np.ndarray]:
+        """The stroboscopic points: time and states by name, each (n)."""
+        return {
+            name: np.concatenate([[], *(part[name] for part in self._points)])
+            for name in section_columns(self.scene)
+        }
+
+    def section(self, count: int) -> dict[str, np.ndarray]:
+        """The last `count` stroboscopic points, NaN in front where there are fewer.
+
+        By column: displacements [m] and velocities [m/s], motor speed [Hz].
+        """
+        points = {name: column[max(len(column) - count, 0) :] for name, column in self.points().items()}
+        values = {
+            name: (velocities if is_rate else displacements)(self.scene, (motion,), points)[0]
+            for name, (motion, is_rate) in self.of.sections.items()
+        }
+        if self.scene.has_motor:
+            values["section_speed"] = points["phidot"] / TURN
+        return {
+            name: np.concatenate([np.full(count - len(column), np.nan), column])
+            for name, column in values.items()
+        }
+
+    def _amplitudes(self, run: MeasuredRun, periods: int) -> dict[str, float]:
+        least, greatest, _ = run.extremes
+        rows = (
+            np.concatenate(self._extremes, axis=1)[:, 1:]
+            if periods
+            else np.array([*least, *greatest])[:, None]
+        )
+        low, high = np.split(rows, 2)  # of every whole period; without one of everything
+        amplitudes = {}
+        for i, motion in enumerate(self.of.motions):
+            half = (high[i] - low[i]) / 2
+            amplitudes[f"amplitude_{motion.name}"] = float(mean(half))
+            amplitudes[f"amplitude_{motion.name}_max"] = float(half.max())
+        for name, motion in self.of.ranged.items():
+            i = self.of.motions.index(motion)
+            amplitudes[f"{name}_min"], amplitudes[f"{name}_max"] = float(least[i]), float(greatest[i])
+        return amplitudes
+
+    def _per_period(self, times: np.ndarray, periods: int) -> dict[str, float]:
+        """Events in the whole periods, divided by their number."""
+        per_period: dict[str, float] = {"periods": float(periods)}
+        parts = {"impacts_per_period": self.of.stops, "sticks_per_period": self.of.frictions}
+        for name, begun in self._begun.items():
+            happened, part = (np.concatenate([[], *column]) for column in zip(*begun, strict=True))
+            counted = (happened >= times[0]) & (happened < times[-1])
+            per_period[name] = np.count_nonzero(counted) / periods if periods else math.nan
+            for one in parts[name]:
+                count = np.count_nonzero(counted & (part == self._number(one)))
+                per_period[f"{name}_{one}"] = count / periods if periods else math.nan
+        return per_period
+
+    def _number(self, part: str) -> int | None:
+        """Number of a part among those of the events table; None where it is not in the scene: mu = 0."""
+        columns = part_columns(self.scene)
+        name = stop_column(part) if part in self.of.stops else part
+        return columns.index(name) if name in columns else None
+
+    def _drift(self, points: dict[str, np.ndarray]) -> dict[str, float]:
+        """Slopes of the lines of least squares through displacements at the stroboscopic points [m/s]."""
+        t = points["time"] - mean(points["time"])
+        square = float(dot(t, t))
+        drifts = {}
+        for name, motion in self.of.drifting.items():
+            x = displacements(self.scene, (motion,), points)[0]
+            x = x - x[0]
+            drifts[name] = float(dot(t, x - mean(x))) / square if square else math.nan
+        return drifts
+
+    def _speeds(self, points: dict[str, np.ndarray], run: MeasuredRun) -> dict[str, float]:
+        """Mean speed over the whole periods, extremes over everything [Hz]."""
+        if not self.scene.has_motor:
+            return {}
+        span = points["time"][-1] - points["time"][0]
+        mean = (points["phi"][-1] - points["phi"][0]) / TURN / span if span else math.nan
+        least, greatest, _ = run.extremes
+        return {
+            "mean_speed": float(mean),
+            "min_speed": least[-1] / TURN,
+            "max_speed": greatest[-1] / TURN,
+        }
+
+
+# Displacements and velocities of motions, from the states of many rows at once.
+
+
+States = Mapping[str, np.ndarray]  # time [s] and the states by name, each (n)
+
+
+def displacements(scene: Scene, motions: Sequence[MeasuredMotion], states: States) -> np.ndarray:
+    """x_P - x_Q [m] of each motion (motions, n)."""
+    return np.stack([difference(*(place(scene, end, states) for end in (m.P, m.Q))) for m in motions])
+
+
+def velocities(scene: Scene, motions: Sequence[MeasuredMotion], states: States) -> np.ndarray:
+    """v_P - v_Q [m/s] of each motion (motions, n)."""
+    return np.stack([difference(*(speed(scene, end, states) for end in (m.P, m.Q))) for m in motions])
+
+
+def place(scene: Scene, end: int, states: States) -> np.ndarray | None:
+    """Displacement of an end of a part [m] (n); None for the ground."""
+    if end == GROUND:
+        return None
+    return (
+        base_motion(scene.base, states["time"])[0]
+        if end == BASE
+        else states[columns_of(scene.bodies[end].name)[0]]
+    )
+
+
+def speed(scene: Scene, end: int, states: States) -> np.ndarray | None:
+    """Velocity of an end of a part [m/s] (n); None for the ground."""
+    if end == GROUND:
+        return None
+    return (
+        base_motion(scene.base, states["time"])[1]
+        if end == BASE
+        else states[columns_of(scene.bodies[end].name)[1]]
+    )
+
+
+def difference(one: np.ndarray | None, other: np.ndarray | None) -> np.ndarray:
+    """What one end of a part has against the other (n); None is the ground, which is not both."""
+    if one is None:
+        assert other is not None
+        return -other
+    return one if other is None else one - other
+
+
+# The sampling of a point's run, for what is taken from samples: it resolves the motion.
+
+
+# Samples h apart miss an extreme of a vibration at w rad/s by up to (w h)^2 / 8 of it:
+LARGEST_ANGLE_IN_CONTACT = 1.1  # 15 % of the depth of penetration
+LARGEST_ANGLE = 0.4  # 2 % of the amplitude
+
+
+class TooFineError(ValueError):
+    """A motion so fast, or an output interval so short, that a run has more samples than it may."""
+
+
+def sampled_for_statistics(scene: Scene, every: Fraction | None = None) -> Scene:
+    """The scene with the output interval `every` [s], or with the longest that its motion allows.
+
+    Raises TooFineError where that makes more samples than a run may have.
+    """
+    if every is None:
+        every = Fraction(1, math.ceil(samples_per_second(scene)))
+    if Fraction(float(scene.t_end)) / every > MOST_SAMPLES:
+        raise TooFineError("the run takes more than 1e10 samples to resolve its motion, and may not")
+    return replace(scene, every_num=every.numerator, every_den=every.denominator)
+
+
+def samples_per_second(scene: Scene) -> float:
+    """Samples [1/s] that resolve free vibration, vibration in contact and sources."""
+    spin = [abs(scene.motor.phidot)] if scene.motor is not None else []
+    rate = max([fastest(scene, scene.links), *source_rates(scene), *spin]) / LARGEST_ANGLE
+    stops = [stop for _, stop in scene.elastic_stops]
+    if stops:
+        rate = max(rate, fastest(scene, (*scene.links, *stops)) / LARGEST_ANGLE_IN_CONTACT)
+    return max(rate, 1 / scene.t_end)
+
+
+def fastest(scene: Scene, springs: Sequence[Link | Stop]) -> float:
+    """A bound of the rates [1/s] at which bodies vibrate on springs.
+
+    y'' + B K y = 0 in the differences y of the pairs of ends that springs join: B_ij sums 1 / mass over the
+    bodies that pairs i and j share. By Gershgorin's theorem no eigenvalue of B K exceeds the largest sum over
+    j of B_ij k_j: exact for one pair, and for a long chain of equal bodies. Dampers make vibrations slower;
+    what dies out at once need not be resolved. A motor's m3 is left out: where the rotor cannot follow, its
+    body vibrates alone.
+    """
+    pairs: dict[frozenset[int], float] = {}
+    for part in springs:
+        ends = frozenset((part.P, part.Q))
+        pairs[ends] = pairs.get(ends, 0.0) + part.k
+    shares = [[mobility(scene, ends & others) * k for others, k in pairs.items()] for ends in pairs]
+    return math.sqrt(max((reduce(add, of_pair) for of_pair in shares), default=0.0))

@@ -1,1 +1,0 @@
-"""Statistics of one run, taken stretch by stretch; what a sweep stores per point, see `columns`."""

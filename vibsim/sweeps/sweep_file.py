@@ -1,0 +1,266 @@
+"""A sweep as an HDF5 file: written whole beside its name and renamed, so that it opens at every moment."""
+
+import json
+from collections.abc import Mapping
+from math import prod
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import numpy as np
+
+from vibsim.analysis.span import parse_discard
+from vibsim.cases.quantities import parse_quantity
+from vibsim.cases.schema_keys import measured_at
+from vibsim.results.file_contents import ENGINE, NUMBER, PROVENANCE, TEXT, WHOLE, Attribute, Column, Dataset
+from vibsim.results.hdf5_reading import (
+    check_datasets,
+    check_kind,
+    check_values,
+    damage_named,
+    damaged,
+    open_hdf5,
+    read_attributes,
+    read_values,
+    stored_case,
+    understood,
+)
+from vibsim.results.hdf5_writing import write_hdf5
+from vibsim.signals import ended_at_once
+from vibsim.sweeps.axes import Axis, Members, Spread, axis_from_plain
+from vibsim.sweeps.contact_computations import QUANTILES
+from vibsim.sweeps.points import Table
+from vibsim.sweeps.quantities import STATUS_FLAGS
+from vibsim.sweeps.sweep_plan import DIRECTION_FLAGS, SweepPlan
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+
+KIND = "sweep"
+NUMBERED = ("exponent", "multiplier")  # further dimensions that count from 1
+
+
+def write_sweep(path: Path, plan: SweepPlan, table: Table, attrs: Mapping[str, Any]) -> None:
+    """Write a sweep to `path`, replacing what is there in one instant. Raises ResultFileError."""
+    points = {**table.numbers, "status": table.status, "sha256": table.sha256, "error": table.error}
+    write_hdf5(path, attrs, datasets_of(plan), {**coordinates(plan), **points})
+
+
+def coordinates(plan: SweepPlan) -> dict[str, np.ndarray]:
+    """The values of axes, direction and further dimensions, and what was drawn for members of an ensemble."""
+    values = {name: _counted(name, plan.length_of(name)) for name in further_dimensions(plan)}
+    values[DIRECTION] = np.array(plan.directions)
+    for axis in plan.axes:
+        values[axis.name] = axis.numbers()
+        if isinstance(axis, Members):
+            drawn = zip(axis.spreads, axis.drawn.values(), strict=True)
+            values |= {drawn_name(axis, spread): numbers for spread, numbers in drawn}
+    return values
+
+
+def _counted(dimension: str, count: int) -> np.ndarray:
+    """The values of a further dimension's scale."""
+    if dimension == QUANTILE:
+        return QUANTILES
+    return np.arange(1, count + 1) if dimension in NUMBERED else np.arange(1 - count, 1)
+
+
+def read_column(path: Path, file: h5py.File, plan: SweepPlan, name: str) -> np.ndarray:
+    """One column of the checked file of a sweep, or its status, sha256 or error; NaN where it has no room.
+
+    The file is read as it was when it was opened, though another may have its name by now.
+    """
+    declared = next((each for each in datasets_of(plan) if each.name == name), None)
+    if declared is None:
+        return np.full(plan.shape_of(name), np.nan)
+    with damage_named(path):
+        values = read_values(file, declared)
+    if name not in TEXTS:
+        check_values(path, declared, values)
+    return np.asarray(values)
+
+
+# What a sweep file holds, told from its plan.
+
+
+COUNTS = ("points", "points_done", "points_failed")
+ATTRIBUTES = [
+    *PROVENANCE,
+    *(Attribute(name, TEXT) for name in ("sweep_settings_json", "sweep_sha256", "method")),
+    ENGINE,
+    *(Attribute(name, WHOLE) for name in COUNTS),
+    Attribute("complete", WHOLE, allowed=(0, 1)),
+    Attribute("wall_time_s", NUMBER),
+]
+DIRECTION, QUANTILE = "direction", "quantile"
+FURTHER_SCALES = {
+    "section": Column("1", "stroboscopic points, counted back from the last", dtype="i4"),
+    "contact": Column("1", "beginnings of contact, counted back from the last", dtype="i4"),
+    QUANTILE: Column("1", "share of the impacts that are not faster"),
+    "multiplier": Column("1", "number of the multiplier, the largest first", dtype="i4"),
+    "exponent": Column("1", "number of the exponent, the largest first", dtype="i4"),
+}
+STATUS = Column(None, "whether the point was computed", dtype="i1", flags=STATUS_FLAGS)
+TEXTS = {
+    "sha256": Column(None, "SHA-256 of the point's case", dtype="text"),
+    "error": Column(None, "why a point failed", dtype="text"),
+}
+
+
+def datasets_of(plan: SweepPlan) -> list[Dataset]:
+    """All datasets; a column that has no room for a single number is not written."""
+    return [*_scales(plan), *_drawn(plan), *_of_points(plan)]
+
+
+def _scales(plan: SweepPlan) -> list[Dataset]:
+    """The scales of the axes, of the direction, and of further dimensions that are not empty."""
+    way = Column(None, f"direction in which {plan.axes[0].name} was swept", dtype="i1", flags=DIRECTION_FLAGS)
+    axes = [Dataset(axis.name, _values_of(axis), (axis.name,), gaps=True) for axis in plan.axes]
+    further = [name for name in further_dimensions(plan) if plan.length_of(name)]
+    return [
+        *axes,
+        Dataset(DIRECTION, way, (DIRECTION,)),
+        *(Dataset(name, FURTHER_SCALES[name], (name,)) for name in further),
+    ]
+
+
+def _values_of(axis: Axis | Members) -> Column:
+    key = {"key": axis.key}
+    if isinstance(axis, Members):
+        return Column(axis.unit or "1", "number of the member of the ensemble", dtype="i8", besides=key)
+    return Column(axis.unit or "1", axis.key, besides=key)
+
+
+def _drawn(plan: SweepPlan) -> list[Dataset]:
+    """What was drawn for each member of an ensemble, by its key."""
+    drawn = [(axis, spread) for axis in plan.axes if isinstance(axis, Members) for spread in axis.spreads]
+    return [
+        Dataset(drawn_name(axis, spread), Column(spread.unit or "1", f"{spread.key}: {spread}"), (axis.name,))
+        for axis, spread in drawn
+    ]
+
+
+def drawn_name(members: Members, spread: Spread) -> str:
+    """Name of the dataset of what was drawn for a spread."""
+    return f"{members.name}_{spread.name}"
+
+
+def _of_points(plan: SweepPlan) -> list[Dataset]:
+    dims = dimensions(plan)
+    numbers = [
+        Dataset(name, column, (*dims, *filter(None, [column.dimension])), gaps=True)
+        for name, column in plan.columns.items()
+        if 0 not in plan.shape_of(name)
+    ]
+    texts = [Dataset(name, column, dims) for name, column in TEXTS.items()]
+    return [*numbers, Dataset("status", STATUS, dims), *texts]
+
+
+def dimensions(plan: SweepPlan) -> tuple[str, ...]:
+    """Names of the dimensions of a number per point."""
+    return (*(axis.name for axis in plan.axes), DIRECTION)
+
+
+def further_dimensions(plan: SweepPlan) -> list[str]:
+    """Names of the dimensions that only some columns have."""
+    return list(dict.fromkeys(column.dimension for column in plan.columns.values() if column.dimension))
+
+
+def lengths_of(plan: SweepPlan) -> dict[str, int]:
+    """Length of every dimension, by name."""
+    return {
+        **dict(zip(dimensions(plan), plan.shape, strict=True)),
+        **{dimension: plan.length_of(dimension) for dimension in further_dimensions(plan)},
+    }
+
+
+# The plan in a sweep file, and the check of the file against it.
+
+
+SETTINGS = "the attribute sweep_settings_json"
+
+
+@ended_at_once()
+def read_sweep(path: Path) -> tuple[dict[str, Any], SweepPlan, h5py.File]:
+    """Root attributes and plan of a sweep file, the file checked and left open. Raises ResultFileError."""
+    file = open_hdf5(path)
+    try:
+        with damage_named(path):
+            check_kind(path, file, KIND)
+            return *_checked(path, file), file
+    except BaseException:
+        file.close()
+        raise
+
+
+def _checked(path: Path, file: h5py.File) -> tuple[dict[str, Any], SweepPlan]:
+    attrs = read_attributes(path, file, ATTRIBUTES)
+    settings = _settings(path, attrs)
+    _check_count(path, file, settings["axes"])
+    case = stored_case(path, attrs)
+    with understood(path, f"{SETTINGS} describes no sweep of its case"):
+        plan = _plan(case, settings)
+        _check_axes(case, plan)
+    check_datasets(path, file, datasets_of(plan), lengths_of(plan))
+    _check_scales(path, file, plan)
+    if attrs["points"] != plan.count or not all(0 <= attrs[name] <= plan.count for name in COUNTS):
+        raise damaged(path, f"the attribute points is {attrs['points']}, and its axes have {plan.count}")
+    return attrs, plan
+
+
+def _settings(path: Path, attrs: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The settings as plain data, with a list of axes."""
+    with understood(path, f"{SETTINGS} is not that of a sweep"):
+        settings: Mapping[str, Any] = json.loads(attrs["sweep_settings_json"])
+        for axis in settings["axes"]:
+            _length(axis)
+        return settings
+
+
+def _length(axis: Mapping[str, Any]) -> int:
+    return len(axis["values"]) if "values" in axis else int(axis["count"])
+
+
+def _check_count(path: Path, file: h5py.File, axes: list[Mapping[str, Any]]) -> None:
+    """A number of points that the file does not have must not be made: it may be any number."""
+    status = file.get("status")
+    there = status.size if isinstance(status, h5py.Dataset) and status.size is not None else 0
+    expected = prod(map(_length, axes))
+    if not 0 < expected <= there:
+        raise damaged(path, f"{SETTINGS} names {expected} points, and status has {there}")
+
+
+def _plan(case: "Case", settings: Mapping[str, Any]) -> SweepPlan:
+    """The plan that a file describes."""
+    every, section = settings["every"], settings["section"]
+    if not isinstance(section, int) or section < 0:
+        raise ValueError("section")
+    return SweepPlan(
+        case=case,
+        axes=tuple(map(axis_from_plain, settings["axes"])),
+        directions=tuple(DIRECTION_FLAGS[name] for name in settings["direction"]),
+        carry=bool(settings["carry_state"]),
+        discard=parse_discard(settings["discard"]),
+        section=section,
+        every=None if every == "auto" else parse_quantity(every, "time").value,
+        compute=tuple(settings.get("compute", ())),
+    )
+
+
+def _check_axes(case: "Case", plan: SweepPlan) -> None:
+    """Raise one of WRONG unless the axes vary numbers of the case, in units of theirs."""
+    for axis in plan.axes:
+        for key, text in axis.changes(0).items():
+            measured = measured_at(key)
+            if measured is None or case.values[key] is None:
+                raise ValueError(key)
+            parse_quantity(text, measured.dimension)
+
+
+def _check_scales(path: Path, file: h5py.File, plan: SweepPlan) -> None:
+    """The scales must say what the settings say."""
+    values = [*(axis.numbers() for axis in plan.axes), np.array(plan.directions)]
+    for name, expected in zip(dimensions(plan), values, strict=True):
+        if not np.array_equal(file[name][...], expected):
+            raise damaged(path, f"{name} and {SETTINGS} name different values")
