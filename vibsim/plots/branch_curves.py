@@ -347,7 +347,8 @@ def draw_motor_lines(axes: Axes, lines: Sequence[MotorLine], avoided: Sequence[t
         speed = _free_place(axes, line, np.array(avoided))
         if speed is not None:
             line.write(
-                axes, speed, f"{line.no_load:g}", va="center", fontsize=points(MOTOR_LINES_FONT_SIZE), color="0.3",
+                axes, speed, f"{line.no_load:g}", va="center",
+                fontsize=points(MOTOR_LINES_FONT_SIZE), color="0.3",
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8}, zorder=2, gid="no-load speed",
             )  # fmt: skip
 
@@ -454,7 +455,8 @@ def draw_leap(axes: Axes, leap: Leap) -> None:
                     "linewidth": 1.2, "shrinkA": 5, "shrinkB": 0},
     )  # fmt: skip
     leap.line.write(
-        axes, (leap.start + tip) / 2, f"{leap.line.no_load:.4g}", va="bottom", fontsize=points(LEAPS_FONT_SIZE),
+        axes, (leap.start + tip) / 2, f"{leap.line.no_load:.4g}", va="bottom",
+        fontsize=points(LEAPS_FONT_SIZE),
         color=VERMILLION, gid="leap",
     )  # fmt: skip
 

@@ -62,7 +62,8 @@ FREE = PairType("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
     help="A number to change; 'log FROM:TO' divides by ratio, 'linear FROM:TO' in equal steps; repeatable.",
 )  # fmt: skip
 @click.option(
-    "--leave", "prices", metavar="KEY=PRICE", multiple=True, type=PairType("KEY=PRICE, such as J=0.05", float),
+    "--leave", "prices", metavar="KEY=PRICE", multiple=True,
+    type=PairType("KEY=PRICE, such as J=0.05", float),
     help="Price of a factor of 10 from the printed value (of the whole width in equal steps). [default: 0.1]",
 )  # fmt: skip
 @click.option(

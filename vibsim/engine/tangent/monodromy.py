@@ -42,7 +42,8 @@ PIECES = 4096  # of the Python engine at once
 class _Shared:
     """A run on the C engine that carriers of several scenes use by turns, and the scene that it is on.
 
-    first : the scene that it begins with; pitches, harmonic_indices, doubles : of its harmonics, and its numbers
+    first : the scene that it begins with
+    pitches, harmonic_indices, doubles : of its harmonics, and its numbers
     """
 
     def __init__(self, first: Scene) -> None:

@@ -234,9 +234,10 @@ EVIDENCE = {
     "regimes": (
         draw_regimes,
         "Regimes",
-        f"Regime of the ideal source's motion between 150 and 300 s that most of {len(REGIMES_NEARBY_STARTS)} starts have "
-        "(rest; x1 displaced by 0.6 and 1.2 mm to either side): rows for the law of the amplitude and the "
-        "damping c in N s/m; white dots: the starts disagree; crosses: the shipped cases.",
+        "Regime of the ideal source's motion between 150 and 300 s that most of "
+        f"{len(REGIMES_NEARBY_STARTS)} starts have (rest; x1 displaced by 0.6 and 1.2 mm to either side): "
+        "rows for the law of the amplitude and the damping c in N s/m; white dots: the starts disagree; "
+        "crosses: the shipped cases.",
         "Four rows of coloured cells over frequency. With the amplitude of Table 1 nearly all are periodic, "
         "those at 3.8 and 3.9 Hz chaotic; with that of Eq. (2.11) most are chaotic or transient.",
     ),

@@ -269,7 +269,8 @@ def draw_motors(sheet: Figure, subjects: Sequence[Subject]) -> None:
             axes.plot(*place, "o", color=colour, markersize=4.5, gid="final")
         if capture.until is not None and capture.speed_hz is not None:
             axes.plot(
-                *_layouts_point(subject, capture.speed_hz), "s", color=colour, markersize=4, markerfacecolor="white",
+                *_layouts_point(subject, capture.speed_hz), "s", color=colour, markersize=4,
+                markerfacecolor="white",
                 gid="held",
             )  # fmt: skip
 

@@ -129,7 +129,7 @@ class ParameterPlane:
 
 
 class PlanePoint:
-    """A motion over one return, as a point of a locus; see `vibsim.orbits.branches.correction.CorrectedPoint`."""
+    """A motion over one return, as a point of a locus; see `correction.CorrectedPoint`."""
 
     settled = rounded = True
     first_slope: np.ndarray | None = None  # each point has its own
