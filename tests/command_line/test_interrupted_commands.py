@@ -271,7 +271,7 @@ def test_a_signal_while_the_command_line_is_imported_ends_without_a_word(signum)
 
 SWALLOWED = """
 import gc, os, signal, time, weakref
-from vibsim.command_line.terminal import heard_from_now_on
+from vibsim.command_line.interruption import heard_from_now_on
 class Thing: pass
 heard_from_now_on()
 thing = Thing()

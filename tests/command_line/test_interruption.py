@@ -200,7 +200,7 @@ def test_fastest_damper_is_that_of_the_lightest_ends():
 
 
 def test_work_that_does_not_ask_is_interrupted_after_a_while(monkeypatch):
-    monkeypatch.setattr("vibsim.command_line.terminal.PATIENCE_FOR_END", 0.2)
+    monkeypatch.setattr("vibsim.command_line.interruption.PATIENCE_FOR_END", 0.2)
     with pytest.raises(KeyboardInterrupt), Interruption():
         signal.raise_signal(signal.SIGINT)
         time.sleep(5)
@@ -215,7 +215,7 @@ def test_work_that_does_not_ask_is_interrupted_after_a_while(monkeypatch):
 
 FOR_EVER = """
 import sys
-from vibsim.files import reading
+from vibsim.results import hdf5_reading as reading
 def deaf(path):
     print("opening", flush=True)
     import ctypes

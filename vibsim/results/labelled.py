@@ -5,7 +5,6 @@ import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from html import escape
 from importlib import import_module
 from math import prod
 from pathlib import Path
@@ -387,6 +386,8 @@ CELL = 'style="text-align:left;padding:0 1em 0 0;vertical-align:top"'
 
 def html_of(heading: str, lines: Iterable[tuple[str, str]], arrays: Arrays | None = None) -> str:
     """The heading, a table of the lines, and a folded one of the columns; colours are the page's own."""
+    from html import escape
+
     rows = "".join(_row(label, text) for label, text in lines)
     columns = "" if arrays is None else _columns(arrays)
     return f"<div><b>{escape(heading)}</b><table>{rows}</table>{columns}</div>"
@@ -402,10 +403,14 @@ def _columns(arrays: Arrays) -> str:
 
 
 def _row(label: str, text: str) -> str:
+    from html import escape
+
     return f"<tr><td {CELL}>{escape(label)}</td><td {CELL}>{escape(text)}</td></tr>"
 
 
 def _column(name: str, arrays: Arrays) -> str:
+    from html import escape
+
     dataset = arrays.datasets[name]
     dims = ", ".join(dataset.dims)
     cells = (name, dims, _unit(dataset.column), dataset.column.long_name)

@@ -30,7 +30,7 @@ Places = Callable[[Any], tuple[float, ...]]
 
 @dataclass(frozen=True)
 class Between:
-    """An orbit between two points, as far as pictures ask; see `OrbitRecord` of `vibsim.branches.tracing`."""
+    """An orbit between two points, as far as pictures ask; see `OrbitRecord` of `tracing`."""
 
     parameter: float
     period: float

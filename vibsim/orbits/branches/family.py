@@ -277,7 +277,7 @@ class Family:
         return self.case.with_values(dict.fromkeys(self.keys, f"{float(parameter)!r} {self.unit}".strip()))
 
     def case_on(self, orbit: Any) -> Case:
-        """The case that runs one period on a recorded orbit (`OrbitRecord` of `vibsim.branches.tracing`)."""
+        """The case that runs one period on a recorded orbit (`OrbitRecord` of `tracing`)."""
         state = self.map(orbit.parameter).coordinates.state(np.array(orbit.state))
         return case_on_orbit(self.at(orbit.parameter), state, orbit.period)
 
