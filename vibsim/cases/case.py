@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from html import escape
 from operator import index
 from os import PathLike, fspath
 from pathlib import Path
@@ -410,6 +409,8 @@ def html_of_case(case: "Case") -> str:
     """The short text of the case, its title, a table of derived numbers and the folded case file; colours are
     the page's own.
     """
+    from html import escape
+
     rows = "".join(
         _row(fact.name, f"{number(fact.value, 6)} {fact.unit}".strip(), fact.meaning)
         for fact in derived_facts(case.scene())
@@ -421,4 +422,6 @@ def html_of_case(case: "Case") -> str:
 
 
 def _row(*cells: str) -> str:
+    from html import escape
+
     return "<tr>" + "".join(f"<td {CELL}>{escape(cell)}</td>" for cell in cells) + "</tr>"
