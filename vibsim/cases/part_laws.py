@@ -1,4 +1,4 @@
-"""Laws of dry friction as a case writes them: the coefficients of each law, and the forces that they make."""
+"""Laws of dry friction and of stops as a case writes them: coefficients, and the forces that they make."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

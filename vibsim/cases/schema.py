@@ -1,4 +1,4 @@
-"""What may stand at which key of a case, in either form; see `schema` for the short one."""
+"""What may stand at which key of the short form of a case, and what sections of both forms share."""
 
 from functools import cached_property
 from inspect import cleandoc

@@ -1,4 +1,4 @@
-"""The terminal: what goes to its streams, progress, and interruption."""
+"""The terminal: what goes to its streams, progress, and commands as a shell reads them."""
 
 from __future__ import annotations
 

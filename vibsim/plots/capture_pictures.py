@@ -1,4 +1,4 @@
-"""Pictures of sweeps: one kind in each module with `draw`; axes, curves, panels and maps for all."""
+"""Maps of sweeps in colours: capture of the motor, and regime."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A fit: the candidates over their first two free parameters, or the price over one."""
+"""Pictures of a fit (candidates over their free parameters) and of a bench (speed against error)."""
 
 from __future__ import annotations
 

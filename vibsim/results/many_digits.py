@@ -1,4 +1,4 @@
-"""Runs of as many digits as are asked for, and how many of them are right; `truth` runs a case."""
+"""Runs of as many digits as are asked for, and how many of them are right."""
 
 import time
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""A run of the engine recorded as it comes, sample by sample, and judged on the way; see `recording`."""
+"""A run of the engine recorded as it comes, sample by sample, and judged on the way."""
 
 import time
 from collections.abc import Callable, Iterable

@@ -1,4 +1,4 @@
-"""What a sweep computes of each point on demand, see `registry`."""
+"""What a sweep computes of each point on demand: exponents, orbits, regime, capture, end state."""
 
 import math
 from collections.abc import Callable, Iterable

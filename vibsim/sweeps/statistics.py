@@ -1,4 +1,4 @@
-"""Statistics of one run, taken stretch by stretch; what a sweep stores per point, see `columns`."""
+"""Statistics of one run, taken stretch by stretch: what a sweep stores per point."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""The solvers themselves: scipy's with events and without, heyoka, the classical Runge-Kutta method."""
+"""The solvers themselves: scipy's with events and without, the classical Runge-Kutta method."""
 
 import time
 import warnings
