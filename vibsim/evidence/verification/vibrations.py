@@ -107,7 +107,7 @@ def bilinear(flow: str, engine: str) -> Iterator[CheckRow]:
 # its first contact (grazing) is at A = G |Z|.
 
 
-M1, K1, G = 0.297, 200.0, 1e-3
+M1, M2, K1, K2, G = 0.297, 2.94, 200.0, 12400.0, 1e-3
 STEADY = """
 blocks: {m1: 0.297 kg, m2: fixed}
 coupling: {k1: 200 N/m, c: 6 N s/m}
@@ -322,7 +322,6 @@ def bilinear_cycle_grazing(engine: str) -> Iterator[CheckRow]:
 # period of each in turn. The centre of mass rests.
 
 
-M1, M2, K1, K2 = 0.297, 2.94, 200.0, 12400.0
 FREE_RATE, CONTACT_RATE = (sqrt(k * (1 / M1 + 1 / M2)) for k in (K1, K1 + K2))
 BILINEAR_OSCILLATOR_PERIOD = pi / FREE_RATE + pi / CONTACT_RATE
 

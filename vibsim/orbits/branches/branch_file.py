@@ -1,4 +1,4 @@
-"""A branch as an HDF5 file: written whole, read back to the bit."""
+"""Branches and loci read back from their HDF5 files, to the bit; the store of a locus under way."""
 
 import json
 from collections.abc import Iterable, Mapping

@@ -1,4 +1,4 @@
-"""What a branch file holds."""
+"""What files of branches and loci hold, and how they are written."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ from vibsim.orbits.branches.locus import (
     walk,
 )
 from vibsim.orbits.branches.node import Node
-from vibsim.orbits.branches.plan import BranchError, BranchPlan, must_matter, value_in
+from vibsim.orbits.branches.plan import FIRST_STEP, BranchError, BranchPlan, must_matter, value_in
 from vibsim.orbits.branches.special_points import BRANCHING, GRAZING, NAMES, STICKING, TORUS, held
 from vibsim.orbits.branches.tracing import OrbitRecord, orbit_record
 from vibsim.orbits.coordinates import changes
@@ -44,7 +44,6 @@ from vibsim.results.labelled import Arrays, Labelled, few
 # Which bifurcation is to be followed, and over what.
 
 
-FIRST_STEP = 0.1  # scaled, that the first correction may have
 WHY_NOT = {  # why no locus of a kind is followed, and what to do
     BRANCHING: ". Two branches cross there, which only a symmetry of the scene keeps up when a second "
     "parameter varies, and along such points the equations of a locus are singular; continue the branch at "
