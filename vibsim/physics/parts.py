@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from math import ceil
 from typing import Any, Generic, NamedTuple
 
+from vibsim.physics.formulas import Node
 from vibsim.physics.numbers import N
 
 # The instants at which a run is sampled.
@@ -61,25 +62,50 @@ def columns_of(body: str) -> tuple[str, str]:
     return f"x{separator}{body}", f"v{separator}{body}"
 
 
+BODY, ROTOR, STATE = "body", "rotor", "state"  # kinds of what moves
+
+
 @dataclass(frozen=True)
 class Body(Generic[N]):
-    """A rigid body: mass m > 0 [kg], displacement x [m] and velocity v [m/s] at t = 0."""
+    """A rigid body: mass m > 0 [kg], displacement x [m] and velocity v [m/s] at t = 0.
+
+    kind : BODY, whose mass is that of the rotors on it as well; ROTOR: x is its angle [rad], v its speed [rad/s],
+        m its inertia about its shaft, that of its unbalanced mass included [kg m^2]; STATE: v is a further state
+        of a scene, the force on it its rate, m is 1, and x says nothing
+    """
 
     name: str
     m: N
     x: N
     v: N
+    kind: str = BODY
+
+
+@dataclass(frozen=True)
+class Rotor:
+    """An unbalanced rotor on a body: numbers of the two in the scene, and unbalance m e [kg m].
+
+    M x'' = F + m e (w^2 cos phi + w' sin phi),  (J + m e^2) w' = T + m e x'' sin phi, as Eqs. (2.9) of the paper.
+    """
+
+    column: int
+    on: int
+    unbalance: Any
 
 
 @dataclass(frozen=True)
 class Link(Generic[N]):
-    """Spring k [N/m] and damper c [N s/m] between P and Q: force -k (x_P - x_Q) - c (v_P - v_Q) on P."""
+    """Spring k [N/m] and damper c [N s/m] between P and Q: force -k (x_P - x_Q) - c (v_P - v_Q) on P.
+
+    force : formula of the force that drives the ends together [N], -force on P, +force on Q; k and c are 0 then
+    """
 
     name: str
     P: int
     Q: int
     k: N
     c: N
+    force: Node | None = None
 
 
 @dataclass(frozen=True)
@@ -87,7 +113,8 @@ class Stop(Generic[N]):
     """Elastic stop between P and Q: depth g = sense (x_Q - x_P) - gap [m], force k g + c g' in contact [N].
 
     `release` AT_GAP: contact while g >= 0; AT_FORCE: the force is max(0, k g + c g') while g > 0. `at_start`:
-    whether g is exactly 0 at t = 0 by the numbers that these are rounded from.
+    whether g is exactly 0 at t = 0 by the numbers that these are rounded from. `force`: formula of the force in
+    contact [N] in place of k g + c g', sense times it on P; k and c are 0 then.
     """
 
     name: str
@@ -99,6 +126,7 @@ class Stop(Generic[N]):
     c: N
     release: str = AT_GAP
     at_start: bool = False
+    force: Node | None = None
 
 
 @dataclass(frozen=True)
@@ -139,6 +167,9 @@ class Friction(Generic[N]):
     belt : velocity of the surface of Q against Q [m/s]
     hold_forward, hold_backward : the most that it can hold against the start of slip in either direction [N],
         not below the force with which slip begins; None: as much as that
+    slips : formulas of the forces while slipping forwards and backwards [N], not below 0; forward, backward and
+        what falls with speed are 0 and None then
+    holds : formulas of the most that it can hold against the start of slip in either direction [N]
     """
 
     name: str
@@ -151,6 +182,8 @@ class Friction(Generic[N]):
     hold_backward: N | None = None
     fall_forward: Fall[N] | None = None
     fall_backward: Fall[N] | None = None
+    slips: tuple[Node, Node] | None = None
+    holds: tuple[Node, Node] | None = None
 
     @property
     def limits(self) -> tuple[N, N]:
@@ -193,12 +226,15 @@ class Harmonic(Generic[N]):
 
 @dataclass(frozen=True)
 class Force(Generic[N]):
-    """Force on a body: constant + sum of harmonics [N]."""
+    """Force on a body: constant + sum of harmonics [N], and a formula [N]; the torque on a rotor [N m], and the
+    rate of a state.
+    """
 
     name: str
     on: int
     constant: N
     terms: tuple[Harmonic[N], ...]
+    formula: Node | None = None
 
 
 @dataclass(frozen=True)
@@ -257,7 +293,10 @@ class Scene(Sampled[N], Generic[N]):
     ----------
     bodies, links, stops, frictions, forces, clearances : the parts, in the order of the case
     base : harmonics of the displacement X(t) [m] of BASE
+    base_formula : formula of X(t) [m] in the time alone, in place of harmonics
     motor : the motor, or None
+    rotors : the unbalanced rotors among the bodies
+    torsional : whether all displacements are angles [rad]
     stop_on_violation : whether the run ends where a clearance is violated
     t_end : end of the run [s]; samples at i * every_num / every_den [s], i = 0, 1, ...
     method : "auto", "closed_form" or "taylor"; order and tol of the Taylor flow
@@ -278,6 +317,9 @@ class Scene(Sampled[N], Generic[N]):
     method: str = "auto"
     order: int = 20
     tol: N | float = 2.0**-53
+    base_formula: Node | None = None
+    rotors: tuple[Rotor, ...] = ()
+    torsional: bool = False
 
     @property
     def has_motor(self) -> bool:

@@ -1,0 +1,250 @@
+"""Formulas: laws of force, torque, motion and rate as expressions in the state of a scene and in time.
+
+A formula is a tree of nodes; a node is a tuple whose first entry says what it is:
+
+    ("num", value)         a number, an exact Fraction in SI units
+    ("pi",)  ("t",)        pi; the time [s]
+    ("x", end)  ("v", end) displacement [m] and velocity [m/s] of an end of a part: number of a body, GROUND, BASE
+    ("phi",)  ("w",)       angle [rad] and speed [rad/s] of the rotor of `Scene.motor`
+    ("add", a, b)  ("sub", a, b)  ("mul", a, b)  ("div", a, b)
+    ("pow", a, p)          a**p, p a Fraction that is no whole number: a >= 0
+    ("sin", a)             and cos, exp, log, sinh, cosh, tanh, atan, asin, acos
+    ("choose", g, a, b, text)   a where g > 0, b where g < 0; text: as it stands in the case, "abs(v)"
+    ("mod", a, b, text)    a - k b, k the whole number with 0 <= a - k b < b; b a positive number
+    ("table", u, knots, pieces, text)   the polynomial pieces[k](u - knots[k]) between knots k and k + 1; the
+                           end values outside; knots: Fractions, pieces: Fractions, lowest power first
+
+Nodes compare by what they say, so equal parts of formulas are one. Make them with the functions of this module,
+which compute what is made of numbers alone exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from fractions import Fraction
+from typing import Any
+
+Node = tuple[Any, ...]
+
+ZERO: Node = ("num", Fraction(0))
+ONE: Node = ("num", Fraction(1))
+PI: Node = ("pi",)
+TIME: Node = ("t",)
+SWITCHES = ("choose", "mod", "table")  # nodes of several sides, of which a mode says which holds
+MOST_EXACT = 64  # largest whole power that is written as products
+
+
+def num(value: Fraction | int | str) -> Node:
+    """A number."""
+    return ("num", Fraction(value))
+
+
+def value_of(node: Node) -> Fraction | None:
+    """The number that a node is; None of any other."""
+    return node[1] if node[0] == "num" else None
+
+
+def add(a: Node, b: Node) -> Node:
+    """a + b."""
+    if a[0] == b[0] == "num":
+        return num(a[1] + b[1])
+    return b if a == ZERO else a if b == ZERO else ("add", a, b)
+
+
+def sub(a: Node, b: Node) -> Node:
+    """a - b."""
+    if a[0] == b[0] == "num":
+        return num(a[1] - b[1])
+    return a if b == ZERO else mul(num(-1), b) if a == ZERO else ("sub", a, b)
+
+
+def neg(a: Node) -> Node:
+    """-a."""
+    return mul(num(-1), a)
+
+
+def mul(a: Node, b: Node) -> Node:
+    """a b; a number comes first."""
+    if a[0] == b[0] == "num":
+        return num(a[1] * b[1])
+    if b[0] == "num":
+        a, b = b, a
+    if a == ZERO:
+        return ZERO
+    if a == ONE:
+        return b
+    if a[0] == "num" and b[0] == "mul" and b[1][0] == "num":
+        return mul(num(a[1] * b[1][1]), b[2])
+    return ("mul", a, b)
+
+
+def div(a: Node, b: Node) -> Node:
+    """a / b. Raises ZeroDivisionError where b is the number 0."""
+    if b[0] == "num":
+        return mul(num(1 / b[1]), a)
+    return ZERO if a == ZERO else ("div", a, b)
+
+
+def power(a: Node, b: Node) -> Node:
+    """a**b: products of a where b is a whole number, exp(b log a) where it is no number."""
+    p = value_of(b)
+    if p is None:
+        return call("exp", mul(b, call("log", a)))
+    if p.denominator != 1:
+        return ("pow", a, p)
+    if abs(p) > MOST_EXACT:
+        raise ValueError(f"whole powers beyond {MOST_EXACT} are not taken")
+    if p < 0:
+        return div(ONE, power(a, num(-p)))
+    result, square, n = ONE, a, int(p)
+    while n:
+        if n % 2:
+            result = mul(square, result)
+        n //= 2
+        square = mul(square, square) if n else square
+    return result
+
+
+def call(name: str, a: Node) -> Node:
+    """A function of one argument by its name in a formula: sin, cos, tan, exp, log, sqrt, sinh, cosh, tanh, atan,
+    asin, acos.
+    """
+    if name == "sqrt":
+        return ("pow", a, Fraction(1, 2))
+    if name == "tan":
+        return ("div", ("sin", a), ("cos", a))
+    return (name, a)
+
+
+def choose(g: Node, a: Node, b: Node, text: str) -> Node:
+    """a where g > 0, b where g < 0."""
+    value = value_of(g)
+    if value is not None:
+        return a if value >= 0 else b
+    return a if a == b else ("choose", g, a, b, text)
+
+
+def absolute(a: Node, text: str) -> Node:
+    """|a|."""
+    return choose(a, a, neg(a), text)
+
+
+def largest(a: Node, b: Node, text: str) -> Node:
+    """The larger of a and b."""
+    return choose(sub(a, b), a, b, text)
+
+
+def smallest(a: Node, b: Node, text: str) -> Node:
+    """The smaller of a and b."""
+    return choose(sub(b, a), a, b, text)
+
+
+def children(node: Node) -> tuple[Node, ...]:
+    """The nodes that a node is made of."""
+    kind = node[0]
+    if kind in ("add", "sub", "mul", "div"):
+        return node[1:]
+    if kind == "choose":
+        return node[1:4]
+    if kind == "mod":
+        return node[1:3]
+    if kind in ("num", "pi", "t", "x", "v", "phi", "w"):
+        return ()
+    return (node[1],)
+
+
+def walk(nodes: Iterable[Node]) -> Iterator[Node]:
+    """Each distinct node of formulas once, children before what is made of them."""
+    seen: set[Node] = set()
+    for node in nodes:
+        yield from _below(node, seen)
+
+
+def _below(node: Node, seen: set[Node]) -> Iterator[Node]:
+    if node not in seen:
+        for child in children(node):
+            yield from _below(child, seen)
+        seen.add(node)
+        yield node
+
+
+def reads(nodes: Iterable[Node], kinds: Sequence[str]) -> bool:
+    """Whether formulas read any of the inputs `kinds`."""
+    return any(node[0] in kinds for node in walk(nodes))
+
+
+def replaced_inputs(node: Node, inputs: dict[Node, Node]) -> Node:
+    """The formula with other nodes in place of some of its inputs."""
+    if node in inputs:
+        return inputs[node]
+    kind = node[0]
+    below = tuple(replaced_inputs(child, inputs) for child in children(node))
+    if not below or below == children(node):
+        return node
+    if kind in ("add", "sub", "mul", "div"):
+        return {"add": add, "sub": sub, "mul": mul, "div": div}[kind](*below)
+    if kind == "choose":
+        return choose(*below, node[4])
+    if kind == "mod":
+        return ("mod", *below, node[3])
+    return (kind, below[0], *node[2:])
+
+
+def derivative(node: Node, of: Node) -> Node:
+    """The partial derivative of a formula with respect to the input `of`; on the side of each switch that holds."""
+    return _Derivative(of).of_node(node)
+
+
+class _Derivative:
+    """Derivatives of the nodes of formulas with respect to one input, each made once."""
+
+    def __init__(self, of: Node) -> None:
+        self.known: dict[Node, Node] = {of: ONE}
+
+    def of_node(self, node: Node) -> Node:
+        if node not in self.known:
+            self.known[node] = self._made(node)
+        return self.known[node]
+
+    def _made(self, node: Node) -> Node:
+        kind, below = node[0], children(node)
+        slopes = [self.of_node(child) for child in below]
+        if all(slope == ZERO for slope in slopes):
+            return ZERO
+        if kind == "add":
+            return add(*slopes)
+        if kind == "sub":
+            return sub(*slopes)
+        if kind == "mul":
+            return add(mul(slopes[0], below[1]), mul(below[0], slopes[1]))
+        if kind == "div":
+            return div(sub(slopes[0], mul(node, slopes[1])), below[1])
+        if kind == "choose":
+            return choose(below[0], slopes[1], slopes[2], node[4])
+        if kind == "mod":
+            return slopes[0]
+        if kind == "table":
+            u, knots, pieces, text = node[1:]
+            rates = tuple(tuple(n * c for n, c in enumerate(piece))[1:] or (Fraction(0),) for piece in pieces)
+            return mul(("table", u, knots, rates, text), slopes[0])
+        return mul(self._slope(node, below[0]), slopes[0])
+
+    @staticmethod
+    def _slope(node: Node, a: Node) -> Node:
+        kind = node[0]
+        if kind == "pow":
+            return mul(num(node[2]), ("pow", a, node[2] - 1))
+        if kind in ("asin", "acos"):
+            root = ("pow", sub(ONE, mul(a, a)), Fraction(1, 2))
+            return div(ONE if kind == "asin" else num(-1), root)
+        slopes = {
+            "sin": lambda: ("cos", a),
+            "cos": lambda: neg(("sin", a)),
+            "exp": lambda: node,
+            "log": lambda: div(ONE, a),
+            "sinh": lambda: ("cosh", a),
+            "cosh": lambda: ("sinh", a),
+            "tanh": lambda: sub(ONE, mul(node, node)),
+            "atan": lambda: div(ONE, add(ONE, mul(a, a))),
+        }
+        return slopes[kind]()
