@@ -1,16 +1,32 @@
 """Elementary functions: right to rounding, and the same bits in scalars, in arrays and in C."""
 
 import math
+import struct
+from fractions import Fraction
 
 import mpmath
 import numpy as np
 import pytest
 
 from vibsim.physics import elementary
+from vibsim.physics.big_floats import BigFloats
 from vibsim.physics.elementary import sine_cosine_of_arrays
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.traced_numbers import Sloped, SlopedNumbers
 
 RANDOM = np.random.default_rng(7)
 ULP = 2.0**-52
+BOTH_SIGNS = np.concatenate(
+    [RANDOM.uniform(-1, 1, 1000), 10 ** RANDOM.uniform(-300, 0, 100), [1e-300, 5e-324]]
+)
+BORDERS = [
+    float(np.nextafter(sign * border, towards))
+    for border in (0.25, 0.5, elementary.ROOT_HALF, 0.75, 1.0, 1.5, 4.0)
+    for sign in (1, -1)
+    for towards in (-9, sign * border, 9)
+]
+NEAR_1 = 1 - 10 ** RANDOM.uniform(-16, -1, 200)
+ANGLES = [x for x in [*BOTH_SIGNS, *NEAR_1, *-NEAR_1, *BORDERS] if abs(x) <= 1]
 # name: (arguments, error allowed in units of 2^-52 of the value)
 RELATIVE = {
     "exp": ([*RANDOM.uniform(-700, 700, 500), *RANDOM.uniform(-1, 1, 500)], 1.0),
@@ -20,14 +36,37 @@ RELATIVE = {
     "log": ([*10 ** RANDOM.uniform(-300, 300, 500), *RANDOM.uniform(0.5, 2, 500), 5e-324], 1.0),
     "log10": ([*10 ** RANDOM.uniform(-300, 300, 500), 2.0], 2.0),
     "log2": ([*10 ** RANDOM.uniform(-300, 300, 500), 3.0], 2.0),
+    "tanh": ([*RANDOM.uniform(-25, 25, 500), *BOTH_SIGNS, 700.0, -700.0], 2.0),
+    "asin": (ANGLES, 1.5),
+    "acos": (ANGLES, 1.5),
+    "atan": ([*RANDOM.uniform(-6, 6, 1500), *10 ** RANDOM.uniform(0, 308, 200), *BOTH_SIGNS, *BORDERS], 1.5),
 }
+# name: (a, p), drawn, and the error allowed in units of 2^-52 of the power
+HALVES = (0.5, -0.5, 1.5, -1.5, 2.5, -2.5)
+POWERS = {
+    "of a wide range": (lambda: (10 ** RANDOM.uniform(-300, 300), RANDOM.uniform(-1, 1)), 1.0),
+    "close to the ends of the range": (lambda: end_of_range(10 ** RANDOM.uniform(-307, 308)), 1.0),
+    "high ones of numbers close to 1": (lambda: end_of_range(1 + 10 ** RANDOM.uniform(-15, 0)), 1.0),
+    "high ones of numbers below 1": (lambda: end_of_range(1 - 10 ** RANDOM.uniform(-15, -0.1)), 1.0),
+    "of tiny numbers": (lambda: (5e-324 * RANDOM.integers(1, 99), RANDOM.uniform(-0.9, 0.9)), 1.0),
+    "roots": (lambda: (10 ** RANDOM.uniform(-300, 300), 1 / RANDOM.integers(3, 99)), 1.0),
+    "whole ones": (lambda: (10 ** RANDOM.uniform(-30, 30), RANDOM.integers(-10, 10)), 1.0),
+    "half-integers": (lambda: (10 ** RANDOM.uniform(-120, 120), RANDOM.choice(HALVES)), 2.0),
+    "higher half-integers": (lambda: (10 ** RANDOM.uniform(-60, 60), RANDOM.integers(-5, 5) + 0.5), 2.0),
+}
+FEW_DIGITS = (30, 60)
+
+
+def end_of_range(a):
+    """a and an exponent: the power is anywhere between the least and the greatest of the normal numbers."""
+    return a, RANDOM.uniform(-708, 709) / math.log(a)
 
 
 @pytest.mark.parametrize("name", RELATIVE)
 def test_they_are_right_to_rounding(name):
     arguments, allowed = RELATIVE[name]
     exact = {"log2": lambda x: mpmath.log(x, 2)}.get(name) or getattr(mpmath, name)
-    with mpmath.workdps(40):
+    with mpmath.workdps(50):
         for x in map(float, arguments):
             truth = exact(mpmath.mpf(x))
             assert abs(getattr(elementary, name)(x) - truth) <= allowed * ULP * abs(truth), x
@@ -56,6 +95,174 @@ def test_at_the_ends_of_their_ranges():
     functions = (elementary.sin, elementary.cos, elementary.exp, elementary.expm1, elementary.log)
     assert all(math.isnan(function(math.nan)) for function in functions)
     assert all(map(math.isnan, (elementary.sin(inf), elementary.log(-1.0))))
+
+
+@pytest.mark.parametrize("name", POWERS)
+def test_powers_are_right_to_rounding(name):
+    draw, allowed = POWERS[name]
+    with mpmath.workdps(50):
+        for a, p in (map(float, draw()) for _ in range(500)):
+            truth = mpmath.power(mpmath.mpf(a), mpmath.mpf(p))
+            assert abs(elementary.power(a, p) - truth) <= allowed * ULP * abs(truth), (a, p)
+
+
+def test_logarithms_of_powers_are_known_to_66_bits():
+    with mpmath.workdps(50):
+        close_to_1 = 1 + RANDOM.choice([-1, 1], 500) * 10 ** RANDOM.uniform(-15.9, -1, 500)
+        for a in map(float, [*10 ** RANDOM.uniform(-320, 308, 500), *close_to_1, 5e-324]):
+            high, low = elementary._long_log(a)
+            truth = mpmath.log(mpmath.mpf(a))
+            assert abs(mpmath.mpf(high) + low - truth) <= 2.0**-66 * abs(truth), a
+
+
+def test_powers_at_the_ends_of_their_range():
+    inf, nan, power = math.inf, math.nan, elementary.power
+    for p in (0.5, 1.5, 2.5, 0.3, 7.5, 1e300):
+        assert [power(0.0, p), power(-0.0, p), power(1.0, p), power(inf, p)] == [0.0, 0.0, 1.0, inf]
+        assert [power(0.0, -p), power(-0.0, -p), power(1.0, -p), power(inf, -p)] == [inf, inf, 1.0, 0.0]
+        assert all(math.isnan(power(a, q)) for a in (-1.0, -inf, nan) for q in (p, -p))
+    assert [power(a, 0.0) for a in (0.0, 3.0, inf)] == [1.0, 1.0, 1.0]
+    assert all(math.isnan(power(a, nan)) for a in (0.0, 1.0, 3.0, inf))
+    too_large = [(1e200, 1.6), (2.0, 1e300), (1e-206, -1.5), (1e300, 1.5)]
+    too_small = [(1e200, -1.7), (2.0, -1e300), (1e-220, 1.5), (1e-200, 2.5)]
+    assert [power(*pair) for pair in too_large + too_small] == [inf] * 4 + [0.0] * 4
+    with mpmath.workdps(50):
+        for a, p in [(1e-200, 1.5), (4e-206, -1.5), (3e205, -1.5), (1e-123, -2.5)]:
+            truth = float(mpmath.mpf(a) ** mpmath.mpf(p))
+            assert power(a, p) == pytest.approx(truth, rel=2 * ULP, abs=0)
+        for a, p in [(1e-210, 1.5), (1e-213, 1.5), (1e-210, 1.499), (1e-213, 1.51), (1e212, -1.51)]:
+            truth = float(mpmath.mpf(a) ** mpmath.mpf(p))  # below normal numbers, 5e-324 apart
+            assert 0 < truth < 2.3e-308 and abs(power(a, p) - truth) <= 5e-324
+
+
+def test_tangents_and_angles_at_the_ends_of_their_ranges():
+    inf, nan = math.inf, math.nan
+    assert [elementary.tanh(x) for x in (0.0, 20.0, 1e300, inf)] == [0.0, 1.0, 1.0, 1.0]
+    assert [elementary.tanh(x) for x in (-20.0, -1e300, -inf)] == [-1.0, -1.0, -1.0]
+    assert elementary.tanh(18.0) == 1 - 2.0**-51  # 2 exp(-36) = 4.6e-16
+    quarter = math.pi / 2
+    assert [elementary.asin(x) for x in (0.0, 1.0, -1.0)] == [0.0, quarter, -quarter]
+    assert [elementary.acos(x) for x in (1.0, 0.0, -1.0)] == [0.0, quarter, math.pi]
+    assert [elementary.atan(x) for x in (0.0, 1e300, inf, -inf)] == [0.0, quarter, quarter, -quarter]
+    beyond = (math.nextafter(1.0, 2.0), -1.5, inf, -inf, nan)
+    assert all(math.isnan(of(x)) for of in (elementary.asin, elementary.acos) for x in beyond)
+    assert math.isnan(elementary.tanh(nan)) and math.isnan(elementary.atan(nan))
+    for name in ("tanh", "asin", "atan"):
+        of = getattr(elementary, name)
+        assert all(of(-x) == -of(x) for x in map(float, RANDOM.uniform(0, 1, 100)))
+
+
+def bits(x):
+    """The bits of a double; one and the same for whatever is no number."""
+    return struct.pack("<d", x) if x == x else b"nan"
+
+
+FUNCTIONS = ["sin", "cos", "exp", "expm1", "log", "sinh", "cosh", "tanh", "asin", "acos", "atan"]
+SPECIAL = (
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    5e-324,
+    -5e-324,
+    1e-310,
+    2.3e-308,
+    1.7e308,
+    -1.7e308,
+    math.inf,
+    -math.inf,
+    math.nan,
+)
+EVERYWHERE = [*SPECIAL, *BORDERS, *RANDOM.uniform(-1, 1, 3000), *RANDOM.uniform(-30, 30, 3000)]
+EVERYWHERE += [
+    *RANDOM.choice([-1, 1], 2000) * 10 ** RANDOM.uniform(-307, 308, 2000),
+    *RANDOM.uniform(-760, 760, 1000),
+]
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_c_has_the_bits_of_python(name):
+    c = pytest.importorskip("vibsim.engine._engine").elementary
+    of = getattr(elementary, name)
+    assert [x for x in map(float, EVERYWHERE) if bits(c(name, x)) != bits(of(x))] == []
+
+
+def test_c_has_the_bits_of_python_in_powers():
+    c = pytest.importorskip("vibsim.engine._engine").power
+    pairs = [tuple(map(float, draw())) for draw, _ in POWERS.values() for _ in range(500)]
+    pairs += [(a, p) for a in SPECIAL for p in (*SPECIAL, *HALVES, 0.3, -0.3, 3.5, 700.5, -700.5)]
+    assert [pair for pair in pairs if bits(c(*pair)) != bits(elementary.power(*pair))] == []
+
+
+def test_c_knows_its_functions_by_name():
+    with pytest.raises(ValueError, match="no elementary function gamma"):
+        pytest.importorskip("vibsim.engine._engine").elementary("gamma", 1.0)
+
+
+def kits():
+    """Both kits of many digits, of the one that rests on python-flint where that is installed."""
+    flint = pytest.importorskip("vibsim.physics.multiprecision")
+    return [kit(digits) for digits in FEW_DIGITS for kit in (BigFloats, flint.Balls)]
+
+
+def as_mpf(kit, x):
+    """A number of a kit for mpmath."""
+    kit.activate()
+    mantissa, exponent = kit.parts(x)
+    return mpmath.ldexp(mpmath.mpf(mantissa), exponent)
+
+
+def test_kits_of_many_digits_have_the_same_functions():
+    for kit in kits():
+        kit.activate()
+        x, third = kit.number(Fraction(3, 7)), kit.number(Fraction(-1, 3))
+        with mpmath.workdps(100):
+            exact = mpmath.mpf(3) / 7
+            for name in ("tanh", "asin", "acos", "atan"):
+                truth = getattr(mpmath, name)(exact)
+                assert abs(as_mpf(kit, getattr(kit, name)(x)) / truth - 1) < mpmath.mpf(10) ** -kit.digits
+            truth = mpmath.cbrt(1 / exact)
+            assert abs(as_mpf(kit, kit.power(x, third)) / truth - 1) < mpmath.mpf(10) ** -kit.digits
+
+
+def test_kits_agree_about_special_values():
+    for kit in [*kits(), Doubles]:
+        if kit is not Doubles:
+            kit.activate()
+        number, inf = kit.number, kit.inf
+        half, minus = number(1.5), number(-1.5)
+        zero, one, nan = number(0), number(1), number(math.nan)
+        assert [kit.power(zero, half), kit.power(zero, minus)] == [0, inf]
+        assert [kit.power(inf, half), kit.power(inf, minus)] == [inf, 0]
+        assert [kit.power(zero, zero), kit.power(one, half), kit.power(number(4), minus)] == [1, 1, 0.125]
+        assert not any(kit.finite(kit.power(number(-2), p)) for p in (half, minus))
+        assert not any(kit.finite(kit.power(nan, p)) for p in (half, minus))
+        assert not any(kit.finite(of(number(x))) for of in (kit.asin, kit.acos) for x in (1.5, -1.5))
+        assert float(kit.tanh(inf)) == 1.0 and float(kit.tanh(number(-1e9))) == -1.0
+        assert float(kit.asin(-one)) == -math.pi / 2 and float(kit.acos(-one)) == math.pi
+        assert float(kit.atan(inf)) == math.pi / 2
+
+
+def test_balls_around_zero_have_powers():
+    flint, kit = pytest.importorskip("flint"), kits()[1]
+    kit.activate()
+    ball = flint.arb(0, 1e-20)
+    root = kit.power(ball, flint.arb(1.5))
+    assert root.is_finite() and root.contains(0) and root.contains(flint.arb("9e-31"))
+    assert float(abs(root).upper()) == pytest.approx(1e-30)
+    assert kit.power(ball, flint.arb(-1.5)) == kit.inf
+
+
+@pytest.mark.parametrize("name", ["tanh", "asin", "acos", "atan", "power"])
+def test_derivatives_of_them(name):
+    def of(function, x):
+        return function(x, 1.7) if name == "power" else function(x)
+
+    for x in (-0.9, -0.2, 0.3, 0.8)[2 * (name == "power") :]:
+        carried = of(getattr(SlopedNumbers, name), Sloped(x, np.array([1.0, -2.0])))
+        truth = float(mpmath.diff(lambda y: of(getattr(mpmath, name), y), x))
+        assert carried.value == of(getattr(elementary, name), x) == of(getattr(SlopedNumbers, name), x)
+        np.testing.assert_allclose(carried.slope, [truth, -2 * truth], rtol=1e-14)
 
 
 def test_arrays_have_the_bits_of_scalars():

@@ -19,6 +19,13 @@
 #define FLAT_EXPONENT 1400.0
 #define UNIT_ROUNDING 0x1p-53
 #define ROOT_HALF 0.7071067811865476
+#define HALF_PI 1.5707963267948966
+#define HALF_PI_LO 6.123233995736766e-17
+#define VELTKAMP 134217729.0
+#define ONE_THIRD 0.3333333333333333
+#define ONE_THIRD_LO 1.850371707708594e-17
+#define ONE_FIFTH 0.2
+#define ONE_FIFTH_LO -1.1102230246251566e-17
 
 static inline uint64_t bits_of(double x)
 {
@@ -107,13 +114,19 @@ static inline double reduced_exponential(double x, double *rise)
     return n;
 }
 
+/* (1 + rise) 2^n. */
+static inline double scaled_exponential(double n, double rise)
+{
+    double first = (n * 0.5 + WHOLE) - WHOLE;
+    return ((1 + rise) * whole_power_of_two(first)) * whole_power_of_two(n - first);
+}
+
 /* Without a branch, too. */
 static inline double exponential(double x)
 {
     double above = x < -FLAT_EXPONENT ? -FLAT_EXPONENT : x, within = above > FLAT_EXPONENT ? FLAT_EXPONENT : above;
     double rise, n = reduced_exponential(within, &rise);
-    double first = (n * 0.5 + WHOLE) - WHOLE;
-    return ((1 + rise) * whole_power_of_two(first)) * whole_power_of_two(n - first);
+    return scaled_exponential(n, rise);
 }
 
 static inline double exponential_less_1(double x)
@@ -142,6 +155,73 @@ static inline double hyperbolic_cosine(double x)
     return (exponential(x) + exponential(-x)) / 2;
 }
 
+static inline double hyperbolic_tangent(double x)
+{
+    double rise = exponential_less_1(2 * fabs(x));
+    if (rise > 1.0)
+        return copysign(1 - 2 / (rise + 2), x);
+    return copysign(rise / (rise + 2), x);
+}
+
+static inline double arctangent(double x)
+{
+    static const double arctangent[] = {
+        -1 / 3.0, 1 / 5.0, -1 / 7.0, 1 / 9.0, -1 / 11.0, 1 / 13.0, -1 / 15.0, 1 / 17.0, -1 / 19.0, 1 / 21.0, -1 / 23.0, 1 / 25.0,
+    };
+    static const double angles[][4] = {
+        {0.75, 0.5, 0.4636476090008061, 2.2698777452961687e-17},
+        {1.5, 1.0, 0.7853981633974483, 3.061616997868383e-17},
+        {4.0, 2.0, 1.1071487177940904, 9.40447137356638e-17},
+    };
+    double size = fabs(x), r, z, at = HALF_PI, at_lo = HALF_PI_LO;
+    int k;
+    if (size <= 0.25)
+        return x + x * (x * x * sum_of_twelve(arctangent, x * x));
+    r = -1 / size;
+    for (k = 0; k < 3; k++)
+        if (size <= angles[k][0]) {
+            r = (size - angles[k][1]) / (1 + angles[k][1] * size);
+            at = angles[k][2];
+            at_lo = angles[k][3];
+            break;
+        }
+    z = r * r;
+    return copysign(at + (r + (r * (z * sum_of_twelve(arctangent, z)) + at_lo)), x);
+}
+
+/* Of |x| <= ROOT_HALF. */
+static inline double moderate_arcsine(double x)
+{
+    double square = x * x, sine, cosine;
+    double angle = x * (1 + square * (1 / 6.0 + square * (3 / 40.0 + square * (15 / 336.0 + square * (105 / 3456.0)))));
+    int k;
+    for (k = 0; k < 3; k++) {
+        sine_cosine(angle, &sine, &cosine);
+        angle = angle + (x - sine) / cosine;
+    }
+    return angle;
+}
+
+static inline double arcsine(double x)
+{
+    if (!(fabs(x) <= 1.0))
+        return NAN;
+    if (fabs(x) > ROOT_HALF)
+        return copysign(TWO_PI / 4 - 2 * moderate_arcsine(sqrt((1 - fabs(x)) / 2)), x);
+    return moderate_arcsine(x);
+}
+
+static inline double arccosine(double x)
+{
+    if (!(fabs(x) <= 1.0))
+        return NAN;
+    if (x > 0.5)
+        return 2 * moderate_arcsine(sqrt((1 - x) / 2));
+    if (x < -0.5)
+        return 2 * HALF_PI - (2 * moderate_arcsine(sqrt((1 + x) / 2)) - 2 * HALF_PI_LO);
+    return HALF_PI - (moderate_arcsine(x) - HALF_PI_LO);
+}
+
 static inline double logarithm(double x)
 {
     static const double logarithm[] = {
@@ -162,6 +242,100 @@ static inline double logarithm(double x)
     rest = z * sum_of_twelve(logarithm, z);
     half = 0.5 * f * f;
     return e * LN_2 - ((half - (s * (half + rest) + e * LN_2_LO)) - f);
+}
+
+/* Two doubles, the second below the rounding of the first. */
+typedef struct {
+    double high, low;
+} LongDouble;
+
+static inline double product_error(double a, double b, double product)
+{
+    double wide = VELTKAMP * a, a1 = wide - (wide - a), a2 = a - a1, b1, b2;
+    wide = VELTKAMP * b;
+    b1 = wide - (wide - b);
+    b2 = b - b1;
+    return ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2;
+}
+
+/* a + b + low, |a| >= |b| or a = 0. */
+static inline LongDouble long_sum(double a, double b, double low)
+{
+    double total = a + b, rest = (b - (total - a)) + low;
+    LongDouble result;
+    result.high = total + rest;
+    result.low = rest - (result.high - total);
+    return result;
+}
+
+static inline LongDouble long_product(LongDouble a, LongDouble b)
+{
+    double product = a.high * b.high, rest = product_error(a.high, b.high, product) + (a.high * b.low + a.low * b.high);
+    LongDouble result;
+    result.high = product + rest;
+    result.low = rest - (result.high - product);
+    return result;
+}
+
+static inline LongDouble long_logarithm(double a)
+{
+    static const double area_tangent[] = {
+        1 / 7.0, 1 / 9.0, 1 / 11.0, 1 / 13.0, 1 / 15.0, 1 / 17.0, 1 / 19.0, 1 / 21.0, 1 / 23.0, 1 / 25.0, 1 / 27.0, 1 / 29.0,
+    };
+    LongDouble s, z, sum;
+    int e;
+    double m = frexp(a, &e), f, under, product;
+    if (m < ROOT_HALF) {
+        m = m + m;
+        e = e - 1;
+    }
+    f = m - 1;
+    under = 2 + f;
+    s.high = f / under;
+    product = s.high * under;
+    s.low = (((f - product) - product_error(s.high, under, product)) - s.high * (f - (under - 2))) / under;
+    z = long_product(s, s);
+    sum = long_sum(ONE_FIFTH, z.high * sum_of_twelve(area_tangent, z.high), ONE_FIFTH_LO);
+    sum = long_product(z, sum);
+    sum = long_sum(ONE_THIRD, sum.high, sum.low + ONE_THIRD_LO);
+    sum = long_product(s, long_product(z, sum));
+    sum = long_sum(s.high, sum.high, sum.low + s.low);
+    sum = long_sum(e * LN_2, 2 * sum.high, 2 * sum.low);
+    return long_sum(sum.high, e * LN_2_LO, sum.low);
+}
+
+static inline double general_power(double a, double p)
+{
+    LongDouble logarithm = long_logarithm(a);
+    double y = p * logarithm.high, y_lo, n, rise;
+    if (!(-FLAT_EXPONENT < y && y < FLAT_EXPONENT))
+        return exponential(y);
+    y_lo = product_error(p, logarithm.high, y) + p * logarithm.low;
+    n = reduced_exponential(y, &rise);
+    return scaled_exponential(n, rise + (y_lo + y_lo * rise));
+}
+
+/* a**p of a >= 0. */
+static inline double real_power(double a, double p)
+{
+    if (!(0.0 < a && a < INFINITY)) {
+        if (p == 0 || !(a >= 0))
+            return p == 0 ? 1.0 : NAN;
+        return p != p ? p : (a == 0) == (p > 0) ? 0.0 : INFINITY;
+    }
+    if (p == 0.5)
+        return sqrt(a);
+    if (p == 1.5)
+        return a * sqrt(a);
+    if (p == 2.5)
+        return a * a * sqrt(a);
+    if (p == -0.5)
+        return 1 / sqrt(a);
+    if (p == -1.5)
+        return 1 / a / sqrt(a);
+    if (p == -2.5)
+        return 1 / a / a / sqrt(a);
+    return general_power(a, p);
 }
 
 #endif

@@ -1,5 +1,6 @@
 /* The Python face of the C engine: the type Run. The GIL is released while it computes, and not needed elsewhere. */
 #include "matrices.h"
+#include "elementary.h"
 #include "run_object.h"
 
 #include <string.h>
@@ -365,7 +366,39 @@ static PyTypeObject run_type = {
     .tp_methods = methods,
 };
 
+static const struct {
+    const char *name;
+    double (*of)(double);
+} elementary_functions[] = {
+    {"sin", sine_of}, {"cos", cosine_of}, {"exp", exponential}, {"expm1", exponential_less_1}, {"log", logarithm},
+    {"sinh", hyperbolic_sine}, {"cosh", hyperbolic_cosine}, {"tanh", hyperbolic_tangent}, {"asin", arcsine},
+    {"acos", arccosine}, {"atan", arctangent},
+};
+
+static PyObject *elementary_value(PyObject *self, PyObject *args)
+{
+    const char *name;
+    double x;
+    size_t k;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "sd", &name, &x))
+        return NULL;
+    for (k = 0; k < sizeof elementary_functions / sizeof *elementary_functions; k++)
+        if (strcmp(name, elementary_functions[k].name) == 0)
+            return PyFloat_FromDouble(elementary_functions[k].of(x));
+    return PyErr_Format(PyExc_ValueError, "no elementary function %s", name);
+}
+
+static PyObject *power_value(PyObject *self, PyObject *args)
+{
+    double a, p;
+    (void)self;
+    return PyArg_ParseTuple(args, "dd", &a, &p) ? PyFloat_FromDouble(real_power(a, p)) : NULL;
+}
+
 static PyMethodDef functions[] = {
+    {"elementary", elementary_value, METH_VARARGS, "elementary(name, x): an elementary function, to compare with those in Python"},
+    {"power", power_value, METH_VARARGS, "a**p of a >= 0, likewise"},
     {"product", matrix_product, METH_VARARGS, "product(a, b, out): matrix product; vectors are a row a, a column b"},
     {"dot", matrix_dot, METH_VARARGS, "dot(a, b) -> sum of the products of two vectors"},
     {"solved", matrix_solved, METH_VARARGS, "solved(a, b, x) -> smallest pivot, 0 where a is singular: x with a x = b"},

@@ -5,7 +5,6 @@
 #include "elementary.h"
 
 #define TWO_PI_LO 2.4492935982947064e-16
-#define VELTKAMP 134217729.0
 
 static inline double turn_angle(double cycles, double cycles_lo, double t)
 {

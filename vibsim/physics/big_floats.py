@@ -31,6 +31,7 @@ class BigFloats(WorkingPrecision[Number]):
         self.two_pi = 2 * self.pi
         self.sin, self.cos, self.exp, self.expm1 = context.sin, context.cos, context.exp, context.expm1
         self.sinh, self.cosh, self.log = context.sinh, context.cosh, context.log
+        self.tanh, self.atan = context.tanh, context.atan
         self.finite = context.isfinite
 
     def sine_cosine(self, x: Number) -> tuple[Number, Number]:
@@ -60,6 +61,22 @@ class BigFloats(WorkingPrecision[Number]):
     def all_exact(values: list[Number]) -> list[Number]:
         """The list `values`: they carry nothing besides their digits."""
         return values
+
+    def asin(self, x: Number) -> Number:
+        """Angle [rad] from -pi/2 to pi/2 of a sine; nan beyond 1."""
+        return self.context.asin(x) if abs(x) <= 1 else self.context.nan
+
+    def acos(self, x: Number) -> Number:
+        """Angle [rad] from 0 to pi of a cosine; nan beyond 1."""
+        return self.context.acos(x) if abs(x) <= 1 else self.context.nan
+
+    def power(self, a: Number, p: Number) -> Number:
+        """a**p for a >= 0, nan of a below 0."""
+        if p == 0 or not a >= 0:
+            return self.number(1) if p == 0 else self.context.nan
+        if a == 0:
+            return self.inf if p < 0 else a
+        return self.context.power(a, p)
 
     def sqrt(self, x: Number) -> Number:
         """Square root; 0 where rounding has left x below it."""

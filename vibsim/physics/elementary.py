@@ -1,9 +1,9 @@
 """Elementary functions of doubles with the same bits on every machine.
 
-Additions, products and quotients only: the C library's functions differ in last bits between libraries, and
-between processors with and without fused products; a chaotic motion makes another motion of that. The
-operations stand in a fixed order, which `engine/elementary.h` repeats. Each is right to one or two units in
-the last place.
+Additions, products, quotients and square roots only: the C library's functions differ in last bits between
+libraries, and between processors with and without fused products; a chaotic motion makes another motion of
+that. The operations stand in a fixed order, which `engine/elementary.h` repeats. Each is right to one or two
+units in the last place.
 
 An argument is reduced by whole multiples of pi/2 or ln 2, which are split so that the products are exact, and
 the Taylor series of what is left is summed in pairs of pairs, which shortens the chain of operations.
@@ -38,6 +38,19 @@ EXPONENTIAL = [1 / math.factorial(n) for n in range(2, 14)]  # left out: 0.35^14
 FLAT = 1400.0  # beyond which exp is 0 or infinite
 ROOT_HALF = 0.7071067811865476
 LOGARITHM = [2 / (2 * n + 1) for n in range(1, 13)]  # left out: 0.03^13 / 27 < 1e-21
+
+HALF_PI, HALF_PI_LO = 1.5707963267948966, 6.123233995736766e-17  # their sum; likewise of the following pairs
+ARCTANGENT = [(-1) ** n / (2 * n + 1) for n in range(1, 13)]  # left out: 0.25^26 / 27 < 9e-18
+# (up to |x|, c, atan(c)): between such borders x - c is exact and |x - c| / (1 + c x) at most 1/4
+ANGLES = (
+    (0.75, 0.5, 0.4636476090008061, 2.2698777452961687e-17),
+    (1.5, 1.0, 0.7853981633974483, 3.061616997868383e-17),
+    (4.0, 2.0, 1.1071487177940904, 9.40447137356638e-17),
+)
+VELTKAMP = 134217729.0  # 2**27 + 1: splits a double into two halves of 26 bits
+ONE_THIRD, ONE_THIRD_LO = 0.3333333333333333, 1.850371707708594e-17
+ONE_FIFTH, ONE_FIFTH_LO = 0.2, -1.1102230246251566e-17
+AREA_TANGENT = [1 / (2 * n + 1) for n in range(3, 15)]  # left out: 0.03^15 / 31 < 1e-24
 
 
 def off_quarters(angle: X) -> tuple[X, X, X]:
@@ -95,6 +108,31 @@ def asin(x: float) -> float:
     return angle
 
 
+def acos(x: float) -> float:
+    """Angle [rad] from 0 to pi of a cosine; nan beyond 1."""
+    if not abs(x) <= 1.0:
+        return math.nan
+    if x > 0.5:
+        return 2 * asin(math.sqrt((1 - x) / 2))
+    if x < -0.5:
+        return 2 * HALF_PI - (2 * asin(math.sqrt((1 + x) / 2)) - 2 * HALF_PI_LO)
+    return HALF_PI - (asin(x) - HALF_PI_LO)
+
+
+def atan(x: float) -> float:
+    """Angle [rad] from -pi/2 to pi/2 of a tangent: atan(c) + atan((x - c) / (1 + c x)), c near x."""
+    size = abs(x)
+    if size <= 0.25:
+        return x + x * (x * x * _sum_of_twelve(ARCTANGENT, x * x))
+    r, at, at_lo = -1 / size, HALF_PI, HALF_PI_LO
+    for border, c, angle, angle_lo in ANGLES:
+        if size <= border:
+            r, at, at_lo = (size - c) / (1 + c * size), angle, angle_lo
+            break
+    z = r * r
+    return math.copysign(at + (r + (r * (z * _sum_of_twelve(ARCTANGENT, z)) + at_lo)), x)
+
+
 def _sum_of_twelve(c: Sequence[float], x: float) -> float:
     """c[0] + c[1] x + ... + c[11] x^11."""
     x2 = x * x
@@ -116,7 +154,11 @@ def exp(x: float) -> float:
     """exp(x); 0 or infinite where that is what is nearest."""
     if x != x:
         return x
-    n, rise = _reduced(-FLAT if x < -FLAT else FLAT if x > FLAT else x)
+    return _scaled(*_reduced(-FLAT if x < -FLAT else FLAT if x > FLAT else x))
+
+
+def _scaled(n: float, rise: float) -> float:
+    """(1 + rise) 2^n, infinite or rounded to what is below normal numbers where that is nearest."""
     first = (n * 0.5 + WHOLE) - WHOLE
     return ((1 + rise) * math.ldexp(1.0, int(first))) * math.ldexp(1.0, int(n - first))
 
@@ -145,6 +187,14 @@ def cosh(x: float) -> float:
     return (exp(x) + exp(-x)) / 2
 
 
+def tanh(x: float) -> float:
+    """Hyperbolic tangent."""
+    rise = expm1(2 * abs(x))
+    if rise > 1.0:
+        return math.copysign(1 - 2 / (rise + 2), x)
+    return math.copysign(rise / (rise + 2), x)
+
+
 def log(x: float) -> float:
     """Natural logarithm; -infinity of 0, nan of what is below it."""
     if not 0.0 < x < math.inf:
@@ -169,6 +219,96 @@ def log2(x: float) -> float:
 def log10(x: float) -> float:
     """Decimal logarithm."""
     return log(x) * PER_LN_10
+
+
+def power(a: float, p: float) -> float:
+    """a**p for a >= 0, nan of a below 0; 1 for p = 0.
+
+    By roots and products where |p| is 1/2, 3/2 or 5/2; else exp(p log a), the logarithm as a sum of two
+    doubles: p log a is up to 745, and a relative error of eps in it would be 745 eps in the power.
+    """
+    if not 0.0 < a < math.inf:
+        if p == 0 or not a >= 0:
+            return 1.0 if p == 0 else math.nan
+        return p if p != p else 0.0 if (a == 0) == (p > 0) else math.inf
+    if p == 0.5:
+        return math.sqrt(a)
+    if p == 1.5:
+        return a * math.sqrt(a)
+    if p == 2.5:
+        return a * a * math.sqrt(a)
+    if p == -0.5:
+        return 1 / math.sqrt(a)
+    if p == -1.5:
+        return 1 / a / math.sqrt(a)
+    if p == -2.5:
+        return 1 / a / a / math.sqrt(a)
+    return _general_power(a, p)
+
+
+def _general_power(a: float, p: float) -> float:
+    """exp(p log a) of a finite a > 0."""
+    high, low = _long_log(a)
+    y = p * high
+    if not -FLAT < y < FLAT:
+        return exp(y)
+    y_lo = _product_error(p, high, y) + p * low
+    n, rise = _reduced(y)
+    return _scaled(n, rise + (y_lo + y_lo * rise))
+
+
+# Sums of two doubles, the second below the rounding of the first (Dekker 1971).
+
+
+def _product_error(a: float, b: float, product: float) -> float:
+    """a b - product, product = a b rounded: exactly, as long as it is a normal number."""
+    wide = VELTKAMP * a
+    a1 = wide - (wide - a)
+    a2 = a - a1
+    wide = VELTKAMP * b
+    b1 = wide - (wide - b)
+    b2 = b - b1
+    return ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2
+
+
+def _long_sum(a: float, b: float, low: float) -> tuple[float, float]:
+    """a + b + low, |a| >= |b| or a = 0, low of the size of rounding."""
+    total = a + b
+    rest = (b - (total - a)) + low
+    high = total + rest
+    return high, rest - (high - total)
+
+
+def _long_product(a: float, a_lo: float, b: float, b_lo: float) -> tuple[float, float]:
+    """(a + a_lo) (b + b_lo)."""
+    product = a * b
+    rest = _product_error(a, b, product) + (a * b_lo + a_lo * b)
+    high = product + rest
+    return high, rest - (high - product)
+
+
+def _long_log(a: float) -> tuple[float, float]:
+    """Natural logarithm of a finite a > 0 to 2^-66 of itself.
+
+    ln(2^e m) = e ln 2 + 2 artanh s, s = f / (2 + f), f = m - 1; artanh s = s (1 + z/3 + z^2/5 + ...), z = s^2
+    """
+    m, e = math.frexp(a)
+    if m < ROOT_HALF:
+        m, e = m + m, e - 1
+    f = m - 1
+    under = 2 + f
+    s = f / under
+    product = s * under
+    s_lo = (((f - product) - _product_error(s, under, product)) - s * (f - (under - 2))) / under
+    z, z_lo = _long_product(s, s_lo, s, s_lo)
+    high, low = _long_sum(ONE_FIFTH, z * _sum_of_twelve(AREA_TANGENT, z), ONE_FIFTH_LO)
+    high, low = _long_product(z, z_lo, high, low)
+    high, low = _long_sum(ONE_THIRD, high, low + ONE_THIRD_LO)
+    high, low = _long_product(z, z_lo, high, low)
+    high, low = _long_product(s, s_lo, high, low)
+    high, low = _long_sum(s, high, low + s_lo)
+    high, low = _long_sum(e * LN_2, 2 * high, 2 * low)
+    return _long_sum(high, e * LN_2_LO, low)
 
 
 # Sine and cosine of many angles: `vibsim.physics.elementary`, operation by operation on arrays.

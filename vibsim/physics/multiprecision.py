@@ -7,6 +7,7 @@ so that one that rests at zero is zero. The unit round-off `eps` stands GUARD_BI
 precision: radii are far below what a decision allows for rounding.
 """
 
+import math
 from fractions import Fraction
 
 import flint
@@ -60,6 +61,10 @@ class Balls(WorkingPrecision[flint.arb]):
     log = staticmethod(lambda x: x.log())
     sinh = staticmethod(lambda x: x.sinh())
     cosh = staticmethod(lambda x: x.cosh())
+    tanh = staticmethod(lambda x: x.tanh())
+    asin = staticmethod(lambda x: x.asin())
+    acos = staticmethod(lambda x: x.acos())
+    atan = staticmethod(lambda x: x.atan())
     finite = staticmethod(lambda x: x.is_finite())
 
     def rounded_sine_cosine(self, angle: flint.arb) -> tuple[flint.arb, flint.arb]:
@@ -70,6 +75,18 @@ class Balls(WorkingPrecision[flint.arb]):
     def sqrt(x: flint.arb) -> flint.arb:
         """Square root; of the non-negative part where x is zero but for its radius."""
         return x.nonnegative_part().sqrt() if not x > 0 else x.sqrt()
+
+    def power(self, a: flint.arb, p: flint.arb) -> flint.arb:
+        """a**p for a >= 0, nan of a below 0. Of a that is zero but for its radius: from 0 to the power of the
+        greatest that it may be; infinite for p < 0.
+        """
+        if a > 0 and a.is_finite():
+            return a**p
+        if p == 0 or a < 0 or not (a >= 0 or a.is_finite()):
+            return self.number(1) if p == 0 else self.number(math.nan)
+        if p < 0 or not a.is_finite():
+            return self.number(0) if p < 0 and a > 0 else self.inf
+        return (a.nonnegative_part().upper() ** p).union(self.number(0)) if a != 0 else a
 
     def next_after(self, t: flint.arb, _towards: float) -> flint.arb:
         """The next larger time: one unit in the last place on."""

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Protocol, overload
 
 from vibsim.physics import elementary
 from vibsim.physics.elementary import TWO_PI as TWO_PI
+from vibsim.physics.elementary import VELTKAMP
 
 if TYPE_CHECKING:
     from typing_extensions import Self, TypeVar
@@ -41,7 +42,6 @@ else:
     N = TypeVar("N")
 
 TWO_PI_LO = 2.4492935982947064e-16  # 2 pi = TWO_PI + TWO_PI_LO to 107 bits
-VELTKAMP = 134217729.0  # 2**27 + 1: splits a double into two halves of 26 bits
 
 
 class Number(Protocol):
@@ -90,6 +90,11 @@ class Kit(Protocol[N]):
     def log(self, x: N, /) -> N: ...
     def sinh(self, x: N, /) -> N: ...
     def cosh(self, x: N, /) -> N: ...
+    def tanh(self, x: N, /) -> N: ...
+    def asin(self, x: N, /) -> N: ...
+    def acos(self, x: N, /) -> N: ...
+    def atan(self, x: N, /) -> N: ...
+    def power(self, a: N, p: N, /) -> N: ...
     def sqrt(self, x: N, /) -> N: ...
     def next_after(self, t: N, towards: float, /) -> N: ...
     def finite(self, x: N, /) -> bool: ...
@@ -128,6 +133,11 @@ class Doubles:
     log = staticmethod(elementary.log)
     sinh = staticmethod(elementary.sinh)
     cosh = staticmethod(elementary.cosh)
+    tanh = staticmethod(elementary.tanh)
+    asin = staticmethod(elementary.asin)  # nan beyond 1, as acos
+    acos = staticmethod(elementary.acos)
+    atan = staticmethod(elementary.atan)
+    power = staticmethod(elementary.power)  # a**p of a >= 0, nan of a below 0
     sqrt = staticmethod(math.sqrt)
     next_after = staticmethod(math.nextafter)
     finite = staticmethod(math.isfinite)

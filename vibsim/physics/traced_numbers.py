@@ -265,6 +265,15 @@ def _lifted(function: Callable[[float], float], derivative: Callable[[float], fl
     return lifted
 
 
+def _slope_of_tanh(x: float) -> float:
+    cosh = elementary.cosh(x)
+    return 1 / cosh / cosh
+
+
+def _slope_of_asin(x: float) -> float:
+    return 1 / math.sqrt((1 - x) * (1 + x))
+
+
 class SlopedNumbers(Doubles):
     """The kit of `Sloped` numbers, among which plain doubles are constants."""
 
@@ -276,7 +285,18 @@ class SlopedNumbers(Doubles):
     log = staticmethod(_lifted(elementary.log, lambda x: 1 / x))  # type: ignore[assignment]
     sinh = staticmethod(_lifted(elementary.sinh, elementary.cosh))  # type: ignore[assignment]
     cosh = staticmethod(_lifted(elementary.cosh, elementary.sinh))  # type: ignore[assignment]
+    tanh = staticmethod(_lifted(elementary.tanh, _slope_of_tanh))  # type: ignore[assignment]
+    asin = staticmethod(_lifted(elementary.asin, _slope_of_asin))  # type: ignore[assignment]
+    acos = staticmethod(_lifted(elementary.acos, lambda x: -_slope_of_asin(x)))  # type: ignore[assignment]
+    atan = staticmethod(_lifted(elementary.atan, lambda x: 1 / (1 + x * x)))  # type: ignore[assignment]
     sqrt = staticmethod(_lifted(math.sqrt, lambda x: 0.5 / math.sqrt(x)))
+
+    @staticmethod
+    def power(a: Any, p: float) -> Any:
+        value = elementary.power(float(a), p)
+        return (
+            Sloped(value, p * elementary.power(a.value, p - 1) * a.slope) if isinstance(a, Sloped) else value
+        )
 
     @staticmethod
     def sine_cosine(x: Any) -> tuple[Any, Any]:
