@@ -16,7 +16,7 @@ def part_flags(kind: str, part: Stop[N] | RigidStop[N] | Friction[N] | Clearance
     if isinstance(part, RigidStop):
         return dict(RIGID_FLAGS)
     flags = dict(FLAGS[kind])
-    if isinstance(part, Stop) and not (part.release == AT_FORCE and part.c != 0):
+    if isinstance(part, Stop) and not part.lets_go:
         del flags["lifted"]
     return flags
 

@@ -75,6 +75,18 @@ REASONS = {
         "the state is no longer finite",
         "check the parameters for values far outside each other's scale",
     ),
+    "singular": (
+        "the motion comes to a singularity of a formula: no step is short enough for it",
+        "look where the formula is infinite, or changes faster than time can be resolved",
+    ),
+    "domain": (
+        "what stands under a root in a formula becomes negative",
+        "write the formula so that it is defined there, with max(0, ...) or where(...)",
+    ),
+    "held": (
+        "a formula jumps so that the motion is held at its switch",
+        "use a part of section friction for dry friction, or a smooth law such as tanh(v/v0)",
+    ),
     "precision": (
         "more than 1000 digits would be needed to know the end of the run",
         "end it earlier: digits are lost in proportion to its length",

@@ -118,7 +118,7 @@ def jumps_of(scene: Scene[N], names: Sequence[Entry]) -> list[LedgerJump]:
     return [
         LedgerJump(i, names.index(("loss", "stops", stop.name)))
         for i, stop in scene.elastic_stops
-        if stop.release == AT_FORCE and stop.c != 0
+        if stop.lets_go
     ]
 
 

@@ -69,7 +69,7 @@ def _makes_forces_jump(scene: Scene, row: Row) -> bool:
     if kind not in ("contact_begin", "contact_end"):
         return False
     stop = dict(scene.elastic_stops)[part]
-    return stop.c != 0 and _closing(scene, stop, _state(scene, row)) != 0
+    return stop.jumps and _closing(scene, stop, _state(scene, row)) != 0
 
 
 def rows_of_instant(events: Mapping[str, np.ndarray], i: int, earlier: Sequence[Row] = ()) -> list[Row]:
@@ -197,7 +197,7 @@ def _struck(scene: Scene, friction: Friction, row: Row) -> bool:
 def _watched(scene: Scene, kind: str, part: int, state: State, status: Status) -> int:
     """Whether a contact began or ended at zero depth, or at zero force."""
     stop = dict(scene.elastic_stops)[part]
-    if stop.release != AT_FORCE or stop.c == 0:
+    if not stop.lets_go:
         return GAP
     if kind == "contact_end":
         return PUSH if status.stops[part] == LIFTED else GAP

@@ -128,6 +128,16 @@ class Stop(Generic[N]):
     at_start: bool = False
     force: Node | None = None
 
+    @property
+    def jumps(self) -> bool:
+        """Whether its force may jump where the depth passes zero."""
+        return self.force is not None or self.c != 0
+
+    @property
+    def lets_go(self) -> bool:
+        """Whether it can let go, at zero force, while it is deep."""
+        return self.release == AT_FORCE and self.jumps
+
 
 @dataclass(frozen=True)
 class Fall(Generic[N]):
@@ -170,6 +180,7 @@ class Friction(Generic[N]):
     slips : formulas of the forces while slipping forwards and backwards [N], not below 0; forward, backward and
         what falls with speed are 0 and None then
     holds : formulas of the most that it can hold against the start of slip in either direction [N]
+    rises : whether these are above the forces with which slip begins
     """
 
     name: str
@@ -184,6 +195,7 @@ class Friction(Generic[N]):
     fall_backward: Fall[N] | None = None
     slips: tuple[Node, Node] | None = None
     holds: tuple[Node, Node] | None = None
+    rises: bool = False
 
     @property
     def limits(self) -> tuple[N, N]:
@@ -209,6 +221,8 @@ class Friction(Generic[N]):
 
     def drops(self, sense: int) -> bool:
         """Whether its force jumps where it begins to slip."""
+        if self.slips is not None:
+            return self.rises
         limits, starts = self.limits, self.starts
         return bool(limits[0] > starts[0] if sense > 0 else limits[1] > starts[1])
 
@@ -235,6 +249,11 @@ class Force(Generic[N]):
     constant: N
     terms: tuple[Harmonic[N], ...]
     formula: Node | None = None
+
+    @property
+    def acts(self) -> bool:
+        """Whether it is more than its formula."""
+        return self.formula is None or bool(self.terms) or self.constant != 0
 
 
 @dataclass(frozen=True)
@@ -347,7 +366,7 @@ class Scene(Sampled[N], Generic[N]):
     @property
     def base_moves(self) -> bool:
         """Whether the base moves: where all its amplitudes are 0 it is one with the ground."""
-        return any(term.amplitude != 0 for term in self.base)
+        return self.base_formula is not None or any(term.amplitude != 0 for term in self.base)
 
     def column(self, end: int) -> int:
         """Column of an end of a part: bodies in their order, then ground, then the base where it moves."""
@@ -388,6 +407,7 @@ EVENT_KINDS = {
     "chatter": 11,
     "rest_begin": 12,
     "rest_end": 13,
+    "switch": 14,
 }
 IMPACTS = ("contact_begin", "impact")  # of elastic stops, and of rigid ones
 RIGID_KINDS = ("impact", "transmitted", "chatter", "rest_begin", "rest_end")  # of rigid stops alone

@@ -24,7 +24,17 @@ from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.events.settling import StickSlipResolution
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Event, Known
+from vibsim.engine.modes.rows import (
+    CLEARANCE,
+    DOMAIN,
+    GAP,
+    PUSH,
+    SLIDE,
+    STRIKE,
+    SWITCH,
+    Event,
+    Known,
+)
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, STICK, Status
 from vibsim.engine.modes.ties import TooManyCuts
 from vibsim.physics.numbers import Kit, N
@@ -46,7 +56,16 @@ class Automaton(Generic[N]):
     def initial(self, state: State[N]) -> tuple[Status, Known]:
         """Status that the motion starts in from `state`, and the known zeros there."""
         with self._cuts_counted(state):
-            return self.starts.initial(state)
+            status, known = self.starts.initial(state)
+            return self._with_switches(state, status, known)
+
+    def _with_switches(self, state: State[N], status: Status, known: Known) -> tuple[Status, Known]:
+        """The mode with the sides of the switches of its formulas, and their known zeros as well."""
+        switches = self.departures.switches
+        if switches is None:
+            return status, known
+        status, zeros = switches.initial(state, self.departures, status)
+        return status, known | zeros
 
     def take(self, state: State[N], status: Status, event: Event[N], order: int = 0) -> Taken:
         """What the zero of `event` at `state` leads to: (status, [(kind name, part)], known zeros).
@@ -59,7 +78,11 @@ class Automaton(Generic[N]):
         Raises EngineError.
         """
         with self._cuts_counted(state):
-            return self._take(state, status, event, order)
+            after, happened, known = self._take(state, status, event, order)
+            if self.departures.switches is not None:
+                turned = {key[1] for key in known if key[0] == SWITCH}
+                after = self.departures.switches.completed(state, after, turned)
+            return after, happened, known
 
     @contextmanager
     def _cuts_counted(self, state: State[N]) -> Iterator[None]:
@@ -82,6 +105,10 @@ class Automaton(Generic[N]):
             return self._clearance_switch(state, status, event, order)
         if event.kind == SLIDE:
             return self._sliding_ends(state, status, event)
+        if event.kind == SWITCH:
+            return self._switch_turns(state, status, event, order)
+        if event.kind == DOMAIN:
+            raise EngineError("domain", state, self._owner_of(status, event))
         return self._hold_ends(state, status, event, order)
 
     def touch(self, event: Event[N]) -> SimultaneousImpacts[N] | None:
@@ -101,7 +128,7 @@ class Automaton(Generic[N]):
         if after != before and before != LIFTED:
             happened.append(("contact_begin" if after == CONTACT else "contact_end", i))
         known: Known = {event.key: at}
-        if after != before and stop.c != 0 and status.tied:
+        if after != before and stop.jumps and status.tied:
             tied = status
             status = self.settling.settle(state, status, tied.tied)
             happened += changes(tied, status, known)
@@ -122,6 +149,33 @@ class Automaton(Generic[N]):
         after = before if turning <= 0 else 1 - before
         happened = [] if after == before else [("violation_begin" if after else "violation_end", i)]
         return status.with_clearance(i, after), happened, {event.key: at}
+
+    def _owner_of(self, status: Status, event: Event[N]) -> str:
+        """The name of the part that a formula belongs to."""
+        tape = self.maker.rows(status).tape
+        return tape.texts[event.part] if tape else ""
+
+    def _switch_turns(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken:
+        """The mode on the other side of a switch. Raises EngineError where a jump would lead back."""
+        switches, i = self.departures.switches, event.part
+        assert switches is not None
+        crossing, at = self.departures.crossing(state, status, event.key, order)
+        if crossing <= 0:
+            return status, [], {event.key: at}
+        after = switches.turned(status, event)
+        after = switches.completed(state, after, {i})
+        known: Known = {event.key: at}
+        if not switches.jumps(state, status, after, i):
+            return after, [], known
+        sense, behind = self.departures.departure(state, after, event.key)
+        if sense < 0:
+            raise EngineError("held", state, switches.rows.owners[i])
+        happened: Happened = [("switch", i)]
+        if after.tied:
+            tied = after
+            after = self.settling.settle(state, after, tied.tied)
+            happened += changes(tied, after, known)
+        return after, happened, {**known, event.key: behind}
 
     def _sliding_ends(self, state: State[N], status: Status, event: Event[N]) -> Taken:
         i = event.part

@@ -13,6 +13,7 @@ from typing import Generic
 from vibsim.engine.errors import State, Stopped
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.relative_motion import RelativeMotion
+from vibsim.engine.events.switches import SwitchSides
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.taylor_rounding import TaylorRounding
 from vibsim.engine.modes.row_maker import RowMaker
@@ -45,6 +46,7 @@ class DerivativeSigns(Generic[N]):
     def __init__(self, relative: RelativeMotion[N], maker: RowMaker[N], flow: Flow[N], kit: Kit[N]) -> None:
         self.relative, self.maker, self.flow, self.kit = relative, maker, flow.taylor, kit
         self.jet = highest_derivative(maker.scene)
+        self.switches = SwitchSides(maker.scene, maker, relative, kit) if maker.formulas else None
         self.stopped = threading.Event()  # set from any thread: what is decided then is left undecided
 
     def doubt(self, state: State[N]) -> None:
@@ -54,9 +56,17 @@ class DerivativeSigns(Generic[N]):
         """The rows of a mode, whose derivatives at a state are asked for next. Raises Stopped."""
         if self.stopped.is_set():
             raise Stopped
-        rows = self.maker.rows(status)
+        rows = self.maker.rows(self.with_sides(state, status))
         self.flow.look(state, rows)
         return rows
+
+    def with_sides(self, state: State[N], status: Status) -> Status:
+        """The status with a side of each switch that its formulas read, where it has none yet."""
+        switches = self.switches
+        if switches is None:
+            return status
+        sides = status.switches or switches.none
+        return switches.completed(state, status, [i for i, side in enumerate(sides) if side is not None])
 
     def event(self, rows: ModeRows[N], key: EventKey) -> Event[N]:
         return next(event for event in rows.events if event.key == key)
@@ -122,7 +132,7 @@ class DerivativeSigns(Generic[N]):
         rounding of where it came from, the first derivative beyond that decides, in doubt; where there is
         none it stands on, and is no more than its rounding as far as a series reaches.
         """
-        rows = self.maker.rows(status)
+        rows = self.maker.rows(self.with_sides(state, status))
         event = self.event(rows, key)
         if event.is_made_of(DIFFERENCE):
             rate = self._direct_rate(state, event)

@@ -124,7 +124,7 @@ class InitialMode(Generic[N]):
     def _pulls(self, state: State[N], status: Status, i: int) -> bool:
         """Whether the damper of stop `i`, in contact, would have to pull."""
         stop = self.elastic[i]
-        if stop.c == 0 or stop.release != AT_FORCE:
+        if not stop.lets_go:
             return False
         event = self.departures.event(self.departures.enter(state, status), (PUSH, i))
         values = self.flow.derivatives(event, self.departures.jet)
@@ -150,10 +150,7 @@ class UnambiguousStart:
         self.known = not (
             scene.base
             or scene.clearances
-            or any(
-                isinstance(stop, RigidStop) or (stop.c != 0 and stop.release == AT_FORCE)
-                for stop in scene.stops
-            )
+            or any(isinstance(stop, RigidStop) or stop.lets_go for stop in scene.stops)
         )
         self.stops = [(*ends(stop), stop.sense, stop.gap) for stop in scene.stops]
         self.frictions = [(*ends(friction), friction.belt) for friction in scene.frictions]

@@ -81,7 +81,7 @@ class RuleMaker:
         """
         i, scene = event.part, self.scene
         struck = {column for column in self.maker.ends(scene.stops[i]) if column < self.maker.n}
-        lifting = [stop for _, stop in scene.elastic_stops if stop.release == AT_FORCE and stop.c != 0]
+        lifting = [stop for _, stop in scene.elastic_stops if stop.lets_go]
         lasting: list[Joined] = [self.maker.tie(k) for k in status.tied]
         if RESTING in status.stops or any(struck & set(self.maker.ends(stop)) for stop in lifting):
             return None
@@ -97,7 +97,7 @@ class RuleMaker:
         after = CONTACT if before == OPEN else OPEN
         kind = "contact_begin" if after == CONTACT else "contact_end"
         behind = status.with_stop(i, after)
-        if stop.c == 0 or not status.tied:
+        if not stop.jumps or not status.tied:
             return self._cross(behind, kind, i, key, 1)
         if not self.automaton.settling.possible(self.maker.rows(behind)):
             return None

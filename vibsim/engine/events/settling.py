@@ -246,6 +246,10 @@ class StickSlipResolution(Generic[N]):
             total = total + abs(value)
         for fall in rows.falls:
             total = total + abs(fall.on_P)
+        if rows.tape:
+            values = flow.tape_values(self.kit.number(0))
+            for law in rows.formulas:
+                total = total + abs(values.output(law.output)[0])
         for body in scene.bodies:
             inertia = inertia + body.m
         for term in scene.base:

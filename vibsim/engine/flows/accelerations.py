@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from vibsim.engine.errors import State
 from vibsim.engine.flows.motion import sine_and_cosine, value_and_rate
+from vibsim.engine.flows.tape import Inputs, TapeValues
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Scene
@@ -42,6 +43,19 @@ def accelerations(scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[
         drop = fall.on_P * fall.law.start(kit, fall.rate * ((v[fall.P] - v[fall.Q]) - fall.drift))
         F[leader[fall.P]] = F[leader[fall.P]] + drop
         F[leader[fall.Q]] = F[leader[fall.Q]] - drop
+    if rows.tape:
+        phi, quiet = kit.unwind(state.phase, state.turns), [zero] * (n + 2)
+        values = TapeValues(
+            kit, rows.tape, Inputs(state.t, x, v, phi, state.w), Inputs(zero, quiet, quiet, zero, zero)
+        )
+        for law in rows.formulas:
+            value = law.sign * values.output(law.output)[0]
+            F[leader[law.P]] = F[leader[law.P]] + value
+            if law.Q >= 0:
+                F[leader[law.Q]] = F[leader[law.Q]] - value
+    for one in rows.rotors:
+        w, on = v[one.column], leader[one.on]
+        F[on] = F[on] + one.unbalance * (w * w * kit.cos(x[one.column]))
     motor = scene.motor
     if motor is not None:
         on = leader[motor.on]
@@ -60,6 +74,7 @@ def response(
     own = [force * mobility for force, mobility in zip(F, rows.mobility, strict=True)]
     own[-1] = base
     rotor = zero
+    _turn_rotors(kit, rows, state, F, own)
     if motor is not None:
         on = leader[motor.on]
         inertia, coupling = motor.inertia, motor.unbalance * kit.sin(state.phase)
@@ -72,6 +87,22 @@ def response(
             own[on] = (inertia * F[on] + coupling * torque) / determinant
             rotor = (mass * torque + coupling * F[on]) / determinant
     return [own[leader[c]] for c in range(len(leader))], rotor
+
+
+def _turn_rotors(kit: Kit[N], rows: ModeRows[N], state: State[N], F: list[N], own: list[N]) -> None:
+    """Accelerations of rotors on bodies and of the groups that they are on."""
+    couplings = [one.unbalance * kit.sin(state.x[one.column]) for one in rows.rotors]
+    for leader in {rows.leader[one.on] for one in rows.rotors}:
+        force, mass = F[leader], rows.mass[leader]
+        if mass is None:
+            continue
+        for one, coupling in zip(rows.rotors, couplings, strict=True):
+            if rows.leader[one.on] == leader:
+                force = force + coupling * F[one.column] / one.inertia
+                mass = mass - coupling * coupling / one.inertia
+        own[leader] = force / mass
+    for one, coupling in zip(rows.rotors, couplings, strict=True):
+        own[one.column] = (F[one.column] + coupling * own[rows.leader[one.on]]) / one.inertia
 
 
 def joined(scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[N], vector: Sequence[N]) -> list[N]:

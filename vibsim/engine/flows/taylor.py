@@ -7,13 +7,15 @@ output and carries the event search.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import inf
+from typing import Generic
 
-from vibsim.engine.errors import State
+from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.records import Certificate, latest_zero, may_vanish_by
 from vibsim.engine.events.root_finding import PolynomialSearch
 from vibsim.engine.flows.motion import Advance
+from vibsim.engine.flows.tape import Inputs, Tape, TapeSeries, TapeValues
 from vibsim.engine.flows.taylor_expansion import TaylorExpansion
 from vibsim.engine.ledger_integrals import Meters, QuadratureNode
 from vibsim.engine.modes.rows import (
@@ -21,6 +23,7 @@ from vibsim.engine.modes.rows import (
     COUPLING,
     DIFFERENCE,
     FALL,
+    FORMULA,
     RATE,
     STRIKE,
     Event,
@@ -35,6 +38,13 @@ from vibsim.physics.parts import Force, Scene
 # A step of order 20 at full tolerance takes at most 1.32 rad of the fastest rate (h^20 / 20! = 2^-53): there
 # eight nodes miss 5e-17 of the power of a velocity, (2 h)^16 (8!)^4 / (2 * 17 (16!)^3); 3e-15 at order 22.
 EIGHT_NODES_ORDER = 20
+
+
+SHORTENINGS = 400  # of a step, each at least by
+LEAST_SHORTENING = 0.25  # binary digits
+BEYOND_ALL = 60.0  # binary digits by which a value that is no number is beyond
+NEARER = 0.75  # of a step, where formulas are compared as well
+INPUT_ROUNDING = 2  # of displacements and velocities at the end of a step, in units of eps
 
 
 class Taylor(TaylorExpansion[N]):
@@ -65,6 +75,26 @@ class Taylor(TaylorExpansion[N]):
         self.reach(self.order)
         self.steps += 1
         self.h = self.step_length()
+        if self.tape:
+            self.h = self._sound_step(self.tape)
+
+    def _sound_step(self, tape: TapeSeries[N]) -> N:
+        """The step, or a shorter one, at the end of which the formulas have the values that their series say.
+
+        What a series leaves out may grow where its last terms do not show it: exp far from zero, roots near zero.
+        Raises EngineError where no step that moves time is short enough.
+        """
+        left = self.scene.t_end - self.t0
+        h = self.h if self.h < left else left
+        checks = StepChecks(self, tape)
+        for _ in range(SHORTENINGS):
+            excess = max(checks.excess(h), checks.excess(NEARER * h))
+            if excess <= 0:
+                return self.h if h == left else h
+            h = h * self.kit.power_of_two(-max((excess + 1) / self.order, LEAST_SHORTENING))
+            if self.t0 + h == self.t0:
+                break
+        raise EngineError("singular", self.start, checks.worst)
 
     def look(self, state: State[N], rows: ModeRows[N]) -> None:
         """Expand the motion at `state` in the mode of `rows` for its derivatives there, as far as they are
@@ -105,6 +135,9 @@ class Taylor(TaylorExpansion[N]):
             return [factor * ((n + 1) * self.v[P][n + 1]) for n in range(p)]
         if term.kind == FALL:
             return [factor * value for value in self.falls[P]]
+        if term.kind == FORMULA:
+            assert self.tape is not None
+            return [factor * value for value in self.tape.output(P)[:p]]
         return [factor * value for value in self._load_on(P)]
 
     def _load_on(self, column: int) -> list[N]:
@@ -112,6 +145,8 @@ class Taylor(TaylorExpansion[N]):
         ground or the base.
         """
         series = self.load[column] or [self.kit.number(0)] * self.order
+        if self.rotors:
+            series = [a + b for a, b in zip(series, self.rotors.thrust(column), strict=True)]
         if self.rotor is None or self.rotor.motor.on != column:
             return series
         return [a + b for a, b in zip(series, self.rotor.thrust(), strict=True)]
@@ -206,6 +241,8 @@ class Taylor(TaylorExpansion[N]):
             return abs(self.v[term.P][1])
         if term.kind == FALL:
             return self._magnitude_of_fall(term.P)
+        if term.kind == FORMULA:
+            return self.tape_values(self.kit.number(0)).output(term.P)[1] / self.kit.eps
         return abs(self._load_on(term.P)[0])
 
     def _magnitude_of_fall(self, k: int) -> N:
@@ -213,6 +250,24 @@ class Taylor(TaylorExpansion[N]):
         one, f = self.rows.falls[k], self.falls[k][0]
         speeds = abs(self.v[one.P][0]) + abs(self.v[one.Q][0]) + abs(one.drift)
         return abs(f) + abs(one.law.slope(f)) * (abs(one.rate) * speeds)
+
+    def tape_values(self, tau: N) -> TapeValues[N]:
+        """Values of the formulas a time tau after the expansion point, from the state there."""
+        kit, columns, t = self.kit, range(self.n + 2), self.t0 + tau
+        at, blur = [], []
+        for series in (self.x, self.v):
+            at.append([horner(series[c], tau) if tau != 0 else series[c][0] for c in columns])
+            blur.append([INPUT_ROUNDING * kit.eps * abs(value) for value in at[-1]])
+        phi = w = kit.number(0)
+        if self.rotor:
+            phi, w = horner(self.rotor.phi, tau), horner(self.rotor.w, tau)
+        lost = INPUT_ROUNDING * kit.eps
+        return TapeValues(
+            kit,
+            self.rows.tape or Tape(),
+            Inputs(t, at[0], at[1], phi, w),
+            Inputs(kit.eps * abs(t), blur[0], blur[1], lost * abs(phi), lost * abs(w)),
+        )
 
     def longest_piece(self, _tau: N) -> N:
         """Longest stretch [s] that one quadrature rule integrates to round-off: a whole step, or 3 rad of the
@@ -262,6 +317,57 @@ class Taylor(TaylorExpansion[N]):
             return State(self.t0 + tau, x, v, zero, zero, zero)
         phase, turns = kit.reduce_angle(horner(self.rotor.phi, tau))
         return State(self.t0 + tau, x, v, phase, self.start.turns + turns, horner(self.rotor.w, tau))
+
+
+class StepChecks(Generic[N]):
+    """Compares series of formulas at the end of a step with their values there."""
+
+    def __init__(self, flow: Taylor[N], tape: TapeSeries[N]) -> None:
+        self.flow, self.tape, self.kit = flow, tape, flow.kit
+        self.worst = ""
+        self.forces: dict[int, list[int]] = {}
+        for one in flow.rows.formulas:
+            self.forces.setdefault(one.output, []).extend(c for c in (one.P, one.Q) if c >= 0)
+
+    def excess(self, h: N) -> float:
+        """By how many binary digits the worst formula is beyond what it may be wrong by at h [s] after the start; 0
+        where none is.
+        """
+        flow, worst = self.flow, 0.0
+        values = flow.tape_values(h)
+        for k, text in enumerate(self.tape.tape.texts):
+            value, bound = values.output(k)
+            series = self.tape.output(k)[: flow.order]
+            allowed = 2 * bound + self._rounding(series, h) + self._share(k, h)
+            off = abs(value - horner(series, h))
+            if not off <= allowed:
+                beyond = BEYOND_ALL
+                if self.kit.finite(off) and allowed > 0:
+                    beyond = max(1.0, float(self.kit.exponent(off) - self.kit.exponent(allowed)))
+                if beyond > worst:
+                    worst, self.worst = beyond, text
+        return worst
+
+    def _rounding(self, series: Sequence[N], h: N) -> N:
+        """Rounding of a series at h."""
+        total = abs(series[-1])
+        for coefficient in reversed(series[:-1]):
+            total = total * h + abs(coefficient)
+        return 2 * self.kit.eps * total
+
+    def _share(self, k: int, h: N) -> N:
+        """How wrong a force may be so that velocities are not wrong beyond the tolerance of the step."""
+        flow, share, mobile = self.flow, self.kit.inf, False
+        for c in self.forces.get(k, ()):
+            leader = flow.rows.leader[c]
+            mobility = flow.rows.mobility[leader]
+            if mobility > 0:
+                speed = abs(flow.v[leader][0]) + h * abs(flow.v[leader][1])
+                one = speed / (h * mobility)
+                share, mobile = one if one < share else share, True
+        if not mobile:
+            return self.kit.number(0)
+        return flow.order * self.kit.power_of_two(flow.tolerance_exponent) * share
 
 
 def closes(polynomial: Iterable[N]) -> bool:

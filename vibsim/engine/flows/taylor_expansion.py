@@ -8,9 +8,11 @@ from typing import Generic
 from vibsim.engine.errors import State
 from vibsim.engine.flows.motion import quarter_turns, sine_and_cosine
 from vibsim.engine.flows.rotor_series import RotorSeries
+from vibsim.engine.flows.rotors_on_bodies import Rotors
+from vibsim.engine.flows.tape import TapeSeries
 from vibsim.engine.modes.rows import Coupling, ModeRows
 from vibsim.physics.numbers import Kit, N, abs
-from vibsim.physics.parts import Scene
+from vibsim.physics.parts import BODY, Scene
 
 LEADING = 4  # coefficients that set the scale of a series in the step control
 
@@ -27,6 +29,9 @@ class TaylorExpansion(Generic[N]):
         self.n = len(scene.bodies)
         self.inverse = [kit.number(0)] + [1 / kit.number(k) for k in range(1, self.order + 3)]
         self.rotor = RotorSeries(kit, scene.motor, self.order, self.inverse) if scene.motor else None
+        self.rotors = Rotors(scene, kit, self.order, self.inverse) if scene.rotors else None
+        self.alone = [c for c, body in enumerate(scene.bodies) if body.kind != BODY]  # of units of their own
+        self.tape: TapeSeries[N] | None = None
         self.reached = 0  # order of the coefficients so far
 
     def expand(self, state: State[N], rows: ModeRows[N]) -> None:
@@ -46,6 +51,13 @@ class TaylorExpansion(Generic[N]):
         self.falls: list[list[N]] = [[] for _ in self.rows.falls]
         if self.rotor:
             self.rotor.expand(state, self.rows)
+        if self.rotors:
+            self.rotors.expand(self.x, self.v, self.rows)
+        self.tape = None
+        if rows.tape:
+            self.tape = TapeSeries(self.kit, rows.tape, self.inverse)
+            turning = (self.rotor.phi, self.rotor.w) if self.rotor else None
+            self.tape.start(state.t, p, self.x, self.v, turning)
 
     def reach(self, order: int) -> None:
         """Coefficients up to `order`, of those expanded last."""
@@ -132,7 +144,11 @@ class TaylorExpansion(Generic[N]):
             force, P, Q = self._fall(k, n), leader[fall.P], leader[fall.Q]
             F[P] = F[P] + force
             F[Q] = F[Q] - force
+        if self.tape:
+            self._apply_formulas(self.tape, n, F)
         acceleration = [force * mobility for force, mobility in zip(F, rows.mobility, strict=True)]
+        if self.rotors:
+            self.rotors.turn(n, F, acceleration)
         if self.rotor:
             self.rotor.rotate(n, F)
             on = self.rotor.leader
@@ -145,12 +161,26 @@ class TaylorExpansion(Generic[N]):
             elif leader[c] < self.n:
                 self.v[c][n + 1] = acceleration[leader[c]] * inverse
 
+    def _apply_formulas(self, tape: TapeSeries[N], n: int, F: list[N]) -> None:
+        """Add coefficient n of the forces by formulas to those on the groups."""
+        tape.advance(n)
+        leader = self.rows.leader
+        for one in self.rows.formulas:
+            force = one.sign * tape.output(one.output)[n]
+            F[leader[one.P]] = F[leader[one.P]] + force
+            if one.Q >= 0:
+                F[leader[one.Q]] = F[leader[one.Q]] - force
+
     def step_length(self) -> N:
         """Longest step whose last two terms stay below tol times the largest leading one (after Jorba &
         Zou 2005), of velocities, rotor, what ties must carry, which moves nothing, and falling friction.
         """
         self.reach(self.order)
         blocks: list[tuple[list[list[N]], int]] = [(self.v[: self.n], self.order)]
+        if self.alone:
+            bodies = [self.v[c] for c in range(self.n) if c not in self.alone]
+            blocks = [(bodies, self.order)] if bodies else []
+            blocks += [([self.v[c]], self.order) for c in self.alone]
         if self.scene.base:
             blocks[0][0].append(self.v[self.n + 1])
         if self.rotor:

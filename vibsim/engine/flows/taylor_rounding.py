@@ -12,12 +12,14 @@ from collections.abc import Sequence
 from typing import Generic
 
 from vibsim.engine.flows.motion import ROUNDING, series_rounding
+from vibsim.engine.flows.tape import Inputs, TapeRounding
 from vibsim.engine.flows.taylor import Taylor
 from vibsim.engine.modes.rows import (
     ACCELERATION,
     COUPLING,
     DIFFERENCE,
     FALL,
+    FORMULA,
     HOLD,
     PUSH,
     RATE,
@@ -70,6 +72,10 @@ class TaylorRounding(Generic[N]):
             if not exact:
                 self.w[0] = self.product * abs(flow.rotor.w[0])
                 self.angle = self.product + self.product * abs(flow.rotor.phi[0])
+        if flow.tape:
+            zero = self.kit.number(0)
+            late = zero if exact else self.once * abs(t)
+            self.tape = TapeRounding(flow.tape, self.product, Inputs(late, (), (), self.angle, self.w[0]))
         for force in flow.scene.forces:
             errors = series_rounding(self.kit, force.terms, t, highest)
             total = self.flow.load[force.on]
@@ -100,9 +106,18 @@ class TaylorRounding(Generic[N]):
             lost = abs(fall.on_P) * self._of_fall(k, n) + self.product * abs(value)
             self._push(leader[fall.P], value, lost)
             self._push(leader[fall.Q], -value, lost)
+        if flow.tape:
+            self.tape.advance(n, self.x, self.v, self.w)
+            for law in rows.formulas:
+                value, lost = law.sign * flow.tape.output(law.output)[n], self.tape.output(law.output)[n]
+                self._push(leader[law.P], value, lost)
+                if law.Q >= 0:
+                    self._push(leader[law.Q], -value, lost)
         lost_by_speed = [lost * mobility for lost, mobility in zip(self.lost, rows.mobility, strict=True)]
         if flow.rotor:
             self._turn(n, lost_by_speed)
+        if flow.rotors:
+            self._turn_all(n, lost_by_speed)
         for c in range(flow.n):
             self.x[c][n + 1] = self.v[c][n] * inverse + self.once * abs(flow.x[c][n + 1])
             if leader[c] < flow.n:
@@ -133,6 +148,34 @@ class TaylorRounding(Generic[N]):
             self.w[n + 1] = (rotor.to_w * spun + abs(rotor.cross) * lost) * inverse
         else:
             self.w[n + 1] = spun / rotor.inertia * inverse
+
+    def _turn_all(self, n: int, lost_by_speed: list[N]) -> None:
+        """The same of the rotors on bodies."""
+        flow, rotors, each = self.flow, self.flow.rotors, ROTATION * self.kit.eps
+        assert rotors is not None
+        lost = dict.fromkeys(rotors.groups, self.kit.number(0))
+        twisted: list[N] = []
+        for i, one in enumerate(self.rows.rotors):
+            group, w, bounds = self.rows.leader[one.on], flow.v[one.column], self.v[one.column]
+            thrust = torque = self.kit.number(0)
+            angle = self.x[one.column][0] + self.once * abs(flow.x[one.column][0])
+            for k in range(n + 2):
+                sine, speed = abs(rotors.s[i][k]), abs(w[n + 1 - k])
+                slow = bounds[n + 1 - k] if n + 1 - k <= n else self.kit.number(0)
+                thrust = thrust + sine * (each * speed + slow) + angle * abs(rotors.c[i][k]) * speed
+                torque = torque + (sine * abs(rotors.a[group][n - k]) if k <= n else 0)
+            twist = self.lost[one.column] + each * one.unbalance * torque
+            twisted.append(twist)
+            lost[group] = lost[group] + one.unbalance * ((n + 1) * thrust + twist / one.inertia)
+        for group in rotors.groups:
+            mass = rotors.mass[group]
+            if mass is not None:
+                lost_by_speed[group] = (self.lost[group] + lost[group] + each * abs(self.force[group])) / abs(
+                    mass
+                )
+        for one, twist in zip(self.rows.rotors, twisted, strict=True):
+            pulled = one.unbalance * lost_by_speed[self.rows.leader[one.on]]
+            lost_by_speed[one.column] = (twist + pulled) / one.inertia
 
     def _of_difference(self, P: int, Q: int, n: int, rates: bool) -> N:
         """Of x_P - x_Q, or of its rate."""
@@ -198,6 +241,8 @@ class TaylorRounding(Generic[N]):
             return size * (n + 1) * self.v[P][n + 1] + self.product * abs(value)
         if term.kind == FALL:
             return size * self.falls[P][n] + self.product * abs(value)
+        if term.kind == FORMULA:
+            return size * self.tape.output(P)[n] + self.product * abs(value)
         return size * self.load[P][n] + self._of_thrust(P, n)
 
     def _of_thrust(self, column: int, n: int) -> N:

@@ -11,6 +11,7 @@ from vibsim.engine.modes.rows import (
     COUPLING,
     DIFFERENCE,
     FALL,
+    FORMULA,
     GAP,
     HOLD,
     LOAD,
@@ -24,9 +25,11 @@ from vibsim.engine.modes.rows import (
     Falling,
     Joined,
     ModeRows,
+    RotorOn,
     Term,
     Terms,
 )
+from vibsim.engine.modes.formula_rows import FormulaRows, has_formulas
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Kept, Status
 from vibsim.engine.modes.ties import Cut, Edge, Groups, Limits, Tie, cuts
 from vibsim.physics.friction_laws import LAWS
@@ -52,6 +55,7 @@ class RowMaker(Generic[N]):
         self.resting_by_status = Kept[Status, set[int]](MOST_MODES)
         self.ties_by_status = Kept[Status, tuple[list[int], list[N]]](MOST_MODES)
         self.guarded = self._guarded()
+        self.formulas = FormulaRows(scene, kit, self.columns) if has_formulas(scene) else None
 
     def _guarded(self) -> set[int]:
         """Elastic stops that are never pressed, as a rigid one between the same ends is met before them or
@@ -147,12 +151,19 @@ class RowMaker(Generic[N]):
         )
         rows.falls = self._falls(status)
         rows.drift = self._drifts(groups, stuck)
+        rows.rotors = [
+            RotorOn(one.column, one.on, one.unbalance, scene.bodies[one.column].m) for one in scene.rotors
+        ]
+        if self.formulas:
+            self.formulas.write(rows)
         rows.tied = [c for c in range(self.n) if len(groups.members[groups.leader[c]]) > 1]
         for i, stop in enumerate(scene.stops):
-            rows.events += self._stop_events(i, stop, status.stops[i])
+            rows.events += self._stop_events(rows, i, stop, status.stops[i])
         self._friction_events(rows, stuck)
         for i, clearance in enumerate(scene.clearances):
             rows.events.append(self._clearance_event(i, clearance, status.clearances[i]))
+        if self.formulas:
+            rows.events += self.formulas.events(rows)
         return rows
 
     def _masses(self, groups: Groups) -> tuple[list[N | None], list[N]]:
@@ -187,9 +198,10 @@ class RowMaker(Generic[N]):
     def _couplings(self, status: Status) -> list[Coupling[N]]:
         merged: dict[Edge, Coupling[N]] = {}
         for link in self.scene.links:
-            self._couple(merged, self.ends(link), link.k, link.c, self.zero)
+            if link.force is None:
+                self._couple(merged, self.ends(link), link.k, link.c, self.zero)
         for i, stop in self.scene.elastic_stops:
-            if status.stops[i] == CONTACT:
+            if status.stops[i] == CONTACT and stop.force is None:
                 self._couple(merged, self.ends(stop), stop.k, stop.c, stop.k * (stop.sense * stop.gap))
         return list(merged.values())
 
@@ -208,7 +220,7 @@ class RowMaker(Generic[N]):
         """Forces of slipping frictions by column [N]."""
         constants: dict[int, N] = {}
         for i, friction in enumerate(self.scene.frictions):
-            if status.frictions[i] != STICK:
+            if status.frictions[i] != STICK and friction.slips is None:
                 force = -friction.forward if status.frictions[i] > 0 else friction.backward
                 P, Q = self.ends(friction)
                 for column, value in ((P, force), (Q, -force)):
@@ -228,7 +240,9 @@ class RowMaker(Generic[N]):
                 falls.append(Falling(LAWS[fall.law], P, Q, on_P, rate, friction.belt, i))
         return falls
 
-    def _stop_events(self, i: int, stop: Stop[N] | RigidStop[N], state: int) -> list[Event[N]]:
+    def _stop_events(
+        self, rows: ModeRows[N], i: int, stop: Stop[N] | RigidStop[N], state: int
+    ) -> list[Event[N]]:
         if isinstance(stop, RigidStop):
             return [] if state == RESTING else [self._strike_event(i, stop)]
         P, Q = self.ends(stop)
@@ -239,6 +253,9 @@ class RowMaker(Generic[N]):
             return Event(GAP, i, sign, (GAP, i), terms, -sign * gap, abs(gap), turns=turns)
 
         def push(sign: int) -> Event[N]:
+            if stop.force is not None:
+                pushed: Terms[N] = (Term(FORMULA, sign, rows.outputs["stop", i]),)
+                return Event(PUSH, i, sign, (PUSH, i), pushed, self.zero, self.zero)
             terms: Terms[N] = (Term(DIFFERENCE, -sign * s * k, P, Q), Term(RATE, -sign * s * c, P, Q))
             constant = -sign * (k * gap)
             return Event(PUSH, i, sign, (PUSH, i), terms, constant, abs(constant))
@@ -247,7 +264,7 @@ class RowMaker(Generic[N]):
             return [] if i in self.guarded else [depth(-1)]
         if state == LIFTED:
             return [push(-1), depth(1, turns=False)]
-        if stop.release == AT_GAP or stop.c == 0:
+        if not stop.lets_go:
             return [depth(1)]
         return [push(1)]
 
@@ -307,6 +324,9 @@ class RowMaker(Generic[N]):
             if (coupling.P in inside) != (coupling.Q in inside):
                 terms.append(Term(COUPLING, 1 if coupling.Q in inside else -1, q))
         terms += [Term(LOAD, 1, c) for c in sorted(inside) if self._loaded(c)]
+        for one in rows.formulas:
+            if (one.P in inside) != (one.Q in inside):
+                terms.append(Term(FORMULA, one.sign if one.P in inside else -one.sign, one.output))
         for k, fall in enumerate(rows.falls):
             if (fall.P in inside) != (fall.Q in inside):
                 terms.append(Term(FALL, fall.on_P if fall.P in inside else -fall.on_P, k))
@@ -314,8 +334,8 @@ class RowMaker(Generic[N]):
 
     def _loaded(self, column: int) -> bool:
         motor = self.scene.motor
-        return any(force.on == column for force in self.scene.forces) or (
-            motor is not None and motor.on == column
+        return any(force.on == column and force.acts for force in self.scene.forces) or (
+            (motor is not None and motor.on == column) or any(one.on == column for one in self.scene.rotors)
         )
 
     def _hold_events(self, rows: ModeRows[N], number: int, cut: Cut[N]) -> list[Event[N]]:
@@ -329,6 +349,8 @@ class RowMaker(Generic[N]):
             if limit is None:
                 continue
             turned = tuple(Term(t.kind, -direction * t.coefficient, t.P, t.Q) for t in terms)
+            if self.formulas:
+                turned = (*self.formulas.limits(rows, cut, direction), *turned)
             constant = limit
             for value in constants:
                 constant = constant - direction * value

@@ -25,11 +25,14 @@ from vibsim.physics.friction_laws import Law
 from vibsim.physics.numbers import N
 
 if TYPE_CHECKING:
+    from vibsim.engine.flows.tape import Tape
     from vibsim.engine.flows.closed.closed_form import ModalMotion
 
 
-GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE = range(6)  # kinds of event functions; STRIKE: of a rigid stop
-DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL = range(6)  # kinds of terms
+# Kinds of event functions; STRIKE: of a rigid stop; SWITCH: of a switch of a formula; DOMAIN: of what stands under a
+# root in one.
+GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE, SWITCH, DOMAIN = range(8)
+DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL, FORMULA = range(7)  # kinds of terms
 
 EventKey = tuple[int | tuple[int, ...], ...]  # kind of an event function and what it watches
 Known = dict[EventKey, int]  # event functions that are zero at an instant, and to which order
@@ -70,10 +73,30 @@ class Falling(Generic[N]):
     part: int
 
 
+class FormulaForce(NamedTuple):
+    """A force by a formula: sign times output number `output` of the tape on column P [N], the opposite on Q, which
+    is -1 for none.
+    """
+
+    output: int
+    P: int
+    Q: int
+    sign: int
+
+
+class RotorOn(NamedTuple, Generic[N]):
+    """A rotor with its unbalance [kg m] and its inertia [kg m^2]: columns of it and of the body that it is on."""
+
+    column: int
+    on: int
+    unbalance: N
+    inertia: N
+
+
 @dataclass(frozen=True)
 class Term(Generic[N]):
     """coefficient times what `kind` names: the difference of columns (P, Q), its rate, coupling number P, the
-    load on column P, its acceleration, or f of falling friction number P.
+    load on column P, its acceleration, f of falling friction number P, or output number P of the tape.
     """
 
     kind: int
@@ -139,6 +162,10 @@ class ModeRows(Generic[N]):
     modal: ModalMotion[N] | None = None  # closed form of the mode, where there is one
     modal_sought: bool = False  # whether it has been looked for
     tied: list[int] = field(default_factory=list)  # bodies that are tied to another column
+    tape: Tape | None = None  # formulas of the mode, where it has some
+    outputs: dict[tuple[object, ...], int] = field(default_factory=dict)  # of the tape, by what they are for
+    formulas: list[FormulaForce] = field(default_factory=list)
+    rotors: list[RotorOn[N]] = field(default_factory=list)
 
     def own_mass(self, leader: int) -> N:
         """Mass of a group that moves on its own [kg]."""

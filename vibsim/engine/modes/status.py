@@ -12,19 +12,22 @@ KEPT, VIOLATED = 0, 1  # a clearance
 
 
 class Status(NamedTuple):
-    """A mode: the state of every part that has several."""
+    """A mode: the state of every part that has several, and the side of each switch of a formula; None of those
+    that no formula of the mode reads.
+    """
 
     stops: tuple[int, ...]
     frictions: tuple[int, ...]
     clearances: tuple[int, ...]
+    switches: tuple[int | None, ...] = ()
 
     def with_stop(self, i: int, value: int) -> "Status":
-        return Status(replaced(self.stops, i, value), self.frictions, self.clearances)
+        return self._replace(stops=replaced(self.stops, i, value))
 
     def with_frictions(self, values: Mapping[int, int]) -> "Status":
         """values: {index: status}."""
         frictions = tuple(values.get(i, old) for i, old in enumerate(self.frictions))
-        return Status(self.stops, frictions, self.clearances)
+        return self._replace(frictions=frictions)
 
     def with_ties(self, values: Mapping[int, int]) -> "Status":
         """values: {number of the tie: status of a friction}; ties are the frictions, then the stops, of which
@@ -35,7 +38,7 @@ class Status(NamedTuple):
             old if count + i not in values else RESTING if values[count + i] == STICK else OPEN
             for i, old in enumerate(self.stops)
         )
-        return Status(stops, self.with_frictions(values).frictions, self.clearances)
+        return self.with_frictions(values)._replace(stops=stops)
 
     @property
     def tied(self) -> list[int]:
@@ -45,11 +48,11 @@ class Status(NamedTuple):
         return sticking + [count + i for i, value in enumerate(self.stops) if value == RESTING]
 
     def with_clearance(self, i: int, value: int) -> "Status":
-        return Status(self.stops, self.frictions, replaced(self.clearances, i, value))
+        return self._replace(clearances=replaced(self.clearances, i, value))
 
     @property
     def codes(self) -> tuple[int, ...]:
-        """One tuple: stops, frictions, clearances."""
+        """One tuple: stops, frictions, clearances; no switches."""
         return self.stops + self.frictions + self.clearances
 
 

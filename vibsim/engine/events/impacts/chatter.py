@@ -232,7 +232,7 @@ class Chatter(Generic[N]):
         """
         ends = self._hopping(status, contact)
         for _, stop in self.scene.elastic_stops:
-            if stop.c > 0 and stop.release == AT_FORCE and ends & set(self.maker.ends(stop)):
+            if stop.lets_go and ends & set(self.maker.ends(stop)):
                 vP, vQ = self.relative.ends(stop, state, "v")
                 lost = BESIDE * self.kit.eps * self.blows.size(stop, state)
                 if abs(self.relative.depth(stop, state)) <= lost and abs(vP - vQ) <= TURNING * speed:

@@ -172,7 +172,7 @@ class RigidStops(Generic[N]):
         """
         happened: Happened = []
         for i, stop in self.scene.elastic_stops:
-            pressed = stop.release == AT_FORCE and stop.c != 0 and status.stops[i] != OPEN
+            pressed = stop.lets_go and status.stops[i] != OPEN
             if i in bounds:
                 vP, vQ = self.relative.ends(stop, state, "v")
                 status = status.with_stop(i, CONTACT if -(stop.sense * (vP - vQ)) > 0 else OPEN)

@@ -1,0 +1,173 @@
+"""On which side the switches of formulas are: at the start, behind each event, and where one of them is the event."""
+
+from __future__ import annotations
+
+from collections.abc import Container
+from typing import TYPE_CHECKING, Generic
+
+from vibsim.engine.errors import EngineError, State
+from vibsim.engine.events.relative_motion import RelativeMotion
+from vibsim.engine.flows.tape import Inputs, TapeMaker, TapeValues
+from vibsim.engine.modes.formula_rows import FormulaRows
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import SWITCH, Event, Known
+from vibsim.engine.modes.status import Status
+from vibsim.physics.formulas import Node
+from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.parts import Scene
+
+if TYPE_CHECKING:
+    from vibsim.engine.events.departures import DerivativeSigns
+
+ROUNDING = 8  # of displacements and velocities at an event, in units of eps
+NO_JUMP = 2.0**-30  # of its size, below which two sides of a switch give one force
+MOST_TURNS = 64  # of switches that turn at one instant
+
+
+class SwitchSides(Generic[N]):
+    """Decides the sides of the switches of a scene."""
+
+    def __init__(self, scene: Scene[N], maker: RowMaker[N], relative: RelativeMotion[N], kit: Kit[N]) -> None:
+        self.scene, self.maker, self.relative, self.kit = scene, maker, relative, kit
+        assert maker.formulas is not None
+        self.rows: FormulaRows[N] = maker.formulas
+        self.none = (None,) * len(self.rows.switches)
+
+    def inputs(self, state: State[N]) -> tuple[Inputs[N], Inputs[N]]:
+        """What formulas read at a state, and how far rounding leaves it open."""
+        zero, lost = self.kit.number(0), ROUNDING * self.kit.eps
+        x = [*state.x, zero, self.relative.base(state, "x")]
+        v = [*state.v, zero, self.relative.base(state, "v")]
+        late = lost * abs(state.t)
+        blur_x = [lost * abs(a) + late * abs(b) for a, b in zip(x, v, strict=True)]
+        blur_v = [lost * abs(b) for b in v]
+        phi = self.kit.unwind(state.phase, state.turns)
+        at = Inputs(state.t, x, v, phi, state.w)
+        return at, Inputs(late, blur_x, blur_v, lost * abs(phi), lost * abs(state.w))
+
+    def completed(
+        self, state: State[N], status: Status, fixed: Container[int] = (), open_ones: list[int] | None = None
+    ) -> Status:
+        """The status with the sides that the values of their arguments tell; those within rounding of zero, and those
+        that are `fixed`, as before, or on their upper side.
+
+        open_ones : is given the numbers of those within rounding
+        """
+        rows, old = self.rows, status.switches or self.none
+        at, blur = self.inputs(state)
+        sides: dict[Node, int] = {}
+        for node in rows.awake(status, sides):
+            i = rows.switches.index(node)
+            before = old[i]
+            if before is not None and i in fixed:
+                sides[node] = before
+                continue
+            values = rows.guard_values(node, sides, at, blur)
+            sides[node], unsure = self._side(node, values, before)
+            if unsure and open_ones is not None:
+                open_ones.append(i)
+        return status._replace(switches=tuple(sides.get(node) for node in rows.switches))
+
+    def _side(self, node: Node, values: list[N], before: int | None) -> tuple[int, bool]:
+        """The side of a switch by the value of its argument, and whether rounding leaves it open."""
+        value, bound = values[:2]
+        if node[0] == "choose":
+            if abs(value) <= bound:
+                return before or 1, True
+            return (1 if value > 0 else -1), False
+        if node[0] == "mod":
+            turns = value / values[2]
+            side = _floor(self.kit, turns)
+            near = _near(self.kit, turns, bound / values[2])
+        else:
+            knots = [self.kit.number(knot) for knot in node[2]]
+            side = sum(1 for knot in knots if value >= knot) - 1
+            near = next((k for k, knot in enumerate(knots) if abs(value - knot) <= bound), None)
+        if near is None:
+            return side, False
+        return (before if before in (near - 1, near) and before is not None else near), True
+
+    def turned(self, status: Status, event: Event[N]) -> Status:
+        """The status behind the zero of the event function of a switch."""
+        i, node = event.part, self.rows.switches[event.part]
+        side = status.switches[i]
+        assert side is not None
+        if node[0] == "choose":
+            after = -side
+        else:
+            after = side - 1 if event.key[2] == side else side + 1
+        sides = list(status.switches)
+        sides[i] = after
+        return status._replace(switches=tuple(sides))
+
+    def jumps(self, state: State[N], before: Status, after: Status, i: int) -> bool:
+        """Whether any formula has another value behind the turn of switch `i`."""
+        at, blur = self.inputs(state)
+        for root in self.rows.roots(before):
+            pair = []
+            for status in (before, after):
+                maker = TapeMaker(self.kit, self.rows.sides(status), self.maker.columns)
+                k = maker.output(root.node)
+                pair.append(TapeValues(self.kit, maker.tape, at, blur).output(k))
+            (one, lost), (other, blurred) = pair
+            if abs(one - other) > lost + blurred + NO_JUMP * (abs(one) + abs(other)):
+                return True
+        return False
+
+    def initial(
+        self, state: State[N], departures: DerivativeSigns[N], status: Status
+    ) -> tuple[Status, Known]:
+        """The sides at a start, or at any state, in the mode `status`, and the known zeros: those that are zero go
+        where their first derivative leads.
+        """
+        unsure: list[int] = []
+        status = self.completed(state, status, (), unsure)
+        known: Known = {}
+        for _ in range(MOST_TURNS):
+            known.clear()
+            for event in departures.enter(state, status).events:
+                if (
+                    event.kind != SWITCH
+                    or event.part not in unsure
+                    or not self._is_zero(event, state, status)
+                ):
+                    continue
+                sense, order = departures.departure(state, status, event.key)
+                if sense < 0:
+                    status = self.turned(status, event)
+                    status = self.completed(state, status, unsure)
+                    break
+                if sense > 0:
+                    known[event.key] = order
+            else:
+                return status, known
+        raise EngineError("held", state, ", ".join({self.rows.owners[i] for i in unsure}))
+
+    def _is_zero(self, event: Event[N], state: State[N], status: Status) -> bool:
+        """Whether the zero of an event function is the one that a switch is at: tables and mod have two."""
+        node = self.rows.switches[event.part]
+        if node[0] == "choose":
+            return True
+        at, blur = self.inputs(state)
+        values = self.rows.guard_values(node, self.rows.sides(status), at, blur)
+        key = event.key[2]
+        assert isinstance(key, int)
+        if node[0] == "mod":
+            return bool(abs(values[0] - key * values[2]) <= values[1])
+        return bool(abs(values[0] - self.kit.number(node[2][key])) <= values[1])
+
+
+def _floor(kit: Kit[N], value: N) -> int:
+    """The whole number not above a value."""
+    whole = int(float(value) // 1)
+    while kit.number(whole + 1) <= value:
+        whole += 1
+    while kit.number(whole) > value:
+        whole -= 1
+    return whole
+
+
+def _near(kit: Kit[N], value: N, bound: N) -> int | None:
+    """The whole number within `bound` of a value."""
+    whole = round(float(value))
+    return whole if abs(value - kit.number(whole)) <= bound else None

@@ -1,0 +1,537 @@
+"""Tapes: the formulas of one mode as a list of operations, and what is computed along it.
+
+A formula is a tree (`vibsim.physics.formulas`); in a mode each of its switches is on one side. What is left is
+analytic, and becomes operations on numbers or on Taylor series: equal parts once, operands before results. Of one
+list there are values, with bounds of their rounding, and the coefficients of series by the usual recurrences
+(Jorba & Zou 2005); C repeats them one by one (`tape.c`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Generic, NamedTuple
+
+from vibsim.physics.formulas import Node, children
+from vibsim.physics.numbers import TWO_PI, Doubles, Kit, N, abs
+
+# Operations, the same numbers in tape.h.
+CONSTANT, TIME, PLACE, SPEED, ANGLE, SPIN, ADD, SUB, SCALE, MUL, SQUARE, DIV = range(12)
+SIN, COS, SINH, COSH, EXP, LOG, TANH, ATAN, ASIN, ACOS, POWER = range(12, 23)
+INPUTS = (CONSTANT, TIME, PLACE, SPEED, ANGLE, SPIN)
+FUNCTIONS = {"exp": EXP, "log": LOG}
+PAIRS = {"sin": (SIN, "cos"), "cos": (COS, "sin"), "sinh": (SINH, "cosh"), "cosh": (COSH, "sinh")}
+ULPS = 4  # rounding of an elementary function, in units of eps
+
+
+class Op(NamedTuple):
+    """One operation: its code, the places of its operands on the tape, and its number.
+
+    value : of CONSTANT; factor of SCALE; exponent of POWER
+    """
+
+    code: int
+    a: int = -1
+    b: int = -1
+    value: float = 0.0
+
+
+@dataclass
+class Tape:
+    """Operations in order, and the places of the results that are asked for.
+
+    ops : each writes its own place; b of SIN, COS, SINH, COSH is the place of the other one of the two, of TANH
+        that of 1 - tanh^2, of ATAN, ASIN and ACOS that of the divisor of their derivative
+    outputs : places by number of the output; texts : what each output belongs to, for messages
+    """
+
+    ops: list[Op] = field(default_factory=list)
+    outputs: list[int] = field(default_factory=list)
+    texts: list[str] = field(default_factory=list)
+
+
+class TapeMaker(Generic[N]):
+    """Writes formulas on a tape.
+
+    sides : of the switches among them; columns : {end: column}
+    """
+
+    def __init__(self, kit: Kit[N], sides: Mapping[Node, int], columns: Mapping[int, int]) -> None:
+        self.kit, self.sides, self.columns = kit, sides, columns
+        self.tape = Tape()
+        self.bases: list[int] = []  # places of what must not become negative
+        self._places: dict[Node, int] = {}
+        self._ops: dict[Op, int] = {}
+
+    def output(self, node: Node, text: str = "") -> int:
+        """The number of an output that is a formula."""
+        self.tape.outputs.append(self.place(node))
+        self.tape.texts.append(text)
+        return len(self.tape.outputs) - 1
+
+    def place(self, node: Node) -> int:
+        """The place of a formula on the tape."""
+        for one in _unwritten(node, self._places, self.sides):
+            self._places[one] = self._write(one)
+        return self._places[node]
+
+    def _write(self, node: Node) -> int:
+        kind = node[0]
+        if kind == "num":
+            return self._constant(self.kit.number(node[1]))
+        if kind == "pi":
+            return self._constant(pi_of(self.kit))
+        if kind == "t":
+            return self._op(Op(TIME))
+        if kind in ("x", "v"):
+            column = node[1] if node[1] >= 0 else self.columns[node[1]]
+            return self._op(Op(PLACE if kind == "x" else SPEED, column))
+        if kind in ("phi", "w"):
+            return self._op(Op(ANGLE if kind == "phi" else SPIN))
+        if kind == "choose":
+            return self._places[chosen(node, self.sides)]
+        if kind == "mod":
+            step = self._scaled(self.kit.number(self.sides.get(node, 0)), self._places[node[2]])
+            return self._two(SUB, self._places[node[1]], step)
+        if kind == "table":
+            return self._table(node)
+        a = self._places[node[1]]
+        if kind in ("add", "sub", "mul", "div"):
+            return self._arithmetic(kind, a, self._places[node[2]])
+        return self._function(node, a)
+
+    def _arithmetic(self, kind: str, a: int, b: int) -> int:
+        if kind == "mul" and a == b:
+            return self._folded(Op(SQUARE, a))
+        if kind == "mul" and self.tape.ops[a].code == CONSTANT:
+            return self._scaled(self.tape.ops[a].value, b)
+        if kind == "mul" and self.tape.ops[b].code == CONSTANT:
+            return self._scaled(self.tape.ops[b].value, a)
+        if kind == "div" and self.tape.ops[b].code == CONSTANT and self.tape.ops[a].code != CONSTANT:
+            return self._scaled(1 / self.tape.ops[b].value, a)
+        return self._two({"add": ADD, "sub": SUB, "mul": MUL, "div": DIV}[kind], a, b)
+
+    def _function(self, node: Node, a: int) -> int:
+        kind, kit = node[0], self.kit
+        if kind == "pow":
+            place = self._folded(Op(POWER, a, -1, kit.number(node[2])))
+            if self.tape.ops[a].code != CONSTANT and a not in self.bases:
+                self.bases.append(a)
+            return place
+        if kind in FUNCTIONS:
+            return self._folded(Op(FUNCTIONS[kind], a))
+        if self.tape.ops[a].code == CONSTANT:
+            return self._constant(getattr(kit, kind)(self.tape.ops[a].value))
+        if kind in PAIRS:
+            return self._pair(kind, a)
+        one = self._constant(kit.number(1))
+        if kind == "tanh":
+            place = self._append(Op(TANH, a, len(self.tape.ops) + 2))
+            self._append(Op(SQUARE, place))
+            self._append(Op(SUB, one, place + 1))
+            return place
+        square = self._folded(Op(SQUARE, a))
+        if kind == "atan":
+            return self._folded(Op(ATAN, a, self._two(ADD, one, square)))
+        inside = self._two(SUB, one, square)
+        self.bases.append(inside)
+        root = self._folded(Op(POWER, inside, -1, kit.number(Fraction(1, 2))))
+        return self._folded(Op(ASIN if kind == "asin" else ACOS, a, root))
+
+    def _pair(self, kind: str, a: int) -> int:
+        first, second = (SIN, COS) if kind in ("sin", "cos") else (SINH, COSH)
+        place = len(self.tape.ops)
+        found = self._ops.get(Op(first, a))
+        if found is None:
+            self._ops[Op(first, a)] = found = place
+            self._append(Op(first, a, place + 1))
+            self._append(Op(second, a, place))
+        return found if kind in ("sin", "sinh") else found + 1
+
+    def _table(self, node: Node) -> int:
+        _, u, knots, pieces, _ = node
+        side = self.sides.get(node, 0)
+        if side < 0 or side >= len(pieces):
+            piece, knot = (_end_value(knots, pieces, side < 0),), Fraction(0)
+        else:
+            piece, knot = pieces[side], knots[side]
+        from_knot = self._two(SUB, self._places[u], self._constant(self.kit.number(knot)))
+        place = self._constant(self.kit.number(piece[-1]))
+        for coefficient in reversed(piece[:-1]):
+            scaled = self._arithmetic("mul", place, from_knot)
+            place = self._two(ADD, self._constant(self.kit.number(coefficient)), scaled)
+        return place
+
+    def _constant(self, value: N) -> int:
+        return self._op(Op(CONSTANT, -1, -1, value))  # type: ignore[arg-type]
+
+    def _scaled(self, factor: N | float, a: int) -> int:
+        if factor == 1:
+            return a
+        return self._folded(Op(SCALE, a, -1, factor))  # type: ignore[arg-type]
+
+    def _two(self, code: int, a: int, b: int) -> int:
+        return self._folded(Op(code, a, b))
+
+    def _folded(self, op: Op) -> int:
+        """The place of an operation, which is done at once where its operands are constants."""
+        ops, operands = self.tape.ops, [i for i in (op.a, op.b) if i >= 0]
+        if all(ops[i].code == CONSTANT for i in operands):
+            values = {i: ops[i].value for i in operands}
+            return self._constant(start_value(self.kit, op, values))  # type: ignore[arg-type]
+        return self._op(op)
+
+    def _op(self, op: Op) -> int:
+        if op not in self._ops:
+            self._ops[op] = self._append(op)
+        return self._ops[op]
+
+    def _append(self, op: Op) -> int:
+        self.tape.ops.append(op)
+        return len(self.tape.ops) - 1
+
+
+def _unwritten(node: Node, written: Mapping[Node, int], sides: Mapping[Node, int]) -> Iterable[Node]:
+    """The nodes below a formula, and itself, that are not on a tape yet, operands first."""
+    seen: set[Node] = set()
+    ahead: list[tuple[Node, bool]] = [(node, False)]
+    while ahead:
+        one, opened = ahead.pop()
+        if one in written or one in seen:
+            continue
+        if opened:
+            seen.add(one)
+            yield one
+            continue
+        ahead.append((one, True))
+        below = (chosen(one, sides),) if one[0] == "choose" else children(one)
+        ahead += [(child, False) for child in reversed(below)]
+
+
+def chosen(node: Node, sides: Mapping[Node, int]) -> Node:
+    """The formula that a `choose` is on the side that holds."""
+    result: Node = node[2] if sides.get(node, 1) > 0 else node[3]
+    return result
+
+
+def _end_value(knots: Sequence[Fraction], pieces: Sequence[Sequence[Fraction]], before: bool) -> Fraction:
+    """The value of a table at its first knot, or at its last."""
+    if before:
+        return pieces[0][0]
+    length, value = knots[-1] - knots[-2], Fraction(0)
+    for coefficient in reversed(pieces[-1]):
+        value = value * length + coefficient
+    return value
+
+
+def pi_of(kit: Kit[N]) -> N:
+    """The number pi."""
+    if kit is Doubles:
+        return TWO_PI / 2  # type: ignore[return-value]
+    return 4 * kit.atan(kit.number(1))
+
+
+class Inputs(NamedTuple, Generic[N]):
+    """What a tape reads at one instant: time, displacements and velocities by column, angle and speed of the rotor."""
+
+    t: N
+    x: Sequence[N]
+    v: Sequence[N]
+    phi: N
+    w: N
+
+
+def input_value(op: Op, at: Inputs[N]) -> N:
+    """The value of an operation that reads."""
+    if op.code == CONSTANT:
+        return op.value  # type: ignore[return-value]
+    if op.code == TIME:
+        return at.t
+    if op.code in (PLACE, SPEED):
+        return at.x[op.a] if op.code == PLACE else at.v[op.a]
+    return at.phi if op.code == ANGLE else at.w
+
+
+def start_value(kit: Kit[N], op: Op, values: Mapping[int, N] | Sequence[N]) -> N:
+    """The value of an operation on values. A power of what is negative is that of 0."""
+    code, a = op.code, values[op.a]
+    if code in (ADD, SUB, MUL, DIV):
+        b = values[op.b]
+        if code == ADD:
+            return a + b
+        if code == SUB:
+            return a - b
+        return a * b if code == MUL else quotient(kit, a, b)
+    if code == SCALE:
+        return op.value * a
+    if code == SQUARE:
+        return a * a
+    if code == POWER:
+        return kit.power(a if a > 0 else 0 * a, op.value)  # type: ignore[arg-type]
+    if code == LOG and not a > 0:
+        return kit.inf * 0
+    names = {SIN: kit.sin, COS: kit.cos, SINH: kit.sinh, COSH: kit.cosh, EXP: kit.exp, LOG: kit.log}
+    if code in names:
+        return names[code](a)
+    return {TANH: kit.tanh, ATAN: kit.atan, ASIN: kit.asin, ACOS: kit.acos}[code](a)
+
+
+def quotient(kit: Kit[N], a: N, b: N) -> N:
+    """a / b, and what is no number where b is 0."""
+    return kit.inf * 0 if b == 0 else a / b
+
+
+class TapeValues(Generic[N]):
+    """Values along a tape at one instant, each with a bound of its rounding."""
+
+    def __init__(self, kit: Kit[N], tape: Tape, at: Inputs[N], blur: Inputs[N]) -> None:
+        self.kit, self.tape = kit, tape
+        self.values: list[N] = []
+        self.bounds: list[N] = []
+        for i, op in enumerate(tape.ops):
+            if op.code in INPUTS:
+                self.values.append(input_value(op, at))
+                self.bounds.append(kit.number(0) if op.code == CONSTANT else abs(input_value(op, blur)))
+            else:
+                self.values.append(start_value(kit, op, self.values))
+                self.bounds.append(self._bound(i, op))
+
+    def output(self, k: int) -> tuple[N, N]:
+        """Output number k and its bound."""
+        place = self.tape.outputs[k]
+        return self.values[place], self.bounds[place]
+
+    def _bound(self, i: int, op: Op) -> N:
+        """What the rounding of its operands and its own make of a result, to first order."""
+        values, bounds, eps = self.values, self.bounds, self.kit.eps
+        value, a, lost = abs(values[i]), abs(values[op.a]), bounds[op.a]
+        if op.code in (ADD, SUB):
+            return lost + bounds[op.b] + eps * value
+        if op.code == SCALE:
+            return abs(op.value) * lost + 2 * eps * value
+        if op.code == SQUARE:
+            return 2 * a * lost + eps * value
+        if op.code == MUL:
+            return a * bounds[op.b] + abs(values[op.b]) * lost + eps * value
+        if op.code == DIV:
+            b = abs(values[op.b])
+            return quotient(self.kit, lost + value * bounds[op.b], b) + eps * value
+        return self._slope(op, a, value) * lost + ULPS * eps * value
+
+    def _slope(self, op: Op, a: N, value: N) -> N:
+        """The size of the derivative of a function where its argument has the size a, or a bound of it."""
+        one = self.kit.number(1)
+        if op.code in (SIN, COS, TANH, ATAN):
+            return one
+        if op.code == EXP:
+            return value
+        if op.code in (SINH, COSH):
+            return self.kit.cosh(a)
+        if op.code == POWER:
+            return quotient(self.kit, abs(op.value) * value, a) if a > 0 else 0 * one
+        if op.code == LOG:
+            return quotient(self.kit, one, a)
+        return quotient(self.kit, one, abs(self.values[op.b]))
+
+
+class TapeSeries(Generic[N]):
+    """Taylor coefficients along a tape.
+
+    x, v : series of the columns, which grow as the motion is expanded; phi, w : of the rotor
+    inverse : 1 / k of each order k
+    """
+
+    def __init__(self, kit: Kit[N], tape: Tape, inverse: Sequence[N]) -> None:
+        self.kit, self.tape, self.inverse = kit, tape, inverse
+        self.series: list[Sequence[N] | list[N]] = []
+
+    def start(
+        self,
+        t: N,
+        order: int,
+        x: Sequence[Sequence[N]],
+        v: Sequence[Sequence[N]],
+        rotor: tuple[Sequence[N], Sequence[N]] | None = None,
+    ) -> None:
+        """Begin at the time t [s]; `order` of coefficients at most."""
+        zero = self.kit.number(0)
+        self.series = []
+        for op in self.tape.ops:
+            if op.code in (PLACE, SPEED):
+                self.series.append((x if op.code == PLACE else v)[op.a])
+            elif op.code in (ANGLE, SPIN):
+                assert rotor is not None
+                self.series.append(rotor[0] if op.code == ANGLE else rotor[1])
+            elif op.code == TIME:
+                self.series.append([t, self.kit.number(1)] + [zero] * order)
+            elif op.code == CONSTANT:
+                self.series.append([op.value] + [zero] * (order + 1))  # type: ignore[list-item]
+            else:
+                self.series.append([])
+
+    def advance(self, n: int) -> None:
+        """Coefficients of order n, from those of the inputs up to that order."""
+        for i, op in enumerate(self.tape.ops):
+            if op.code not in INPUTS:
+                value = self._first(op) if n == 0 else self._following(i, op, n)
+                self.series[i].append(value)  # type: ignore[union-attr]
+
+    def output(self, k: int) -> Sequence[N]:
+        """Series of output number k."""
+        return self.series[self.tape.outputs[k]]
+
+    def _first(self, op: Op) -> N:
+        s = self.series
+        values = {i: s[i][0] for i in (op.a, op.b) if i >= 0 and s[i]}
+        return start_value(self.kit, op, values)
+
+    def _following(self, i: int, op: Op, n: int) -> N:
+        """Coefficient n > 0 of an operation."""
+        s, code = self.series, op.code
+        a = s[op.a]
+        if code == ADD:
+            return a[n] + s[op.b][n]
+        if code == SUB:
+            return a[n] - s[op.b][n]
+        if code == SCALE:
+            return op.value * a[n]
+        if code == MUL:
+            return self._product(a, s[op.b], 0, n, n)
+        if code == SQUARE:
+            return self._square(a, n)
+        if code == DIV:
+            b = s[op.b]
+            return quotient(self.kit, a[n] - self._product(b, s[i], 1, n, n), b[0])
+        if code in (SIN, COS, SINH, COSH, EXP, TANH):
+            other = s[i] if code == EXP else s[op.b]
+            value = self._weighted(a, other, n, n) * self.inverse[n]
+            return -value if code == COS else value
+        if code == POWER:
+            return self._power(a, s[i], op.value, n)  # type: ignore[arg-type]
+        b = a if code == LOG else s[op.b]
+        inner = self._weighted(s[i], b, n - 1, n) * self.inverse[n]
+        return quotient(self.kit, (-a[n] if code == ACOS else a[n]) - inner, b[0])
+
+    def _product(self, a: Sequence[N], b: Sequence[N], first: int, last: int, n: int) -> N:
+        """Sum of a_i b_(n-i) from i = first to last, odd and even terms apart."""
+        sums = [self.kit.number(0), self.kit.number(0)]
+        for i in range(first, last + 1):
+            sums[i % 2] = sums[i % 2] + a[i] * b[n - i]
+        return sums[0] + sums[1]
+
+    def _weighted(self, a: Sequence[N], b: Sequence[N], last: int, n: int) -> N:
+        """Sum of i a_i b_(n-i) from i = 1 to last, odd and even terms apart."""
+        sums = [self.kit.number(0), self.kit.number(0)]
+        for i in range(1, last + 1):
+            sums[i % 2] = sums[i % 2] + (i * a[i]) * b[n - i]
+        return sums[0] + sums[1]
+
+    def _square(self, a: Sequence[N], n: int) -> N:
+        total = self.kit.number(0)
+        for i in range((n + 1) // 2):
+            total = total + a[i] * a[n - i]
+        total = total + total
+        return total + a[n // 2] * a[n // 2] if n % 2 == 0 else total
+
+    def _power(self, a: Sequence[N], y: Sequence[N], p: N, n: int) -> N:
+        """Of a^p: n a_0 y_n = sum (p (n - i) - i) a_(n-i) y_i over i < n. At a zero of a, which is a singularity,
+        nothing but the value: a step from there is as short as that is right.
+        """
+        if not a[0] > 0:
+            return 0 * a[0]
+        total = self.kit.number(0)
+        for i in range(n):
+            total = total + (p * (n - i) - i) * (a[n - i] * y[i])
+        return total * self.inverse[n] / a[0]
+
+
+class TapeRounding(Generic[N]):
+    """Bounds of the rounding of the coefficients along a tape, to first order.
+
+    of : the series; product : rounding of a product of series, over the sum of the sizes of its terms
+    """
+
+    def __init__(self, of: TapeSeries[N], product: N, blur: Inputs[N]) -> None:
+        self.kit, self.of, self.product, self.at_start = of.kit, of, product, blur
+        self.bounds: list[list[N]] = [[] for _ in of.tape.ops]
+
+    def advance(self, n: int, x: Sequence[Sequence[N]], v: Sequence[Sequence[N]], w: Sequence[N]) -> None:
+        """Bounds of order n; x, v : those of the columns, w: of the rotor's speed."""
+        zero = self.kit.number(0)
+        for i, op in enumerate(self.of.tape.ops):
+            if op.code in (PLACE, SPEED):
+                bound = (x if op.code == PLACE else v)[op.a][n]
+            elif op.code in (ANGLE, SPIN):
+                angle = self.at_start.phi if n == 0 else w[n - 1] * self.of.inverse[n]
+                bound = angle if op.code == ANGLE else w[n]
+            elif op.code in INPUTS:
+                bound = self.at_start.t if op.code == TIME and n == 0 else zero
+            else:
+                bound = self._first(i, op) if n == 0 else self._following(i, op, n)
+            self.bounds[i].append(bound)
+
+    def output(self, k: int) -> list[N]:
+        """Bounds of output number k."""
+        return self.bounds[self.of.tape.outputs[k]]
+
+    def _first(self, i: int, op: Op) -> N:
+        values = TapeValues.__new__(TapeValues)
+        values.kit, values.tape = self.kit, self.of.tape
+        values.values = [series[0] for series in self.of.series]
+        values.bounds = [one[0] if one else self.kit.number(0) for one in self.bounds]
+        return values._bound(i, op)
+
+    def _following(self, i: int, op: Op, n: int) -> N:
+        s, code, inverse = self.of.series, op.code, self.of.inverse[n]
+        y, own = abs(s[i][n]), self.bounds[i]
+        a, lost = s[op.a], self.bounds[op.a]
+        if code in (ADD, SUB):
+            return lost[n] + self.bounds[op.b][n] + self.kit.eps * y
+        if code == SCALE:
+            return abs(op.value) * lost[n] + 2 * self.kit.eps * y
+        if code in (MUL, SQUARE):
+            b = op.b if code == MUL else op.a
+            return self._products(a, lost, s[b], self.bounds[b], range(n + 1), n)
+        if code in (SIN, COS, SINH, COSH, EXP, TANH):
+            b = i if code == EXP else op.b
+            return self._products(a, lost, s[b], self.bounds[b], range(1, n + 1), n, weighted=True) * inverse
+        if code == POWER:
+            if not a[0] > 0:
+                return self.kit.number(0)
+            total = self.kit.number(0)
+            for k in range(n):
+                factor = abs(op.value * (n - k) - k)
+                size = self.product * abs(a[n - k] * s[i][k])
+                total = total + factor * (lost[n - k] * abs(s[i][k]) + abs(a[n - k]) * own[k] + size)
+            return (total * inverse + lost[0] * y) / abs(a[0])
+        b = op.a if code == LOG else op.b
+        first = abs(s[b][0])
+        total = lost[n] + self.product * abs(a[n]) + self.bounds[b][0] * y
+        if code == DIV:
+            total = total + self._products(s[b], self.bounds[b], s[i], own, range(1, n + 1), n)
+        else:
+            inner = self._products(s[i], own, s[b], self.bounds[b], range(1, n), n, weighted=True)
+            total = total + inner * inverse
+        return quotient(self.kit, total, first)
+
+    def _products(
+        self,
+        a: Sequence[N],
+        lost: Sequence[N],
+        b: Sequence[N],
+        blurred: Sequence[N],
+        places: range,
+        n: int,
+        weighted: bool = False,
+    ) -> N:
+        """Bound of the sum of a_i b_(n-i), or i a_i b_(n-i), over `places`. A bound of b that is not there yet is of
+        a coefficient that the sum does not need.
+        """
+        total = self.kit.number(0)
+        for i in places:
+            other = blurred[n - i] if n - i < len(blurred) else self.kit.number(0)
+            size = self.product * abs(a[i] * b[n - i])
+            one = lost[i] * abs(b[n - i]) + abs(a[i]) * other + size
+            total = total + (i * one if weighted else one)
+        return total

@@ -1,0 +1,236 @@
+"""What formulas make of a mode: its tape, the forces on it, and the event functions of their switches.
+
+A switch of a formula (|v|, max, where, a knot of a table, ...) is on one side in a mode; the function that tells
+the side ends the mode at its zero. Switches are numbered in the order in which the parts of the scene read them. A
+formula that no part of the mode reads, that of a stop which is open, leaves its switches asleep: without a side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Generic, NamedTuple
+
+from vibsim.engine.flows.tape import Inputs, Tape, TapeMaker, TapeValues, chosen
+from vibsim.engine.modes.rows import DOMAIN, FORMULA, SWITCH, Event, FormulaForce, ModeRows, Term, Terms
+from vibsim.engine.modes.status import CONTACT, OPEN, STICK, Status
+from vibsim.engine.modes.ties import Cut
+from vibsim.physics.formulas import SWITCHES, Node, children, mul, num, sub, walk
+from vibsim.physics.numbers import Doubles, Kit, N, abs
+from vibsim.physics.parts import Scene, Stop
+
+PROBES = (0.618, 1.414, 2.236)  # points at which functions are compared, of no special meaning
+SAME = 2.0**-40  # ratios of two functions that differ by less are one
+
+
+class Root(NamedTuple):
+    """A formula that a mode reads: for what, and the name of its part."""
+
+    node: Node
+    role: tuple[object, ...]
+    text: str
+
+
+def has_formulas(scene: Scene[N]) -> bool:
+    """Whether any part of a scene has a formula."""
+    return bool(
+        any(force.formula is not None for force in scene.forces)
+        or any(link.force is not None for link in scene.links)
+        or any(stop.force is not None for _, stop in scene.elastic_stops)
+        or any(friction.slips is not None for friction in scene.frictions)
+    )
+
+
+class FormulaRows(Generic[N]):
+    """Makes what formulas add to the rows of the modes of a scene.
+
+    switches : all of them; owners : name of the part that has each, and its place among `event_parts`
+    """
+
+    def __init__(self, scene: Scene[N], kit: Kit[N], columns: Mapping[int, int]) -> None:
+        self.scene, self.kit, self.columns = scene, kit, columns
+        self.n = len(scene.bodies)
+        self.switches: list[Node] = []
+        self.owners: list[str] = []
+        for root in self._all_roots():
+            for node in walk([root.node]):
+                if node[0] in SWITCHES and node not in self.switches:
+                    self.switches.append(node)
+                    self.owners.append(root.text)
+
+    def _all_roots(self) -> Iterator[Root]:
+        """Every formula of the scene."""
+        for force in self.scene.forces:
+            if force.formula is not None:
+                yield Root(force.formula, ("force", force.on), force.name)
+        for i, link in enumerate(self.scene.links):
+            if link.force is not None:
+                yield Root(link.force, ("link", i), link.name)
+        for i, stop in self.scene.elastic_stops:
+            if stop.force is not None:
+                yield Root(stop.force, ("stop", i), stop.name)
+        for k, friction in enumerate(self.scene.frictions):
+            for sense, node in zip((1, -1), friction.slips or (), strict=False):
+                yield Root(node, ("slip", k, sense), friction.name)
+            for sense, node in zip((1, -1), friction.holds or (), strict=False):
+                yield Root(node, ("hold", k, sense), friction.name)
+
+    def roots(self, status: Status) -> list[Root]:
+        """The formulas that a mode reads."""
+        return [root for root in self._all_roots() if self._is_read(root, status)]
+
+    @staticmethod
+    def _is_read(root: Root, status: Status) -> bool:
+        role = root.role
+        if role[0] == "stop":
+            return status.stops[role[1]] != OPEN  # type: ignore[call-overload]
+        if role[0] in ("slip", "hold"):
+            side = status.frictions[role[1]]  # type: ignore[call-overload]
+            return side == (role[2] if role[0] == "slip" else STICK)
+        return True
+
+    def sides(self, status: Status) -> dict[Node, int]:
+        """The sides of the switches that are awake."""
+        sides = status.switches or (None,) * len(self.switches)
+        return {node: side for node, side in zip(self.switches, sides, strict=True) if side is not None}
+
+    def awake(self, status: Status, sides: Mapping[Node, int]) -> Iterator[Node]:
+        """The switches that a mode reads, those first that others stand behind."""
+        ahead = [root.node for root in self.roots(status)]
+        seen: set[Node] = set()
+        while ahead:
+            node = ahead.pop()
+            if node in seen:
+                continue
+            seen.add(node)
+            if node[0] in SWITCHES:
+                guard = node[1]
+                if any(one[0] in SWITCHES and one not in seen for one in walk([guard])):
+                    seen.discard(node)
+                    ahead += [node, *(one for one in walk([guard]) if one[0] in SWITCHES and one not in seen)]
+                    continue
+                yield node
+            ahead += [node[1], chosen(node, sides)] if node[0] == "choose" else children(node)
+
+    def guard_values(self, node: Node, sides: Mapping[Node, int], at: Inputs[N], blur: Inputs[N]) -> list[N]:
+        """Values, each followed by the bound of its rounding, of the argument of a switch; of `mod` that of its
+        step behind it.
+        """
+        maker = TapeMaker(self.kit, sides, self.columns)
+        places = [maker.output(one) for one in node[1 : 3 if node[0] == "mod" else 2]]
+        values = TapeValues(self.kit, maker.tape, at, blur)
+        return [value for k in places for value in values.output(k)]
+
+    def write(self, rows: ModeRows[N]) -> None:
+        """Write the tape of a mode and its forces into its rows."""
+        status, sides = rows.status, self.sides(rows.status)
+        maker = TapeMaker(self.kit, sides, self.columns)
+        outputs: dict[tuple[object, ...], int] = {}
+        for node, role, text in self.roots(status):
+            outputs[role] = k = maker.output(node, text)
+            if role[0] == "hold":
+                continue
+            P, Q, sign = self._ends(role, status)
+            if sign:
+                rows.formulas.append(FormulaForce(k, P, Q, sign))
+        roots = len(maker.tape.outputs)
+        watched = {
+            i: list(self._guards(i, node, sides)) for i, node in enumerate(self.switches) if node in sides
+        }
+        for i, guards in watched.items():
+            for key, node, sign in guards:
+                if not self._implied(maker, maker.place(node), status):
+                    outputs["switch", i, key] = maker.output(node, self.owners[i])
+                    outputs["sense", i, key] = sign
+        for place in maker.bases:
+            if not self._implied(maker, place, status):
+                texts = [maker.tape.texts[k] for k in range(roots)]
+                outputs["base", place] = len(maker.tape.outputs)
+                maker.tape.outputs.append(place)
+                maker.tape.texts.append(texts[0])
+        rows.tape, rows.outputs = maker.tape, outputs
+
+    def _ends(self, role: tuple[object, ...], status: Status) -> tuple[int, int, int]:
+        """Columns of P and Q of a force, -1 for none, and the sign with which it acts on P; 0 where it does not."""
+        scene, i = self.scene, role[1]
+        assert isinstance(i, int)
+        if role[0] == "force":
+            return i, -1, 1
+        if role[0] == "link":
+            part, sign = scene.links[i], -1
+        elif role[0] == "stop":
+            stop = scene.stops[i]
+            assert isinstance(stop, Stop)
+            part, sign = stop, stop.sense if status.stops[i] == CONTACT else 0  # type: ignore[assignment]
+        else:
+            part, sign = scene.frictions[i], -1 if role[2] == 1 else 1  # type: ignore[assignment]
+        P, Q = (end if end >= 0 else self.columns[end] for end in (part.P, part.Q))
+        return P, Q, sign
+
+    @staticmethod
+    def _guards(i: int, node: Node, sides: Mapping[Node, int]) -> Iterator[tuple[int, Node, int]]:
+        """Event functions of a switch: (number of the zero, formula, sign with which it is positive)."""
+        side = sides[node]
+        if node[0] == "choose":
+            yield 0, node[1], side
+        elif node[0] == "mod":
+            yield side, sub(node[1], mul(num(side), node[2])), 1
+            yield side + 1, sub(node[1], mul(num(side + 1), node[2])), -1
+        else:
+            _, u, knots, pieces, _ = node
+            if side >= 0:
+                yield side, sub(u, num(knots[side])), 1
+            if side < len(pieces):
+                yield side + 1, sub(u, num(knots[side + 1])), -1
+
+    def _implied(self, maker: TapeMaker[N], place: int, status: Status) -> bool:
+        """Whether a function on the tape is the depth of a stop in contact but for a positive factor."""
+        depths = [stop for i, stop in self.scene.elastic_stops if status.stops[i] != OPEN]
+        return any(self._proportional(maker.tape, place, stop) for stop in depths)
+
+    def _proportional(self, tape: Tape, place: int, stop: Stop[N]) -> bool:
+        P, Q = (end if end >= 0 else self.columns[end] for end in (stop.P, stop.Q))
+        ratios = []
+        for probe in PROBES:
+            x = [probe * (1 + c * probe % 1) for c in range(self.n + 2)]
+            v = [probe * (2 + c * probe * probe % 1) for c in range(self.n + 2)]
+            gap = float(stop.gap)
+            x[P] = x[Q] - stop.sense * (gap + probe)  # a depth of `probe`
+            at = Inputs(probe, x, v, probe, probe)
+            values = TapeValues(
+                Doubles, in_doubles(tape), at, Inputs(0.0, [0.0] * len(x), [0.0] * len(v), 0.0, 0.0)
+            )
+            depth = -(stop.sense * (x[P] - x[Q])) - gap
+            ratios.append(values.values[place] / depth)
+        return bool(ratios[0] > 0 and all(abs(one - ratios[0]) <= SAME * ratios[0] for one in ratios))
+
+    def events(self, rows: ModeRows[N]) -> list[Event[N]]:
+        """The event functions of the switches of a mode, and of what must not become negative under a root."""
+        events: list[Event[N]] = []
+        for role, k in rows.outputs.items():
+            if role[0] == "switch":
+                i, key = role[1:]
+                assert isinstance(i, int) and isinstance(key, int)
+                sign = rows.outputs["sense", i, key]
+                events.append(self._event(SWITCH, i, sign, (SWITCH, i, key), k))
+            elif role[0] == "base":
+                assert isinstance(role[1], int)
+                events.append(self._event(DOMAIN, k, 1, (DOMAIN, role[1]), k))
+        return events
+
+    def _event(self, kind: int, part: int, sign: int, key: tuple[int, ...], k: int) -> Event[N]:
+        zero = self.kit.number(0)
+        return Event(kind, part, sign, key, (Term(FORMULA, sign, k),), zero, zero)
+
+    @staticmethod
+    def limits(rows: ModeRows[N], cut: Cut[N], direction: int) -> Terms[N]:
+        """What the formulas of the ties of a cut add to the force that it can pass."""
+        return tuple(
+            Term(FORMULA, 1, rows.outputs["hold", i, orientation * direction])
+            for i, orientation in cut.ties
+            if ("hold", i, orientation * direction) in rows.outputs
+        )
+
+
+def in_doubles(tape: Tape) -> Tape:
+    """The tape with its numbers as doubles."""
+    return Tape([op._replace(value=float(op.value)) for op in tape.ops], tape.outputs, tape.texts)
