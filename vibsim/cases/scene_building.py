@@ -262,10 +262,11 @@ class _SceneBuilder:
         if not (load and any(side.hold for side in sides)):
             return None
         forward, backward = (self.numbers.convert(side.slip * load, 0) for side in sides)
-        holds = (self.hold(side, load) for side in sides)
-        falls = (self.fall(part, side, load) for side in sides)
+        holds = [self.hold(side, load) for side in sides]
+        falls = [self.fall(part, side, load) for side in sides]
         belt = self.numbers.of(part["belt"])
-        return Friction(name, *self.ends(part), forward, backward, belt, *holds, *falls)
+        P, Q = self.ends(part)
+        return Friction(name, P, Q, forward, backward, belt, holds[0], holds[1], falls[0], falls[1])
 
     def hold(self, side: Direction, load: Any) -> Number | None:
         """The most that a friction holds in one direction; None where that is what slip begins with."""

@@ -20,9 +20,9 @@ from vibsim.engine.events.departures import derivative_flow
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.rule_maker import RuleMaker
 from vibsim.engine.extremes import Gap
+from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.flows.flow import Flow
-from vibsim.engine.flows.motion import value_and_rate
 from vibsim.engine.ledger import struck_entries
 from vibsim.engine.ledger_integrals import jumps_of, pack_blows, pack_extremes, pack_ledger
 from vibsim.engine.modes.mode_table import bytes_of, mode_table
@@ -296,7 +296,7 @@ class CRun:
         parts = array("i", (part for _, part in happened)).tobytes()
         taken = self.run.take(target, pack_state(state), self._known(known, -1), kinds, parts)
         if self.meters and touch:
-            V = value_and_rate(Doubles, self.scene.base, state.t)[1]
+            V = base_motion(self.scene, Doubles, state.t)[1]
             for entry, value in struck_entries(self.scene, self.meters.names, touch, V):
                 self.run.add_entry(entry, value)
         return taken

@@ -1,7 +1,7 @@
 """Names of what a run of a scene made of parts gives: states of bodies and rotor, states of parts."""
 
 from vibsim.physics.numbers import N
-from vibsim.physics.parts import AT_FORCE, Clearance, Friction, RigidStop, Scene, Stop, columns_of
+from vibsim.physics.parts import Clearance, Friction, RigidStop, Scene, Stop, columns_of
 
 RIGID_FLAGS = {"free": 0, "resting": 3}
 FLAGS = {

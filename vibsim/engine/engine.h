@@ -30,7 +30,7 @@ enum { IN_CONTACT = 1, AT_REST = 3 };                           /* codes of a st
 enum { ADVANCE, SAMPLE, SECTION, ARRIVE, EXTREMES, LEDGER, TANGENT, STAGES }; /* of a stretch */
 enum { ASK, CROSS, STAND, STRUCK, BEAR };                       /* rules for what follows an event */
 enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END,
-       IMPACT, TRANSMITTED, CHATTER, REST_BEGIN, REST_END, KINDS };
+       IMPACT, TRANSMITTED, CHATTER, REST_BEGIN, REST_END, SWITCH_TURN, KINDS };
 enum { OK, ACCUMULATION, DIVERGED, UNDECIDED, NO_MEMORY, STANDSTILL };      /* status of a run */
 enum { NOTHING = -1, RATE_ALONE = -JET };
 

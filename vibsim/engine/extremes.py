@@ -13,8 +13,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Generic
 
+from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.flows.flow import Flow
-from vibsim.engine.flows.motion import value_and_rate
 from vibsim.engine.modes.status import OPEN, Status
 from vibsim.engine.modes.ties import Edge
 from vibsim.physics.numbers import Kit, N, abs
@@ -98,7 +98,7 @@ class Extremes(Generic[N]):
     def measure(self, t: N) -> list[tuple[N, N]]:
         """Displacements and their rates at t, by pair; then the speed of the rotor and its rate."""
         state, zero = self.flow.state_at(t), self.kit.number(0)
-        X, V = value_and_rate(self.kit, self.scene.base, t) if self.based else (zero, zero)
+        X, V = base_motion(self.scene, self.kit, t) if self.based else (zero, zero)
         x, v = (*state.x, zero, X), (*state.v, zero, V)
         motions = [(x[P] - x[Q], v[P] - v[Q]) for P, Q in self.pairs]
         if self.spins:

@@ -15,8 +15,8 @@ from typing import Generic
 
 from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
+from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.flows.flow import Flow
-from vibsim.engine.flows.motion import value_and_rate
 from vibsim.engine.ledger_integrals import (
     IMPULSE,
     NOTHING,
@@ -103,14 +103,14 @@ class Ledger(Generic[N]):
     def strike(self, state: State[N], touch: SimultaneousImpacts[N] | None) -> None:
         """Count the blows and ends of rigid stops at `state`."""
         if touch:
-            V = value_and_rate(self.kit, self.scene.base, state.t)[1]
+            V = base_motion(self.scene, self.kit, state.t)[1]
             for entry, value in struck_entries(self.scene, self.names, touch, V):
                 self.entries[entry] = self.entries[entry] + value
 
     def _places(self, state: State[N]) -> tuple[N, ...]:
         """Displacements of all columns."""
         zero = self.kit.number(0)
-        X = value_and_rate(self.kit, self.scene.base, state.t)[0] if self.scene.base else zero
+        X = base_motion(self.scene, self.kit, state.t)[0] if self.scene.has_base else zero
         return (*state.x, zero, X)
 
     def cross(self, state: State[N], before: Status, after: Status) -> None:
@@ -173,7 +173,7 @@ def stored_energy(scene: Scene[N], kit: Kit[N], state: State[N], status: Status)
     (v - e w sin phi, e w cos phi), from which Eqs. (2.9), (2.10) follow.
     """
     ground, energy = len(scene.bodies), kit.number(0)
-    X = value_and_rate(kit, scene.base, state.t)[0] if scene.base else kit.number(0)
+    X = base_motion(scene, kit, state.t)[0] if scene.has_base else kit.number(0)
     places = (*state.x, kit.number(0), X)
     for body, v in zip(scene.bodies, state.v, strict=True):
         energy = energy + body.m * (v * v) / 2

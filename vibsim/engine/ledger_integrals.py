@@ -23,7 +23,7 @@ from vibsim.engine.modes.rows import COUPLING, FALL, HOLD, Event, Falling, Joine
 from vibsim.engine.modes.status import CONTACT, STICK, Kept, Status
 from vibsim.engine.modes.ties import Edge, Groups, Tie, beyond
 from vibsim.physics.numbers import Kit, N
-from vibsim.physics.parts import AT_FORCE, Friction, Scene
+from vibsim.physics.parts import Friction, Scene
 
 SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB = range(7)
 NOTHING = -1

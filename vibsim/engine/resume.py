@@ -10,13 +10,12 @@ from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import coincident_stops_of
 from vibsim.engine.events.parting import released_parts
 from vibsim.engine.events.relative_motion import meets
-from vibsim.engine.flows.motion import value_and_rate
+from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known
 from vibsim.engine.modes.status import LIFTED, OPEN, STICK, Status
 from vibsim.physics.numbers import TWO_PI, Doubles, N
 from vibsim.physics.parts import (
-    AT_FORCE,
     BASE,
     EVENT_NAMES,
     RIGID_KINDS,
@@ -177,7 +176,7 @@ def _zeros_of_parted(scene: Scene, rows: Sequence[Row], state: State, status: St
 
 def _places(scene: Scene, part: Stop | Clearance, state: State) -> Ends:
     """Displacements of the ends of a part [m]."""
-    return _at_ends(part, state.x, value_and_rate(Doubles, scene.base, state.t)[0])
+    return _at_ends(part, state.x, base_motion(scene, Doubles, state.t)[0])
 
 
 def _at_ends(part: Stop | RigidStop | Clearance, values: Sequence[float], of_base: float) -> Ends:
@@ -206,5 +205,5 @@ def _watched(scene: Scene, kind: str, part: int, state: State, status: Status) -
 
 def _closing(scene: Scene, stop: Stop | RigidStop, state: State) -> float:
     """Rate of the depth of a stop [m/s]: contact at zero force begins while it shrinks."""
-    vP, vQ = _at_ends(stop, state.v, value_and_rate(Doubles, scene.base, state.t)[1])
+    vP, vQ = _at_ends(stop, state.v, base_motion(scene, Doubles, state.t)[1])
     return stop.sense * (vQ - vP)

@@ -4,8 +4,8 @@ A formula is a tree of nodes; a node is a tuple whose first entry says what it i
 
     ("num", value)         a number, an exact Fraction in SI units
     ("pi",)  ("t",)        pi; the time [s]
-    ("x", end)  ("v", end) displacement [m] and velocity [m/s] of an end of a part: number of a body, GROUND, BASE
-    ("phi",)  ("w",)       angle [rad] and speed [rad/s] of the rotor of `Scene.motor`
+    ("x", end)  ("v", end) displacement [m] and velocity [m/s] of an end of a part: number of a body, GROUND,
+    BASE ("phi",)  ("w",)       angle [rad] and speed [rad/s] of the rotor of `Scene.motor`
     ("add", a, b)  ("sub", a, b)  ("mul", a, b)  ("div", a, b)
     ("pow", a, p)          a**p, p a Fraction that is no whole number: a >= 0
     ("sin", a)             and cos, exp, log, sinh, cosh, tanh, atan, asin, acos
@@ -14,8 +14,8 @@ A formula is a tree of nodes; a node is a tuple whose first entry says what it i
     ("table", u, knots, pieces, text)   the polynomial pieces[k](u - knots[k]) between knots k and k + 1; the
                            end values outside; knots: Fractions, pieces: Fractions, lowest power first
 
-Nodes compare by what they say, so equal parts of formulas are one. Make them with the functions of this module,
-which compute what is made of numbers alone exactly.
+Nodes compare by what they say, so equal parts of formulas are one. Make them with the functions of this
+module, which compute what is made of numbers alone exactly.
 """
 
 from __future__ import annotations
@@ -106,8 +106,8 @@ def power(a: Node, b: Node) -> Node:
 
 
 def call(name: str, a: Node) -> Node:
-    """A function of one argument by its name in a formula: sin, cos, tan, exp, log, sqrt, sinh, cosh, tanh, atan,
-    asin, acos.
+    """A function of one argument by its name in a formula: sin, cos, tan, exp, log, sqrt, sinh, cosh, tanh,
+    atan, asin, acos.
     """
     if name == "sqrt":
         return ("pow", a, Fraction(1, 2))
@@ -184,14 +184,16 @@ def replaced_inputs(node: Node, inputs: dict[Node, Node]) -> Node:
     if kind in ("add", "sub", "mul", "div"):
         return {"add": add, "sub": sub, "mul": mul, "div": div}[kind](*below)
     if kind == "choose":
-        return choose(*below, node[4])
+        return choose(below[0], below[1], below[2], node[4])
     if kind == "mod":
         return ("mod", *below, node[3])
     return (kind, below[0], *node[2:])
 
 
 def derivative(node: Node, of: Node) -> Node:
-    """The partial derivative of a formula with respect to the input `of`; on the side of each switch that holds."""
+    """The partial derivative of a formula with respect to the input `of`; on the side of each switch that
+    holds.
+    """
     return _Derivative(of).of_node(node)
 
 
@@ -237,14 +239,12 @@ class _Derivative:
         if kind in ("asin", "acos"):
             root = ("pow", sub(ONE, mul(a, a)), Fraction(1, 2))
             return div(ONE if kind == "asin" else num(-1), root)
-        slopes = {
-            "sin": lambda: ("cos", a),
-            "cos": lambda: neg(("sin", a)),
-            "exp": lambda: node,
-            "log": lambda: div(ONE, a),
-            "sinh": lambda: ("cosh", a),
-            "cosh": lambda: ("sinh", a),
-            "tanh": lambda: sub(ONE, mul(node, node)),
-            "atan": lambda: div(ONE, add(ONE, mul(a, a))),
-        }
-        return slopes[kind]()
+        if kind in ("sin", "cos"):
+            return ("cos", a) if kind == "sin" else neg(("sin", a))
+        if kind in ("sinh", "cosh"):
+            return ("cosh" if kind == "sinh" else "sinh", a)
+        if kind == "tanh":
+            return sub(ONE, mul(node, node))
+        if kind == "exp":
+            return node
+        return div(ONE, a if kind == "log" else add(ONE, mul(a, a)))

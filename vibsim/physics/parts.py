@@ -69,9 +69,10 @@ BODY, ROTOR, STATE = "body", "rotor", "state"  # kinds of what moves
 class Body(Generic[N]):
     """A rigid body: mass m > 0 [kg], displacement x [m] and velocity v [m/s] at t = 0.
 
-    kind : BODY, whose mass is that of the rotors on it as well; ROTOR: x is its angle [rad], v its speed [rad/s],
-        m its inertia about its shaft, that of its unbalanced mass included [kg m^2]; STATE: v is a further state
-        of a scene, the force on it its rate, m is 1, and x says nothing
+    kind : BODY, whose mass is that of the rotors on it as well; ROTOR: x is its angle [rad], v its speed
+    [rad/s],
+        m its inertia about its shaft, that of its unbalanced mass included [kg m^2]; STATE: v is a further
+        state of a scene, the force on it its rate, m is 1, and x says nothing
     """
 
     name: str
@@ -85,7 +86,8 @@ class Body(Generic[N]):
 class Rotor:
     """An unbalanced rotor on a body: numbers of the two in the scene, and unbalance m e [kg m].
 
-    M x'' = F + m e (w^2 cos phi + w' sin phi),  (J + m e^2) w' = T + m e x'' sin phi, as Eqs. (2.9) of the paper.
+    M x'' = F + m e (w^2 cos phi + w' sin phi),  (J + m e^2) w' = T + m e x'' sin phi, as Eqs. (2.9) of the
+    paper.
     """
 
     column: int
@@ -97,7 +99,8 @@ class Rotor:
 class Link(Generic[N]):
     """Spring k [N/m] and damper c [N s/m] between P and Q: force -k (x_P - x_Q) - c (v_P - v_Q) on P.
 
-    force : formula of the force that drives the ends together [N], -force on P, +force on Q; k and c are 0 then
+    force : formula of the force that drives the ends together [N], -force on P, +force on Q; k and c are 0
+    then
     """
 
     name: str
@@ -113,8 +116,8 @@ class Stop(Generic[N]):
     """Elastic stop between P and Q: depth g = sense (x_Q - x_P) - gap [m], force k g + c g' in contact [N].
 
     `release` AT_GAP: contact while g >= 0; AT_FORCE: the force is max(0, k g + c g') while g > 0. `at_start`:
-    whether g is exactly 0 at t = 0 by the numbers that these are rounded from. `force`: formula of the force in
-    contact [N] in place of k g + c g', sense times it on P; k and c are 0 then.
+    whether g is exactly 0 at t = 0 by the numbers that these are rounded from. `force`: formula of the force
+    in contact [N] in place of k g + c g', sense times it on P; k and c are 0 then.
     """
 
     name: str
@@ -177,7 +180,8 @@ class Friction(Generic[N]):
     belt : velocity of the surface of Q against Q [m/s]
     hold_forward, hold_backward : the most that it can hold against the start of slip in either direction [N],
         not below the force with which slip begins; None: as much as that
-    slips : formulas of the forces while slipping forwards and backwards [N], not below 0; forward, backward and
+    slips : formulas of the forces while slipping forwards and backwards [N], not below 0; forward, backward
+    and
         what falls with speed are 0 and None then
     holds : formulas of the most that it can hold against the start of slip in either direction [N]
     rises : whether these are above the forces with which slip begins
@@ -240,8 +244,8 @@ class Harmonic(Generic[N]):
 
 @dataclass(frozen=True)
 class Force(Generic[N]):
-    """Force on a body: constant + sum of harmonics [N], and a formula [N]; the torque on a rotor [N m], and the
-    rate of a state.
+    """Force on a body: constant + sum of harmonics [N], and a formula [N]; the torque on a rotor [N m], and
+    the rate of a state.
     """
 
     name: str
@@ -362,6 +366,11 @@ class Scene(Sampled[N], Generic[N]):
     def harmonics(self) -> list[Harmonic[N]]:
         """The harmonics of all forces, then those of the base."""
         return [term for force in self.forces for term in force.terms] + list(self.base)
+
+    @property
+    def has_base(self) -> bool:
+        """Whether the base has a motion, be it one of amplitudes 0."""
+        return bool(self.base) or self.base_formula is not None
 
     @property
     def base_moves(self) -> bool:

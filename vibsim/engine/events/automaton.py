@@ -80,7 +80,7 @@ class Automaton(Generic[N]):
         with self._cuts_counted(state):
             after, happened, known = self._take(state, status, event, order)
             if self.departures.switches is not None:
-                turned = {key[1] for key in known if key[0] == SWITCH}
+                turned = [key[1] for key in known if key[0] == SWITCH and isinstance(key[1], int)]
                 after = self.departures.switches.completed(state, after, turned)
             return after, happened, known
 

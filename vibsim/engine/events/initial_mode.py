@@ -14,7 +14,7 @@ from vibsim.engine.modes.rows import CLEARANCE, GAP, HOLD, PUSH, SLIDE, STRIKE, 
 from vibsim.engine.modes.status import BACKWARD, CONTACT, FORWARD, KEPT, LIFTED, OPEN, STICK, VIOLATED, Status
 from vibsim.engine.modes.ties import Edge
 from vibsim.physics.numbers import N
-from vibsim.physics.parts import AT_FORCE, Friction, RigidStop, Scene, Stop
+from vibsim.physics.parts import Friction, RigidStop, Scene, Stop
 
 
 class InitialMode(Generic[N]):
@@ -90,7 +90,7 @@ class InitialMode(Generic[N]):
         period after a start that sticks on the base a body has the base's velocity but for that.
         """
         rate = self.relative.slip(friction, state)
-        if not self.relative.turned_by_base(friction, rate):
+        if not self.relative.turned_by_base(friction, rate, state.t):
             return rate
         self.departures.doubt(state)
         return self.relative.kit.number(0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Generic
 
 from vibsim.engine.errors import State
-from vibsim.engine.flows.motion import series_rounding, value_and_rate
+from vibsim.engine.flows.base_motion import base_motion, base_rounding, fastest_base
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import Joined
 from vibsim.physics.numbers import Kit, N, abs
@@ -31,30 +31,29 @@ class RelativeMotion(Generic[N]):
 
     def base(self, state: State[N], of: str) -> N:
         """Displacement or velocity of the base."""
-        value, rate = value_and_rate(self.kit, self.scene.base, state.t)
+        value, rate = base_motion(self.scene, self.kit, state.t)
         return value if of == "x" else rate
 
     def base_rounding(self, columns: tuple[int, int], state: State[N]) -> tuple[N, N]:
         """What rounding of the base leaves open of a difference of two columns and of its rate: nothing of
         that where the base turns round at the start, as at 90 deg.
         """
-        zero, base = self.kit.number(0), self.scene.base
-        if not base or self.maker.n + 1 not in columns:
+        zero = self.kit.number(0)
+        if not self.scene.has_base or self.maker.n + 1 not in columns:
             return zero, zero
-        place, rate = series_rounding(self.kit, base, state.t, 2)
+        place, rate = base_rounding(self.scene, self.kit, state.t, 2)
         return place, zero if state.t == 0 and self.base(state, "v") == 0 else rate
 
-    def turned_by_base(self, part: Joined, rate: N) -> bool:
+    def turned_by_base(self, part: Joined, rate: N, t: N) -> bool:
         """Whether a relative velocity may be all rounding of the base's, here or a period before. What is
         zero in doubles moves with the base.
         """
-        return 0 < abs(rate) <= START_ROUNDING * self.kit.eps * self._fastest(part)
+        return 0 < abs(rate) <= START_ROUNDING * self.kit.eps * self._fastest(part, t)
 
-    def _fastest(self, part: Joined) -> N:
+    def _fastest(self, part: Joined, t: N) -> N:
         """The sum of the velocities of the base, where a part has an end there; else 0."""
         on_base = self.maker.n + 1 in self.maker.ends(part)
-        terms = self.scene.base if on_base else ()
-        return sum((abs(one.amplitude * one.omega) for one in terms), self.kit.number(0))
+        return fastest_base(self.scene, self.kit, t) if on_base else self.kit.number(0)
 
     def rests(self, stop: Stop[N] | RigidStop[N], g: N, state: State[N]) -> bool:
         """Whether rounding may be all of the gap of a rigid stop and of its rate, as of bodies a period after
@@ -66,7 +65,7 @@ class RelativeMotion(Generic[N]):
         base = self.scene.base if self.maker.n + 1 in self.maker.ends(stop) else ()
         travel = sum((abs(one.amplitude) for one in base), abs(xP) + abs(xQ) + abs(stop.gap))
         near, still = START_ROUNDING * self.kit.eps * travel, START_ROUNDING * self.kit.eps
-        return abs(g) <= near and abs(vP - vQ) <= still * (abs(vP) + abs(vQ) + self._fastest(stop))
+        return abs(g) <= near and abs(vP - vQ) <= still * (abs(vP) + abs(vQ) + self._fastest(stop, state.t))
 
     def depth(self, stop: Stop[N] | RigidStop[N], state: State[N]) -> N:
         xP, xQ = self.ends(stop, state, "x")

@@ -25,7 +25,6 @@ from vibsim.engine.modes.rows import (
 )
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
 from vibsim.engine.modes.ties import TooManyCuts
-from vibsim.physics.parts import AT_FORCE
 
 
 class RuleMaker:

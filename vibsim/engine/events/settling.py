@@ -9,7 +9,8 @@ from typing import Generic
 
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.departures import DerivativeSigns, first_sign, sign
-from vibsim.engine.flows.accelerations import accelerations, base_acceleration
+from vibsim.engine.flows.accelerations import accelerations
+from vibsim.engine.flows.base_motion import base_acceleration
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import HOLD, SLIDE, STRIKE, Event, ModeRows
 from vibsim.engine.modes.status import BACKWARD, FORWARD, STICK, Status
@@ -97,7 +98,7 @@ class StickSlipResolution(Generic[N]):
         """
         ground = self.maker.n
         tied = rows.leader[ground + 1] == ground
-        return not (tied and any(term.amplitude != 0 for term in self.scene.base))
+        return not (tied and self.scene.base_moves)
 
     def _release(self, state: State[N], candidate: Status, standing: Sequence[int]) -> Status | None:
         """As long as cuts are overloaded, the ties of the one that is so most let go. None where that is not
@@ -254,6 +255,8 @@ class StickSlipResolution(Generic[N]):
             inertia = inertia + body.m
         for term in scene.base:
             total = total + inertia * abs(term.amplitude * term.omega * term.omega)
+        if scene.base_formula is not None:
+            total = total + inertia * abs(base_acceleration(scene, self.kit, flow.t0))
         return total if scene.motor is None else total + self._motor_forces(scene.motor)
 
     def _motor_forces(self, motor: Motor[N]) -> N:
@@ -302,8 +305,15 @@ class StickSlipResolution(Generic[N]):
                 momentum = share if momentum is None else momentum + share
             assert momentum is not None  # the leader itself is a member
             common = momentum / rows.own_mass(leader)
+        old = list(state.v)
         for c in members:
             state.v[c] = common + rows.drift[c]
+        for one in rows.rotors:
+            if one.on in members:
+                coupling = one.unbalance * self.kit.sin(state.x[one.column])
+                state.v[one.column] = (
+                    state.v[one.column] + coupling * (state.v[one.on] - old[one.on]) / one.inertia
+                )
 
 
 def combinations_count(standing: Iterable[int], frictions: int) -> int:

@@ -1,4 +1,6 @@
-"""On which side the switches of formulas are: at the start, behind each event, and where one of them is the event."""
+"""On which side the switches of formulas are: at the start, behind each event, and where one of them is the
+event.
+"""
 
 from __future__ import annotations
 
@@ -48,8 +50,8 @@ class SwitchSides(Generic[N]):
     def completed(
         self, state: State[N], status: Status, fixed: Container[int] = (), open_ones: list[int] | None = None
     ) -> Status:
-        """The status with the sides that the values of their arguments tell; those within rounding of zero, and those
-        that are `fixed`, as before, or on their upper side.
+        """The status with the sides that the values of their arguments tell; those within rounding of zero,
+        and those that are `fixed`, as before, or on their upper side.
 
         open_ones : is given the numbers of those within rounding
         """
@@ -92,10 +94,8 @@ class SwitchSides(Generic[N]):
         i, node = event.part, self.rows.switches[event.part]
         side = status.switches[i]
         assert side is not None
-        if node[0] == "choose":
-            after = -side
-        else:
-            after = side - 1 if event.key[2] == side else side + 1
+        step = -1 if event.key[2] == side else 1
+        after = -side if node[0] == "choose" else side + step
         sides = list(status.switches)
         sides[i] = after
         return status._replace(switches=tuple(sides))
@@ -117,8 +117,8 @@ class SwitchSides(Generic[N]):
     def initial(
         self, state: State[N], departures: DerivativeSigns[N], status: Status
     ) -> tuple[Status, Known]:
-        """The sides at a start, or at any state, in the mode `status`, and the known zeros: those that are zero go
-        where their first derivative leads.
+        """The sides at a start, or at any state, in the mode `status`, and the known zeros: those that are
+        zero go where their first derivative leads.
         """
         unsure: list[int] = []
         status = self.completed(state, status, (), unsure)

@@ -6,20 +6,12 @@ It is written from the equations of motion and uses no flow.
 from collections.abc import Sequence
 
 from vibsim.engine.errors import State
-from vibsim.engine.flows.motion import sine_and_cosine, value_and_rate
+from vibsim.engine.flows.base_motion import base_acceleration, base_motion
+from vibsim.engine.flows.motion import value_and_rate
 from vibsim.engine.flows.tape import Inputs, TapeValues
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Scene
-
-
-def base_acceleration(scene: Scene[N], kit: Kit[N], t: N) -> N:
-    """Second derivative of the motion of the base [m/s^2]."""
-    total = kit.number(0)
-    for term in scene.base:
-        sine, _ = sine_and_cosine(kit, term, t)
-        total = total - term.amplitude * term.omega * term.omega * sine
-    return total
 
 
 def accelerations(scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[N]) -> tuple[list[N], N]:
@@ -27,7 +19,7 @@ def accelerations(scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[
     `rows`.
     """
     n, zero, leader = len(scene.bodies), kit.number(0), rows.leader
-    X, V = value_and_rate(kit, scene.base, state.t)
+    X, V = base_motion(scene, kit, state.t)
     x, v = (*state.x, zero, X), (*state.v, zero, V)
     F, torque = [zero] * (n + 2), zero
     for force in scene.forces:

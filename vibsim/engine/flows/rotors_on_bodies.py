@@ -1,12 +1,12 @@
 """Unbalanced rotors on bodies: Taylor series of their pull on the bodies, and the mass matrix.
 
-A rotor i with the angle phi, the speed w, the unbalance u = m e and the inertia I = J + m e^2 on a body of a group of
-mass M, its own mass among it:
+A rotor i with the angle phi, the speed w, the unbalance u = m e and the inertia I = J + m e^2 on a body of a
+group of mass M, its own mass among it:
 
     M a = F + sum u_i (s w)',       I_i w_i' = T_i + u_i s_i a,       s = sin phi, c = cos phi
 
-with (s w)' = s w' + w^2 c (Eqs. 2.9, 2.10 of the paper). Rotors meet in their bodies alone, so that each order has one
-division: of what is known of the force by M - sum (u_i s_i)^2 / I_i at the expansion point.
+with (s w)' = s w' + w^2 c (Eqs. 2.9, 2.10 of the paper). Rotors meet in their bodies alone, so that each
+order has one division: of what is known of the force by M - sum (u_i s_i)^2 / I_i at the expansion point.
 """
 
 from __future__ import annotations
@@ -45,7 +45,9 @@ class Rotors(Generic[N]):
         return [(i, one) for i, one in enumerate(self.rows.rotors) if self.rows.leader[one.on] == leader]
 
     def _mass(self, leader: int) -> N | None:
-        """Mass of a group less what its rotors take part of it with; None where it does not move on its own."""
+        """Mass of a group less what its rotors take part of it with; None where it does not move on its
+        own.
+        """
         mass = self.rows.mass[leader]
         if mass is None:
             return None
@@ -55,8 +57,8 @@ class Rotors(Generic[N]):
         return mass
 
     def turn(self, n: int, F: list[N], acceleration: list[N]) -> None:
-        """Accelerations of order n of rotors and of the groups that they are on, where F are the forces and torques
-        on all groups.
+        """Accelerations of order n of rotors and of the groups that they are on, where F are the forces and
+        torques on all groups.
         """
         for i, one in enumerate(self.rows.rotors):
             self._rotate(i, n, self.v[one.column])

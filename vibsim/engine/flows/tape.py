@@ -1,9 +1,9 @@
 """Tapes: the formulas of one mode as a list of operations, and what is computed along it.
 
-A formula is a tree (`vibsim.physics.formulas`); in a mode each of its switches is on one side. What is left is
-analytic, and becomes operations on numbers or on Taylor series: equal parts once, operands before results. Of one
-list there are values, with bounds of their rounding, and the coefficients of series by the usual recurrences
-(Jorba & Zou 2005); C repeats them one by one (`tape.c`).
+A formula is a tree (`vibsim.physics.formulas`); in a mode each of its switches is on one side. What is left
+is analytic, and becomes operations on numbers or on Taylor series: equal parts once, operands before results.
+Of one list there are values, with bounds of their rounding, and the coefficients of series by the usual
+recurrences (Jorba & Zou 2005); C repeats them one by one (`tape.c`).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Generic, NamedTuple
+from typing import Any, Generic, NamedTuple
 
 from vibsim.physics.formulas import Node, children
 from vibsim.physics.numbers import TWO_PI, Doubles, Kit, N, abs
@@ -34,14 +34,15 @@ class Op(NamedTuple):
     code: int
     a: int = -1
     b: int = -1
-    value: float = 0.0
+    value: Any = 0.0
 
 
 @dataclass
 class Tape:
     """Operations in order, and the places of the results that are asked for.
 
-    ops : each writes its own place; b of SIN, COS, SINH, COSH is the place of the other one of the two, of TANH
+    ops : each writes its own place; b of SIN, COS, SINH, COSH is the place of the other one of the two, of
+    TANH
         that of 1 - tanh^2, of ATAN, ASIN and ACOS that of the divisor of their derivative
     outputs : places by number of the output; texts : what each output belongs to, for messages
     """
@@ -164,12 +165,12 @@ class TapeMaker(Generic[N]):
         return place
 
     def _constant(self, value: N) -> int:
-        return self._op(Op(CONSTANT, -1, -1, value))  # type: ignore[arg-type]
+        return self._op(Op(CONSTANT, -1, -1, value))
 
     def _scaled(self, factor: N | float, a: int) -> int:
         if factor == 1:
             return a
-        return self._folded(Op(SCALE, a, -1, factor))  # type: ignore[arg-type]
+        return self._folded(Op(SCALE, a, -1, factor))
 
     def _two(self, code: int, a: int, b: int) -> int:
         return self._folded(Op(code, a, b))
@@ -179,7 +180,7 @@ class TapeMaker(Generic[N]):
         ops, operands = self.tape.ops, [i for i in (op.a, op.b) if i >= 0]
         if all(ops[i].code == CONSTANT for i in operands):
             values = {i: ops[i].value for i in operands}
-            return self._constant(start_value(self.kit, op, values))  # type: ignore[arg-type]
+            return self._constant(start_value(self.kit, op, values))
         return self._op(op)
 
     def _op(self, op: Op) -> int:
@@ -228,12 +229,14 @@ def _end_value(knots: Sequence[Fraction], pieces: Sequence[Sequence[Fraction]], 
 def pi_of(kit: Kit[N]) -> N:
     """The number pi."""
     if kit is Doubles:
-        return TWO_PI / 2  # type: ignore[return-value]
+        return TWO_PI / 2
     return 4 * kit.atan(kit.number(1))
 
 
 class Inputs(NamedTuple, Generic[N]):
-    """What a tape reads at one instant: time, displacements and velocities by column, angle and speed of the rotor."""
+    """What a tape reads at one instant: time, displacements and velocities by column, angle and speed of the
+    rotor.
+    """
 
     t: N
     x: Sequence[N]
@@ -245,7 +248,8 @@ class Inputs(NamedTuple, Generic[N]):
 def input_value(op: Op, at: Inputs[N]) -> N:
     """The value of an operation that reads."""
     if op.code == CONSTANT:
-        return op.value  # type: ignore[return-value]
+        constant: N = op.value
+        return constant
     if op.code == TIME:
         return at.t
     if op.code in (PLACE, SPEED):
@@ -264,11 +268,12 @@ def start_value(kit: Kit[N], op: Op, values: Mapping[int, N] | Sequence[N]) -> N
             return a - b
         return a * b if code == MUL else quotient(kit, a, b)
     if code == SCALE:
-        return op.value * a
+        scaled: N = op.value * a
+        return scaled
     if code == SQUARE:
         return a * a
     if code == POWER:
-        return kit.power(a if a > 0 else 0 * a, op.value)  # type: ignore[arg-type]
+        return kit.power(a if a > 0 else 0 * a, op.value)
     if code == LOG and not a > 0:
         return kit.inf * 0
     names = {SIN: kit.sin, COS: kit.cos, SINH: kit.sinh, COSH: kit.cosh, EXP: kit.exp, LOG: kit.log}
@@ -309,7 +314,7 @@ class TapeValues(Generic[N]):
         if op.code in (ADD, SUB):
             return lost + bounds[op.b] + eps * value
         if op.code == SCALE:
-            return abs(op.value) * lost + 2 * eps * value
+            return self._size(op) * lost + 2 * eps * value
         if op.code == SQUARE:
             return 2 * a * lost + eps * value
         if op.code == MUL:
@@ -318,6 +323,11 @@ class TapeValues(Generic[N]):
             b = abs(values[op.b])
             return quotient(self.kit, lost + value * bounds[op.b], b) + eps * value
         return self._slope(op, a, value) * lost + ULPS * eps * value
+
+    @staticmethod
+    def _size(op: Op) -> N:
+        size: N = abs(op.value)
+        return size
 
     def _slope(self, op: Op, a: N, value: N) -> N:
         """The size of the derivative of a function where its argument has the size a, or a bound of it."""
@@ -344,15 +354,15 @@ class TapeSeries(Generic[N]):
 
     def __init__(self, kit: Kit[N], tape: Tape, inverse: Sequence[N]) -> None:
         self.kit, self.tape, self.inverse = kit, tape, inverse
-        self.series: list[Sequence[N] | list[N]] = []
+        self.series: list[list[N]] = []
 
     def start(
         self,
         t: N,
         order: int,
-        x: Sequence[Sequence[N]],
-        v: Sequence[Sequence[N]],
-        rotor: tuple[Sequence[N], Sequence[N]] | None = None,
+        x: Sequence[list[N]],
+        v: Sequence[list[N]],
+        rotor: tuple[list[N], list[N]] | None = None,
     ) -> None:
         """Begin at the time t [s]; `order` of coefficients at most."""
         zero = self.kit.number(0)
@@ -366,7 +376,7 @@ class TapeSeries(Generic[N]):
             elif op.code == TIME:
                 self.series.append([t, self.kit.number(1)] + [zero] * order)
             elif op.code == CONSTANT:
-                self.series.append([op.value] + [zero] * (order + 1))  # type: ignore[list-item]
+                self.series.append([op.value] + [zero] * (order + 1))
             else:
                 self.series.append([])
 
@@ -375,7 +385,7 @@ class TapeSeries(Generic[N]):
         for i, op in enumerate(self.tape.ops):
             if op.code not in INPUTS:
                 value = self._first(op) if n == 0 else self._following(i, op, n)
-                self.series[i].append(value)  # type: ignore[union-attr]
+                self.series[i].append(value)
 
     def output(self, k: int) -> Sequence[N]:
         """Series of output number k."""
@@ -395,7 +405,8 @@ class TapeSeries(Generic[N]):
         if code == SUB:
             return a[n] - s[op.b][n]
         if code == SCALE:
-            return op.value * a[n]
+            scaled: N = op.value * a[n]
+            return scaled
         if code == MUL:
             return self._product(a, s[op.b], 0, n, n)
         if code == SQUARE:
@@ -408,7 +419,7 @@ class TapeSeries(Generic[N]):
             value = self._weighted(a, other, n, n) * self.inverse[n]
             return -value if code == COS else value
         if code == POWER:
-            return self._power(a, s[i], op.value, n)  # type: ignore[arg-type]
+            return self._power(a, s[i], op.value, n)
         b = a if code == LOG else s[op.b]
         inner = self._weighted(s[i], b, n - 1, n) * self.inverse[n]
         return quotient(self.kit, (-a[n] if code == ACOS else a[n]) - inner, b[0])
@@ -435,8 +446,8 @@ class TapeSeries(Generic[N]):
         return total + a[n // 2] * a[n // 2] if n % 2 == 0 else total
 
     def _power(self, a: Sequence[N], y: Sequence[N], p: N, n: int) -> N:
-        """Of a^p: n a_0 y_n = sum (p (n - i) - i) a_(n-i) y_i over i < n. At a zero of a, which is a singularity,
-        nothing but the value: a step from there is as short as that is right.
+        """Of a^p: n a_0 y_n = sum (p (n - i) - i) a_(n-i) y_i over i < n. At a zero of a, which is a
+        singularity, nothing but the value: a step from there is as short as that is right.
         """
         if not a[0] > 0:
             return 0 * a[0]
@@ -476,7 +487,7 @@ class TapeRounding(Generic[N]):
         return self.bounds[self.of.tape.outputs[k]]
 
     def _first(self, i: int, op: Op) -> N:
-        values = TapeValues.__new__(TapeValues)
+        values: TapeValues[N] = TapeValues.__new__(TapeValues)
         values.kit, values.tape = self.kit, self.of.tape
         values.values = [series[0] for series in self.of.series]
         values.bounds = [one[0] if one else self.kit.number(0) for one in self.bounds]
@@ -489,7 +500,8 @@ class TapeRounding(Generic[N]):
         if code in (ADD, SUB):
             return lost[n] + self.bounds[op.b][n] + self.kit.eps * y
         if code == SCALE:
-            return abs(op.value) * lost[n] + 2 * self.kit.eps * y
+            size: N = abs(op.value)
+            return size * lost[n] + 2 * self.kit.eps * y
         if code in (MUL, SQUARE):
             b = op.b if code == MUL else op.a
             return self._products(a, lost, s[b], self.bounds[b], range(n + 1), n)
@@ -525,8 +537,8 @@ class TapeRounding(Generic[N]):
         n: int,
         weighted: bool = False,
     ) -> N:
-        """Bound of the sum of a_i b_(n-i), or i a_i b_(n-i), over `places`. A bound of b that is not there yet is of
-        a coefficient that the sum does not need.
+        """Bound of the sum of a_i b_(n-i), or i a_i b_(n-i), over `places`. A bound of b that is not there
+        yet is of a coefficient that the sum does not need.
         """
         total = self.kit.number(0)
         for i in places:

@@ -81,8 +81,8 @@ class Taylor(TaylorExpansion[N]):
     def _sound_step(self, tape: TapeSeries[N]) -> N:
         """The step, or a shorter one, at the end of which the formulas have the values that their series say.
 
-        What a series leaves out may grow where its last terms do not show it: exp far from zero, roots near zero.
-        Raises EngineError where no step that moves time is short enough.
+        What a series leaves out may grow where its last terms do not show it: exp far from zero, roots near
+        zero. Raises EngineError where no step that moves time is short enough.
         """
         left = self.scene.t_end - self.t0
         h = self.h if self.h < left else left
@@ -330,8 +330,8 @@ class StepChecks(Generic[N]):
             self.forces.setdefault(one.output, []).extend(c for c in (one.P, one.Q) if c >= 0)
 
     def excess(self, h: N) -> float:
-        """By how many binary digits the worst formula is beyond what it may be wrong by at h [s] after the start; 0
-        where none is.
+        """By how many binary digits the worst formula is beyond what it may be wrong by at h [s] after the
+        start; 0 where none is.
         """
         flow, worst = self.flow, 0.0
         values = flow.tape_values(h)

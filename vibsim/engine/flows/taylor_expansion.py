@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Generic
 
 from vibsim.engine.errors import State
+from vibsim.engine.flows.base_motion import series_in_time
 from vibsim.engine.flows.motion import quarter_turns, sine_and_cosine
 from vibsim.engine.flows.rotor_series import RotorSeries
 from vibsim.engine.flows.rotors_on_bodies import Rotors
@@ -27,7 +28,7 @@ class TaylorExpansion(Generic[N]):
         self.scene, self.kit, self.order = scene, kit, order
         self.tolerance_exponent = kit.tolerance_exponent(scene)
         self.n = len(scene.bodies)
-        self.inverse = [kit.number(0)] + [1 / kit.number(k) for k in range(1, self.order + 3)]
+        self.inverse = [kit.number(0)] + [1 / kit.number(k) for k in range(1, self.order + 4)]
         self.rotor = RotorSeries(kit, scene.motor, self.order, self.inverse) if scene.motor else None
         self.rotors = Rotors(scene, kit, self.order, self.inverse) if scene.rotors else None
         self.alone = [c for c, body in enumerate(scene.bodies) if body.kind != BODY]  # of units of their own
@@ -40,7 +41,7 @@ class TaylorExpansion(Generic[N]):
         zero, p = self.kit.number(0), self.order
         self.x = [[value] + [zero] * (p + 1) for value in (*state.x, zero, zero)]
         self.v = [[value] + [zero] * (p + 1) for value in (*state.v, zero, zero)]
-        if self.scene.base:
+        if self.scene.has_base:
             self._expand_base(state.t)
         for c in range(self.n):
             leader = self.rows.leader[c]
@@ -78,6 +79,10 @@ class TaylorExpansion(Generic[N]):
     def _expand_base(self, t: N) -> None:
         """Series of the base, X = sum of harmonics."""
         x, v = self.x[self.n + 1], self.v[self.n + 1]
+        if self.rows.base_tape:
+            series = series_in_time(self.kit, self.rows.base_tape, t, self.order + 3, self.inverse)
+            x[:], v[:] = series[:-1], [n * value for n, value in enumerate(series)][1:]
+            return
         for term in self.scene.base:
             turns = quarter_turns(*sine_and_cosine(self.kit, term, t))
             factor = term.amplitude
@@ -181,7 +186,7 @@ class TaylorExpansion(Generic[N]):
             bodies = [self.v[c] for c in range(self.n) if c not in self.alone]
             blocks = [(bodies, self.order)] if bodies else []
             blocks += [([self.v[c]], self.order) for c in self.alone]
-        if self.scene.base:
+        if self.scene.has_base:
             blocks[0][0].append(self.v[self.n + 1])
         if self.rotor:
             blocks.append(([self.rotor.w], self.order))

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Generic
 
+from vibsim.engine.flows.base_motion import base_rounding
 from vibsim.engine.flows.motion import ROUNDING, series_rounding
 from vibsim.engine.flows.tape import Inputs, TapeRounding
 from vibsim.engine.flows.taylor import Taylor
@@ -59,7 +60,7 @@ class TaylorRounding(Generic[N]):
     def _start(self, highest: int, exact: bool, span: N | int) -> None:
         """The state, and base and loads, of all orders."""
         flow, base, t = self.flow, self.flow.n + 1, self.flow.t0
-        moved = series_rounding(self.kit, flow.scene.base, t, highest + 2)
+        moved = base_rounding(flow.scene, self.kit, t, highest + 2)
         self.x[base], self.v[base] = moved[:-1], [(n + 1) * e for n, e in enumerate(moved[1:])]
         for c in range(flow.n):
             if not exact:

@@ -1,17 +1,28 @@
 """What formulas make of a mode: its tape, the forces on it, and the event functions of their switches.
 
-A switch of a formula (|v|, max, where, a knot of a table, ...) is on one side in a mode; the function that tells
-the side ends the mode at its zero. Switches are numbered in the order in which the parts of the scene read them. A
-formula that no part of the mode reads, that of a stop which is open, leaves its switches asleep: without a side.
+A switch of a formula (|v|, max, where, a knot of a table, ...) is on one side in a mode; the function that
+tells the side ends the mode at its zero. Switches are numbered in the order in which the parts of the scene
+read them. A formula that no part of the mode reads, that of a stop which is open, leaves its switches asleep:
+without a side.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Generic, NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Generic, NamedTuple
 
 from vibsim.engine.flows.tape import Inputs, Tape, TapeMaker, TapeValues, chosen
-from vibsim.engine.modes.rows import DOMAIN, FORMULA, SWITCH, Event, FormulaForce, ModeRows, Term, Terms
+from vibsim.engine.modes.rows import (
+    DOMAIN,
+    FORMULA,
+    SWITCH,
+    Event,
+    FormulaForce,
+    Joined,
+    ModeRows,
+    Term,
+    Terms,
+)
 from vibsim.engine.modes.status import CONTACT, OPEN, STICK, Status
 from vibsim.engine.modes.ties import Cut
 from vibsim.physics.formulas import SWITCHES, Node, children, mul, num, sub, walk
@@ -26,14 +37,15 @@ class Root(NamedTuple):
     """A formula that a mode reads: for what, and the name of its part."""
 
     node: Node
-    role: tuple[object, ...]
+    role: tuple[Any, ...]
     text: str
 
 
 def has_formulas(scene: Scene[N]) -> bool:
     """Whether any part of a scene has a formula."""
     return bool(
-        any(force.formula is not None for force in scene.forces)
+        scene.base_formula is not None
+        or any(force.formula is not None for force in scene.forces)
         or any(link.force is not None for link in scene.links)
         or any(stop.force is not None for _, stop in scene.elastic_stops)
         or any(friction.slips is not None for friction in scene.frictions)
@@ -59,6 +71,8 @@ class FormulaRows(Generic[N]):
 
     def _all_roots(self) -> Iterator[Root]:
         """Every formula of the scene."""
+        if self.scene.base_formula is not None:
+            yield Root(self.scene.base_formula, ("base",), "base")
         for force in self.scene.forces:
             if force.formula is not None:
                 yield Root(force.formula, ("force", force.on), force.name)
@@ -82,10 +96,10 @@ class FormulaRows(Generic[N]):
     def _is_read(root: Root, status: Status) -> bool:
         role = root.role
         if role[0] == "stop":
-            return status.stops[role[1]] != OPEN  # type: ignore[call-overload]
+            return bool(status.stops[role[1]] != OPEN)
         if role[0] in ("slip", "hold"):
-            side = status.frictions[role[1]]  # type: ignore[call-overload]
-            return side == (role[2] if role[0] == "slip" else STICK)
+            side = status.frictions[role[1]]
+            return bool(side == (role[2] if role[0] == "slip" else STICK))
         return True
 
     def sides(self, status: Status) -> dict[Node, int]:
@@ -112,8 +126,8 @@ class FormulaRows(Generic[N]):
             ahead += [node[1], chosen(node, sides)] if node[0] == "choose" else children(node)
 
     def guard_values(self, node: Node, sides: Mapping[Node, int], at: Inputs[N], blur: Inputs[N]) -> list[N]:
-        """Values, each followed by the bound of its rounding, of the argument of a switch; of `mod` that of its
-        step behind it.
+        """Values, each followed by the bound of its rounding, of the argument of a switch; of `mod` that of
+        its step behind it.
         """
         maker = TapeMaker(self.kit, sides, self.columns)
         places = [maker.output(one) for one in node[1 : 3 if node[0] == "mod" else 2]]
@@ -126,6 +140,11 @@ class FormulaRows(Generic[N]):
         maker = TapeMaker(self.kit, sides, self.columns)
         outputs: dict[tuple[object, ...], int] = {}
         for node, role, text in self.roots(status):
+            if role[0] == "base":
+                of_base = TapeMaker(self.kit, sides, self.columns)
+                of_base.output(node, text)
+                rows.base_tape = of_base.tape
+                continue
             outputs[role] = k = maker.output(node, text)
             if role[0] == "hold":
                 continue
@@ -149,20 +168,26 @@ class FormulaRows(Generic[N]):
                 maker.tape.texts.append(texts[0])
         rows.tape, rows.outputs = maker.tape, outputs
 
-    def _ends(self, role: tuple[object, ...], status: Status) -> tuple[int, int, int]:
-        """Columns of P and Q of a force, -1 for none, and the sign with which it acts on P; 0 where it does not."""
+    def _ends(self, role: tuple[Any, ...], status: Status) -> tuple[int, int, int]:
+        """Columns of P and Q of a force, -1 for none, and the sign with which it acts on P; 0 where it does
+        not.
+        """
         scene, i = self.scene, role[1]
         assert isinstance(i, int)
         if role[0] == "force":
             return i, -1, 1
+        parts: dict[str, Sequence[Joined]] = {
+            "link": scene.links,
+            "stop": scene.stops,
+            "slip": scene.frictions,
+        }
+        part = parts[role[0]][i]
         if role[0] == "link":
-            part, sign = scene.links[i], -1
+            sign = -1
         elif role[0] == "stop":
-            stop = scene.stops[i]
-            assert isinstance(stop, Stop)
-            part, sign = stop, stop.sense if status.stops[i] == CONTACT else 0  # type: ignore[assignment]
+            sign = scene.stops[i].sense if status.stops[i] == CONTACT else 0
         else:
-            part, sign = scene.frictions[i], -1 if role[2] == 1 else 1  # type: ignore[assignment]
+            sign = -1 if role[2] == 1 else 1
         P, Q = (end if end >= 0 else self.columns[end] for end in (part.P, part.Q))
         return P, Q, sign
 
@@ -204,7 +229,9 @@ class FormulaRows(Generic[N]):
         return bool(ratios[0] > 0 and all(abs(one - ratios[0]) <= SAME * ratios[0] for one in ratios))
 
     def events(self, rows: ModeRows[N]) -> list[Event[N]]:
-        """The event functions of the switches of a mode, and of what must not become negative under a root."""
+        """The event functions of the switches of a mode, and of what must not become negative under a
+        root.
+        """
         events: list[Event[N]] = []
         for role, k in rows.outputs.items():
             if role[0] == "switch":

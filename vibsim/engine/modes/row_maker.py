@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Generic
 
+from vibsim.engine.modes.formula_rows import FormulaRows, has_formulas
 from vibsim.engine.modes.rows import (
     ACCELERATION,
     CLEARANCE,
@@ -29,12 +30,11 @@ from vibsim.engine.modes.rows import (
     Term,
     Terms,
 )
-from vibsim.engine.modes.formula_rows import FormulaRows, has_formulas
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Kept, Status
 from vibsim.engine.modes.ties import Cut, Edge, Groups, Limits, Tie, cuts
 from vibsim.physics.friction_laws import LAWS
 from vibsim.physics.numbers import Kit, N, abs, total_of
-from vibsim.physics.parts import AT_GAP, BASE, EXTENSION, GROUND, Clearance, Friction, RigidStop, Scene, Stop
+from vibsim.physics.parts import BASE, EXTENSION, GROUND, Clearance, Friction, RigidStop, Scene, Stop
 
 MOST_EVENTS, MOST_MODES = 20_000, 5000  # event functions of the rows that are kept, some 30 MB; modes
 

@@ -17,7 +17,7 @@ bodies hold on both is decided at once.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Generic, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol
 
 from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Cut, Groups
@@ -25,12 +25,12 @@ from vibsim.physics.friction_laws import Law
 from vibsim.physics.numbers import N
 
 if TYPE_CHECKING:
-    from vibsim.engine.flows.tape import Tape
     from vibsim.engine.flows.closed.closed_form import ModalMotion
+    from vibsim.engine.flows.tape import Tape
 
 
-# Kinds of event functions; STRIKE: of a rigid stop; SWITCH: of a switch of a formula; DOMAIN: of what stands under a
-# root in one.
+# Kinds of event functions; STRIKE: of a rigid stop; SWITCH: of a switch of a formula; DOMAIN: of what stands
+# under a root in one.
 GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE, SWITCH, DOMAIN = range(8)
 DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL, FORMULA = range(7)  # kinds of terms
 
@@ -74,8 +74,8 @@ class Falling(Generic[N]):
 
 
 class FormulaForce(NamedTuple):
-    """A force by a formula: sign times output number `output` of the tape on column P [N], the opposite on Q, which
-    is -1 for none.
+    """A force by a formula: sign times output number `output` of the tape on column P [N], the opposite on
+    Q, which is -1 for none.
     """
 
     output: int
@@ -85,7 +85,9 @@ class FormulaForce(NamedTuple):
 
 
 class RotorOn(NamedTuple, Generic[N]):
-    """A rotor with its unbalance [kg m] and its inertia [kg m^2]: columns of it and of the body that it is on."""
+    """A rotor with its unbalance [kg m] and its inertia [kg m^2]: columns of it and of the body that it is
+    on.
+    """
 
     column: int
     on: int
@@ -163,7 +165,8 @@ class ModeRows(Generic[N]):
     modal_sought: bool = False  # whether it has been looked for
     tied: list[int] = field(default_factory=list)  # bodies that are tied to another column
     tape: Tape | None = None  # formulas of the mode, where it has some
-    outputs: dict[tuple[object, ...], int] = field(default_factory=dict)  # of the tape, by what they are for
+    base_tape: Tape | None = None  # of the motion of the base by a formula
+    outputs: dict[tuple[Any, ...], int] = field(default_factory=dict)  # of the tape, by what they are for
     formulas: list[FormulaForce] = field(default_factory=list)
     rotors: list[RotorOn[N]] = field(default_factory=list)
 

@@ -12,8 +12,8 @@ KEPT, VIOLATED = 0, 1  # a clearance
 
 
 class Status(NamedTuple):
-    """A mode: the state of every part that has several, and the side of each switch of a formula; None of those
-    that no formula of the mode reads.
+    """A mode: the state of every part that has several, and the side of each switch of a formula; None of
+    those that no formula of the mode reads.
     """
 
     stops: tuple[int, ...]

@@ -26,7 +26,7 @@ from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.flows.accelerations import accelerations, joined, response
-from vibsim.engine.flows.motion import value_and_rate
+from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.flows.taylor import Taylor
 from vibsim.engine.modes.rows import DIFFERENCE, GAP, HOLD, SLIDE, STRIKE, Event, ModeRows, Term
 from vibsim.engine.modes.status import CONTACT, FORWARD, RESTING, STICK, Status
@@ -231,7 +231,7 @@ def forced(
 def event_rate(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
     """Rate of an event function along the motion in the mode of `rows`, n^T f- + dh/dt."""
     if event.terms[0].kind == DIFFERENCE:
-        values = [*state.v, kit.number(0), value_and_rate(kit, scene.base, state.t)[1]]
+        values = [*state.v, kit.number(0), base_motion(scene, kit, state.t)[1]]
     else:
         values, _ = accelerations(scene, kit, rows, state)
     return total_of(kit, (term.coefficient * (values[term.P] - values[term.Q]) for term in event.terms))

@@ -17,7 +17,7 @@ from typing import Any, Generic
 
 from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
-from vibsim.engine.flows.motion import value_and_rate
+from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.modes.rows import GAP, HOLD, SLIDE, STRIKE, Event, Joined, ModeRows, Rule
 from vibsim.engine.modes.status import STICK, Status
 from vibsim.engine.tangent.impact_saltation import ImpactSaltation, Undefined
@@ -73,7 +73,7 @@ class Tangencies(Generic[N]):
 
     def _between(self, stop: Joined, state: State[N]) -> tuple[N, N]:
         """x_P - x_Q and v_P - v_Q."""
-        X, V = value_and_rate(self.kit, self.scene.base, state.t)
+        X, V = base_motion(self.scene, self.kit, state.t)
         zero = self.kit.number(0)
         x, v = (*state.x, X, zero), (*state.v, V, zero)  # BASE is -2, GROUND -1
         return x[stop.P] - x[stop.Q], v[stop.P] - v[stop.Q]

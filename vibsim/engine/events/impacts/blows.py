@@ -91,7 +91,7 @@ class Blows(Generic[N]):
         other at one instant until nothing is left of the speed.
         """
         v, w = self.velocities(state), state.w
-        bodies, contacts = masses(self.scene, self.kit, state.phase), touch.contacts
+        bodies, contacts = masses(self.scene, self.kit, state.phase, state.x), touch.contacts
         size = size_of(contacts, v)
         for count in range(MOST_BLOWS + len(contacts)):
             if not any(rate > 0 for rate in touch.rates.values()):
@@ -159,7 +159,7 @@ class Blows(Generic[N]):
     def _outcome(self, state: State[N], groups: Sequence[Sequence[Contact[N]]]) -> list[N]:
         """Velocities behind blows at groups of stops, one group after the other, as long as one closes."""
         v, w = self.velocities(state), state.w
-        bodies = masses(self.scene, self.kit, state.phase)
+        bodies = masses(self.scene, self.kit, state.phase, state.x)
         size = size_of([c for group in groups for c in group], v)
         for _ in range(IN_TURN):
             closing = [g for g in groups if any(rate_of(self.kit, c, v, size) > 0 for c in g)]

@@ -46,7 +46,7 @@ from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import SLIDE, STRIKE
 from vibsim.engine.modes.status import OPEN, RESTING, STICK, Status
 from vibsim.physics.numbers import Kit, N, abs
-from vibsim.physics.parts import AT_FORCE, Scene
+from vibsim.physics.parts import Scene
 
 TURNING = 4  # times the speed of a hop: what slips faster does not turn round in it
 BESIDE = 32  # of displacements: how near a stop closes to where another is struck; blows.c asks for 64

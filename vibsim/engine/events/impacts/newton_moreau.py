@@ -52,11 +52,17 @@ class Masses(Generic[N]):
     mobility: list[N]
     on: int = -1
     turning: N | int = 0
+    rotors: tuple[tuple[int, int, N], ...] = ()
 
 
-def masses(scene: Scene[N], kit: Kit[N], phase: N) -> Masses[N]:
-    """The `Masses` of a scene whose rotor stands at the angle `phase` [rad]; of every body by itself."""
+def masses(scene: Scene[N], kit: Kit[N], phase: N, x: Sequence[N] = ()) -> Masses[N]:
+    """The `Masses` of a scene whose rotor stands at the angle `phase` [rad], other rotors where x,
+    displacements of all bodies, says; of every body by itself.
+    """
     zero = kit.number(0)
+    if scene.rotors:
+        own, turned = effective_masses(scene, kit, x)
+        return Masses([1 / m for m in own] + [zero, zero], rotors=turned)
     mobility = [1 / body.m for body in scene.bodies] + [zero, zero]
     motor = scene.motor
     if motor is None:
@@ -65,6 +71,21 @@ def masses(scene: Scene[N], kit: Kit[N], phase: N) -> Masses[N]:
     determinant = (scene.bodies[motor.on].m + motor.m3) * inertia - coupling * coupling
     mobility[motor.on] = inertia / determinant
     return Masses(mobility, motor.on, coupling / determinant)
+
+
+def effective_masses(
+    scene: Scene[N], kit: Kit[N], x: Sequence[N]
+) -> tuple[list[N], tuple[tuple[int, int, N], ...]]:
+    """What impulses meet on each body [kg], less what its rotors keep of theirs; and of each rotor its
+    column, that of its body, and the speed that it gains per speed that the body gains [1/m].
+    """
+    own = [body.m for body in scene.bodies]
+    turned = []
+    for one in scene.rotors:
+        coupling, inertia = one.unbalance * kit.sin(x[one.column]), scene.bodies[one.column].m
+        own[one.on] = own[one.on] - coupling * coupling / inertia
+        turned.append((one.column, one.on, coupling / inertia))
+    return own, tuple(turned)
 
 
 def motor_body(motor: Motor[N], m: N, kit: Kit[N], phase: N) -> tuple[N, N]:
@@ -119,7 +140,8 @@ def blow(
     couplings = [[coupling(bodies, a, b) for b in contacts] for a in contacts]
     active, impulses = _least(kit, couplings, demands)
     if len(active) == 1:
-        return _single(kit, bodies, contacts[active[0]], v, w)
+        after, speed, only = _single(kit, bodies, contacts[active[0]], v, w)
+        return _with_rotors(bodies, v, after), speed, only
     struck = [contacts[j] for j in active]
     after, moved = _passed_on(kit, bodies, struck, impulses, v)
     lacking = [
@@ -132,7 +154,14 @@ def blow(
         Impulse(contacts[j].stop, impulse, before[j], -(contacts[j].e * before[j]))
         for j, impulse in zip(active, impulses, strict=True)
     ]
-    return after, w + bodies.turning * (moved + turning), passed
+    return _with_rotors(bodies, v, after), w + bodies.turning * (moved + turning), passed
+
+
+def _with_rotors(bodies: Masses[N], before: Sequence[N], after: list[N]) -> list[N]:
+    """The velocities with the speeds that rotors gain with those of their bodies."""
+    for column, on, turning in bodies.rotors:
+        after[column] = after[column] + turning * (after[on] - before[on])
+    return after
 
 
 def _passed_on(

@@ -23,7 +23,7 @@ from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import PUSH, SLIDE, STRIKE, Event, Known
 from vibsim.engine.modes.status import BACKWARD, CONTACT, FORWARD, LIFTED, OPEN, RESTING, STICK, Status
 from vibsim.physics.numbers import N, abs
-from vibsim.physics.parts import AT_FORCE, Scene
+from vibsim.physics.parts import Scene
 
 LATEST = 6  # derivative of a depth that is consulted where rounding hides those before it
 
@@ -114,7 +114,7 @@ class RigidStops(Generic[N]):
         for j, _ in self.scene.rigid_stops:
             if j in met:
                 rate = rate_of(self.kit, self.blows.contacts[j], self.blows.velocities(state))
-                turned = self.relative.turned_by_base(self.stops[j], rate)
+                turned = self.relative.turned_by_base(self.stops[j], rate, state.t)
                 if turned:
                     self.departures.doubt(state)
                 if turned or rate == 0:

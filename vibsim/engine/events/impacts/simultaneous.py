@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Generic
 
 from vibsim.engine.errors import State
-from vibsim.engine.events.impacts.newton_moreau import Contact, Impulse, motor_body
+from vibsim.engine.events.impacts.newton_moreau import Contact, Impulse, effective_masses, motor_body
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.ties import Edge, Groups, Tie
@@ -97,7 +97,8 @@ class RestProjection(Generic[N]):
         n, zero, motor = self.maker.n, self.kit.number(0), self.scene.motor
         edges = {j: self.maker.ends(self.stops[j]) for j in stops}
         groups = Groups(n, [(0, *edge) for edge in edges.values()])
-        inertias = [body.m for body in self.scene.bodies]
+        inertias, turned = effective_masses(self.scene, self.kit, state.x)
+        old = list(state.v)
         if motor is not None:
             inertias[motor.on], turning = motor_body(motor, inertias[motor.on], self.kit, state.phase)
             before = state.v[motor.on]
@@ -119,6 +120,8 @@ class RestProjection(Generic[N]):
                     first = next(j for j, edge in edges.items() if groups.leader[edge[0]] == leader)
                     stop = hardest(self.stops, edges.keys() & coincident_stops_of(self.scene, first))
                     catches.append(PlasticCapture(stop, loss, impulse if leader >= n else zero, leader))
+        for column, on, gain in turned:
+            state.v[column] = self.kit.exact(state.v[column] + gain * (state.v[on] - old[on]))
         if motor is not None:
             state.w = self.kit.exact(state.w + turning * (state.v[motor.on] - before))
         return catches

@@ -1,0 +1,129 @@
+"""The motion of the base: sums of harmonics, or a formula in the time."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, cast
+
+from vibsim.engine.flows.motion import ROUNDING, series_rounding, sine_and_cosine, value_and_rate
+from vibsim.engine.flows.tape import Inputs, Tape, TapeMaker, TapeSeries, TapeValues
+from vibsim.physics.formulas import SWITCHES, TIME, Node, derivative, walk
+from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.parts import Scene
+
+if TYPE_CHECKING:
+    from collections.abc import Hashable, Sequence
+
+KEPT = 16  # formulas of bases that are kept
+
+
+class BaseFormula:
+    """X(t) by a formula [m], with its first two derivatives."""
+
+    def __init__(self, formula: Node, kit: Kit[Any]) -> None:
+        self.kit = kit
+        rate = derivative(formula, TIME)
+        self.nodes = (formula, rate, derivative(rate, TIME))
+        self.switches = [node for node in walk([formula]) if node[0] in SWITCHES]
+        self.tapes: dict[tuple[int, ...], Tape] = {}
+
+    def tape(self, t: Any) -> Tape:
+        """X, X' and X'' in the piece that the time t [s] is in, or begins."""
+        sides: dict[Node, int] = {}
+        for node in self.switches:
+            sides[node] = self._side(node, t, sides)
+        key = tuple(sides.values())
+        if key not in self.tapes:
+            maker = TapeMaker(self.kit, sides, {})
+            for node in self.nodes:
+                maker.output(node, "base")
+            self.tapes[key] = maker.tape
+        return self.tapes[key]
+
+    def _side(self, node: Node, t: Any, sides: dict[Node, int]) -> int:
+        maker = TapeMaker(self.kit, sides, {})
+        places = [maker.output(one) for one in node[1 : 3 if node[0] == "mod" else 2]]
+        values = [self._values(maker.tape, t).output(k)[0] for k in places]
+        if node[0] == "choose":
+            return 1 if values[0] >= 0 else -1
+        if node[0] == "mod":
+            return int(float(values[0] / values[1]) // 1)
+        return sum(1 for knot in node[2] if values[0] >= self.kit.number(knot)) - 1
+
+    def _values(self, tape: Tape, t: Any) -> TapeValues[Any]:
+        zero = self.kit.number(0)
+        at = Inputs(t, (), (), zero, zero)
+        return TapeValues(self.kit, tape, at, Inputs(self.kit.eps * abs(t), (), (), zero, zero))
+
+    def values(self, t: Any) -> list[tuple[Any, Any]]:
+        """X, X' and X'' at t [s], each with a bound of its rounding."""
+        values = self._values(self.tape(t), t)
+        return [values.output(k) for k in range(3)]
+
+    def series(self, t: Any, count: int, inverse: Sequence[Any]) -> list[Any]:
+        """The first `count` Taylor coefficients of X at t [s]."""
+        return series_in_time(self.kit, self.tape(t), t, count, inverse)
+
+
+def series_in_time(kit: Kit[N], tape: Tape, t: N, count: int, inverse: Sequence[N]) -> list[N]:
+    """The first `count` Taylor coefficients at t [s] of output 0 of a tape that reads nothing but the
+    time.
+    """
+    series = TapeSeries(kit, tape, inverse)
+    series.start(t, count, (), ())
+    for n in range(count):
+        series.advance(n)
+    return list(series.output(0)[:count])
+
+
+@lru_cache(maxsize=KEPT)  # kits are compared by being the same
+def _kept(formula: Node, kit: Hashable) -> BaseFormula:
+    return BaseFormula(formula, cast("Kit[Any]", kit))
+
+
+def base_formula(formula: Node, kit: Kit[Any]) -> BaseFormula:
+    """The motion of a base by a formula."""
+    return _kept(formula, cast("Hashable", kit))
+
+
+def base_motion(scene: Scene[N], kit: Kit[N], t: N) -> tuple[N, N]:
+    """Displacement [m] and velocity [m/s] of the base at t [s]."""
+    if scene.base_formula is None:
+        return value_and_rate(kit, scene.base, t)
+    (X, _), (V, _), _ = base_formula(scene.base_formula, kit).values(t)
+    return X, V
+
+
+def base_acceleration(scene: Scene[N], kit: Kit[N], t: N) -> N:
+    """Second derivative of the motion of the base [m/s^2]."""
+    if scene.base_formula is not None:
+        A: N = base_formula(scene.base_formula, kit).values(t)[2][0]
+        return A
+    total = kit.number(0)
+    for term in scene.base:
+        sine, _ = sine_and_cosine(kit, term, t)
+        total = total - term.amplitude * term.omega * term.omega * sine
+    return total
+
+
+def base_rounding(scene: Scene[N], kit: Kit[N], t: N, count: int) -> list[N]:
+    """Rounding bounds of the first coefficients of X at t [s]; those of a formula from the sizes of its
+    derivatives of order 0 to 2.
+    """
+    if scene.base_formula is None:
+        return series_rounding(kit, scene.base, t, count)
+    formula = base_formula(scene.base_formula, kit)
+    inverse = [kit.number(0)] + [1 / kit.number(n) for n in range(1, count + 2)]
+    series = formula.series(t, count + 1, inverse)
+    late = kit.eps * abs(t)
+    bounds = [ROUNDING * kit.eps * abs(series[n]) + late * (n + 1) * abs(series[n + 1]) for n in range(count)]
+    for n, (_, bound) in enumerate(formula.values(t)[:count]):
+        bounds[n] = bounds[n] + (bound if n < 2 else bound / 2)
+    return bounds
+
+
+def fastest_base(scene: Scene[N], kit: Kit[N], t: N) -> N:
+    """A bound of the velocity of the base, of a formula that at t [m/s]."""
+    if scene.base_formula is not None:
+        return abs(base_motion(scene, kit, t)[1])
+    return sum((abs(one.amplitude * one.omega) for one in scene.base), kit.number(0))
