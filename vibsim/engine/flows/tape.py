@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any, Generic, NamedTuple
+from typing import Any, Generic, NamedTuple, cast
 
 from vibsim.physics.formulas import Node, children
 from vibsim.physics.numbers import TWO_PI, Doubles, Kit, N, abs
@@ -229,7 +229,8 @@ def _end_value(knots: Sequence[Fraction], pieces: Sequence[Sequence[Fraction]], 
 def pi_of(kit: Kit[N]) -> N:
     """The number pi."""
     if kit is Doubles:
-        return TWO_PI / 2
+        half: Any = TWO_PI / 2
+        return cast("N", half)
     return 4 * kit.atan(kit.number(1))
 
 
