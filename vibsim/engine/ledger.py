@@ -36,7 +36,7 @@ from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.modes.status import CONTACT, Status
 from vibsim.physics.numbers import Kit, N
-from vibsim.physics.parts import Scene, Stop
+from vibsim.physics.parts import BODY, STATE, Scene, Stop
 
 
 class Ledger(Generic[N]):
@@ -176,7 +176,11 @@ def stored_energy(scene: Scene[N], kit: Kit[N], state: State[N], status: Status)
     X = base_motion(scene, kit, state.t)[0] if scene.has_base else kit.number(0)
     places = (*state.x, kit.number(0), X)
     for body, v in zip(scene.bodies, state.v, strict=True):
-        energy = energy + body.m * (v * v) / 2
+        if body.kind != STATE:
+            energy = energy + body.m * (v * v) / 2
+    for one in scene.rotors:
+        turning = one.unbalance * kit.sin(state.x[one.column])
+        energy = energy - turning * state.v[one.column] * state.v[one.on]
     for link in scene.links:
         P, Q = (end if end >= 0 else ground - 1 - end for end in (link.P, link.Q))
         d = places[P] - places[Q]
@@ -198,7 +202,9 @@ def rotor_energy(scene: Scene[N], kit: Kit[N], state: State[N]) -> N:
 
 def momenta(scene: Scene[N], kit: Kit[N], state: State[N]) -> list[N]:
     """Momenta [N s] of bodies and unbalanced mass along the line."""
-    each = [body.m * v for body, v in zip(scene.bodies, state.v, strict=True)]
+    each = [body.m * v for body, v in zip(scene.bodies, state.v, strict=True) if body.kind == BODY]
+    for one in scene.rotors:
+        each.append(-(one.unbalance * kit.sin(state.x[one.column]) * state.v[one.column]))
     if scene.motor:
         motor = scene.motor
         each += [motor.m3 * state.v[motor.on], -(motor.m3 * (motor.e * state.w * kit.sin(state.phase)))]

@@ -15,15 +15,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Generic, NamedTuple
+from typing import Any, Generic, NamedTuple
 
 from vibsim.engine.modes.packing import Packer
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import COUPLING, FALL, HOLD, Event, Falling, Joined, ModeRows, Term, Terms
+from vibsim.engine.modes.rows import (
+    COUPLING,
+    FALL,
+    FORMULA,
+    HOLD,
+    Event,
+    Falling,
+    Joined,
+    ModeRows,
+    Term,
+    Terms,
+)
 from vibsim.engine.modes.status import CONTACT, STICK, Kept, Status
 from vibsim.engine.modes.ties import Edge, Groups, Tie, beyond
 from vibsim.physics.numbers import Kit, N
-from vibsim.physics.parts import Friction, Scene
+from vibsim.physics.parts import BODY, ROTOR, Friction, Scene
 
 SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB = range(7)
 NOTHING = -1
@@ -96,17 +107,20 @@ def entries_of(scene: Scene[N], momentum: bool = False) -> list[Entry]:
     [N s].
     """
     belts = [f.name for f in scene.frictions if f.belt != 0]
-    names = [("work", "forces", force.name) for force in scene.forces]
+    sections = {BODY: "forces", ROTOR: "rotors"}  # a state has no power
+    on_bodies = [force for force in scene.forces if scene.bodies[force.on].kind == BODY]
+    driven = [force for force in scene.forces if scene.bodies[force.on].kind in sections]
+    names = [("work", sections[scene.bodies[force.on].kind], force.name) for force in driven]
     names += [("work", "motor", "")] if scene.motor else []
-    names += [("work", "base", "")] if scene.base else []
+    names += [("work", "base", "")] if scene.has_base else []
     names += [("work", "friction", name) for name in belts]
-    names += [("loss", "links", link.name) for link in scene.links if link.c != 0]
+    names += [("loss", "links", link.name) for link in scene.links if link.c != 0 or link.force is not None]
     rigid = [i for i, _ in scene.rigid_stops]
-    damped = [i for i, stop in scene.elastic_stops if stop.c != 0]
+    damped = [i for i, stop in scene.elastic_stops if stop.jumps]
     names += [("loss", "stops", stop.name) for i, stop in enumerate(scene.stops) if i in (*rigid, *damped)]
     names += [("loss", "friction", friction.name) for friction in scene.frictions]
     if momentum:
-        names += [("impulse", "forces", force.name) for force in scene.forces]
+        names += [("impulse", "forces", force.name) for force in on_bodies]
         names += [("impulse", "ground", "")]
         names += [("impulse", "base", "")] if scene.base_moves else []
         names += [("impulse", "friction", name) for name in belts]
@@ -142,10 +156,14 @@ class MeterMaker(Generic[N]):
         self._dampers(rows.status)
         self._couplings(rows)
         for i, friction in enumerate(self.scene.frictions):
-            if rows.status.frictions[i] != STICK:
+            if rows.status.frictions[i] != STICK and friction.slips is None:
                 self._slipping(i, friction, rows.status.frictions[i])
         for k, fall in enumerate(rows.falls):
             self._falling(k, fall)
+        for role, output in rows.outputs.items():
+            self._by_formula(
+                rows.status, role, self._function([Term(FORMULA, 1, output)], self.kit.number(0))
+            )
         for k, function, orientation in self._ties(rows):
             self._holding(k, function, orientation)
         return self.now
@@ -173,8 +191,9 @@ class MeterMaker(Generic[N]):
     def _sources(self) -> None:
         one = self.kit.number(1)
         for i, force in enumerate(self.scene.forces):
-            self._add(WORK, ("work", "forces", force.name), one, P=force.on, source=i)
-            self._add(IMPULSE, ("impulse", "forces", force.name), one, source=i)
+            if force.acts:
+                self._add(WORK, ("work", "forces", force.name), one, P=force.on, source=i)
+                self._add(IMPULSE, ("impulse", "forces", force.name), one, source=i)
         self._add(TORQUE, ("work", "motor", ""), one)
 
     def _dampers(self, status: Status) -> None:
@@ -232,6 +251,36 @@ class MeterMaker(Generic[N]):
         loss = ("loss", "friction", name)
         self._add(RUB, loss, -fall.on_P, P=fall.P, Q=fall.Q, source=source, drift=fall.drift)
         self._driven((fall.P, fall.Q), fall.on_P, fall.drift, name, FUNCTION, source)
+
+    def _by_formula(self, status: Status, role: tuple[Any, ...], source: int) -> None:
+        """Work of a force by a formula, and what a link, a stop or a friction by one takes up: stored in a spring by
+        a formula, or lost.
+        """
+        scene, one, zero = self.scene, self.kit.number(1), self.kit.number(0)
+        if role[0] == "force":
+            body = scene.bodies[role[1]]
+            section = "rotors" if body.kind == ROTOR else "forces"
+            for force in scene.forces:
+                if force.on == role[1] and force.formula is not None:
+                    self._add(FUNCTION, ("work", section, force.name), one, P=role[1], source=source)
+                    self._add(FUNCTION, ("impulse", "forces", force.name), one, source=source)
+            return
+        if role[0] not in ("link", "stop", "slip") or (
+            role[0] == "stop" and status.stops[role[1]] != CONTACT
+        ):
+            return
+        if role[0] == "slip":
+            friction = scene.frictions[role[1]]
+            ends, name, sign, belt = self.maker.ends(friction), friction.name, -role[2], friction.belt
+        elif role[0] == "stop":
+            stop = scene.stops[role[1]]
+            ends, name, sign, belt = self.maker.ends(stop), stop.name, stop.sense, zero
+        else:
+            link = scene.links[role[1]]
+            ends, name, sign, belt = self.maker.ends(link), link.name, -1, zero
+        section = {"link": "links", "stop": "stops", "slip": "friction"}[role[0]]
+        self._add(RUB, ("loss", section, name), -sign * one, P=ends[0], Q=ends[1], source=source, drift=belt)
+        self._driven(ends, sign * one, belt, name, FUNCTION, source)
 
     def _holding(self, k: int, function: tuple[Terms[N], N], orientation: int) -> None:
         part, belt = self.maker.tie(k), self.maker.belt(k)

@@ -14,6 +14,7 @@ from vibsim.physics.parts import EVENT_KINDS, Scene
 INTO = {  # totals of the energy ledger, by quantity and section of the case
     ("work", "forces"): "work_source",
     ("work", "motor"): "work_source",
+    ("work", "rotors"): "work_source",
     ("work", "base"): "work_base",
     ("work", "friction"): "work_belt",
     ("loss", "links"): "loss_viscous",

@@ -139,6 +139,12 @@ def smallest(a: Node, b: Node, text: str) -> Node:
     return choose(sub(b, a), a, b, text)
 
 
+def is_continuous(node: Node) -> bool:
+    """Whether the two sides of a `choose` are equal by themselves where they meet, as those of |a|, max and min."""
+    _, g, a, b, _ = node
+    return (a == g and b == neg(g)) or g == sub(a, b) or g == sub(b, a)
+
+
 def children(node: Node) -> tuple[Node, ...]:
     """The nodes that a node is made of."""
     kind = node[0]

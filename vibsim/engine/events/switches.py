@@ -14,7 +14,7 @@ from vibsim.engine.modes.formula_rows import FormulaRows
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import SWITCH, Event, Known
 from vibsim.engine.modes.status import Status
-from vibsim.physics.formulas import Node
+from vibsim.physics.formulas import Node, is_continuous
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 
@@ -102,6 +102,9 @@ class SwitchSides(Generic[N]):
 
     def jumps(self, state: State[N], before: Status, after: Status, i: int) -> bool:
         """Whether any formula has another value behind the turn of switch `i`."""
+        node = self.rows.switches[i]
+        if node[0] == "choose" and is_continuous(node):
+            return False
         at, blur = self.inputs(state)
         for root in self.rows.roots(before):
             pair = []

@@ -31,7 +31,7 @@ from vibsim.engine.modes.rows import (
     ModeRows,
     Term,
 )
-from vibsim.physics.elementary import EIGHT, TWELVE
+from vibsim.physics.elementary import EIGHT, TWELVE, Quadrature
 from vibsim.physics.numbers import Kit, N, abs, horner
 from vibsim.physics.parts import Force, Scene
 
@@ -62,7 +62,12 @@ class Taylor(TaylorExpansion[N]):
         self.looked_at: tuple[ModeRows[N], tuple[N, ...]] | None = None
         rates = [term.omega for term in scene.harmonics if term.amplitude != 0]
         self.longest = min((3 / rate for rate in rates), default=kit.inf)
-        self.quadrature = TWELVE if rates or self.order > EIGHT_NODES_ORDER else EIGHT
+        self._quadrature = TWELVE if rates or self.order > EIGHT_NODES_ORDER else EIGHT
+
+    @property
+    def quadrature(self) -> Quadrature:
+        """Nodes and weights of a piece of a step; where there are formulas those that take more."""
+        return TWELVE if self.tape else self._quadrature
 
     @property
     def certificate(self) -> Certificate[N]:
