@@ -253,8 +253,8 @@ class MeterMaker(Generic[N]):
         self._driven((fall.P, fall.Q), fall.on_P, fall.drift, name, FUNCTION, source)
 
     def _by_formula(self, status: Status, role: tuple[Any, ...], source: int) -> None:
-        """Work of a force by a formula, and what a link, a stop or a friction by one takes up: stored in a spring by
-        a formula, or lost.
+        """Work of a force by a formula, and what a link, a stop or a friction by one takes up: stored in a
+        spring by a formula, or lost.
         """
         scene, one, zero = self.scene, self.kit.number(1), self.kit.number(0)
         if role[0] == "force":

@@ -140,9 +140,11 @@ def smallest(a: Node, b: Node, text: str) -> Node:
 
 
 def is_continuous(node: Node) -> bool:
-    """Whether the two sides of a `choose` are equal by themselves where they meet, as those of |a|, max and min."""
+    """Whether the two sides of a `choose` are equal by themselves where they meet, as those of |a|, max and
+    min.
+    """
     _, g, a, b, _ = node
-    return (a == g and b == neg(g)) or g == sub(a, b) or g == sub(b, a)
+    return bool(a == g and b == neg(g)) or g == sub(a, b) or g == sub(b, a)
 
 
 def children(node: Node) -> tuple[Node, ...]:

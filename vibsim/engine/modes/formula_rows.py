@@ -146,6 +146,7 @@ class FormulaRows(Generic[N]):
                 rows.base_tape = of_base.tape
                 continue
             outputs[role] = k = maker.output(node, text)
+            rows.nodes[k] = node
             if role[0] == "hold":
                 continue
             P, Q, sign = self._ends(role, status)
@@ -158,7 +159,8 @@ class FormulaRows(Generic[N]):
         for i, guards in watched.items():
             for key, node, sign in guards:
                 if not self._implied(maker, maker.place(node), status):
-                    outputs["switch", i, key] = maker.output(node, self.owners[i])
+                    outputs["switch", i, key] = k = maker.output(node, self.owners[i])
+                    rows.nodes[k] = node
                     outputs["sense", i, key] = sign
         for place in maker.bases:
             if not self._implied(maker, place, status):
@@ -166,7 +168,7 @@ class FormulaRows(Generic[N]):
                 outputs["base", place] = len(maker.tape.outputs)
                 maker.tape.outputs.append(place)
                 maker.tape.texts.append(texts[0])
-        rows.tape, rows.outputs = maker.tape, outputs
+        rows.tape, rows.outputs, rows.sides = maker.tape, outputs, sides
 
     def _ends(self, role: tuple[Any, ...], status: Status) -> tuple[int, int, int]:
         """Columns of P and Q of a force, -1 for none, and the sign with which it acts on P; 0 where it does

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol
 
 from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Cut, Groups
+from vibsim.physics.formulas import Node
 from vibsim.physics.friction_laws import Law
 from vibsim.physics.numbers import N
 
@@ -165,6 +166,9 @@ class ModeRows(Generic[N]):
     modal_sought: bool = False  # whether it has been looked for
     tied: list[int] = field(default_factory=list)  # bodies that are tied to another column
     tape: Tape | None = None  # formulas of the mode, where it has some
+    nodes: dict[int, Node] = field(default_factory=dict)  # the formulas of the outputs
+    sides: dict[Node, int] = field(default_factory=dict)  # of their switches
+    slopes: Any = None  # their partial derivatives, `tangent.formula_tangent.Slopes`, once they are asked for
     base_tape: Tape | None = None  # of the motion of the base by a formula
     outputs: dict[tuple[Any, ...], int] = field(default_factory=dict)  # of the tape, by what they are for
     formulas: list[FormulaForce] = field(default_factory=list)

@@ -12,6 +12,7 @@ from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.taylor import Taylor
 from vibsim.engine.modes.rows import Falling, ModeRows
 from vibsim.engine.tangent.disturbances import Disturbances
+from vibsim.engine.tangent.formula_tangent import FormulaTangent
 from vibsim.engine.tangent.saltation import Jump
 from vibsim.engine.tangent.tangencies import CLOSE
 from vibsim.engine.tangent.tangent_space import (
@@ -335,6 +336,9 @@ def log_volume(scene: Scene[N], kit: Kit[N], flow: Taylor[N] | ClosedForm[N], t:
     if isinstance(flow, Taylor) and rows.falls:
         series = flow
         fixed = fixed - tau * _mean(kit, lambda at: _slowed(series, (t - series.t0) + at, on), tau)
+    if isinstance(flow, Taylor) and flow.tape:
+        formulas = FormulaTangent(kit, flow)
+        fixed = fixed + tau * _mean(kit, lambda at: formulas.divergence((t - flow.t0) + at), tau)
     if motor is None or on is None:
         return fixed
     assert isinstance(flow, Taylor)  # no closed form moves a rotor

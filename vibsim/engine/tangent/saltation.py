@@ -28,10 +28,11 @@ from vibsim.engine.events.records import Certificate
 from vibsim.engine.flows.accelerations import accelerations, joined, response
 from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.flows.taylor import Taylor
-from vibsim.engine.modes.rows import DIFFERENCE, GAP, HOLD, SLIDE, STRIKE, Event, ModeRows, Term
+from vibsim.engine.modes.rows import DIFFERENCE, GAP, HOLD, SLIDE, STRIKE, SWITCH, Event, ModeRows, Term
 from vibsim.engine.modes.status import CONTACT, FORWARD, RESTING, STICK, Status
 from vibsim.engine.tangent.impact_saltation import Undefined, impact_saltation
 from vibsim.engine.tangent.tangent_taylor import TaylorTangent
+from vibsim.physics.formulas import is_continuous
 from vibsim.physics.numbers import Kit, N, total_of
 from vibsim.physics.parts import Friction, Scene, Stop
 
@@ -132,10 +133,15 @@ def saltation(
     if event.kind == STRIKE:
         assert touch is not None
         return impact_saltation(scene, kit, state, before, after, event, touch)
+    if event.kind == SWITCH:
+        return _released(scene, kit, state, before, after, event) if turns_forces(before, after) else None
     old, new = before.status, after.status
     pairs = zip(old.frictions, new.frictions, strict=True)
     turned = [i for i, (one, other) in enumerate(pairs) if one != other]
     damped = _damper(scene, old, new, event)
+    sticks = before.leader != after.leader and all(new.frictions[i] == STICK for i in turned)
+    if not (event.kind == SLIDE and sticks) and _by_formulas(scene, event, turned, old != new):
+        return _general(scene, kit, state, before, after, event)
     if event.kind in (SLIDE, GAP) and resting(old) != resting(new):
         return _general(scene, kit, state, before, after, event)
     if not turned:
@@ -155,6 +161,20 @@ def saltation(
     if event.kind == HOLD and released_frictions(scene, before, after):
         return _released(scene, kit, state, before, after, event)
     return None
+
+
+def turns_forces(before: ModeRows[N], after: ModeRows[N]) -> bool:
+    """Whether a switch that turns between two modes makes a formula jump."""
+    turned = [node for node, side in before.sides.items() if after.sides.get(node) != side]
+    return not all(node[0] == "choose" and is_continuous(node) for node in turned)
+
+
+def _by_formulas(scene: Scene[N], event: Event[N], turned: Sequence[int], changed: bool) -> bool:
+    """Whether the force that jumps at an event is one of a stop or a friction by a formula."""
+    if event.kind == GAP and changed:
+        stop = scene.stops[event.part]
+        return isinstance(stop, Stop) and stop.force is not None
+    return event.kind == SLIDE and any(scene.frictions[i].slips is not None for i in turned)
 
 
 def resting(status: Status) -> list[int]:
@@ -241,11 +261,11 @@ def _general(
     scene: Scene[N], kit: Kit[N], state: State[N], before: ModeRows[N], after: ModeRows[N], event: Event[N]
 ) -> Jump[N] | None:
     """S by the vector fields on both sides."""
-    jump = _jump(scene, kit, state, before, after)
+    jump = jump_of(scene, kit, state, before, after)
     return _saltation(scene, kit, event, jump, event_rate(scene, kit, state, before, event))
 
 
-def _jump(
+def jump_of(
     scene: Scene[N], kit: Kit[N], state: State[N], before: ModeRows[N], after: ModeRows[N]
 ) -> Accelerations[N]:
     """Jump of the accelerations (bodies, rotor) between two modes."""
@@ -258,7 +278,7 @@ def _released(
 ) -> Jump[N] | None:
     """S where ties begin to slip with less force than they held."""
     flow, rate = expanded(scene, kit, state, before), tie_rate(scene, kit, state, before, event)
-    change = _change(scene, kit, _jump(scene, kit, state, before, after), rate)
+    change = _change(scene, kit, jump_of(scene, kit, state, before, after), rate)
     return None if change is None else Release(event, change, len(scene.bodies), kit, flow)
 
 

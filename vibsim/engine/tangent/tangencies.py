@@ -18,14 +18,17 @@ from typing import Any, Generic
 from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.flows.base_motion import base_motion
-from vibsim.engine.modes.rows import GAP, HOLD, SLIDE, STRIKE, Event, Joined, ModeRows, Rule
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import FORMULA, GAP, HOLD, SLIDE, STRIKE, Event, Joined, ModeRows, Rule
 from vibsim.engine.modes.status import STICK, Status
 from vibsim.engine.tangent.impact_saltation import ImpactSaltation, Undefined
 from vibsim.engine.tangent.saltation import (
     Jump,
     event_rate,
+    expanded,
     forced,
     gradient,
+    jump_of,
     released_frictions,
     reversal,
     saltation,
@@ -124,6 +127,10 @@ class Tangencies(Generic[N]):
         cut, held = before.cuts[event.part], self.kit.number(0)
         for limit in (cut.above, cut.below):  # a rigid stop at rest holds any force one way
             held = held if limit is None else held + limit
+        flow = expanded(self.scene, self.kit, state, before)
+        for term in event.terms:
+            if term.kind == FORMULA and term.coefficient == 1:
+                held = held + 2 * abs(flow.tape_values(self.kit.number(0)).output(term.P)[0])
         return -tie_rate(self.scene, self.kit, state, before, event) / (held * self.rate)
 
     def _stopping_share(self, event: Event[N], state: State[N], before: ModeRows[N]) -> N:
@@ -135,8 +142,13 @@ class Tangencies(Generic[N]):
         """
         scene, kit, i = self.scene, self.kit, event.part
         n = len(scene.bodies)
-        forces = reversal(scene.frictions[i], before.status.frictions[i])
-        gained, _ = forced(scene, kit, before, state, forces)
+        if scene.frictions[i].slips is not None:
+            turned = before.status.with_frictions({i: -before.status.frictions[i]})
+            other = RowMaker(scene, kit).rows(turned)
+            gained, _ = jump_of(scene, kit, state, before, other)
+        else:
+            forces = reversal(scene.frictions[i], before.status.frictions[i])
+            gained, _ = forced(scene, kit, before, state, forces)
         largest = gradient(kit, event, [kit.number(0)] * n + gained[:n], n)
         return -event_rate(scene, kit, state, before, event) / largest if largest != 0 else kit.number(1)
 

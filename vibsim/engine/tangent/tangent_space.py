@@ -16,8 +16,10 @@ from typing import Generic
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.modes.status import RESTING, Status
 from vibsim.engine.modes.ties import Groups
+from vibsim.engine.tangent.formula_tangent import readers
+from vibsim.physics.formulas import Node
 from vibsim.physics.numbers import Kit, N
-from vibsim.physics.parts import BASE, GROUND, Scene
+from vibsim.physics.parts import BASE, GROUND, ROTOR, Scene
 from vibsim.physics.rates import mobility
 
 
@@ -25,8 +27,26 @@ def references(scene: Scene[N]) -> list[int | None]:
     """By body: its reference, or None where a part ties its set to the ground or the base."""
     joined = (*scene.links, *scene.stops)
     n = len(scene.bodies)
-    groups = Groups(n, [(i, _column(part.P, n), _column(part.Q, n)) for i, part in enumerate(joined)])
+    ties = [(i, _column(part.P, n), _column(part.Q, n)) for i, part in enumerate(joined)]
+    ties += [(0, c, n) for c in read_displacements(scene)]
+    groups = Groups(n, ties)
     return [max(groups.members[groups.leader[c]]) if groups.moves(c) else None for c in range(n)]
+
+
+def read_displacements(scene: Scene[N]) -> list[int]:
+    """The bodies whose place a formula may feel: rotors, and those whose displacement one reads that is not
+    the law between its own ends.
+    """
+    stops = [stop for _, stop in scene.elastic_stops]
+    own: list[tuple[Node | None, set[int]]] = [(force.formula, set()) for force in scene.forces]
+    own += [(link.force, {link.P, link.Q}) for link in scene.links]
+    own += [(stop.force, {stop.P, stop.Q}) for stop in stops]
+    own += [(node, set()) for one in scene.frictions for node in (*(one.slips or ()), *(one.holds or ()))]
+    found = {c for c, body in enumerate(scene.bodies) if body.kind == ROTOR}
+    for node, ends in own:
+        if node is not None:
+            found |= set(readers([node])) - ends
+    return sorted(found)
 
 
 def _column(end: int, n: int) -> int:
@@ -76,6 +96,9 @@ def weights(scene: Scene[N], kit: Kit[N], rate: N | None = None) -> list[N]:
     n, one = len(scene.bodies), kit.number(1)
     rate = natural_rate(scene, kit) if rate is None else rate
     values = [rate * rate] * n + [one] * n
+    for rotor in scene.rotors:
+        arm = scene.bodies[rotor.column].m / scene.bodies[rotor.on].m
+        values[rotor.column], values[n + rotor.column] = arm * rate * rate, arm
     if scene.motor is not None:
         arm = scene.motor.e
         values += [(arm * rate) * (arm * rate), arm * arm]

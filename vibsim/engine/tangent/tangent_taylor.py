@@ -16,7 +16,18 @@ from typing import Generic
 
 from vibsim.engine.flows.rotor_series import RotorSeries
 from vibsim.engine.flows.taylor import Taylor
-from vibsim.engine.modes.rows import ACCELERATION, COUPLING, DIFFERENCE, FALL, LOAD, Coupling, Event, Term
+from vibsim.engine.modes.rows import (
+    ACCELERATION,
+    COUPLING,
+    DIFFERENCE,
+    FALL,
+    FORMULA,
+    LOAD,
+    Coupling,
+    Event,
+    Term,
+)
+from vibsim.engine.tangent.formula_tangent import FormulaTangent, RotorTangent
 from vibsim.physics import elementary
 from vibsim.physics.numbers import Kit, N, abs, horner, total_of
 from vibsim.physics.parts import Scene
@@ -51,6 +62,11 @@ class TaylorTangent(Generic[N]):
         rates = [self.kit.sqrt(self._fastest(lambda q: q.k)) / REACH, self._fastest(lambda q: q.c)]
         for k in range(len(self.flow.falls)):
             rates[1] = rates[1] + self._rising(k, end)
+        if self.flow.tape:
+            own, behind = FormulaTangent(self.kit, self.flow), end - self.flow.t0
+            stiff, damping = own.rates(behind)
+            rates[0] = rates[0] + self.kit.sqrt(stiff) / REACH
+            rates[1] = rates[1] + damping
         if self.flow.rotor:
             rates += [self._dragging(self.flow.rotor), abs(self.flow.rotor.w[0]) / REACH]
         rate = max(rates)
@@ -94,13 +110,16 @@ class TaylorTangent(Generic[N]):
     def prepare(self, t: N, end: N, late: N | int = 0) -> None:
         """What the recurrences of all disturbances share over the piece from t to `late` behind `end` [s]."""
         self.tau, self.base = (end - t) + late, self.flow
-        if t != self.flow.t0 and (self.flow.rotor or self.flow.falls):
+        varies = self.flow.rotor or self.flow.falls or self.flow.tape or self.flow.rotors
+        if t != self.flow.t0 and varies:
             self.base = self._expanded_at(t)
         self.slopes = [
             one.law.slopes(f) for one, f in zip(self.flow.rows.falls, self.base.falls, strict=True)
         ]
         if self.base.rotor:
             self._prepare_motor(self.base.rotor)
+        self.formulas = FormulaTangent(self.kit, self.base) if self.base.tape else None
+        self.rotors = RotorTangent(self.kit, self.base) if self.base.rotors else None
 
     def _expanded_at(self, t: N) -> Taylor[N]:
         """The flow expanded anew at t [s], within its step."""
@@ -123,8 +142,11 @@ class TaylorTangent(Generic[N]):
         self.v = [[value] for value in (*vector[n : 2 * n], zero, zero)]
         self.sliding: list[list[N]] = [[] for _ in self.slopes]
         self.a1: list[N] = []
+        self.phi, self.w = [zero], [zero]
         if self.base.rotor:
             self.phi, self.w = [vector[-2]], [vector[-1]]
+        if self.rotors:
+            self.rotors.begin()
         for order in range(self.flow.order - 1):
             self._advance(order)
         series = [*self.x[:n], *self.v[:n], *([self.phi, self.w] if self.base.rotor else [])]
@@ -140,6 +162,11 @@ class TaylorTangent(Generic[N]):
         P, Q = term.P, term.Q
         if term.kind == ACCELERATION:
             return self.v[P][1]
+        if term.kind == FORMULA:
+            assert self.formulas is not None
+            return self.formulas.disturbed(P, 0, self._read())
+        if term.kind == LOAD and self.rotors:
+            return self.rotors.thrust(P, self.x, self.v)
         if term.kind == LOAD:
             rotor = self.base.rotor
             return self._thrust(rotor) if rotor and rotor.motor.on == P else self.kit.number(0)
@@ -159,6 +186,10 @@ class TaylorTangent(Generic[N]):
         pulled = (c * turn - s * speed * speed) * phi + 2 * c * speed * w + s * self.w[1]
         return rotor.unbalance * pulled - rotor.motor.m3 * self.a1[0]
 
+    def _read(self) -> dict[str, Sequence[Sequence[N]]]:
+        """Series of the disturbances of what formulas read."""
+        return {"x": self.x, "v": self.v, "phi": [self.phi], "w": [self.w]}
+
     def _advance(self, n: int) -> None:
         """Coefficients n + 1 from those of order n and below."""
         rows, zero, inverse = self.flow.rows, self.kit.number(0), self.flow.inverse[n + 1]
@@ -171,7 +202,16 @@ class TaylorTangent(Generic[N]):
             force = one.on_P * self._fall(k, n)
             F[leader[one.P]] = F[leader[one.P]] + force
             F[leader[one.Q]] = F[leader[one.Q]] - force
+        if self.formulas:
+            read = self._read()
+            for law in rows.formulas:
+                force = law.sign * self.formulas.disturbed(law.output, n, read)
+                F[leader[law.P]] = F[leader[law.P]] + force
+                if law.Q >= 0:
+                    F[leader[law.Q]] = F[leader[law.Q]] - force
         acceleration = [force * mobility for force, mobility in zip(F, rows.mobility, strict=True)]
+        if self.rotors:
+            self.rotors.turn(n, F, acceleration, self.x, self.v)
         if self.base.rotor:
             on = self.base.rotor.leader
             acceleration[on] = self._turn(self.base.rotor, n, F[on])
