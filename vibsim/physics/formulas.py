@@ -20,7 +20,7 @@ module, which compute what is made of numbers alone exactly.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -198,10 +198,39 @@ def replaced_inputs(node: Node, inputs: dict[Node, Node]) -> Node:
     return (kind, below[0], *node[2:])
 
 
-def derivative(node: Node, of: Node) -> Node:
-    """The partial derivative of a formula with respect to the input `of`; on the side of each switch that
-    holds.
+def resolved(node: Node, sides: Mapping[Node, int]) -> Node:
+    """The formula without switches that a formula is where its switches are on these sides; on the upper one
+    those that have none.
     """
+    kind = node[0]
+    if kind == "choose":
+        return resolved(node[2] if sides.get(node, 1) > 0 else node[3], sides)
+    below = tuple(resolved(child, sides) for child in children(node))
+    if kind == "mod":
+        return sub(below[0], mul(num(sides.get(node, 0)), below[1]))
+    if kind == "table":
+        return _piece(node, below[0], sides.get(node, 0))
+    if below == children(node):
+        return node
+    if kind in ("add", "sub", "mul", "div"):
+        return {"add": add, "sub": sub, "mul": mul, "div": div}[kind](*below)
+    return (kind, below[0], *node[2:])
+
+
+def _piece(node: Node, u: Node, side: int) -> Node:
+    """A table between two of its knots, or outside of them."""
+    _, _, knots, pieces, _ = node
+    if side < 0:
+        return num(pieces[0][0])
+    at = sub(u, num(knots[side])) if side < len(pieces) else num(knots[-1] - knots[-2])
+    result = ZERO
+    for coefficient in reversed(pieces[min(side, len(pieces) - 1)]):
+        result = add(num(coefficient), mul(result, at))
+    return result
+
+
+def derivative(node: Node, of: Node) -> Node:
+    """The partial derivative of a formula without switches with respect to the input `of`."""
     return _Derivative(of).of_node(node)
 
 
@@ -229,14 +258,6 @@ class _Derivative:
             return add(mul(slopes[0], below[1]), mul(below[0], slopes[1]))
         if kind == "div":
             return div(sub(slopes[0], mul(node, slopes[1])), below[1])
-        if kind == "choose":
-            return choose(below[0], slopes[1], slopes[2], node[4])
-        if kind == "mod":
-            return slopes[0]
-        if kind == "table":
-            u, knots, pieces, text = node[1:]
-            rates = tuple(tuple(n * c for n, c in enumerate(piece))[1:] or (Fraction(0),) for piece in pieces)
-            return mul(("table", u, knots, rates, text), slopes[0])
         return mul(self._slope(node, below[0]), slopes[0])
 
     @staticmethod

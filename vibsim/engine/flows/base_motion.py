@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from vibsim.engine.flows.motion import ROUNDING, series_rounding, sine_and_cosine, value_and_rate
 from vibsim.engine.flows.tape import Inputs, Tape, TapeMaker, TapeSeries, TapeValues
-from vibsim.physics.formulas import SWITCHES, TIME, Node, derivative, walk
+from vibsim.physics.formulas import SWITCHES, TIME, Node, derivative, resolved, walk
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 
@@ -22,8 +22,7 @@ class BaseFormula:
 
     def __init__(self, formula: Node, kit: Kit[Any]) -> None:
         self.kit = kit
-        rate = derivative(formula, TIME)
-        self.nodes = (formula, rate, derivative(rate, TIME))
+        self.formula = formula
         self.switches = [node for node in walk([formula]) if node[0] in SWITCHES]
         self.tapes: dict[tuple[int, ...], Tape] = {}
 
@@ -34,9 +33,11 @@ class BaseFormula:
             sides[node] = self._side(node, t, sides)
         key = tuple(sides.values())
         if key not in self.tapes:
-            maker = TapeMaker(self.kit, sides, {})
-            for node in self.nodes:
+            maker = TapeMaker(self.kit, {}, {})
+            node = resolved(self.formula, sides)
+            for _ in range(3):
                 maker.output(node, "base")
+                node = derivative(node, TIME)
             self.tapes[key] = maker.tape
         return self.tapes[key]
 

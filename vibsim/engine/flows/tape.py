@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from math import inf
 from typing import Any, Generic, NamedTuple, cast
 
 from vibsim.physics.formulas import Node, children
@@ -22,6 +23,7 @@ SIN, COS, SINH, COSH, EXP, LOG, TANH, ATAN, ASIN, ACOS, POWER = range(12, 23)
 INPUTS = (CONSTANT, TIME, PLACE, SPEED, ANGLE, SPIN)
 FUNCTIONS = {"exp": EXP, "log": LOG}
 PAIRS = {"sin": (SIN, "cos"), "cos": (COS, "sin"), "sinh": (SINH, "cosh"), "cosh": (COSH, "sinh")}
+SINGULAR = 16  # units in the last place of the time within which a zero of the base of a power is one here
 ULPS = 4  # rounding of an elementary function, in units of eps
 
 
@@ -367,6 +369,7 @@ class TapeSeries(Generic[N]):
     ) -> None:
         """Begin at the time t [s]; `order` of coefficients at most."""
         zero = self.kit.number(0)
+        self.least = SINGULAR * (self.kit.next_after(t, inf) - t)
         self.series = []
         for op in self.tape.ops:
             if op.code in (PLACE, SPEED):
@@ -447,10 +450,11 @@ class TapeSeries(Generic[N]):
         return total + a[n // 2] * a[n // 2] if n % 2 == 0 else total
 
     def _power(self, a: Sequence[N], y: Sequence[N], p: N, n: int) -> N:
-        """Of a^p: n a_0 y_n = sum (p (n - i) - i) a_(n-i) y_i over i < n. At a zero of a, which is a
-        singularity, nothing but the value: a step from there is as short as that is right.
+        """Of a^p: n a_0 y_n = sum (p (n - i) - i) a_(n-i) y_i over i < n. At a zero of a, or one
+        that is nearer than time tells, which is a singularity, nothing but the value: a step from there is
+        as short as that is right.
         """
-        if not a[0] > 0:
+        if not a[0] > self.least * abs(a[1]):
             return 0 * a[0]
         total = self.kit.number(0)
         for i in range(n):
@@ -510,7 +514,7 @@ class TapeRounding(Generic[N]):
             b = i if code == EXP else op.b
             return self._products(a, lost, s[b], self.bounds[b], range(1, n + 1), n, weighted=True) * inverse
         if code == POWER:
-            if not a[0] > 0:
+            if not a[0] > self.of.least * abs(a[1]):
                 return self.kit.number(0)
             total = self.kit.number(0)
             for k in range(n):

@@ -169,6 +169,7 @@ class FormulaRows(Generic[N]):
                 maker.tape.outputs.append(place)
                 maker.tape.texts.append(texts[0])
         rows.tape, rows.outputs, rows.sides = maker.tape, outputs, sides
+        rows.columns = dict(self.columns)
 
     def _ends(self, role: tuple[Any, ...], status: Status) -> tuple[int, int, int]:
         """Columns of P and Q of a force, -1 for none, and the sign with which it acts on P; 0 where it does

@@ -168,6 +168,7 @@ class ModeRows(Generic[N]):
     tape: Tape | None = None  # formulas of the mode, where it has some
     nodes: dict[int, Node] = field(default_factory=dict)  # the formulas of the outputs
     sides: dict[Node, int] = field(default_factory=dict)  # of their switches
+    columns: dict[int, int] = field(default_factory=dict)  # of ground and base, by their ends
     slopes: Any = None  # their partial derivatives, `tangent.formula_tangent.Slopes`, once they are asked for
     base_tape: Tape | None = None  # of the motion of the base by a formula
     outputs: dict[tuple[Any, ...], int] = field(default_factory=dict)  # of the tape, by what they are for

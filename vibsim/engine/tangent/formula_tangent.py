@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Generic, NamedTuple
 
 from vibsim.engine.flows.tape import Inputs, Tape, TapeMaker, TapeSeries, TapeValues
-from vibsim.physics.formulas import Node, derivative, walk
+from vibsim.physics.formulas import Node, derivative, resolved, walk
 from vibsim.physics.numbers import Kit, N, abs, horner
 
 if TYPE_CHECKING:
@@ -42,9 +42,10 @@ def slopes_of(kit: Kit[N], rows: ModeRows[N]) -> Slopes:
     """The derivatives of the formulas of a mode, made when they are first asked for."""
     if rows.slopes is None:
         n = len(rows.leader) - 2
-        maker = TapeMaker(kit, rows.sides, {})
+        maker = TapeMaker(kit, {}, rows.columns)
         found: dict[int, list[Slope]] = {}
         for k, node in rows.nodes.items():
+            node = resolved(node, rows.sides)
             found[k] = [
                 Slope(k, of[0], of[1] if len(of) > 1 else -1, maker.output(slope))
                 for of in _inputs(node, n)
