@@ -7,10 +7,13 @@ import numpy as np
 
 from vibsim.engine.columns import flags_of_parts, part_columns, state_columns
 from vibsim.engine.errors import State
+from vibsim.engine.events.departures import DerivativeSigns, derivative_flow
 from vibsim.engine.events.impacts.simultaneous import coincident_stops_of
 from vibsim.engine.events.parting import released_parts
-from vibsim.engine.events.relative_motion import meets
+from vibsim.engine.events.records import Certificate
+from vibsim.engine.events.relative_motion import RelativeMotion, meets
 from vibsim.engine.flows.base_motion import base_motion
+from vibsim.engine.modes.formula_rows import has_formulas
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known
 from vibsim.engine.modes.status import LIFTED, OPEN, STICK, Status
@@ -52,7 +55,25 @@ def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
     for one in rows:
         state, status = _state(scene, one), _status(scene, one)
         known |= _zeros(scene, one, state, status, jumps, struck)
-    return state, status, known | _zeros_of_parted(scene, rows, state, status, 2 if jumps else 3)
+    known |= _zeros_of_parted(scene, rows, state, status, 2 if jumps else 3)
+    return (
+        (state, *_with_switches(scene, state, status, known))
+        if has_formulas(scene)
+        else (state, status, known)
+    )
+
+
+def _with_switches(scene: Scene, state: State, status: Status, known: Known) -> tuple[Status, Known]:
+    """The mode with the sides of the switches of its formulas, which no row holds: their values tell them,
+    and where these are zero the direction in which they leave it.
+    """
+    maker = RowMaker(scene, Doubles)
+    flow = derivative_flow(scene, Doubles, Certificate(Doubles))
+    departures = DerivativeSigns(RelativeMotion(scene, maker, Doubles), maker, flow, Doubles)
+    if departures.switches is None:
+        return status, known
+    status, zeros = departures.switches.initial(state, departures, status)
+    return status, known | zeros
 
 
 def _makes_forces_jump(scene: Scene, row: Row) -> bool:
