@@ -6,7 +6,6 @@ so that pi enters in one rounding at the very end.
 """
 
 import re
-from collections.abc import Collection
 from fractions import Fraction
 from functools import lru_cache
 from math import isqrt
@@ -107,7 +106,8 @@ PREFIXES = {
     "G": Fraction(10**9),
 }
 SPELLINGS = {
-    "Ohm": "ohm", "Ω": "ohm", "Ω": "ohm", "°": "deg", "degree": "deg", "degrees": "deg", "turns": "turn",
+    "Ohm": "ohm", "\u03a9": "ohm", "\u2126": "ohm", "°": "deg", "degree": "deg", "degrees": "deg",
+    "turns": "turn",
     "sec": "s", "hour": "h", "hr": "h", "Ncm": "N cm", "Nmm": "N mm", "Nm": "N m", "mNm": "mN m",
     "kNm": "kN m", "Ns": "N s", "Nms": "N m s", "Vs": "V s", "As": "A s", "Ws": "W s",
 }  # fmt: skip
@@ -128,7 +128,7 @@ def symbol(word: str) -> Symbol | None:
 # Reading units.
 
 
-_WORD = re.compile(r"\s*([A-Za-zΩΩ°]+)")
+_WORD = re.compile(r"\s*([A-Za-z\u03a9\u2126°]+)")
 _POWER = re.compile(
     r"\s*(?:\^|\*\*)\s*(?:(-?\d+(?:\.\d+)?)|\(\s*(-?\d+(?:\.\d+)?)\s*(?:/\s*(\d+)\s*)?\))|([²³⁴])|(\d)(?![\w.])"
 )
@@ -240,7 +240,7 @@ def read_unit(text: str, at: int = 0, signs: bool = False) -> tuple[AnyUnit | No
 
     Raises QuantityError for a unit that cannot be.
     """
-    text = text.replace("µ", "u").replace("μ", "u")
+    text = text.replace("\u00b5", "u").replace("\u03bc", "u")
     reader = _Reader(text, signs)
     end = reader.read(at)
     return (_unit(reader.factors), end) if reader.factors else (None, at)

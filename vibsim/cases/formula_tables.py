@@ -1,10 +1,11 @@
-"""Tables in formulas: pairs or CSV files to polynomials between knots, exact; and the size of plain numbers."""
+"""Tables in formulas: pairs or CSV files to exact polynomials between knots; and the size of numbers."""
 
 import csv
 import io
 import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 
 from vibsim.cases.any_unit import any_quantity
@@ -31,10 +32,10 @@ def table_node(
     knots, values = columns
     if len(knots) < 2:
         raise ValueError("a table needs at least two pairs")
-    for i, (one, next_) in enumerate(zip(knots, knots[1:], strict=False), 1):
+    for i, (one, next_) in enumerate(pairwise(knots), 1):
         if one >= next_:
             raise ValueError(
-                f"the first numbers of the pairs must rise, and those of pairs {i} and {i + 1} do not"
+                f"the first numbers of pairs must rise; those of pairs {i} and {i + 1} do not"
             )
     pieces = spline_pieces(knots, values) if kind == "cubic" else line_pieces(knots, values)
     u = nodes.div(argument, PI) if turns[0] else argument
@@ -55,7 +56,7 @@ def spline_pieces(knots: list[Fraction], values: list[Fraction]) -> Pieces:
     """
     if len(knots) == 2:
         return line_pieces(knots, values)
-    steps = [b - a for a, b in zip(knots, knots[1:], strict=False)]
+    steps = [b - a for a, b in pairwise(knots)]
     slopes = [(b - a) / h for a, b, h in zip(values, values[1:], steps, strict=False)]
     if len(knots) == 3:
         bend = (slopes[1] - slopes[0]) / (steps[0] + steps[1])
@@ -74,8 +75,8 @@ def spline_pieces(knots: list[Fraction], values: list[Fraction]) -> Pieces:
 
 
 def _second_derivatives(steps: list[Fraction], slopes: list[Fraction]) -> list[Fraction]:
-    """Second derivatives M at the knots: h_(i-1) M_(i-1) + 2 (h_(i-1) + h_i) M_i + h_i M_(i+1) = 6 (s_i - s_(i-1)),
-    with M_0 = M_1 - h_0 (M_2 - M_1)/h_1 and alike at the end, which leaves three bands.
+    """Second derivatives M at the knots: h_(i-1) M_(i-1) + 2 (h_(i-1) + h_i) M_i + h_i M_(i+1) = 6 (s_i -
+    s_(i-1)), with M_0 = M_1 - h_0 (M_2 - M_1)/h_1 and alike at the end, which leaves three bands.
     """
     n = len(steps)
     cut = _exact if n < MOST_EXACT else _to_digits
@@ -114,7 +115,7 @@ def _to_digits(value: Fraction) -> Fraction:
     return Fraction(round(value * scale)) / scale
 
 
-# Tables in CSV files: they become lists of pairs in the text of the formula, so that a case holds all it needs.
+# Tables in CSV files: they become lists of pairs in the text of the formula, so that a case holds all of it.
 
 
 def with_pairs(text: str, read: Callable[[str], str]) -> str:

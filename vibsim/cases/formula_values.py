@@ -1,8 +1,8 @@
 """A formula with its names put in: the nodes that the engine reads, and the unit that it comes to.
 
-Numbers stay exact fractions in SI units; a frequency of f Hz is 2 f pi. Units are worked out part by part: the
-terms of a sum have one unit, arguments of sin, exp and the like are pure numbers, an exponent is a pure number,
-and one over a unit must be known. A literal 0 fits any unit.
+Numbers stay exact fractions in SI units; a frequency of f Hz is 2 f pi. Units are worked out part by part:
+the terms of a sum have one unit, arguments of sin, exp and the like are pure numbers, and so are exponents;
+one above a unit must be known. A literal 0 fits any unit.
 """
 
 from collections.abc import Mapping
@@ -218,16 +218,13 @@ class _Evaluation:
         number = nodes.value_of(exponent.node)
         unit = base.dimension or PURE
         if unit != PURE and number is None:
-            message = f"{self.said(below)} is {called(unit)}, so its exponent must be a number, not {self.said(above)}"
+            what = f"so its exponent must be a number, not {self.said(above)}"
+            message = f"{self.said(below)} is {called(unit)}, {what}"
             raise UnitError(message, above.start, above.end)
         if number is not None and unit != PURE:
             unit = self.powered(unit, number, term)
         try:
-            node = (
-                _power_of_zero(number)
-                if base.node == ZERO and number
-                else nodes.power(base.node, exponent.node)
-            )
+            node = _power_node(base.node, exponent.node)
         except ZeroDivisionError:
             raise FormulaError(f"division by zero in {self.said(term)}", term.start, term.end) from None
         except ValueError as error:
@@ -250,7 +247,7 @@ class _Evaluation:
     # Functions.
 
     def _compare(self, term: Term, wanted: Dimension | None) -> Value:
-        """Left minus right, or right minus left: at least 0 where the first branch, or the second, is taken."""
+        """Left minus right, or the other way round: >= 0 where `where` takes its first branch or second."""
         left, right = (self.of(part) for part in term.parts)
         self.common(term, term.parts, [left, right], None, f" {term.value} ")
         if term.value in (">=", "<"):
@@ -343,11 +340,10 @@ class _Evaluation:
         if size is None or size <= 0:
             raise FormulaError(f"{self.said(below)} must be > 0, in mod(a, b)", below.start, below.end)
         x, y = nodes.value_of(a.node), nodes.value_of(b.node)
-        node = (
-            ("mod", a.node, b.node, self.source(term))
-            if x is None or y is None
-            else nodes.num(x - y * (x // y))
-        )
+        if x is None or y is None:
+            node: Node = ("mod", a.node, b.node, self.source(term))
+        else:
+            node = nodes.num(x - y * (x // y))
         return Value(node, unit, a.size + b.size + 1, max(a.depth, b.depth) + 1)
 
     def _call_table(self, term: Term, wanted: Dimension | None) -> Value:
@@ -358,9 +354,7 @@ class _Evaluation:
             message = f"the table {self.said(pairs)} has not been read; a file is found from a case file only"
             raise FormulaError(message, pairs.start, pairs.end)
         if kind and kind[0].value not in ("linear", "cubic"):
-            message = (
-                f'{self.said(kind[0])} is no way between the pairs of a table; there are "linear" and "cubic"'
-            )
+            message = f'{self.said(kind[0])} is no way between pairs; there are "linear" and "cubic"'
             raise FormulaError(message, kind[0].start, kind[0].end)
         value = self.of(argument)
         columns, units, turns = [], [], []
@@ -405,18 +399,25 @@ def _joined(node: Node, a: Value, b: Value) -> Value:
 
 
 _KNOWN_AT: dict[str, tuple[int, Node]] = {
-    **{name: (0, ZERO) for name in ("sin", "tan", "sinh", "tanh", "atan", "asin")},
-    **{name: (0, ONE) for name in ("cos", "cosh", "exp")},
+    **dict.fromkeys(("sin", "tan", "sinh", "tanh", "atan", "asin"), (0, ZERO)),
+    **dict.fromkeys(("cos", "cosh", "exp"), (0, ONE)),
     "log": (1, ZERO),
     "acos": (1, ZERO),
 }
 
 
-def _power_of_zero(exponent: Fraction) -> Node:
-    """0**p. Raises ZeroDivisionError for p < 0."""
-    if exponent < 0:
-        raise ZeroDivisionError
-    return ZERO
+def _power_node(base: Node, exponent: Node) -> Node:
+    """base**exponent. Raises ZeroDivisionError for 0**p with p < 0, ValueError for powers not taken."""
+    p, b = nodes.value_of(exponent), nodes.value_of(base)
+    if p and b == 0:
+        if p < 0:
+            raise ZeroDivisionError
+        return ZERO
+    if p is not None and b is not None and b < 0 and p.denominator != 1:
+        raise ValueError("a broken power of a negative number")
+    if p is not None and abs(p) > nodes.MOST_EXACT:
+        raise ValueError(f"powers beyond {nodes.MOST_EXACT} are not taken")
+    return nodes.power(base, exponent)
 
 
 def _outside(name: str, x: Fraction) -> str:

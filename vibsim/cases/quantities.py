@@ -18,12 +18,12 @@ from vibsim.cases.problems import nearest, shown
 
 
 class Unit(NamedTuple):
-    """One unit: value [SI] = number * factor, or value [turns, turns per second] where per_turn."""
+    """One unit: value [SI] = number * factor * (2 pi)**per_turn; per_turn is 1 for Hz, rpm, deg and turn."""
 
     name: str
     dimension: str
     factor: Fraction
-    per_turn: bool = False
+    per_turn: int = False
 
 
 # The first unit of a dimension is its SI unit, the meaning of a bare number.
@@ -118,17 +118,17 @@ class Quantity(NamedTuple):
     Attributes
     ----------
     text : canonical text, number as written and unit, e.g. "5.5 Hz"; parses back to the same quantity
-    value : exact value in SI units; in turns or turns per second where `per_turn`
-    per_turn : True for Hz, rpm, rev/s, deg/s, deg and turn
+    value : exact value in SI units over (2 pi)**per_turn; in turns or turns per second where that is 1
+    per_turn : True for Hz, rpm, rev/s, deg/s, deg and turn; other powers for such units as N m/deg
     """
 
     text: str
     value: Fraction
-    per_turn: bool = False
+    per_turn: int = False
 
     def number(self) -> float:
         """Correctly rounded value in SI units (rad and rad/s for angles and rates)."""
-        return times_two_pi(self.value, 1 if self.per_turn else 0)
+        return times_two_pi(self.value, int(self.per_turn))
 
     def cycles(self) -> tuple[float, float]:
         """An angular rate in Hz, or an angle in turns, as an unevaluated double-double (high, low)."""

@@ -50,7 +50,7 @@ class NumberType(NamedTuple):
 
 
 def _turns(quantity: Quantity) -> int:
-    return 1 if quantity.per_turn else 0
+    return int(quantity.per_turn)
 
 
 DOUBLES = NumberType(times_two_pi, Quantity.cycles)

@@ -18,6 +18,15 @@ Json = dict[str, Any]
 Location = tuple[str, ...]  # keys, and variants such as "(motor)"
 
 
+class Formula(NamedTuple):
+    """A formula as it is written, tables in files put in as lists of pairs."""
+
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
+
+
 class Fault(NamedTuple):
     """What is wrong at one place of a case.
 
@@ -229,6 +238,12 @@ def kind_of_value(value: object) -> str:
 # What one value of a case must be: its dimension and its range, as a note in the annotation of a key.
 
 
+def _is_formula(text: str) -> bool:
+    from vibsim.cases.formula_keys import is_formula
+
+    return is_formula(text)
+
+
 _exact = lru_cache(maxsize=64)(Fraction)  # of the few texts that bounds are written as
 
 
@@ -242,6 +257,7 @@ class Measured(NamedTuple):
     nonzero : the value must not be 0
     word : a word that may stand in place of the quantity, such as "fixed"
     alternative : what else may stand there, for messages
+    formula : whether a formula may stand in place of the quantity
     """
 
     dimension: str
@@ -251,10 +267,11 @@ class Measured(NamedTuple):
     nonzero: bool = False
     word: str | None = None
     alternative: str = ""
+    formula: bool = False
 
-    def read(self, value: object) -> Quantity | str:
-        """The quantity behind a text (or the word). Raises QuantityError."""
-        if isinstance(value, Quantity):
+    def read(self, value: object) -> Quantity | Formula | str:
+        """The quantity behind a text (or the word, or the formula). Raises QuantityError."""
+        if isinstance(value, Quantity | Formula):
             return value
         if isinstance(value, bool) or not isinstance(value, str | int | float):
             raise QuantityError(f"must be a single value, got {kind_of_value(value)}")
@@ -262,7 +279,12 @@ class Measured(NamedTuple):
         if self.word is not None and text.strip() == self.word:
             return self.word
         alternative = f"the word {self.word}" if self.word else self.alternative
-        quantity = parse_quantity(text, self.dimension, alternative)
+        try:
+            quantity = parse_quantity(text, self.dimension, alternative)
+        except QuantityError:
+            if self.formula and isinstance(value, str) and _is_formula(text):
+                return Formula(text)
+            raise
         broken = self.broken_bound(quantity.value)
         if broken:
             raise QuantityError(f"must be {broken}, got {shown(text)}")
@@ -295,6 +317,8 @@ class Measured(NamedTuple):
             choices[0] |= self._json_bounds()
         if self.word is not None:
             choices.append({"const": self.word})
+        if self.formula:
+            choices.append({"type": "string", "pattern": "[A-Za-z_(]", "description": "a formula"})
         return {"anyOf": choices}
 
     def _json_bounds(self) -> dict[str, Any]:
