@@ -34,9 +34,7 @@ def table_node(
         raise ValueError("a table needs at least two pairs")
     for i, (one, next_) in enumerate(pairwise(knots), 1):
         if one >= next_:
-            raise ValueError(
-                f"the first numbers of pairs must rise; those of pairs {i} and {i + 1} do not"
-            )
+            raise ValueError(f"the first numbers of pairs must rise; those of pairs {i} and {i + 1} do not")
     pieces = spline_pieces(knots, values) if kind == "cubic" else line_pieces(knots, values)
     u = nodes.div(argument, PI) if turns[0] else argument
     node: Node = ("table", u, tuple(knots), pieces, text)

@@ -1,10 +1,12 @@
 """The two forms of a case: the short one of the paper's two blocks, and the long one of named parts."""
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, NamedTuple, get_args, get_origin
 
 from vibsim.cases.problems import Problem, did_you_mean, nearest, unsupported
+from vibsim.cases.quantities import NUMBER, find_unit
 from vibsim.cases.schema import REFERENCE, CaseFile, CaseHead, Key, Section
 from vibsim.cases.schema_kinds import Json, Measured, Tag
 from vibsim.cases.yaml_nodes import Place
@@ -23,6 +25,7 @@ class Form(NamedTuple):
     own : the sections that the other form has not
     switchable : sections that may be the word none
     named : sections that hold parts by name; `--set stops.wall=none` takes one out
+    torsional : whether bodies turn: displacements are angles, forces torques
     """
 
     called: str
@@ -30,12 +33,17 @@ class Form(NamedTuple):
     own: tuple[str, ...]
     switchable: tuple[str, ...]
     named: tuple[str, ...] = ()
+    torsional: bool = False
 
     @property
     def model(self) -> type[CaseHead]:
         """The outermost section; that of the long form is imported when the first case of parts is read."""
         if self is SHORT:
             return CaseFile
+        if self.torsional:
+            from vibsim.cases.torsional_schema import turning_file
+
+            return turning_file()
         from vibsim.cases.part_schema import PartsFile
 
         return PartsFile
@@ -66,17 +74,28 @@ class Form(NamedTuple):
 
 SHORT = Form(
     "short",
-    ("blocks", "coupling", "stop", "friction", "excitation", "initial", "rest_distance", "run"),
+    ("parameters", "blocks", "coupling", "stop", "friction", "excitation", "initial", "rest_distance", "run"),
     ("blocks", "coupling", "stop", "excitation", "rest_distance"),
-    ("stop", "friction", "excitation", "initial", "rest_distance", "run"),
+    ("parameters", "stop", "friction", "excitation", "initial", "rest_distance", "run"),
+    ("parameters",),
 )
 LONG = Form(
     "long",
-    ("bodies", "links", "stops", "friction", "forces", "base", "motor", "initial", "clearances", "run"),
-    ("bodies", "links", "stops", "forces", "base", "motor", "clearances"),
-    ("links", "stops", "friction", "forces", "base", "motor", "initial", "clearances", "run"),
-    ("bodies", "links", "stops", "friction", "forces", "initial", "clearances"),
+    (
+        *("parameters", "bodies", "links", "stops", "friction", "forces", "states", "rotors"),
+        *("base", "motor", "initial", "clearances", "run"),
+    ),
+    ("bodies", "links", "stops", "forces", "states", "rotors", "base", "motor", "clearances"),
+    (
+        *("parameters", "links", "stops", "friction", "forces", "states", "rotors"),
+        *("base", "motor", "initial", "clearances", "run"),
+    ),
+    (
+        *("parameters", "bodies", "links", "stops", "friction", "forces", "states", "rotors"),
+        *("initial", "clearances"),
+    ),
 )
+TORSIONAL = LONG._replace(torsional=True)
 
 
 _OWN = (*SHORT.own, *LONG.own)
@@ -89,15 +108,32 @@ def form_of(values: Mapping[str, Any]) -> Form:
     Of sections that neither has, misspelt ones, the form is that of the nearest name.
     """
     if "bodies" in values:
-        return LONG
+        return TORSIONAL if _turn(values["bodies"]) else LONG
     names = {name if name in _OWN else nearest(name, _OWN) for name in values if name not in _COMMON}
     is_long = any(name in LONG.own for name in names) and not any(name in SHORT.own for name in names)
     return LONG if is_long else SHORT
 
 
+def _turn(bodies: Any) -> bool:
+    """Whether any of the bodies turns: its unit is one of inertia."""
+    return isinstance(bodies, Mapping) and any(_is_inertia(str(mass)) for mass in bodies.values())
+
+
+def _is_inertia(text: str) -> bool:
+    """Whether a text, `0.3 kg m^2`, is an inertia; few units have a 2 or a square."""
+    if "m" not in text or not any(square in text[1:] for square in ("^", "2", "**", "\u00b2")):
+        return False
+    unit = find_unit(re.sub(rf"^\s*{NUMBER}(\s*/\s*\d+)?", "", text).strip())
+    return unit is not None and unit.dimension == "inertia"
+
+
+def _other(form: Form) -> Form:
+    return LONG if form is SHORT else SHORT
+
+
 def mixed_keys(values: Mapping[str, Any]) -> tuple[str, ...]:
     """Sections that the other form has and that of the case has not."""
-    other = SHORT if form_of(values) is LONG else LONG
+    other = _other(form_of(values))
     return tuple(name for name in values if name in other.own)
 
 
@@ -114,7 +150,7 @@ def mixed_problems(values: Mapping[str, Any], place: Any) -> Iterator[Problem]:
     for name in mixed_keys(values):
         at: Place = place(name)
         message = (
-            f"belongs to the {(SHORT if form is LONG else LONG).called} form of a case, and this one has the "
+            f"belongs to the {_other(form).called} form of a case, and this one has the "
             f"{form.called} form{did_you_mean(name, form.sections)}; allowed: {', '.join(form.model.keys)}"
         )
         yield at.problem(name, message)

@@ -258,6 +258,7 @@ class Measured(NamedTuple):
     word : a word that may stand in place of the quantity, such as "fixed"
     alternative : what else may stand there, for messages
     formula : whether a formula may stand in place of the quantity
+    turning : whether it is one of a torsional scene, in any unit of its dimension
     """
 
     dimension: str
@@ -268,6 +269,7 @@ class Measured(NamedTuple):
     word: str | None = None
     alternative: str = ""
     formula: bool = False
+    turning: bool = False
 
     def read(self, value: object) -> Quantity | Formula | str:
         """The quantity behind a text (or the word, or the formula). Raises QuantityError."""
@@ -276,6 +278,10 @@ class Measured(NamedTuple):
         if isinstance(value, bool) or not isinstance(value, str | int | float):
             raise QuantityError(f"must be a single value, got {kind_of_value(value)}")
         text = str(value)
+        if self.turning:
+            from vibsim.cases.torsional_schema import turning_quantity
+
+            return turning_quantity(self, text)
         if self.word is not None and text.strip() == self.word:
             return self.word
         alternative = f"the word {self.word}" if self.word else self.alternative
@@ -304,7 +310,7 @@ class Measured(NamedTuple):
 
     def json_schema(self) -> dict[str, Any]:
         """A number in SI units with its bounds, a text with a unit, or the word."""
-        units = unit_names(self.dimension)
+        units = [] if self.turning else unit_names(self.dimension)
         tail = r"\s*[^\s0-9].*" if self.dimension == "angular rate" else ".*" if units else r"\s*"
         text: dict[str, Any] = {"type": "string", "pattern": rf"^\s*{NUMBER}(\s*/\s*\d+)?{tail}$"}
         if units:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from vibsim.cases.problems import CaseError, Problem, did_you_mean, shown, superseded, unstorable
 from vibsim.cases.schema_keys import LONG, SHORT, UnknownKeyError, form_of, full_key, keys_of
-from vibsim.cases.yaml_nodes import Broken, Node, Place, Text, read_yaml
+from vibsim.cases.yaml_nodes import Broken, Node, Place, Text, place_inside, read_yaml
 from vibsim.cases.yaml_nodes import Mapping as yaml_nodes_Mapping
 
 LARGEST_FILE = 1_000_000  # bytes
@@ -222,6 +222,7 @@ class Tree:
     values : nested dict of texts
     places : dotted key -> place of its value
     key_places : dotted key -> place of the key itself
+    spelt : dotted key -> its value as it stands in the file, where that is in quotes
     root : where the case begins, the place of what is missing
     problems : what reading found
     complete : False where a file could not be read, so that keys may be missing for that reason
@@ -233,10 +234,18 @@ class Tree:
     key_places: dict[str, Place] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
     complete: bool = True
+    spelt: dict[str, str] = field(default_factory=dict)
 
     def place(self, key: str) -> Place:
         """Place of a key's value, or of the section around it where it is missing."""
         return self.places[key] if key in self.places else self.key_place(key.rpartition(".")[0])
+
+    def place_inside(self, key: str, at: int) -> Place:
+        """Place of a character of a key's value."""
+        value: Any = self.values
+        for name in key.split("."):
+            value = value.get(name) if isinstance(value, dict) else None
+        return place_inside(self.place(key), str(value), self.spelt.get(key, ""), at)
 
     def key_place(self, key: str) -> Place:
         """Place of a key itself, or of the section around it where it is missing."""
@@ -352,6 +361,8 @@ def _plain(mapping: yaml_nodes_Mapping, prefix: str, values: dict[str, Any], tre
         key = f"{prefix}{name}"
         tree.key_places[key] = mapping.key_places[name]
         tree.places[key] = node.place
+        if isinstance(node, Text) and node.spelt:
+            tree.spelt[key] = node.spelt
         values[name] = _plain_value(node, key, tree)
 
 
@@ -405,6 +416,7 @@ def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
     for key, value in named.items():
         tree.values = _with(tree.values, key.split("."), value)
         tree.places[key] = tree.key_places[key] = Place(FILE)
+        tree.spelt.pop(key, None)
 
 
 def _with_new_parts(values: dict[str, Any], keys: Iterable[str]) -> dict[str, Any]:
