@@ -145,7 +145,7 @@ class _Factor(NamedTuple):
     end: int
 
 
-class _Reader:
+class _UnitReader:
     """Reads the longest unit at a place of a text.
 
     signs : whether a product may be written with * and . too, as beside formulas
@@ -241,7 +241,7 @@ def read_unit(text: str, at: int = 0, signs: bool = False) -> tuple[AnyUnit | No
     Raises QuantityError for a unit that cannot be.
     """
     text = text.replace("\u00b5", "u").replace("\u03bc", "u")
-    reader = _Reader(text, signs)
+    reader = _UnitReader(text, signs)
     end = reader.read(at)
     return (_unit(reader.factors), end) if reader.factors else (None, at)
 
@@ -394,3 +394,33 @@ def _no_unit(rest: str, left: str) -> str:
 def dimension_of(quantity: Quantity) -> Dimension:
     """The dimension of a quantity, from its text."""
     return any_quantity(quantity.text)[1]
+
+
+# Quantities of torsional scenes, in any unit of their dimension.
+
+
+TURNING: dict[str, tuple[str, str, Dimension]] = {  # SI unit, units in messages, dimension
+    "inertia": ("kg m^2", "kg m^2, g m^2 or kg cm^2", INERTIA),
+    "angle": ("rad", "rad, mrad, deg or turn", PURE),
+    "angular rate": ("", "Hz, rpm, deg/s or rad/s", RATE),
+    "inverse angular rate": ("s/rad", "s/rad", TIME),
+    "torque": ("N m", "N m, mN m or kN m", TORQUE),
+    "torsional stiffness": ("N m/rad", "N m/rad, kN m/rad or N m/deg", TORQUE),
+    "torsional damping": ("N m s/rad", "N m s/rad or mN m s/rad", product(TORQUE, TIME)),
+}
+
+
+def turning_quantity(text: str, of: str) -> Quantity:
+    """A quantity of a torsional scene; of : what it is, such as "torque". Raises QuantityError."""
+    si, units, dimension = TURNING[of]
+    allowed = f"must be {'an' if of[0] in 'aei' else 'a'} {of} in {units}"
+    try:
+        quantity, own = any_quantity(text)
+        if not quantity.text.partition(" ")[2] and (si or quantity.value == 0):
+            quantity, own = any_quantity(f"{quantity.text} {si or 'rad/s'}")
+    except QuantityError as error:
+        raise QuantityError(f"{allowed}, got {shown(text)}; {error}") from None
+    if own != dimension:
+        why = " in a scene of bodies that turn" if own != PURE else ""
+        raise QuantityError(f"{allowed}{why}, got {shown(text)}, which is {called(own)}")
+    return quantity

@@ -4,12 +4,11 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import Any
 
-from vibsim.cases.formula_keys import has_formula, sides_of
+from vibsim.cases.formula_keys import Formula, has_formula, sides_of
 from vibsim.cases.formula_places import MOTOR, FormulaPlace, FormulaScene, difference
 from vibsim.cases.formula_values import meaning_of_number, number_node
 from vibsim.cases.part_laws import SIDES, Direction, directions
 from vibsim.cases.quantities import Quantity
-from vibsim.cases.schema_kinds import Formula
 from vibsim.physics import formulas as nodes
 from vibsim.physics.formulas import ONE, ZERO, Node
 from vibsim.physics.friction_laws import HYPERBOLIC

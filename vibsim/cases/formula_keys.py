@@ -8,8 +8,7 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
-from vibsim.cases.quantities import NUMBER, Quantity, QuantityError, find_unit
-from vibsim.cases.schema_kinds import Formula, Json, Single, kind_of_value
+from vibsim.cases.quantities import NUMBER, find_unit
 
 
 class FormulaKey(NamedTuple):
@@ -47,38 +46,13 @@ ALWAYS = ("force", "torque", "rate", "x")  # keys that hold nothing but formulas
 SIDES = {"friction": ("plus", "minus")}  # sections inside a part that may hold formulas: of the first key
 
 
-class FormulaText:
-    """A key that always holds a formula."""
+class Formula(NamedTuple):
+    """A formula as it is written, tables in files put in as lists of pairs."""
 
-    def read(self, value: object) -> Formula:
-        if isinstance(value, Formula):
-            return value
-        if isinstance(value, bool) or not isinstance(value, str | int | float):
-            raise ValueError(f"must be a formula, got {kind_of_value(value)}")
-        return Formula(str(value))
+    text: str
 
-    def json_schema(self) -> Json:
-        return {"type": ["string", "number"], "description": "a formula"}
-
-
-class AnyNumber:
-    """A number beside a formula, or a parameter: of any unit; without a unit a pure number."""
-
-    def read(self, value: object) -> Quantity:
-        from vibsim.cases.any_unit import any_quantity
-
-        if isinstance(value, Quantity):
-            return value
-        if isinstance(value, bool) or not isinstance(value, str | int | float):
-            raise QuantityError(f"must be a single value, got {kind_of_value(value)}")
-        return any_quantity(str(value))[0]
-
-    def json_schema(self) -> Json:
-        text = {"type": "string", "pattern": rf"^\s*{NUMBER}.*$", "description": "number and any unit"}
-        return {"anyOf": [{"type": "number"}, text]}
-
-
-ANY_NUMBER = Single(AnyNumber())
+    def __str__(self) -> str:
+        return self.text
 
 
 def active_keys(keys: Iterable[FormulaKey], values: Mapping[str, Any]) -> list[FormulaKey]:

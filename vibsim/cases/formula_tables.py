@@ -9,7 +9,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from vibsim.cases.any_unit import any_quantity
-from vibsim.cases.formula_text import MOST_PAIRS, FormulaError, Term, parsed, walk
+from vibsim.cases.formula_text import MOST_PAIRS, FormulaError, FormulaTerm, parsed, walk
 from vibsim.cases.problems import shown
 from vibsim.cases.quantities import QuantityError, exact_number
 from vibsim.physics import formulas as nodes
@@ -138,7 +138,7 @@ def reads_files(text: str) -> bool:
     return "table" in text and any(_names_file(term) for term in walk(parsed(text)))
 
 
-def _names_file(term: Term) -> bool:
+def _names_file(term: FormulaTerm) -> bool:
     return term.kind == "call" and term.value == "table" and term.parts[1].kind == "text"
 
 

@@ -45,7 +45,7 @@ class FormulaError(ValueError):
         self.start, self.end = start, end
 
 
-class Term(NamedTuple):
+class FormulaTerm(NamedTuple):
     """A part of a formula.
 
     Attributes
@@ -59,11 +59,11 @@ class Term(NamedTuple):
     kind: str
     start: int
     end: int
-    parts: tuple["Term", ...] = ()
+    parts: tuple["FormulaTerm", ...] = ()
     value: object = None
 
 
-class Number(NamedTuple):
+class FormulaNumber(NamedTuple):
     """A number in a formula: value (2 pi)**turns, in SI units of its dimension."""
 
     value: Fraction
@@ -73,7 +73,7 @@ class Number(NamedTuple):
 
 
 @lru_cache(maxsize=512)
-def parsed(text: str) -> Term:
+def parsed(text: str) -> FormulaTerm:
     """The tree of a formula. Raises FormulaError."""
     return _Parser(text).formula()
 
@@ -89,7 +89,7 @@ def names_in(text: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(str(term.value) for term in walk(tree) if term.kind == "name"))
 
 
-def walk(term: Term) -> Iterator[Term]:
+def walk(term: FormulaTerm) -> Iterator[FormulaTerm]:
     """A part and all parts in it."""
     stack = [term]
     while stack:
@@ -136,7 +136,7 @@ class _Parser:
         self.in_table = 0
         self.token = self._next(0)
 
-    def formula(self) -> Term:
+    def formula(self) -> FormulaTerm:
         if not self.text.strip():
             raise FormulaError("is empty; a formula is written like k*d + c*v", 0, len(self.text))
         tree = self.sum()
@@ -146,7 +146,7 @@ class _Parser:
 
     # Grammar.
 
-    def sum(self) -> Term:
+    def sum(self) -> FormulaTerm:
         first = self.product()
         parts, signs = [first], ["+"]
         while self.token.text in ("+", "-") and self.token.kind == "sign":
@@ -155,9 +155,9 @@ class _Parser:
             parts.append(self.product())
         if len(parts) == 1:
             return first
-        return Term("sum", first.start, parts[-1].end, tuple(parts), tuple(signs))
+        return FormulaTerm("sum", first.start, parts[-1].end, tuple(parts), tuple(signs))
 
-    def product(self) -> Term:
+    def product(self) -> FormulaTerm:
         first = self.signed()
         parts, signs = [first], ["*"]
         while self.token.text in ("*", "/") and self.token.kind == "sign":
@@ -166,26 +166,26 @@ class _Parser:
             parts.append(self.signed())
         if len(parts) == 1:
             return first
-        return Term("product", first.start, parts[-1].end, tuple(parts), tuple(signs))
+        return FormulaTerm("product", first.start, parts[-1].end, tuple(parts), tuple(signs))
 
-    def signed(self) -> Term:
+    def signed(self) -> FormulaTerm:
         start, negative = self.token.start, False
         while self.token.kind == "sign" and self.token.text in ("-", "+"):
             negative ^= self.token.text == "-"
             self.step()
         inner = self.power()
-        return Term("negative", start, inner.end, (inner,)) if negative else inner
+        return FormulaTerm("negative", start, inner.end, (inner,)) if negative else inner
 
-    def power(self) -> Term:
+    def power(self) -> FormulaTerm:
         base = self.atom()
         if not (self.token.kind == "sign" and self.token.text == "**"):
             return base
         self.step()
         with self:
             exponent = self.signed()
-        return Term("power", base.start, exponent.end, (base, exponent))
+        return FormulaTerm("power", base.start, exponent.end, (base, exponent))
 
-    def atom(self) -> Term:
+    def atom(self) -> FormulaTerm:
         token = self.token
         if token.kind == "number":
             return self.number()
@@ -204,10 +204,10 @@ class _Parser:
             raise FormulaError("a text stands in table(...) only", token.start, token.end)
         return self.unexpected(None)
 
-    def name(self, token: _Token) -> Term:
-        return Term("name", token.start, token.end, (), token.text)
+    def name(self, token: _Token) -> FormulaTerm:
+        return FormulaTerm("name", token.start, token.end, (), token.text)
 
-    def number(self) -> Term:
+    def number(self) -> FormulaTerm:
         token = self.token
         end, unit = token.end, None
         try:
@@ -220,9 +220,9 @@ class _Parser:
         if self.token.kind in ("name", "number") and self.token.text != "":
             self.no_sign_between(token)
         if unit is None:
-            return Term("number", token.start, end, (), Number(value, 0, PURE, True))
-        number = Number(value * unit.factor, unit.turns, unit.dimension, False)
-        return Term("number", token.start, end, (), number)
+            return FormulaTerm("number", token.start, end, (), FormulaNumber(value, 0, PURE, True))
+        number = FormulaNumber(value * unit.factor, unit.turns, unit.dimension, False)
+        return FormulaTerm("number", token.start, end, (), number)
 
     def no_sign_between(self, number: _Token) -> None:
         word = self.token
@@ -230,7 +230,7 @@ class _Parser:
         message = f"{shown(word.text)} is no unit; write a sign between {what}, such as *"
         raise FormulaError(message, word.start, word.end)
 
-    def call(self, name: _Token) -> Term:
+    def call(self, name: _Token) -> FormulaTerm:
         if name.text not in ARGUMENTS:
             hint = did_you_mean(name.text, FUNCTIONS)
             message = f"no function {shown(name.text)}{hint}; there are {', '.join(FUNCTIONS)}"
@@ -244,10 +244,10 @@ class _Parser:
             count = str(least) if least == most else f"{least} to {most}"
             message = f"{name.text} has {count} argument{'' if most == 1 else 's'}, got {len(arguments)}"
             raise FormulaError(message, name.start, end)
-        return Term("call", name.start, end, tuple(arguments), name.text)
+        return FormulaTerm("call", name.start, end, tuple(arguments), name.text)
 
-    def arguments(self, name: _Token) -> list[Term]:
-        arguments: list[Term] = []
+    def arguments(self, name: _Token) -> list[FormulaTerm]:
+        arguments: list[FormulaTerm] = []
         while not (self.token.text == ")" and not arguments):
             first = not arguments
             if name.text == "where" and first:
@@ -261,7 +261,7 @@ class _Parser:
             self.advance()
         return arguments
 
-    def comparison(self) -> Term:
+    def comparison(self) -> FormulaTerm:
         left = self.sum()
         sign = self.token
         if sign.text not in COMPARISONS:
@@ -269,23 +269,23 @@ class _Parser:
             raise FormulaError(message, left.start, left.end)
         self.step()
         right = self.sum()
-        return Term("compare", left.start, right.end, (left, right), sign.text)
+        return FormulaTerm("compare", left.start, right.end, (left, right), sign.text)
 
-    def table_argument(self, place: int) -> Term:
+    def table_argument(self, place: int) -> FormulaTerm:
         token = self.token
         if token.kind == "text":
             self.advance()
-            return Term("text", token.start, token.end, (), token.text[1:-1])
+            return FormulaTerm("text", token.start, token.end, (), token.text[1:-1])
         if place == 1 and token.text == "[":
             return self.list_of_pairs()
         what = "a list of pairs or the name of a CSV file in quotes" if place == 1 else '"linear" or "cubic"'
         raise FormulaError(f"here table(...) has {what}", token.start, token.end)
 
-    def list_of_pairs(self) -> Term:
+    def list_of_pairs(self) -> FormulaTerm:
         start = self.token.start
         self.advance()
         self.in_table += 1
-        rows: list[Term] = []
+        rows: list[FormulaTerm] = []
         while self.token.text != "]":
             begin = self.token.start
             self.expected("[", "a table is a list of pairs, such as [[0 s, 0 N], [1 s, 3 N]]")
@@ -293,7 +293,7 @@ class _Parser:
             self.expected(",", "a pair has two numbers, such as [1 s, 3 N]")
             y = self.sum()
             end = self.expected("]", "a pair has two numbers, such as [1 s, 3 N]")
-            rows.append(Term("pair", begin, end, (x, y)))
+            rows.append(FormulaTerm("pair", begin, end, (x, y)))
             self.pairs += 1
             if self.pairs > MOST_PAIRS:
                 raise FormulaError(f"more than {MOST_PAIRS} pairs in tables", begin, end)
@@ -302,7 +302,7 @@ class _Parser:
             self.advance()
         self.in_table -= 1
         end = self.expected("]", "the list of pairs is not closed")
-        return Term("pairs", start, end, tuple(rows))
+        return FormulaTerm("pairs", start, end, tuple(rows))
 
     # Tokens and bounds.
 
@@ -336,7 +336,7 @@ class _Parser:
     def here(self) -> str:
         return "the formula ends" if self.token.kind == "end" else f"got {shown(self.token.text)}"
 
-    def unexpected(self, before: Term | None) -> Term:
+    def unexpected(self, before: FormulaTerm | None) -> FormulaTerm:
         token = self.token
         if token.kind == "end":
             raise FormulaError("ends where a number, a name or a bracket is due", token.start, token.end)

@@ -10,7 +10,14 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from vibsim.cases.any_unit import LARGEST_POWER, PURE, Dimension, called, dimension_of, product, symbol
-from vibsim.cases.formula_text import FUNCTIONS, PLAIN_FUNCTIONS, FormulaError, Number, Term, parsed
+from vibsim.cases.formula_text import (
+    FUNCTIONS,
+    PLAIN_FUNCTIONS,
+    FormulaError,
+    FormulaNumber,
+    FormulaTerm,
+    parsed,
+)
 from vibsim.cases.problems import did_you_mean, shown
 from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity
 from vibsim.physics import formulas as nodes
@@ -30,7 +37,7 @@ class Meaning(NamedTuple):
     is_number: bool = False
 
 
-class Value(NamedTuple):
+class WorkedOut(NamedTuple):
     """A part of a formula: its node; its dimension, None for a literal 0; and how large its tree is."""
 
     node: Node
@@ -83,9 +90,9 @@ class _Evaluation:
         self.text, self.names = text, names
         self.units_at: set[int] = set()  # where a name below 1/ may be a unit
 
-    def of(self, term: Term, wanted: Dimension | None = None) -> Value:
+    def of(self, term: FormulaTerm, wanted: Dimension | None = None) -> WorkedOut:
         """The value of a part; `wanted`: the dimension that it should have, where that is known."""
-        value: Value = getattr(self, f"_{term.kind}")(term, wanted)
+        value: WorkedOut = getattr(self, f"_{term.kind}")(term, wanted)
         if value.size > MOST_NODES or value.depth > DEEPEST:
             raise self.error("is too large when it is written out", term)
         number = nodes.value_of(value.node)
@@ -96,31 +103,31 @@ class _Evaluation:
             raise self.error("does not fit double precision (2.3e-308 to 2.2e307)", term)
         return value
 
-    def source(self, term: Term) -> str:
+    def source(self, term: FormulaTerm) -> str:
         return self.text[term.start : term.end]
 
-    def said(self, term: Term) -> str:
+    def said(self, term: FormulaTerm) -> str:
         return shown(self.source(term), 40)
 
-    def error(self, message: str, term: Term, kind: type[FormulaError] = FormulaError) -> FormulaError:
+    def error(self, message: str, term: FormulaTerm, kind: type[FormulaError] = FormulaError) -> FormulaError:
         return kind(f"{self.said(term)} {message}", term.start, term.end)
 
     # Numbers and names.
 
-    def _number(self, term: Term, wanted: Dimension | None) -> Value:
+    def _number(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         number = term.value
-        assert isinstance(number, Number)
+        assert isinstance(number, FormulaNumber)
         any_unit = number.bare and number.value == 0
-        return Value(number_node(number.value, number.turns), None if any_unit else number.dimension)
+        return WorkedOut(number_node(number.value, number.turns), None if any_unit else number.dimension)
 
-    def _name(self, term: Term, wanted: Dimension | None) -> Value:
+    def _name(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         word = str(term.value)
         meaning = self.names.get(word)
         if meaning is not None:
-            return Value(meaning.node, meaning.dimension)
+            return WorkedOut(meaning.node, meaning.dimension)
         unit = symbol(word) if term.start in self.units_at else None
         if unit is not None:
-            return Value(number_node(unit.factor, unit.turns), unit.dimension)
+            return WorkedOut(number_node(unit.factor, unit.turns), unit.dimension)
         if word in FUNCTIONS:
             raise FormulaError(f"the function {word} needs its argument: {word}(...)", term.start, term.end)
         hint = did_you_mean(word, self.names)
@@ -130,13 +137,13 @@ class _Evaluation:
         message = f"unknown name {shown(word, 40)}{hint}; known here: {shown(listed, 300)}"
         raise FormulaError(message, term.start, term.end)
 
-    def _negative(self, term: Term, wanted: Dimension | None) -> Value:
+    def _negative(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         inner = self.of(term.parts[0], wanted)
-        return Value(nodes.neg(inner.node), inner.dimension, inner.size + 2, inner.depth + 1)
+        return WorkedOut(nodes.neg(inner.node), inner.dimension, inner.size + 2, inner.depth + 1)
 
     # Sums and products.
 
-    def _sum(self, term: Term, wanted: Dimension | None) -> Value:
+    def _sum(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         values = [self.of(part, wanted) for part in term.parts]
         unit = self.common(term, term.parts, values, wanted, " + ")
         signs = term.value
@@ -144,7 +151,7 @@ class _Evaluation:
         terms = [(sign == "-", value) for sign, value in zip(signs, values, strict=True)]
         return self.joined_sum(terms)._replace(dimension=unit)
 
-    def joined_sum(self, terms: list[tuple[bool, Value]]) -> Value:
+    def joined_sum(self, terms: list[tuple[bool, WorkedOut]]) -> WorkedOut:
         """The sum of terms, of which some are taken away; many are joined in halves."""
         if len(terms) > SHARES:
             middle = len(terms) // 2
@@ -152,7 +159,7 @@ class _Evaluation:
             return _joined(nodes.add(first.node, second.node), first, second)
         negative, total = terms[0]
         if negative:
-            total = Value(nodes.neg(total.node), None, total.size + 2, total.depth + 1)
+            total = WorkedOut(nodes.neg(total.node), None, total.size + 2, total.depth + 1)
         for negative, value in terms[1:]:
             join = nodes.sub if negative else nodes.add
             total = _joined(join(total.node, value.node), total, value)
@@ -160,9 +167,9 @@ class _Evaluation:
 
     def common(
         self,
-        whole: Term,
-        parts: tuple[Term, ...],
-        values: list[Value],
+        whole: FormulaTerm,
+        parts: tuple[FormulaTerm, ...],
+        values: list[WorkedOut],
         wanted: Dimension | None,
         sign: str,
     ) -> Dimension | None:
@@ -177,7 +184,7 @@ class _Evaluation:
                 raise UnitError(f"{of_all}: {message}", part.start, part.end)
         return unit
 
-    def _product(self, term: Term, wanted: Dimension | None) -> Value:
+    def _product(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         signs = term.value
         assert isinstance(signs, tuple)
         self.allow_units(term, signs)
@@ -191,7 +198,7 @@ class _Evaluation:
         zero = total.node == ZERO and all(value.dimension is None for value in values)
         return total._replace(dimension=None if zero else unit)
 
-    def allow_units(self, term: Term, signs: tuple[str, ...]) -> None:
+    def allow_units(self, term: FormulaTerm, signs: tuple[str, ...]) -> None:
         """1/K and 1/m are units where no number has the name."""
         first = term.parts[0]
         is_one = first.kind == "number" and self.source(first) == "1"
@@ -201,17 +208,17 @@ class _Evaluation:
         self.units_at.add(below.parts[0].start if below.kind == "power" else below.start)
 
     @staticmethod
-    def times(a: Value, b: Value) -> Value:
+    def times(a: WorkedOut, b: WorkedOut) -> WorkedOut:
         return _joined(nodes.mul(a.node, b.node), a, b)
 
-    def over(self, a: Value, b: Value, below: Term) -> Value:
+    def over(self, a: WorkedOut, b: WorkedOut, below: FormulaTerm) -> WorkedOut:
         try:
             return _joined(nodes.div(a.node, b.node), a, b)
         except ZeroDivisionError:
             message = f"division by zero: {self.said(below)} is 0"
             raise FormulaError(message, below.start, below.end) from None
 
-    def _power(self, term: Term, wanted: Dimension | None) -> Value:
+    def _power(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         base, exponent = (self.of(part) for part in term.parts)
         below, above = term.parts
         self.pure(exponent, above, f"as the exponent in {self.said(term)}")
@@ -231,22 +238,22 @@ class _Evaluation:
             raise FormulaError(f"{error}, got {self.said(term)}", term.start, term.end) from None
         whole = number is not None and number.denominator == 1
         size = base.size * max(1, abs(int(number or 0))) * 2 if whole else base.size + exponent.size + 3
-        return Value(node, unit, size, max(base.depth + 14, exponent.depth) + 2)
+        return WorkedOut(node, unit, size, max(base.depth + 14, exponent.depth) + 2)
 
-    def powered(self, unit: Dimension, number: Fraction, term: Term) -> Dimension:
+    def powered(self, unit: Dimension, number: Fraction, term: FormulaTerm) -> Dimension:
         result = product(PURE, unit, number)
         if any(abs(one) > 10 * LARGEST_POWER or one.denominator > 1000 for one in result):
             raise UnitError(f"{self.said(term)} has no sensible unit", term.start, term.end)
         return result
 
-    def pure(self, value: Value, part: Term, where: str) -> None:
+    def pure(self, value: WorkedOut, part: FormulaTerm, where: str) -> None:
         if value.dimension not in (None, PURE):
             message = f"{self.said(part)} is {called(value.dimension or PURE)}, must be a pure number {where}"
             raise UnitError(message, part.start, part.end)
 
     # Functions.
 
-    def _compare(self, term: Term, wanted: Dimension | None) -> Value:
+    def _compare(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         """Left minus right, or the other way round: >= 0 where `where` takes its first branch or second."""
         left, right = (self.of(part) for part in term.parts)
         self.common(term, term.parts, [left, right], None, f" {term.value} ")
@@ -254,14 +261,14 @@ class _Evaluation:
             return _joined(nodes.sub(left.node, right.node), left, right)
         return _joined(nodes.sub(right.node, left.node), left, right)
 
-    def _call(self, term: Term, wanted: Dimension | None) -> Value:
+    def _call(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         name = str(term.value)
         if name in PLAIN_FUNCTIONS:
             return self.plain(name, term)
-        value: Value = getattr(self, f"_call_{name}")(term, wanted)
+        value: WorkedOut = getattr(self, f"_call_{name}")(term, wanted)
         return value
 
-    def plain(self, name: str, term: Term) -> Value:
+    def plain(self, name: str, term: FormulaTerm) -> WorkedOut:
         part = term.parts[0]
         value = self.of(part)
         self.pure(value, part, f"in {name}(...)")
@@ -270,43 +277,43 @@ class _Evaluation:
         if domain:
             raise FormulaError(f"{self.said(term)}: {domain}", term.start, term.end)
         if number == _KNOWN_AT.get(name, (None, ZERO))[0] and number is not None:
-            return Value(_KNOWN_AT[name][1], PURE)
+            return WorkedOut(_KNOWN_AT[name][1], PURE)
         size = 2 * value.size + 1 if name == "tan" else value.size + 1
-        return Value(nodes.call(name, value.node), PURE, size, value.depth + 2)
+        return WorkedOut(nodes.call(name, value.node), PURE, size, value.depth + 2)
 
-    def _call_sqrt(self, term: Term, wanted: Dimension | None) -> Value:
+    def _call_sqrt(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         value = self.of(term.parts[0])
         number = nodes.value_of(value.node)
         if number is not None and number < 0:
             raise FormulaError(f"{self.said(term)}: the root of a negative number", term.start, term.end)
         unit = None if value.dimension is None else product(PURE, value.dimension, Fraction(1, 2))
         node = value.node if number in (0, 1) else nodes.call("sqrt", value.node)
-        return Value(node, unit, value.size + 1, value.depth + 1)
+        return WorkedOut(node, unit, value.size + 1, value.depth + 1)
 
-    def _call_abs(self, term: Term, wanted: Dimension | None) -> Value:
+    def _call_abs(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         value = self.of(term.parts[0], wanted)
         node = nodes.absolute(value.node, self.source(term))
-        return Value(node, value.dimension, 3 * value.size + 2, value.depth + 2)
+        return WorkedOut(node, value.dimension, 3 * value.size + 2, value.depth + 2)
 
-    def _call_sign(self, term: Term, wanted: Dimension | None) -> Value:
+    def _call_sign(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         value = self.of(term.parts[0])
         if value.node == ZERO:
-            return Value(ZERO, PURE)
+            return WorkedOut(ZERO, PURE)
         node = nodes.choose(value.node, ONE, nodes.num(-1), self.source(term))
-        return Value(node, PURE, value.size + 3, value.depth + 1)
+        return WorkedOut(node, PURE, value.size + 3, value.depth + 1)
 
-    def _call_step(self, term: Term, wanted: Dimension | None) -> Value:
+    def _call_step(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         value = self.of(term.parts[0])
         node = nodes.choose(value.node, ONE, ZERO, self.source(term))
-        return Value(node, PURE, value.size + 3, value.depth + 1)
+        return WorkedOut(node, PURE, value.size + 3, value.depth + 1)
 
-    def _call_min(self, term: Term, wanted: Dimension | None) -> Value:
+    def _call_min(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         return self.extreme(term, wanted)
 
-    def _call_max(self, term: Term, wanted: Dimension | None) -> Value:
+    def _call_max(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         return self.extreme(term, wanted)
 
-    def extreme(self, term: Term, wanted: Dimension | None) -> Value:
+    def extreme(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         join = nodes.largest if term.value == "max" else nodes.smallest
         values = [self.of(part, wanted) for part in term.parts]
         unit = self.common(term, term.parts, values, wanted, ", ")
@@ -314,10 +321,10 @@ class _Evaluation:
         for value in values[1:]:
             size = 2 * (total.size + value.size) + 2
             node = join(total.node, value.node, self.source(term))
-            total = Value(node, None, size, max(total.depth, value.depth) + 2)
+            total = WorkedOut(node, None, size, max(total.depth, value.depth) + 2)
         return total._replace(dimension=unit)
 
-    def _call_where(self, term: Term, wanted: Dimension | None) -> Value:
+    def _call_where(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         condition, *branches = term.parts
         guard = self.of(condition)
         first, second = values = [self.of(part, wanted) for part in branches]
@@ -326,9 +333,9 @@ class _Evaluation:
             first, second = second, first
         node = nodes.choose(guard.node, first.node, second.node, self.source(term))
         size = guard.size + first.size + second.size + 1
-        return Value(node, unit, size, max(guard.depth, first.depth, second.depth) + 1)
+        return WorkedOut(node, unit, size, max(guard.depth, first.depth, second.depth) + 1)
 
-    def _call_mod(self, term: Term, wanted: Dimension | None) -> Value:
+    def _call_mod(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         values = [self.of(part, wanted) for part in term.parts]
         unit = self.common(term, term.parts, values, wanted, ", ")
         a, b = values
@@ -344,9 +351,9 @@ class _Evaluation:
             node: Node = ("mod", a.node, b.node, self.source(term))
         else:
             node = nodes.num(x - y * (x // y))
-        return Value(node, unit, a.size + b.size + 1, max(a.depth, b.depth) + 1)
+        return WorkedOut(node, unit, a.size + b.size + 1, max(a.depth, b.depth) + 1)
 
-    def _call_table(self, term: Term, wanted: Dimension | None) -> Value:
+    def _call_table(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
         from vibsim.cases.formula_tables import table_node
 
         argument, pairs, *kind = term.parts
@@ -371,9 +378,9 @@ class _Evaluation:
             node = table_node(value.node, columns, turns, str(kind[0].value) if kind else "linear", text)
         except ValueError as error:
             raise FormulaError(str(error), pairs.start, pairs.end) from None
-        return Value(node, units[1] or PURE, value.size + 3, value.depth + 3)
+        return WorkedOut(node, units[1] or PURE, value.size + 3, value.depth + 3)
 
-    def exact(self, value: Value, part: Term) -> tuple[Fraction, int]:
+    def exact(self, value: WorkedOut, part: FormulaTerm) -> tuple[Fraction, int]:
         """A number of a table, without its factor pi, and whether it has that."""
         number = nodes.value_of(value.node)
         if number is not None:
@@ -385,7 +392,7 @@ class _Evaluation:
         message = f"{self.said(part)} must be a number, in a table"
         raise FormulaError(message, part.start, part.end)
 
-    def one_turn(self, numbers: list[tuple[Fraction, int]], parts: tuple[Term, ...]) -> int:
+    def one_turn(self, numbers: list[tuple[Fraction, int]], parts: tuple[FormulaTerm, ...]) -> int:
         """Whether all numbers of a column but 0 have a factor pi."""
         turns = {turn for number, turn in numbers if number}
         if len(turns) > 1:
@@ -394,8 +401,8 @@ class _Evaluation:
         return next(iter(turns), 0)
 
 
-def _joined(node: Node, a: Value, b: Value) -> Value:
-    return Value(node, None, a.size + b.size + 1, max(a.depth, b.depth) + 1)
+def _joined(node: Node, a: WorkedOut, b: WorkedOut) -> WorkedOut:
+    return WorkedOut(node, None, a.size + b.size + 1, max(a.depth, b.depth) + 1)
 
 
 _KNOWN_AT: dict[str, tuple[int, Node]] = {

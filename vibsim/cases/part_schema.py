@@ -3,9 +3,11 @@
 What concerns several keys at once stands in the modules of rules beside this one.
 """
 
-from typing import Annotated, Literal
+import types
+from functools import cache
+from typing import Annotated, Any, Literal, get_args, get_origin
 
-from vibsim.cases.formula_keys import FORMULA_KEYS, FormulaText
+from vibsim.cases.formula_keys import FORMULA_KEYS, Formula
 from vibsim.cases.quantities import Quantity
 from vibsim.cases.schema import (
     Amplitude,
@@ -14,6 +16,7 @@ from vibsim.cases.schema import (
     CaseHead,
     Eccentricity,
     Force,
+    Key,
     Length,
     Mass,
     PositiveRate,
@@ -25,7 +28,7 @@ from vibsim.cases.schema import (
     key,
     optional,
 )
-from vibsim.cases.schema_kinds import Formula, Measured
+from vibsim.cases.schema_kinds import FormulaText, Measured
 from vibsim.cases.short_form import Ends
 
 Stiffness = Annotated[Quantity, Measured("stiffness", least="0")]
@@ -323,3 +326,85 @@ class PartsFile(CaseHead):
     )
     clearances: dict[str, ClearanceKeys] = key(default={}, description="limits that are watched, by name")
     run: PartsRun = key(default={}, description="left out: 300 s, every 5 ms")
+
+
+# The long form of a torsional scene: bodies turn, x is an angle [rad], forces are torques [N m]. Its sections
+# and keys are those of bodies on a line, with other dimensions at their values.
+
+
+TURNED = {
+    "mass": "inertia",
+    "length": "angle",
+    "velocity": "angular rate",
+    "inverse velocity": "inverse angular rate",
+    "force": "torque",
+    "stiffness": "torsional stiffness",
+    "damping": "torsional damping",
+}
+TEXTS = {
+    "0 N/m": "0 N m/rad",
+    "0 N s/m": "0 N m s/rad",
+    "0 m/s": "0 rad/s",
+    "0 N": "0 N m",
+    "1e-6 m": "1e-6 rad",
+    "1 um": "1e-6 rad",
+    "1 mm": "1 mrad",
+    "2 kg": "0.3 kg m^2",
+    "{ram: 2 kg}": "{disc: 0.3 kg m^2}",
+    "4 kN/m": "4 kN m/rad",
+    "1 MN/m": "1 MN m/rad",
+    "2 N s/m": "2 N m s/rad",
+    "10 N": "10 N m",
+    "3 N": "3 N m",
+}  # defaults and examples
+UNCHANGED = ("rotors", "motor")  # which no torsional scene has
+
+
+@cache
+def turning_file() -> type[CaseHead]:
+    """The outermost section of a torsional scene."""
+    turned: type[CaseHead] = _turned_section(PartsFile)
+    return turned
+
+
+def _turned_section(section: Any) -> Any:
+    """The section with the dimensions of turning bodies."""
+    turned: Any = type(section.__name__, (section,), {"__doc__": section.__doc__, "__annotations__": {}})
+    turned.keys = {name: key if name in UNCHANGED else _turned_key(key) for name, key in section.keys.items()}
+    return turned
+
+
+def _turned_key(key: Key) -> Key:
+    default = TEXTS.get(key.default, key.default) if isinstance(key.default, str) else key.default
+    examples = [TEXTS.get(example, example) for example in key.examples]
+    return Key(_turned(key.annotation), default, key.description, examples)
+
+
+def _turned(annotation: Any) -> Any:
+    """An annotation with other dimensions in it; the rule of an amplitude, m3 e omega^2, is left out."""
+    if isinstance(annotation, type) and get_origin(annotation) is None:
+        return _turned_section(annotation) if issubclass(annotation, Section) else annotation
+    if get_origin(annotation) is Annotated:
+        inner, *notes = get_args(annotation)
+        measured = next((note for note in notes if isinstance(note, Measured)), None)
+        if measured is not None:
+            dimension = TURNED.get(measured.dimension, measured.dimension)
+            if dimension not in TURNED.values():
+                return annotation
+            return Annotated[inner, measured._replace(dimension=dimension, alternative="", turning=True)]
+        variants = [one for one in get_args(inner) if _measure_in(one) is not None]
+        if variants:
+            return _turned(variants[-1])
+        return annotation
+    if get_origin(annotation) is dict:
+        key, value = get_args(annotation)
+        return types.GenericAlias(dict, (key, _turned(value)))
+    arguments = [one for one in get_args(annotation) if one is not type(None)]
+    if len(arguments) == 1 and len(get_args(annotation)) == 2:
+        return _turned(arguments[0]) | None
+    return annotation
+
+
+def _measure_in(annotation: Any) -> Measured | None:
+    notes = getattr(annotation, "__metadata__", ())
+    return next((note for note in notes if isinstance(note, Measured)), None)

@@ -392,30 +392,32 @@ class _SceneBuilder:
         at_start = ahead is not None and ahead.equals(distance, 1)
         return Clearance(name, *self.ends(part), self.numbers.of(distance), at_start)
 
-    def distance(self, part: Values) -> "Place | None":
+    def distance(self, part: Values) -> "ExactPlace | None":
         """x_P - x_Q [m] at t = 0, exact; None where the base, whose place is none, is one."""
         ends = [part["between"].P, part["between"].Q]
         if BASE_END in ends:
             return None
-        P, Q = (Place.at(None if end == GROUND_END else self.values["initial"][end]["x"]) for end in ends)
-        return Place(P.plain - Q.plain, P.turns - Q.turns)
+        P, Q = (
+            ExactPlace.at(None if end == GROUND_END else self.values["initial"][end]["x"]) for end in ends
+        )
+        return ExactPlace(P.plain - Q.plain, P.turns - Q.turns)
 
 
-class Place(NamedTuple):
+class ExactPlace(NamedTuple):
     """An exact displacement, plain + 2 pi turns: of angles, some are given in turns."""
 
     plain: Fraction
     turns: Fraction
 
     @staticmethod
-    def at(x: Quantity | None) -> "Place":
+    def at(x: Quantity | None) -> "ExactPlace":
         if x is None:
-            return Place(Fraction(0), Fraction(0))
-        return Place(Fraction(0), x.value) if x.per_turn else Place(x.value, Fraction(0))
+            return ExactPlace(Fraction(0), Fraction(0))
+        return ExactPlace(Fraction(0), x.value) if x.per_turn else ExactPlace(x.value, Fraction(0))
 
     def equals(self, other: Quantity, sign: int) -> bool:
         """Whether it is sign times another one."""
-        there = Place.at(other)
+        there = ExactPlace.at(other)
         return self == (sign * there.plain, sign * there.turns)
 
 

@@ -6,18 +6,18 @@ from typing import Annotated, Any, ClassVar, Literal, NoReturn, TypeVar
 
 from vibsim.cases.formula_keys import (
     ALWAYS,
-    ANY_NUMBER,
     FORMULA_KEYS,
-    AnyNumber,
+    Formula,
     FormulaKey,
     active_keys,
     excludes,
 )
 from vibsim.cases.quantities import Quantity
 from vibsim.cases.schema_kinds import (
+    ANY_NUMBER,
+    AnyNumber,
     ChosenBy,
     Fault,
-    Formula,
     Json,
     KeyKind,
     Location,
@@ -218,9 +218,11 @@ class WithFormulas(Section):
 
 
 def _either(strict: Json, loose: Json) -> Json:
+    """The JSON Schema of what may be one thing or the other."""
     about = {name: strict[name] for name in ("description", "examples", "default") if name in strict}
     inner = {name: value for name, value in strict.items() if name not in about}
-    return {"anyOf": [inner, loose]} | about
+    choices = inner.get("anyOf") or inner.get("oneOf") or [inner]
+    return {"anyOf": [*choices, *loose["anyOf"]]} | about
 
 
 def _key(annotation: Any, said: Any) -> Key:

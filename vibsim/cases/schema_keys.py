@@ -40,13 +40,9 @@ class Form(NamedTuple):
         """The outermost section; that of the long form is imported when the first case of parts is read."""
         if self is SHORT:
             return CaseFile
-        if self.torsional:
-            from vibsim.cases.torsional_schema import turning_file
+        from vibsim.cases.part_schema import PartsFile, turning_file
 
-            return turning_file()
-        from vibsim.cases.part_schema import PartsFile
-
-        return PartsFile
+        return turning_file() if self.torsional else PartsFile
 
     def without_switched_off(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """The values of a tree without sections, and parts, that are the word none."""

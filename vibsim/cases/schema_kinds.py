@@ -11,20 +11,12 @@ from functools import lru_cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, NamedTuple, Protocol, Union, get_args, get_origin
 
+from vibsim.cases.formula_keys import Formula, is_formula
 from vibsim.cases.problems import did_you_mean, shown
 from vibsim.cases.quantities import NUMBER, Quantity, QuantityError, parse_quantity, si_unit, unit_names
 
 Json = dict[str, Any]
 Location = tuple[str, ...]  # keys, and variants such as "(motor)"
-
-
-class Formula(NamedTuple):
-    """A formula as it is written, tables in files put in as lists of pairs."""
-
-    text: str
-
-    def __str__(self) -> str:
-        return self.text
 
 
 class Fault(NamedTuple):
@@ -238,12 +230,6 @@ def kind_of_value(value: object) -> str:
 # What one value of a case must be: its dimension and its range, as a note in the annotation of a key.
 
 
-def _is_formula(text: str) -> bool:
-    from vibsim.cases.formula_keys import is_formula
-
-    return is_formula(text)
-
-
 _exact = lru_cache(maxsize=64)(Fraction)  # of the few texts that bounds are written as
 
 
@@ -279,18 +265,28 @@ class Measured(NamedTuple):
             raise QuantityError(f"must be a single value, got {kind_of_value(value)}")
         text = str(value)
         if self.turning:
-            from vibsim.cases.torsional_schema import turning_quantity
-
-            return turning_quantity(self, text)
+            return self._turning(text)
         if self.word is not None and text.strip() == self.word:
             return self.word
         alternative = f"the word {self.word}" if self.word else self.alternative
         try:
             quantity = parse_quantity(text, self.dimension, alternative)
         except QuantityError:
-            if self.formula and isinstance(value, str) and _is_formula(text):
+            if self.formula and isinstance(value, str) and is_formula(text):
                 return Formula(text)
             raise
+        broken = self.broken_bound(quantity.value)
+        if broken:
+            raise QuantityError(f"must be {broken}, got {shown(text)}")
+        return quantity
+
+    def _turning(self, text: str) -> Quantity | Formula:
+        """A quantity of a torsional scene."""
+        from vibsim.cases.any_unit import turning_quantity
+
+        if self.formula and is_formula(text):
+            return Formula(text)
+        quantity = turning_quantity(text, self.dimension)
         broken = self.broken_bound(quantity.value)
         if broken:
             raise QuantityError(f"must be {broken}, got {shown(text)}")
@@ -331,3 +327,37 @@ class Measured(NamedTuple):
         bounds = {"exclusiveMinimum": self.above, "minimum": self.least, "maximum": self.most}
         keywords: dict[str, Any] = {name: float(bound) for name, bound in bounds.items() if bound is not None}
         return keywords | ({"not": {"const": 0}} if self.nonzero else {})
+
+
+class FormulaText:
+    """A key that always holds a formula."""
+
+    def read(self, value: object) -> Formula:
+        if isinstance(value, Formula):
+            return value
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            raise ValueError(f"must be a formula, got {kind_of_value(value)}")
+        return Formula(str(value))
+
+    def json_schema(self) -> Json:
+        return {"type": ["string", "number"], "description": "a formula"}
+
+
+class AnyNumber:
+    """A number beside a formula, or a parameter: of any unit; without a unit a pure number."""
+
+    def read(self, value: object) -> Quantity:
+        from vibsim.cases.any_unit import any_quantity
+
+        if isinstance(value, Quantity):
+            return value
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            raise QuantityError(f"must be a single value, got {kind_of_value(value)}")
+        return any_quantity(str(value))[0]
+
+    def json_schema(self) -> Json:
+        text = {"type": "string", "pattern": rf"^\s*{NUMBER}.*$", "description": "number and any unit"}
+        return {"anyOf": [{"type": "number"}, text]}
+
+
+ANY_NUMBER = Single(AnyNumber())

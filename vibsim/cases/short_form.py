@@ -9,7 +9,6 @@ from vibsim.cases.formula_keys import sides_of
 from vibsim.cases.problems import shown
 from vibsim.cases.quantities import Quantity, parse_quantity
 from vibsim.cases.schema import AmplitudeRule, CaseFile, HarmonicKeys, MotorKeys
-from vibsim.cases.schema_keys import form_of
 from vibsim.cases.schema_kinds import Single
 
 # The two ends of a part, as written: `between: [ram, ground]`.
@@ -225,7 +224,7 @@ AT_REST_TURNING = {"x": NO_PHASE, "v": parse_quantity("0 rad/s", "angular rate")
 HARMONIC_KEYS = ("on", "A", "a", "omega", "phase")  # in the order in which they are written
 
 
-def with_defaults(values: dict[str, Any]) -> dict[str, Any]:
+def with_defaults(values: dict[str, Any], torsional: bool) -> dict[str, Any]:
     """The nested values of a case of parts with every default filled in: what is simulated, in full."""
     filled = dict(values)
     if "stops" in values:
@@ -236,7 +235,7 @@ def with_defaults(values: dict[str, Any]) -> dict[str, Any]:
         filled["forces"] = {name: _in_phase(part, "A") for name, part in values["forces"].items()}
     if "base" in values:
         filled["base"] = _in_phase(values["base"], "a")
-    filled["initial"] = _default_states(values)
+    filled["initial"] = _default_states(values, AT_REST_TURNING if torsional else AT_REST)
     return {name: filled[name] for name in _order(filled)}
 
 
@@ -274,9 +273,8 @@ def _in_phase(source: dict[str, Any], amplitude: str) -> dict[str, Any]:
     }
 
 
-def _default_states(values: dict[str, Any]) -> dict[str, Any]:
+def _default_states(values: dict[str, Any], at_rest: dict[str, Quantity]) -> dict[str, Any]:
     initial = values.get("initial", {})
-    at_rest = AT_REST_TURNING if form_of(values).torsional else AT_REST
     states = {body: at_rest | initial.get(body, {}) for body in values["bodies"]}
     states |= {rotor: LOOSE_ROTOR_AT_REST | initial.get(rotor, {}) for rotor in values.get("rotors", {})}
     return states | ({"motor": ROTOR_AT_REST | initial.get("motor", {})} if "motor" in values else {})

@@ -22,7 +22,7 @@ from vibsim.cases.schema_keys import (
     sections_with,
 )
 from vibsim.cases.schema_kinds import Fault, Location
-from vibsim.cases.short_form import FoundDefault
+from vibsim.cases.short_form import FoundDefault, with_defaults
 from vibsim.cases.sources import BROKEN, Tree
 from vibsim.cases.yaml_nodes import Place
 from vibsim.physics.parts import GROUND, Friction, Link, Motor, Scene
@@ -232,9 +232,7 @@ def nested_values(case: CaseHead) -> dict[str, Any]:
     """Sections as dicts of quantities, words and whole numbers; missing sections are left out."""
     values = _section_values(case)
     if not isinstance(case, CaseFile):
-        from vibsim.cases.short_form import with_defaults
-
-        return with_defaults(values)
+        return with_defaults(values, form_of(values).torsional)
     for name in _absent_states(case):
         del values["initial"][name]
     return values
