@@ -12,7 +12,18 @@ from math import isqrt
 from typing import NamedTuple
 
 from vibsim.cases.problems import nearest, shown
-from vibsim.cases.quantities import LARGEST, NUMBER, SMALLEST, Quantity, QuantityError, exact_number
+from vibsim.cases.quantities import (
+    FACTORS,
+    FURTHER_UNITS,
+    LARGEST,
+    NUMBER,
+    SMALLEST,
+    UNITS,
+    Quantity,
+    QuantityError,
+    Unit,
+    exact_number,
+)
 
 Dimension = tuple[Fraction, ...]  # exponents of kg, m, s, A, K
 
@@ -396,31 +407,73 @@ def dimension_of(quantity: Quantity) -> Dimension:
     return any_quantity(quantity.text)[1]
 
 
-# Quantities of torsional scenes, in any unit of their dimension.
+# Any unit beside those of the table in quantities.py, and quantities of one dimension in any unit of it.
 
 
-TURNING: dict[str, tuple[str, str, Dimension]] = {  # SI unit, units in messages, dimension
-    "inertia": ("kg m^2", "kg m^2, g m^2 or kg cm^2", INERTIA),
-    "angle": ("rad", "rad, mrad, deg or turn", PURE),
-    "angular rate": ("", "Hz, rpm, deg/s or rad/s", RATE),
-    "inverse angular rate": ("s/rad", "s/rad", TIME),
-    "torque": ("N m", "N m, mN m or kN m", TORQUE),
-    "torsional stiffness": ("N m/rad", "N m/rad, kN m/rad or N m/deg", TORQUE),
-    "torsional damping": ("N m s/rad", "N m s/rad or mN m s/rad", product(TORQUE, TIME)),
-}
+@lru_cache(maxsize=1)
+def _named_dimensions() -> dict[Dimension, str]:
+    """The dimensions that the table of units has names for; angles are pure numbers."""
+    later = ("angle", "inverse angular rate", "torsional stiffness", "torsional damping")
+    names = [name for name in FACTORS if name not in later]
+    return {dimension_of_name(name): name for name in reversed(names)}
 
 
-def turning_quantity(text: str, of: str) -> Quantity:
-    """A quantity of a torsional scene; of : what it is, such as "torque". Raises QuantityError."""
-    si, units, dimension = TURNING[of]
-    allowed = f"must be {'an' if of[0] in 'aei' else 'a'} {of} in {units}"
+@lru_cache(maxsize=64)
+def dimension_of_name(name: str) -> Dimension:
+    """The dimension behind a name, such as "stiffness" or "N/m^3"."""
+    return any_quantity(f"1 {next(iter(FACTORS[name])) if name in FACTORS else name}".strip())[1]
+
+
+@lru_cache(maxsize=256)
+def further_unit(text: str) -> Unit | None:
+    """A unit that the table has not, such as kN/m^3; None for what is none."""
+    try:
+        unit, end = read_unit(text, signs=True)
+    except QuantityError:
+        return None
+    if unit is None or text[end:].strip():
+        return None
+    name = _named_dimensions().get(unit.dimension) or si_name(unit.dimension)
+    return Unit(unit.name, name, unit.factor, unit.turns)
+
+
+if further_unit not in FURTHER_UNITS:
+    FURTHER_UNITS.append(further_unit)
+
+TURNING_UNITS = {
+    "inertia": "kg m^2, g m^2 or kg cm^2",
+    "angle": "rad, mrad, deg or turn",
+    "angular rate": "Hz, rpm, deg/s or rad/s",
+    "inverse angular rate": "s/rad",
+    "torque": "N m, mN m or kN m",
+    "torsional stiffness": "N m/rad, kN m/rad or N m/deg",
+    "torsional damping": "N m s/rad or mN m s/rad",
+}  # for messages
+
+
+def quantity_of(text: str, name: str) -> Quantity:
+    """A quantity in any unit of a dimension, such as "torsional stiffness" or "N/m^3"; bare numbers are SI, but
+    for angular rates. Raises QuantityError.
+    """
+    wanted = dimension_of_name(name)
+    units = TURNING_UNITS.get(name) or si_name(wanted)
+    what = f"{'an' if name[0] in 'aei' else 'a'} {name} in {units}" if name in FACTORS else f"in {units}"
+    allowed = f"must be {what}" if units else "must be a plain number"
     try:
         quantity, own = any_quantity(text)
-        if not quantity.text.partition(" ")[2] and (si or quantity.value == 0):
-            quantity, own = any_quantity(f"{quantity.text} {si or 'rad/s'}")
+        if not quantity.text.partition(" ")[2] and (name != "angular rate" or quantity.value == 0):
+            quantity, own = any_quantity(f"{quantity.text} {_si_text(name)}".strip())
     except QuantityError as error:
         raise QuantityError(f"{allowed}, got {shown(text)}; {error}") from None
-    if own != dimension:
-        why = " in a scene of bodies that turn" if own != PURE else ""
-        raise QuantityError(f"{allowed}{why}, got {shown(text)}, which is {called(own)}")
+    if own != wanted:
+        raise QuantityError(f"{allowed}, got {shown(text)}, which is {called(own)}")
     return quantity
+
+
+def _si_text(name: str) -> str:
+    return next(iter(FACTORS[name])) if name in FACTORS else name
+
+
+def free_dimension(quantity: Quantity) -> str:
+    """What a number of any unit is: "stiffness", "N/m^3", "number"."""
+    return UNITS[quantity.text.partition(" ")[2]].dimension

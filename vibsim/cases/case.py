@@ -14,7 +14,16 @@ from vibsim.cases.problems import CaseError, Problem
 from vibsim.cases.quantities import Quantity, number
 from vibsim.cases.scene_building import DOUBLES, amplitude_value, build_parts, build_two_blocks, exact_numbers
 from vibsim.cases.schema import CaseFile, CaseHead, HarmonicKeys, Section
-from vibsim.cases.schema_keys import UnknownKeyError, form_of, full_key, holds_names, keys_of, section_models
+from vibsim.cases.schema_keys import (
+    UnknownKeyError,
+    form_of,
+    full_key,
+    holds_names,
+    keys_of,
+    measured_in_case,
+    section_models,
+)
+from vibsim.cases.schema_kinds import Measured
 from vibsim.cases.short_form import HEAD, flow, long_text, long_values, scalar, sections_text
 from vibsim.cases.sources import (
     SourceText,
@@ -167,6 +176,11 @@ class Case:
             listed = ", ".join(self.numeric_keys())
             raise UnknownKeyError(f"{key} is no number of case {self.name}; its numbers are {listed}")
         return quantity
+
+    def measured(self, key: str) -> Measured | None:
+        """What the number at a dotted or short key is, and its range; of one beside a formula its dimension."""
+        full = self.full_key(key)
+        return measured_in_case(self._nested, full, self.quantity(full))
 
     def number(self, key: str) -> float:
         """A number of the case in SI units and rad/s; excitation.A is computed where a rule gives it.

@@ -42,6 +42,7 @@ FORMULA_KEYS: dict[str, tuple[FormulaKey, ...]] = {
     "motor": (FormulaKey("torque", ("M0", "Omega0")), FormulaKey("M0"), FormulaKey("Omega0")),
     "excitation": (FormulaKey("M0"), FormulaKey("Omega0")),
 }
+ONE_PART = ("base", "motor", "excitation")  # sections that are one part
 ALWAYS = ("force", "torque", "rate", "x")  # keys that hold nothing but formulas
 SIDES = {"friction": ("plus", "minus")}  # sections inside a part that may hold formulas: of the first key
 
@@ -92,7 +93,7 @@ def has_formulas(values: Mapping[str, Any]) -> bool:
         content = values.get(section)
         if not isinstance(content, Mapping):
             continue
-        parts = [content] if section in ("base", "motor", "excitation") else content.values()
+        parts = [content] if section in ONE_PART else content.values()
         if any(of_part(section, part) or sides_of(section, part) for part in parts):
             return True
     return False

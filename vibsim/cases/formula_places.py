@@ -20,7 +20,7 @@ from vibsim.cases.any_unit import (
     dimension_of,
     product,
 )
-from vibsim.cases.formula_keys import FORMULA_KEYS, FormulaKey, of_part, sides_of
+from vibsim.cases.formula_keys import FORMULA_KEYS, ONE_PART, FormulaKey, of_part, sides_of
 from vibsim.cases.formula_text import names_in
 from vibsim.cases.formula_values import Meaning, formula_node, meaning_of_number
 from vibsim.cases.quantities import Quantity, QuantityError
@@ -32,7 +32,6 @@ from vibsim.physics import formulas as nodes
 from vibsim.physics.formulas import PI, ZERO, Node
 from vibsim.physics.parts import BASE, GROUND, columns_of
 
-ONE_PART = ("base", "motor", "excitation")  # sections that are one part
 STATE_OF = {"links": ("d", "v"), "stops": ("p", "pv"), "friction": ("s",), "rotors": ("phi", "w")}
 MOTOR = "motor"
 

@@ -391,7 +391,7 @@ def _turned(annotation: Any) -> Any:
             dimension = TURNED.get(measured.dimension, measured.dimension)
             if dimension not in TURNED.values():
                 return annotation
-            return Annotated[inner, measured._replace(dimension=dimension, alternative="", turning=True)]
+            return Annotated[inner, measured._replace(dimension=dimension, alternative="", any_unit=True)]
         variants = [one for one in get_args(inner) if _measure_in(one) is not None]
         if variants:
             return _turned(variants[-1])

@@ -41,6 +41,9 @@ FACTORS: dict[str, dict[str, str]] = {
     "torque": {"N m": "1", "mN m": "1e-3", "kN m": "1e3", "N cm": "1e-2", "N mm": "1e-3"},
     "angle": {"rad": "1"},
     "angular rate": {"rad/s": "1"},
+    "inverse angular rate": {"s/rad": "1"},
+    "torsional stiffness": {"N m/rad": "1", "mN m/rad": "1e-3", "kN m/rad": "1e3", "MN m/rad": "1e6"},
+    "torsional damping": {"N m s/rad": "1", "mN m s/rad": "1e-3", "kN m s/rad": "1e3"},
     "number": {"": "1"},
 }
 FACTORS_IN_TURNS: dict[str, dict[str, str]] = {
@@ -55,8 +58,8 @@ SPELLINGS = {
 }  # fmt: skip
 
 
-def _table() -> dict[str, Unit]:
-    units = {}
+def _table() -> "UnitTable":
+    units = UnitTable()
     for table, per_turn in ((FACTORS, False), (FACTORS_IN_TURNS, True)):
         for dimension, factors in table.items():
             for name, factor in factors.items():
@@ -64,17 +67,28 @@ def _table() -> dict[str, Unit]:
     return units
 
 
+class UnitTable(dict[str, Unit]):
+    """Units by name; one that is not in the table is made of others, where any unit is read at all."""
+
+    def __missing__(self, name: str) -> Unit:
+        unit = next(filter(None, (read(name) for read in FURTHER_UNITS)), None)
+        if unit is None:
+            raise KeyError(name)
+        return unit
+
+
+FURTHER_UNITS: list[Callable[[str], Unit | None]] = []  # any_unit.py adds its reader when it is loaded
 UNITS = _table()
 
 
 def si_unit(dimension: str) -> Unit:
-    """The SI unit of a dimension: what a bare number is in."""
-    return UNITS[next(iter(FACTORS[dimension]))]
+    """The SI unit of a dimension: what a bare number is in; a dimension without a name is called by its unit."""
+    return UNITS[next(iter(FACTORS[dimension])) if dimension in FACTORS else dimension]
 
 
 def unit_names(dimension: str) -> list[str]:
     """Names of the units of a dimension; for angular rate the cycles come first, as people mean them."""
-    turns, radians = FACTORS_IN_TURNS.get(dimension, {}), FACTORS[dimension]
+    turns, radians = FACTORS_IN_TURNS.get(dimension, {}), FACTORS.get(dimension, {dimension: "1"})
     ordered = [*turns, *radians] if dimension == "angular rate" else [*radians, *turns]
     return [name for name in ordered if name]
 
@@ -97,6 +111,12 @@ def find_unit(text: str) -> Unit | None:
     """The unit that `text` names in any accepted spelling, or None."""
     name = text if text in UNITS else canonical_spelling(text)
     return UNITS.get(name) if name else None
+
+
+def any_unit_named(text: str) -> Unit | None:
+    """The unit that `text` names, be it one of the table or made of others; None for what is none."""
+    known = find_unit(text)
+    return known or next(filter(None, (read(text) for read in FURTHER_UNITS)), None)
 
 
 NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
@@ -141,6 +161,12 @@ class Quantity(NamedTuple):
 
     def __str__(self) -> str:
         return self.text
+
+
+def in_own_unit(own: Quantity, value: Fraction) -> str:
+    """A value, in SI units and turns as `own`, as a text in the unit that `own` has."""
+    name = own.text.partition(" ")[2]
+    return f"{decimal_text(value / UNITS[name].factor)} {name}".strip()
 
 
 def parse_quantity(text: str, dimension: str, alternative: str = "") -> Quantity:
@@ -455,7 +481,7 @@ def _part(piece: str, text: str) -> _Part:
 def _unit(name: str, text: str) -> str:
     if not name:
         return ""
-    unit = find_unit(name)
+    unit = any_unit_named(name)
     if unit is None:
         near = nearest(name, filter(None, UNITS))
         hint = f" (did you mean {near}?)" if near else ""

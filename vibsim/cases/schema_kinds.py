@@ -244,7 +244,7 @@ class Measured(NamedTuple):
     word : a word that may stand in place of the quantity, such as "fixed"
     alternative : what else may stand there, for messages
     formula : whether a formula may stand in place of the quantity
-    turning : whether it is one of a torsional scene, in any unit of its dimension
+    any_unit : whether it may be in any unit of its dimension: of a torsional scene, or beside a formula
     """
 
     dimension: str
@@ -255,7 +255,7 @@ class Measured(NamedTuple):
     word: str | None = None
     alternative: str = ""
     formula: bool = False
-    turning: bool = False
+    any_unit: bool = False
 
     def read(self, value: object) -> Quantity | Formula | str:
         """The quantity behind a text (or the word, or the formula). Raises QuantityError."""
@@ -264,8 +264,8 @@ class Measured(NamedTuple):
         if isinstance(value, bool) or not isinstance(value, str | int | float):
             raise QuantityError(f"must be a single value, got {kind_of_value(value)}")
         text = str(value)
-        if self.turning:
-            return self._turning(text)
+        if self.any_unit:
+            return self._in_any_unit(text)
         if self.word is not None and text.strip() == self.word:
             return self.word
         alternative = f"the word {self.word}" if self.word else self.alternative
@@ -280,13 +280,18 @@ class Measured(NamedTuple):
             raise QuantityError(f"must be {broken}, got {shown(text)}")
         return quantity
 
-    def _turning(self, text: str) -> Quantity | Formula:
-        """A quantity of a torsional scene."""
-        from vibsim.cases.any_unit import turning_quantity
+    def parsed(self, text: str) -> Quantity:
+        """The quantity behind a text, whether its bounds hold or not. Raises QuantityError."""
+        if not self.any_unit:
+            return parse_quantity(text, self.dimension)
+        from vibsim.cases.any_unit import quantity_of
 
+        return quantity_of(text, self.dimension)
+
+    def _in_any_unit(self, text: str) -> Quantity | Formula:
         if self.formula and is_formula(text):
             return Formula(text)
-        quantity = turning_quantity(text, self.dimension)
+        quantity = self.parsed(text)
         broken = self.broken_bound(quantity.value)
         if broken:
             raise QuantityError(f"must be {broken}, got {shown(text)}")
@@ -306,7 +311,7 @@ class Measured(NamedTuple):
 
     def json_schema(self) -> dict[str, Any]:
         """A number in SI units with its bounds, a text with a unit, or the word."""
-        units = [] if self.turning else unit_names(self.dimension)
+        units = [] if self.any_unit else unit_names(self.dimension)
         tail = r"\s*[^\s0-9].*" if self.dimension == "angular rate" else ".*" if units else r"\s*"
         text: dict[str, Any] = {"type": "string", "pattern": rf"^\s*{NUMBER}(\s*/\s*\d+)?{tail}$"}
         if units:

@@ -8,8 +8,9 @@ from os.path import exists, isdir, isfile, normpath
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from vibsim.cases.problems import CaseError, Problem, did_you_mean, shown, superseded, unstorable
-from vibsim.cases.schema_keys import LONG, SHORT, UnknownKeyError, form_of, full_key, keys_of
+from vibsim.cases.formula_keys import ALWAYS, FORMULA_KEYS, Formula, has_formulas, is_formula
+from vibsim.cases.problems import CaseError, Problem, did_you_mean, shown, unstorable
+from vibsim.cases.schema_keys import LONG, SHORT, UnknownKeyError, form_of, full_key, given_way, keys_of
 from vibsim.cases.yaml_nodes import Broken, Node, Place, Text, place_inside, read_yaml
 from vibsim.cases.yaml_nodes import Mapping as yaml_nodes_Mapping
 
@@ -331,7 +332,7 @@ def _blamed(problem: Problem, place: Place) -> Problem:
 
 def _over(parent: yaml_nodes_Mapping, child: yaml_nodes_Mapping, key: str = "") -> yaml_nodes_Mapping:
     """Child over parent, key by key; lists, and an excitation of another kind, replace what was there."""
-    replaced = superseded(key, child.values.keys())
+    replaced = given_way(key, _texts(parent), _texts(child))
     values = {name: value for name, value in parent.values.items() if name not in replaced}
     places = {name: parent.key_places[name] for name in values}
     for name, value in child.values.items():
@@ -345,6 +346,11 @@ def _over(parent: yaml_nodes_Mapping, child: yaml_nodes_Mapping, key: str = "") 
         values[name] = value
         places[name] = child.key_places[name]
     return yaml_nodes_Mapping(child.place, values, places)
+
+
+def _texts(mapping: yaml_nodes_Mapping) -> dict[str, Any]:
+    """The values of a mapping that are texts, and its other keys."""
+    return {name: node.text if isinstance(node, Text) else node for name, node in mapping.values.items()}
 
 
 def _replaces(parent: yaml_nodes_Mapping, child: yaml_nodes_Mapping) -> bool:
@@ -394,6 +400,7 @@ def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
     settings = [(key.strip(), value) for key, value in overrides.items()]
     present = _leaf_keys(tree.values)
     allowed = keys_of(form_of(tree.values), _with_new_parts(tree.values, [key for key, _ in settings]))
+    allowed = *allowed, *_new_numbers(tree.values, settings, present, allowed)
     named: dict[str, object] = {}
     for key, value in settings:
         try:
@@ -431,16 +438,49 @@ def _with_new_parts(values: dict[str, Any], keys: Iterable[str]) -> dict[str, An
     return values
 
 
+def _new_numbers(
+    values: dict[str, Any], settings: list[tuple[str, object]], present: list[str], allowed: tuple[str, ...]
+) -> list[str]:
+    """Dotted keys of numbers that overrides may add: parameters, and what formulas name beside them."""
+    keys = [key for key, _ in settings if key.startswith("parameters.")]
+    for key, value in settings:
+        if not isinstance(value, str | Formula):
+            continue
+        try:
+            full = full_key(key, present, allowed)
+        except UnknownKeyError:
+            continue
+        section = full.partition(".")[0]
+        last = full.rpartition(".")[2]
+        if any(one.key == last for one in FORMULA_KEYS.get(section, ())) and (
+            last in ALWAYS or isinstance(value, Formula) or is_formula(value)
+        ):
+            keys += _named_beside(full, str(value))
+    if has_formulas(values):
+        from vibsim.cases.formula_places import places_of
+
+        for place in places_of(values):
+            keys += _named_beside(place.path, place.text)
+    return [key for key in dict.fromkeys(keys) if key not in allowed]
+
+
+def _named_beside(path: str, text: str) -> list[str]:
+    from vibsim.cases.formula_text import names_in
+
+    return [f"{path.rpartition('.')[0]}.{name}" for name in names_in(text)]
+
+
 def _supersede(tree: Tree, named: Mapping[str, object]) -> None:
     """Take out what the overrides put something else in place of."""
     split = [key.split(".") for key in named]
     parts = [".".join(path[:depth]) for path in split for depth in range(1, len(path))]
     for part in dict.fromkeys(parts):
-        names = [key[len(part) + 1 :].partition(".")[0] for key in named if key.startswith(f"{part}.")]
-        replaced = superseded(part, names)
+        given = {key[len(part) + 1 :]: value for key, value in named.items() if key.startswith(f"{part}.")}
         section: Any = tree.values
         for name in part.split("."):
             section = section.get(name) if isinstance(section, dict) else None
+        old = section if isinstance(section, dict) else {}
+        replaced = given_way(part, old, {name.partition(".")[0]: value for name, value in given.items()})
         if replaced and isinstance(section, dict):
             remaining = {name: value for name, value in section.items() if name not in replaced}
             tree.values = _with(tree.values, part.split("."), remaining)
@@ -467,7 +507,7 @@ def _with(values: dict[str, Any], path: list[str], value: object) -> dict[str, A
     if rest:
         inner = values.get(name)
         return values | {name: _with(inner if isinstance(inner, dict) else {}, rest, value)}
-    return values | {name: value if isinstance(value, str | dict) else _text(value)}
+    return values | {name: value if isinstance(value, str | dict | Formula) else _text(value)}
 
 
 def _text(value: object) -> str:
