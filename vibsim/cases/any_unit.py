@@ -394,7 +394,7 @@ def _unit_behind(text: str, at: int) -> AnyUnit:
 def _no_unit(rest: str, left: str) -> str:
     if re.match(r",\s*\d", rest):
         return f"{shown(rest)} is no unit; write decimals with a point"
-    word = re.match(r"[^\W\d]+", left.lstrip("/*.( "))
+    word = re.match(r"[^\W\d]\w*", left.lstrip("/*.( "))
     if word is None:
         return f"{shown(rest)} is no unit; a unit is written like N s^2/m^2"
     near = nearest(word[0], [*SYMBOLS, "kg", "mm", "kN", "mH", "uF"])
@@ -440,6 +440,16 @@ def further_unit(text: str) -> Unit | None:
 if further_unit not in FURTHER_UNITS:
     FURTHER_UNITS.append(further_unit)
 
+
+def bare_as(old: str, bare: str) -> str:
+    """A bare number as a text in the SI unit of a quantity that it replaces; as it is in place of a frequency."""
+    try:
+        quantity, of = any_quantity(old)
+    except QuantityError:
+        return bare
+    return bare if quantity.per_turn else f"{bare.strip()} {si_name(of)}".strip()
+
+
 TURNING_UNITS = {
     "inertia": "kg m^2, g m^2 or kg cm^2",
     "angle": "rad, mrad, deg or turn",
@@ -452,8 +462,8 @@ TURNING_UNITS = {
 
 
 def quantity_of(text: str, name: str) -> Quantity:
-    """A quantity in any unit of a dimension, such as "torsional stiffness" or "N/m^3"; bare numbers are SI, but
-    for angular rates. Raises QuantityError.
+    """A quantity in any unit of a dimension, such as "torsional stiffness" or "N/m^3"; a bare number is SI,
+    but for angular rates. Raises QuantityError.
     """
     wanted = dimension_of_name(name)
     units = TURNING_UNITS.get(name) or si_name(wanted)

@@ -129,7 +129,7 @@ def is_formula(text: str) -> bool:
     rest = match["rest"]
     if not rest or find_unit(rest) is not None:
         return False
-    if "(" in rest and not re.search(r"/\s*\([A-Za-z ^0-9]*\)", rest):
+    if "*" in rest or ("(" in rest and not re.search(r"/\s*\(\s*[A-Za-z]+\S*\s[A-Za-z^0-9 ]*\)", rest)):
         return True
     if re.search(r"[^\s*^eE(][\s]*[+-]|^[+-]", rest) or rest[:1] in "*/<":
         return not re.fullmatch(r"/\s*[A-Za-z]+\d?", rest)

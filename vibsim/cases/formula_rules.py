@@ -82,7 +82,7 @@ def _bare_word(scene: FormulaScene, place: FormulaPlace) -> FoundDefault | None:
 
 
 def _finding(place: FormulaPlace, error: FormulaError) -> FoundDefault:
-    quoted = f"{shown(place.text, 80)}"
+    quoted = shown(place.text, 80)
     return FoundDefault(place.path, f'"{quoted}": {error}', span=(error.start, error.end))
 
 
@@ -132,13 +132,14 @@ def _of_numbers(
             for word in names_in(str(content[inside][one.key]))
         }
     free = {word for one in _active(section, content, side) for word in one.numbers}
+    excluded = {word for one in _active(section, content, side) for word in one.excluded}
     taken = _taken(scene, places)
     for key in inner if isinstance(inner, Mapping) else ():
         path = f"{places[0].part}.{key}"
         known = scene.form.pattern(path) in all_keys(scene.form) or key in ("plus", "minus")
         if known and key not in free:
             continue
-        if any(place.key == key for place in places):
+        if any(place.key == key or key in excluded for place in places):
             continue
         yield from _of_number(path, key, named, taken, places)
 

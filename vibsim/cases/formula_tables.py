@@ -9,7 +9,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from vibsim.cases.any_unit import any_quantity
-from vibsim.cases.formula_text import MOST_PAIRS, FormulaError, FormulaTerm, parsed, walk
+from vibsim.cases.formula_text import MOST_PAIRS, FormulaError, parsed, walk
 from vibsim.cases.problems import shown
 from vibsim.cases.quantities import QuantityError, exact_number
 from vibsim.physics import formulas as nodes
@@ -116,11 +116,13 @@ def _to_digits(value: Fraction) -> Fraction:
 # Tables in CSV files: they become lists of pairs in the text of the formula, so that a case holds all of it.
 
 
-def with_pairs(text: str, read: Callable[[str], str]) -> str:
-    """The text of a formula with lists of pairs in place of the names of files.
+def with_pairs(text: str, read: Callable[[str], str]) -> tuple[str, list[tuple[int, int, int]]]:
+    """The text of a formula with lists of pairs in place of names of files; and where each name began, how
+    long it was, and how long its pairs are.
 
     read : name of a file -> its text; raises ValueError with what is wrong. Raises FormulaError.
     """
+    places: list[tuple[int, int, int]] = []
     files = [term for term in walk(parsed(text)) if term.kind == "call" and term.value == "table"]
     files = [term for term in files if term.parts[1].kind == "text"]
     for term in sorted(files, key=lambda term: -term.start):
@@ -130,16 +132,8 @@ def with_pairs(text: str, read: Callable[[str], str]) -> str:
         except ValueError as error:
             raise FormulaError(f"table {shown(name.value)}: {error}", name.start, name.end) from None
         text = text[: name.start] + pairs + text[name.end :]
-    return text
-
-
-def reads_files(text: str) -> bool:
-    """Whether a formula names a file."""
-    return "table" in text and any(_names_file(term) for term in walk(parsed(text)))
-
-
-def _names_file(term: FormulaTerm) -> bool:
-    return term.kind == "call" and term.value == "table" and term.parts[1].kind == "text"
+        places.insert(0, (name.start, name.end - name.start, len(pairs)))
+    return text, places
 
 
 def table_file(name: str, folder: Path) -> str:

@@ -82,7 +82,7 @@ UNITS = _table()
 
 
 def si_unit(dimension: str) -> Unit:
-    """The SI unit of a dimension: what a bare number is in; a dimension without a name is called by its unit."""
+    """The SI unit of a dimension, what a bare number is in; one without a name is called by its unit."""
     return UNITS[next(iter(FACTORS[dimension])) if dimension in FACTORS else dimension]
 
 

@@ -358,8 +358,8 @@ def _beside_formulas(values: Mapping[str, Any]) -> Iterator[str]:
 
 
 def given_way(part: str, old: Mapping[str, Any], new: Mapping[str, Any]) -> set[str]:
-    """Keys of a part that give way when others are set over it: those that these stand in place of, and where a
-    formula comes or goes, numbers that no formula names any more.
+    """Keys of a part that give way when others are set over it: those that these stand in place of, and where
+    a formula comes or goes, numbers that no formula names any more.
 
     part : dotted key; old, new : values of its keys, texts
     """
@@ -391,14 +391,14 @@ def measured_in_case(values: Mapping[str, Any], key: str, quantity: Quantity) ->
     """What is measured at the dotted key of a number of a case: of one beside a formula, what that is."""
     form = form_of(values)
     known = all_keys(form).get(form.pattern(key))
-    if known is not None and not _is_free(values, key):
+    if known is not None and not is_free(values, key):
         return known
     from vibsim.cases.any_unit import free_dimension
 
     return Measured(free_dimension(quantity), any_unit=True)
 
 
-def _is_free(values: Mapping[str, Any], key: str) -> bool:
+def is_free(values: Mapping[str, Any], key: str) -> bool:
     """Whether the number at a dotted key is one of a formula beside it, in place of a built-in law."""
     section, *names = key.split(".")
     part: Any = values.get(section)

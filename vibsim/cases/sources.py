@@ -10,7 +10,18 @@ from typing import Any, NamedTuple
 
 from vibsim.cases.formula_keys import ALWAYS, FORMULA_KEYS, Formula, has_formulas, is_formula
 from vibsim.cases.problems import CaseError, Problem, did_you_mean, shown, unstorable
-from vibsim.cases.schema_keys import LONG, SHORT, UnknownKeyError, form_of, full_key, given_way, keys_of
+from vibsim.cases.quantities import NUMBER
+from vibsim.cases.schema_keys import (
+    LONG,
+    SHORT,
+    UnknownKeyError,
+    all_keys,
+    form_of,
+    full_key,
+    given_way,
+    is_free,
+    keys_of,
+)
 from vibsim.cases.yaml_nodes import Broken, Node, Place, Text, place_inside, read_yaml
 from vibsim.cases.yaml_nodes import Mapping as yaml_nodes_Mapping
 
@@ -224,6 +235,8 @@ class Tree:
     places : dotted key -> place of its value
     key_places : dotted key -> place of the key itself
     spelt : dotted key -> its value as it stands in the file, where that is in quotes
+    texts, tables : dotted key -> a formula as it was before tables of files were put in; of each of them the
+        place, the length of its name and its own length
     root : where the case begins, the place of what is missing
     problems : what reading found
     complete : False where a file could not be read, so that keys may be missing for that reason
@@ -236,6 +249,8 @@ class Tree:
     problems: list[Problem] = field(default_factory=list)
     complete: bool = True
     spelt: dict[str, str] = field(default_factory=dict)
+    texts: dict[str, str] = field(default_factory=dict)
+    tables: dict[str, list[tuple[int, int, int]]] = field(default_factory=dict)
 
     def place(self, key: str) -> Place:
         """Place of a key's value, or of the section around it where it is missing."""
@@ -243,10 +258,15 @@ class Tree:
 
     def place_inside(self, key: str, at: int) -> Place:
         """Place of a character of a key's value."""
-        value: Any = self.values
-        for name in key.split("."):
-            value = value.get(name) if isinstance(value, dict) else None
-        return place_inside(self.place(key), str(value), self.spelt.get(key, ""), at)
+        text = self.texts.get(key)
+        if text is None:
+            value: Any = self.values
+            for name in key.split("."):
+                value = value.get(name) if isinstance(value, dict) else None
+            text = str(value)
+        for start, before, after in self.tables.get(key, ()):
+            at = at if at <= start else at - after + before if at >= start + after else start
+        return place_inside(self.place(key), text, self.spelt.get(key, ""), at)
 
     def key_place(self, key: str) -> Place:
         """Place of a key itself, or of the section around it where it is missing."""
@@ -382,11 +402,38 @@ def _plain_value(node: Node, key: str, tree: Tree) -> Any:
     return inner
 
 
+def put_tables_in(tree: Tree) -> None:
+    """Put the CSV files that formulas name into them, as lists of pairs: a case holds all that it needs."""
+    if not has_formulas(tree.values):
+        return
+    from vibsim.cases.formula_places import places_of
+
+    for place in list(places_of(tree.values)):
+        if "table" in place.text and any(quote in place.text for quote in "'\""):
+            _put_table_in(tree, place.path, place.text)
+
+
+def _put_table_in(tree: Tree, key: str, text: str) -> None:
+    from vibsim.cases.formula_tables import table_file, with_pairs
+    from vibsim.cases.formula_text import FormulaError
+
+    folder = Path(tree.place(key).file).parent
+    try:
+        changed, places = with_pairs(text, lambda name: table_file(name, folder))
+    except FormulaError as error:
+        tree.problems.append(tree.place_inside(key, error.start).problem(key, str(error)))
+        tree.values = _with(tree.values, key.split("."), BROKEN)
+        return
+    if places:
+        tree.texts[key], tree.tables[key] = text, places
+        tree.values = _with(tree.values, key.split("."), changed)
+
+
 # Overrides such as excitation.Omega0=6.5 Hz, set into a tree as if the file said so.
 
 
 FILE = "overrides"
-PLACED = ("between", "on")  # an override that gives one of these makes a new part
+PLACED = ("between", "on", "rate")  # an override that gives one of these makes a new part
 
 
 def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
@@ -421,9 +468,29 @@ def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
     _replace_kind(tree.values, named)
     _supersede(tree, named)
     for key, value in named.items():
+        value = _with_unit(tree.values, key, value)
         tree.values = _with(tree.values, key.split("."), value)
         tree.places[key] = tree.key_places[key] = Place(FILE)
         tree.spelt.pop(key, None)
+
+
+def _with_unit(values: dict[str, Any], key: str, value: object) -> object:
+    """A bare number in place of one beside a formula, or of a parameter, is in the SI unit of that."""
+    if not isinstance(value, str | int | float) or BARE.fullmatch(_text(value)) is None:
+        return value
+    old: Any = values
+    for name in key.split("."):
+        old = old.get(name) if isinstance(old, dict) else None
+    form = form_of(values)
+    known = all_keys(form).get(form.pattern(key)) is not None and not is_free(values, key)
+    if old is None or known or isinstance(old, dict):
+        return value
+    from vibsim.cases.any_unit import bare_as
+
+    return bare_as(str(old), _text(value))
+
+
+BARE = re.compile(rf"\s*{NUMBER}(\s*/\s*\d+)?\s*", re.ASCII)
 
 
 def _with_new_parts(values: dict[str, Any], keys: Iterable[str]) -> dict[str, Any]:
@@ -431,7 +498,8 @@ def _with_new_parts(values: dict[str, Any], keys: Iterable[str]) -> dict[str, An
     form = form_of(values)
     for key in keys:
         section, *names = key.split(".")
-        if section in form.named and len(names) > 1 and (names[1] in PLACED or section == "initial"):
+        places = names[1:2] and (names[1] in PLACED or section == "initial")
+        if section in form.named and len(names) > 1 and places:
             parts = values.get(section)
             if names[0] not in (parts if isinstance(parts, dict) else {}):
                 values = _with(values, [section, names[0], names[1]], "")
@@ -507,7 +575,9 @@ def _with(values: dict[str, Any], path: list[str], value: object) -> dict[str, A
     if rest:
         inner = values.get(name)
         return values | {name: _with(inner if isinstance(inner, dict) else {}, rest, value)}
-    return values | {name: value if isinstance(value, str | dict | Formula) else _text(value)}
+    return values | {
+        name: value if isinstance(value, str | dict | Formula) or value is BROKEN else _text(value)
+    }
 
 
 def _text(value: object) -> str:

@@ -23,7 +23,7 @@ from vibsim.cases.schema_keys import (
 )
 from vibsim.cases.schema_kinds import Fault, Location
 from vibsim.cases.short_form import FoundDefault, with_defaults
-from vibsim.cases.sources import BROKEN, Tree
+from vibsim.cases.sources import BROKEN, Tree, put_tables_in
 from vibsim.cases.yaml_nodes import Place
 from vibsim.physics.parts import GROUND, Friction, Link, Motor, Scene
 from vibsim.physics.rates import bilinear_frequencies, frequency, masses, natural_rates, reduced_mass
@@ -319,6 +319,7 @@ def _exact_text(value: Any) -> str:
 
 def validated(tree: Tree) -> CaseHead:
     """The case file of a tree. Raises CaseError with all problems found, in file order."""
+    put_tables_in(tree)
     form = form_of(tree.values)
     problems = [*tree.problems, *mixed_problems(tree.values, tree.key_place)]
     values = form.without_switched_off(of_one_form(tree.values))
