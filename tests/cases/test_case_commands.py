@@ -153,4 +153,4 @@ def test_schema_tells_units_ranges_defaults_and_meaning():
     assert mass["anyOf"][1]["description"] == "number and unit: kg, g, t"
     assert schema["$defs"]["Run"]["properties"]["t_end"]["default"] == "300 s"
     rate = schema["$defs"]["Motor"]["properties"]["Omega0"]
-    assert [choice["type"] for choice in rate["anyOf"]] == ["string"]
+    assert [choice["type"] for choice in rate["anyOf"]] == ["string", "string"]  # with a unit; a formula

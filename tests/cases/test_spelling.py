@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from tests.docs.pages import ROOT
 from vibsim.cases import CaseError, load_case
 from vibsim.cases.case import load_case_text
-from vibsim.cases.problems import LIMITS, LIMITS_PAGE, nearest, slips
+from vibsim.cases.problems import BY_FORMULAS, FORMULAS_PAGE, LIMITS, LIMITS_PAGE, TOLD, nearest, slips
 from vibsim.cases.quantities import UNITS
 from vibsim.cases.schema_keys import LONG, SHORT, all_keys
 from vibsim.cases.sources import shipped_case_names
@@ -68,13 +68,18 @@ def test_the_distance_is_symmetric_and_a_letter_costs_one(a, b, letter):
     assert abs(len(a) - len(b)) <= slips(a, b) <= max(len(a), len(b))
 
 
-UNSUPPORTED = [word for limit in LIMITS for word in limit.words]
+UNSUPPORTED = [word for limit in (*LIMITS, *BY_FORMULAS) for word in limit.words]
 
 
 @pytest.mark.parametrize("word", UNSUPPORTED)
 def test_what_is_not_supported_is_said_in_place_of_a_typo(word):
     """As a key of a part, of a file and of an override, in both forms of case."""
-    sentence = next(limit.instead for limit in LIMITS if word in limit.words)
+    what, sentence = next(
+        (what, f"{limit.instead} ({page})")
+        for limits, what, page in TOLD
+        for limit in limits
+        if word in limit.words
+    )
     for text, place in (
         (
             f"bodies: {{a: 1 kg}}\nlinks: {{s: {{between: [a, ground], k: 1 N/m, {word}: 1}}}}",
@@ -85,17 +90,19 @@ def test_what_is_not_supported_is_said_in_place_of_a_typo(word):
     ):
         with pytest.raises(CaseError) as raised:
             load_case_text(text)
-        assert f"{place}: is not supported: {sentence} (docs/scenes.md, What a scene" in str(raised.value)
-    with pytest.raises(CaseError, match=r"is not supported: .* a scene cannot have") as raised:
+        assert f"{place}: {what}: {sentence}" in str(raised.value)
+    with pytest.raises(CaseError, match=rf"{what}: .* \(docs/scenes.md, ") as raised:
         load_case("II-B", {f"excitation.{word}": "1"})
     assert "did you mean" not in str(raised.value)
 
 
 def test_limits_are_on_their_page_and_no_keys():
-    page, title = LIMITS_PAGE.split(", ")
-    section = (ROOT / page).read_text(encoding="utf-8").partition(f"## {title}\n")[2].partition("\n## ")[0]
-    assert set(UNSUPPORTED) <= set(re.findall(r"`(\w+)`", section))
-    for limit in LIMITS:
-        assert limit.instead in section.replace("`", "")
+    for limits, place in ((LIMITS, LIMITS_PAGE), (BY_FORMULAS, FORMULAS_PAGE)):
+        page, title = place.split(", ")
+        text = (ROOT / page).read_text(encoding="utf-8")
+        section = text.partition(f"## {title}\n")[2].partition("\n## ")[0]
+        assert {word for limit in limits for word in limit.words} <= set(re.findall(r"`(\w+)`", section))
+        for limit in limits:
+            assert limit.instead in section.replace("`", "")
     keys = {part for form in (SHORT, LONG) for key in all_keys(form) for part in key.split(".")}
     assert not keys & set(UNSUPPORTED)

@@ -10,11 +10,21 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
+from vibsim.cases.formula_keys import has_formulas
 from vibsim.cases.problems import CaseError, Problem
 from vibsim.cases.quantities import Quantity, number
 from vibsim.cases.scene_building import DOUBLES, amplitude_value, build_parts, build_two_blocks, exact_numbers
 from vibsim.cases.schema import CaseFile, CaseHead, HarmonicKeys, Section
-from vibsim.cases.schema_keys import UnknownKeyError, form_of, full_key, holds_names, keys_of, section_models
+from vibsim.cases.schema_keys import (
+    UnknownKeyError,
+    form_of,
+    full_key,
+    holds_names,
+    keys_of,
+    measured_in_case,
+    section_models,
+)
+from vibsim.cases.schema_kinds import Measured
 from vibsim.cases.short_form import HEAD, flow, long_text, long_values, scalar, sections_text
 from vibsim.cases.sources import (
     SourceText,
@@ -35,7 +45,7 @@ from vibsim.cases.validation import (
     validated,
 )
 from vibsim.cases.yaml_nodes import Place
-from vibsim.physics.parts import Scene
+from vibsim.physics.parts import BODY, Scene
 from vibsim.physics.two_blocks import TwoBlocks
 
 
@@ -135,8 +145,11 @@ class Case:
         return long_text(self.long_values())
 
     def _short_form(self) -> CaseFile:
-        if isinstance(self.model, CaseFile):
+        if isinstance(self.model, CaseFile) and not has_formulas(self._nested):
             return self.model
+        if isinstance(self.model, CaseFile):
+            what = "a formula has no symbol of the paper (Omega0, M0), which this asks for"
+            raise CaseError([Problem(self.source, None, None, "excitation", what)])
         what = (
             "named parts have no symbols of the paper (m1, k2, G, ...), which this asks for; "
             "it needs a case with blocks and coupling"
@@ -168,6 +181,11 @@ class Case:
             raise UnknownKeyError(f"{key} is no number of case {self.name}; its numbers are {listed}")
         return quantity
 
+    def measured(self, key: str) -> Measured | None:
+        """What the number at a dotted or short key is, and its range; beside a formula its dimension."""
+        full = self.full_key(key)
+        return measured_in_case(self._nested, full, self.quantity(full))
+
     def number(self, key: str) -> float:
         """A number of the case in SI units and rad/s; excitation.A is computed where a rule gives it.
 
@@ -181,11 +199,13 @@ class Case:
 
     @property
     def source_kind(self) -> str:
-        """What drives the bodies: motor, base, harmonic forces, constant ones alone, or none."""
+        """What drives the bodies: motor, base, rotors, formula, harmonic, constant (forces alone), or none."""
         values = self.long_values()
         if "motor" in values or "base" in values:
             return "motor" if "motor" in values else "base"
         forces = values.get("forces", {}).values()
+        if "rotors" in values or any("force" in force for force in forces):
+            return "rotors" if "rotors" in values else "formula"
         if any("A" in force or "terms" in force for force in forces):
             return "harmonic"
         return "constant" if forces else "none"
@@ -194,9 +214,10 @@ class Case:
         """Omega0 of the motor, or omega of all forces and the base where they share one; else None."""
         values = self.long_values()
         if "motor" in values:
-            no_load: Quantity = values["motor"]["Omega0"]
-            return no_load
+            no_load = values["motor"].get("Omega0")
+            return no_load if isinstance(no_load, Quantity) and "torque" not in values["motor"] else None
         sources = [*values.get("forces", {}).values(), *([values["base"]] if "base" in values else [])]
+        sources = [source for source in sources if not {"force", "x"} & set(source)]
         terms = [term for source in sources for term in [source, *source.get("terms", {}).values()]]
         rates = {term["omega"].value: term["omega"] for term in terms if "omega" in term}
         return next(iter(rates.values())) if len(rates) == 1 else None
@@ -212,7 +233,8 @@ class Case:
 
     def __repr__(self) -> str:
         scene = self.scene()
-        bodies = f"{len(scene.bodies)} bod{'y' if len(scene.bodies) == 1 else 'ies'}"
+        count = sum(body.kind == BODY for body in scene.bodies)
+        bodies = f"{count} bod{'y' if count == 1 else 'ies'}"
         stops = f", {len(scene.stops)} stop{'' if len(scene.stops) == 1 else 's'}" if scene.stops else ""
         frequency = f" at {self.frequency()}" if self.frequency() else ""
         source = f"source {self.source_kind}{frequency}"
@@ -379,11 +401,14 @@ def _keys(
 
     say : whether to tell what the keys mean; suggest : whether to name those that it has not, with an example
     """
+    free = [key for key in values if key not in model.keys]
     for key, field in model.keys.items():
         if key in values:
             yield _line(indent, f"{key}: {flow(values[key], key)}", field.description if say else "")
-        elif suggest and field.examples:
+        elif suggest and field.examples and not free:
             yield _line(indent, f"# {key}: {field.examples[0]}", field.description)
+    for key in free:
+        yield _line(indent, f"{key}: {flow(values[key], key)}", "number of the formula" if say else "")
 
 
 def _line(indent: str, text: str, comment: str | None) -> str:

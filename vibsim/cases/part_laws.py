@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from vibsim.cases.quantities import Quantity
+from vibsim.cases.formula_keys import has_formula, sides_of
+from vibsim.cases.quantities import Quantity, two_pi_fraction
 from vibsim.cases.short_form import BASE, NO_BODIES, Draft, Ends, FoundDefault
 from vibsim.physics import elementary
 from vibsim.physics.friction_laws import EXPONENTIAL, HYPERBOLIC
@@ -79,12 +80,26 @@ def coefficients_fit_the_law(draft: Draft) -> Iterator[FoundDefault]:
     """The coefficients of the law for both directions, or plus and minus with those of one each."""
     for key, part in draft.parts("friction"):
         law = LAWS.get(part.get("law", COULOMB))
-        if law is not None:
+        if has_formula("friction", part, "mu"):
+            yield from _with_sides(key, part)
+        elif law is not None:
             yield from _of_both(key, part, law)
+
+
+def _with_sides(key: str, part: dict[str, Any]) -> Iterator[FoundDefault]:
+    """A formula of mu holds for both directions."""
+    sides = [name for name in SIDES if name in part]
+    if sides:
+        what = f"mu holds for both directions, so {' and '.join(sides)} must be left out"
+        yield FoundDefault(f"{key}.{sides[0]}", what, of_the_name=True)
 
 
 def _of_both(key: str, part: dict[str, Any], law: Coefficients) -> Iterator[FoundDefault]:
     sides = [name for name in SIDES if name in part]
+    formulas = sides_of("friction", part)
+    if formulas and "law" in part:
+        what = f"names a built-in law, and {next(iter(formulas))}.mu is a formula; leave one of them out"
+        yield FoundDefault(f"{key}.law", what, of_the_name=True)
     yield from _of_other_laws(key, part, law)
     common = [name for name in law.all if name in part]
     if common and sides:
@@ -98,7 +113,7 @@ def _of_both(key: str, part: dict[str, Any], law: Coefficients) -> Iterator[Foun
         yield FoundDefault(f"{key}.{sides[0]}", what, of_the_name=True)
     else:
         for name in sides:
-            if isinstance(part[name], dict):
+            if isinstance(part[name], dict) and name not in formulas:
                 yield from _of_other_laws(f"{key}.{name}", part[name], law)
                 yield from _of_one(f"{key}.{name}", part[name], law, or_sides=False)
 
@@ -125,7 +140,10 @@ def _of_one(key: str, values: dict[str, Any], law: Coefficients, or_sides: bool)
 def friction_falls(draft: Draft) -> Iterator[FoundDefault]:
     """mu_s >= mu_d."""
     for key, part in draft.parts("friction"):
-        for side in (key, *(f"{key}.{name}" for name in SIDES if name in part)):
+        formulas = sides_of("friction", part)
+        if has_formula("friction", part, "mu"):
+            continue
+        for side in (key, *(f"{key}.{name}" for name in SIDES if name in part and name not in formulas)):
             static, dynamic = draft.quantity(f"{side}.mu_s"), draft.quantity(f"{side}.mu_d")
             if static is not None and dynamic is not None and static.value < dynamic.value:
                 what = f"must be <= mu_s, since friction falls with speed; got {dynamic} > {static}"
@@ -147,7 +165,7 @@ def stops_have_their_law(draft: Draft) -> Iterator[FoundDefault]:
     """An elastic stop has k, a rigid one e, and neither what is the other's."""
     for key, part in draft.parts("stops"):
         law = part.get("law", "elastic")
-        if law not in NEEDED:
+        if law not in NEEDED or "force" in part:
             continue
         foreign = [name for name in FOREIGN[law] if name in part]
         for name in foreign:
@@ -202,9 +220,9 @@ def _limits(draft: Draft) -> Iterator[LimitKeys]:
         if part.get("law") != "rigid" or ends is None or gap is None:
             continue
         if part.get("acts") == "compression":
-            yield LimitKeys(key, ends, ends.P, ends.Q, gap.value)
+            yield LimitKeys(key, ends, ends.P, ends.Q, _size(gap))
         elif part.get("acts") == "extension":
-            yield LimitKeys(key, ends, ends.Q, ends.P, gap.value)
+            yield LimitKeys(key, ends, ends.Q, ends.P, _size(gap))
 
 
 def _lack_of_room(limit: LimitKeys, limits: Sequence[LimitKeys]) -> tuple[Any, list[str]]:
@@ -235,12 +253,19 @@ def _place(draft: Draft, end: str) -> Any:
         return 0
     initial = draft.section("initial", end)
     x = draft.quantity(f"initial.{end}.x")
-    return 0 if "x" not in initial else None if x is None else x.value
+    return 0 if "x" not in initial else None if x is None else _size(x)
+
+
+def _size(quantity: Quantity) -> Fraction:
+    """A place in SI units: exact, but for turns, which pi makes a number of many digits."""
+    return quantity.value * two_pi_fraction(60) ** int(quantity.per_turn)
 
 
 def _base(draft: Draft) -> Any:
     """X(0), the sum of a sin(phase)."""
     base = draft.section("base")
+    if "x" in base:
+        return _base_formula(draft)
     terms = base.get("terms")
     keys = [f"base.terms.{number}" for number in terms] if isinstance(terms, dict) else ["base"]
     total = 0.0
@@ -250,3 +275,16 @@ def _base(draft: Draft) -> Any:
             return None
         total += a.number() * elementary.sin(phase.number()) if isinstance(phase, Quantity) else 0.0
     return total
+
+
+def _base_formula(draft: Draft) -> float | None:
+    """X(0) of a formula; None where it has no value."""
+    from vibsim.cases.formula_places import FormulaScene, Unreadable, places_of
+    from vibsim.cases.formula_tables import size_of
+    from vibsim.cases.formula_text import FormulaError
+
+    place = next(one for one in places_of({"base": draft.section("base")}))
+    try:
+        return size_of(FormulaScene(draft.values).node(place))
+    except (FormulaError, Unreadable):
+        return None

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from math import prod
 from typing import Any
 
+from vibsim.cases.formula_keys import has_formula, of_part, sides_of
 from vibsim.cases.part_laws import (
     COULOMB,
     coefficients_fit_the_law,
@@ -14,6 +15,7 @@ from vibsim.cases.part_laws import (
 )
 from vibsim.cases.problems import did_you_mean, shown
 from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity
+from vibsim.cases.schema_keys import Form
 from vibsim.cases.short_form import BASE, CALLED, NO_BODIES, PARTS, Draft, Ends, FoundDefault
 from vibsim.physics.parts import columns_of
 
@@ -54,7 +56,7 @@ def base_is_there(draft: Draft) -> Iterator[FoundDefault]:
 
 def loads_act_on_bodies(draft: Draft) -> Iterator[FoundDefault]:
     """Forces and the motor act on a body."""
-    for key, part in [*draft.parts("forces"), ("motor", draft.section("motor"))]:
+    for key, part in [*draft.parts("forces", "rotors"), ("motor", draft.section("motor"))]:
         on = part.get("on")
         if isinstance(on, str) and draft.bodies and on not in draft.bodies:
             allowed = ", ".join(draft.bodies)
@@ -63,20 +65,31 @@ def loads_act_on_bodies(draft: Draft) -> Iterator[FoundDefault]:
 
 
 def states_exist(draft: Draft) -> Iterator[FoundDefault]:
-    """States at t = 0 are those of bodies, and of the rotor under the name motor."""
+    """States at t = 0 are those of bodies and rotors, and of the rotor of the motor under the name motor."""
+    rotors = draft.section("rotors")
     for key, part in draft.parts("initial"):
         name = key.partition(".")[2]
         if name == "motor":
             yield from _states_of_rotor(draft, part)
+        elif name in rotors:
+            yield from _foreign(key, part, ("x", "v", "phidot"), "a rotor has phi and w")
+        elif name in draft.section("states"):
+            yield FoundDefault(key, f"a state begins at states.{name}.start", of_the_name=True)
         elif draft.bodies and name not in draft.bodies:
-            allowed = [*draft.bodies, "motor"]
+            allowed = [*draft.bodies, *rotors, "motor"]
             message = f"no body {shown(name)}{did_you_mean(name, allowed)}; allowed: {', '.join(allowed)}"
             yield FoundDefault(key, message, of_the_name=True)
         else:
-            for state in ("phi", "phidot"):
-                if state in part:
-                    message = "belongs to initial.motor; a body has x and v"
-                    yield FoundDefault(f"{key}.{state}", message, of_the_name=True)
+            yield from _foreign(key, part, ("phi", "phidot"), "belongs to initial.motor; a body has x and v")
+            yield from _foreign(key, part, ("w",), "belongs to a rotor; a body has x and v")
+
+
+def _foreign(
+    key: str, part: dict[str, object], states: Iterable[str], message: str
+) -> Iterator[FoundDefault]:
+    for state in states:
+        if state in part:
+            yield FoundDefault(f"{key}.{state}", message, of_the_name=True)
 
 
 def _states_of_rotor(draft: Draft, part: dict[str, object]) -> Iterator[FoundDefault]:
@@ -87,8 +100,44 @@ def _states_of_rotor(draft: Draft, part: dict[str, object]) -> Iterator[FoundDef
         if state in ("x", "v"):
             message = "the rotor has phi and phidot; x and v are those of the body under it"
             yield FoundDefault(key, message, of_the_name=True)
+        elif state == "w":
+            yield FoundDefault(key, "the rotor of the motor has phi and phidot", of_the_name=True)
         elif "motor" not in draft.values and quantity is not None and quantity.value != 0:
             yield FoundDefault(key, f"there is no motor, so it must be left out, got {quantity}")
+
+
+def rotors_have_inertia(draft: Draft) -> Iterator[FoundDefault]:
+    """J + m e^2 > 0; and M0 and Omega0 come together, in place of a torque."""
+    for key, part in draft.parts("rotors"):
+        inertia = draft.quantity(f"{key}.J")
+        unbalance = [draft.quantity(f"{key}.{name}") for name in ("m", "e")]
+        readable = all(name not in part or draft.quantity(f"{key}.{name}") for name in ("J", "m", "e"))
+        if readable and not (inertia and inertia.value) and not all(one and one.value for one in unbalance):
+            message = "has no inertia: give J, or m and e that are not 0"
+            yield FoundDefault(key, message, of_the_name=True)
+        pair = [name for name in ("M0", "Omega0") if name in part]
+        if len(pair) == 1 and not has_formula("rotors", part, "torque"):
+            other = "Omega0" if pair == ["M0"] else "M0"
+            yield FoundDefault(f"{key}.{pair[0]}", f"{other} is missing", of_the_name=True)
+
+
+def bodies_turn_alike(draft: Draft) -> Iterator[FoundDefault]:
+    """A torsional scene has no rotors and no weight: what turns in it are its bodies."""
+    if not draft.torsional:
+        return
+    for section in ("rotors", "motor"):
+        if section in draft.values:
+            message = (
+                "an unbalanced rotor sits on a body that moves along a line, and the bodies of this scene "
+                "turn; write its torque as a force on a body"
+            )
+            yield FoundDefault(section, message, of_the_name=True)
+    for key, part in draft.parts("friction"):
+        if "N" not in part and not has_formula("friction", part, "mu"):
+            message = "needs N, the torque that mu is multiplied with, in a scene of bodies that turn"
+            yield FoundDefault(key, message, of_the_name=True)
+        elif "N" not in part:
+            yield FoundDefault(key, "needs N in a scene of bodies that turn", of_the_name=True)
 
 
 # Rules for what a part needs, and for keys that stand in place of one another.
@@ -106,7 +155,8 @@ def a_file_has_room(draft: Draft) -> Iterator[FoundDefault]:
     """A result file holds MOST_COLUMNS of a table: what HDF5 can note at one scale."""
     bodies, parts = len(draft.bodies), sum(1 for _ in draft.parts("stops", "friction", "clearances"))
     rigid = any(part.get("law") == "rigid" for _, part in draft.parts("stops"))
-    columns = (3 if rigid else 2) * bodies + parts
+    moving = bodies + len(draft.section("rotors"))
+    columns = (3 if rigid else 2) * moving + parts + len(draft.section("states"))
     if columns > MOST_COLUMNS:
         message = (
             f"{bodies} bodies and their stops, frictions and clearances make {columns} columns; "
@@ -117,7 +167,7 @@ def a_file_has_room(draft: Draft) -> Iterator[FoundDefault]:
 
 def links_do_something(draft: Draft) -> Iterator[FoundDefault]:
     for key, part in draft.parts("links"):
-        if "k" not in part and "c" not in part:
+        if not {"k", "c", "force"} & set(part):
             yield FoundDefault(key, "a link needs k, c or both", of_the_name=True)
 
 
@@ -125,6 +175,8 @@ def friction_has_a_load(draft: Draft) -> Iterator[FoundDefault]:
     """N, or the weight m g of the first end."""
     for key, part in draft.parts("friction"):
         ends = Ends.read(part.get("between"))
+        if has_formula("friction", part, "N"):
+            continue
         if "N" in part and "g" in part:
             yield FoundDefault(f"{key}.g", "the load is N, so g must be left out", of_the_name=True)
         elif "N" not in part and ends is not None and ends.P in NO_BODIES and ends.Q not in NO_BODIES:
@@ -138,8 +190,9 @@ def friction_has_a_load(draft: Draft) -> Iterator[FoundDefault]:
 def sources_are_harmonic(draft: Draft) -> Iterator[FoundDefault]:
     """A and omega (a and omega of base), or terms; a force may be F0 alone."""
     for key, part in draft.parts("forces"):
-        yield from _harmonic(key, part, "A", bool("F0" in part))
-    if isinstance(draft.values.get("base"), dict):
+        if "force" not in part:
+            yield from _harmonic(key, part, "A", bool("F0" in part))
+    if isinstance(draft.values.get("base"), dict) and "x" not in draft.section("base"):
         yield from _harmonic("base", draft.section("base"), "a", False)
 
 
@@ -174,8 +227,20 @@ def closed_form_is_there(draft: Draft) -> Iterator[FoundDefault]:
     allowed = "run.method must be auto or taylor, got closed_form"
     if "motor" in draft.values:
         yield FoundDefault("run.method", f"a motor has no closed form; with one, {allowed}")
+    elif formula := next(_formulas(draft), None):
+        yield FoundDefault("run.method", f"{formula} is a formula and has no closed form; {allowed}")
     elif falling:
         yield FoundDefault("run.method", f"{falling[0]} falls with speed and has no closed form; {allowed}")
+
+
+def _formulas(draft: Draft) -> Iterator[str]:
+    """Dotted keys of the parts with formulas, and of what always has some."""
+    for section in ("links", "stops", "friction", "forces", "states", "rotors"):
+        for key, part in draft.parts(section):
+            if section in ("states", "rotors") or of_part(section, part) or sides_of(section, part):
+                yield key
+    if of_part("base", draft.section("base")):
+        yield "base"
 
 
 def products_fit(draft: Draft) -> Iterator[FoundDefault]:
@@ -190,6 +255,8 @@ def products_fit(draft: Draft) -> Iterator[FoundDefault]:
 
 def _products(draft: Draft) -> Iterator[tuple[str, str, list[Quantity | None]]]:
     for key, part in draft.parts("friction"):
+        if has_formula("friction", part, "mu"):
+            continue
         ends = Ends.read(part.get("between"))
         load = [draft.quantity(f"{key}.N")]
         if "N" not in part:
@@ -202,6 +269,8 @@ def _products(draft: Draft) -> Iterator[tuple[str, str, list[Quantity | None]]]:
             for name in ("mu_s", "mu_d"):
                 yield key, f"the force {name} N", [draft.quantity(f"{side}.{name}"), *load]
     for key, part in draft.parts("forces"):
+        if "force" in part:
+            continue
         for term in [key, *(f"{key}.terms.{number}" for number in _dict(part.get("terms")))]:
             omega = draft.quantity(f"{term}.omega")
             rule = [draft.quantity(f"{term}.A.{name}") for name in ("m3", "e")]
@@ -281,11 +350,14 @@ def names_are_different(draft: Draft) -> Iterator[FoundDefault]:
 def names_are_no_columns(draft: Draft) -> Iterator[FoundDefault]:
     """A part named x_ram would share its column with the displacement of the body ram."""
     columns = {column: body for body in draft.bodies for column in columns_of(body)}
+    for rotor in draft.section("rotors"):
+        columns |= dict.fromkeys((f"phi_{rotor}", f"w_{rotor}"), rotor)
     columns |= {f"before_{columns_of(body)[1]}": body for body in draft.bodies}
     for section in PARTS:
         for name in draft.section(section):
             if name in columns:
-                message = f"{name} is a column of body {columns[name]}; choose another name"
+                kind = "rotor" if columns[name] in draft.section("rotors") else "body"
+                message = f"{name} is a column of {kind} {columns[name]}; choose another name"
                 yield FoundDefault(f"{section}.{name}", message, of_the_name=True)
 
 
@@ -300,6 +372,8 @@ RULES: tuple[Callable[[Draft], Iterator[FoundDefault]], ...] = (
     base_is_there,
     loads_act_on_bodies,
     states_exist,
+    rotors_have_inertia,
+    bodies_turn_alike,
     links_do_something,
     coefficients_fit_the_law,
     friction_falls,
@@ -312,10 +386,10 @@ RULES: tuple[Callable[[Draft], Iterator[FoundDefault]], ...] = (
 )
 
 
-def findings(flat: Mapping[str, Any], values: Mapping[str, Any]) -> list[FoundDefault]:
+def findings(flat: Mapping[str, Any], values: Mapping[str, Any], form: Form) -> list[FoundDefault]:
     """What the rules find.
 
     flat : dotted key -> value that can be read; values : the nested texts of the case
     """
-    draft = Draft(flat, values)
+    draft = Draft(flat, values, form.torsional)
     return [finding for rule in RULES for finding in rule(draft)]

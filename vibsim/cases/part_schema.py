@@ -3,15 +3,20 @@
 What concerns several keys at once stands in the modules of rules beside this one.
 """
 
-from typing import Annotated, Literal
+import types
+from functools import cache
+from typing import Annotated, Any, Literal, get_args, get_origin
 
+from vibsim.cases.formula_keys import FORMULA_KEYS, Formula
 from vibsim.cases.quantities import Quantity
 from vibsim.cases.schema import (
     Amplitude,
     Angle,
+    AnyQuantity,
     CaseHead,
     Eccentricity,
     Force,
+    Key,
     Length,
     Mass,
     PositiveRate,
@@ -19,18 +24,25 @@ from vibsim.cases.schema import (
     RunKeys,
     Section,
     Velocity,
+    WithFormulas,
     key,
     optional,
 )
-from vibsim.cases.schema_kinds import Measured
+from vibsim.cases.schema_kinds import FormulaText, Measured
 from vibsim.cases.short_form import Ends
 
 Stiffness = Annotated[Quantity, Measured("stiffness", least="0")]
 Damping = Annotated[Quantity, Measured("damping", least="0")]
 FrictionCoefficient = Annotated[Quantity, Measured("number", least="0")]
+MuOrFormula = Annotated[Quantity | Formula, Measured("number", least="0", formula=True)]
+AnyFormula = Annotated[Formula, FormulaText()]
 StaticRatio = Annotated[Quantity, Measured("number", least="1")]
 
-MU = key(default=None, description="law coulomb: friction coefficient while slipping", examples=["0.2"])
+MU = key(
+    default=None,
+    description="law coulomb: friction coefficient while slipping; or a formula in the slip speed s",
+    examples=["0.2"],
+)
 MU_S = key(
     default=None,
     description="laws stribeck: friction coefficient at speed 0, and of the limit while sticking",
@@ -60,19 +72,27 @@ BETWEEN = key(description="the two ends: bodies, ground or base", examples=["[ra
 ON = key(description="the body that it acts on", examples=["ram"])
 
 
-class LinkKeys(Section):
-    """Spring and damper between two ends: force -k (x_P - x_Q) - c (v_P - v_Q) on P."""
+class LinkKeys(WithFormulas):
+    """Spring and damper between two ends: force -k (x_P - x_Q) - c (v_P - v_Q) on P; or minus a formula."""
 
+    formulas = FORMULA_KEYS["links"]
     between: Ends = BETWEEN
+    force: AnyFormula | None = key(
+        default=None,
+        description="formula of the force that drives the ends together, in d = x_P - x_Q and v = v_P - v_Q; "
+        "beside it k, c and others are numbers of the formula",
+        examples=['"k*d + k3*d**3"'],
+    )
     k: Stiffness = optional("0 N/m", "stiffness", "4 kN/m")
     c: Damping = optional("0 N s/m", "damping", "2 N s/m")
 
 
-class AnyStop(Section):
-    """A stop: an elastic one pushes its ends back with k g + c g' in contact, g the depth; a rigid one turns
-    the rate of g round in an impact.
+class AnyStop(WithFormulas):
+    """A stop: an elastic one pushes its ends back with k g + c g' in contact, g the depth, or with a formula;
+    a rigid one turns the rate of g round in an impact.
     """
 
+    formulas = FORMULA_KEYS["stops"]
     between: Ends = BETWEEN
     gap: Length = key(
         description="free distance, 0 or negative too; measured from all displacements 0", examples=["1 mm"]
@@ -94,12 +114,18 @@ class AnyStop(Section):
     e: Annotated[Quantity, Measured("number", least="0", most="1")] | None = key(
         default=None, description="coefficient of restitution (rigid only)", examples=["0.8"]
     )
+    force: AnyFormula | None = key(
+        default=None,
+        description="formula of the force in contact, in the depth p and its rate pv, in place of k and c",
+        examples=['"K*p**1.5"'],
+    )
 
 
-class OneWay(Section):
-    """Friction in one direction of slip: the coefficients of the law."""
+class OneWay(WithFormulas):
+    """Friction in one direction of slip: the coefficients of the law, or a formula of mu."""
 
-    mu: FrictionCoefficient | None = MU
+    formulas = FORMULA_KEYS["friction"][:1]
+    mu: MuOrFormula | None = MU
     static: StaticRatio | None = STATIC
     mu_s: FrictionCoefficient | None = MU_S
     mu_d: FrictionCoefficient | None = MU_D
@@ -107,14 +133,15 @@ class OneWay(Section):
     v0: Annotated[Quantity, Measured("velocity", above="0")] | None = V0
 
 
-class DryFriction(Section):
+class DryFriction(WithFormulas):
     """Dry friction of P on Q; v_rel = v_P - v_Q - belt."""
 
+    formulas = FORMULA_KEYS["friction"]
     between: Ends = BETWEEN
     law: Literal["coulomb", "stribeck hyperbolic", "stribeck exponential"] = key(
         default="coulomb", description="law of friction"
     )
-    mu: FrictionCoefficient | None = MU
+    mu: MuOrFormula | None = MU
     static: StaticRatio | None = STATIC
     mu_s: FrictionCoefficient | None = MU_S
     mu_d: FrictionCoefficient | None = MU_D
@@ -126,15 +153,19 @@ class DryFriction(Section):
     minus: OneWay | None = key(
         default=None, description="where v_rel < 0; with plus, in place of coefficients for both directions"
     )
-    N: Annotated[Quantity, Measured("force", least="0")] | None = key(
-        default=None, description="normal load; left out: m g of the first end", examples=["3 N"]
+    N: Annotated[Quantity | Formula, Measured("force", least="0", formula=True)] | None = key(
+        default=None,
+        description="normal load, or a formula of it; left out: m g of the first end",
+        examples=["3 N"],
     )
     g: Annotated[Quantity, Measured("acceleration", above="0")] | None = key(
         default=None,
         description="gravity, where N is left out; 9.81 m/s^2 by default",
         examples=["9.81 m/s^2"],
     )
-    belt: Velocity = optional("0 m/s", "velocity of the surface of Q against Q", "0.2 m/s")
+    belt: Annotated[Quantity | Formula, Measured("velocity", formula=True)] = optional(
+        "0 m/s", "velocity of the surface of Q against Q", "0.2 m/s"
+    )
 
 
 class ForceTerm(Section):
@@ -145,10 +176,16 @@ class ForceTerm(Section):
     phase: Angle = optional("0 rad", "phase at t = 0; 90 deg: a cosine", "90 deg")
 
 
-class BodyForce(Section):
-    """Force F0 + sum of A sin(omega t + phase) on a body."""
+class BodyForce(WithFormulas):
+    """Force F0 + sum of A sin(omega t + phase) on a body, or a formula."""
 
+    formulas = FORMULA_KEYS["forces"]
     on: str = ON
+    force: AnyFormula | None = key(
+        default=None,
+        description="formula of the force, in place of A, omega, phase, terms and F0",
+        examples=['"A*sin(w*t + r*t**2/2)"'],
+    )
     A: Amplitude | None = key(default=None, description="amplitude", examples=["10 N"])
     omega: PositiveRate | None = key(default=None, description="frequency", examples=["25 Hz"])
     phase: Angle | None = key(
@@ -168,9 +205,15 @@ class BaseTerm(Section):
     phase: Angle = optional("0 rad", "phase at t = 0", "90 deg")
 
 
-class BaseMotion(Section):
-    """Displacement of base: sum of a sin(omega t + phase)."""
+class BaseMotion(WithFormulas):
+    """Displacement of base: sum of a sin(omega t + phase), or a formula."""
 
+    formulas = FORMULA_KEYS["base"]
+    x: AnyFormula | None = key(
+        default=None,
+        description="formula of the displacement in t alone, in place of a, omega, phase and terms",
+        examples=['"a*sin(w*t)*min(t/rise, 1)"'],
+    )
     a: Length | None = key(default=None, description="amplitude", examples=["0.1 mm"])
     omega: PositiveRate | None = key(default=None, description="frequency", examples=["50 Hz"])
     phase: Angle | None = key(default=None, description="phase at t = 0, 0 by default", examples=["90 deg"])
@@ -179,28 +222,70 @@ class BaseMotion(Section):
     )
 
 
-class BodyMotor(Section):
+class BodyMotor(WithFormulas):
     """Motor of limited power with an unbalanced rotor on a body, Eqs. (2.8) to (2.10)."""
 
+    formulas = FORMULA_KEYS["motor"]
     on: str = ON
     m3: Mass = key(description="unbalanced mass", examples=["0.03 kg"])
     e: Eccentricity = key(description="eccentricity; negative: mirrored", examples=["0.11 m"])
     J: Annotated[Quantity, Measured("inertia", least="0")] = key(
         description="moment of inertia of the rotor without m3", examples=["0.001 kg m^2"]
     )
-    M0: Annotated[Quantity, Measured("torque", least="0")] = key(
-        description="torque at standstill", examples=["0.005 N m"]
+    M0: Annotated[Quantity | Formula, Measured("torque", least="0", formula=True)] = key(
+        description="torque at standstill, or a formula of it", examples=["0.005 N m"]
     )
-    Omega0: PositiveRate = key(description="speed at which the torque vanishes", examples=["5.5 Hz"])
+    Omega0: Annotated[Quantity | Formula, Measured("angular rate", above="0", formula=True)] = key(
+        description="speed at which the torque vanishes, or a formula of it", examples=["5.5 Hz"]
+    )
+    torque: AnyFormula | None = key(
+        default=None,
+        description="formula of the torque on the rotor, in phi and w, in place of M0 and Omega0",
+        examples=['"M0*(1 - w/Omega0)"'],
+    )
+
+
+class RotorKeys(WithFormulas):
+    """An unbalanced rotor on a body: a motor, an exciter or a pendulum."""
+
+    formulas = FORMULA_KEYS["rotors"]
+    on: str = ON
+    m: Annotated[Quantity, Measured("mass", least="0")] = optional("0 kg", "unbalanced mass", "0.03 kg")
+    e: Length = optional("0 m", "eccentricity; negative: mirrored", "0.11 m")
+    J: Annotated[Quantity, Measured("inertia", least="0")] = optional(
+        "0 kg m^2", "moment of inertia of the rotor without m", "0.001 kg m^2"
+    )
+    torque: AnyFormula | None = key(
+        default=None,
+        description="formula of the torque on the rotor, in phi and w; without it and M0 there is none",
+        examples=['"-m*g*e*cos(phi)"'],
+    )
+    M0: Annotated[Quantity | Formula, Measured("torque", least="0", formula=True)] | None = key(
+        default=None, description="torque at standstill, or a formula of it", examples=["0.005 N m"]
+    )
+    Omega0: Annotated[Quantity | Formula, Measured("angular rate", above="0", formula=True)] | None = key(
+        default=None,
+        description="speed at which the torque M0 (1 - w / Omega0) vanishes, or a formula of it",
+        examples=["5.5 Hz"],
+    )
+
+
+class StateKeys(WithFormulas):
+    """A further state of first order, such as a current: its name stands for it in formulas."""
+
+    formulas = FORMULA_KEYS["states"]
+    rate: AnyFormula = key(description="formula of its rate", examples=['"(U - R*i)/L"'])
+    start: AnyQuantity = optional("0", "value at t = 0, with the unit of the state", "0 A")
 
 
 class StartState(Section):
-    """State of a body, or of the rotor under the name motor, at t = 0; 0 unless given."""
+    """State of a body or a rotor, of that of the motor under the name motor, at t = 0; 0 unless given."""
 
     x: Length | None = key(default=None, description="displacement of a body", examples=["1 mm"])
     v: Velocity | None = key(default=None, description="velocity of a body", examples=["0 m/s"])
-    phi: Angle | None = key(default=None, description="rotor angle (motor only)", examples=["90 deg"])
+    phi: Angle | None = key(default=None, description="angle of a rotor", examples=["90 deg"])
     phidot: Rate | None = key(default=None, description="rotor speed (motor only)", examples=["0 Hz"])
+    w: Rate | None = key(default=None, description="speed of a rotor (not of motor)", examples=["0 Hz"])
 
 
 class ClearanceKeys(Section):
@@ -223,15 +308,103 @@ class PartsRun(RunKeys):
 class PartsFile(CaseHead):
     """A scene of bodies on a line, made of named parts, and one run of it."""
 
+    parameters: dict[str, AnyQuantity] = key(
+        default={}, description="numbers that formulas read, by name", examples=["{g: 9.81 m/s^2}"]
+    )
     bodies: dict[str, Mass] = key(description="name and mass of each body", examples=["{ram: 2 kg}"])
     links: dict[str, LinkKeys] = key(default={}, description="springs and dampers, by name")
     stops: dict[str, AnyStop] = key(default={}, description="stops, by name")
     friction: dict[str, DryFriction] = key(default={}, description="dry frictions, by name")
     forces: dict[str, BodyForce] = key(default={}, description="forces on bodies, by name")
+    states: dict[str, StateKeys] = key(default={}, description="further states of first order, by name")
+    rotors: dict[str, RotorKeys] = key(default={}, description="unbalanced rotors on bodies, by name")
     base: BaseMotion | None = key(default=None, description="motion of base; left out: there is none")
     motor: BodyMotor | None = key(default=None, description="the motor; left out: there is none")
     initial: dict[str, StartState] = key(
-        default={}, description="state at t = 0 by body, and of the rotor as motor; left out: at rest"
+        default={},
+        description="state at t = 0 by body and rotor, of that of the motor as motor; left out: at rest",
     )
     clearances: dict[str, ClearanceKeys] = key(default={}, description="limits that are watched, by name")
     run: PartsRun = key(default={}, description="left out: 300 s, every 5 ms")
+
+
+# The long form of a torsional scene: bodies turn, x is an angle [rad], forces are torques [N m]. Its sections
+# and keys are those of bodies on a line, with other dimensions at their values.
+
+
+TURNED = {
+    "mass": "inertia",
+    "length": "angle",
+    "velocity": "angular rate",
+    "inverse velocity": "inverse angular rate",
+    "force": "torque",
+    "stiffness": "torsional stiffness",
+    "damping": "torsional damping",
+}
+TEXTS = {
+    "0 N/m": "0 N m/rad",
+    "0 N s/m": "0 N m s/rad",
+    "0 m/s": "0 rad/s",
+    "0 N": "0 N m",
+    "1e-6 m": "1e-6 rad",
+    "1 um": "1e-6 rad",
+    "1 mm": "1 mrad",
+    "2 kg": "0.3 kg m^2",
+    "{ram: 2 kg}": "{disc: 0.3 kg m^2}",
+    "4 kN/m": "4 kN m/rad",
+    "1 MN/m": "1 MN m/rad",
+    "2 N s/m": "2 N m s/rad",
+    "10 N": "10 N m",
+    "3 N": "3 N m",
+}  # defaults and examples
+UNCHANGED = ("rotors", "motor")  # which no torsional scene has
+
+
+@cache
+def turning_file() -> type[CaseHead]:
+    """The outermost section of a torsional scene."""
+    turned: type[CaseHead] = _turned_section(PartsFile)
+    return turned
+
+
+def _turned_section(section: Any) -> Any:
+    """The section with the dimensions of turning bodies."""
+    turned: Any = type(section.__name__, (section,), {"__doc__": section.__doc__, "__annotations__": {}})
+    turned.keys = {name: key if name in UNCHANGED else _turned_key(key) for name, key in section.keys.items()}
+    return turned
+
+
+def _turned_key(key: Key) -> Key:
+    default = TEXTS.get(key.default, key.default) if isinstance(key.default, str) else key.default
+    examples = [TEXTS.get(example, example) for example in key.examples]
+    return Key(_turned(key.annotation), default, key.description, examples)
+
+
+def _turned(annotation: Any) -> Any:
+    """An annotation with other dimensions in it; the rule of an amplitude, m3 e omega^2, is left out."""
+    if isinstance(annotation, type) and get_origin(annotation) is None:
+        return _turned_section(annotation) if issubclass(annotation, Section) else annotation
+    if get_origin(annotation) is Annotated:
+        inner, *notes = get_args(annotation)
+        measured = next((note for note in notes if isinstance(note, Measured)), None)
+        if measured is not None:
+            dimension = TURNED.get(measured.dimension, measured.dimension)
+            if dimension not in TURNED.values():
+                return annotation
+            return Annotated[inner, measured._replace(dimension=dimension, alternative="", any_unit=True)]
+        variants = [one for one in get_args(inner) if _measure_in(one) is not None]
+        if variants:
+            return _turned(variants[-1])
+        return annotation
+    if get_origin(annotation) is dict:
+        key, value = get_args(annotation)
+        return types.GenericAlias(dict, (key, _turned(value)))
+    arguments = [one for one in get_args(annotation) if one is not type(None)]
+    if len(arguments) == 1 and len(get_args(annotation)) == 2:
+        return _turned(arguments[0]) | None
+    return annotation
+
+
+def _measure_in(annotation: Any) -> Measured | None:
+    notes = getattr(annotation, "__metadata__", ())
+    return next((note for note in notes if isinstance(note, Measured)), None)

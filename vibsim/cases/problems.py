@@ -120,30 +120,37 @@ class KnownLimit(NamedTuple):
 
 LIMITS_PAGE = "docs/scenes.md, What a scene cannot have"
 LIMITS = (
-    KnownLimit(
-        ("k3", "kc", "cubic", "quadratic", "nonlinear", "duffing", "hertz", "c3"),
-        "links and stops have linear springs and dampers",
-    ),
-    KnownLimit(
-        ("pulse", "ramp", "square", "sawtooth", "chirp", "table", "formula", "expression", "function"),
-        "forces and the base are sums of sines, with A, omega and phase, or terms",
-    ),
     KnownLimit(("noise", "random", "stochastic"), "all that happens in a scene follows from its numbers"),
-    KnownLimit(
-        ("delay", "control", "controller", "feedback", "pid"),
-        "forces and the base follow from the time alone",
-    ),
+    KnownLimit(("delay",), "forces follow from the state of the scene and from the time"),
     KnownLimit(
         ("gravity", "weight", "angle", "slope", "incline", "tilt"),
         "weight, or its part along the line, is a constant force F0 on each body",
     ),
+)
+FORMULAS_PAGE = "docs/scenes.md, Formulas"
+BY_FORMULAS = (
     KnownLimit(
-        ("theta", "rotation", "torsion", "torque"), "bodies move along one line; only a motor's rotor turns"
+        ("k3", "kc", "cubic", "quadratic", "nonlinear", "duffing", "hertz", "c3"),
+        "a spring that is not linear is a formula at force, with its numbers beside it: k*d + k3*d**3",
     ),
     KnownLimit(
-        ("voltage", "current", "resistance", "inductance"), "a motor has the torque M0 (1 - w / Omega0)"
+        ("pulse", "ramp", "square", "sawtooth", "chirp", "table", "formula", "expression", "function"),
+        "a load of another course in time is a formula at force: A*sin(w*t + r*t**2/2)",
+    ),
+    KnownLimit(
+        ("control", "controller", "feedback", "pid"),
+        "a force that follows from the motion is a formula at force: -kp*x_ram - kd*v_ram",
+    ),
+    KnownLimit(
+        ("theta", "rotation", "torsion"),
+        "bodies turn where their unit is one of inertia, and rotors on bodies stand in rotors",
+    ),
+    KnownLimit(
+        ("voltage", "current", "resistance", "inductance"),
+        "the current of a motor is a further state, with a formula at rate: (U - R*i - K*w)/L",
     ),
 )
+TOLD = ((LIMITS, "is not supported", LIMITS_PAGE), (BY_FORMULAS, "is no key", FORMULAS_PAGE))
 
 
 def nearest(word: str, allowed: Iterable[str]) -> str | None:
@@ -172,9 +179,17 @@ def did_you_mean(word: str, allowed: Iterable[str]) -> str:
 
 
 def unsupported(word: str) -> str:
-    """What there is in place of something that no scene has, and where that is written; empty for others."""
-    limit = next((limit for limit in LIMITS if word.casefold() in limit.words), None)
-    return f"is not supported: {limit.instead} ({LIMITS_PAGE})" if limit else ""
+    """What there is in place of something that no scene has, or has under no key, and where that is written;
+    empty for others.
+    """
+    for limits, what, page in (
+        (LIMITS, "is not supported", LIMITS_PAGE),
+        (BY_FORMULAS, "is no key", FORMULAS_PAGE),
+    ):
+        limit = next((limit for limit in limits if word.casefold() in limit.words), None)
+        if limit:
+            return f"{what}: {limit.instead} ({page})"
+    return ""
 
 
 def slips(a: str, b: str) -> int:

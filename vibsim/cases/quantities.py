@@ -18,12 +18,12 @@ from vibsim.cases.problems import nearest, shown
 
 
 class Unit(NamedTuple):
-    """One unit: value [SI] = number * factor, or value [turns, turns per second] where per_turn."""
+    """One unit: value [SI] = number * factor * (2 pi)**per_turn; per_turn is 1 for Hz, rpm, deg and turn."""
 
     name: str
     dimension: str
     factor: Fraction
-    per_turn: bool = False
+    per_turn: int = False
 
 
 # The first unit of a dimension is its SI unit, the meaning of a bare number.
@@ -41,6 +41,9 @@ FACTORS: dict[str, dict[str, str]] = {
     "torque": {"N m": "1", "mN m": "1e-3", "kN m": "1e3", "N cm": "1e-2", "N mm": "1e-3"},
     "angle": {"rad": "1"},
     "angular rate": {"rad/s": "1"},
+    "inverse angular rate": {"s/rad": "1"},
+    "torsional stiffness": {"N m/rad": "1", "mN m/rad": "1e-3", "kN m/rad": "1e3", "MN m/rad": "1e6"},
+    "torsional damping": {"N m s/rad": "1", "mN m s/rad": "1e-3", "kN m s/rad": "1e3"},
     "number": {"": "1"},
 }
 FACTORS_IN_TURNS: dict[str, dict[str, str]] = {
@@ -55,8 +58,8 @@ SPELLINGS = {
 }  # fmt: skip
 
 
-def _table() -> dict[str, Unit]:
-    units = {}
+def _table() -> "UnitTable":
+    units = UnitTable()
     for table, per_turn in ((FACTORS, False), (FACTORS_IN_TURNS, True)):
         for dimension, factors in table.items():
             for name, factor in factors.items():
@@ -64,17 +67,28 @@ def _table() -> dict[str, Unit]:
     return units
 
 
+class UnitTable(dict[str, Unit]):
+    """Units by name; one that is not in the table is made of others, where any unit is read at all."""
+
+    def __missing__(self, name: str) -> Unit:
+        unit = next(filter(None, (read(name) for read in FURTHER_UNITS)), None)
+        if unit is None:
+            raise KeyError(name)
+        return unit
+
+
+FURTHER_UNITS: list[Callable[[str], Unit | None]] = []  # any_unit.py adds its reader when it is loaded
 UNITS = _table()
 
 
 def si_unit(dimension: str) -> Unit:
-    """The SI unit of a dimension: what a bare number is in."""
-    return UNITS[next(iter(FACTORS[dimension]))]
+    """The SI unit of a dimension, what a bare number is in; one without a name is called by its unit."""
+    return UNITS[next(iter(FACTORS[dimension])) if dimension in FACTORS else dimension]
 
 
 def unit_names(dimension: str) -> list[str]:
     """Names of the units of a dimension; for angular rate the cycles come first, as people mean them."""
-    turns, radians = FACTORS_IN_TURNS.get(dimension, {}), FACTORS[dimension]
+    turns, radians = FACTORS_IN_TURNS.get(dimension, {}), FACTORS.get(dimension, {dimension: "1"})
     ordered = [*turns, *radians] if dimension == "angular rate" else [*radians, *turns]
     return [name for name in ordered if name]
 
@@ -99,6 +113,12 @@ def find_unit(text: str) -> Unit | None:
     return UNITS.get(name) if name else None
 
 
+def any_unit_named(text: str) -> Unit | None:
+    """The unit that `text` names, be it one of the table or made of others; None for what is none."""
+    known = find_unit(text)
+    return known or next(filter(None, (read(text) for read in FURTHER_UNITS)), None)
+
+
 NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
 _NUMBER_AND_UNIT = re.compile(rf"(?P<number>{NUMBER}(?:\s*/\s*\d+)?)\s*(?P<unit>.*)", re.ASCII | re.DOTALL)
 _NOT_FINITE = r"[+-]?\.?(inf|infinity|nan)\b"
@@ -118,17 +138,17 @@ class Quantity(NamedTuple):
     Attributes
     ----------
     text : canonical text, number as written and unit, e.g. "5.5 Hz"; parses back to the same quantity
-    value : exact value in SI units; in turns or turns per second where `per_turn`
-    per_turn : True for Hz, rpm, rev/s, deg/s, deg and turn
+    value : exact value in SI units over (2 pi)**per_turn; in turns or turns per second where that is 1
+    per_turn : True for Hz, rpm, rev/s, deg/s, deg and turn; other powers for such units as N m/deg
     """
 
     text: str
     value: Fraction
-    per_turn: bool = False
+    per_turn: int = False
 
     def number(self) -> float:
         """Correctly rounded value in SI units (rad and rad/s for angles and rates)."""
-        return times_two_pi(self.value, 1 if self.per_turn else 0)
+        return times_two_pi(self.value, int(self.per_turn))
 
     def cycles(self) -> tuple[float, float]:
         """An angular rate in Hz, or an angle in turns, as an unevaluated double-double (high, low)."""
@@ -141,6 +161,12 @@ class Quantity(NamedTuple):
 
     def __str__(self) -> str:
         return self.text
+
+
+def in_own_unit(own: Quantity, value: Fraction) -> str:
+    """A value, in SI units and turns as `own`, as a text in the unit that `own` has."""
+    name = own.text.partition(" ")[2]
+    return f"{decimal_text(value / UNITS[name].factor)} {name}".strip()
 
 
 def parse_quantity(text: str, dimension: str, alternative: str = "") -> Quantity:
@@ -455,7 +481,7 @@ def _part(piece: str, text: str) -> _Part:
 def _unit(name: str, text: str) -> str:
     if not name:
         return ""
-    unit = find_unit(name)
+    unit = any_unit_named(name)
     if unit is None:
         near = nearest(name, filter(None, UNITS))
         hint = f" (did you mean {near}?)" if near else ""

@@ -1,12 +1,14 @@
 """The seam between case and engine: exact quantities become the numbers of a scene, each rounded once."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from vibsim.cases.formula_keys import has_formulas
 from vibsim.cases.part_laws import Direction, directions
 from vibsim.cases.quantities import Quantity, times_two_pi, two_pi_fraction
 from vibsim.cases.schema import AmplitudeRule, CaseFile, HarmonicKeys, MotorKeys
+from vibsim.cases.schema_keys import form_of
 from vibsim.cases.short_form import BASE as BASE_END
 from vibsim.cases.short_form import GROUND as GROUND_END
 from vibsim.physics.parts import (
@@ -14,6 +16,8 @@ from vibsim.physics.parts import (
     COMPRESSION,
     EXTENSION,
     GROUND,
+    ROTOR,
+    STATE,
     Body,
     Clearance,
     Fall,
@@ -23,10 +27,14 @@ from vibsim.physics.parts import (
     Link,
     Motor,
     RigidStop,
+    Rotor,
     Scene,
     Stop,
 )
 from vibsim.physics.two_blocks import TwoBlocks
+
+if TYPE_CHECKING:
+    from vibsim.cases.formula_building import FormulaParts
 
 Number = Any
 PI_DIGITS = 1100  # of the fraction that stands for pi where a number type brings none
@@ -50,7 +58,7 @@ class NumberType(NamedTuple):
 
 
 def _turns(quantity: Quantity) -> int:
-    return 1 if quantity.per_turn else 0
+    return int(quantity.per_turn)
 
 
 DOUBLES = NumberType(times_two_pi, Quantity.cycles)
@@ -188,9 +196,10 @@ def rebuild_parts(scene: Scene, values: Values, section: str, numbers: NumberTyp
     """The scene of values that differ from those of `scene` in one section; the other parts are the same
     objects. Bodies have a say in other parts, and no section of their own here.
     """
-    if section not in FIELDS:
-        return build_parts(values, numbers)
-    changed: dict[str, Any] = {FIELDS[section]: _SceneBuilder(values, numbers).section(section)}
+    builder = _SceneBuilder(values, numbers)
+    if section not in FIELDS or (section == "motor" and builder.formulas):
+        return builder.scene()
+    changed: dict[str, Any] = {FIELDS[section]: builder.section(section)}
     return scene.but(**changed)
 
 
@@ -199,14 +208,17 @@ class _SceneBuilder:
 
     def __init__(self, values: Values, numbers: NumberType):
         self.values, self.numbers = values, numbers
-        self.index = {name: i for i, name in enumerate(values["bodies"])}
+        self.formulas = _formulas_of(values)
+        names = self.formulas.scene.index if self.formulas else values["bodies"]
+        self.index = {name: i for i, name in enumerate(names)}
         self.index |= {GROUND_END: GROUND, BASE_END: BASE}
 
     def scene(self) -> Scene:
         run = self.values["run"]
         every = run["every"].value
         return Scene(
-            bodies=tuple(self.body(name, mass) for name, mass in self.values["bodies"].items()),
+            bodies=self.bodies(),
+            **self.of_formulas(),
             **{field: self.section(name) for name, field in FIELDS.items()},
             stop_on_violation=run["on_violation"] == "stop",
             t_end=self.numbers.of(run["t_end"]),
@@ -221,9 +233,10 @@ class _SceneBuilder:
         """What of the scene a section of the case makes."""
         part = self.values.get(name, {})
         if name == "base":
-            return self.harmonics(part, "a")
+            return () if "x" in part else self.harmonics(part, "a")
         if name == "motor":
-            return self.motor(part) if part else None
+            is_rotor = self.formulas is not None and self.formulas.scene.motor_is_rotor
+            return self.motor(part) if part and not is_rotor else None
         make = {
             "links": self.link,
             "stops": self.stop,
@@ -231,8 +244,56 @@ class _SceneBuilder:
             "forces": self.force,
             "clearances": self.clearance,
         }[name]
-        parts = (make(*each) for each in part.items())
+        parts = [make(*each) for each in part.items()]
+        if name == "forces" and self.formulas:
+            parts += self.torques_and_rates(self.formulas)
         return tuple(one for one in parts if one is not None)
+
+    def bodies(self) -> tuple[Body, ...]:
+        """The bodies, then rotors and further states as bodies of their kind."""
+        bodies = tuple(self.body(name, mass) for name, mass in self.values["bodies"].items())
+        if self.formulas is None:
+            return bodies
+        return (*bodies, *self.rotating(self.formulas), *self.further())
+
+    def of_formulas(self) -> dict[str, Any]:
+        """What a scene has of formulas alone."""
+        if self.formulas is None:
+            return {"torsional": True} if form_of(self.values).torsional else {}
+        base = self.formulas.node("base", "", "x") if self.formulas.has("base", "", "x") else None
+        rotors = tuple(
+            Rotor(self.index[name], self.index[part["on"]], self.exact(part["m"].value * part["e"].value))
+            for name, part, _ in self.formulas.rotors()
+        )
+        return {"base_formula": base, "rotors": rotors, "torsional": self.formulas.scene.torsional}
+
+    def exact(self, value: Fraction) -> Number:
+        """A number from an exact one in SI units."""
+        return self.numbers.convert(value, 0)
+
+    def rotating(self, formulas: "FormulaParts") -> Iterator[Body]:
+        """Rotors as bodies: inertia about the shaft J + m e^2 [kg m^2], angle [rad] and speed [rad/s]."""
+        for name, part, start in formulas.rotors():
+            inertia = part["J"].value + part["m"].value * part["e"].value ** 2
+            phi, w = self.several(start, "phi", "w")
+            yield Body(name, self.exact(inertia), phi, w, ROTOR)
+
+    def further(self) -> Iterator[Body]:
+        """Further states as bodies of mass 1, whose velocity is the state."""
+        for name, part in self.values.get("states", {}).items():
+            zero = self.exact(Fraction(0))
+            yield Body(name, self.exact(Fraction(1)), zero, self.numbers.of(part["start"]), STATE)
+
+    def torques_and_rates(self, formulas: "FormulaParts") -> list[Force]:
+        """Torques on rotors [N m] and rates of further states."""
+        torques = [(name, formulas.torque(name)) for name, _, _ in formulas.rotors()]
+        rates = [(name, formulas.node("states", name, "rate")) for name in self.values.get("states", {})]
+        zero = self.exact(Fraction(0))
+        return [
+            Force(name, self.index[name], zero, (), node)
+            for name, node in (*torques, *rates)
+            if node is not None
+        ]
 
     def ends(self, part: Values) -> tuple[int, int]:
         return self.index[part["between"].P], self.index[part["between"].Q]
@@ -241,22 +302,41 @@ class _SceneBuilder:
         return [self.numbers.of(part[key]) for key in keys]
 
     def body(self, name: str, mass: Quantity) -> Body:
-        return Body(name, self.numbers.of(mass), *self.several(self.values["initial"][name], "x", "v"))
+        own = self.numbers.of(mass)
+        if self.formulas is not None:
+            own = self.exact(mass.value + self.formulas.rotor_mass(name))
+        return Body(name, own, *self.several(self.values["initial"][name], "x", "v"))
 
     def link(self, name: str, part: Values) -> Link:
+        if "force" in part:
+            assert self.formulas is not None
+            zero = self.exact(Fraction(0))
+            return Link(name, *self.ends(part), zero, zero, self.formulas.node("links", name, "force"))
         return Link(name, *self.ends(part), *self.several(part, "k", "c"))
 
     def stop(self, name: str, part: Values) -> Stop | RigidStop:
         ahead, sense = self.distance(part), SENSES[part["acts"]]
-        at_start = ahead is not None and part["gap"].value == -sense * ahead
+        at_start = ahead is not None and ahead.equals(part["gap"], -sense)
         gap = self.numbers.of(part["gap"])
+        if "force" in part:
+            return self.stop_of_formula(name, part, gap, at_start)
         if part["law"] == "rigid":
             return RigidStop(name, *self.ends(part), gap, sense, self.numbers.of(part["e"]), at_start)
         k, c = self.several(part, "k", "c")
         return Stop(name, *self.ends(part), gap, sense, k, c, part["release"], at_start)
 
+    def stop_of_formula(self, name: str, part: Values, gap: Number, at_start: bool) -> Stop:
+        assert self.formulas is not None
+        zero, node = self.exact(Fraction(0)), self.formulas.node("stops", name, "force")
+        ends, sense = self.ends(part), SENSES[part["acts"]]
+        return Stop(name, *ends, gap, sense, zero, zero, part["release"], at_start, node)
+
     def friction(self, name: str, part: Values) -> Friction | None:
         """Forces coefficient times N or m g, multiplied exactly and rounded once; None where all are 0."""
+        forces = self.formulas.friction(name, part, self.weight) if self.formulas else None
+        if forces is not None:
+            zero, belt = self.exact(Fraction(0)), self.numbers.of(part["belt"])
+            return Friction(name, *self.ends(part), zero, zero, belt, slips=forces[0], holds=forces[1])
         load = part["N"].value if "N" in part else self.weight(part)
         sides = directions(part)
         if not (load and any(side.hold for side in sides)):
@@ -285,6 +365,9 @@ class _SceneBuilder:
 
     def force(self, name: str, part: Values) -> Force:
         on = self.index[part["on"]]
+        if "force" in part:
+            assert self.formulas is not None
+            return Force(name, on, self.exact(Fraction(0)), (), self.formulas.node("forces", name, "force"))
         return Force(name, on, self.numbers.of(part["F0"]), self.harmonics(part, "A"))
 
     def harmonics(self, part: Values, amplitude: str) -> tuple[Harmonic, ...]:
@@ -306,13 +389,43 @@ class _SceneBuilder:
 
     def clearance(self, name: str, part: Values) -> Clearance:
         distance = part["distance"]
-        at_start = self.distance(part) == distance.value
+        ahead = self.distance(part)
+        at_start = ahead is not None and ahead.equals(distance, 1)
         return Clearance(name, *self.ends(part), self.numbers.of(distance), at_start)
 
-    def distance(self, part: Values) -> Any:
-        """x_P - x_Q [m] at t = 0 as an exact fraction; None where the base, whose place is none, is one."""
+    def distance(self, part: Values) -> "ExactPlace | None":
+        """x_P - x_Q [m] at t = 0, exact; None where the base, whose place is none, is one."""
         ends = [part["between"].P, part["between"].Q]
         if BASE_END in ends:
             return None
-        P, Q = (0 if end == GROUND_END else self.values["initial"][end]["x"].value for end in ends)
-        return P - Q
+        P, Q = (
+            ExactPlace.at(None if end == GROUND_END else self.values["initial"][end]["x"]) for end in ends
+        )
+        return ExactPlace(P.plain - Q.plain, P.turns - Q.turns)
+
+
+class ExactPlace(NamedTuple):
+    """An exact displacement, plain + 2 pi turns: of angles, some are given in turns."""
+
+    plain: Fraction
+    turns: Fraction
+
+    @staticmethod
+    def at(x: Quantity | None) -> "ExactPlace":
+        if x is None:
+            return ExactPlace(Fraction(0), Fraction(0))
+        return ExactPlace(Fraction(0), x.value) if x.per_turn else ExactPlace(x.value, Fraction(0))
+
+    def equals(self, other: Quantity, sign: int) -> bool:
+        """Whether it is sign times another one."""
+        there = ExactPlace.at(other)
+        return self == (sign * there.plain, sign * there.turns)
+
+
+def _formulas_of(values: Values) -> "FormulaParts | None":
+    """The formulas of a case of parts; None of one without them."""
+    if not has_formulas(values):
+        return None
+    from vibsim.cases.formula_building import FormulaParts
+
+    return FormulaParts(values)

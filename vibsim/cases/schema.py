@@ -4,8 +4,18 @@ from functools import cached_property
 from inspect import cleandoc
 from typing import Annotated, Any, ClassVar, Literal, NoReturn, TypeVar
 
+from vibsim.cases.formula_keys import (
+    ALWAYS,
+    FORMULA_KEYS,
+    Formula,
+    FormulaKey,
+    active_keys,
+    excludes,
+)
 from vibsim.cases.quantities import Quantity
 from vibsim.cases.schema_kinds import (
+    ANY_NUMBER,
+    AnyNumber,
     ChosenBy,
     Fault,
     Json,
@@ -25,6 +35,7 @@ REFERENCE = "#/$defs/"  # where JSON Schema keeps sections
 REQUIRED = object()
 
 S = TypeVar("S", bound="Section")
+W = TypeVar("W", bound="WithFormulas")
 
 
 class Key:
@@ -83,7 +94,8 @@ class Section:
     def __init_subclass__(cls) -> None:
         cls.keys = dict(cls.keys)
         for name, annotation in cls.__annotations__.items():
-            cls.keys[name] = _key(annotation, cls.__dict__.get(name, REQUIRED))
+            if not str(annotation).startswith("typing.ClassVar"):
+                cls.keys[name] = _key(annotation, cls.__dict__.get(name, REQUIRED))
 
     @classmethod
     def read(cls: type[S], values: Any, at: Location, faults: list[Fault]) -> S | None:
@@ -146,6 +158,73 @@ class Section:
         return f"{type(self).__name__.removesuffix('Keys')}({content})"
 
 
+class WithFormulas(Section):
+    """A section in which formulas may stand, and beside them the numbers that they name."""
+
+    formulas: ClassVar[tuple[FormulaKey, ...]] = ()
+
+    @classmethod
+    def read(cls: type[W], values: Any, at: Location, faults: list[Fault]) -> W | None:
+        active = active_keys(cls.formulas, values) if isinstance(values, dict) else []
+        if not active:
+            return super().read(values, at, faults)
+        numbers = {name for one in active for name in one.numbers if name not in {a.key for a in active}}
+        excluded = {name: one for one in active for name in one.excluded}
+        section = cls.__new__(cls)
+        content = section.__dict__
+        for name, key in cls.keys.items():
+            kind = ANY_NUMBER if name in numbers else key.kind
+            if name in excluded and name in values:
+                faults.append(Fault("value", (*at, name), values[name], excludes(name, excluded[name])))
+            elif name in values:
+                content[name] = kind.read(values[name], (*at, name), faults)
+            elif name in numbers or name in excluded:
+                content[name] = None
+            elif key.is_required():
+                faults.append(Fault("missing", (*at, name), values))
+            else:
+                content[name] = key.default_value()
+        for name, value in values.items():
+            if name not in cls.keys:
+                content[name] = ANY_NUMBER.read(value, (*at, name), faults)
+        return section
+
+    @classmethod
+    def json_schema(cls, sections: dict[str, Json]) -> Json:
+        """Beside a formula there may be numbers of any unit; without one the keys are the section's own."""
+        schema = super().json_schema(sections)
+        if not cls.formulas:
+            return schema
+        number = AnyNumber().json_schema()
+        loose = {name for one in cls.formulas for name in one.numbers}
+        strict = {name: schema["properties"][name] for name in schema["properties"] if name in loose}
+        for name in strict:
+            schema["properties"][name] = _either(strict[name], number)
+        schema["additionalProperties"] = number
+        schema["if"] = {"anyOf": [cls._json_condition(one.key) for one in cls.formulas]}
+        schema["else"] = {"propertyNames": {"enum": [*cls.keys]}, "properties": strict}
+        needed = [name for name in schema.get("required", []) if name in loose]
+        if needed:
+            schema["required"] = [name for name in schema["required"] if name not in needed]
+            schema["else"]["required"] = needed
+        return schema
+
+    @classmethod
+    def _json_condition(cls, key: str) -> Json:
+        """What a section with a formula at a key looks like."""
+        if key in ALWAYS:
+            return {"required": [key]}
+        return {"required": [key], "properties": {key: {"type": "string", "pattern": "[A-Za-z_(]"}}}
+
+
+def _either(strict: Json, loose: Json) -> Json:
+    """The JSON Schema of what may be one thing or the other."""
+    about = {name: strict[name] for name in ("description", "examples", "default") if name in strict}
+    inner = {name: value for name, value in strict.items() if name not in about}
+    choices = inner.get("anyOf") or inner.get("oneOf") or [inner]
+    return {"anyOf": [*choices, *loose["anyOf"]]} | about
+
+
 def _key(annotation: Any, said: Any) -> Key:
     """A key from its annotation and what the class says of it: `key(...)`, a default alone, or nothing."""
     if isinstance(said, Key):
@@ -169,6 +248,7 @@ Force = Annotated[Quantity, Measured("force")]
 Duration = Annotated[Quantity, Measured("time", above="0")]
 Angle = Annotated[Quantity, Measured("angle")]
 Rate = Annotated[Quantity, Measured("angular rate")]
+AnyQuantity = Annotated[Quantity, AnyNumber()]
 PositiveRate = Annotated[Quantity, Measured("angular rate", above="0")]
 Eccentricity = Annotated[Quantity, Measured("length", nonzero=True)]
 
@@ -250,20 +330,21 @@ class HarmonicKeys(Section):
     F0: Force = optional("0 N", "constant part of the force")
 
 
-class MotorKeys(Section):
+class MotorKeys(WithFormulas):
     """Non-ideal source: unbalanced rotor on block 1, motor of limited power, Eqs. (2.8) to (2.10)."""
 
+    formulas = FORMULA_KEYS["excitation"]
     kind: Literal["motor"]
     m3: Mass = key(description="unbalanced mass", examples=["0.03 kg"])
     e: Eccentricity = key(description="eccentricity; negative: mirrored", examples=["0.11 m"])
     J: Annotated[Quantity, Measured("inertia", least="0")] = key(
         description="moment of inertia of the rotor without m3", examples=["0.001 kg m^2"]
     )
-    M0: Annotated[Quantity, Measured("torque", least="0")] = key(
-        description="torque of the motor at standstill", examples=["0.005 N m"]
+    M0: Annotated[Quantity | Formula, Measured("torque", least="0", formula=True)] = key(
+        description="torque of the motor at standstill, or a formula of it", examples=["0.005 N m"]
     )
-    Omega0: PositiveRate = key(
-        description="speed at which the torque vanishes", examples=["5.5 Hz", "330 rpm"]
+    Omega0: Annotated[Quantity | Formula, Measured("angular rate", above="0", formula=True)] = key(
+        description="speed at which the torque vanishes, or a formula of it", examples=["5.5 Hz", "330 rpm"]
     )
 
 
@@ -341,6 +422,9 @@ class CaseHead(Section):
 class CaseFile(CaseHead):
     """A vibro-impact system of the paper's two blocks and one run of it: the short form of a case."""
 
+    parameters: dict[str, AnyQuantity] = key(
+        default={}, description="numbers that formulas read, by name", examples=["{g: 9.81 m/s^2}"]
+    )
     blocks: Blocks
     coupling: CouplingKeys
     stop: StopKeys | None = key(default=None, description="left out or none: no stop")

@@ -1,10 +1,13 @@
 """The two forms of a case: the short one of the paper's two blocks, and the long one of named parts."""
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, NamedTuple, get_args, get_origin
 
-from vibsim.cases.problems import Problem, did_you_mean, nearest, unsupported
+from vibsim.cases.formula_keys import FORMULA_KEYS, ONE_PART, of_part, sides_of
+from vibsim.cases.problems import Problem, did_you_mean, nearest, superseded, unsupported
+from vibsim.cases.quantities import NUMBER, Quantity, find_unit
 from vibsim.cases.schema import REFERENCE, CaseFile, CaseHead, Key, Section
 from vibsim.cases.schema_kinds import Json, Measured, Tag
 from vibsim.cases.yaml_nodes import Place
@@ -23,6 +26,7 @@ class Form(NamedTuple):
     own : the sections that the other form has not
     switchable : sections that may be the word none
     named : sections that hold parts by name; `--set stops.wall=none` takes one out
+    torsional : whether bodies turn: displacements are angles, forces torques
     """
 
     called: str
@@ -30,15 +34,16 @@ class Form(NamedTuple):
     own: tuple[str, ...]
     switchable: tuple[str, ...]
     named: tuple[str, ...] = ()
+    torsional: bool = False
 
     @property
     def model(self) -> type[CaseHead]:
         """The outermost section; that of the long form is imported when the first case of parts is read."""
         if self is SHORT:
             return CaseFile
-        from vibsim.cases.part_schema import PartsFile
+        from vibsim.cases.part_schema import PartsFile, turning_file
 
-        return PartsFile
+        return turning_file() if self.torsional else PartsFile
 
     def without_switched_off(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """The values of a tree without sections, and parts, that are the word none."""
@@ -66,17 +71,28 @@ class Form(NamedTuple):
 
 SHORT = Form(
     "short",
-    ("blocks", "coupling", "stop", "friction", "excitation", "initial", "rest_distance", "run"),
+    ("parameters", "blocks", "coupling", "stop", "friction", "excitation", "initial", "rest_distance", "run"),
     ("blocks", "coupling", "stop", "excitation", "rest_distance"),
-    ("stop", "friction", "excitation", "initial", "rest_distance", "run"),
+    ("parameters", "stop", "friction", "excitation", "initial", "rest_distance", "run"),
+    ("parameters",),
 )
 LONG = Form(
     "long",
-    ("bodies", "links", "stops", "friction", "forces", "base", "motor", "initial", "clearances", "run"),
-    ("bodies", "links", "stops", "forces", "base", "motor", "clearances"),
-    ("links", "stops", "friction", "forces", "base", "motor", "initial", "clearances", "run"),
-    ("bodies", "links", "stops", "friction", "forces", "initial", "clearances"),
+    (
+        *("parameters", "bodies", "links", "stops", "friction", "forces", "states", "rotors"),
+        *("base", "motor", "initial", "clearances", "run"),
+    ),
+    ("bodies", "links", "stops", "forces", "states", "rotors", "base", "motor", "clearances"),
+    (
+        *("parameters", "links", "stops", "friction", "forces", "states", "rotors"),
+        *("base", "motor", "initial", "clearances", "run"),
+    ),
+    (
+        *("parameters", "bodies", "links", "stops", "friction", "forces", "states", "rotors"),
+        *("initial", "clearances"),
+    ),
 )
+TORSIONAL = LONG._replace(torsional=True)
 
 
 _OWN = (*SHORT.own, *LONG.own)
@@ -89,15 +105,32 @@ def form_of(values: Mapping[str, Any]) -> Form:
     Of sections that neither has, misspelt ones, the form is that of the nearest name.
     """
     if "bodies" in values:
-        return LONG
+        return TORSIONAL if _turn(values["bodies"]) else LONG
     names = {name if name in _OWN else nearest(name, _OWN) for name in values if name not in _COMMON}
     is_long = any(name in LONG.own for name in names) and not any(name in SHORT.own for name in names)
     return LONG if is_long else SHORT
 
 
+def _turn(bodies: Any) -> bool:
+    """Whether any of the bodies turns: its unit is one of inertia."""
+    return isinstance(bodies, Mapping) and any(_is_inertia(str(mass)) for mass in bodies.values())
+
+
+def _is_inertia(text: str) -> bool:
+    """Whether a text, `0.3 kg m^2`, is an inertia; few units have a 2 or a square."""
+    if "m" not in text or not any(square in text[1:] for square in ("^", "2", "**", "\u00b2")):
+        return False
+    unit = find_unit(re.sub(rf"^\s*{NUMBER}(\s*/\s*\d+)?", "", text).strip())
+    return unit is not None and unit.dimension == "inertia"
+
+
+def _other(form: Form) -> Form:
+    return LONG if form is SHORT else SHORT
+
+
 def mixed_keys(values: Mapping[str, Any]) -> tuple[str, ...]:
     """Sections that the other form has and that of the case has not."""
-    other = SHORT if form_of(values) is LONG else LONG
+    other = _other(form_of(values))
     return tuple(name for name in values if name in other.own)
 
 
@@ -114,7 +147,7 @@ def mixed_problems(values: Mapping[str, Any], place: Any) -> Iterator[Problem]:
     for name in mixed_keys(values):
         at: Place = place(name)
         message = (
-            f"belongs to the {(SHORT if form is LONG else LONG).called} form of a case, and this one has the "
+            f"belongs to the {_other(form).called} form of a case, and this one has the "
             f"{form.called} form{did_you_mean(name, form.sections)}; allowed: {', '.join(form.model.keys)}"
         )
         yield at.problem(name, message)
@@ -299,10 +332,82 @@ def _sections_with(name: str, model: type[Section], path: str, kind: str) -> Ite
 def keys_of(form: Form, values: Mapping[str, Any]) -> tuple[str, ...]:
     """Every dotted key that may be set in a case of these (nested) values, sections and parts included."""
     if form is SHORT:
-        return *all_keys(), *form.sections
+        keys = [key for key in all_keys() if NAME not in key]
+        given = [f"parameters.{name}" for name in _names(values.get("parameters"))]
+        return *keys, *given, *_beside_formulas(values), *form.sections
     keys = [key for pattern in all_keys(form) for key in _with_names(pattern.split("."), values)]
     parts = [f"{section}.{name}" for section in form.named for name in _names(values.get(section))]
-    return tuple(dict.fromkeys((*keys, *parts, *form.sections)))
+    return tuple(dict.fromkeys((*keys, *_beside_formulas(values), *parts, *form.sections)))
+
+
+def _beside_formulas(values: Mapping[str, Any]) -> Iterator[str]:
+    """Dotted keys of what stands beside formulas."""
+    for section in FORMULA_KEYS:
+        content = values.get(section)
+        if not isinstance(content, Mapping):
+            continue
+        parts = (
+            {section: content} if section in ONE_PART else {f"{section}.{n}": p for n, p in content.items()}
+        )
+        for path, part in parts.items():
+            sides = sides_of(section, part)
+            if of_part(section, part):
+                yield from (f"{path}.{key}" for key, value in part.items() if not isinstance(value, Mapping))
+            for side in sides:
+                yield from (f"{path}.{side}.{key}" for key in part[side])
+
+
+def given_way(part: str, old: Mapping[str, Any], new: Mapping[str, Any]) -> set[str]:
+    """Keys of a part that give way when others are set over it: those that these stand in place of, and where
+    a formula comes or goes, numbers that no formula names any more.
+
+    part : dotted key; old, new : values of its keys, texts
+    """
+    section, *names = part.split(".")
+    is_part = section in FORMULA_KEYS and len(names) == (0 if section in ONE_PART else 1)
+    merged = {**old, **new}
+    before, after = (of_part(section, values) if is_part else [] for values in (old, merged))
+    if not before and not after:
+        return superseded(part, new.keys())
+    changed = [one for one in FORMULA_KEYS[section] if one.key in new and (one in before or one in after)]
+    if not changed:
+        return set()
+    from vibsim.cases.formula_text import names_in
+
+    named = {word for one in after for word in names_in(str(merged[one.key]))}
+    replaced = {name for one in changed for name in (*one.numbers, *one.excluded)}
+    if any(one.key == "mu" for one in changed):
+        replaced |= {"plus", "minus"}
+    form = LONG if section != "excitation" else SHORT
+    known = all_keys(form)
+    free = {name for name in old if form.pattern(f"{part}.{name}") not in known and name not in SIDE_SECTIONS}
+    return {name for name in old if name in replaced | free and name not in named and name not in new}
+
+
+SIDE_SECTIONS = ("plus", "minus", "terms", "A")  # keys of parts that hold keys of their own
+
+
+def measured_in_case(values: Mapping[str, Any], key: str, quantity: Quantity) -> Measured | None:
+    """What is measured at the dotted key of a number of a case: of one beside a formula, what that is."""
+    form = form_of(values)
+    known = all_keys(form).get(form.pattern(key))
+    if known is not None and not is_free(values, key):
+        return known
+    from vibsim.cases.any_unit import free_dimension
+
+    return Measured(free_dimension(quantity), any_unit=True)
+
+
+def is_free(values: Mapping[str, Any], key: str) -> bool:
+    """Whether the number at a dotted key is one of a formula beside it, in place of a built-in law."""
+    section, *names = key.split(".")
+    part: Any = values.get(section)
+    if section not in ONE_PART:
+        part = part.get(names[0]) if isinstance(part, Mapping) else None
+    active = of_part(section, part)
+    if len(names) > 1 and names[-2] in sides_of(section, part):
+        active = sides_of(section, part)[names[-2]]
+    return any(names[-1] in one.numbers for one in active)
 
 
 def _with_names(pattern: list[str], values: Any, done: str = "") -> Iterator[str]:

@@ -11,6 +11,7 @@ from functools import lru_cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, NamedTuple, Protocol, Union, get_args, get_origin
 
+from vibsim.cases.formula_keys import Formula, is_formula
 from vibsim.cases.problems import did_you_mean, shown
 from vibsim.cases.quantities import NUMBER, Quantity, QuantityError, parse_quantity, si_unit, unit_names
 
@@ -242,6 +243,8 @@ class Measured(NamedTuple):
     nonzero : the value must not be 0
     word : a word that may stand in place of the quantity, such as "fixed"
     alternative : what else may stand there, for messages
+    formula : whether a formula may stand in place of the quantity
+    any_unit : whether it may be in any unit of its dimension: of a torsional scene, or beside a formula
     """
 
     dimension: str
@@ -251,18 +254,44 @@ class Measured(NamedTuple):
     nonzero: bool = False
     word: str | None = None
     alternative: str = ""
+    formula: bool = False
+    any_unit: bool = False
 
-    def read(self, value: object) -> Quantity | str:
-        """The quantity behind a text (or the word). Raises QuantityError."""
-        if isinstance(value, Quantity):
+    def read(self, value: object) -> Quantity | Formula | str:
+        """The quantity behind a text (or the word, or the formula). Raises QuantityError."""
+        if isinstance(value, Quantity | Formula):
             return value
         if isinstance(value, bool) or not isinstance(value, str | int | float):
             raise QuantityError(f"must be a single value, got {kind_of_value(value)}")
         text = str(value)
+        if self.any_unit:
+            return self._in_any_unit(text)
         if self.word is not None and text.strip() == self.word:
             return self.word
         alternative = f"the word {self.word}" if self.word else self.alternative
-        quantity = parse_quantity(text, self.dimension, alternative)
+        try:
+            quantity = parse_quantity(text, self.dimension, alternative)
+        except QuantityError:
+            if self.formula and isinstance(value, str) and is_formula(text):
+                return Formula(text)
+            raise
+        broken = self.broken_bound(quantity.value)
+        if broken:
+            raise QuantityError(f"must be {broken}, got {shown(text)}")
+        return quantity
+
+    def parsed(self, text: str) -> Quantity:
+        """The quantity behind a text, whether its bounds hold or not. Raises QuantityError."""
+        if not self.any_unit:
+            return parse_quantity(text, self.dimension)
+        from vibsim.cases.any_unit import quantity_of
+
+        return quantity_of(text, self.dimension)
+
+    def _in_any_unit(self, text: str) -> Quantity | Formula:
+        if self.formula and is_formula(text):
+            return Formula(text)
+        quantity = self.parsed(text)
         broken = self.broken_bound(quantity.value)
         if broken:
             raise QuantityError(f"must be {broken}, got {shown(text)}")
@@ -282,7 +311,7 @@ class Measured(NamedTuple):
 
     def json_schema(self) -> dict[str, Any]:
         """A number in SI units with its bounds, a text with a unit, or the word."""
-        units = unit_names(self.dimension)
+        units = [] if self.any_unit else unit_names(self.dimension)
         tail = r"\s*[^\s0-9].*" if self.dimension == "angular rate" else ".*" if units else r"\s*"
         text: dict[str, Any] = {"type": "string", "pattern": rf"^\s*{NUMBER}(\s*/\s*\d+)?{tail}$"}
         if units:
@@ -295,9 +324,45 @@ class Measured(NamedTuple):
             choices[0] |= self._json_bounds()
         if self.word is not None:
             choices.append({"const": self.word})
+        if self.formula:
+            choices.append({"type": "string", "pattern": "[A-Za-z_(]", "description": "a formula"})
         return {"anyOf": choices}
 
     def _json_bounds(self) -> dict[str, Any]:
         bounds = {"exclusiveMinimum": self.above, "minimum": self.least, "maximum": self.most}
         keywords: dict[str, Any] = {name: float(bound) for name, bound in bounds.items() if bound is not None}
         return keywords | ({"not": {"const": 0}} if self.nonzero else {})
+
+
+class FormulaText:
+    """A key that always holds a formula."""
+
+    def read(self, value: object) -> Formula:
+        if isinstance(value, Formula):
+            return value
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            raise ValueError(f"must be a formula, got {kind_of_value(value)}")
+        return Formula(str(value))
+
+    def json_schema(self) -> Json:
+        return {"type": ["string", "number"], "description": "a formula"}
+
+
+class AnyNumber:
+    """A number beside a formula, or a parameter: of any unit; without a unit a pure number."""
+
+    def read(self, value: object) -> Quantity:
+        from vibsim.cases.any_unit import any_quantity
+
+        if isinstance(value, Quantity):
+            return value
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            raise QuantityError(f"must be a single value, got {kind_of_value(value)}")
+        return any_quantity(str(value))[0]
+
+    def json_schema(self) -> Json:
+        text = {"type": "string", "pattern": rf"^\s*{NUMBER}.*$", "description": "number and any unit"}
+        return {"anyOf": [{"type": "number"}, text]}
+
+
+ANY_NUMBER = Single(AnyNumber())

@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
+from vibsim.cases.formula_keys import sides_of
 from vibsim.cases.problems import shown
 from vibsim.cases.quantities import Quantity, parse_quantity
 from vibsim.cases.schema import AmplitudeRule, CaseFile, HarmonicKeys, MotorKeys
@@ -90,7 +91,9 @@ def long_values(case: CaseFile) -> dict[str, Any]:
     sections that they come from. Friction with mu = 0 is no part.
     """
     ends = Ends("1", "2" if _is_moving(case) else GROUND)
-    values: dict[str, Any] = {"name": case.name, "title": case.title, "bodies": {"1": case.blocks.m1}}
+    values: dict[str, Any] = {"name": case.name, "title": case.title}
+    values |= {"parameters": case.parameters} if case.parameters else {}
+    values["bodies"] = {"1": case.blocks.m1}
     if _is_moving(case):
         values["bodies"]["2"] = case.blocks.m2
     values["links"] = {"coupling": {"between": ends, "k": case.coupling.k1, "c": case.coupling.c}}
@@ -130,7 +133,7 @@ def _source(case: CaseFile) -> dict[str, Any]:
         term = {"A": amplitude, "omega": source.omega, "phase": NO_PHASE}
         return {"forces": {"excitation": {"on": "1", **term, "F0": source.F0}}}
     if isinstance(source, MotorKeys):
-        constants = {name: getattr(source, name) for name in ("m3", "e", "J", "M0", "Omega0")}
+        constants = {name: value for name, value in source.__dict__.items() if name != "kind"}
         return {"motor": {"on": "1", **constants}}
     return {}
 
@@ -214,10 +217,14 @@ AT_REST = {"x": parse_quantity("0 m", "length"), "v": parse_quantity("0 m/s", "v
 ROTOR_AT_REST = {"phi": NO_PHASE, "phidot": parse_quantity("0 rad/s", "angular rate")}
 
 
+LOOSE_ROTOR_AT_REST = {"phi": NO_PHASE, "w": parse_quantity("0 rad/s", "angular rate")}
+AT_REST_TURNING = {"x": NO_PHASE, "v": parse_quantity("0 rad/s", "angular rate")}
+
+
 HARMONIC_KEYS = ("on", "A", "a", "omega", "phase")  # in the order in which they are written
 
 
-def with_defaults(values: dict[str, Any]) -> dict[str, Any]:
+def with_defaults(values: dict[str, Any], torsional: bool) -> dict[str, Any]:
     """The nested values of a case of parts with every default filled in: what is simulated, in full."""
     filled = dict(values)
     if "stops" in values:
@@ -228,7 +235,7 @@ def with_defaults(values: dict[str, Any]) -> dict[str, Any]:
         filled["forces"] = {name: _in_phase(part, "A") for name, part in values["forces"].items()}
     if "base" in values:
         filled["base"] = _in_phase(values["base"], "a")
-    filled["initial"] = _default_states(values)
+    filled["initial"] = _default_states(values, AT_REST_TURNING if torsional else AT_REST)
     return {name: filled[name] for name in _order(filled)}
 
 
@@ -241,17 +248,23 @@ def _order(values: dict[str, Any]) -> list[str]:
 def _of_its_law(stop: dict[str, Any]) -> dict[str, Any]:
     """A stop without the defaults of the other law."""
     elastic = ("k", "c", "release")
-    return {name: value for name, value in stop.items() if stop["law"] != "rigid" or name not in elastic}
+    rigid = stop.get("law") == "rigid"
+    return {name: value for name, value in stop.items() if not rigid or name not in elastic}
 
 
 def _loaded(friction: dict[str, Any]) -> dict[str, Any]:
     belt = friction["belt"]
     loaded = {name: value for name, value in friction.items() if name != "belt"}
-    return loaded | ({} if "N" in friction else {"g": friction.get("g", GRAVITY)}) | {"belt": belt}
+    if sides_of("friction", friction):
+        del loaded["law"]
+    torsional = isinstance(belt, Quantity) and belt.text.endswith("rad/s")
+    return (
+        loaded | ({} if "N" in friction or torsional else {"g": friction.get("g", GRAVITY)}) | {"belt": belt}
+    )
 
 
 def _in_phase(source: dict[str, Any], amplitude: str) -> dict[str, Any]:
-    if amplitude not in source:
+    if amplitude not in source or "force" in source or "x" in source:
         return source
     return {
         name: source.get(name, NO_PHASE)
@@ -260,9 +273,10 @@ def _in_phase(source: dict[str, Any], amplitude: str) -> dict[str, Any]:
     }
 
 
-def _default_states(values: dict[str, Any]) -> dict[str, Any]:
+def _default_states(values: dict[str, Any], at_rest: dict[str, Quantity]) -> dict[str, Any]:
     initial = values.get("initial", {})
-    states = {body: AT_REST | initial.get(body, {}) for body in values["bodies"]}
+    states = {body: at_rest | initial.get(body, {}) for body in values["bodies"]}
+    states |= {rotor: LOOSE_ROTOR_AT_REST | initial.get(rotor, {}) for rotor in values.get("rotors", {})}
     return states | ({"motor": ROTOR_AT_REST | initial.get("motor", {})} if "motor" in values else {})
 
 
@@ -270,13 +284,15 @@ def _default_states(values: dict[str, Any]) -> dict[str, Any]:
 
 
 JOINING = ("links", "stops", "friction", "clearances")  # sections of parts with two ends
-PARTS = ("links", "stops", "friction", "forces", "clearances")
+PARTS = ("links", "stops", "friction", "forces", "states", "rotors", "clearances")
 CALLED = {
     "bodies": "body",
     "links": "link",
     "stops": "stop",
     "friction": "friction",
     "forces": "force",
+    "states": "state",
+    "rotors": "rotor",
     "clearances": "clearance",
 }
 
@@ -290,19 +306,21 @@ class FoundDefault(NamedTuple):
     message : what is wrong and what is allowed
     at : dotted key of the place, where that is another one
     of_the_name : True where the key itself is to blame and not its value
+    span : from which character of the value to which, of a formula
     """
 
     key: str
     message: str
     at: str = ""
     of_the_name: bool = False
+    span: tuple[int, int] | None = None
 
 
 class Draft:
     """Bodies and parts of a case that may still be wrong."""
 
-    def __init__(self, flat: Mapping[str, Any], values: Mapping[str, Any]):
-        self.flat, self.values = flat, values
+    def __init__(self, flat: Mapping[str, Any], values: Mapping[str, Any], torsional: bool = False):
+        self.flat, self.values, self.torsional = flat, values, torsional
 
     def section(self, *path: str) -> dict[str, Any]:
         """What stands at a path, where that is a mapping; else nothing."""

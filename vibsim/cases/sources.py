@@ -8,9 +8,21 @@ from os.path import exists, isdir, isfile, normpath
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from vibsim.cases.problems import CaseError, Problem, did_you_mean, shown, superseded, unstorable
-from vibsim.cases.schema_keys import LONG, SHORT, UnknownKeyError, form_of, full_key, keys_of
-from vibsim.cases.yaml_nodes import Broken, Node, Place, Text, read_yaml
+from vibsim.cases.formula_keys import ALWAYS, FORMULA_KEYS, Formula, has_formulas, is_formula
+from vibsim.cases.problems import CaseError, Problem, did_you_mean, shown, unstorable
+from vibsim.cases.quantities import NUMBER
+from vibsim.cases.schema_keys import (
+    LONG,
+    SHORT,
+    UnknownKeyError,
+    all_keys,
+    form_of,
+    full_key,
+    given_way,
+    is_free,
+    keys_of,
+)
+from vibsim.cases.yaml_nodes import Broken, Node, Place, Text, place_inside, read_yaml
 from vibsim.cases.yaml_nodes import Mapping as yaml_nodes_Mapping
 
 LARGEST_FILE = 1_000_000  # bytes
@@ -222,6 +234,9 @@ class Tree:
     values : nested dict of texts
     places : dotted key -> place of its value
     key_places : dotted key -> place of the key itself
+    spelt : dotted key -> its value as it stands in the file, where that is in quotes
+    texts, tables : dotted key -> a formula as it was before tables of files were put in; of each of them the
+        place, the length of its name and its own length
     root : where the case begins, the place of what is missing
     problems : what reading found
     complete : False where a file could not be read, so that keys may be missing for that reason
@@ -233,10 +248,25 @@ class Tree:
     key_places: dict[str, Place] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
     complete: bool = True
+    spelt: dict[str, str] = field(default_factory=dict)
+    texts: dict[str, str] = field(default_factory=dict)
+    tables: dict[str, list[tuple[int, int, int]]] = field(default_factory=dict)
 
     def place(self, key: str) -> Place:
         """Place of a key's value, or of the section around it where it is missing."""
         return self.places[key] if key in self.places else self.key_place(key.rpartition(".")[0])
+
+    def place_inside(self, key: str, at: int) -> Place:
+        """Place of a character of a key's value."""
+        text = self.texts.get(key)
+        if text is None:
+            value: Any = self.values
+            for name in key.split("."):
+                value = value.get(name) if isinstance(value, dict) else None
+            text = str(value)
+        for start, before, after in self.tables.get(key, ()):
+            at = at if at <= start else at - after + before if at >= start + after else start
+        return place_inside(self.place(key), text, self.spelt.get(key, ""), at)
 
     def key_place(self, key: str) -> Place:
         """Place of a key itself, or of the section around it where it is missing."""
@@ -322,7 +352,7 @@ def _blamed(problem: Problem, place: Place) -> Problem:
 
 def _over(parent: yaml_nodes_Mapping, child: yaml_nodes_Mapping, key: str = "") -> yaml_nodes_Mapping:
     """Child over parent, key by key; lists, and an excitation of another kind, replace what was there."""
-    replaced = superseded(key, child.values.keys())
+    replaced = given_way(key, _texts(parent), _texts(child))
     values = {name: value for name, value in parent.values.items() if name not in replaced}
     places = {name: parent.key_places[name] for name in values}
     for name, value in child.values.items():
@@ -336,6 +366,11 @@ def _over(parent: yaml_nodes_Mapping, child: yaml_nodes_Mapping, key: str = "") 
         values[name] = value
         places[name] = child.key_places[name]
     return yaml_nodes_Mapping(child.place, values, places)
+
+
+def _texts(mapping: yaml_nodes_Mapping) -> dict[str, Any]:
+    """The values of a mapping that are texts, and its other keys."""
+    return {name: node.text if isinstance(node, Text) else node for name, node in mapping.values.items()}
 
 
 def _replaces(parent: yaml_nodes_Mapping, child: yaml_nodes_Mapping) -> bool:
@@ -352,6 +387,8 @@ def _plain(mapping: yaml_nodes_Mapping, prefix: str, values: dict[str, Any], tre
         key = f"{prefix}{name}"
         tree.key_places[key] = mapping.key_places[name]
         tree.places[key] = node.place
+        if isinstance(node, Text) and node.spelt:
+            tree.spelt[key] = node.spelt
         values[name] = _plain_value(node, key, tree)
 
 
@@ -365,11 +402,38 @@ def _plain_value(node: Node, key: str, tree: Tree) -> Any:
     return inner
 
 
+def put_tables_in(tree: Tree) -> None:
+    """Put the CSV files that formulas name into them, as lists of pairs: a case holds all that it needs."""
+    if not has_formulas(tree.values):
+        return
+    from vibsim.cases.formula_places import places_of
+
+    for place in list(places_of(tree.values)):
+        if "table" in place.text and any(quote in place.text for quote in "'\""):
+            _put_table_in(tree, place.path, place.text)
+
+
+def _put_table_in(tree: Tree, key: str, text: str) -> None:
+    from vibsim.cases.formula_tables import table_file, with_pairs
+    from vibsim.cases.formula_text import FormulaError
+
+    folder = Path(tree.place(key).file).parent
+    try:
+        changed, places = with_pairs(text, lambda name: table_file(name, folder))
+    except FormulaError as error:
+        tree.problems.append(tree.place_inside(key, error.start).problem(key, str(error)))
+        tree.values = _with(tree.values, key.split("."), BROKEN)
+        return
+    if places:
+        tree.texts[key], tree.tables[key] = text, places
+        tree.values = _with(tree.values, key.split("."), changed)
+
+
 # Overrides such as excitation.Omega0=6.5 Hz, set into a tree as if the file said so.
 
 
 FILE = "overrides"
-PLACED = ("between", "on")  # an override that gives one of these makes a new part
+PLACED = ("between", "on", "rate")  # an override that gives one of these makes a new part
 
 
 def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
@@ -383,6 +447,7 @@ def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
     settings = [(key.strip(), value) for key, value in overrides.items()]
     present = _leaf_keys(tree.values)
     allowed = keys_of(form_of(tree.values), _with_new_parts(tree.values, [key for key, _ in settings]))
+    allowed = *allowed, *_new_numbers(tree.values, settings, present, allowed)
     named: dict[str, object] = {}
     for key, value in settings:
         try:
@@ -403,8 +468,29 @@ def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
     _replace_kind(tree.values, named)
     _supersede(tree, named)
     for key, value in named.items():
+        value = _with_unit(tree.values, key, value)
         tree.values = _with(tree.values, key.split("."), value)
         tree.places[key] = tree.key_places[key] = Place(FILE)
+        tree.spelt.pop(key, None)
+
+
+def _with_unit(values: dict[str, Any], key: str, value: object) -> object:
+    """A bare number in place of one beside a formula, or of a parameter, is in the SI unit of that."""
+    if not isinstance(value, str | int | float) or BARE.fullmatch(_text(value)) is None:
+        return value
+    old: Any = values
+    for name in key.split("."):
+        old = old.get(name) if isinstance(old, dict) else None
+    form = form_of(values)
+    known = all_keys(form).get(form.pattern(key)) is not None and not is_free(values, key)
+    if old is None or known or isinstance(old, dict):
+        return value
+    from vibsim.cases.any_unit import bare_as
+
+    return bare_as(str(old), _text(value))
+
+
+BARE = re.compile(rf"\s*{NUMBER}(\s*/\s*\d+)?\s*", re.ASCII)
 
 
 def _with_new_parts(values: dict[str, Any], keys: Iterable[str]) -> dict[str, Any]:
@@ -412,11 +498,44 @@ def _with_new_parts(values: dict[str, Any], keys: Iterable[str]) -> dict[str, An
     form = form_of(values)
     for key in keys:
         section, *names = key.split(".")
-        if section in form.named and len(names) > 1 and (names[1] in PLACED or section == "initial"):
+        places = names[1:2] and (names[1] in PLACED or section == "initial")
+        if section in form.named and len(names) > 1 and places:
             parts = values.get(section)
             if names[0] not in (parts if isinstance(parts, dict) else {}):
                 values = _with(values, [section, names[0], names[1]], "")
     return values
+
+
+def _new_numbers(
+    values: dict[str, Any], settings: list[tuple[str, object]], present: list[str], allowed: tuple[str, ...]
+) -> list[str]:
+    """Dotted keys of numbers that overrides may add: parameters, and what formulas name beside them."""
+    keys = [key for key, _ in settings if key.startswith("parameters.")]
+    for key, value in settings:
+        if not isinstance(value, str | Formula):
+            continue
+        try:
+            full = full_key(key, present, allowed)
+        except UnknownKeyError:
+            continue
+        section = full.partition(".")[0]
+        last = full.rpartition(".")[2]
+        if any(one.key == last for one in FORMULA_KEYS.get(section, ())) and (
+            last in ALWAYS or isinstance(value, Formula) or is_formula(value)
+        ):
+            keys += _named_beside(full, str(value))
+    if has_formulas(values):
+        from vibsim.cases.formula_places import places_of
+
+        for place in places_of(values):
+            keys += _named_beside(place.path, place.text)
+    return [key for key in dict.fromkeys(keys) if key not in allowed]
+
+
+def _named_beside(path: str, text: str) -> list[str]:
+    from vibsim.cases.formula_text import names_in
+
+    return [f"{path.rpartition('.')[0]}.{name}" for name in names_in(text)]
 
 
 def _supersede(tree: Tree, named: Mapping[str, object]) -> None:
@@ -424,11 +543,12 @@ def _supersede(tree: Tree, named: Mapping[str, object]) -> None:
     split = [key.split(".") for key in named]
     parts = [".".join(path[:depth]) for path in split for depth in range(1, len(path))]
     for part in dict.fromkeys(parts):
-        names = [key[len(part) + 1 :].partition(".")[0] for key in named if key.startswith(f"{part}.")]
-        replaced = superseded(part, names)
+        given = {key[len(part) + 1 :]: value for key, value in named.items() if key.startswith(f"{part}.")}
         section: Any = tree.values
         for name in part.split("."):
             section = section.get(name) if isinstance(section, dict) else None
+        old = section if isinstance(section, dict) else {}
+        replaced = given_way(part, old, {name.partition(".")[0]: value for name, value in given.items()})
         if replaced and isinstance(section, dict):
             remaining = {name: value for name, value in section.items() if name not in replaced}
             tree.values = _with(tree.values, part.split("."), remaining)
@@ -455,7 +575,9 @@ def _with(values: dict[str, Any], path: list[str], value: object) -> dict[str, A
     if rest:
         inner = values.get(name)
         return values | {name: _with(inner if isinstance(inner, dict) else {}, rest, value)}
-    return values | {name: value if isinstance(value, str | dict) else _text(value)}
+    return values | {
+        name: value if isinstance(value, str | dict | Formula) or value is BROKEN else _text(value)
+    }
 
 
 def _text(value: object) -> str:

@@ -6,11 +6,12 @@ from fractions import Fraction
 from math import pi, prod, sqrt
 from typing import Any, NamedTuple
 
+from vibsim.cases.formula_keys import has_formulas
 from vibsim.cases.problems import CaseError, Problem, did_you_mean, shown, unsupported
 from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity, QuantityError
 from vibsim.cases.schema import CaseFile, CaseHead, MotorKeys, Section
 from vibsim.cases.schema_keys import (
-    LONG,
+    SHORT,
     Form,
     all_keys,
     form_of,
@@ -21,7 +22,8 @@ from vibsim.cases.schema_keys import (
     sections_with,
 )
 from vibsim.cases.schema_kinds import Fault, Location
-from vibsim.cases.sources import BROKEN, Tree
+from vibsim.cases.short_form import FoundDefault, with_defaults
+from vibsim.cases.sources import BROKEN, Tree, put_tables_in
 from vibsim.cases.yaml_nodes import Place
 from vibsim.physics.parts import GROUND, Friction, Link, Motor, Scene
 from vibsim.physics.rates import bilinear_frequencies, frequency, masses, natural_rates, reduced_mass
@@ -230,9 +232,7 @@ def nested_values(case: CaseHead) -> dict[str, Any]:
     """Sections as dicts of quantities, words and whole numbers; missing sections are left out."""
     values = _section_values(case)
     if not isinstance(case, CaseFile):
-        from vibsim.cases.short_form import with_defaults
-
-        return with_defaults(values)
+        return with_defaults(values, form_of(values).torsional)
     for name in _absent_states(case):
         del values["initial"][name]
     return values
@@ -319,6 +319,7 @@ def _exact_text(value: Any) -> str:
 
 def validated(tree: Tree) -> CaseHead:
     """The case file of a tree. Raises CaseError with all problems found, in file order."""
+    put_tables_in(tree)
     form = form_of(tree.values)
     problems = [*tree.problems, *mixed_problems(tree.values, tree.key_place)]
     values = form.without_switched_off(of_one_form(tree.values))
@@ -345,22 +346,35 @@ def _checked(values: dict[str, Any], tree: Tree, form: Form) -> tuple[CaseHead |
         key = min(keys, key=lambda key: _layer(tree, tree.key_place(key)))
         place = tree.key_place(key) if key in form.switchable else tree.place(key)
         problems.append(place.problem(key, message))
-    if form is LONG:
-        problems += _problems_of_parts(values, tree)
-    return model, problems
+    if form is not SHORT:
+        problems += _problems_of_parts(values, tree, form)
+    return model, problems + _problems_of_formulas(values, tree)
 
 
-def _problems_of_parts(values: dict[str, Any], tree: Tree) -> list[Problem]:
+def _problems_of_parts(values: dict[str, Any], tree: Tree, form: Form) -> list[Problem]:
     """What the rules of the long form find; not what is the fault of a file that could not be read."""
     from vibsim.cases.part_rules import findings
 
     if not tree.complete:
         return []
-    problems = []
-    for finding in findings(dict(_readable(values, "", LONG)), values):
-        place = tree.key_place if finding.of_the_name else tree.place
-        problems.append(place(finding.key).problem(finding.key, finding.message))
-    return problems
+    return [_found(finding, tree) for finding in findings(dict(_readable(values, "", form)), values, form)]
+
+
+def _problems_of_formulas(values: dict[str, Any], tree: Tree) -> list[Problem]:
+    """What is wrong with formulas; a case without them is not looked at any further."""
+    if not (tree.complete and has_formulas(values)):
+        return []
+    from vibsim.cases.formula_rules import formula_findings
+
+    return [_found(finding, tree) for finding in formula_findings(values)]
+
+
+def _found(finding: FoundDefault, tree: Tree) -> Problem:
+    """What a rule found, at its place; of a formula, at the character that is to blame."""
+    place = (tree.key_place if finding.of_the_name else tree.place)(finding.key)
+    if finding.span is not None:
+        place = tree.place_inside(finding.key, finding.span[0])
+    return place.problem(finding.key, finding.message)
 
 
 def _layer(tree: Tree, place: Place) -> int:

@@ -48,10 +48,28 @@ class Place(NamedTuple):
 
 
 class Text(NamedTuple):
-    """A value, as written."""
+    """A value, as written; `spelt` is how it stands in the file where that is not the text itself."""
 
     text: str
     place: Place
+    spelt: str = ""
+
+
+def place_inside(place: Place, text: str, spelt: str, at: int) -> Place:
+    """The place of a character of a value; in quotes, and on several lines, by counting what is no blank."""
+    if place.line is None or place.column is None:
+        return place
+    if not spelt:
+        return Place(place.file, place.line, place.column + at)
+    count = sum(not character.isspace() for character in text[:at])
+    first = next((character for character in text if not character.isspace()), "")
+    i = spelt.find(first, 1)
+    while i < len(spelt) and (count or spelt[i].isspace()):
+        count -= not spelt[i].isspace()
+        i += 1
+    before = spelt[:i]
+    column = i - before.rfind("\n") if "\n" in before else place.column + i
+    return Place(place.file, place.line + before.count("\n"), column)
 
 
 class Broken(NamedTuple):
@@ -99,7 +117,7 @@ def read_yaml(text: str, file: str) -> tuple[Mapping | None, list[Problem]]:
 
 def _read_by(parser: Any, text: str, file: str) -> tuple[Mapping | None, list[Problem]]:
     """What `read_yaml` returns, by a parser of PyYAML."""
-    reader = _Reader(file)
+    reader = _Reader(file, text)
     try:
         root = reader.document(yaml.parse(text, Loader=parser))
     except _TooMuch:
@@ -113,8 +131,8 @@ def _read_by(parser: Any, text: str, file: str) -> tuple[Mapping | None, list[Pr
 class _Reader:
     """Builds the tree of one file from its events."""
 
-    def __init__(self, file: str):
-        self.file = file
+    def __init__(self, file: str, text: str):
+        self.file, self.text = file, text
         self.problems: list[Problem] = []
         self.count = 0
 
@@ -154,7 +172,7 @@ class _Reader:
             return self.report(place, key, f"lists are not used here{hint}; write {allowed}")
         if not event.style and event.value in NULLS:
             return self.report(key_place, key, _null_message(key, event.value))
-        return Text(event.value, place)
+        return Text(event.value, place, self.spelling(event) if event.style else "")
 
     def mapping(self, start: Event, events: Iterator[Event], prefix: str, depth: int) -> Mapping:
         mapping = Mapping(self.place(start))
@@ -233,6 +251,11 @@ class _Reader:
         if character:
             self.report(place, key, f"holds {character}, which no file can")
         return anchor is not None or tag is not None or bool(character)
+
+    def spelling(self, event: ScalarEvent) -> str:
+        """A value with its quotes, as it stands in the file."""
+        start, end = event.start_mark, event.end_mark
+        return self.text[start.index : end.index] if start and end else ""
 
     def report(self, place: Place, key: str, message: str) -> Broken:
         self.problems.append(place.problem(key, message))

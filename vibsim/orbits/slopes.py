@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.cases.quantities import decimal_text, find_unit, number, si_unit
+from vibsim.cases.quantities import any_unit_named, in_own_unit, number, si_unit
 from vibsim.engine.driver import Driver
 from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.newton_moreau import Contact, blow, masses
@@ -238,20 +238,17 @@ def sloped_scene(case: "Case", keys: Sequence[str]) -> Scene[Any]:
 def _beside(case: "Case", key: str) -> tuple["Case", Fraction | float]:
     """The case with one number a little changed, and by how much in SI units."""
     from vibsim.cases import CaseError
-    from vibsim.cases.schema_keys import measured_at
 
-    own, measured = case.quantity(key), measured_at(case.full_key(key))
-    dimension = measured.dimension if measured else "number"
-    unit = {"angle": "turn", "angular rate": "Hz"}[dimension] if own.per_turn else si_unit(dimension).name
+    own = case.quantity(key)
     for share in (EXACT_STEP_SHARE, -EXACT_STEP_SHARE):
         value = own.value * (1 + share) if own.value else share
         try:
-            beside = case.with_values({key: f"{decimal_text(value)} {unit}".strip()})
+            beside = case.with_values({key: in_own_unit(own, value)})
         except CaseError as error:
             refused = error
             continue
         shift = value - own.value
-        return beside, shift * Fraction(2 * pi) if own.per_turn else shift
+        return beside, shift * Fraction(2 * pi) ** own.per_turn if own.per_turn else shift
     raise refused
 
 
@@ -480,5 +477,5 @@ def _extrapolated(
 def _si(case: "Case", key: str) -> str:
     """The SI unit of a number of the case."""
 
-    unit = find_unit(case.quantity(key).text.partition(" ")[2])
+    unit = any_unit_named(case.quantity(key).text.partition(" ")[2])
     return "" if unit is None else si_unit(unit.dimension).name

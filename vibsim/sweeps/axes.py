@@ -17,14 +17,13 @@ from vibsim.cases.quantities import (
     QuantityError,
     RangeError,
     RangeValue,
+    any_unit_named,
     decimal_text,
     exact_number,
-    find_unit,
-    parse_quantity,
     parse_range,
     si_unit,
 )
-from vibsim.cases.schema_keys import LONG, UnknownKeyError, measured_at
+from vibsim.cases.schema_keys import LONG, UnknownKeyError
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -152,7 +151,7 @@ def read_axis(case: "Case", key: str, text: str, bare_unit: str = "", argument: 
     Raises UnknownKeyError, RangeError, and CaseError where the case does not allow a value.
     """
     full, *also = (_number_key(case, each.strip()) for each in key.split("="))
-    values = _in_one_unit(parse_range(text, bare_unit or _bare_unit(full)))
+    values = _in_one_unit(parse_range(text, bare_unit or _bare_unit(case, full)))
     exact = [value.value for value in values]
     for low, high in pairwise(sorted(exact)):
         if low == high:
@@ -177,7 +176,7 @@ def range_and_unit(key: str, values: object) -> tuple[str, str]:
     """
     match values:
         case (listed, str() as unit_text) if isinstance(values, tuple) and _is_listed(listed):
-            unit = find_unit(unit_text)
+            unit = any_unit_named(unit_text)
             if unit is None:
                 raise RangeError(f"{key}: unknown unit {unit_text!r}")
             return range_text(key, listed), unit.name
@@ -208,9 +207,9 @@ def _value_text(key: str, value: object) -> str:
     return str(value)
 
 
-def _bare_unit(key: str) -> str:
+def _bare_unit(case: "Case", key: str) -> str:
     """The SI unit; none for an angular rate, which must have one."""
-    measured = measured_at(key)
+    measured = case.measured(key)
     return si_unit(measured.dimension).name if measured and measured.dimension != "angular rate" else ""
 
 
@@ -330,7 +329,7 @@ def read_spread(case: "Case", key: str, text: str) -> Spread:
     amount = text.strip().removeprefix(NORMAL if normal else "")
     if ":" in amount and not normal:
         return _between(case, full, amount, text)
-    spread = _about(full, usual, NORMAL if normal else UNIFORM, _width(full, amount, text))
+    spread = _about(full, usual, NORMAL if normal else UNIFORM, _width(case, full, amount, text))
     tried = [spread.centre + side * spread.width for side in ((0,) if normal else (-1, 1))]
     values = ",".join(f"{decimal_text(value)} {spread.unit}" for value in tried)
     read_axis(case, key, values, argument="spread")
@@ -354,11 +353,11 @@ def _between(case: "Case", key: str, amount: str, text: str) -> Spread:
     return Spread(key, ends.unit, UNIFORM, (low + high) / 2, (high - low) / 2)
 
 
-def _width(key: str, amount: str, text: str) -> Quantity:
-    measured = measured_at(key)
+def _width(case: "Case", key: str, amount: str, text: str) -> Quantity:
+    measured = case.measured(key)
     assert measured is not None  # it is a number of the case
     try:
-        width = parse_quantity(amount, measured.dimension)
+        width = measured.parsed(amount)
     except QuantityError as error:
         raise SpreadError(
             f"{key}={text}: {error}; a spread is WIDTH, FROM:TO or normal STANDARD_DEVIATION"

@@ -11,7 +11,6 @@ import numpy as np
 
 from vibsim.analysis.span import parse_discard
 from vibsim.cases.quantities import parse_quantity
-from vibsim.cases.schema_keys import measured_at
 from vibsim.results.file_contents import ENGINE, NUMBER, PROVENANCE, TEXT, WHOLE, Attribute, Column, Dataset
 from vibsim.results.hdf5_reading import (
     check_datasets,
@@ -252,10 +251,10 @@ def _check_axes(case: "Case", plan: SweepPlan) -> None:
     """Raise one of WRONG unless the axes vary numbers of the case, in units of theirs."""
     for axis in plan.axes:
         for key, text in axis.changes(0).items():
-            measured = measured_at(key)
+            measured = case.measured(key)
             if measured is None or case.values[key] is None:
                 raise ValueError(key)
-            parse_quantity(text, measured.dimension)
+            measured.parsed(text)
 
 
 def _check_scales(path: Path, file: h5py.File, plan: SweepPlan) -> None:

@@ -19,9 +19,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from vibsim.cases import Case, CaseError
-from vibsim.cases.quantities import UNITS, Quantity, decimal_text, number, parse_quantity, si_unit
+from vibsim.cases.quantities import UNITS, Quantity, in_own_unit, number
 from vibsim.cases.scene_building import build_parts, rebuild_parts
-from vibsim.cases.schema_keys import measured_at
+from vibsim.cases.schema_kinds import Measured
 from vibsim.engine.errors import EngineError
 from vibsim.lazy import once
 from vibsim.orbits import OrbitError, ReturnMap
@@ -50,7 +50,6 @@ from vibsim.physics.parts import Scene
 
 
 BESIDE = Fraction(1, 2**30)  # share by which the value is changed to see where it stands
-TURNS = {"angle": "turn", "angular rate": "Hz"}
 
 
 class ScenePath:
@@ -62,7 +61,7 @@ class ScenePath:
     def __init__(self, case: Case, keys: Sequence[str], unit: str):
         self.keys, self.unit = tuple(keys), unit
         self._unit = UNITS[unit]
-        self._measured = measured_at(self.keys[0])
+        self._measured = case.measured(self.keys[0])
         self._values = case.long_values()
         before, after = dict(leaves(self._values)), dict(leaves(self._beside(case).long_values()))
         self._places = [place for place in before if before[place] != after[place]]
@@ -71,19 +70,14 @@ class ScenePath:
 
     def _beside(self, case: Case) -> Case:
         """The case with the parameter a little changed."""
-        own, dimension = case.quantity(self.keys[0]), self._dimension
-        unit = TURNS[dimension] if own.per_turn else si_unit(dimension).name
+        own = case.quantity(self.keys[0])
         for share in (BESIDE, -BESIDE):
             value = own.value * (1 + share) if own.value else share
             try:
-                return case.with_values(dict.fromkeys(self.keys, f"{decimal_text(value)} {unit}".strip()))
+                return case.with_values(dict.fromkeys(self.keys, in_own_unit(own, value)))
             except CaseError as error:
                 refused = error
         raise refused
-
-    @property
-    def _dimension(self) -> str:
-        return self._measured.dimension if self._measured else "number"
 
     def scene(self, value: float) -> Scene:
         """The scene at a value. Raises ValueError where the key does not allow it."""
@@ -104,7 +98,8 @@ class ScenePath:
     def _quantity(self, value: float) -> Quantity:
         """What `parse_quantity` reads from a value and the unit, faster for ordinary numbers."""
         if not 1e-200 < abs(value) < 1e200:
-            return parse_quantity(f"{value!r} {self.unit}".strip(), self._dimension)
+            measured = self._measured or Measured("number")
+            return measured.parsed(f"{value!r} {self.unit}".strip())
         text, unit = repr(value), self._unit
         exact = Fraction(*Decimal(text).as_integer_ratio())
         in_si = exact if unit.factor == 1 else exact * unit.factor

@@ -14,7 +14,6 @@ import numpy as np
 from vibsim.cases import Case, UnknownKeyError
 from vibsim.cases.problems import shown
 from vibsim.cases.quantities import UNITS, number, parse_range, si_unit, times_two_pi, without_log
-from vibsim.cases.schema_keys import measured_at
 from vibsim.engine.errors import EngineError
 from vibsim.lazy import once
 from vibsim.orbits import OrbitError, ReturnMap
@@ -208,7 +207,8 @@ def read_span(case: Case, key: str, text: str) -> tuple[tuple[str, ...], str, tu
     if not key or not isinstance(key, str):
         raise BranchError("name what is to vary: a key of the case, such as excitation.Omega0")
     keys = tuple(number_key(case, each.strip()) for each in key.split("="))
-    dimension = _dimension(keys[0])
+    measured = case.measured(keys[0])
+    dimension = measured.dimension if measured else "number"
     try:
         if text.count(":") != 1 or without_log(text) is not None:
             raise ValueError(text)
@@ -250,11 +250,6 @@ def number_key(case: Case, key: str) -> str:
     except UnknownKeyError as error:
         words = str(error)
         raise UnknownKeyError(words if words.startswith(f"{key} ") else f"{shown(key)}: {words}") from None
-
-
-def _dimension(key: str) -> str:
-    measured = measured_at(key)
-    return measured.dimension if measured else "number"
 
 
 def _bare_unit(dimension: str) -> str:
