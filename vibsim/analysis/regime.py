@@ -25,7 +25,8 @@ from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import ReturnMap
 from vibsim.orbits.search import least
 from vibsim.orbits.stability import exponents_of
-from vibsim.physics.parts import Scene, columns_of, drifting_sets
+from vibsim.physics.connections import drifting_sets
+from vibsim.physics.parts import Scene, columns_of
 from vibsim.physics.rates import is_driven
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, pieces, rows_within

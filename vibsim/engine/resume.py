@@ -5,7 +5,7 @@ from math import isfinite
 
 import numpy as np
 
-from vibsim.engine.columns import flags_of_parts, part_columns, state_columns
+from vibsim.engine.columns import flags_of_parts, part_columns, state_columns, stored_columns
 from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import coincident_stops_of
 from vibsim.engine.events.parting import released_parts
@@ -24,7 +24,7 @@ from vibsim.physics.parts import (
     RigidStop,
     Scene,
     Stop,
-    columns_of,
+    event_parts,
 )
 
 Point = tuple[State[N], Status, Known]  # what a run goes on from: state, mode, known zeros
@@ -94,7 +94,7 @@ def _check(scene: Scene, row: Row) -> None:
     if not 0 <= row["t"] <= scene.t_end:
         raise ValueError(f"event row: t must be 0 to {scene.t_end:g} s, got {row['t']:g} s")
     names = part_columns(scene)
-    allowed = {"kind": tuple(EVENT_NAMES), "part": tuple(range(-1, len(names)))}
+    allowed = {"kind": tuple(EVENT_NAMES), "part": tuple(range(-1, len(event_parts(scene))))}
     codes = [tuple(flags.values()) for flags in flags_of_parts(scene)]
     for name, values in (allowed | dict(zip(names, codes, strict=True))).items():
         if row[name] not in values:
@@ -104,7 +104,7 @@ def _check(scene: Scene, row: Row) -> None:
 
 
 def _state(scene: Scene, row: Row) -> State:
-    values = [float(row[name]) for name in state_columns(scene)]
+    values = [0.0 if name is None else float(row[name]) for name in stored_columns(scene)]
     n = 2 * len(scene.bodies)
     phase = turns = w = 0.0
     if scene.motor is not None:
@@ -187,7 +187,7 @@ def _at_ends(part: Stop | RigidStop | Clearance, values: Sequence[float], of_bas
 
 def _struck(scene: Scene, friction: Friction, row: Row) -> bool:
     """Whether a blow moved the ends of a friction against each other."""
-    ends = [columns_of(scene.bodies[end].name)[1] for end in (friction.P, friction.Q) if end >= 0]
+    ends = [scene.bodies[end].columns[1] for end in (friction.P, friction.Q) if end >= 0]
     jumps = [abs(row[name] - row.get(f"before_{name}", row[name])) for name in ends]
     sizes = [abs(row[name]) for name in ends]
     return any(jump > ROUNDING * (max(sizes) + abs(friction.belt)) for jump in jumps)

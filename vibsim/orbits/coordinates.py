@@ -20,9 +20,10 @@ from numpy.typing import ArrayLike
 from vibsim.engine.tangent.carried import Carried
 from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike, weights
 from vibsim.lazy import once
+from vibsim.physics.connections import body_sets
 from vibsim.physics.elementary import sine_cosine_of_arrays
 from vibsim.physics.numbers import Doubles
-from vibsim.physics.parts import BASE, Link, Scene, Stop, body_sets, columns_of
+from vibsim.physics.parts import BASE, Link, Scene, Stop, columns_of
 from vibsim.physics.rates import Period, common_period
 
 if TYPE_CHECKING:

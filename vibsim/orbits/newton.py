@@ -21,8 +21,9 @@ from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits.coordinates import Coordinates, NotConverged, OrbitError
 from vibsim.orbits.return_map import Return, ReturnMap, returns, slowest_period
 from vibsim.orbits.stability import dot, least_squares, product, solved_by_pivots
+from vibsim.physics.connections import body_sets
 from vibsim.physics.numbers import Doubles
-from vibsim.physics.parts import EVENT_KINDS, RigidStop, Scene, Stop, body_sets
+from vibsim.physics.parts import EVENT_KINDS, RigidStop, Scene, Stop
 from vibsim.physics.rates import source_period
 
 if TYPE_CHECKING:

@@ -11,7 +11,8 @@ from vibsim.lazy import once
 from vibsim.orbits.branches.correction import correct, kernel, tangent
 from vibsim.orbits.branches.family import Family, FamilyPoint
 from vibsim.orbits.stability import ON_CIRCLE, dot, length_of, modulus, product
-from vibsim.physics.parts import Scene, body_sets
+from vibsim.physics.connections import body_sets
+from vibsim.physics.parts import Scene
 from vibsim.physics.rates import masses
 
 STEADY = 4.0  # times that the share of the parameter in the tangent may change where Newton holds it

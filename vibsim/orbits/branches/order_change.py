@@ -21,7 +21,8 @@ from vibsim.orbits.branches.node import Node
 from vibsim.orbits.branches.special_points import BRANCHING, CORNER, FOLD, HOPF, UNRESOLVED, Special
 from vibsim.orbits.coordinates import LETTERS, Word, counted, gap_of
 from vibsim.orbits.stability import dot, least_squares, length_of, moduli
-from vibsim.physics.parts import BodySet, Scene, body_sets
+from vibsim.physics.connections import BodySet, body_sets
+from vibsim.physics.parts import Scene
 
 NARROW = 4e-14  # length, over that of the unknowns, of the last bracket: Newton's method leaves as much open
 SHORT = 1e-9  # scaled length of a stretch that is not halved any more to part its events
