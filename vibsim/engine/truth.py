@@ -98,7 +98,9 @@ def open_truth(
 
 
 def bare(part: Any, kit: DigitsKit[Number]) -> Any:
-    """A part, or a scene of them, whose numbers carry no radius."""
+    """A part, or a scene of them, whose numbers carry no radius; formulas, whose numbers are exact, as they are."""
+    if isinstance(part, tuple) and part and isinstance(part[0], str):
+        return part
     if is_dataclass(part) and not isinstance(part, type):
         return replace(part, **{field.name: bare(getattr(part, field.name), kit) for field in fields(part)})
     if isinstance(part, tuple):

@@ -9,7 +9,7 @@ no set and no pair.
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from vibsim.physics.parts import GROUND, Scene
+from vibsim.physics.parts import GROUND, ROTOR, Scene
 
 
 class Pair(NamedTuple):
@@ -74,7 +74,7 @@ def joined_pairs(scene: Scene) -> tuple[Pair, ...]:
     return _distinct((*scene.links, *scene.stops))
 
 
-def felt_pairs(scene: Scene) -> tuple[Pair, ...]:
+def felt_pairs(scene: Scene[Any]) -> tuple[Pair, ...]:
     """The pairs of ends whose distance formulas read, but for what a stop reads of its own ends: no other shift
     of bodies is felt by a formula.
     """
@@ -83,6 +83,19 @@ def felt_pairs(scene: Scene) -> tuple[Pair, ...]:
     from vibsim.physics.formula_parts import pairs_read
 
     return tuple(Pair(*pair) for pair in pairs_read(scene))
+
+
+def felt_angles(scene: Scene[Any]) -> list[int]:
+    """Numbers of the rotors whose angle a force feels: those with an unbalance, and those whose angle a formula
+    reads.
+    """
+    rotors = [i for i, body in enumerate(scene.bodies) if body.kind == ROTOR]
+    if not rotors:
+        return []
+    from vibsim.physics.formula_parts import angles_read
+
+    felt = {rotor.column for rotor in scene.rotors if rotor.unbalance} | angles_read(scene)
+    return [i for i in rotors if i in felt]
 
 
 def drifting_sets(scene: Scene) -> list[BodySet]:

@@ -3,13 +3,13 @@
 A scene without formulas never loads this module.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 from vibsim.physics.formulas import SWITCHES, TIME, Node, children, derivative, reads, value_of, walk
-from vibsim.physics.parts import BASE, GROUND, ROTOR, STATE, Scene, Stop
+from vibsim.physics.parts import GROUND, ROTOR, STATE, Scene, Stop
 
 # The formulas, each with the part that it is a law of.
 
@@ -23,7 +23,7 @@ class PartFormula(NamedTuple):
     formula: Node
 
 
-def formulas_of(scene: Scene) -> Iterator[PartFormula]:
+def formulas_of(scene: Scene[Any]) -> Iterator[PartFormula]:
     """All formulas of a scene, section by section."""
     for i, stop in enumerate(scene.stops):
         if isinstance(stop, Stop) and stop.force is not None:
@@ -44,7 +44,7 @@ def formulas_of(scene: Scene) -> Iterator[PartFormula]:
 # Where formulas have several sides.
 
 
-def switching_parts(scene: Scene) -> tuple[str, ...]:
+def switching_parts(scene: Scene[Any]) -> tuple[str, ...]:
     """Names of the parts whose formulas have switches, each once."""
     names = [one.name for one in formulas_of(scene) if has_switches(one.formula)]
     return tuple(dict.fromkeys(names))
@@ -56,7 +56,7 @@ def has_switches(formula: Node) -> bool:
     return reads([formula], SWITCHES)
 
 
-def any_switches(scene: Scene) -> bool:
+def any_switches(scene: Scene[Any]) -> bool:
     """Whether any formula of a scene has switches."""
     return scene.has_formulas and bool(switching_parts(scene))
 
@@ -64,7 +64,7 @@ def any_switches(scene: Scene) -> bool:
 # Which places of bodies formulas read.
 
 
-def pairs_read(scene: Scene) -> Iterator[tuple[str, int, int]]:
+def pairs_read(scene: Scene[Any]) -> Iterator[tuple[str, int, int]]:
     """Name of the part and ends P, Q of each difference x_P - x_Q that its formula reads; Q is GROUND where it
     reads x_P by itself. What a stop reads of its own ends is left out.
     """
@@ -101,24 +101,27 @@ def _places_read(formula: Node) -> tuple[tuple[int, int], ...]:
     return tuple((P, Q) for P, Q in found if P >= 0 or Q >= 0)
 
 
-def stiff_links(scene: Scene) -> list[int]:
-    """Numbers of the links whose formula reads the distance of their ends: they are springs."""
-    return [
-        i
-        for i, link in enumerate(scene.links)
-        if link.force is not None and any({P, Q} == {link.P, link.Q} for P, Q in _ends_read(link))
-    ]
+def reads_own_distance(link: Any) -> bool:
+    """Whether the formula of a link reads the distance of its ends, and nothing else."""
+    ends = {link.P, link.Q}
+    return not reads([link.force], ("t", "v", "phi", "w")) and all(
+        {P, Q} == ends or (Q == GROUND and {P} == {end for end in ends if end >= 0})
+        for P, Q in _places_read(link.force)
+    )
 
 
-def _ends_read(link: Any) -> Iterable[tuple[int, int]]:
-    fixed = {link.P, link.Q} & {GROUND, BASE}
-    for P, Q in _places_read(link.force):
-        yield (P, Q)
-        if Q == GROUND and fixed:  # x of the body itself, where the other end is at rest
-            yield (P, *fixed)
+def angles_read(scene: Scene[Any]) -> set[int]:
+    """Numbers of the rotors whose angle any formula reads."""
+    ends = {end for one in formulas_of(scene) for pair in _places_read(one.formula) for end in pair}
+    return {i for i, body in enumerate(scene.bodies) if body.kind == ROTOR and i in ends}
 
 
 # How time drives a scene by its formulas.
+
+
+PI_TO_80_DIGITS = Fraction(
+    "3.14159265358979323846264338327950288419716939937510582097494459230781640628620899"
+)
 
 
 class TimeRate(NamedTuple):
@@ -127,13 +130,20 @@ class TimeRate(NamedTuple):
     factor: Fraction
     power: int
 
+    @property
+    def cycles(self) -> tuple[float, float]:
+        """The frequency [Hz] as a double-double."""
+        exact = self.factor / 2 * PI_TO_80_DIGITS ** (self.power - 1)
+        high = float(exact)
+        return high, float(exact - Fraction(high))
 
-def reads_time(scene: Scene) -> bool:
+
+def reads_time(scene: Scene[Any]) -> bool:
     """Whether any formula reads the time."""
     return any(_paces(one.formula) != () for one in formulas_of(scene))
 
 
-def paces_of(scene: Scene) -> list[TimeRate] | None:
+def paces_of(scene: Scene[Any]) -> list[TimeRate] | None:
     """The rates at which time drives a scene by its formulas, each once; None where one of them has no period
     in time, as of a ramp, a growing frequency or a table.
     """

@@ -5,7 +5,7 @@ Sums and products are rounded as everywhere, functions are those of `vibsim.phys
 differs from one machine to the next.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from math import pi
 from typing import Any, NamedTuple
@@ -14,7 +14,7 @@ import numpy as np
 
 from vibsim.physics import elementary
 from vibsim.physics.formulas import TIME, Node, children, derivative, walk
-from vibsim.physics.parts import GROUND, ROTOR, Link, Scene
+from vibsim.physics.parts import BASE, GROUND, ROTOR, STATE, Link, Scene
 
 Inputs = Mapping[Node, np.ndarray | float]  # what formulas read: node -> values [SI]
 
@@ -88,23 +88,62 @@ def _of_table(u: np.ndarray, knots: tuple[Fraction, ...], pieces: tuple[Any, ...
     return np.asarray(value)
 
 
-# The state of a scene at its start, as inputs of formulas.
+# The state of a scene as inputs of formulas.
 
 
-def start_inputs(scene: Scene, t: float = 0.0) -> dict[Node, float]:
-    """What formulas read at the start of a scene: places and velocities of bodies, the time."""
-    inputs: dict[Node, float] = {TIME: t}
-    for i, body in enumerate(scene.bodies):
-        inputs["x", i], inputs["v", i] = float(body.x), float(body.v)
-    if scene.motor is not None:
-        inputs["phi",], inputs["w",] = float(scene.motor.phi), float(scene.motor.phidot)
-    return inputs
+PANELS = 8  # of an integral, each of twelve nodes: a polynomial of degree 23 on each
+
+
+def inputs_at(
+    scene: Scene[Any], t: float, x: Sequence[float], v: Sequence[float], rotor: Sequence[float] = (0.0, 0.0)
+) -> dict[Node, float]:
+    """What formulas read at a time [s]: x and v of each body, angle and speed of a motor."""
+    inputs: dict[Node, float] = {TIME: t, ("phi",): rotor[0], ("w",): rotor[1]}
+    for i, (place, velocity) in enumerate(zip(x, v, strict=False)):
+        inputs["x", i], inputs["v", i] = float(place), float(velocity)
+    X, V = _base_at(scene, t)
+    return inputs | {("x", BASE): X, ("v", BASE): V}
+
+
+def _base_at(scene: Scene[Any], t: float) -> tuple[float, float]:
+    if scene.base_formula is not None:
+        X, V = base_motion_of(scene.base_formula, np.array([t]))
+        return float(X[0]), float(V[0])
+    place = rate = 0.0
+    for term in scene.base:
+        sine, cosine = elementary.sine_cosine(float(term.omega) * t + float(term.phase))
+        place = place + float(term.amplitude) * sine
+        rate = rate + float(term.amplitude) * float(term.omega) * cosine
+    return place, rate
+
+
+def start_inputs(scene: Scene[Any]) -> dict[Node, float]:
+    """What formulas read at the start of a scene."""
+    motor = scene.motor
+    rotor = (0.0, 0.0) if motor is None else (float(motor.phi), float(motor.phidot))
+    bodies = scene.bodies
+    return inputs_at(
+        scene, 0.0, [float(body.x) for body in bodies], [float(body.v) for body in bodies], rotor
+    )
 
 
 def base_motion_of(formula: Node, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Displacement [m] and velocity [m/s] of a base whose place is a formula of time, at times [s]."""
     x, v = (values_of(node, {TIME: times}) for node in (formula, derivative(formula, TIME)))
     return np.broadcast_to(x, np.shape(times)).copy(), np.broadcast_to(v, np.shape(times)).copy()
+
+
+def potential_of(link: Link[Any], distance: float) -> float:
+    """Energy [J] of a link whose formula reads the distance of its ends alone, at x_P - x_Q [m]: the integral of
+    its force from 0, by Gauss's rule of twelve nodes on PANELS panels.
+    """
+    assert link.force is not None
+    step, (nodes, weights) = distance / PANELS, map(np.array, elementary.TWELVE)
+    places = step * (np.arange(PANELS)[:, None] + nodes)
+    own = link.P if link.P >= 0 else link.Q
+    at = places if own == link.P else -places
+    force = np.broadcast_to(values_of(link.force, {("x", own): at}), places.shape)
+    return float(elementary.total((force * weights).ravel())) * step
 
 
 # Springs that formulas are near the start of a scene: what sets scales of time.
@@ -122,7 +161,7 @@ class LinearPart(NamedTuple):
     c: float
 
 
-def linear_parts(scene: Scene) -> list[LinearPart]:
+def linear_parts(scene: Scene[Any]) -> list[LinearPart]:
     """The formulas of links and forces as springs and dampers, those that push back; rates of states are none."""
     at = start_inputs(scene)
     parts = []
@@ -157,11 +196,11 @@ PLACES = 8  # of a turn, at which a torque is taken: they cancel its harmonics u
 NOTHING = 1e-12  # of the largest torque of a turn: rounding
 
 
-def driven_rotors(scene: Scene) -> list[int]:
+def driven_rotors(scene: Scene[Any]) -> list[int]:
     """Numbers of the rotors whose torque does work over a turn at rest, or reads a state as that of a motor
     with a current does.
     """
-    states = {i for i, body in enumerate(scene.bodies) if body.kind not in ("body", ROTOR)}
+    states = {i for i, body in enumerate(scene.bodies) if body.kind == STATE}
     return [
         force.on
         for force in scene.forces
@@ -174,7 +213,7 @@ def _reads_any(formula: Node | None, states: set[int]) -> bool:
     return formula is not None and any(node[0] == "v" and node[1] in states for node in walk([formula]))
 
 
-def _works(scene: Scene, force: Any) -> bool:
+def _works(scene: Scene[Any], force: Any) -> bool:
     angles = 2 * pi * np.arange(PLACES) / PLACES
     torque = np.full(PLACES, float(force.constant))
     if force.formula is not None:

@@ -16,7 +16,7 @@ import numpy as np
 from vibsim.physics.connections import body_sets
 from vibsim.physics.linear_algebra import symmetric_eigenvalues
 from vibsim.physics.numbers import N
-from vibsim.physics.parts import ROTOR, Link, RigidStop, Scene, Stop
+from vibsim.physics.parts import BODY, ROTOR, Link, RigidStop, Scene, Stop
 
 RIGID = 1e-12  # of the largest squared rate, below which one is that of a rigid motion, 0 but for rounding
 
@@ -59,13 +59,24 @@ def mobility(scene: Scene[N], ends: Iterable[int]) -> N | int:
     return total
 
 
-def _linear_parts(scene: Scene) -> list[Spring]:
+def _linear_parts(scene: Scene[Any]) -> list[Spring]:
     """What formulas are for small motions about the start."""
     if not scene.has_formulas:
         return []
     from vibsim.physics.formula_values import linear_parts
 
     return list(linear_parts(scene))
+
+
+def fastest_of_formulas(scene: Scene[Any]) -> float:
+    """The fastest rate [rad/s] at which bodies vibrate by formulas near the start; 0 without any."""
+    bodies = {i for i, body in enumerate(scene.bodies) if body.kind == BODY}
+    rates = [
+        sqrt(part.k * float(mobility(scene, (part.P, part.Q))))
+        for part in _linear_parts(scene)
+        if part.k > 0 and part.P in bodies
+    ]
+    return max(rates, default=0.0)
 
 
 def fastest_damping(scene: Scene) -> tuple[str, float]:
@@ -76,6 +87,13 @@ def fastest_damping(scene: Scene) -> tuple[str, float]:
     rates = [(part.c / reduced_mass(scene, part.P, part.Q), part.name) for part in dampers if part.c > 0]
     rate, name = max(rates, default=(0.0, ""))
     return name, rate
+
+
+def springs_of(scene: Scene) -> list[Spring]:
+    """Links and elastic stops with stiffness, stops with a formula, and what of other formulas pushes back."""
+    springs: list[Spring] = [link for link in scene.links if link.k]
+    springs += [stop for _, stop in scene.elastic_stops if stop.k or stop.force is not None]
+    return springs + [part for part in _linear_parts(scene) if part.k > 0]
 
 
 def natural_rates(scene: Scene, closed: Iterable[Stop | RigidStop] = ()) -> list[float]:
@@ -149,16 +167,16 @@ def is_driven(scene: Scene) -> bool:
     """Whether there is a motor, a force that changes with time, a base that moves or a rotor that is driven."""
     if scene.motor is not None or bool(scene.harmonics):
         return True
-    return scene.has_formulas and (_reads_time(scene) or turning_rotor(scene) is not None)
+    return reads_time(scene) or turning_rotor(scene) is not None
 
 
-def turning_rotor(scene: Scene) -> int | None:
+def turning_rotor(scene: Scene[Any]) -> int | None:
     """Number of the rotor whose turns are the cycles of a scene: the only one of those without a motor that
     nothing drives in time, where its torque drives it; None of any other.
     """
     if not scene.has_formulas or scene.motor is not None:
         return None
-    if [body.kind for body in scene.bodies].count(ROTOR) != 1 or _reads_time(scene):
+    if [body.kind for body in scene.bodies].count(ROTOR) != 1 or reads_time(scene):
         return None
     if any(term.amplitude != 0 and term.cycles != 0 for term in scene.harmonics):
         return None
@@ -167,10 +185,13 @@ def turning_rotor(scene: Scene) -> int | None:
     return next(iter(driven_rotors(scene)), None)
 
 
-def _reads_time(scene: Scene) -> bool:
-    from vibsim.physics.formula_parts import reads_time
+def reads_time(scene: Scene[Any]) -> bool:
+    """Whether any formula reads the time."""
+    if not scene.has_formulas:
+        return False
+    from vibsim.physics import formula_parts
 
-    return reads_time(scene)
+    return formula_parts.reads_time(scene)
 
 
 def source_rates(scene: Scene) -> list[float]:
@@ -279,9 +300,6 @@ def common_period(scene: Scene[Any]) -> Period | None:
     return Period(*pitches[0], turns)
 
 
-PI = Fraction("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899")
-
-
 def _pitches(scene: Scene[Any]) -> list[tuple[float, float]] | None:
     """Frequencies [Hz] at which formulas of time repeat themselves, as double-doubles; None where one never
     does.
@@ -293,9 +311,4 @@ def _pitches(scene: Scene[Any]) -> list[tuple[float, float]] | None:
     paces = paces_of(scene)
     if paces is None:
         return None
-    return [_double_double(pace.factor / 2 * PI ** (pace.power - 1)) for pace in paces]
-
-
-def _double_double(value: Fraction) -> tuple[float, float]:
-    high = float(value)
-    return high, float(value - Fraction(high))
+    return [pace.cycles for pace in paces]

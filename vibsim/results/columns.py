@@ -134,6 +134,27 @@ def _states_of(scene: Scene, body: Body) -> dict[str, Column]:
     }
 
 
+def starts_of(scene: Scene, is_long: bool) -> dict[str, tuple[str, str]]:
+    """By column of a state: the key of its start value in a case of the long form or the short one, and its
+    unit there.
+    """
+    starts: dict[str, tuple[str, str]] = {}
+    for body in scene.bodies:
+        x, v = body.columns
+        if body.kind == STATE:
+            starts[v] = f"states.{body.name}.start", dict(scene.state_units).get(body.name, "")
+            continue
+        assert x is not None
+        names = ("phi", "phidot" if body.name == MOTOR else "w") if body.kind == ROTOR else ("x", "v")
+        keys = [f"{body.name}.{name}" for name in names] if is_long else (x, v)
+        unit = "rad" if body.kind == ROTOR or scene.torsional else "m"
+        starts |= {x: (f"initial.{keys[0]}", unit), v: (f"initial.{keys[1]}", f"{unit}/s")}
+    if scene.has_motor:
+        where = "initial.motor" if is_long else "initial"
+        starts |= {ANGLE: (f"{where}.phi", "rad"), SPEED: (f"{where}.phidot", "rad/s")}
+    return starts
+
+
 def written_unit(unit: str) -> str:
     """A unit of a case as files write it: N s/m^2 as N s m-2; 1 for none."""
     over, *under = unit.split("/")

@@ -346,10 +346,14 @@ def carried_off(family: Family, node: Node, sense: float) -> str | None:
 
 
 def _overcome(scene: Scene) -> BodySet | None:
-    """Bodies on which the static force is more than friction can take; None where there are none."""
+    """Bodies on which the static force is more than friction can take; None where there are none, and of bodies
+    on which formulas act none is known.
+    """
     for bodies in body_sets(scene, [*scene.links, *scene.stops]):
         motor = scene.motor is not None and scene.motor.on in bodies.bodies
-        if not (bodies.held or motor) and _excess(scene, bodies) > 0:
+        unknown = any(each.formula is not None for each in scene.forces if each.on in bodies.bodies)
+        unknown = unknown or any(friction.slips is not None for friction in scene.frictions)
+        if not (bodies.held or motor or unknown) and _excess(scene, bodies) > 0:
             return bodies
     return None
 
