@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vibsim.cases.case import load_case_text
-from vibsim.physics.parts import body_sets, drifting_sets, pairs_of
+from vibsim.physics.connections import body_sets, drifting_sets, pairs_of
 from vibsim.physics.rates import (
     all_rates,
     bilinear_frequencies,

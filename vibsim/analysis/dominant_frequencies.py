@@ -17,8 +17,9 @@ from vibsim.analysis.cycles import FrequenciesVerdict, cycle_ends, name_verdict
 from vibsim.analysis.span import Span, steady_span
 from vibsim.cases.quantities import number
 from vibsim.physics import elementary
+from vibsim.physics.connections import Pair, pairs_of
 from vibsim.physics.elementary import dot, mean, sine_cosine_of_arrays
-from vibsim.physics.parts import Pair, Scene, pairs_of
+from vibsim.physics.parts import Scene
 from vibsim.physics.rates import natural_rates
 from vibsim.results.columns import PairMotion, tables_of
 from vibsim.results.result import Result

@@ -20,10 +20,11 @@ import numpy as np
 from vibsim.analysis.comparison import FEWEST_BLOCKS, MOST_BLOCKS, average
 from vibsim.analysis.cycles import DriftVerdict, ImpactsVerdict, cycle_ends, events_within, name_verdict
 from vibsim.analysis.span import Span, steady_span
+from vibsim.physics.connections import drifting_sets
 from vibsim.physics.elementary import dot, mean, sine_cosine_of_arrays, total
-from vibsim.physics.parts import EVENT_KINDS, Scene, columns_of, drifting_sets
+from vibsim.physics.parts import EVENT_KINDS, Scene, columns_of, event_parts
 from vibsim.physics.rates import is_driven, masses, source_period
-from vibsim.results.columns import closing_velocities, part_names, tables_of
+from vibsim.results.columns import closing_velocities, tables_of
 from vibsim.results.result import Result
 from vibsim.results.windows import Window
 
@@ -276,7 +277,7 @@ def words_of(result: Result, ends: np.ndarray, part: str | None = None) -> list[
     """
     events = events_within(result, (float(ends[0]), float(ends[-1])), "t", "kind", "part")
     if part is not None:
-        own = events["part"] == part_names(result.case.scene()).index(part)
+        own = events["part"] == event_parts(result.case.scene()).index(part)
         events = {name: column[own] for name, column in events.items()}
     letters = {EVENT_KINDS[kind]: letter for kind, letter in LETTERS.items()}
     text = "".join(letters.get(kind, " ") for kind in events["kind"].tolist())

@@ -25,7 +25,8 @@ from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import ReturnMap
 from vibsim.orbits.search import least
 from vibsim.orbits.stability import exponents_of
-from vibsim.physics.parts import Scene, columns_of, drifting_sets
+from vibsim.physics.connections import drifting_sets
+from vibsim.physics.parts import Scene, columns_of
 from vibsim.physics.rates import is_driven
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, pieces, rows_within
@@ -127,7 +128,7 @@ def _shifts(result: Result, period: float) -> dict[str, float]:
     scene = result.case.scene()
     both = result.at(np.array([0.0, period]))
     free = {scene.bodies[body].name for one in drifting_sets(scene) for body in one.bodies}
-    ends = {body.name: both[columns_of(body.name)[0]] for body in scene.bodies}
+    ends = {body.name: both[columns_of(body.name)[0]] for body in scene.line}
     return {name: float((x[1] - x[0]) / period) if name in free else 0.0 for name, x in ends.items()}
 
 
@@ -206,7 +207,7 @@ def _orbits(judged: JudgedPoints, scene: Scene, states: States) -> Iterator[Orbi
     if return_map.section.turning:
         return
     at, times = return_map.coordinates, states["time"]
-    X = at.of(np.stack([states[name] for name in at.columns], axis=1))
+    X = at.of(at.gathered(states))
     told = [judged.period] if judged.period else []
     numbers = list(dict.fromkeys([*told, *likely_periods(X)[0][:TRIES]]))
     for n in chain.from_iterable((n, 2 * n) for n in numbers):
@@ -224,10 +225,11 @@ def _distances(
     orbit: Orbit, states: States, coordinates: SectionCoordinates, sizes: np.ndarray
 ) -> np.ndarray:
     """Distance of each point from the orbit's of its place, relative to the vibration (n)."""
-    columns, count = orbit.end.coordinates.columns, len(states["time"])
+    at, count = orbit.end.coordinates, len(states["time"])
     place = np.arange(1 - count, 1) % orbit.n
-    lifted = np.array([orbit.end.coordinates.lifted(point) for point in orbit.points])[place]
-    both = {name: np.concatenate([states[name], lifted[:, i]]) for i, name in enumerate(columns)}
+    lifted = np.array([at.lifted(point) for point in orbit.points])[place]
+    shown = [(i, name) for i, name in enumerate(at.components) if name is not None]
+    both = {name: np.concatenate([states[name], lifted[:, i]]) for i, name in shown}
     both["time"] = np.concatenate([states["time"]] * 2)
     points = coordinates.points(both, sizes)
     return np.asarray(np.abs(points[:count] - points[count:]).max(axis=1))

@@ -29,8 +29,9 @@ from vibsim.analysis.chaos_tests import MOST as chaos_tests_MOST
 from vibsim.analysis.cycles import ROWS, TURN, RegimeVerdict, cycle_ends, events_within, name_verdict
 from vibsim.analysis.span import Span
 from vibsim.cases.quantities import number
+from vibsim.physics.connections import body_sets, joined_pairs
 from vibsim.physics.elementary import mean, sine_cosine_of_arrays
-from vibsim.physics.parts import Scene, body_sets, columns_of, joined_pairs
+from vibsim.physics.parts import Scene, columns_of
 from vibsim.results.columns import PairMotion, states_at
 from vibsim.results.result import Result
 from vibsim.results.windows import pieces, rows_within

@@ -442,7 +442,9 @@ if further_unit not in FURTHER_UNITS:
 
 
 def bare_as(old: str, bare: str) -> str:
-    """A bare number as a text in the SI unit of a quantity that it replaces; as it is in place of a frequency."""
+    """A bare number as a text in the SI unit of a quantity that it replaces; as it is in place of a
+    frequency.
+    """
     try:
         quantity, of = any_quantity(old)
     except QuantityError:

@@ -9,17 +9,16 @@ from typing import Any, Generic, TypedDict
 import numpy as np
 
 from vibsim.engine.columns import (
-    before_columns,
     event_columns,
-    moving_columns,
     part_columns,
     sample_columns,
-    section_columns,
+    stored_at_events,
+    stored_columns,
 )
 from vibsim.engine.extremes import Gap
 from vibsim.engine.modes.ties import Edge
 from vibsim.physics.numbers import N
-from vibsim.physics.parts import EVENT_KINDS, RIGID_KINDS, Scene
+from vibsim.physics.parts import EVENT_KINDS, RIGID_KINDS, SWITCH, Scene
 
 OFFSETS = {
     "contact_begin": "stops",
@@ -27,6 +26,7 @@ OFFSETS = {
     "violation_begin": "clearances",
     "violation_end": "clearances",
     **dict.fromkeys(RIGID_KINDS, "stops"),
+    SWITCH: "every",
 }
 
 
@@ -73,8 +73,8 @@ class Trajectory(Generic[N]):
     def __init__(self, scene: Scene[N]) -> None:
         self.scene = scene
         self.names, self.event_names = sample_columns(scene), event_columns(scene)
-        self.timed_states, self.parts = section_columns(scene), part_columns(scene)
-        self.states_happened = "t", *moving_columns(scene), "phase", *before_columns(scene)
+        self.timed_states, self.parts = ("time", *stored_columns(scene)), part_columns(scene)
+        self.states_happened = stored_at_events(scene)
         self.first_part = part_offsets(scene)
 
     def blocks(self) -> Iterator[Block]:
@@ -116,16 +116,16 @@ class Trajectory(Generic[N]):
         """A block from rows: (time, states), part states; (t, states, phase, velocities before), (kind, part,
         part states); (time, states); (time reached, time worked out to).
         """
-        table = dict(zip(self.timed_states, samples, strict=False))
+        table = _by_name(self.timed_states, samples)
         table |= dict(zip(self.parts, sample_codes, strict=True))
-        happened = dict(zip(self.states_happened, events, strict=False))
+        happened = _by_name(self.states_happened, events)
         happened |= {"kind": event_codes[0], "part": self._parts(event_codes[0], event_codes[1])}
         happened |= dict(zip(self.parts, event_codes[2:], strict=True))
         width = 3 + 2 * len(self.scene.bodies)  # of a state
         return Block(
             {name: table[name] for name in self.names},
             {name: happened[name] for name in self.event_names},
-            dict(zip(self.timed_states, section, strict=False)),
+            _by_name(self.timed_states, section),
             reached[0],
             reached[1],
             section[width:],
@@ -133,13 +133,14 @@ class Trajectory(Generic[N]):
 
     def columns_of(self, states: np.ndarray, codes: Iterable[Any]) -> dict[str, np.ndarray]:
         """Columns by name of rows (time, states) and part states: one for all rows, or one for each."""
-        table = dict(zip(self.timed_states, states, strict=False))
+        table = _by_name(self.timed_states, states)
         for name, code in zip(self.parts, codes, strict=True):
             table[name] = np.full(states.shape[1], code, dtype="i1")
         return {name: table[name] for name in self.names}
 
     def _parts(self, kinds: np.ndarray, parts: np.ndarray) -> np.ndarray:
-        """Index among `part_columns`, from the index among parts of its sort; -1 for none.
+        """Index among `event_parts`, from the index among parts of its sort; -1 for none. Of a switch it is
+        that index already.
 
         Engines give bytes; read without a sign they number 255 parts of a sort, and -1 is the last number.
         """
@@ -147,8 +148,13 @@ class Trajectory(Generic[N]):
         return np.where(parts == -1, -1, numbers + self.first_part[kinds]).astype("i2")
 
 
+def _by_name(names: Iterable[str | None], rows: np.ndarray) -> dict[str, np.ndarray]:
+    """Rows by their names, as many as there are; those without a name are left out."""
+    return {name: row for name, row in zip(names, rows, strict=False) if name is not None}
+
+
 def part_offsets(scene: Scene[N]) -> np.ndarray:
-    """By kind of event: index among `part_columns` of the first part of its sort."""
-    first = {"stops": 0, "frictions": len(scene.stops)}
+    """By kind of event: index among `event_parts` of the first part of its sort."""
+    first = {"stops": 0, "frictions": len(scene.stops), "every": 0}
     first["clearances"] = first["frictions"] + len(scene.frictions)
     return np.array([first[OFFSETS.get(kind, "frictions")] for kind in EVENT_KINDS])

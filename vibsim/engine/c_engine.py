@@ -35,7 +35,7 @@ from vibsim.engine.resume import Point
 from vibsim.engine.tangent.tangent_space import length
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import EVENT_KINDS, Scene
-from vibsim.physics.rates import common_period
+from vibsim.physics.rates import common_period, turning_rotor
 
 if TYPE_CHECKING:
     from vibsim.engine.tangent.tangencies import Jumps
@@ -180,11 +180,16 @@ class CRun:
         return (state, *self.automaton.initial(state))
 
     def _keep_section(self) -> bool:
-        """Tell C of the period of forces and base; whether there is a section to keep."""
+        """Tell C of the period of forces and base, or the rotor that turns; whether there is a section to
+        keep.
+        """
         period = None if self.scene.motor else common_period(self.scene)
+        rotor = turning_rotor(self.scene)
         if period is not None:
-            self.run.keep_section(period.cycles, period.cycles_lo, period.turns)
-        return period is not None or self.scene.motor is not None
+            self.run.keep_section(period.cycles, period.cycles_lo, period.turns, -1)
+        elif rotor is not None:
+            self.run.keep_section(0.0, 0.0, 0.0, rotor)
+        return period is not None or rotor is not None or self.scene.motor is not None
 
     def _fill_new_arrays(self) -> None:
         """Let C fill new arrays, one row per column: samples, sample modes, events, event codes, section."""

@@ -1,7 +1,11 @@
-"""Names of what a run of a scene made of parts gives: states of bodies and rotor, states of parts."""
+"""Names of what a run of a scene made of parts gives: states of bodies and rotors, states of parts.
+
+What the engines store is a row of x and v of every body, rotors and states among them, then angle and speed
+of a motor. Rows whose name is None are shown nowhere: the x of a state says nothing.
+"""
 
 from vibsim.physics.numbers import N
-from vibsim.physics.parts import Clearance, Friction, RigidStop, Scene, Stop, columns_of
+from vibsim.physics.parts import ANGLE, SPEED, STATE, Clearance, Friction, RigidStop, Scene, Stop
 
 RIGID_FLAGS = {"free": 0, "resting": 3}
 FLAGS = {
@@ -22,16 +26,23 @@ def part_flags(kind: str, part: Stop[N] | RigidStop[N] | Friction[N] | Clearance
 
 
 def state_columns(scene: Scene[N]) -> tuple[str, ...]:
-    """Displacement and velocity of each body, then angle and speed of the rotor."""
-    names = moving_columns(scene)
-    return names if scene.motor is not None else names[:-2]
+    """The columns of each body, in the order of bodies, then angle and speed of a motor."""
+    names = tuple(name for body in scene.bodies for name in body.columns if name is not None)
+    return (*names, ANGLE, SPEED) if scene.motor is not None else names
 
 
-def moving_columns(scene: Scene[N]) -> tuple[str, ...]:
-    """Displacement and velocity of each body, then angle and speed of a rotor, whether there is one or not:
-    what the engines store.
+def stored_columns(scene: Scene[N]) -> tuple[str | None, ...]:
+    """Names of the rows of states that the engines store, but for the last two where there is no motor."""
+    names = tuple(name for body in scene.bodies for name in body.columns)
+    return (*names, ANGLE, SPEED) if scene.motor is not None else names
+
+
+def stored_at_events(scene: Scene[N]) -> tuple[str | None, ...]:
+    """Names of the rows of an event: its time, states, the angle of a motor in its turn, velocities before
+    it.
     """
-    return (*(name for body in scene.bodies for name in columns_of(body.name)), "phi", "phidot")
+    moving = stored_columns(scene) if scene.motor is not None else (*stored_columns(scene), None, None)
+    return ("t", *moving, "phase", *stored_before(scene))
 
 
 def stop_column(name: str) -> str:
@@ -49,11 +60,16 @@ def flags_of_parts(scene: Scene[N]) -> list[dict[str, int]]:
 
 
 def before_columns(scene: Scene[N]) -> tuple[str, ...]:
-    """Velocities in front of an event, of scenes with rigid stops: those jump."""
+    """Velocities in front of an event, of scenes with rigid stops: those jump, states do not."""
+    return tuple(name for name in stored_before(scene) if name is not None)
+
+
+def stored_before(scene: Scene[N]) -> tuple[str | None, ...]:
+    """Names of the rows of velocities in front of an event that the engines store."""
     if not scene.rigid_stops:
         return ()
-    velocities = [columns_of(body.name)[1] for body in scene.bodies]
-    return tuple(f"before_{name}" for name in velocities + ["phidot"] * scene.has_motor)
+    velocities = [None if body.kind == STATE else f"before_{body.columns[1]}" for body in scene.bodies]
+    return (*velocities, *([f"before_{SPEED}"] * scene.has_motor))
 
 
 def part_columns(scene: Scene[N]) -> tuple[str, ...]:
@@ -69,8 +85,8 @@ def sample_columns(scene: Scene[N]) -> tuple[str, ...]:
 
 
 def event_columns(scene: Scene[N]) -> tuple[str, ...]:
-    """Names of the event columns, in file order; `part` is the index of the part among `part_columns`, or
-    -1.
+    """Names of the event columns, in file order; `part` is the index of the part among those of
+    `vibsim.physics.parts.event_parts`, or -1.
     """
     phase = ("phase",) if scene.motor is not None else ()
     states = (*state_columns(scene), *phase, *before_columns(scene))

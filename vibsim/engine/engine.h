@@ -271,9 +271,11 @@ typedef struct {
     Nodes nodes;
 } Ledger;
 
-/* Stroboscopic section of a scene without motor: a period is `turns` turns of a harmonic; 0 where there is none. */
+/* Stroboscopic section of a scene without motor: a period is `turns` turns of a harmonic, 0 where there is none; or a
+   turn of a rotor, whose number is one less than `rotor`, 0 where none turns the scene. */
 typedef struct {
-    double cycles, cycles_lo, turns, next;
+    double cycles, cycles_lo, turns, next; /* ...; the next period, or turn of the rotor in the present stretch */
+    int rotor;
 } Section;
 
 /* A stop whose gap is watched: its place among the parts and among the pairs. */

@@ -323,7 +323,7 @@ static PyMethodDef methods[] = {
     {"keep_extremes", (PyCFunction)run_keep_extremes_alone, METH_VARARGS, "keep_extremes(ints, doubles): before the start and `fill`"},
     {"keep_blows", (PyCFunction)run_keep_blows_alone, METH_VARARGS, "keep_blows(ints, doubles): before the start"},
     {"keep_section", (PyCFunction)run_keep_section_alone, METH_VARARGS,
-     "keep_section(cycles, cycles_lo, turns): the period; before the start"},
+     "keep_section(cycles, cycles_lo, turns, rotor): the period, or the rotor whose turns it is, else -1; before the start"},
     {"dither", (PyCFunction)run_dither_alone, METH_VARARGS, "dither(which): how the times of events are moved; before the start"},
     {"set_rule", (PyCFunction)run_set_rule_alone, METH_VARARGS,
      "set_rule(mode, event, (rule, target, other, hold, kind, part, key, order)): what follows the event"},

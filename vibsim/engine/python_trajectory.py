@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.engine.blocks import Block, Trajectory, Wishes
-from vibsim.engine.columns import before_columns
+from vibsim.engine.columns import stored_before
 from vibsim.engine.driver import Driver, EventRecord
 from vibsim.engine.errors import State, Stopped
 from vibsim.engine.modes.status import Status
@@ -110,7 +110,7 @@ class PythonTrajectory(Trajectory[N]):
 
     def _before(self, events: Sequence[EventRecord[N]]) -> np.ndarray:
         """Velocities of bodies and rotor in front of events, one row each; none where nothing is struck."""
-        count = len(before_columns(self.scene))
+        count = len(stored_before(self.scene))
         rows = [self.kit.rounded([*v, w])[:count] for *_, (v, w) in events]
         return np.transpose(np.array(rows, dtype="f8").reshape(len(events), count))
 

@@ -5,7 +5,7 @@ from math import isfinite
 
 import numpy as np
 
-from vibsim.engine.columns import flags_of_parts, part_columns, state_columns
+from vibsim.engine.columns import flags_of_parts, part_columns, state_columns, stored_columns
 from vibsim.engine.errors import State
 from vibsim.engine.events.departures import DerivativeSigns, derivative_flow
 from vibsim.engine.events.impacts.simultaneous import coincident_stops_of
@@ -13,7 +13,6 @@ from vibsim.engine.events.parting import released_parts
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.relative_motion import RelativeMotion, meets
 from vibsim.engine.flows.base_motion import base_motion
-from vibsim.engine.modes.formula_rows import has_formulas
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known
 from vibsim.engine.modes.status import LIFTED, OPEN, STICK, Status
@@ -27,7 +26,7 @@ from vibsim.physics.parts import (
     RigidStop,
     Scene,
     Stop,
-    columns_of,
+    event_parts,
 )
 
 Point = tuple[State[N], Status, Known]  # what a run goes on from: state, mode, known zeros
@@ -58,7 +57,7 @@ def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
     known |= _zeros_of_parted(scene, rows, state, status, 2 if jumps else 3)
     return (
         (state, *_with_switches(scene, state, status, known))
-        if has_formulas(scene)
+        if scene.has_formulas
         else (state, status, known)
     )
 
@@ -115,7 +114,7 @@ def _check(scene: Scene, row: Row) -> None:
     if not 0 <= row["t"] <= scene.t_end:
         raise ValueError(f"event row: t must be 0 to {scene.t_end:g} s, got {row['t']:g} s")
     names = part_columns(scene)
-    allowed = {"kind": tuple(EVENT_NAMES), "part": tuple(range(-1, len(names)))}
+    allowed = {"kind": tuple(EVENT_NAMES), "part": tuple(range(-1, len(event_parts(scene))))}
     codes = [tuple(flags.values()) for flags in flags_of_parts(scene)]
     for name, values in (allowed | dict(zip(names, codes, strict=True))).items():
         if row[name] not in values:
@@ -125,7 +124,7 @@ def _check(scene: Scene, row: Row) -> None:
 
 
 def _state(scene: Scene, row: Row) -> State:
-    values = [float(row[name]) for name in state_columns(scene)]
+    values = [0.0 if name is None else float(row[name]) for name in stored_columns(scene)]
     n = 2 * len(scene.bodies)
     phase = turns = w = 0.0
     if scene.motor is not None:
@@ -208,7 +207,7 @@ def _at_ends(part: Stop | RigidStop | Clearance, values: Sequence[float], of_bas
 
 def _struck(scene: Scene, friction: Friction, row: Row) -> bool:
     """Whether a blow moved the ends of a friction against each other."""
-    ends = [columns_of(scene.bodies[end].name)[1] for end in (friction.P, friction.Q) if end >= 0]
+    ends = [scene.bodies[end].columns[1] for end in (friction.P, friction.Q) if end >= 0]
     jumps = [abs(row[name] - row.get(f"before_{name}", row[name])) for name in ends]
     sizes = [abs(row[name]) for name in ends]
     return any(jump > ROUNDING * (max(sizes) + abs(friction.belt)) for jump in jumps)

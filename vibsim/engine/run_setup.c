@@ -182,8 +182,12 @@ PyObject *run_keep_blows(RunObject *self, PyObject *args)
 PyObject *run_keep_section(RunObject *self, PyObject *args)
 {
     Section *s = &self->run.section;
-    if (!PyArg_ParseTuple(args, "ddd", &s->cycles, &s->cycles_lo, &s->turns))
+    int rotor;
+    if (!PyArg_ParseTuple(args, "dddi", &s->cycles, &s->cycles_lo, &s->turns, &rotor))
         return NULL;
+    if (rotor < -1 || rotor >= self->run.bodies)
+        return PyErr_Format(PyExc_ValueError, "rotor must be the number of a body or -1, got %d", rotor);
+    s->rotor = rotor + 1;
     Py_RETURN_NONE;
 }
 

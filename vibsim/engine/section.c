@@ -11,10 +11,25 @@ static double period_end(const Section *s)
     return t - t * (s->cycles_lo / s->cycles);
 }
 
+/* The angle of a rotor that lies behind the turn in which the stretch begins. */
+static double whole_turns(const Run *r)
+{
+    double turns = floor(r->state.x[r->section.rotor - 1] / TWO_PI);
+    return turns * TWO_PI + turns * TWO_PI_LO;
+}
+
+/* The angle of motor or rotor, counted in the turn in which the stretch begins. */
+static double angle_of(const Run *r, const State *s)
+{
+    if (r->section.rotor > 0)
+        return s->x[r->section.rotor - 1] - whole_turns(r);
+    return s->phase + (s->turns - r->state.turns) * TWO_PI;
+}
+
 static double angle_at(Run *r, double t)
 {
     flow_state(r, t, &r->scratch);
-    return r->scratch.phase + (r->scratch.turns - r->state.turns) * TWO_PI;
+    return angle_of(r, &r->scratch);
 }
 
 static double passage(Run *r, double end, double target)
@@ -22,12 +37,13 @@ static double passage(Run *r, double end, double target)
     double low = r->state.t, high = end, t = low + (high - low) / 2;
     int i;
     for (i = 0; i < ITERATIONS; i++) {
-        double error = angle_at(r, t) - target, ahead;
+        double error = angle_at(r, t) - target, speed, ahead;
         if (error < 0)
             low = t;
         else
             high = t;
-        ahead = r->scratch.w > 0 ? t - error / r->scratch.w : low;
+        speed = r->section.rotor > 0 ? r->scratch.v[r->section.rotor - 1] : r->scratch.w;
+        ahead = speed > 0 ? t - error / speed : low;
         if (!(low < ahead && ahead < high))
             ahead = low + (high - low) / 2;
         if (ahead == t || !(low < ahead && ahead < high))
@@ -48,13 +64,46 @@ static void keep(Run *r, Buffers *b, double t)
 void section_start(Run *r)
 {
     Section *s = &r->section;
-    s->next = 1;
+    s->next = s->rotor > 0 ? 0 : 1;
     if (s->turns > 0 && r->state.t > 0) {
         s->next = floor(r->state.t * s->cycles / s->turns);
         s->next = s->next > 1 ? s->next : 1;
         while (period_end(s) <= r->state.t && s->next < LAST_PERIOD)
             s->next += 1;
     }
+}
+
+/* The angle at the end of the stretch. */
+static double last_angle(Run *r, double end)
+{
+    run_arrive(r);
+    if (r->next.t == end && r->pending_tau == end - r->t0)
+        return angle_of(r, &r->next);
+    return angle_at(r, end); /* the state was taken at the very instant of an impact */
+}
+
+static void keep_turn(Run *r, Buffers *b, double end, double target)
+{
+    double t = passage(r, end, target);
+    extremes_until(r, t, 0);
+    keep(r, b, t);
+}
+
+/* Of a stretch without bound of its turns: `next` is the turn to go on with where the buffer was full. */
+static int gather_turns_of_rotor(Run *r, Buffers *b, double end)
+{
+    Section *s = &r->section;
+    double first = angle_of(r, &r->state), last = last_angle(r, end);
+    for (; s->next * TWO_PI + s->next * TWO_PI_LO <= last; s->next += 1) {
+        double target = s->next * TWO_PI + s->next * TWO_PI_LO;
+        if (first < target) {
+            if (b->section_count >= b->section_room)
+                return 0;
+            keep_turn(r, b, end, target);
+        }
+    }
+    s->next = 0;
+    return 1;
 }
 
 int section_gather(Run *r, Buffers *b, double end)
@@ -67,23 +116,16 @@ int section_gather(Run *r, Buffers *b, double end)
         int turn;
         if (b->section_count + 2 > b->section_room)
             return 0;
-        run_arrive(r);
-        if (r->next.t == end && r->pending_tau == end - r->t0) {
-            last = r->next.phase + (r->next.turns - r->state.turns) * TWO_PI;
-        } else { /* the state was taken at the very instant of an impact */
-            flow_state(r, end, &r->scratch);
-            last = r->scratch.phase + (r->scratch.turns - r->state.turns) * TWO_PI;
-        }
+        last = last_angle(r, end);
         for (turn = 0; turn < 2; turn++) {
             double target = turn * TWO_PI + turn * TWO_PI_LO;
-            if (first < target && target <= last) {
-                double t = passage(r, end, target);
-                extremes_until(r, t, 0);
-                keep(r, b, t);
-            }
+            if (first < target && target <= last)
+                keep_turn(r, b, end, target);
         }
         return 1;
     }
+    if (s->rotor > 0)
+        return gather_turns_of_rotor(r, b, end);
     for (; s->turns > 0 && period_end(s) <= end && s->next < LAST_PERIOD; s->next += 1) {
         if (b->section_count >= b->section_room || !extremes_until(r, period_end(s), 1))
             return 0;

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.engine.blocks import Block
-from vibsim.engine.columns import state_columns
+from vibsim.engine.columns import stored_columns
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.python_trajectory import PythonTrajectory
 from vibsim.physics.numbers import Number, text_width
@@ -58,7 +58,7 @@ class TruthTrajectory(PythonTrajectory[Number]):
             raise EngineError(error.reason, self._rounded(error.state)) from error
         samples, events, section, _ = self.driver.take()
         block = self._block(samples, events, section, ())
-        names = state_columns(self.scene)
+        names = stored_columns(self.scene)
         at = self._texts(names, [self._row(state)[1:] for state, _ in samples])
         after = self._texts(("t", *names), [self._row(one[2]) for one in events])
         return TruthBlock(**vars(block), sample_digits=at, event_digits=after)
@@ -68,11 +68,12 @@ class TruthTrajectory(PythonTrajectory[Number]):
         n = len(state.x)
         return State(values[0], values[1 : n + 1], values[n + 1 : 2 * n + 1], *values[-3:])
 
-    def _texts(self, names: Sequence[str], rows: Sequence[Sequence[Number]]) -> dict[str, np.ndarray]:
+    def _texts(self, names: Sequence[str | None], rows: Sequence[Sequence[Number]]) -> dict[str, np.ndarray]:
         width = text_width(self.kit.digits)
         return {
             name: np.array(self.kit.texts([row[i] for row in rows]), dtype=f"S{width}")
             for i, name in enumerate(names)
+            if name is not None
         }
 
 
@@ -97,7 +98,11 @@ def open_truth(
 
 
 def bare(part: Any, kit: DigitsKit[Number]) -> Any:
-    """A part, or a scene of them, whose numbers carry no radius."""
+    """A part, or a scene of them, whose numbers carry no radius; formulas, whose numbers are exact, as they
+    are.
+    """
+    if isinstance(part, tuple) and part and isinstance(part[0], str):
+        return part
     if is_dataclass(part) and not isinstance(part, type):
         return replace(part, **{field.name: bare(getattr(part, field.name), kit) for field in fields(part)})
     if isinstance(part, tuple):

@@ -2,7 +2,8 @@
 
 A set of bodies that springs and stops join to each other, but not to ground or base, may be shifted as a
 whole. Displacements of its bodies count from its last body, and the orbit may drift by a shift per period.
-What the section fixes (the angle of a motor) is no unknown either.
+What the section fixes (the angle of a motor) is no unknown either, nor is the angle of a rotor that no force
+feels. The angle of any other rotor is an unknown up to whole turns; a state is one unknown.
 """
 
 from __future__ import annotations
@@ -20,10 +21,13 @@ from numpy.typing import ArrayLike
 from vibsim.engine.tangent.carried import Carried
 from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike, weights
 from vibsim.lazy import once
+from vibsim.physics.connections import body_sets, felt_angles
 from vibsim.physics.elementary import sine_cosine_of_arrays
+from vibsim.physics.formulas import TIME, derivative
 from vibsim.physics.numbers import Doubles
-from vibsim.physics.parts import BASE, Link, Scene, Stop, body_sets, columns_of
-from vibsim.physics.rates import Period, common_period
+from vibsim.physics.parts import BASE, BODY, ROTOR, STATE, Body, Scene, columns_of
+from vibsim.physics.rates import Period, common_period, reads_time, springs_of, turning_rotor
+from vibsim.results.columns import starts_of
 
 if TYPE_CHECKING:
     from vibsim.cases.case import Case
@@ -33,7 +37,8 @@ class Coordinates:
     """The m unknowns X of the orbits of a scene, and how they make its N state components (x of each body, v
     of each body, then phi and phidot with a motor).
 
-    names, units : of the unknowns, e.g. "x1-x2" in m
+    columns : names of the components that are shown: all but what would be the x of a state
+    names, units : of the unknowns, e.g. "x1-x2" in m; angles : which of them are angles of rotors
         self.reference = reference
         self.count = len(free)
     weights : of the unknowns; each is measured as a velocity [m/s], displacements by a natural rate
@@ -41,7 +46,8 @@ class Coordinates:
 
     def __init__(self, scene: Scene, section: PoincareSection) -> None:
         self.scene, self.section = scene, section
-        self.columns = component_names(scene)
+        self.components = component_names(scene)
+        self.columns = [name for name in self.components if name is not None]
         reference = _references(scene)
         free = [i for i in range(length(scene)) if i != section.pinned and reference.get(i) != i]
         self.take = np.eye(length(scene))[free]
@@ -54,8 +60,13 @@ class Coordinates:
         self._shifted = np.array(shifted, dtype=int).reshape(-1, 2).T
         self.names = tuple(self._name(i, reference.get(i)) for i in free)
         self.units = tuple(self._unit(i) for i in free)
-        self.references = sorted(set(reference.values()))
+        line = len(scene.line)
+        self.references = sorted({r for r in reference.values() if r < line})
         self.reference = reference
+        bodies = scene.bodies
+        self.angles = np.array(
+            [row for row, i in enumerate(free) if i < len(bodies) and bodies[i].kind == ROTOR], dtype=int
+        )
         self.count = len(free)
         self.one = np.eye(self.count)
         self._weigh(weights(scene, Doubles))
@@ -90,9 +101,22 @@ class Coordinates:
 
     def lifted(self, X: np.ndarray) -> np.ndarray:
         """State components on the section, references at x = 0."""
-        state = np.zeros(len(self.columns))
+        state = np.zeros(len(self.components))
         state[self.free] = X
         return state
+
+    def gathered(self, table: Mapping[str, np.ndarray]) -> np.ndarray:
+        """State components (n, N) of columns by name, each (n); 0 of what is not shown."""
+        nothing = np.zeros(len(table[self.columns[0]])) if len(self.columns) < len(self.components) else None
+        rows = [nothing if name is None else table[name] for name in self.components]
+        return np.stack(rows, axis=1)  # type: ignore[arg-type]
+
+    def in_turn_of(self, image: np.ndarray, X: np.ndarray) -> np.ndarray:
+        """Unknowns whose angles are less than half a turn from those of others."""
+        if len(self.angles):
+            apart = image[..., self.angles] - X[..., self.angles]
+            image[..., self.angles] -= 2 * pi * np.round(apart / (2 * pi))
+        return image
 
     def between(self, part: Any, speed: bool) -> np.ndarray:
         """The velocity of the ends of a part against each other, or their distance, by the unknowns (m)."""
@@ -111,7 +135,12 @@ class Coordinates:
 
     def state(self, X: np.ndarray) -> dict[str, float]:
         """The state on the section by name of the column [m, m/s, rad, rad/s]."""
-        return dict(zip(self.columns, self.lifted(X).tolist(), strict=True))
+        return self.by_column(self.lifted(X))
+
+    def by_column(self, state: Iterable[Any]) -> dict[str, Any]:
+        """Components by name of the column, those left out that are not shown."""
+        pairs = zip(self.components, np.asarray(state).tolist(), strict=True)
+        return {name: value for name, value in pairs if name is not None}
 
     def named(self, X: ArrayLike) -> dict[str, float]:
         """The unknowns by name."""
@@ -126,11 +155,19 @@ class Coordinates:
         return self.size(self.of(carried.states)) if len(carried.states) else 0.0
 
     def _name(self, i: int, reference: int | None) -> str:
-        return self.columns[i] if reference is None else f"{self.columns[i]}-{self.columns[reference]}"
+        name = self.components[i]
+        assert name is not None  # what is not shown is no unknown
+        return name if reference is None else f"{name}-{self.components[reference]}"
 
     def _unit(self, i: int) -> str:
-        n = len(self.scene.bodies)
-        return "m" if i < n else "m/s" if i < 2 * n else ("rad", "rad/s")[i - 2 * n]
+        bodies = self.scene.bodies
+        n = len(bodies)
+        if i >= 2 * n:
+            return ("rad", "rad/s")[i - 2 * n]
+        if bodies[i % n].kind == STATE:
+            return dict(self.scene.state_units).get(bodies[i % n].name, "")
+        turns = bodies[i % n].kind == ROTOR or self.scene.torsional
+        return ("rad" if turns else "m") + ("" if i < n else "/s")
 
 
 def unknown_count(scene: Scene) -> int:
@@ -138,26 +175,31 @@ def unknown_count(scene: Scene) -> int:
     return Coordinates(scene, section_of(scene)).count
 
 
-def component_names(scene: Scene) -> list[str]:
-    """Columns in the order of state components."""
-    pairs = [columns_of(body.name) for body in scene.bodies]
+def component_names(scene: Scene) -> list[str | None]:
+    """Columns in the order of state components; None for what is not shown."""
+    pairs = [body.columns for body in scene.bodies]
     rotor = ["phi", "phidot"] if scene.motor is not None else []
     return [x for x, _ in pairs] + [v for _, v in pairs] + rotor
 
 
 def _references(scene: Scene) -> dict[int, int]:
-    """By body of each set that may be shifted: the body that its displacements count from."""
+    """By body of each set that may be shifted: the body that its displacements count from; a rotor whose
+    angle nothing feels counts from itself, as a state does.
+    """
     springs = [link for link in scene.links if link.k]
     sets = [one for one in body_sets(scene, [*springs, *scene.stops]) if not one.held]
-    return {body: one.reference for one in sets for body in one.bodies}
+    felt = felt_angles(scene)
+    others = [i for i, body in enumerate(scene.bodies) if body.kind != BODY and i not in felt]
+    return {body: one.reference for one in sets for body in one.bodies} | {i: i for i in others}
 
 
-def components_of(state: Any, columns: Sequence[str], left_out: float | None = None) -> list[float]:
-    """The components of a state, by name of the column or all in their order.
+def components_of(state: Any, components: Sequence[str | None], left_out: float | None = None) -> list[float]:
+    """The components of a state, by name of the column or all in their order, but for those not shown.
 
     left_out : what those are that are not named, and nothing else may be; None: each must be named, but the
     angle of a motor. Raises OrbitError.
     """
+    columns = [name for name in components if name is not None]
     words = f"the components of this scene are {', '.join(columns)}"
     if isinstance(state, Mapping):
         unknown = [str(name) for name in state if name not in columns]
@@ -168,12 +210,13 @@ def components_of(state: Any, columns: Sequence[str], left_out: float | None = N
             raise OrbitError(f"the state misses {', '.join(missing)}; {words}")
         state = [state.get(name, left_out or 0.0) for name in columns]
     try:
-        components = [float(each) for each in state]
+        values = [float(each) for each in state]
     except (TypeError, ValueError):
-        components = []
-    if len(components) != len(columns) or not all(map(isfinite, components)):
+        values = []
+    if len(values) != len(columns) or not all(map(isfinite, values)):
         raise OrbitError(f"a state is a finite number for each component, got {state!r:.60}; {words}")
-    return components
+    by_column = dict(zip(columns, values, strict=True))
+    return [0.0 if name is None else by_column[name] for name in components]
 
 
 # A scene, or a case, that starts on an orbit.
@@ -186,8 +229,8 @@ def placed(scene: Scene, state: Mapping[str, float], t_end: float) -> Scene:
     """The scene from a state, by name of the column, to `t_end` [s]."""
     bodies = []
     for body in scene.bodies:
-        x, v = columns_of(body.name)
-        bodies.append(replace(body, x=state[x], v=state[v]))
+        x, v = body.columns
+        bodies.append(replace(body, x=0.0 if x is None else state[x], v=state[v]))
     motor = scene.motor
     if motor is not None:
         motor = replace(motor, phi=state["phi"], phidot=state["phidot"])
@@ -201,15 +244,8 @@ def case_on_orbit(case: Case, state: Mapping[str, float], period: float) -> Case
 
 
 def _initial(case: Case, state: Mapping[str, float]) -> dict[str, str]:
-    values: dict[str, str] = {}
-    for body in case.scene().bodies:
-        x, v = columns_of(body.name)
-        names = (f"{body.name}.x", f"{body.name}.v") if case.is_long else (x, v)
-        values |= {f"initial.{names[0]}": f"{state[x]!r} m", f"initial.{names[1]}": f"{state[v]!r} m/s"}
-    if "phidot" in state:
-        motor = "initial.motor." if case.is_long else "initial."
-        values |= {f"{motor}phi": f"{state['phi']!r} rad", f"{motor}phidot": f"{state['phidot']!r} rad/s"}
-    return values
+    starts = starts_of(case.scene(), case.is_long)
+    return {key: f"{state[name]!r} {unit}".rstrip() for name, (key, unit) in starts.items()}
 
 
 def _span(period: float) -> dict[str, str]:
@@ -268,6 +304,13 @@ def apart(part: Any, values: Any, of_base: Any) -> Any:
 
 def motion_of_base(scene: Any, t: Any) -> tuple[Any, Any, Any]:
     """Displacement, velocity and acceleration of the base at the times t."""
+    if scene.base_formula is not None:
+        from vibsim.physics.formula_values import values_of
+
+        rate = derivative(scene.base_formula, TIME)
+        formulas = (scene.base_formula, rate, derivative(rate, TIME))
+        values = [values_of(one, {TIME: t}) for one in formulas]
+        return values[0], values[1], values[2]
     x = v = a = 0.0
     for term in scene.base:
         sine, cosine = sine_cosine_of_arrays(term.omega * t + term.phase)
@@ -428,8 +471,9 @@ def spelled(scene: Scene, word: Word) -> str:
 # The section on which the orbits of a scene are looked at.
 #
 # Ideal sources: phase 0 of the common period of all forces and the base, so the time of return is known. A
-# motor: its angle phi = 0 mod 2 pi, so phi is known and the time of return is not. Neither: the velocity of a
-# body that springs bring back is 0, at its least or its greatest displacement, where fewer stops act.
+# motor, or the one rotor that its torque drives: its angle phi = 0 mod 2 pi, so phi is known and the time of
+# return is not. Neither: the velocity of a body that springs bring back is 0, at its least or its greatest
+# displacement, where fewer stops act.
 
 
 @dataclass(frozen=True)
@@ -439,6 +483,8 @@ class PoincareSection:
     period : the common period of ideal sources, or None
     pinned : number of the component of the state that the section fixes at 0, or None; such a section is met
         again where the component has advanced by `advance`, after a time that is not known beforehand
+    speed : number of the component that is the rate of an angle that is pinned
+    rotor : name of the rotor whose angle is pinned; empty of a motor
     body : name of the body at whose turn it is, where nothing drives the scene, or empty; `advance` is 0 then
     sense : 1 at the least displacement of the body, -1 at the greatest
     """
@@ -446,6 +492,8 @@ class PoincareSection:
     period: Period | None = None
     pinned: int | None = None
     advance: float = 0.0
+    speed: int = 0
+    rotor: str = ""
     body: str = ""
     sense: int = 1
 
@@ -464,7 +512,7 @@ class PoincareSection:
         """What is counted from one return to the next."""
         if self.body:
             return f"swing of {self.body}"
-        return "period of the source" if self.timed else "turn of the motor"
+        return "period of the source" if self.timed else f"turn of the {self.rotor or 'motor'}"
 
     @property
     def place(self) -> str:
@@ -472,7 +520,9 @@ class PoincareSection:
         if self.body:
             side = "least" if self.sense > 0 else "greatest"
             return f"{columns_of(self.body)[1]} = 0, at the {side} displacement of {self.body}"
-        return "phase 0 of the source" if self.timed else "phi = 0"
+        if self.timed:
+            return "phase 0 of the source"
+        return f"{Body(self.rotor, 1.0, 0.0, 0.0, ROTOR).columns[0]} = 0" if self.rotor else "phi = 0"
 
     @property
     def component(self) -> int:
@@ -488,24 +538,36 @@ class PoincareSection:
 
 def section_of(scene: Scene) -> PoincareSection:
     """The section of a scene. Raises NoSection where there is none."""
+    n = len(scene.bodies)
     if scene.motor is not None:
-        if any(term.amplitude != 0 and term.cycles != 0 for term in scene.harmonics):
+        vibrates = any(term.amplitude != 0 and term.cycles != 0 for term in scene.harmonics)
+        if vibrates or reads_time(scene):
             raise NoSection(
                 "a motor whose speed is free and a force or base of its own frequency have no common period, "
                 "so the scene has no periodic orbit; leave out one of them"
             )
-        return PoincareSection(pinned=2 * len(scene.bodies), advance=2 * pi)
+        return PoincareSection(pinned=2 * n, advance=2 * pi, speed=2 * n + 1)
     period = common_period(scene)
     if period is not None:
         return PoincareSection(period)
+    if reads_time(scene):
+        raise NoSection(
+            "a formula reads the time otherwise than in sin, cos and mod of a multiple of it, or their "
+            "frequencies have no exact ratio: the scene has no period"
+        )
     if any(term.amplitude != 0 and term.cycles != 0 for term in scene.harmonics):
         raise NoSection(
             "the frequencies of forces and base have no common period (no exact ratio of whole numbers), "
             "so the motion is at best quasi-periodic"
         )
-    for i, body in enumerate(scene.bodies):
-        if any(i in (part.P, part.Q) for part in _springs(scene)):
-            return PoincareSection(pinned=len(scene.bodies) + i, body=body.name, sense=_freer_side(scene, i))
+    rotor = turning_rotor(scene)
+    if rotor is not None:
+        return PoincareSection(pinned=rotor, advance=2 * pi, speed=n + rotor, rotor=scene.bodies[rotor].name)
+    _no_several_rotors(scene)
+    springs = springs_of(scene)
+    for i, body in enumerate(scene.line):
+        if any(i in (part.P, part.Q) for part in springs):
+            return PoincareSection(pinned=n + i, body=body.name, sense=_freer_side(scene, i))
     raise NoSection(
         "an orbit needs a periodic source (a harmonic force, a moving base or a motor), or a spring that "
         "brings a body back; the scene has neither"
@@ -522,17 +584,31 @@ def _freer_side(scene: Scene, body: int) -> int:
     return -1 if sum(sides) > 0 else 1
 
 
-def _springs(scene: Scene) -> list[Link | Stop]:
-    """Links and elastic stops with stiffness."""
-    parts: list[Link | Stop] = [*scene.links, *(stop for _, stop in scene.elastic_stops)]
-    return [part for part in parts if part.k]
+def _no_several_rotors(scene: Scene) -> None:
+    """Raise NoSection where several rotors turn freely: no angle tells of a return."""
+    rotors = [body.name for body in scene.bodies if body.kind == ROTOR]
+    if len(rotors) < 2:
+        return
+    from vibsim.physics.formula_values import driven_rotors
+
+    if driven_rotors(scene):
+        raise NoSection(
+            f"orbits of scenes with several
+            rotors ({', '.join(rotors)}),
+            of which
+            torques drive some, are not
+            " "supported yet; a source
+            with a period in time gives one"
+        )
 
 
 # Why there is no orbit.
 
 
-class OrbitError(ValueError):
-    """An orbit that cannot be looked for, or was not found: cause and remedy in one sentence.
+class
+OrbitError(ValueError):
+    """An orbit that cannot be looked for, or was not found: cause and
+    remedy in one sentence.
 
     >>> import vibsim
     >>> try:

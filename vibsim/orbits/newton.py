@@ -18,11 +18,12 @@ from vibsim.cases.quantities import number
 from vibsim.engine.errors import EngineError, start_of
 from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.orbits.coordinates import Coordinates, NotConverged, OrbitError
+from vibsim.orbits.coordinates import Coordinates, NotConverged, OrbitError, PoincareSection
 from vibsim.orbits.return_map import Return, ReturnMap, returns, slowest_period
 from vibsim.orbits.stability import dot, least_squares, product, solved_by_pivots
+from vibsim.physics.connections import body_sets
 from vibsim.physics.numbers import Doubles
-from vibsim.physics.parts import EVENT_KINDS, RigidStop, Scene, Stop, body_sets
+from vibsim.physics.parts import EVENT_KINDS, RigidStop, Scene, Stop
 from vibsim.physics.rates import source_period
 
 if TYPE_CHECKING:
@@ -242,12 +243,11 @@ def course_of(
     times, points = np.empty(0), np.empty((0, coordinates.count))
     low, high = np.full(coordinates.count, np.inf), np.full(coordinates.count, -np.inf)
     for block in trajectory.blocks():
-        rows = [block.section[name] for name in coordinates.columns]
-        X = coordinates.of(np.stack(rows, axis=1))
+        X = coordinates.of(coordinates.gathered(block.section))
         low = np.minimum(low, X.min(axis=0, initial=np.inf))
         high = np.maximum(high, X.max(axis=0, initial=-np.inf))
         times = np.concatenate([times, block.section["time"]])[-KEPT:]
-        points = np.concatenate([points, X])[-KEPT:]
+        points = np.concatenate([points, coordinates.in_turn_of(X, np.zeros_like(X))])[-KEPT:]
     return Course(times, points, low, high)
 
 
@@ -277,15 +277,22 @@ def first_point(scene: Scene, coordinates: Coordinates, engine: str = "auto") ->
         _, states = returns(scene, coordinates, engine, None)
         if len(states):
             return coordinates.of(states[0])
-    elif section.timed or (scene.motor is not None and scene.motor.phi == 0):
+    elif section.timed or _starts_on(scene, section):
         start = start_of(scene, Doubles)
         spin = [start.phase, start.w] if scene.motor is not None else []
         return coordinates.of([*start.x, *start.v, *spin])
     else:
         for block in open_trajectory(scene.without_samples(), engine, section=True).blocks():
             if len(block.section["time"]):
-                return coordinates.of([block.section[name][0] for name in coordinates.columns])
+                return coordinates.of(coordinates.gathered(block.section)[0])
     raise OrbitError(f"the run of the case never comes to the section, {section.place}; give a longer one")
+
+
+def _starts_on(scene: Scene, section: PoincareSection) -> bool:
+    """Whether the rotor whose turns count starts at an angle of 0."""
+    if scene.motor is not None:
+        return bool(scene.motor.phi == 0)
+    return bool(scene.bodies[section.component].x == 0)
 
 
 def course_of_result(
@@ -356,7 +363,7 @@ def growing(points: np.ndarray, coordinates: Coordinates, n: int = 1) -> str | N
 def _released(coordinates: Coordinates, i: int) -> str:
     """What lets a displacement drift, and what to do about it."""
     scene = coordinates.scene
-    body = coordinates.columns.index(coordinates.names[i].partition("-")[0])
+    body = coordinates.components.index(coordinates.names[i].partition("-")[0])
     stops = [stop.name for stop in _stops_of(scene, body)]
     if not stops:
         return "nothing holds it there"

@@ -123,7 +123,7 @@ class Orbit(Labelled):
     @property
     def drift_rates(self) -> dict[str, float]:
         """By body: its displacement per period over the period [m/s], 0 where something holds it."""
-        bodies, reference, moved = self.scene.bodies, self.end.coordinates.reference, self.drift
+        bodies, reference, moved = self.scene.line, self.end.coordinates.reference, self.drift
         shifts = [moved[bodies[reference[i]].name] if i in reference else 0.0 for i in range(len(bodies))]
         return {body.name: shift / self.period for body, shift in zip(bodies, shifts, strict=True)}
 
@@ -314,7 +314,7 @@ def points_of(orbit: Orbit) -> np.ndarray:
             rows += list(at.of(returns(scene, at, orbit.return_map.carrier.engine)[1]))
         return np.array(rows[: orbit.n])
     for block in _run(orbit, section=True).blocks():
-        rows += list(at.of(np.stack([block.section[name] for name in at.columns], axis=1)))
+        rows += list(at.of(at.gathered(block.section)))
     return np.array(rows[: orbit.n])
 
 

@@ -6,8 +6,10 @@ the same digits, so the multipliers are as right as the orbit, but for their con
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import isfinite, log10
+from fractions import Fraction
+from math import isfinite, log10, pi
 from typing import Any
 
 from vibsim.cases.quantities import number
@@ -104,10 +106,15 @@ def _refined(orbit: Orbit, digits: int) -> OrbitDigits:
         digits,
         _text(kit, T, digits),
         dict(zip(exact.at.names, (_text(kit, x, digits) for x in X), strict=True)),
-        dict(zip(exact.at.columns, (_text(kit, x, digits) for x in exact.lifted(X)), strict=True)),
+        _by_column(exact.at.components, [_text(kit, x, digits) for x in exact.lifted(X)]),
         [(_text(kit, re, digits), _text(kit, im, digits)) for re, im in roots],
         correction,
     )
+
+
+def _by_column(components: Sequence[str | None], texts: Sequence[str]) -> dict[str, str]:
+    """Components by name of the column, those left out that are not shown."""
+    return {name: text for name, text in zip(components, texts, strict=True) if name is not None}
 
 
 def _brief(orbit: Orbit, word: Word) -> str:
@@ -136,8 +143,20 @@ class _ExactMap:
         if period is None:
             return self.kit.number(orbit.period)
         terms = zip(orbit.scene.harmonics, self.scene.harmonics, strict=True)
-        harmonic_key = next(exact.cycles for term, exact in terms if term.cycles == period.cycles)
-        return self.kit.exact(self.kit.number(self.n * period.turns) / self.kit.number(harmonic_key))
+        cycles = next((exact.cycles for term, exact in terms if term.cycles == period.cycles), None)
+        frequency = self._of_formula(period.cycles) if cycles is None else self.kit.number(cycles)
+        return self.kit.exact(self.kit.number(self.n * period.turns) / frequency)
+
+    def _of_formula(self, cycles: float) -> Number:
+        """The frequency [Hz] of a formula of time whose double is `cycles`."""
+        from vibsim.physics.formula_parts import paces_of
+
+        kit, half = self.kit, Fraction(1, 2)
+        pace = next(one for one in paces_of(self.scene) or () if one.cycles[0] == cycles)
+        frequency = kit.number(pace.factor * half)
+        for _ in range(abs(pace.power - 1)):
+            frequency = frequency * kit.pi if pace.power > 1 else frequency / kit.pi
+        return frequency
 
     def step(self, X: list[Number], T: Number) -> tuple[list[Number], Number, list[list[Number]]]:
         """Newton's step (change of X, change of T), and the derivative of the map at X."""
@@ -148,6 +167,8 @@ class _ExactMap:
         image, vectors = self._unknowns(end), [self._unknowns(one) for one in driver.tangent.vectors]
         matrix = [[vectors[j][i] for j in range(m)] for i in range(m)]
         right = [a - b for a, b in zip(image, X, strict=True)]
+        for i in self.at.angles.tolist():
+            right[i] = right[i] - kit.number(round(float(right[i]) / (2 * pi))) * kit.two_pi
         if p is not None:
             rate = self._rate(driver)
             rates, slopes = self._unknowns(rate), [one[p] / rate[p] for one in driver.tangent.vectors]

@@ -58,7 +58,7 @@ class Return:
 
     @once
     def image(self) -> np.ndarray:
-        return self.coordinates.of(self.carried.state)
+        return self.coordinates.in_turn_of(self.coordinates.of(self.carried.state), self.X)
 
     @once
     def flow_matrix(self) -> np.ndarray:
@@ -233,7 +233,8 @@ class ReturnMap:
             return self._time_of_turns(X)
         target, state = self.n * self.section.advance, self.coordinates.lifted(X)
         p = self.section.component
-        speed = state[p + 1]
+        pace = self.section.speed
+        speed = state[pace]
         T = T or (target / speed if speed > 0 else target / self._fastest_speed())
         for _ in range(TRIES):
             carried = self.carrier.carry(state, T, [])
@@ -253,8 +254,10 @@ class ReturnMap:
         return float(times[self.n - 1])
 
     def _fastest_speed(self) -> float:
-        assert self.scene.motor is not None
-        return self.scene.motor.Omega0
+        """Of the motor without load, or of the rotor at the start of the case [rad/s]."""
+        if self.scene.motor is not None:
+            return self.scene.motor.Omega0
+        return abs(self.scene.bodies[self.section.component].v) or 1.0
 
 
 # Runs of scenes that nothing drives, seen where a body turns round: the returns to their section.
@@ -271,8 +274,18 @@ MANY = 128  # slowest periods that a run is followed where it is not said how lo
 
 
 def slowest_period(scene: Scene) -> float:
-    """Of the slowest natural vibration [s]."""
-    return 2 * pi / natural_rates(scene, scene.stops)[0]
+    """Of the slowest natural vibration [s]. Raises OrbitError where nothing vibrates."""
+    return 2 * pi / _rates(scene)[0]
+
+
+def _rates(scene: Scene) -> list[float]:
+    rates = natural_rates(scene, scene.stops)
+    if not rates:
+        raise OrbitError(
+            "near the start of the case no spring or formula brings a body back, so nothing tells how long a "
+            "swing takes; start the case where one does"
+        )
+    return rates
 
 
 def returns(
@@ -287,12 +300,12 @@ def returns(
     at : `Coordinates` of the scene; resume : event rows to go on from, as of `open_trajectory`
     first : so many are enough. Raises EngineError where the run fails.
     """
-    step = max(1, int(FINEST * 2 * pi / natural_rates(scene, scene.stops)[-1] / SAMPLES))
+    step = max(1, int(FINEST * 2 * pi / _rates(scene)[-1] / SAMPLES))
     sampled = replace(scene, every_num=step, every_den=FINEST, stop_on_violation=False)
     carrier, p = Carrier(scene, engine), at.section.component
-    times, states, last = [], [], np.empty((1 + len(at.columns), 0))
+    times, states, last = [], [], np.empty((1 + len(at.components), 0))
     for block in open_trajectory(sampled, engine, resume).blocks():
-        rows = np.stack([block.samples[name] for name in ("time", *at.columns)])
+        rows = np.vstack([block.samples["time"], at.gathered(block.samples).T])
         rows = np.concatenate([last, rows], axis=1)
         rates = at.section.sense * rows[1 + p]
         for i in np.flatnonzero((rates[:-1] < 0) & (rates[1:] >= 0)):
@@ -302,7 +315,7 @@ def returns(
         if first is not None and len(times) >= first:
             break
         last = rows[:, -1:]
-    return np.array(times), np.array(states).reshape(-1, len(at.columns))
+    return np.array(times), np.array(states).reshape(-1, len(at.components))
 
 
 def _crossing(

@@ -369,7 +369,7 @@ def find_orbit(
 
 def unknowns(coordinates: Coordinates, state: State) -> np.ndarray:
     """The unknowns of a state by name or in a row. Raises OrbitError for what is none."""
-    return coordinates.of(components_of(state, coordinates.columns))
+    return coordinates.of(components_of(state, coordinates.components))
 
 
 def least(orbit: Orbit) -> Orbit:

@@ -367,8 +367,10 @@ def monodromy(
 
     case = load_case(case, overrides)
     scene = case.scene()
-    columns = component_names(scene)
-    start, T = components_of(state, columns, left_out=0.0), time_after_start(T)
+    components = component_names(scene)
+    shown = [i for i, name in enumerate(components) if name is not None]
+    columns = [name for name in components if name is not None]
+    start, T = components_of(state, components, left_out=0.0), time_after_start(T)
     carrier = Carrier(scene, engine)
     carried = carrier.carry(start, T)
     if not np.isnan(carried.undefined_at):
@@ -383,12 +385,12 @@ def monodromy(
         quotients = {key: (row, np.zeros(len(row))) for key, row in zip(parameters, slopes, strict=True)}
     return Monodromy(
         tuple(columns),
-        carried.matrix,
-        dict(zip(columns, carried.state.tolist(), strict=True)),
-        dict(zip(columns, carried.rate.tolist(), strict=True)),
+        carried.matrix[np.ix_(shown, shown)],
+        dict(zip(columns, carried.state[shown].tolist(), strict=True)),
+        dict(zip(columns, carried.rate[shown].tolist(), strict=True)),
         carried.events,
-        {key: quotient for key, (quotient, _) in quotients.items()},
-        {key: error for key, (_, error) in quotients.items()},
+        {key: quotient[shown] for key, (quotient, _) in quotients.items()},
+        {key: error[shown] for key, (_, error) in quotients.items()},
     )
 
 
@@ -404,9 +406,13 @@ def time_after_start(T: Any) -> float:
 
 
 def _slopes(case: "Case", parameters: Sequence[str], started: "Scene") -> np.ndarray | None:
-    """d state(T) / d number of each of the numbers, one per row; None where they cannot be followed."""
+    """d state(T) / d number of each of the numbers, one per row; None where they cannot be followed, as in
+    formulas.
+    """
     if not parameters:
         return np.zeros((0, 0))
+    if started.has_formulas:
+        return None
     try:
         return parameter_slopes(started, sloped_scene(case, parameters), len(parameters))
     except NotFollowed:

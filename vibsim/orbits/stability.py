@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import copysign, inf, sqrt
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -146,11 +146,24 @@ def excess(
     for sense in (FORWARD, BACKWARD):
         a, _ = accelerations(scene, Doubles, maker.rows(status.with_frictions({i: sense})), state)
         rates.append(a[P] - a[Q])
-    (forward, backward), (above, below) = friction.starts, friction.limits
+    (forward, backward), (above, below) = _forces_of(scene, friction, state)
     if rates[0] == rates[1]:
         return float("nan")
     S = -forward - rates[0] * (forward + backward) / (rates[1] - rates[0])
     return max(-S - above, S - below)
+
+
+def _forces_of(scene: Scene, friction: Any, state: State) -> tuple[Sequence[float], Sequence[float]]:
+    """The forces [N] with which slip begins forwards and backwards, and the most that it holds against it."""
+    if friction.slips is None:
+        return friction.starts, friction.limits
+    from vibsim.physics.formula_values import inputs_at, values_of
+
+    at = inputs_at(scene, state.t, state.x, state.v, (state.phase, state.w))
+    starts, limits = (
+        [float(values_of(one, at)) for one in each] for each in (friction.slips, friction.holds)
+    )
+    return starts, limits
 
 
 def _state(scene: Scene, t: float, components: np.ndarray) -> State:

@@ -230,7 +230,9 @@ def _piece(node: Node, u: Node, side: int) -> Node:
 
 
 def derivative(node: Node, of: Node) -> Node:
-    """The partial derivative of a formula without switches with respect to the input `of`."""
+    """The partial derivative of a formula with respect to the input `of`; of one with switches it has these
+    as well, so that of a table is not 0 outside of its knots.
+    """
     return _Derivative(of).of_node(node)
 
 
@@ -258,6 +260,14 @@ class _Derivative:
             return add(mul(slopes[0], below[1]), mul(below[0], slopes[1]))
         if kind == "div":
             return div(sub(slopes[0], mul(node, slopes[1])), below[1])
+        if kind == "choose":
+            return choose(below[0], slopes[1], slopes[2], node[4])
+        if kind == "mod":
+            return slopes[0]
+        if kind == "table":
+            _, u, knots, pieces, text = node
+            rates = tuple(tuple(n * c for n, c in enumerate(piece))[1:] or (Fraction(0),) for piece in pieces)
+            return mul(("table", u, knots, rates, text), slopes[0])
         return mul(self._slope(node, below[0]), slopes[0])
 
     @staticmethod

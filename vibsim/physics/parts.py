@@ -6,10 +6,9 @@ the relative displacement is x_P - x_Q and the relative velocity v_P - v_Q. Numb
 engines; runs of many digits put other number types in.
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from math import ceil
-from typing import Any, Generic, NamedTuple
+from typing import Any, Generic
 
 from vibsim.physics.formulas import Node
 from vibsim.physics.numbers import N
@@ -57,12 +56,16 @@ AT_GAP, AT_FORCE = "gap", "force"  # where an elastic stop lets go: at zero dept
 
 
 def columns_of(body: str) -> tuple[str, str]:
-    """Names of the columns of a body: x_ram and v_ram; x1 and v1 for a body called by the number 1."""
+    """Names of the columns of a body on the line: x_ram and v_ram; x1 and v1 of one called by the number
+    1.
+    """
     separator = "" if body.isdigit() else "_"
     return f"x{separator}{body}", f"v{separator}{body}"
 
 
 BODY, ROTOR, STATE = "body", "rotor", "state"  # kinds of what moves
+MOTOR = "motor"  # name of the rotor that a motor with formulas becomes
+ANGLE, SPEED = "phi", "phidot"  # columns of a motor
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,18 @@ class Body(Generic[N]):
     x: N
     v: N
     kind: str = BODY
+
+    @property
+    def columns(self) -> tuple[str | None, str]:
+        """Names of the columns of its x and v: x_ram and v_ram of a body on the line, phi_left and w_left of
+        a rotor (phi and phidot of a motor); a state has one, called as it is, and what is None is never
+        shown.
+        """
+        if self.kind == BODY:
+            return columns_of(self.name)
+        if self.kind == STATE:
+            return None, self.name
+        return (ANGLE, SPEED) if self.name == MOTOR else (f"phi_{self.name}", f"w_{self.name}")
 
 
 @dataclass(frozen=True)
@@ -320,6 +335,7 @@ class Scene(Sampled[N], Generic[N]):
     motor : the motor, or None
     rotors : the unbalanced rotors among the bodies
     torsional : whether all displacements are angles [rad]
+    state_units : name of each state, and its unit as a case has it, such as ("i", "A"); "" where it has none
     stop_on_violation : whether the run ends where a clearance is violated
     t_end : end of the run [s]; samples at i * every_num / every_den [s], i = 0, 1, ...
     method : "auto", "closed_form" or "taylor"; order and tol of the Taylor flow
@@ -343,10 +359,30 @@ class Scene(Sampled[N], Generic[N]):
     base_formula: Node | None = None
     rotors: tuple[Rotor, ...] = ()
     torsional: bool = False
+    state_units: tuple[tuple[str, str], ...] = ()
 
     @property
     def has_motor(self) -> bool:
         return self.motor is not None
+
+    @property
+    def line(self) -> tuple[Body[N], ...]:
+        """The bodies on the line, which come first: all but rotors and states."""
+        if self.bodies[-1].kind == BODY:
+            return self.bodies
+        return tuple(body for body in self.bodies if body.kind == BODY)
+
+    @property
+    def has_formulas(self) -> bool:
+        """Whether any part has a law that is a formula, or there is a rotor or a state."""
+        return (
+            self.base_formula is not None
+            or self.bodies[-1].kind != BODY
+            or any(link.force is not None for link in self.links)
+            or any(isinstance(stop, Stop) and stop.force is not None for stop in self.stops)
+            or any(friction.slips is not None for friction in self.frictions)
+            or any(force.formula is not None for force in self.forces)
+        )
 
     @property
     def has_stop(self) -> bool:
@@ -420,102 +456,18 @@ EVENT_KINDS = {
 }
 IMPACTS = ("contact_begin", "impact")  # of elastic stops, and of rigid ones
 RIGID_KINDS = ("impact", "transmitted", "chatter", "rest_begin", "rest_end")  # of rigid stops alone
+SWITCH = "switch"  # kind of the events at which a formula jumps; of formulas alone
 EVENT_NAMES = {code: name for name, code in EVENT_KINDS.items()}
 
 
-# Which bodies of a scene hang together, and the pairs of ends whose motion against each other matters.
-#
-# Parts join their ends to sets of bodies. A set that springs hold at the ground or the base vibrates about a
-# place; any other may drift. Coordinates of a motion without its drift are those of the pairs.
-
-
-class Pair(NamedTuple):
-    """Two ends, called after the first part between them; x = x_P - x_Q."""
-
-    name: str
-    P: int
-    Q: int
-
-
-class BodySet(NamedTuple):
-    """Bodies, ascending, that parts join; `held` where the ground or the base is among their ends."""
-
-    bodies: tuple[int, ...]
-    held: bool
-
-    @property
-    def reference(self) -> int:
-        """The body that stands for the set where it moves as a whole: the last one."""
-        return self.bodies[-1]
-
-
-def body_sets(scene: Scene, parts: Iterable[Any]) -> list[BodySet]:
-    """The sets of bodies that `parts` join, each body in one of them, in the order of their first bodies."""
-    leader = list(range(len(scene.bodies)))
-    held = [False] * len(leader)
-
-    def root(body: int) -> int:
-        while leader[body] != body:
-            body = leader[body]
-        return body
-
-    for part in parts:
-        ends = [root(end) for end in (part.P, part.Q) if end >= 0]
-        first, last = min(ends), max(ends)
-        leader[last] = first
-        held[first] = held[first] or held[last] or len(ends) == 1
-    roots = [root(body) for body in range(len(leader))]
-    return [
-        BodySet(tuple(body for body, own in enumerate(roots) if own == first), held[first])
-        for first in sorted(set(roots))
-    ]
-
-
-def pairs_of(scene: Scene) -> tuple[Pair, ...]:
-    """The pairs of ends of links and stops, each once, in the order of the parts; for bodies that none of
-    them touches, the pairs of their frictions; for others, the body against the ground, called after it.
+def event_parts(scene: Scene[N]) -> tuple[str, ...]:
+    """Names of the parts that events may be of, in the order in which files number them: stops, frictions,
+    clearances; behind these the links, forces (torques of rotors and rates of states among them) and the base
+    whose formulas have switches.
     """
-    joined = _distinct((*scene.links, *scene.stops))
-    touched = _bodies(joined)
-    rubbing = [part for part in scene.frictions if not _bodies([part]) <= touched]
-    pairs = _distinct((*joined, *rubbing))
-    touched = _bodies(pairs)
-    alone = [Pair(body.name, i, GROUND) for i, body in enumerate(scene.bodies) if i not in touched]
-    return (*pairs, *alone)
+    names = [part.name for part in (*scene.stops, *scene.frictions, *scene.clearances)]
+    if scene.has_formulas:
+        from vibsim.physics.formula_parts import switching_parts
 
-
-def joined_pairs(scene: Scene) -> tuple[Pair, ...]:
-    """The pairs of ends of links and stops alone: those whose distance makes forces."""
-    return _distinct((*scene.links, *scene.stops))
-
-
-def drifting_sets(scene: Scene) -> list[BodySet]:
-    """The sets of bodies that neither springs, nor stops on both sides, hold at the ground or the base; each
-    is joined by springs or such stops, so that all of it drifts alike.
-    """
-    springs = [link for link in scene.links if link.k]
-    return [one for one in body_sets(scene, [*springs, *_caged(scene)]) if not one.held]
-
-
-def _caged(scene: Scene) -> list[Any]:
-    """The stops of pairs of ends that are stopped both ways."""
-    senses: dict[frozenset[int], set[int]] = {}
-    for stop in scene.stops:
-        senses.setdefault(frozenset((stop.P, stop.Q)), set()).add(_sense(stop))
-    return [stop for stop in scene.stops if len(senses[frozenset((stop.P, stop.Q))]) == 2]
-
-
-def _sense(stop: Any) -> int:
-    """The sense of a stop, its ends taken in ascending order."""
-    return int(stop.sense if stop.P < stop.Q else -stop.sense)
-
-
-def _distinct(parts: Iterable[Any]) -> tuple[Pair, ...]:
-    pairs: dict[frozenset[int], Pair] = {}
-    for part in parts:
-        pairs.setdefault(frozenset((part.P, part.Q)), Pair(part.name, part.P, part.Q))
-    return tuple(pairs.values())
-
-
-def _bodies(parts: Iterable[Any]) -> set[int]:
-    return {end for part in parts for end in (part.P, part.Q) if end >= 0}
+        names += [name for name in switching_parts(scene) if name not in names]
+    return tuple(names)

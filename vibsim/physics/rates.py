@@ -2,23 +2,28 @@
 
 The natural ones are those of M x'' + K x = 0, friction and damping left out; a motor's unbalanced mass moves
 with its body. Where one pair of ends has all the springs of a set of bodies, the rate is sqrt(k/m), m the
-reduced mass. What sets cadences and time scales of results is rounded to three digits.
+reduced mass. What sets cadences and time scales of results is rounded to three digits. A formula counts as
+the spring that it is for small motions about the start.
 """
 
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from math import inf, lcm, pi, sqrt
-from typing import Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, Union, overload
 
 import numpy as np
 
+from vibsim.physics.connections import body_sets
 from vibsim.physics.linear_algebra import symmetric_eigenvalues
 from vibsim.physics.numbers import N
-from vibsim.physics.parts import Link, RigidStop, Scene, Stop, body_sets
+from vibsim.physics.parts import BODY, ROTOR, Link, RigidStop, Scene, Stop
 
 RIGID = 1e-12  # of the largest squared rate, below which one is that of a rigid motion, 0 but for rounding
 
-Spring = Link | Stop
+if TYPE_CHECKING:
+    from vibsim.physics.formula_values import LinearPart
+
+Spring = Union[Link, Stop, "LinearPart"]
 
 
 def frequency(stiffness: float, mass: float) -> float:
@@ -27,7 +32,9 @@ def frequency(stiffness: float, mass: float) -> float:
 
 
 def masses(scene: Scene) -> np.ndarray:
-    """Masses of the bodies [kg], the motor's unbalanced mass with its body; shape (bodies,)."""
+    """Masses of the bodies [kg], the motor's unbalanced mass with its body, and inertias of rotors [kg m^2];
+    shape (bodies,).
+    """
     values = np.array([body.m for body in scene.bodies])
     if scene.motor is not None:
         values[scene.motor.on] += scene.motor.m3
@@ -52,14 +59,43 @@ def mobility(scene: Scene[N], ends: Iterable[int]) -> N | int:
     return total
 
 
+def _linear_parts(scene: Scene[Any]) -> list[Spring]:
+    """What formulas are for small motions about the start."""
+    if not scene.has_formulas:
+        return []
+    from vibsim.physics.formula_values import linear_parts
+
+    return list(linear_parts(scene))
+
+
+def fastest_of_formulas(scene: Scene[Any]) -> float:
+    """The fastest rate [rad/s] at which bodies vibrate by formulas near the start; 0 without any."""
+    bodies = {i for i, body in enumerate(scene.bodies) if body.kind == BODY}
+    rates = [
+        sqrt(part.k * float(mobility(scene, (part.P, part.Q))))
+        for part in _linear_parts(scene)
+        if part.k > 0 and part.P in bodies
+    ]
+    return max(rates, default=0.0)
+
+
 def fastest_damping(scene: Scene) -> tuple[str, float]:
     """Name of the damper that brings its ends to one velocity fastest, and its rate c / m [1/s]; ("", 0.0)
     without dampers. Taylor series make steps of some 9 / rate, so a run takes longer in proportion to it.
     """
-    dampers: list[Spring] = [*scene.links, *(stop for _, stop in scene.elastic_stops)]
+    dampers: list[Spring] = [*scene.links, *(stop for _, stop in scene.elastic_stops), *_linear_parts(scene)]
     rates = [(part.c / reduced_mass(scene, part.P, part.Q), part.name) for part in dampers if part.c > 0]
     rate, name = max(rates, default=(0.0, ""))
     return name, rate
+
+
+def springs_of(scene: Scene) -> list[Spring]:
+    """Links and elastic stops with stiffness, stops with a formula, and what of other formulas pushes
+    back.
+    """
+    springs: list[Spring] = [link for link in scene.links if link.k]
+    springs += [stop for _, stop in scene.elastic_stops if stop.k or stop.force is not None]
+    return springs + [part for part in _linear_parts(scene) if part.k > 0]
 
 
 def natural_rates(scene: Scene, closed: Iterable[Stop | RigidStop] = ()) -> list[float]:
@@ -73,13 +109,16 @@ def natural_rates(scene: Scene, closed: Iterable[Stop | RigidStop] = ()) -> list
 def all_rates(scene: Scene, closed: Iterable[Stop | RigidStop] = ()) -> list[float]:
     """The same with a 0 for each rigid motion: one for each body."""
     every: list[Spring] = [*scene.links, *(stop for stop in closed if isinstance(stop, Stop))]
-    springs = [spring for spring in every if spring.k]
-    rates: list[float] = []
+    springs = [spring for spring in every if spring.k] + [part for part in _linear_parts(scene) if part.k > 0]
+    turning = [i for i, body in enumerate(scene.bodies) if body.kind == ROTOR]
+    rates = [_of_pair(scene, [spring])[0] for spring in springs if spring.P in turning]
+    springs = [spring for spring in springs if spring.P not in turning]
     for one in body_sets(scene, springs):
         own = [spring for spring in springs if {spring.P, spring.Q} & set(one.bodies)]
+        pairs = {frozenset((spring.P, spring.Q)) for spring in own}
         if not own:
-            rates.append(0.0)  # a body alone
-        elif len({frozenset((spring.P, spring.Q)) for spring in own}) == 1:
+            rates += [0.0] * len(one.bodies)  # a body alone, or several that formulas join
+        elif len(pairs) == 1 and len([end for end in next(iter(pairs)) if end >= 0]) == len(one.bodies):
             rates += _of_pair(scene, own)
         else:
             rates += _eigenvalues(scene, own, one.bodies)
@@ -127,13 +166,44 @@ def bilinear_frequencies(scene: Scene) -> list[float]:
 
 
 def is_driven(scene: Scene) -> bool:
-    """Whether there is a motor, a force that changes, or a base that moves."""
-    return scene.motor is not None or bool(scene.harmonics)
+    """Whether there is a motor, a force that changes with time, a base that moves or a rotor that is
+    driven.
+    """
+    if scene.motor is not None or bool(scene.harmonics):
+        return True
+    return reads_time(scene) or turning_rotor(scene) is not None
+
+
+def turning_rotor(scene: Scene[Any]) -> int | None:
+    """Number of the rotor whose turns are the cycles of a scene: the only one of those without a motor that
+    nothing drives in time, where its torque drives it; None of any other.
+    """
+    if not scene.has_formulas or scene.motor is not None:
+        return None
+    if [body.kind for body in scene.bodies].count(ROTOR) != 1 or reads_time(scene):
+        return None
+    if any(term.amplitude != 0 and term.cycles != 0 for term in scene.harmonics):
+        return None
+    from vibsim.physics.formula_values import driven_rotors
+
+    return next(iter(driven_rotors(scene)), None)
+
+
+def reads_time(scene: Scene[Any]) -> bool:
+    """Whether any formula reads the time."""
+    if not scene.has_formulas:
+        return False
+    from vibsim.physics import formula_parts
+
+    return formula_parts.reads_time(scene)
 
 
 def source_rates(scene: Scene) -> list[float]:
-    """Angular rates [rad/s] of forces, base and motor (its no-load speed); those that are 0 left out."""
+    """Angular rates [rad/s] of forces, base, formulas of time and motor (its no-load speed); those that are 0
+    left out.
+    """
     rates = [abs(term.omega) for term in scene.harmonics if term.amplitude]
+    rates += [2 * pi * pitch[0] for pitch in _pitches(scene) or []]
     rates += [abs(scene.motor.Omega0)] if scene.motor is not None else []
     return [rate for rate in rates if rate]
 
@@ -145,8 +215,10 @@ def source_period(scene: Scene) -> float:
     """
     period = None if scene.motor is not None else common_period(scene)
     if period is not None:
-        term = next(term for term in scene.harmonics if term.cycles == period.cycles)
-        return float(2 * pi / abs(term.omega) * period.turns)
+        for term in scene.harmonics:
+            if term.cycles == period.cycles:
+                return float(2 * pi / abs(term.omega) * period.turns)
+        return float(period.end(1))
     rates = source_rates(scene) if scene.motor is None else [abs(scene.motor.Omega0)]
     rates = [rate for rate in rates if rate] or natural_rates(scene)
     return 2 * pi / min(rates) if rates else inf
@@ -163,8 +235,14 @@ def fastest_rate(scene: Scene, closed: Iterable[Stop | RigidStop] | None = None)
     0 without any.
     """
     closed = scene.stops if closed is None else closed
-    spin = [abs(scene.motor.phidot)] if scene.motor is not None else []
+    spin = spins(scene)
     return _rounded(max([*source_rates(scene), *spin, *natural_rates(scene, closed)], default=0.0))
+
+
+def spins(scene: Scene) -> list[float]:
+    """Speeds of motor and rotors at the start [rad/s], without signs."""
+    own = [abs(scene.motor.phidot)] if scene.motor is not None else []
+    return own + [abs(body.v) for body in scene.bodies if body.kind == ROTOR]
 
 
 def _rounded(value: float) -> float:
@@ -197,15 +275,20 @@ class Period(NamedTuple):
 
 def common_period(scene: Scene[Any]) -> Period | None:
     """The shortest period of all forces and the base, or None where nothing moves them or their frequencies
-    have no common one: ratios count as exact within the rounding of double-doubles. Amplitudes of 0 count
+    have no common one: ratios count as exact within the rounding of double-doubles; None too where a formula
+    reads the time otherwise than in sines and remainders. Amplitudes of 0 count
     where there are no others: what a sweep begins with at 0 N has a clock already.
     Frequencies are doubles or fractions.
     """
     terms = [term for term in scene.harmonics if term.cycles != 0]
-    if len(terms) == 1:
+    further = _pitches(scene)
+    if further is None:
+        return None
+    if len(terms) == 1 and not further:
         return Period(terms[0].cycles, terms[0].cycles_lo, 1)
     strong = [term for term in terms if term.amplitude != 0]
-    pitches = list(dict.fromkeys((term.cycles, term.cycles_lo) for term in strong or terms))
+    own = [(term.cycles, term.cycles_lo) for term in strong or ([] if further else terms)]
+    pitches = list(dict.fromkeys([*own, *further]))
     if not pitches:
         return None
     if len(pitches) == 1:
@@ -219,3 +302,17 @@ def common_period(scene: Scene[Any]) -> Period | None:
             return None
         turns = lcm(turns, near.denominator)
     return Period(*pitches[0], turns)
+
+
+def _pitches(scene: Scene[Any]) -> list[tuple[float, float]] | None:
+    """Frequencies [Hz] at which formulas of time repeat themselves, as double-doubles; None where one never
+    does.
+    """
+    if not scene.has_formulas:
+        return []
+    from vibsim.physics.formula_parts import paces_of
+
+    paces = paces_of(scene)
+    if paces is None:
+        return None
+    return [pace.cycles for pace in paces]

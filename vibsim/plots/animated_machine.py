@@ -174,7 +174,7 @@ def channels_of(subject: Subject, span: Span, step: float, speed: float) -> Chan
     names = (*subject.tables.states, *part_columns(scene)[: len(scene.stops)])
     states = states_at(subject.result, names, times)
     motion = {body.name: states[f"x{'' if body.name.isdigit() else '_'}{body.name}"] for body in scene.bodies}
-    motion[BASE] = base_motion(scene.base, times)[0]
+    motion[BASE] = base_motion(scene, times)[0]
     motion[GROUND] = np.zeros(count)
     if _drifts(subject):
         motion = _followed(motion, times, SMOOTHED * period_of(subject, span))

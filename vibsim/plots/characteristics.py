@@ -12,7 +12,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.physics.parts import Motor, Pair, RigidStop, Scene, Stop, joined_pairs
+from vibsim.physics.connections import Pair, joined_pairs
+from vibsim.physics.parts import Motor, RigidStop, Scene, Stop
 from vibsim.plots.relative_motion import difference, draw_stop_line, stop_label, stop_position, stops_between
 from vibsim.plots.samples import motor_of
 from vibsim.plots.sheet import (

@@ -21,7 +21,7 @@ from scipy.optimize import linear_sum_assignment
 
 from vibsim.cases.problems import one_line
 from vibsim.orbits.branches.course import curve_of, drawn, stretches
-from vibsim.physics.parts import EVENT_KINDS, IMPACTS
+from vibsim.physics.parts import EVENT_KINDS, IMPACTS, event_parts
 from vibsim.plots.branch_values import MARKS, ranges
 from vibsim.plots.loci import NAMES
 from vibsim.plots.pairs import pair_of
@@ -31,7 +31,6 @@ from vibsim.plots.sheet import scale_for
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import draws_by_ratio
 from vibsim.plots.view import PlotError
-from vibsim.results.columns import part_names
 from vibsim.results.hdf5_reading import plain
 from vibsim.results.hdf5_writing import output_file
 from vibsim.results.labelled import Arrays, Labelled, Tidy
@@ -390,7 +389,7 @@ def run_data(subject: Subject) -> dict[str, Any]:
         },
         "events": _events(result),
         "kinds": {code: name for name, code in EVENT_KINDS.items()},
-        "parts": part_names(scene),
+        "parts": event_parts(scene),
         "impactKinds": [EVENT_KINDS[name] for name in IMPACTS],
         "impactSpan": PERIODS_ABOUT_IMPACT * (shortest_period(scene) or 1.0),
         "horizon": result.trust_horizon,

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 
-from vibsim.physics.parts import pairs_of
+from vibsim.physics.connections import pairs_of
 from vibsim.plots.relative_motion import difference, impact_times, stop_label, stop_position, stops_between
 from vibsim.plots.samples import window_of
 from vibsim.plots.sheet import Scale, label_axes, note, pixel_columns

@@ -284,7 +284,7 @@ def _is_periodic(scene: Any) -> bool:
 
 
 def _drifts(scene: Any) -> bool:
-    from vibsim.physics.parts import drifting_sets
+    from vibsim.physics.connections import drifting_sets
 
     return bool(drifting_sets(scene))
 

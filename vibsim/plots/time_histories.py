@@ -12,7 +12,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.physics.parts import Scene, columns_of, drifting_sets
+from vibsim.physics.connections import drifting_sets
+from vibsim.physics.parts import Scene, columns_of
 from vibsim.plots.pairs import (
     annotate_runs,
     common_pairs,

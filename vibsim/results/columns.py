@@ -12,18 +12,25 @@ from vibsim.engine.resume import rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.elementary import sine_cosine_of_arrays
 from vibsim.physics.parts import (
+    ANGLE,
     BASE,
     COMPRESSION,
     EVENT_KINDS,
     EXTENSION,
     GROUND,
     IMPACTS,
+    MOTOR,
     RIGID_KINDS,
-    Harmonic,
+    ROTOR,
+    SPEED,
+    STATE,
+    SWITCH,
+    Body,
     RigidStop,
     Scene,
     Stop,
     columns_of,
+    event_parts,
 )
 from vibsim.physics.rates import fastest_rate
 from vibsim.results.file_contents import Column
@@ -37,16 +44,9 @@ TIMES = {
     "time": Column("s", "time"),
     "t": Column("s", "time of the event"),
 }
-COMMON_KINDS = {name: code for name, code in EVENT_KINDS.items() if name not in RIGID_KINDS}
-KINDS = {
-    "kind": Column(None, "kind of the event", dtype="i1", flags=COMMON_KINDS),
-}
-KINDS_OF_RIGID_STOPS = {
-    "kind": Column(None, "kind of the event", dtype="i1", flags=EVENT_KINDS),
-}
-ROTOR = {
-    "phi": Column("rad", "rotor angle"),
-    "phidot": Column("rad s-1", "rotor speed"),
+ROTOR_COLUMNS = {
+    ANGLE: Column("rad", "rotor angle"),
+    SPEED: Column("rad s-1", "rotor speed"),
 }
 PHASE = {
     "phase": Column("rad", "rotor angle reduced to one turn"),
@@ -61,16 +61,24 @@ NO_PART = "none"  # to which an event belongs: start, end
 class Tables:
     """The columns of the samples and of the events of a run, by name in file order.
 
-    states : names of the sampled states; displacements : those of them that are displacements of bodies
+    states : names of the sampled states; displacements, velocities : those of them that are of bodies on the
+    line
     """
 
     samples: dict[str, Column]
     events: dict[str, Column]
     states: tuple[str, ...]
+    displacements: tuple[str, ...]
+    velocities: tuple[str, ...]
 
     @property
-    def displacements(self) -> tuple[str, ...]:
-        return tuple(name for name in self.states if self.samples[name].units == "m")
+    def deciding(self) -> tuple[str, ...]:
+        """Names of the states whose errors decide how good a run is: the displacements; where no body is on
+        the line, all states but speeds of rotors.
+        """
+        return self.displacements or tuple(
+            name for name in self.states if self.samples[name].units != "rad s-1"
+        )
 
     @property
     def flags(self) -> tuple[str, ...]:
@@ -79,27 +87,99 @@ class Tables:
 
     def judged(self, judgements: Iterable[str] = JUDGEMENTS) -> "Tables":
         """These, and columns that judge the samples."""
-        return replace(self, samples=self.samples | {name: JUDGEMENTS[name] for name in judgements})
+        judging = {name: JUDGEMENTS[name] for name in judgements}
+        unit = self.samples[self.deciding[0]].units
+        if unit != "m":
+            judging = {name: replace(column, units=unit) for name, column in judging.items()}
+        return replace(self, samples=self.samples | judging)
 
 
 def tables_of(scene: Scene) -> Tables:
     """The columns of a run of `scene`."""
     states: dict[str, Column] = {}
     for body in scene.bodies:
-        x, v = columns_of(body.name)
-        states[x] = Column("m", f"displacement of {_called(body.name)}")
-        states[v] = Column("m s-1", f"velocity of {_called(body.name)}")
+        states |= _states_of(scene, body)
     if scene.has_motor:
-        states |= ROTOR
+        states |= ROTOR_COLUMNS
     parts = dict(zip(part_columns(scene), _part_states(scene), strict=True))
-    kinds = KINDS_OF_RIGID_STOPS if scene.rigid_stops else KINDS
+    kinds = {"kind": Column(None, "kind of the event", dtype="i1", flags=_kinds(scene))}
     in_full = {**states, **(PHASE if scene.has_motor else {})}
     in_full |= {name: _before(states[name.removeprefix("before_")]) for name in before_columns(scene)}
     return Tables(
         {"time": TIMES["time"], **states, **parts},
         {"t": TIMES["t"], **kinds, "part": _part_of_event(scene), **in_full, **parts},
         tuple(states),
+        *zip(*(columns_of(body.name) for body in scene.line), strict=True),
     )
+
+
+def _states_of(scene: Scene, body: Body) -> dict[str, Column]:
+    """The columns of a body, rotor or state by name."""
+    if body.kind == STATE:
+        unit = dict(scene.state_units).get(body.name, "")
+        return {body.name: Column(written_unit(unit), f"state {body.name}")}
+    x, v = body.columns
+    assert x is not None
+    if body.kind == ROTOR:
+        if body.name == MOTOR:
+            return ROTOR_COLUMNS
+        return {
+            x: Column("rad", f"angle of the rotor {body.name}"),
+            v: Column("rad s-1", f"speed of the rotor {body.name}"),
+        }
+    length = "rad" if scene.torsional else "m"
+    return {
+        x: Column(length, f"displacement of {_called(body.name)}"),
+        v: Column(f"{length} s-1", f"velocity of {_called(body.name)}"),
+    }
+
+
+def starts_of(scene: Scene, is_long: bool) -> dict[str, tuple[str, str]]:
+    """By column of a state: the key of its start value in a case of the long form or the short one, and its
+    unit there.
+    """
+    starts: dict[str, tuple[str, str]] = {}
+    for body in scene.bodies:
+        x, v = body.columns
+        if body.kind == STATE:
+            starts[v] = f"states.{body.name}.start", dict(scene.state_units).get(body.name, "")
+            continue
+        assert x is not None
+        names = ("phi", "phidot" if body.name == MOTOR else "w") if body.kind == ROTOR else ("x", "v")
+        keys = [f"{body.name}.{name}" for name in names] if is_long else (x, v)
+        unit = "rad" if body.kind == ROTOR or scene.torsional else "m"
+        starts |= {x: (f"initial.{keys[0]}", unit), v: (f"initial.{keys[1]}", f"{unit}/s")}
+    if scene.has_motor:
+        where = "initial.motor" if is_long else "initial"
+        starts |= {ANGLE: (f"{where}.phi", "rad"), SPEED: (f"{where}.phidot", "rad/s")}
+    return starts
+
+
+def written_unit(unit: str) -> str:
+    """A unit of a case as files write it: N s/m^2 as N s m-2; 1 for none."""
+    over, *under = unit.split("/")
+    factors = [factor for factor in over.replace("*", " ").split() if factor != "1"]
+    for part in under:
+        for factor in part.replace("*", " ").split():
+            name, _, power = factor.partition("^")
+            factors.append(f"{name}^-{power or 1}")
+    return " ".join(factor.replace("^", "") for factor in factors) or "1"
+
+
+def _kinds(scene: Scene) -> dict[str, int]:
+    """The kinds of events that a scene may have, with their codes."""
+    left_out = () if scene.rigid_stops else RIGID_KINDS
+    left_out = left_out if has_switches(scene) else (*left_out, SWITCH)
+    return {name: code for name, code in EVENT_KINDS.items() if name not in left_out}
+
+
+def has_switches(scene: Scene) -> bool:
+    """Whether any formula of a scene has several sides, so that its jumps are events."""
+    if not scene.has_formulas:
+        return False
+    from vibsim.physics.formula_parts import switching_parts
+
+    return bool(switching_parts(scene))
 
 
 def _called(body: str) -> str:
@@ -121,15 +201,9 @@ def _part_states(scene: Scene) -> Iterable[Column]:
         yield Column(None, f"state of the {called} between {ends}", dtype="i1", flags=flags)
 
 
-def part_names(scene: Scene) -> tuple[str, ...]:
-    """Names of the parts that have states, in the order of `part_columns`."""
-    parts: tuple[Any, ...] = (*scene.stops, *scene.frictions, *scene.clearances)
-    return tuple(part.name for part in parts)
-
-
 def _part_of_event(scene: Scene) -> Column:
-    """The part that an event is of, by its number among those that have states."""
-    flags = {NO_PART: -1} | {name: i for i, name in enumerate(part_names(scene))}
+    """The part that an event is of, by its number among `event_parts`."""
+    flags = {NO_PART: -1} | {name: i for i, name in enumerate(event_parts(scene))}
     dtype = "i1" if len(flags) < 128 else "i2"
     return Column(None, "part that the event is of", dtype=dtype, flags=flags)
 
@@ -235,15 +309,19 @@ class PairMotion:
         if end == GROUND:
             return np.zeros_like(time), np.zeros_like(time)
         if end == BASE:
-            return base_motion(self._scene.base, time)
+            return base_motion(self._scene, time)
         x, v = columns_of(self._scene.bodies[end].name)
         return rows[x], rows[v]
 
 
-def base_motion(terms: tuple[Harmonic, ...], time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement [m] and velocity [m/s] of the base at times [s]."""
+def base_motion(scene: Scene, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement [m] and velocity [m/s] of the base of a scene at times [s]."""
+    if scene.base_formula is not None:
+        from vibsim.physics.formula_values import base_motion_of
+
+        return base_motion_of(scene.base_formula, time)
     x, v = np.zeros_like(time), np.zeros_like(time)
-    for term in terms:
+    for term in scene.base:
         angle = 2 * np.pi * np.fmod(term.cycles * time, 1.0) + term.phase
         sine, cosine = sine_cosine_of_arrays(angle)
         x += term.amplitude * sine
@@ -286,6 +364,7 @@ COUNTED = {
     "sticks": ("stick_begin",),
     "reversals": ("reversal",),
     "violations": ("violation_begin",),
+    "switches": ("switch",),
 }
 
 
@@ -293,7 +372,7 @@ def part_counts(result: "Result", scene: Scene) -> dict[str, dict[str, int]]:
     """By name of the part: numbers of impacts, sticks, reversals and so on; those that are 0 left out
     but for the impacts of a stop and the sticks of a friction.
     """
-    names = part_names(scene)
+    names = event_parts(scene)
     kind, part = np.asarray(result.events["kind"]), np.asarray(result.events["part"])
     counts: dict[str, dict[str, int]] = {name: {} for name in names}
     counts |= {stop.name: {"impacts": 0} for stop in scene.stops}

@@ -1,7 +1,7 @@
 """Runs of as many digits as are asked for, and how many of them are right."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from decimal import Context, Decimal
 from fractions import Fraction
 from math import ceil, floor, log10
@@ -102,7 +102,9 @@ class DigitsPlan:
         if end is None:
             self.enough = True
             return {}
-        agreed = None if self.coarse is None else agreement(self.coarse, end)
+        tables = tables_of(self.scene)
+        others = set(tables.states) - {*tables.displacements, *tables.velocities}
+        agreed = None if self.coarse is None else agreement(self.coarse, end, others)
         if agreed is not None and agreed >= TELLING:
             right = floor(self.digits - max(self.coarse_digits - agreed, 0))
             return self._judged(max(right, 0), self._source(), end)
@@ -125,26 +127,30 @@ class DigitsPlan:
         return {"digits_right": right, "digits_right_from": source}
 
 
-def agreement(first: Mapping[str, Decimal], second: Mapping[str, Decimal]) -> float:
+def agreement(
+    first: Mapping[str, Decimal], second: Mapping[str, Decimal], others: Collection[str] = ()
+) -> float:
     """Decimal digits to which two states agree, the fewest of any quantity relative to its size.
 
     A displacement or velocity of a body counts by LEAST of the largest one at least: that of a body which
     has come to rest is 0 but for rounding, and has no digits. Infinite where the states are equal.
+
+    others : names of what is neither, as states are
     """
     fewest = float("inf")
+    of_bodies = {name: value for name, value in first.items() if name not in others}
     for name, value in first.items():
         apart = EXACT.abs(EXACT.subtract(value, second[name]))
         if apart:
-            size = max(abs(value), abs(second[name]), LEAST * _largest(first, name))
+            size = max(abs(value), abs(second[name]), LEAST * _largest(of_bodies, name))
             fewest = min(fewest, max(float(EXACT.log10(EXACT.divide(size, apart))), 0.0))
     return fewest
 
 
 def _largest(state: Mapping[str, Decimal], name: str) -> Decimal:
     """The largest |x|, or |v|, of all bodies where `name` is one of them; 0 else."""
-    return max(
-        (abs(value) for other, value in state.items() if other[0] == name[0] in "xv"), default=Decimal(0)
-    )
+    alike = (abs(value) for other, value in state.items() if other[0] == name[0] in "xv")
+    return max(alike, default=Decimal(0)) if name in state else Decimal(0)
 
 
 def end_in_doubles(scene: Scene) -> EndState | None:

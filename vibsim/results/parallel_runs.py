@@ -28,6 +28,7 @@ from vibsim.engine.blocks import Block, Trajectory
 from vibsim.engine.choice import flow_of
 from vibsim.engine.errors import REASONS, EngineError
 from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.formulas import Node, children
 from vibsim.physics.parts import Scene
 from vibsim.results.blocks_ahead import LONGEST, PATIENCE, Cores
 from vibsim.results.columns import tables_of
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from vibsim.cases import Case
 
 
-PARTS = ("bodies", "links", "stops", "frictions", "forces", "base", "motor")
+PARTS = ("bodies", "links", "stops", "frictions", "forces", "base", "motor", "rotors", "base_formula")
 TURNS = ("cycles", "cycles_lo")
 USUAL_ORDER, OTHER_ORDER = 20, 25  # of the Taylor flow; both cost the same
 TOLERANCE = 2.0**-53
@@ -108,10 +109,13 @@ def described(companion: Scene) -> str:
 
 
 def with_numbers(value: Any, other: Any, change: Callable[[float, Any], float]) -> Any:
-    """A number, part or tuple of these, its numbers changed, each by what stands at its place in `other`.
+    """A number, part or tuple of these, its numbers changed, each by what stands at its place in `other`;
+    those of a formula, which are exact, from the nearest double.
 
     The turns of a harmonic stay: they are carried as two doubles, and right to 32 digits.
     """
+    if isinstance(value, tuple) and value and isinstance(value[0], str):
+        return _with_formula_numbers(value, change, {})
     if isinstance(value, tuple):
         return tuple(with_numbers(one, another, change) for one, another in zip(value, other, strict=True))
     if is_dataclass(value):
@@ -119,6 +123,18 @@ def with_numbers(value: Any, other: Any, change: Callable[[float, Any], float]) 
         pairs = {name: (getattr(value, name), getattr(other, name)) for name in names}
         return replace(value, **{name: with_numbers(*pair, change) for name, pair in pairs.items()})  # type: ignore[type-var]
     return change(value, other) if isinstance(value, float) else value
+
+
+def _with_formula_numbers(node: Node, change: Callable[[float, Any], float], known: dict[Node, Node]) -> Node:
+    """A formula in which each number, and pi, is what `change` makes of the nearest double."""
+    if node not in known:
+        if node[0] in ("num", "pi"):
+            exact = two_pi_bounds(FIRST_BITS)[0] / 2 if node[0] == "pi" else node[1]
+            known[node] = ("num", Fraction(change(float(exact), exact)))
+        else:
+            below = [_with_formula_numbers(child, change, known) for child in children(node)]
+            known[node] = (node[0], *below, *node[1 + len(below) :]) if below else node
+    return known[node]
 
 
 def towards(value: float, exact: Fraction) -> float:
@@ -146,7 +162,7 @@ class ParallelRun:
     ):
         self._scene, self._engine, self._tell_news = scene, engine, tell_news
         self._cores = cores or Cores(1)
-        self._names = tables_of(scene).displacements
+        self._names = tables_of(scene).deciding
         self._closed = False
         self._trajectory: Trajectory[float] | None = None
         self._taken = 0  # events

@@ -101,7 +101,7 @@ class Trust(NoTrust[Tag]):
     def __init__(self, case: "Case", scene: Scene, engine: str, tell_news: Callable[[], None]):
         self._case, self._scene, self._engine, self._tell_news = case, scene, engine, tell_news
         self._estimate = ErrorEstimate(scene, case.number("run.trust_tolerance"))
-        self._names = tables_of(scene).displacements
+        self._names = tables_of(scene).deciding
         self._held: deque[Unjudged[Tag]] = deque()
         self._taken = 0  # events of the run
         self._cores = Cores(max(available_cores() - 1, 1))  # one is for the run itself, until that has ended
@@ -217,8 +217,8 @@ class Trust(NoTrust[Tag]):
 
 # The error of a run at every sample, estimated from the distance to its companion.
 #
-#     distance = the largest |dx| of any body, at least one ulp of the largest displacement so far
-#     estimate = (1 + decades / 8) x distance, held for about two periods
+#     distance = the largest |dx| of any body (of rotors and states where there is no body), at least one ulp
+# of the largest displacement so far     estimate = (1 + decades / 8) x distance, held for about two periods
 #
 # The distance swings with the motion, so the largest of the last periods counts: a value fades by the
 # factor e in two periods, along straight lines from one power of two to the next. Where errors die out, as in

@@ -285,7 +285,7 @@ def place(scene: Scene, end: int, states: States) -> np.ndarray | None:
     if end == GROUND:
         return None
     return (
-        base_motion(scene.base, states["time"])[0]
+        base_motion(scene, states["time"])[0]
         if end == BASE
         else states[columns_of(scene.bodies[end].name)[0]]
     )
@@ -296,7 +296,7 @@ def speed(scene: Scene, end: int, states: States) -> np.ndarray | None:
     if end == GROUND:
         return None
     return (
-        base_motion(scene.base, states["time"])[1]
+        base_motion(scene, states["time"])[1]
         if end == BASE
         else states[columns_of(scene.bodies[end].name)[1]]
     )

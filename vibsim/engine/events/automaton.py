@@ -170,7 +170,7 @@ class Automaton(Generic[N]):
         sense, behind = self.departures.departure(state, after, event.key)
         if sense < 0:
             raise EngineError("held", state, switches.rows.owners[i])
-        happened: Happened = [("switch", i)]
+        happened: Happened = [("switch", switches.part_of[i])]
         if after.tied:
             tied = after
             after = self.settling.settle(state, after, tied.tied)

@@ -16,7 +16,7 @@ from vibsim.engine.modes.rows import SWITCH, Event, Known
 from vibsim.engine.modes.status import Status
 from vibsim.physics.formulas import Node, is_continuous
 from vibsim.physics.numbers import Kit, N, abs
-from vibsim.physics.parts import Scene
+from vibsim.physics.parts import Scene, event_parts
 
 if TYPE_CHECKING:
     from vibsim.engine.events.departures import DerivativeSigns
@@ -34,6 +34,10 @@ class SwitchSides(Generic[N]):
         assert maker.formulas is not None
         self.rows: FormulaRows[N] = maker.formulas
         self.none = (None,) * len(self.rows.switches)
+        names = event_parts(scene)
+        self.part_of = [
+            names.index(owner) for owner in self.rows.owners
+        ]  # of each switch, as events number parts
 
     def inputs(self, state: State[N]) -> tuple[Inputs[N], Inputs[N]]:
         """What formulas read at a state, and how far rounding leaves it open."""

@@ -41,17 +41,6 @@ class Root(NamedTuple):
     text: str
 
 
-def has_formulas(scene: Scene[N]) -> bool:
-    """Whether any part of a scene has a formula."""
-    return bool(
-        scene.base_formula is not None
-        or any(force.formula is not None for force in scene.forces)
-        or any(link.force is not None for link in scene.links)
-        or any(stop.force is not None for _, stop in scene.elastic_stops)
-        or any(friction.slips is not None for friction in scene.frictions)
-    )
-
-
 class FormulaRows(Generic[N]):
     """Makes what formulas add to the rows of the modes of a scene.
 

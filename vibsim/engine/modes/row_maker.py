@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Generic
 
-from vibsim.engine.modes.formula_rows import FormulaRows, has_formulas
+from vibsim.engine.modes.formula_rows import FormulaRows
 from vibsim.engine.modes.rows import (
     ACCELERATION,
     CLEARANCE,
@@ -55,7 +55,7 @@ class RowMaker(Generic[N]):
         self.resting_by_status = Kept[Status, set[int]](MOST_MODES)
         self.ties_by_status = Kept[Status, tuple[list[int], list[N]]](MOST_MODES)
         self.guarded = self._guarded()
-        self.formulas = FormulaRows(scene, kit, self.columns) if has_formulas(scene) else None
+        self.formulas = FormulaRows(scene, kit, self.columns) if scene.has_formulas else None
 
     def _guarded(self) -> set[int]:
         """Elastic stops that are never pressed, as a rigid one between the same ends is met before them or

@@ -17,7 +17,7 @@ from vibsim.engine.modes.status import RESTING, STICK
 from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics import elementary
-from vibsim.physics.parts import Friction, RigidStop, Scene, columns_of
+from vibsim.physics.parts import Friction, RigidStop, Scene
 
 KICK = 1e-12  # of the largest velocity: far above rounding, far below what bends the growth
 LARGEST = 1e-4  # a difference up to here, relative to the motion, still grows in proportion
@@ -34,7 +34,7 @@ def error_growth(scene: Scene, engine: str = "auto", along: Table | None = None)
     scene = replace(scene, stop_on_violation=False)
     table = last_states(scene, engine) if along is None else along
     scale = {name: float(np.abs(table[name]).max()) for name in state_columns(scene)}
-    if not any(scale[columns_of(body.name)[1]] for body in scene.bodies):
+    if not any(scale[body.columns[1]] for body in scene.bodies):
         return 0.0
     last = len(table["t"]) - 1
     grown, i = 0.0, 0
@@ -68,18 +68,18 @@ def _stretch(scene: Scene, engine: str, table: Table, scale: Scale, i: int, j: i
 
 
 def _kick(scene: Scene, row: Row, scale: Scale) -> Scale:
-    """What is added to states: a velocity of the first body that no friction or rigid stop holds, or a
-    displacement of the first one where all are held.
+    """What is added to states: a velocity of the first body that no friction or rigid stop holds, of rotors
+    and states behind them, or a displacement of the first one where all are held.
     """
     holding: list[Friction | RigidStop] = [part for part in scene.frictions if row[part.name] == STICK]
     holding += [stop for _, stop in scene.rigid_stops if row[stop_column(stop.name)] == RESTING]
     held = {end for part in holding for end in (part.P, part.Q)}
     for i, body in enumerate(scene.bodies):
-        _, v = columns_of(body.name)
+        _, v = body.columns
         if i not in held and scale[v]:
             return {v: KICK * scale[v]}
-    largest = max(scale[columns_of(body.name)[0]] for body in scene.bodies)
-    return {columns_of(scene.bodies[0].name)[0]: KICK * largest}
+    places = [x for x, _ in (body.columns for body in scene.line) if x is not None]
+    return {places[0]: KICK * max(scale[x] for x in places)}
 
 
 def _moved(row: Row, kick: Scale) -> Row:

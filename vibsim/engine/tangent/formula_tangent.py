@@ -6,7 +6,7 @@ are formulas themselves, made once for a mode, whose series along the motion com
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Generic, NamedTuple
 
 from vibsim.engine.flows.tape import Inputs, Tape, TapeMaker, TapeSeries, TapeValues
@@ -207,10 +207,3 @@ class RotorTangent(Generic[N]):
                 )
                 total = total + one.unbalance * slope
         return total
-
-
-def readers(nodes: Sequence[Node]) -> Iterator[int]:
-    """Numbers of the bodies whose displacement formulas read."""
-    for one in walk(nodes):
-        if one[0] == "x" and one[1] >= 0:
-            yield one[1]

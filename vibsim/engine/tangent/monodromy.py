@@ -23,7 +23,6 @@ from vibsim.engine.driver import Driver
 from vibsim.engine.errors import State
 from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.flows.closed.modal import pitches
-from vibsim.engine.modes.formula_rows import has_formulas
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.packing import harmonic_indices, scene_doubles
 from vibsim.engine.modes.rows import ModeRows
@@ -255,7 +254,7 @@ def _finite(values: np.ndarray) -> bool:
 def _engine_for(scene: Scene, engine: str) -> str:
     """The engine that carries disturbances: of formulas the one in Python."""
     name = engine_name(engine)
-    return "python" if has_formulas(scene) else name
+    return "python" if scene.has_formulas else name
 
 
 def _free(scene: Scene) -> Scene:

@@ -1,9 +1,10 @@
 """A small disturbance of the state of a scene: dx of each body, dv of each body, then dphi, dw with a motor.
 
 Two sorts of directions in which a disturbance neither grows nor shrinks are left out. A set of bodies that
-links and stops join to each other, but not to ground or base, may be shifted as a whole without any force
-feeling it: there dx is measured from the last body of the set, its reference, whose dx is 0. And a
-disturbance of the state is none of time, whose direction ideal sources would add.
+links, stops and formulas join to each other, but not to ground or base, may be shifted as a whole without any
+force feeling it: there dx is measured from the last body of the set, its reference, whose dx is 0. So is the
+angle of a rotor that no force feels, and what would be the x of a state. And a disturbance of the state is
+none of time, whose direction ideal sources would add.
 
 In a mode with ties only some disturbances are possible: those in which tied bodies have one dv, and bodies
 tied to the ground or the base have none. Bodies that rigid stops at rest tie have one dx as well. They are
@@ -16,37 +17,23 @@ from typing import Generic
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.modes.status import RESTING, Status
 from vibsim.engine.modes.ties import Groups
-from vibsim.engine.tangent.formula_tangent import readers
-from vibsim.physics.formulas import Node
+from vibsim.physics.connections import felt_angles, felt_pairs
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import BASE, GROUND, ROTOR, Scene
-from vibsim.physics.rates import mobility
+from vibsim.physics.rates import fastest_of_formulas, mobility
 
 
 def references(scene: Scene[N]) -> list[int | None]:
-    """By body: its reference, or None where a part ties its set to the ground or the base."""
-    joined = (*scene.links, *scene.stops)
-    n = len(scene.bodies)
-    ties = [(i, _column(part.P, n), _column(part.Q, n)) for i, part in enumerate(joined)]
-    ties += [(0, c, n) for c in read_displacements(scene)]
-    groups = Groups(n, ties)
-    return [max(groups.members[groups.leader[c]]) if groups.moves(c) else None for c in range(n)]
-
-
-def read_displacements(scene: Scene[N]) -> list[int]:
-    """The bodies whose place a formula may feel: rotors, and those whose displacement one reads that is not
-    the law between its own ends.
+    """By body: its reference, or None where a part ties its set to the ground or the base; a rotor whose
+    angle nothing feels is its own reference, as is a state.
     """
-    stops = [stop for _, stop in scene.elastic_stops]
-    own: list[tuple[Node | None, set[int]]] = [(force.formula, set()) for force in scene.forces]
-    own += [(link.force, {link.P, link.Q}) for link in scene.links]
-    own += [(stop.force, {stop.P, stop.Q}) for stop in stops]
-    own += [(node, set()) for one in scene.frictions for node in (*(one.slips or ()), *(one.holds or ()))]
-    found = {c for c, body in enumerate(scene.bodies) if body.kind == ROTOR}
-    for node, ends in own:
-        if node is not None:
-            found |= set(readers([node])) - ends
-    return sorted(found)
+    joined = (*scene.links, *scene.stops, *felt_pairs(scene))
+    n = len(scene.bodies)
+    groups = Groups(n, [(i, _column(part.P, n), _column(part.Q, n)) for i, part in enumerate(joined)])
+    felt = set(felt_angles(scene))
+    return [
+        max(groups.members[groups.leader[c]]) if groups.moves(c) and c not in felt else None for c in range(n)
+    ]
 
 
 def _column(end: int, n: int) -> int:
@@ -86,23 +73,36 @@ def natural_rate(scene: Scene[N], kit: Kit[N]) -> N:
         squares: list[N] = [k * mobility(scene, ends) for ends, k in springs.items() if k > 0]
         if squares:
             return kit.sqrt(max(squares))
-    return kit.number(1)
+    return kit.number(fastest_of_formulas(scene) or 1)
 
 
 def weights(scene: Scene[N], kit: Kit[N], rate: N | None = None) -> list[N]:
     """Weights of the squared components: each is measured as a velocity [m/s], dx by the natural rate, dw by
-    the arm e of the unbalanced mass, dphi by both. rate: the natural one, where it is known
+    the arm e of the unbalanced mass, dphi by both; states by 1. rate: the natural one, where it is known
     """
     n, one = len(scene.bodies), kit.number(1)
     rate = natural_rate(scene, kit) if rate is None else rate
     values = [rate * rate] * n + [one] * n
-    for rotor in scene.rotors:
-        arm = scene.bodies[rotor.column].m / scene.bodies[rotor.on].m
-        values[rotor.column], values[n + rotor.column] = arm * rate * rate, arm
+    for c, square in _squared_arms(scene, kit).items():
+        values[c], values[n + c] = square * (rate * rate), square
     if scene.motor is not None:
         arm = scene.motor.e
         values += [(arm * rate) * (arm * rate), arm * arm]
     return values
+
+
+def _squared_arms(scene: Scene[N], kit: Kit[N]) -> dict[int, N]:
+    """By number of a rotor the square of the arm [m^2] by which its angle is measured: J / m of the rotor
+    and its body, or 1 where it is on none.
+    """
+    if not any(body.kind == ROTOR for body in scene.bodies):
+        return {}
+    on = {rotor.column: rotor.on for rotor in scene.rotors}
+    return {
+        i: body.m / scene.bodies[on[i]].m if i in on else kit.number(1)
+        for i, body in enumerate(scene.bodies)
+        if body.kind == ROTOR
+    }
 
 
 def plainly_weighed_alike(one: Scene[N], other: Scene[N]) -> bool:
@@ -110,6 +110,8 @@ def plainly_weighed_alike(one: Scene[N], other: Scene[N]) -> bool:
     stops, springs of links and arm of the motor.
     """
     if one.bodies is not other.bodies or one.stops is not other.stops:
+        return False
+    if one.has_formulas and not (one.links is other.links and one.forces is other.forces):
         return False
     springs = one.links is other.links or [link.k for link in one.links] == [link.k for link in other.links]
     return springs and (one.motor and one.motor.e) == (other.motor and other.motor.e)

@@ -203,14 +203,12 @@ def touches(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> list[f
     step = Fraction(T / TOUCHING_SAMPLES).limit_denominator(10**9)
     sampled = replace(scene, every_num=step.numerator, every_den=step.denominator)
     blocks = [block.samples for block in open_trajectory(sampled, return_map.carrier.engine).blocks()]
-    times, *columns = (
-        np.concatenate([block[name] for block in blocks])
-        for name in ("time", *return_map.coordinates.columns)
-    )
+    times = np.concatenate([block["time"] for block in blocks])
+    states = np.concatenate([return_map.coordinates.gathered(block) for block in blocks]).T
     start = return_map.coordinates.lifted(X)
     carried = return_map.carrier.carry(start, T, [])
     blows = [i for i, event in enumerate(carried.events) if event == ("impact", stop)]
-    gap, rate, _ = gap_of(scene, stop, times, np.array(columns))
+    gap, rate, _ = gap_of(scene, stop, times, states)
     turns = np.flatnonzero((rate[:-1] < 0) & (rate[1:] >= 0))
     struck = np.searchsorted(times, carried.times[blows]) - 1
     near = []
@@ -460,8 +458,8 @@ def _sampled_slip(of: ReturnMap, node: Node, part: Any) -> tuple[np.ndarray, np.
     sampled = replace(scene, every_num=step.numerator, every_den=step.denominator)
     blocks = [block.samples for block in open_trajectory(sampled, of.carrier.engine).blocks()]
     n = len(scene.bodies)
-    names = ("time", *at.columns[n : 2 * n])
-    times, *v = (np.concatenate([block[name] for block in blocks]) for name in names)
+    times = np.concatenate([block["time"] for block in blocks])
+    v = list(np.concatenate([at.gathered(block)[:, n : 2 * n] for block in blocks]).T)
     return times, apart(part, v, motion_of_base(scene, times)[1]) - part.belt
 
 

@@ -11,7 +11,8 @@ from vibsim.lazy import once
 from vibsim.orbits.branches.correction import correct, kernel, tangent
 from vibsim.orbits.branches.family import Family, FamilyPoint
 from vibsim.orbits.stability import ON_CIRCLE, dot, length_of, modulus, product
-from vibsim.physics.parts import Scene, body_sets
+from vibsim.physics.connections import body_sets
+from vibsim.physics.parts import Scene
 from vibsim.physics.rates import masses
 
 STEADY = 4.0  # times that the share of the parameter in the tangent may change where Newton holds it
@@ -353,14 +354,32 @@ def without_still_sources(scene: Scene) -> Scene:
 
 
 def what_is_not_conservative(scene: Scene) -> list[str]:
-    """The parts that give or take energy, in words; none where energy is kept."""
+    """The parts that give or take energy, in words; none where energy is kept. Of formulas those of links
+    that read the distance of their ends alone are known to keep it.
+    """
     parts = ["the motor"] if scene.motor is not None else []
+    parts += [f"the {body.kind} {body.name}" for body in scene.bodies[len(scene.line) :]]
+    parts += [f"the formula of {name}" for name in _unknown_formulas(scene)]
     parts += [f"the force {one.name}" for one in scene.forces if any(t.amplitude != 0 for t in one.terms)]
     parts += ["the moving base"] * any(term.amplitude != 0 for term in scene.base)
     parts += [f"the damper of link {one.name}" for one in scene.links if one.c != 0]
     parts += [f"the damper of stop {one.name}" for _, one in scene.elastic_stops if one.c != 0]
     parts += [f"the restitution of stop {one.name}" for _, one in scene.rigid_stops if one.e != 1]
     return parts + [f"the friction {one.name}" for one in scene.frictions if any(one.limits)]
+
+
+def _unknown_formulas(scene: Scene) -> list[str]:
+    """Names of the parts whose formulas may give or take energy."""
+    if not scene.has_formulas:
+        return []
+    from vibsim.physics.formula_parts import formulas_of, reads_own_distance
+
+    unknown = [
+        one.name
+        for one in formulas_of(scene)
+        if one.section != "links" or not reads_own_distance(scene.links[one.number])
+    ]
+    return list(dict.fromkeys(unknown))
 
 
 class Conserved:
@@ -384,6 +403,7 @@ class Conserved:
         state = self.at.lifted(X)
         x, v = state[: self.n], state[self.n :]
         springs = sum(link.k * self._apart(x, link) ** 2 for link in self.scene.links)
+        springs += sum(2 * self._potential(x, link) for link in self._formulas)
         stops = sum(stop.k * max(0.0, self._depth(x, stop)) ** 2 for _, stop in self.scene.elastic_stops)
         loads = sum(force.constant * x[force.on] for force in self.scene.forces)
         return float((dot(self.m, v * v) + springs + stops) / 2 - loads)
@@ -393,6 +413,7 @@ class Conserved:
         state = self.at.lifted(X)
         x, slope = state[: self.n], np.concatenate([np.zeros(self.n), self.m * state[self.n :]])
         pulls: list[tuple[Any, float]] = [(link, link.k * self._apart(x, link)) for link in self.scene.links]
+        pulls += [(link, self._pull(x, link)) for link in self._formulas]
         pulls += [(s, -s.sense * s.k * max(0.0, self._depth(x, s))) for _, s in self.scene.elastic_stops]
         for part, pull in pulls:
             for end, sign in ((part.P, 1), (part.Q, -1)):
@@ -401,6 +422,23 @@ class Conserved:
         for force in self.scene.forces:
             slope[force.on] -= force.constant
         return np.asarray(slope[self.at.free])
+
+    @property
+    def _formulas(self) -> list[Any]:
+        """The links with a formula."""
+        return [link for link in self.scene.links if link.force is not None]
+
+    def _potential(self, x: np.ndarray, link: Any) -> float:
+        """Energy of a link with a formula [J]."""
+        from vibsim.physics.formula_values import potential_of
+
+        return potential_of(link, self._apart(x, link))
+
+    def _pull(self, x: np.ndarray, link: Any) -> float:
+        """Force of a link with a formula that draws its ends together [N]."""
+        from vibsim.physics.formula_values import values_of
+
+        return float(values_of(link.force, {("x", end): x[end] for end in (link.P, link.Q) if end >= 0}))
 
     def momenta(self, X: np.ndarray) -> np.ndarray:
         """Of each set that nothing holds."""

@@ -21,7 +21,8 @@ from vibsim.orbits.branches.node import Node
 from vibsim.orbits.branches.special_points import BRANCHING, CORNER, FOLD, HOPF, UNRESOLVED, Special
 from vibsim.orbits.coordinates import LETTERS, Word, counted, gap_of
 from vibsim.orbits.stability import dot, least_squares, length_of, moduli
-from vibsim.physics.parts import BodySet, Scene, body_sets
+from vibsim.physics.connections import BodySet, body_sets
+from vibsim.physics.parts import Scene
 
 NARROW = 4e-14  # length, over that of the unknowns, of the last bracket: Newton's method leaves as much open
 SHORT = 1e-9  # scaled length of a stretch that is not halved any more to part its events
@@ -345,10 +346,14 @@ def carried_off(family: Family, node: Node, sense: float) -> str | None:
 
 
 def _overcome(scene: Scene) -> BodySet | None:
-    """Bodies on which the static force is more than friction can take; None where there are none."""
+    """Bodies on which the static force is more than friction can take; None where there are none, and of
+    bodies on which formulas act none is known.
+    """
     for bodies in body_sets(scene, [*scene.links, *scene.stops]):
         motor = scene.motor is not None and scene.motor.on in bodies.bodies
-        if not (bodies.held or motor) and _excess(scene, bodies) > 0:
+        unknown = any(each.formula is not None for each in scene.forces if each.on in bodies.bodies)
+        unknown = unknown or any(friction.slips is not None for friction in scene.frictions)
+        if not (bodies.held or motor or unknown) and _excess(scene, bodies) > 0:
             return bodies
     return None
 
