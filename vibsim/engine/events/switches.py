@@ -14,7 +14,7 @@ from vibsim.engine.modes.formula_rows import FormulaRows
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import SWITCH, Event, Known
 from vibsim.engine.modes.status import Status
-from vibsim.physics.formulas import Node
+from vibsim.physics.formulas import Node, neg, sub
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 
@@ -102,6 +102,8 @@ class SwitchSides(Generic[N]):
 
     def jumps(self, state: State[N], before: Status, after: Status, i: int) -> bool:
         """Whether any formula has another value behind the turn of switch `i`."""
+        if is_continuous(self.rows.switches[i]):
+            return False
         at, blur = self.inputs(state)
         for root in self.rows.roots(before):
             pair = []
@@ -155,6 +157,14 @@ class SwitchSides(Generic[N]):
         if node[0] == "mod":
             return bool(abs(values[0] - key * values[2]) <= values[1])
         return bool(abs(values[0] - self.kit.number(node[2][key])) <= values[1])
+
+
+def is_continuous(node: Node) -> bool:
+    """Whether the sides of a switch are equal at its zero, however it is rounded: |a|, max(a, b), min(a, b)."""
+    if node[0] != "choose":
+        return False
+    _, guard, above, below, _ = node
+    return guard in (sub(above, below), sub(below, above)) or {above, below} == {guard, neg(guard)}
 
 
 def _floor(kit: Kit[N], value: N) -> int:

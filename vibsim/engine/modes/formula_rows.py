@@ -125,6 +125,20 @@ class FormulaRows(Generic[N]):
                 yield node
             ahead += [node[1], chosen(node, sides)] if node[0] == "choose" else children(node)
 
+    def watched(self, rows: ModeRows[N]) -> bool:
+        """Whether the sides of a mode are those of the switches that its formulas read, no more and no less,
+        and event functions tell where each of them ends.
+        """
+        sides = self.sides(rows.status)
+        if set(self.awake(rows.status, sides)) != sides.keys():
+            return False
+        return all(
+            ("switch", i, key) in rows.outputs
+            for i, node in enumerate(self.switches)
+            if node in sides
+            for key, _, _ in self._guards(i, node, sides)
+        )
+
     def guard_values(self, node: Node, sides: Mapping[Node, int], at: Inputs[N], blur: Inputs[N]) -> list[N]:
         """Values, each followed by the bound of its rounding, of the argument of a switch; of `mod` that of
         its step behind it.
