@@ -52,6 +52,13 @@ def has_formulas(scene: Scene[N]) -> bool:
     )
 
 
+def carries_in_c(scene: Scene[N]) -> bool:
+    """Whether the C engine carries disturbances and keeps ledgers of a scene: where it has neither formulas
+    nor rotors on bodies.
+    """
+    return not (has_formulas(scene) or scene.rotors)
+
+
 class FormulaRows(Generic[N]):
     """Makes what formulas add to the rows of the modes of a scene.
 

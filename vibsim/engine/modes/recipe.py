@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.flows.closed.modal_maker import modal_of
+from vibsim.engine.modes.formula_rows import has_formulas
 from vibsim.engine.modes.packing import Packed, packed_mode
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import EventKey
@@ -46,10 +47,13 @@ class ParametricRows(NamedTuple):
 def recipe_of(
     scene: Scene, places: Sequence[Place], status: Status, keys: dict[EventKey, int]
 ) -> ParametricRows | None:
-    """The recipe of a mode for the numbers of a scene in `places`; None where it cannot be recorded.
+    """The recipe of a mode for the numbers of a scene in `places`; None where it cannot be recorded, as that
+    of a mode with formulas.
 
     keys : {event key: number}, which grows
     """
+    if has_formulas(scene):
+        return None
     kit: Any = RecordedNumbers
     record = Record([_number(scene, place) for place in places])
     recorded: Any = scene

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibsim.engine.choice import engine_name
+from vibsim.engine.modes.formula_rows import carries_in_c
 from vibsim.engine.driver import Driver
 from vibsim.engine.errors import State
 from vibsim.engine.flows.accelerations import accelerations
@@ -76,7 +77,8 @@ class Carrier:
 
     def __init__(self, scene: Scene, engine: str = "auto") -> None:
         self.scene, self._origin = _free(scene), scene
-        self.engine, self.size, self._shared = engine_name(engine), length(scene), _Shared(self.scene)
+        self.engine = engine_name(engine) if carries_in_c(scene) else "python"
+        self.size, self._shared = length(scene), _Shared(self.scene)
         self._doubles = self._shared.doubles
         self._numbers: Numbers = {}
         n = len(scene.bodies)
