@@ -28,7 +28,7 @@ from vibsim.engine.ledger_integrals import jumps_of, pack_blows, pack_extremes, 
 from vibsim.engine.modes.mode_table import bytes_of, mode_table
 from vibsim.engine.modes.packing import pack_scene, pack_state
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import Event, Known, ModeRows, Rule
+from vibsim.engine.modes.rows import SWITCH, Event, Known, ModeRows, Rule
 from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.resume import Point
@@ -44,8 +44,14 @@ SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 65536, 4096, 1024  # at most
 MOST_BYTES = 1 << 23  # of packed modes that C is told of before it forgets them
 MOST_RECALLED = 16  # modes that a run is told of before it meets them
 SECONDS = 0.1  # between two blocks where Python decides: Ctrl-C is heard there
-ACCUMULATION, DIVERGED, UNDECIDED, STANDSTILL = 1, 2, 3, 5
-REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged", STANDSTILL: "standstill"}
+ACCUMULATION, DIVERGED, UNDECIDED, STANDSTILL, SINGULAR = 1, 2, 3, 5, 6
+REASONS = {
+    ACCUMULATION: "accumulation",
+    DIVERGED: "diverged",
+    STANDSTILL: "standstill",
+    SINGULAR: "singular",
+}
+NO_EVENT = -1  # in place of the kind of an event, where nothing is told
 
 
 class Doubts(Certificate[float]):
@@ -173,7 +179,9 @@ class CRun:
 
     def _set_off(self, state: State, status: Status, known: Known) -> None:
         number = self._mode(status)  # which may know more keys
-        self.run.start(number, pack_state(state), self._known(known, 0))
+        *_, status_of_run = self.run.start(number, pack_state(state), self._known(known, 0))
+        if status_of_run in REASONS:
+            raise self._failure(status_of_run)
 
     def _begun(self, state: State) -> Point:
         """A state at t = 0 with the mode that the motion starts in, and the known zeros there."""
@@ -258,7 +266,14 @@ class CRun:
             yield self._block(counts, finished)
             last_told = monotonic()
             if status in REASONS:
-                raise EngineError(REASONS[status], State(*self.run.tally()["state"]))
+                raise self._failure(status)
+
+    def _failure(self, status: int) -> EngineError:
+        """Why C cannot go on from its state."""
+        tally = self.run.tally()
+        tape = self.rows_of(tally["mode"]).tape
+        part = tape.texts[tally["singular"]] if status == SINGULAR and tape else ""
+        return EngineError(REASONS[status], State(*tally["state"]), part)
 
     def _block(self, counts: Sequence[int], finished: int) -> Filled:
         """What C has filled, whose arrays are given away where they hold much and copied where they are to
@@ -280,13 +295,20 @@ class CRun:
         """(time, x and v of each body, rotor angle, its speed) at t [s] before the next event, None behind
         it; t ascending from call to call.
         """
-        while (state := self.run.state_at(t)) is None:
-            pass  # here a signal is heard
-        if state is False:
-            return None
+        while not (state := self.run.state_at(t)):
+            if state is False and not self._set_rule_of_pending():
+                return None
+            # here a signal is heard
         t, x, v, phase, turns, w = state
         moving = (value for pair in zip(x, v, strict=True) for value in pair)
         return (t, *moving, Doubles.unwind(phase, turns), w)
+
+    def _set_rule_of_pending(self) -> bool:
+        """Whether C, which met a switch of a formula on its way to a state, is told anew what follows it."""
+        number, event, *_ = self.run.pending()
+        if event < 0 or self.rows_of(number).events[event].kind != SWITCH:
+            return False
+        return self._set_rule(number, event)
 
     def _decide(self, number: int, event: int, state: State, order: int) -> _engine.Progress:
         """Let the automaton of the Python engine decide the pending event; order: as of `Automaton.take`."""
@@ -319,7 +341,7 @@ class CRun:
         target, other = (0 if status is None else self._mode(status) for status in behind)
         if self.carries and not self.jumps.of_rule_in_c(rows, rule, rows.events[event]):
             return False
-        kind = EVENT_KINDS[rule.happened]
+        kind = EVENT_KINDS[rule.happened] if rule.happened else NO_EVENT
         numbers = rule.kind, target, other, rule.hold, kind, rule.part, self.keys[rule.key], rule.order
         self.run.set_rule(number, event, numbers)
         return True

@@ -9,7 +9,7 @@
 #define PROGRESS 0x1p-30 /* share of the run that so many stretches must bring it on: it would take 5e13 */
 #define MEETING 0x1p-40 /* of a time: so near to an event its rounding may lie, and the motion before it goes on */
 
-void flow_enter(Run *r, const State *state)
+static void flow_enter(Run *r, const State *state)
 {
     if (r->mode->modal != NULL)
         closed_form_enter(r, state);
@@ -166,7 +166,7 @@ void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, cons
     }
     if (!r->finished)
         enter(r, &r->state);
-    if (!r->finished && r->pending_end >= r->t_end)
+    if (!r->finished && r->status == OK && r->pending_end >= r->t_end)
         finish(r, b);
 }
 
@@ -341,7 +341,14 @@ double run_worked_to(const Run *r)
     return r->stage == LEDGER && r->ledger.wanted ? r->t0 + r->ledger.tau : r->state.t;
 }
 
-/* State at t before the next event; 0 where it has to be called again, -1 where an event comes before t by more than
+/* Whether C takes the pending event by itself, and nobody is told of it: a kink of a formula. */
+static int is_untold(const Run *r)
+{
+    const Event *e = &r->mode->events[r->pending_event];
+    return e->kind == SWITCH && e->rule == CROSS && e->event == NOTHING;
+}
+
+/* State at t before the next event that is told; 0 where it has to be called again, -1 where an event comes before t by more than
  * its rounding.
  */
 int run_state_at(Run *r, double t, State *out)
@@ -351,14 +358,19 @@ int run_state_at(Run *r, double t, State *out)
         double steps = r->steps;
         r->pending_end = flow_advance(r, r->t_end, &r->pending_event);
         r->arrived = 0;
-        if (r->pending_event != NOTHING || r->pending_end >= t || r->pending_end >= r->t_end || !arrive(r))
+        if (r->pending_end >= t || r->pending_end >= r->t_end || (r->pending_event != NOTHING && !is_untold(r)) || !arrive(r))
             break;
-        carry_on(r, NULL);
+        if (r->pending_event == NOTHING) {
+            carry_on(r, NULL);
+        } else if (!rule_take(r, NULL)) {
+            enter(r, &r->state);
+            break;
+        }
         r->spent += r->steps - steps + 1;
         if (r->spent > r->work_at_once)
             return 0;
     }
-    if (r->pending_event != NOTHING && t - r->pending_end > MEETING * t)
+    if (r->status == SINGULAR || (r->pending_event != NOTHING && t - r->pending_end > MEETING * t))
         return -1;
     flow_state(r, t, out);
     return 1;

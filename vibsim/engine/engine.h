@@ -9,7 +9,8 @@
 
 #include <math.h>
 
-#define MAX_ORDER 40
+#include "tape.h"
+
 #define JET_ORDER 9 /* derivatives taken at the start of a segment */
 #define FLAT_ORDER (JET_ORDER - 3) /* order of a zero that they are too few for */
 #define JET (JET_ORDER + 4)
@@ -23,15 +24,15 @@
 #define MARCH_LIMIT 1000 /* evaluations of an event function in one march */
 #define EPS 1.1102230246251565e-16 /* 2^-53, unit round-off */
 
-enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE };             /* kinds of event functions */
-enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL };  /* kinds of terms */
+enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE, SWITCH, DOMAIN_EDGE }; /* kinds of event functions */
+enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL, FORMULA }; /* kinds of terms */
 enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB };    /* kinds of meters, see meters.py */
 enum { IN_CONTACT = 1, AT_REST = 3 };                           /* codes of a stop */
 enum { ADVANCE, SAMPLE, SECTION, ARRIVE, EXTREMES, LEDGER, TANGENT, STAGES }; /* of a stretch */
 enum { ASK, CROSS, STAND, STRUCK, BEAR };                       /* rules for what follows an event */
 enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END,
        IMPACT, TRANSMITTED, CHATTER, REST_BEGIN, REST_END, SWITCH_TURN, KINDS };
-enum { OK, ACCUMULATION, DIVERGED, UNDECIDED, NO_MEMORY, STANDSTILL };      /* status of a run */
+enum { OK, ACCUMULATION, DIVERGED, UNDECIDED, NO_MEMORY, STANDSTILL, SINGULAR }; /* status of a run */
 enum { NOTHING = -1, RATE_ALONE = -JET };
 
 typedef struct {
@@ -172,7 +173,9 @@ typedef struct {
     double small_constants[2]; /* forces of slipping frictions by column */
     Meters meters;
     Modal *modal; /* NULL where only Taylor series will do */
-    void *memory;
+    Tape tape, base_tape;      /* formulas of the mode; of the motion of the base */
+    FormulaForce *formulas;
+    int formula_count, switch_count; /* switch_count: event functions that are those of switches */
 } Mode;
 
 typedef struct {
@@ -204,7 +207,18 @@ typedef struct {
     double inverse[SERIES + 1], sine[SERIES], cosine[SERIES], w_back[SERIES], a1_back[SERIES]; /* w_back[order - n]: order n */
     double h, turns, longest; /* longest: piece of a step that one quadrature rule takes [s] */
     int order, rates, stride, *loaded, loaded_count, few_nodes;
+    double *acceleration; /* by leading column, where a mode has formulas or rotors */
+    TapeRoom tapes;
 } Taylor;
+
+/* Rotors on bodies, and of the step in hand: series of sine and cosine of each, of the acceleration of each group that some are
+ * on, its mass less what its rotors take part of it with, and its leading column.
+ */
+typedef struct {
+    RotorOn *of;
+    double (*sine)[SERIES], (*cosine)[SERIES], (*acceleration)[SERIES], *mass, *torque;
+    int count, groups, *leaders;
+} Rotors;
 
 /* Of an event function: the rest of a known zero, and its reach. */
 typedef struct {
@@ -335,6 +349,7 @@ typedef struct {
 typedef struct Run {
     int bodies, columns, parts, clearances, harmonic_count, key_count, mode_count, force_count, base_count;
     int fall_room, has_motor, motor_on, rest_columns, force_taylor, stop_on_violation, closed; /* closed: the flow in use */
+    int has_base, *alone, alone_count; /* has_base: be it by a formula; alone: columns of units of their own, of rotors and states */
     double m3, e, M0, unbalance, inertia, drag, tolerance_exponent, t_end, every_num, every_den;
     Harmonic *harmonics, *base;
     Force *forces;
@@ -351,6 +366,7 @@ typedef struct Run {
     long long next_sample;
     int crowd, finished, status, violated_once, stage, pending_event; /* stage: of the stretch in hand, which may take many calls */
     int arrived; /* whether `next` is the state at the end of that stretch */
+    int singular; /* output of the tape that no step is short enough for, where the status is SINGULAR */
     double pending_tau, *before_v, before_w; /* from the start of the flow to the pending event [s]; velocities in front of it */
     double pending_end, spent, work_at_once, *force;
     Ledger ledger;
@@ -358,11 +374,12 @@ typedef struct Run {
     Extremes extremes;
     Blows blows;
     Taylor taylor;
+    Rotors rotors;
     ClosedForm closed_form;
     struct Tangent *tangent; /* small disturbances that it carries along; NULL where there are none */
 } Run;
 
-enum { ANY, TWO_FREE, TWO_HELD, ONE }; /* shapes of the recurrences: see taylor_expansion.c */
+enum { ANY, TWO_FREE, TWO_HELD, ONE, FORMULAS }; /* shapes of the recurrences: see taylor_expansion.c */
 
 /* Place of a column among the displacements in the table of Taylor series: bodies, phi, ground, base. */
 static inline int column_in_table(const Run *r, int column)
@@ -390,7 +407,9 @@ void polynomial_value_and_slope(const double *coefficients, int count, int known
 
 /* taylor.c */
 void taylor_set(Run *r);
+void taylor_look(Run *r, const State *state); /* expand the motion there; no step follows */
 void taylor_enter(Run *r, const State *state);
+void taylor_values(const Taylor *f, double tau, double *out); /* of all columns of the table */
 double taylor_advance(Run *r, double limit, int *event);
 void taylor_state_after(Run *r, double tau, State *out);
 void taylor_samples(Run *r, const double *tau, int count, double *row, long room);
@@ -403,6 +422,16 @@ void taylor_expand_loads(Run *r, double t);
 void taylor_expand(Run *r, const State *state);
 int taylor_polynomial(const Run *r, const Event *e, double *out);
 double taylor_magnitude(const Run *r, const Event *e);
+
+/* tape.c; sound_step sets the status SINGULAR where no step is short enough */
+void tape_values(const Run *r, double tau);
+void tape_values_at(const Run *r, const Mode *m, const State *state, double X, double V); /* X, V: of the base */
+void sound_step(Run *r);
+
+/* rotors_on_bodies.c */
+void rotors_expand(Run *r);
+void rotors_turn(Run *r, int n);
+void rotors_thrust(const Run *r, int column, double *out); /* adds to it */
 
 /* memory.c */
 void keep_freed_memory(void);
@@ -452,7 +481,6 @@ void record_event(Run *r, Buffers *b, int kind, int part, const double *v, doubl
 int record_samples(Run *r, Buffers *b);
 
 /* driver.c */
-void flow_enter(Run *r, const State *state);
 void flow_state(Run *r, double t, State *out);
 void run_rewind(Run *r, double t_end);
 void run_start(Run *r, int mode, Buffers *b);

@@ -42,10 +42,10 @@ PyObject *run_tally(RunObject *self, PyObject *none)
         PyTuple_SET_ITEM(entries, i, PyFloat_FromDouble(r->ledger.entries[i]));
     for (i = 0; i < KINDS; i++)
         PyTuple_SET_ITEM(counts, i, PyLong_FromDouble(r->counts[i]));
-    return Py_BuildValue("{sNsNsNsdsdsds(dddd)sisdsi}", "state", state_tuple(r, &r->state), "counts", counts, "entries", entries, "worked_to", run_worked_to(r), "steps", r->steps,
+    return Py_BuildValue("{sNsNsNsdsdsds(dddd)sisdsisi}", "state", state_tuple(r, &r->state), "counts", counts, "entries", entries, "worked_to", run_worked_to(r), "steps", r->steps,
                          "evaluations", r->evaluations, "certificate", r->certificate.uncertified, r->certificate.first_doubt,
                          r->certificate.margin, r->certificate.margin_time, "violated_once", r->violated_once,
-                         "first_violation", r->first_violation, "mode", r->mode_number);
+                         "first_violation", r->first_violation, "mode", r->mode_number, "singular", r->singular);
 }
 
 static PyObject *list_of(const double *values, int count, int stride)

@@ -210,7 +210,7 @@ PyObject *run_set_rule(RunObject *self, PyObject *args)
     if (!PyArg_ParseTuple(args, "ii(iiiiiiii)", &mode, &event, &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7]) || !run_is_idle(self))
         return NULL;
     if (mode < 0 || mode >= r->mode_count || event < 0 || event >= r->modes[mode]->event_count || v[0] < ASK || v[0] > BEAR ||
-        v[1] < 0 || v[1] >= r->mode_count || v[2] < 0 || v[2] >= r->mode_count || v[4] < 0 || v[4] >= KINDS || v[6] < 0 ||
+        v[1] < 0 || v[1] >= r->mode_count || v[2] < 0 || v[2] >= r->mode_count || v[4] < NOTHING || v[4] >= KINDS || v[6] < 0 ||
         v[6] >= r->key_count || v[7] < 0 || v[7] > MAX_ORDER) {
         PyErr_SetString(PyExc_ValueError, "no such rule");
         return NULL;

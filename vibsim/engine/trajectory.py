@@ -15,6 +15,7 @@ from vibsim.engine.blocks import Trajectory, Wishes
 from vibsim.engine.c_trajectory import CTrajectory
 from vibsim.engine.choice import check_method, engine_name
 from vibsim.engine.extremes import Gap
+from vibsim.engine.modes.formula_rows import carries_in_c
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.resume import Row, resume_point
 from vibsim.engine.tangent.tangent_space import dimension
@@ -74,11 +75,22 @@ def open_trajectory(
         "dither": dither,
     }
     point = None if resume is None else resume_point(scene, resume)
-    if engine_name(engine) == "python":
+    if engine_name(engine) == "python" or not _in_c(scene, wishes):
         from vibsim.engine.python_trajectory import PythonTrajectory
 
         return PythonTrajectory(scene, Doubles, point, **wishes)
     return CTrajectory(scene, point, **wishes)
+
+
+def _in_c(scene: Scene, wishes: Wishes) -> bool:
+    """Whether the C engine has all that a run asks for: of scenes with formulas or rotors on bodies neither
+    ledgers nor disturbances, nor extremes against a base that moves by a formula.
+    """
+    if carries_in_c(scene):
+        return True
+    pairs = wishes["extremes"][0] if wishes["extremes"] else ()
+    by_formula = scene.base_formula is not None and any(len(scene.bodies) + 1 in pair for pair in pairs)
+    return not (wishes["ledger"] or wishes["momentum"] or wishes["tangent"][0] or by_formula)
 
 
 def extremes_of(scene: Scene, ends: Sequence[Edge], since: float) -> tuple[list[Edge], list[Gap], float]:

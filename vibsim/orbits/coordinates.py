@@ -593,22 +593,16 @@ def _no_several_rotors(scene: Scene) -> None:
 
     if driven_rotors(scene):
         raise NoSection(
-            f"orbits of scenes with several
-            rotors ({', '.join(rotors)}),
-            of which
-            torques drive some, are not
-            " "supported yet; a source
-            with a period in time gives one"
+            f"orbits of scenes with several rotors ({', '.join(rotors)}), of which torques drive some, are "
+            "not supported yet; a source with a period in time gives one"
         )
 
 
 # Why there is no orbit.
 
 
-class
-OrbitError(ValueError):
-    """An orbit that cannot be looked for, or was not found: cause and
-    remedy in one sentence.
+class OrbitError(ValueError):
+    """An orbit that cannot be looked for, or was not found: cause and remedy in one sentence.
 
     >>> import vibsim
     >>> try:

@@ -140,11 +140,13 @@ def smallest(a: Node, b: Node, text: str) -> Node:
 
 
 def is_continuous(node: Node) -> bool:
-    """Whether the two sides of a `choose` are equal by themselves where they meet, as those of |a|, max and
-    min.
+    """Whether the sides of a switch are equal at its zero, however it is rounded: |a|, max(a, b), min(a,
+    b).
     """
-    _, g, a, b, _ = node
-    return bool(a == g and b == neg(g)) or g == sub(a, b) or g == sub(b, a)
+    if node[0] != "choose":
+        return False
+    _, guard, above, below, _ = node
+    return guard in (sub(above, below), sub(below, above)) or {above, below} == {guard, neg(guard)}
 
 
 def children(node: Node) -> tuple[Node, ...]:

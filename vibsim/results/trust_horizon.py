@@ -217,8 +217,9 @@ class Trust(NoTrust[Tag]):
 
 # The error of a run at every sample, estimated from the distance to its companion.
 #
-#     distance = the largest |dx| of any body (of rotors and states where there is no body), at least one ulp
-# of the largest displacement so far     estimate = (1 + decades / 8) x distance, held for about two periods
+#     distance = the largest |dx| of any body (of rotors and states where there is no body), at least
+#                one ulp of the largest displacement so far
+#     estimate = (1 + decades / 8) x distance, held for about two periods
 #
 # The distance swings with the motion, so the largest of the last periods counts: a value fades by the
 # factor e in two periods, along straight lines from one power of two to the next. Where errors die out, as in

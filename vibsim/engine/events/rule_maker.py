@@ -10,6 +10,7 @@ from vibsim.engine.modes.rows import (
     BEAR,
     CLEARANCE,
     CROSS,
+    DOMAIN,
     GAP,
     HOLD,
     PUSH,
@@ -17,6 +18,7 @@ from vibsim.engine.modes.rows import (
     STAND,
     STRIKE,
     STRUCK,
+    SWITCH,
     Event,
     EventKey,
     Joined,
@@ -25,6 +27,7 @@ from vibsim.engine.modes.rows import (
 )
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
 from vibsim.engine.modes.ties import TooManyCuts
+from vibsim.physics.formulas import is_continuous
 
 
 class RuleMaker:
@@ -36,12 +39,21 @@ class RuleMaker:
     def rule(self, rows: ModeRows, event: Event) -> Rule | None:
         """The rule of an event, or None where Python decides."""
         try:
-            return self._rule(rows, event)
+            rule = self._rule(rows, event)
         except TooManyCuts:  # of a mode that may never come
             return None
+        formulas = self.maker.formulas
+        if rule is None or formulas is None:
+            return rule
+        modes = [self.maker.rows(status) for status in (rule.target, rule.other) if status is not None]
+        return rule if all(map(formulas.watched, modes)) else None
 
     def _rule(self, rows: ModeRows, event: Event) -> Rule | None:
         status, i, key = rows.status, event.part, event.key
+        if event.kind in (SWITCH, DOMAIN):
+            return self._turn_rule(status, event)
+        if self.scene.base_formula is not None and event.kind in (STRIKE, SLIDE, HOLD):
+            return None
         if event.kind == STRIKE:
             return self._blow_rule(status, event)
         if event.kind == GAP:
@@ -51,6 +63,8 @@ class RuleMaker:
             kind = "contact_end" if pulled == LIFTED else "contact_begin"
             return self._cross(status.with_stop(i, pulled), kind, i, key, 1)
         if event.kind == CLEARANCE:
+            if self._against_base(self.scene.clearances[i]):
+                return None
             turned = 1 - status.clearances[i]
             kind = "violation_begin" if turned else "violation_end"
             return self._cross(status.with_clearance(i, turned), kind, i, key, 1)
@@ -74,11 +88,21 @@ class RuleMaker:
     ) -> Rule:
         return Rule(kind, status, None, -1, happened, part, key, order)
 
+    def _turn_rule(self, status: Status, event: Event) -> Rule | None:
+        """Of a switch whose sides are equal at its zero: a kink, of which nothing is told."""
+        switches = self.automaton.departures.switches
+        if event.kind != SWITCH or switches is None or not is_continuous(switches.rows.switches[event.part]):
+            return None
+        return self._cross(switches.turned(status, event), "", -1, event.key, 1)
+
     def _blow_rule(self, status: Status, event: Event) -> Rule | None:
         """Of a blow on a stop, where no stop rests, where no friction sticks but those that it makes slip,
-        and no damped stop at its ends lets go at zero force.
+        and no damped stop at its ends lets go at zero force; without rotors on bodies, and switches of
+        formulas, which it may turn.
         """
-        i, scene = event.part, self.scene
+        i, scene, formulas = event.part, self.scene, self.maker.formulas
+        if scene.rotors or (formulas is not None and formulas.switches):
+            return None
         struck = {column for column in self.maker.ends(scene.stops[i]) if column < self.maker.n}
         lifting = [stop for _, stop in scene.elastic_stops if stop.lets_go]
         lasting: list[Joined] = [self.maker.tie(k) for k in status.tied]
@@ -98,7 +122,9 @@ class RuleMaker:
         behind = status.with_stop(i, after)
         if not stop.jumps or not status.tied:
             return self._cross(behind, kind, i, key, 1)
-        if not self.automaton.settling.possible(self.maker.rows(behind)):
+        if self.scene.base_formula is not None or not self.automaton.settling.possible(
+            self.maker.rows(behind)
+        ):
             return None
         return self._cross(behind, kind, i, key, 1, BEAR)
 

@@ -1,15 +1,19 @@
 /* What follows an event where its rule is simple and the decision clear; elsewhere Python decides, see events/automaton.py:
- *   CROSS  the function falls through its zero: on to the mode `target`
+ *   CROSS  the function falls through its zero: on to the mode `target`; nothing happens there that is told where a force of a
+ *          formula has but another slope behind it
  *   STRUCK one rigid stop is struck, and nothing else touches: on in the mode that slips as the velocities say, see blows.c
  *   STAND  a sliding velocity is zero: on to `target`, where it sticks, if every tie of that mode holds, or to `other`, where
  *          it slides the other way, if the tie `hold` gives way
  *   BEAR   as CROSS, where forces jump: if every tie of the mode `target` holds
  */
+#include <string.h>
+
 #include "event_functions.h"
 #include "numbers.h"
 
 #define TOUCHING 64 /* roundings: beyond those within which Python says that ends just touch */
 #define GRAZING 0x1p-20 /* of what a rate changes by within a step: Python looks closely at less */
+#define CLEARLY 4 /* times the bounds of the rounding of switches */
 #define NEAR_LIMIT 0x1p-40 /* of all forces of a mode: nearer to its limit than that Python measures the force of a tie closely */
 
 /* Rate of a function made of differences, from the velocities: no rounding of a flow in it. */
@@ -30,12 +34,10 @@ static double direct_rate(const Run *r, const Event *e)
 static void flow_series(Run *r, const Mode *m, const Event *e, double *series)
 {
     const Mode *before = r->mode;
-    double steps = r->steps;
     r->mode = m;
-    taylor_enter(r, &r->next);
+    taylor_look(r, &r->next);
     taylor_polynomial(r, e, series);
     r->mode = before;
-    r->steps = steps;
 }
 
 /* Value, or first derivative, of an event function of mode m at r->next. */
@@ -67,11 +69,14 @@ double derivative_at_next(Run *r, const Mode *m, int key, int order)
 {
     const Mode *before = r->mode;
     const Event *e = event_of_key(m, key);
-    double series[SERIES], steps = r->steps, evaluations = r->evaluations, value;
+    double series[SERIES], evaluations = r->evaluations, value;
     if (e == NULL)
         return NAN;
     r->mode = m;
-    flow_enter(r, &r->next);
+    if (m->modal)
+        closed_form_enter(r, &r->next);
+    else
+        taylor_look(r, &r->next);
     if (r->closed) {
         closed_form_jets(r, 2);
         value = event_derivative(r, e, order);
@@ -80,7 +85,6 @@ double derivative_at_next(Run *r, const Mode *m, int key, int order)
         value = order * series[order];
     }
     r->mode = before;
-    r->steps = steps;
     r->evaluations = evaluations;
     return value;
 }
@@ -130,6 +134,10 @@ double forces_of(const Run *r, const Mode *m, double X, double V)
         total += fabs(m->constants[i]);
     for (i = 0; i < m->fall_count; i++)
         total += fabs(m->falls[i].on_P);
+    if (m->formula_count > 0)
+        tape_values_at(r, m, &r->next, X, V);
+    for (i = 0; i < m->formula_count; i++)
+        total += fabs(r->taylor.tapes.values[m->tape.outputs[m->formulas[i].output]]);
     for (i = 0; i < r->bodies; i++)
         inertia += r->masses[i];
     for (i = 0; i < r->base_count; i++)
@@ -182,6 +190,49 @@ static int slips(Run *r, const Mode *m, int key)
     return flow_derivative(r, m, e, 1) > NEAR_LIMIT * forces_of(r, m, X, V) / lightest;
 }
 
+/* Whether rounding leaves every switch of mode m, but that of the event function `key`, on its side at r->next. */
+static int sides_last(Run *r, const Mode *m, int key)
+{
+    const TapeRoom *room = &r->taylor.tapes;
+    const Mode *before = r->mode;
+    double X = 0.0, V = 0.0;
+    int i;
+    if (m->switch_count == 0)
+        return 1;
+    if (r->has_base) {
+        r->mode = m;
+        taylor_look(r, &r->next);
+        r->mode = before;
+        X = r->taylor.table[base_column(r)];
+        V = r->taylor.table[r->taylor.rates + base_column(r)];
+    }
+    tape_values_at(r, m, &r->next, X, V);
+    for (i = 0; i < m->event_count; i++) {
+        const Event *e = &m->events[i];
+        const Term *term = &m->terms[e->first];
+        if (e->kind == SWITCH && e->key != key && term->kind == FORMULA) {
+            int place = m->tape.outputs[term->P];
+            if (!(term->coefficient * room->values[place] > CLEARLY * room->bounds[place]))
+                return 0;
+        }
+    }
+    return 1;
+}
+
+/* Speeds that rotors gain with those of their bodies; old: velocities before. */
+static void turn_rotors(Run *r, const Mode *m, int leader, const double *old)
+{
+    double *v = r->next.v;
+    int i;
+    for (i = 0; i < r->rotors.count; i++) {
+        const RotorOn *one = &r->rotors.of[i];
+        if (m->leader[one->on] == leader) {
+            double coupling = one->unbalance * sine_of(r->next.x[one->column]);
+            v[one->column] = v[one->column] + coupling * (v[one->on] - old[one->on]) / one->inertia;
+        }
+    }
+}
+
 /* Give the bodies of the group that `column` is in their common velocity; momentum is kept where they move freely. */
 static void join(Run *r, const Mode *m, int column)
 {
@@ -202,6 +253,7 @@ static void join(Run *r, const Mode *m, int column)
     for (c = 0; c < r->bodies; c++)
         if (m->leader[c] == leader)
             r->next.v[c] = common + m->drift[c];
+    turn_rotors(r, m, leader, r->before_v);
 }
 
 /* Whether the ends of a stop or a clearance that is watched just touch, more or less: a release may part or close them. */
@@ -237,9 +289,12 @@ int rule_take(Run *r, Buffers *b)
     for (k = 0; k < r->key_count; k++)
         r->behind[k] = -1;
     if (e->rule == CROSS || e->rule == BEAR) {
-        double rate = e->kind == HOLD || e->kind == PUSH ? clear_rate(r, e) : direct_rate(r, e);
+        double rate = e->kind == HOLD || e->kind == PUSH || e->kind == SWITCH ? clear_rate(r, e) : direct_rate(r, e);
+        int own = e->kind == SWITCH ? e->key : NOTHING;
         int again = r->known[e->key] > 0 && r->pending_tau == 0;
         if (rate == 0 || rate != rate || again || (e->kind == HOLD && touches(r)))
+            return 0;
+        if (!sides_last(r, rate > 0 ? r->mode : r->modes[e->target], own))
             return 0;
         if (rate > 0) {
             r->behind[e->key] = 1;
@@ -249,7 +304,7 @@ int rule_take(Run *r, Buffers *b)
         if (e->rule == BEAR && stands(r, r->modes[e->target], NOTHING) <= 0)
             return 0;
         r->behind[e->event_key] = e->order;
-        run_take(r, b, e->target, 1, &kind, &part);
+        run_take(r, b, e->target, kind == NOTHING ? 0 : 1, &kind, &part);
         return 1;
     }
     if (e->rule == STRUCK) {
@@ -268,11 +323,15 @@ int rule_take(Run *r, Buffers *b)
             return 0;
         if (answer > 0) {
             join(r, r->modes[e->target], r->mode->terms[e->first].P);
+            if (!sides_last(r, r->modes[e->target], NOTHING)) {
+                memcpy(r->next.v, r->before_v, sizeof(double) * (size_t)r->bodies);
+                return 0;
+            }
             kind = STICK_BEGIN;
             run_take(r, b, e->target, 1, &kind, &part);
             return 1;
         }
-        if (!slips(r, r->modes[e->other], e->event_key))
+        if (!slips(r, r->modes[e->other], e->event_key) || !sides_last(r, r->modes[e->other], NOTHING))
             return 0;
         kind = REVERSAL;
         r->behind[e->event_key] = 1;

@@ -106,8 +106,7 @@ class SwitchSides(Generic[N]):
 
     def jumps(self, state: State[N], before: Status, after: Status, i: int) -> bool:
         """Whether any formula has another value behind the turn of switch `i`."""
-        node = self.rows.switches[i]
-        if node[0] == "choose" and is_continuous(node):
+        if is_continuous(self.rows.switches[i]):
             return False
         at, blur = self.inputs(state)
         for root in self.rows.roots(before):

@@ -41,6 +41,13 @@ class Root(NamedTuple):
     text: str
 
 
+def carries_in_c(scene: Scene[N]) -> bool:
+    """Whether the C engine carries disturbances and keeps ledgers of a scene: where it has neither formulas
+    nor rotors on bodies.
+    """
+    return not (scene.has_formulas or scene.rotors)
+
+
 class FormulaRows(Generic[N]):
     """Makes what formulas add to the rows of the modes of a scene.
 
@@ -113,6 +120,20 @@ class FormulaRows(Generic[N]):
                     continue
                 yield node
             ahead += [node[1], chosen(node, sides)] if node[0] == "choose" else children(node)
+
+    def watched(self, rows: ModeRows[N]) -> bool:
+        """Whether the sides of a mode are those of the switches that its formulas read, no more and no less,
+        and event functions tell where each of them ends.
+        """
+        sides = self.sides(rows.status)
+        if set(self.awake(rows.status, sides)) != sides.keys():
+            return False
+        return all(
+            ("switch", i, key) in rows.outputs
+            for i, node in enumerate(self.switches)
+            if node in sides
+            for key, _, _ in self._guards(i, node, sides)
+        )
 
     def guard_values(self, node: Node, sides: Mapping[Node, int], at: Inputs[N], blur: Inputs[N]) -> list[N]:
         """Values, each followed by the bound of its rounding, of the argument of a switch; of `mod` that of

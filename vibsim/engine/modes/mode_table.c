@@ -35,6 +35,11 @@ void mode_free(Mode *m)
         free(m->modal);
     }
     meters_free(&m->meters);
+    free(m->tape.ops);
+    free(m->tape.outputs);
+    free(m->base_tape.ops);
+    free(m->base_tape.outputs);
+    free(m->formulas);
     free(m->couplings);
     free(m->falls);
     free(m->events);
@@ -137,6 +142,14 @@ void run_free(Run *r)
     free(r->taylor.falls);
     free(r->taylor.loaded_on);
     free(r->taylor.loaded);
+    free(r->taylor.acceleration);
+    free(r->taylor.tapes.series);
+    free(r->taylor.tapes.values);
+    free(r->alone);
+    free(r->rotors.of);
+    free(r->rotors.sine);
+    free(r->rotors.mass);
+    free(r->rotors.leaders);
     free(r->closed_form.motions);
     free(r->closed_form.responses);
     free(r->closed_form.sin0);

@@ -27,6 +27,7 @@ from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
     from vibsim.engine.flows.flow import Flow
+    from vibsim.physics.formulas import Node
 
 SCENES = 16  # whose tables are kept
 MOST_BYTES, MOST_RULES, MOST_RECIPES = 1 << 23, 20_000, 1000  # in each of them; a rule has some kilobyte
@@ -170,7 +171,7 @@ def mode_table(scene: Scene, harmonic_keys: bool = True) -> ModeTable:
     return table
 
 
-PARTS = ("links", "stops", "frictions", "base", "clearances")
+PARTS = ("links", "stops", "frictions", "base", "clearances", "base_formula", "rotors")
 
 
 def _signature(scene: Scene, harmonic_keys: bool) -> bytes:
@@ -178,10 +179,11 @@ def _signature(scene: Scene, harmonic_keys: bool) -> bytes:
     masses = [body.m for body in scene.bodies]
     parts = [getattr(scene, name) for name in PARTS]
     forces = scene.forces if harmonic_keys else _loads(scene)
-    return pickle.dumps((harmonic_keys, masses, parts, forces, settings(scene)))
+    kinds = [body.kind for body in scene.bodies]
+    return pickle.dumps((harmonic_keys, masses, kinds, parts, forces, settings(scene)))
 
 
-def _loads(scene: Scene) -> list[tuple[int, float, list[tuple[float, int | None]]]]:
+def _loads(scene: Scene) -> list[tuple[int, float, list[tuple[float, int | None]], Node | None]]:
     """Forces with the number of the harmonic in the place of its frequency and phase."""
     numbers = {one: number for number, one in enumerate(pitches(scene))}
     return [
@@ -189,6 +191,7 @@ def _loads(scene: Scene) -> list[tuple[int, float, list[tuple[float, int | None]
             force.on,
             force.constant,
             [(term.amplitude, numbers.get(harmonic_key(term))) for term in force.terms],
+            force.formula,
         )
         for force in scene.forces
     ]

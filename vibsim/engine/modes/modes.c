@@ -18,12 +18,23 @@ static void place_term(const Run *r, Term *t)
         t->to = column_in_table(r, t->Q) + rates;
 }
 
+/* How many of what a kind of term names by its P a mode has. */
+static int named_by(const Run *r, const Mode *m, int kind)
+{
+    switch (kind) {
+    case COUPLING: return m->coupling_count;
+    case FALL: return m->fall_count;
+    case FORMULA: return m->tape.output_count;
+    default: return r->columns;
+    }
+}
+
 static void read_terms(Reader *in, Term *terms, int count, const Run *r, const Mode *m, int pairs)
 {
     int i;
     for (i = 0; i < count; i++) {
-        terms[i].kind = read_index(in, DIFFERENCE, FALL);
-        terms[i].P = read_index(in, 0, (terms[i].kind == COUPLING ? m->coupling_count : terms[i].kind == FALL ? m->fall_count : r->columns) - 1);
+        terms[i].kind = read_index(in, DIFFERENCE, FORMULA);
+        terms[i].P = read_index(in, 0, named_by(r, m, terms[i].kind) - 1);
         terms[i].Q = read_index(in, -1, r->columns - 1);
         if ((terms[i].kind == DIFFERENCE || terms[i].kind == RATE) && terms[i].Q < 0)
             in->short_of = 1;
@@ -38,11 +49,13 @@ static void read_terms(Reader *in, Term *terms, int count, const Run *r, const M
 /* The shape of the recurrences that suits a mode: at most one coupling, of body 0 and one other column. */
 static void take_shape(const Run *r, Mode *m)
 {
-    int small = r->base_count == 0 && m->coupling_count < 2 && m->fall_count == 0 && m->leader[0] == 0, i;
+    int small = !r->has_base && m->coupling_count < 2 && m->fall_count == 0 && m->leader[0] == 0, i;
     m->untied = 1;
     for (i = 0; i < r->bodies; i++)
         m->untied = m->untied && m->leader[i] == i;
-    m->shape = ANY;
+    m->shape = m->tape.op_count > 0 || r->rotors.count > 0 ? FORMULAS : ANY;
+    if (m->shape == FORMULAS)
+        return;
     if (m->coupling_count > 0)
         small = small && m->couplings[0].P == 0 && m->couplings[0].Q == 1;
     small = small && r->taylor.rates == 3 && (!r->has_motor || r->motor_on == 0);
@@ -95,7 +108,7 @@ static void read_fall(Reader *in, const Run *r, const Mode *m, Falling *one)
 Mode *mode_read(Run *r, Reader *in)
 {
     Mode *m = room(1, sizeof *m);
-    int terms, slopes, slope_constants, pairs, i;
+    int terms, slopes, slope_constants, pairs, ops, base_ops, i;
     if (!m)
         return NULL;
     m->coupling_count = read_index(in, 0, MOST);
@@ -106,6 +119,8 @@ Mode *mode_read(Run *r, Reader *in)
     slopes = read_index(in, 0, MOST);
     slope_constants = read_index(in, 0, MOST);
     pairs = read_index(in, 0, MOST);
+    ops = read_index(in, 0, MOST);
+    base_ops = read_index(in, 0, r->has_base ? MOST : 0);
     if (in->short_of)
         return m;
     m->couplings = room((size_t)m->coupling_count, sizeof(Coupling));
@@ -163,6 +178,10 @@ Mode *mode_read(Run *r, Reader *in)
         m->constant_columns[i] = read_index(in, 0, r->bodies - 1);
         m->constants[i] = read_double(in);
     }
+    if (ops + base_ops > 0 && !formulas_read(r, in, m, ops, base_ops)) {
+        in->short_of = 1;
+        return m;
+    }
     take_shape(r, m);
     for (i = 0; i < slope_constants; i++)
         m->slope_constants[i] = read_double(in);
@@ -178,7 +197,8 @@ Mode *mode_read(Run *r, Reader *in)
     }
     for (i = 0; i < m->event_count; i++) {
         Event *e = &m->events[i];
-        e->kind = read_index(in, GAP, STRIKE);
+        e->kind = read_index(in, GAP, DOMAIN_EDGE);
+        m->switch_count += e->kind == SWITCH;
         e->part = read_index(in, 0, MOST);
         e->key = read_index(in, 0, MOST);
         e->turns = read_index(in, 0, 1);
@@ -192,7 +212,7 @@ Mode *mode_read(Run *r, Reader *in)
     }
     if (!in->short_of && read_index(in, 0, 1)) {
         m->modal = modal_read(r, in, pairs, m->event_count);
-        if (!m->modal)
+        if (!m->modal || m->fall_count + m->tape.op_count > 0)
             in->short_of = 1;
         if (!in->short_of)
             modal_prepare(m);

@@ -18,6 +18,8 @@ void modal_tune(const Run *r, Modal *m);  /* to the frequencies of the drives */
 void modal_prepare(Mode *m);              /* for the event functions */
 void function_prepare(Mode *m, Event *e); /* in the closed form of its mode, where it has one */
 
+int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops); /* formula_rows.c; 0 without memory */
+
 int room_for_series(double (**series)[SERIES], int count);
 void mode_free(Mode *m);
 void run_free(Run *r);

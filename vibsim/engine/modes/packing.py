@@ -12,11 +12,12 @@ from vibsim.engine.errors import State
 from vibsim.engine.flows.closed.modal import Pitch, harmonic_key
 from vibsim.engine.modes.rows import DIFFERENCE, RATE, Event, EventKey, ModeRows, Term
 from vibsim.physics import elementary
-from vibsim.physics.parts import BASE, GROUND, Harmonic, Scene
+from vibsim.physics.parts import BASE, BODY, GROUND, Harmonic, Scene
 
 if TYPE_CHECKING:
     from vibsim.engine.flows.closed.closed_form import ModalMotion
     from vibsim.engine.flows.closed.modal import Source
+    from vibsim.engine.flows.tape import Tape
 
 
 Packed = tuple[bytes, bytes]  # integers and doubles
@@ -59,11 +60,15 @@ def pack_scene(scene: Scene, harmonics: Sequence[Pitch]) -> Packed:
         len(scene.forces),
         len(scene.base),
     ]
-    ints += (motor is not None, motor.on if motor else 0, rest_columns(scene))
-    ints += (scene.stop_on_violation, scene.order)
+    ints += (motor is not None, motor.on if motor else 0, scene.has_base, rest_columns(scene))
+    alone = [c for c, body in enumerate(scene.bodies) if body.kind != BODY]
+    ints += (scene.stop_on_violation, scene.order, len(scene.rotors), len(alone))
     ints += islice(of_pitch, len(scene.base))
     for force in scene.forces:
         ints += (force.on, len(force.terms), *islice(of_pitch, len(force.terms)))
+    for rotor in scene.rotors:
+        ints += (rotor.column, rotor.on)
+    ints += alone
     return array("i", ints).tobytes(), scene_doubles(scene, harmonics)
 
 
@@ -89,13 +94,15 @@ def scene_doubles(scene: Scene, harmonics: Sequence[Pitch]) -> bytes:
         doubles.append(force.constant)
         for term in force.terms:
             doubles += harmonic(term)
+    for rotor in scene.rotors:
+        doubles += (rotor.unbalance, scene.bodies[rotor.column].m)
     return array("d", doubles).tobytes()
 
 
 def rest_columns(scene: Scene) -> int:
     """How many columns at rest the tables of Taylor series need: ground and base, the ground, or none."""
     coupled = (*scene.links, *scene.stops)
-    if scene.base or any(BASE in (p.P, p.Q) for p in (*coupled, *scene.frictions, *scene.clearances)):
+    if scene.has_base or any(BASE in (p.P, p.Q) for p in (*coupled, *scene.frictions, *scene.clearances)):
         return 2
     return int(any(GROUND in (part.P, part.Q) for part in coupled))
 
@@ -133,7 +140,8 @@ def packed_mode(rows: ModeRows, keys: dict[EventKey, int]) -> Packer:
             len(slope_constants),
         )
     )
-    pack.put((len(pairs),))
+    tape, base_tape = rows.tape, rows.base_tape
+    pack.put((len(pairs), len(tape.ops) if tape else 0, len(base_tape.ops) if base_tape else 0))
     pack.put(rows.status.codes)
     for leader, mobility, mass, drift in zip(rows.leader, rows.mobility, rows.mass, rows.drift, strict=True):
         pack.put((leader,), (mobility, 0.0 if mass is None else mass, drift))
@@ -143,6 +151,13 @@ def packed_mode(rows: ModeRows, keys: dict[EventKey, int]) -> Packer:
         pack.put((fall.law.NUMBER, fall.P, fall.Q), (fall.on_P, fall.rate, fall.drift))
     for column, value in rows.constants:
         pack.put((column,), (value,))
+    if tape and (tape.ops or base_tape):
+        pack_tape(pack, tape)
+        pack.put((len(rows.formulas),))
+        for force in rows.formulas:
+            pack.put(force)
+        if base_tape:
+            pack_tape(pack, base_tape)
     pack.put((), slope_constants)
     for term in terms:
         kind, paired = term.kind, term.kind in (DIFFERENCE, RATE)
@@ -158,6 +173,13 @@ def packed_mode(rows: ModeRows, keys: dict[EventKey, int]) -> Packer:
     if modal:
         pack_modal(pack, modal)
     return pack
+
+
+def pack_tape(pack: Packer, tape: Tape) -> None:
+    pack.put((len(tape.outputs),))
+    for op in tape.ops:
+        pack.put((op.code, op.a, op.b), (op.value,))
+    pack.put(tape.outputs)
 
 
 def pack_modal(pack: Packer, modal: ModalMotion) -> None:

@@ -46,10 +46,13 @@ class ParametricRows(NamedTuple):
 def recipe_of(
     scene: Scene, places: Sequence[Place], status: Status, keys: dict[EventKey, int]
 ) -> ParametricRows | None:
-    """The recipe of a mode for the numbers of a scene in `places`; None where it cannot be recorded.
+    """The recipe of a mode for the numbers of a scene in `places`; None where it cannot be recorded, as that
+    of a mode with formulas.
 
     keys : {event key: number}, which grows
     """
+    if scene.has_formulas:
+        return None
     kit: Any = RecordedNumbers
     record = Record([_number(scene, place) for place in places])
     recorded: Any = scene

@@ -193,7 +193,7 @@ class Rule(NamedTuple):
 
     target : the mode behind it; other : of STAND, the mode where HOLD event number `hold` of the target is
         overloaded; None and -1 where there is none
-    happened, part : kind of the event by name, and the part that it happens to
+    happened, part : kind of the event by name, and its part; "" and -1 where nothing is told
     key, order : of the event function that is zero behind it
     """
 

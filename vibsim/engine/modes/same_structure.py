@@ -25,6 +25,13 @@ FREE = {  # what no row holds
     Harmonic: ("omega", "cycles", "cycles_lo", "phase"),
 }
 PLAIN = (str, int, type(None))
+FORMULAS = (
+    "force",
+    "formula",
+    "slips",
+    "holds",
+)  # fields that hold formulas: of one form where they are equal
+WHOLE = ("rotors", "base_formula")  # parts of a scene that have to be equal
 STEADY = ("belt",)  # what decides with which others a friction stands, where there are several
 
 
@@ -36,6 +43,8 @@ def differences(one: Scene, other: Scene) -> Numbers | None:
         return None
     numbers: Numbers = {}
     mine, theirs = vars(one), vars(other)
+    if any(mine[name] != theirs[name] for name in WHOLE):
+        return None
     for name in PARTS:
         here, there = mine[name], theirs[name]
         if here is not there and not _alike(here, there, (name,), numbers):
@@ -78,7 +87,10 @@ def _alike(one: Any, other: Any, place: Place, numbers: Numbers) -> bool:
         here, there = mine[name], theirs[name]
         if here is there or (isinstance(here, float) and same_bits(here, there)):
             continue
-        if not _alike(here, there, (*place, name), numbers):
+        if name in FORMULAS:
+            if here != there:
+                return False
+        elif not _alike(here, there, (*place, name), numbers):
             return False
     return True
 

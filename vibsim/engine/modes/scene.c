@@ -57,6 +57,30 @@ static int room_for_flows(Run *r)
     return 1;
 }
 
+/* Room for rotors on bodies, columns by themselves, and what formulas read. */
+static int room_for_rotors(Run *r)
+{
+    Rotors *o = &r->rotors;
+    TapeInputs *at = &r->taylor.tapes.at, *blur = &r->taylor.tapes.blur;
+    const size_t count = (size_t)o->count, columns = (size_t)r->columns;
+    r->alone = room((size_t)r->alone_count, sizeof(int));
+    o->of = room(count, sizeof(RotorOn));
+    o->sine = room(3 * count, sizeof *o->sine);
+    o->mass = room(2 * count, sizeof(double));
+    o->leaders = room(count + 1, sizeof(int));
+    r->taylor.acceleration = room(5 * columns, sizeof(double));
+    if (!r->alone || !o->of || !o->sine || !o->mass || !o->leaders || !r->taylor.acceleration)
+        return 0;
+    o->cosine = o->sine + count;
+    o->acceleration = o->cosine + count;
+    o->torque = o->mass + count;
+    at->x = r->taylor.acceleration + columns;
+    at->v = at->x + columns;
+    blur->x = at->v + columns;
+    blur->v = blur->x + columns;
+    return 1;
+}
+
 /* What a scene counts, and room for it. */
 static int scene_shape(Run *r, Reader *in)
 {
@@ -70,9 +94,12 @@ static int scene_shape(Run *r, Reader *in)
     r->base_count = read_index(in, 0, MOST);
     r->has_motor = read_index(in, 0, 1);
     r->motor_on = read_index(in, 0, r->bodies - 1);
-    r->rest_columns = read_index(in, r->base_count > 0 ? 2 : 0, 2);
+    r->has_base = read_index(in, r->base_count > 0, 1);
+    r->rest_columns = read_index(in, r->has_base ? 2 : 0, 2);
     r->stop_on_violation = read_index(in, 0, 1);
     r->taylor.order = read_index(in, 2, MAX_ORDER);
+    r->rotors.count = read_index(in, 0, r->bodies);
+    r->alone_count = read_index(in, 0, r->bodies);
     if (in->short_of)
         return 0;
     r->masses = room((size_t)r->bodies, sizeof(double));
@@ -80,7 +107,7 @@ static int scene_shape(Run *r, Reader *in)
     r->forces = room((size_t)r->force_count, sizeof(Force));
     r->base = room((size_t)r->base_count, sizeof(Harmonic));
     r->taylor.loaded = room((size_t)r->bodies, sizeof(int));
-    if (!r->masses || !r->harmonics || !r->forces || !r->base || !r->taylor.loaded || !room_for_flows(r))
+    if (!r->masses || !r->harmonics || !r->forces || !r->base || !r->taylor.loaded || !room_for_flows(r) || !room_for_rotors(r))
         return 0;
     for (i = 0; i < r->harmonic_count; i++)
         r->harmonics[i].harmonic = i;
@@ -96,6 +123,12 @@ static int scene_shape(Run *r, Reader *in)
         for (j = 0; j < f->count; j++)
             f->terms[j].harmonic = read_index(in, -1, r->harmonic_count - 1);
     }
+    for (i = 0; i < r->rotors.count; i++) {
+        r->rotors.of[i].column = read_index(in, 0, r->bodies - 1);
+        r->rotors.of[i].on = read_index(in, 0, r->bodies - 1);
+    }
+    for (i = 0; i < r->alone_count; i++)
+        r->alone[i] = read_index(in, 0, r->bodies - 1);
     return 1;
 }
 
@@ -123,6 +156,10 @@ static void scene_numbers(Run *r, Reader *in)
         r->forces[i].constant = read_double(in);
         for (j = 0; j < r->forces[i].count; j++)
             read_harmonic(in, &r->forces[i].terms[j]);
+    }
+    for (i = 0; i < r->rotors.count; i++) {
+        r->rotors.of[i].unbalance = read_double(in);
+        r->rotors.of[i].inertia = read_double(in);
     }
 }
 

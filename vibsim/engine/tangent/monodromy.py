@@ -23,6 +23,7 @@ from vibsim.engine.driver import Driver
 from vibsim.engine.errors import State
 from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.flows.closed.modal import pitches
+from vibsim.engine.modes.formula_rows import carries_in_c
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.packing import harmonic_indices, scene_doubles
 from vibsim.engine.modes.rows import ModeRows
@@ -76,7 +77,8 @@ class Carrier:
 
     def __init__(self, scene: Scene, engine: str = "auto") -> None:
         self.scene, self._origin = _free(scene), scene
-        self.engine, self.size, self._shared = _engine_for(scene, engine), length(scene), _Shared(self.scene)
+        self.engine = engine_name(engine) if carries_in_c(scene) else "python"
+        self.size, self._shared = length(scene), _Shared(self.scene)
         self._doubles = self._shared.doubles
         self._numbers: Numbers = {}
         n = len(scene.bodies)
@@ -249,12 +251,6 @@ class Carrier:
 def _finite(values: np.ndarray) -> bool:
     """Whether all values are finite: their sum says it at once, but for an overflow."""
     return isfinite(values.sum()) or bool(np.isfinite(values).all())
-
-
-def _engine_for(scene: Scene, engine: str) -> str:
-    """The engine that carries disturbances: of formulas the one in Python."""
-    name = engine_name(engine)
-    return "python" if scene.has_formulas else name
 
 
 def _free(scene: Scene) -> Scene:

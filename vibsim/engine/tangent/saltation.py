@@ -166,7 +166,7 @@ def saltation(
 def turns_forces(before: ModeRows[N], after: ModeRows[N]) -> bool:
     """Whether a switch that turns between two modes makes a formula jump."""
     turned = [node for node, side in before.sides.items() if after.sides.get(node) != side]
-    return not all(node[0] == "choose" and is_continuous(node) for node in turned)
+    return not all(is_continuous(node) for node in turned)
 
 
 def _by_formulas(scene: Scene[N], event: Event[N], turned: Sequence[int], changed: bool) -> bool:

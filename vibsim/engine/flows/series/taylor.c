@@ -34,9 +34,37 @@ static int size_of_rates(const Run *r, int n, int none)
     (void)none;
     for (c = 1; c < r->bodies; c++)
         total = total + fabs(row[c]);
-    if (r->base_count > 0)
+    if (r->has_base)
         total = total + fabs(row[base_column(r)]);
     return binary_exponent(total);
+}
+
+/* The same of the bodies alone, where other columns have units of their own; of the first of these where there is no body. */
+static int size_of_bodies(const Run *r, int n, int none)
+{
+    const Taylor *f = &r->taylor;
+    const double *row = f->table + n * f->stride + f->rates;
+    double total = 0.0;
+    int c, k = 0, first = 1;
+    (void)none;
+    for (c = 0; c < r->bodies; c++) {
+        if (k < r->alone_count && r->alone[k] == c) {
+            k++;
+            if (r->alone_count < r->bodies || k > 1)
+                continue;
+        }
+        total = first ? fabs(row[c]) : total + fabs(row[c]);
+        first = 0;
+    }
+    if (r->has_base)
+        total = total + fabs(row[base_column(r)]);
+    return binary_exponent(total);
+}
+
+static int size_of_rate(const Run *r, int n, int c)
+{
+    const Taylor *f = &r->taylor;
+    return binary_exponent(fabs(f->table[n * f->stride + f->rates + c]));
 }
 
 static int size_of_speed(const Run *r, int n, int none)
@@ -93,10 +121,24 @@ static double step_of_fall(const Run *r, const double *f, double longest)
     return longest;
 }
 
+/* Step that the velocities of bodies allow, and each column of units of its own. */
+static double step_of_columns(const Run *r)
+{
+    double longest = longest_step(r, size_of_bodies, 0, r->taylor.order, 1000.0);
+    int i;
+    for (i = r->alone_count < r->bodies ? 0 : 1; i < r->alone_count; i++)
+        longest = longest_step(r, size_of_rate, r->alone[i], r->taylor.order, longest);
+    return longest;
+}
+
 static double step_length(const Run *r)
 {
-    double longest = longest_step(r, size_of_rates, 0, r->taylor.order, 1000.0);
+    double longest;
     int i;
+    if (r->alone_count == 0)
+        longest = longest_step(r, size_of_rates, 0, r->taylor.order, 1000.0);
+    else
+        longest = step_of_columns(r);
     if (r->has_motor) {
         longest = longest_step(r, size_of_speed, 0, r->taylor.order, longest);
         if (r->mode->carried == 0)
@@ -111,7 +153,7 @@ static double step_length(const Run *r)
     return longest < 1000.0 ? power_of_two(longest) : INFINITY;
 }
 
-void taylor_enter(Run *r, const State *state)
+void taylor_look(Run *r, const State *state)
 {
     Taylor *f = &r->taylor;
     const Mode *m = r->mode;
@@ -120,7 +162,7 @@ void taylor_enter(Run *r, const State *state)
     r->closed = 0;
     r->t0 = state->t;
     f->turns = state->turns;
-    if (r->base_count > 0)
+    if (r->has_base)
         taylor_expand_base(r, state->t);
     for (c = 0; c < r->bodies; c++) {
         int leader = m->leader[c];
@@ -130,8 +172,15 @@ void taylor_enter(Run *r, const State *state)
     if (f->loaded_count > 0)
         taylor_expand_loads(r, state->t);
     taylor_expand(r, state);
-    r->steps += 1;
     f->h = step_length(r);
+}
+
+void taylor_enter(Run *r, const State *state)
+{
+    taylor_look(r, state);
+    r->steps += 1;
+    if (r->mode->tape.op_count > 0)
+        sound_step(r);
 }
 
 static int near_zero(const Run *r, const Event *e, double tau, double *value, double *slope, double *noise)
@@ -254,7 +303,7 @@ INLINE void dense_block(const double *table, int rows, const int count, int stri
         }
 }
 
-static void dense_output(const Taylor *f, double tau, double *out)
+void taylor_values(const Taylor *f, double tau, double *out)
 {
     int rows = f->order + 2, pairs = f->stride / 2, k;
     if (pairs == SMALL_PAIRS) {
@@ -310,7 +359,7 @@ void taylor_samples(Run *r, const double *tau, int count, double *row, long room
         write_values(r, two + 2 * SMALL_PAIRS, row + i + 1, room);
     }
     for (; i < count; i++) {
-        dense_output(f, tau[i], f->values);
+        taylor_values(f, tau[i], f->values);
         write_values(r, f->values, row + i, room);
     }
 }
@@ -320,7 +369,7 @@ void taylor_state_after(Run *r, double tau, State *out)
     Taylor *f = &r->taylor;
     double turns, *values = f->values, *rates = values + f->rates;
     int c;
-    dense_output(f, tau, values);
+    taylor_values(f, tau, values);
     out->t = r->t0 + tau;
     for (c = 0; c < r->bodies; c++) {
         out->x[c] = values[c];

@@ -295,13 +295,74 @@ INLINE void expand_any(Run *r, const State *state, const int motor)
         row[stride + rates + c] = 0.0;
 }
 
+/* Add order n of the forces by formulas to those on the groups. */
+static void apply_formulas(const Run *r, const double *row, int n)
+{
+    const Taylor *f = &r->taylor;
+    const Mode *m = r->mode;
+    double *F = r->force;
+    int i;
+    tape_advance(&m->tape, f->tapes.series, row, r->t0, n, f->inverse[n]);
+    for (i = 0; i < m->formula_count; i++) {
+        const FormulaForce *one = &m->formulas[i];
+        double force = one->sign * f->tapes.series[m->tape.outputs[one->output]][n];
+        F[one->to_P] = F[one->to_P] + force;
+        if (one->to_Q >= 0)
+            F[one->to_Q] = F[one->to_Q] - force;
+    }
+}
+
+/* Any mode with formulas, or with rotors on bodies. */
+INLINE void expand_formulas(Run *r, const State *state, const int motor)
+{
+    Taylor *f = &r->taylor;
+    const Mode *m = r->mode;
+    const int p = f->order, bodies = r->bodies, rates = f->rates, stride = f->stride, base = bodies + 2;
+    const int on = motor ? m->leader[r->motor_on] : 0;
+    double *row = f->table, *F = r->force, *acceleration = f->acceleration;
+    Rotor o;
+    int n, c;
+    if (motor)
+        o = rotor_of(r, state);
+    if (r->rotors.count > 0)
+        rotors_expand(r);
+    for (n = 0; n <= p; n++, row += stride) {
+        double *next = row + stride, inverse = f->inverse[n + 1];
+        for (c = 0; c <= bodies; c++)
+            next[c] = row[rates + c] * inverse;
+        if (n == p)
+            break;
+        balance(r, row, n);
+        apply_formulas(r, row, n);
+        for (c = 0; c < r->columns; c++)
+            acceleration[c] = F[c] * m->mobility[c];
+        if (r->rotors.count > 0)
+            rotors_turn(r, n);
+        next[rates + bodies] = 0.0;
+        if (motor) {
+            double given = on > bodies ? (n + 1) * next[rates + base] : 0.0;
+            F[on] += n == 0 ? start_rotation(&o, p) : rotate(&o, n, p, inverse);
+            acceleration[on] = on < bodies ? turn(&o, n, p, inverse, F[on]) : turn_carried(&o, n, p, inverse, given);
+            next[rates + bodies] = o.w_back[p - n - 1];
+        }
+        for (c = 0; c < bodies; c++) {
+            int leader = m->leader[c];
+            next[rates + c] = leader < bodies ? acceleration[leader] * inverse : leader == bodies ? 0.0 : next[rates + base];
+        }
+    }
+    for (c = 0; c <= bodies; c++)
+        row[stride + rates + c] = 0.0;
+}
+
 SHAPE any(Run *r, const State *s) { expand_any(r, s, 0); }
 SHAPE any_with_motor(Run *r, const State *s) { expand_any(r, s, 1); }
+SHAPE formulas(Run *r, const State *s) { expand_formulas(r, s, 0); }
+SHAPE formulas_with_motor(Run *r, const State *s) { expand_formulas(r, s, 1); }
 
 void taylor_expand(Run *r, const State *state)
 {
     static void (*const shapes[])(Run *, const State *) = {
-        any, any_with_motor, two_free, two_free_with_motor, two_held, two_held_with_motor, one, one_with_motor,
+        any, any_with_motor, two_free, two_free_with_motor, two_held, two_held_with_motor, one, one_with_motor, formulas, formulas_with_motor,
     };
     shapes[2 * r->mode->shape + r->has_motor](r, state);
 }

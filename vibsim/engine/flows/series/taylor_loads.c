@@ -12,11 +12,30 @@ static void sine_and_cosine(const Harmonic *term, double t, double *turns)
     turns[3] = -turns[1];
 }
 
+/* X by a formula: coefficients along its tape, three beyond the order. */
+static void expand_base_formula(Run *r, const Tape *tape, double t)
+{
+    Taylor *f = &r->taylor;
+    const double *X = f->tapes.series[tape->outputs[0]];
+    double *row = f->table;
+    int at = base_column(r), n;
+    for (n = 0; n <= f->order + 2; n++)
+        tape_advance(tape, f->tapes.series, NULL, t, n, f->inverse[n]);
+    for (n = 0; n < f->order + 2; n++, row += f->stride) {
+        row[at] = X[n];
+        row[f->rates + at] = (n + 1) * X[n + 1];
+    }
+}
+
 void taylor_expand_base(Run *r, double t)
 {
     Taylor *f = &r->taylor;
     int at = base_column(r), i, k;
     double *row = f->table;
+    if (r->mode->base_tape.op_count > 0) {
+        expand_base_formula(r, &r->mode->base_tape, t);
+        return;
+    }
     for (k = 0; k < f->order + 2; k++, row += f->stride)
         row[at] = row[f->rates + at] = 0.0;
     for (i = 0; i < r->base_count; i++) {

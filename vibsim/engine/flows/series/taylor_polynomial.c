@@ -13,6 +13,8 @@ static void load_on(const Run *r, int column, double *out)
     int n, i;
     for (n = 0; n < f->order; n++)
         out[n] = load ? load[n] : 0.0;
+    if (r->rotors.count > 0)
+        rotors_thrust(r, column, out);
     if (!r->has_motor || r->motor_on != column)
         return;
     for (n = 0; n <= f->order; n++) {
@@ -79,6 +81,11 @@ static int term_series(const Run *r, const Term *t, double *out)
         for (n = 0; n < p; n++)
             out[n] = t->coefficient * f->falls[t->P][n];
         return p;
+    case FORMULA:
+        row = f->tapes.series[r->mode->tape.outputs[t->P]];
+        for (n = 0; n < p; n++)
+            out[n] = t->coefficient * row[n];
+        return p;
     default:
         load_on(r, t->P, out);
         for (n = 0; n < p; n++)
@@ -131,6 +138,9 @@ static double magnitude_of(const Run *r, const Term *t)
         double speeds = (one->from < 0 ? 0.0 : fabs(row[one->from])) + (one->to < 0 ? 0.0 : fabs(row[one->to])) + fabs(one->drift);
         return fabs(value) + fabs(law_slope(one->law, value)) * (fabs(one->rate) * speeds);
     }
+    case FORMULA:
+        tape_values(r, 0.0);
+        return f->tapes.bounds[r->mode->tape.outputs[t->P]] / EPS;
     default:
         load_on(r, t->P, series);
         return fabs(series[0]);

@@ -1,0 +1,148 @@
+/* Unbalanced rotors on bodies: series of their pull on the bodies, and the mass matrix; twin of
+ * vibsim/engine/flows/rotors_on_bodies.py.
+ */
+#include "engine.h"
+#include "numbers.h"
+
+/* Speed of rotor `one`, coefficient k. */
+static double speed_of(const Taylor *f, const RotorOn *one, int k)
+{
+    return f->table[k * f->stride + f->rates + one->column];
+}
+
+/* The groups that rotors are on, by ascending leading column. */
+static void take_groups(Run *r)
+{
+    Rotors *o = &r->rotors;
+    int i, g, k;
+    o->groups = 0;
+    for (i = 0; i < o->count; i++) {
+        int leader = r->mode->leader[o->of[i].on];
+        for (g = 0; g < o->groups && o->leaders[g] < leader; g++)
+            ;
+        if (g < o->groups && o->leaders[g] == leader)
+            continue;
+        for (k = o->groups++; k > g; k--)
+            o->leaders[k] = o->leaders[k - 1];
+        o->leaders[g] = leader;
+    }
+}
+
+/* Begin at the state that the table begins with. */
+void rotors_expand(Run *r)
+{
+    Rotors *o = &r->rotors;
+    const Mode *m = r->mode;
+    int i, g;
+    take_groups(r);
+    for (i = 0; i < o->count; i++) {
+        double turns, angle = reduce_angle(r->taylor.table[o->of[i].column], &turns);
+        rounded_sine_cosine(angle, &o->sine[i][0], &o->cosine[i][0]);
+    }
+    for (g = 0; g < o->groups; g++) {
+        double mass = m->group_mass[o->leaders[g]];
+        for (i = 0; i < o->count; i++)
+            if (m->leader[o->of[i].on] == o->leaders[g]) {
+                double coupling = o->of[i].unbalance * o->sine[i][0];
+                mass = mass - coupling * coupling / o->of[i].inertia;
+            }
+        o->mass[g] = mass;
+    }
+}
+
+/* Coefficient n + 1 of sine and cosine. */
+static void rotate(const Taylor *f, Rotors *o, int i, int n)
+{
+    double *s = o->sine[i], *c = o->cosine[i], sines = 0.0, cosines = 0.0;
+    int k;
+    for (k = 0; k <= n; k++) {
+        double w = speed_of(f, &o->of[i], n - k);
+        cosines = cosines + c[k] * w;
+        sines = sines + s[k] * w;
+    }
+    s[n + 1] = cosines * f->inverse[n + 1];
+    c[n + 1] = -(sines * f->inverse[n + 1]);
+}
+
+/* Coefficient n + 1 of s w without the term of the speed that is not known yet. */
+static double pull(const Taylor *f, const Rotors *o, int i, int n)
+{
+    double total = 0.0;
+    int k;
+    for (k = 1; k <= n + 1; k++)
+        total = total + o->sine[i][k] * speed_of(f, &o->of[i], n + 1 - k);
+    return total;
+}
+
+/* Coefficient n of s a without the term of the acceleration that is not known yet. */
+static double back(const Rotors *o, int i, int n, int group)
+{
+    double total = 0.0;
+    int k;
+    for (k = 1; k <= n; k++)
+        total = total + o->sine[i][k] * o->acceleration[group][n - k];
+    return total;
+}
+
+/* Acceleration of order n of the group number g under the force F, and of its rotors. */
+static void turn_group(Run *r, int g, int n, const double *F)
+{
+    const Taylor *f = &r->taylor;
+    const Mode *m = r->mode;
+    Rotors *o = &r->rotors;
+    double *acceleration = f->acceleration, force, a;
+    int leader = o->leaders[g], i;
+    for (i = 0; i < o->count; i++)
+        if (m->leader[o->of[i].on] == leader)
+            o->torque[i] = F[o->of[i].column] + o->of[i].unbalance * back(o, i, n, g);
+    if (leader < r->bodies) {
+        force = F[leader];
+        for (i = 0; i < o->count; i++) {
+            const RotorOn *one = &o->of[i];
+            if (m->leader[one->on] == leader) {
+                double pulled = one->unbalance * (n + 1) * pull(f, o, i, n);
+                force = force + pulled + one->unbalance * o->sine[i][0] * o->torque[i] / one->inertia;
+            }
+        }
+        a = force / o->mass[g];
+    } else {
+        a = leader > r->bodies ? (n + 1) * f->table[(n + 1) * f->stride + f->rates + base_column(r)] : 0.0;
+    }
+    o->acceleration[g][n] = acceleration[leader] = a;
+    for (i = 0; i < o->count; i++) {
+        const RotorOn *one = &o->of[i];
+        if (m->leader[one->on] == leader)
+            acceleration[one->column] = (o->torque[i] + one->unbalance * o->sine[i][0] * a) / one->inertia;
+    }
+}
+
+/* Accelerations of order n of rotors and of the groups that they are on, under the forces and torques r->force. */
+void rotors_turn(Run *r, int n)
+{
+    Rotors *o = &r->rotors;
+    int i, g;
+    for (i = 0; i < o->count; i++)
+        rotate(&r->taylor, o, i, n);
+    for (g = 0; g < o->groups; g++)
+        turn_group(r, g, n, r->force);
+}
+
+/* Add the series of the force of the rotors on a column. */
+void rotors_thrust(const Run *r, int column, double *out)
+{
+    const Taylor *f = &r->taylor;
+    const Rotors *o = &r->rotors;
+    int i, n;
+    double total[SERIES] = {0.0};
+    for (i = 0; i < o->count; i++) {
+        const RotorOn *one = &o->of[i];
+        if (one->on != column)
+            continue;
+        for (n = 0; n < f->order; n++) {
+            double last = pull(f, o, i, n) + o->sine[i][0] * speed_of(f, one, n + 1);
+            total[n] = total[n] + one->unbalance * ((n + 1) * last);
+        }
+    }
+    for (n = 0; n < f->order; n++)
+        out[n] = out[n] + total[n];
+}

@@ -1,0 +1,336 @@
+/* What is computed along tapes: series, values with bounds, and steps at whose end the two agree; twin of vibsim/engine/flows/tape.py
+ * and of what vibsim/engine/flows/taylor.py does with formulas.
+ */
+#include "engine.h"
+#include "numbers.h"
+
+#define ULPS 4                /* rounding of an elementary function, in units of EPS */
+#define SHORTENINGS 400       /* of a step, each at least by */
+#define LEAST_SHORTENING 0.25 /* binary digits */
+#define BEYOND_ALL 60.0       /* binary digits by which a value that is no number is beyond */
+#define NEARER 0.75           /* of a step, where formulas are compared as well */
+#define INPUT_ROUNDING 2      /* of displacements and velocities at the end of a step, in units of EPS */
+#define STATE_ROUNDING 8      /* the same at an event */
+
+/* a / b, and what is no number where b is 0. */
+static double quotient(double a, double b)
+{
+    return b == 0 ? NAN : a / b;
+}
+
+/* The value of an operation on values. A power of what is negative is that of 0. */
+static double start_value(const Op *op, double a, double b)
+{
+    switch (op->code) {
+    case OP_ADD: return a + b;
+    case OP_SUB: return a - b;
+    case OP_SCALE: return op->value * a;
+    case OP_MUL: return a * b;
+    case OP_SQUARE: return a * a;
+    case OP_DIV: return quotient(a, b);
+    case OP_SIN: return sine_of(a);
+    case OP_COS: return cosine_of(a);
+    case OP_SINH: return hyperbolic_sine(a);
+    case OP_COSH: return hyperbolic_cosine(a);
+    case OP_EXP: return exponential(a);
+    case OP_LOG: return a > 0 ? logarithm(a) : NAN;
+    case OP_TANH: return hyperbolic_tangent(a);
+    case OP_ATAN: return arctangent(a);
+    case OP_ASIN: return arcsine(a);
+    case OP_ACOS: return arccosine(a);
+    default: return real_power(a > 0 ? a : 0 * a, op->value);
+    }
+}
+
+/* Sum of a_i b_(n-i) from i = first, 0 or 1, to n; odd and even terms apart. */
+static double product(const double *a, const double *b, int first, int n)
+{
+    double even = 0.0, odd = 0.0;
+    int i;
+    if (first == 0)
+        even = even + a[0] * b[n];
+    for (i = 1; i < n; i += 2) {
+        odd = odd + a[i] * b[n - i];
+        even = even + a[i + 1] * b[n - i - 1];
+    }
+    if (i == n)
+        odd = odd + a[n] * b[0];
+    return even + odd;
+}
+
+/* Sum of i a_i b_(n-i) from i = 1 to last; odd and even terms apart. */
+static double weighted(const double *a, const double *b, int last, int n)
+{
+    double even = 0.0, odd = 0.0;
+    int i;
+    for (i = 1; i < last; i += 2) {
+        odd = odd + (i * a[i]) * b[n - i];
+        even = even + ((i + 1) * a[i + 1]) * b[n - i - 1];
+    }
+    if (i == last)
+        odd = odd + (i * a[i]) * b[n - i];
+    return even + odd;
+}
+
+static double square(const double *a, int n)
+{
+    double total = 0.0;
+    int i;
+    for (i = 0; i < (n + 1) / 2; i++)
+        total = total + a[i] * a[n - i];
+    total = total + total;
+    return n % 2 == 0 ? total + a[n / 2] * a[n / 2] : total;
+}
+
+/* Of a^p: n a_0 y_n = sum (p (n - i) - i) a_(n-i) y_i over i < n; at a zero of a nothing but the value. */
+static double power(const double *a, const double *y, double p, int n, double inverse)
+{
+    double total = 0.0;
+    int i;
+    if (!(a[0] > 0))
+        return 0 * a[0];
+    for (i = 0; i < n; i++)
+        total = total + (p * (n - i) - i) * (a[n - i] * y[i]);
+    return total * inverse / a[0];
+}
+
+/* Coefficient n > 0 of operation i. */
+static double following(const Op *op, double (*s)[TAPE_ORDERS], int i, int n, double inverse)
+{
+    const double *a = s[op->a], *b = op->b < 0 ? s[i] : s[op->b];
+    switch (op->code) {
+    case OP_ADD: return a[n] + b[n];
+    case OP_SUB: return a[n] - b[n];
+    case OP_SCALE: return op->value * a[n];
+    case OP_MUL: return product(a, b, 0, n);
+    case OP_SQUARE: return square(a, n);
+    case OP_DIV: return quotient(a[n] - product(b, s[i], 1, n), b[0]);
+    case OP_SIN:
+    case OP_SINH:
+    case OP_COSH:
+    case OP_TANH: return weighted(a, b, n, n) * inverse;
+    case OP_COS: return -(weighted(a, b, n, n) * inverse);
+    case OP_EXP: return weighted(a, s[i], n, n) * inverse;
+    case OP_LOG: return quotient(a[n] - weighted(s[i], a, n - 1, n) * inverse, a[0]);
+    case OP_ATAN:
+    case OP_ASIN: return quotient(a[n] - weighted(s[i], b, n - 1, n) * inverse, b[0]);
+    case OP_ACOS: return quotient(-a[n] - weighted(s[i], b, n - 1, n) * inverse, b[0]);
+    default: return power(a, s[i], op->value, n, inverse);
+    }
+}
+
+void tape_advance(const Tape *tape, double (*series)[TAPE_ORDERS], const double *row, double t, int n, double inverse)
+{
+    int i;
+    for (i = 0; i < tape->op_count; i++) {
+        const Op *op = &tape->ops[i];
+        double *s = series[i];
+        if (op->code > OP_SPIN)
+            s[n] = n > 0 ? following(op, series, i, n, inverse) : start_value(op, series[op->a][0], op->b < 0 ? 0.0 : series[op->b][0]);
+        else if (op->code == OP_CONSTANT)
+            s[n] = n == 0 ? op->value : 0.0;
+        else if (op->code == OP_TIME)
+            s[n] = n == 0 ? t : n == 1 ? 1.0 : 0.0;
+        else
+            s[n] = op->from < 0 ? 0.0 : row[op->from];
+    }
+}
+
+static double input_value(const Op *op, const TapeInputs *at)
+{
+    switch (op->code) {
+    case OP_TIME: return at->t;
+    case OP_PLACE: return at->x[op->a];
+    case OP_SPEED: return at->v[op->a];
+    case OP_ANGLE: return at->phi;
+    default: return at->w;
+    }
+}
+
+/* The size of the derivative of a function where its argument has the size a, or a bound of it; value: of the function. */
+static double slope_of(const Op *op, double a, double value, const double *values)
+{
+    switch (op->code) {
+    case OP_SIN:
+    case OP_COS:
+    case OP_TANH:
+    case OP_ATAN: return 1.0;
+    case OP_EXP: return value;
+    case OP_SINH:
+    case OP_COSH: return hyperbolic_cosine(a);
+    case OP_POWER: return a > 0 ? quotient(fabs(op->value) * value, a) : 0.0;
+    case OP_LOG: return quotient(1.0, a);
+    default: return quotient(1.0, fabs(values[op->b]));
+    }
+}
+
+/* What the rounding of its operands and its own make of the result of an operation, to first order. */
+static double bound_of(const Op *op, double result, const double *values, const double *bounds)
+{
+    double value = fabs(result), a = fabs(values[op->a]), lost = bounds[op->a], b;
+    switch (op->code) {
+    case OP_ADD:
+    case OP_SUB: return lost + bounds[op->b] + EPS * value;
+    case OP_SCALE: return fabs(op->value) * lost + 2 * EPS * value;
+    case OP_SQUARE: return 2 * a * lost + EPS * value;
+    case OP_MUL: return a * bounds[op->b] + fabs(values[op->b]) * lost + EPS * value;
+    case OP_DIV:
+        b = fabs(values[op->b]);
+        return quotient(lost + value * bounds[op->b], b) + EPS * value;
+    default: return slope_of(op, a, value, values) * lost + ULPS * EPS * value;
+    }
+}
+
+void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blur, double *values, double *bounds)
+{
+    int i;
+    for (i = 0; i < tape->op_count; i++) {
+        const Op *op = &tape->ops[i];
+        if (op->code == OP_CONSTANT) {
+            values[i] = op->value;
+            bounds[i] = 0.0;
+        } else if (op->code <= OP_SPIN) {
+            values[i] = input_value(op, at);
+            bounds[i] = fabs(input_value(op, blur));
+        } else {
+            values[i] = start_value(op, values[op->a], op->b < 0 || op->b >= i ? 0.0 : values[op->b]);
+            bounds[i] = bound_of(op, values[i], values, bounds);
+        }
+    }
+}
+
+/* Values and bounds of the formulas of the mode a time tau after the expansion point, from the state there. */
+void tape_values(const Run *r, double tau)
+{
+    const Taylor *f = &r->taylor;
+    const TapeRoom *room = &f->tapes;
+    TapeInputs at = room->at, blur = room->blur;
+    const double *values = tau != 0 ? f->values : f->table;
+    int c;
+    if (tau != 0 || r->has_motor)
+        taylor_values(f, tau, f->values);
+    for (c = 0; c < r->columns; c++) {
+        int from = c < r->bodies ? c : c > r->bodies && r->has_base ? base_column(r) : -1;
+        at.x[c] = from < 0 ? 0.0 : values[from];
+        at.v[c] = from < 0 ? 0.0 : values[f->rates + from];
+        blur.x[c] = INPUT_ROUNDING * EPS * fabs(at.x[c]);
+        blur.v[c] = INPUT_ROUNDING * EPS * fabs(at.v[c]);
+    }
+    at.t = r->t0 + tau;
+    blur.t = EPS * fabs(at.t);
+    at.phi = r->has_motor ? f->values[r->bodies] : 0.0;
+    at.w = r->has_motor ? f->values[f->rates + r->bodies] : 0.0;
+    blur.phi = INPUT_ROUNDING * EPS * fabs(at.phi);
+    blur.w = INPUT_ROUNDING * EPS * fabs(at.w);
+    tape_evaluate(&r->mode->tape, &at, &blur, room->values, room->bounds);
+}
+
+/* The same of mode m at the state at an event; X, V: displacement and velocity of the base there. */
+void tape_values_at(const Run *r, const Mode *m, const State *state, double X, double V)
+{
+    const TapeRoom *room = &r->taylor.tapes;
+    TapeInputs at = room->at, blur = room->blur;
+    const double lost = STATE_ROUNDING * EPS, late = lost * fabs(state->t);
+    int c;
+    for (c = 0; c < r->columns; c++) {
+        at.x[c] = c < r->bodies ? state->x[c] : c == r->bodies ? 0.0 : X;
+        at.v[c] = c < r->bodies ? state->v[c] : c == r->bodies ? 0.0 : V;
+        blur.x[c] = lost * fabs(at.x[c]) + late * fabs(at.v[c]);
+        blur.v[c] = lost * fabs(at.v[c]);
+    }
+    at.t = state->t;
+    blur.t = late;
+    at.phi = unwind(state->phase, state->turns);
+    at.w = state->w;
+    blur.phi = lost * fabs(at.phi);
+    blur.w = lost * fabs(at.w);
+    tape_evaluate(&m->tape, &at, &blur, room->values, room->bounds);
+}
+
+/* Rounding of a series at h. */
+static double rounding_of(const double *series, int count, double h)
+{
+    double total = fabs(series[count - 1]);
+    int n;
+    for (n = count - 2; n >= 0; n--)
+        total = total * h + fabs(series[n]);
+    return 2 * EPS * total;
+}
+
+/* How wrong a force, output k, may be so that velocities are not wrong beyond the tolerance of the step. */
+static double share_of(const Run *r, int k, double h, double tolerance)
+{
+    const Taylor *f = &r->taylor;
+    const Mode *m = r->mode;
+    const double *rates = f->table + f->rates;
+    double share = INFINITY;
+    int mobile = 0, i, end;
+    for (i = 0; i < m->formula_count; i++) {
+        const FormulaForce *one = &m->formulas[i];
+        if (one->output != k)
+            continue;
+        for (end = 0; end < 2; end++) {
+            int leader = end ? one->to_Q : one->to_P;
+            double speed;
+            if (leader < 0 || !(m->mobility[leader] > 0))
+                continue;
+            speed = (fabs(rates[leader]) + h * fabs(rates[f->stride + leader])) / (h * m->mobility[leader]);
+            share = speed < share ? speed : share;
+            mobile = 1;
+        }
+    }
+    return mobile ? f->order * tolerance * share : 0.0;
+}
+
+/* By how many binary digits the worst formula is beyond what it may be wrong by at h after the start; 0 where none is. */
+static double excess(const Run *r, double h, double tolerance, int *singular)
+{
+    const Taylor *f = &r->taylor;
+    const Tape *tape = &r->mode->tape;
+    double worst = 0.0;
+    int k;
+    tape_values(r, h);
+    for (k = 0; k < tape->output_count; k++) {
+        int place = tape->outputs[k];
+        const double *series = f->tapes.series[place];
+        double allowed = 2 * f->tapes.bounds[place] + rounding_of(series, f->order, h) + share_of(r, k, h, tolerance);
+        double off = fabs(f->tapes.values[place] - horner(series, f->order, h)), beyond;
+        if (off <= allowed)
+            continue;
+        beyond = BEYOND_ALL;
+        if (isfinite(off) && allowed > 0) {
+            beyond = binary_exponent(off) - binary_exponent(allowed);
+            beyond = beyond > 1.0 ? beyond : 1.0;
+        }
+        if (beyond > worst) {
+            worst = beyond;
+            *singular = k;
+        }
+    }
+    return worst;
+}
+
+/* The step, or a shorter one, at the end of which the formulas have the values that their series say. */
+void sound_step(Run *r)
+{
+    Taylor *f = &r->taylor;
+    const double left = r->t_end - r->t0, tolerance = power_of_two(r->tolerance_exponent);
+    double h = f->h < left ? f->h : left;
+    int i;
+    if (!(left > 0))
+        return;
+    r->singular = NOTHING;
+    for (i = 0; i < SHORTENINGS; i++) {
+        double most = excess(r, h, tolerance, &r->singular), nearer = excess(r, NEARER * h, tolerance, &r->singular), digits;
+        most = nearer > most ? nearer : most;
+        if (most <= 0) {
+            f->h = h == left ? f->h : h;
+            return;
+        }
+        digits = (most + 1) / f->order;
+        h = h * power_of_two(-(digits > LEAST_SHORTENING ? digits : LEAST_SHORTENING));
+        if (r->t0 + h == r->t0)
+            break;
+    }
+    r->status = SINGULAR;
+}

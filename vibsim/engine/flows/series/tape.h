@@ -1,0 +1,80 @@
+/* Tapes: the formulas of one mode as a list of operations; twin of vibsim/engine/flows/tape.py. */
+#ifndef VIBSIM_TAPE_H
+#define VIBSIM_TAPE_H
+
+#define MAX_ORDER 40
+#define TAPE_ORDERS (MAX_ORDER + 3) /* coefficients of a series along a tape; that of the base has three beyond the order */
+
+/* Operations, the same numbers in tape.py. */
+enum {
+    OP_CONSTANT,
+    OP_TIME,
+    OP_PLACE,
+    OP_SPEED,
+    OP_ANGLE,
+    OP_SPIN,
+    OP_ADD,
+    OP_SUB,
+    OP_SCALE,
+    OP_MUL,
+    OP_SQUARE,
+    OP_DIV,
+    OP_SIN,
+    OP_COS,
+    OP_SINH,
+    OP_COSH,
+    OP_EXP,
+    OP_LOG,
+    OP_TANH,
+    OP_ATAN,
+    OP_ASIN,
+    OP_ACOS,
+    OP_POWER,
+    OPERATIONS
+};
+
+/* value: of a constant; factor of OP_SCALE; exponent of OP_POWER. a, b: places of the operands; a is the column of what OP_PLACE and
+ * OP_SPEED read, `from` the place in the table of Taylor series of what an operation reads, -1 for the ground.
+ */
+typedef struct {
+    double value;
+    int code, a, b, from;
+} Op;
+
+/* outputs: places by number of the output */
+typedef struct {
+    Op *ops;
+    int *outputs, op_count, output_count;
+} Tape;
+
+/* sign times output number `output` of the tape on column P, the opposite on Q; Q, to_Q < 0 for none. */
+typedef struct {
+    double sign;
+    int output, P, Q, to_P, to_Q;
+} FormulaForce;
+
+/* A rotor on a body: columns of it and of the body. */
+typedef struct {
+    double unbalance, inertia;
+    int column, on;
+} RotorOn;
+
+/* What a tape reads at one instant: time, displacements and velocities by column, angle and speed of the rotor. */
+typedef struct {
+    double t, phi, w, *x, *v;
+} TapeInputs;
+
+/* By operation: series; values and bounds of their rounding. at, blur: what a tape reads, and bounds of that. */
+typedef struct {
+    double (*series)[TAPE_ORDERS], *values, *bounds;
+    TapeInputs at, blur;
+    int ops;
+} TapeRoom;
+
+/* Coefficients of order n along a tape; row: of that order in the table of Taylor series, inverse: 1 / n. */
+void tape_advance(const Tape *tape, double (*series)[TAPE_ORDERS], const double *row, double t, int n, double inverse);
+
+/* Values along a tape, each with a bound of its rounding. */
+void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blur, double *values, double *bounds);
+
+#endif
