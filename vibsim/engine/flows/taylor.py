@@ -343,7 +343,7 @@ class StepChecks(Generic[N]):
         for k, text in enumerate(self.tape.tape.texts):
             value, bound = values.output(k)
             series = self.tape.output(k)[: flow.order]
-            allowed = 2 * bound + self._rounding(series, h) + self._share(k, h)
+            allowed = 2 * bound + self._rounding(series, h) + self._share(k, h, value)
             off = abs(value - horner(series, h))
             if not off <= allowed:
                 beyond = BEYOND_ALL
@@ -360,19 +360,34 @@ class StepChecks(Generic[N]):
             total = total * h + abs(coefficient)
         return 2 * self.kit.eps * total
 
-    def _share(self, k: int, h: N) -> N:
-        """How wrong a force may be so that velocities are not wrong beyond the tolerance of the step."""
+    def _share(self, k: int, h: N, value: N) -> N:
+        """How wrong a force may be so that velocities are not wrong beyond the tolerance of the step; of what is
+        at rest and begins to move, where `value` is the force at h, beyond that of the speed it would come to.
+        """
         flow, share, mobile = self.flow, self.kit.inf, False
         for c in self.forces.get(k, ()):
             leader = flow.rows.leader[c]
             mobility = flow.rows.mobility[leader]
             if mobility > 0:
-                speed = abs(flow.v[leader][0]) + h * abs(flow.v[leader][1])
+                speed = self._speed(leader, h)
+                if not speed > 0:
+                    speed = mobility * abs(value) * (flow.scene.t_end - flow.t0)
                 one = speed / (h * mobility)
                 share, mobile = one if one < share else share, True
         if not mobile:
             return self.kit.number(0)
         return flow.order * self.kit.power_of_two(flow.tolerance_exponent) * share
+
+    def _speed(self, leader: int, h: N) -> N:
+        """Size of a velocity over a step: of a body that of all bodies together."""
+        flow = self.flow
+        if leader in flow.alone:
+            return abs(flow.v[leader][0]) + h * abs(flow.v[leader][1])
+        total = self.kit.number(0)
+        for c in range(flow.n):
+            if c not in flow.alone:
+                total = total + (abs(flow.v[c][0]) + h * abs(flow.v[c][1]))
+        return total
 
 
 def closes(polynomial: Iterable[N]) -> bool:

@@ -257,12 +257,37 @@ static double rounding_of(const double *series, int count, double h)
     return 2 * EPS * total;
 }
 
-/* How wrong a force, output k, may be so that velocities are not wrong beyond the tolerance of the step. */
-static double share_of(const Run *r, int k, double h, double tolerance)
+/* Whether a column has units of its own, as a rotor or a state. */
+static int stands_alone(const Run *r, int column)
+{
+    int k;
+    for (k = 0; k < r->alone_count; k++)
+        if (r->alone[k] == column)
+            return 1;
+    return 0;
+}
+
+/* Size of a velocity over a step of length h: of a body that of all bodies together. */
+static double speed_of(const Run *r, int leader, double h)
+{
+    const Taylor *f = &r->taylor;
+    const double *rates = f->table + f->rates;
+    double total = 0.0;
+    int c;
+    if (stands_alone(r, leader))
+        return fabs(rates[leader]) + h * fabs(rates[f->stride + leader]);
+    for (c = 0; c < r->bodies; c++)
+        if (!stands_alone(r, c))
+            total = total + (fabs(rates[c]) + h * fabs(rates[f->stride + c]));
+    return total;
+}
+
+/* How wrong a force may be so that velocities are not wrong beyond the tolerance of the step; of what is at rest and begins
+ * to move, where `value` is the force at h, beyond that of the speed it would come to. */
+static double share_of(const Run *r, int k, double h, double value, double tolerance)
 {
     const Taylor *f = &r->taylor;
     const Mode *m = r->mode;
-    const double *rates = f->table + f->rates;
     double share = INFINITY;
     int mobile = 0, i, end;
     for (i = 0; i < m->formula_count; i++) {
@@ -274,7 +299,10 @@ static double share_of(const Run *r, int k, double h, double tolerance)
             double speed;
             if (leader < 0 || !(m->mobility[leader] > 0))
                 continue;
-            speed = (fabs(rates[leader]) + h * fabs(rates[f->stride + leader])) / (h * m->mobility[leader]);
+            speed = speed_of(r, leader, h);
+            if (!(speed > 0))
+                speed = m->mobility[leader] * fabs(value) * (r->t_end - r->t0);
+            speed = speed / (h * m->mobility[leader]);
             share = speed < share ? speed : share;
             mobile = 1;
         }
@@ -293,7 +321,7 @@ static double excess(const Run *r, double h, double tolerance, int *singular)
     for (k = 0; k < tape->output_count; k++) {
         int place = tape->outputs[k];
         const double *series = f->tapes.series[place];
-        double allowed = 2 * f->tapes.bounds[place] + rounding_of(series, f->order, h) + share_of(r, k, h, tolerance);
+        double allowed = 2 * f->tapes.bounds[place] + rounding_of(series, f->order, h) + share_of(r, k, h, f->tapes.values[place], tolerance);
         double off = fabs(f->tapes.values[place] - horner(series, f->order, h)), beyond;
         if (off <= allowed)
             continue;
