@@ -161,9 +161,7 @@ class MeterMaker(Generic[N]):
         for k, fall in enumerate(rows.falls):
             self._falling(k, fall)
         for role, output in rows.outputs.items():
-            self._by_formula(
-                rows.status, role, self._function([Term(FORMULA, 1, output)], self.kit.number(0))
-            )
+            self._by_formula(rows.status, role, output)
         for k, function, orientation in self._ties(rows):
             self._holding(k, function, orientation)
         return self.now
@@ -252,11 +250,16 @@ class MeterMaker(Generic[N]):
         self._add(RUB, loss, -fall.on_P, P=fall.P, Q=fall.Q, source=source, drift=fall.drift)
         self._driven((fall.P, fall.Q), fall.on_P, fall.drift, name, FUNCTION, source)
 
-    def _by_formula(self, status: Status, role: tuple[Any, ...], source: int) -> None:
+    def _by_formula(self, status: Status, role: tuple[Any, ...], output: int) -> None:
         """Work of a force by a formula, and what a link, a stop or a friction by one takes up: stored in a
         spring by a formula, or lost.
         """
         scene, one, zero = self.scene, self.kit.number(1), self.kit.number(0)
+        if role[0] not in ("force", "link", "stop", "slip"):
+            return
+        if role[0] == "stop" and status.stops[role[1]] != CONTACT:
+            return
+        source = self._function([Term(FORMULA, 1, output)], zero)
         if role[0] == "force":
             body = scene.bodies[role[1]]
             section = "rotors" if body.kind == ROTOR else "forces"
@@ -264,10 +267,6 @@ class MeterMaker(Generic[N]):
                 if force.on == role[1] and force.formula is not None:
                     self._add(FUNCTION, ("work", section, force.name), one, P=role[1], source=source)
                     self._add(FUNCTION, ("impulse", "forces", force.name), one, source=source)
-            return
-        if role[0] not in ("link", "stop", "slip") or (
-            role[0] == "stop" and status.stops[role[1]] != CONTACT
-        ):
             return
         if role[0] == "slip":
             friction = scene.frictions[role[1]]

@@ -67,7 +67,7 @@ class Taylor(TaylorExpansion[N]):
     @property
     def quadrature(self) -> Quadrature:
         """Nodes and weights of a piece of a step; where there are formulas those that take more."""
-        return TWELVE if self.tape else self._quadrature
+        return TWELVE if self.rows.by_formulas else self._quadrature
 
     @property
     def certificate(self) -> Certificate[N]:

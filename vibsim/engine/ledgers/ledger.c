@@ -72,7 +72,7 @@ static void taylor_nodes(Run *r, const Meters *m, const double *tau, int count)
         squares[n] = tau[n] * tau[n];
     for (i = 0; i < m->column_count; i++) {
         int c = m->columns[i];
-        if (c < r->bodies || (c > r->bodies && r->base_count > 0))
+        if (c < r->bodies || (c > r->bodies && r->has_base))
             series_at_nodes(rates + column_in_table(r, c), rows, f->stride, tau, squares, at->v[c]);
     }
     if (m->spins)
@@ -192,7 +192,8 @@ static double integral(const Run *r, const Meter *m, const Quadrature *rule)
 
 static void integrate(Run *r, const Meters *m, double tau, double length)
 {
-    const Quadrature *rule = r->closed || !r->taylor.few_nodes ? &TWELVE : &EIGHT;
+    const int by_formulas = r->mode->tape.op_count > 0 || r->mode->base_tape.op_count > 0;
+    const Quadrature *rule = r->closed || by_formulas || !r->taylor.few_nodes ? &TWELVE : &EIGHT;
     double offsets[NODE_COUNT], *entries = r->ledger.open;
     int i;
     for (i = 0; i < rule->count; i++)

@@ -58,6 +58,21 @@ static int room_for_functions(Nodes *at, int count)
     return 1;
 }
 
+/* How many there are of what a term of a kind names. */
+static int count_of_kind(const Run *r, const Mode *m, int kind)
+{
+    switch (kind) {
+    case COUPLING:
+        return m->coupling_count;
+    case FALL:
+        return m->fall_count;
+    case FORMULA:
+        return m->tape.output_count;
+    default:
+        return r->columns;
+    }
+}
+
 static void read_functions(Run *r, Mode *m, Reader *in, int first)
 {
     int i, k;
@@ -69,8 +84,8 @@ static void read_functions(Run *r, Mode *m, Reader *in, int first)
         e->constant = read_double(in);
         for (k = 0; k < count && !in->short_of; k++) {
             Term *t = &m->terms[first++];
-            t->kind = read_index(in, COUPLING, FALL);
-            t->P = read_index(in, 0, (t->kind == COUPLING ? m->coupling_count : t->kind == FALL ? m->fall_count : r->columns) - 1);
+            t->kind = read_index(in, COUPLING, FORMULA);
+            t->P = read_index(in, 0, count_of_kind(r, m, t->kind) - 1);
             t->Q = t->pair = -1;
             t->coefficient = read_double(in);
         }

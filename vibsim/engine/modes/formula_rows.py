@@ -231,6 +231,7 @@ class FormulaRows(Generic[N]):
         for probe in PROBES:
             x = [probe * (1 + c * probe % 1) for c in range(self.n + 2)]
             v = [probe * (2 + c * probe * probe % 1) for c in range(self.n + 2)]
+            x[self.n] = v[self.n] = 0.0  # the ground
             gap = float(stop.gap)
             x[P] = x[Q] - stop.sense * (gap + probe)  # a depth of `probe`
             at = Inputs(probe, x, v, probe, probe)

@@ -175,6 +175,11 @@ class ModeRows(Generic[N]):
     formulas: list[FormulaForce] = field(default_factory=list)
     rotors: list[RotorOn[N]] = field(default_factory=list)
 
+    @property
+    def by_formulas(self) -> bool:
+        """Whether formulas move it, or the base under it."""
+        return bool(self.tape and self.tape.ops) or self.base_tape is not None
+
     def own_mass(self, leader: int) -> N:
         """Mass of a group that moves on its own [kg]."""
         mass = self.mass[leader]
