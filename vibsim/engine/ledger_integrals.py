@@ -261,12 +261,10 @@ class MeterMaker(Generic[N]):
             return
         source = self._function([Term(FORMULA, 1, output)], zero)
         if role[0] == "force":
-            body = scene.bodies[role[1]]
-            section = "rotors" if body.kind == ROTOR else "forces"
-            for force in scene.forces:
-                if force.on == role[1] and force.formula is not None:
-                    self._add(FUNCTION, ("work", section, force.name), one, P=role[1], source=source)
-                    self._add(FUNCTION, ("impulse", "forces", force.name), one, source=source)
+            force = scene.forces[role[1]]
+            section = "rotors" if scene.bodies[force.on].kind == ROTOR else "forces"
+            self._add(FUNCTION, ("work", section, force.name), one, P=force.on, source=source)
+            self._add(FUNCTION, ("impulse", "forces", force.name), one, source=source)
             return
         if role[0] == "slip":
             friction = scene.frictions[role[1]]

@@ -113,7 +113,7 @@ class Rotors(Generic[N]):
         for i, one in enumerate(self.rows.rotors):
             if one.on == column:
                 w = self.v[one.column]
-                for n in range(self.order):
+                for n in range(min(self.order, len(self.s[i]) - 1)):
                     last = self._pull(i, n, w) + self.s[i][0] * w[n + 1]
                     total[n] = total[n] + one.unbalance * ((n + 1) * last)
         return total

@@ -361,8 +361,9 @@ class StepChecks(Generic[N]):
         return 2 * self.kit.eps * total
 
     def _share(self, k: int, h: N, value: N) -> N:
-        """How wrong a force may be so that velocities are not wrong beyond the tolerance of the step; of what is
-        at rest and begins to move, where `value` is the force at h, beyond that of the speed it would come to.
+        """How wrong a force may be so that velocities are not wrong beyond the tolerance of the step; of
+        what is at rest and begins to move, where `value` is the force at h, beyond that of the speed it
+        would come to.
         """
         flow, share, mobile = self.flow, self.kit.inf, False
         for c in self.forces.get(k, ()):

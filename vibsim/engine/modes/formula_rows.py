@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Generic, NamedTuple
 
-from vibsim.engine.flows.tape import Inputs, Tape, TapeMaker, TapeValues, chosen
+from vibsim.engine.flows.tape import INPUTS, Inputs, Tape, TapeMaker, TapeValues, chosen
 from vibsim.engine.modes.rows import (
     DOMAIN,
     FORMULA,
@@ -69,9 +69,9 @@ class FormulaRows(Generic[N]):
         """Every formula of the scene."""
         if self.scene.base_formula is not None:
             yield Root(self.scene.base_formula, ("base",), "base")
-        for force in self.scene.forces:
+        for i, force in enumerate(self.scene.forces):
             if force.formula is not None:
-                yield Root(force.formula, ("force", force.on), force.name)
+                yield Root(force.formula, ("force", i), force.name)
         for i, link in enumerate(self.scene.links):
             if link.force is not None:
                 yield Root(link.force, ("link", i), link.name)
@@ -174,10 +174,9 @@ class FormulaRows(Generic[N]):
                     outputs["sense", i, key] = sign
         for place in maker.bases:
             if not self._implied(maker, place, status):
-                texts = [maker.tape.texts[k] for k in range(roots)]
                 outputs["base", place] = len(maker.tape.outputs)
+                maker.tape.texts.append(self._owner(maker.tape, place, roots))
                 maker.tape.outputs.append(place)
-                maker.tape.texts.append(texts[0])
         rows.tape, rows.outputs, rows.sides = maker.tape, outputs, sides
         rows.columns = dict(self.columns)
 
@@ -188,7 +187,7 @@ class FormulaRows(Generic[N]):
         scene, i = self.scene, role[1]
         assert isinstance(i, int)
         if role[0] == "force":
-            return i, -1, 1
+            return scene.forces[i].on, -1, 1
         parts: dict[str, Sequence[Joined]] = {
             "link": scene.links,
             "stop": scene.stops,
@@ -219,6 +218,22 @@ class FormulaRows(Generic[N]):
                 yield side, sub(u, num(knots[side])), 1
             if side < len(pieces):
                 yield side + 1, sub(u, num(knots[side + 1])), -1
+
+    @staticmethod
+    def _owner(tape: Tape, place: int, roots: int) -> str:
+        """What the first output belongs to that needs the result at a place of the tape; `roots` are
+        asked.
+        """
+        for k in range(roots):
+            ahead, seen = [tape.outputs[k]], set()
+            while ahead:
+                one = ahead.pop()
+                if one == place:
+                    return tape.texts[k]
+                if one not in seen and tape.ops[one].code not in INPUTS:
+                    seen.add(one)
+                    ahead += [operand for operand in (tape.ops[one].a, tape.ops[one].b) if operand >= 0]
+        return tape.texts[0]
 
     def _implied(self, maker: TapeMaker[N], place: int, status: Status) -> bool:
         """Whether a function on the tape is the depth of a stop in contact but for a positive factor."""
