@@ -107,6 +107,11 @@ class Rotors(Generic[N]):
             total = total + self.s[i][k] * a[n - k]
         return total
 
+    def turning_alone(self) -> list[list[N]]:
+        """Series of the sines of the rotors on what does not move on its own: nothing else tells how they turn."""
+        rotors = zip(self.s, self.rows.rotors, strict=True)
+        return [sine for sine, one in rotors if self.mass[self.rows.leader[one.on]] is None]
+
     def thrust(self, column: int) -> list[N]:
         """Series of the force of the rotors on a column."""
         total = [self.kit.number(0)] * self.order

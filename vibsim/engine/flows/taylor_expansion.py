@@ -188,6 +188,8 @@ class TaylorExpansion(Generic[N]):
             blocks += [([self.v[c]], self.order) for c in self.alone]
         if self.scene.has_base:
             blocks[0][0].append(self.v[self.n + 1])
+        if self.rotors:
+            blocks += [([sine], self.order) for sine in self.rotors.turning_alone()]
         if self.rotor:
             blocks.append(([self.rotor.w], self.order))
             if self.rotor.carried is None:

@@ -61,6 +61,11 @@ static int size_of_bodies(const Run *r, int n, int none)
     return binary_exponent(total);
 }
 
+static int size_of_turning(const Run *r, int n, int i)
+{
+    return binary_exponent(fabs(r->rotors.sine[i][n]));
+}
+
 static int size_of_rate(const Run *r, int n, int c)
 {
     const Taylor *f = &r->taylor;
@@ -139,6 +144,9 @@ static double step_length(const Run *r)
         longest = longest_step(r, size_of_rates, 0, r->taylor.order, 1000.0);
     else
         longest = step_of_columns(r);
+    for (i = 0; i < r->rotors.count; i++)
+        if (r->mode->leader[r->rotors.of[i].on] >= r->bodies)
+            longest = longest_step(r, size_of_turning, i, r->taylor.order, longest);
     if (r->has_motor) {
         longest = longest_step(r, size_of_speed, 0, r->taylor.order, longest);
         if (r->mode->carried == 0)
