@@ -42,6 +42,11 @@ EXACT = [
     ("inertia", "1 g cm^2", "0.0000001"), ("inertia", "1 kg mm^2", "0.000001"),
     ("torque", "2 N m", "2"), ("torque", "2 mN m", "0.002"), ("torque", "2 kN m", "2000"),
     ("torque", "2 N cm", "0.02"), ("torque", "2 N mm", "0.002"),
+    ("inverse angular rate", "2 s/rad", "2"),
+    ("torsional stiffness", "2 N m/rad", "2"), ("torsional stiffness", "2 mN m/rad", "0.002"),
+    ("torsional stiffness", "2 kN m/rad", "2000"), ("torsional stiffness", "2 MN m/rad", "2000000"),
+    ("torsional damping", "2 N m s/rad", "2"), ("torsional damping", "2 mN m s/rad", "0.002"),
+    ("torsional damping", "2 kN m s/rad", "2000"),
     ("angle", "3 rad", "3"), ("angular rate", "3 rad/s", "3"), ("number", "0.001", "0.001"),
 ]  # fmt: skip
 TURNS = [

@@ -120,7 +120,7 @@ SPELLINGS = {
     "Ohm": "ohm", "\u03a9": "ohm", "\u2126": "ohm", "°": "deg", "degree": "deg", "degrees": "deg",
     "turns": "turn",
     "sec": "s", "hour": "h", "hr": "h", "Ncm": "N cm", "Nmm": "N mm", "Nm": "N m", "mNm": "mN m",
-    "kNm": "kN m", "Ns": "N s", "Nms": "N m s", "Vs": "V s", "As": "A s", "Ws": "W s",
+    "kNm": "kN m", "kgm": "kg m", "Ns": "N s", "Nms": "N m s", "Vs": "V s", "As": "A s", "Ws": "W s",
 }  # fmt: skip
 SUPERSCRIPTS = {"²": "2", "³": "3", "⁴": "4"}
 
@@ -223,8 +223,9 @@ class _UnitReader:
         return close.end()
 
     def _take(self, factor: _Factor, sign: int) -> int:
-        for word in SPELLINGS.get(factor.word, factor.word).split():
-            self.factors.append((word, sign * factor.power))
+        *first, last = SPELLINGS.get(factor.word, factor.word).split()
+        self.factors += [(word, Fraction(sign)) for word in first]
+        self.factors.append((last, sign * factor.power))
         return factor.end
 
     def _factor(self, at: int) -> _Factor | None:
@@ -442,9 +443,7 @@ if further_unit not in FURTHER_UNITS:
 
 
 def bare_as(old: str, bare: str) -> str:
-    """A bare number as a text in the SI unit of a quantity that it replaces; as it is in place of a
-    frequency.
-    """
+    """A bare number as a text in the SI unit of a quantity that it replaces; for a frequency as it is."""
     try:
         quantity, of = any_quantity(old)
     except QuantityError:

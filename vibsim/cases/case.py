@@ -199,9 +199,7 @@ class Case:
 
     @property
     def source_kind(self) -> str:
-        """What drives the bodies: motor, base, rotors, formula, harmonic, constant (forces alone), or
-        none.
-        """
+        """What drives the bodies: motor, base, rotors, formula, harmonic or constant (forces), or none."""
         values = self.long_values()
         if "motor" in values or "base" in values:
             return "motor" if "motor" in values else "base"

@@ -20,7 +20,7 @@ from vibsim.cases.any_unit import (
     dimension_of,
     product,
 )
-from vibsim.cases.formula_keys import FORMULA_KEYS, ONE_PART, FormulaKey, of_part, sides_of
+from vibsim.cases.formula_keys import FORMULA_KEYS, ONE_PART, Formula, FormulaKey, of_part, sides_of
 from vibsim.cases.formula_text import names_in
 from vibsim.cases.formula_values import Meaning, formula_node, meaning_of_number
 from vibsim.cases.quantities import Quantity, QuantityError
@@ -76,7 +76,8 @@ def places_of(values: Mapping[str, Any]) -> Iterator[FormulaPlace]:
             if not isinstance(part, Mapping):
                 continue
             for one in of_part(section, part):
-                yield FormulaPlace(section, name, "", one.key, str(part[one.key]))
+                if isinstance(part[one.key], str | int | float | Formula):
+                    yield FormulaPlace(section, name, "", one.key, str(part[one.key]))
             for side, keys in sides_of(section, part).items():
                 for one in keys:
                     yield FormulaPlace(section, name, side, one.key, str(part[side][one.key]))

@@ -123,6 +123,8 @@ def _of_numbers(
     section, name, side = part
     content = scene._part(section, name)
     inner = content.get(side) if side else content
+    if len(_active(section, content, side)) > len(places):
+        return  # one of the formulas cannot be read
     named = {word for place in places for word in names_in(place.text)}
     if not side:
         named |= {

@@ -3,7 +3,7 @@
 import csv
 import io
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -13,7 +13,7 @@ from vibsim.cases.formula_text import MOST_PAIRS, FormulaError, parsed, walk
 from vibsim.cases.problems import shown
 from vibsim.cases.quantities import QuantityError, exact_number
 from vibsim.physics import formulas as nodes
-from vibsim.physics.formulas import PI, Node
+from vibsim.physics.formulas import Node
 
 LARGEST_TABLE = 1_000_000  # bytes of a CSV file
 MOST_EXACT = 40  # knots of a spline that is solved in fractions; of longer ones to 1e-80
@@ -22,23 +22,14 @@ DIGITS = 80
 Pieces = tuple[tuple[Fraction, ...], ...]
 
 
-def table_node(
-    argument: Node, columns: Sequence[list[Fraction]], turns: Sequence[int], kind: str, text: str
-) -> Node:
-    """The node of a table of the argument; columns : knots and values; turns : whether they have a factor pi.
-
-    Raises ValueError for tables that are none.
-    """
-    knots, values = columns
+def pieces_of(knots: list[Fraction], values: list[Fraction], kind: str) -> Pieces:
+    """The polynomials between the knots of a table. Raises ValueError for tables that are none."""
     if len(knots) < 2:
         raise ValueError("a table needs at least two pairs")
     for i, (one, next_) in enumerate(pairwise(knots), 1):
         if one >= next_:
             raise ValueError(f"the first numbers of pairs must rise; those of pairs {i} and {i + 1} do not")
-    pieces = spline_pieces(knots, values) if kind == "cubic" else line_pieces(knots, values)
-    u = nodes.div(argument, PI) if turns[0] else argument
-    node: Node = ("table", u, tuple(knots), pieces, text)
-    return nodes.mul(node, PI) if turns[1] else node
+    return spline_pieces(knots, values) if kind == "cubic" else line_pieces(knots, values)
 
 
 def line_pieces(knots: list[Fraction], values: list[Fraction]) -> Pieces:

@@ -15,7 +15,7 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import NamedTuple
 
-from vibsim.cases.any_unit import PURE, Dimension, read_unit
+from vibsim.cases.any_unit import PURE, AnyUnit, Dimension, read_unit
 from vibsim.cases.problems import did_you_mean, shown
 from vibsim.cases.quantities import QuantityError, exact_number
 
@@ -127,6 +127,20 @@ _WRONG = {
 }
 
 
+_BEFORE_COMMA = re.compile(r"[ ]*([A-Za-z][A-Za-z0-9^/ ]*)(?=[,\])])", re.ASCII)
+_read_once = lru_cache(maxsize=256)(read_unit)
+
+
+def _unit_at(text: str, at: int) -> tuple[AnyUnit | None, int]:
+    """The unit behind a number; in long tables each of its few units is read once."""
+    match = _BEFORE_COMMA.match(text, at)
+    if match:
+        unit, end = _read_once(match[1])
+        if unit is not None and end == len(match[1]):
+            return unit, match.end()
+    return read_unit(text, at)
+
+
 class _Parser:
     """Recursive descent, one token ahead. Numbers are read together with their units."""
 
@@ -213,7 +227,7 @@ class _Parser:
         try:
             value = exact_number(token.text)
             if not re.match(r"\d", self.text[end : end + 1]):
-                unit, end = read_unit(self.text, end)
+                unit, end = _unit_at(self.text, end)
         except QuantityError as error:
             raise FormulaError(str(error), token.start, token.end) from None
         self.token = self._next(end)

@@ -7,6 +7,7 @@ one above a unit must be known. A literal 0 fits any unit.
 
 from collections.abc import Mapping
 from fractions import Fraction
+from functools import lru_cache
 from typing import NamedTuple
 
 from vibsim.cases.any_unit import LARGEST_POWER, PURE, Dimension, called, dimension_of, product, symbol
@@ -44,6 +45,17 @@ class WorkedOut(NamedTuple):
     dimension: Dimension | None
     size: int = 1
     depth: int = 1
+
+
+class WorkedTable(NamedTuple):
+    """A table in a formula: its knots and the polynomials between them; of both columns the dimension, and
+    whether it has a factor pi.
+    """
+
+    knots: tuple[Fraction, ...]
+    pieces: tuple[tuple[Fraction, ...], ...]
+    units: tuple[Dimension | None, ...]
+    turns: tuple[int, ...]
 
 
 class UnitError(FormulaError):
@@ -354,8 +366,6 @@ class _Evaluation:
         return WorkedOut(node, unit, a.size + b.size + 1, max(a.depth, b.depth) + 1)
 
     def _call_table(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
-        from vibsim.cases.formula_tables import table_node
-
         argument, pairs, *kind = term.parts
         if pairs.kind == "text":
             message = f"the table {self.said(pairs)} has not been read; a file is found from a case file only"
@@ -364,6 +374,24 @@ class _Evaluation:
             message = f'{self.said(kind[0])} is no way between pairs; there are "linear" and "cubic"'
             raise FormulaError(message, kind[0].start, kind[0].end)
         value = self.of(argument)
+        table = self.table(pairs, str(kind[0].value) if kind else "linear")
+        of_knots = value._replace(dimension=table.units[0])
+        self.common(term, (argument, pairs), [value, of_knots], None, ", ")
+        u = nodes.div(value.node, PI) if table.turns[0] else value.node
+        node: Node = ("table", u, table.knots, table.pieces, shown(self.source(term), 60))
+        node = nodes.mul(node, PI) if table.turns[1] else node
+        return WorkedOut(node, table.units[1] or PURE, value.size + 3, value.depth + 3)
+
+    def table(self, pairs: FormulaTerm, kind: str) -> "WorkedTable":
+        """The table of pairs; of those that name nothing, each is worked out once."""
+        try:
+            return _plain_table(self.source(pairs), kind)
+        except FormulaError:
+            return self.worked_table(pairs, kind)
+
+    def worked_table(self, pairs: FormulaTerm, kind: str) -> "WorkedTable":
+        from vibsim.cases.formula_tables import pieces_of
+
         columns, units, turns = [], [], []
         for column in (0, 1):
             parts = tuple(pair.parts[column] for pair in pairs.parts)
@@ -372,13 +400,11 @@ class _Evaluation:
             exact = [self.exact(number, part) for number, part in zip(numbers, parts, strict=True)]
             turns.append(self.one_turn(exact, parts))
             columns.append([one for one, _ in exact])
-        self.common(term, (argument, pairs), [value, value._replace(dimension=units[0])], None, ", ")
-        text = shown(self.source(term), 60)
         try:
-            node = table_node(value.node, columns, turns, str(kind[0].value) if kind else "linear", text)
+            pieces = pieces_of(columns[0], columns[1], kind)
         except ValueError as error:
             raise FormulaError(str(error), pairs.start, pairs.end) from None
-        return WorkedOut(node, units[1] or PURE, value.size + 3, value.depth + 3)
+        return WorkedTable(tuple(columns[0]), pieces, tuple(units), tuple(turns))
 
     def exact(self, value: WorkedOut, part: FormulaTerm) -> tuple[Fraction, int]:
         """A number of a table, without its factor pi, and whether it has that."""
@@ -399,6 +425,13 @@ class _Evaluation:
             message = "a column of a table has one kind of unit: Hz, rpm and deg, or rad/s and rad"
             raise FormulaError(message, parts[0].start, parts[-1].end)
         return next(iter(turns), 0)
+
+
+@lru_cache(maxsize=16)
+def _plain_table(pairs: str, kind: str) -> WorkedTable:
+    """The table of pairs that name nothing. Raises FormulaError, of places in the pairs alone."""
+    text = f"table(0, {pairs})"
+    return _Evaluation(text, {}).worked_table(parsed(text).parts[1], kind)
 
 
 def _joined(node: Node, a: WorkedOut, b: WorkedOut) -> WorkedOut:

@@ -25,6 +25,7 @@ from vibsim.cases.schema_kinds import Fault, Location
 from vibsim.cases.short_form import FoundDefault, with_defaults
 from vibsim.cases.sources import BROKEN, Tree, put_tables_in
 from vibsim.cases.yaml_nodes import Place
+from vibsim.physics.formulas import reads
 from vibsim.physics.parts import GROUND, Friction, Link, Motor, Scene
 from vibsim.physics.rates import bilinear_frequencies, frequency, masses, natural_rates, reduced_mass
 from vibsim.physics.two_blocks import is_papers
@@ -157,19 +158,27 @@ def derived_facts(scene: Scene) -> list[Fact]:
     """
     if is_papers(scene):
         return [*_of_blocks(scene, scene.links[0]), *_of_motor(scene.motor)]
-    frictions = [fact for friction in scene.frictions for fact in _friction_forces(friction)]
-    return [*_frequencies(scene), *frictions, *_of_motor(scene.motor)]
+    plain = [friction for friction in scene.frictions if friction.slips is None]
+    frictions = [fact for friction in plain for fact in _friction_forces(friction)]
+    return [*([] if _is_by_formulas(scene) else _frequencies(scene)), *frictions, *_of_motor(scene.motor)]
+
+
+def _is_by_formulas(scene: Scene) -> bool:
+    """Whether formulas have a say in how bodies vibrate freely, so that stiffnesses alone do not tell."""
+    loads = [force.formula for force in scene.forces if force.formula is not None]
+    return any(link.force is not None for link in scene.links) or reads(loads, ("x", "v"))
 
 
 def _frequencies(scene: Scene) -> Iterator[Fact]:
     """Natural frequencies with all stops open and closed, and those of large vibrations."""
-    elastic = [stop for _, stop in scene.elastic_stops]
+    elastic = [stop for _, stop in scene.elastic_stops if stop.force is None]
+    whole = len(elastic) == len(scene.elastic_stops)
     for words, closed in (("stops open", []), ("stops closed", elastic)):
-        if words == "stops closed" and not elastic:
+        if words == "stops closed" and not (elastic and whole):
             continue
         for i, rate in enumerate(natural_rates(scene, closed), 1):
             yield Fact(f"{words.split()[1]} {i}", rate / (2 * pi), "Hz", f"natural frequency, {words}")
-    for i, hertz in enumerate(bilinear_frequencies(scene), 1):
+    for i, hertz in enumerate(bilinear_frequencies(scene) if whole else (), 1):
         yield Fact(f"bilinear {i}", hertz, "Hz", "2 f1 f2/(f1 + f2), large vibration")
 
 

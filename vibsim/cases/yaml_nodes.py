@@ -63,7 +63,7 @@ def place_inside(place: Place, text: str, spelt: str, at: int) -> Place:
         return Place(place.file, place.line, place.column + at)
     count = sum(not character.isspace() for character in text[:at])
     first = next((character for character in text if not character.isspace()), "")
-    i = spelt.find(first, 1)
+    i = spelt.find(first, 1 if spelt[:1] in "'\"|>" else 0)
     while i < len(spelt) and (count or spelt[i].isspace()):
         count -= not spelt[i].isspace()
         i += 1
@@ -172,7 +172,7 @@ class _Reader:
             return self.report(place, key, f"lists are not used here{hint}; write {allowed}")
         if not event.style and event.value in NULLS:
             return self.report(key_place, key, _null_message(key, event.value))
-        return Text(event.value, place, self.spelling(event) if event.style else "")
+        return Text(event.value, place, self.spelling(event))
 
     def mapping(self, start: Event, events: Iterator[Event], prefix: str, depth: int) -> Mapping:
         mapping = Mapping(self.place(start))
@@ -253,9 +253,11 @@ class _Reader:
         return anchor is not None or tag is not None or bool(character)
 
     def spelling(self, event: ScalarEvent) -> str:
-        """A value with its quotes, as it stands in the file."""
+        """A value as it stands in the file, where it is in quotes or on several lines; else nothing."""
         start, end = event.start_mark, event.end_mark
-        return self.text[start.index : end.index] if start and end else ""
+        if not (start and end) or (not event.style and start.line == end.line):
+            return ""
+        return self.text[start.index : end.index]
 
     def report(self, place: Place, key: str, message: str) -> Broken:
         self.problems.append(place.problem(key, message))

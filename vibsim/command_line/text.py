@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from vibsim.cases.problems import one_line
 from vibsim.cases.quantities import number
 from vibsim.command_line.terminal import say, style
-from vibsim.physics.parts import Harmonic, Motor, Scene
+from vibsim.physics.parts import BODY, ROTOR, STATE, Harmonic, Motor, Scene
 from vibsim.results import Result
 from vibsim.results.hdf5_reading import plain
 from vibsim.results.result import unknown_text
@@ -132,6 +132,8 @@ def source_text(scene: Scene) -> str:
     """The source of excitation of the short form, its frequency in Hz and in rad/s."""
     if scene.motor is not None:
         return f"motor, {motor_text(scene.motor)}"
+    if scene.rotors:
+        return "motor, by formulas"
     for force in scene.forces:
         (term,) = force.terms
         constant = f" + {number(force.constant, 6)} N" if force.constant else ""
@@ -213,7 +215,13 @@ Lines = Iterator[tuple[str, str]]
 
 def scene_lines(scene: Scene) -> Lines:
     """Label and text of what a scene is made of."""
-    yield "bodies", listed([f"{body.name} {number(body.m, 6)} kg" for body in scene.bodies])
+    unit = "kg m^2" if scene.torsional else "kg"
+    bodies = [body for body in scene.bodies if body.kind == BODY]
+    yield "bodies", listed([f"{body.name} {number(body.m, 6)} {unit}" for body in bodies])
+    for kind in (ROTOR, STATE):
+        names = [body.name for body in scene.bodies if body.kind == kind]
+        if names:
+            yield f"{kind}s", listed(names)
     parts = [f"{word} {part.name}" for word, section in KINDS for part in getattr(scene, section)]
     if parts:
         yield "parts", listed(parts)
@@ -233,13 +241,20 @@ def shortened(texts: Sequence[str]) -> list[str]:
 
 
 def source_texts(scene: Scene) -> Iterator[str]:
-    """Each force, the base and the motor, with its frequency in Hz and in rad/s."""
+    """Each force, the base and the motor, with its frequency in Hz and in rad/s; a formula is called one."""
+    unit = "N m" if scene.torsional else "N"
     for force in scene.forces:
-        constant = [f"{number(force.constant, 6)} N"] if force.constant or not force.terms else []
-        terms = [harmonic_text(term, f"{number(term.amplitude, 6)} N") for term in force.terms]
+        if scene.bodies[force.on].kind != BODY:
+            continue
+        bare = not force.terms and force.formula is None
+        constant = [f"{number(force.constant, 6)} {unit}"] if force.constant or bare else []
+        terms = [harmonic_text(term, f"{number(term.amplitude, 6)} {unit}") for term in force.terms]
+        terms += ["a formula"] if force.formula is not None else []
         yield f"force {force.name} on {scene.end_name(force.on)}: {' + '.join([*terms, *constant])}"
     if scene.base:
         yield "base: " + " + ".join(harmonic_text(term, metres(term.amplitude)) for term in scene.base)
+    if scene.base_formula is not None:
+        yield "base: a formula"
     if scene.motor is not None:
         yield f"motor on {scene.end_name(scene.motor.on)}: {motor_text(scene.motor)}"
 

@@ -57,7 +57,7 @@ def test_each_invalid_file_expects_something():
              "allowed: ram, tool, ground, base"],
         ),
         ({"stops.anvil": "off"}, ["overrides stops.anvil: must be a mapping of between, gap, acts, law, "
-                                  "k, c, release, e, or none; got off"]),
+                                  "k, c, release, e, force, or none; got off"]),
         ({"stops.anvil.e": "0.5"}, ["overrides stops.anvil.e: belongs to law: rigid; "
                                     "this stop has law: elastic"]),
         ({"run.method": "closed_form"}, ["overrides run.method: a motor has no closed form; with one, "

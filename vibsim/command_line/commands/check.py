@@ -77,7 +77,7 @@ def _print(report: Report, settings: Settings) -> None:
 def _summary(case: Case) -> str:
     frequency, kind = case.frequency(), case.source_kind
     t_end, every = case.quantity("run.t_end"), case.quantity("run.every")
-    steady = {"none": "no excitation", "constant": "constant forces"}
+    steady = {"none": "no excitation", "constant": "constant forces", "formula": "forces by formulas"}
     source = steady.get(kind) or f"{kind} {frequency or ''}".strip()
     return f"{source}, {t_end} every {every}"
 
