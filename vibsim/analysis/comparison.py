@@ -20,7 +20,7 @@ import numpy as np
 from vibsim.analysis.cycles import ComparisonVerdict, name_verdict
 from vibsim.physics.connections import drifting_sets, pairs_of
 from vibsim.physics.elementary import dot, mean
-from vibsim.physics.parts import columns_of
+from vibsim.physics.parts import ROTOR, STATE, Scene, columns_of
 from vibsim.physics.rates import source_period
 from vibsim.results.blocks_ahead import instants_per_sample, sampled_finer
 from vibsim.results.columns import IMPACT_CODES, PairMotion, tables_of
@@ -38,8 +38,15 @@ MOST_BLOCKS, FEWEST_BLOCKS = 20, 8
 PERIODS = 5  # in a block, at least
 FEWEST_SAMPLES = 20  # in a block, four to a period, for statistics of samples
 FEWEST_INDEPENDENT = 3.0  # even of blocks that all drift one way: Student's distribution of 2 degrees
+MEAN = "mean "  # before the name of a state
 OF = " of "  # before the name of the part or body where there are several
-UNITS = {"amplitude": "m", "drift rate": "m/s", "motor speed": "Hz", "impact rate": "1/s"}
+UNITS = {
+    "amplitude": "m",
+    "drift rate": "m/s",
+    "motor speed": "Hz",
+    "rotor speed": "Hz",
+    "impact rate": "1/s",
+}
 
 Span = tuple[float, float]
 
@@ -62,16 +69,19 @@ def blocks_of(span: Span, period: float) -> list[Span]:
     return list(pairwise(edges))
 
 
-def unit_of(statistic: str) -> str:
-    """The unit of a statistic of `block_values`."""
-    return UNITS[statistic.partition(OF)[0]]
+def unit_of(statistic: str, scene: Scene) -> str:
+    """The unit of a statistic of `block_values`; displacements of a torsional scene are in rad."""
+    if statistic.startswith(MEAN):
+        return dict(scene.state_units).get(statistic.removeprefix(MEAN), "")
+    return UNITS[statistic.partition(OF)[0]].replace("m", scene.length_unit, 1)
 
 
 def block_values(result: Result, blocks: list[Span]) -> dict[str, np.ndarray]:
     """Statistics of every block by name, those that the scene has and that its samples are enough for.
 
     amplitude of each relative motion (`pairs_of`), drift rate of each set of bodies that may drift, motor
-    speed, impact rate of each stop; of several the part or body is named: "impact rate of wall".
+    speed, speed of each rotor, mean of each state, impact rate of each stop; of several the part or body is
+    named: "impact rate of wall".
     """
     time, event_time = result.time, result.events["t"]
     rows = [rows_within(time, block) for block in blocks]
@@ -106,7 +116,7 @@ def average(blocks: np.ndarray, doubt: float) -> Average:
 
 
 def _of_samples(result: Result, rows: slice, time: np.ndarray) -> dict[str, float]:
-    """Amplitude (sqrt(2) rms of x_P - x_Q about its mean), drift rate, motor speed."""
+    """Amplitude (sqrt(2) rms of x_P - x_Q about its mean), drift rate, speeds of motor and rotors, states."""
     scene = result.case.scene()
     clock = time[rows]
     averages: dict[str, float] = {}
@@ -123,6 +133,13 @@ def _of_samples(result: Result, rows: slice, time: np.ndarray) -> dict[str, floa
         averages[_named("drift rate", body, moving)] = float(x[-1] - x[0]) / float(clock[-1] - clock[0])
     if scene.has_motor:
         averages["motor speed"] = float(mean(result.column("phidot")[rows])) / (2 * pi)
+    rotors = [body for body in scene.bodies if body.kind == ROTOR]
+    for body in rotors:
+        speed = result.column(body.columns[1])[rows]
+        averages[_named("rotor speed", body, rotors)] = float(mean(speed)) / (2 * pi)
+    for body in scene.bodies:
+        if body.kind == STATE:
+            averages[f"{MEAN}{body.name}"] = float(mean(result.column(body.columns[1])[rows]))
     return averages
 
 
@@ -318,8 +335,8 @@ def _distances(a: Result, b: Result) -> Iterator[Distances]:
 
 
 def displacements(result: Result) -> tuple[str, ...]:
-    """Names of the displacements of the bodies of a run."""
-    return tables_of(result.case.scene()).displacements
+    """Names of the displacements of the bodies of a run; of its rotors and states where it has no body."""
+    return tables_of(result.case.scene()).deciding
 
 
 def _between_samples(a: Result, b: Result, names: list[str], count: int) -> Iterator[Distances]:
@@ -355,4 +372,6 @@ def compared_statistics(a: Result, b: Result, start: float, end: float) -> list[
         values = [block_values(result, blocks) for result in (a, b)]
         common = [name for name in values[0] if name in values[1]]
         ours, theirs = (averages(samples, DOUBT / len(common)) for samples in values)
-    return [ComparedStatistic(name, unit_of(name), ours[name], theirs[name]) for name in common]
+    return [
+        ComparedStatistic(name, unit_of(name, a.case.scene()), ours[name], theirs[name]) for name in common
+    ]

@@ -14,7 +14,7 @@ import numpy as np
 from vibsim.physics import elementary
 from vibsim.physics.elementary import mean
 from vibsim.physics.parts import Motor, Scene
-from vibsim.physics.rates import common_period
+from vibsim.physics.rates import common_period, turning_columns
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, pieces, rows_within
 
@@ -233,8 +233,9 @@ def cycle_ends(result: Result, window: Window) -> np.ndarray:
     where several have no common period.
     """
     scene = result.case.scene()
-    if scene.has_motor:
-        return _turn_ends(result, window)
+    turning = turning_columns(scene)
+    if turning is not None:
+        return _turn_ends(result, window, turning[0])
     return period_ends(scene, window)
 
 
@@ -248,13 +249,13 @@ def period_ends(scene: Scene, window: Window) -> np.ndarray:
     return times[(times >= window[0]) & (times <= window[1])]
 
 
-def _turn_ends(result: Result, window: Window) -> np.ndarray:
+def _turn_ends(result: Result, window: Window, angle: str) -> np.ndarray:
     """Where the furthest angle so far passes a whole turn, on the line between two samples."""
     rows = rows_within(result.column("time"), window)
     ends, reached = [np.empty(0)], -np.inf
     for piece in pieces(rows, ROWS):
         joined = slice(max(piece.start - 1, rows.start), piece.stop)  # no interval is lost between pieces
-        t, phi = (np.asarray(result.column(name)[joined]) for name in ("time", "phi"))
+        t, phi = (np.asarray(result.column(name)[joined]) for name in ("time", angle))
         ends.append(_passages(t, phi, reached))
         reached = max(reached, float(phi.max()))
     return np.concatenate(ends)

@@ -100,10 +100,11 @@ def measure_drift(
 
 def _rate_of(scene: Scene, of: str, rates: Mapping[str, float]) -> float:
     """The mean velocity of a body, or of the centre of mass, from those of all bodies [m/s]."""
-    values = [rates[body.name] for body in scene.bodies]
+    values = [rates[body.name] for body in scene.line]
     if of == CENTRE:
-        return float(dot(masses(scene), np.array(values)) / total(masses(scene)))
-    return values[[columns_of(body.name)[0] for body in scene.bodies].index(of)]
+        own = masses(scene)[: len(values)]
+        return float(dot(own, np.array(values)) / total(own))
+    return values[[columns_of(body.name)[0] for body in scene.line].index(of)]
 
 
 def _measured(result: Result, span: Span, of: str) -> Drift:
@@ -156,9 +157,14 @@ def displacement(result: Result, rows: slice, of: str) -> np.ndarray:
     if of != CENTRE:
         return np.asarray(result.column(of)[rows])
     scene = result.case.scene()
-    places = [np.asarray(result.column(columns_of(body.name)[0])[rows]) for body in scene.bodies]
-    moment = sum(body.m * x for body, x in zip(scene.bodies, places, strict=True))
-    mass = sum(body.m for body in scene.bodies)
+    places = [np.asarray(result.column(columns_of(body.name)[0])[rows]) for body in scene.line]
+    moment = sum(body.m * x for body, x in zip(scene.line, places, strict=True))
+    mass = sum(body.m for body in scene.line)
+    for rotor in scene.rotors:
+        phi, _ = scene.bodies[rotor.column].columns
+        assert phi is not None
+        cosine = sine_cosine_of_arrays(np.asarray(result.column(phi)[rows]))[1]
+        moment = moment + rotor.unbalance * cosine
     if scene.motor is not None:
         motor, cosine = scene.motor, sine_cosine_of_arrays(np.asarray(result.column("phi")[rows]))[1]
         moment = moment + motor.m3 * (places[motor.on] + motor.e * cosine)
@@ -303,7 +309,7 @@ def speeds(result: Result, span: Span, part: str | None = None) -> RateSpread | 
     values = np.abs(closing_velocities(scene, events))
     own = np.isin(events["part"], [i for i, stop in enumerate(scene.stops) if part in (None, stop.name)])
     values = values[own & ~np.isnan(values)]
-    return spread(values, "m/s") if len(values) else None
+    return spread(values, f"{scene.length_unit}/s") if len(values) else None
 
 
 def spread(values: np.ndarray, unit: str) -> RateSpread:

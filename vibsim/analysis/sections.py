@@ -3,9 +3,10 @@
 Drift is left out: a point has y = x_P - x_Q and u = v_P - v_Q of every pair of ends that links and stops
 join; the velocity of one body of each set that they join to each other, but not to ground or base; the speed
 of the rotor, and with a rotor cosine and sine of the phases of forces and base, which its turns do not fix.
-Of two blocks that is (y, u, v2, w). Lengths are divided by the amplitude of y in the span, speeds of bodies
-by that of u, the speed of the rotor by its mean; so a distance of 1e-3 between points is a thousandth of the
-vibration. What moves less than the share LEAST of the largest vibration is measured by that.
+Of two blocks that is (y, u, v2, w). Of further rotors it has speeds, cosines and sines of angles, of states
+their values, each by its own amplitude. Lengths are divided by the amplitude of y in the span, speeds of
+bodies by that of u, the speed of the rotor by its mean; so a distance of 1e-3 between points is a thousandth
+of the vibration. What moves less than the share LEAST of the largest vibration is measured by that.
 """
 
 from collections.abc import Iterator, Mapping
@@ -29,9 +30,10 @@ from vibsim.analysis.chaos_tests import MOST as chaos_tests_MOST
 from vibsim.analysis.cycles import ROWS, TURN, RegimeVerdict, cycle_ends, events_within, name_verdict
 from vibsim.analysis.span import Span
 from vibsim.cases.quantities import number
-from vibsim.physics.connections import body_sets, joined_pairs
+from vibsim.physics.connections import body_sets, felt_angles, force_pairs
 from vibsim.physics.elementary import mean, sine_cosine_of_arrays
 from vibsim.physics.parts import Scene, columns_of
+from vibsim.physics.rates import turning_columns
 from vibsim.results.columns import PairMotion, states_at
 from vibsim.results.result import Result
 from vibsim.results.windows import pieces, rows_within
@@ -66,11 +68,16 @@ class SectionCoordinates:
     """
 
     def __init__(self, scene: Scene):
-        pairs = joined_pairs(scene)
+        pairs = force_pairs(scene)
         free = [one for one in body_sets(scene, pairs) if not one.held]
         self._scene = scene
         self._motions = [PairMotion(scene, pair) for pair in pairs]
         self._free = [columns_of(scene.bodies[one.reference].name)[1] for one in free]
+        self._turning = turning_columns(scene)
+        shown = [body.columns for body in scene.bodies[len(scene.line) :] if body.columns != self._turning]
+        self._others = [v for _, v in shown]
+        felt = {scene.bodies[i].columns for i in felt_angles(scene)}
+        self._angles = [x for x, v in shown if x is not None and (x, v) in felt]
         self._pairs_of_free = [
             [i for i, pair in enumerate(pairs) if {pair.P, pair.Q} & set(one.bodies)] for one in free
         ]
@@ -79,30 +86,34 @@ class SectionCoordinates:
     def names(self) -> tuple[str, ...]:
         """Columns of states that they need."""
         columns = [name for motion in self._motions for name in motion.columns]
-        return tuple(dict.fromkeys([*columns, *self._free]))
+        return tuple(dict.fromkeys([*columns, *self._free, *self._others]))
 
     def of(self, states: Table) -> np.ndarray:
-        """y [m] of every pair, u [m/s] of every pair, v [m/s] of what moves as a whole: shape (d, n).
+        """y [m] of every pair, u [m/s] of every pair, v [m/s] of what moves as a whole, speeds [rad/s] of
+        further rotors and states: shape (d, n).
 
         states : columns by name, among them `time`
         """
         motions = [motion(states, "time") for motion in self._motions]
         rows = [motion[1] for motion in motions] + [motion[2] for motion in motions]
-        rows += [np.asarray(states[name]) for name in self._free]
+        rows += [np.asarray(states[name]) for name in (*self._free, *self._others)]
         return np.stack(rows) if rows else np.empty((0, len(states["time"])))
 
     def sizes(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         """By what each of `of` is divided, from its extremes (d): see above."""
         amplitude = (high - low) / 2
-        count = len(self._motions)
+        count, others = len(self._motions), len(self._others)
         lengths, speeds, whole = amplitude[:count], amplitude[count : 2 * count], amplitude[2 * count :]
+        largest = np.maximum(np.abs(low), np.abs(high))[len(amplitude) - others :]
+        own_sizes = np.maximum(whole[len(whole) - others :], LEAST * largest)
+        whole = whole[: len(whole) - others]
         own = [
             max(speeds[pairs]) if pairs else one
             for pairs, one in zip(self._pairs_of_free, whole, strict=True)
         ]
         speeds = np.concatenate([speeds, own])
         sizes = np.concatenate(
-            [np.maximum(part, LEAST * part.max(initial=0.0)) for part in (lengths, speeds)]
+            [*(np.maximum(part, LEAST * part.max(initial=0.0)) for part in (lengths, speeds)), own_sizes]
         )
         sizes[~(sizes > 0)] = 1.0
         return sizes
@@ -110,8 +121,11 @@ class SectionCoordinates:
     def points(self, states: Table, sizes: np.ndarray) -> np.ndarray:
         """Points (n, d) of the states by name, each (n)."""
         columns = [row / size for row, size in zip(self.of(states), sizes, strict=True)]
-        if self._scene.has_motor:
-            columns += [states["phidot"] / (mean(states["phidot"]) or 1.0), *self._phases(states["time"])]
+        for phi in self._angles:
+            columns += reversed(sine_cosine_of_arrays(np.asarray(states[phi])))
+        if self._turning is not None:
+            speed = states[self._turning[1]]
+            columns += [speed / (mean(speed) or 1.0), *self._phases(states["time"])]
         return np.stack(columns, axis=1)
 
     def _phases(self, time: np.ndarray) -> Iterator[np.ndarray]:
@@ -157,9 +171,11 @@ def _turned(result: Result, span: Span, times: np.ndarray) -> tuple[np.ndarray, 
     window = float(times[0]) - 1.0, float(times[-1]) + 1.0
     events = events_within(result, window, before=1)
     states = states_at(scene, events, times, result.t_reached)
-    for _ in range(NEWTON_STEPS if scene.has_motor else 0):
-        apart = states["phi"] - TURN * np.round(states["phi"] / TURN)
-        step = np.divide(apart, states["phidot"], out=np.zeros_like(apart), where=states["phidot"] > 0)
+    turning = turning_columns(scene)
+    for _ in range(0 if turning is None else NEWTON_STEPS):
+        phi, w = (states[name] for name in turning or ())
+        apart = phi - TURN * np.round(phi / TURN)
+        step = np.divide(apart, w, out=np.zeros_like(apart), where=w > 0)
         times = np.clip(times - step, span.begin, span.end)
         states = states_at(scene, events, times, result.t_reached)
     return times, states

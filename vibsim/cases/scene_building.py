@@ -265,7 +265,19 @@ class _SceneBuilder:
             Rotor(self.index[name], self.index[part["on"]], self.exact(part["m"].value * part["e"].value))
             for name, part, _ in self.formulas.rotors()
         )
-        return {"base_formula": base, "rotors": rotors, "torsional": self.formulas.scene.torsional}
+        return {
+            "base_formula": base,
+            "rotors": rotors,
+            "torsional": self.formulas.scene.torsional,
+            "state_units": tuple(self.state_units()),
+        }
+
+    def state_units(self) -> Iterator[tuple[str, str]]:
+        """Name and SI unit of each further state."""
+        from vibsim.cases.any_unit import dimension_of, si_name
+
+        for name, part in self.values.get("states", {}).items():
+            yield name, si_name(dimension_of(part["start"]))
 
     def exact(self, value: Fraction) -> Number:
         """A number from an exact one in SI units."""

@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vibsim.cases.problems import one_line
-from vibsim.cases.quantities import number
+from vibsim.cases.quantities import Quantity, number
 from vibsim.command_line.terminal import say, style
-from vibsim.physics.parts import BODY, ROTOR, STATE, Harmonic, Motor, Scene
+from vibsim.physics.parts import ROTOR, STATE, Harmonic, Motor, Scene
+from vibsim.physics.rates import turning_rotor
 from vibsim.results import Result
 from vibsim.results.hdf5_reading import plain
 from vibsim.results.result import unknown_text
@@ -41,7 +42,7 @@ def case_lines(case: Case) -> list[tuple[str, str]]:
     scene = case.scene()
     every = seconds(scene.every_num / scene.every_den)
     return [
-        *(scene_lines(scene) if case.is_long else [("source", source_text(scene))]),
+        *(scene_lines(scene, case) if case.is_long else [("source", source_text(scene))]),
         ("span", f"{seconds(scene.t_end)}, a sample every {every}: {counted(scene.sample_count, 'sample')}"),
     ]
 
@@ -69,7 +70,10 @@ def result_lines(result: Result) -> list[tuple[str, str]]:
         lines.append(("certificate", certificate_text(attrs)))
     if "grazing_margin" in attrs:
         lines.append(
-            ("grazing margin", f"{metres(attrs['grazing_margin'])} at {attrs['grazing_time']:.3f} s")
+            (
+                "grazing margin",
+                f"{metres(attrs['grazing_margin'], scene.length_unit)} at {attrs['grazing_time']:.3f} s",
+            )
         )
     if "energy_residual" in attrs:
         lines.append(("energy residual", energy_text(attrs)))
@@ -93,7 +97,8 @@ def counts_of(result: Result) -> dict[str, dict[str, int]]:
 
 def orbit_text(attrs: Mapping[str, Any], scene: Scene) -> str:
     """What is known of the periodic orbit that a file holds."""
-    periods = counted(attrs["orbit_periods"], "turn" if scene.has_motor else "period")
+    turns = scene.has_motor or turning_rotor(scene) is not None
+    periods = counted(attrs["orbit_periods"], "turn" if turns else "period")
     stable = "stable" if attrs["orbit_stable"] else "unstable"
     return f"{periods}, {attrs['orbit_period_s']:.10g} s, {stable}, events {attrs['orbit_events'] or 'none'}"
 
@@ -115,12 +120,12 @@ def energy_text(attrs: Mapping[str, Any]) -> str:
 
 def trust_text(result: Result) -> str:
     """To what and until when a trajectory is right; its estimated error where it is to the end."""
-    attrs = result.attrs
-    tolerance, horizon = f"right to {number(attrs['trust_tolerance_m'], 2)} m", attrs["trust_horizon_s"]
+    attrs, unit = result.attrs, result.error_unit
+    tolerance, horizon = f"right to {number(attrs['trust_tolerance_m'], 2)} {unit}", attrs["trust_horizon_s"]
     if horizon < result.t_reached:
         return f"{tolerance} until {horizon:.4g} s{unknown_text(attrs)}"
     error = number(attrs["error_estimate_max"], 2)
-    return f"{tolerance} over the whole run; estimated error up to {error} m"
+    return f"{tolerance} over the whole run; estimated error up to {error} {unit}"
 
 
 def last_sample(result: Result) -> float:
@@ -132,8 +137,6 @@ def source_text(scene: Scene) -> str:
     """The source of excitation of the short form, its frequency in Hz and in rad/s."""
     if scene.motor is not None:
         return f"motor, {motor_text(scene.motor)}"
-    if scene.rotors:
-        return "motor, by formulas"
     for force in scene.forces:
         (term,) = force.terms
         constant = f" + {number(force.constant, 6)} N" if force.constant else ""
@@ -213,20 +216,39 @@ KINDS = (("link", "links"), ("stop", "stops"), ("friction", "frictions"), ("clea
 Lines = Iterator[tuple[str, str]]
 
 
-def scene_lines(scene: Scene) -> Lines:
+def scene_lines(scene: Scene, case: Case) -> Lines:
     """Label and text of what a scene is made of."""
-    unit = "kg m^2" if scene.torsional else "kg"
-    bodies = [body for body in scene.bodies if body.kind == BODY]
-    yield "bodies", listed([f"{body.name} {number(body.m, 6)} {unit}" for body in bodies])
-    for kind in (ROTOR, STATE):
-        names = [body.name for body in scene.bodies if body.kind == kind]
-        if names:
-            yield f"{kind}s", listed(names)
+    mass = "kg m^2" if scene.torsional else "kg"
+    yield "bodies", listed([f"{body.name} {number(body.m, 6)} {mass}" for body in scene.line])
+    yield from _rotor_and_state_lines(scene)
     parts = [f"{word} {part.name}" for word, section in KINDS for part in getattr(scene, section)]
     if parts:
         yield "parts", listed(parts)
     for i, text in enumerate(shortened(list(source_texts(scene)) or ["none"])):
         yield ("" if i else "source"), text
+    for i, text in enumerate(shortened(formula_texts(case) if scene.has_formulas else [])):
+        yield ("" if i else "formulas"), text
+
+
+def _rotor_and_state_lines(scene: Scene) -> Lines:
+    rotors = [f"{body.name} {number(body.m, 6)} kg m^2" for body in scene.bodies if body.kind == ROTOR]
+    if rotors:
+        yield "rotors", listed(rotors)
+    units = dict(scene.state_units)
+    states = [
+        f"{body.name} {units.get(body.name, '')}".rstrip() for body in scene.bodies if body.kind == STATE
+    ]
+    if states:
+        yield "states", listed(states)
+
+
+def formula_texts(case: Case) -> list[str]:
+    """The formulas of a case as it has them, each with its key, in the order of the case."""
+    return [
+        one_line(f"{key} = {value.text}")
+        for key, value in case.values.items()
+        if hasattr(value, "text") and not isinstance(value, Quantity)
+    ]
 
 
 def listed(texts: Sequence[str]) -> str:
@@ -241,20 +263,24 @@ def shortened(texts: Sequence[str]) -> list[str]:
 
 
 def source_texts(scene: Scene) -> Iterator[str]:
-    """Each force, the base and the motor, with its frequency in Hz and in rad/s; a formula is called one."""
-    unit = "N m" if scene.torsional else "N"
+    """Each force on a body, the base and the motor, with its frequency in Hz and in rad/s; torques of rotors
+    too, rates of states not.
+    """
     for force in scene.forces:
-        if scene.bodies[force.on].kind != BODY:
+        on = scene.bodies[force.on]
+        if on.kind == STATE:
             continue
-        bare = not force.terms and force.formula is None
-        constant = [f"{number(force.constant, 6)} {unit}"] if force.constant or bare else []
+        unit = "N m" if on.kind == ROTOR else scene.force_unit
+        constant = [f"{number(force.constant, 6)} {unit}"] if force.constant else []
         terms = [harmonic_text(term, f"{number(term.amplitude, 6)} {unit}") for term in force.terms]
         terms += ["a formula"] if force.formula is not None else []
-        yield f"force {force.name} on {scene.end_name(force.on)}: {' + '.join([*terms, *constant])}"
-    if scene.base:
-        yield "base: " + " + ".join(harmonic_text(term, metres(term.amplitude)) for term in scene.base)
+        called = "torque" if on.kind == ROTOR and force.name == on.name else f"force {force.name}"
+        yield f"{called} on {on.name}: {' + '.join([*terms, *constant]) or f'0 {unit}'}"
     if scene.base_formula is not None:
         yield "base: a formula"
+    if scene.base:
+        unit = scene.length_unit
+        yield "base: " + " + ".join(harmonic_text(term, metres(term.amplitude, unit)) for term in scene.base)
     if scene.motor is not None:
         yield f"motor on {scene.end_name(scene.motor.on)}: {motor_text(scene.motor)}"
 
@@ -291,8 +317,10 @@ def clearance_lines(scene: Scene, attrs: Mapping[str, Any], counts: Mapping[str,
     """What each clearance needs, and what it has."""
     needed = attrs.get("clearances_needed", [None] * len(scene.clearances))
     for i, (part, distance) in enumerate(zip(scene.clearances, needed, strict=True)):
-        text = "unknown: the samples are too far apart" if distance is None else f"needs {metres(distance)}"
-        text += f", has {metres(part.distance)}"
+        text = "unknown: the samples are too far apart"
+        if distance is not None:
+            text = f"needs {metres(distance, scene.length_unit)}"
+        text += f", has {metres(part.distance, scene.length_unit)}"
         violations = counts[part.name].get("violations", 0)
         said = f": {counted(violations, 'violation')}" if violations else ""
         yield ("" if i else "clearances"), f"{part.name} {text}" + style(said, fg="yellow")
@@ -361,8 +389,10 @@ def counted(number: int, word: str) -> str:
     return f"{number} {word}{'' if number == 1 else 's'}"
 
 
-def metres(x: float) -> str:
-    """A length to four digits with the prefix that suits it; 0 has no sign."""
+def metres(x: float, unit: str = "m") -> str:
+    """A length to four digits with the prefix that suits it, or an angle in rad; 0 has no sign."""
+    if unit != "m":
+        return f"{x + 0.0:.4g} {unit}"
     factor, unit = next(((f, u) for f, u in PREFIXES if abs(x) >= f), PREFIXES[-1]) if x else PREFIXES[0]
     return f"{x / factor + 0.0:.4g} {unit}"
 

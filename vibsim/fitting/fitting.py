@@ -15,7 +15,7 @@ from vibsim.fitting.plan import METHODS, FitPlan, Search, measure_all
 from vibsim.fitting.search import Evaluation, Watch, search
 from vibsim.fitting.statements import parse_statement, read_free, read_reading
 from vibsim.results.blocks_ahead import available_cores
-from vibsim.sweeps.axes import Members, read_members
+from vibsim.sweeps.axes import Members, read_members, rotor_angles
 from vibsim.sweeps.sweep_plan import PlanError
 from vibsim.sweeps.sweeping import read_ensemble
 from vibsim.sweeps.workers import LocalWorkers
@@ -137,7 +137,7 @@ def _members(cases: list[Case], ensemble: int, seed: int, spread: Mapping[str, s
         raise FitError(f"the number of starts must not be negative, got {ensemble}")
     if not ensemble and not spread:
         return None
-    if not spread and not cases[0].scene().has_motor:
+    if not spread and not rotor_angles(cases[0]):
         raise FitError(
             'say what varies over the starts, such as spread={"x1": "1 mm"}, or ask for none: ensemble=0'
         )

@@ -166,8 +166,8 @@ class Coordinates:
             return ("rad", "rad/s")[i - 2 * n]
         if bodies[i % n].kind == STATE:
             return dict(self.scene.state_units).get(bodies[i % n].name, "")
-        turns = bodies[i % n].kind == ROTOR or self.scene.torsional
-        return ("rad" if turns else "m") + ("" if i < n else "/s")
+        unit = "rad" if bodies[i % n].kind == ROTOR else self.scene.length_unit
+        return unit + ("" if i < n else "/s")
 
 
 def unknown_count(scene: Scene) -> int:

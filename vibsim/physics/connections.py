@@ -70,8 +70,13 @@ def pairs_of(scene: Scene) -> tuple[Pair, ...]:
 
 
 def joined_pairs(scene: Scene) -> tuple[Pair, ...]:
-    """The pairs of ends of links and stops alone: those whose distance makes forces."""
+    """The pairs of ends of links and stops alone."""
     return _distinct((*scene.links, *scene.stops))
+
+
+def force_pairs(scene: Scene) -> tuple[Pair, ...]:
+    """The pairs of ends whose distance makes forces: of links and stops, and those that formulas read."""
+    return _distinct((*scene.links, *scene.stops, *felt_pairs(scene)))
 
 
 def felt_pairs(scene: Scene[Any]) -> tuple[Pair, ...]:

@@ -373,6 +373,16 @@ class Scene(Sampled[N], Generic[N]):
         return tuple(body for body in self.bodies if body.kind == BODY)
 
     @property
+    def length_unit(self) -> str:
+        """Unit of displacements: rad of a torsional scene."""
+        return "rad" if self.torsional else "m"
+
+    @property
+    def force_unit(self) -> str:
+        """Unit of forces: N m of a torsional scene, where they are torques."""
+        return "N m" if self.torsional else "N"
+
+    @property
     def has_formulas(self) -> bool:
         """Whether any part has a law that is a formula, or there is a rotor or a state."""
         return (

@@ -16,7 +16,7 @@ import numpy as np
 from vibsim.physics.connections import body_sets
 from vibsim.physics.linear_algebra import symmetric_eigenvalues
 from vibsim.physics.numbers import N
-from vibsim.physics.parts import BODY, ROTOR, Link, RigidStop, Scene, Stop
+from vibsim.physics.parts import ANGLE, BODY, ROTOR, SPEED, Link, RigidStop, Scene, Stop
 
 RIGID = 1e-12  # of the largest squared rate, below which one is that of a rigid motion, 0 but for rounding
 
@@ -187,6 +187,19 @@ def turning_rotor(scene: Scene[Any]) -> int | None:
     from vibsim.physics.formula_values import driven_rotors
 
     return next(iter(driven_rotors(scene)), None)
+
+
+def turning_columns(scene: Scene[Any]) -> tuple[str, str] | None:
+    """Columns of the angle and the speed whose turns are the cycles of a scene: of the motor, or of its
+    rotor.
+    """
+    if scene.motor is not None:
+        return ANGLE, SPEED
+    rotor = turning_rotor(scene)
+    if rotor is None:
+        return None
+    phi, w = scene.bodies[rotor].columns
+    return (phi, w) if phi is not None else None
 
 
 def reads_time(scene: Scene[Any]) -> bool:

@@ -81,6 +81,11 @@ class Tables:
         )
 
     @property
+    def error_unit(self) -> str:
+        """The unit of the errors that decide."""
+        return self.samples[self.deciding[0]].units or "1"
+
+    @property
     def flags(self) -> tuple[str, ...]:
         """Names of the sampled columns that say the state of a part."""
         return tuple(name for name, column in self.samples.items() if column.flags)
@@ -88,9 +93,8 @@ class Tables:
     def judged(self, judgements: Iterable[str] = JUDGEMENTS) -> "Tables":
         """These, and columns that judge the samples."""
         judging = {name: JUDGEMENTS[name] for name in judgements}
-        unit = self.samples[self.deciding[0]].units
-        if unit != "m":
-            judging = {name: replace(column, units=unit) for name, column in judging.items()}
+        if self.error_unit != "m":
+            judging = {name: replace(column, units=self.error_unit) for name, column in judging.items()}
         return replace(self, samples=self.samples | judging)
 
 
@@ -127,10 +131,9 @@ def _states_of(scene: Scene, body: Body) -> dict[str, Column]:
             x: Column("rad", f"angle of the rotor {body.name}"),
             v: Column("rad s-1", f"speed of the rotor {body.name}"),
         }
-    length = "rad" if scene.torsional else "m"
     return {
-        x: Column(length, f"displacement of {_called(body.name)}"),
-        v: Column(f"{length} s-1", f"velocity of {_called(body.name)}"),
+        x: Column(scene.length_unit, f"displacement of {_called(body.name)}"),
+        v: Column(f"{scene.length_unit} s-1", f"velocity of {_called(body.name)}"),
     }
 
 
@@ -147,7 +150,7 @@ def starts_of(scene: Scene, is_long: bool) -> dict[str, tuple[str, str]]:
         assert x is not None
         names = ("phi", "phidot" if body.name == MOTOR else "w") if body.kind == ROTOR else ("x", "v")
         keys = [f"{body.name}.{name}" for name in names] if is_long else (x, v)
-        unit = "rad" if body.kind == ROTOR or scene.torsional else "m"
+        unit = "rad" if body.kind == ROTOR else scene.length_unit
         starts |= {x: (f"initial.{keys[0]}", unit), v: (f"initial.{keys[1]}", f"{unit}/s")}
     if scene.has_motor:
         where = "initial.motor" if is_long else "initial"
@@ -364,7 +367,7 @@ COUNTED = {
     "sticks": ("stick_begin",),
     "reversals": ("reversal",),
     "violations": ("violation_begin",),
-    "switches": ("switch",),
+    "jumps": (SWITCH,),
 }
 
 

@@ -174,6 +174,11 @@ class Result(Labelled):
         judgements = [name for name in JUDGEMENTS if name in self]
         return tables_of(self.case.scene()).judged(judgements)
 
+    @property
+    def error_unit(self) -> str:
+        """Unit of `error_estimate` and of the tolerance of its horizon: m, of torsional scenes rad."""
+        return self._tables().error_unit
+
     def _truth_writer(self, path: str | Path, digits: "Digits", force: bool) -> Any:
         """A writer that has the digits already."""
         from vibsim.results.trajectory_file import TruthWriter
@@ -352,7 +357,7 @@ def _counted(count: int, word: str) -> str:
 
 
 def _trust(result: "Result") -> str:
-    tolerance = f"to {number(result.attrs['trust_tolerance_m'], 2)} m"
+    tolerance = f"to {number(result.attrs['trust_tolerance_m'], 2)} {result.error_unit}"
     horizon = result.trust_horizon
     assert horizon is not None
     if horizon < result.t_reached:

@@ -1,5 +1,6 @@
 """One axis of a sweep: a key of the case and the exact values it takes, in the order they are written."""
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -380,6 +381,7 @@ def _about(key: str, usual: Quantity, shape: str, width: Quantity) -> Spread:
 
 NAME = "member"
 FULL_TURN = "0:1 turn"
+ANGLE_OF_ROTOR = re.compile(r"initial\.[^.]+\.phi")  # of a rotor by its name
 ROTOR_ANGLES = ("initial.phi", "initial.motor.phi")  # in the short form of a case, and in the long
 
 
@@ -460,8 +462,13 @@ def axis_from_plain(data: Mapping[str, Any]) -> Axis | Members:
     return Members.from_plain(data) if "seed" in data else Axis.from_plain(data)
 
 
+def rotor_angles(case: "Case") -> list[str]:
+    """Keys of the angles of the motor, or of all rotors, at the start of a case."""
+    return [key for key in case.values if key in ROTOR_ANGLES or ANGLE_OF_ROTOR.fullmatch(key)]
+
+
 def read_members(case: "Case", count: int, seed: int, spreads: Mapping[str, str]) -> Members:
-    """An ensemble of a case; of a motor, unless told otherwise, over all rotor angles at the start.
+    """An ensemble of a case; of a motor or rotors, unless told otherwise, over all their angles at the start.
 
     spreads : key -> spread, see `vibsim.sweeps.axes`
 
@@ -471,9 +478,8 @@ def read_members(case: "Case", count: int, seed: int, spreads: Mapping[str, str]
         raise SpreadError(f"an ensemble needs at least 1 member, got {count}")
     if seed < 0:
         raise SpreadError(f"the seed must not be negative, got {seed}")
-    angle = next((key for key in ROTOR_ANGLES if key in case.values), None)
-    if not spreads and angle is not None:
-        spreads = {angle: FULL_TURN}
+    if not spreads:
+        spreads = dict.fromkeys(rotor_angles(case), FULL_TURN)
     if not spreads:
         raise SpreadError('say what varies over the ensemble, such as spread={"x1": "1 mm"}')
     read = tuple(read_spread(case, key, text) for key, text in spreads.items())

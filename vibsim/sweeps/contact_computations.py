@@ -13,7 +13,7 @@ from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.elementary import mean
 from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene
-from vibsim.physics.rates import Period, common_period
+from vibsim.physics.rates import Period, common_period, turning_columns
 from vibsim.results.file_contents import Column
 from vibsim.sweeps.quantities import RELATIVE_RATE, Columns, MeasuredMotion, Quantities, distinct
 from vibsim.sweeps.statistics import MeasuredRun, velocities
@@ -52,7 +52,8 @@ class Contacts:
         self._rates = [MeasuredMotion("", "", "", "", stop.P, stop.Q) for stop in task.scene.stops]
         columns = part_columns(task.scene)
         self._numbers = [columns.index(stop_column(name)) for name in self._names]
-        self._period = None if task.scene.has_motor else common_period(task.scene)
+        self._turning = turning_columns(task.scene)
+        self._period = None if self._turning else common_period(task.scene)
         self._parts: list[Contact] = []
 
     def update(self, block: Block) -> None:
@@ -66,6 +67,8 @@ class Contacts:
         columns = {"t": events["t"], "part": events["part"], "velocity": self._velocity(events)}
         if self._scene.has_motor:
             columns |= {"phase": events["phase"] / TURN, "speed": events["phidot"] / TURN}
+        elif self._turning is not None:
+            columns["phase"] = np.mod(events[self._turning[0]] / TURN, 1.0)
         elif self._period is not None:
             columns["phase"] = _phase(self._period, events["t"])
         return columns
@@ -112,7 +115,9 @@ def contact_section_columns(of: Quantities) -> Columns:
     for stop in _stops(of):
         at = "at the last beginnings of contact" + (f" with {stop}" if stop else "")
         rate = f"velocity v_P - v_Q of {stop}" if stop else RELATIVE_RATE
-        columns_of_parts[_name("velocity", stop)] = Column("m s-1", f"{rate} {at}", dimension="contact")
+        columns_of_parts[_name("velocity", stop)] = Column(
+            f"{of.length} s-1", f"{rate} {at}", dimension="contact"
+        )
         if of.has_source:
             columns_of_parts[_name("phase", stop)] = Column(
                 "1", f"phase of the source in turns, 0 to 1, {at}", "contact"
@@ -165,15 +170,18 @@ QUANTILES = np.arange(21) / 20
 
 def impact_velocity_columns(of: Quantities) -> Columns:
     """Mean and quantiles; none without a stop."""
-    return distinct(*(_columns_of(stop) for stop in ("", *of.stops))) if of.has_stop else {}
+    return distinct(*(_columns_of(stop, of.length) for stop in ("", *of.stops))) if of.has_stop else {}
 
 
-def _columns_of(stop: str) -> Iterator[tuple[str, Column]]:
+def _columns_of(stop: str, length: str) -> Iterator[tuple[str, Column]]:
     contacts = f"contact with {stop}" if stop else "contact"
     words = f"relative velocity at the beginnings of {contacts} in the whole periods after the transient"
     mean_name, spectrum = _names(stop)
-    yield mean_name, Column("m s-1", f"mean {words}")
-    yield spectrum, Column("m s-1", f"quantiles of the {words}; 0: least, 1: greatest", dimension="quantile")
+    yield mean_name, Column(f"{length} s-1", f"mean {words}")
+    yield (
+        spectrum,
+        Column(f"{length} s-1", f"quantiles of the {words}; 0: least, 1: greatest", dimension="quantile"),
+    )
 
 
 def _names(stop: str) -> tuple[str, str]:
@@ -219,7 +227,7 @@ def grazing_columns(of: Quantities) -> Columns:
     words = "smallest gap at a turn without contact{} after the transient"
     names = ("", *of.stops) if of.has_stop else ()
     return {
-        f"{NAME}_{stop}" if stop else NAME: Column("m", words.format(f" with {stop}" if stop else ""))
+        f"{NAME}_{stop}" if stop else NAME: Column(of.length, words.format(f" with {stop}" if stop else ""))
         for stop in names
     }
 

@@ -1,5 +1,6 @@
 """The points of a sweep: computed one by one, in batches, and gathered in a table."""
 
+import math
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
@@ -15,8 +16,8 @@ from vibsim.engine.columns import state_columns
 from vibsim.engine.errors import EngineError
 from vibsim.engine.section import has_section
 from vibsim.physics.elementary import total
-from vibsim.physics.parts import Scene
-from vibsim.physics.rates import source_rates
+from vibsim.physics.parts import ROTOR, Scene
+from vibsim.physics.rates import source_rates, turning_columns
 from vibsim.sweeps.computations import COMPUTATIONS, Computation
 from vibsim.sweeps.contact_computations import Task
 from vibsim.sweeps.quantities import DONE, FAILED, MISSING
@@ -37,6 +38,7 @@ Measured = tuple[dict[str, float], dict[str, np.ndarray]]
 NOTHING_TO_CARRY = (
     "the run after the transient holds no whole excitation period, so there is no state to carry on from"
 )
+TURN = 2 * math.pi
 NO_PERIOD = "forces and base have no common period, so there is no state to carry on from"
 
 
@@ -158,10 +160,14 @@ def _end_state(scene: Scene, block: Block) -> dict[str, float]:
     Forces and the base begin the next point as they began this one, so the last stroboscopic point is the end
     whose motion they continue.
     """
-    table = block.section if scene.motor is None and source_rates(scene) else block.events
+    timed = scene.motor is None and turning_columns(scene) is None and source_rates(scene)
+    table = block.section if timed else block.events
     states = {name: table[name] for name in state_columns(scene)}
     if scene.has_motor:
         states["phi"] = table["phase"]
+    for phi in (body.columns[0] for body in scene.bodies if body.kind == ROTOR):
+        if phi is not None:
+            states[phi] = np.mod(states[phi], TURN)
     return {f"end_{name}": float(column[-1]) for name, column in states.items() if len(column)}
 
 

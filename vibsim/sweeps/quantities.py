@@ -5,13 +5,13 @@ blocks: x1, x2, and `relative` for x1 - x2, or for x1 where block 2 is fixed.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import chain
 from typing import TYPE_CHECKING
 
-from vibsim.engine.columns import state_columns
-from vibsim.physics.parts import GROUND, Link, RigidStop, Scene, Stop, columns_of
+from vibsim.physics.parts import BODY, GROUND, ROTOR, STATE, Link, RigidStop, Scene, Stop, columns_of
 from vibsim.physics.rates import is_driven
+from vibsim.results.columns import starts_of, written_unit
 from vibsim.results.file_contents import Column
 
 if TYPE_CHECKING:
@@ -58,8 +58,10 @@ class Quantities:
         be swept
     is_powered : whether something puts power in: a source, a constant force, a belt
     powers : column of a part's mean power -> (its entry in the energy ledger, what it is)
-    starts : state (x_ram, phi) -> key of its start value in the case
+    starts : state (x_ram, phi) -> key of its start value in the case, and its unit there
     of_parts : whether the case has the long form
+    length : unit of displacements
+    rotors : name of each rotor -> columns of its angle and speed; states : name of each -> its unit
     """
 
     motions: tuple[MeasuredMotion, ...]
@@ -74,8 +76,11 @@ class Quantities:
     has_source: bool
     is_powered: bool
     powers: dict[str, tuple[str, str]]
-    starts: dict[str, str]
+    starts: dict[str, tuple[str, str]]
     of_parts: bool
+    length: str = "m"
+    rotors: dict[str, tuple[str, str]] = field(default_factory=dict)
+    states: dict[str, str] = field(default_factory=dict)
 
 
 def quantities_of(case: "Case") -> Quantities:
@@ -91,7 +96,6 @@ def of_two_blocks(scene: Scene) -> Quantities:
     two = len(scene.bodies) > 1
     x1, *x2 = _bodies(scene)
     pair = MeasuredMotion("relative", "velocity", "x1 - x2", RELATIVE_RATE, 0, 1 if two else GROUND)
-    states = state_columns(scene)
     return Quantities(
         motions=(x1, *x2, pair) if two else (x1,),
         ranged={"relative": pair if two else x1},
@@ -105,23 +109,17 @@ def of_two_blocks(scene: Scene) -> Quantities:
         has_source=is_driven(scene),
         is_powered=is_driven(scene),
         powers={},
-        starts={name: f"initial.{name}" for name in states},
+        starts=starts_of(scene, is_long=False),
         of_parts=False,
     )
 
 
 def of_parts(scene: Scene, frictions: Iterable[str]) -> Quantities:
     """Of a scene of named parts; frictions: names of all, of those with mu = 0 too."""
-    bodies = tuple(_bodies(scene))
+    bodies, units = tuple(_bodies(scene)), dict(scene.state_units)
     motions = (*bodies, *_pairs(scene))
     frictions = tuple(frictions)
-    starts = {
-        column: f"initial.{body.name}.{state}"
-        for body in scene.bodies
-        for column, state in zip(columns_of(body.name), "xv", strict=True)
-    }
-    if scene.has_motor:
-        starts |= {name: f"initial.motor.{name}" for name in ("phi", "phidot")}
+    turning = {body.name: body.columns for body in scene.bodies if body.kind == ROTOR}
     return Quantities(
         motions=motions,
         ranged={motion.name: motion for motion in motions},
@@ -139,13 +137,18 @@ def of_parts(scene: Scene, frictions: Iterable[str]) -> Quantities:
         has_source=is_driven(scene),
         is_powered=is_driven(scene) or bool(scene.forces) or any(f.belt for f in scene.frictions),
         powers=_powers(scene, frictions),
-        starts=starts,
+        starts=starts_of(scene, is_long=True),
         of_parts=True,
+        length=scene.length_unit,
+        rotors={name: (phi, w) for name, (phi, w) in turning.items() if phi is not None},
+        states={
+            body.name: written_unit(units.get(body.name, "")) for body in scene.bodies if body.kind == STATE
+        },
     )
 
 
 def _bodies(scene: Scene) -> Iterator[MeasuredMotion]:
-    for i, body in enumerate(scene.bodies):
+    for i, body in enumerate(scene.line):
         x, v = columns_of(body.name)
         yield MeasuredMotion(x, v, x, v, i)
 
@@ -173,13 +176,20 @@ def _end_columns(scene: Scene, end: int) -> tuple[str, str]:
 
 def _damped_stops(scene: Scene) -> list[str]:
     """Names of the stops that take energy: elastic ones with a damper, and rigid ones."""
-    return [stop.name for stop in scene.stops if isinstance(stop, RigidStop) or stop.c]
+    return [stop.name for stop in scene.stops if isinstance(stop, RigidStop) or stop.jumps]
 
 
 def _powers(scene: Scene, frictions: Iterable[str]) -> dict[str, tuple[str, str]]:
-    """The parts that give or take power: forces, motor, belts; dampers, stops with one, frictions."""
-    powers = {
-        f"power_force_{f.name}": (f"work.forces.{f.name}", f"force {f.name} gives") for f in scene.forces
+    """The parts that give or take power: forces, torques of rotors, motor, belts; dampers and formulas of
+    links, stops with one, frictions. A rate of a state has no power.
+    """
+    of_kind = {
+        kind: [f.name for f in scene.forces if scene.bodies[f.on].kind == kind] for kind in (BODY, ROTOR)
+    }
+    powers = {f"power_force_{name}": (f"work.forces.{name}", f"force {name} gives") for name in of_kind[BODY]}
+    powers |= {
+        f"power_rotor_{name}": (f"work.rotors.{name}", f"the torque on {name} gives")
+        for name in of_kind[ROTOR]
     }
     if scene.has_motor:
         powers["power_motor"] = "work.motor", "the motor gives"
@@ -188,6 +198,10 @@ def _powers(scene: Scene, frictions: Iterable[str]) -> dict[str, tuple[str, str]
     dampers = [link.name for link in scene.links if link.c]
     powers |= {
         f"power_damper_{name}": (f"loss.links.{name}", f"the damper of {name} takes") for name in dampers
+    }
+    formulas = [link.name for link in scene.links if link.force is not None]
+    powers |= {
+        f"power_link_{name}": (f"loss.links.{name}", f"the formula of {name} takes") for name in formulas
     }
     powers |= {f"power_stop_{name}": (f"loss.stops.{name}", f"the stop {name} takes") for name in damped}
     powers |= {
@@ -244,6 +258,7 @@ def statistics(of: Quantities) -> Columns:
     whole = f"whole excitation periods {_LATE}, from which the statistics are taken"
     return distinct(
         _speeds().items() if of.has_motor else (),
+        _rotor_speeds(of),
         _amplitudes(of),
         _ranges(of),
         _drifts(of),
@@ -255,14 +270,14 @@ def statistics(of: Quantities) -> Columns:
 
 def _amplitudes(of: Quantities) -> Iterator[tuple[str, Column]]:
     for motion in of.motions:
-        yield f"amplitude_{motion.name}", Column("m", _HALF.format(motion.words, "mean"))
-        yield f"amplitude_{motion.name}_max", Column("m", _HALF.format(motion.words, "greatest"))
+        yield f"amplitude_{motion.name}", Column(of.length, _HALF.format(motion.words, "mean"))
+        yield f"amplitude_{motion.name}_max", Column(of.length, _HALF.format(motion.words, "greatest"))
 
 
 def _drifts(of: Quantities) -> Iterator[tuple[str, Column]]:
     for name, motion in of.drifting.items():
         line = f"slope of the least-squares line through {motion.words} at the stroboscopic points {_LATE}"
-        yield name, Column("m s-1", line)
+        yield name, Column(f"{of.length} s-1", line)
 
 
 def _speeds() -> Columns:
@@ -273,12 +288,17 @@ def _speeds() -> Columns:
     }
 
 
+def _rotor_speeds(of: Quantities) -> Iterator[tuple[str, Column]]:
+    for name in of.rotors:
+        yield f"mean_speed_{name}", Column("Hz", f"mean speed of {name} over the whole periods {_LATE}")
+
+
 def _ranges(of: Quantities) -> Iterator[tuple[str, Column]]:
     """Least and greatest displacements; of the two blocks the greatest is the rest distance needed."""
     for name, motion in of.ranged.items():
         words, needed = (motion.words, "") if of.of_parts else (RELATIVE, ": the rest distance needed")
-        yield f"{name}_min", Column("m", f"least {words} {_LATE}")
-        yield f"{name}_max", Column("m", f"greatest {words} {_LATE}{needed}")
+        yield f"{name}_min", Column(of.length, f"least {words} {_LATE}")
+        yield f"{name}_max", Column(of.length, f"greatest {words} {_LATE}{needed}")
 
 
 def _counts(name: str, what: str, parts: Iterable[str]) -> Columns:
@@ -291,7 +311,7 @@ def _counts(name: str, what: str, parts: Iterable[str]) -> Columns:
 def totals(of: Quantities) -> Columns:
     """Totals of the whole run."""
     whole = "in the whole run"
-    margin = Column("m", f"smallest gap at a turn without contact {whole}")
+    margin = Column(of.length, f"smallest gap at a turn without contact {whole}")
     return {
         **({"impacts": Column("1", f"beginnings of contact {whole}")} if of.has_stop else {}),
         **({"sticks": Column("1", f"beginnings of stick {whole}")} if of.has_friction else {}),
@@ -308,18 +328,28 @@ def end_state(of: Quantities) -> Columns:
         "phi": Column("rad", _END.format("rotor angle, reduced to one turn,")),
         "phidot": Column("rad s-1", _END.format("rotor speed")),
     }
-    units = {"x": "m", "v": "m s-1"}
-    return {f"end_{name}": rotor.get(name) or Column(units[name[0]], _END.format(name)) for name in of.starts}
+    angles = {
+        phi: Column("rad", _END.format(f"{phi}, reduced to one turn,")) for phi, _ in of.rotors.values()
+    }
+    known = {**angles, **rotor}
+    return {
+        f"end_{name}": known.get(name) or Column(written_unit(unit), _END.format(name))
+        for name, (_, unit) in of.starts.items()
+    }
 
 
 def section(of: Quantities) -> Columns:
     """The last stroboscopic points."""
     points = "at the last stroboscopic points"
     columns = {
-        name: Column("m s-1", f"{motion.rate_words} {points}", dimension="section")
+        name: Column(f"{of.length} s-1", f"{motion.rate_words} {points}", dimension="section")
         if is_rate
-        else Column("m", f"{motion.words if of.of_parts else RELATIVE} {points}", dimension="section")
+        else Column(of.length, f"{motion.words if of.of_parts else RELATIVE} {points}", dimension="section")
         for name, (motion, is_rate) in of.sections.items()
     }
+    for name, (_, w) in of.rotors.items():
+        columns[f"section_{w}"] = Column("Hz", f"speed of {name} {points}", dimension="section")
+    for name, unit in of.states.items():
+        columns[f"section_{name}"] = Column(unit, f"{name} {points}", dimension="section")
     speed = Column("Hz", f"motor speed {points}", dimension="section")
     return {**columns, "section_speed": speed} if of.has_motor else columns

@@ -17,7 +17,7 @@ from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory, state_at
 from vibsim.physics.elementary import dot, mean
 from vibsim.physics.parts import BASE, EVENT_KINDS, GROUND, IMPACTS, Link, Scene, Stop, columns_of
-from vibsim.physics.rates import mobility, source_rates
+from vibsim.physics.rates import fastest_of_formulas, mobility, source_rates, spins
 from vibsim.results.columns import base_motion
 from vibsim.sweeps.quantities import MeasuredMotion, Quantities
 
@@ -197,6 +197,8 @@ class Statistics:
         }
         if self.scene.has_motor:
             values["section_speed"] = points["phidot"] / TURN
+        values |= {f"section_{w}": points[w] / TURN for _, w in self.of.rotors.values()}
+        values |= {f"section_{name}": points[name] for name in self.of.states}
         return {
             name: np.concatenate([np.full(count - len(column), np.nan), column])
             for name, column in values.items()
@@ -251,10 +253,15 @@ class Statistics:
         return drifts
 
     def _speeds(self, points: dict[str, np.ndarray], run: MeasuredRun) -> dict[str, float]:
-        """Mean speed over the whole periods, extremes over everything [Hz]."""
-        if not self.scene.has_motor:
-            return {}
+        """Mean speeds over the whole periods, extremes of that of a motor over everything [Hz]."""
         span = points["time"][-1] - points["time"][0]
+        if not self.scene.has_motor:
+            return {
+                f"mean_speed_{name}": float((points[phi][-1] - points[phi][0]) / TURN / span)
+                if span
+                else math.nan
+                for name, (phi, _) in self.of.rotors.items()
+            }
         mean = (points["phi"][-1] - points["phi"][0]) / TURN / span if span else math.nan
         least, greatest, _ = run.extremes
         return {
@@ -336,8 +343,9 @@ def sampled_for_statistics(scene: Scene, every: Fraction | None = None) -> Scene
 
 def samples_per_second(scene: Scene) -> float:
     """Samples [1/s] that resolve free vibration, vibration in contact and sources."""
-    spin = [abs(scene.motor.phidot)] if scene.motor is not None else []
-    rate = max([fastest(scene, scene.links), *source_rates(scene), *spin]) / LARGEST_ANGLE
+    formulas = fastest_of_formulas(scene)
+    rates = [fastest(scene, scene.links), formulas, *source_rates(scene), *spins(scene)]
+    rate = max(rates) / LARGEST_ANGLE
     stops = [stop for _, stop in scene.elastic_stops]
     if stops:
         rate = max(rate, fastest(scene, (*scene.links, *stops)) / LARGEST_ANGLE_IN_CONTACT)

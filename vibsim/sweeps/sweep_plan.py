@@ -18,6 +18,7 @@ import numpy as np
 
 from vibsim.analysis.span import HALF, Discard
 from vibsim.cases.quantities import Quantity
+from vibsim.physics.rates import common_period, reads_time
 from vibsim.results.file_contents import Column
 from vibsim.sweeps.axes import Axis, Members
 from vibsim.sweeps.computations import COMPUTATIONS, length_of
@@ -33,13 +34,6 @@ if TYPE_CHECKING:
 
 
 SMALLEST = 2.0**-1022  # below it a case does not take a number
-UNITS = {  # of a state by its name, or by the letter that it begins with
-    "x": "m",
-    "v": "m/s",
-    "phi": "rad",
-    "phidot": "rad/s",
-}
-
 Start = Mapping[str, str]  # initial values that replace those of the case, such as {"initial.x1": "0.1 m"}
 
 
@@ -61,11 +55,10 @@ class PointRecipe:
 
     def start_after(self, values: Mapping[str, float]) -> Start:
         """Start values of the point that goes on where the one with these `values` ended."""
-        ends = {name: values.get(f"end_{name}") for name in self.of.starts}
+        starts = self.of.starts.items()
+        ends = [(key, unit, values.get(f"end_{name}")) for name, (key, unit) in starts]
         return {
-            self.of.starts[name]: f"{_storable(value)!r} {UNITS.get(name) or UNITS[name[0]]}"
-            for name, value in ends.items()
-            if value is not None
+            key: f"{_storable(value)!r} {unit}".rstrip() for key, unit, value in ends if value is not None
         }
 
     def point_case(self, changes: Mapping[str, str], start: Start | None = None) -> "Case":
@@ -166,6 +159,9 @@ class SweepPlan:
         if self.carry and scene.has_motor and scene.harmonics:
             what = "a motor beside forces or a base that vibrate has no state to carry: where its turns end"
             raise PlanError(f"{what}, these are not where a run begins them")
+        if self.carry and reads_time(scene) and common_period(scene) is None:
+            what = "a formula that reads the time and has no period in it leaves no state to carry"
+            raise PlanError(f"{what}: the next run begins it anew")
 
     @property
     def shape(self) -> Index:

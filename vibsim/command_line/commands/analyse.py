@@ -193,11 +193,12 @@ def analysis_lines(source: str, result: Result, verdicts: Analysis, verbose: boo
         lines.append(("judged", _span(verdicts.steady.window) + _trusted(verdicts.steady.trusted)))
     if verdicts.capture:
         lines += capture_lines(verdicts.capture, verbose)
-    lines += _of_each(verdicts.drift, lambda one: [("drift", drift_text(one))], "drift")
+    unit = result.case.scene().length_unit
+    lines += _of_each(verdicts.drift, lambda one: [("drift", drift_text(one, unit))], "drift")
     lines += _of_each(verdicts.impacts, lambda one: impact_lines(one, verbose), "impacts")
     if verdicts.regime:
         lines += regime_lines(verdicts.regime)
-    lines += _of_each(verdicts.frequencies, lambda one: list(frequency_lines(one)), "frequencies")
+    lines += _of_each(verdicts.frequencies, lambda one: list(frequency_lines(one, unit)), "frequencies")
     return lines
 
 
@@ -238,14 +239,16 @@ def capture_lines(capture: Capture, verbose: bool) -> list[Line]:
     return lines
 
 
-def drift_text(drift: Drift) -> str:
-    """Verdict, rate of the orbit where it is known, rate in the span with its interval."""
-    exact = (
-        "" if drift.orbit_rate is None else f"{number(drift.orbit_rate, 4)} m/s on the periodic orbit, exact"
-    )
+def drift_text(drift: Drift, unit: str) -> str:
+    """Verdict, rate of the orbit where it is known, rate in the span with its interval; unit: of
+    displacements.
+    """
+    exact = ""
+    if drift.orbit_rate is not None:
+        exact = f"{number(drift.orbit_rate, 4)} {unit}/s on the periodic orbit, exact"
     if drift.rate is None or drift.half_width is None:
         return f"{_verdict(drift.verdict)}: {exact or drift.reason}"
-    rate = f"{number(drift.rate, 4)} +- {number(drift.half_width, 2)} m/s ({drift.reason})"
+    rate = f"{number(drift.rate, 4)} +- {number(drift.half_width, 2)} {unit}/s ({drift.reason})"
     return f"{_verdict(drift.verdict)}: {f'{exact}; in the span {rate}' if exact else rate}"
 
 
@@ -286,14 +289,14 @@ def regime_lines(regime: Regime) -> list[Line]:
     return lines
 
 
-def frequency_lines(frequencies: DominantFrequencies) -> Iterator[Line]:
-    """The strongest lines: frequency, order of the source, amplitude."""
+def frequency_lines(frequencies: DominantFrequencies, unit: str) -> Iterator[Line]:
+    """The strongest lines: frequency, order of the source, amplitude; unit: of displacements."""
     if not frequencies.lines:
         verdict = _verdict(frequencies.verdict, {"still": "nothing vibrates"})
         yield "frequencies", f"{verdict}: {frequencies.reason}"
         return
     parts = [
-        f"{line.hz:.4g} Hz{f' ({line.order})' if line.order else ''} {metres(line.amplitude)}"
+        f"{line.hz:.4g} Hz{f' ({line.order})' if line.order else ''} {metres(line.amplitude, unit)}"
         for line in frequencies.lines[:SHOWN]
     ]
     yield "frequencies", ", ".join(parts)

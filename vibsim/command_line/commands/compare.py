@@ -81,11 +81,12 @@ def comparison_lines(
     runs: Sequence[Result], paths: Sequence[str], comparison: Comparison
 ) -> list[tuple[str, str]]:
     """Label and text: both runs, what differs of them, until when they agree, statistics, verdict."""
+    unit = runs[0].error_unit
     lines = [(label, _run_text(run, path)) for label, run, path in zip("AB", runs, paths, strict=True)]
     for row, difference in enumerate(comparison.differences):
         lines.append(("" if row else "differences", f"{difference.key}: {difference.a}  |  {difference.b}"))
     if comparison.verdict != "identical":
-        lines.append(("agreement", _agreement_text(comparison)))
+        lines.append(("agreement", _agreement_text(comparison, unit)))
     if comparison.statistics:
         lines.append(("statistics", f"from {comparison.statistics_from:.4g} to {comparison.span:g} s"))
     lines += [(statistic.name, _statistic_text(statistic)) for statistic in comparison.statistics]
@@ -100,8 +101,8 @@ def _run_text(run: Result, path: str) -> str:
     return f"{path}: {run.attrs['case_name']}, {run.t_reached:g} s{horizon}"
 
 
-def _agreement_text(comparison: Comparison) -> str:
-    within = f"within {number(comparison.tolerance, 2)} m"
+def _agreement_text(comparison: Comparison, unit: str) -> str:
+    within = f"within {number(comparison.tolerance, 2)} {unit}"
     if comparison.verdict == "agree":
         return f"{within} to the end, {comparison.span:g} s"
     if comparison.agree_until is None:

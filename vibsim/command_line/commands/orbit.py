@@ -333,7 +333,8 @@ def orbit_lines(orbit: Orbit, digits: Any = None) -> Lines:
 
 
 def _drift(orbit: Orbit) -> Lines:
-    texts = [f"{metres(value)} of {name}" for name, value in orbit.drift.items()]
+    unit = orbit.scene.length_unit
+    texts = [f"{metres(value, unit)} of {name}" for name, value in orbit.drift.items()]
     return [("drift", f"{', '.join(texts)} per period")] if texts else []
 
 
@@ -388,11 +389,13 @@ def stability_text(orbit: Orbit) -> str:
 
 def margins_text(orbit: Orbit) -> str:
     """Smallest gap at a turn without contact; force between a reversal and sticking, or a stick and slip."""
-    gap = "no turn of a gap" if orbit.margin == inf else f"{metres(orbit.margin)} at a turn of a gap"
+    scene = orbit.scene
+    margin = metres(orbit.margin, scene.length_unit)
+    gap = "no turn of a gap" if orbit.margin == inf else f"{margin} at a turn of a gap"
     force = (
         "no sliding velocity at 0"
         if orbit.sliding == inf
-        else f"{number(orbit.sliding, 4)} N between slip and stick"
+        else f"{number(orbit.sliding, 4)} {scene.force_unit} between slip and stick"
     )
     return f"{gap}; {force}"
 

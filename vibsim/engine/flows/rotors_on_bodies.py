@@ -108,7 +108,9 @@ class Rotors(Generic[N]):
         return total
 
     def turning_alone(self) -> list[list[N]]:
-        """Series of the sines of the rotors on what does not move on its own: nothing else tells how they turn."""
+        """Series of the sines of the rotors on what does not move on its own: nothing else tells how they
+        turn.
+        """
         rotors = zip(self.s, self.rows.rotors, strict=True)
         return [sine for sine, one in rotors if self.mass[self.rows.leader[one.on]] is None]
 
