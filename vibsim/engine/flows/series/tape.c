@@ -4,6 +4,7 @@
 #include "engine.h"
 #include "numbers.h"
 
+#define NEAR_ZERO 16          /* units in the last place of the time within which a zero of the base of a power is one here */
 #define ULPS 4                /* rounding of an elementary function, in units of EPS */
 #define SHORTENINGS 400       /* of a step, each at least by */
 #define LEAST_SHORTENING 0.25 /* binary digits */
@@ -82,12 +83,14 @@ static double square(const double *a, int n)
     return n % 2 == 0 ? total + a[n / 2] * a[n / 2] : total;
 }
 
-/* Of a^p: n a_0 y_n = sum (p (n - i) - i) a_(n-i) y_i over i < n; at a zero of a nothing but the value. */
-static double power(const double *a, const double *y, double p, int n, double inverse)
+/* Of a^p: n a_0 y_n = sum (p (n - i) - i) a_(n-i) y_i over i < n; at a zero of a, or one nearer than `least` [s], nothing but the
+ * value.
+ */
+static double power(const double *a, const double *y, double p, int n, double inverse, double least)
 {
     double total = 0.0;
     int i;
-    if (!(a[0] > 0))
+    if (!(a[0] > least * fabs(a[1])))
         return 0 * a[0];
     for (i = 0; i < n; i++)
         total = total + (p * (n - i) - i) * (a[n - i] * y[i]);
@@ -95,7 +98,7 @@ static double power(const double *a, const double *y, double p, int n, double in
 }
 
 /* Coefficient n > 0 of operation i. */
-static double following(const Op *op, double (*s)[TAPE_ORDERS], int i, int n, double inverse)
+static double following(const Op *op, double (*s)[TAPE_ORDERS], int i, int n, double inverse, double least)
 {
     const double *a = s[op->a], *b = op->b < 0 ? s[i] : s[op->b];
     switch (op->code) {
@@ -115,22 +118,29 @@ static double following(const Op *op, double (*s)[TAPE_ORDERS], int i, int n, do
     case OP_ATAN:
     case OP_ASIN: return quotient(a[n] - weighted(s[i], b, n - 1, n) * inverse, b[0]);
     case OP_ACOS: return quotient(-a[n] - weighted(s[i], b, n - 1, n) * inverse, b[0]);
-    default: return power(a, s[i], op->value, n, inverse);
+    default: return power(a, s[i], op->value, n, inverse, least);
     }
 }
 
-void tape_advance(const Tape *tape, double (*series)[TAPE_ORDERS], const double *row, double t, int n, double inverse)
+void tape_start(TapeRoom *room, double t)
 {
+    room->at.t = t;
+    room->least = NEAR_ZERO * (nextafter(t, INFINITY) - t);
+}
+
+void tape_advance(const Tape *tape, const TapeRoom *room, const double *row, int n, double inverse)
+{
+    double (*series)[TAPE_ORDERS] = room->series;
     int i;
     for (i = 0; i < tape->op_count; i++) {
         const Op *op = &tape->ops[i];
         double *s = series[i];
         if (op->code > OP_SPIN)
-            s[n] = n > 0 ? following(op, series, i, n, inverse) : start_value(op, series[op->a][0], op->b < 0 ? 0.0 : series[op->b][0]);
+            s[n] = n > 0 ? following(op, series, i, n, inverse, room->least) : start_value(op, series[op->a][0], op->b < 0 ? 0.0 : series[op->b][0]);
         else if (op->code == OP_CONSTANT)
             s[n] = n == 0 ? op->value : 0.0;
         else if (op->code == OP_TIME)
-            s[n] = n == 0 ? t : n == 1 ? 1.0 : 0.0;
+            s[n] = n == 0 ? room->at.t : n == 1 ? 1.0 : 0.0;
         else
             s[n] = op->from < 0 ? 0.0 : row[op->from];
     }

@@ -68,11 +68,15 @@ typedef struct {
 typedef struct {
     double (*series)[TAPE_ORDERS], *values, *bounds;
     TapeInputs at, blur;
+    double least; /* time [s] nearer than which a zero of the base of a power is one here */
     int ops;
 } TapeRoom;
 
+/* Begin series at the time t. */
+void tape_start(TapeRoom *room, double t);
+
 /* Coefficients of order n along a tape; row: of that order in the table of Taylor series, inverse: 1 / n. */
-void tape_advance(const Tape *tape, double (*series)[TAPE_ORDERS], const double *row, double t, int n, double inverse);
+void tape_advance(const Tape *tape, const TapeRoom *room, const double *row, int n, double inverse);
 
 /* Values along a tape, each with a bound of its rounding. */
 void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blur, double *values, double *bounds);

@@ -302,7 +302,7 @@ static void apply_formulas(const Run *r, const double *row, int n)
     const Mode *m = r->mode;
     double *F = r->force;
     int i;
-    tape_advance(&m->tape, f->tapes.series, row, r->t0, n, f->inverse[n]);
+    tape_advance(&m->tape, &f->tapes, row, n, f->inverse[n]);
     for (i = 0; i < m->formula_count; i++) {
         const FormulaForce *one = &m->formulas[i];
         double force = one->sign * f->tapes.series[m->tape.outputs[one->output]][n];
@@ -324,6 +324,7 @@ INLINE void expand_formulas(Run *r, const State *state, const int motor)
     int n, c;
     if (motor)
         o = rotor_of(r, state);
+    tape_start(&f->tapes, r->t0);
     if (r->rotors.count > 0)
         rotors_expand(r);
     for (n = 0; n <= p; n++, row += stride) {

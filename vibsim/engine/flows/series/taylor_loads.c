@@ -19,8 +19,9 @@ static void expand_base_formula(Run *r, const Tape *tape, double t)
     const double *X = f->tapes.series[tape->outputs[0]];
     double *row = f->table;
     int at = base_column(r), n;
+    tape_start(&f->tapes, t);
     for (n = 0; n <= f->order + 2; n++)
-        tape_advance(tape, f->tapes.series, NULL, t, n, f->inverse[n]);
+        tape_advance(tape, &f->tapes, NULL, n, f->inverse[n]);
     for (n = 0; n < f->order + 2; n++, row += f->stride) {
         row[at] = X[n];
         row[f->rates + at] = (n + 1) * X[n + 1];
