@@ -20,9 +20,9 @@ import numpy as np
 from vibsim.analysis.comparison import FEWEST_BLOCKS, MOST_BLOCKS, average
 from vibsim.analysis.cycles import DriftVerdict, ImpactsVerdict, cycle_ends, events_within, name_verdict
 from vibsim.analysis.span import Span, steady_span
-from vibsim.physics.connections import drifting_sets
+from vibsim.physics.connections import drifting_sets, event_parts
 from vibsim.physics.elementary import dot, mean, sine_cosine_of_arrays, total
-from vibsim.physics.parts import EVENT_KINDS, Scene, columns_of, event_parts
+from vibsim.physics.parts import EVENT_KINDS, Scene, columns_of
 from vibsim.physics.rates import is_driven, masses, source_period
 from vibsim.results.columns import closing_velocities, tables_of
 from vibsim.results.result import Result

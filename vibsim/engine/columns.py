@@ -86,7 +86,7 @@ def sample_columns(scene: Scene[N]) -> tuple[str, ...]:
 
 def event_columns(scene: Scene[N]) -> tuple[str, ...]:
     """Names of the event columns, in file order; `part` is the index of the part among those of
-    `vibsim.physics.parts.event_parts`, or -1.
+    `vibsim.physics.connections.event_parts`, or -1.
     """
     phase = ("phase",) if scene.motor is not None else ()
     states = (*state_columns(scene), *phase, *before_columns(scene))

@@ -16,18 +16,9 @@ from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known
 from vibsim.engine.modes.status import LIFTED, OPEN, STICK, Status
+from vibsim.physics.connections import event_parts
 from vibsim.physics.numbers import TWO_PI, Doubles, N
-from vibsim.physics.parts import (
-    BASE,
-    EVENT_NAMES,
-    RIGID_KINDS,
-    Clearance,
-    Friction,
-    RigidStop,
-    Scene,
-    Stop,
-    event_parts,
-)
+from vibsim.physics.parts import BASE, EVENT_NAMES, RIGID_KINDS, Clearance, Friction, RigidStop, Scene, Stop
 
 Point = tuple[State[N], Status, Known]  # what a run goes on from: state, mode, known zeros
 Row = Mapping[str, float]  # of a table of events, by column

@@ -133,3 +133,19 @@ def _distinct(parts: Iterable[Any]) -> tuple[Pair, ...]:
 
 def _bodies(parts: Iterable[Any]) -> set[int]:
     return {end for part in parts for end in (part.P, part.Q) if end >= 0}
+
+
+# Which parts events may be of.
+
+
+def event_parts(scene: Scene[Any]) -> tuple[str, ...]:
+    """Names of the parts that events may be of, in the order in which files number them: stops, frictions,
+    clearances; behind these the links, forces (torques of rotors and rates of states among them) and the base
+    whose formulas have switches.
+    """
+    names = [part.name for part in (*scene.stops, *scene.frictions, *scene.clearances)]
+    if scene.has_formulas:
+        from vibsim.physics.formula_parts import switching_parts
+
+        names += [name for name in switching_parts(scene) if name not in names]
+    return tuple(names)

@@ -468,16 +468,3 @@ IMPACTS = ("contact_begin", "impact")  # of elastic stops, and of rigid ones
 RIGID_KINDS = ("impact", "transmitted", "chatter", "rest_begin", "rest_end")  # of rigid stops alone
 SWITCH = "switch"  # kind of the events at which a formula jumps; of formulas alone
 EVENT_NAMES = {code: name for name, code in EVENT_KINDS.items()}
-
-
-def event_parts(scene: Scene[N]) -> tuple[str, ...]:
-    """Names of the parts that events may be of, in the order in which files number them: stops, frictions,
-    clearances; behind these the links, forces (torques of rotors and rates of states among them) and the base
-    whose formulas have switches.
-    """
-    names = [part.name for part in (*scene.stops, *scene.frictions, *scene.clearances)]
-    if scene.has_formulas:
-        from vibsim.physics.formula_parts import switching_parts
-
-        names += [name for name in switching_parts(scene) if name not in names]
-    return tuple(names)

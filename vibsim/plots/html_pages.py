@@ -21,7 +21,8 @@ from scipy.optimize import linear_sum_assignment
 
 from vibsim.cases.problems import one_line
 from vibsim.orbits.branches.course import curve_of, drawn, stretches
-from vibsim.physics.parts import EVENT_KINDS, IMPACTS, event_parts
+from vibsim.physics.connections import event_parts
+from vibsim.physics.parts import EVENT_KINDS, IMPACTS
 from vibsim.plots.branch_values import MARKS, ranges
 from vibsim.plots.loci import NAMES
 from vibsim.plots.pairs import pair_of

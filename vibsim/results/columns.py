@@ -10,6 +10,7 @@ import numpy as np
 from vibsim.engine.columns import before_columns, flags_of_parts, part_columns
 from vibsim.engine.resume import rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.connections import event_parts
 from vibsim.physics.elementary import sine_cosine_of_arrays
 from vibsim.physics.parts import (
     ANGLE,
@@ -30,7 +31,6 @@ from vibsim.physics.parts import (
     Scene,
     Stop,
     columns_of,
-    event_parts,
 )
 from vibsim.physics.rates import fastest_rate
 from vibsim.results.file_contents import Column

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.scenes import fixed_block, paper, scene
 from vibsim.cases import load_case
 from vibsim.evidence.peers.equations import Compiled, Equations, start_of
-from vibsim.evidence.peers.straight_line import NAMES, Tape
+from vibsim.evidence.peers.straight_line import NAMES, OperationLog
 from vibsim.physics.two_blocks import gap_function, motor_accelerations, source_force, transmitted_force
 
 STATES = st.lists(st.floats(-1, 1), min_size=6, max_size=6)
@@ -82,7 +82,7 @@ def test_ties_that_share_a_force_are_refused():
 
 
 def test_a_tape_computes_what_floats_do():
-    tape = Tape(2)
+    tape = OperationLog(2)
     a, b = tape.states
     values = [a + 2, 2 - a, -a * b / (1 / b), tape.sin(a), tape.exp(-b), tape.where(a - b, a, b)]
     function = tape.function([*values, tape.tanh(a)])

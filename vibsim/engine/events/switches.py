@@ -14,9 +14,10 @@ from vibsim.engine.modes.formula_rows import FormulaRows
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import SWITCH, Event, Known
 from vibsim.engine.modes.status import Status
+from vibsim.physics.connections import event_parts
 from vibsim.physics.formulas import Node, is_continuous
 from vibsim.physics.numbers import Kit, N, abs
-from vibsim.physics.parts import Scene, event_parts
+from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
     from vibsim.engine.events.departures import DerivativeSigns

@@ -14,7 +14,7 @@ from vibsim.evidence.peers.straight_line import (
     OPEN,
     REST,
     STICK,
-    Tape,
+    OperationLog,
     masses,
     rows_of,
     switches_of,
@@ -26,7 +26,7 @@ from vibsim.physics.parts import AT_FORCE, BASE, Fall, Friction, Harmonic, Rigid
 # The equations of motion of a scene, for the peers: one force after the other as its law is printed.
 #
 # A readable twin of the engine, with which it shares the numbers of the scene and no line: no rows, no
-# groups, no modal coordinates. The numbers may be floats, those of heyoka, or those of a `Tape`; `kit` has
+# groups, no modal coordinates. The numbers may be floats, those of heyoka, or those of a `OperationLog`; `kit` has
 # sin, cos and exp of them.
 
 
@@ -350,13 +350,13 @@ class Compiled:
         self._parameters: dict[tuple[str, ...], list[float]] = {}
         self._halts: dict[tuple[int, ...], list[list[float]]] = {}
 
-    def _equations(self) -> tuple[Tape, ModeEquations]:
-        tape = Tape(*self._sizes)
+    def _equations(self) -> tuple[OperationLog, ModeEquations]:
+        tape = OperationLog(*self._sizes)
         return tape, ModeEquations(self.scene, tape, tape.t, tape.states, tape.parameters)
 
     def _displacements(self) -> Callable[..., tuple[float, ...]]:
         """Depth and rate of each stop; 0 and the velocity of slip of each friction."""
-        tape = Tape(self._sizes[0])
+        tape = OperationLog(self._sizes[0])
         at, values = Equations(self.scene, tape, tape.t, tape.states), []
         for part in (switch.part for switch in self.switches):
             slides = isinstance(part, Friction)
@@ -364,7 +364,7 @@ class Compiled:
         return tape.function(values)
 
     def _base_motion(self) -> Callable[..., tuple[float, ...]]:
-        tape = Tape(self._sizes[0])
+        tape = OperationLog(self._sizes[0])
         return tape.function(Equations(self.scene, tape, tape.t, tape.states).base)
 
     def base_acceleration(self, t: float) -> float:

@@ -22,7 +22,7 @@ from vibsim.evidence.peers.equations import (
     start_of,
     state_count,
 )
-from vibsim.evidence.peers.straight_line import Tape, switches_of
+from vibsim.evidence.peers.straight_line import OperationLog, switches_of
 from vibsim.physics.parts import AT_FORCE, EVENT_KINDS, Friction, Scene, Stop
 from vibsim.physics.rates import fastest_rate
 
@@ -38,7 +38,7 @@ Motion = Callable[[float, Sequence[float]], tuple[float, ...]]
 
 def eventless_motion(scene: Scene, width: float | None = None) -> Motion:
     """d state/dt at (t, state), whatever the mode there; width of tanh [m/s], None for sgn."""
-    tape = Tape(state_count(scene))
+    tape = OperationLog(state_count(scene))
     at = Equations(scene, tape, tape.t, tape.states)
     switches = switches_of(scene)
     flags: list[Number] = []
@@ -50,14 +50,14 @@ def eventless_motion(scene: Scene, width: float | None = None) -> Motion:
     return tape.function(ModeEquations(scene, tape, tape.t, tape.states, [*flags, *untied]).rates)
 
 
-def _slipping(tape: Tape, at: Equations, part: Friction, width: float | None) -> list[Number]:
+def _slipping(tape: OperationLog, at: Equations, part: Friction, width: float | None) -> list[Number]:
     """How much it slips forwards and backwards, 0 to 1."""
     slip = at.slip_velocity(part)
     sign = tape.sgn(slip) if width is None else tape.tanh(slip / width)
     return [tape.where(slip, sign, 0.0), tape.where(slip, 0.0, -sign)]
 
 
-def _in_contact(tape: Tape, at: Equations, part: Stop) -> list[Number]:
+def _in_contact(tape: OperationLog, at: Equations, part: Stop) -> list[Number]:
     """0 for free, and whether it acts."""
     acts: Any = 1.0
     if part.release == AT_FORCE:
@@ -183,7 +183,7 @@ Depths = Callable[[float, Sequence[float]], tuple[float, ...]]
 
 def depths_of(scene: Scene) -> Depths:
     """The depths [m] of the stops of a scene at (t, state)."""
-    tape = Tape(state_count(scene))
+    tape = OperationLog(state_count(scene))
     at = Equations(scene, tape, tape.t, tape.states)
     return tape.function([at.depth(stop) for stop in scene.stops])
 

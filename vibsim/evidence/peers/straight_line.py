@@ -1,7 +1,7 @@
 """Equations written once for numbers of any kind, turned into straight-line Python functions.
 
-A `Tape` hands out numbers that note down what is done with them. What scipy's solvers call again and again is
-then a list of assignments to local variables: no loop over parts is left in it.
+An `OperationLog` hands out numbers that note down what is done with them. What scipy's solvers call again and
+again is then a list of assignments to local variables: no loop over parts is left in it.
 """
 
 import math
@@ -22,7 +22,7 @@ NAMES: dict[str, Any] = {
 }
 
 
-class Tape:
+class OperationLog:
     """A number kit whose numbers are local variables of a function of time, state and parameters."""
 
     def __init__(self, states: int, parameters: int = 0):
@@ -70,7 +70,7 @@ class Tape:
 class Noted:
     """A number of a tape."""
 
-    def __init__(self, tape: Tape, name: str):
+    def __init__(self, tape: OperationLog, name: str):
         self.tape, self.name = tape, name
 
     def __add__(self, other: Any) -> "Noted":
