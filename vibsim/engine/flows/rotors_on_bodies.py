@@ -108,12 +108,12 @@ class Rotors(Generic[N]):
         return total
 
     def thrust(self, column: int) -> list[N]:
-        """Series of the force of the rotors on a column."""
+        """Series of the force of the rotors on a column, as far as those of the rotors are known."""
         total = [self.kit.number(0)] * self.order
         for i, one in enumerate(self.rows.rotors):
             if one.on == column:
                 w = self.v[one.column]
-                for n in range(self.order):
+                for n in range(len(self.s[i]) - 1):
                     last = self._pull(i, n, w) + self.s[i][0] * w[n + 1]
                     total[n] = total[n] + one.unbalance * ((n + 1) * last)
         return total
