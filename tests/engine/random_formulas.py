@@ -4,6 +4,7 @@ enough for the Python engine.
 
 import math
 from fractions import Fraction
+from itertools import pairwise
 from random import Random
 
 from vibsim.physics.formulas import (
@@ -77,7 +78,16 @@ class Formulas:
         random = self.random
         if depth == 0 or random.random() < 0.15:
             return random.choice(self.inputs) if random.random() < 0.85 else decimal(random, -2, 2)
-        kinds = [self.sum, self.product, self.quotient, self.function, self.root, self.arc, self.kink, self.table]
+        kinds = [
+            self.sum,
+            self.product,
+            self.quotient,
+            self.function,
+            self.root,
+            self.arc,
+            self.kink,
+            self.table,
+        ]
         return random.choice(kinds + [self.jump] * self.jumps)(depth - 1)
 
     def sum(self, depth):
@@ -131,8 +141,10 @@ class Formulas:
         """A polyline through four points."""
         knots = tuple(Fraction(k, 10) for k in sorted(self.random.sample(range(-25, 25), 4)))
         values = [Fraction(self.random.randint(-20, 20), 10) for _ in knots]
-        rises = zip(zip(values, values[1:], strict=False), zip(knots, knots[1:], strict=False), strict=False)
-        pieces = tuple((low, (high - low) / (end - start)) for (low, high), (start, end) in rises)
+        pieces = tuple(
+            (low, (high - low) / (end - start))
+            for (low, high), (start, end) in zip(pairwise(values), pairwise(knots), strict=True)
+        )
         return ("table", self.one(depth), knots, pieces, "table(a)")
 
     def jump(self, depth):
@@ -292,10 +304,19 @@ class RandomScene:
         motor = Motor(0, 0.1, 0.02, 1e-4, 1e-3, 1.5 * RATE, 0.5, random.choice((0.0, 6.0)))
         clearances = (Clearance("k", *self.ends(), 0.008),) if random.random() < 0.2 else ()
         return Scene(
-            self.bodies(), links, stops, frictions, (*forces, *self.drives()), motor=motor if self.motor else None,
-            clearances=clearances, rotors=rotors, t_end=random.choice((0.5, 1.0, 2.0)), every_num=1, every_den=40,
+            self.bodies(),
+            links,
+            stops,
+            frictions,
+            (*forces, *self.drives()),
+            motor=motor if self.motor else None,
+            clearances=clearances,
+            rotors=rotors,
+            t_end=random.choice((0.5, 1.0, 2.0)),
+            every_num=1,
+            every_den=40,
             **self.base_parts(),
-        )  # fmt: skip
+        )
 
 
 def formula_scene(seed):
