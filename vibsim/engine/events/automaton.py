@@ -81,7 +81,7 @@ class Automaton(Generic[N]):
             after, happened, known = self._take(state, status, event, order)
             if self.departures.switches is not None:
                 turned = [key[1] for key in known if key[0] == SWITCH and isinstance(key[1], int)]
-                after = self.departures.switches.completed(state, after, turned)
+                after = self.departures.switches.completed(state, after, turned, before=status)
             return after, happened, known
 
     @contextmanager
@@ -163,7 +163,7 @@ class Automaton(Generic[N]):
         if crossing <= 0:
             return status, [], {event.key: at}
         after = switches.turned(status, event)
-        after = switches.completed(state, after, {i})
+        after = switches.completed(state, after, {i}, before=status)
         known: Known = {event.key: at}
         if not switches.jumps(state, status, after, i):
             return after, [], known

@@ -27,7 +27,6 @@ from vibsim.engine.modes.rows import (
 )
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Status
 from vibsim.engine.modes.ties import TooManyCuts
-from vibsim.physics.formulas import is_continuous
 
 
 class RuleMaker:
@@ -91,7 +90,7 @@ class RuleMaker:
     def _turn_rule(self, status: Status, event: Event) -> Rule | None:
         """Of a switch whose sides are equal at its zero: a kink, of which nothing is told."""
         switches = self.automaton.departures.switches
-        if event.kind != SWITCH or switches is None or not is_continuous(switches.rows.switches[event.part]):
+        if event.kind != SWITCH or switches is None or not switches.rows.only_bends(event.part):
             return None
         return self._cross(switches.turned(status, event), "", -1, event.key, 1)
 

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Generic
 
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.relative_motion import RelativeMotion
+from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.flows.tape import Inputs, TapeMaker, TapeValues
 from vibsim.engine.modes.formula_rows import FormulaRows
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import SWITCH, Event, Known
 from vibsim.engine.modes.status import Status
 from vibsim.physics.connections import event_parts
-from vibsim.physics.formulas import Node, is_continuous
+from vibsim.physics.formulas import Node
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 
@@ -40,40 +41,53 @@ class SwitchSides(Generic[N]):
             names.index(owner) for owner in self.rows.owners
         ]  # of each switch, as events number parts
 
-    def inputs(self, state: State[N]) -> tuple[Inputs[N], Inputs[N]]:
-        """What formulas read at a state, and how far rounding leaves it open."""
+    def inputs(self, state: State[N], before: Status | None = None) -> tuple[Inputs[N], Inputs[N]]:
+        """What formulas read at a state, and how far rounding leaves it open: that of its numbers, and of
+        the time at which it is taken; before: the mode that led there.
+        """
         zero, lost = self.kit.number(0), ROUNDING * self.kit.eps
         x = [*state.x, zero, self.relative.base(state, "x")]
         v = [*state.v, zero, self.relative.base(state, "v")]
+        a = [zero] * len(v)
+        if before is not None:
+            a, _ = accelerations(self.scene, self.kit, self.maker.rows(before), state)
         late = lost * abs(state.t)
-        blur_x = [lost * abs(a) + late * abs(b) for a, b in zip(x, v, strict=True)]
-        blur_v = [lost * abs(b) for b in v]
+        blur_x = [lost * abs(p) + late * abs(q) for p, q in zip(x, v, strict=True)]
+        blur_v = [lost * abs(p) + late * abs(q) for p, q in zip(v, a, strict=True)]
         phi = self.kit.unwind(state.phase, state.turns)
         at = Inputs(state.t, x, v, phi, state.w)
         return at, Inputs(late, blur_x, blur_v, lost * abs(phi), lost * abs(state.w))
 
     def completed(
-        self, state: State[N], status: Status, fixed: Container[int] = (), open_ones: list[int] | None = None
+        self,
+        state: State[N],
+        status: Status,
+        fixed: Container[int] = (),
+        open_ones: list[int] | None = None,
+        before: Status | None = None,
     ) -> Status:
         """The status with the sides that the values of their arguments tell; those within rounding of zero,
         and those that are `fixed`, as before, or on their upper side.
 
-        open_ones : is given the numbers of those within rounding
+        open_ones : is given the numbers of those within rounding; before : the mode that led there
         """
         rows, old = self.rows, status.switches or self.none
-        at, blur = self.inputs(state)
+        at, blur = self.inputs(state, before)
+        decided: dict[int, int] = {}
         sides: dict[Node, int] = {}
         for node in rows.awake(status, sides):
-            i = rows.switches.index(node)
-            before = old[i]
-            if before is not None and i in fixed:
-                sides[node] = before
-                continue
-            values = rows.guard_values(node, sides, at, blur)
-            sides[node], unsure = self._side(node, values, before)
-            if unsure and open_ones is not None:
-                open_ones.append(i)
-        return status._replace(switches=tuple(sides.get(node) for node in rows.switches))
+            i, sign = rows.same[node]
+            was = old[i]
+            if i not in decided and was is not None and i in fixed:
+                decided[i] = was
+            if i not in decided:
+                values = rows.guard_values(node, sides, at, blur)
+                side, unsure = self._side(node, values, None if was is None else sign * was)
+                decided[i] = sign * side
+                if unsure and open_ones is not None:
+                    open_ones.append(i)
+            sides[node] = sign * decided[i]
+        return status._replace(switches=tuple(decided.get(i) for i in range(len(rows.switches))))
 
     def _side(self, node: Node, values: list[N], before: int | None) -> tuple[int, bool]:
         """The side of a switch by the value of its argument, and whether rounding leaves it open."""
@@ -107,9 +121,9 @@ class SwitchSides(Generic[N]):
 
     def jumps(self, state: State[N], before: Status, after: Status, i: int) -> bool:
         """Whether any formula has another value behind the turn of switch `i`."""
-        if is_continuous(self.rows.switches[i]):
+        if self.rows.only_bends(i):
             return False
-        at, blur = self.inputs(state)
+        at, blur = self.inputs(state, before)
         for root in self.rows.roots(before):
             pair = []
             for status in (before, after):

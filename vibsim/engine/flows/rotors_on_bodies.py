@@ -115,7 +115,7 @@ class Rotors(Generic[N]):
         return [sine for sine, one in rotors if self.mass[self.rows.leader[one.on]] is None]
 
     def thrust(self, column: int) -> list[N]:
-        """Series of the force of the rotors on a column."""
+        """Series of the force of the rotors on a column, as far as those of the rotors are known."""
         total = [self.kit.number(0)] * self.order
         for i, one in enumerate(self.rows.rotors):
             if one.on == column:

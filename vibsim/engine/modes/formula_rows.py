@@ -25,11 +25,12 @@ from vibsim.engine.modes.rows import (
 )
 from vibsim.engine.modes.status import CONTACT, OPEN, STICK, Status
 from vibsim.engine.modes.ties import Cut
-from vibsim.physics.formulas import SWITCHES, Node, children, mul, num, sub, walk
+from vibsim.physics.formulas import SWITCHES, Node, children, is_continuous, mul, num, sub, walk
 from vibsim.physics.numbers import Doubles, Kit, N, abs
 from vibsim.physics.parts import Scene, Stop
 
-PROBES = (0.618, 1.414, 2.236)  # points at which functions are compared, of no special meaning
+PROBES = (0.618, 1.414, 2.236)  # depths at which functions are compared, of no special meaning
+IRRATIONALS = (0.7548776662, 0.5698402910, 0.8191725134)  # whose multiples give all else that they read
 SAME = 2.0**-40  # ratios of two functions that differ by less are one
 
 
@@ -48,6 +49,21 @@ def carries_in_c(scene: Scene[N]) -> bool:
     return not (scene.has_formulas or scene.rotors)
 
 
+def watched_by(node: Node) -> tuple[Node, int]:
+    """What a switch watches, the same of all that turn at the same instants, and -1 where its upper side is
+    where that is negative.
+    """
+    if node[0] != "choose":
+        return (node[0], *node[1:3]), 1
+    guard, sign = node[1], 1
+    while guard[0] == "mul" and guard[1][0] == "num":
+        sign = sign if guard[1][1] > 0 else -sign
+        guard = guard[2]
+    if guard[0] == "sub" and repr(guard[1]) > repr(guard[2]):
+        guard, sign = sub(guard[2], guard[1]), -sign
+    return ("choose", guard), sign
+
+
 class FormulaRows(Generic[N]):
     """Makes what formulas add to the rows of the modes of a scene.
 
@@ -59,11 +75,20 @@ class FormulaRows(Generic[N]):
         self.n = len(scene.bodies)
         self.switches: list[Node] = []
         self.owners: list[str] = []
+        self.same: dict[
+            Node, tuple[int, int]
+        ] = {}  # by node: number of its switch, and -1 where it is turned round
+        known: dict[Node, tuple[int, int]] = {}
         for root in self._all_roots():
             for node in walk([root.node]):
-                if node[0] in SWITCHES and node not in self.switches:
-                    self.switches.append(node)
-                    self.owners.append(root.text)
+                if node[0] in SWITCHES and node not in self.same:
+                    watched, sign = watched_by(node)
+                    if watched not in known:
+                        known[watched] = len(self.switches), sign
+                        self.switches.append(node)
+                        self.owners.append(root.text)
+                    number, first = known[watched]
+                    self.same[node] = number, sign * first
 
     def _all_roots(self) -> Iterator[Root]:
         """Every formula of the scene."""
@@ -98,10 +123,14 @@ class FormulaRows(Generic[N]):
             return bool(side == (role[2] if role[0] == "slip" else STICK))
         return True
 
+    def only_bends(self, i: int) -> bool:
+        """Whether switch `i` is one of continuous formulas alone, as |a|: where it turns nothing jumps."""
+        return all(is_continuous(node) for node, (number, _) in self.same.items() if number == i)
+
     def sides(self, status: Status) -> dict[Node, int]:
         """The sides of the switches that are awake."""
         sides = status.switches or (None,) * len(self.switches)
-        return {node: side for node, side in zip(self.switches, sides, strict=True) if side is not None}
+        return {node: sign * side for node, (i, sign) in self.same.items() if (side := sides[i]) is not None}
 
     def awake(self, status: Status, sides: Mapping[Node, int]) -> Iterator[Node]:
         """The switches that a mode reads, those first that others stand behind."""
@@ -163,9 +192,8 @@ class FormulaRows(Generic[N]):
             if sign:
                 rows.formulas.append(FormulaForce(k, P, Q, sign))
         roots = len(maker.tape.outputs)
-        watched = {
-            i: list(self._guards(i, node, sides)) for i, node in enumerate(self.switches) if node in sides
-        }
+        awake = {self.same[node][0] for node in self.awake(status, sides)}
+        watched = {i: list(self._guards(i, self.switches[i], sides)) for i in sorted(awake)}
         for i, guards in watched.items():
             for key, node, sign in guards:
                 if not self._implied(maker, maker.place(node), status):
@@ -243,13 +271,16 @@ class FormulaRows(Generic[N]):
     def _proportional(self, tape: Tape, place: int, stop: Stop[N]) -> bool:
         P, Q = (end if end >= 0 else self.columns[end] for end in (stop.P, stop.Q))
         ratios = []
-        for probe in PROBES:
-            x = [probe * (1 + c * probe % 1) for c in range(self.n + 2)]
-            v = [probe * (2 + c * probe * probe % 1) for c in range(self.n + 2)]
+        for i, depth in enumerate(PROBES):
+            some = [0.1 + (k + 1) * IRRATIONALS[i] % 1 for k in range(2 * self.n + 7)]
+            x, v, (t, phi, w) = some[: self.n + 2], some[self.n + 2 : -3], some[-3:]
             x[self.n] = v[self.n] = 0.0  # the ground
             gap = float(stop.gap)
-            x[P] = x[Q] - stop.sense * (gap + probe)  # a depth of `probe`
-            at = Inputs(probe, x, v, probe, probe)
+            if self.n > P:
+                x[P] = x[Q] - stop.sense * (gap + depth)
+            else:
+                x[Q] = x[P] + stop.sense * (gap + depth)
+            at = Inputs(t, x, v, phi, w)
             values = TapeValues(
                 Doubles, in_doubles(tape), at, Inputs(0.0, [0.0] * len(x), [0.0] * len(v), 0.0, 0.0)
             )

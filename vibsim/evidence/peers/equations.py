@@ -26,8 +26,8 @@ from vibsim.physics.parts import AT_FORCE, BASE, Fall, Friction, Harmonic, Rigid
 # The equations of motion of a scene, for the peers: one force after the other as its law is printed.
 #
 # A readable twin of the engine, with which it shares the numbers of the scene and no line: no rows, no
-# groups, no modal coordinates. The numbers may be floats, those of heyoka, or those of a `OperationLog`; `kit` has
-# sin, cos and exp of them.
+# groups, no modal coordinates. The numbers may be floats, those of heyoka, or those of a `OperationLog`;
+# `kit` has sin, cos and exp of them.
 
 
 Number = Any
