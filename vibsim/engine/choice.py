@@ -64,8 +64,13 @@ def flow_of(scene: Scene) -> str:
     Raises ValueError as `check_method` does.
     """
     check_method(scene)
-    if scene.has_motor or scene.method == "taylor":
+    if scene.has_motor or scene.rotors or scene.base_formula is not None or scene.method == "taylor":
         return "taylor"
+    if scene.has_formulas:  # closed in the modes that read none, such as a flight between stops
+        acts = any(force.formula is not None for force in scene.forces) or any(
+            link.force is not None for link in scene.links
+        )
+        return "taylor" if acts else "auto"
     return "closed_form" if _always_closed(scene) else "auto"
 
 

@@ -58,13 +58,14 @@ class Disturbances(Generic[N]):
         late: N | int = tau - (end - self.flow.t0)
         while t < end or late != 0:
             ahead = tangent.piece_end(t, end, self._mark(end)) if t < end else end
-            if ahead < end:
+            tangent.prepare(t, ahead, late if ahead >= end else 0)
+            moved = [tangent.moved(self.vectors[i]) for i in range(self.possible)]
+            while tangent.is_too_long and t < (half := self.kit.exact(t + (ahead - t) / 2)) < ahead:
+                ahead = half
                 tangent.prepare(t, ahead)
-            else:
-                tangent.prepare(t, ahead, late)
-                late = 0
-            for i in range(self.possible):
-                self.vectors[i] = tangent.moved(self.vectors[i])
+                moved = [tangent.moved(self.vectors[i]) for i in range(self.possible)]
+            late = 0 if ahead >= end else late
+            self.vectors[: self.possible] = moved
             self.pieces += 1
             self._moved(t, ahead)
             t = ahead

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from vibsim.engine.flows.taylor import Taylor
     from vibsim.engine.modes.rows import ModeRows
 
+SHORTENINGS = 200  # of a stretch
+ROUNDING = 4  # of displacements and velocities at its end, in units of eps
 READ = ("x", "v", "phi", "w")
 
 
@@ -84,6 +86,45 @@ class FormulaTangent(Generic[N]):
                 total = total + slope[i] * moved[n - i]
         return total
 
+    def sound_step(self, tau: N) -> N:
+        """The stretch tau [s], or a shorter one, at the end of which the derivatives have the values that
+        their series say.
+        """
+        kit, flow = self.kit, self.flow
+        tolerance = kit.power_of_two(flow.tolerance_exponent)
+        for _ in range(SHORTENINGS):
+            at = flow.state_after(tau)
+            n = len(at.x)
+            x = [*at.x, *(horner(flow.x[c], tau) for c in (n, n + 1))]
+            v = [*at.v, *(horner(flow.v[c], tau) for c in (n, n + 1))]
+            lost = ROUNDING * kit.eps
+            phi = kit.unwind(at.phase, at.turns)
+            blur = Inputs(
+                lost * abs(at.t),
+                [lost * abs(a) for a in x],
+                [lost * abs(a) for a in v],
+                lost * abs(phi),
+                lost * abs(at.w),
+            )
+            values = TapeValues(kit, self.slopes.tape, Inputs(at.t, x, v, phi, at.w), blur)
+            excess = 0.0
+            for k in range(len(self.slopes.tape.outputs)):
+                value, bound = values.output(k)
+                series = self.series.output(k)[: flow.order]
+                allowed = 2 * bound + flow.order * tolerance * size_of(series, tau)
+                off = abs(value - horner(series, tau))
+                if not off <= allowed:
+                    beyond = (
+                        float(kit.exponent(off) - kit.exponent(allowed))
+                        if kit.finite(off) and allowed > 0
+                        else 60.0
+                    )
+                    excess = max(excess, beyond, 1.0)
+            if excess <= 0:
+                return tau
+            tau = tau * kit.power_of_two(-max((excess + 1) / flow.order, 0.25))
+        return tau
+
     def rates(self, tau: N) -> tuple[N, N]:
         """Bounds of the rates at which formulas move disturbances at the start of the step or `tau` behind
         it: of stiffness [1/s^2] and of damping [1/s], by sums over rows in which what two columns do to each
@@ -137,6 +178,14 @@ def slope_values(kit: Kit[N], rows: ModeRows[N], at: Inputs[N], k: int) -> list[
     quiet = [zero] * len(rows.leader)
     values = TapeValues(kit, slopes.tape, at, Inputs(zero, quiet, quiet, zero, zero))
     return [(one, values.output(one.output)[0]) for one in slopes.of.get(k, ())]
+
+
+def size_of(series: Sequence[N], tau: N) -> N:
+    """Sum of the sizes of the terms of a series at tau."""
+    total = abs(series[-1])
+    for coefficient in reversed(series[:-1]):
+        total = total * tau + abs(coefficient)
+    return total
 
 
 class RotorTangent(Generic[N]):

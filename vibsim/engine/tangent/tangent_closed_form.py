@@ -24,6 +24,8 @@ class ClosedFormTangent(Generic[N]):
         self.scene, self.kit, self.flow = scene, kit, flow
         self.n = len(scene.bodies)
 
+    is_too_long = False  # no stretch is: the closed form knows no order
+
     def piece_end(self, t: N, end: N, mark: N) -> N:
         """End [s] of the piece from t that is moved at once: at most `end`, not beyond `mark` where that is
         ahead, and short enough that no direction is lost below round-off.

@@ -32,6 +32,7 @@ from vibsim.physics import elementary
 from vibsim.physics.numbers import Kit, N, abs, horner, total_of
 from vibsim.physics.parts import Scene
 
+LEFT_OUT = 2.0**-47  # of a disturbance: the most that the last terms of its series may be
 REACH = 1.25  # how much further than exp(-t) of the same order the steps of ordinary vibrations go, at most
 
 
@@ -71,7 +72,11 @@ class TaylorTangent(Generic[N]):
             rates += [self._dragging(self.flow.rotor), abs(self.flow.rotor.w[0]) / REACH]
         rate = max(rates)
         ahead = t + self.reach / rate if rate > 0 else end
-        return ahead if t < ahead < end else end
+        ahead = ahead if t < ahead < end else end
+        if self.flow.tape is None:
+            return ahead
+        tau = FormulaTangent(self.kit, self._base_at(t)).sound_step(ahead - t)
+        return ahead if tau >= ahead - t else self.kit.exact(t + tau)
 
     def _fastest(self, strength_of: Callable[[Coupling[N]], N]) -> N:
         """Bound of the largest eigenvalue of the couplings' differences, of stiffness [1/s^2] or of damping
@@ -109,10 +114,8 @@ class TaylorTangent(Generic[N]):
 
     def prepare(self, t: N, end: N, late: N | int = 0) -> None:
         """What the recurrences of all disturbances share over the piece from t to `late` behind `end` [s]."""
-        self.tau, self.base = (end - t) + late, self.flow
-        varies = self.flow.rotor or self.flow.falls or self.flow.tape or self.flow.rotors
-        if t != self.flow.t0 and varies:
-            self.base = self._expanded_at(t)
+        self.tau, self.base = (end - t) + late, self._base_at(t)
+        self.is_too_long = False
         self.slopes = [
             one.law.slopes(f) for one, f in zip(self.flow.rows.falls, self.base.falls, strict=True)
         ]
@@ -120,6 +123,11 @@ class TaylorTangent(Generic[N]):
             self._prepare_motor(self.base.rotor)
         self.formulas = FormulaTangent(self.kit, self.base) if self.base.tape else None
         self.rotors = RotorTangent(self.kit, self.base) if self.base.rotors else None
+
+    def _base_at(self, t: N) -> Taylor[N]:
+        """The flow expanded at t [s], where that matters."""
+        varies = self.flow.rotor or self.flow.falls or self.flow.tape or self.flow.rotors
+        return self._expanded_at(t) if t != self.flow.t0 and varies else self.flow
 
     def _expanded_at(self, t: N) -> Taylor[N]:
         """The flow expanded anew at t [s], within its step."""
@@ -150,7 +158,23 @@ class TaylorTangent(Generic[N]):
         for order in range(self.flow.order - 1):
             self._advance(order)
         series = [*self.x[:n], *self.v[:n], *([self.phi, self.w] if self.base.rotor else [])]
+        if self.formulas:
+            self.is_too_long = self.is_too_long or self._misses_terms(series)
         return [horner(coefficients, self.tau) for coefficients in series]
+
+    def _misses_terms(self, series: Sequence[Sequence[N]]) -> bool:
+        """Whether the last terms of a disturbance tell that those left out matter: where formulas vary with
+        time its series goes on longer than the rates at the ends of a stretch tell.
+        """
+        total = last = self.kit.number(0)
+        for coefficients in series:
+            power = self.kit.number(1)
+            for n, coefficient in enumerate(coefficients):
+                size = abs(coefficient) * power
+                total = total + size
+                last = last + size if n > len(coefficients) - 3 else last
+                power = power * self.tau
+        return bool(last > LEFT_OUT * total)
 
     def value(self, event: Event[N], vector: Sequence[N]) -> N:
         """How much `vector`, a disturbance at the expansion point, changes an event function there [N]."""
