@@ -21,7 +21,7 @@ from scipy.optimize import linear_sum_assignment
 
 from vibsim.cases.problems import one_line
 from vibsim.orbits.branches.course import curve_of, drawn, stretches
-from vibsim.physics.parts import EVENT_KINDS, IMPACTS, ROTOR, STATE, event_parts
+from vibsim.physics.parts import EVENT_KINDS, IMPACTS, ROTOR, STATE, SWITCH, event_parts
 from vibsim.plots.branch_values import MARKS, ranges
 from vibsim.plots.loci import NAMES
 from vibsim.plots.pairs import pair_of
@@ -31,6 +31,7 @@ from vibsim.plots.sheet import scale_for
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import draws_by_ratio
 from vibsim.plots.view import PlotError
+from vibsim.results.columns import has_switches
 from vibsim.results.hdf5_reading import plain
 from vibsim.results.hdf5_writing import output_file
 from vibsim.results.labelled import Arrays, Labelled, Tidy
@@ -388,7 +389,7 @@ def run_data(subject: Subject) -> dict[str, Any]:
             "stops": [position for position, _ in pair.stops],
         },
         "events": _events(result),
-        "kinds": {code: name for name, code in EVENT_KINDS.items()},
+        "kinds": {code: name for name, code in EVENT_KINDS.items() if name != SWITCH or has_switches(scene)},
         "parts": event_parts(scene),
         "impactKinds": [EVENT_KINDS[name] for name in IMPACTS],
         "impactSpan": PERIODS_ABOUT_IMPACT * (shortest_period(scene) or 1.0),
