@@ -4,9 +4,9 @@ Drift is left out: a point has y = x_P - x_Q and u = v_P - v_Q of every pair of 
 join; the velocity of one body of each set that they join to each other, but not to ground or base; the speed
 of the rotor, and with a rotor cosine and sine of the phases of forces and base, which its turns do not fix.
 Of two blocks that is (y, u, v2, w). Of further rotors it has speeds, cosines and sines of angles, of states
-their values, each by its own amplitude. Lengths are divided by the amplitude of y in the span, speeds of bodies
-by that of u, the speed of the rotor by its mean; so a distance of 1e-3 between points is a thousandth of the
-vibration. What moves less than the share LEAST of the largest vibration is measured by that.
+their values, each by its own amplitude. Lengths are divided by the amplitude of y in the span, speeds of
+bodies by that of u, the speed of the rotor by its mean; so a distance of 1e-3 between points is a thousandth
+of the vibration. What moves less than the share LEAST of the largest vibration is measured by that.
 """
 
 from collections.abc import Iterator, Mapping
@@ -89,8 +89,8 @@ class SectionCoordinates:
         return tuple(dict.fromkeys([*columns, *self._free, *self._others]))
 
     def of(self, states: Table) -> np.ndarray:
-        """y [m] of every pair, u [m/s] of every pair, v [m/s] of what moves as a whole, speeds [rad/s] of further
-        rotors and states: shape (d, n).
+        """y [m] of every pair, u [m/s] of every pair, v [m/s] of what moves as a whole, speeds [rad/s] of
+        further rotors and states: shape (d, n).
 
         states : columns by name, among them `time`
         """

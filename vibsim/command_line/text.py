@@ -266,8 +266,8 @@ def shortened(texts: Sequence[str]) -> list[str]:
 
 
 def source_texts(scene: Scene) -> Iterator[str]:
-    """Each force on a body, the base and the motor, with its frequency in Hz and in rad/s; torques of rotors too,
-    rates of states not.
+    """Each force on a body, torque on a rotor, the base and the motor, with its frequency in Hz and in rad/s;
+    rates of states are none.
     """
     for force in scene.forces:
         on = scene.bodies[force.on]

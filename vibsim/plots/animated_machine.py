@@ -194,8 +194,8 @@ def channels_of(subject: Subject, span: Span, step: float, speed: float) -> Chan
 
 
 def angle_columns(scene: Scene) -> dict[str, str]:
-    """Columns of the angles of motor and rotors by what their channels end with: nothing of a motor, which has
-    channels in every scene.
+    """Columns of the angles of motor and rotors by what their channels end with: nothing of a motor, which
+    has channels in every scene.
     """
     rotors = {body.name: body.columns[0] or "" for body in scene.bodies if body.kind == ROTOR}
     angles = {"": rotors.pop(MOTOR, ANGLE if scene.has_motor else "")}

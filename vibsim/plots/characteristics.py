@@ -168,8 +168,8 @@ def within_rigid_stops(scene: Scene, pair: Pair, reach: float) -> tuple[float, f
 
 
 def spring_force(scene: Scene, pair: Pair, y: np.ndarray) -> np.ndarray:
-    """Force of springs and stops between the ends [N] at x_P - x_Q = y [m], dampers left out; of formulas at rest,
-    and what else they read as at the start.
+    """Force of springs and stops between the ends [N] at x_P - x_Q = y [m], dampers left out; of formulas at
+    rest, what else they read as at the start.
     """
     force = np.zeros_like(y)
     for link in _links_between(scene, pair):

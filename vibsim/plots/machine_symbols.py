@@ -74,7 +74,7 @@ def elements(values: dict[str, Any]) -> Iterator[Element]:
 
 
 def short(quantity: Any) -> str:
-    """A quantity as it was written, but for the digits that a label has no room for; a formula, or its begin."""
+    """A quantity as it was written, but for digits that a label has no room for; a formula, or its begin."""
     if isinstance(quantity, Formula):
         text = one_line(quantity.text)
         return text if len(text) <= LONGEST_FORMULA else f"{text[: LONGEST_FORMULA - 1]}…"

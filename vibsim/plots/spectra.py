@@ -140,9 +140,9 @@ TURNS = 12  # to average over: a multiple of the periods 1, 2, 3, 4 and 6 that t
 def turn_times(result: Any, span: Span) -> np.ndarray:
     """Instants within the span at which the source begins a period [s], ascending; none without a period.
 
-    Forces and base: multiples of their common period. Motor or rotor: phi = 2 pi k, located on the cubic Hermite
-    interpolant of phi between two samples (phi and phidot are stored, so its error is of fourth order in the
-    output interval).
+    Forces and base: multiples of their common period. Motor or rotor: phi = 2 pi k, located on the cubic
+    Hermite interpolant of phi between two samples (phi and phidot are stored, so its error is of fourth order
+    in the output interval).
     """
     scene = result.case.scene()
     turning = turning_columns(scene)

@@ -180,8 +180,8 @@ def _damped_stops(scene: Scene) -> list[str]:
 
 
 def _powers(scene: Scene, frictions: Iterable[str]) -> dict[str, tuple[str, str]]:
-    """The parts that give or take power: forces, torques of rotors, motor, belts; dampers and formulas of links,
-    stops with one, frictions. A rate of a state has no power.
+    """The parts that give or take power: forces, torques of rotors, motor, belts; dampers and formulas of
+    links, stops with one, frictions. A rate of a state has no power.
     """
     of_kind = {
         kind: [f.name for f in scene.forces if scene.bodies[f.on].kind == kind] for kind in (BODY, ROTOR)
