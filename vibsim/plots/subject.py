@@ -64,13 +64,13 @@ class Subject:
         return tables_of(self.scene)
 
     def columns_in(self, unit: str) -> tuple[str, ...]:
-        """Names of the sampled states of bodies: displacements for m, velocities for m/s, whatever `unit` makes
-        of these.
+        """Names of the sampled states of bodies: displacements for m, velocities for m/s, in torsional scenes
+        too.
         """
         return {"m": self.tables.displacements, "m/s": self.tables.velocities}[unit]
 
     def unit(self, unit: str) -> str:
-        """What a unit of bodies on a line (m, m/s, N, N/m) is in the scene: of a torsional one by rad, N m."""
+        """What a unit (m, m/s, N, N/m) is in the scene: of a torsional one with rad and N m."""
         if not self.scene.torsional:
             return unit
         return {"m": "rad", "m/s": "rad/s", "N": "N m", "N/m": "N m/rad"}[unit]

@@ -420,7 +420,7 @@ def _draw_frequencies(
 
 
 def levels_of(subjects: Sequence[Subject]) -> list[Level]:
-    """Omega0 of motors and natural frequencies [Hz] of the subjects, equal ones once, named with their values."""
+    """Omega0 of motors and natural frequencies [Hz] of the subjects, equal ones once, with their values."""
     levels: dict[tuple[str, float], Level] = {}
     for subject in subjects:
         named: list[tuple[str, float, dict[str, Any]]] = []
