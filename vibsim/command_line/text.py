@@ -219,7 +219,10 @@ Lines = Iterator[tuple[str, str]]
 def scene_lines(scene: Scene, case: Case) -> Lines:
     """Label and text of what a scene is made of."""
     mass = "kg m^2" if scene.torsional else "kg"
-    yield "bodies", listed([f"{body.name} {number(body.m, 6)} {mass}" for body in scene.line])
+    own = case.long_values()["bodies"] if scene.rotors else {}  # those of a scene hold the rotors on them
+    masses = [float(own[body.name].value) if own else body.m for body in scene.line]
+    bodies = zip(scene.line, masses, strict=True)
+    yield "bodies", listed([f"{body.name} {number(m, 6)} {mass}" for body, m in bodies])
     yield from _rotor_and_state_lines(scene)
     parts = [f"{word} {part.name}" for word, section in KINDS for part in getattr(scene, section)]
     if parts:
@@ -263,8 +266,8 @@ def shortened(texts: Sequence[str]) -> list[str]:
 
 
 def source_texts(scene: Scene) -> Iterator[str]:
-    """Each force on a body, the base and the motor, with its frequency in Hz and in rad/s; torques of rotors
-    too, rates of states not.
+    """Each force on a body, torque on a rotor, the base and the motor, with its frequency in Hz and in rad/s;
+    rates of states are none.
     """
     for force in scene.forces:
         on = scene.bodies[force.on]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.cases import Case
-from vibsim.cases.quantities import UNITS, parse_quantity
+from vibsim.cases.quantities import UNITS, exact_number
 from vibsim.engine.choice import engine_name
 from vibsim.fitting.plan import HORIZON, TRUST, FitPlan, Index, Search, fingerprint_of
 from vibsim.fitting.statements import Candidate, FreeParameter, parse_statement
@@ -132,8 +132,8 @@ def number_of(candidate: Candidate, free: FreeParameter) -> float:
     text = candidate.changes.get(free.key)
     if text is None:
         return np.nan
-    quantity = parse_quantity(text, UNITS[free.unit].dimension)
-    return float(quantity.value / UNITS[free.unit].factor)
+    number, _, written = text.partition(" ")
+    return float(exact_number(number) * UNITS[written].factor / UNITS[free.unit].factor)
 
 
 # What a fit file holds.

@@ -512,7 +512,7 @@ class PoincareSection:
         """What is counted from one return to the next."""
         if self.body:
             return f"swing of {self.body}"
-        return "period of the source" if self.timed else f"turn of the {self.rotor or 'motor'}"
+        return "period of the source" if self.timed else f"turn of {self.rotor or 'the motor'}"
 
     @property
     def place(self) -> str:

@@ -190,9 +190,7 @@ def turning_rotor(scene: Scene[Any]) -> int | None:
 
 
 def turning_columns(scene: Scene[Any]) -> tuple[str, str] | None:
-    """Columns of the angle and the speed whose turns are the cycles of a scene: of the motor, or of its
-    rotor.
-    """
+    """Columns of angle and speed whose turns are the cycles of a scene: of the motor, or of its rotor."""
     if scene.motor is not None:
         return ANGLE, SPEED
     rotor = turning_rotor(scene)

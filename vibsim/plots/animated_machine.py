@@ -12,9 +12,10 @@ from matplotlib.colors import to_hex
 from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 
 from vibsim.engine.columns import part_columns
+from vibsim.physics.parts import ANGLE, MOTOR, ROTOR, Scene, columns_of
 from vibsim.plots import machine_symbols
-from vibsim.plots.machine import LANE_CM, Layout, layout
-from vibsim.plots.machine_symbols import BASE, FIXED, GROUND, Element, floors, short
+from vibsim.plots.machine import LANE_CM, MOTOR_CM, Layout, layout
+from vibsim.plots.machine_symbols import BASE, FIXED, GROUND, Element, floors, rotors_on, short
 from vibsim.plots.relative_motion import PUSHING, impact_events, period_of
 from vibsim.plots.style import GREY, ORANGE, VERMILLION
 from vibsim.plots.subject import Subject
@@ -173,7 +174,7 @@ def channels_of(subject: Subject, span: Span, step: float, speed: float) -> Chan
     scene = subject.scene
     names = (*subject.tables.states, *part_columns(scene)[: len(scene.stops)])
     states = states_at(subject.result, names, times)
-    motion = {body.name: states[f"x{'' if body.name.isdigit() else '_'}{body.name}"] for body in scene.bodies}
+    motion = {body.name: states[columns_of(body.name)[0]] for body in scene.line}
     motion[BASE] = base_motion(scene, times)[0]
     motion[GROUND] = np.zeros(count)
     if _drifts(subject):
@@ -181,13 +182,24 @@ def channels_of(subject: Subject, span: Span, step: float, speed: float) -> Chan
     values = subject.case.long_values()
     stage = stage_for(values, motion, {f"stops.{stop.name}": float(stop.gap) for stop in scene.stops})
     moved = {name: stage.scale * x for name, x in motion.items()}
-    phi = states["phi"] if scene.has_motor else np.zeros(count)
     moved |= plates(stage, moved)
-    moved |= {FLOOR: np.fmod(moved[GROUND], FLOOR_TICK_CM), COSINE: np.cos(phi), SINE: np.sin(phi)}
+    moved |= {FLOOR: np.fmod(moved[GROUND], FLOOR_TICK_CM)}
+    for name, column in angle_columns(scene).items():
+        phi = states[column] if column else np.zeros(count)
+        moved |= {f"{COSINE}{name}": np.cos(phi), f"{SINE}{name}": np.sin(phi)}
     lit = _lit(subject, times, states, FLASH * speed)
     order = [f"stops.{stop.name}" for stop in scene.stops]
     rows = [order.index(element.key) for element in stage.stops]
     return Channels(stage, times, list(moved), np.column_stack(list(moved.values())), lit[:, rows], states)
+
+
+def angle_columns(scene: Scene) -> dict[str, str]:
+    """Columns of the angles of motor and rotors by what their channels end with: nothing of a motor, which
+    has channels in every scene.
+    """
+    rotors = {body.name: body.columns[0] or "" for body in scene.bodies if body.kind == ROTOR}
+    angles = {"": rotors.pop(MOTOR, ANGLE if scene.has_motor else "")}
+    return angles | {f" {name}": column for name, column in rotors.items()}
 
 
 def _drifts(subject: Subject) -> bool:
@@ -414,10 +426,11 @@ def sketch(axes: Any, stage: Stage, at: dict[str, float]) -> None:
     for box in plan.boxes:
         mass = short(stage.values["bodies"][box.name])
         machine_symbols.body(axes, box.x + at[box.name], box.width, plan.height, box.name, mass)
-    motor = stage.values.get("motor")
-    if motor is not None:
-        box = plan.box(motor["on"])
-        _rotor(axes, box.centre + at[box.name], plan.height, at[COSINE], at[SINE])
+    for box in plan.boxes:
+        for i, (key, _) in enumerate(rotors_on(stage.values, box.name)):
+            name = "" if key == MOTOR else f" {key.partition('.')[2]}"
+            angle = at[f"{COSINE}{name}"], at[f"{SINE}{name}"]
+            _rotor(axes, box.centre + at[box.name], plan.height + MOTOR_CM * i, *angle, key)
 
 
 def _element(axes: Any, element: Element, x0: float, x1: float, y: float, at: dict[str, float]) -> None:
@@ -476,8 +489,8 @@ def _ground(axes: Any, stage: Stage, at: dict[str, float]) -> None:
             machine_symbols.line(axes, [x, x - 0.18], [-0.05, -0.25], color=GREY, linewidth=0.6)
 
 
-def _rotor(axes: Any, x: float, y: float, cosine: float, sine: float) -> None:
-    """A motor with its unbalanced mass at an angle."""
+def _rotor(axes: Any, x: float, y: float, cosine: float, sine: float, key: str) -> None:
+    """A motor, or a rotor, with its unbalanced mass at an angle."""
     centre = y + ROTOR_CM + ROTOR_ABOVE_CM
     machine_symbols.line(axes, [x - 0.22, x, x + 0.22], [y, centre, y])
     axes.add_patch(
@@ -491,5 +504,5 @@ def _rotor(axes: Any, x: float, y: float, cosine: float, sine: float) -> None:
     )
     arm = 0.7 * ROTOR_CM
     mass = (x + arm * cosine, centre + arm * sine)
-    machine_symbols.line(axes, [x, mass[0]], [centre, mass[1]], "motor", linewidth=1.0)
+    machine_symbols.line(axes, [x, mass[0]], [centre, mass[1]], key, linewidth=1.0)
     axes.add_patch(Circle(mass, 0.09, facecolor=VERMILLION, edgecolor=machine_symbols.INK, linewidth=0.5))

@@ -132,7 +132,7 @@ def _still(
     span = float(channels.times[0]), float(channels.times[-1])
     pair = pair_of(subject)
     x, y = pair.plane({**channels.states, "time": channels.times})
-    scales = scale_for("m", x), scale_for("m/s", y)
+    scales = scale_for(subject.unit("m"), x), scale_for(subject.unit("m/s"), y)
     draw_trace(portrait, trace(subject.result, pair.names, pair.plane, span), scales, color=BLUE)
     for position, name in pair.stops:
         draw_stop_line(portrait, position, scales[0], name)
@@ -140,7 +140,7 @@ def _still(
     label_relative(portrait, pair, scales)
     columns = subject.columns_in("m")
     smooth = dense(subject.result, columns, span)
-    scale = scale_for("m", *(smooth[name] for name in columns))
+    scale = scale_for(subject.unit("m"), *(smooth[name] for name in columns))
     for i, name in enumerate(columns):
         look = {"linewidth": 0.8, "label": symbol(name), "gid": name, **dashed(i)}
         history.plot(smooth["time"], scale(smooth[name]), **look)
@@ -372,9 +372,9 @@ def moving_data(subject: Subject, channels: Channels, step: float, speed: float)
     """The data of `animate.js`."""
     pair = pair_of(subject)
     x, v = pair.plane({**channels.states, "time": channels.times})
-    scales = scale_for("m", x), scale_for("m/s", v)
+    scales = scale_for(subject.unit("m"), x), scale_for(subject.unit("m/s"), v)
     names = subject.columns_in("m")
-    scale = scale_for("m", *(channels.states[name] for name in names))
+    scale = scale_for(subject.unit("m"), *(channels.states[name] for name in names))
     return {
         "begin": float(channels.times[0]),
         "step": step,

@@ -63,7 +63,7 @@ def branch_picture(subjects: Sequence[Subject], view: View) -> Figure:
     motor = all(subject.scene.has_motor for subject in subjects)
     values = [mean_speed_of(branch) if motor else amplitude_of(branch) for branch in branches]
     every = [[value(p.orbit) for p in b.points] for b, value in zip(branches, values, strict=True)]
-    unit = Scale(1.0, "Hz") if motor else scale_for("m", *every)
+    unit = Scale(1.0, "Hz") if motor else scale_for(subjects[0].unit("m"), *every)
     drawn = draw_branches(
         axes,
         subjects,

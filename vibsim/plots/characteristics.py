@@ -13,7 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vibsim.physics.connections import Pair, joined_pairs
-from vibsim.physics.parts import Motor, RigidStop, Scene, Stop
+from vibsim.physics.formulas import Node
+from vibsim.physics.parts import Link, Motor, RigidStop, Scene, Stop
 from vibsim.plots.relative_motion import difference, draw_stop_line, stop_label, stop_position, stops_between
 from vibsim.plots.samples import motor_of
 from vibsim.plots.sheet import (
@@ -40,6 +41,7 @@ PLACES = (0.5, 0.35, 0.65, 0.2, 0.8, 0.05)  # of a name along its part of the cu
 BEHIND = 0.08  # of the range, shown behind a rigid stop
 NO_GAP = 1e-3  # a range to show where the scene gives none [m]
 MOST = 6  # panels
+POINTS_OF_FORMULA = 401
 HEIGHT_CM = 6.0
 SYMBOLS = {"coupling": "k_1", "stop": "k_2"}  # of the springs of the short form
 
@@ -77,9 +79,10 @@ def stiffness_panel(axes: Axes, subjects: Sequence[Subject], motion: str | None 
         if difference(subject.scene, pair, "x") == motion
     ]
     gaps = [abs(at) for subject, pair in shown for at, _ in all_stops(subject.scene, pair)]
-    reach = REACH * (max(gaps, default=0.0) or NO_GAP)
+    reach = REACH * (max(gaps, default=0.0) or max(_start(s.scene, pair) for s, pair in shown) or NO_GAP)
     curves = [stiffness_characteristic(subject.scene, pair, reach) for subject, pair in shown]
-    scales = scale_for("m", *(y for y, _ in curves)), scale_for("N", *(force for _, force in curves))
+    units = subjects[0].unit("m"), subjects[0].unit("N")
+    scales = scale_for(units[0], *(y for y, _ in curves)), scale_for(units[1], *(f for _, f in curves))
     looks = [nested(i, len(shown), 1.0) for i in range(len(shown))]
     looks = looks if len(shown) > 1 else [{"color": BLUE, "linewidth": 1.0}]
     for (subject, _), (y, force), look in zip(shown, curves, looks, strict=True):
@@ -165,15 +168,55 @@ def within_rigid_stops(scene: Scene, pair: Pair, reach: float) -> tuple[float, f
 
 
 def spring_force(scene: Scene, pair: Pair, y: np.ndarray) -> np.ndarray:
-    """Force of springs and stops between the ends [N] at x_P - x_Q = y [m], dampers left out."""
+    """Force of springs and stops between the ends [N] at x_P - x_Q = y [m], dampers left out; of formulas at
+    rest, what else they read as at the start.
+    """
     force = np.zeros_like(y)
-    for link in scene.links:
-        if {link.P, link.Q} == {pair.P, pair.Q}:
+    for link in _links_between(scene, pair):
+        if link.force is None:
             force = force + link.k * y
+        else:
+            force = force + (1 if link.P == pair.P else -1) * _of_formula(scene, pair, link.force, y)
     for at, stop in corners(scene, pair):
         side = _side(stop, pair)
-        force = force + side * stop.k * np.maximum(side * (y - at), 0.0)
+        depth = np.maximum(side * (y - at), 0.0)
+        if stop.force is None:
+            force = force + side * stop.k * depth
+        else:
+            force = force + side * np.where(depth > 0, _of_formula(scene, pair, stop.force, y), 0.0)
     return force
+
+
+def _links_between(scene: Scene, pair: Pair) -> list[Link]:
+    return [link for link in scene.links if {link.P, link.Q} == {pair.P, pair.Q}]
+
+
+def _of_formula(scene: Scene, pair: Pair, formula: Node, y: np.ndarray) -> np.ndarray:
+    """Values of a formula where the ends of a pair are apart by y [m] and nothing moves."""
+    from vibsim.physics.formula_values import start_inputs, values_of
+
+    inputs: dict[Node, Any] = {
+        node: 0.0 if node[0] == "v" and node[1] < len(scene.line) else value
+        for node, value in start_inputs(scene).items()
+        if node[0] != "t"
+    }
+    own, other = (pair.P, pair.Q) if pair.P >= 0 else (pair.Q, pair.P)
+    inputs |= {("x", other): 0.0, ("x", own): y if own == pair.P else -y}
+    return np.broadcast_to(values_of(formula, inputs), np.shape(y))
+
+
+def _start(scene: Scene, pair: Pair) -> float:
+    """How far apart the ends of a pair with a formula are at the start [m]; 0 of others."""
+    if not _has_formula(scene, pair):
+        return 0.0
+    P, Q = (float(scene.bodies[end].x) if end >= 0 else 0.0 for end in (pair.P, pair.Q))
+    return abs(P - Q)
+
+
+def _has_formula(scene: Scene, pair: Pair) -> bool:
+    """Whether what is between the ends is more than straight lines."""
+    formulas = [link.force for link in _links_between(scene, pair)]
+    return any(one is not None for one in [*formulas, *(stop.force for _, stop in corners(scene, pair))])
 
 
 def _side(stop: Stop | RigidStop, pair: Pair) -> int:
@@ -182,9 +225,10 @@ def _side(stop: Stop | RigidStop, pair: Pair) -> int:
 
 
 def stiffness_characteristic(scene: Scene, pair: Pair, reach: float) -> tuple[np.ndarray, np.ndarray]:
-    """The polyline (y [m], force [N]): its ends and its corners at the stops."""
+    """The polyline (y [m], force [N]): its ends and its corners at the stops; many points of a formula."""
     low, high = within_rigid_stops(scene, pair, reach)
-    y = np.unique([low, *(at for at, _ in corners(scene, pair) if low < at < high), high])
+    between = np.linspace(low, high, POINTS_OF_FORMULA)[1:-1].tolist() if _has_formula(scene, pair) else []
+    y = np.unique([low, *between, *(at for at, _ in corners(scene, pair) if low < at < high), high])
     return y, spring_force(scene, pair, y)
 
 
@@ -192,6 +236,8 @@ def _name_slopes(axes: Axes, scene: Scene, pair: Pair, reach: float, scales: tup
     """The slopes in words, beside the curve and inside the frame; limits are settled before."""
     knots, _ = stiffness_characteristic(scene, pair, reach)
     named = []
+    if _has_formula(scene, pair):  # a curve has no slope to name
+        knots = knots[:1]
     for low, high in sorted(pairwise(knots.tolist()), key=lambda part: not part[0] < 0 < part[1]):
         near, far = sorted((low, high), key=abs)
         text = _slope(scene, pair, (low + high) / 2)
@@ -208,7 +254,7 @@ def _slope(scene: Scene, pair: Pair, y: float) -> str:
     acting = [link for link in scene.links if {link.P, link.Q} == {pair.P, pair.Q}]
     touched = [stop for at, stop in corners(scene, pair) if _side(stop, pair) * (y - at) > 0]
     springs = [*((link.name, link.k) for link in acting), *((stop.name, stop.k) for stop in touched)]
-    value = amount(sum(k for _, k in springs), "N/m")
+    value = amount(sum(k for _, k in springs), "N m/rad" if scene.torsional else "N/m")
     if not acting and not corners(scene, pair):
         return "no spring"
     if springs and all(name in SYMBOLS for name, _ in springs):

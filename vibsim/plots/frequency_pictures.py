@@ -83,7 +83,7 @@ def displacement_frequency_panels(
     """The displacements `columns`, each in given axes; the artist whose colours tell the time, if any."""
     spans = [window_of(subject, view.window) for subject in subjects]
     drawn = [_passages(subjects, spans, column) for column in columns]
-    scale = scale_for("m", *(passage.loops.y for passages in drawn for passage in passages))
+    scale = scale_for(subjects[0].unit("m"), *(passage.loops.y for passages in drawn for passage in passages))
     shown = None
     for axes, column, passages in zip(panels, columns, drawn, strict=True):
         for passage in passages:
@@ -154,7 +154,7 @@ def spectrum_picture(subjects: Sequence[Subject], view: View) -> Figure:
         for subject, span in zip(subjects, spans, strict=True)
         for curve in _curves(subject, span, len(subjects) == 1)
     ]
-    scale = scale_for("m", *(amplitudes for _, _, amplitudes in curves))
+    scale = scale_for(subjects[0].unit("m"), *(amplitudes for _, _, amplitudes in curves))
     largest = max(float(scale(amplitudes).max()) for _, _, amplitudes in curves)
     for i, (name, hz, amplitudes) in enumerate(curves):
         axes.plot(hz, scale(amplitudes), label=name, gid="spectrum", **dashed(i))
@@ -199,7 +199,7 @@ def spectrogram_picture(subjects: Sequence[Subject], view: View) -> Figure:
     cut = pieces(subject, span, motion, count=600)
     figure = sheet(view, 7.0)
     axes = figure.subplots()
-    scale = scale_for("m", cut.amplitudes)
+    scale = scale_for(subject.unit("m"), cut.amplitudes)
     values = scale(cut.amplitudes)
     largest = float(values.max()) or 1.0
     least = largest * 10.0**-DECADES
@@ -253,7 +253,7 @@ def waterfall_picture(subjects: Sequence[Subject], view: View) -> Figure:
     """Spectra of the first relative motion, each raised to its time, or of several runs to their number."""
     alone = len(subjects) == 1
     drawn = _of_pieces(subjects[0], view) if alone else _of_runs(subjects, view)
-    scale = scale_for("m", *(row.amplitudes for row in drawn))
+    scale = scale_for(subjects[0].unit("m"), *(row.amplitudes for row in drawn))
     largest = max(float(row.amplitudes.max()) for row in drawn)
     apart = (drawn[-1].place - drawn[0].place) / max(len(drawn) - 1, 1) or 1.0
     raised = HEIGHT * apart / (largest or 1.0)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import base64
 import json
 import shlex
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from html import escape
 from itertools import groupby, product
 from pathlib import Path
@@ -22,7 +22,7 @@ from scipy.optimize import linear_sum_assignment
 from vibsim.cases.problems import one_line
 from vibsim.orbits.branches.course import curve_of, drawn, stretches
 from vibsim.physics.connections import event_parts
-from vibsim.physics.parts import EVENT_KINDS, IMPACTS
+from vibsim.physics.parts import EVENT_KINDS, IMPACTS, ROTOR, STATE, SWITCH
 from vibsim.plots.branch_values import MARKS, ranges
 from vibsim.plots.loci import NAMES
 from vibsim.plots.pairs import pair_of
@@ -32,6 +32,7 @@ from vibsim.plots.sheet import scale_for
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import draws_by_ratio
 from vibsim.plots.view import PlotError
+from vibsim.results.columns import has_switches
 from vibsim.results.hdf5_reading import plain
 from vibsim.results.hdf5_writing import output_file
 from vibsim.results.labelled import Arrays, Labelled, Tidy
@@ -371,7 +372,7 @@ def run_data(subject: Subject) -> dict[str, Any]:
     pair = pair_of(subject)
     x, v = pair.plane({**rows, "time": rows["time"]})
     rows |= {"<x>": x, "<v>": v}
-    scales = scale_for("m", x), scale_for("m/s", v)
+    scales = scale_for(subject.unit("m"), x), scale_for(subject.unit("m/s"), v)
     return {
         "t": packed(rows["time"], "f8"),
         "columns": {
@@ -389,7 +390,7 @@ def run_data(subject: Subject) -> dict[str, Any]:
             "stops": [position for position, _ in pair.stops],
         },
         "events": _events(result),
-        "kinds": {code: name for name, code in EVENT_KINDS.items()},
+        "kinds": {code: name for name, code in EVENT_KINDS.items() if name != SWITCH or has_switches(scene)},
         "parts": event_parts(scene),
         "impactKinds": [EVENT_KINDS[name] for name in IMPACTS],
         "impactSpan": PERIODS_ABOUT_IMPACT * (shortest_period(scene) or 1.0),
@@ -428,11 +429,11 @@ def thinned(rows: Table, most: int) -> Table:
 
 
 def panels(subject: Subject, rows: Table) -> list[dict[str, Any]]:
-    """Displacements, velocities, and the speed of a motor."""
+    """Displacements, velocities, the speeds of a motor and of rotors, states."""
     listed = []
     for words, unit in (("displacement", "m"), ("velocity", "m/s")):
         names = subject.columns_in(unit)
-        scale = scale_for(unit, *(rows[name] for name in names))
+        scale = scale_for(subject.unit(unit), *(rows[name] for name in names))
         curves = [
             {"name": name, "column": name, "colour": i, **_interpolated(name)} for i, name in enumerate(names)
         ]
@@ -442,7 +443,23 @@ def panels(subject: Subject, rows: Table) -> list[dict[str, Any]]:
     if subject.scene.has_motor:
         curve = {"name": "motor speed", "column": "phidot", "colour": 2, "rate": None}
         listed.append({"label": "motor speed (Hz)", "unit": "Hz", "factor": 0.5 / np.pi, "curves": [curve]})
-    return listed
+    return [*listed, *_panels_of_rotors_and_states(subject)]
+
+
+def _panels_of_rotors_and_states(subject: Subject) -> Iterator[dict[str, Any]]:
+    """Speeds of rotors in one panel, each state in one of its own."""
+    bodies = subject.scene.bodies
+    speeds = [(body.name, body.columns[1]) for body in bodies if body.kind == ROTOR]
+    curves = [
+        {"name": name, "column": column, "colour": i, "rate": None} for i, (name, column) in enumerate(speeds)
+    ]
+    if curves:
+        yield {"label": "rotor speed (Hz)", "unit": "Hz", "factor": 0.5 / np.pi, "curves": curves}
+    for name in (body.name for body in bodies if body.kind == STATE):
+        unit = dict(subject.scene.state_units).get(name, "")
+        curve = {"name": name, "column": name, "colour": 0, "rate": None}
+        label = f"{name} ({unit})" if unit else name
+        yield {"label": label, "unit": unit, "factor": 1.0, "curves": [curve]}
 
 
 def _interpolated(name: str) -> dict[str, Any]:

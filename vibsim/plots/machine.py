@@ -12,10 +12,11 @@ from vibsim.plots.machine_symbols import (
     FIXED,
     Element,
     base_label,
+    belt_speed,
     elements,
     floors,
     friction_label,
-    motor_label,
+    rotors_on,
     short,
     source_labels,
 )
@@ -137,7 +138,7 @@ def _rubs(values: dict[str, Any], body: str) -> bool:
 
 def _floor(axes: Axes, friction: dict[str, Any], x0: float, x1: float, gid: str) -> None:
     ends = friction["between"]
-    speed = friction["belt"].value * (1 if ends.Q in FIXED else -1)
+    speed = belt_speed(friction) * (1 if ends.Q in FIXED else -1)
     if speed:
         machine_symbols.belt(axes, x0, x1, -0.03, speed > 0, gid)
     else:
@@ -145,11 +146,10 @@ def _floor(axes: Axes, friction: dict[str, Any], x0: float, x1: float, gid: str)
 
 
 def _on_top(axes: Axes, values: dict[str, Any], box: Box, y: float) -> None:
-    """Motor and forces of a body."""
-    motor = values.get("motor")
-    if motor is not None and motor["on"] == box.name:
-        machine_symbols.rotor(axes, box.centre, y)
-        machine_symbols.label(axes, box.centre, y + MOTOR_CM - 0.2, motor_label(motor))
+    """Motor, rotors and forces of a body."""
+    for key, text in rotors_on(values, box.name):
+        machine_symbols.rotor(axes, box.centre, y, key)
+        machine_symbols.label(axes, box.centre, y + MOTOR_CM - 0.2, text)
         y += MOTOR_CM
     for i, (key, text) in enumerate(source_labels(values, box.name)):
         level = y + SOURCE_CM * i + 0.17
@@ -351,12 +351,11 @@ def label_width(values: dict[str, Any], name: str) -> float:
     """Width of the longest label on top of a body or below it [cm]."""
     labels = [label for _, label in source_labels(values, name)]
     labels += [friction_label(friction) for _, friction in floors(values, name)]
-    if values.get("motor", {}).get("on") == name:
-        labels.append(motor_label(values["motor"]))
+    labels += [label for _, label in rotors_on(values, name)]
     return max(map(len, labels), default=0) * CHARACTER_CM
 
 
 def _stack(values: dict[str, Any], name: str) -> float:
-    """Height of motor and forces on a body [cm]."""
-    motor = MOTOR_CM if values.get("motor", {}).get("on") == name else 0.0
-    return motor + SOURCE_CM * len(source_labels(values, name))
+    """Height of motor, rotors and forces on a body [cm]."""
+    rotors = MOTOR_CM * len(rotors_on(values, name))
+    return rotors + SOURCE_CM * len(source_labels(values, name))

@@ -10,6 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 
+from vibsim.cases.formula_keys import Formula
+from vibsim.cases.problems import one_line
 from vibsim.plots.style import BLUE, GREEN, GREY, ORANGE, VERMILLION
 
 GROUND, BASE = "ground", "base"
@@ -19,6 +21,7 @@ ELASTIC, DAMPED, RIGID = "elastic", "damped", "rigid"
 
 CHARACTER_CM = 0.12  # about the width of a character of a label, at 6 pt
 LABEL_DIGITS = 6
+LONGEST_FORMULA = 30  # characters of a formula that a label shows
 SHORTEST_CM = 1.7  # of an element, without its label
 
 
@@ -71,7 +74,10 @@ def elements(values: dict[str, Any]) -> Iterator[Element]:
 
 
 def short(quantity: Any) -> str:
-    """A quantity as it was written, but for the digits that a label has no room for."""
+    """A quantity as it was written, but for digits that a label has no room for; a formula, or its begin."""
+    if isinstance(quantity, Formula):
+        text = one_line(quantity.text)
+        return text if len(text) <= LONGEST_FORMULA else f"{text[: LONGEST_FORMULA - 1]}…"
     number, _, unit = str(quantity).partition(" ")
     if len(number.lstrip("-0.").replace(".", "")) > LABEL_DIGITS and "/" not in number:
         number = f"{float(number):.{LABEL_DIGITS}g}"
@@ -80,6 +86,9 @@ def short(quantity: Any) -> str:
 
 def _link(key: str, name: str, link: dict[str, Any], order: dict[str, int]) -> Iterator[Element]:
     left, right, _ = _placed(link["between"], order, ANYWHERE)
+    if "force" in link:
+        yield Element("spring", key, left, right, name, short(link["force"]))
+        return
     title = name
     for kind, letter in (("spring", "k"), ("damper", "c")):
         if link[letter].value:
@@ -99,7 +108,9 @@ def _stop(key: str, name: str, stop: dict[str, Any], order: dict[str, int]) -> E
 
 
 def _stop_law(stop: dict[str, Any]) -> tuple[str, str]:
-    """Numbers of a stop, and how it is drawn."""
+    """Numbers of a stop, or its formula, and how it is drawn."""
+    if "force" in stop:
+        return short(stop["force"]), ELASTIC
     if stop["law"] == RIGID:
         return f"rigid, e = {short(stop['e'])}", RIGID
     if stop["c"].value:
@@ -125,7 +136,7 @@ def _placed(ends: Any, order: dict[str, int], toward: int) -> tuple[str, str, bo
 
 def _coefficients(friction: dict[str, Any]) -> str:
     """The coefficient while slipping, or those at rest and at high speed."""
-    if "mu_s" in friction:
+    if "mu_s" in friction and not isinstance(friction.get("mu"), Formula):
         return f"{short(friction['mu_s'])} … {short(friction['mu_d'])}"
     static = f" (static × {short(friction['static'])})" if "static" in friction else ""
     return f"{short(friction['mu'])}{static}"
@@ -136,8 +147,13 @@ def friction_label(friction: dict[str, Any]) -> str:
     sides = [friction[side] for side in ("plus", "minus") if side in friction] or [friction]
     label = f"µ = {' / '.join(map(_coefficients, sides))}"
     load = f"N = {short(friction['N'])}" if "N" in friction else ""
-    belt = f"belt {short(friction['belt'])}" if friction["belt"].value else ""
+    belt = f"belt {short(friction['belt'])}" if belt_speed(friction) else ""
     return ", ".join(part for part in (label, load, belt) if part)
+
+
+def belt_speed(friction: dict[str, Any]) -> Any:
+    """Speed of the belt of a friction; 1 where it is a formula."""
+    return 1 if isinstance(friction["belt"], Formula) else friction["belt"].value
 
 
 def floors(values: dict[str, Any], body: str = "") -> list[tuple[str, dict[str, Any]]]:
@@ -164,11 +180,26 @@ def base_label(values: dict[str, Any]) -> str:
     return _sum_of_terms(values["base"], "a")
 
 
-def motor_label(motor: dict[str, Any]) -> str:
-    return f"motor: {short(motor['M0'])}, {short(motor['Omega0'])}"
+def rotors_on(values: dict[str, Any], body: str) -> list[tuple[str, str]]:
+    """(dotted key, label) of the motor and of each rotor on a body."""
+    motor = values.get("motor", {})
+    listed = [("motor", _rotor_label("motor", motor))] if motor.get("on") == body else []
+    rotors = values.get("rotors", {}).items()
+    return listed + [(f"rotors.{name}", _rotor_label(name, one)) for name, one in rotors if one["on"] == body]
+
+
+def _rotor_label(name: str, rotor: dict[str, Any]) -> str:
+    """A rotor and its torque: a formula, torque at standstill and speed without load, or none."""
+    laws = (
+        [rotor["torque"]] if "torque" in rotor else [rotor[key] for key in ("M0", "Omega0") if key in rotor]
+    )
+    return f"{name}: {', '.join(map(short, laws))}" if laws else name
 
 
 def _sum_of_terms(source: dict[str, Any], amplitude: str) -> str:
+    formula = source.get("force", source.get("x"))
+    if isinstance(formula, Formula):
+        return short(formula)
     terms = [*source.get("terms", {}).values()] or ([source] if amplitude in source else [])
     constant = source.get("F0")
     parts = [short(constant)] if constant is not None and (constant.value or not terms) else []
@@ -365,12 +396,12 @@ def arrow(axes: Axes, x0: float, x1: float, y: float, gid: str = "", both: bool 
     note.set_gid(gid or None)
 
 
-def rotor(axes: Axes, x: float, y: float) -> None:
-    """A motor with an unbalanced mass, on what it stands on at y."""
+def rotor(axes: Axes, x: float, y: float, gid: str = "motor") -> None:
+    """A motor, or a rotor, with an unbalanced mass, on what it stands on at y."""
     radius = 0.36
     centre = y + radius + 0.12
     line(axes, [x - 0.22, x, x + 0.22], [y, centre, y], zorder=2)
-    axes.add_patch(Circle((x, centre), radius, facecolor="white", edgecolor=INK, linewidth=LINE, gid="motor"))
+    axes.add_patch(Circle((x, centre), radius, facecolor="white", edgecolor=INK, linewidth=LINE, gid=gid))
     line(axes, [x, x + 0.2], [centre, centre + 0.16], linewidth=0.6)
     axes.add_patch(
         Circle((x + 0.2, centre + 0.16), 0.075, facecolor=VERMILLION, edgecolor=INK, linewidth=0.5)

@@ -26,6 +26,8 @@ from vibsim.plots.time_histories import (
     is_short,
     motor_speed_panel,
     relative_panel,
+    rotor_speed_panel,
+    rotor_speeds,
 )
 from vibsim.plots.view import View
 
@@ -78,7 +80,8 @@ def overview_picture(subjects: Sequence[Subject], view: View) -> Figure:
     figure = page.portrait.get_figure(root=True)
     assert isinstance(figure, Figure)
     shown = [Panel(axes, group, window) for axes, group in zip(page.tops, groups, strict=True)]
-    speed = all(subject.scene.has_motor for subject in subjects)
+    motors = all(subject.scene.has_motor for subject in subjects)
+    speed = motors or all(rotor_speeds(subject.scene) for subject in subjects)
     velocities = [] if speed else [Panel(page.bottom, _first(subjects), detail if alone else window)]
     if page.middle is not None and alone:
         shown.append(Panel(page.middle, groups[0], detail))
@@ -90,7 +93,8 @@ def overview_picture(subjects: Sequence[Subject], view: View) -> Figure:
         histories(velocities, VELOCITY)
     relative_panel(page.portrait, subjects, view)
     if speed:
-        motor_speed_panel(page.bottom, subjects, view, PANEL_CM)
+        panel = motor_speed_panel if motors else rotor_speed_panel
+        panel(page.bottom, subjects, view, PANEL_CM)
     if page.machine is not None:
         machine_panel(page.machine, subjects[0].case.long_values())
     _finish(figure, page, subjects)

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from vibsim.physics.rates import common_period
+from vibsim.physics.rates import common_period, turning_columns
 from vibsim.plots.pairs import (
     PlottedPair,
     common_pairs,
@@ -96,7 +96,11 @@ def phase_panels(
     """
     drawn = [_portraits(subjects, view, column, less_drift) for column in columns]
     every = [portrait.curve for portraits in drawn for portrait in portraits]
-    scales = scale_for("m", *(each.x for each in every)), scale_for("m/s", *(each.y for each in every))
+    units = subjects[0].unit("m"), subjects[0].unit("m/s")
+    scales = (
+        scale_for(units[0], *(each.x for each in every)),
+        scale_for(units[1], *(each.y for each in every)),
+    )
     for axes, column, portraits in zip(panels, columns, drawn, strict=True):
         _panel(axes, portraits, column, scales)
         less = " less drift" if less_drift else ""
@@ -137,7 +141,7 @@ def _panel(axes: Axes, portraits: Sequence[Portrait], column: str, scales: tuple
     axes.margins(0.05)
     spans = [portrait.span for portrait in portraits]
     drifts = [portrait.drift for portrait in portraits if portrait.drift]
-    scale = scale_for("m/s", drifts)
+    scale = scale_for(portraits[0].subject.unit("m/s"), drifts)
     remarks = [
         *dict.fromkeys(map(seconds, spans)),
         f"drift {', '.join(f'{scale(drift):.3g}' for drift in drifts)} {scale.unit}" if drifts else "",
@@ -184,7 +188,8 @@ def _orbit_portrait(axes: Axes, subjects: Sequence[Subject]) -> None:
     """The orbits in the plane of the motion of two ends against each other."""
     pairs = common_pairs(subjects)
     curves = [_curve(subject, pair) for subject, pair in zip(subjects, pairs, strict=True)]
-    scales = scale_for("m", *(x for x, _ in curves)), scale_for("m/s", *(y for _, y in curves))
+    units = subjects[0].unit("m"), subjects[0].unit("m/s")
+    scales = scale_for(units[0], *(x for x, _ in curves)), scale_for(units[1], *(y for _, y in curves))
     for i, (subject, pair, (x, y)) in enumerate(zip(subjects, pairs, curves, strict=True)):
         colour = overlay(i)["color"]
         axes.plot(
@@ -203,7 +208,7 @@ def _orbit_portrait(axes: Axes, subjects: Sequence[Subject]) -> None:
 
 def _said(subject: Subject) -> str:
     """How long an orbit is."""
-    n, of = subject.result.attrs["orbit_periods"], "turn" if subject.scene.has_motor else "period"
+    n, of = subject.result.attrs["orbit_periods"], "turn" if turning_columns(subject.scene) else "period"
     return f"{n} {of}{'s' * (n > 1)}, {seconds((0.0, subject.result.t_reached))}"
 
 
@@ -219,7 +224,7 @@ def _returns(
 ) -> None:
     """Where the orbit meets the section: the start, and each return that a timed section has."""
     result, n = subject.result, subject.result.attrs["orbit_periods"]
-    share = np.arange(n if not subject.scene.has_motor else 1) / n
+    share = np.arange(1 if turning_columns(subject.scene) else n) / n
     x, y = _plane(subject, pair, share * result.t_reached)
     axes.plot(
         scales[0](x), scales[1](y), linestyle="none", marker="s", markersize=3.2, color=colour, gid="section",
@@ -275,7 +280,8 @@ def stroboscopic_picture(subjects: Sequence[Subject], view: View) -> Figure:
     spans = [shown(subject, view.window, last_half) for subject in subjects]
     pairs = common_pairs(subjects)
     drawn = [section(*each) for each in zip(subjects, pairs, spans, strict=True)]
-    scales = scale_for("m", *(y for y, _ in drawn)), scale_for("m/s", *(u for _, u in drawn))
+    units = subjects[0].unit("m"), subjects[0].unit("m/s")
+    scales = scale_for(units[0], *(y for y, _ in drawn)), scale_for(units[1], *(u for _, u in drawn))
     for i, (subject, (y, u)) in enumerate(zip(subjects, drawn, strict=True)):
         colour = overlay(i)["color"] if len(subjects) > 1 else BLUE
         axes.plot(
@@ -368,7 +374,7 @@ def impact_velocity_picture(subjects: Sequence[Subject], view: View) -> Figure:
     of_subjects = [impacts_of(subject, window_of(subject, window)) for subject in subjects]
     spans = [_settled(subject, view, impacts) for subject, impacts in zip(subjects, of_subjects, strict=True)]
     settled = [impacts.within(span) for impacts, span in zip(of_subjects, spans, strict=True)]
-    scale = scale_for("m/s", *(impacts.closing for impacts in of_subjects))
+    scale = scale_for(subjects[0].unit("m/s"), *(impacts.closing for impacts in of_subjects))
     with_phase = any(impacts.phase is not None for impacts in of_subjects)
     figure = sheet(view, 8.8 if with_phase else 5.0)
     grid = figure.add_gridspec(2 if with_phase else 1, 2, width_ratios=(4, 1))
@@ -430,8 +436,9 @@ def impacts_of(subject: Subject, span: Span) -> Impacts:
     t, closing = events["t"], closing_velocities(scene, events)
     rows, period = ~np.isnan(closing), common_period(scene)
     t, closing = t[rows], closing[rows]
-    if scene.has_motor:
-        return Impacts(t, closing, np.mod(events["phi"][rows] / (2 * math.pi), 1.0))
+    turning = turning_columns(scene)
+    if turning is not None:
+        return Impacts(t, closing, np.mod(events[turning[0]][rows] / (2 * math.pi), 1.0))
     if period is not None:
         turns = t * period.cycles + t * period.cycles_lo
         return Impacts(t, closing, np.mod(turns / period.turns, 1.0))

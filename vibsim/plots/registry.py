@@ -31,7 +31,7 @@ DRAWN_IN: dict[str, tuple[str, ...]] = {
     "portraits": ("phase", "phase-drift-free", "impact-velocity", "stroboscopic", "orbit-portrait"),
     "sweep_curves": ("amplitude",),
     "sweep_pictures": ("sommerfeld", "orbit", "lyapunov", "power", "end-state"),
-    "time_histories": ("displacement", "velocity", "relative", "motor-speed"),
+    "time_histories": ("displacement", "velocity", "relative", "motor-speed", "rotor-speed", "states"),
 }
 MODULES = {kind: module for module, kinds in DRAWN_IN.items() for kind in kinds}
 
@@ -105,6 +105,13 @@ KINDS = (
         "motor speed against time, with the natural frequencies",
         ("motor",),
     ),
+    PictureKind(
+        "rotor-speed",
+        "trajectory",
+        "speeds of the rotors against time, with the natural frequencies",
+        ("rotor",),
+    ),
+    PictureKind("states", "trajectory", "further states (currents, ...) against time", ("states",)),
     PictureKind(
         "displacement-frequency", "trajectory", "displacements against the motor's speed", ("motor",)
     ),
@@ -217,6 +224,8 @@ COLUMNS = PictureKind("columns", "result", "any two columns against each other (
 
 NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
     "motor": ("a motor", lambda subject: subject.scene.has_motor),
+    "rotor": ("a rotor of section rotors", lambda subject: _has_kind(subject.scene, "rotor")),
+    "states": ("further states", lambda subject: _has_kind(subject.scene, "state")),
     "stop": ("a stop", lambda subject: subject.scene.has_stop),
     "springs": ("springs or stops", lambda subject: bool(subject.scene.links or subject.scene.stops)),
     "excitation": ("a periodic source", lambda subject: _is_periodic(subject.scene)),
@@ -281,6 +290,10 @@ def _is_periodic(scene: Any) -> bool:
     from vibsim.engine.section import has_section
 
     return has_section(scene)
+
+
+def _has_kind(scene: Any, kind: str) -> bool:
+    return any(body.kind == kind for body in scene.bodies)
 
 
 def _drifts(scene: Any) -> bool:

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from vibsim.engine.columns import part_columns
 from vibsim.engine.modes.status import CONTACT, RESTING
 from vibsim.physics.parts import BASE, GROUND, RigidStop, Scene, Stop, columns_of
+from vibsim.physics.rates import turning_columns
 from vibsim.physics.two_blocks import is_papers
 from vibsim.plots.samples import BLOCK, rows, shared_window, source_period
 from vibsim.plots.sheet import Scale, as_text, seconds, symbol
@@ -116,7 +117,7 @@ def impacts_of(subject: Subject, span: Span, column: str, *others: str) -> tuple
 
 def stops_of(scene: Scene, column: str) -> list[int]:
     """Numbers of the stops that end at the body of a column of states."""
-    own = [i for i, body in enumerate(scene.bodies) if column in columns_of(body.name)]
+    own = [i for i, body in enumerate(scene.line) if column in columns_of(body.name)]
     return [number for number, stop in enumerate(scene.stops) if {stop.P, stop.Q} & set(own)]
 
 
@@ -141,11 +142,11 @@ PERIODS_AT_MOST = 5000  # in the last half of a run, as far as it is shown by de
 
 def period_of(subject: Subject, span: Span) -> float:
     """Period of the source [s], the motor's at the end of the span; a tenth of the span without rhythm."""
-    phidot = None
-    if subject.scene.has_motor:
+    phidot, turning = None, turning_columns(subject.scene)
+    if turning is not None:
         stop = rows(subject.result, span).stop
         tail = slice(max(0, stop - min(1000, BLOCK)), stop)
-        phidot = float(np.mean(subject.result.column("phidot")[tail]))
+        phidot = float(np.mean(subject.result.column(turning[1])[tail]))
     return source_period(subject.scene, phidot) or (span[1] - span[0]) / 10
 
 

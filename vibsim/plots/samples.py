@@ -233,9 +233,10 @@ def fractions(scene: Scene) -> list[Frequency]:
 def source_period(scene: Scene, phidot: float | None = None) -> float | None:
     """Period of the source [s]; of the free vibration without one; None where nothing has a rhythm.
 
-    phidot : mean speed of the motor [rad/s], where known; its no-load speed otherwise
+    phidot : mean speed of the motor, or of the rotor that turns the scene [rad/s], where known; the no-load
+        speed of a motor otherwise
     """
-    if scene.has_motor and phidot:
+    if phidot:
         return 2 * math.pi / abs(phidot)
     period = rates.source_period(scene)
     return period if math.isfinite(period) else None

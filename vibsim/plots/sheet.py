@@ -182,7 +182,7 @@ def _sheet_of(axes: Axes) -> Figure:
 
 # Prefix per power of 1000; what is smaller or larger keeps the last one.
 _PREFIXES = {3: "G", 2: "M", 1: "k", 0: "", -1: "m", -2: "µ", -3: "n"}
-LARGEST_POWER = {"m": 1}  # nobody measures displacements in megametres
+LARGEST_POWER = {"m": 1, "rad": 0, "rad/s": 0, "N m/rad": 0}  # nobody measures displacements in megametres
 SIGNIFICANT = range(3, 17)  # digits of a rounded number: as few as tell the numbers apart
 POSITIONAL = (1e-4, 1e6)  # magnitudes written without a power of ten
 

@@ -17,7 +17,8 @@ from vibsim.analysis.dominant_frequencies import (
     spectrum_of,
     without_line,
 )
-from vibsim.physics.rates import common_period, source_rates
+from vibsim.physics.parts import columns_of
+from vibsim.physics.rates import common_period, source_rates, turning_columns
 from vibsim.plots import traces
 from vibsim.plots.relative_motion import PERIODS_AT_MOST
 from vibsim.plots.samples import blocks, rows
@@ -139,13 +140,15 @@ TURNS = 12  # to average over: a multiple of the periods 1, 2, 3, 4 and 6 that t
 def turn_times(result: Any, span: Span) -> np.ndarray:
     """Instants within the span at which the source begins a period [s], ascending; none without a period.
 
-    Forces and base: multiples of their common period. Motor: phi = 2 pi k, located on the cubic Hermite
-    interpolant of phi between two samples (phi and phidot are stored, so its error is of fourth order in the
-    output interval).
+    Forces and base: multiples of their common period. Motor or rotor: phi = 2 pi k, located on the cubic
+    Hermite interpolant of phi between two samples (phi and phidot are stored, so its error is of fourth order
+    in the output interval).
     """
     scene = result.case.scene()
-    if scene.has_motor:
-        times = [_motor_turns(part) for part in _joined_blocks(result, ("time", "phi", "phidot"), span)]
+    turning = turning_columns(scene)
+    if turning is not None:
+        parts = _joined_blocks(result, ("time", *turning), span)
+        times = [_turns(part["time"], part[turning[0]], part[turning[1]]) for part in parts]
         return np.concatenate([np.empty(0), *times])
     period = common_period(scene)
     if period is None:
@@ -165,9 +168,8 @@ def _joined_blocks(result: Any, names: tuple[str, ...], span: Span) -> Iterator[
         yield block
 
 
-def _motor_turns(part: dict[str, np.ndarray]) -> np.ndarray:
+def _turns(t: np.ndarray, phi: np.ndarray, phidot: np.ndarray) -> np.ndarray:
     """Passages of phi through multiples of 2 pi between samples; several to an interval where it is long."""
-    t, phi, phidot = part["time"], part["phi"], part["phidot"]
     turn = np.floor(phi / TURN).astype(np.int64)
     passed = np.diff(turn)
     count = np.abs(passed)
@@ -194,14 +196,14 @@ def states_at(
     if len(times) <= exact_up_to:
         return traces.states_at(result, names, times)
     parts: dict[str, list[np.ndarray]] = {name: [] for name in names}
-    pairs = [name for name in names if name.startswith("x")]
+    bodies = dict(columns_of(body.name) for body in result.case.scene().line)
+    pairs = {name: bodies[name] for name in names if name in bodies}
     done = 0
     for block in _joined_blocks(result, ("time", *names), (-math.inf, math.inf)):
         stop = int(np.searchsorted(times, block["time"][-1], side="right"))
         inside, done = times[done:stop], stop
         left = np.clip(np.searchsorted(block["time"], inside, side="right") - 1, 0, len(block["time"]) - 2)
-        for x in pairs:
-            v = f"v{x[1:]}"
+        for x, v in pairs.items():
             position, velocity = hermite(block["time"], block[x], block[v], left, inside)
             parts[x].append(position)
             parts[v].append(velocity)

@@ -64,9 +64,16 @@ class Subject:
         return tables_of(self.scene)
 
     def columns_in(self, unit: str) -> tuple[str, ...]:
-        """Names of the sampled states of bodies in a unit: displacements in m, velocities in m/s."""
-        written = {"m": "m", "m/s": "m s-1"}[unit]
-        return tuple(name for name in self.tables.states if self.tables.samples[name].units == written)
+        """Names of the sampled states of bodies: displacements for m, velocities for m/s, in torsional scenes
+        too.
+        """
+        return {"m": self.tables.displacements, "m/s": self.tables.velocities}[unit]
+
+    def unit(self, unit: str) -> str:
+        """What a unit (m, m/s, N, N/m) is in the scene: of a torsional one with rad and N m."""
+        if not self.scene.torsional:
+            return unit
+        return {"m": "rad", "m/s": "rad/s", "N": "N m", "N/m": "N m/rad"}[unit]
 
 
 def open_subject(path: str) -> Subject:

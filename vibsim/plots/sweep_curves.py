@@ -431,7 +431,7 @@ def motions_of(subjects: Sequence[Subject]) -> dict[str, str]:
 def _common_scale(drawn: Sequence[Curve], names: Sequence[str]) -> Scale:
     """One unit for all panels."""
     ends = "_max" if len(drawn) <= BANDS_UP_TO else ""
-    return scale_for("m", *(
+    return scale_for(drawn[0].subject.unit("m"), *(
         curve.every(f"amplitude_{name}{ends}")
         for curve in drawn for name in names if f"amplitude_{name}" in curve.subject.result
     ))  # fmt: skip

@@ -131,7 +131,7 @@ def _draw_starts(subject: Subject, view: View) -> Figure:
     if len(spreads) == 1:
         name = next(name for name in result.plan.columns if name.startswith("end_x"))
         drawn.append(result[name][..., 0].ravel())
-        labels.append(f"{name.removeprefix('end_')} at the end (m)")
+        labels.append(f"{name.removeprefix('end_')} at the end ({subject.unit('m')})")
     figure = sheet(view, END_STATE_HEIGHT_CM)
     axes = figure.subplots()
     scatter_classes(axes, drawn[0], drawn[1], verdicts, SHADES, view)
@@ -420,7 +420,7 @@ def _orbit_say(sheets: CurvePanels, subjects: Sequence[Subject], drawn: Sequence
 def _scale(drawn: Sequence[Curve], row: PictureQuantity) -> Scale:
     if row.unit == "Hz":
         return Scale(1.0, row.unit)
-    return scale_for(row.unit, *(curve.every(row.column) for curve in drawn))
+    return scale_for(drawn[0].subject.unit(row.unit), *(curve.every(row.column) for curve in drawn))
 
 
 def _orbit_panel(axes: Axes, curve: Curve, name: str, scale: Scale) -> None:

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vibsim.physics.connections import drifting_sets
-from vibsim.physics.parts import Scene, columns_of
+from vibsim.physics.parts import ROTOR, STATE, Scene, columns_of
 from vibsim.plots.pairs import (
     annotate_runs,
     common_pairs,
@@ -47,6 +47,7 @@ from vibsim.plots.sheet import (
     Level,
     Scale,
     above_wider,
+    as_text,
     draw_levels,
     legend_above,
     letter_panels,
@@ -179,7 +180,10 @@ def histories(panels: Sequence[Panel], quantity: HistoryQuantity) -> None:
 
     A short span is smooth, with impacts and contact marked; a long one an envelope with a tick per impact.
     """
-    scale = scale_for(quantity.unit, *(values for panel in panels for _, values in panel.drawn))
+    scale = scale_for(
+        panels[0].curves[0].subject.unit(quantity.unit),
+        *(values for panel in panels for _, values in panel.drawn),
+    )
     for panel in panels:
         draw = _draw_short if panel.is_short else _draw_long
         draw(panel, scale)
@@ -289,7 +293,11 @@ def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
     spans = [shown(subject, view.window, steady_span) for subject in subjects]
     pairs = common_pairs(subjects)
     traces = relative_traces(subjects, pairs, spans)
-    scales = scale_for("m", *(each.x for each in traces)), scale_for("m/s", *(each.y for each in traces))
+    units = subjects[0].unit("m"), subjects[0].unit("m/s")
+    scales = (
+        scale_for(units[0], *(each.x for each in traces)),
+        scale_for(units[1], *(each.y for each in traces)),
+    )
     for i, (subject, each) in enumerate(zip(subjects, traces, strict=True)):
         look = {**overlay(i), "alpha": 0.7} if len(subjects) > 1 else {"color": BLUE}
         draw_trace(axes, each, scales, label=subject.name, gid="relative", **look)
@@ -412,12 +420,96 @@ def _draw_frequencies(
 
 
 def levels_of(subjects: Sequence[Subject]) -> list[Level]:
-    """Omega0 and natural frequencies [Hz] of the subjects, equal ones once, each named with its value."""
+    """Omega0 of motors and natural frequencies [Hz] of the subjects, equal ones once, with their values."""
     levels: dict[tuple[str, float], Level] = {}
     for subject in subjects:
-        no_load = motor_of(subject.scene).Omega0 / (2 * math.pi)
-        named: list[tuple[str, float, dict[str, Any]]] = [(r"$\Omega_0$", no_load, {"linestyle": "-"})]
+        named: list[tuple[str, float, dict[str, Any]]] = []
+        if subject.scene.has_motor:
+            no_load = motor_of(subject.scene).Omega0 / (2 * math.pi)
+            named.append((r"$\Omega_0$", no_load, {"linestyle": "-"}))
         named += [(f.label, f.hz, {"linestyle": (0, (4, 2))}) for f in natural_frequencies(subject.scene)]
         for label, hz, look in named:
             levels.setdefault((label, hz), Level(hz, f"{label}  {hz:.2f}", look))
     return list(levels.values())
+
+
+# Speeds of the rotors, and further states, against time.
+
+
+def rotor_speed_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Speed of each rotor over 2 pi [Hz] against time [s], with the natural frequencies."""
+    figure = sheet(view, HEIGHT_CM)
+    axes = figure.subplots()
+    rotor_speed_panel(axes, subjects, view)
+    legend_above(axes)
+    return figure
+
+
+def rotor_speed_panel(
+    axes: Axes, subjects: Sequence[Subject], view: View, height_cm: float = HEIGHT_CM
+) -> None:
+    """The speeds in given axes; height_cm : height of the figure that the axes would fill [cm]."""
+    window = common_window(subjects, view.window)
+    alone = len(subjects) == 1
+    curves = [
+        HistoryCurve(subject, w, name if alone else f"{subject.name}: {name}", {}, alone)
+        for subject in subjects
+        for name, w in rotor_speeds(subject.scene).items()
+    ]
+    panel = Panel(axes, curves, window)
+    low, high = math.inf, -math.inf
+    for i, (curve, (t, values)) in enumerate(zip(curves, panel.drawn, strict=True)):
+        hertz = values / (2 * math.pi)
+        low, high = min(low, hertz.min()), max(high, hertz.max())
+        axes.plot(t, hertz, label=curve.label, gid=curve.column, zorder=above_wider(hertz), **dashed(i))
+    colours = [overlay(i)["color"] for i in range(len(subjects))] if len(subjects) > 1 else [GREY]
+    annotate_runs(axes, subjects, window, colours, impacts=False)
+    _draw_frequencies(axes, subjects, low, high, (height_cm - 1.6) * 28)
+    axes.set_ylabel("Rotor speed (Hz)")
+    time_axis(axes, window)
+
+
+def rotor_speeds(scene: Scene) -> dict[str, str]:
+    """Columns of the speeds of the rotors by their names."""
+    return {body.name: body.columns[1] for body in scene.bodies if body.kind == ROTOR}
+
+
+def states_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Each further state of the scenes against time [s], in a panel of its own."""
+    names = dict.fromkeys(name for subject in subjects for name in state_names(subject.scene))
+    window = common_window(subjects, view.window)
+    figure = sheet(view, 1.0 + 3.4 * len(names))
+    panels = list(figure.subplots(len(names), 1, squeeze=False, sharex=True)[:, 0])
+    for axes, name in zip(panels, names, strict=True):
+        present = [subject for subject in subjects if name in subject.tables.states]
+        _state_panel(axes, present, name, window, len(subjects))
+    for axes in panels[:-1]:
+        axes.tick_params(labelbottom=False)
+        axes.set_xlabel("")
+    if len(subjects) > 1:
+        legend_above(panels[0])
+    letter_panels(panels)
+    figure.align_ylabels()
+    return figure
+
+
+def _state_panel(axes: Axes, subjects: Sequence[Subject], name: str, window: Span, count: int) -> None:
+    looks = [
+        nested(i, count) if count > 1 else {"color": BLUE, "linewidth": 0.8} for i in range(len(subjects))
+    ]
+    curves = [
+        HistoryCurve(one, name, one.name, look, count == 1) for one, look in zip(subjects, looks, strict=True)
+    ]
+    panel = Panel(axes, curves, window)
+    unit = dict(subjects[0].scene.state_units).get(name, "")
+    for curve, (t, values) in zip(curves, panel.drawn, strict=True):
+        axes.plot(t, values, label=curve.label, gid=name, zorder=above_wider(values), **curve.look)
+    runs, colours = panel.runs
+    annotate_runs(axes, runs, window, colours, impacts=False)
+    axes.set_ylabel(f"{as_text(name)} ({unit})" if unit else as_text(name))
+    time_axis(axes, window)
+
+
+def state_names(scene: Scene) -> list[str]:
+    """Names of the further states of a scene."""
+    return [body.name for body in scene.bodies if body.kind == STATE]

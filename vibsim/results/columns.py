@@ -113,7 +113,8 @@ def tables_of(scene: Scene) -> Tables:
         {"time": TIMES["time"], **states, **parts},
         {"t": TIMES["t"], **kinds, "part": _part_of_event(scene), **in_full, **parts},
         tuple(states),
-        *zip(*(columns_of(body.name) for body in scene.line), strict=True),
+        tuple(columns_of(body.name)[0] for body in scene.line),
+        tuple(columns_of(body.name)[1] for body in scene.line),
     )
 
 
@@ -163,7 +164,7 @@ def written_unit(unit: str) -> str:
     over, *under = unit.split("/")
     factors = [factor for factor in over.replace("*", " ").split() if factor != "1"]
     for part in under:
-        for factor in part.replace("*", " ").split():
+        for factor in part.strip("()").replace("*", " ").split():
             name, _, power = factor.partition("^")
             factors.append(f"{name}^-{power or 1}")
     return " ".join(factor.replace("^", "") for factor in factors) or "1"

@@ -240,9 +240,7 @@ def capture_lines(capture: Capture, verbose: bool) -> list[Line]:
 
 
 def drift_text(drift: Drift, unit: str) -> str:
-    """Verdict, rate of the orbit where it is known, rate in the span with its interval; unit: of
-    displacements.
-    """
+    """Verdict, rate of the orbit where it is known, rate in the span; unit: of displacements."""
     exact = ""
     if drift.orbit_rate is not None:
         exact = f"{number(drift.orbit_rate, 4)} {unit}/s on the periodic orbit, exact"

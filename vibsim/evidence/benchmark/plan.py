@@ -68,6 +68,10 @@ class SolverFamily:
         """Why the family cannot run the scene; None where it can."""
         if scene.has_motor and not self.motor:
             return "left out: it needs an ideal source, and the case has a motor"
+        if scene.has_formulas and not self.motor:
+            return "left out: it needs laws that are linear, and the case has formulas"
+        if scene.has_formulas and not self.own:
+            return "left out: it is not given laws that are formulas, rotors and states yet"
         if scene.rigid_stops and not self.rigid_stops:
             return "left out: the case has rigid stops, which need located events"
         return None

@@ -162,7 +162,7 @@ def score(attempt: Attempt, truth: BenchTruth, scene: Scene) -> Score:
 
 def displacements_of(scene: Scene) -> list[str]:
     """Names of the columns of displacements; states have each of them in front of its velocity."""
-    return [columns_of(body.name)[0] for body in scene.bodies]
+    return [columns_of(body.name)[0] for body in scene.line]
 
 
 def displacement_error(states: np.ndarray, truth: BenchTruth, names: Sequence[str]) -> np.ndarray:
