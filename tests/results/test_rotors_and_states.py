@@ -21,8 +21,9 @@ from tests.formula_cases import (
 from vibsim.engine.blocks import part_offsets
 from vibsim.engine.resume import resume_point
 from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.connections import event_parts
 from vibsim.physics.formulas import Node
-from vibsim.physics.parts import EVENT_KINDS, ROTOR, STATE, Body, Scene, event_parts
+from vibsim.physics.parts import EVENT_KINDS, ROTOR, STATE, Body, Scene
 from vibsim.results import simulate_to_file
 from vibsim.results.columns import starts_of, tables_of, written_unit
 from vibsim.results.exports import write_csv
