@@ -42,7 +42,11 @@ def case_lines(case: Case) -> list[tuple[str, str]]:
     scene = case.scene()
     every = seconds(scene.every_num / scene.every_den)
     return [
-        *(scene_lines(scene, case) if case.is_long else [("source", source_text(scene))]),
+        *(
+            scene_lines(scene, case)
+            if case.is_long or scene.has_formulas
+            else [("source", source_text(scene))]
+        ),
         ("span", f"{seconds(scene.t_end)}, a sample every {every}: {counted(scene.sample_count, 'sample')}"),
     ]
 
