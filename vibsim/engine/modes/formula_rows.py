@@ -193,7 +193,11 @@ class FormulaRows(Generic[N]):
                 rows.formulas.append(FormulaForce(k, P, Q, sign))
         roots = len(maker.tape.outputs)
         awake = {self.same[node][0] for node in self.awake(status, sides)}
-        watched = {i: list(self._guards(i, self.switches[i], sides)) for i in sorted(awake)}
+        watched = {
+            i: list(self._guards(i, self.switches[i], sides))
+            for i in sorted(awake)
+            if self.switches[i] in sides
+        }
         for i, guards in watched.items():
             for key, node, sign in guards:
                 if not self._implied(maker, maker.place(node), status):
