@@ -48,8 +48,9 @@ class FormulaParts:
 
     def friction(
         self, name: str, part: Values, weight: Any
-    ) -> tuple[tuple[Node, Node], tuple[Node, Node]] | None:
-        """Forces while slipping, and the most that it holds, forwards and backwards; None without formulas.
+    ) -> tuple[tuple[Node, Node], tuple[Node, Node], bool] | None:
+        """Forces while slipping, and the most that it holds, forwards and backwards, and whether that is above
+        what slip begins with; None without formulas.
 
         weight : () -> m g of the first end [N], exact
         """
@@ -60,12 +61,13 @@ class FormulaParts:
         P, Q = self.scene.ends(FormulaPlace("friction", name, "", "mu", ""))
         slip = nodes.sub(difference("v", P, Q), meaning_of_number(part["belt"]).node)
         speeds = (slip, nodes.neg(slip))
-        slips, holds = [], []
+        slips, holds, rises = [], [], False
         for i, speed in enumerate(speeds):
             coefficient = self._coefficient(name, part, i)
             slips.append(nodes.mul(coefficient.slip(speed), load))
             holds.append(nodes.mul(coefficient.hold, load))
-        return (slips[0], slips[1]), (holds[0], holds[1])
+            rises = rises or coefficient.rises
+        return (slips[0], slips[1]), (holds[0], holds[1]), rises
 
     def _load(self, name: str, part: Values, weight: Any) -> Node:
         """max(0, N)."""
@@ -113,9 +115,12 @@ class FormulaParts:
 
 
 class _Coefficient:
-    """A coefficient of friction in one direction: while slipping at a speed, and the most that it holds."""
+    """A coefficient of friction in one direction: while slipping at a speed, the most that it holds, and whether
+    that is above what slip begins with.
+    """
 
     hold: Node
+    rises: bool
 
     def slip(self, speed: Node) -> Node:
         raise NotImplementedError
@@ -125,6 +130,7 @@ class _OfFormula(_Coefficient):
     def __init__(self, parts: FormulaParts, name: str, side: str, static: Fraction):
         self.parts, self.name, self.side = parts, name, side
         self.hold = nodes.mul(nodes.num(static), self.slip(ZERO))
+        self.rises = static != 1
 
     def slip(self, speed: Node) -> Node:
         return self.parts.node("friction", self.name, "mu", self.side, s=speed)
@@ -136,6 +142,7 @@ class _OfLaw(_Coefficient):
     def __init__(self, part: Values, side: Direction):
         self.law, self.side = part.get("law"), side
         self.hold = nodes.num(side.hold)
+        self.rises = side.hold != side.slip + side.drop
 
     def slip(self, speed: Node) -> Node:
         side = self.side

@@ -348,7 +348,9 @@ class _SceneBuilder:
         forces = self.formulas.friction(name, part, self.weight) if self.formulas else None
         if forces is not None:
             zero, belt = self.exact(Fraction(0)), self.numbers.of(part["belt"])
-            return Friction(name, *self.ends(part), zero, zero, belt, slips=forces[0], holds=forces[1])
+            return Friction(
+                name, *self.ends(part), zero, zero, belt, slips=forces[0], holds=forces[1], rises=forces[2]
+            )
         load = part["N"].value if "N" in part else self.weight(part)
         sides = directions(part)
         if not (load and any(side.hold for side in sides)):
