@@ -9,9 +9,11 @@ from vibsim.cases.formula_places import MOTOR, FormulaPlace, FormulaScene, diffe
 from vibsim.cases.formula_values import meaning_of_number, number_node
 from vibsim.cases.part_laws import SIDES, Direction, directions
 from vibsim.cases.quantities import Quantity
+from vibsim.cases.short_form import GROUND as GROUND_END
 from vibsim.physics import formulas as nodes
 from vibsim.physics.formulas import ONE, ZERO, Node
 from vibsim.physics.friction_laws import HYPERBOLIC
+from vibsim.physics.parts import BASE, GROUND
 
 Values = dict[str, Any]
 Sides = tuple[Node, Node]  # forwards and backwards
@@ -49,8 +51,8 @@ class FormulaParts:
     def friction(
         self, name: str, part: Values, weight: Any
     ) -> tuple[tuple[Node, Node], tuple[Node, Node], bool] | None:
-        """Forces while slipping, and the most that it holds, forwards and backwards, and whether that is above
-        what slip begins with; None without formulas.
+        """Forces while slipping, and the most that it holds, forwards and backwards, and whether that is
+        above what slip begins with; None without formulas.
 
         weight : () -> m g of the first end [N], exact
         """
@@ -59,7 +61,11 @@ class FormulaParts:
             return None
         load = self._load(name, part, weight)
         P, Q = self.scene.ends(FormulaPlace("friction", name, "", "mu", ""))
-        slip = nodes.sub(difference("v", P, Q), meaning_of_number(part["belt"]).node)
+        if isinstance(part["belt"], Formula):
+            P, Q = (BASE if end == GROUND else end for end in (P, Q))
+            slip = difference("v", P, Q)
+        else:
+            slip = nodes.sub(difference("v", P, Q), meaning_of_number(part["belt"]).node)
         speeds = (slip, nodes.neg(slip))
         slips, holds, rises = [], [], False
         for i, speed in enumerate(speeds):
@@ -68,6 +74,17 @@ class FormulaParts:
             holds.append(nodes.mul(coefficient.hold, load))
             rises = rises or coefficient.rises
         return (slips[0], slips[1]), (holds[0], holds[1]), rises
+
+    def belts(self) -> dict[str, Node]:
+        """Velocities of the belts that move by formulas, by friction: of the surface on the ground, be it Q
+        or P [m/s].
+        """
+        found: dict[str, Node] = {}
+        for name, part in self.values.get("friction", {}).items():
+            if isinstance(part.get("belt"), Formula):
+                node = self.node("friction", name, "belt")
+                found[name] = node if part["between"].Q == GROUND_END else nodes.neg(node)
+        return found
 
     def _load(self, name: str, part: Values, weight: Any) -> Node:
         """max(0, N)."""
@@ -115,8 +132,8 @@ class FormulaParts:
 
 
 class _Coefficient:
-    """A coefficient of friction in one direction: while slipping at a speed, the most that it holds, and whether
-    that is above what slip begins with.
+    """A coefficient of friction in one direction: while slipping at a speed, the most that it holds, and
+    whether that is above what slip begins with.
     """
 
     hold: Node

@@ -12,6 +12,7 @@ from vibsim.cases.quantities import QuantityError
 from vibsim.cases.schema_keys import all_keys
 from vibsim.cases.short_form import FoundDefault
 from vibsim.physics.formulas import ZERO
+from vibsim.physics.parts import GROUND
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 LONGEST_NAME = 24
@@ -37,15 +38,13 @@ def _by_part(places: list[FormulaPlace]) -> dict[tuple[str, str, str], list[Form
 
 def _of_formula(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]:
     """What is wrong with one formula: its text, its names, its units."""
-    if place.section == "friction" and place.key == "belt":
-        message = "a formula is not supported here yet; the belt has a constant velocity, such as 0.2 m/s"
-        yield FoundDefault(place.path, message)
-        return
     word = _bare_word(scene, place)
     if word is not None:
         yield word
         return
     try:
+        if place.section == "friction" and place.key == "belt":
+            yield from _belt_is_alone(scene, place)
         yield from _clashes(scene, place)
         scene.node(place)
         if place.key == "mu":
@@ -54,6 +53,18 @@ def _of_formula(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefau
         yield _finding(place, error)
     except Unreadable:
         return
+
+
+def _belt_is_alone(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]:
+    """A belt by a formula runs on the ground, in a scene without base, and moves as all such belts."""
+    belts = [one for one in places_of(scene.values) if (one.section, one.key) == ("friction", "belt")]
+    if GROUND not in scene.ends(place):
+        yield FoundDefault(place.path, "a belt by a formula runs on the ground: one end must be ground")
+    elif "base" in scene.values:
+        yield FoundDefault(place.path, "a belt by a formula is not supported beside a base that moves")
+    elif len({scene.node(one) for one in belts}) > 1:
+        names = ", ".join(one.name for one in belts)
+        yield FoundDefault(place.path, f"belts by formulas must move alike; those of {names} differ")
 
 
 def _at_rest(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from vibsim.cases.formula_keys import has_formulas
+from vibsim.cases.formula_keys import Formula, has_formulas
 from vibsim.cases.part_laws import Direction, directions
 from vibsim.cases.quantities import Quantity, times_two_pi, two_pi_fraction
 from vibsim.cases.schema import AmplitudeRule, CaseFile, HarmonicKeys, MotorKeys
@@ -261,12 +261,14 @@ class _SceneBuilder:
         if self.formulas is None:
             return {"torsional": True} if form_of(self.values).torsional else {}
         base = self.formulas.node("base", "", "x") if self.formulas.has("base", "", "x") else None
+        belt = next(iter(self.formulas.belts().values()), None)
         rotors = tuple(
             Rotor(self.index[name], self.index[part["on"]], self.exact(part["m"].value * part["e"].value))
             for name, part, _ in self.formulas.rotors()
         )
         return {
-            "base_formula": base,
+            "base_formula": base if belt is None else belt,
+            "base_is_rate": belt is not None,
             "rotors": rotors,
             "torsional": self.formulas.scene.torsional,
             "state_units": tuple(self.state_units()),
@@ -346,11 +348,14 @@ class _SceneBuilder:
     def friction(self, name: str, part: Values) -> Friction | None:
         """Forces coefficient times N or m g, multiplied exactly and rounded once; None where all are 0."""
         forces = self.formulas.friction(name, part, self.weight) if self.formulas else None
+        P, Q = self.ends(part)
+        by_formula = isinstance(part["belt"], Formula)
+        if by_formula:  # the belt moves as a base does that nothing else is on
+            P, Q = (BASE if end == GROUND else end for end in (P, Q))
+        belt = self.exact(Fraction(0)) if by_formula else self.numbers.of(part["belt"])
         if forces is not None:
-            zero, belt = self.exact(Fraction(0)), self.numbers.of(part["belt"])
-            return Friction(
-                name, *self.ends(part), zero, zero, belt, slips=forces[0], holds=forces[1], rises=forces[2]
-            )
+            zero = self.exact(Fraction(0))
+            return Friction(name, P, Q, zero, zero, belt, slips=forces[0], holds=forces[1], rises=forces[2])
         load = part["N"].value if "N" in part else self.weight(part)
         sides = directions(part)
         if not (load and any(side.hold for side in sides)):
@@ -358,8 +363,6 @@ class _SceneBuilder:
         forward, backward = (self.numbers.convert(side.slip * load, 0) for side in sides)
         holds = [self.hold(side, load) for side in sides]
         falls = [self.fall(part, side, load) for side in sides]
-        belt = self.numbers.of(part["belt"])
-        P, Q = self.ends(part)
         return Friction(name, P, Q, forward, backward, belt, holds[0], holds[1], falls[0], falls[1])
 
     def hold(self, side: Direction, load: Any) -> Number | None:

@@ -23,7 +23,7 @@ from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike, w
 from vibsim.lazy import once
 from vibsim.physics.connections import body_sets, felt_angles
 from vibsim.physics.elementary import sine_cosine_of_arrays
-from vibsim.physics.formulas import TIME, derivative
+from vibsim.physics.formulas import TIME, ZERO, derivative
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import BASE, BODY, ROTOR, STATE, Body, Scene, columns_of
 from vibsim.physics.rates import Period, common_period, reads_time, springs_of, turning_rotor
@@ -309,6 +309,8 @@ def motion_of_base(scene: Any, t: Any) -> tuple[Any, Any, Any]:
 
         rate = derivative(scene.base_formula, TIME)
         formulas = (scene.base_formula, rate, derivative(rate, TIME))
+        if scene.base_is_rate:
+            formulas = (ZERO, scene.base_formula, rate)
         values = [values_of(one, {TIME: t}) for one in formulas]
         return values[0], values[1], values[2]
     x = v = a = 0.0

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vibsim.physics import elementary
-from vibsim.physics.formulas import TIME, Node, children, derivative, walk
+from vibsim.physics.formulas import TIME, ZERO, Node, children, derivative, walk
 from vibsim.physics.parts import BASE, GROUND, ROTOR, STATE, Link, Scene
 
 Inputs = Mapping[Node, np.ndarray | float]  # what formulas read: node -> values [SI]
@@ -108,7 +108,7 @@ def inputs_at(
 
 def _base_at(scene: Scene[Any], t: float) -> tuple[float, float]:
     if scene.base_formula is not None:
-        X, V = base_motion_of(scene.base_formula, np.array([t]))
+        X, V = base_motion_of(scene, np.array([t]))
         return float(X[0]), float(V[0])
     place = rate = 0.0
     for term in scene.base:
@@ -128,9 +128,13 @@ def start_inputs(scene: Scene[Any]) -> dict[Node, float]:
     )
 
 
-def base_motion_of(formula: Node, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement [m] and velocity [m/s] of a base whose place is a formula of time, at times [s]."""
-    x, v = (values_of(node, {TIME: times}) for node in (formula, derivative(formula, TIME)))
+def base_motion_of(scene: Scene[Any], times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement [m] and velocity [m/s] of a base that moves by a formula of time, at times [s]; of a belt
+    the displacement is told as 0.
+    """
+    assert scene.base_formula is not None
+    both = (scene.base_formula, derivative(scene.base_formula, TIME))
+    x, v = (values_of(node, {TIME: times}) for node in ((ZERO, both[0]) if scene.base_is_rate else both))
     return np.broadcast_to(x, np.shape(times)).copy(), np.broadcast_to(v, np.shape(times)).copy()
 
 

@@ -332,6 +332,8 @@ class Scene(Sampled[N], Generic[N]):
     bodies, links, stops, frictions, forces, clearances : the parts, in the order of the case
     base : harmonics of the displacement X(t) [m] of BASE
     base_formula : formula of X(t) [m] in the time alone, in place of harmonics
+    base_is_rate : whether that is a formula of the velocity X'(t) [m/s] of a belt on the ground, whose place
+        nothing feels
     motor : the motor, or None
     rotors : the unbalanced rotors among the bodies
     torsional : whether all displacements are angles [rad]
@@ -357,6 +359,7 @@ class Scene(Sampled[N], Generic[N]):
     order: int = 20
     tol: N | float = 2.0**-53
     base_formula: Node | None = None
+    base_is_rate: bool = False
     rotors: tuple[Rotor, ...] = ()
     torsional: bool = False
     state_units: tuple[tuple[str, str], ...] = ()

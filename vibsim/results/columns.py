@@ -323,7 +323,7 @@ def base_motion(scene: Scene, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     if scene.base_formula is not None:
         from vibsim.physics.formula_values import base_motion_of
 
-        return base_motion_of(scene.base_formula, time)
+        return base_motion_of(scene, time)
     x, v = np.zeros_like(time), np.zeros_like(time)
     for term in scene.base:
         angle = 2 * np.pi * np.fmod(term.cycles * time, 1.0) + term.phase

@@ -18,10 +18,10 @@ KEPT = 16  # formulas of bases that are kept
 
 
 class BaseFormula:
-    """X(t) by a formula [m], with its first two derivatives."""
+    """X(t) by a formula [m], or X'(t) where `is_rate`, with its first two derivatives; X is 0 then."""
 
-    def __init__(self, formula: Node, kit: Kit[Any]) -> None:
-        self.kit = kit
+    def __init__(self, formula: Node, kit: Kit[Any], is_rate: bool = False) -> None:
+        self.kit, self.is_rate = kit, is_rate
         self.formula = formula
         self.switches = [node for node in walk([formula]) if node[0] in SWITCHES]
         self.tapes: dict[tuple[int, ...], Tape] = {}
@@ -59,11 +59,16 @@ class BaseFormula:
     def values(self, t: Any) -> list[tuple[Any, Any]]:
         """X, X' and X'' at t [s], each with a bound of its rounding."""
         values = self._values(self.tape(t), t)
+        if self.is_rate:
+            return [(self.kit.number(0), self.kit.number(0)), values.output(0), values.output(1)]
         return [values.output(k) for k in range(3)]
 
     def series(self, t: Any, count: int, inverse: Sequence[Any]) -> list[Any]:
         """The first `count` Taylor coefficients of X at t [s]."""
-        return series_in_time(self.kit, self.tape(t), t, count, inverse)
+        series = series_in_time(self.kit, self.tape(t), t, count, inverse)
+        if self.is_rate:
+            return [self.kit.number(0), *(value * inverse[n + 1] for n, value in enumerate(series[:-1]))]
+        return series
 
 
 def series_in_time(kit: Kit[N], tape: Tape, t: N, count: int, inverse: Sequence[N]) -> list[N]:
@@ -78,27 +83,28 @@ def series_in_time(kit: Kit[N], tape: Tape, t: N, count: int, inverse: Sequence[
 
 
 @lru_cache(maxsize=KEPT)  # kits are compared by being the same
-def _kept(formula: Node, kit: Hashable) -> BaseFormula:
-    return BaseFormula(formula, cast("Kit[Any]", kit))
+def _kept(formula: Node, kit: Hashable, is_rate: bool) -> BaseFormula:
+    return BaseFormula(formula, cast("Kit[Any]", kit), is_rate)
 
 
-def base_formula(formula: Node, kit: Kit[Any]) -> BaseFormula:
-    """The motion of a base by a formula."""
-    return _kept(formula, cast("Hashable", kit))
+def base_formula(scene: Scene[Any], kit: Kit[Any]) -> BaseFormula:
+    """The motion of the base of a scene by a formula."""
+    assert scene.base_formula is not None
+    return _kept(scene.base_formula, cast("Hashable", kit), scene.base_is_rate)
 
 
 def base_motion(scene: Scene[N], kit: Kit[N], t: N) -> tuple[N, N]:
     """Displacement [m] and velocity [m/s] of the base at t [s]."""
     if scene.base_formula is None:
         return value_and_rate(kit, scene.base, t)
-    (X, _), (V, _), _ = base_formula(scene.base_formula, kit).values(t)
+    (X, _), (V, _), _ = base_formula(scene, kit).values(t)
     return X, V
 
 
 def base_acceleration(scene: Scene[N], kit: Kit[N], t: N) -> N:
     """Second derivative of the motion of the base [m/s^2]."""
     if scene.base_formula is not None:
-        A: N = base_formula(scene.base_formula, kit).values(t)[2][0]
+        A: N = base_formula(scene, kit).values(t)[2][0]
         return A
     total = kit.number(0)
     for term in scene.base:
@@ -113,7 +119,7 @@ def base_rounding(scene: Scene[N], kit: Kit[N], t: N, count: int) -> list[N]:
     """
     if scene.base_formula is None:
         return series_rounding(kit, scene.base, t, count)
-    formula = base_formula(scene.base_formula, kit)
+    formula = base_formula(scene, kit)
     inverse = [kit.number(0)] + [1 / kit.number(n) for n in range(1, count + 2)]
     series = formula.series(t, count + 1, inverse)
     late = kit.eps * abs(t)

@@ -82,6 +82,9 @@ class TaylorExpansion(Generic[N]):
         if self.rows.base_tape:
             series = series_in_time(self.kit, self.rows.base_tape, t, self.order + 3, self.inverse)
             x[:], v[:] = series[:-1], [n * value for n, value in enumerate(series)][1:]
+            if self.scene.base_is_rate:
+                integral = [value * inverse for value, inverse in zip(series, self.inverse[1:], strict=False)]
+                x[:], v[:] = [self.kit.number(0), *integral][: len(x)], series[: len(v)]
             return
         for term in self.scene.base:
             turns = quarter_turns(*sine_and_cosine(self.kit, term, t))

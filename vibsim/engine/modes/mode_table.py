@@ -171,7 +171,7 @@ def mode_table(scene: Scene, harmonic_keys: bool = True) -> ModeTable:
     return table
 
 
-PARTS = ("links", "stops", "frictions", "base", "clearances", "base_formula", "rotors")
+PARTS = ("links", "stops", "frictions", "base", "clearances", "base_formula", "base_is_rate", "rotors")
 
 
 def _signature(scene: Scene, harmonic_keys: bool) -> bytes:

@@ -26,7 +26,7 @@ FREE = {  # what no row holds
 }
 PLAIN = (str, int, type(None))
 FORMULAS = ("force", "formula", "slips", "holds")  # fields of formulas: of one form where they are equal
-WHOLE = ("rotors", "base_formula")  # parts of a scene that have to be equal
+WHOLE = ("rotors", "base_formula", "base_is_rate")  # parts of a scene that have to be equal
 STEADY = ("belt",)  # what decides with which others a friction stands, where there are several
 
 

@@ -94,7 +94,7 @@ static int scene_shape(Run *r, Reader *in)
     r->base_count = read_index(in, 0, MOST);
     r->has_motor = read_index(in, 0, 1);
     r->motor_on = read_index(in, 0, r->bodies - 1);
-    r->has_base = read_index(in, r->base_count > 0, 1);
+    r->has_base = read_index(in, r->base_count > 0, 2); /* 2: by a formula of its velocity */
     r->rest_columns = read_index(in, r->has_base ? 2 : 0, 2);
     r->stop_on_violation = read_index(in, 0, 1);
     r->taylor.order = read_index(in, 2, MAX_ORDER);

@@ -12,7 +12,7 @@ static void sine_and_cosine(const Harmonic *term, double t, double *turns)
     turns[3] = -turns[1];
 }
 
-/* X by a formula: coefficients along its tape, three beyond the order. */
+/* X by a formula, or its velocity: coefficients along its tape, three beyond the order. */
 static void expand_base_formula(Run *r, const Tape *tape, double t)
 {
     Taylor *f = &r->taylor;
@@ -23,6 +23,11 @@ static void expand_base_formula(Run *r, const Tape *tape, double t)
     for (n = 0; n <= f->order + 2; n++)
         tape_advance(tape, &f->tapes, NULL, n, f->inverse[n]);
     for (n = 0; n < f->order + 2; n++, row += f->stride) {
+        if (r->has_base == 2) {
+            row[at] = n > 0 ? X[n - 1] * f->inverse[n] : 0.0;
+            row[f->rates + at] = X[n];
+            continue;
+        }
         row[at] = X[n];
         row[f->rates + at] = (n + 1) * X[n + 1];
     }
