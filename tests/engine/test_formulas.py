@@ -1,0 +1,324 @@
+"""Scenes with formulas against closed forms, other solvers, difference quotients and their own ledgers."""
+
+from math import cos, exp, pi, sin
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.special import ellipk, gamma
+
+import vibsim
+from vibsim.engine.errors import EngineError
+from vibsim.engine.tangent.monodromy import Carrier
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.engine.truth import open_truth
+
+
+def case_of(tmp_path, text):
+    """The case that a YAML text says."""
+    path = tmp_path / "case.yaml"
+    path.write_text(text)
+    return vibsim.load_case(str(path))
+
+
+def ran(scene, engine="auto", **wishes):
+    """(samples, events by column, totals) of a run."""
+    trajectory = open_trajectory(scene, engine, **wishes)
+    blocks = list(trajectory.blocks())
+    tables = [
+        {
+            name: np.concatenate([getattr(block, kind)[name] for block in blocks])
+            for name in getattr(blocks[0], kind)
+        }
+        for kind in ("samples", "events")
+    ]
+    return *tables, trajectory.totals
+
+
+DUFFING = """
+bodies: {a: 1 kg}
+links: {s: {between: [a, ground], force: "k*d + k3*d**3", k: 1 N/m, k3: 1 N/m^3}}
+initial: {a: {x: 1 m}}
+run: {t_end: 60 s, every: 10 ms}
+"""
+HERTZ = """
+bodies: {ball: 1 kg}
+stops: {wall: {between: [ball, ground], gap: 1 mm, acts: compression, force: "K*p**1.5", K: 1e6 N/m^1.5}}
+initial: {ball: {v: 1 m/s}}
+run: {t_end: 30 ms, every: 0.1 ms}
+"""
+DRAG = """
+bodies: {a: 1 kg}
+links: {s: {between: [a, ground], force: "k*d + q*v*abs(v)", k: 100 N/m, q: 3 N s^2/m^2}}
+initial: {a: {x: 0.3 m}}
+run: {t_end: 3 s, every: 10 ms}
+"""
+HYSTERETIC = """
+bodies: {a: 1 kg}
+links: {s: {between: [a, ground], force: "k*d + k*z", k: 200 N/m}}
+states: {z: {rate: "v_a - (be*abs(v_a)*z + ga*v_a*abs(z))/u", start: 0 m, be: 0.6, ga: 0.4, u: 10 mm}}
+forces: {f: {on: a, force: "A*sin(w*t)", A: 8 N, w: 2.2 Hz}}
+initial: {a: {x: 1 mm}}
+run: {t_end: 2 s, every: 10 ms}
+"""
+ROTOR = """
+bodies: {frame: 3 kg}
+links: {s: {between: [frame, ground], force: "k*d + k3*d**3 + c*v", k: 4000 N/m, k3: 1e7 N/m^3, c: 4 N s/m}}
+rotors: {r: {on: frame, m: 0.2 kg, e: 40 mm, J: 2e-4 kg m^2, torque: "T0*(1 - w/w0) - m*g*e*cos(phi)",
+             T0: 0.12 N m, w0: 8 Hz, g: 9.81 m/s^2}}
+initial: {r: {phi: -90 deg, w: 1 Hz}}
+run: {t_end: 1 s, every: 10 ms}
+"""
+RUBBING = """
+bodies: {block: 1 kg}
+links: {s: {between: [block, ground], force: "k*d + c*v", k: 100 N/m, c: 0.2 N s/m}}
+friction: {belt: {between: [block, ground], N: "N0 + kn*x_block", mu: "mu_d + (mu_s - mu_d)*exp(-(s/vs)**2)",
+                  N0: 10 N, kn: 5 N/m, mu_s: 0.4, mu_d: 0.25, vs: 0.1 m/s, belt: 0.1 m/s}}
+run: {t_end: 3 s, every: 10 ms}
+"""
+BACKLASH = """
+bodies: {a: 1 kg}
+links: {s: {between: [a, ground], force: "k*(max(d - b, 0) + min(d + b, 0)) + c*v", k: 900 N/m, b: 5 mm,
+            c: 0.8 N s/m}}
+forces: {f: {on: a, A: 4 N, omega: 3 Hz}}
+initial: {a: {v: 0.2 m/s}}
+run: {t_end: 3 s, every: 10 ms}
+"""
+PULSED = """
+bodies: {a: 2 kg}
+links: {s: {between: [a, ground], k: 500 N/m, c: 2 N s/m}}
+forces:
+  p: {on: a, force: "where(t < T1, A*sin(pi*t/T1), 0)", A: 20 N, T1: 50 ms}
+  q: {on: a, force: "table(t, [[0.3 s, 0 N], [0.4 s, 4 N], [0.5 s, 0 N]], 'linear')"}
+run: {t_end: 2 s, every: 10 ms}
+"""
+SCENES = {
+    "duffing": DUFFING,
+    "hertz": HERTZ,
+    "drag": DRAG,
+    "hysteretic": HYSTERETIC,
+    "rotor": ROTOR,
+    "rubbing": RUBBING,
+    "backlash": BACKLASH,
+    "pulsed": PULSED,
+}
+
+
+def test_the_period_of_a_hardening_spring_is_an_elliptic_integral(tmp_path):
+    scene = case_of(tmp_path, DUFFING).scene()
+    # x'' + x + x^3 = 0 from rest at 1: T = 4 K(m) / sqrt(2), m = 1/4
+    period = 4 * ellipk(0.25) / 2**0.5
+    assert abs(period - 4.7680220291024608) < 1e-14
+    state = Carrier(scene).carry([1.0, 0.0], 12 * period).state
+    assert np.abs(state - [1.0, 0.0]).max() < 1e-12
+
+
+def test_a_ball_on_a_hertzian_wall_meets_its_closed_form(tmp_path):
+    samples, events, totals = ran(case_of(tmp_path, HERTZ).scene())
+    depth = (1.25 / 1e6) ** 0.4  # m v^2 / 2 = 2/5 K depth^2.5
+    duration = 2 * depth * (pi**0.5 * gamma(1.4) / gamma(0.9))
+    assert abs(duration - 12.811349348247e-3) < 1e-14
+    assert abs(events["t"][1] - 1e-3) < 1e-16
+    assert abs(events["t"][2] - events["t"][1] - duration) < 1e-15
+    assert abs(samples["v_ball"][-1] + 1) < 1e-14
+    assert totals["uncertified"] == 0
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_ledgers_close_and_engines_agree(name, tmp_path):
+    scene = case_of(tmp_path, SCENES[name]).scene()
+    runs = [ran(scene, engine, ledger=True, momentum=True) for engine in ("python", "c")]
+    for one, other in zip(runs[0][:2], runs[1][:2], strict=True):
+        assert all(one[column].tobytes() == other[column].tobytes() for column in one)
+    totals = runs[1][2]
+    assert abs(totals["energy_residual_relative"]) < 2e-12
+    assert abs(totals["momentum_residual_relative"]) < 2e-12
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_doubles_agree_with_forty_digits(name, tmp_path):
+    case = case_of(tmp_path, SCENES[name])
+    samples, events, _ = ran(case.scene())
+    truth = open_truth(case.exact_scene, 40)
+    blocks = list(truth.blocks())
+    for column in samples:
+        exact = np.concatenate([block.samples[column] for block in blocks])
+        assert np.abs(samples[column] - exact).max() <= 1e-11 * max(np.abs(exact).max(), 1e-3)
+    times = np.concatenate([block.events["t"] for block in blocks])
+    assert len(times) == len(events["t"])
+    assert np.abs(times - events["t"]).max() < 1e-11
+
+
+@pytest.mark.parametrize(
+    ("name", "end"),
+    [
+        ("duffing", 3.0),
+        ("hertz", 0.02),
+        ("drag", 1.0),
+        ("hysteretic", 0.5),
+        ("rotor", 0.8),
+        ("backlash", 0.7),
+    ],
+)
+def test_the_monodromy_matrix_agrees_with_difference_quotients(name, end, tmp_path):
+    scene = case_of(tmp_path, SCENES[name]).scene()
+    start = [body.x for body in scene.bodies] + [body.v for body in scene.bodies]
+    carrier, n = Carrier(scene), len(start)
+    matrix = carrier.carry(start, end).matrix
+    quotients = np.zeros((n, n))
+    for k in range(n):
+        h = 1e-6 * max(abs(start[k]), 1e-2)
+        moved = []
+        for step in (h, -h, 2 * h, -2 * h):
+            other = list(start)
+            other[k] += step
+            moved.append(carrier.carry(other, end, np.zeros((0, n))).state)
+        quotients[:, k] = (8 * (moved[0] - moved[1]) - (moved[2] - moved[3])) / (12 * h)
+    scale = np.abs(quotients).max(axis=1, keepdims=True) + 1e-9
+    assert (np.abs(matrix - quotients) / scale).max() < 2e-6
+
+
+@pytest.mark.parametrize(
+    ("a", "trace"), [(-0.4551386041074136, 2), (3.91702477299847, 2), (-0.1102488169920952, -2)]
+)
+def test_mathieu_at_rest_on_its_stability_curves(a, trace, tmp_path):
+    """x'' + (a - 2 cos 2t) x = 0 along x = 0: characteristic values a0(1), b2(1), b1(1)."""
+    scene = case_of(
+        tmp_path,
+        f"""
+bodies: {{m: 1 kg}}
+links: {{s: {{between: [m, ground], force: "(a - q*cos(w*t))*d", a: {a!r} N/m, q: 2 N/m, w: 2 rad/s}}}}
+run: {{t_end: 4 s, every: 1 s}}
+""",
+    ).scene()
+    matrix = Carrier(scene).carry([0.0, 0.0], pi).matrix
+    assert abs(np.trace(matrix) - trace) < 1e-13
+    assert abs(np.linalg.det(matrix) - 1) < 1e-13
+
+
+BASE = """
+bodies: {a: 1 kg}
+base: {x: "a0*sin(w0*t)*min(t/rise, 1)", a0: 2 mm, w0: 5 Hz, rise: 0.73 s}
+links: {s: {between: [a, base], k: 900 N/m, c: 2 N s/m}}
+stops: {w: {between: [a, ground], gap: 2.5 mm, acts: compression, k: 2e4 N/m, c: 5 N s/m}}
+run: {t_end: 3 s, every: 10 ms}
+"""
+
+
+def base_motion(t):
+    """X [m] and X' [m/s] of BASE."""
+    w, share = 10 * pi, min(t / 0.73, 1.0)
+    slope = sin(w * t) / 0.73 if t < 0.73 else 0.0
+    return 0.002 * sin(w * t) * share, 0.002 * (w * cos(w * t) * share + slope)
+
+
+def solved_on_the_base():
+    """(times of contacts, state at the end) of BASE by another solver."""
+    t, state, touching = 0.0, np.zeros(2), False
+    events: list[float] = []
+
+    def rates(t, y, touching):
+        X, V = base_motion(t)
+        force = -900 * (y[0] - X) - 2 * (y[1] - V)
+        return [y[1], force - (2e4 * (y[0] - 0.0025) + 5 * y[1] if touching else 0.0)]
+
+    while t < 3:
+
+        def depth(_t, y, _touching):
+            return y[0] - 0.0025
+
+        depth.terminal, depth.direction = True, -1 if touching else 1
+        end = 0.73 if t < 0.73 else 3
+        one = solve_ivp(
+            rates,
+            (t, end),
+            state,
+            "DOP853",
+            rtol=1e-12,
+            atol=1e-14,
+            args=(touching,),
+            events=depth,
+            max_step=0.01,
+        )
+        t, state = one.t[-1], one.y[:, -1]
+        if one.status == 1:
+            touching = not touching
+            events.append(t)
+    return events, state
+
+
+def test_a_base_by_a_formula_with_a_kink_against_another_solver(tmp_path):
+    samples, events, totals = ran(case_of(tmp_path, BASE).scene())
+    times, state = solved_on_the_base()
+    assert len(times) == len(events["t"]) - 2 == 26
+    assert np.abs(np.array(times) - events["t"][1:-1]).max() < 1e-10
+    assert np.abs(state - [samples["x_a"][-1], samples["v_a"][-1]]).max() < 1e-9
+    assert totals["uncertified"] == 0
+
+
+BELT = """
+bodies: {{block: 1 kg}}
+links: {{s: {{between: [block, ground], k: 100 N/m, c: 0.2 N s/m}}}}
+friction: {{belt: {{between: [block, ground], N: 10 N, mu: 0.25, belt: {belt}}}}}
+run: {{t_end: 6 s, every: 10 ms}}
+"""
+
+
+def test_a_belt_of_constant_velocity_by_a_formula_is_one_by_a_number(tmp_path):
+    number = ran(case_of(tmp_path, BELT.format(belt="0.1 m/s")).scene())
+    formula = ran(case_of(tmp_path, BELT.format(belt='"v1", v1: 0.1 m/s')).scene())
+    assert np.abs(number[1]["t"] - formula[1]["t"]).max() < 1e-13
+    assert np.abs(number[0]["x_block"] - formula[0]["x_block"]).max() < 1e-13
+
+
+def test_a_belt_that_varies_holds_by_its_acceleration_too(tmp_path):
+    belt = '"v1*(1 - exp(-t/tau))", v1: 0.1 m/s, tau: 0.5 s'
+    samples, events, _ = ran(case_of(tmp_path, BELT.format(belt=belt)).scene())
+
+    def held(t, y):
+        """Force that the friction passes while the block goes with the belt [N], less what it can."""
+        v, a = 0.1 * (1 - exp(-t / 0.5)), 0.2 * exp(-t / 0.5)
+        return abs(100 * y[0] + 0.2 * v + a) - 2.5
+
+    held.terminal = True
+    one = solve_ivp(
+        lambda t, _y: [0.1 * (1 - exp(-t / 0.5))],
+        (0, 6),
+        [0.0],
+        "DOP853",
+        rtol=1e-12,
+        atol=1e-14,
+        events=held,
+    )
+    assert abs(events["t"][1] - one.t[-1]) < 1e-10
+    k = round(0.2 / 0.01)
+    assert abs(samples["v_block"][k] - 0.1 * (1 - exp(-0.4))) < 1e-15
+
+
+@pytest.mark.parametrize(
+    ("force", "numbers", "reason", "when"),
+    [
+        ("-k*sqrt(x_a)", "k: 3 N/m^0.5", "domain", None),
+        ("-q/x_a", "q: 1 N m", "singular", (pi / 2) ** 0.5),
+        ("k*x_a**3", "k: 1 N/m^3", "singular", 1.8540746773013719),
+        ("-F*sign(v_a) - k*x_a", "F: 0.3 N, k: 1 N/m", "held", 2 * pi),
+    ],
+)
+def test_where_a_formula_has_no_value_or_holds_the_motion_the_run_says_so(
+    force, numbers, reason, when, tmp_path
+):
+    scene = case_of(
+        tmp_path,
+        f"""
+bodies: {{a: 1 kg}}
+forces: {{pull: {{on: a, force: "{force}", {numbers}}}}}
+initial: {{a: {{x: 1 m}}}}
+run: {{t_end: 20 s, every: 10 ms}}
+""",
+    ).scene()
+    for engine in ("python", "c"):
+        with pytest.raises(EngineError, match="pull") as raised:
+            ran(scene, engine)
+        assert raised.value.reason == reason
+        if when is not None:
+            assert abs(raised.value.state.t - when) < 1e-6
