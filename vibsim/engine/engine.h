@@ -425,7 +425,7 @@ double taylor_magnitude(const Run *r, const Event *e);
 
 /* tape.c; sound_step sets the status SINGULAR where no step is short enough */
 void tape_values(const Run *r, double tau);
-void tape_values_at(const Run *r, const Mode *m, const State *state, double X, double V); /* X, V: of the base */
+void tape_values_at(const Run *r, const Mode *m, double X, double V, const double *rates);
 void sound_step(Run *r);
 
 /* rotors_on_bodies.c */

@@ -163,6 +163,26 @@ def children(node: Node) -> tuple[Node, ...]:
     return (node[1],)
 
 
+class HashedNode(tuple[Any, ...]):
+    """A node that knows its hash, which for a tuple is made anew of all that is below it."""
+
+    hashed: int | None = None
+
+    def __hash__(self) -> int:
+        if self.hashed is None:
+            self.hashed = super().__hash__()
+        return self.hashed
+
+
+def hashed(node: Node, known: dict[Node, Node]) -> Node:
+    """The same formula of nodes that know their hashes, equal ones being one; known: those made so far."""
+    for one in walk([node]):
+        if one not in known:
+            made = HashedNode(known.get(part, part) if isinstance(part, tuple) else part for part in one)
+            known[made] = made
+    return known[node]
+
+
 def walk(nodes: Iterable[Node]) -> Iterator[Node]:
     """Each distinct node of formulas once, children before what is made of them."""
     seen: set[Node] = set()

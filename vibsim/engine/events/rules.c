@@ -135,7 +135,7 @@ double forces_of(const Run *r, const Mode *m, double X, double V)
     for (i = 0; i < m->fall_count; i++)
         total += fabs(m->falls[i].on_P);
     if (m->formula_count > 0)
-        tape_values_at(r, m, &r->next, X, V);
+        tape_values_at(r, m, X, V, NULL);
     for (i = 0; i < m->formula_count; i++)
         total += fabs(r->taylor.tapes.values[m->tape.outputs[m->formulas[i].output]]);
     for (i = 0; i < r->bodies; i++)
@@ -190,23 +190,23 @@ static int slips(Run *r, const Mode *m, int key)
     return flow_derivative(r, m, e, 1) > NEAR_LIMIT * forces_of(r, m, X, V) / lightest;
 }
 
-/* Whether rounding leaves every switch of mode m, but that of the event function `key`, on its side at r->next. */
+/* Whether rounding leaves every switch of mode m, but that of the event function `key`, on its side at r->next, where the mode of now
+ * has led.
+ */
 static int sides_last(Run *r, const Mode *m, int key)
 {
-    const TapeRoom *room = &r->taylor.tapes;
-    const Mode *before = r->mode;
+    const Taylor *f = &r->taylor;
+    const TapeRoom *room = &f->tapes;
     double X = 0.0, V = 0.0;
     int i;
     if (m->switch_count == 0)
         return 1;
+    taylor_look(r, &r->next);
     if (r->has_base) {
-        r->mode = m;
-        taylor_look(r, &r->next);
-        r->mode = before;
-        X = r->taylor.table[base_column(r)];
-        V = r->taylor.table[r->taylor.rates + base_column(r)];
+        X = f->table[base_column(r)];
+        V = f->table[f->rates + base_column(r)];
     }
-    tape_values_at(r, m, &r->next, X, V);
+    tape_values_at(r, m, X, V, f->table + f->stride + f->rates);
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
         const Term *term = &m->terms[e->first];

@@ -25,7 +25,7 @@ from vibsim.engine.modes.rows import (
 )
 from vibsim.engine.modes.status import CONTACT, OPEN, STICK, Status
 from vibsim.engine.modes.ties import Cut
-from vibsim.physics.formulas import SWITCHES, Node, children, is_continuous, mul, num, sub, walk
+from vibsim.physics.formulas import SWITCHES, Node, children, hashed, is_continuous, mul, num, sub, walk
 from vibsim.physics.numbers import Doubles, Kit, N, abs
 from vibsim.physics.parts import Scene, Stop
 
@@ -75,11 +75,11 @@ class FormulaRows(Generic[N]):
         self.n = len(scene.bodies)
         self.switches: list[Node] = []
         self.owners: list[str] = []
-        self.same: dict[
-            Node, tuple[int, int]
-        ] = {}  # by node: number of its switch, and -1 where it is turned round
+        self.same: dict[Node, tuple[int, int]] = {}  # by node: its switch, and -1 where it is turned round
         known: dict[Node, tuple[int, int]] = {}
-        for root in self._all_roots():
+        nodes: dict[Node, Node] = {}
+        self.all_roots = [root._replace(node=hashed(root.node, nodes)) for root in self._all_roots()]
+        for root in self.all_roots:
             for node in walk([root.node]):
                 if node[0] in SWITCHES and node not in self.same:
                     watched, sign = watched_by(node)
@@ -89,6 +89,7 @@ class FormulaRows(Generic[N]):
                         self.owners.append(root.text)
                     number, first = known[watched]
                     self.same[node] = number, sign * first
+        self.behind = {node: [one for one in walk([node[1]]) if one[0] in SWITCHES] for node in self.same}
 
     def _all_roots(self) -> Iterator[Root]:
         """Every formula of the scene."""
@@ -111,7 +112,7 @@ class FormulaRows(Generic[N]):
 
     def roots(self, status: Status) -> list[Root]:
         """The formulas that a mode reads."""
-        return [root for root in self._all_roots() if self._is_read(root, status)]
+        return [root for root in self.all_roots if self._is_read(root, status)]
 
     @staticmethod
     def _is_read(root: Root, status: Status) -> bool:
@@ -142,10 +143,10 @@ class FormulaRows(Generic[N]):
                 continue
             seen.add(node)
             if node[0] in SWITCHES:
-                guard = node[1]
-                if any(one[0] in SWITCHES and one not in seen for one in walk([guard])):
+                behind = [one for one in self.behind[node] if one not in seen]
+                if behind:
                     seen.discard(node)
-                    ahead += [node, *(one for one in walk([guard]) if one[0] in SWITCHES and one not in seen)]
+                    ahead += [node, *behind]
                     continue
                 yield node
             ahead += [node[1], chosen(node, sides)] if node[0] == "choose" else children(node)
@@ -155,13 +156,13 @@ class FormulaRows(Generic[N]):
         and event functions tell where each of them ends.
         """
         sides = self.sides(rows.status)
-        if set(self.awake(rows.status, sides)) != sides.keys():
+        awake = {self.same[node][0] for node in self.awake(rows.status, sides)}
+        if awake != {i for i, side in enumerate(rows.status.switches) if side is not None}:
             return False
         return all(
             ("switch", i, key) in rows.outputs
-            for i, node in enumerate(self.switches)
-            if node in sides
-            for key, _, _ in self._guards(i, node, sides)
+            for i in awake
+            for key, _, _ in self._guards(i, self.switches[i], sides)
         )
 
     def guard_values(self, node: Node, sides: Mapping[Node, int], at: Inputs[N], blur: Inputs[N]) -> list[N]:

@@ -235,9 +235,12 @@ void tape_values(const Run *r, double tau)
     tape_evaluate(&r->mode->tape, &at, &blur, room->values, room->bounds);
 }
 
-/* The same of mode m at the state at an event; X, V: displacement and velocity of the base there. */
-void tape_values_at(const Run *r, const Mode *m, const State *state, double X, double V)
+/* The same of mode m at r->next; X, V: displacement and velocity of the base there. rates: of all velocities, in the order of
+ * the table, for what the rounding of the time leaves open of them; NULL where bounds are not asked for.
+ */
+void tape_values_at(const Run *r, const Mode *m, double X, double V, const double *rates)
 {
+    const State *state = &r->next;
     const TapeRoom *room = &r->taylor.tapes;
     TapeInputs at = room->at, blur = room->blur;
     const double lost = STATE_ROUNDING * EPS, late = lost * fabs(state->t);
@@ -247,6 +250,8 @@ void tape_values_at(const Run *r, const Mode *m, const State *state, double X, d
         at.v[c] = c < r->bodies ? state->v[c] : c == r->bodies ? 0.0 : V;
         blur.x[c] = lost * fabs(at.x[c]) + late * fabs(at.v[c]);
         blur.v[c] = lost * fabs(at.v[c]);
+        if (rates && c != r->bodies && (c < r->bodies || r->has_base))
+            blur.v[c] = blur.v[c] + late * fabs(rates[column_in_table(r, c)]);
     }
     at.t = state->t;
     blur.t = late;

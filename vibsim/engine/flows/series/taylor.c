@@ -126,13 +126,18 @@ static double step_of_fall(const Run *r, const double *f, double longest)
     return longest;
 }
 
-/* Step that the velocities of bodies allow, and each column of units of its own. */
-static double step_of_columns(const Run *r)
+/* Step that the velocities of bodies allow, each column of units of its own, and the turning of rotors on what does not move on its
+ * own. APART, so that scenes without such columns keep their registers.
+ */
+APART double step_of_columns(const Run *r)
 {
     double longest = longest_step(r, size_of_bodies, 0, r->taylor.order, 1000.0);
     int i;
     for (i = r->alone_count < r->bodies ? 0 : 1; i < r->alone_count; i++)
         longest = longest_step(r, size_of_rate, r->alone[i], r->taylor.order, longest);
+    for (i = 0; i < r->rotors.count; i++)
+        if (r->mode->leader[r->rotors.of[i].on] >= r->bodies)
+            longest = longest_step(r, size_of_turning, i, r->taylor.order, longest);
     return longest;
 }
 
@@ -140,13 +145,10 @@ static double step_length(const Run *r)
 {
     double longest;
     int i;
-    if (r->alone_count == 0)
+    if (r->alone_count + r->rotors.count == 0)
         longest = longest_step(r, size_of_rates, 0, r->taylor.order, 1000.0);
     else
         longest = step_of_columns(r);
-    for (i = 0; i < r->rotors.count; i++)
-        if (r->mode->leader[r->rotors.of[i].on] >= r->bodies)
-            longest = longest_step(r, size_of_turning, i, r->taylor.order, longest);
     if (r->has_motor) {
         longest = longest_step(r, size_of_speed, 0, r->taylor.order, longest);
         if (r->mode->carried == 0)
@@ -161,7 +163,7 @@ static double step_length(const Run *r)
     return longest < 1000.0 ? power_of_two(longest) : INFINITY;
 }
 
-void taylor_look(Run *r, const State *state)
+INLINE void expand_at(Run *r, const State *state)
 {
     Taylor *f = &r->taylor;
     const Mode *m = r->mode;
@@ -183,9 +185,14 @@ void taylor_look(Run *r, const State *state)
     f->h = step_length(r);
 }
 
+void taylor_look(Run *r, const State *state)
+{
+    expand_at(r, state);
+}
+
 void taylor_enter(Run *r, const State *state)
 {
-    taylor_look(r, state);
+    expand_at(r, state);
     r->steps += 1;
     if (r->mode->tape.op_count > 0)
         sound_step(r);
