@@ -1,4 +1,4 @@
-"""Orbits of scenes with formulas, rotors and further states against closed forms and an independent solver."""
+"""Orbits of scenes with formulas, rotors and states against closed forms and an independent solver."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,8 @@ links: {s: {between: [m, ground], force: "k*d + k3*d**3", k: 1 N/m, k3: 1 N/m^3}
 initial: {m: {x: 1 m}}
 run: {t_end: 10 s, every: 50 ms}
 """
-# A rotor that a turning field holds: phi = W t + delta, J delta'' + b delta' + a sin(delta) = T0 - b (W - w0).
+# A rotor that a turning field holds, phi = W t + delta:
+# J delta'' + b delta' + a sin(delta) = T0 - b (W - w0).
 SYNCHRONOUS = """\
 name: synchronous
 bodies: {cart: 0.9 kg}
