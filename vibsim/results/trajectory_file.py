@@ -4,7 +4,6 @@ import errno
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from itertools import repeat
 from math import inf
 from pathlib import Path
@@ -13,9 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import h5py
 import numpy as np
 
-from vibsim.engine.blocks import part_offsets
 from vibsim.physics.numbers import text_width
-from vibsim.physics.parts import EVENT_KINDS, Clearance, Scene
 from vibsim.results.columns import TIMES, Digits, Tables, tables_of
 from vibsim.results.file_contents import (
     ENGINE,
@@ -87,9 +84,6 @@ class TrajectoryFile:
         t_end = inf
         if tables is None:
             tables, t_end = self._promised()
-        older = self._scene_of_an_older_file()
-        if older is not None:
-            tables = older_tables(tables, older)
         samples, events = sample_datasets(tables, t_end), event_datasets(tables, t_end)
         digits = digit_datasets(tables) if "digits" in self._file else []
         orbit = orbit_datasets(self._file[GROUP]) if GROUP in self._file else []
@@ -97,9 +91,7 @@ class TrajectoryFile:
             check_datasets(self.path, self._file, [*samples, *events, *digits, *orbit])
         self.orbit = FileColumns(self.path, self._file, orbit) if orbit else None
         self.samples = FileColumns(self.path, self._file, samples)
-        self.events: Mapping[str, np.ndarray] = FileColumns(self.path, self._file, events)
-        if older is not None:
-            self.events = CompletedEvents(self.events, older)
+        self.events = FileColumns(self.path, self._file, events)
         self.digits = self._digits(digits)
 
     def _promised(self) -> tuple[Tables, float]:
@@ -111,12 +103,6 @@ class TrajectoryFile:
         known = ERROR_ESTIMATE in self._file or "trust_horizon_s" in self.attrs
         tables = tables_of(scene)
         return (tables.judged() if known else tables), scene.t_end
-
-    def _scene_of_an_older_file(self) -> Scene | None:
-        """The scene, where the file is from before events named their part."""
-        if self.case is None or self.case.is_long or "part" in self._file.get("events", ("part",)):
-            return None
-        return self.case.scene()
 
     def _digits(self, datasets: list[Dataset]) -> Digits | None:
         if not datasets:
@@ -316,42 +302,6 @@ def _dataset(path: str, name: str, column: Column, dimension: str, t_end: float)
     if name in TIMES:
         return Dataset(path, column, (dimension,), ascending=True, span=(0.0, t_end * ROUNDED))
     return Dataset(path, column, (dimension,))
-
-
-# Files of the short form from before events named their part and a rest distance had a state.
-
-
-Table = Mapping[str, np.ndarray]
-NO_PARTS = [EVENT_KINDS["start"], EVENT_KINDS["end"]]
-
-
-def older_tables(tables: Tables, scene: Scene) -> Tables:
-    """The columns that such a file has."""
-    added = {"part", *(clearance.name for clearance in scene.clearances)}
-
-    def without(columns: Mapping[str, Column]) -> dict[str, Column]:
-        return {name: column for name, column in columns.items() if name not in added}
-
-    return replace(tables, samples=without(tables.samples), events=without(tables.events))
-
-
-class CompletedEvents(dict[str, np.ndarray]):
-    """The events of such a file with the columns that it lacks: their kinds tell the parts."""
-
-    def __init__(self, events: Table, scene: Scene):
-        kind = np.asarray(events["kind"])
-        part = np.where(np.isin(kind, NO_PARTS), -1, part_offsets(scene)[kind])
-        super().__init__({**events, "part": part.astype("i1")})
-        for clearance in scene.clearances:
-            self[clearance.name] = _violated(events, clearance)
-
-
-def _violated(events: Table, clearance: Clearance) -> np.ndarray:
-    """Whether the distance is violated behind each event."""
-    kind, far = np.asarray(events["kind"]), np.asarray(events["x1"] - events.get("x2", 0.0))
-    begun = (kind == EVENT_KINDS["violation_begin"]).astype(int)
-    ended = (kind == EVENT_KINDS["violation_end"]).astype(int)
-    return (int(far[0] > clearance.distance) + np.cumsum(begun - ended)).astype("i1")
 
 
 # Lyapunov exponents of a run as attributes of its file.
