@@ -34,7 +34,8 @@ from vibsim.results.hdf5_reading import (
     stored_case,
     understood,
 )
-from vibsim.results.hdf5_writing import check_leftover, check_result_output, write_hdf5
+from vibsim.results.hdf5_writing import write_hdf5
+from vibsim.results.output_files import check_leftover, check_result_output
 from vibsim.sweeps.axes import Members, axis_from_plain
 from vibsim.sweeps.point_store import PointJournal
 from vibsim.sweeps.points import SweepPoint

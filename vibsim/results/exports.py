@@ -11,8 +11,8 @@ import numpy as np
 
 from vibsim.results.columns import tables_of
 from vibsim.results.hdf5_reading import ResultFileError
-from vibsim.results.hdf5_writing import output_file
 from vibsim.results.labelled import PIECE
+from vibsim.results.output_files import output_file
 from vibsim.results.result import Result
 from vibsim.results.windows import Window, pieces, rows_within
 

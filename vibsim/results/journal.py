@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from vibsim.results.hdf5_reading import ResultFileError, reason, reserve
-from vibsim.results.hdf5_writing import Lock
+from vibsim.results.output_files import Lock
 from vibsim.signals import held_back
 
 SUFFIX = ".journal"

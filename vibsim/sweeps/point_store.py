@@ -15,9 +15,9 @@ from vibsim.cases import Case
 from vibsim.engine.choice import engine_name, flow_of
 from vibsim.results.file_contents import provenance
 from vibsim.results.hdf5_reading import ResultFileError
-from vibsim.results.hdf5_writing import check_leftover, check_result_output
 from vibsim.results.journal import Journal as Records
 from vibsim.results.journal import journal_path as journal_path
+from vibsim.results.output_files import check_leftover, check_result_output
 from vibsim.sweeps.axes import axis_from_plain
 from vibsim.sweeps.points import SweepPoint, Table
 from vibsim.sweeps.quantities import DEFINITIONS, DONE, FAILED

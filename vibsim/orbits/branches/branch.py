@@ -26,8 +26,8 @@ from vibsim.orbits.branches.tracing import CLOSED, OrbitRecord, PointRecord, Spe
 from vibsim.orbits.coordinates import Word, spelled
 from vibsim.orbits.stability import length_of
 from vibsim.results.file_contents import Column, Dataset
-from vibsim.results.hdf5_writing import check_result_output
 from vibsim.results.labelled import Arrays, Labelled, few
+from vibsim.results.output_files import check_result_output
 
 # told of every point beside what its file holds
 STABILITY = (

@@ -41,8 +41,8 @@ from vibsim.results.hdf5_reading import (
     stored_case,
     understood,
 )
-from vibsim.results.hdf5_writing import check_leftover, check_result_output
 from vibsim.results.journal import Journal, Waiting
+from vibsim.results.output_files import check_leftover, check_result_output
 
 KIND_NAMES = {code: kind for kind, code in KINDS.items()}
 Walked = TypeVar("Walked", bound=Any)  # a point with its way and its number on it

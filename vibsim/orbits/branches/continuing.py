@@ -42,8 +42,8 @@ from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.search import opened, orbit
 from vibsim.orbits.stability import directions, length_of, product
 from vibsim.results.hdf5_reading import ResultFileError
-from vibsim.results.hdf5_writing import check_leftover, check_result_output
 from vibsim.results.journal import Journal
+from vibsim.results.output_files import check_leftover, check_result_output
 
 # Where the points of a branch go while it is traced: memory, and the journal beside its file at once.
 

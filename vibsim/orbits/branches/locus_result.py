@@ -38,8 +38,8 @@ from vibsim.orbits.branches.special_points import BRANCHING, GRAZING, NAMES, STI
 from vibsim.orbits.branches.tracing import OrbitRecord, orbit_record
 from vibsim.orbits.coordinates import changes
 from vibsim.orbits.stability import nearest_to_circle
-from vibsim.results.hdf5_writing import check_result_output
 from vibsim.results.labelled import Arrays, Labelled, few
+from vibsim.results.output_files import check_result_output
 
 # Which bifurcation is to be followed, and over what.
 
