@@ -16,9 +16,9 @@ from vibsim.fitting.fit_file import CANDIDATE, datasets_of, file_values, read_fi
 from vibsim.fitting.plan import HORIZON, TRUST, FitPlan, Index
 from vibsim.fitting.search import Judgement, StatementResult, candidates_within, judge, values_of
 from vibsim.fitting.statements import Candidate, Statement
-from vibsim.results.journal import Waiting
 from vibsim.results.labelled import Arrays, Labelled
 from vibsim.results.output_files import check_result_output
+from vibsim.results.store import Waiting
 from vibsim.sweeps.point_store import point_from
 from vibsim.sweeps.points import SweepPoint
 

@@ -1,12 +1,10 @@
 """Where the points of a running sweep are kept: in memory and the journal at once, on file now and then."""
 
 import json
-import time
 from collections.abc import Iterator, Mapping
 from functools import partial
 from math import fsum, isnan
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -15,175 +13,85 @@ from vibsim.cases import Case
 from vibsim.engine.choice import engine_name, flow_of
 from vibsim.results.file_contents import provenance
 from vibsim.results.hdf5_reading import ResultFileError
-from vibsim.results.journal import Journal as Records
-from vibsim.results.journal import journal_path as journal_path
-from vibsim.results.output_files import check_leftover, check_result_output
+from vibsim.results.store import Store
 from vibsim.sweeps.axes import axis_from_plain
 from vibsim.sweeps.points import SweepPoint, Table
 from vibsim.sweeps.quantities import DEFINITIONS, DONE, FAILED
 from vibsim.sweeps.sweep_file import read_column, read_sweep, write_sweep
 from vibsim.sweeps.sweep_plan import SweepPlan, check_memory
 
-LEAST_PAUSE = 10.0  # seconds between two writings of the HDF5 file while points come in
-LARGEST_SHARE = 0.02  # of the time that writing it may take
 
+class SweepStore(Store[SweepPoint]):
+    """The points of one sweep. `table` holds them."""
 
-class Store:
-    """The points of one sweep. `table` holds them; `add` takes more."""
+    what = "sweep"
 
-    def __init__(self, plan: SweepPlan, engine: str = "auto"):
-        check_memory(plan)
-        self.plan = plan
-        self.attrs: dict[str, Any] = origin(plan, engine)
-        self.table = Table(plan)
-        self.notes: list[str] = []  # what the user should know of what was there before
+    def make_memory(self) -> None:
+        check_memory(self.plan)
+        self.table = Table(self.plan)
+        self._record_bytes = record_bytes(self.plan)
 
-    def __enter__(self) -> "Store":
-        return self
+    def origin(self) -> dict[str, Any]:
+        return origin(self.plan, self.engine)
 
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        pass
+    def take(self, record: SweepPoint) -> None:
+        self.table.put(record)
 
-    def make_room(self, count: int) -> None:
-        """Make sure that so many more points can be kept, before they are computed."""
+    def take_stored(self) -> dict[str, Any]:
+        path = Path(self.shown)
+        attrs, _, file = read_sweep(path)
+        with file:
+            if listed := differences(self.plan, attrs):
+                lines = "\n  ".join(["It differs in", *listed])
+                raise ResultFileError(f"{path}: holds another sweep; kept (force=True replaces it). {lines}")
+            self.table.fill(partial(read_column, path, file, self.plan))
+        return attrs
 
-    def add(self, points: list[SweepPoint]) -> None:
-        """Keep points."""
-        for point in points:
-            self.table.put(point)
+    def plain(self, record: SweepPoint) -> dict[str, Any]:
+        return plain_point(record)
+
+    def read(self, data: dict[str, Any]) -> SweepPoint:
+        return point_from(data)
+
+    def write(self, path: Path) -> None:
+        write_sweep(path, self.plan, self.table, self.all_attrs)
 
     @property
     def all_attrs(self) -> dict[str, Any]:
         """The attributes that a file written now would have."""
         return {**self.attrs, **outcome(self.table)}
 
-
-class FileStore(Store):
-    """A store on file: goes on from what the file and its journal hold, and keeps every point from then on.
-
-    Used as a context manager. At its end, whatever ended it, the file holds all points and the journal is
-    gone. Raises ResultFileError when the file holds another sweep or anything else (unless `force`), when
-    another process writes it, or when it cannot be written.
-    """
-
-    def __init__(self, plan: SweepPlan, path: str | Path, engine: str = "auto", force: bool = False):
-        super().__init__(plan, engine)
-        self.path = check_result_output(path, force=True)
-        check_leftover(path, force)
-        self._shown = path
-        self._record_bytes = record_bytes(plan)
-        self._journal = PointJournal(self.path, shown=path)
-        self._next = 0.0  # when the file is written next
-        self._on_file = False  # whether the file holds all that the table holds
-        try:
-            if not force:
-                self._go_on()
-        except BaseException:
-            self._journal.close(remove=False)
-            raise
-
-    def _go_on(self) -> None:
-        """Take over what the file and the journal hold; they must be of this sweep."""
-        if self.path.exists():
-            attrs, _, file = read_sweep(Path(self._shown))
-            with file:
-                self._refuse(differences(self.plan, attrs))
-                self.table.fill(partial(read_column, Path(self._shown), file, self.plan))
-            self.attrs["date_created"] = attrs["date_created"]
-            self._on_file = True
-        for point in self._journal.read(self.plan.fingerprint):
-            self.table.put(point)
-            self._on_file = False
-        self.notes += self._journal.notes()
-
-    def _refuse(self, differences: list[str]) -> None:
-        if differences:
-            listed = "\n  ".join(differences)
-            raise ResultFileError(
-                f"{self._shown}: holds another sweep; kept (force=True replaces it)."
-                f" It differs in\n  {listed}"
-            )
-
-    def __enter__(self) -> "FileStore":
-        try:
-            self._publish()
-        except BaseException:
-            self._journal.close(remove=False)
-            raise
-        return self
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        published = False
-        try:
-            self._journal.give_back()
-            self._publish()
-            published = True
-        except ResultFileError as failure:
-            raise self._journal.kept_after(failure) from failure
-        finally:
-            self._journal.close(remove=published)
-
     def make_room(self, count: int) -> None:
-        """As above. Raises ResultFileError when the disk is full."""
-        if not self._journal.reserve(count * self._record_bytes):
+        """Make sure that so many more points can be kept, before they are computed. Raises ResultFileError
+        when the disk is full.
+        """
+        if self.path is not None and not self._journal.reserve(count * self._record_bytes):
             done = self.table.count(DONE)
             held = (
                 f"it holds {done} points, and the same command goes on from there"
                 if done
                 else "no point was done"
             )
-            raise ResultFileError(f"{self._shown}: disk full; {held}")
-
-    def add(self, points: list[SweepPoint]) -> None:
-        """Keep points. The journal has them even where there is no room for the file beside its old self."""
-        super().add(points)
-        self._on_file = False
-        self._journal.add(points)
-        if time.monotonic() >= self._next:
-            try:
-                self._publish()
-            except ResultFileError:
-                self._next = time.monotonic() + LEAST_PAUSE
-
-    def _publish(self) -> None:
-        """Write the file anew if need be; then the journal, whose points are in it, begins anew."""
-        began = time.monotonic()
-        if not self._on_file:
-            write_sweep(self.path, self.plan, self.table, self.all_attrs)
-        self._on_file = True
-        self._journal.restart(self.plan.fingerprint)
-        ended = time.monotonic()
-        self._next = ended + max(LEAST_PAUSE, (ended - began) / LARGEST_SHARE)
+            raise ResultFileError(f"{self.shown}: disk full; {held}")
 
 
-# The journal of a sweep: finished points, as they come.
+# A point as a record of a journal.
 
 
 NUMBER = 60  # bytes of a number and its name
 TEXTS = 1500  # bytes of place, fingerprint and the reason of a failure
 
 
-class PointJournal(Records):
-    """A journal whose records are points."""
-
-    def __init__(self, target: Path, what: str = "sweep", shown: str | Path = ""):
-        super().__init__(target, what, shown)
-
-    def _plain(self, point: SweepPoint) -> dict[str, Any]:
-        """A point as plain data. Arrays are the hex digits of their doubles, which is five times as fast as
-        decimals.
-        """
-        return {
-            **vars(point),
-            "arrays": {name: array.astype("<f8").tobytes().hex() for name, array in point.arrays.items()},
-        }
-
-    def _from_plain(self, plain: dict[str, Any]) -> SweepPoint:
-        return point_from(plain)
+def plain_point(point: SweepPoint) -> dict[str, Any]:
+    """A point as plain data. Arrays are the hex digits of their doubles, which is five times as fast as
+    decimals.
+    """
+    arrays = {name: array.astype("<f8").tobytes().hex() for name, array in point.arrays.items()}
+    return {**vars(point), "arrays": arrays}
 
 
 def point_from(plain: dict[str, Any]) -> SweepPoint:
-    """The point that a journal wrote down."""
+    """The point that `plain_point` wrote down."""
     arrays = {name: np.frombuffer(bytes.fromhex(digits), "<f8") for name, digits in plain["arrays"].items()}
     return SweepPoint(**{**plain, "index": tuple(plain["index"]), "arrays": arrays})
 

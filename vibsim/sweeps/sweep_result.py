@@ -16,9 +16,9 @@ from vibsim.cases.problems import one_line
 from vibsim.cases.quantities import decimal_text
 from vibsim.results.file_contents import Column
 from vibsim.results.hdf5_reading import ResultFileError
-from vibsim.results.journal import Waiting
 from vibsim.results.labelled import Arrays, Labelled, few
 from vibsim.results.output_files import check_result_output
+from vibsim.results.store import Waiting
 from vibsim.sweeps.axes import Axis, Members
 from vibsim.sweeps.point_store import origin, outcome, point_from
 from vibsim.sweeps.points import TEXTS_AND_STATUS, Share, Summary, Table, share, summary

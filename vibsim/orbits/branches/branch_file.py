@@ -1,11 +1,10 @@
-"""Branches and loci read back from their HDF5 files, to the bit; the store of a locus under way."""
+"""Branches and loci read back from their HDF5 files, to the bit, and their stores while they are followed."""
 
 import json
-from collections.abc import Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Iterable
 from itertools import chain, starmap
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 from vibsim.orbits.branches.branch import Branch
 from vibsim.orbits.branches.file_structure import (
@@ -16,21 +15,29 @@ from vibsim.orbits.branches.file_structure import (
     LOCUS_KIND,
     POINT,
     SPECIAL,
+    branch_origin,
     datasets_of,
     kind_counts,
     locus_datasets,
     locus_origin,
+    write_branch,
     write_locus,
 )
-from vibsim.orbits.branches.locus_result import MOST_POINTS, Locus, LocusPlan, LocusRecord, trace_locus
+from vibsim.orbits.branches.locus_result import MOST_POINTS as MOST_LOCUS_POINTS
+from vibsim.orbits.branches.locus_result import Locus, LocusPlan, LocusRecord, trace_locus
 from vibsim.orbits.branches.plan import BranchPlan
 from vibsim.orbits.branches.tracing import (
+    MOST_POINTS,
+    BranchStep,
     OrbitRecord,
     PointRecord,
     SpecialRecord,
+    Watch,
+    plain,
     plain_orbit,
     read_orbit,
-    read_record,
+    read_step,
+    trace,
 )
 from vibsim.orbits.coordinates import LETTERS, Word
 from vibsim.results.hdf5_reading import (
@@ -41,12 +48,12 @@ from vibsim.results.hdf5_reading import (
     stored_case,
     understood,
 )
-from vibsim.results.journal import Journal, Waiting
-from vibsim.results.output_files import check_leftover, check_result_output
+from vibsim.results.store import R, Store, Waiting
 
 KIND_NAMES = {code: kind for kind, code in KINDS.items()}
 Walked = TypeVar("Walked", bound=Any)  # a point with its way and its number on it
-Others = TypeVar("Others")
+Other = TypeVar("Other", bound=Any)  # the same, as it waits in a journal
+C = TypeVar("C", Branch, Locus)
 EVENTS = {letter: kind for kind, letter in LETTERS.items()}
 
 
@@ -57,11 +64,11 @@ def read_branch(path: str | Path) -> Branch:
     """
     waiting, branch = Waiting(path), stored_branch(path)
     points, specials = branch.records
-    follows = follow_up(points, map(read_pair, waiting.records(branch.plan.fingerprint)))
+    follows = follow_up(points, map(read_step, waiting.records(branch.plan.fingerprint)))
     if not follows:
         return branch
-    points = [*in_order(points), *(point for point, _ in follows)]
-    specials = [*specials, *chain.from_iterable(others for _, others in follows)]
+    points = [*in_order(points), *(step.point for step in follows)]
+    specials = [*specials, *chain.from_iterable(step.specials for step in follows)]
     whole = Branch(branch.plan, points, specials)
     return Branch(branch.plan, points, specials, {**branch.attrs, **kind_counts(whole)})
 
@@ -89,27 +96,18 @@ def in_order(points: Iterable[Walked]) -> list[Walked]:
     return sorted(points, key=lambda point: (-point.way, point.number))
 
 
-def read_pair(record: Mapping[str, Any]) -> tuple[PointRecord, list[SpecialRecord]]:
-    """A point in a journal, and the special points in front of it."""
-    point: Any = read_record(record["point"])
-    specials: Any = [read_record(each) for each in record["specials"]]
-    return point, specials
-
-
-def follow_up(
-    points: Iterable[Walked], waiting: Iterable[tuple[Walked, Others]]
-) -> list[tuple[Walked, Others]]:
-    """What waits, each point with something, as far as each is the next one of its way behind the points that
-    are known: none that is known, nor what stands behind a damaged record.
+def follow_up(points: Iterable[Walked], waiting: Iterable[Other]) -> list[Other]:
+    """What waits as far as each is the next one of its way behind the points that are known: none that is
+    known, nor what stands behind a damaged record.
     """
     last: dict[int, int] = {}
     for point in points:
         last[point.way] = max(point.number, last.get(point.way, 0))
     follows = []
-    for point, others in waiting:
-        if point.number == last.get(point.way, 0 if last else -1) + 1:
-            last[point.way] = point.number
-            follows.append((point, others))
+    for record in waiting:
+        if record.number == last.get(record.way, 0 if last else -1) + 1:
+            last[record.way] = record.number
+            follows.append(record)
     return follows
 
 
@@ -167,9 +165,6 @@ def read_spelled(text: str) -> Word:
     return tuple((EVENTS[one[0]], int(one[1:] or 1) - 1) for one in letters)
 
 
-# A locus as an HDF5 file, and where its points go while it is followed.
-
-
 def read_locus(path: str | Path) -> Locus:
     """The locus in a file, in which everything has been checked, with the points that wait in its journal.
 
@@ -177,8 +172,7 @@ def read_locus(path: str | Path) -> Locus:
     """
     waiting, locus = Waiting(path), stored_locus(path)
     records = map(read_point, waiting.records(locus.plan.fingerprint))
-    follows = follow_up(locus.points, ((point, None) for point in records))
-    points = [*locus.points, *(point for point, _ in follows)]
+    points = [*locus.points, *follow_up(locus.points, records)]
     return Locus(locus.plan, points, {**locus.attrs, "points": len(points)})
 
 
@@ -214,95 +208,146 @@ def _locus_point(values: dict[str, Any], i: int) -> LocusRecord:
     )
 
 
-def plain(point: LocusRecord) -> dict[str, Any]:
+def plain_locus_point(point: LocusRecord) -> dict[str, Any]:
     """A point as plain data for JSON."""
     return {**vars(point), "orbit": plain_orbit(point.orbit)}
 
 
 def read_point(data: dict[str, Any]) -> LocusRecord:
-    """The point that `plain` wrote down."""
+    """The point that `plain_locus_point` wrote down."""
     places = {name: tuple(data[name]) for name in ("unknowns", "tangent")}
     return LocusRecord(**{**data, **places, "orbit": read_orbit(data["orbit"])})
 
 
-class LocusStore:
-    """Points of a locus, kept in the journal of its file as they come; goes on from what is there.
+# Where the points of a branch or a locus go while it is followed.
 
-    Raises ResultFileError where the file holds anything else (unless `force`) or cannot be written.
-    """
 
-    def __init__(
-        self, plan: LocusPlan, path: str | Path | None = None, engine: str = "auto", force: bool = False
-    ):
-        self.plan, self.engine, self.points = plan, engine, list[LocusRecord]()
-        self.notes: list[str] = []
-        self.attrs = locus_origin(plan, engine)
-        self.path = None if path is None else check_result_output(path, force=True)
-        if path is not None:
-            check_leftover(path, force)
-        self._on_file = (0, False)  # points, and whether they are all
-        self._journal = None if self.path is None else Journal(self.path, "locus", path or "")
-        if self._journal is not None:
-            try:
-                self._go_on(path, force)
-            except BaseException:
-                self._journal.close(remove=False)
-                raise
+class CurveStore(Store[R], Generic[R, C]):
+    """Points of a curve in the order in which they come."""
 
-    def _go_on(self, shown: Any, force: bool) -> None:
-        assert self.path is not None and self._journal is not None
-        if force:
-            self._journal.restart(self.plan.fingerprint)
-            return
-        if self.path.exists():
-            there = stored_locus(shown)
-            if there.plan.fingerprint != self.plan.fingerprint:
-                raise ResultFileError(f"{shown}: holds another locus; kept (force=True replaces it)")
-            self.points = in_order(there.points)
-            self.attrs["date_created"] = there.attrs["date_created"]
-            self._on_file = (len(self.points), bool(there.attrs["complete"]))
-        waiting = list(self._journal.read(self.plan.fingerprint))
-        records = ((read_point(each), None) for each in waiting)
-        self.points += [point for point, _ in follow_up(self.points, records)]
-        self.notes += self._journal.notes()
-        self._journal.go_on(self.plan.fingerprint, waiting)
+    most: int  # points, unless told otherwise
 
-    def _add(self, point: LocusRecord) -> None:
-        self.points.append(point)
-        if self._journal is not None:
-            self._journal.add([plain(point)])
-            if self._on_file == (0, False):  # with the first point the file is made, which holds the plan
-                with suppress(ResultFileError):  # the journal has it; what is wrong is told at the end
-                    self._write(False)
-
-    def complete(self, most: int = MOST_POINTS, watch: Any = None) -> tuple[Locus, bool]:
-        """Follow what is missing; the locus, and whether that came to an end."""
-        finished = False
-        try:
-            finished = trace_locus(self.plan, self._add, self.points, most, self.engine, watch)
-        finally:
-            self._close(finished)
-        return self.locus, finished
-
-    def _close(self, finished: bool) -> None:
-        if self._journal is None or self.path is None:
-            return
-        published = False
-        try:
-            self._write(finished)
-            published = True
-        except ResultFileError as failure:
-            raise self._journal.kept_after(failure) from failure
-        finally:
-            self._journal.close(remove=published)
-
-    def _write(self, finished: bool) -> None:
-        """Write the file, unless it holds all that there is."""
-        if self.path is not None and (len(self.points), finished) > self._on_file:
-            write_locus(self.path, self.locus, self.attrs, finished)
-            self._on_file = (len(self.points), finished)
+    def make_memory(self) -> None:
+        self.points: list[Any] = []
 
     @property
-    def locus(self) -> Locus:
-        """What there is of the locus."""
+    def curve(self) -> C:
+        """What there is of it."""
+        raise NotImplementedError
+
+    def trace(self, most: int, watch: Watch | None) -> bool:
+        """Follow what is missing, up to so many points; whether that came to an end."""
+        raise NotImplementedError
+
+    def stored(self) -> C:
+        """The curve in the file as it stands there."""
+        raise NotImplementedError
+
+    def take_stored(self) -> dict[str, Any]:
+        there = self.stored()
+        if there.plan.fingerprint != self.plan.fingerprint:
+            kept = f"holds another {self.what}; kept (force=True replaces it)"
+            raise ResultFileError(f"{self.shown}: {kept}{self.difference(there)}")
+        self.take_curve(there)
+        return there.attrs
+
+    def take_curve(self, there: C) -> None:
+        """Take over the points of the curve on file."""
+        self.points = in_order(there.points)
+
+    def difference(self, there: C) -> str:
+        """In what the curve on file differs, as the end of a message."""
+        return ""
+
+    def following(self, waiting: Iterable[R]) -> Iterable[R]:
+        return follow_up(self.points, waiting)
+
+    @property
+    def has_file(self) -> bool:
+        return bool(self.points)
+
+
+def complete(
+    store: CurveStore[Any, C], most: int | None = None, watch: Watch | None = None
+) -> tuple[C, bool]:
+    """Follow what a store lacks of its branch or locus; that, and whether it came to an end."""
+    with store:
+        store.complete = store.trace(most or store.most, watch)
+    return store.curve, store.complete
+
+
+class BranchStore(CurveStore[BranchStep, Branch]):
+    """Points of a branch, and its special points."""
+
+    what, most = "branch", MOST_POINTS
+
+    def make_memory(self) -> None:
+        super().make_memory()
+        self.specials: list[SpecialRecord] = []
+
+    def origin(self) -> dict[str, Any]:
+        return branch_origin(self.plan, self.engine)
+
+    def take(self, record: BranchStep) -> None:
+        self.points.append(record.point)
+        self.specials += record.specials
+
+    def stored(self) -> Branch:
+        return stored_branch(self.shown)
+
+    def take_curve(self, there: Branch) -> None:
+        super().take_curve(there)
+        self.specials = there.records[1]
+
+    def difference(self, there: Branch) -> str:
+        ours, theirs = self.plan.settings, there.plan.settings
+        named = [name for name in ours if ours[name] != theirs[name]]
+        named += ["case"] if there.case.sha256 != self.plan.case.sha256 else []
+        return f". It differs in {', '.join(named)}"
+
+    def plain(self, record: BranchStep) -> dict[str, Any]:
+        return {"point": plain(record.point), "specials": [plain(each) for each in record.specials]}
+
+    def read(self, data: dict[str, Any]) -> BranchStep:
+        return read_step(data)
+
+    def write(self, path: Path) -> None:
+        write_branch(path, self.curve, self.attrs, self.complete)
+
+    @property
+    def curve(self) -> Branch:
+        return Branch(self.plan, self.points, self.specials, self.attrs)
+
+    def trace(self, most: int, watch: Watch | None) -> bool:
+        return trace(self.plan, self, most, self.engine, watch)
+
+
+class LocusStore(CurveStore[LocusRecord, Locus]):
+    """Points of a locus."""
+
+    what, most = "locus", MOST_LOCUS_POINTS
+
+    def origin(self) -> dict[str, Any]:
+        return locus_origin(self.plan, self.engine)
+
+    def take(self, record: LocusRecord) -> None:
+        self.points.append(record)
+
+    def stored(self) -> Locus:
+        return stored_locus(self.shown)
+
+    def plain(self, record: LocusRecord) -> dict[str, Any]:
+        return plain_locus_point(record)
+
+    def read(self, data: dict[str, Any]) -> LocusRecord:
+        return read_point(data)
+
+    def write(self, path: Path) -> None:
+        write_locus(path, self.curve, self.attrs, self.complete)
+
+    @property
+    def curve(self) -> Locus:
         return Locus(self.plan, self.points, self.attrs)
+
+    def trace(self, most: int, watch: Watch | None) -> bool:
+        return trace_locus(self.plan, self, most, self.engine, watch)

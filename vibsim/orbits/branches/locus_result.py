@@ -26,7 +26,6 @@ from vibsim.orbits.branches.grazing import CONTACTS
 from vibsim.orbits.branches.locus import (
     KINDS,
     WATCHED,
-    LocusStep,
     ParameterPlane,
     PlanePoint,
     follow_pair,
@@ -309,19 +308,18 @@ class Locus(CurveArrays, Labelled):
 
 
 def trace_locus(
-    plan: LocusPlan, add: Any, points: Sequence[LocusRecord], most: int, engine: str, watch: Any
+    plan: LocusPlan, keeper: Any, most: int = MOST_POINTS, engine: str = "auto", watch: Any = None
 ) -> bool:
-    """Follow a locus both ways from where `points` know it; `add` is given each new point.
+    """Follow a locus both ways from where the `points` of `keeper` know it; its `add` is given each new one.
 
     watch : told the number of points; whether to go on. Returns whether it came to its ends or `most`
     points. Raises ContinuationError where the bifurcation is not found again.
     """
     plane = plan.plane(engine)
     start, along = plan.start(plane)
-    known, pair = list(points), plane.pair
+    known, pair = keeper.points, plane.pair
     if not known:
-        known.append(_record(start, along, 1, 0, FIRST))
-        add(known[-1])
+        keeper.add([_record(start, along, 1, 0, FIRST)])
     for way in WAYS:
         done = [point for point in known if point.way == way or point.number == 0]
         last, plane.pair = done[-1], pair
@@ -335,17 +333,12 @@ def trace_locus(
             here, direction = plane(np.array(last.unknowns)), np.array(last.tangent)
             plane.pair = nearest_to_circle(last.orbit.multipliers)
         for i, step in enumerate(walk(plane, here, direction, last.step, plan.spans), last.number + 1):
-            known.append(_record_of(step, way, i))
-            add(known[-1])
+            keeper.add([_record(step.point, step.tangent, way, i, step.next, step.ended)])
             if watch is not None and not watch(len(known)):
                 return False
             if i == last.number + room:
                 break
     return True
-
-
-def _record_of(step: LocusStep, way: int, number: int) -> LocusRecord:
-    return _record(step.point, step.tangent, way, number, step.next, step.ended)
 
 
 def _record(

@@ -1,6 +1,6 @@
 """A branch traced both ways from its start, each point kept as it comes."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from typing import Any, Protocol
@@ -88,6 +88,22 @@ class SpecialRecord:
     jump: int
 
 
+@dataclass(frozen=True)
+class BranchStep:
+    """A point of a branch, and the special points in front of it."""
+
+    point: PointRecord
+    specials: tuple[SpecialRecord, ...] = ()
+
+    @property
+    def way(self) -> int:
+        return self.point.way
+
+    @property
+    def number(self) -> int:
+        return self.point.number
+
+
 def orbit_record(node: Node) -> OrbitRecord:
     """What is kept of a node."""
     point, end = node.point, node.point.end
@@ -112,10 +128,10 @@ def point_record(node: Node, way: int, number: int, step: float, ended: str = ""
     return PointRecord(way, number, orbit_record(node), *places, step, node.iterations, ended)
 
 
-def records_of(step: Step, way: int, number: int) -> tuple[PointRecord, list[SpecialRecord]]:
-    """What is kept of step `number` of a walk: its point, and the special points in front of it."""
-    specials = [special_record(each, way, number) for each in step.specials]
-    return point_record(step.node, way, number, step.next, step.ended), specials
+def records_of(step: Step, way: int, number: int) -> BranchStep:
+    """What is kept of step `number` of a walk."""
+    specials = tuple(special_record(each, way, number) for each in step.specials)
+    return BranchStep(point_record(step.node, way, number, step.next, step.ended), specials)
 
 
 def special_record(special: Special, way: int, number: int) -> SpecialRecord:
@@ -159,6 +175,13 @@ def read_orbit(data: Mapping[str, Any]) -> OrbitRecord:
     return OrbitRecord(**{**data, **lists, "multipliers": multipliers, "word": read_word(data["word"])})
 
 
+def read_step(data: Mapping[str, Any]) -> BranchStep:
+    """A step in a journal."""
+    point: Any = read_record(data["point"])
+    specials: Any = tuple(read_record(each) for each in data["specials"])
+    return BranchStep(point, specials)
+
+
 def read_word(pairs: Any) -> Word:
     """A word from pairs of kind and part."""
     return tuple((str(kind), int(part)) for kind, part in pairs)
@@ -170,7 +193,7 @@ ALONE = (FOLD, DOUBLING, TORUS)
 FAR, SAME = 10, 1e-7  # points between, and scaled distance of two places that are one
 REMEMBERED = 3  # points that the next step goes by
 
-Watch = Callable[[int, list[SpecialRecord]], bool]
+Watch = Callable[..., bool]  # told the number of points, of a branch the special points; whether to go on
 
 
 class Keeper(Protocol):
@@ -179,8 +202,8 @@ class Keeper(Protocol):
     points: list[PointRecord]
     specials: list[SpecialRecord]
 
-    def add(self, point: PointRecord, specials: list[SpecialRecord]) -> None:
-        """Keep a point, and the special points in front of it."""
+    def add(self, records: Iterable[BranchStep]) -> None:
+        """Keep points with their special points."""
 
 
 def trace(
@@ -199,7 +222,7 @@ def trace(
     family = plan.family(engine)
     start = plan.start(family)
     if not keeper.points:
-        keeper.add(point_record(start, 1, 0, plan.pace.first), [])
+        keeper.add([BranchStep(point_record(start, 1, 0, plan.pace.first))])
     for way in plan.ways:
         done = [point for point in keeper.points if point.way == way or point.number == 0]
         own = [point for point in done if point.way == way]  # the start is of the way forwards
@@ -208,12 +231,13 @@ def trace(
         share = most if way == plan.ways[-1] else (most + 1) // 2
         walk = _walk(plan, family, _turned(start, way), done, way)
         for step in walk.steps():
-            point, specials = records_of(step, way, walk.count)
+            made = records_of(step, way, walk.count)
+            point, specials = made.point, made.specials
             again = next((each for each in specials if _passed_specials(keeper.specials, each)), None)
             if again is not None:  # as where a step has led onto a branch that crosses this one
                 point = replace(point, ended=f"comes back to {NAMES[again.kind]} that it has passed")
                 specials = specials[: specials.index(again)]
-            keeper.add(point, specials)
+            keeper.add([BranchStep(point, specials)])
             if watch is not None and not watch(len(keeper.points), specials):
                 return False
             if point.ended or len(keeper.points) >= share:

@@ -1,10 +1,11 @@
-"""A journal: what is finished, one record per line, appended to NAME.h5.journal as it comes.
+"""The store of what takes long: sweeps, fits, branches and loci, record by record, resumed after any end.
 
-An HDF5 file that is changed in place may not open again after a kill; a file that is only appended to loses
-at most its last, unfinished line. Every line begins with a checksum of itself and of the task, and with its
-number: what was damaged afterwards is noticed and left out, and what stands behind it is not lost. The
-journal is merged into the HDF5 file whenever that is written anew, and removed at the end. One process at a
-time writes it, and everybody may read it meanwhile.
+What is finished is appended to a journal, NAME.h5.journal, one record per line, as it comes. An HDF5 file
+that is changed in place may not open again after a kill; a file that is only appended to loses at most its
+last, unfinished line. Every line begins with a checksum of itself and of the task, and with its number: what
+was damaged afterwards is noticed and left out, and what stands behind it is not lost. The journal is merged
+into the HDF5 file whenever that is written anew, and removed at the end. One process at a time writes it, and
+everybody may read it meanwhile.
 
 SQLite would need the checksums all the same: its pages have none, and a damaged one makes the database
 malformed as a whole. Its write-ahead log needs two more files, and shared memory that network disks lack.
@@ -13,16 +14,174 @@ malformed as a whole. Its write-ahead log needs two more files, and shared memor
 import hashlib
 import json
 import os
+import time
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from types import TracebackType
+from typing import Any, Generic, TypeVar
 
 from vibsim.results.hdf5_reading import ResultFileError, reason, reserve
-from vibsim.results.output_files import Lock
+from vibsim.results.output_files import Lock, check_leftover, check_result_output
 from vibsim.signals import held_back
 
+LEAST_PAUSE = 10.0  # seconds between two writings of the HDF5 file while records come in
+LARGEST_SHARE = 0.02  # of the time that writing it may take
 SUFFIX = ".journal"
 CHECKSUM = 16  # hex digits
+
+R = TypeVar("R")  # a record: what is computed at a time
+Self = TypeVar("Self", bound="Store[Any]")
+
+
+class Store(Generic[R]):
+    """What is computed for one plan, record by record: in memory, and with a path on file.
+
+    On file it goes on from what the file and its journal hold, and keeps every record from then on. Used as a
+    context manager: at its end, whatever ended it, the file holds all records and the journal is gone.
+
+    plan : has a `fingerprint`, which tells it from others
+    path : of the HDF5 file; None: the records are kept in memory alone
+    force : whether a file that is there is replaced
+
+    Raises ResultFileError where the file holds anything else (unless `force`), where another process writes
+    it, or where it cannot be written.
+
+    attrs : root attributes of the file; notes : what the user should know of what was there before
+    """
+
+    what = "record"  # that is stored, for messages
+    patient = False  # whether it begins though the file cannot be written: the journal keeps what comes
+
+    def __init__(self, plan: Any, path: str | Path | None = None, engine: str = "auto", force: bool = False):
+        self.plan, self.engine = plan, engine
+        self.make_memory()
+        self.attrs: dict[str, Any] = self.origin()
+        self.notes: list[str] = []
+        self.complete = False  # whether all there is to come has come
+        self.path: Path | None = None
+        self.shown = path or ""  # the path as the user calls it
+        self._on_file: tuple[bool, bool] | None = None  # all that is in memory; `complete`; None: no file yet
+        self._next = 0.0  # when the file is written next
+        if path is not None:
+            self.path = check_result_output(path, force=True)
+            check_leftover(path, force)
+            self._journal = Journal(self.path, self.what, path)
+            try:
+                self._go_on(self.path.exists(), force)
+            except BaseException:
+                self._journal.close(remove=False)
+                raise
+
+    def _go_on(self, there: bool, force: bool) -> None:
+        """Take over what the file, where it is there, and the journal hold; they must be of this plan."""
+        if force:
+            self._journal.restart(self.plan.fingerprint)
+            return
+        if there:
+            attrs = self.take_stored()
+            self.attrs["date_created"] = attrs["date_created"]
+            self._on_file = (True, bool(attrs["complete"]))
+        waiting = list(self._journal.read(self.plan.fingerprint))
+        for record in self.following(map(self.read, waiting)):
+            self._take(record)
+        self.notes += self._journal.notes()
+        self._journal.go_on(self.plan.fingerprint, waiting)
+
+    # What a store of a kind says of it.
+
+    def make_memory(self) -> None:
+        """Make what records are kept in."""
+        raise NotImplementedError
+
+    def origin(self) -> dict[str, Any]:
+        """Attributes that are known before the first record."""
+        raise NotImplementedError
+
+    def take(self, record: R) -> None:
+        """Keep a record in memory."""
+        raise NotImplementedError
+
+    def take_stored(self) -> dict[str, Any]:
+        """Take over what the file `shown` holds; its attributes. Raises ResultFileError where it is of
+        another plan.
+        """
+        raise NotImplementedError
+
+    def plain(self, record: R) -> dict[str, Any]:
+        """A record as plain data for JSON."""
+        raise NotImplementedError
+
+    def read(self, data: dict[str, Any]) -> R:
+        """The record that `plain` wrote down."""
+        raise NotImplementedError
+
+    def following(self, waiting: Iterable[R]) -> Iterable[R]:
+        """Those that are to be taken of the records that wait in the journal."""
+        return waiting
+
+    def write(self, path: Path) -> None:
+        """Write the file. Raises ResultFileError."""
+        raise NotImplementedError
+
+    @property
+    def has_file(self) -> bool:
+        """Whether there is enough in memory for a file."""
+        return True
+
+    # How it is kept.
+
+    def __enter__(self: Self) -> Self:
+        try:
+            self.publish()
+        except BaseException as error:
+            if not (self.patient and isinstance(error, ResultFileError)):
+                self._journal.close(remove=False)
+                raise
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self.path is None:
+            return
+        published = False
+        try:
+            self._journal.give_back()
+            self.publish()
+            published = True
+        except ResultFileError as failure:
+            raise self._journal.kept_after(failure) from failure
+        finally:
+            self._journal.close(remove=published)
+
+    def add(self, records: Iterable[R]) -> None:
+        """Keep records. The journal has them even where there is no room for the file beside its old self."""
+        batch = list(records)
+        for record in batch:
+            self._take(record)
+        if self.path is None:
+            return
+        self._journal.add(map(self.plain, batch))
+        if time.monotonic() >= self._next:
+            try:
+                self.publish()
+            except ResultFileError:  # what is wrong is said at the end
+                self._next = time.monotonic() + LEAST_PAUSE
+
+    def _take(self, record: R) -> None:
+        self.take(record)
+        if self._on_file is not None:
+            self._on_file = (False, self._on_file[1])
+
+    def publish(self) -> None:
+        """Write the file anew if need be; then the journal, whose records are in it, begins anew."""
+        if self.path is None or not self.has_file:
+            return
+        began = time.monotonic()
+        if self._on_file is None or self._on_file < (True, self.complete):
+            self.write(self.path)
+            self._on_file = (True, self.complete)
+        self._journal.restart(self.plan.fingerprint)
+        ended = time.monotonic()
+        self._next = ended + max(LEAST_PAUSE, (ended - began) / LARGEST_SHARE)
 
 
 class Journal:
@@ -51,7 +210,8 @@ class Journal:
         self._end = self._reserved = 0  # bytes written, and bytes that there is room for
 
     def read(self, fingerprint: str) -> Iterator[Any]:
-        """The records of the task of that fingerprint, without damaged ones and an unfinished last line.
+        """The records of the task of that fingerprint as plain data: no damaged ones, and no unfinished line.
+
 
         Raises ResultFileError when there are records of another task.
         """
@@ -66,7 +226,7 @@ class Journal:
             elif (record := _record(line, fingerprint)) is None:
                 self.damaged += 1
             else:
-                yield self._from_plain(record)
+                yield record
         self._whole = not self.damaged and header == {"fingerprint": fingerprint}
 
     def notes(self) -> list[str]:
@@ -114,16 +274,7 @@ class Journal:
     def add(self, records: Iterable[Any]) -> None:
         """Append records; they are kept whatever happens to this process afterwards."""
         numbered = enumerate(records, self._records)
-        self._append([_line(number, self._plain(one), self._fingerprint) for number, one in numbered])
-
-    def _plain(self, record: Any) -> dict[str, Any]:
-        """A record as plain data for JSON."""
-        plain: dict[str, Any] = record
-        return plain
-
-    def _from_plain(self, plain: dict[str, Any]) -> Any:
-        """The record that `_plain` wrote down."""
-        return plain
+        self._append([_line(number, one, self._fingerprint) for number, one in numbered])
 
     def _append(self, lines: list[bytes]) -> None:
         data = b"".join(lines)
