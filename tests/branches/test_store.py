@@ -15,8 +15,9 @@ from vibsim.orbits.branches.branch_file import BranchStore, LocusStore, complete
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.branches.locus_result import locus_plan
 from vibsim.orbits.branches.plan import plan_from, read_span
-from vibsim.orbits.branches.tracing import BranchStep, plain, read_record
+from vibsim.orbits.branches.tracing import BranchStep
 from vibsim.results.hdf5_reading import ResultFileError
+from vibsim.results.plain_data import from_plain, plain_data
 from vibsim.results.store import journal_path
 
 SPAN = "5.7:5.9 Hz"
@@ -66,7 +67,7 @@ def test_it_reads_back_to_the_bit(whole):
 
 def test_records_as_plain_data(whole):
     for record in (*whole[0].records[0], *whole[0].records[1]):
-        assert read_record(json.loads(json.dumps(plain(record)))) == record
+        assert from_plain(type(record), json.loads(json.dumps(plain_data(record)))) == record
 
 
 @pytest.mark.parametrize("stop", [1, 3, 7])

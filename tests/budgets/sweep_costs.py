@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from vibsim.cases import load_case
+from vibsim.results.plain_data import from_plain
 from vibsim.sweeps.computations import COMPUTATIONS
 from vibsim.sweeps.point_store import SweepStore
 from vibsim.sweeps.points import SweepPoint, Table, compute_point
@@ -111,7 +112,11 @@ def keeping(points: int, section: int):
             journal = store._journal.path.stat().st_size / points
             reading = (
                 _cpu(
-                    lambda: [table.put(store.read(each)) for each in store._journal.read(plan.fingerprint)], 1
+                    lambda: [
+                        table.put(from_plain(SweepPoint, each))
+                        for each in store._journal.read(plan.fingerprint)
+                    ],
+                    1,
                 )
                 / points
             )

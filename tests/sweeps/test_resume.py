@@ -21,8 +21,9 @@ from tests.sweeps.made import (
 )
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
+from vibsim.results.plain_data import plain_data
 from vibsim.results.store import Journal, journal_path
-from vibsim.sweeps.point_store import SweepStore, plain_point
+from vibsim.sweeps.point_store import SweepStore
 from vibsim.sweeps.quantities import DONE, MISSING
 from vibsim.sweeps.sweeping import sweep
 
@@ -76,7 +77,7 @@ def test_points_waiting_in_the_journal_are_taken_over(tmp_path):
     plan, path = short_plan(), tmp_path / "sweep.h5"
     points = in_memory(plan)
     with SweepStore(plan, path) as store:
-        store._journal.add([plain_point(points.point((1, 0)))])
+        store._journal.add([plain_data(points.point((1, 0)))])
         with open(journal_path(path), "ab") as file:
             file.write(b'{"index": [2, 0], "status": 1, "sha')  # killed in the middle of a line
         copy = journal_path(path).read_bytes()

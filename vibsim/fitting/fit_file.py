@@ -13,7 +13,7 @@ import numpy as np
 from vibsim.cases import Case
 from vibsim.cases.quantities import UNITS, exact_number
 from vibsim.engine.choice import engine_name
-from vibsim.fitting.plan import HORIZON, TRUST, FitPlan, Search, fingerprint_of
+from vibsim.fitting.plan import HORIZON, TRUST, FitPlan, fingerprint_of
 from vibsim.fitting.statements import Candidate, FreeParameter, parse_statement
 from vibsim.results.file_contents import (
     ENGINE,
@@ -33,7 +33,7 @@ from vibsim.results.hdf5_reading import (
     understood,
 )
 from vibsim.results.hdf5_writing import write_hdf5
-from vibsim.sweeps.axes import Members, axis_from_plain
+from vibsim.results.plain_data import from_plain
 from vibsim.sweeps.points import SweepPoint
 from vibsim.sweeps.quantities import DONE, MISSING, STATUS_FLAGS
 
@@ -228,17 +228,9 @@ def _plan(first: Case, attrs: Mapping[str, Any]) -> FitPlan:
     cases = (first, *others)
     if fingerprint_of(cases, settings) != attrs["fit_sha256"]:
         raise ValueError("settings or cases were changed")
-    members = axis_from_plain(settings["starts"]) if settings["starts"] else None
-    if not (members is None or isinstance(members, Members)):
-        raise ValueError("starts")
-    return FitPlan(
-        cases,
-        tuple(map(FreeParameter.from_plain, settings["free"])),
-        tuple(dict(reading) for reading in settings["readings"]),
-        tuple(parse_statement(text, cases) for text in settings["statements"]),
-        members,
-        Search(**settings["search"]),
-    )
+    statements = tuple(parse_statement(text, cases) for text in settings["statements"])
+    plan: FitPlan = from_plain(FitPlan, settings, cases=cases, statements=statements)
+    return plan
 
 
 def _candidates(stored: Mapping[str, Any], plan: FitPlan) -> list[Candidate]:

@@ -19,7 +19,6 @@ from vibsim.fitting.statements import Candidate, Statement
 from vibsim.results.labelled import Arrays, Labelled
 from vibsim.results.output_files import check_result_output
 from vibsim.results.store import Waiting
-from vibsim.sweeps.point_store import point_from
 from vibsim.sweeps.points import SweepPoint
 
 
@@ -164,7 +163,7 @@ def open_fit(path: str | Path) -> FitResult:
     """
     waiting = Waiting(path)
     attrs, plan, candidates, points = read_fit(Path(path))
-    more = list(map(point_from, waiting.records(attrs["fit_sha256"])))
+    more = waiting.records(attrs["fit_sha256"], SweepPoint)
     runs: dict[Index, SweepPoint] = {point.index: point for point in [*points, *more]}  # type: ignore[misc]
     if more and plan.fingerprint == attrs["fit_sha256"]:
         return FitResult({**attrs, "runs": len(runs)}, plan, candidates_within(plan, runs), runs)

@@ -22,7 +22,6 @@ from vibsim.results.blocks_ahead import available_cores
 from vibsim.results.hdf5_reading import ResultFileError
 from vibsim.results.store import Store
 from vibsim.sweeps.axes import Members, read_members, rotor_angles
-from vibsim.sweeps.point_store import plain_point, point_from
 from vibsim.sweeps.points import SweepPoint
 from vibsim.sweeps.sweep_plan import PlanError
 from vibsim.sweeps.sweeping import read_ensemble
@@ -186,7 +185,7 @@ def run_fit(
 class FitStore(Store[SweepPoint]):
     """The runs of one fit, by index; `candidates` are those that the search has made."""
 
-    what = "fit"
+    what, record = "fit", SweepPoint
     patient = True
 
     def make_memory(self) -> None:
@@ -209,12 +208,6 @@ class FitStore(Store[SweepPoint]):
         for point in points:
             self.take(point)
         return attrs
-
-    def plain(self, record: SweepPoint) -> dict[str, Any]:
-        return plain_point(record)
-
-    def read(self, data: dict[str, Any]) -> SweepPoint:
-        return point_from(data)
 
     def write(self, path: Path) -> None:
         write_fit(path, self.result)

@@ -22,6 +22,7 @@ from typing import Any, Generic, TypeVar
 
 from vibsim.results.hdf5_reading import ResultFileError, reason, reserve
 from vibsim.results.output_files import Lock, check_leftover, check_result_output
+from vibsim.results.plain_data import from_plain, plain_data
 from vibsim.signals import held_back
 
 LEAST_PAUSE = 10.0  # seconds between two writings of the HDF5 file while records come in
@@ -29,6 +30,7 @@ LARGEST_SHARE = 0.02  # of the time that writing it may take
 SUFFIX = ".journal"
 CHECKSUM = 16  # hex digits
 
+T = TypeVar("T")
 R = TypeVar("R")  # a record: what is computed at a time
 Self = TypeVar("Self", bound="Store[Any]")
 
@@ -49,7 +51,8 @@ class Store(Generic[R]):
     attrs : root attributes of the file; notes : what the user should know of what was there before
     """
 
-    what = "record"  # that is stored, for messages
+    what: str  # that is stored, for messages
+    record: type  # of R, a dataclass
     patient = False  # whether it begins though the file cannot be written: the journal keeps what comes
 
     def __init__(self, plan: Any, path: str | Path | None = None, engine: str = "auto", force: bool = False):
@@ -82,7 +85,7 @@ class Store(Generic[R]):
             self.attrs["date_created"] = attrs["date_created"]
             self._on_file = (True, bool(attrs["complete"]))
         waiting = list(self._journal.read(self.plan.fingerprint))
-        for record in self.following(map(self.read, waiting)):
+        for record in self.following(from_plain(self.record, each) for each in waiting):
             self._take(record)
         self.notes += self._journal.notes()
         self._journal.go_on(self.plan.fingerprint, waiting)
@@ -105,14 +108,6 @@ class Store(Generic[R]):
         """Take over what the file `shown` holds; its attributes. Raises ResultFileError where it is of
         another plan.
         """
-        raise NotImplementedError
-
-    def plain(self, record: R) -> dict[str, Any]:
-        """A record as plain data for JSON."""
-        raise NotImplementedError
-
-    def read(self, data: dict[str, Any]) -> R:
-        """The record that `plain` wrote down."""
         raise NotImplementedError
 
     def following(self, waiting: Iterable[R]) -> Iterable[R]:
@@ -159,7 +154,7 @@ class Store(Generic[R]):
             self._take(record)
         if self.path is None:
             return
-        self._journal.add(map(self.plain, batch))
+        self._journal.add(map(plain_data, batch))
         if time.monotonic() >= self._next:
             try:
                 self.publish()
@@ -341,11 +336,12 @@ class Waiting:
         except (OSError, ValueError):  # most files have none
             self._lines = []
 
-    def records(self, fingerprint: str) -> list[dict[str, Any]]:
-        """The records of the task of that fingerprint, as plain data; none that are damaged."""
+    def records(self, fingerprint: str, kind: type[T]) -> list[T]:
+        """The records of the task of that fingerprint, dataclasses of a kind; none that are damaged."""
         if not self._lines or _record(self._lines[0], "") != {"fingerprint": fingerprint}:
             return []
-        return [record for line in self._lines[1:] if (record := _record(line, fingerprint)) is not None]
+        records = (_record(line, fingerprint) for line in self._lines[1:])
+        return [from_plain(kind, each) for each in records if each is not None]
 
 
 def _whole_lines(path: Path) -> Iterator[bytes]:

@@ -7,8 +7,6 @@ from math import fsum, isnan
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from vibsim.cases import Case
 from vibsim.engine.choice import engine_name, flow_of
 from vibsim.results.file_contents import provenance
@@ -24,7 +22,7 @@ from vibsim.sweeps.sweep_plan import SweepPlan, check_memory
 class SweepStore(Store[SweepPoint]):
     """The points of one sweep. `table` holds them."""
 
-    what = "sweep"
+    what, record = "sweep", SweepPoint
 
     def make_memory(self) -> None:
         check_memory(self.plan)
@@ -46,12 +44,6 @@ class SweepStore(Store[SweepPoint]):
                 raise ResultFileError(f"{path}: holds another sweep; kept (force=True replaces it). {lines}")
             self.table.fill(partial(read_column, path, file, self.plan))
         return attrs
-
-    def plain(self, record: SweepPoint) -> dict[str, Any]:
-        return plain_point(record)
-
-    def read(self, data: dict[str, Any]) -> SweepPoint:
-        return point_from(data)
 
     def write(self, path: Path) -> None:
         write_sweep(path, self.plan, self.table, self.all_attrs)
@@ -75,25 +67,11 @@ class SweepStore(Store[SweepPoint]):
             raise ResultFileError(f"{self.shown}: disk full; {held}")
 
 
-# A point as a record of a journal.
+# Room that a point takes in the journal.
 
 
 NUMBER = 60  # bytes of a number and its name
 TEXTS = 1500  # bytes of place, fingerprint and the reason of a failure
-
-
-def plain_point(point: SweepPoint) -> dict[str, Any]:
-    """A point as plain data. Arrays are the hex digits of their doubles, which is five times as fast as
-    decimals.
-    """
-    arrays = {name: array.astype("<f8").tobytes().hex() for name, array in point.arrays.items()}
-    return {**vars(point), "arrays": arrays}
-
-
-def point_from(plain: dict[str, Any]) -> SweepPoint:
-    """The point that `plain_point` wrote down."""
-    arrays = {name: np.frombuffer(bytes.fromhex(digits), "<f8") for name, digits in plain["arrays"].items()}
-    return SweepPoint(**{**plain, "index": tuple(plain["index"]), "arrays": arrays})
 
 
 def record_bytes(plan: SweepPlan) -> int:

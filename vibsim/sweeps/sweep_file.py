@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from vibsim.analysis.span import parse_discard
 from vibsim.cases.quantities import parse_quantity
 from vibsim.results.file_contents import ENGINE, NUMBER, PROVENANCE, TEXT, WHOLE, Attribute, Column, Dataset
 from vibsim.results.hdf5_reading import (
@@ -25,8 +24,9 @@ from vibsim.results.hdf5_reading import (
     understood,
 )
 from vibsim.results.hdf5_writing import write_hdf5
+from vibsim.results.plain_data import from_plain
 from vibsim.signals import ended_at_once
-from vibsim.sweeps.axes import Axis, Members, Spread, axis_from_plain
+from vibsim.sweeps.axes import Axis, Members, Spread
 from vibsim.sweeps.contact_computations import QUANTILES
 from vibsim.sweeps.points import Table
 from vibsim.sweeps.quantities import STATUS_FLAGS
@@ -199,7 +199,9 @@ def _checked(path: Path, file: h5py.File) -> tuple[dict[str, Any], SweepPlan]:
     _check_count(path, file, settings["axes"])
     case = stored_case(path, attrs)
     with understood(path, f"{SETTINGS} describes no sweep of its case"):
-        plan = _plan(case, settings)
+        if not isinstance(settings["section"], int) or settings["section"] < 0:
+            raise ValueError("section")
+        plan = from_plain(SweepPlan, settings, case=case)
         _check_axes(case, plan)
     check_datasets(path, file, datasets_of(plan), lengths_of(plan))
     _check_scales(path, file, plan)
@@ -228,23 +230,6 @@ def _check_count(path: Path, file: h5py.File, axes: list[Mapping[str, Any]]) -> 
     expected = prod(map(_length, axes))
     if not 0 < expected <= there:
         raise damaged(path, f"{SETTINGS} names {expected} points, and status has {there}")
-
-
-def _plan(case: "Case", settings: Mapping[str, Any]) -> SweepPlan:
-    """The plan that a file describes."""
-    every, section = settings["every"], settings["section"]
-    if not isinstance(section, int) or section < 0:
-        raise ValueError("section")
-    return SweepPlan(
-        case=case,
-        axes=tuple(map(axis_from_plain, settings["axes"])),
-        directions=tuple(DIRECTION_FLAGS[name] for name in settings["direction"]),
-        carry=bool(settings["carry_state"]),
-        discard=parse_discard(settings["discard"]),
-        section=section,
-        every=None if every == "auto" else parse_quantity(every, "time").value,
-        compute=tuple(settings.get("compute", ())),
-    )
 
 
 def _check_axes(case: "Case", plan: SweepPlan) -> None:

@@ -33,10 +33,6 @@ from vibsim.orbits.branches.tracing import (
     PointRecord,
     SpecialRecord,
     Watch,
-    plain,
-    plain_orbit,
-    read_orbit,
-    read_step,
     trace,
 )
 from vibsim.orbits.coordinates import LETTERS, Word
@@ -48,6 +44,7 @@ from vibsim.results.hdf5_reading import (
     stored_case,
     understood,
 )
+from vibsim.results.plain_data import from_plain
 from vibsim.results.store import R, Store, Waiting
 
 KIND_NAMES = {code: kind for kind, code in KINDS.items()}
@@ -64,7 +61,7 @@ def read_branch(path: str | Path) -> Branch:
     """
     waiting, branch = Waiting(path), stored_branch(path)
     points, specials = branch.records
-    follows = follow_up(points, map(read_step, waiting.records(branch.plan.fingerprint)))
+    follows = follow_up(points, waiting.records(branch.plan.fingerprint, BranchStep))
     if not follows:
         return branch
     points = [*in_order(points), *(step.point for step in follows)]
@@ -114,7 +111,8 @@ def follow_up(points: Iterable[Walked], waiting: Iterable[Other]) -> list[Other]
 def _plan(path: Path, attrs: dict[str, Any]) -> BranchPlan:
     case = stored_case(path, attrs)
     with understood(path, "the attribute branch_settings_json makes no sense"):
-        return BranchPlan.from_settings(case, json.loads(attrs["branch_settings_json"]))
+        plan: BranchPlan = from_plain(BranchPlan, json.loads(attrs["branch_settings_json"]), case=case)
+        return plan
 
 
 def _branch_point(values: dict[str, Any], i: int) -> PointRecord:
@@ -171,7 +169,7 @@ def read_locus(path: str | Path) -> Locus:
     Raises ResultFileError.
     """
     waiting, locus = Waiting(path), stored_locus(path)
-    records = map(read_point, waiting.records(locus.plan.fingerprint))
+    records = waiting.records(locus.plan.fingerprint, LocusRecord)
     points = [*locus.points, *follow_up(locus.points, records)]
     return Locus(locus.plan, points, {**locus.attrs, "points": len(points)})
 
@@ -183,7 +181,7 @@ def stored_locus(path: str | Path) -> Locus:
         attrs = read_attributes(path, file, LOCUS_ATTRIBUTES)
         case = stored_case(path, attrs)
         with understood(path, "the attribute locus_settings_json makes no sense"):
-            plan = LocusPlan.from_settings(case, json.loads(attrs["locus_settings_json"]))
+            plan = from_plain(LocusPlan, json.loads(attrs["locus_settings_json"]), case=case)
         declared = locus_datasets(plan.branch.unit, plan.unit)
         values = read_datasets(path, file, declared, {POINT: attrs["points"]})
     with understood(path, "its points make no sense"):
@@ -206,17 +204,6 @@ def _locus_point(values: dict[str, Any], i: int) -> LocusRecord:
         float(values["step"][i]),
         str(values["ended"][i]),
     )
-
-
-def plain_locus_point(point: LocusRecord) -> dict[str, Any]:
-    """A point as plain data for JSON."""
-    return {**vars(point), "orbit": plain_orbit(point.orbit)}
-
-
-def read_point(data: dict[str, Any]) -> LocusRecord:
-    """The point that `plain_locus_point` wrote down."""
-    places = {name: tuple(data[name]) for name in ("unknowns", "tangent")}
-    return LocusRecord(**{**data, **places, "orbit": read_orbit(data["orbit"])})
 
 
 # Where the points of a branch or a locus go while it is followed.
@@ -279,7 +266,7 @@ def complete(
 class BranchStore(CurveStore[BranchStep, Branch]):
     """Points of a branch, and its special points."""
 
-    what, most = "branch", MOST_POINTS
+    what, record, most = "branch", BranchStep, MOST_POINTS
 
     def make_memory(self) -> None:
         super().make_memory()
@@ -305,12 +292,6 @@ class BranchStore(CurveStore[BranchStep, Branch]):
         named += ["case"] if there.case.sha256 != self.plan.case.sha256 else []
         return f". It differs in {', '.join(named)}"
 
-    def plain(self, record: BranchStep) -> dict[str, Any]:
-        return {"point": plain(record.point), "specials": [plain(each) for each in record.specials]}
-
-    def read(self, data: dict[str, Any]) -> BranchStep:
-        return read_step(data)
-
     def write(self, path: Path) -> None:
         write_branch(path, self.curve, self.attrs, self.complete)
 
@@ -325,7 +306,7 @@ class BranchStore(CurveStore[BranchStep, Branch]):
 class LocusStore(CurveStore[LocusRecord, Locus]):
     """Points of a locus."""
 
-    what, most = "locus", MOST_LOCUS_POINTS
+    what, record, most = "locus", LocusRecord, MOST_LOCUS_POINTS
 
     def origin(self) -> dict[str, Any]:
         return locus_origin(self.plan, self.engine)
@@ -335,12 +316,6 @@ class LocusStore(CurveStore[LocusRecord, Locus]):
 
     def stored(self) -> Locus:
         return stored_locus(self.shown)
-
-    def plain(self, record: LocusRecord) -> dict[str, Any]:
-        return plain_locus_point(record)
-
-    def read(self, data: dict[str, Any]) -> LocusRecord:
-        return read_point(data)
 
     def write(self, path: Path) -> None:
         write_locus(path, self.curve, self.attrs, self.complete)

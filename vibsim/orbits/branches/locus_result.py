@@ -1,9 +1,7 @@
 """A locus: a bifurcation along two parameters, arrays by name."""
 
-import hashlib
-import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -32,13 +30,21 @@ from vibsim.orbits.branches.locus import (
     walk,
 )
 from vibsim.orbits.branches.node import Node
-from vibsim.orbits.branches.plan import FIRST_STEP, BranchError, BranchPlan, must_matter, value_in
+from vibsim.orbits.branches.plan import (
+    FIRST_STEP,
+    BranchError,
+    BranchPlan,
+    fingerprint_of,
+    must_matter,
+    value_in,
+)
 from vibsim.orbits.branches.special_points import BRANCHING, GRAZING, NAMES, STICKING, TORUS, held
 from vibsim.orbits.branches.tracing import OrbitRecord, orbit_record
 from vibsim.orbits.coordinates import changes
 from vibsim.orbits.stability import nearest_to_circle
 from vibsim.results.labelled import Arrays, Labelled, few
 from vibsim.results.output_files import check_result_output
+from vibsim.results.plain_data import plain_data, stored
 
 # Which bifurcation is to be followed, and over what.
 
@@ -71,40 +77,17 @@ class LocusPlan:
     period: float
     parameter: float
     pair: complex
-    part: int = -1
+    part: int = field(default=-1, metadata=stored("stop"))  # as files call it since they knew of stops alone
 
     @cached_property
     def settings(self) -> dict[str, Any]:
         """All of it but the case, as plain data."""
-        return {
-            "branch": self.branch.settings,
-            "label": self.label,
-            "kind": self.kind,
-            "keys": list(self.keys),
-            "unit": self.unit,
-            "span": list(self.span),
-            "value": self.value,
-            "state": list(self.state),
-            "period": self.period,
-            "parameter": self.parameter,
-            "pair": [self.pair.real, self.pair.imag],
-            "stop": self.part,
-        }
-
-    @staticmethod
-    def from_settings(case: Any, settings: dict[str, Any]) -> "LocusPlan":
-        """The plan that `settings` wrote down."""
-        known = {**settings, "branch": BranchPlan.from_settings(case, settings["branch"])}
-        for name in ("keys", "span", "state"):
-            known[name] = tuple(settings[name])
-        known["part"] = known.pop("stop")  # as files have called it since they knew of stops alone
-        return LocusPlan(**{**known, "pair": complex(*settings["pair"])})
+        return plain_data(self)
 
     @cached_property
     def fingerprint(self) -> str:
         """Of the case and the settings."""
-        text = json.dumps([self.branch.case.sha256, self.settings])
-        return hashlib.sha256(text.encode()).hexdigest()
+        return fingerprint_of(self.branch.case, self.settings)
 
     def plane(self, engine: str = "auto") -> ParameterPlane:
         """The orbits over both parameters."""

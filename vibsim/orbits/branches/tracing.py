@@ -1,9 +1,9 @@
 """A branch traced both ways from its start, each point kept as it comes."""
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -147,44 +147,6 @@ def special_record(special: Special, way: int, number: int) -> SpecialRecord:
         *special.words,
         special.jump,
     )
-
-
-def plain(record: PointRecord | SpecialRecord) -> dict[str, Any]:
-    """A record as plain data for JSON."""
-    return {**asdict(record), "orbit": plain_orbit(record.orbit)}
-
-
-def plain_orbit(orbit: OrbitRecord) -> dict[str, Any]:
-    """An orbit as plain data for JSON."""
-    return {**asdict(orbit), "multipliers": [[mu.real, mu.imag] for mu in orbit.multipliers]}
-
-
-def read_record(data: Mapping[str, Any]) -> PointRecord | SpecialRecord:
-    """The record that `plain` wrote down."""
-    fields = {**data, "orbit": read_orbit(data["orbit"])}
-    fields |= {name: tuple(data[name]) for name in ("unknowns", "tangent")}
-    if "kind" not in data:
-        return PointRecord(**fields)
-    return SpecialRecord(**{**fields, **{name: read_word(data[name]) for name in ("before", "after")}})
-
-
-def read_orbit(data: Mapping[str, Any]) -> OrbitRecord:
-    """The orbit that `plain_orbit` wrote down."""
-    lists = {name: tuple(data[name]) for name in ("state", "drift")}
-    multipliers = tuple(complex(*pair) for pair in data["multipliers"])
-    return OrbitRecord(**{**data, **lists, "multipliers": multipliers, "word": read_word(data["word"])})
-
-
-def read_step(data: Mapping[str, Any]) -> BranchStep:
-    """A step in a journal."""
-    point: Any = read_record(data["point"])
-    specials: Any = tuple(read_record(each) for each in data["specials"])
-    return BranchStep(point, specials)
-
-
-def read_word(pairs: Any) -> Word:
-    """A word from pairs of kind and part."""
-    return tuple((str(kind), int(part)) for kind, part in pairs)
 
 
 MOST_POINTS = 5000
