@@ -1,33 +1,25 @@
 """A branch of periodic orbits: arrays by name along it, and its special points."""
 
+import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from vibsim.cases.quantities import number
-from vibsim.orbits.branches.course import CurveArrays
-from vibsim.orbits.branches.file_structure import (
-    POINT,
-    branch_origin,
-    branch_values,
-    datasets_of,
-    write_branch,
-)
+from vibsim.orbits.branches.curve import Curve
+from vibsim.orbits.branches.file_structure import POINT, SPECIAL, columns_of, datasets_of
 from vibsim.orbits.branches.node import ENERGY
 from vibsim.orbits.branches.plan import BranchPlan
-from vibsim.orbits.branches.special_points import LABELS
+from vibsim.orbits.branches.special_points import LABELS, UNRESOLVED
 from vibsim.orbits.branches.tracing import CLOSED, OrbitRecord, PointRecord, SpecialRecord
-from vibsim.orbits.coordinates import Word, spelled
+from vibsim.orbits.coordinates import Word
 from vibsim.orbits.stability import length_of
 from vibsim.results.file_contents import Column, Dataset
-from vibsim.results.labelled import Arrays, Labelled, few
-from vibsim.results.output_files import check_result_output
+from vibsim.results.labelled import Arrays, few
 
 # told of every point beside what its file holds
 STABILITY = (
@@ -78,7 +70,7 @@ class SpecialPoint:
         return f"<SpecialPoint {self.label}: {where}, between points {self.between[0]} and {self.between[1]}>"
 
 
-class Branch(CurveArrays, Labelled):
+class Branch(Curve):
     """A branch: `branch["period"]` and so on along it, `branch.specials` on it.
 
     Attributes
@@ -92,7 +84,9 @@ class Branch(CurveArrays, Labelled):
     ('forces.drive.omega', [], True)
     """
 
-    noun = "branch"
+    plan: BranchPlan
+    noun, _record = "branch", PointRecord
+    _shown = ("parameter", "period", "multiplier_re")
 
     def __init__(
         self,
@@ -101,20 +95,13 @@ class Branch(CurveArrays, Labelled):
         specials: Sequence[SpecialRecord],
         attrs: Mapping[str, Any] | None = None,
     ):
-        self.plan, self.attrs = plan, dict(attrs or {})
+        self._place(plan, points, attrs)
         self._records = (list(points), list(specials))
-        last = {(point.way, point.number): point for point in points}  # where it is stuck it is told again
-        back = sorted((p for p in last.values() if p.way < 0), key=lambda p: -p.number)
-        self.points = [*back, *sorted((p for p in last.values() if p.way > 0), key=lambda p: p.number)]
 
     @property
     def records(self) -> tuple[list[PointRecord], list[SpecialRecord]]:
         """Points and special points in the order in which they came."""
         return self._records
-
-    @property
-    def case(self) -> Any:
-        return self.plan.case
 
     @property
     def unit(self) -> str:
@@ -150,13 +137,40 @@ class Branch(CurveArrays, Labelled):
         first = backwards[0].ended if backwards else CLOSED if last == CLOSED else ""
         return (LEAVES if self.plan.heading else first), last
 
+    @property
+    def _scene(self) -> Any:
+        return self.map.scene
+
+    @property
+    def _followed(self) -> bool:
+        return self.closed or all(self.ends)
+
+    def _declared(self) -> list[Dataset]:
+        return datasets_of(self.unit)
+
+    def _counts(self) -> dict[str, int]:
+        unresolved = sum(one.kind == UNRESOLVED for one in self.specials)
+        return {**super()._counts(), "special_points": len(self.specials), "unresolved": unresolved}
+
+    def _file_attributes(self, complete: bool) -> dict[str, Any]:
+        return {"names_json": json.dumps(self.names), "complete": int(complete), **self._counts()}
+
+    def _file_values(self) -> dict[str, Any]:
+        """What stands in the datasets of its file, by name."""
+        by_place = {record.unknowns: record for record in self._records[1]}
+        records = [by_place[one.unknowns] for one in self.specials]
+        return {
+            **super()._file_values(),
+            SPECIAL: np.arange(len(records)),
+            **columns_of(SpecialRecord, records, self.spelled, "special_"),
+            "special_label": [one.label for one in self.specials],
+        }
+
     def arrays(self) -> Arrays:
         """What its file holds, by point, special point and multiplier; and the stability of each point."""
-
-        declared = [*datasets_of(self.unit), *STABILITY]
-        values = branch_values(self) | {each.name: self[each.name].astype("i1") for each in STABILITY}
-        shown = ("parameter", "period", "multiplier_re")
-        return Arrays.of_values(declared, values, (POINT,), self.attrs, shown)
+        declared = [*self._declared(), *STABILITY]
+        values = self._file_values() | {each.name: self[each.name].astype("i1") for each in STABILITY}
+        return Arrays.of_values(declared, values, (POINT,), self.attrs, self._shown)
 
     def heading(self) -> str:
         """Name of the case, what was continued over what, and how many points."""
@@ -181,21 +195,17 @@ class Branch(CurveArrays, Labelled):
 
     @cached_property
     def _arrays(self) -> dict[str, np.ndarray]:
-        orbits = [point.orbit for point in self.points]
-        states = np.array([orbit.state for orbit in orbits]).reshape(len(orbits), -1)
+        known, orbits = self._orbit_arrays, [point.orbit for point in self.points]
         arrays = {
-            "parameter": np.array([orbit.parameter for orbit in orbits]),
-            "period": np.array([orbit.period for orbit in orbits]),
-            "multipliers": np.array([orbit.multipliers for orbit in orbits]),
+            **{name: known[name] for name in ("parameter", "period", "multipliers")},
             "index": np.array([orbit.index for orbit in orbits]),
             "stable": np.array([self._stable(orbit) for orbit in orbits]),
             "word": np.array([self.spelled(orbit.word) for orbit in orbits], dtype=object),
             "arclength": self._arclength(),
             "dp_ds": np.array([point.way * point.tangent[-1] for point in self.points]),
-            "drift": np.array([orbit.drift for orbit in orbits]),
+            **{name: known[name] for name in ("drift", "fold", "doubling", "margin", "residual")},
         }
-        for name in ("fold", "doubling", "margin", "residual"):
-            arrays[name] = np.array([getattr(orbit, name) for orbit in orbits])
+        states = known["state"].reshape(len(orbits), -1)
         return arrays | {name: states[:, i] for i, name in enumerate(self.names)}
 
     def _stable(self, orbit: OrbitRecord) -> bool:
@@ -206,11 +216,6 @@ class Branch(CurveArrays, Labelled):
         places = np.array([point.unknowns for point in self.points])
         steps = np.array([length_of(step) for step in np.diff(places, axis=0)])
         return np.concatenate([[0.0], np.cumsum(steps)])
-
-    def spelled(self, word: Word) -> str:
-        """A word in letters."""
-
-        return spelled(self.map.scene, word)
 
     @cached_property
     def specials(self) -> list[SpecialPoint]:
@@ -241,19 +246,6 @@ class Branch(CurveArrays, Labelled):
                 )
             )
         return specials
-
-    def save(self, path: str | PathLike[str], force: bool = False) -> Path:
-        """Write the branch to an HDF5 file, which every command takes; its absolute path.
-
-        force : replace what is there. Raises ResultFileError where it cannot be written.
-
-        `continue_branch(..., out=path)` goes on with it where it was not followed to its ends.
-        """
-
-        target = check_result_output(Path(path), force)
-        attrs = self.attrs or branch_origin(self.plan)
-        write_branch(target, self, attrs, self.closed or all(self.ends))
-        return target
 
     def special(self, label: str) -> SpecialPoint:
         """The special point of a label. Raises KeyError with the labels that there are."""

@@ -1,18 +1,20 @@
-"""What files of branches and loci hold, and how they are written."""
+"""What files of branches and loci hold: attributes, datasets, and records as their rows."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
+from itertools import starmap
+from typing import Any
 
 import numpy as np
 
 from vibsim.engine.choice import engine_name
-from vibsim.orbits.branches.plan import BranchPlan
-from vibsim.orbits.branches.special_points import LABELS, UNRESOLVED
-from vibsim.orbits.coordinates import Word, spelled
+from vibsim.orbits.branches.plan import CurvePlan
+from vibsim.orbits.branches.special_points import LABELS
+from vibsim.orbits.branches.tracing import OrbitRecord
+from vibsim.orbits.coordinates import LETTERS, Word
 from vibsim.results.file_contents import (
     ENGINE,
     PROVENANCE,
@@ -23,15 +25,6 @@ from vibsim.results.file_contents import (
     Dataset,
     provenance,
 )
-from vibsim.results.hdf5_writing import write_hdf5
-
-if TYPE_CHECKING:
-    from vibsim.orbits.branches.branch import Branch
-    from vibsim.orbits.branches.locus_result import Locus, LocusPlan
-
-BRANCH_KIND = "branch"
-LOCUS_KIND = "locus"
-
 
 ATTRIBUTES = [
     *PROVENANCE,
@@ -131,99 +124,70 @@ def _orbits(prefix: str, along: str, unit: str) -> list[Dataset]:
     ]
 
 
-def branch_origin(plan: BranchPlan, engine: str = "auto") -> dict[str, Any]:
+def curve_origin(plan: CurvePlan, engine: str = "auto") -> dict[str, Any]:
     """Attributes that are known before the first point."""
     return {
-        **provenance("branch", plan.case, f"Periodic orbits of {plan.case.name} over {plan.keys[0]}"),
-        "branch_settings_json": json.dumps(plan.settings),
-        "branch_sha256": plan.fingerprint,
+        **provenance(plan.noun, plan.case, plan.title),
+        f"{plan.noun}_settings_json": json.dumps(plan.settings),
+        f"{plan.noun}_sha256": plan.fingerprint,
         "engine": engine_name(engine),
     }
 
 
-def write_branch(path: Path, branch: Branch, attrs: dict[str, Any], complete: bool) -> None:
-    """Write a branch to `path`, replacing what is there in one instant. Raises ResultFileError."""
-    names = {"names_json": json.dumps(branch.names), "complete": int(complete)}
-    write_hdf5(
-        path, {**attrs, **names, **kind_counts(branch)}, datasets_of(branch.unit), branch_values(branch)
-    )
+# Records as rows of datasets. Words are spelled in letters, complex numbers have a dataset of each part.
 
 
-def kind_counts(branch: Branch) -> dict[str, int]:
-    """Attributes that count what there is."""
-    unresolved = sum(one.kind == UNRESOLVED for one in branch.specials)
-    return {
-        "points": len(branch.points),
-        "special_points": len(branch.specials),
-        "unresolved": unresolved,
-    }
+KINDS_BY_CODE = {code: kind for kind, code in KINDS.items()}
+EVENTS = {letter: kind for kind, letter in LETTERS.items()}
+SPELLED = ("word", "before", "after")
 
 
-def branch_values(branch: Branch) -> dict[str, Any]:
-    """What stands in the datasets of a branch, by name."""
-    specials = branch.specials
-    records = {record.unknowns: record for record in branch.records[1]}
-    special_records = [records[one.unknowns] for one in specials]
-    orbits = [point.orbit for point in branch.points]
-    return {
-        POINT: np.arange(len(orbits)),
-        SPECIAL: np.arange(len(special_records)),
-        UNKNOWN: np.arange(len(branch.plan.state)),
-        SCALED: np.arange(len(branch.points[0].unknowns)),
-        MULTIPLIER: np.arange(len(orbits[0].multipliers)),
-        BODY: np.arange(len(orbits[0].drift)),
-        **orbit_values("", branch.spelled, branch.points),
-        **orbit_values("special_", branch.spelled, special_records),
-        **{name: [getattr(one, name) for one in branch.points] for name in ("step", "iterations", "ended")},
-        "special_kind": [KINDS[record.kind] for record in special_records],
-        "special_label": [one.label for one in specials],
-        "special_before": [branch.spelled(record.before) for record in special_records],
-        "special_after": [branch.spelled(record.after) for record in special_records],
-        "special_jump": [record.jump for record in special_records],
-    }
+def scale_values(record: Any) -> dict[str, Any]:
+    """The numbers along the dimensions that the points of a curve share, told by one of them."""
+    orbit = record.orbit
+    lengths = (orbit.state, record.unknowns, orbit.multipliers, orbit.drift)
+    return {name: np.arange(len(each)) for name, each in zip(FURTHER, lengths, strict=True)}
 
 
-def orbit_values(prefix: str, spelled: Callable[[Word], str], records: Sequence[Any]) -> dict[str, Any]:
-    """What is told of the orbits of records, by name of the dataset."""
-    orbits = [record.orbit for record in records]
-    plain = ("parameter", "period", "state", "fold", "doubling", "margin", "drift", "residual", "uncertified")
-    values: dict[str, Any] = {name: [getattr(orbit, name) for orbit in orbits] for name in plain}
-    places = ("way", "number", "unknowns", "tangent")
-    values |= {name: [getattr(one, name) for one in records] for name in places}
-    values["multiplier_re"] = [[mu.real for mu in orbit.multipliers] for orbit in orbits]
-    values["multiplier_im"] = [[mu.imag for mu in orbit.multipliers] for orbit in orbits]
-    values["word"] = [spelled(orbit.word) for orbit in orbits]
-    return {f"{prefix}{name}": value for name, value in values.items()}
+def columns_of(
+    kind: Any, records: Sequence[Any], spell: Callable[[Word], str], prefix: str = ""
+) -> dict[str, Any]:
+    """What stands in the datasets of records of a kind, by name."""
+    columns: dict[str, Any] = {}
+    for name in (each.name for each in fields(kind)):
+        values = [getattr(record, name) for record in records]
+        if name == "orbit":
+            columns |= columns_of(OrbitRecord, values, spell, prefix)
+        elif name == "multipliers":
+            columns[f"{prefix}multiplier_re"] = [[mu.real for mu in each] for each in values]
+            columns[f"{prefix}multiplier_im"] = [[mu.imag for mu in each] for each in values]
+        elif name in SPELLED:
+            columns[f"{prefix}{name}"] = [spell(word) for word in values]
+        else:
+            columns[f"{prefix}{name}"] = [KINDS[each] for each in values] if name == "kind" else values
+    return columns
 
 
-def locus_origin(plan: LocusPlan, engine: str = "auto") -> dict[str, Any]:
-    """Attributes that are known before the first point."""
-    title = f"{plan.kind} {plan.label} of {plan.branch.case.name} over {plan.keys[0]}"
-    return {
-        **provenance(LOCUS_KIND, plan.branch.case, title),
-        "locus_settings_json": json.dumps(plan.settings),
-        "locus_sha256": plan.fingerprint,
-        "engine": engine_name(engine),
-    }
+def record_of(kind: Any, columns: Mapping[str, Any], i: int, prefix: str = "") -> Any:
+    """The record of a kind in row i of the datasets that `columns_of` has made."""
+
+    def value(name: str, of: Any) -> Any:
+        if name == "orbit":
+            return record_of(OrbitRecord, columns, i, prefix)
+        if name == "multipliers":
+            parts = (columns[f"{prefix}multiplier_{part}"][i] for part in ("re", "im"))
+            return tuple(starmap(complex, zip(*parts, strict=True)))
+        here = columns[f"{prefix}{name}"][i]
+        if name in SPELLED:
+            return read_spelled(here)
+        if name == "kind":
+            return KINDS_BY_CODE[int(here)]
+        return of(here) if of in (int, float, str) else tuple(here.tolist())
+
+    return kind(**{each.name: value(each.name, each.type) for each in fields(kind)})
 
 
-def write_locus(path: Path, locus: Locus, attrs: dict[str, Any], complete: bool) -> None:
-    """Write a locus to `path`, replacing what is there in one instant. Raises ResultFileError."""
-    counts = {"points": len(locus), "complete": int(complete)}
-    declared = locus_datasets(locus.plan.branch.unit, locus.plan.unit)
-    write_hdf5(path, {**attrs, **counts}, declared, locus_values(locus))
-
-
-def locus_values(locus: Locus) -> dict[str, Any]:
-    """What stands in the datasets of a locus, by name."""
-    points, scene = locus.points, locus.case.scene()
-    first = points[0]
-    return {
-        POINT: np.arange(len(points)),
-        UNKNOWN: np.arange(len(first.orbit.state)),
-        SCALED: np.arange(len(first.unknowns)),
-        MULTIPLIER: np.arange(len(first.orbit.multipliers)),
-        BODY: np.arange(len(first.orbit.drift)),
-        **orbit_values("", lambda word: spelled(scene, word), points),
-        **{name: [getattr(one, name) for one in points] for name in ("second", "index", "step", "ended")},
-    }
+def read_spelled(text: str) -> Word:
+    """The word of its letters, as `vibsim.orbits.coordinates.spelled` writes it."""
+    letters = text.split() if " " in text or text[1:].isdigit() else list(text)
+    return tuple((EVENTS[one[0]], int(one[1:] or 1) - 1) for one in letters)

@@ -3,8 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,39 +10,19 @@ import numpy as np
 from vibsim.cases.quantities import number
 from vibsim.orbits.branches.branch import Branch, SpecialPoint
 from vibsim.orbits.branches.correction import correct, tangent
-from vibsim.orbits.branches.course import CurveArrays
-from vibsim.orbits.branches.file_structure import (
-    POINT,
-    locus_datasets,
-    locus_origin,
-    locus_values,
-    write_locus,
-)
+from vibsim.orbits.branches.curve import Curve
+from vibsim.orbits.branches.file_structure import locus_datasets
 from vibsim.orbits.branches.grazing import CONTACTS
-from vibsim.orbits.branches.locus import (
-    KINDS,
-    WATCHED,
-    ParameterPlane,
-    PlanePoint,
-    follow_pair,
-    walk,
-)
+from vibsim.orbits.branches.locus import KINDS, WATCHED, ParameterPlane, PlanePoint, follow_pair, walk
 from vibsim.orbits.branches.node import Node
-from vibsim.orbits.branches.plan import (
-    FIRST_STEP,
-    BranchError,
-    BranchPlan,
-    fingerprint_of,
-    must_matter,
-    value_in,
-)
+from vibsim.orbits.branches.plan import FIRST_STEP, BranchError, BranchPlan, CurvePlan, must_matter, value_in
 from vibsim.orbits.branches.special_points import BRANCHING, GRAZING, NAMES, STICKING, TORUS, held
 from vibsim.orbits.branches.tracing import OrbitRecord, orbit_record
 from vibsim.orbits.coordinates import changes
 from vibsim.orbits.stability import nearest_to_circle
-from vibsim.results.labelled import Arrays, Labelled, few
-from vibsim.results.output_files import check_result_output
-from vibsim.results.plain_data import plain_data, stored
+from vibsim.results.file_contents import Dataset
+from vibsim.results.labelled import few
+from vibsim.results.plain_data import stored
 
 # Which bifurcation is to be followed, and over what.
 
@@ -57,7 +35,7 @@ WHY_NOT = {  # why no locus of a kind is followed, and what to do
 
 
 @dataclass(frozen=True)
-class LocusPlan:
+class LocusPlan(CurvePlan):
     """A bifurcation of a branch to be followed in its parameter and a second one.
 
     branch : plan of the branch; label, kind : of the special point
@@ -79,15 +57,16 @@ class LocusPlan:
     pair: complex
     part: int = field(default=-1, metadata=stored("stop"))  # as files call it since they knew of stops alone
 
-    @cached_property
-    def settings(self) -> dict[str, Any]:
-        """All of it but the case, as plain data."""
-        return plain_data(self)
+    noun = "locus"
 
-    @cached_property
-    def fingerprint(self) -> str:
-        """Of the case and the settings."""
-        return fingerprint_of(self.branch.case, self.settings)
+    @property
+    def case(self) -> Any:
+        """That of the branch."""
+        return self.branch.case
+
+    @property
+    def title(self) -> str:
+        return f"{self.kind} {self.label} of {self.case.name} over {self.keys[0]}"
 
     def plane(self, engine: str = "auto") -> ParameterPlane:
         """The orbits over both parameters."""
@@ -205,7 +184,7 @@ class LocusRecord:
     ended: str = ""
 
 
-class Locus(CurveArrays, Labelled):
+class Locus(Curve):
     """A locus: `locus["parameter"]`, `locus["second"]` and so on along it.
 
     plan : what was followed
@@ -219,18 +198,25 @@ class Locus(CurveArrays, Labelled):
     True
     """
 
-    noun = "locus"
+    plan: LocusPlan
+    noun, _record = "locus", LocusRecord
+    _shown = ("parameter", "second", "period")
 
     def __init__(
         self, plan: LocusPlan, points: Sequence[LocusRecord], attrs: Mapping[str, Any] | None = None
     ):
-        self.plan, self.attrs = plan, dict(attrs or {})
-        back = sorted((p for p in points if p.way < 0), key=lambda p: -p.number)
-        self.points = [*back, *sorted((p for p in points if p.way > 0), key=lambda p: p.number)]
+        self._place(plan, points, attrs)
+
+    @cached_property
+    def _scene(self) -> Any:
+        return self.case.scene()
 
     @property
-    def case(self) -> Any:
-        return self.plan.branch.case
+    def _followed(self) -> bool:
+        return all(self.ends)
+
+    def _declared(self) -> list[Dataset]:
+        return locus_datasets(self.plan.branch.unit, self.plan.unit)
 
     @property
     def kind(self) -> str:
@@ -241,13 +227,6 @@ class Locus(CurveArrays, Labelled):
     def ends(self) -> tuple[str, str]:
         """Why it ends, at its first and its last point; empty where it was not followed further."""
         return (self.points[0].ended, self.points[-1].ended) if self.points else ("", "")
-
-    def arrays(self) -> Arrays:
-        """What its file holds, by point and multiplier."""
-
-        declared = locus_datasets(self.plan.branch.unit, self.plan.unit)
-        shown = ("parameter", "second", "period")
-        return Arrays.of_values(declared, locus_values(self), (POINT,), self.attrs, shown)
 
     def heading(self) -> str:
         """Name of the case, which bifurcation in which two parameters, and how many points."""
@@ -265,27 +244,13 @@ class Locus(CurveArrays, Labelled):
         """The case that runs one period on the orbit of a point."""
         return self.plan.plane().family_at(self.points[point].second).case_on(self.points[point].orbit)
 
-    def save(self, path: str | PathLike[str], force: bool = False) -> Path:
-        """Write the locus to an HDF5 file, which every command takes; its absolute path.
-
-        force : replace what is there. Raises ResultFileError where it cannot be written.
-
-        `vibsim continue BRANCH --locus LABEL ... -o path` goes on with it where it did not come to its ends.
-        """
-
-        target = check_result_output(Path(path), force)
-        write_locus(target, self, self.attrs or locus_origin(self.plan), all(self.ends))
-        return target
-
     @cached_property
     def _arrays(self) -> dict[str, np.ndarray]:
-        orbits = [point.orbit for point in self.points]
+        known = self._orbit_arrays
         return {
-            "parameter": np.array([orbit.parameter for orbit in orbits]),
+            "parameter": known["parameter"],
             "second": np.array([point.second for point in self.points]),
-            "period": np.array([orbit.period for orbit in orbits]),
-            "state": np.array([orbit.state for orbit in orbits]),
-            "multipliers": np.array([orbit.multipliers for orbit in orbits]),
+            **{name: known[name] for name in ("period", "state", "multipliers")},
             "index": np.array([point.index for point in self.points]),
         }
 

@@ -51,8 +51,30 @@ class BranchError(ValueError):
     """
 
 
+class CurvePlan:
+    """What a branch or a locus follows from: dataclasses that are stored field by field."""
+
+    noun: str  # what it is a plan of
+    case: Any
+
+    @property
+    def title(self) -> str:
+        """Of its file."""
+        raise NotImplementedError
+
+    @cached_property
+    def settings(self) -> dict[str, Any]:
+        """All of it but the case, as plain data."""
+        return plain_data(self)
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """SHA-256 of the case and the settings."""
+        return hashlib.sha256(json.dumps([self.case.sha256, self.settings]).encode()).hexdigest()
+
+
 @dataclass(frozen=True)
-class BranchPlan:
+class BranchPlan(CurvePlan):
     """A branch to be continued from an orbit.
 
     keys : of the case, which all have the value of the parameter; unit : of the parameter
@@ -74,15 +96,11 @@ class BranchPlan:
     pace: Pace = PACE
     heading: tuple[float, ...] = ()
 
-    @cached_property
-    def settings(self) -> dict[str, Any]:
-        """What the branch follows from, besides the case, as plain data."""
-        return plain_data(self)
+    noun = "branch"
 
-    @cached_property
-    def fingerprint(self) -> str:
-        """Of the case and the settings."""
-        return fingerprint_of(self.case, self.settings)
+    @property
+    def title(self) -> str:
+        return f"Periodic orbits of {self.case.name} over {self.keys[0]}"
 
     def family(self, engine: str = "auto") -> Family:
         """The orbits over the parameter, scaled by the first."""
@@ -113,11 +131,6 @@ class BranchPlan:
     def ways(self) -> tuple[int, ...]:
         """Ways in which it is followed from its start."""
         return (1,) if self.heading else (1, -1)
-
-
-def fingerprint_of(case: Case, settings: dict[str, Any]) -> str:
-    """SHA-256 of a case and the settings of a branch or a locus."""
-    return hashlib.sha256(json.dumps([case.sha256, settings]).encode()).hexdigest()
 
 
 def plan_from(orbit: Any, keys: Sequence[str], unit: str, span: tuple[float, float]) -> BranchPlan:
