@@ -16,9 +16,9 @@ import numpy as np
 from tests.sweeps.clusters import ROOT, loopback_cluster
 from vibsim.cases import load_case
 from vibsim.sweeps import workers as sweep_workers
-from vibsim.sweeps.point_store import SweepStore
 from vibsim.sweeps.points import SweepPoint
 from vibsim.sweeps.quantities import DONE
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import SweepPlan
 from vibsim.sweeps.sweeping import complete, make_plan
 

@@ -19,11 +19,10 @@ import numpy as np
 from vibsim.cases import load_case
 from vibsim.results.plain_data import from_plain
 from vibsim.sweeps.computations import COMPUTATIONS
-from vibsim.sweeps.point_store import SweepStore
 from vibsim.sweeps.points import SweepPoint, Table, compute_point
 from vibsim.sweeps.quantities import DONE
 from vibsim.sweeps.statistics import MeasuredRun, sampled_for_statistics
-from vibsim.sweeps.sweep_file import write_sweep
+from vibsim.sweeps.sweep_file import SweepStore, write_sweep
 from vibsim.sweeps.sweep_plan import SweepPlan
 from vibsim.sweeps.sweeping import make_plan
 from vibsim.sweeps.workers import Backlog, run

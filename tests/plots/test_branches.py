@@ -31,7 +31,7 @@ from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_curves import curves, families
 from vibsim.plots.view import PlotError, View
 from vibsim.results import simulate
-from vibsim.sweeps.point_store import SweepStore
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweeping import complete, make_plan
 from vibsim.sweeps.workers import LocalWorkers
 

@@ -16,14 +16,14 @@ from vibsim.fitting import fit
 from vibsim.fitting.fit_file import ATTRIBUTES as OF_FIT
 from vibsim.fitting.fitting import FitStore
 from vibsim.orbits.branches.branch_file import BranchStore, LocusStore
-from vibsim.orbits.branches.file_structure import ATTRIBUTES as OF_BRANCH
-from vibsim.orbits.branches.file_structure import LOCUS_ATTRIBUTES as OF_LOCUS
+from vibsim.orbits.branches.curve import ATTRIBUTES as OF_BRANCH
+from vibsim.orbits.branches.curve import LOCUS_ATTRIBUTES as OF_LOCUS
 from vibsim.results import ResultFileError
 from vibsim.results.hdf5_reading import damage_named
 from vibsim.results.trajectory_file import ATTRIBUTES as OF_TRAJECTORY
 from vibsim.sweeps import sweep
-from vibsim.sweeps.point_store import SweepStore
 from vibsim.sweeps.sweep_file import ATTRIBUTES as OF_SWEEP
+from vibsim.sweeps.sweep_file import SweepStore
 
 ATTRIBUTES = {
     "run": OF_TRAJECTORY,

@@ -15,7 +15,7 @@ from vibsim.orbits.branches.branch_file import BranchStore, LocusStore, complete
 from vibsim.orbits.branches.continuing import orbit_from
 from vibsim.orbits.branches.locus_result import locus_plan
 from vibsim.orbits.branches.plan import plan_from, read_span
-from vibsim.sweeps.point_store import SweepStore
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweeping import complete as complete_sweep
 from vibsim.sweeps.sweeping import make_plan
 from vibsim.sweeps.workers import LocalWorkers

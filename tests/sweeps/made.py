@@ -4,8 +4,8 @@ import numpy as np
 
 from vibsim.cases import load_case
 from vibsim.sweeps import sweeping
-from vibsim.sweeps.point_store import SweepStore
 from vibsim.sweeps.quantities import DONE, NOT_REPRODUCIBLE
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweeping import make_plan
 from vibsim.sweeps.workers import LocalWorkers
 

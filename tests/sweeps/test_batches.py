@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
-from vibsim.sweeps.point_store import SweepStore
 from vibsim.sweeps.points import SweepPoint, compute_batch
 from vibsim.sweeps.quantities import DONE, FAILED
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.workers import ROUNDS, Backlog, Chain, run
 
 CARRIED = {"carry_state": True, "direction": "both"}

@@ -17,10 +17,10 @@ from vibsim.physics.parts import EVENT_KINDS
 from vibsim.sweeps import statistics
 from vibsim.sweeps.computations import COMPUTATIONS, read_computations
 from vibsim.sweeps.contact_computations import QUANTILES
-from vibsim.sweeps.point_store import SweepStore
 from vibsim.sweeps.points import measure
 from vibsim.sweeps.quantities import of_two_blocks
 from vibsim.sweeps.statistics import sampled_for_statistics
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError, PointRecipe
 
 

@@ -12,8 +12,8 @@ from vibsim.cases import CaseError
 from vibsim.opening import open_result
 from vibsim.sweeps import describe, sweep
 from vibsim.sweeps.axes import Members, SpreadError, read_members, read_spread
-from vibsim.sweeps.point_store import SweepStore
 from vibsim.sweeps.points import share, summary
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError
 from vibsim.sweeps.sweeping import make_plan
 

@@ -11,8 +11,8 @@ from tests.sweeps.made import (
     short_case,
     short_plan,
 )
-from vibsim.sweeps.point_store import SweepStore
 from vibsim.sweeps.quantities import DONE, FAILED
+from vibsim.sweeps.sweep_file import SweepStore
 
 
 def test_a_failed_point_is_kept_with_its_reason_and_tried_again(tmp_path, monkeypatch):

@@ -5,8 +5,8 @@ from itertools import pairwise
 import pytest
 
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
-from vibsim.sweeps.point_store import SweepStore
 from vibsim.sweeps.quantities import DONE
+from vibsim.sweeps.sweep_file import SweepStore
 
 SETTINGS = {
     "fresh": {},

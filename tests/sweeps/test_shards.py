@@ -10,7 +10,7 @@ from vibsim.opening import open_result
 from vibsim.results import ResultFileError
 from vibsim.sweeps import join, sweep_plan
 from vibsim.sweeps.axes import read_members
-from vibsim.sweeps.point_store import SweepStore
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError, read_shard, shard
 from vibsim.sweeps.sweeping import make_plan
 

@@ -11,8 +11,8 @@ from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
 from vibsim.sweeps import describe, sweep
-from vibsim.sweeps.point_store import SweepStore
 from vibsim.sweeps.quantities import DEFINITIONS, always, quantities_of, section
+from vibsim.sweeps.sweep_file import SweepStore
 
 SECTIONS = 7
 

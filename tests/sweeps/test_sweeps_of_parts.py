@@ -14,10 +14,10 @@ from vibsim.cases.case import load_case_text
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.opening import open_result
 from vibsim.physics.parts import EVENT_KINDS
-from vibsim.sweeps.point_store import SweepStore
 from vibsim.sweeps.points import measure
 from vibsim.sweeps.quantities import FAILED
 from vibsim.sweeps.statistics import sampled_for_statistics
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError, PointRecipe
 from vibsim.sweeps.sweeping import sweep
 

@@ -14,7 +14,7 @@ from vibsim.engine.trajectory import open_trajectory
 from vibsim.opening import open_result
 from vibsim.physics.parts import EVENT_KINDS
 from vibsim.sweeps import computations
-from vibsim.sweeps.point_store import SweepStore
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError
 
 

@@ -12,7 +12,7 @@ from vibsim.plots.subject import open_subjects
 from vibsim.plots.sweep_axes import plane_of
 from vibsim.plots.sweep_curves import curves
 from vibsim.sweeps import join
-from vibsim.sweeps.point_store import SweepStore
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import DOWN, UP, PlanError, shard
 
 CARRIED = {"carry_state": True}

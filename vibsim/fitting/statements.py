@@ -13,7 +13,7 @@ from vibsim.cases.quantities import NUMBER, UNITS, Quantity, QuantityError, pars
 from vibsim.cases.schema_keys import UnknownKeyError
 from vibsim.fitting.measures import OBSERVABLES, Bounds, FitError, Observable, missing_of
 from vibsim.physics.elementary import exp, log, log10
-from vibsim.results.windows import Window
+from vibsim.results.result import Window
 from vibsim.sweeps.axes import read_axis, scale_name
 
 if TYPE_CHECKING:

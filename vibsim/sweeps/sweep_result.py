@@ -20,13 +20,14 @@ from vibsim.results.labelled import Arrays, Labelled, few
 from vibsim.results.output_files import check_result_output
 from vibsim.results.store import Waiting
 from vibsim.sweeps.axes import Axis, Members
-from vibsim.sweeps.point_store import origin, outcome
 from vibsim.sweeps.points import TEXTS_AND_STATUS, Share, Summary, SweepPoint, Table, share, summary
 from vibsim.sweeps.quantities import DONE, MISSING
 from vibsim.sweeps.sweep_file import (
     coordinates,
     datasets_of,
     dimensions,
+    origin,
+    outcome,
     read_column,
     read_sweep,
     write_sweep,

@@ -13,8 +13,8 @@ from vibsim.cases.quantities import parse_quantity
 from vibsim.results.blocks_ahead import available_cores
 from vibsim.sweeps.axes import Axis, Members, range_and_unit, read_axis, read_members
 from vibsim.sweeps.computations import read_computations
-from vibsim.sweeps.point_store import SweepStore
 from vibsim.sweeps.quantities import quantities_of
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError, SweepPlan, read_directions
 from vibsim.sweeps.sweep_result import SweepResult
 from vibsim.sweeps.workers import ClusterWorkers, LocalWorkers, Watch, Workers, run

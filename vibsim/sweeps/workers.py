@@ -27,9 +27,9 @@ from vibsim.cases import load_case
 from vibsim.engine.choice import engine_name
 from vibsim.results.hdf5_reading import ResultFileError
 from vibsim.sweeps.computations import fitting
-from vibsim.sweeps.point_store import SweepStore
 from vibsim.sweeps.points import BatchPiece, Pieces, SweepPoint, Table, compute_batch, compute_point
 from vibsim.sweeps.quantities import DONE, FAILED, MISSING, NOT_REPRODUCIBLE, quantities_of
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import STATISTICS, Index, PointRecipe, Start, SweepPlan
 
 

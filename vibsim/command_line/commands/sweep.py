@@ -31,9 +31,9 @@ from vibsim.command_line.text import completed_file, goes_on, print_lines
 from vibsim.signals import interrupted_with
 from vibsim.sweeps.axes import read_axis
 from vibsim.sweeps.computations import COMPUTATIONS
-from vibsim.sweeps.point_store import SweepStore
 from vibsim.sweeps.points import Table
 from vibsim.sweeps.quantities import DONE, FAILED, MISSING, quantities_of
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError, SweepPlan, read_shard, shard
 from vibsim.sweeps.sweep_result import facts, sweep_lines
 from vibsim.sweeps.sweeping import complete, make_plan, open_workers, read_ensemble

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases.quantities import number
-from vibsim.orbits.branches.curve import Curve
-from vibsim.orbits.branches.file_structure import POINT, SPECIAL, columns_of, datasets_of
+from vibsim.orbits.branches.curve import POINT, SPECIAL, OrbitCurve, columns_of, datasets_of
 from vibsim.orbits.branches.node import ENERGY
 from vibsim.orbits.branches.plan import BranchPlan
-from vibsim.orbits.branches.special_points import LABELS, UNRESOLVED
+from vibsim.orbits.branches.special_points import BIFURCATIONS, LABELS, UNRESOLVED
 from vibsim.orbits.branches.tracing import CLOSED, OrbitRecord, PointRecord, SpecialRecord
 from vibsim.orbits.coordinates import Word
 from vibsim.orbits.stability import length_of
@@ -70,7 +69,7 @@ class SpecialPoint:
         return f"<SpecialPoint {self.label}: {where}, between points {self.between[0]} and {self.between[1]}>"
 
 
-class Branch(Curve):
+class Branch(OrbitCurve):
     """A branch: `branch["period"]` and so on along it, `branch.specials` on it.
 
     Attributes
@@ -174,16 +173,12 @@ class Branch(Curve):
 
     def heading(self) -> str:
         """Name of the case, what was continued over what, and how many points."""
-        from vibsim.orbits.branches.description import branch_lines
-
         what = branch_lines(self)[0][1]
         special = f"{len(self.specials)} special point" + "s" * (len(self.specials) != 1)
         return f"{what}, {len(self)} points, {special}"
 
     def lines(self) -> list[tuple[str, str]]:
         """Points, ends, special points, and the names of the arrays."""
-        from vibsim.orbits.branches.description import branch_lines
-
         special = few(
             f"{one.label} at {number(one.parameter, 6)} {self.unit}".strip() for one in self.specials
         )
@@ -254,3 +249,103 @@ class Branch(Curve):
                 return one
         listed = ", ".join(one.label for one in self.specials) or "none"
         raise KeyError(f"{label} is not on this branch; its special points are {listed}")
+
+
+# A branch in words and as plain data: what it is, and its special points.
+
+
+DIGITS = 12  # of a parameter: special points are located to 1e-11 of it
+
+
+def branch_lines(branch: Branch) -> list[tuple[str, str]]:
+    """Lines (name, text) about a branch."""
+    low, high = reach(branch)
+    span = f"{branch.key} from {number(low, 6)} to {number(high, 6)} {branch.unit}".rstrip()
+    count = int(branch["stable"].sum())
+    stable = "without a multiplier outside the unit circle" if branch.key == ENERGY else "stable"
+    turns = branch.map.section.of_return.partition(" ")[0] + "s" * (branch.plan.n > 1)
+    lines = [
+        ("branch", f"{branch.case.name}: orbits of {branch.plan.n} {turns} over {span}"),
+        ("points", f"{len(branch)}, {count} of them {stable}"),
+        ("ends", _ends(branch)),
+    ]
+    if branch.key == ENERGY:
+        lines.append(("frequency", frequencies(branch)))
+    unresolved = [one for one in branch.specials if one.kind == UNRESOLVED]
+    where = ", ".join(f"{number(one.parameter, 8)}" for one in unresolved)
+    held = "holds everywhere" if not unresolved else f"does not hold at {where} {branch.unit}".rstrip()
+    return [*lines, ("index check", held)]
+
+
+def frequencies(branch: Branch) -> str:
+    """Of its first and its last orbit."""
+    rates = 1.0 / branch["period"]
+    return f"{number(rates[0], 8)} Hz at the least energy, {number(rates[-1], 8)} Hz at the greatest"
+
+
+def reach(branch: Branch) -> tuple[float, float]:
+    """Least and greatest parameter of a branch, its folds included."""
+    values = [*branch["parameter"].tolist(), *(one.parameter for one in branch.specials)]
+    return min(values), max(values)
+
+
+def _ends(branch: Branch) -> str:
+    if branch.closed:
+        return "none: it is closed"
+    first, last = (end or "not followed further" for end in branch.ends)
+    return first if first == last else f"{first}; {last}"
+
+
+def special_table(branch: Branch) -> list[tuple[str, ...]]:
+    """A row of texts per special point: label, kind, parameter, period, change of the index, word."""
+    return [
+        (
+            one.label,
+            one.kind,
+            f"{one.parameter:.{DIGITS}g} {branch.unit}".rstrip(),
+            f"{one.period:.8g} s",
+            f"{one.jump:+d} outside" if one.kind in BIFURCATIONS or one.jump else "",
+            _words(branch, one),
+        )
+        for one in branch.specials
+    ]
+
+
+def _words(branch: Branch, one: SpecialPoint) -> str:
+    before, after = branch.spelled(one.before), branch.spelled(one.after)
+    return before if before == after else f"{before} > {after}"
+
+
+def facts(branch: Branch) -> dict[str, Any]:
+    """A branch as plain data for JSON."""
+    return {
+        "case": branch.case.name,
+        "key": branch.key,
+        "unit": branch.unit,
+        "periods": branch.plan.n,
+        "points": len(branch),
+        "stable_points": int(branch["stable"].sum()),
+        "closed": branch.closed,
+        "ends": list(branch.ends),
+        "parameter_from": reach(branch)[0],
+        "parameter_to": reach(branch)[1],
+        "unresolved": [one.parameter for one in branch.specials if one.kind == UNRESOLVED],
+        "special_points": [special_facts(branch, one) for one in branch.specials],
+    }
+
+
+def special_facts(branch: Branch, one: SpecialPoint) -> dict[str, Any]:
+    """A special point as plain data for JSON."""
+    return {
+        "label": one.label,
+        "kind": one.kind,
+        "parameter": branch.key,
+        "value": one.parameter,
+        "period": one.period,
+        "word": branch.spelled(one.orbit.word),
+        "before": branch.spelled(one.before),
+        "after": branch.spelled(one.after),
+        "jump": one.jump,
+        "state": dict(zip(branch.names, one.orbit.state, strict=True)),
+        "multipliers": [[mu.real, mu.imag] for mu in one.orbit.multipliers],
+    }

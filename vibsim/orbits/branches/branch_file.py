@@ -6,16 +6,17 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from vibsim.orbits.branches.branch import Branch
-from vibsim.orbits.branches.curve import counts_of, write_curve
-from vibsim.orbits.branches.file_structure import (
+from vibsim.orbits.branches.curve import (
     ATTRIBUTES,
     LOCUS_ATTRIBUTES,
     POINT,
     SPECIAL,
+    counts_of,
     curve_origin,
     datasets_of,
     locus_datasets,
     record_of,
+    write_curve,
 )
 from vibsim.orbits.branches.locus_result import MOST_POINTS as MOST_LOCUS_POINTS
 from vibsim.orbits.branches.locus_result import Locus, LocusPlan, LocusRecord, trace_locus

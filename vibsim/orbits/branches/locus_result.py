@@ -10,8 +10,7 @@ import numpy as np
 from vibsim.cases.quantities import number
 from vibsim.orbits.branches.branch import Branch, SpecialPoint
 from vibsim.orbits.branches.correction import correct, tangent
-from vibsim.orbits.branches.curve import Curve
-from vibsim.orbits.branches.file_structure import locus_datasets
+from vibsim.orbits.branches.curve import OrbitCurve, locus_datasets
 from vibsim.orbits.branches.grazing import CONTACTS
 from vibsim.orbits.branches.locus import KINDS, WATCHED, ParameterPlane, PlanePoint, follow_pair, walk
 from vibsim.orbits.branches.node import Node
@@ -184,7 +183,7 @@ class LocusRecord:
     ended: str = ""
 
 
-class Locus(Curve):
+class Locus(OrbitCurve):
     """A locus: `locus["parameter"]`, `locus["second"]` and so on along it.
 
     plan : what was followed
@@ -230,14 +229,10 @@ class Locus(Curve):
 
     def heading(self) -> str:
         """Name of the case, which bifurcation in which two parameters, and how many points."""
-        from vibsim.orbits.branches.description import locus_lines
-
         return f"{locus_lines(self)[0][1]}, {len(self)} points"
 
     def lines(self) -> list[tuple[str, str]]:
         """Points, ends, and the names of the arrays."""
-        from vibsim.orbits.branches.description import locus_lines
-
         return [*locus_lines(self)[1:], ("arrays", few(self.keys()))]
 
     def case_at(self, point: int) -> Any:
@@ -253,6 +248,53 @@ class Locus(Curve):
             **{name: known[name] for name in ("period", "state", "multipliers")},
             "index": np.array([point.index for point in self.points]),
         }
+
+
+# A locus in words and as plain data.
+
+
+def locus_lines(locus: Locus) -> list[tuple[str, str]]:
+    """Lines (name, text) about a locus."""
+    plan = locus.plan
+    first, second = locus["parameter"], locus["second"]
+    low, high = (end or "not followed further" for end in locus.ends)
+    return [
+        (
+            "locus",
+            f"{locus.case.name}: {locus.kind} {plan.label} in {plan.branch.keys[0]} and {plan.keys[0]}",
+        ),
+        ("points", str(len(locus))),
+        ("from", _place(plan, first[0], second[0], low)),
+        ("to", _place(plan, first[-1], second[-1], high)),
+    ]
+
+
+def _place(plan: LocusPlan, first: float, second: float, end: str) -> str:
+    place = (
+        f"{number(first, 8)} {plan.branch.unit}".rstrip()
+        + f", {plan.keys[0]} = {number(second, 8)} {plan.unit}".rstrip()
+    )
+    return f"{place} ({end})"
+
+
+def locus_facts(locus: Locus) -> dict[str, Any]:
+    """A locus as plain data for JSON."""
+    plan = locus.plan
+    return {
+        "case": locus.case.name,
+        "kind": locus.kind,
+        "label": plan.label,
+        "keys": [plan.branch.keys[0], plan.keys[0]],
+        "units": [plan.branch.unit, plan.unit],
+        "periods": plan.branch.n,
+        "ends": list(locus.ends),
+        "points": [
+            [float(one), float(other)] for one, other in zip(locus["parameter"], locus["second"], strict=True)
+        ],
+    }
+
+
+# A locus followed both ways.
 
 
 def trace_locus(
