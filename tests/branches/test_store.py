@@ -4,6 +4,7 @@ import json
 import shutil
 from functools import cache
 
+import h5py
 import numpy as np
 import pytest
 
@@ -97,6 +98,25 @@ def test_it_goes_on_after_a_kill(whole, tmp_path):
     rest, _ = complete(BranchStore(branch.plan, path), 5000)
     same(rest, branch)
     assert not journal_path(path).exists()
+
+
+def test_a_branch_under_way_is_written_anew_and_its_journal_begins_anew(whole, tmp_path, monkeypatch):
+    """As often as it may be: the file then has all points at every moment, and the journal none."""
+    branch, path = whole[0], tmp_path / "under-way.h5"
+    monkeypatch.setattr("vibsim.results.store.LEAST_PAUSE", 0.0)
+    monkeypatch.setattr("vibsim.results.store.LARGEST_SHARE", 1e9)
+    counts = []
+
+    def watch(count, _):
+        lines = journal_path(path).read_bytes().count(b"\n")
+        with h5py.File(path) as file:
+            counts.append((count, int(file.attrs["points"]), lines, int(file.attrs["complete"])))
+        return count < 6
+
+    complete(BranchStore(branch.plan, path), 5000, watch=watch)
+    assert [each[0] for each in counts] == list(range(2, 7))
+    assert all(points == count and lines == 1 and not done for count, points, lines, done in counts)
+    same(complete(BranchStore(branch.plan, path), 5000)[0], branch)
 
 
 def test_more_points_are_added_to_a_file(whole, tmp_path):
