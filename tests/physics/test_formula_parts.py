@@ -150,7 +150,7 @@ def test_a_table_keeps_its_end_values():
 
 def test_a_base_and_its_velocity():
     times = np.linspace(0, 1, 7)
-    x, v = base_motion_of(mul(num(Fraction(1, 100)), wave(hertz(2), 1)), times)
+    x, v = base_motion_of(scene(base_formula=mul(num(Fraction(1, 100)), wave(hertz(2), 1))), times)
     angle = 4 * np.pi * times + 1
     assert x == pytest.approx(0.01 * np.sin(angle), abs=1e-16)
     assert v == pytest.approx(0.04 * np.pi * np.cos(angle), abs=1e-15)
