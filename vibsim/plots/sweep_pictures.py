@@ -57,7 +57,7 @@ from vibsim.plots.sweep_curves import (
     spread_over,
 )
 from vibsim.plots.view import PlotError, View
-from vibsim.sweeps.computations import VERDICTS
+from vibsim.sweeps.attractor_labels import VERDICTS
 from vibsim.sweeps.points import Share
 
 END_STATE_HEIGHT_CM = 6.8

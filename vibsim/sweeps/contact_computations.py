@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
+from vibsim.analysis.attractor import KnownOrbits
 from vibsim.engine.blocks import Block
 from vibsim.engine.columns import part_columns, stop_column
 from vibsim.engine.resume import Row, rows_of_instant
@@ -27,12 +28,14 @@ class Task:
     ----------
     begin : time at which the transient ends [s]
     section : length of sections
+    known : stable orbits of the scene with which the run is compared
     """
 
     scene: Scene
     of: Quantities
     begin: float
     section: int
+    known: KnownOrbits = field(default_factory=KnownOrbits)
 
 
 # The beginnings of contact of a run, block by block: when, where, how fast, at what phase of the source.

@@ -5,11 +5,13 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from vibsim.analysis.attractor import KnownOrbits
 from vibsim.cases import CaseError
 from vibsim.engine.blocks import Block
 from vibsim.engine.columns import state_columns
@@ -18,6 +20,7 @@ from vibsim.engine.section import has_section
 from vibsim.physics.elementary import total
 from vibsim.physics.parts import ROTOR, Scene
 from vibsim.physics.rates import source_rates, turning_columns
+from vibsim.sweeps.attractor_labels import NAME, early_label, known_orbits, values_of
 from vibsim.sweeps.computations import COMPUTATIONS, Computation
 from vibsim.sweeps.contact_computations import Task
 from vibsim.sweeps.quantities import DONE, FAILED, MISSING
@@ -94,7 +97,10 @@ def compute_point(
         return SweepPoint(index, FAILED, "", str(error))
     try:
         scene = sampled_for_statistics(case.scene(), recipe.every)
-        values, arrays = measure(scene, recipe, engine, go_on)
+        known = _known(recipe, changes, engine, go_on)
+        values, arrays = _early(scene, recipe, engine, go_on, known) or measure(
+            scene, recipe, engine, go_on, known
+        )
     except (EngineError, TooFineError) as error:
         return SweepPoint(index, FAILED, case.sha256, str(error))
     except GivenUpError:
@@ -114,14 +120,60 @@ def described_bug(error: Exception) -> str:
     return f"a bug in vibsim, please report it: {type(error).__name__}: {error} ({place})"
 
 
-def measure(scene: Scene, recipe: PointRecipe, engine: str, go_on: Callable[[], bool] | None) -> Measured:
-    """Statistics, totals and end state by name; sections and what else has a further dimension by name."""
+def _known(
+    recipe: PointRecipe, changes: Mapping[str, str], engine: str, go_on: Callable[[], bool] | None
+) -> KnownOrbits:
+    """Orbits of the point's scene that are known beforehand; none unless attractors are asked for."""
+    if NAME not in recipe.compute:
+        return KnownOrbits()
+    return known_orbits(recipe, changes, engine, partial(_ask, go_on))
+
+
+def _ask(go_on: Callable[[], bool] | None) -> None:
+    if go_on is not None and not go_on():
+        raise GivenUpError
+
+
+def _early(
+    scene: Scene,
+    recipe: PointRecipe,
+    engine: str,
+    go_on: Callable[[], bool] | None,
+    known: KnownOrbits,
+) -> Measured | None:
+    """The attractor of a point of which nothing else is asked, where it is sure before the transient ends;
+    the statistics, which count from there on, are missing.
+    """
+    if recipe.compute != (NAME,) or recipe.carry:
+        return None
+    early = early_label(scene, recipe.discard.time(scene.t_end), engine, partial(_ask, go_on), known)
+    if early is None:
+        return None
+    label, t_reached = early
+    stored = values_of(label)
+    numbers = {name: value for name, value in stored.items() if isinstance(value, float)}
+    arrays = {name: value for name, value in stored.items() if not isinstance(value, float)}
+    return {"t_reached": t_reached, **numbers}, arrays
+
+
+def measure(
+    scene: Scene,
+    recipe: PointRecipe,
+    engine: str,
+    go_on: Callable[[], bool] | None,
+    known: KnownOrbits | None = None,
+) -> Measured:
+    """Statistics, totals and end state by name; sections and what else has a further dimension by name.
+
+    known : orbits of the scene with which the run is compared
+    """
+    known = known or KnownOrbits()
     begin = recipe.discard.time(scene.t_end)
     kinds = [COMPUTATIONS[name] for name in recipe.compute]
     if not any(kind.samples for kind in kinds):
         scene = scene.without_samples()
     statistics = Statistics(scene, recipe.of, begin)
-    computed = [kind.make(Task(scene, recipe.of, begin, recipe.section)) for kind in kinds]
+    computed = [kind.make(Task(scene, recipe.of, begin, recipe.section, known)) for kind in kinds]
     run = MeasuredRun(
         scene, recipe.of, begin, engine, go_on, any(kind.ledger for kind in kinds), _watchers(computed)
     )

@@ -47,6 +47,7 @@ class PointRecipe:
     section: int
     every: Fraction | None
     compute: tuple[str, ...] = ()
+    probes: tuple[Start, ...] = ()
 
     @cached_property
     def of(self) -> Quantities:
@@ -108,6 +109,8 @@ class SweepPlan:
     every : interval of the samples that verdicts on the regime are scaled with [s]; None: what suits each
         point's motion
     compute : names of what is computed besides, in the order of `vibsim.sweeps.computations`
+    probes : starts that are followed before any other, so that points stop early where they are sure to end
+        on the same orbits, see `vibsim.sweeps.attractor_labels`
     """
 
     case: "Case"
@@ -118,6 +121,7 @@ class SweepPlan:
     section: int = 100
     every: Fraction | None = None
     compute: tuple[str, ...] = ()
+    probes: tuple[Start, ...] = ()
 
     def __post_init__(self) -> None:
         names = [axis.name for axis in self.axes]
@@ -206,7 +210,9 @@ class SweepPlan:
     @cached_property
     def recipe(self) -> PointRecipe:
         """What all points have in common; with a point's `changes` it is all that computing it takes."""
-        return PointRecipe(self.case, self.carry, self.discard, self.section, self.every, self.compute)
+        return PointRecipe(
+            self.case, self.carry, self.discard, self.section, self.every, self.compute, self.probes
+        )
 
     @cached_property
     def columns(self) -> dict[str, Column]:
@@ -227,7 +233,11 @@ class SweepPlan:
     @cached_property
     def settings(self) -> dict[str, Any]:
         """Everything but the case, as plain data for JSON."""
-        computed = {"compute": list(self.compute)} if self.compute else {}  # files without it stay valid
+        computed: dict[str, Any] = (
+            {"compute": list(self.compute)} if self.compute else {}
+        )  # files without it stay valid
+        if self.probes:
+            computed |= {"probes": [dict(probe) for probe in self.probes]}
         return {
             **computed,
             "axes": [axis.plain() for axis in self.axes],

@@ -19,14 +19,18 @@ from vibsim.results.hdf5_reading import ResultFileError
 from vibsim.results.hdf5_writing import check_result_output
 from vibsim.results.journal import Waiting
 from vibsim.results.labelled import Arrays, Labelled, few
+from vibsim.sweeps.attractor_labels import NAME
+from vibsim.sweeps.attractors import Attractors, gather
 from vibsim.sweeps.axes import Axis, Members
 from vibsim.sweeps.point_store import origin, outcome, point_from
 from vibsim.sweeps.points import TEXTS_AND_STATUS, Share, Summary, Table, share, summary
 from vibsim.sweeps.quantities import DONE, MISSING
 from vibsim.sweeps.sweep_file import (
+    DERIVED,
     coordinates,
     datasets_of,
     dimensions,
+    read_attractors,
     read_column,
     read_sweep,
     write_sweep,
@@ -54,11 +58,13 @@ class SweepResult(Labelled):
         plan: SweepPlan,
         read: Callable[[str], np.ndarray],
         table: Table | None = None,
+        stored: Callable[[], Attractors] | None = None,
     ):
         self.attrs, self.plan = attrs, plan
         self._read = cache(read)
         if table is not None:
             self.table = table
+        self._stored = stored
 
     def __reduce__(self) -> tuple[Any, ...]:
         """For pickle: with all points, so that what comes out needs no file."""
@@ -78,6 +84,8 @@ class SweepResult(Labelled):
         drawn = self._drawn()
         if name in drawn:
             return drawn[name]
+        if name in self._derived():
+            return self.attractors.labels if name == NAME else self.attractors.mirrored
         if name not in (*self.plan.columns, *TEXTS_AND_STATUS):
             raise KeyError(f"no {name}; this sweep has {', '.join(self.keys())}")
         return self._read(name)
@@ -91,7 +99,18 @@ class SweepResult(Labelled):
     def keys(self) -> list[str]:
         """Names of the axes and of what is known per point."""
         names = [axis.name for axis in self.axes]
-        return [*names, *self._drawn(), *self.plan.columns, *TEXTS_AND_STATUS]
+        return [*names, *self._drawn(), *self.plan.columns, *self._derived(), *TEXTS_AND_STATUS]
+
+    def _derived(self) -> list[str]:
+        """Columns that follow from the labels of all points."""
+        return list(DERIVED) if NAME in self.plan.compute else []
+
+    @cached_property
+    def attractors(self) -> Attractors:
+        """The attractors on which the points end. Raises ValueError where the sweep did not ask for them."""
+        if NAME not in self.plan.compute:
+            raise ValueError(f"this sweep has no attractors; give compute={NAME!r}")
+        return self._stored() if self._stored else gather(self.plan, self.table, self.attrs["engine"])
 
     @property
     def axes(self) -> tuple[Axis | Members, ...]:
@@ -229,7 +248,7 @@ def open_sweep(path: str | Path) -> SweepResult:
     read = partial(read_column, Path(path), file, plan)
     points = waiting.records(plan.fingerprint)
     if not points:
-        return SweepResult(attrs, plan, read)
+        return SweepResult(attrs, plan, read, stored=partial(read_attractors, Path(path), file, plan))
     table = Table(plan)
     table.fill(read)
     for point in map(point_from, points):

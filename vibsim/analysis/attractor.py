@@ -1,0 +1,260 @@
+"""Which attractor a run ends on: rest, a stable orbit, a quasi-periodic or chaotic set; or why none is known.
+
+A run whose points on the section come into the tested neighbourhood of a stable orbit (see
+`vibsim.orbits.neighbourhood`) ends on that orbit, and need not be followed further. At the end of a run one
+Newton solve from its last point finds the orbit, where there is one; what is left is judged by its points, as
+a regime is, with the largest Lyapunov exponent where these leave a doubt.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import chain
+from math import nan
+from typing import Any
+
+import numpy as np
+
+from vibsim.analysis.sections import JudgedPoints
+from vibsim.engine.errors import EngineError
+from vibsim.orbits.coordinates import Coordinates, OrbitError, placed
+from vibsim.orbits.neighbourhood import Neighbourhood, lies_on, neighbourhood_of
+from vibsim.orbits.newton import growing, likely_periods, solve
+from vibsim.orbits.orbit import Orbit
+from vibsim.orbits.return_map import ReturnMap, returns, slowest_period
+from vibsim.orbits.search import least
+from vibsim.orbits.stability import moduli
+from vibsim.physics.elementary import mean
+from vibsim.physics.parts import EVENT_NAMES, Scene
+
+KINDS = {
+    "undecided": 0,
+    "rest": 1,
+    "periodic": 2,
+    "quasi-periodic": 3,
+    "chaotic": 4,
+    "running away": 5,
+}
+REASONS = {  # why a run is undecided
+    "decided": 0,
+    "no section": 1,
+    "too few cycles": 2,
+    "still on its way": 3,
+    "no stable orbit": 4,
+    "tests disagree": 5,
+}
+TRIES = 2  # numbers of periods that Newton's method is tried with, and twice each
+STEPS = 12  # of Newton's method: an orbit that is near is met in four
+FEWEST = 4  # points from which periods can be told
+ON_ORBIT = 1e-6  # of the size of an orbit: a point nearer than that is on it
+BLOCKS = 10  # of a section, whose means tell how well the mean of all is known
+SWINGS = 64  # slowest periods that a free vibration is followed to see it repeat itself
+
+
+@dataclass(frozen=True, eq=False)
+class Label:
+    """What a run ends on.
+
+    kind, reason : keys of KINDS and REASONS
+    period : periods of the source, turns of the motor or swings of an orbit; NaN of anything else
+    multiplier : greatest modulus of its multipliers; NaN of anything else
+    state : unknowns on the section (m): of an orbit one of its points, of rest where it is
+    means, errors : of sets that are not periodic, means over the section of the observables, see
+        `observables`, and standard errors (k)
+    time : when it was sure [s]; NaN: at the end of the run
+    """
+
+    kind: str
+    reason: str = "decided"
+    period: float = nan
+    multiplier: float = nan
+    state: np.ndarray = field(default_factory=lambda: np.empty(0))
+    means: np.ndarray = field(default_factory=lambda: np.empty(0))
+    errors: np.ndarray = field(default_factory=lambda: np.empty(0))
+    time: float = nan
+
+
+@dataclass(frozen=True, eq=False)
+class KnownOrbit:
+    """A stable orbit, and what tells that a run comes to it.
+
+    label : of a run that ends on it
+    around : its neighbourhood on the section
+    orbit : itself
+    """
+
+    label: Label
+    around: Neighbourhood
+    orbit: Orbit
+
+    @staticmethod
+    def of(orbit: Orbit) -> KnownOrbit:
+        """A stable orbit with its neighbourhood. Raises EngineError."""
+        return KnownOrbit(label_of(orbit), neighbourhood_of(orbit), orbit)
+
+
+def label_of(orbit: Orbit) -> Label:
+    """Label of a run that ends on an orbit."""
+    largest = float(moduli(orbit.multipliers).max(initial=0.0))
+    return Label("periodic", period=float(orbit.n), multiplier=largest, state=orbit.X)
+
+
+@dataclass(eq=False)
+class KnownOrbits:
+    """Stable orbits of one scene, whatever its start; runs are compared with them as they go."""
+
+    orbits: list[KnownOrbit] = field(default_factory=list)
+
+    def __bool__(self) -> bool:
+        return bool(self.orbits)
+
+    def add(self, orbit: Orbit) -> None:
+        """Take another stable orbit, unless it is known."""
+        if not any(one.orbit.n == orbit.n and lies_on(one.orbit, orbit.X) for one in self.orbits):
+            self.orbits.append(KnownOrbit.of(orbit))
+
+    def reached(self, times: np.ndarray, points: np.ndarray) -> Label | None:
+        """Label of a run with these points on the section (k, m) at times [s] (k), where one of them lies in
+        the neighbourhood of an orbit; of several the first.
+        """
+        for one in self.orbits:
+            inside = np.flatnonzero(one.around.holds(points))
+            if len(inside):
+                return _at(one.label, float(times[inside[0]]))
+        return None
+
+    def met(self, kind: int, part: int, X: np.ndarray, time: float) -> Label | None:
+        """The same of a run without a section in time, from one of its events: its kind and part, unknowns X
+        and time. It has come to the orbit where this has the same event at the same state.
+        """
+        event = EVENT_NAMES[kind], part
+        for one in self.orbits:
+            at, carried = one.orbit.end.coordinates, one.orbit.end.carried
+            states = [
+                state for this, state in zip(carried.events, carried.states, strict=True) if this == event
+            ]
+            size = max(at.size(one.orbit.X), at.travel(carried))
+            if any(at.size(at.of(state) - X) <= ON_ORBIT * size for state in states):
+                return _at(one.label, time)
+        return None
+
+
+def _at(label: Label, time: float) -> Label:
+    return Label(label.kind, period=label.period, multiplier=label.multiplier, state=label.state, time=time)
+
+
+# The end of a run under a periodic source: its last points on the section.
+
+
+def orbit_at_end(
+    return_map: ReturnMap, times: np.ndarray, points: np.ndarray, known: KnownOrbits | None = None
+) -> Orbit | None:
+    """The stable orbit that a run has come to, from its points on the section (k, m) at `times` [s]; None
+    where Newton's method finds none from the last point, or the run is not in its neighbourhood.
+    """
+    for orbit in _orbits_near(return_map, times, points):
+        if orbit.stable and (lies_on(orbit, points[-1], ON_ORBIT) or _is_around(orbit, points)):
+            return orbit
+    return None
+
+
+def _orbits_near(return_map: ReturnMap, times: np.ndarray, points: np.ndarray) -> Iterator[Orbit]:
+    """Orbits that Newton's method finds from the last point, by the likeliest numbers of periods."""
+    numbers = likely_periods(points)[0][:TRIES]
+    for n in dict.fromkeys(chain.from_iterable((k, 2 * k) for k in numbers)):
+        if n >= len(points):
+            continue
+        over = return_map.of(n)
+        T = None if over.section.timed else float(times[-1] - times[-1 - n])
+        try:
+            yield least(Orbit(over, solve(over, points[-1], T, STEPS)))
+        except (OrbitError, EngineError):
+            continue
+
+
+def _is_around(orbit: Orbit, points: np.ndarray) -> bool:
+    """Whether one of the last points, as many as the orbit has, lies in its neighbourhood."""
+    return bool(neighbourhood_of(orbit).holds(points[-orbit.n :]).any())
+
+
+def label_of_points(scene: Scene, times: np.ndarray, points: np.ndarray, engine: str) -> Label | None:
+    """Label of a run by its last points on the section: an orbit or running away; None for anything else."""
+    try:
+        return_map = ReturnMap(scene, 1, engine)
+    except OrbitError:
+        return Label("undecided", "no section")
+    if len(points) < FEWEST:
+        return Label("undecided", "too few cycles")
+    orbit = orbit_at_end(return_map, times, points)
+    if orbit is not None:
+        return label_of(orbit)
+    if growing(points, return_map.coordinates) is not None:
+        return Label("running away", state=points[-1])
+    return None
+
+
+def label_of_set(judged: JudgedPoints, points: np.ndarray) -> Label:
+    """Label of a run that ends on no orbit, from the verdict on its points (k, m)."""
+    if judged.verdict in ("quasi-periodic", "chaotic"):
+        means, errors = observables(points)
+        return Label(str(judged.verdict), state=points[-1], means=means, errors=errors)
+    reasons = {"periodic": "no stable orbit", "transient": "still on its way"}
+    few = judged.chaos_number is None and judged.verdict == "undecided"
+    return Label("undecided", reasons.get(str(judged.verdict), "too few cycles" if few else "tests disagree"))
+
+
+def observables(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Means over the points (k, m) of each unknown, of its square and of the size of its change from one
+    point to the next (3 m), and their standard errors from the means of BLOCKS blocks, one behind the other.
+
+    Neighbouring blocks are taken for independent: a block of a chaotic set is to be longer than its memory.
+    """
+    steps = np.abs(np.diff(points, axis=0))
+    columns = [*points[1:].T, *(points[1:] * points[1:]).T, *steps.T]
+    means, errors = [], []
+    for column in columns:
+        blocks = np.array([mean(block) for block in np.array_split(column, BLOCKS)])
+        apart = blocks - mean(blocks)
+        means.append(float(mean(column)))
+        errors.append(float(np.sqrt(mean(apart * apart) / (BLOCKS - 1))))
+    return np.array(means), np.array(errors)
+
+
+# The end of a run that nothing drives: what it comes to from its last event on.
+
+
+def orbit_of_free(scene: Scene, state: Mapping[str, float], engine: str) -> Orbit | None:
+    """The stable orbit of a scene without a source that a run has come to, which goes on from a state (by
+    name of the column); None where it finds none.
+    """
+    try:
+        return_map = ReturnMap(scene, 1, engine)
+        if not return_map.section.turning:
+            return None
+        follow = placed(scene, state, SWINGS * slowest_period(scene))
+        times, states = returns(follow, return_map.coordinates, engine)
+    except (OrbitError, EngineError):
+        return None
+    if len(times) < FEWEST:
+        return None
+    return orbit_at_end(return_map, times, return_map.coordinates.of(states))
+
+
+def unknowns_at(at: Coordinates, columns: Mapping[str, Any], row: int | slice = slice(None)) -> np.ndarray:
+    """Unknowns of states by name of the column."""
+    return at.of(np.stack([np.asarray(columns[name])[row] for name in at.columns], axis=-1))
+
+
+def rest_label(at: Coordinates | None, held: bool, low: Sequence[float], high: Sequence[float]) -> Label:
+    """Label of a run that comes to rest between the least and the greatest state components at its end.
+
+    held : whether friction holds it there, and would beside it too. Its `errors` are half of the ranges of
+    the unknowns, infinite where it is held.
+    """
+    if at is None:
+        return Label("rest")
+    middle, half = (np.asarray(low) + np.asarray(high)) / 2, (np.asarray(high) - np.asarray(low)) / 2
+    state = at.of(middle)
+    width = np.full(len(state), np.inf) if held else np.abs(at.of(half))
+    return Label("rest", state=state, means=state, errors=width)

@@ -1,0 +1,432 @@
+"""The attractor that the run of one point of a sweep ends on, and the orbits that its neighbours end on.
+
+Some starts of a sweep, the probes, are drawn once by its plan. Each worker follows them to their ends, in
+their order, before the first point of a scene; the stable orbits on which they end are known from then on,
+with their neighbourhoods. Every point is then compared with these as it runs, and stops where it is sure to
+end on one. What is known depends on plan and parameters alone, and never on which points came before: so a
+point has the same bits in whatever order, on whatever worker it is computed.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from math import prod
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibsim.analysis.analysis import StreamedVerdicts
+from vibsim.analysis.attractor import (
+    KINDS,
+    REASONS,
+    KnownOrbits,
+    Label,
+    label_of_points,
+    label_of_set,
+    orbit_of_free,
+    rest_label,
+    unknowns_at,
+)
+from vibsim.analysis.attractor import label_of as label_of_orbit
+from vibsim.analysis.regime import STILL, exponent_of
+from vibsim.analysis.sections import FEWEST
+from vibsim.cases import CaseError
+from vibsim.engine.blocks import Block
+from vibsim.engine.columns import state_columns
+from vibsim.engine.errors import EngineError
+from vibsim.engine.modes.status import STICK
+from vibsim.engine.resume import Row, rows_of_instant
+from vibsim.engine.tangent.lyapunov import lyapunov_exponents
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.orbits.coordinates import OF_FRICTION, Coordinates, OrbitError, section_of
+from vibsim.orbits.newton import solve
+from vibsim.orbits.orbit import Orbit
+from vibsim.orbits.return_map import ReturnMap, slowest_period
+from vibsim.orbits.search import least
+from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES, IMPACTS, Scene, columns_of
+from vibsim.physics.rates import is_driven, source_period
+from vibsim.results.file_contents import Column
+from vibsim.sweeps.contact_computations import Task
+from vibsim.sweeps.quantities import Columns, Quantities
+from vibsim.sweeps.statistics import MeasuredRun, TooFineError, sampled_for_statistics
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+    from vibsim.sweeps.axes import Axis, Members
+
+ATTRACTOR_TITLE = "attractor that the run ends on: rest, orbit, quasi-periodic or chaotic set"
+NAME = "attractor"
+INITIAL = "initial."  # begins the keys of what a run starts from
+
+
+def attractor_columns(of: Quantities) -> Columns:
+    """What is stored of each point; `vibsim.sweeps.attractors` makes numbers of attractors of it."""
+    unknowns, observed = "unknown", "observable"
+    return {
+        "attractor_kind": Column("1", "what the run ends on", flags=KINDS),
+        "attractor_reason": Column("1", "why it is undecided", flags=REASONS),
+        "attractor_period": Column("1", "returns to the section that its orbit takes; NaN of other kinds"),
+        "attractor_multiplier": Column("1", "greatest modulus of the multipliers of its orbit"),
+        "attractor_time": Column("s", "when it was sure to end there; NaN: at the end of the run"),
+        "attractor_state": Column("1", "state on the section of its orbit or rest, SI", dimension=unknowns),
+        "attractor_means": Column("1", "means over its section, of sets, SI", dimension=observed),
+        "attractor_errors": Column("1", "standard errors of these, SI", dimension=observed),
+    }
+
+
+def coordinates_of(scene: Scene) -> Coordinates | None:
+    """The unknowns of the orbits of a scene; None where it has no section."""
+    try:
+        return Coordinates(scene, section_of(scene))
+    except OrbitError:
+        return None
+
+
+def unknowns(scene: Scene) -> int:
+    """How many unknowns the orbits of a scene have; 0 without a section."""
+    at = coordinates_of(scene)
+    return at.count if at else 0
+
+
+def observed(scene: Scene) -> int:
+    """How many observables tell sets apart, see `vibsim.analysis.attractor.observables`."""
+    return 3 * unknowns(scene)
+
+
+# What a motion without a source that changes comes to: rest, or vibration that goes on.
+#
+# Judged on the time after the transient, in two halves. Where stops or frictions go on to change their states
+# in the second half, the motion is a vibration (stick-slip, impacts): events are exact, so no threshold
+# decides. Where they do not, it is smooth, and rests if its kinetic energy falls from one half to the other.
+
+
+END_STATE_TITLE = "rest or vibration, without a source that changes"
+END_STATE = "end_state"
+VERDICTS = {"undecided": 0, "rest": 1, "vibration": 2}
+CHANGES = (*OF_FRICTION, *IMPACTS, "contact_end", "rest_begin", "rest_end")
+FALLS = 0.99  # of the greatest kinetic energy in the first half: samples meet its peaks to a hundredth
+
+
+def end_state_columns(of: Quantities) -> Columns:
+    """The verdict; none with a source, whose motions have a regime."""
+    return {} if of.has_source else {END_STATE: Column("1", "what the motion comes to", flags=VERDICTS)}
+
+
+class EndState:
+    """What one run comes to. Memory grows with its samples and events after the transient."""
+
+    def __init__(self, task: Task):
+        self._begin, bodies = task.begin, task.scene.bodies
+        self._half_masses = {columns_of(body.name)[1]: float(body.m) / 2 for body in bodies}
+        self._codes = [EVENT_KINDS[kind] for kind in CHANGES]
+        self._changes: list[np.ndarray] = []
+        self._times: list[np.ndarray] = []
+        self._energies: list[np.ndarray] = []
+
+    def update(self, block: Block) -> None:
+        """Take the next block."""
+        events, samples = block.events, block.samples
+        self._changes.append(events["t"][np.isin(events["kind"], self._codes)])
+        self._times.append(samples["time"])
+        energy = np.zeros(len(samples["time"]))
+        for v, half in self._half_masses.items():
+            energy = energy + half * samples[v] ** 2
+        self._energies.append(energy)
+
+    def values(
+        self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
+    ) -> dict[str, float]:
+        """The verdict on the window."""
+        middle = (window[0] + window[1]) / 2
+        times, energies = np.concatenate(self._times), np.concatenate(self._energies)
+        late, early = times >= middle, (times >= window[0]) & (times < middle)
+        if any(np.any(changes >= middle) for changes in self._changes):
+            return {END_STATE: float(VERDICTS["vibration"])}
+        known = late.any() and early.any()
+        falls = known and energies[late].max() <= FALLS * energies[early].max()
+        return {END_STATE: float(VERDICTS["rest" if falls else "undecided"])}
+
+
+# One run, streamed block by block to its end.
+
+
+class AttractorComputation:
+    """Attractor of one run. Memory grows with its periods after the transient."""
+
+    def __init__(self, task: Task):
+        self._scene, self._begin, self._known = task.scene, task.begin, task.known
+        self._driven = is_driven(task.scene)
+        self._verdicts = StreamedVerdicts(task.scene, task.begin)
+        self._columns = state_columns(task.scene)
+        self._at = coordinates_of(task.scene)
+        self._ranges: list[tuple[float, list[float], list[float], list[float]]] = []  # time, and by column
+        self._last: Row = {}
+        self._end_state = None if self._driven else EndState(task)
+
+    def update(self, block: Block) -> None:
+        """Take the next block."""
+        self._verdicts.update(block)
+        if self._end_state is not None:
+            self._end_state.update(block)
+        late = block.samples["time"] >= self._begin
+        if late.any():
+            rows = [block.samples[name][late] for name in self._columns]
+            low, high = [float(row.min()) for row in rows], [float(row.max()) for row in rows]
+            ends = [float(row[-1]) for row in rows]
+            self._ranges.append((float(block.samples["time"][late][-1]), low, high, ends))
+        if len(block.events["t"]):
+            happened = np.flatnonzero(block.events["kind"] != EVENT_KINDS["end"])
+            if len(happened):
+                self._last = {name: column[happened[-1]].item() for name, column in block.events.items()}
+
+    def values(
+        self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
+    ) -> dict[str, Any]:
+        """The label by column."""
+        return values_of(self.label(window, run))
+
+    def label(self, window: tuple[float, float], run: MeasuredRun) -> Label:
+        """What the run ends on."""
+        low, high = self._range()
+        if not self._ranges:
+            return Label("undecided", "too few cycles")
+        if max(b - a for a, b in zip(low, high, strict=True)) <= STILL:
+            return self._rest(low, high)
+        if not self._driven:
+            return self._of_free(window, run, low, high)
+        if self._at is None:
+            return Label("undecided", "no section")
+        return self._of_driven(run)
+
+    def _of_driven(self, run: MeasuredRun) -> Label:
+        assert self._at is not None
+        section = self._verdicts.late_section()
+        times, points = section["time"], unknowns_at(self._at, section)
+        label = self._known.reached(times[-1:], points[-1:])
+        label = label or label_of_points(self._scene, times, points, run.engine)
+        if label is not None:
+            return label
+        judged = self._verdicts.judged()
+        if judged.verdict == "undecided" and len(points) >= FEWEST:
+            scene = self._scene.without_samples()
+            growth = lyapunov_exponents(scene, 1, self._begin, run.engine, run.ask).growth
+            exponent = exponent_of(growth[:, 0], growth[:, 1]) if len(growth) else None
+            judged = self._verdicts.judged(exponent)
+        return label_of_set(judged, points)
+
+    def _of_free(
+        self, window: tuple[float, float], run: MeasuredRun, low: list[float], high: list[float]
+    ) -> Label:
+        assert self._end_state is not None
+        codes = self._end_state.values(window, run, {})
+        verdict = next(name for name, code in VERDICTS.items() if code == codes["end_state"])
+        if verdict == "rest":
+            return self._rest(low, high)
+        label = met(self._known, self._scene, self._at, self._last)
+        if label is not None:
+            return label
+        orbit = orbit_of_free(self._scene, {name: self._last[name] for name in self._columns}, run.engine)
+        if orbit is not None:
+            return label_of_orbit(orbit)
+        return Label("undecided", "no stable orbit" if verdict == "vibration" else "still on its way")
+
+    def _range(self) -> tuple[list[float], list[float]]:
+        """Least and greatest state components in the samples after the transient, as `Coordinates`
+        have them.
+        """
+        if not self._ranges:
+            return [], []
+        lows, highs = (np.array([each[k] for each in self._ranges]) for k in (1, 2))
+        n = len(self._scene.bodies)
+        order = [*range(0, 2 * n, 2), *range(1, 2 * n, 2), *range(2 * n, len(self._columns))]
+        return lows.min(axis=0)[order].tolist(), highs.max(axis=0)[order].tolist()
+
+    def _rest(self, low: list[float], high: list[float]) -> Label:
+        held = any(self._last.get(friction.name, 1) == STICK for friction in self._scene.frictions)
+        return rest_label(self._at, held, low, high)
+
+
+def met(known: KnownOrbits, scene: Scene, at: Coordinates | None, last: Row) -> Label | None:
+    """Label of a run that nothing drives, whose last event is that of a known orbit."""
+    if not known or at is None or not last:
+        return None
+    kind, part = int(last["kind"]), int(last["part"])
+    if EVENT_NAMES[kind] in OF_FRICTION:
+        part -= len(scene.stops)
+    X = at.of(np.array([last[name] for name in at.columns]))
+    return known.met(kind, part, X, float(last["t"]))
+
+
+def values_of(label: Label) -> dict[str, Any]:
+    """What is stored of a label, by column."""
+    return {
+        "attractor_kind": float(KINDS[label.kind]),
+        "attractor_reason": float(REASONS[label.reason]),
+        "attractor_period": float(label.period),
+        "attractor_multiplier": float(label.multiplier),
+        "attractor_time": float(label.time),
+        "attractor_state": label.state,
+        **({"attractor_means": label.means} if len(label.means) else {}),
+        **({"attractor_errors": label.errors} if len(label.errors) else {}),
+    }
+
+
+# The same run, stopped as soon as it is sure where it ends.
+
+
+FIRST_STAGE = 16  # periods until a run is first compared with the known orbits, then twice as many, ...
+
+
+def early_label(
+    scene: Scene, begin: float, engine: str, ask: Callable[[], None], known: KnownOrbits
+) -> tuple[Label, float] | None:
+    """Label of a run that comes into the neighbourhood of a known orbit before `begin` [s], and the time [s]
+    up to which it was run; None where it does not.
+
+    ask : called between blocks; what it raises ends the run. Raises EngineError where the run fails.
+    """
+    at = coordinates_of(scene)
+    if not known or at is None:
+        return None
+    driven, rows = is_driven(scene), list[Row]()
+    for end in _stages(scene, begin):
+        stage = replace(scene, t_end=end).without_samples()
+        times, points = np.empty(0), np.empty((0, at.count))
+        for block in open_trajectory(stage, engine, rows or None, section=driven).blocks():
+            ask()
+            if driven:
+                times = np.concatenate([times, block.section["time"]])
+                points = np.concatenate([points, unknowns_at(at, block.section)])
+            happened = np.flatnonzero(block.events["kind"] != EVENT_KINDS["end"])
+            if len(happened):
+                rows = rows_of_instant(block.events, int(happened[-1]), rows)
+            reached = block.t_reached
+        label = known.reached(times, points) if driven else met(known, scene, at, rows[-1])
+        if label is not None:
+            return label, end
+        if reached < end:
+            return None
+    return None
+
+
+def _stages(scene: Scene, begin: float) -> Iterator[float]:
+    """Ends [s] of the stages up to `begin`."""
+    end = FIRST_STAGE * _pace(scene)
+    while end < begin:
+        yield end
+        end *= 2
+    if begin > 0:
+        yield begin
+
+
+def _pace(scene: Scene) -> float:
+    """About how long one return to the section takes [s]."""
+    return float(source_period(scene)) if is_driven(scene) else slowest_period(scene)
+
+
+# Starts that are followed first: what they end on is known to all points of their scene.
+
+
+FEWEST_STARTS = 32  # of one scene, below which it does not pay
+STARTS_PER_PROBE = 8
+MOST_PROBES = 24
+PLASTIC = 1.32471795724474602596  # x^3 = x + 1: points of two axes spread as evenly as those of one by gold
+KEPT = 64  # scenes whose orbits a worker remembers
+
+
+def probe_starts(axes: Sequence[Axis | Members], compute: Sequence[str], carry: bool) -> tuple[Any, ...]:
+    """Changes of the initial values for each probe of a sweep; none where they do not pay.
+
+    Positions k = 1, 2, ... along the i-th axis of starts are the fractions of k / a^i, a the plastic number
+    (M. Roberts, The unreasonable effectiveness of quasirandom sequences, 2018).
+    """
+    starts = [axis for axis in axes if is_of_starts(axis)]
+    count = prod(map(len, starts))
+    if NAME not in compute or carry or not starts or count < FEWEST_STARTS:
+        return ()
+    probes = []
+    for k in range(1, min(MOST_PROBES, count // STARTS_PER_PROBE) + 1):
+        changes: dict[str, str] = {}
+        for i, axis in enumerate(starts, 1):
+            share = (0.5 + k * PLASTIC**-i) % 1.0
+            changes |= axis.changes(int(share * len(axis)))
+        probes.append(changes)
+    return tuple(probes)
+
+
+def is_of_starts(axis: Axis | Members) -> bool:
+    """Whether an axis varies initial values alone."""
+    return all(key.startswith(INITIAL) for key in axis.keys)
+
+
+_orbits: OrderedDict[tuple[Any, ...], KnownOrbits] = OrderedDict()
+_locks: dict[tuple[Any, ...], threading.Lock] = {}
+_guard = threading.Lock()
+
+
+def known_orbits(
+    recipe: Any, changes: Mapping[str, str], engine: str, ask: Callable[[], None]
+) -> KnownOrbits:
+    """The orbits that the probes of a sweep end on, at the parameters of a point.
+
+    recipe : a `PointRecipe`; changes : of a point. A worker finds them once for each scene.
+    """
+    if not recipe.probes:
+        return KnownOrbits()
+    parameters = tuple(sorted((k, v) for k, v in changes.items() if not k.startswith(INITIAL)))
+    probes = tuple(tuple(sorted(probe.items())) for probe in recipe.probes)
+    key = recipe.case.sha256, parameters, probes, str(recipe.discard), recipe.every, engine
+    with _guard:
+        lock = _locks.setdefault(key, threading.Lock())
+    with lock:
+        if key not in _orbits:
+            known = _of_probes(recipe, dict(parameters), engine, ask)
+            with _guard:
+                _orbits[key] = known
+                while len(_orbits) > KEPT:
+                    _locks.pop(_orbits.popitem(last=False)[0], None)
+        return _orbits.get(key, KnownOrbits())
+
+
+def _of_probes(recipe: Any, parameters: dict[str, str], engine: str, ask: Callable[[], None]) -> KnownOrbits:
+    known = KnownOrbits()
+    for probe in recipe.probes:
+        try:
+            case = recipe.case.with_values({**parameters, **probe})
+            scene = sampled_for_statistics(case.scene(), recipe.every)
+            begin = recipe.discard.time(scene.t_end)
+            label = run_label(scene, recipe.of, begin, engine, ask, known)
+            orbit = orbit_of_label(scene, label.state, label.period, engine)
+            if orbit is not None:
+                known.add(orbit)
+        except (CaseError, EngineError, OrbitError, TooFineError):
+            continue
+    return known
+
+
+def run_label(
+    scene: Scene, of: Quantities, begin: float, engine: str, ask: Callable[[], None], known: KnownOrbits
+) -> Label:
+    """Label of a run: early where that is sure, else at its end. Raises EngineError where the run fails."""
+    early = early_label(scene, begin, engine, ask, known)
+    if early is not None:
+        return early[0]
+    computation = AttractorComputation(Task(scene, of, begin, 0, known))
+    run = MeasuredRun(scene, of, begin, engine)
+    for block in run.blocks():
+        ask()
+        computation.update(block)
+    return computation.label((begin, run.t_reached), run)
+
+
+def orbit_of_label(
+    scene: Scene, state: np.ndarray, period: float, engine: str, case: Case | None = None
+) -> Orbit | None:
+    """The orbit whose label has this state and period; None for what is no orbit. Raises OrbitError."""
+    if not period > 0:
+        return None
+    return_map = ReturnMap(scene, int(period), engine)
+    return least(Orbit(return_map, solve(return_map, state), case))
