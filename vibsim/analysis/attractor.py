@@ -80,18 +80,20 @@ class KnownOrbit:
     """A stable orbit, and what tells that a run comes to it.
 
     label : of a run that ends on it
-    around : its neighbourhood on the section
+    around : its neighbourhood on a section in time, or where a rotor turns; None where nothing drives the
+        scene: then states at events are compared
     orbit : itself
     """
 
     label: Label
-    around: Neighbourhood
+    around: Neighbourhood | None
     orbit: Orbit
 
     @staticmethod
     def of(orbit: Orbit) -> KnownOrbit:
         """A stable orbit with its neighbourhood. Raises EngineError."""
-        return KnownOrbit(label_of(orbit), neighbourhood_of(orbit), orbit)
+        around = None if orbit.return_map.section.turning else neighbourhood_of(orbit)
+        return KnownOrbit(label_of(orbit), around, orbit)
 
 
 def label_of(orbit: Orbit) -> Label:
@@ -119,7 +121,7 @@ class KnownOrbits:
         the neighbourhood of an orbit; of several the first.
         """
         for one in self.orbits:
-            inside = np.flatnonzero(one.around.holds(points))
+            inside = np.flatnonzero(one.around.holds(points) if one.around else [])
             if len(inside):
                 return _at(one.label, float(times[inside[0]]))
         return None

@@ -21,9 +21,9 @@ from math import inf, sqrt
 import numpy as np
 
 from vibsim.engine.errors import EngineError
-from vibsim.orbits.coordinates import OrbitError
+from vibsim.orbits.coordinates import OrbitError, placed
 from vibsim.orbits.orbit import Orbit
-from vibsim.orbits.return_map import Return
+from vibsim.orbits.return_map import Return, returns
 from vibsim.orbits.search import SAME_ORBIT
 from vibsim.orbits.stability import product
 
@@ -34,6 +34,7 @@ SHELLS = 16  # ellipsoids, the largest of the size of the orbit
 OTHER_DIRECTIONS = 8  # besides the axes
 SEED = 1  # of these
 SHARE = 0.25  # of the fall of V^2 by linear theory that a motion must show
+TURNS_WITHIN = 1.5  # periods of the orbit that a disturbed motion has for as many turns
 WITHIN = 0.5  # of the tested radius that is used
 
 
@@ -129,6 +130,13 @@ def _motion(orbit: Orbit, X: np.ndarray) -> Return:
     return_map = orbit.return_map
     if return_map.section.timed:
         return return_map.plain(X)
+    if return_map.section.turning:
+        at = return_map.coordinates
+        scene = placed(return_map.scene, at.state(X), TURNS_WITHIN * orbit.period)
+        times, _ = returns(scene, at, return_map.carrier.engine, first=return_map.n)
+        if len(times) < return_map.n:
+            raise OrbitError("the motion does not turn round as often as the orbit does")
+        return return_map.plain(X, float(times[return_map.n - 1]))
     return return_map.plain(X, return_map.time_of_return(X, orbit.period))
 
 

@@ -13,7 +13,7 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from math import prod
+from math import isfinite, prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -228,7 +228,8 @@ class AttractorComputation:
         label = met(self._known, self._scene, self._at, self._last)
         if label is not None:
             return label
-        orbit = orbit_of_free(self._scene, {name: self._last[name] for name in self._columns}, run.engine)
+        there = dict(zip(self._columns, self._ranges[-1][3], strict=True))
+        orbit = orbit_of_free(self._scene, there, run.engine)
         if orbit is not None:
             return label_of_orbit(orbit)
         return Label("undecided", "no stable orbit" if verdict == "vibration" else "still on its way")
@@ -399,6 +400,8 @@ def _of_probes(recipe: Any, parameters: dict[str, str], engine: str, ask: Callab
             scene = sampled_for_statistics(case.scene(), recipe.every)
             begin = recipe.discard.time(scene.t_end)
             label = run_label(scene, recipe.of, begin, engine, ask, known)
+            if isfinite(label.time):  # it ends on an orbit that is known
+                continue
             orbit = orbit_of_label(scene, label.state, label.period, engine)
             if orbit is not None:
                 known.add(orbit)
