@@ -30,7 +30,7 @@ from vibsim.orbits.stability import product
 DOUBLINGS = 40  # of the number of terms in the sum P: multipliers up to 1 - 1e-11
 SETTLED = 1e-13  # of P: what the next terms add to it
 GROWS = 1e12  # of P: an orbit that contracts so slowly has no neighbourhood worth testing
-SHELLS = 16  # ellipsoids, the largest of the size of the orbit
+SHELLS = 24  # ellipsoids, the largest of the size of the orbit
 OTHER_DIRECTIONS = 8  # besides the axes
 SEED = 1  # of these
 SHARE = 0.25  # of the fall of V^2 by linear theory that a motion must show

@@ -42,7 +42,7 @@ NONE = -1  # the number of no attractor, as of an undecided run
 SAME_SET = 7.0  # standard errors between observables of one set, at most: Student's t at 1e-6 with 18 degrees
 ALIKE = 0.01  # of an observable: sets that differ by less in all of them are not told apart
 REST_REACH = 8.0  # half widths of what is left of two motions that come to one rest
-STEPS_BETWEEN = 4  # along a parameter, where Newton's method does not get from one value to the next
+STEPS_BETWEEN = (1, 4, 16)  # to the next value of a parameter: more where Newton does not get there
 GROUP = "attractors"
 NUMBER, UNKNOWN, BODY = "number", "unknown_of_orbit", "body"
 COLUMNS = {
@@ -325,7 +325,7 @@ def _is_one(orbit: Orbit, other: Orbit | None) -> bool:
 
 def _followed(plan: SweepPlan, ends: tuple[int, int], orbit: Orbit, engine: str) -> Orbit | None:
     """An orbit at the next value of the parameter, by Newton's method; None where it does not get there."""
-    for steps in (1, STEPS_BETWEEN):
+    for steps in STEPS_BETWEEN:
         there: Orbit | None = orbit
         for step in range(1, steps + 1):
             there = _moved(plan, ends, step / steps, there, engine) if there else None
