@@ -22,6 +22,7 @@ from vibsim.results.labelled import Arrays, Labelled, few
 from vibsim.sweeps.attractor_labels import NAME
 from vibsim.sweeps.attractors import Attractors, gather
 from vibsim.sweeps.axes import Axis, Members
+from vibsim.sweeps.basin_measures import attractor_facts, attractor_lines
 from vibsim.sweeps.point_store import origin, outcome, point_from
 from vibsim.sweeps.points import TEXTS_AND_STATUS, Share, Summary, Table, share, summary
 from vibsim.sweeps.quantities import DONE, MISSING
@@ -280,6 +281,8 @@ def sweep_lines(result: SweepResult) -> Lines:
     if plan.compute:
         lines.append(("computed", ", ".join(plan.compute)))
     lines.append(("section", f"the last {plan.section} stroboscopic points of each"))
+    if NAME in plan.compute:
+        lines += attractor_lines(result)
     failures = list(result.table.failures())
     lines += [("failed", f"{place_text(result, index)}: {reason}") for index, reason in failures[:5]]
     if len(failures) > 5:
@@ -300,7 +303,8 @@ def facts(result: SweepResult) -> dict[str, Any]:
     attrs = {name: value for name, value in result.attrs.items() if name != "case_yaml"}
     case, settings = json.loads(attrs.pop("case_resolved_json")), json.loads(attrs.pop("sweep_settings_json"))
     failed = [{"at": place_text(result, index), "error": reason} for index, reason in result.table.failures()]
-    return {**attrs, "case": case, "sweep": settings, "failed": failed}
+    of_attractors = attractor_facts(result) if NAME in result.plan.compute else {}
+    return {**attrs, "case": case, "sweep": settings, **of_attractors, "failed": failed}
 
 
 def axis_text(axis: Axis | Members) -> str:
