@@ -312,8 +312,12 @@ def _continued(
     if one.orbit is None:
         alike = [k for k, other in others if other.kind == one.kind]
         return alike[0] if len(alike) == 1 and one.kind != "periodic" else None
-    orbit = _followed(plan, ends, one.orbit, engine)
-    return next((k for k, other in others if orbit and _is_one(orbit, other.orbit)), None)
+    for steps in STEPS_BETWEEN:
+        orbit = _followed(plan, ends, one.orbit, steps, engine)
+        found = next((k for k, other in others if orbit and _is_one(orbit, other.orbit)), None)
+        if found is not None:
+            return found
+    return None
 
 
 def _is_one(orbit: Orbit, other: Orbit | None) -> bool:
@@ -323,15 +327,14 @@ def _is_one(orbit: Orbit, other: Orbit | None) -> bool:
     return lies_on(other, orbit.X) or is_mirrored(other, orbit.X)
 
 
-def _followed(plan: SweepPlan, ends: tuple[int, int], orbit: Orbit, engine: str) -> Orbit | None:
-    """An orbit at the next value of the parameter, by Newton's method; None where it does not get there."""
-    for steps in STEPS_BETWEEN:
-        there: Orbit | None = orbit
-        for step in range(1, steps + 1):
-            there = _moved(plan, ends, step / steps, there, engine) if there else None
-        if there is not None:
-            return there
-    return None
+def _followed(plan: SweepPlan, ends: tuple[int, int], orbit: Orbit, steps: int, engine: str) -> Orbit | None:
+    """An orbit at the next value of the parameter, by Newton's method in so many steps, as long as it stays
+    stable; None where it does not get there.
+    """
+    there: Orbit | None = orbit
+    for step in range(1, steps + 1):
+        there = _moved(plan, ends, step / steps, there, engine) if there and there.stable else None
+    return there
 
 
 def _moved(plan: SweepPlan, ends: tuple[int, int], share: float, orbit: Orbit, engine: str) -> Orbit | None:
