@@ -6,12 +6,13 @@ import pytest
 
 import vibsim
 from tests.sweeps.made import assert_same_points, complete, in_memory, run_stored, short_plan
-from vibsim.analysis.attractor import KINDS, REASONS, observables
+from vibsim.analysis.attractor import observables
 from vibsim.cases.case import load_case, load_case_text
 from vibsim.results.hdf5_reading import ResultFileError
-from vibsim.sweeps.attractors import NONE, gather
+from vibsim.sweeps.attractors import gather
 from vibsim.sweeps.point_store import FileStore
 from vibsim.sweeps.points import compute_point
+from vibsim.sweeps.run_ends import KINDS, NONE, REASONS
 from vibsim.sweeps.sweep_plan import PlanError, shard
 
 STARTS = {"tip.x": "-4:4/8 mm", "tip.v": "-450:450/8 mm/s"}

@@ -28,22 +28,6 @@ from vibsim.orbits.stability import moduli
 from vibsim.physics.elementary import mean
 from vibsim.physics.parts import EVENT_NAMES, Scene
 
-KINDS = {
-    "undecided": 0,
-    "rest": 1,
-    "periodic": 2,
-    "quasi-periodic": 3,
-    "chaotic": 4,
-    "running away": 5,
-}
-REASONS = {  # why a run is undecided
-    "decided": 0,
-    "no section": 1,
-    "too few cycles": 2,
-    "still on its way": 3,
-    "no stable orbit": 4,
-    "tests disagree": 5,
-}
 TRIES = 2  # numbers of periods that Newton's method is tried with, and twice each
 STEPS = 12  # of Newton's method: an orbit that is near is met in four
 FEWEST = 4  # points from which periods can be told
@@ -56,7 +40,8 @@ SWINGS = 64  # slowest periods that a free vibration is followed to see it repea
 class Label:
     """What a run ends on.
 
-    kind, reason : keys of KINDS and REASONS
+    kind : rest, periodic, quasi-periodic, chaotic, running away or undecided
+    reason : why it is undecided
     period : periods of the source, turns of the motor or swings of an orbit; NaN of anything else
     multiplier : greatest modulus of its multipliers; NaN of anything else
     state : unknowns on the section (m): of an orbit one of its points, of rest where it is

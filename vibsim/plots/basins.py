@@ -24,8 +24,9 @@ from vibsim.plots.sweep_axes import (
     show_span,
 )
 from vibsim.plots.view import View
-from vibsim.sweeps.attractors import NONE, Attractors, parameter_axes
+from vibsim.sweeps.attractors import Attractors, parameter_axes
 from vibsim.sweeps.quantities import DONE
+from vibsim.sweeps.run_ends import NONE
 
 HEIGHT_CM = 6.8
 EDGE = 0.02  # of the range, beside the first and last mark

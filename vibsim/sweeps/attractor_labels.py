@@ -11,17 +11,15 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from math import isfinite, prod
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibsim.analysis.analysis import StreamedVerdicts
 from vibsim.analysis.attractor import (
-    KINDS,
-    REASONS,
     KnownOrbits,
     Label,
     label_of_points,
@@ -46,35 +44,15 @@ from vibsim.orbits.newton import solve
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import ReturnMap, slowest_period
 from vibsim.orbits.search import least
-from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES, IMPACTS, Scene, columns_of
+from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES, Scene
 from vibsim.physics.rates import is_driven, source_period
-from vibsim.results.file_contents import Column
 from vibsim.sweeps.contact_computations import Task
-from vibsim.sweeps.quantities import Columns, Quantities
+from vibsim.sweeps.quantities import Quantities
+from vibsim.sweeps.run_ends import INITIAL, KINDS, REASONS, VERDICTS, EndState
 from vibsim.sweeps.statistics import MeasuredRun, TooFineError, sampled_for_statistics
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
-    from vibsim.sweeps.axes import Axis, Members
-
-ATTRACTOR_TITLE = "attractor that the run ends on: rest, orbit, quasi-periodic or chaotic set"
-NAME = "attractor"
-INITIAL = "initial."  # begins the keys of what a run starts from
-
-
-def attractor_columns(of: Quantities) -> Columns:
-    """What is stored of each point; `vibsim.sweeps.attractors` makes numbers of attractors of it."""
-    unknowns, observed = "unknown", "observable"
-    return {
-        "attractor_kind": Column("1", "what the run ends on", flags=KINDS),
-        "attractor_reason": Column("1", "why it is undecided", flags=REASONS),
-        "attractor_period": Column("1", "returns to the section that its orbit takes; NaN of other kinds"),
-        "attractor_multiplier": Column("1", "greatest modulus of the multipliers of its orbit"),
-        "attractor_time": Column("s", "when it was sure to end there; NaN: at the end of the run"),
-        "attractor_state": Column("1", "state on the section of its orbit or rest, SI", dimension=unknowns),
-        "attractor_means": Column("1", "means over its section, of sets, SI", dimension=observed),
-        "attractor_errors": Column("1", "standard errors of these, SI", dimension=observed),
-    }
 
 
 def coordinates_of(scene: Scene) -> Coordinates | None:
@@ -85,71 +63,6 @@ def coordinates_of(scene: Scene) -> Coordinates | None:
         return None
 
 
-def unknowns(scene: Scene) -> int:
-    """How many unknowns the orbits of a scene have; 0 without a section."""
-    at = coordinates_of(scene)
-    return at.count if at else 0
-
-
-def observed(scene: Scene) -> int:
-    """How many observables tell sets apart, see `vibsim.analysis.attractor.observables`."""
-    return 3 * unknowns(scene)
-
-
-# What a motion without a source that changes comes to: rest, or vibration that goes on.
-#
-# Judged on the time after the transient, in two halves. Where stops or frictions go on to change their states
-# in the second half, the motion is a vibration (stick-slip, impacts): events are exact, so no threshold
-# decides. Where they do not, it is smooth, and rests if its kinetic energy falls from one half to the other.
-
-
-END_STATE_TITLE = "rest or vibration, without a source that changes"
-END_STATE = "end_state"
-VERDICTS = {"undecided": 0, "rest": 1, "vibration": 2}
-CHANGES = (*OF_FRICTION, *IMPACTS, "contact_end", "rest_begin", "rest_end")
-FALLS = 0.99  # of the greatest kinetic energy in the first half: samples meet its peaks to a hundredth
-
-
-def end_state_columns(of: Quantities) -> Columns:
-    """The verdict; none with a source, whose motions have a regime."""
-    return {} if of.has_source else {END_STATE: Column("1", "what the motion comes to", flags=VERDICTS)}
-
-
-class EndState:
-    """What one run comes to. Memory grows with its samples and events after the transient."""
-
-    def __init__(self, task: Task):
-        self._begin, bodies = task.begin, task.scene.bodies
-        self._half_masses = {columns_of(body.name)[1]: float(body.m) / 2 for body in bodies}
-        self._codes = [EVENT_KINDS[kind] for kind in CHANGES]
-        self._changes: list[np.ndarray] = []
-        self._times: list[np.ndarray] = []
-        self._energies: list[np.ndarray] = []
-
-    def update(self, block: Block) -> None:
-        """Take the next block."""
-        events, samples = block.events, block.samples
-        self._changes.append(events["t"][np.isin(events["kind"], self._codes)])
-        self._times.append(samples["time"])
-        energy = np.zeros(len(samples["time"]))
-        for v, half in self._half_masses.items():
-            energy = energy + half * samples[v] ** 2
-        self._energies.append(energy)
-
-    def values(
-        self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
-    ) -> dict[str, float]:
-        """The verdict on the window."""
-        middle = (window[0] + window[1]) / 2
-        times, energies = np.concatenate(self._times), np.concatenate(self._energies)
-        late, early = times >= middle, (times >= window[0]) & (times < middle)
-        if any(np.any(changes >= middle) for changes in self._changes):
-            return {END_STATE: float(VERDICTS["vibration"])}
-        known = late.any() and early.any()
-        falls = known and energies[late].max() <= FALLS * energies[early].max()
-        return {END_STATE: float(VERDICTS["rest" if falls else "undecided"])}
-
-
 # One run, streamed block by block to its end.
 
 
@@ -157,7 +70,7 @@ class AttractorComputation:
     """Attractor of one run. Memory grows with its periods after the transient."""
 
     def __init__(self, task: Task):
-        self._scene, self._begin, self._known = task.scene, task.begin, task.known
+        self._scene, self._begin, self._known = task.scene, task.begin, task.known or KnownOrbits()
         self._driven = is_driven(task.scene)
         self._verdicts = StreamedVerdicts(task.scene, task.begin)
         self._columns = state_columns(task.scene)
@@ -328,40 +241,10 @@ def _pace(scene: Scene) -> float:
     return float(source_period(scene)) if is_driven(scene) else slowest_period(scene)
 
 
-# Starts that are followed first: what they end on is known to all points of their scene.
+# Orbits on which the probes end, known to all points of their scene.
 
 
-FEWEST_STARTS = 32  # of one scene, below which it does not pay
-STARTS_PER_PROBE = 8
-MOST_PROBES = 24
-PLASTIC = 1.32471795724474602596  # x^3 = x + 1: points of two axes spread as evenly as those of one by gold
 KEPT = 64  # scenes whose orbits a worker remembers
-
-
-def probe_starts(axes: Sequence[Axis | Members], compute: Sequence[str], carry: bool) -> tuple[Any, ...]:
-    """Changes of the initial values for each probe of a sweep; none where they do not pay.
-
-    Positions k = 1, 2, ... along the i-th axis of starts are the fractions of k / a^i, a the plastic number
-    (M. Roberts, The unreasonable effectiveness of quasirandom sequences, 2018).
-    """
-    starts = [axis for axis in axes if is_of_starts(axis)]
-    count = prod(map(len, starts))
-    if NAME not in compute or carry or not starts or count < FEWEST_STARTS:
-        return ()
-    probes = []
-    for k in range(1, min(MOST_PROBES, count // STARTS_PER_PROBE) + 1):
-        changes: dict[str, str] = {}
-        for i, axis in enumerate(starts, 1):
-            share = (0.5 + k * PLASTIC**-i) % 1.0
-            changes |= axis.changes(int(share * len(axis)))
-        probes.append(changes)
-    return tuple(probes)
-
-
-def is_of_starts(axis: Axis | Members) -> bool:
-    """Whether an axis varies initial values alone."""
-    return all(key.startswith(INITIAL) for key in axis.keys)
-
 
 _orbits: OrderedDict[tuple[Any, ...], KnownOrbits] = OrderedDict()
 _locks: dict[tuple[Any, ...], threading.Lock] = {}

@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.analysis.attractor import KINDS
 from vibsim.engine.errors import EngineError
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits.coordinates import OrbitError, placed, spelled
@@ -31,14 +30,14 @@ from vibsim.orbits.return_map import ReturnMap
 from vibsim.orbits.search import least
 from vibsim.physics.parts import GROUND
 from vibsim.results.file_contents import Column, Dataset
-from vibsim.sweeps.attractor_labels import INITIAL, NAME, is_of_starts, orbit_of_label
+from vibsim.sweeps.attractor_labels import orbit_of_label
 from vibsim.sweeps.quantities import DONE
+from vibsim.sweeps.run_ends import INITIAL, KINDS, NAME, NONE, is_of_starts
 
 if TYPE_CHECKING:
     from vibsim.sweeps.points import Table
     from vibsim.sweeps.sweep_plan import Index, SweepPlan
 
-NONE = -1  # the number of no attractor, as of an undecided run
 SAME_SET = 7.0  # standard errors between observables of one set, at most: Student's t at 1e-6 with 18 degrees
 ALIKE = 0.01  # of an observable: sets that differ by less in all of them are not told apart
 REST_REACH = 8.0  # half widths of what is left of two motions that come to one rest
@@ -243,7 +242,7 @@ def gather(plan: SweepPlan, table: Table, engine: str = "auto") -> Attractors:
     for number, (indices, scene) in enumerate(_combinations(plan)):
         where = tuple(np.array(indices).T)
         columns = {name: table.column(name)[where] for name in plan.columns if name.startswith(NAME)}
-        done = int((table.status[where] == DONE).sum())
+        done = int(np.count_nonzero(table.status[where] == DONE))
         following[number] = []
         for one in _Combination(scene, columns, engine).found():
             for members, side in ((one.rows, 0), (one.mirrored, 1)):

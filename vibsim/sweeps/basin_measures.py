@@ -27,8 +27,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibsim.physics.elementary import log, mean
-from vibsim.sweeps.attractors import NONE, parameter_axes
+from vibsim.sweeps.attractors import parameter_axes
 from vibsim.sweeps.axes import Axis
+from vibsim.sweeps.run_ends import NONE
 
 if TYPE_CHECKING:
     from vibsim.sweeps.sweep_result import SweepResult
@@ -40,7 +41,7 @@ FEWEST_SCALES = 3
 
 
 @dataclass(frozen=True)
-class Slope:
+class FittedExponent:
     """An exponent by a line of least squares through logarithms, with its standard error; NaN: not known."""
 
     value: float
@@ -56,7 +57,7 @@ class BasinMeasures:
     boxes, boundary_boxes : how many there are
     """
 
-    uncertainty: Slope
+    uncertainty: FittedExponent
     entropy: float
     boundary_entropy: float
     boxes: int
@@ -103,7 +104,7 @@ def uncertain_share(labels: np.ndarray, steps: int) -> tuple[int, int]:
     return int(np.count_nonzero(uncertain)), int(np.count_nonzero(known))
 
 
-def uncertainty_exponent(labels: np.ndarray) -> Slope:
+def uncertainty_exponent(labels: np.ndarray) -> FittedExponent:
     """alpha from the shares of uncertain starts at distances of 1, 2, 4, ... steps of the grid, up to an
     eighth of its shorter side; NaN where there are fewer than three distances, or no boundary.
     """
@@ -123,16 +124,16 @@ def _doubling(most: int) -> Iterator[int]:
         steps *= 2
 
 
-def _line(x: np.ndarray, y: np.ndarray) -> Slope:
+def _line(x: np.ndarray, y: np.ndarray) -> FittedExponent:
     """Slope of the line of least squares."""
     if len(x) < FEWEST_SCALES:
-        return Slope(nan, nan)
+        return FittedExponent(nan, nan)
     t, apart = x - mean(x), y - mean(y)
     square = len(t) * float(mean(t * t))
     slope = len(t) * float(mean(t * apart)) / square
     left = apart - slope * t
     spread = len(t) * float(mean(left * left)) / (len(t) - 2)
-    return Slope(slope, sqrt(spread / square))
+    return FittedExponent(slope, sqrt(spread / square))
 
 
 def basin_entropy(labels: np.ndarray) -> tuple[float, float, int, int]:

@@ -13,7 +13,7 @@ from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.tangent.tangent_space import dimension as exponents
 from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene
 from vibsim.results.file_contents import Column
-from vibsim.sweeps import attractor_labels, contact_computations
+from vibsim.sweeps import contact_computations, run_ends
 from vibsim.sweeps.contact_computations import Task
 from vibsim.sweeps.quantities import Columns, Quantities
 from vibsim.sweeps.statistics import MeasuredRun
@@ -319,6 +319,13 @@ class ComputationKind:
     samples: bool = False
 
 
+def _attractor_computation(task: Task) -> Computation:
+    """The attractor of one run."""
+    from vibsim.sweeps.attractor_labels import AttractorComputation
+
+    return AttractorComputation(task)
+
+
 COMPUTATIONS = {
     "power": ComputationKind(
         contact_computations.POWER_TITLE,
@@ -357,17 +364,17 @@ COMPUTATIONS = {
     "regime": ComputationKind(REGIME_TITLE, regime_columns, "with a source", RegimeLabel, samples=True),
     "orbit": ComputationKind(ORBIT_TITLE, orbit_columns, "with a source", OrbitComputation, samples=True),
     "end-state": ComputationKind(
-        attractor_labels.END_STATE_TITLE,
-        attractor_labels.end_state_columns,
+        run_ends.END_STATE_TITLE,
+        run_ends.end_state_columns,
         "that move freely, under constant forces alone",
-        attractor_labels.EndState,
+        run_ends.EndState,
         samples=True,
     ),
-    attractor_labels.NAME: ComputationKind(
-        attractor_labels.ATTRACTOR_TITLE,
-        attractor_labels.attractor_columns,
+    run_ends.NAME: ComputationKind(
+        run_ends.ATTRACTOR_TITLE,
+        run_ends.attractor_columns,
         "",
-        attractor_labels.AttractorComputation,
+        _attractor_computation,
         samples=True,
     ),
 }
@@ -402,7 +409,7 @@ def length_of(dimension: str, scene: Scene, section: int) -> int:
         "quantile": lambda: len(contact_computations.QUANTILES),
         "exponent": lambda: exponents(scene),
         "multiplier": lambda: multipliers(scene),
-        "unknown": lambda: attractor_labels.unknowns(scene),
-        "observable": lambda: attractor_labels.observed(scene),
+        "unknown": lambda: run_ends.unknowns(scene),
+        "observable": lambda: run_ends.observed(scene),
     }
     return lengths[dimension]()

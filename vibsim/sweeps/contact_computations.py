@@ -2,12 +2,11 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.analysis.attractor import KnownOrbits
 from vibsim.engine.blocks import Block
 from vibsim.engine.columns import part_columns, stop_column
 from vibsim.engine.resume import Row, rows_of_instant
@@ -19,6 +18,9 @@ from vibsim.results.file_contents import Column
 from vibsim.sweeps.quantities import RELATIVE_RATE, Columns, MeasuredMotion, Quantities, distinct
 from vibsim.sweeps.statistics import MeasuredRun, velocities
 
+if TYPE_CHECKING:
+    from vibsim.analysis.attractor import KnownOrbits
+
 
 @dataclass(frozen=True)
 class Task:
@@ -28,14 +30,14 @@ class Task:
     ----------
     begin : time at which the transient ends [s]
     section : length of sections
-    known : stable orbits of the scene with which the run is compared
+    known : stable orbits of the scene with which the run is compared, or None
     """
 
     scene: Scene
     of: Quantities
     begin: float
     section: int
-    known: KnownOrbits = field(default_factory=KnownOrbits)
+    known: "KnownOrbits | None" = None
 
 
 # The beginnings of contact of a run, block by block: when, where, how fast, at what phase of the source.

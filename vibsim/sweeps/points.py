@@ -7,11 +7,10 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.analysis.attractor import KnownOrbits
 from vibsim.cases import CaseError
 from vibsim.engine.blocks import Block
 from vibsim.engine.columns import state_columns
@@ -20,10 +19,10 @@ from vibsim.engine.section import has_section
 from vibsim.physics.elementary import total
 from vibsim.physics.parts import ROTOR, Scene
 from vibsim.physics.rates import source_rates, turning_columns
-from vibsim.sweeps.attractor_labels import NAME, early_label, known_orbits, values_of
 from vibsim.sweeps.computations import COMPUTATIONS, Computation
 from vibsim.sweeps.contact_computations import Task
 from vibsim.sweeps.quantities import DONE, FAILED, MISSING
+from vibsim.sweeps.run_ends import NAME
 from vibsim.sweeps.statistics import (
     GivenUpError,
     MeasuredRun,
@@ -32,6 +31,10 @@ from vibsim.sweeps.statistics import (
     sampled_for_statistics,
 )
 from vibsim.sweeps.sweep_plan import Index, PointRecipe, Start, SweepPlan
+
+if TYPE_CHECKING:
+    from vibsim.analysis.attractor import KnownOrbits
+
 
 # One point of a sweep: computed here, in whatever thread, process or machine it falls to.
 
@@ -122,10 +125,12 @@ def described_bug(error: Exception) -> str:
 
 def _known(
     recipe: PointRecipe, changes: Mapping[str, str], engine: str, go_on: Callable[[], bool] | None
-) -> KnownOrbits:
+) -> "KnownOrbits | None":
     """Orbits of the point's scene that are known beforehand; none unless attractors are asked for."""
     if NAME not in recipe.compute:
-        return KnownOrbits()
+        return None
+    from vibsim.sweeps.attractor_labels import known_orbits
+
     return known_orbits(recipe, changes, engine, partial(_ask, go_on))
 
 
@@ -139,13 +144,15 @@ def _early(
     recipe: PointRecipe,
     engine: str,
     go_on: Callable[[], bool] | None,
-    known: KnownOrbits,
+    known: "KnownOrbits | None",
 ) -> Measured | None:
     """The attractor of a point of which nothing else is asked, where it is sure before the transient ends;
     the statistics, which count from there on, are missing.
     """
-    if recipe.compute != (NAME,) or recipe.carry:
+    if recipe.compute != (NAME,) or recipe.carry or not known:
         return None
+    from vibsim.sweeps.attractor_labels import early_label, values_of
+
     early = early_label(scene, recipe.discard.time(scene.t_end), engine, partial(_ask, go_on), known)
     if early is None:
         return None
@@ -161,13 +168,12 @@ def measure(
     recipe: PointRecipe,
     engine: str,
     go_on: Callable[[], bool] | None,
-    known: KnownOrbits | None = None,
+    known: "KnownOrbits | None" = None,
 ) -> Measured:
     """Statistics, totals and end state by name; sections and what else has a further dimension by name.
 
     known : orbits of the scene with which the run is compared
     """
-    known = known or KnownOrbits()
     begin = recipe.discard.time(scene.t_end)
     kinds = [COMPUTATIONS[name] for name in recipe.compute]
     if not any(kind.samples for kind in kinds):

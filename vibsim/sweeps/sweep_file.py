@@ -26,23 +26,16 @@ from vibsim.results.hdf5_reading import (
 )
 from vibsim.results.hdf5_writing import write_hdf5
 from vibsim.signals import ended_at_once
-from vibsim.sweeps.attractor_labels import NAME, coordinates_of
-from vibsim.sweeps.attractors import (
-    COLUMNS,
-    NONE,
-    Attractors,
-    datasets_of_attractors,
-    gather,
-    values_of_group,
-)
 from vibsim.sweeps.axes import Axis, Members, Spread, axis_from_plain
 from vibsim.sweeps.contact_computations import QUANTILES
 from vibsim.sweeps.points import Table
 from vibsim.sweeps.quantities import STATUS_FLAGS
+from vibsim.sweeps.run_ends import NAME, NONE
 from vibsim.sweeps.sweep_plan import DIRECTION_FLAGS, SweepPlan
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
+    from vibsim.sweeps.attractors import Attractors
 
 
 KIND = "sweep"
@@ -54,6 +47,8 @@ def write_sweep(path: Path, plan: SweepPlan, table: Table, attrs: Mapping[str, A
     points = {**table.numbers, "status": table.status, "sha256": table.sha256, "error": table.error}
     derived = {}
     if NAME in plan.compute:
+        from vibsim.sweeps.attractors import gather, values_of_group
+
         found = gather(plan, table, attrs["engine"])
         names = names_of_unknowns(plan)
         derived = {NAME: found.labels, MIRRORED: found.mirrored}
@@ -64,6 +59,8 @@ def write_sweep(path: Path, plan: SweepPlan, table: Table, attrs: Mapping[str, A
 
 def names_of_unknowns(plan: SweepPlan) -> tuple[str, ...]:
     """Names of the unknowns of the orbits of a sweep's case."""
+    from vibsim.sweeps.attractor_labels import coordinates_of
+
     at = coordinates_of(plan.case.scene())
     return at.names if at else ()
 
@@ -72,11 +69,15 @@ def group_of(plan: SweepPlan) -> list[Dataset]:
     """The datasets of the group `attractors`, where the sweep has it."""
     if NAME not in plan.compute:
         return []
+    from vibsim.sweeps.attractors import datasets_of_attractors
+
     return datasets_of_attractors(names_of_unknowns(plan), len(plan.case.scene().bodies))
 
 
-def read_attractors(path: Path, file: h5py.File, plan: SweepPlan) -> Attractors:
+def read_attractors(path: Path, file: h5py.File, plan: SweepPlan) -> "Attractors":
     """The attractors in the checked file of a sweep."""
+    from vibsim.sweeps.attractors import COLUMNS, Attractors
+
     values = {}
     for declared in group_of(plan):
         with damage_named(path):

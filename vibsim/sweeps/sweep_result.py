@@ -7,7 +7,7 @@ from functools import cache, cached_property, partial
 from itertools import pairwise
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,13 +19,11 @@ from vibsim.results.hdf5_reading import ResultFileError
 from vibsim.results.hdf5_writing import check_result_output
 from vibsim.results.journal import Waiting
 from vibsim.results.labelled import Arrays, Labelled, few
-from vibsim.sweeps.attractor_labels import NAME
-from vibsim.sweeps.attractors import Attractors, gather
 from vibsim.sweeps.axes import Axis, Members
-from vibsim.sweeps.basin_measures import attractor_facts, attractor_lines
 from vibsim.sweeps.point_store import origin, outcome, point_from
 from vibsim.sweeps.points import TEXTS_AND_STATUS, Share, Summary, Table, share, summary
 from vibsim.sweeps.quantities import DONE, MISSING
+from vibsim.sweeps.run_ends import NAME
 from vibsim.sweeps.sweep_file import (
     DERIVED,
     coordinates,
@@ -37,6 +35,9 @@ from vibsim.sweeps.sweep_file import (
     write_sweep,
 )
 from vibsim.sweeps.sweep_plan import DIRECTION_NAMES, Index, Start, SweepPlan
+
+if TYPE_CHECKING:
+    from vibsim.sweeps.attractors import Attractors
 
 
 class SweepResult(Labelled):
@@ -59,7 +60,7 @@ class SweepResult(Labelled):
         plan: SweepPlan,
         read: Callable[[str], np.ndarray],
         table: Table | None = None,
-        stored: Callable[[], Attractors] | None = None,
+        stored: Callable[[], Any] | None = None,
     ):
         self.attrs, self.plan = attrs, plan
         self._read = cache(read)
@@ -107,11 +108,16 @@ class SweepResult(Labelled):
         return list(DERIVED) if NAME in self.plan.compute else []
 
     @cached_property
-    def attractors(self) -> Attractors:
+    def attractors(self) -> "Attractors":
         """The attractors on which the points end. Raises ValueError where the sweep did not ask for them."""
         if NAME not in self.plan.compute:
             raise ValueError(f"this sweep has no attractors; give compute={NAME!r}")
-        return self._stored() if self._stored else gather(self.plan, self.table, self.attrs["engine"])
+        if self._stored is not None:
+            found: Attractors = self._stored()
+            return found
+        from vibsim.sweeps.attractors import gather
+
+        return gather(self.plan, self.table, self.attrs["engine"])
 
     @property
     def axes(self) -> tuple[Axis | Members, ...]:
@@ -282,6 +288,8 @@ def sweep_lines(result: SweepResult) -> Lines:
         lines.append(("computed", ", ".join(plan.compute)))
     lines.append(("section", f"the last {plan.section} stroboscopic points of each"))
     if NAME in plan.compute:
+        from vibsim.sweeps.basin_measures import attractor_lines
+
         lines += attractor_lines(result)
     failures = list(result.table.failures())
     lines += [("failed", f"{place_text(result, index)}: {reason}") for index, reason in failures[:5]]
@@ -303,7 +311,11 @@ def facts(result: SweepResult) -> dict[str, Any]:
     attrs = {name: value for name, value in result.attrs.items() if name != "case_yaml"}
     case, settings = json.loads(attrs.pop("case_resolved_json")), json.loads(attrs.pop("sweep_settings_json"))
     failed = [{"at": place_text(result, index), "error": reason} for index, reason in result.table.failures()]
-    of_attractors = attractor_facts(result) if NAME in result.plan.compute else {}
+    of_attractors: dict[str, Any] = {}
+    if NAME in result.plan.compute:
+        from vibsim.sweeps.basin_measures import attractor_facts
+
+        of_attractors = attractor_facts(result)
     return {**attrs, "case": case, "sweep": settings, **of_attractors, "failed": failed}
 
 

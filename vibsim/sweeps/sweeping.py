@@ -11,11 +11,11 @@ from vibsim.cases import Case
 from vibsim.cases.case import by_key, load_case, texts, whole_number
 from vibsim.cases.quantities import parse_quantity
 from vibsim.results.blocks_ahead import available_cores
-from vibsim.sweeps.attractor_labels import probe_starts
 from vibsim.sweeps.axes import Axis, Members, range_and_unit, read_axis, read_members
 from vibsim.sweeps.computations import read_computations
 from vibsim.sweeps.point_store import FileStore, Store
 from vibsim.sweeps.quantities import quantities_of
+from vibsim.sweeps.run_ends import probe_starts
 from vibsim.sweeps.sweep_plan import PlanError, SweepPlan, read_directions
 from vibsim.sweeps.sweep_result import SweepResult
 from vibsim.sweeps.workers import ClusterWorkers, LocalWorkers, Watch, Workers, run
