@@ -18,9 +18,7 @@ AREAS = {
     "capture": [(shade.name, shade.colour, shade.hatch) for shade in capture_pictures.CAPTURE_MAP_SHADES],
     "regime": [(shade.name, shade.colour, shade.hatch) for shade in capture_pictures.REGIME_SHADES],
     "end-state": [(shade.name, shade.colour, shade.hatch) for shade in sweep_pictures.SHADES],
-    "basins": [
-        (f"attractor {i}", colour, hatch) for i, (colour, hatch) in enumerate(basins.COLOURS)
-    ]
+    "basins": [(f"attractor {i}", colour, hatch) for i, (colour, hatch) in enumerate(basins.COLOURS)]
     + [(shade.name, shade.colour, shade.hatch) for shade in (basins.OTHERS, basins.UNDECIDED)],
     "power": list(sweep_pictures.TAKERS.values()),
 }

@@ -64,7 +64,7 @@ class Neighbourhood:
 
     def holds(self, points: np.ndarray) -> np.ndarray:
         """Which of the points (k, m) lie inside, by half of the radius (k)."""
-        return np.asarray(self.sizes(points) <= WITHIN * self.radius)
+        return np.asarray(self.sizes(points) < WITHIN * self.radius)
 
 
 def neighbourhood_of(orbit: Orbit) -> Neighbourhood:
