@@ -32,7 +32,7 @@ HEIGHT_CM = 6.8
 EDGE = 0.02  # of the range, beside the first and last mark
 COLOURS = (  # of attractors or branches, those of the largest shares first; what prints alike is hatched
     (BLUE, ""), (ORANGE, ""), (PALE, ""), (VERMILLION, "////"), (GREEN, "...."), (PINK, "\\\\\\\\"),
-    (YELLOW, ""), (SKY, "xxxx"),
+    (YELLOW, "----"), (SKY, "xxxx"),
 )  # fmt: skip
 OTHERS = Shade("other attractors", "0.75", "||||")
 UNDECIDED = Shade("undecided", "0.95", "++++")
