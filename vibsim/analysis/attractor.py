@@ -8,7 +8,7 @@ a regime is, with the largest Lyapunov exponent where these leave a doubt.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import chain
 from math import nan
@@ -106,7 +106,9 @@ class KnownOrbits:
         the neighbourhood of an orbit; of several the first.
         """
         for one in self.orbits:
-            inside = np.flatnonzero(one.around.holds(points) if one.around else [])
+            at = one.orbit.end.coordinates
+            near = at.in_turn_of(points.copy(), one.orbit.X)
+            inside = np.flatnonzero(one.around.holds(near) if one.around else [])
             if len(inside):
                 return _at(one.label, float(times[inside[0]]))
         return None
@@ -122,7 +124,7 @@ class KnownOrbits:
                 state for this, state in zip(carried.events, carried.states, strict=True) if this == event
             ]
             size = max(at.size(one.orbit.X), at.travel(carried))
-            if any(at.size(at.of(state) - X) <= ON_ORBIT * size for state in states):
+            if any(at.size(at.in_turn_of(at.of(state), X) - X) <= ON_ORBIT * size for state in states):
                 return _at(one.label, time)
         return None
 
@@ -162,7 +164,8 @@ def _orbits_near(return_map: ReturnMap, times: np.ndarray, points: np.ndarray) -
 
 def _is_around(orbit: Orbit, points: np.ndarray) -> bool:
     """Whether one of the last points, as many as the orbit has, lies in its neighbourhood."""
-    return bool(neighbourhood_of(orbit).holds(points[-orbit.n :]).any())
+    last = orbit.end.coordinates.in_turn_of(points[-orbit.n :].copy(), orbit.X)
+    return bool(neighbourhood_of(orbit).holds(last).any())
 
 
 def label_of_points(scene: Scene, times: np.ndarray, points: np.ndarray, engine: str) -> Label | None:
@@ -228,20 +231,22 @@ def orbit_of_free(scene: Scene, state: Mapping[str, float], engine: str) -> Orbi
     return orbit_at_end(return_map, times, return_map.coordinates.of(states))
 
 
-def unknowns_at(at: Coordinates, columns: Mapping[str, Any], row: int | slice = slice(None)) -> np.ndarray:
-    """Unknowns of states by name of the column."""
-    return at.of(np.stack([np.asarray(columns[name])[row] for name in at.columns], axis=-1))
+def unknowns_at(at: Coordinates, columns: Mapping[str, Any]) -> np.ndarray:
+    """Unknowns (k, m) of states by name of the column, each (k)."""
+    return at.of(at.gathered({name: np.asarray(columns[name], dtype="f8") for name in at.columns}))
 
 
-def rest_label(at: Coordinates | None, held: bool, low: Sequence[float], high: Sequence[float]) -> Label:
-    """Label of a run that comes to rest between the least and the greatest state components at its end.
+def rest_label(
+    at: Coordinates | None, held: bool, low: Mapping[str, float], high: Mapping[str, float]
+) -> Label:
+    """Label of a run that comes to rest between the least and the greatest states, by column, at its end.
 
     held : whether friction holds it there, and would beside it too. Its `errors` are half of the ranges of
     the unknowns, infinite where it is held.
     """
     if at is None:
         return Label("rest")
-    middle, half = (np.asarray(low) + np.asarray(high)) / 2, (np.asarray(high) - np.asarray(low)) / 2
-    state = at.of(middle)
-    width = np.full(len(state), np.inf) if held else np.abs(at.of(half))
+    state = unknowns_at(at, {name: [(low[name] + high[name]) / 2] for name in at.columns})[0]
+    half = unknowns_at(at, {name: [(high[name] - low[name]) / 2] for name in at.columns})[0]
+    width = np.full(len(state), np.inf) if held else np.abs(half)
     return Label("rest", state=state, means=state, errors=width)

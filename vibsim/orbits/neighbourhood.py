@@ -168,4 +168,5 @@ def _near_one(orbit: Orbit, X: np.ndarray, points: np.ndarray, share: float) -> 
     weights = orbit.end.coordinates.weights
     at = orbit.end.coordinates
     size = max(at.size(orbit.X), at.travel(orbit.end.carried))
+    points = at.in_turn_of(points.copy(), X)
     return bool((np.abs((points - X) * weights).max(axis=1) <= share * size).any())

@@ -148,19 +148,16 @@ class AttractorComputation:
         return Label("undecided", "no stable orbit" if verdict == "vibration" else "still on its way")
 
     def _range(self) -> tuple[list[float], list[float]]:
-        """Least and greatest state components in the samples after the transient, as `Coordinates`
-        have them.
-        """
+        """Least and greatest states in the samples after the transient, in the order of their columns."""
         if not self._ranges:
             return [], []
         lows, highs = (np.array([each[k] for each in self._ranges]) for k in (1, 2))
-        n = len(self._scene.bodies)
-        order = [*range(0, 2 * n, 2), *range(1, 2 * n, 2), *range(2 * n, len(self._columns))]
-        return lows.min(axis=0)[order].tolist(), highs.max(axis=0)[order].tolist()
+        return lows.min(axis=0).tolist(), highs.max(axis=0).tolist()
 
     def _rest(self, low: list[float], high: list[float]) -> Label:
         held = any(self._last.get(friction.name, 1) == STICK for friction in self._scene.frictions)
-        return rest_label(self._at, held, low, high)
+        lowest, highest = (dict(zip(self._columns, values, strict=True)) for values in (low, high))
+        return rest_label(self._at, held, lowest, highest)
 
 
 def met(known: KnownOrbits, scene: Scene, at: Coordinates | None, last: Row) -> Label | None:
@@ -170,7 +167,7 @@ def met(known: KnownOrbits, scene: Scene, at: Coordinates | None, last: Row) -> 
     kind, part = int(last["kind"]), int(last["part"])
     if EVENT_NAMES[kind] in OF_FRICTION:
         part -= len(scene.stops)
-    X = at.of(np.array([last[name] for name in at.columns]))
+    X = unknowns_at(at, {name: [last[name]] for name in at.columns})[0]
     return known.met(kind, part, X, float(last["t"]))
 
 

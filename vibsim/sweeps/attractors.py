@@ -354,7 +354,7 @@ def _columns(
     plan: SweepPlan, rows: list[tuple[int, _Found, int, Any]], branches: list[int], engine: str
 ) -> dict[str, np.ndarray]:
     """The columns of the group."""
-    unknowns, bodies = plan.length_of("unknown"), len(plan.case.scene().bodies)
+    unknowns, bodies = plan.length_of("unknown"), len(plan.case.scene().line)
     columns: dict[str, list[Any]] = {name: [] for name in (*COLUMNS, "state", "amplitude")}
     for (number, one, done, scene), branch in zip(rows, branches, strict=True):
         share = one.count / done

@@ -46,7 +46,7 @@ class EndState:
     """What one run comes to. Memory grows with its samples and events after the transient."""
 
     def __init__(self, task: Task):
-        self._begin, bodies = task.begin, task.scene.bodies
+        self._begin, bodies = task.begin, task.scene.line
         self._half_masses = {columns_of(body.name)[1]: float(body.m) / 2 for body in bodies}
         self._codes = [EVENT_KINDS[kind] for kind in CHANGES]
         self._changes: list[np.ndarray] = []

@@ -52,7 +52,7 @@ def write_sweep(path: Path, plan: SweepPlan, table: Table, attrs: Mapping[str, A
         found = gather(plan, table, attrs["engine"])
         names = names_of_unknowns(plan)
         derived = {NAME: found.labels, MIRRORED: found.mirrored}
-        derived |= values_of_group(found, names, len(plan.case.scene().bodies))
+        derived |= values_of_group(found, names, len(plan.case.scene().line))
     declared = [*datasets_of(plan), *group_of(plan)]
     write_hdf5(path, attrs, declared, {**coordinates(plan), **points, **derived})
 
@@ -71,7 +71,7 @@ def group_of(plan: SweepPlan) -> list[Dataset]:
         return []
     from vibsim.sweeps.attractors import datasets_of_attractors
 
-    return datasets_of_attractors(names_of_unknowns(plan), len(plan.case.scene().bodies))
+    return datasets_of_attractors(names_of_unknowns(plan), len(plan.case.scene().line))
 
 
 def read_attractors(path: Path, file: h5py.File, plan: SweepPlan) -> "Attractors":
