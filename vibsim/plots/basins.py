@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -29,6 +28,7 @@ from vibsim.sweeps.quantities import DONE
 from vibsim.sweeps.run_ends import NONE
 
 HEIGHT_CM = 6.8
+LINE_CM = 0.4  # of a legend
 EDGE = 0.02  # of the range, beside the first and last mark
 COLOURS = (  # of attractors or branches, those of the largest shares first; what prints alike is hatched
     (BLUE, ""), (ORANGE, ""), (PALE, ""), (VERMILLION, "////"), (GREEN, "...."), (PINK, "\\\\\\\\"),
@@ -59,38 +59,60 @@ def shows_shares(subject: Subject) -> bool:
     return len(parameters) == 1 and (len(starts) > 1 or result.members in starts)
 
 
+Side = tuple[int, int]  # a branch, and whether the mirror image of its orbits
+
+
 class _Classes:
-    """The branches of the attractors of a sweep, those of the largest shares first, each with its colour.
+    """The branches of the attractors of a sweep and their mirror images, those of the largest shares first,
+    each with its colour.
 
     An attractor of a single combination of parameters is a branch of its own.
     """
 
     def __init__(self, attractors: Attractors):
         self._attractors = attractors
-        branches = attractors["branch"]
-        counts = {int(b): int(attractors["count"][branches == b].sum()) for b in np.unique(branches)}
-        self.branches = sorted(counts, key=lambda branch: (-counts[branch], branch))
-        few = self.branches[: len(COLOURS)]
-        self.shades = [Shade(self._words(branch), *look) for branch, look in zip(few, COLOURS, strict=False)]
+        counts: dict[Side, int] = {}
+        for i, branch in enumerate(attractors["branch"].tolist()):
+            mirrored = round(attractors["share_mirror"][i] / attractors["share"][i] * attractors["count"][i])
+            for side, count in ((0, int(attractors["count"][i]) - mirrored), (1, mirrored)):
+                if count:
+                    counts[branch, side] = counts.get((branch, side), 0) + count
+        self.sides = sorted(counts, key=lambda side: (-counts[side], side))
+        few = self.sides[: len(COLOURS)]
+        self.shades = [Shade(self._words(*side), *look) for side, look in zip(few, COLOURS, strict=False)]
         self.shades += [OTHERS, UNDECIDED]
 
-    def _words(self, branch: int) -> str:
-        """Kind, period and multiplier of the attractors of a branch, and their share."""
+    @property
+    def legend_cm(self) -> float:
+        """Height of the lines of the legend beyond the first two [cm]."""
+        return LINE_CM * max(len(self.shades) - 4, 0)
+
+    def shares(self, branch: int, mirrored: int) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of the attractors of a branch, and the shares of their orbits or of the mirror images."""
         attractors = self._attractors
         rows = np.flatnonzero(attractors["branch"] == branch)
-        if len(rows) == 1:
-            share = 100 * attractors["share"][rows[0]]
-            return f"{attractors.words(rows[0])}: {share:.3g} %"
-        return attractors.words(rows[0]).partition(",")[0]
+        images = attractors["share_mirror"][rows]
+        shares = images if mirrored else attractors["share"][rows] - images
+        return rows[shares > 0], shares[shares > 0]
 
-    def of(self, labels: np.ndarray, status: np.ndarray) -> np.ndarray:
+    def _words(self, branch: int, mirrored: int) -> str:
+        """Kind, period and multiplier of the attractors of a branch, and their share."""
+        rows, shares = self.shares(branch, mirrored)
+        words = self._attractors.words(int(rows[0]))
+        words = words if len(rows) == 1 else words.partition(",")[0]
+        image = " (mirror image)" if mirrored else ""
+        return f"{words}{image}: {100 * shares[0]:.3g} %" if len(rows) == 1 else f"{words}{image}"
+
+    def of(self, labels: np.ndarray, mirrored: np.ndarray, status: np.ndarray) -> np.ndarray:
         """Index into the shades of each point; NaN where it was not computed."""
-        codes = np.array([self._code(int(branch)) for branch in self._attractors["branch"]] or [0], float)
-        classes = np.where(labels == NONE, len(self.shades) - 1.0, codes[np.maximum(labels, 0)])
+        branches = self._attractors["branch"].tolist() or [NONE]
+        codes = np.array([[self._code((branch, side)) for side in (0, 1)] for branch in branches], float)
+        classes = np.where(labels == NONE, len(self.shades) - 1.0, codes[np.maximum(labels, 0), mirrored])
         return np.where(status == DONE, classes, np.nan)
 
-    def _code(self, branch: int) -> int:
-        return min(self.branches.index(branch), len(self.shades) - 2)
+    def _code(self, side: Side) -> int:
+        place = self.sides.index(side) if side in self.sides else len(self.sides)
+        return min(place, len(self.shades) - 2)
 
     def legend(self, figure: Figure, classes: np.ndarray) -> None:
         """The legend of the classes that occur, with how many are undecided."""
@@ -107,7 +129,7 @@ class _Classes:
 def _draw_map(subject: Subject, view: View) -> Figure:
     plane, result = plane_of(subject), subject.result
     classes = _Classes(result.attractors)
-    codes = classes.of(result["attractor"], result["status"])
+    codes = classes.of(result["attractor"], result["attractor_mirrored"], result["status"])
     figure, panels = map_sheet(plane, 1, view)
     for d, axes in enumerate(panels):
         lay_classes(axes, plane, plane.grid(codes, d), classes.shades, "attractor")
@@ -124,9 +146,9 @@ def _draw_starts(subject: Subject, view: View) -> Figure:
     if len(spreads) == 1:
         drawn.append(result["attractor"][..., 0].ravel())
         labels.append("Number of the attractor")
-    figure = sheet(view, HEIGHT_CM)
+    figure = sheet(view, HEIGHT_CM + classes.legend_cm)
     axes = figure.subplots()
-    codes = classes.of(result["attractor"], result["status"])[..., 0].ravel()
+    codes = classes.of(result["attractor"], result["attractor_mirrored"], result["status"])[..., 0].ravel()
     scatter_classes(axes, drawn[0], drawn[1], codes, classes.shades, view)
     axes.set_xlabel(labels[0])
     axes.set_ylabel(labels[1])
@@ -141,10 +163,19 @@ def _draw_shares(subject: Subject, view: View) -> Figure:
     attractors, classes = result.attractors, _Classes(result.attractors)
     (position,) = (i for i in parameter_axes(result.plan) if len(result.axes[i]) > 1)
     axis = result.axes[position]
-    figure = sheet(view, HEIGHT_CM)
+    figure = sheet(view, HEIGHT_CM + classes.legend_cm)
     axes = figure.subplots()
-    for k, branch in enumerate(classes.branches[: len(COLOURS)]):
-        _draw_share(axes, numbers(axis), attractors, branch, classes.shades[k], MARKERS[k % len(MARKERS)])
+    for k, side in enumerate(classes.sides[: len(COLOURS)]):
+        rows, shares = classes.shares(*side)
+        values = numbers(axis)[attractors["point"][rows]]
+        order = np.argsort(values, kind="stable")
+        bars = np.sqrt(shares * (1 - shares) / _starts(attractors, rows))
+        drawn = axes.errorbar(
+            values[order], shares[order], bars[order], label=classes.shades[k].name,
+            color=classes.shades[k].colour, marker=MARKERS[k % len(MARKERS)], markersize=2.5, capsize=1.5,
+            elinewidth=0.7,
+        )  # fmt: skip
+        drawn.lines[0].set_gid(f"branch {side[0]}" + " mirrored" * side[1])
     x = numbers(axis)[ascending(axis)]
     axes.set_ylim(-0.03, 1.03)
     show_span(axes, (x[0], x[-1]), EDGE, draws_by_ratio(axis), view)
@@ -153,7 +184,7 @@ def _draw_shares(subject: Subject, view: View) -> Figure:
     handles, labels = axes.get_legend_handles_labels()
     legend_below(figure, handles, labels)
     undecided = int(((result["attractor"] == NONE) & (result["status"] == DONE)).sum())
-    more = len(classes.branches) - len(COLOURS)
+    more = len(classes.sides) - len(COLOURS)
     remarks = [
         "bars: standard errors",
         f"{undecided} undecided" if undecided else "",
@@ -164,14 +195,6 @@ def _draw_shares(subject: Subject, view: View) -> Figure:
     return figure
 
 
-def _draw_share(
-    axes: Axes, values: np.ndarray, attractors: Attractors, branch: int, shade: Shade, marker: str
-) -> None:
-    """The share of a branch where it is there."""
-    rows = np.flatnonzero(attractors["branch"] == branch)
-    rows = rows[np.argsort(values[attractors["point"][rows]], kind="stable")]
-    drawn = axes.errorbar(
-        values[attractors["point"][rows]], attractors["share"][rows], attractors["share_error"][rows],
-        label=shade.name, color=shade.colour, marker=marker, markersize=2.5, capsize=1.5, elinewidth=0.7,
-    )  # fmt: skip
-    drawn.lines[0].set_gid(f"branch {branch}")
+def _starts(attractors: Attractors, rows: np.ndarray) -> np.ndarray:
+    """How many starts the shares of attractors are of."""
+    return np.asarray(attractors["count"][rows] / attractors["share"][rows])

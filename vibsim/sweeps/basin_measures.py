@@ -12,8 +12,9 @@
                            Reports 6 (2016) 31416: the mean over boxes of -sum p ln p over the labels in them;
                            boundary basin entropy is that of the boxes with more than one label
 
-Undecided starts do not count: a pair with one, and a box of nothing else, tell nothing. Above ln 2 the
-boundary basin entropy shows a fractal boundary (the same source); a smooth one stays below.
+Mirror images of an orbit are two ends of starts here. Undecided starts do not count: a pair with one, and a
+box of nothing else, tell nothing. Above ln 2 the boundary basin entropy shows a fractal boundary (the same
+source); a smooth one stays below.
 """
 
 from __future__ import annotations
@@ -74,7 +75,8 @@ def basin_measures(result: SweepResult) -> BasinMeasures | None:
 
     Raises ValueError for a sweep without attractors.
     """
-    labels = result.attractors.labels
+    found = result.attractors
+    labels = np.where(found.labels == NONE, NONE, 2 * found.labels + found.mirrored)
     long = [i for i, length in enumerate(labels.shape) if length > 1]
     of_starts = [i for i in range(len(result.axes)) if i not in parameter_axes(result.plan)]
     if len(long) != 2 or not set(long) <= set(of_starts) or result.members is not None:
@@ -196,8 +198,17 @@ def _attractor_text(result: SweepResult, i: int) -> str:
     if attractors["word"][i]:
         parts.append(f"events {attractors['word'][i]}")
     if len(np.unique(attractors["point"])) > 1:
-        parts.append(f"parameters {attractors['point'][i]}, branch {attractors['branch'][i]}")
+        place = _place(result, int(attractors["point"][i]))
+        parts.append(f"at {place}, branch {attractors['branch'][i]}")
     return ", ".join(parts)
+
+
+def _place(result: SweepResult, point: int) -> str:
+    """The values of the parameters at one of their combinations."""
+    axes = [result.axes[i] for i in parameter_axes(result.plan)]
+    positions = np.unravel_index(point, [len(axis) for axis in axes])
+    named = zip(axes, positions, strict=True)
+    return ", ".join(f"{axis.name} = {axis.text(int(position))}" for axis, position in named)
 
 
 def _undecided(result: SweepResult) -> dict[str, int]:
