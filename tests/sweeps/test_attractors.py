@@ -253,3 +253,33 @@ def test_sweeps_without_attractors_have_none():
         _ = result.attractors
     with pytest.raises(PlanError, match="did you mean attractor"):
         short_plan(compute="atractor")
+
+
+def test_mirror_images_are_one_orbit_and_counted_apart():
+    """Two wells, x'' + 0.15 x' - x + x^3 = 0.2 cos t: in which of them a long run ends, by its sign alone."""
+    text = """
+    bodies: {mass: 1 kg}
+    links:
+      spring:
+        between: [mass, ground]
+        force: "k0*(d**3/L**2 - d) + c0*v"
+        k0: 1 N/m
+        L: 1 m
+        c0: 0.15 N s/m
+    forces: {drive: {on: mass, A: 0.2 N, omega: 1 rad/s, phase: 90 deg}}
+    run: {t_end: 250 s, every: 100 ms}
+    """
+    case = load_case_text(text, name="wells")
+    spread = {"mass.x": "-1.2:1.2 m", "mass.v": "-0.5:0.5 m/s"}
+    result = vibsim.sweep(case, {}, ensemble=8, spread=spread, section=0, compute="attractor")
+    known = result["attractor"].ravel() == 0
+    assert known.sum() >= 7 and len(result.attractors) == 1
+    mirrored = result["attractor_mirrored"].ravel()
+    assert result.attractors["share_mirror"][0] == pytest.approx(mirrored.sum() / 8)
+    signs = []
+    for i in range(8):
+        run = vibsim.simulate(result.case_at((i, 0)), trust=False)
+        signs.append(np.sign(np.asarray(run["x_mass"])[-628:].mean()))
+    first = signs[int(np.flatnonzero(known & (mirrored == 0))[0])]
+    np.testing.assert_array_equal(mirrored[known], (np.array(signs) != first)[known])
+    assert 0 < mirrored.sum() < known.sum()

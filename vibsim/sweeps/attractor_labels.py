@@ -199,9 +199,9 @@ def early_label(
 
     ask : called between blocks; what it raises ends the run. Raises EngineError where the run fails.
     """
-    at = coordinates_of(scene)
-    if not known or at is None:
+    if not known:
         return None
+    at = known.orbits[0].orbit.end.coordinates
     driven, rows = is_driven(scene), list[Row]()
     for end in _stages(scene, begin):
         stage = replace(scene, t_end=end).without_samples()
