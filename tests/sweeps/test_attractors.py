@@ -273,7 +273,7 @@ def test_mirror_images_are_one_orbit_and_counted_apart():
     spread = {"mass.x": "-1.2:1.2 m", "mass.v": "-0.5:0.5 m/s"}
     result = vibsim.sweep(case, {}, ensemble=8, spread=spread, section=0, compute="attractor")
     known = result["attractor"].ravel() == 0
-    assert known.sum() >= 7 and len(result.attractors) == 1
+    assert known.sum() >= 5 and len(result.attractors) == 1
     mirrored = result["attractor_mirrored"].ravel()
     assert result.attractors["share_mirror"][0] == pytest.approx(mirrored.sum() / 8)
     signs = []

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from itertools import chain
 from math import nan
 from typing import Any
 
@@ -28,8 +27,9 @@ from vibsim.orbits.stability import moduli
 from vibsim.physics.elementary import mean
 from vibsim.physics.parts import EVENT_NAMES, Scene
 
-TRIES = 2  # numbers of periods that Newton's method is tried with, and twice each
-STEPS = 12  # of Newton's method: an orbit that is near is met in four
+TRIES = 3  # numbers of periods that Newton's method is tried with
+STEPS = 8  # of Newton's method: an orbit that is near is met in four
+NEAR = 0.2  # of the spread of the points: a run that comes no nearer to itself is on no orbit yet
 FEWEST = 4  # points from which periods can be told
 ON_ORBIT = 1e-6  # of the size of an orbit: a point nearer than that is on it
 BLOCKS = 10  # of a section, whose means tell how well the mean of all is known
@@ -149,17 +149,32 @@ def orbit_at_end(
 
 
 def _orbits_near(return_map: ReturnMap, times: np.ndarray, points: np.ndarray) -> Iterator[Orbit]:
-    """Orbits that Newton's method finds from the last point, by the likeliest numbers of periods."""
-    numbers = likely_periods(points)[0][:TRIES]
-    for n in dict.fromkeys(chain.from_iterable((k, 2 * k) for k in numbers)):
-        if n >= len(points):
+    """Orbits that Newton's method finds from the last point, by the likeliest numbers of periods after which
+    the run comes near itself; where one is unstable, the doubled one beside it too.
+    """
+    numbers, distances = likely_periods(points)
+    at = return_map.coordinates
+    size = float(np.abs(points * at.weights).max())
+    for n in numbers[:TRIES]:
+        settled = at.size(points[-1] - points[-1 - n]) <= ON_ORBIT * size
+        if distances[n - 1] > NEAR and not settled:
             continue
-        over = return_map.of(n)
-        T = None if over.section.timed else float(times[-1] - times[-1 - n])
-        try:
-            yield least(Orbit(over, solve(over, points[-1], T, STEPS)))
-        except (OrbitError, EngineError):
-            continue
+        orbit = _solved(return_map.of(n), times, points)
+        if orbit is not None:
+            yield orbit
+        if orbit is not None and not orbit.stable and 2 * n < len(points):
+            doubled = _solved(return_map.of(2 * n), times, points)
+            if doubled is not None:
+                yield doubled
+
+
+def _solved(over: ReturnMap, times: np.ndarray, points: np.ndarray) -> Orbit | None:
+    """The orbit near the last point; None where Newton's method does not come to one."""
+    T = None if over.section.timed else float(times[-1] - times[-1 - over.n])
+    try:
+        return least(Orbit(over, solve(over, points[-1], T, STEPS)))
+    except (OrbitError, EngineError):
+        return None
 
 
 def _is_around(orbit: Orbit, points: np.ndarray) -> bool:
