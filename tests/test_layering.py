@@ -49,7 +49,9 @@ def allowed(room):
 
 
 def imports(path):
-    """Full names of all that a module imports or names, anywhere in it, except for type checking only."""
+    """Full names of all that a module imports or names, anywhere in it, except for type checking only. What a
+    package imports for that is imported when it is used.
+    """
     tree = ast.parse(path.read_text(encoding="utf-8"))
     for_types = {
         child
@@ -57,6 +59,7 @@ def imports(path):
         if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING")
         for statement in node.body
         for child in ast.walk(statement)
+        if path.name != "__init__.py"
     }
     for node in ast.walk(tree):
         if node in for_types:
@@ -138,6 +141,14 @@ def test_what_serves_all_knows_none_of_them(room):
 def test_what_is_misplaced_is_found(tmp_path, room, line):
     (tmp_path / "module.py").write_text(line)
     assert len(list(misplaced(tmp_path / "module.py", room))) == 1
+
+
+def test_what_a_package_offers_is_found(tmp_path):
+    line = "if TYPE_CHECKING:\n    from vibsim.sweeps.sweeping import sweep as sweep\n"
+    (tmp_path / "module.py").write_text(line)
+    (tmp_path / "__init__.py").write_text(line)
+    assert list(misplaced(tmp_path / "module.py", "results")) == []
+    assert list(misplaced(tmp_path / "__init__.py", "results")) == ["vibsim.sweeps.sweeping.sweep"]
 
 
 def loaded(path, tree=None):

@@ -33,7 +33,7 @@ WHOLE_NUMBERS = {  # sums and products of whole numbers are exact in any order
     "sweeps/sweep_plan.py": {"prod"},
     "engine/tangent/monodromy.py": {"sum"},  # whether all are finite
     "sweeps/points.py": {"sum"},
-    "orbits/branches/description.py": {"sum"},
+    "orbits/branches/branch.py": {"sum"},
 }
 ROUNDED = {  # what becomes whole digits; products one by one; the functions of that name of our own
     "orbits/stability.py": {"dot"},
@@ -50,7 +50,7 @@ LIBRARIES = {  # libraries whose arithmetic a result takes, each with the reason
     "orbits/branches/family.py": {"numpy.polynomial"},  # sums and products in the order of its code
     "fitting/plan.py": {"scipy"},  # its version, which a file names
     "fitting/search.py": {"scipy.optimize", "scipy.stats"},  # draws candidates, under the version in the file
-    "results/exports.py": {"scipy.io"},  # writes what there is
+    "results/result.py": {"scipy.io"},  # writes what there is
 }
 ARITHMETIC = ("linalg", "fft", "polynomial")  # of numpy
 

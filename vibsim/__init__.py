@@ -64,23 +64,5 @@ __version__ = "0.1.0"
 
 FRONT |= {"plot": "vibsim.plots.picture:plot"}
 
-__getattr__, __dir__, __all__ = lazy_names(
-    __name__,
-    {
-        "vibsim.analysis": ["Analysis", "Lyapunov", "analyse", "lyapunov"],
-        "vibsim.cases": ["Case", "CaseError", "load_case"],
-        "vibsim.engine.errors": ["EngineError"],
-        "vibsim.fitting": ["FitError", "FitResult", "fit"],
-        "vibsim.opening": ["open_result"],
-        "vibsim.orbits": ["Orbit", "OrbitError", "monodromy", "search_orbits"],
-        "vibsim.orbits.branches": ["Branch", "BranchError", "Locus", "continue_branch", "continue_locus"],
-        "vibsim.orbits.search": ["orbit"],
-        "vibsim.plots.picture": ["plot"],
-        "vibsim.plots.view": ["PlotError"],
-        "vibsim.results": ["Result", "ResultFileError", "simulate"],
-        "vibsim.results.labelled": ["Labelled", "MissingExtra"],
-        "vibsim.results.result": ["Events"],
-        "vibsim.sweeps": ["PlanError", "SweepResult", "join", "sweep"],
-    },
-)
+__getattr__, __dir__, __all__ = lazy_names(__name__)
 __all__ += ["__version__"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
 
@@ -17,12 +17,17 @@ FRONT: dict[str, str] = {}
 Lazy = tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]
 
 
-def lazy_names(package: str, homes: Mapping[str, Sequence[str]]) -> Lazy:
-    """`__getattr__`, `__dir__` and `__all__` of a package.
+def lazy_names(package: str) -> Lazy:
+    """`__getattr__`, `__dir__` and `__all__` of a package: of the names that it imports for type checkers.
 
-    homes : module -> names that are taken from it
+    These stand once, as `from MODULE import NAME as NAME` under `if TYPE_CHECKING:`, and are read there.
     """
-    modules = {name: module for module, names in homes.items() for name in names}
+    modules = {}
+    with open(str(sys.modules[package].__file__), encoding="utf-8") as source:
+        for line in source:
+            words = line.split()
+            if line.startswith("    from ") and words[2::2] == ["import", "as"] and words[3] == words[5]:
+                modules[words[3]] = words[1]
 
     def imported(name: str) -> Any:
         if name not in modules:

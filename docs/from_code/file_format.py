@@ -9,7 +9,7 @@ from vibsim.evidence.benchmark import bench_result
 from vibsim.fitting import fit_file
 from vibsim.fitting.fitting import make_plan as make_fit_plan
 from vibsim.fitting.plan import Search
-from vibsim.orbits.branches import file_structure as branch_structure
+from vibsim.orbits.branches import curve as branch_structure
 from vibsim.results import trajectory_file
 from vibsim.results.columns import JUDGEMENTS, tables_of
 from vibsim.results.file_contents import Attribute, Dataset

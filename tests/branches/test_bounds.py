@@ -8,7 +8,7 @@ import pytest
 import vibsim
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
-from vibsim.orbits.branches.branch_file import LocusStore
+from vibsim.orbits.branches.branch_file import LocusStore, complete
 from vibsim.orbits.branches.locus_result import locus_plan
 from vibsim.orbits.branches.plan import read_span
 
@@ -44,7 +44,7 @@ def test_a_locus_comes_to_the_end_of_what_its_case_allows(start):
     orbit = find_orbit(case.scene(), {"x_mass": 1.0, "v_mass": 0.02}, 1, case=case)
     branch = vibsim.continue_branch(orbit, "drive.omega", "0.1172:0.1181 Hz")
     plan = locus_plan(branch, "PD1", *read_span(branch.case, "wall.c", "0:0.01 N s/m"))
-    locus, finished = LocusStore(plan).complete()
+    locus, finished = complete(LocusStore(plan))
     assert finished and locus.ends == ("end of the range", "end of the range")
     assert (locus["second"][0], locus["second"][-1]) == (0.0, 0.01)
     assert abs(locus["multipliers"] + 1).min(axis=1).max() < 1e-8

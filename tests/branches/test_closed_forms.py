@@ -8,7 +8,8 @@ import pytest
 
 import vibsim
 from vibsim.cases import load_case
-from vibsim.orbits.branches.continuing import BranchFileStore, BranchStore, complete, continue_branch
+from vibsim.orbits.branches.branch_file import BranchStore, complete
+from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.branches.correction import Pace
 from vibsim.orbits.branches.interpolant import MovedFamily, quiet_share
 from vibsim.orbits.branches.plan import plan_from, read_span
@@ -173,9 +174,9 @@ def test_over_an_impact_on_the_section_it_goes_on_where_it_was_stopped(bounces, 
     jump = int(np.argmax(np.abs(np.diff(bounces["v_ball"]))))
     forwards = sum(point.way > 0 for point in bounces.points)
     at = forwards + bounces.points[jump].number  # points there are when the impact has just been passed
-    part, done = complete(BranchFileStore(bounces.plan, path), 5000, watch=lambda count, _: count < at)
+    part, done = complete(BranchStore(bounces.plan, path), 5000, watch=lambda count, _: count < at)
     assert not done and len(part) == at
-    rest, _ = complete(BranchFileStore(bounces.plan, path), 5000)
+    rest, _ = complete(BranchStore(bounces.plan, path), 5000)
     assert rest.points == bounces.points and rest.specials == bounces.specials
 
 

@@ -7,8 +7,7 @@ import pytest
 
 from tests.branches.made import CAPTURED, branch_of, orbit_of
 from vibsim.cases import load_case
-from vibsim.orbits.branches.branch_file import LocusStore
-from vibsim.orbits.branches.continuing import BranchStore, complete
+from vibsim.orbits.branches.branch_file import BranchStore, LocusStore, complete
 from vibsim.orbits.branches.correction import Pace
 from vibsim.orbits.branches.course import FINE, Arc, curve_of, drawn, stretches
 from vibsim.orbits.branches.locus_result import locus_plan
@@ -84,7 +83,7 @@ def test_a_locus_is_drawn_where_its_points_are_found():
     """Followed in steps of a fifth of their length: the others lie on the curve."""
     branch = branch_of(CAPTURED, "4.9:6 Hz")
     plan = locus_plan(branch, "F1", *read_span(branch.case, "c", "0.02:0.04"))
-    locus = LocusStore(plan).complete(9)[0]
+    locus = complete(LocusStore(plan), 9)[0]
     curve = curve_of(locus)
     places = np.column_stack([locus["parameter"], locus["second"]])
     size = np.ptp(places, axis=0)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vibsim.orbits.branches.branch_file import LocusStore
+from vibsim.orbits.branches.branch_file import LocusStore, complete
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.branches.locus_result import locus_plan
 from vibsim.orbits.branches.plan import read_span
@@ -31,7 +31,7 @@ def test_folds_beside_a_graze_are_followed():
     """
     branch = continue_branch("gallery/impact-oscillator-coco", "drive.A", "0.05:1.05 N")
     plan = locus_plan(branch, "F1", *read_span(branch.case, "drive.omega", "0.9:1.5 rad/s"))
-    locus = LocusStore(plan).complete(200)[0]
+    locus = complete(LocusStore(plan), 200)[0]
     exact = [fold_of_one_impact(w)[0] for w in locus["second"]]
     np.testing.assert_allclose(locus["parameter"], exact, rtol=1e-11)
     assert locus.ends == (

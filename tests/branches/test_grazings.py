@@ -10,7 +10,7 @@ from tests.branches.test_closed_forms import BILINEAR, GRAZING
 from tests.command_line.made import call
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.orbits.branches.branch_file import LocusStore, read_locus
+from vibsim.orbits.branches.branch_file import LocusStore, complete, read_locus
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.branches.locus_result import locus_plan
 from vibsim.orbits.branches.plan import read_span
@@ -35,7 +35,7 @@ def branches(tmp_path_factory):
 
 def locus_of(branch, key, span, path=None):
     plan = locus_plan(branch, "GR1", *read_span(branch.case, key, span))
-    return LocusStore(plan, path).complete()[0]
+    return complete(LocusStore(plan, path))[0]
 
 
 def test_a_branch_ends_at_the_graze_of_a_rigid_stop(branches):
@@ -64,9 +64,9 @@ def test_grazings_over_the_gap_on_file(branches, tmp_path):
     gaps = whole["second"]
     np.testing.assert_allclose(whole["parameter"], gaps * hypot(1 - 0.64, 0.02 * 0.8), rtol=1e-13)
     again = LocusStore(whole.plan, tmp_path / "again.h5")
-    part, finished = again.complete(watch=lambda count: count < 3)
+    part, finished = complete(again, watch=lambda count: count < 3)
     assert not finished and len(part) == 3
-    rest, finished = LocusStore(whole.plan, tmp_path / "again.h5").complete()
+    rest, finished = complete(LocusStore(whole.plan, tmp_path / "again.h5"))
     assert finished and rest.points == whole.points == read_locus(tmp_path / "locus.h5").points
     assert call("plot", tmp_path / "locus.h5", "-o", tmp_path / "locus.png").exit_code == 0
 
@@ -112,9 +112,9 @@ def test_a_graze_among_other_contacts():
         (one for one in branch.specials if one.kind == "grazing"),
         key=lambda s: abs(s.parameter - 3.50596783345624),
     )
-    locus = LocusStore(
-        locus_plan(branch, graze.label, *read_span(branch.case, "c", "0.0009:0.0011"))
-    ).complete(30)[0]
+    locus = complete(
+        LocusStore(locus_plan(branch, graze.label, *read_span(branch.case, "c", "0.0009:0.0011"))), 30
+    )[0]
     start = int(np.argmin(abs(locus["second"] - 0.001)))
     assert locus["parameter"][start] == pytest.approx(3.50596783345623924804, rel=1e-13)
 

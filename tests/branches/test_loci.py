@@ -11,7 +11,7 @@ from tests.orbits.truths import TRUTHS
 from vibsim.cases import load_case
 from vibsim.opening import open_result
 from vibsim.orbits import find_orbit
-from vibsim.orbits.branches.branch_file import LocusStore, read_locus
+from vibsim.orbits.branches.branch_file import LocusStore, complete, read_locus
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.branches.locus_result import locus_plan
 from vibsim.orbits.branches.plan import BranchError, read_span
@@ -26,12 +26,12 @@ def plan_of(label, span):
 
 @pytest.fixture(scope="module")
 def folds():
-    return LocusStore(plan_of("F1", "0.0205:0.032")).complete()[0]
+    return complete(LocusStore(plan_of("F1", "0.0205:0.032")))[0]
 
 
 @pytest.fixture(scope="module")
 def tori():
-    return LocusStore(plan_of("NS1", "0.0205:0.032")).complete()[0]
+    return complete(LocusStore(plan_of("NS1", "0.0205:0.032")))[0]
 
 
 def branch_at(c):
@@ -75,9 +75,9 @@ def test_the_critical_multipliers_stay_on_the_circle(folds, tori):
 
 def test_on_file_and_gone_on_with(tmp_path, folds):
     path = tmp_path / "locus.h5"
-    part, finished = LocusStore(folds.plan, path).complete(watch=lambda count: count < 4)
+    part, finished = complete(LocusStore(folds.plan, path), watch=lambda count: count < 4)
     assert not finished and len(part) == 4
-    rest, finished = LocusStore(folds.plan, path).complete()
+    rest, finished = complete(LocusStore(folds.plan, path))
     assert finished and rest.points == folds.points
     assert read_locus(path).points == open_result(path).points == folds.points
 

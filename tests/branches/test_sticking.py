@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vibsim.cases import load_case
-from vibsim.orbits.branches.branch_file import LocusStore, read_locus
+from vibsim.orbits.branches.branch_file import LocusStore, complete, read_locus
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.branches.family import Family
 from vibsim.orbits.branches.locus_result import Locus, locus_plan
@@ -50,7 +50,7 @@ def branch(coulomb):
 
 
 def locus_of(branch, key, span, most, path=None):
-    return LocusStore(locus_plan(branch, "ST1", *read_span(branch.case, key, span)), path).complete(most)[0]
+    return complete(LocusStore(locus_plan(branch, "ST1", *read_span(branch.case, key, span)), path), most)[0]
 
 
 def test_it_begins_to_stick_where_den_hartog_says(branch):

@@ -4,6 +4,7 @@ import json
 import shutil
 from functools import cache
 
+import h5py
 import numpy as np
 import pytest
 
@@ -11,13 +12,14 @@ from tests.branches.made import CAPTURED, KEYS, orbit_of
 from vibsim.cases import UnknownKeyError
 from vibsim.opening import open_result
 from vibsim.orbits import find_orbit
-from vibsim.orbits.branches.branch_file import LocusStore, read_branch
-from vibsim.orbits.branches.continuing import BranchFileStore, complete, continue_branch
+from vibsim.orbits.branches.branch_file import BranchStore, LocusStore, complete, read_branch
+from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.branches.locus_result import locus_plan
 from vibsim.orbits.branches.plan import plan_from, read_span
-from vibsim.orbits.branches.tracing import plain, read_record
+from vibsim.orbits.branches.tracing import BranchStep
 from vibsim.results.hdf5_reading import ResultFileError
-from vibsim.results.journal import journal_path
+from vibsim.results.plain_data import from_plain, plain_data
+from vibsim.results.store import journal_path
 
 SPAN = "5.7:5.9 Hz"
 
@@ -66,7 +68,7 @@ def test_it_reads_back_to_the_bit(whole):
 
 def test_records_as_plain_data(whole):
     for record in (*whole[0].records[0], *whole[0].records[1]):
-        assert read_record(json.loads(json.dumps(plain(record)))) == record
+        assert from_plain(type(record), json.loads(json.dumps(plain_data(record)))) == record
 
 
 @pytest.mark.parametrize("stop", [1, 3, 7])
@@ -74,9 +76,9 @@ def test_it_goes_on_where_it_was_stopped(whole, tmp_path, stop):
     """A watch that says stop; the same bits as in one go."""
     branch, path = whole[0], tmp_path / "part.h5"
     plan = branch.plan
-    part, finished = complete(BranchFileStore(plan, path), 5000, watch=lambda count, _: count < stop)
+    part, finished = complete(BranchStore(plan, path), 5000, watch=lambda count, _: count < stop)
     assert not finished and len(part) == max(stop, 2) and open_result(path).attrs["complete"] == 0
-    rest, finished = complete(BranchFileStore(plan, path), 5000)
+    rest, finished = complete(BranchStore(plan, path), 5000)
     assert finished
     same(rest, branch)
     assert open_result(path).attrs["complete"] == 1
@@ -85,39 +87,59 @@ def test_it_goes_on_where_it_was_stopped(whole, tmp_path, stop):
 def test_it_goes_on_after_a_kill(whole, tmp_path):
     """What a killed process leaves: a journal, with a last line that is not whole."""
     branch, path = whole[0], tmp_path / "killed.h5"
-    store = BranchFileStore(branch.plan, path)
+    store = BranchStore(branch.plan, path)
     points, specials = branch.records
     for point in points[:5]:
-        store.add(point, [one for one in specials if (one.way, one.number) == (point.way, point.number)])
+        met = tuple(one for one in specials if (one.way, one.number) == (point.way, point.number))
+        store.add([BranchStep(point, met)])
     store._journal.close(remove=False)  # as the system does
     with open(journal_path(path), "ab") as file:
         file.write(b"0123456789abcdef 6 {")
-    rest, _ = complete(BranchFileStore(branch.plan, path), 5000)
+    rest, _ = complete(BranchStore(branch.plan, path), 5000)
     same(rest, branch)
     assert not journal_path(path).exists()
 
 
+def test_a_branch_under_way_is_written_anew_and_its_journal_begins_anew(whole, tmp_path, monkeypatch):
+    """As often as it may be: the file then has all points at every moment, and the journal none."""
+    branch, path = whole[0], tmp_path / "under-way.h5"
+    monkeypatch.setattr("vibsim.results.store.LEAST_PAUSE", 0.0)
+    monkeypatch.setattr("vibsim.results.store.LARGEST_SHARE", 1e9)
+    counts = []
+
+    def watch(count, _):
+        lines = journal_path(path).read_bytes().count(b"\n")
+        with h5py.File(path) as file:
+            counts.append((count, int(file.attrs["points"]), lines, int(file.attrs["complete"])))
+        return count < 6
+
+    complete(BranchStore(branch.plan, path), 5000, watch=watch)
+    assert [each[0] for each in counts] == list(range(2, 7))
+    assert all(points == count and lines == 1 and not done for count, points, lines, done in counts)
+    same(complete(BranchStore(branch.plan, path), 5000)[0], branch)
+
+
 def test_more_points_are_added_to_a_file(whole, tmp_path):
     branch, path = whole[0], tmp_path / "few.h5"
-    few, finished = complete(BranchFileStore(branch.plan, path), 6)
+    few, finished = complete(BranchStore(branch.plan, path), 6)
     assert finished and len(few) == 6 and "" in few.ends
-    same(complete(BranchFileStore(branch.plan, path), 5000)[0], branch)
+    same(complete(BranchStore(branch.plan, path), 5000)[0], branch)
 
 
 def test_a_finished_file_is_not_written_again(whole, tmp_path):
     path = tmp_path / "whole.h5"
     shutil.copy(whole[1], path)
     before = path.stat().st_mtime_ns, path.read_bytes()
-    same(complete(BranchFileStore(whole[0].plan, path), 5000)[0], whole[0])
+    same(complete(BranchStore(whole[0].plan, path), 5000)[0], whole[0])
     assert (path.stat().st_mtime_ns, path.read_bytes()) == before and not journal_path(path).exists()
 
 
 def test_nor_is_that_of_a_locus(whole, tmp_path):
     path = tmp_path / "locus.h5"
     plan = locus_plan(whole[0], "F1", *read_span(whole[0].case, "c", "0.029:0.031"))
-    first = LocusStore(plan, path).complete(most=3)
+    first = complete(LocusStore(plan, path), most=3)
     before = path.stat().st_mtime_ns, path.read_bytes()
-    again = LocusStore(plan, path).complete(most=3)
+    again = complete(LocusStore(plan, path), most=3)
     assert again[0].points == first[0].points and again[1] == first[1]
     assert (path.stat().st_mtime_ns, path.read_bytes()) == before and not journal_path(path).exists()
 
@@ -126,7 +148,7 @@ def test_another_branch_is_kept(whole, tmp_path):
     path = shutil.copy(whole[1], tmp_path)
     other = plan_from(captured_at_575(), whole[0].plan.keys, "Hz", (5.6, 5.9))
     with pytest.raises(ResultFileError, match=r"holds another branch; kept .* It differs in span"):
-        BranchFileStore(other, path)
+        BranchStore(other, path)
     same(read_branch(path), whole[0])
 
 

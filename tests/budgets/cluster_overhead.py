@@ -16,9 +16,9 @@ import numpy as np
 from tests.sweeps.clusters import ROOT, loopback_cluster
 from vibsim.cases import load_case
 from vibsim.sweeps import workers as sweep_workers
-from vibsim.sweeps.point_store import FileStore
 from vibsim.sweeps.points import SweepPoint
 from vibsim.sweeps.quantities import DONE
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import SweepPlan
 from vibsim.sweeps.sweeping import complete, make_plan
 
@@ -62,7 +62,7 @@ def measured(running, plan: SweepPlan, folder: Path, batch_seconds: float):
     with CountedWorkers(plan.recipe, running.address) as workers:
         pids = [running.scheduler.pid, *(worker.pid for worker in running.workers)]
         before, began, own = [cpu_seconds(pid) for pid in pids], time.perf_counter(), time.process_time()
-        complete(FileStore(plan, folder / f"{plan.count}-{batch_seconds}.h5"), workers)
+        complete(SweepStore(plan, folder / f"{plan.count}-{batch_seconds}.h5"), workers)
         wall, own = time.perf_counter() - began, time.process_time() - own
         after = [cpu_seconds(pid) for pid in pids]
     scheduler, *others = (b - a for a, b in zip(before, after, strict=True))

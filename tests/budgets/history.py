@@ -15,7 +15,7 @@ from statistics import median
 
 from vibsim.evidence.benchmark.scoring import processor
 from vibsim.results.blocks_ahead import available_cores
-from vibsim.results.hdf5_writing import output_file
+from vibsim.results.output_files import output_file
 
 FORMAT = 1
 ROOT = Path(__file__).resolve().parents[2]

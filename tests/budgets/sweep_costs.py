@@ -17,12 +17,12 @@ from pathlib import Path
 import numpy as np
 
 from vibsim.cases import load_case
+from vibsim.results.plain_data import from_plain
 from vibsim.sweeps.computations import COMPUTATIONS
-from vibsim.sweeps.point_store import FileStore
 from vibsim.sweeps.points import SweepPoint, Table, compute_point
 from vibsim.sweeps.quantities import DONE
 from vibsim.sweeps.statistics import MeasuredRun, sampled_for_statistics
-from vibsim.sweeps.sweep_file import write_sweep
+from vibsim.sweeps.sweep_file import SweepStore, write_sweep
 from vibsim.sweeps.sweep_plan import SweepPlan
 from vibsim.sweeps.sweeping import make_plan
 from vibsim.sweeps.workers import Backlog, run
@@ -104,13 +104,19 @@ def keeping(points: int, section: int):
     sending = cpu(lambda: pickle.loads(pickle.dumps(moved[:20])), 20) / 20
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "s.h5"
-        with FileStore(plan, path) as store:
+        with SweepStore(plan, path) as store:
             table = store.table
             store._next = float("inf")
             keeping = _cpu(lambda: [store.add(moved[i : i + 20]) for i in range(0, points, 20)], 1) / points
             journal = store._journal.path.stat().st_size / points
             reading = (
-                _cpu(lambda: [table.put(point) for point in store._journal.read(plan.fingerprint)], 1)
+                _cpu(
+                    lambda: [
+                        table.put(from_plain(SweepPoint, each))
+                        for each in store._journal.read(plan.fingerprint)
+                    ],
+                    1,
+                )
                 / points
             )
         writing = _cpu(lambda: write_sweep(path, plan, table, store.all_attrs), 1) / points
@@ -153,7 +159,7 @@ def large(points: int, section: int):
     with tempfile.TemporaryDirectory() as folder:
 
         def go():
-            with FileStore(plan, Path(folder) / "s.h5") as store:
+            with SweepStore(plan, Path(folder) / "s.h5") as store:
                 run(store, Inventing(made))
 
         took = _cpu(go, 1)

@@ -27,7 +27,7 @@ REFINE = "vibsim.orbits.orbit_digits:refine"
 RUN = "vibsim.results.recording:Recording.into"
 FRAMES = "vibsim.plots.animation:Film.frames"
 PAGE, PAGES = "vibsim.plots.html_pages:run_data", "vibsim.plots.picture:_pages"
-ROWS, JUDGED = "vibsim.results.exports:_texts", "vibsim.command_line.commands.analyse:analyse"
+ROWS, JUDGED = "vibsim.results.result:_texts", "vibsim.command_line.commands.analyse:analyse"
 PARTIAL = "slow.h5.partial"
 CAPTURED = "II-B -s c=0.03 -s Omega0=3.8Hz"
 BELT = "--spread block.x=-2:2m --spread block.v=0:2m/s --section 0 --compute end-state"
@@ -355,7 +355,7 @@ def test_a_search_does_not_begin_where_its_orbits_could_not_be_stored(tmp_path, 
 
 def test_a_run_that_fills_its_chunks_slowly_is_on_file_all_the_same(tmp_path, monkeypatch):
     """Flushed by the clock, its file holds at every moment what a run in one go has, and at its end all."""
-    monkeypatch.setattr("vibsim.results.trajectory_file.LONGEST", 0.0)
+    monkeypatch.setattr("vibsim.results.trajectory_writing.LONGEST", 0.0)
     seen = []
 
     def watch(t):

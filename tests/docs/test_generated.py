@@ -17,7 +17,7 @@ from vibsim.cases.sources import gallery_case_names
 from vibsim.command_line.main import COMMANDS, EXIT_CODES
 from vibsim.evidence.benchmark import bench_result
 from vibsim.fitting import fit_file
-from vibsim.orbits.branches import file_structure as branch_structure
+from vibsim.orbits.branches import curve as branch_structure
 from vibsim.results import trajectory_file
 from vibsim.sweeps import sweep_file
 

@@ -7,7 +7,19 @@ from tests.engine.random_parts import RATE
 from tests.engine.runs import run, run_both
 from tests.engine.test_closed_cases import harmonic, scene
 from vibsim import load_case
-from vibsim.physics.parts import AT_GAP, BASE, COMPRESSION, GROUND, Body, Force, Friction, Link, Stop
+from vibsim.physics.parts import (
+    AT_GAP,
+    BASE,
+    COMPRESSION,
+    GROUND,
+    Body,
+    Clearance,
+    Force,
+    Friction,
+    Link,
+    Scene,
+    Stop,
+)
 
 
 @pytest.fixture
@@ -67,3 +79,14 @@ def test_ties_that_bear_a_damped_stop(asked):
     )
     fast = run_both(of, ledger=True)
     assert fast.totals["impacts"] > 10 and asked() <= 1
+
+
+def test_a_clearance_against_a_base_that_runs_away_is_violated():
+    """The body follows the base, which is faster: the velocity of the body alone says that they near."""
+    of = Scene(
+        (Body("a", 1.0, 0.0, -0.1),),
+        base=(harmonic(-0.1, 10.0),),
+        clearances=(Clearance("reach", 0, BASE, 0.03),),
+        t_end=0.5,
+    )
+    assert run_both(of).totals["violations"] > 0

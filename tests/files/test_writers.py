@@ -3,15 +3,16 @@
 import errno
 import fcntl
 import os
+import socket
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import vibsim
-from vibsim.results import hdf5_writing
 from vibsim.results.hdf5_reading import ResultFileError
-from vibsim.results.hdf5_writing import Lock, check_unlocked, output_file
+from vibsim.results.output_files import Lock, check_unlocked, lock_path, output_file
 
 DEAD = "4194304 "  # a number that Linux gives to no process (pid_max is at most 2^22)
 
@@ -75,10 +76,10 @@ def test_one_writer_at_a_time_holds_the_lock(tmp_path):
     check_unlocked(path, "a.h5")  # by others, that is
     lock.release()
     assert names(tmp_path) == []
-    hdf5_writing.lock_path(path).write_text(f"{DEAD}somewhere")  # left by a writer that was killed
+    lock_path(path).write_text(f"{DEAD}somewhere")  # left by a writer that was killed
     check_unlocked(path, "a.h5")
     assert names(tmp_path) == []
-    hdf5_writing.lock_path(path).write_text("")
+    lock_path(path).write_text("")
     Lock(path, "a.h5").release()
     assert names(tmp_path) == []
 
@@ -89,16 +90,14 @@ def test_a_disk_without_locks(tmp_path, monkeypatch, missing):
         raise OSError(missing, "no locks here")
 
     monkeypatch.setattr(fcntl, "flock", no_flock)
-    path, machine = tmp_path / "a.h5", hdf5_writing.socket.gethostname()
+    path, machine = tmp_path / "a.h5", socket.gethostname()
     lock = Lock(path, "a.h5")
     with pytest.raises(ResultFileError, match=r"is writing it \(.*\); where it has ended, remove a.h5.lock"):
         Lock(path, "a.h5")
     lock.release()
-    hdf5_writing.lock_path(path).write_text(f"{DEAD}{machine}")
+    lock_path(path).write_text(f"{DEAD}{machine}")
     Lock(path, "a.h5").release()
-    hdf5_writing.lock_path(path).write_text(
-        f"{DEAD}{machine}.elsewhere"
-    )  # nobody here knows whether it lives
+    lock_path(path).write_text(f"{DEAD}{machine}.elsewhere")  # nobody here knows whether it lives
     with pytest.raises(ResultFileError, match=r"where it has ended, remove a\.h5\.lock"):
         Lock(path, "a.h5")
     with output_file(tmp_path / "a.csv") as file:
@@ -108,11 +107,12 @@ def test_a_disk_without_locks(tmp_path, monkeypatch, missing):
 
 def test_a_folder_in_which_nothing_can_be_made():
     with pytest.raises(ResultFileError, match=r"^x.h5: cannot write: "):
-        Lock(hdf5_writing.Path("/proc/x.h5"), "x.h5")
+        Lock(Path("/proc/x.h5"), "x.h5")
 
 
 AT_ONCE = """
 import sys
+from pathlib import Path
 from tests.command_line.made import call
 words = sys.argv[1:]
 import vibsim.command_line.commands.export, vibsim.command_line.commands.export, vibsim.plots.picture

@@ -13,11 +13,10 @@ import xarray
 
 from tests.command_line.made import call
 from tests.fitting.made import done, numbers_of, small_plan
-from vibsim.fitting.fit_file import FileRunStore
-from vibsim.fitting.fitting import run_fit
+from vibsim.fitting.fitting import FitStore, run_fit
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
-from vibsim.sweeps.point_store import journal_path
+from vibsim.results.store import journal_path
 
 
 def test_a_fit_comes_back_as_it_was(tmp_path):
@@ -159,10 +158,10 @@ def test_another_fit_is_refused(tmp_path):
 
 def test_a_second_process_is_refused(tmp_path):
     path = tmp_path / "fit.h5"
-    store = FileRunStore(small_plan(), path)
+    store = FitStore(small_plan(), path)
     with pytest.raises(ResultFileError, match="another command is writing it"):
-        FileRunStore(small_plan(), path)
-    store.close(written=True)
+        FitStore(small_plan(), path)
+    store._journal.close(remove=True)
 
 
 def test_a_trajectory_is_not_overwritten(tmp_path):

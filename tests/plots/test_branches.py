@@ -31,7 +31,7 @@ from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_curves import curves, families
 from vibsim.plots.view import PlotError, View
 from vibsim.results import simulate
-from vibsim.sweeps.point_store import Store
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweeping import complete, make_plan
 from vibsim.sweeps.workers import LocalWorkers
 
@@ -211,7 +211,7 @@ def test_amplitudes_are_those_of_a_run(resonant):
 def test_branches_lie_over_a_sweep_of_their_values(captured):
     plan = make_plan(load_case("II-B"), [("Omega0", "5:6:0.5 Hz", "", ""), ("c", "0.01, 0.03", "", "")])
     with LocalWorkers(plan.recipe, 1, "auto") as workers:
-        swept, _ = complete(Store(plan), workers, lambda table: False)
+        swept, _ = complete(SweepStore(plan), workers, lambda table: False)
     sweep = Subject("sweep.h5", "II-B", "sweep", swept.plan.case, swept)
     groups = families(curves([sweep]))
     assert [[belongs(captured, curve) for curve in group] for group in groups] == [[False], [True]]

@@ -8,12 +8,13 @@ import pytest
 
 from tests.plots.artists import clipped_texts, colliding_legends, letters
 from tests.plots.conftest import RUNS
-from tests.plots.test_registry import FITTING, SPECTRA
+from tests.plots.test_registry import FITTING, OF_FORMULAS, SPECTRA
 from vibsim.plots.registry import KINDS, kind_named
 from vibsim.plots.view import View
 
 UNIT = re.compile(r"\((s|Hz|°|[kmµn]?(m|m/s|N|N m))\)$")
-SINGLE = [kind for kind in KINDS if kind.reads in ("trajectory", "case") and kind.name != "orbit-portrait"]
+LEFT_OUT = {"orbit-portrait", *OF_FORMULAS}
+SINGLE = [kind for kind in KINDS if kind.reads in ("trajectory", "case") and kind.name not in LEFT_OUT]
 
 
 def drawn(kind, subjects, view=None):

@@ -11,7 +11,7 @@ from tests.branches.made import CAPTURED, branch_of
 from tests.command_line.made import call
 from tests.plots.artists import clipped_texts, lines, points
 from vibsim.cases import load_case
-from vibsim.orbits.branches.branch_file import LocusStore
+from vibsim.orbits.branches.branch_file import LocusStore, complete
 from vibsim.orbits.branches.course import curve_of
 from vibsim.orbits.branches.locus_result import locus_plan
 from vibsim.orbits.branches.plan import read_span
@@ -29,7 +29,7 @@ def loci():
     """Folds and Neimark-Sacker points of captured orbits, a few of each, over Omega0 and c."""
     branch = branch_of(CAPTURED, "4.9:6 Hz")
     plans = [locus_plan(branch, label, *read_span(branch.case, "c", "0.02:0.04")) for label in ("F1", "NS1")]
-    followed = [LocusStore(plan).complete(POINTS)[0] for plan in plans]
+    followed = [complete(LocusStore(plan), POINTS)[0] for plan in plans]
     return [Subject(f"{one.kind}.h5", one.kind, "locus", one.case, one) for one in followed]
 
 

@@ -5,10 +5,12 @@ from vibsim.plots.view import PlotError
 
 SPECTRA = {"spectrum", "spectrogram", "waterfall"}
 ALWAYS = {"overview", "displacement", "velocity", "phase", "relative", "stiffness"} | SPECTRA
+OF_FORMULAS = {"rotor-speed", "states"}  # of rotors and states, which none of these runs has
 PERIODIC = {"impact-velocity", "stroboscopic", "phase-drift-free"}
 FITTING = {
     "ideal": ALWAYS | PERIODIC,
-    "motor": {kind.name for kind in KINDS if kind.reads in ("trajectory", "case")} - {"orbit-portrait"},
+    "motor": {kind.name for kind in KINDS if kind.reads in ("trajectory", "case")}
+    - {"orbit-portrait", *OF_FORMULAS},
     "fixed": (ALWAYS | PERIODIC) - {"phase-drift-free"},  # a spring to the wall
     "bare": ALWAYS,
     "quiet": ALWAYS | PERIODIC,

@@ -14,17 +14,16 @@ from tests.results.made import short_case
 from vibsim.evidence.benchmark.bench_result import ATTRIBUTES as OF_BENCH
 from vibsim.fitting import fit
 from vibsim.fitting.fit_file import ATTRIBUTES as OF_FIT
-from vibsim.fitting.fit_file import FileRunStore
-from vibsim.orbits.branches.branch_file import LocusStore
-from vibsim.orbits.branches.continuing import BranchFileStore
-from vibsim.orbits.branches.file_structure import ATTRIBUTES as OF_BRANCH
-from vibsim.orbits.branches.file_structure import LOCUS_ATTRIBUTES as OF_LOCUS
+from vibsim.fitting.fitting import FitStore
+from vibsim.orbits.branches.branch_file import BranchStore, LocusStore
+from vibsim.orbits.branches.curve import ATTRIBUTES as OF_BRANCH
+from vibsim.orbits.branches.curve import LOCUS_ATTRIBUTES as OF_LOCUS
 from vibsim.results import ResultFileError
 from vibsim.results.hdf5_reading import damage_named
 from vibsim.results.trajectory_file import ATTRIBUTES as OF_TRAJECTORY
 from vibsim.sweeps import sweep
-from vibsim.sweeps.point_store import FileStore
 from vibsim.sweeps.sweep_file import ATTRIBUTES as OF_SWEEP
+from vibsim.sweeps.sweep_file import SweepStore
 
 ATTRIBUTES = {
     "run": OF_TRAJECTORY,
@@ -256,7 +255,7 @@ def go_on(kind, whole, path):
     STORES[kind](there.plan, path)
 
 
-STORES = {"sweep": FileStore, "fit": FileRunStore, "branch": BranchFileStore, "locus": LocusStore}
+STORES = {"sweep": SweepStore, "fit": FitStore, "branch": BranchStore, "locus": LocusStore}
 
 
 @pytest.mark.parametrize("kind", STORES)

@@ -9,9 +9,10 @@ from scipy.io import loadmat
 import vibsim
 from tests.results.made import short_run
 from vibsim.physics.parts import EVENT_NAMES
-from vibsim.results import ResultFileError, exports
-from vibsim.results.exports import write_csv, write_mat
+from vibsim.results import ResultFileError
+from vibsim.results import result as result_module
 from vibsim.results.labelled import Tidy
+from vibsim.results.result import write_csv, write_mat
 
 EVERYTHING = (0.0, np.inf)
 
@@ -29,7 +30,7 @@ def read_csv(path):
 
 
 def test_csv_reads_back_to_the_same_bits(result, tmp_path, monkeypatch):
-    monkeypatch.setattr(exports, "PIECE", 300)  # several pieces, the last one short
+    monkeypatch.setattr(result_module, "PIECE", 300)  # several pieces, the last one short
     write_csv(result, tmp_path / "a.csv", EVERYTHING)
     header, columns = read_csv(tmp_path / "a.csv")
     assert header == result.keys()
@@ -89,7 +90,7 @@ def test_mat_of_a_window(result, tmp_path):
 
 
 def test_mat_beyond_its_limit_is_refused(result, tmp_path, monkeypatch):
-    monkeypatch.setattr(exports, "LARGEST", 1000)
+    monkeypatch.setattr(result_module, "LARGEST", 1000)
     with pytest.raises(ResultFileError, match="a MAT file takes 2 GB; export a window, or as CSV"):
         write_mat(result, tmp_path / "a.mat", EVERYTHING)
     assert not (tmp_path / "a.mat").exists()

@@ -26,9 +26,9 @@ from vibsim.physics.formulas import Node
 from vibsim.physics.parts import EVENT_KINDS, ROTOR, STATE, Body, Scene
 from vibsim.results import simulate_to_file
 from vibsim.results.columns import starts_of, tables_of, written_unit
-from vibsim.results.exports import write_csv
 from vibsim.results.many_digits import agreement
 from vibsim.results.parallel_runs import towards, with_numbers
+from vibsim.results.result import write_csv
 
 __all__ = ["machine"]
 HIDDEN = {"x_i", "x_left", "v_left", "v_i", None}

@@ -11,11 +11,11 @@ from tests.command_line.made import call
 from tests.fitting.made import small_plan
 from vibsim.fitting.fitting import run_fit
 from vibsim.opening import open_result
-from vibsim.orbits.branches.branch_file import LocusStore
-from vibsim.orbits.branches.continuing import BranchFileStore, complete, orbit_from
+from vibsim.orbits.branches.branch_file import BranchStore, LocusStore, complete
+from vibsim.orbits.branches.continuing import orbit_from
 from vibsim.orbits.branches.locus_result import locus_plan
 from vibsim.orbits.branches.plan import plan_from, read_span
-from vibsim.sweeps.point_store import FileStore
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweeping import complete as complete_sweep
 from vibsim.sweeps.sweeping import make_plan
 from vibsim.sweeps.workers import LocalWorkers
@@ -55,7 +55,7 @@ def test_a_killed_sweep(here, monkeypatch):
     kill = Kill(here, 4)
     with LocalWorkers(plan.recipe, 1, "auto") as workers:
         whole, _ = complete_sweep(
-            FileStore(plan, here / "s.h5"), workers, lambda table: kill(int((table.status == 1).sum()))
+            SweepStore(plan, here / "s.h5"), workers, lambda table: kill(int((table.status == 1).sum()))
         )
     facts = info("s.h5")
     assert facts["points_done"] == kill.there >= 4 and facts["complete"] == 0
@@ -75,7 +75,7 @@ def test_a_killed_branch_and_a_killed_locus(here):
     orbit = orbit_from(vibsim.load_case("I-C", {"omega": "4.2 Hz"}))
     plan = plan_from(orbit, *read_span(orbit.case, "omega", "4:4.3 Hz"))
     kill = Kill(here, 5)
-    whole, _ = complete(BranchFileStore(plan, here / "b.h5"), 5000, watch=lambda count, *_: kill(count))
+    whole, _ = complete(BranchStore(plan, here / "b.h5"), 5000, watch=lambda count, *_: kill(count))
     assert info("b.h5")["points"] == kill.there == 5
     found = open_result("killed/b.h5")
     assert not found.attrs["complete"]
@@ -86,7 +86,7 @@ def test_a_killed_branch_and_a_killed_locus(here):
     shutil.rmtree("killed")
     followed = locus_plan(whole, "PD1", *read_span(whole.case, "c", "0.001:0.003 N s/m"))
     kill = Kill(here, 3)
-    locus, _ = LocusStore(followed, here / "l.h5").complete(6, lambda count, *_: kill(count))
+    locus, _ = complete(LocusStore(followed, here / "l.h5"), 6, lambda count, *_: kill(count))
     assert len(info("l.h5")["points"]) == kill.there == 3
     assert call("continue", "killed/l.h5", "--max-points", "6", "-q").exit_code == 0
     assert np.array_equal(open_result("killed/l.h5")["second"], locus["second"])

@@ -11,7 +11,7 @@ import pytest
 import vibsim
 from tests.results.made import short_case, short_run
 from vibsim.results import ResultFileError, simulate_to_file
-from vibsim.results.hdf5_writing import check_output, output_file
+from vibsim.results.output_files import check_output, output_file
 
 
 def files(folder):

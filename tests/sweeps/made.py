@@ -4,8 +4,8 @@ import numpy as np
 
 from vibsim.cases import load_case
 from vibsim.sweeps import sweeping
-from vibsim.sweeps.point_store import FileStore, Store
 from vibsim.sweeps.quantities import DONE, NOT_REPRODUCIBLE
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweeping import make_plan
 from vibsim.sweeps.workers import LocalWorkers
 
@@ -42,7 +42,7 @@ def run_stored(store, jobs, engine="auto", watch=None):
 
 def complete(plan, path, **options):
     """Run what is missing in a file; the indices computed by this call."""
-    store = FileStore(plan, path, **options)
+    store = SweepStore(plan, path, **options)
     before = store.table.status.copy()
     result, finished = run_stored(store, 2)
     assert finished
@@ -51,4 +51,4 @@ def complete(plan, path, **options):
 
 def in_memory(plan):
     """All points of a plan, nothing on file."""
-    return run_stored(Store(plan), 2)[0].table
+    return run_stored(SweepStore(plan), 2)[0].table

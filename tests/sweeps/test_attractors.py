@@ -10,9 +10,9 @@ from vibsim.analysis.attractor import observables
 from vibsim.cases.case import load_case, load_case_text
 from vibsim.results.hdf5_reading import ResultFileError
 from vibsim.sweeps.attractors import gather
-from vibsim.sweeps.point_store import FileStore
 from vibsim.sweeps.points import compute_point
 from vibsim.sweeps.run_ends import KINDS, NONE, REASONS
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError, shard
 
 STARTS = {"tip.x": "-4:4/8 mm", "tip.v": "-450:450/8 mm/s"}
@@ -113,7 +113,7 @@ def test_the_order_of_points_and_the_number_of_workers_change_no_bit(basins):
 def test_a_sweep_that_is_stopped_goes_on_to_the_same_file(basins, tmp_path):
     _, result = basins
     plan, path = cantilever_plan(), tmp_path / "stopped.h5"
-    run_stored(FileStore(plan, path), 2, watch=lambda table: table.count(1) < 20)
+    run_stored(SweepStore(plan, path), 2, watch=lambda table: table.count(1) < 20)
     there = vibsim.open_result(path)
     assert 0 < (there["status"] == 1).sum() < 64
     assert set(np.unique(there["attractor"][there["status"] != 1])) == {NONE}

@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
-from vibsim.sweeps.point_store import Store
 from vibsim.sweeps.points import SweepPoint, compute_batch
 from vibsim.sweeps.quantities import DONE, FAILED
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.workers import ROUNDS, Backlog, Chain, run
 
 CARRIED = {"carry_state": True, "direction": "both"}
@@ -47,7 +47,7 @@ def invented(index, seconds):
 
 def run_through(plan, workers):
     """Run a plan on such workers; the indices in the order in which they came back."""
-    store, came = Store(plan), []
+    store, came = SweepStore(plan), []
     add = store.add
     store.add = lambda points: (came.extend(point.index for point in points), add(points))
     assert run(store, workers, lambda table: (workers.waiting and workers.compute_one()) or True)
@@ -78,7 +78,7 @@ def test_a_batch_takes_its_time_and_the_last_are_short():
 
 def test_the_pace_follows_the_points():
     plan = short_plan({OMEGA0: "3:5:0.001 Hz"})
-    backlog = Backlog(plan, Store(plan).table, seconds=1.0)
+    backlog = Backlog(plan, SweepStore(plan).table, seconds=1.0)
     lengths = []
     for seconds in (0.1, 0.1, 0.1, 0.5, 0.5, 0.5, 0.5, 0.5):
         handed = backlog.batch(1)
@@ -91,7 +91,7 @@ def test_the_pace_follows_the_points():
 def test_a_carried_batch_is_the_points_one_by_one():
     plan = short_plan(case=short_case(t_end="2 s"), carry_state=True)
     indices = next(plan.chains())
-    one_by_one = Store(plan)
+    one_by_one = SweepStore(plan)
     backlog = Backlog(plan, one_by_one.table, seconds=0.0)
     while handed := backlog.batch(1):
         (_, piece), *_ = handed
@@ -99,7 +99,7 @@ def test_a_carried_batch_is_the_points_one_by_one():
         points = compute_batch(plan.recipe, (piece,), "c")
         one_by_one.add(points)
         backlog.take(handed, points)
-    together = Store(plan)
+    together = SweepStore(plan)
     piece = Chain(plan, together.table, indices).piece(len(indices))
     assert len(piece) == len(indices)
     together.add(compute_batch(plan.recipe, (piece,), "c"))
@@ -109,7 +109,7 @@ def test_a_carried_batch_is_the_points_one_by_one():
 def test_a_failed_point_is_retried_alone_when_those_behind_it_hold():
     """Behind a failed point a chain begins where that one began: if it fails again, all behind it count."""
     plan = short_plan(case=short_case(t_end="2 s"), carry_state=True)
-    store, indices = Store(plan), next(plan.chains())
+    store, indices = SweepStore(plan), next(plan.chains())
     for index in indices:
         piece = Chain(plan, store.table, indices).piece(1)
         (point,) = compute_batch(plan.recipe, (piece,), "c")

@@ -13,8 +13,8 @@ from tests.command_line.made import call
 from tests.sweeps.clusters import loopback_cluster
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from vibsim.opening import open_result
-from vibsim.sweeps.point_store import FileStore, Store
 from vibsim.sweeps.quantities import FAILED
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import STATISTICS
 from vibsim.sweeps.sweeping import complete
 from vibsim.sweeps.workers import DIED, ClusterError, ClusterWorkers
@@ -37,9 +37,9 @@ def on(cluster, store, watch=None, **options):
 @pytest.mark.parametrize("settings", [{}, CARRIED], ids=["fresh", "carried"])
 def test_a_cluster_gives_the_same_bits(cluster, settings):
     plan = short_plan({OMEGA0: "3:5:0.25 Hz", "c": "0.001, 0.03"}, compute=["all"], **settings)
-    result, finished = on(cluster, Store(plan))
+    result, finished = on(cluster, SweepStore(plan))
     assert finished and result.table.done
-    assert_same_points(result.table, run_stored(Store(plan), 2)[0].table)
+    assert_same_points(result.table, run_stored(SweepStore(plan), 2)[0].table)
 
 
 def test_a_killed_worker_costs_nothing_but_time(tmp_path):
@@ -56,24 +56,24 @@ def test_a_killed_worker_costs_nothing_but_time(tmp_path):
     with loopback_cluster(tmp_path) as cluster, ClusterWorkers(plan.recipe, cluster.address) as workers:
         workers._client.wait_for_workers(2, timeout=60)
         assert workers.count == 2
-        result, finished = complete(FileStore(plan, tmp_path / "s.h5"), workers, watch)
+        result, finished = complete(SweepStore(plan, tmp_path / "s.h5"), workers, watch)
         assert killed[0].wait(10) == -signal.SIGKILL
         assert finished and result.table.done
-    assert_same_points(open_result(tmp_path / "s.h5").table, run_stored(Store(plan), 2)[0].table)
+    assert_same_points(open_result(tmp_path / "s.h5").table, run_stored(SweepStore(plan), 2)[0].table)
 
 
 def test_an_interrupted_cluster_sweep_goes_on_here(cluster, tmp_path):
     plan, path = short_plan({OMEGA0: "3:5:0.05 Hz"}, short_case(t_end="20 s")), tmp_path / "s.h5"
-    _, finished = on(cluster, FileStore(plan, path), lambda table: table.count(1) < 4)
+    _, finished = on(cluster, SweepStore(plan, path), lambda table: table.count(1) < 4)
     left = open_result(path)
     assert not finished and 4 <= left.table.count(1) < plan.count
-    result = run_stored(FileStore(plan, path), 2)[0]
-    assert_same_points(result.table, run_stored(Store(plan), 2)[0].table)
+    result = run_stored(SweepStore(plan, path), 2)[0]
+    assert_same_points(result.table, run_stored(SweepStore(plan), 2)[0].table)
 
 
 def test_batches_in_flight_are_bounded(cluster):
     plan = short_plan({OMEGA0: "3:5:0.005 Hz"}, short_case(t_end="1 s"))
-    store, most = Store(plan), 0
+    store, most = SweepStore(plan), 0
     with ClusterWorkers(plan.recipe, cluster.address) as workers:
 
         def watch(table):
@@ -99,7 +99,7 @@ def test_a_worker_that_computes_other_bits_is_refused(cluster, monkeypatch):
         workers = ClusterWorkers(plan.recipe, cluster.address)
         with pytest.raises(ClusterError, match=rf"worker .*, process \d+, {message}"), workers:
             workers._signature = {**workers._signature, key: value}  # as a worker finds it that joins later
-            complete(Store(plan), workers)
+            complete(SweepStore(plan), workers)
 
 
 @pytest.mark.slow
@@ -112,7 +112,7 @@ def test_a_cluster_without_vibsim_is_refused(tmp_path, who):
         cluster.add_worker(**(lacking if who == "worker" else {}))
         plan = short_plan({OMEGA0: "3, 4 Hz"})
         with pytest.raises(ClusterError, match=r"vibsim: .*No module named 'vibsim'"):
-            on(cluster, Store(plan))
+            on(cluster, SweepStore(plan))
 
 
 def test_points_that_kill_every_worker_fail_and_the_others_do_not(cluster, monkeypatch):
@@ -129,7 +129,7 @@ def test_points_that_kill_every_worker_fail_and_the_others_do_not(cluster, monke
             return result(future)
 
         monkeypatch.setattr(workers, "result", deadly)
-        table = complete(Store(plan), workers)[0].table
+        table = complete(SweepStore(plan), workers)[0].table
     assert table.status[:, 0].tolist() == [1, FAILED] and table.error[1, 0] == DIED
 
 

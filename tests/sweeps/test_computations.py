@@ -17,10 +17,10 @@ from vibsim.physics.parts import EVENT_KINDS
 from vibsim.sweeps import statistics
 from vibsim.sweeps.computations import COMPUTATIONS, read_computations
 from vibsim.sweeps.contact_computations import QUANTILES
-from vibsim.sweeps.point_store import FileStore, Store
 from vibsim.sweeps.points import measure
 from vibsim.sweeps.quantities import of_two_blocks
 from vibsim.sweeps.statistics import sampled_for_statistics
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError, PointRecipe
 
 
@@ -178,8 +178,8 @@ def test_names():
 @pytest.mark.parametrize("jobs", [2])
 def test_computed_columns_on_file_are_the_same_bits_for_any_number_of_jobs(tmp_path, jobs):
     plan = short_plan({OMEGA0: "3:5:1 Hz"}, short_case(t_end="8 s"), compute=["all"], section=6)
-    one = run_stored(Store(plan), 1)[0]
-    two = run_stored(FileStore(plan, tmp_path / "s.h5"), jobs)[0]
+    one = run_stored(SweepStore(plan), 1)[0]
+    two = run_stored(SweepStore(plan, tmp_path / "s.h5"), jobs)[0]
     assert_same_points(two.table, one.table)
     read = open_result(tmp_path / "s.h5")
     assert_same_points(read.table, one.table)
@@ -195,7 +195,9 @@ def test_computed_columns_on_file_are_the_same_bits_for_any_number_of_jobs(tmp_p
 
 def test_both_engines_compute_the_same_bits():
     plan = short_plan({OMEGA0: "4 Hz"}, short_case(t_end="3 s"), compute=["all"])
-    c, python = (run_stored(Store(plan, engine), 1, engine)[0].table for engine in ("c", "python"))
+    c, python = (
+        run_stored(SweepStore(plan, engine=engine), 1, engine)[0].table for engine in ("c", "python")
+    )
     assert_same_points(c, python)
 
 

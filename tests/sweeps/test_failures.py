@@ -11,8 +11,8 @@ from tests.sweeps.made import (
     short_case,
     short_plan,
 )
-from vibsim.sweeps.point_store import Store
 from vibsim.sweeps.quantities import DONE, FAILED
+from vibsim.sweeps.sweep_file import SweepStore
 
 
 def test_a_failed_point_is_kept_with_its_reason_and_tried_again(tmp_path, monkeypatch):
@@ -40,7 +40,7 @@ def test_a_failed_point_is_kept_with_its_reason_and_tried_again(tmp_path, monkey
 def test_a_point_whose_case_is_not_allowed_fails_alone():
     """Each value alone is allowed; together t_end and every make too many samples."""
     plan = short_plan({"t_end": "1, 100 s", "every": "1e-9, 1 s"}, short_case(run__every="1 s"))
-    result, _ = run_stored(Store(plan), 1)
+    result, _ = run_stored(SweepStore(plan), 1)
     assert result["status"][:, :, 0].tolist() == [[DONE, DONE], [FAILED, DONE]]
     assert "samples" in result["error"][1, 0, 0]
 
@@ -55,7 +55,7 @@ def test_a_bug_at_one_point_does_not_stop_the_others(monkeypatch):
             super().update(block)
 
     monkeypatch.setattr(points, "Statistics", Faulty)
-    result, _ = run_stored(Store(short_plan({OMEGA0: "3, 4, 5 Hz"})), 2)
+    result, _ = run_stored(SweepStore(short_plan({OMEGA0: "3, 4, 5 Hz"})), 2)
     assert result["status"].ravel().tolist() == [DONE, FAILED, DONE]
     assert result["error"][1, 0].startswith(
         "a bug in vibsim, please report it: ZeroDivisionError: by nothing (test_"
@@ -64,8 +64,8 @@ def test_a_bug_at_one_point_does_not_stop_the_others(monkeypatch):
 
 def test_a_motion_too_fast_to_take_statistics_of_fails_alone():
     """10^300 turns a second over 2 s are no 10^10 samples; nor are 2 s in steps of 10^-30 s."""
-    result, _ = run_stored(Store(short_plan({OMEGA0: "1e300, 4 Hz"})), 1)
+    result, _ = run_stored(SweepStore(short_plan({OMEGA0: "1e300, 4 Hz"})), 1)
     assert result["status"].ravel().tolist() == [FAILED, DONE]
     assert "more than 1e10 samples" in result["error"][0, 0]
-    result, _ = run_stored(Store(short_plan({OMEGA0: "4 Hz"}, every="1e-30 s")), 1)
+    result, _ = run_stored(SweepStore(short_plan({OMEGA0: "4 Hz"}, every="1e-30 s")), 1)
     assert "more than 1e10 samples" in result["error"][0, 0]

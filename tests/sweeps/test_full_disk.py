@@ -8,8 +8,8 @@ import pytest
 
 from tests.sweeps.made import assert_same_points, complete, in_memory, short_case, short_plan
 from vibsim.opening import open_result
-from vibsim.sweeps.point_store import FileStore
 from vibsim.sweeps.quantities import DONE
+from vibsim.sweeps.sweep_file import SweepStore
 
 SWEEP = """
 import os, resource, sys
@@ -23,7 +23,7 @@ AXES = {"excitation.Omega0": "3:5:0.1 Hz"}
 
 
 def size_without_points(plan, path):
-    with FileStore(plan, path):
+    with SweepStore(plan, path):
         size = os.path.getsize(path)
     path.unlink()
     return size
@@ -47,7 +47,7 @@ def test_nothing_computed_is_lost(tmp_path, section, further, left):
     assert done.stderr.count("\n") == 1
     assert sorted(os.listdir(tmp_path)) == left
     open_result(path)
-    store = FileStore(plan, path)
+    store = SweepStore(plan, path)
     kept = store.table.count(DONE)
     store._journal.close(remove=False)
     assert kept > 0

@@ -5,8 +5,8 @@ from itertools import pairwise
 import pytest
 
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
-from vibsim.sweeps.point_store import Store
 from vibsim.sweeps.quantities import DONE
+from vibsim.sweeps.sweep_file import SweepStore
 
 SETTINGS = {
     "fresh": {},
@@ -16,7 +16,7 @@ SETTINGS = {
 
 
 def table(plan, jobs, engine="auto"):
-    result, finished = run_stored(Store(plan, engine), jobs, engine)
+    result, finished = run_stored(SweepStore(plan, engine=engine), jobs, engine)
     assert finished and result.complete
     return result.table
 
@@ -39,7 +39,7 @@ def test_processes_over_the_python_engine_give_the_same_bits():
 
 def test_a_carried_point_begins_where_the_one_before_ended():
     plan = short_plan({OMEGA0: "3, 4 Hz"}, carry_state=True, direction="both")
-    result, _ = run_stored(Store(plan), 1)
+    result, _ = run_stored(SweepStore(plan), 1)
     order = [(0, 0), (1, 0), (1, 1), (0, 1)]  # up, then back down
     assert result.case_at(order[0]).number("initial.x1") == 0.0
     for before, after in pairwise(order):
@@ -52,7 +52,7 @@ def test_a_carried_point_begins_where_the_one_before_ended():
 def test_a_carried_harmonic_force_has_no_jump():
     """4 s at 3.3 Hz end in a period; the state carried on is that at its last whole one, 13/3.3 s."""
     plan = short_plan({"omega": "3.3, 3.4 Hz"}, short_case("I-B"), carry_state=True)
-    result, _ = run_stored(Store(plan), 1)
+    result, _ = run_stored(SweepStore(plan), 1)
     import vibsim
 
     state = vibsim.simulate(result.case_at((0, 0))).at(13 / 3.3)
@@ -62,6 +62,6 @@ def test_a_carried_harmonic_force_has_no_jump():
 
 
 def test_fresh_points_do_not_depend_on_the_direction():
-    result, _ = run_stored(Store(short_plan(direction="both")), 2)
+    result, _ = run_stored(SweepStore(short_plan(direction="both")), 2)
     for name in ("mean_speed", "amplitude_x1", "end_x2"):
         assert (result[name][:, 0] == result[name][:, 1]).all()

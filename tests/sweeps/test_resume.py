@@ -21,8 +21,10 @@ from tests.sweeps.made import (
 )
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
-from vibsim.sweeps.point_store import FileStore, PointJournal, journal_path
+from vibsim.results.plain_data import plain_data
+from vibsim.results.store import Journal, journal_path
 from vibsim.sweeps.quantities import DONE, MISSING
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweeping import sweep
 
 CARRIED = {"carry_state": True, "direction": "both"}
@@ -30,7 +32,7 @@ CARRIED = {"carry_state": True, "direction": "both"}
 
 def interrupted(plan, path, points):
     """Run a file until so many points are there."""
-    run_stored(FileStore(plan, path), 2, watch=lambda table: table.count(DONE) < points)
+    run_stored(SweepStore(plan, path), 2, watch=lambda table: table.count(DONE) < points)
 
 
 @pytest.mark.parametrize("settings", [{}, CARRIED], ids=["fresh", "carried"])
@@ -63,7 +65,7 @@ def test_a_chain_is_recomputed_from_the_first_point_that_does_not_follow(tmp_pat
     result, _ = complete(plan, path)
     with h5py.File(path, "r+") as file:
         file["end_x1"][2, 0] += 1e-9  # everything behind (2, up) was begun elsewhere
-    store = FileStore(plan, path)
+    store = SweepStore(plan, path)
     again, _ = run_stored(store, 1)
     order = next(plan.chains())
     for index in order:
@@ -74,8 +76,8 @@ def test_a_chain_is_recomputed_from_the_first_point_that_does_not_follow(tmp_pat
 def test_points_waiting_in_the_journal_are_taken_over(tmp_path):
     plan, path = short_plan(), tmp_path / "sweep.h5"
     points = in_memory(plan)
-    with FileStore(plan, path) as store:
-        store._journal.add([points.point((1, 0))])
+    with SweepStore(plan, path) as store:
+        store._journal.add([plain_data(points.point((1, 0)))])
         with open(journal_path(path), "ab") as file:
             file.write(b'{"index": [2, 0], "status": 1, "sha')  # killed in the middle of a line
         copy = journal_path(path).read_bytes()
@@ -132,7 +134,7 @@ def test_kill_at_random_moments(tmp_path, carried):
         kill_at(["--carry-state", "--direction", "both"] if carried else [], path, draw.uniform(0, 0.12))
         if path.exists():
             open_result(path)
-        store = FileStore(plan, path)
+        store = SweepStore(plan, path)
         assert store.table.count(DONE) >= known
         known = store.table.count(DONE)
         store._journal.close(remove=False)
@@ -149,7 +151,7 @@ def test_another_sweep_is_refused_with_the_difference(tmp_path):
         {OMEGA0: "3, 5 Hz", "mu": "0.001, 0.002"}, short_case(coupling__c="0.002 N s/m"), discard="1 s"
     )
     with pytest.raises(ResultFileError) as error:
-        FileStore(other, path)
+        SweepStore(other, path)
     message = str(error.value)
     assert "excitation.Omega0: in the file 3, 4 Hz (2 values), here 3, 5 Hz (2 values)" in message
     assert "friction.mu: in the file not swept, here 0.001, 0.002 (2 values)" in message
@@ -172,20 +174,23 @@ def test_a_trajectory_is_not_overwritten(tmp_path):
 
     path = vibsim.simulate(short_case()).save(tmp_path / "run.h5")
     with pytest.raises(ResultFileError, match="holds a trajectory, not a sweep"):
-        FileStore(short_plan(), path)
+        SweepStore(short_plan(), path)
 
 
 def test_a_second_process_is_refused(tmp_path):
     path = tmp_path / "sweep.h5"
-    with FileStore(short_plan(), path), pytest.raises(ResultFileError, match="another command is writing it"):
-        PointJournal(path)
-    PointJournal(path).close(remove=True)
+    with (
+        SweepStore(short_plan(), path),
+        pytest.raises(ResultFileError, match="another command is writing it"),
+    ):
+        Journal(path, "sweep", path)
+    Journal(path, "sweep", path).close(remove=True)
 
 
 def journal_of(plan, path, count):
     """The journal of a sweep killed after `count` points, and those points."""
     points = in_memory(plan)
-    with FileStore(plan, path) as store:
+    with SweepStore(plan, path) as store:
         store.make_room(2)
         store.add([points.point(index) for index in next_indices(plan, count)])
         data = journal_path(path).read_bytes()
@@ -224,7 +229,7 @@ def test_a_damaged_record_is_told_left_out_and_computed_again(tmp_path, damage):
     data, points = journal_of(plan, path, 3)
     lines = DAMAGES[damage](data.split(b"\n"))
     journal_path(path).write_bytes(b"\n".join(lines))
-    store = FileStore(plan, path)
+    store = SweepStore(plan, path)
     assert store.notes == [f"{journal_path(path)}: 1 damaged record left out; computed again"]
     assert store.table.count(DONE) == (3 if damage == "no header" else 2)
     result, _ = run_stored(store, 1)
@@ -245,4 +250,4 @@ def test_the_journal_of_another_sweep_is_refused(tmp_path):
     data, _ = journal_of(plan, path, 2)
     journal_path(path).write_bytes(data)
     with pytest.raises(ResultFileError, match="points of another sweep are waiting"):
-        FileStore(short_plan({OMEGA0: "3, 5 Hz"}), path)
+        SweepStore(short_plan({OMEGA0: "3, 5 Hz"}), path)

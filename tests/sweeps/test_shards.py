@@ -10,7 +10,7 @@ from vibsim.opening import open_result
 from vibsim.results import ResultFileError
 from vibsim.sweeps import join, sweep_plan
 from vibsim.sweeps.axes import read_members
-from vibsim.sweeps.point_store import FileStore, Store
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError, read_shard, shard
 from vibsim.sweeps.sweeping import make_plan
 
@@ -29,7 +29,7 @@ def in_parts(plan, folder, parts=3):
     """Files of all parts, each run by itself."""
     paths = [folder / f"{number}.h5" for number in range(1, parts + 1)]
     for number, path in enumerate(paths, 1):
-        run_stored(FileStore(shard(plan, number, parts), path), 2)
+        run_stored(SweepStore(shard(plan, number, parts), path), 2)
     return paths
 
 
@@ -37,13 +37,13 @@ def in_parts(plan, folder, parts=3):
 def test_the_parts_are_the_whole_bit_by_bit(tmp_path, plan):
     paths = in_parts(plan, tmp_path)
     joined = join(reversed(paths))
-    whole = run_stored(Store(plan), 2)[0]
+    whole = run_stored(SweepStore(plan), 2)[0]
     assert joined.plan.fingerprint == plan.fingerprint
     assert_same_points(joined.table, whole.table)
     assert joined.attrs["points_done"] == plan.count and joined.attrs["complete"] == 1 and joined.complete
     saved = open_result(joined.save(tmp_path / "whole.h5"))
     assert_same_points(saved.table, whole.table)
-    assert_same_points(run_stored(FileStore(plan, tmp_path / "whole.h5"), 1)[0].table, whole.table)
+    assert_same_points(run_stored(SweepStore(plan, tmp_path / "whole.h5"), 1)[0].table, whole.table)
 
 
 def test_columns_are_read_when_they_are_asked_for(tmp_path):
@@ -57,11 +57,11 @@ def test_what_is_no_part_is_refused(tmp_path):
     with pytest.raises(ResultFileError, match="overlap in c"):
         join([paths[0], paths[1], paths[1]])
     other = make_plan(CASE, [GRID[0], ("c", "1, 2", "")], section=3)
-    run_stored(FileStore(other, tmp_path / "other.h5"), 2)
+    run_stored(SweepStore(other, tmp_path / "other.h5"), 2)
     with pytest.raises(ResultFileError, match=r"other\.h5: its case or its settings are not those of"):
         join([*paths, tmp_path / "other.h5"])
     twice = make_plan(CASE, [(OMEGA0, "6 Hz", ""), ("c", "1, 2", "")])
-    run_stored(FileStore(twice, tmp_path / "twice.h5"), 2)
+    run_stored(SweepStore(twice, tmp_path / "twice.h5"), 2)
     with pytest.raises(ResultFileError, match=r"differs from .* in omega0 and c"):
         join([paths[0], tmp_path / "twice.h5"])
     with pytest.raises(ResultFileError, match="no files"):
@@ -102,7 +102,7 @@ def test_the_command(tmp_path, monkeypatch):
 def test_a_long_axis_is_stored_in_short(tmp_path):
     """20,001 values written out would be 200 kB of attribute."""
     plan = short_plan({OMEGA0: "3:5:0.0001 Hz"}, CASE, section=0)
-    with FileStore(plan, tmp_path / "long.h5"):
+    with SweepStore(plan, tmp_path / "long.h5"):
         pass
     with h5py.File(tmp_path / "long.h5") as file:
         assert len(file.attrs["sweep_settings_json"]) < 1000
@@ -113,18 +113,18 @@ def test_a_long_axis_is_stored_in_short(tmp_path):
     with pytest.raises(
         ResultFileError, match=r"file 3, 3.0001, ... 5 Hz \(20001 values\), here 3, 3.0002, ... 5"
     ):
-        FileStore(other, tmp_path / "long.h5")
+        SweepStore(other, tmp_path / "long.h5")
 
 
 def test_what_does_not_fit_into_memory_is_refused(monkeypatch, tmp_path):
     plan = PLANS["fresh"]
     needed = plan.count * sweep_plan.bytes_per_point(plan)
-    table = Store(plan).table
+    table = SweepStore(plan).table
     held = sum(array.nbytes for array in table.numbers.values())
     assert held < needed < held + 200 * plan.count
     monkeypatch.setattr(sweep_plan, "_memory", lambda: int(needed / 0.71))
     with pytest.raises(PlanError, match=r"35 points of \d+ bytes take .*--shard"):
-        FileStore(plan, tmp_path / "s.h5")
+        SweepStore(plan, tmp_path / "s.h5")
     assert list(tmp_path.iterdir()) == []
     monkeypatch.setattr(sweep_plan, "_memory", lambda: int(needed / 0.69))
-    Store(plan)
+    SweepStore(plan)

@@ -11,8 +11,8 @@ from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
 from vibsim.sweeps import describe, sweep
-from vibsim.sweeps.point_store import FileStore
 from vibsim.sweeps.quantities import DEFINITIONS, always, quantities_of, section
+from vibsim.sweeps.sweep_file import SweepStore
 
 SECTIONS = 7
 
@@ -24,7 +24,7 @@ def made(tmp_path_factory):
     plan = short_plan(
         {OMEGA0: "3:4:0.5 Hz", "G": "1, 2 mm"}, carry_state=True, direction="both", section=SECTIONS
     )
-    result, _ = run_stored(FileStore(plan, path), 2)
+    result, _ = run_stored(SweepStore(plan, path), 2)
     return path, result
 
 

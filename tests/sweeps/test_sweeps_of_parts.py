@@ -14,10 +14,10 @@ from vibsim.cases.case import load_case_text
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.opening import open_result
 from vibsim.physics.parts import EVENT_KINDS
-from vibsim.sweeps.point_store import FileStore
 from vibsim.sweeps.points import measure
 from vibsim.sweeps.quantities import FAILED
 from vibsim.sweeps.statistics import sampled_for_statistics
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError, PointRecipe
 from vibsim.sweeps.sweeping import sweep
 
@@ -268,7 +268,7 @@ def test_a_sweep_that_carries_the_state_goes_on_where_it_was(tmp_path):
         for body in start.bodies:
             assert (body.x, body.v) == tuple(result[f"end_{state}_{body.name}"][before] for state in "xv")
     assert result["feed_A"].tolist() == [50, 60, 70] and result["m_bit"].tolist() == [0.5, 0.6]
-    with FileStore(plan, tmp_path / "part.h5") as store:
+    with SweepStore(plan, tmp_path / "part.h5") as store:
         store.add([result.table.point(index) for index in ((0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 1, 0))])
     again, computed = complete(plan, tmp_path / "part.h5")
     assert len(computed) == 8

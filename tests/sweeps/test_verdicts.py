@@ -14,13 +14,13 @@ from vibsim.engine.trajectory import open_trajectory
 from vibsim.opening import open_result
 from vibsim.physics.parts import EVENT_KINDS
 from vibsim.sweeps import computations
-from vibsim.sweeps.point_store import FileStore, Store
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError
 
 
 def swept(case, *names, key="c", values=None, **settings):
     values = values or str(case.quantity(key))
-    return run_stored(Store(short_plan({key: values}, case, compute=names, **settings)), 1)[0]
+    return run_stored(SweepStore(short_plan({key: values}, case, compute=names, **settings)), 1)[0]
 
 
 def only(result, name):
@@ -120,7 +120,7 @@ def test_verdicts_on_file(tmp_path):
     plan = short_plan(
         {OMEGA0: "3, 5 Hz"}, short_case(t_end="30 s"), compute=["capture", "lyapunov-spectrum", "regime"]
     )
-    result = run_stored(FileStore(plan, tmp_path / "s.h5"), 2)[0]
+    result = run_stored(SweepStore(plan, tmp_path / "s.h5"), 2)[0]
     assert_same_points(open_result(tmp_path / "s.h5").table, result.table)
     with h5py.File(tmp_path / "s.h5") as file:
         flags = dict(

@@ -12,14 +12,14 @@ from vibsim.plots.subject import open_subjects
 from vibsim.plots.sweep_axes import plane_of
 from vibsim.plots.sweep_curves import curves
 from vibsim.sweeps import join
-from vibsim.sweeps.point_store import FileStore, Store
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import DOWN, UP, PlanError, shard
 
 CARRIED = {"carry_state": True}
 
 
 def swept(plan):
-    return run_stored(Store(plan), 1)[0]
+    return run_stored(SweepStore(plan), 1)[0]
 
 
 def test_a_falling_range_runs_down():
@@ -76,7 +76,7 @@ def test_points_that_start_fresh_have_no_direction():
 
 def test_a_file_keeps_the_order_and_is_completed_in_it(tmp_path):
     plan = short_plan({OMEGA0: "5:3:1 Hz"}, direction="both", **CARRIED)
-    whole = run_stored(FileStore(plan, tmp_path / "a.h5"), 1)[0]
+    whole = run_stored(SweepStore(plan, tmp_path / "a.h5"), 1)[0]
     read = open_result(tmp_path / "a.h5")
     assert read.plan.fingerprint == plan.fingerprint
     assert read.directions == (DOWN, UP)
@@ -88,7 +88,7 @@ def test_a_file_keeps_the_order_and_is_completed_in_it(tmp_path):
 def test_parts_of_a_range_join_in_its_order_whatever_theirs(tmp_path, text):
     plan = short_plan({"c": text})
     for number in (1, 2):
-        run_stored(FileStore(shard(plan, number, 2), tmp_path / f"{number}.h5"), 1)
+        run_stored(SweepStore(shard(plan, number, 2), tmp_path / f"{number}.h5"), 1)
     for order in ((1, 2), (2, 1)):
         joined = join([tmp_path / f"{number}.h5" for number in order])
         assert joined.plan.fingerprint == plan.fingerprint
@@ -98,7 +98,7 @@ def test_parts_of_a_range_join_in_its_order_whatever_theirs(tmp_path, text):
 def test_pictures_run_from_left_to_right(tmp_path):
     axes = [{OMEGA0: "5, 3, 4 Hz", "c": "0.03:0.01/3"}, {OMEGA0: "3, 4, 5 Hz", "c": "0.01:0.03/3"}]
     for name, ranges in zip("ab", axes, strict=True):
-        run_stored(FileStore(short_plan(ranges), tmp_path / f"{name}.h5"), 1)
+        run_stored(SweepStore(short_plan(ranges), tmp_path / f"{name}.h5"), 1)
     (a,), (b,) = (open_subjects([str(tmp_path / f"{name}.h5")]) for name in "ab")
     drawn = {curve.label: (curve.x, curve.values("mean_speed")) for curve in curves([a])}
     assert len(drawn) == 3

@@ -44,25 +44,4 @@ if TYPE_CHECKING:
     from vibsim.analysis.sections import Exponent as Exponent
     from vibsim.analysis.span import Span as Span
 
-__getattr__, __dir__, __all__ = lazy_names(
-    __name__,
-    {
-        "vibsim.analysis.analysis": ["Analysis", "analyse"],
-        "vibsim.analysis.capture": ["Capture", "judge_capture"],
-        "vibsim.analysis.comparison": ["Comparison", "compare"],
-        "vibsim.analysis.cycles": [
-            "CaptureVerdict",
-            "ComparisonVerdict",
-            "DriftVerdict",
-            "FrequenciesVerdict",
-            "ImpactsVerdict",
-            "RegimeVerdict",
-        ],
-        "vibsim.analysis.dominant_frequencies": ["DominantFrequencies", "find_frequencies"],
-        "vibsim.analysis.drift": ["Drift", "ImpactsPerCycle", "count_impacts", "measure_drift"],
-        "vibsim.analysis.exponents": ["Lyapunov", "lyapunov"],
-        "vibsim.analysis.regime": ["Regime", "judge_regime", "largest_exponent"],
-        "vibsim.analysis.sections": ["Exponent"],
-        "vibsim.analysis.span": ["Span"],
-    },
-)
+__getattr__, __dir__, __all__ = lazy_names(__name__)

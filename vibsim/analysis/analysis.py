@@ -25,9 +25,8 @@ from vibsim.engine.blocks import Block
 from vibsim.physics.parts import Scene
 from vibsim.results.columns import IMPACT_CODES
 from vibsim.results.labelled import Shown
-from vibsim.results.result import Result
+from vibsim.results.result import Result, Window, read_window
 from vibsim.results.simulation import as_result
-from vibsim.results.windows import Window, read_window
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

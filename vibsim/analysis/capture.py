@@ -37,8 +37,7 @@ from vibsim.analysis.span import Span, span_of
 from vibsim.physics.parts import Motor, Scene
 from vibsim.physics.rates import bilinear_frequencies, natural_rates
 from vibsim.results.columns import IMPACT_CODES
-from vibsim.results.result import Result
-from vibsim.results.windows import Window
+from vibsim.results.result import Result, Window
 
 # Frequencies at which a motor of limited power may be captured.
 

@@ -24,8 +24,7 @@ from vibsim.physics.parts import ROTOR, STATE, Scene, columns_of
 from vibsim.physics.rates import source_period
 from vibsim.results.blocks_ahead import instants_per_sample, sampled_finer
 from vibsim.results.columns import IMPACT_CODES, PairMotion, tables_of
-from vibsim.results.result import Result
-from vibsim.results.windows import pieces, rows_within
+from vibsim.results.result import Result, pieces, rows_within
 
 # What a long motion does on the average, with confidence intervals from block averages.
 #

@@ -15,8 +15,7 @@ from vibsim.physics import elementary
 from vibsim.physics.elementary import mean
 from vibsim.physics.parts import Motor, Scene
 from vibsim.physics.rates import common_period, turning_columns
-from vibsim.results.result import Result
-from vibsim.results.windows import Window, pieces, rows_within
+from vibsim.results.result import Result, Window, pieces, rows_within
 
 # The words of verdicts, as enumerations whose members are these very texts.
 

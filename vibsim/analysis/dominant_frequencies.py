@@ -22,8 +22,7 @@ from vibsim.physics.elementary import dot, mean, sine_cosine_of_arrays
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import natural_rates
 from vibsim.results.columns import PairMotion, tables_of
-from vibsim.results.result import Result
-from vibsim.results.windows import Window, rows_within
+from vibsim.results.result import Result, Window, rows_within
 
 RELATIVE = "relative"  # the first relative motion of a scene, x1 - x2 of two blocks
 TERMS = (0.35875, -0.48829, 0.14128, -0.01168)  # of the window (Harris 1978)

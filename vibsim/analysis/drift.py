@@ -25,8 +25,7 @@ from vibsim.physics.elementary import dot, mean, sine_cosine_of_arrays, total
 from vibsim.physics.parts import EVENT_KINDS, Scene, columns_of
 from vibsim.physics.rates import is_driven, masses, source_period
 from vibsim.results.columns import closing_velocities, tables_of
-from vibsim.results.result import Result
-from vibsim.results.windows import Window
+from vibsim.results.result import Result, Window
 
 DOUBT = 0.05  # probability that the interval misses the rate
 STILL = 1e-12  # [m/s] a nanometre in a quarter of an hour: no drift

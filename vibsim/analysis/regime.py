@@ -28,8 +28,7 @@ from vibsim.orbits.stability import exponents_of
 from vibsim.physics.connections import drifting_sets
 from vibsim.physics.parts import Scene, columns_of
 from vibsim.physics.rates import is_driven
-from vibsim.results.result import Result
-from vibsim.results.windows import Window, pieces, rows_within
+from vibsim.results.result import Result, Window, pieces, rows_within
 
 # The regime of a run: periodic, quasi-periodic, chaotic, or something less settled, and what says so.
 

@@ -35,8 +35,7 @@ from vibsim.physics.elementary import mean, sine_cosine_of_arrays
 from vibsim.physics.parts import Scene, columns_of
 from vibsim.physics.rates import turning_columns
 from vibsim.results.columns import PairMotion, states_at
-from vibsim.results.result import Result
-from vibsim.results.windows import pieces, rows_within
+from vibsim.results.result import Result, pieces, rows_within
 
 MOST = 5000  # points, the last ones of the span
 NEWTON_STEPS = 2  # from an error of 1e-4 rad, which the line between two samples leaves

@@ -5,8 +5,7 @@ from fractions import Fraction
 from numbers import Real
 
 from vibsim.cases.quantities import QuantityError, decimal_text, parse_quantity
-from vibsim.results.result import Result
-from vibsim.results.windows import Window
+from vibsim.results.result import Result, Window
 
 TRANSIENT = 0.5  # share of a run that is left out where its steady motion is judged, as in sweeps
 

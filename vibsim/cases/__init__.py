@@ -22,13 +22,4 @@ if TYPE_CHECKING:
     from vibsim.cases.sources import hard_case_names as hard_case_names
     from vibsim.cases.sources import shipped_case_names as shipped_case_names
 
-__getattr__, __dir__, __all__ = lazy_names(
-    __name__,
-    {
-        "vibsim.cases.case": ["Case", "load_case"],
-        "vibsim.cases.problems": ["CaseError", "Problem"],
-        "vibsim.cases.quantities": ["RangeError", "RangeValue", "parse_range"],
-        "vibsim.cases.schema_keys": ["UnknownKeyError", "case_schema"],
-        "vibsim.cases.sources": ["gallery_case_names", "hard_case_names", "shipped_case_names"],
-    },
-)
+__getattr__, __dir__, __all__ = lazy_names(__name__)

@@ -17,11 +17,4 @@ if TYPE_CHECKING:
     from vibsim.fitting.fitting import fit as fit
     from vibsim.fitting.measures import FitError as FitError
 
-__getattr__, __dir__, __all__ = lazy_names(
-    __name__,
-    {
-        "vibsim.fitting.fit_result": ["FitResult", "describe", "open_fit"],
-        "vibsim.fitting.fitting": ["fit"],
-        "vibsim.fitting.measures": ["FitError"],
-    },
-)
+__getattr__, __dir__, __all__ = lazy_names(__name__)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Mapping
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +13,7 @@ import numpy as np
 from vibsim.cases import Case
 from vibsim.cases.quantities import UNITS, exact_number
 from vibsim.engine.choice import engine_name
-from vibsim.fitting.plan import HORIZON, TRUST, FitPlan, Index, Search, fingerprint_of
+from vibsim.fitting.plan import HORIZON, TRUST, FitPlan, fingerprint_of
 from vibsim.fitting.statements import Candidate, FreeParameter, parse_statement
 from vibsim.results.file_contents import (
     ENGINE,
@@ -27,16 +26,14 @@ from vibsim.results.file_contents import (
     provenance,
 )
 from vibsim.results.hdf5_reading import (
-    ResultFileError,
     opened,
     read_attributes,
     read_datasets,
     stored_case,
     understood,
 )
-from vibsim.results.hdf5_writing import check_leftover, check_result_output, write_hdf5
-from vibsim.sweeps.axes import Members, axis_from_plain
-from vibsim.sweeps.point_store import PointJournal
+from vibsim.results.hdf5_writing import write_hdf5
+from vibsim.results.plain_data import from_plain
 from vibsim.sweeps.points import SweepPoint
 from vibsim.sweeps.quantities import DONE, MISSING, STATUS_FLAGS
 
@@ -231,17 +228,9 @@ def _plan(first: Case, attrs: Mapping[str, Any]) -> FitPlan:
     cases = (first, *others)
     if fingerprint_of(cases, settings) != attrs["fit_sha256"]:
         raise ValueError("settings or cases were changed")
-    members = axis_from_plain(settings["starts"]) if settings["starts"] else None
-    if not (members is None or isinstance(members, Members)):
-        raise ValueError("starts")
-    return FitPlan(
-        cases,
-        tuple(map(FreeParameter.from_plain, settings["free"])),
-        tuple(dict(reading) for reading in settings["readings"]),
-        tuple(parse_statement(text, cases) for text in settings["statements"]),
-        members,
-        Search(**settings["search"]),
-    )
+    statements = tuple(parse_statement(text, cases) for text in settings["statements"])
+    plan: FitPlan = from_plain(FitPlan, settings, cases=cases, statements=statements)
+    return plan
 
 
 def _candidates(stored: Mapping[str, Any], plan: FitPlan) -> list[Candidate]:
@@ -271,104 +260,3 @@ def _runs(stored: Mapping[str, Any], plan: FitPlan) -> list[SweepPoint]:
         attributes = {HORIZON: float(horizons[number, case])}
         runs.append(SweepPoint((number, case, TRUST), DONE, str(sha256[number, case, 0]), "", attributes))
     return runs
-
-
-# The runs of a fit: in memory, and on file as they come, so that none is computed twice.
-
-
-Runs = dict[Index, SweepPoint]
-
-
-class RunStore:
-    """Runs by index, kept in memory; `notes` is what the user should know of what was there before."""
-
-    def __init__(self) -> None:
-        self.runs: Runs = {}
-        self.attrs: dict[str, str] = {}  # of the file, where there is one
-        self.notes: list[str] = []
-
-    def add(self, points: Iterable[SweepPoint]) -> None:
-        """Keep runs."""
-        for point in points:
-            self.runs[point.index] = point  # type: ignore[index]
-
-    def close(self, written: bool) -> None:
-        """Let go of what is held."""
-
-
-class FileRunStore(RunStore):
-    """Runs that go into the journal of a file at once; those of the file and its journal are there already.
-
-    Raises ResultFileError where the file holds another fit or anything else (unless `force`), where another
-    process writes it, or where it cannot be written.
-    """
-
-    def __init__(self, plan: FitPlan, path: str | Path, force: bool = False):
-        super().__init__()
-        self.path = check_result_output(path, force=True)
-        check_leftover(path, force)
-        self._shown = path
-        self._on_file = (-1, False)  # runs, and whether the search had come to its end; no file yet
-        self._journal = PointJournal(self.path, "fit", path)
-        try:
-            if force:
-                self._journal.restart(plan.fingerprint)
-            else:
-                self._go_on(plan)
-        except BaseException:
-            self._journal.close(remove=False)
-            raise
-
-    def _go_on(self, plan: FitPlan) -> None:
-        if self.path.exists():
-            attrs, there, _, points = read_fit(Path(self._shown))
-            if attrs["fit_sha256"] != plan.fingerprint:
-                others = " and ".join(_differences(plan, there.cases, attrs["fit_settings_json"]))
-                raise ResultFileError(
-                    f"{self._shown}: holds another fit, of other {others}; kept (force=True replaces it)"
-                )
-            super().add(points)
-            self.attrs = {"date_created": attrs["date_created"]}
-            self._on_file = (len(self.runs), bool(attrs["complete"]))
-        waiting = list(self._journal.read(plan.fingerprint))
-        super().add(waiting)
-        self.notes += self._journal.notes()
-        self._journal.go_on(plan.fingerprint, waiting)
-
-    def add(self, points: Iterable[SweepPoint]) -> None:
-        batch = list(points)
-        super().add(batch)
-        self._journal.add(batch)
-
-    def begin(self, result: FitResult) -> None:
-        """Make the file, which holds the plan, before the first run; one that is there holds it."""
-        if self._on_file < (0, False):
-            with suppress(ResultFileError):  # the journal keeps the runs; what is wrong is told at the end
-                write_fit(self.path, result)
-
-    def publish(self, result: FitResult) -> None:
-        """Write the file of the fit, unless it is there; where that fails, the journal keeps its runs.
-
-        Raises ResultFileError.
-        """
-        if (len(self.runs), bool(result.attrs["complete"])) <= self._on_file:
-            return
-        try:
-            write_fit(self.path, result)
-        except ResultFileError as failure:
-            raise self._journal.kept_after(failure) from failure
-
-    def close(self, written: bool) -> None:
-        self._journal.close(remove=written)
-
-
-NAMES = {"free": "free parameters", "starts": "starts", "search": "search settings", "scipy": "scipy",
-         "fitting": "version of vibsim"}  # fmt: skip
-
-
-def _differences(plan: FitPlan, cases: Sequence[Case], stored: str) -> list[str]:
-    """What differs between a plan and the fit on file, in words."""
-    ours, theirs = json.loads(json.dumps(plan.settings)), json.loads(stored)
-    named = [NAMES.get(key, key) for key in ours if ours[key] != theirs.get(key)]
-    same_cases = [case.sha256 for case in plan.cases] == [case.sha256 for case in cases]
-    return named if same_cases else ["cases", *named]

@@ -16,10 +16,9 @@ from vibsim.fitting.fit_file import CANDIDATE, datasets_of, file_values, read_fi
 from vibsim.fitting.plan import HORIZON, TRUST, FitPlan, Index
 from vibsim.fitting.search import Judgement, StatementResult, candidates_within, judge, values_of
 from vibsim.fitting.statements import Candidate, Statement
-from vibsim.results.hdf5_writing import check_result_output
-from vibsim.results.journal import Waiting
 from vibsim.results.labelled import Arrays, Labelled
-from vibsim.sweeps.point_store import point_from
+from vibsim.results.output_files import check_result_output
+from vibsim.results.store import Waiting
 from vibsim.sweeps.points import SweepPoint
 
 
@@ -164,7 +163,7 @@ def open_fit(path: str | Path) -> FitResult:
     """
     waiting = Waiting(path)
     attrs, plan, candidates, points = read_fit(Path(path))
-    more = list(map(point_from, waiting.records(attrs["fit_sha256"])))
+    more = waiting.records(attrs["fit_sha256"], SweepPoint)
     runs: dict[Index, SweepPoint] = {point.index: point for point in [*points, *more]}  # type: ignore[misc]
     if more and plan.fingerprint == attrs["fit_sha256"]:
         return FitResult({**attrs, "runs": len(runs)}, plan, candidates_within(plan, runs), runs)

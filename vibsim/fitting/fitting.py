@@ -1,21 +1,28 @@
-"""The Python call that runs a fit."""
+"""The Python call that runs a fit, and where its runs are kept."""
 
 from __future__ import annotations
 
+import json
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from os import PathLike
+from pathlib import Path
+from typing import Any
 
 from vibsim.cases import Case
 from vibsim.cases.case import by_key, load_case, texts
-from vibsim.fitting.fit_file import FileRunStore, RunStore, origin
+from vibsim.fitting.fit_file import origin, read_fit, write_fit
 from vibsim.fitting.fit_result import FitResult
 from vibsim.fitting.measures import FitError, FitInterrupted
 from vibsim.fitting.plan import METHODS, FitPlan, Search, measure_all
-from vibsim.fitting.search import Evaluation, Watch, search
-from vibsim.fitting.statements import parse_statement, read_free, read_reading
+from vibsim.fitting.search import Evaluation, Runs, Watch, search
+from vibsim.fitting.statements import Candidate, parse_statement, read_free, read_reading
 from vibsim.results.blocks_ahead import available_cores
+from vibsim.results.hdf5_reading import ResultFileError
+from vibsim.results.store import Store
 from vibsim.sweeps.axes import Members, read_members, rotor_angles
+from vibsim.sweeps.points import SweepPoint
 from vibsim.sweeps.sweep_plan import PlanError
 from vibsim.sweeps.sweeping import read_ensemble
 from vibsim.sweeps.workers import LocalWorkers
@@ -161,35 +168,64 @@ def run_fit(
     """Run a fit, or complete it; the result, and whether the search reached its end."""
     if jobs is not None and jobs < 1:
         raise FitError(f"jobs must be at least 1, got {jobs}")
-    store = RunStore() if out is None else FileRunStore(plan, str(out), force)
+    store = FitStore(plan, None if out is None else str(out), engine, force)
     for note in store.notes:
         warnings.warn(note, stacklevel=2)
-    written = False
-    try:
-        with LocalWorkers(plan.work, jobs or available_cores(), engine, measure_all) as workers:
-            evaluation = Evaluation(plan, store, workers, watch)
-            if isinstance(store, FileRunStore):
-                store.begin(_result(evaluation, engine, False))
-            complete = _searched(evaluation)
-        result = _result(evaluation, engine, complete)
-        if isinstance(store, FileRunStore):
-            store.publish(result)
-            written = True
-        return result, complete
-    finally:
-        store.close(written)
+    with store, LocalWorkers(plan.work, jobs or available_cores(), engine, measure_all) as workers:
+        evaluation = Evaluation(plan, store.runs, store.candidates, workers, store.add, watch)
+        with suppress(FitInterrupted):
+            search(evaluation)
+            store.complete = True
+    return store.result, store.complete
 
 
-def _result(evaluation: Evaluation, engine: str, complete: bool) -> FitResult:
-    """What there is of a fit."""
-    plan, store = evaluation.plan, evaluation.store
-    attrs = {**origin(plan, engine), **store.attrs, "complete": int(complete), "runs": len(store.runs)}
-    return FitResult(attrs, plan, evaluation.candidates, store.runs)
+# The runs of a fit: in memory, and on file as they come, so that none is computed twice.
 
 
-def _searched(evaluation: Evaluation) -> bool:
-    try:
-        search(evaluation)
-    except FitInterrupted:
-        return False
-    return True
+class FitStore(Store[SweepPoint]):
+    """The runs of one fit, by index; `candidates` are those that the search has made."""
+
+    what, record = "fit", SweepPoint
+    patient = True
+
+    def make_memory(self) -> None:
+        self.runs: Runs = {}
+        self.candidates: list[Candidate] = []
+
+    def origin(self) -> dict[str, Any]:
+        return origin(self.plan, self.engine)
+
+    def take(self, record: SweepPoint) -> None:
+        self.runs[record.index] = record  # type: ignore[index]
+
+    def take_stored(self) -> dict[str, Any]:
+        attrs, there, _, points = read_fit(Path(self.shown))
+        if attrs["fit_sha256"] != self.plan.fingerprint:
+            others = " and ".join(_differences(self.plan, there.cases, attrs["fit_settings_json"]))
+            raise ResultFileError(
+                f"{self.shown}: holds another fit, of other {others}; kept (force=True replaces it)"
+            )
+        for point in points:
+            self.take(point)
+        return attrs
+
+    def write(self, path: Path) -> None:
+        write_fit(path, self.result)
+
+    @property
+    def result(self) -> FitResult:
+        """What there is of the fit."""
+        attrs = {**self.attrs, "complete": int(self.complete), "runs": len(self.runs)}
+        return FitResult(attrs, self.plan, self.candidates, self.runs)
+
+
+NAMES = {"free": "free parameters", "starts": "starts", "search": "search settings", "scipy": "scipy",
+         "fitting": "version of vibsim"}  # fmt: skip
+
+
+def _differences(plan: FitPlan, cases: Sequence[Case], stored: str) -> list[str]:
+    """What differs between a plan and the fit on file, in words."""
+    ours, theirs = json.loads(json.dumps(plan.settings)), json.loads(stored)
+    named = [NAMES.get(key, key) for key in ours if ours[key] != theirs.get(key)]
+    same_cases = [case.sha256 for case in plan.cases] == [case.sha256 for case in cases]
+    return named if same_cases else ["cases", *named]

@@ -34,8 +34,7 @@ from vibsim.engine.section import has_section
 from vibsim.physics.elementary import mean
 from vibsim.physics.parts import Scene
 from vibsim.results.columns import IMPACT_CODES
-from vibsim.results.result import Result
-from vibsim.results.windows import Window
+from vibsim.results.result import Result, Window
 from vibsim.sweeps.computations import CAPTURE_VERDICTS as CAPTURES
 from vibsim.sweeps.computations import REGIME_VERDICTS as REGIMES
 

@@ -6,7 +6,7 @@ import hashlib
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import comb
 from typing import TYPE_CHECKING, Any
@@ -17,6 +17,7 @@ from vibsim.cases import CaseError
 from vibsim.engine.errors import EngineError
 from vibsim.fitting.measures import FitError
 from vibsim.fitting.statements import PRINTED, Asked, Candidate, FreeParameter, Statement
+from vibsim.results.plain_data import BESIDE, plain_data, stored
 from vibsim.results.recording import MemorySink, Recording
 from vibsim.results.result import Result
 from vibsim.sweeps.axes import Members
@@ -70,11 +71,11 @@ class FitPlan:
     members : starts of the search, drawn; each case's own start comes before them. None: that alone
     """
 
-    cases: tuple[Case, ...]
+    cases: tuple[Case, ...] = field(metadata=BESIDE)
     free: tuple[FreeParameter, ...]
     readings: tuple[dict[str, str], ...]
-    statements: tuple[Statement, ...]
-    members: Members | None
+    statements: tuple[Statement, ...] = field(metadata=stored("statements", list))  # see `settings`
+    members: Members | None = field(metadata=stored("starts"))
     search: Search
 
     @property
@@ -96,7 +97,7 @@ class FitPlan:
     def drawn(self) -> Members | None:
         """All drawn starts: those of the search, then the fresh ones."""
         old = self.members
-        return old and Members(len(old) + self.search.fresh, old.seed, old.spreads, old.first)
+        return old and replace(old, count=len(old) + self.search.fresh)
 
     def start(self, position: int) -> dict[str, str]:
         """What a start changes in a case; the first one nothing."""
@@ -160,11 +161,8 @@ class FitPlan:
     def settings(self) -> dict[str, Any]:
         """Everything but the cases, as plain data for JSON."""
         return {
-            "free": [each.plain() for each in self.free],
-            "readings": [dict(each) for each in self.readings],
+            **plain_data(self),
             "statements": [f"{self.cases[each.case].name}: {each.text}" for each in self.statements],
-            "starts": self.members.plain() if self.members else None,
-            "search": asdict(self.search),
             "scipy": scipy.__version__ if self.free else "",  # its Sobol points and evolution are not ours
             "fitting": FITTING,
         }

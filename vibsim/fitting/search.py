@@ -22,7 +22,6 @@ from statistics import median
 
 import numpy as np
 
-from vibsim.fitting.fit_file import Runs, RunStore
 from vibsim.fitting.measures import FitInterrupted
 from vibsim.fitting.plan import EVOLUTION, TRUST, FitPlan, FitTask, Index
 from vibsim.fitting.statements import (
@@ -63,9 +62,7 @@ def search(evaluation: Evaluation) -> None:
 
 def candidates_within(plan: FitPlan, runs: Runs) -> list[Candidate]:
     """The candidates that a search has made which came as far as these runs: it goes that way once more."""
-    store = RunStore()
-    store.runs = dict(runs)
-    evaluation = Evaluation(plan, store, None)
+    evaluation = Evaluation(plan, dict(runs), [])
     with suppress(FitInterrupted):
         search(evaluation)
     return evaluation.candidates
@@ -165,6 +162,7 @@ def sobol(dimension: int, count: int, seed: Sequence[int]) -> np.ndarray:
 # Runs that the search needs: those that are not there yet are handed to workers, and kept as they come.
 
 
+Runs = dict[Index, SweepPoint]
 Watch = Callable[[str, int, int], bool]  # what is done, how many runs of it, of how many; False to stop
 
 
@@ -172,12 +170,20 @@ class Evaluation:
     """What is known of the candidates of a plan, and the means to know more."""
 
     def __init__(
-        self, plan: FitPlan, store: RunStore, workers: LocalWorkers | None, watch: Watch | None = None
+        self,
+        plan: FitPlan,
+        runs: Runs,
+        candidates: list[Candidate],
+        workers: LocalWorkers | None = None,
+        keep: Callable[[list[SweepPoint]], None] | None = None,
+        watch: Watch | None = None,
     ):
-        """workers : None where nothing is to be run; what is missing is then Interrupted"""
-        self.plan, self.store, self._workers = plan, store, workers
+        """workers : None where nothing is to be run; what is missing is then Interrupted
+        keep : puts runs that have come among `runs`
+        """
+        self.plan, self.runs, self.candidates, self._workers = plan, runs, candidates, workers
+        self._keep = keep or (lambda points: None)
         self._watch = watch or (lambda *_: True)
-        self.candidates: list[Candidate] = []
 
     def make(self, origin: str, changes: dict[str, str], leaving: float) -> Candidate:
         """A new candidate, the next in number."""
@@ -196,7 +202,7 @@ class Evaluation:
             ],
             step,
         )
-        return [judge(self.plan, one, self.store.runs, starts) for one in candidates]
+        return [judge(self.plan, one, self.runs, starts) for one in candidates]
 
     def tell_horizons(self, candidates: Iterable[Candidate], step: str) -> None:
         """Run candidates from the cases' own start with their trust horizons."""
@@ -214,7 +220,7 @@ class Evaluation:
         return range(len(self.plan.cases))
 
     def _complete(self, tasks: Sequence[FitTask], step: str) -> None:
-        waiting = deque(task for task in tasks if task.index not in self.store.runs)
+        waiting = deque(task for task in tasks if task.index not in self.runs)
         if self._workers is None:
             if waiting:
                 raise FitInterrupted
@@ -231,13 +237,13 @@ class Evaluation:
                 return
             for future in wait(active, RUNNER_PATIENCE, FIRST_COMPLETED).done:
                 del active[future]
-                self.store.add(self._workers.result(future))
+                self._keep(self._workers.result(future))
 
     def _give_up(self, workers: LocalWorkers, active: Iterable[Future[list[SweepPoint]]]) -> None:
         workers.stop()
         running = [future for future in active if not future.cancel()]
         for future in wait(running).done:
-            self.store.add(workers.result(future))
+            self._keep(workers.result(future))
 
 
 # What a candidate comes to: from which share of the starts each statement holds, and its price.

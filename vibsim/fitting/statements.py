@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, pi
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from vibsim.cases.problems import CaseError, did_you_mean, shown
 from vibsim.cases.quantities import NUMBER, UNITS, Quantity, QuantityError, parse_quantity
 from vibsim.cases.schema_keys import UnknownKeyError
 from vibsim.fitting.measures import OBSERVABLES, Bounds, FitError, Observable, missing_of
 from vibsim.physics.elementary import exp, log, log10
-from vibsim.results.windows import Window
+from vibsim.results.result import Window
 from vibsim.sweeps.axes import read_axis, scale_name
 
 if TYPE_CHECKING:
@@ -406,15 +406,6 @@ class FreeParameter:
         if self.by_ratio and printed > 0:
             return abs(log10(value / printed))
         return abs(value - printed) / (self.high - self.low)
-
-    def plain(self) -> dict[str, Any]:
-        """Plain data for JSON; `from_plain` reads it back."""
-        return {**vars(self), "printed": list(self.printed)}
-
-    @staticmethod
-    def from_plain(data: Mapping[str, Any]) -> FreeParameter:
-        """The parameter that `plain` wrote down."""
-        return FreeParameter(**{**data, "printed": tuple(data["printed"])})
 
     def __str__(self) -> str:
         printed = " and ".join(dict.fromkeys(f"{value:g}" for value in self.printed))

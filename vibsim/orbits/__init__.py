@@ -27,15 +27,4 @@ if TYPE_CHECKING:
     from vibsim.orbits.search import search_orbits as search_orbits
     from vibsim.orbits.slopes import monodromy as monodromy
 
-__getattr__, __dir__, __all__ = lazy_names(
-    __name__,
-    {
-        "vibsim.orbits.coordinates": ["OrbitError", "section_of"],
-        "vibsim.orbits.newton": ["solve"],
-        "vibsim.orbits.orbit": ["Orbit", "save_orbit"],
-        "vibsim.orbits.orbit_digits": ["refine"],
-        "vibsim.orbits.return_map": ["ReturnMap"],
-        "vibsim.orbits.search": ["find_orbit", "search_orbits"],
-        "vibsim.orbits.slopes": ["monodromy"],
-    },
-)
+__getattr__, __dir__, __all__ = lazy_names(__name__)

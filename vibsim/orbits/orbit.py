@@ -22,7 +22,8 @@ from vibsim.results.labelled import Arrays, Labelled, few
 from vibsim.results.recording import Recording
 from vibsim.results.result import Result
 from vibsim.results.simulation import simulate
-from vibsim.results.trajectory_file import DATASETS, DIGITS, GROUP, TrajectoryFile, TrajectoryWriter
+from vibsim.results.trajectory_file import DATASETS, DIGITS, GROUP, TrajectoryFile
+from vibsim.results.trajectory_writing import TrajectoryWriter
 from vibsim.signals import held_back
 
 if TYPE_CHECKING:

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vibsim.physics import elementary
+from vibsim.physics.elementary import mean
 from vibsim.physics.formulas import TIME, ZERO, Node, children, derivative, walk
 from vibsim.physics.parts import BASE, GROUND, ROTOR, STATE, Link, Scene
 
@@ -226,4 +227,4 @@ def _works(scene: Scene[Any], force: Any) -> bool:
     if force.formula is not None:
         inputs: dict[Node, Any] = {**start_inputs(scene), ("x", force.on): angles, ("v", force.on): 0.0}
         torque = torque + values_of(force.formula, inputs)
-    return bool(abs(torque.mean()) > NOTHING * np.abs(torque).max(initial=0.0))
+    return bool(abs(mean(torque)) > NOTHING * np.abs(torque).max(initial=0.0))

@@ -36,8 +36,8 @@ from vibsim.plots.subject import Subject, open_subject
 from vibsim.plots.traces import dense, draw_trace, trace
 from vibsim.plots.view import PlotError, Span
 from vibsim.results.hdf5_reading import DISK_FULL, ResultFileError
-from vibsim.results.hdf5_writing import output_file
 from vibsim.results.labelled import MissingExtra, extra
+from vibsim.results.output_files import output_file
 from vibsim.signals import held_back
 
 # Frames of a moving picture, drawn upon a background that is drawn once.

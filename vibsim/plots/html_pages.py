@@ -34,8 +34,8 @@ from vibsim.plots.sweep_axes import draws_by_ratio
 from vibsim.plots.view import PlotError
 from vibsim.results.columns import has_switches
 from vibsim.results.hdf5_reading import plain
-from vibsim.results.hdf5_writing import output_file
 from vibsim.results.labelled import Arrays, Labelled, Tidy
+from vibsim.results.output_files import output_file
 
 # A page as one file: style, data and script in it, nothing from elsewhere.
 

@@ -19,7 +19,7 @@ from vibsim.plots.registry import COLUMNS, KINDS, PictureKind, choose
 from vibsim.plots.sheet import LeanPages
 from vibsim.plots.subject import Subject, open_subject, open_subjects, subject_of, told_apart
 from vibsim.plots.view import WIDTHS_CM, PlotError, Span, View, parse_span
-from vibsim.results.hdf5_writing import check_output, output_file
+from vibsim.results.output_files import check_output, output_file
 from vibsim.signals import interrupted_with
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from vibsim.results.windows import read_window
+from vibsim.results.result import read_window
 
 Span = tuple[float, float]
 

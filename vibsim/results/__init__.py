@@ -21,18 +21,4 @@ if TYPE_CHECKING:
     from vibsim.results.simulation import simulate as simulate
     from vibsim.results.simulation import simulate_to_file as simulate_to_file
 
-__getattr__, __dir__, __all__ = lazy_names(
-    __name__,
-    {
-        "vibsim.results.hdf5_reading": ["ResultFileError"],
-        "vibsim.results.result": ["Result"],
-        "vibsim.results.simulation": [
-            "is_result_file",
-            "kind_of",
-            "names_a_result",
-            "open_trajectory_file",
-            "simulate",
-            "simulate_to_file",
-        ],
-    },
-)
+__getattr__, __dir__, __all__ = lazy_names(__name__)

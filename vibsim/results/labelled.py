@@ -15,7 +15,7 @@ import numpy as np
 from vibsim.lazy import FRONT, named
 from vibsim.results.file_contents import Column, Dataset
 from vibsim.results.hdf5_reading import plain
-from vibsim.results.hdf5_writing import output_file
+from vibsim.results.output_files import output_file
 
 # Arrays with names, units and dimensions, as they stand in a result file.
 

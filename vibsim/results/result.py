@@ -1,6 +1,8 @@
 """A trajectory as users meet it: arrays by name, events, attributes, and its state at any instant."""
 
-from collections.abc import Callable, Iterator, Mapping
+import math
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from functools import cache, partial
 from pathlib import Path
@@ -11,14 +13,16 @@ import numpy as np
 from vibsim.cases.problems import one_line
 from vibsim.cases.quantities import number
 from vibsim.results.file_contents import Dataset
-from vibsim.results.labelled import Arrays, Labelled, few, words_of
+from vibsim.results.hdf5_reading import ResultFileError
+from vibsim.results.labelled import PIECE, Arrays, Labelled, few, words_of
+from vibsim.results.output_files import output_file
 from vibsim.signals import held_back
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
     from vibsim.results.columns import Digits, Tables
     from vibsim.results.file_contents import Column
-    from vibsim.results.trajectory_file import TrajectoryWriter
+    from vibsim.results.trajectory_writing import TrajectoryWriter
 
 
 Table = Mapping[str, np.ndarray]
@@ -147,7 +151,7 @@ class Result(Labelled):
 
         Raises ResultFileError when the file exists and `force` is not given, or cannot be written.
         """
-        from vibsim.results.trajectory_file import TrajectoryWriter
+        from vibsim.results.trajectory_writing import TrajectoryWriter
 
         with ExitStack() as at_the_end:
             with held_back():
@@ -181,7 +185,7 @@ class Result(Labelled):
 
     def _truth_writer(self, path: str | Path, digits: "Digits", force: bool) -> Any:
         """A writer that has the digits already."""
-        from vibsim.results.trajectory_file import TruthWriter
+        from vibsim.results.trajectory_writing import TruthWriter
 
         writer = TruthWriter(path, self._tables(), {}, self.attrs["digits"], force)
         writer.append_digits(digits.table, digits.event_table)
@@ -370,3 +374,128 @@ def unknown_text(attrs: Mapping[str, Any]) -> str:
     if "trust_known_to_s" not in attrs:
         return ""
     return f"; nothing is known behind {attrs['trust_known_to_s']:.4g} s: {attrs['trust_unknown_why']}"
+
+
+# Rows of a table that lie within a span of time.
+
+
+Window = tuple[float, float]
+
+
+def read_window(window: object) -> Window:
+    """A span of time [s] as a user writes it: (100, 110), or the text `100:110`, `:20` or `100:`.
+
+    An open end is infinite. Raises ValueError for anything else, and for a span without length.
+    """
+    if isinstance(window, str):
+        return _ordered(_ends_of(window), f"{window}")
+    try:
+        first, last = (float(instant) for instant in window)  # type: ignore[attr-defined]
+    except (TypeError, ValueError):
+        words = 'a span is (first, last) in seconds, or a text such as "100:110"'
+        raise ValueError(f"{words}, got {window!r:.60}") from None
+    return _ordered((first, last), f"{first:g}:{last:g}")
+
+
+def _ends_of(text: str) -> Window:
+    first, colon, last = text.partition(":")
+    try:
+        span = (float(first) if first.strip() else -math.inf, float(last) if last.strip() else math.inf)
+    except ValueError:
+        span = (math.nan, math.nan)
+    if not colon or math.isnan(span[0]) or math.isnan(span[1]):
+        raise ValueError(f"{text!r} is not a span: write FIRST:LAST in seconds, such as 100:110")
+    return span
+
+
+def _ordered(span: Window, text: str) -> Window:
+    if not span[0] < span[1]:
+        raise ValueError(f"the span {text} is empty: its first instant must come before its last")
+    return span
+
+
+def rows_within(time: Sequence[float] | Any, window: Window) -> slice:
+    """Rows whose ascending `time` [s] lies within the window, both ends included."""
+    return slice(bisect_left(time, window[0]), bisect_right(time, window[1]))
+
+
+def pieces(rows: slice, length: int) -> Iterator[slice]:
+    """The rows in pieces of at most `length`."""
+    for start in range(rows.start, rows.stop, length):
+        yield slice(start, min(start + length, rows.stop))
+
+
+# A trajectory as CSV (RFC 4180): one line of column names, then one line per sample or event, SI units.
+#
+# Numbers are written so that they read back as the same double. Rows are read and written in pieces: memory
+# does not grow with the file.
+
+
+def write_csv(
+    result: Result, path: str | Path, window: Window, force: bool = False, events: bool = False
+) -> None:
+    """Write the samples (or the `events`) within the window [s] to `path`.
+
+    Raises ResultFileError when `path` exists and `force` is not given, or cannot be written.
+    """
+    names = list(result.events) if events else result.keys()
+    words = _words(result, events)
+    columns = [result.event_column(name) if events else result.column(name) for name in names]
+    with output_file(path, force, "ascii") as file:
+        file.write(",".join(names) + "\r\n")
+        for piece in pieces(rows_within(columns[0], window), PIECE):
+            values = [
+                _texts(column[piece].tolist(), words.get(name))
+                for name, column in zip(names, columns, strict=True)
+            ]
+            file.writelines(",".join(row) + "\r\n" for row in zip(*values, strict=True))
+
+
+def _words(result: Result, events: bool) -> dict[str, dict[int, str]]:
+    """Columns of codes, which are written as words: names of their values."""
+    from vibsim.results.columns import tables_of
+
+    tables = tables_of(result.case.scene())
+    columns = tables.events if events else tables.samples
+    return {
+        name: {code: word for word, code in column.flags.items()}
+        for name, column in columns.items()
+        if column.flags
+    }
+
+
+def _texts(values: list[Any], words: dict[int, str] | None) -> list[str]:
+    if words is not None:
+        return [words.get(code, str(code)) for code in values]
+    return [repr(value) for value in values]
+
+
+# A trajectory as a MATLAB file (version 5): the columns by name, a struct `events`, a struct `info`.
+
+
+LARGEST = (1 << 31) - 1  # bytes: version 5 counts them in 32 bits, and MATLAB reads up to here
+
+
+def write_mat(result: Result, path: str | Path, window: Window, force: bool = False) -> None:
+    """Write the samples and events within the window [s] to `path`, SI units.
+
+    Raises ResultFileError when `path` exists and `force` is not given, cannot be written, or gets too large.
+    """
+    samples = rows_within(result.column("time"), window)
+    events = rows_within(result.event_column("t"), window)
+    columns = {name: result.column(name) for name in result}
+    bytes_needed = (samples.stop - samples.start) * sum(column.dtype.itemsize for column in columns.values())
+    if bytes_needed > LARGEST:
+        size_text = f"would hold {bytes_needed / 2**30:.1f} GB"
+        raise ResultFileError(f"{path}: {size_text}, a MAT file takes 2 GB; export a window, or as CSV")
+    from scipy.io import savemat
+
+    contents: dict[str, object] = {name: column[samples] for name, column in columns.items()}
+    contents["events"] = {name: result.event_column(name)[events] for name in result.events}
+    contents["info"] = {name: _plain(value) for name, value in result.attrs.items()}
+    with output_file(path, force) as file:
+        savemat(file, contents, do_compression=True, oned_as="column")
+
+
+def _plain(value: object) -> object:
+    return np.float64(value) if isinstance(value, int | float) else value

@@ -18,11 +18,4 @@ if TYPE_CHECKING:
     from vibsim.sweeps.sweep_result import open_sweep as open_sweep
     from vibsim.sweeps.sweeping import sweep as sweep
 
-__getattr__, __dir__, __all__ = lazy_names(
-    __name__,
-    {
-        "vibsim.sweeps.sweep_plan": ["PlanError"],
-        "vibsim.sweeps.sweep_result": ["SweepResult", "describe", "join", "open_sweep"],
-        "vibsim.sweeps.sweeping": ["sweep"],
-    },
-)
+__getattr__, __dir__, __all__ = lazy_names(__name__)

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
@@ -25,6 +25,7 @@ from vibsim.cases.quantities import (
     si_unit,
 )
 from vibsim.cases.schema_keys import LONG, UnknownKeyError
+from vibsim.results.plain_data import from_plain, stored
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -296,17 +297,6 @@ class Spread:
             return 2 * share - 1
         return np.array([NormalDist().inv_cdf(part) for part in share.tolist()])
 
-    def plain(self) -> dict[str, str]:
-        """The spread as plain data for JSON; `from_plain` reads it back."""
-        exact = {"centre": decimal_text(self.centre), "width": decimal_text(self.width)}
-        return {"key": self.key, "unit": self.unit, "shape": self.shape, **exact}
-
-    @staticmethod
-    def from_plain(data: Mapping[str, Any]) -> "Spread":
-        """The spread that `plain` wrote down."""
-        numbers = exact_number(data["centre"]), exact_number(data["width"])
-        return Spread(data["key"], data["unit"], data["shape"], *numbers)
-
     def __str__(self) -> str:
         if self.shape == NORMAL:
             span = f"about {decimal_text(self.centre)}, standard deviation {decimal_text(self.width)}"
@@ -396,12 +386,13 @@ class Members:
     first : number of the first member: an ensemble may be shared among several files
     """
 
+    key: str = field(default=NAME, kw_only=True)
     count: int
+    first: int = field(default=0, kw_only=True)
     seed: int
-    spreads: tuple[Spread, ...]
-    first: int = 0
+    spreads: tuple[Spread, ...] = field(metadata=stored("spread"))
 
-    key = name = NAME
+    name = NAME
     unit = ""
 
     def __len__(self) -> int:
@@ -437,20 +428,9 @@ class Members:
             for spread in self.spreads
         }
 
-    def plain(self) -> dict[str, Any]:
-        """The axis as plain data for JSON; `from_plain` reads it back."""
-        spreads = [spread.plain() for spread in self.spreads]
-        return {"key": NAME, "count": self.count, "first": self.first, "seed": self.seed, "spread": spreads}
-
-    @staticmethod
-    def from_plain(data: Mapping[str, Any]) -> "Members":
-        """The axis that `plain` wrote down."""
-        spreads = tuple(map(Spread.from_plain, data["spread"]))
-        return Members(data["count"], data["seed"], spreads, data["first"])
-
     def part(self, begin: int, end: int) -> "Members":
         """The members at positions `begin` to `end - 1`, each as it was."""
-        return Members(end - begin, self.seed, self.spreads, self.first + begin)
+        return replace(self, count=end - begin, first=self.first + begin)
 
     def __str__(self) -> str:
         count = f"{self.count} member{'' if self.count == 1 else 's'}"
@@ -459,7 +439,12 @@ class Members:
 
 def axis_from_plain(data: Mapping[str, Any]) -> Axis | Members:
     """The axis or ensemble that its `plain` wrote down."""
-    return Members.from_plain(data) if "seed" in data else Axis.from_plain(data)
+    return from_plain(Members, data) if "seed" in data else Axis.from_plain(data)
+
+
+def axes_from_plain(data: Iterable[Mapping[str, Any]]) -> tuple[Axis | Members, ...]:
+    """All axes of a sweep."""
+    return tuple(map(axis_from_plain, data))
 
 
 def rotor_angles(case: "Case") -> list[str]:

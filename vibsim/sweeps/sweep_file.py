@@ -1,18 +1,30 @@
 """A sweep as an HDF5 file: written whole beside its name and renamed, so that it opens at every moment."""
 
 import json
-from collections.abc import Mapping
-from math import prod
+from collections.abc import Iterator, Mapping
+from functools import partial
+from math import fsum, isnan, prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
-from vibsim.analysis.span import parse_discard
-from vibsim.cases.quantities import parse_quantity
-from vibsim.results.file_contents import ENGINE, NUMBER, PROVENANCE, TEXT, WHOLE, Attribute, Column, Dataset
+from vibsim.cases import Case
+from vibsim.engine.choice import engine_name, flow_of
+from vibsim.results.file_contents import (
+    ENGINE,
+    NUMBER,
+    PROVENANCE,
+    TEXT,
+    WHOLE,
+    Attribute,
+    Column,
+    Dataset,
+    provenance,
+)
 from vibsim.results.hdf5_reading import (
+    ResultFileError,
     check_datasets,
     check_kind,
     check_values,
@@ -25,13 +37,15 @@ from vibsim.results.hdf5_reading import (
     understood,
 )
 from vibsim.results.hdf5_writing import write_hdf5
+from vibsim.results.plain_data import from_plain
+from vibsim.results.store import Store
 from vibsim.signals import ended_at_once
 from vibsim.sweeps.axes import Axis, Members, Spread, axis_from_plain
 from vibsim.sweeps.contact_computations import QUANTILES
-from vibsim.sweeps.points import Table
-from vibsim.sweeps.quantities import STATUS_FLAGS
+from vibsim.sweeps.points import SweepPoint, Table
+from vibsim.sweeps.quantities import DEFINITIONS, DONE, FAILED, STATUS_FLAGS
 from vibsim.sweeps.run_ends import NAME, NONE
-from vibsim.sweeps.sweep_plan import DIRECTION_FLAGS, SweepPlan
+from vibsim.sweeps.sweep_plan import DIRECTION_FLAGS, SweepPlan, check_memory
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -253,7 +267,9 @@ def _checked(path: Path, file: h5py.File) -> tuple[dict[str, Any], SweepPlan]:
     _check_count(path, file, settings["axes"])
     case = stored_case(path, attrs)
     with understood(path, f"{SETTINGS} describes no sweep of its case"):
-        plan = _plan(case, settings)
+        if not isinstance(settings["section"], int) or settings["section"] < 0:
+            raise ValueError("section")
+        plan = from_plain(SweepPlan, settings, case=case)
         _check_axes(case, plan)
     check_datasets(path, file, [*datasets_of(plan), *group_of(plan)], lengths_of(plan))
     _check_scales(path, file, plan)
@@ -284,24 +300,6 @@ def _check_count(path: Path, file: h5py.File, axes: list[Mapping[str, Any]]) -> 
         raise damaged(path, f"{SETTINGS} names {expected} points, and status has {there}")
 
 
-def _plan(case: "Case", settings: Mapping[str, Any]) -> SweepPlan:
-    """The plan that a file describes."""
-    every, section = settings["every"], settings["section"]
-    if not isinstance(section, int) or section < 0:
-        raise ValueError("section")
-    return SweepPlan(
-        case=case,
-        axes=tuple(map(axis_from_plain, settings["axes"])),
-        directions=tuple(DIRECTION_FLAGS[name] for name in settings["direction"]),
-        carry=bool(settings["carry_state"]),
-        discard=parse_discard(settings["discard"]),
-        section=section,
-        every=None if every == "auto" else parse_quantity(every, "time").value,
-        compute=tuple(settings.get("compute", ())),
-        probes=tuple(dict(probe) for probe in settings.get("probes", ())),
-    )
-
-
 def _check_axes(case: "Case", plan: SweepPlan) -> None:
     """Raise one of WRONG unless the axes vary numbers of the case, in units of theirs."""
     for axis in plan.axes:
@@ -318,3 +316,178 @@ def _check_scales(path: Path, file: h5py.File, plan: SweepPlan) -> None:
     for name, expected in zip(dimensions(plan), values, strict=True):
         if not np.array_equal(file[name][...], expected):
             raise damaged(path, f"{name} and {SETTINGS} name different values")
+
+
+# Where the points of a running sweep are kept: in memory and the journal at once, on file now and then.
+
+
+class SweepStore(Store[SweepPoint]):
+    """The points of one sweep. `table` holds them."""
+
+    what, record = "sweep", SweepPoint
+
+    def make_memory(self) -> None:
+        check_memory(self.plan)
+        self.table = Table(self.plan)
+        self._record_bytes = record_bytes(self.plan)
+
+    def origin(self) -> dict[str, Any]:
+        return origin(self.plan, self.engine)
+
+    def take(self, record: SweepPoint) -> None:
+        self.table.put(record)
+
+    def take_stored(self) -> dict[str, Any]:
+        path = Path(self.shown)
+        attrs, _, file = read_sweep(path)
+        with file:
+            if listed := differences(self.plan, attrs):
+                lines = "\n  ".join(["It differs in", *listed])
+                raise ResultFileError(f"{path}: holds another sweep; kept (force=True replaces it). {lines}")
+            self.table.fill(partial(read_column, path, file, self.plan))
+        return attrs
+
+    def write(self, path: Path) -> None:
+        write_sweep(path, self.plan, self.table, self.all_attrs)
+
+    @property
+    def all_attrs(self) -> dict[str, Any]:
+        """The attributes that a file written now would have."""
+        return {**self.attrs, **outcome(self.table)}
+
+    def make_room(self, count: int) -> None:
+        """Make sure that so many more points can be kept, before they are computed. Raises ResultFileError
+        when the disk is full.
+        """
+        if self.path is not None and not self._journal.reserve(count * self._record_bytes):
+            done = self.table.count(DONE)
+            held = (
+                f"it holds {done} points, and the same command goes on from there"
+                if done
+                else "no point was done"
+            )
+            raise ResultFileError(f"{self.shown}: disk full; {held}")
+
+
+# Room that a point takes in the journal.
+
+
+FOR_NUMBER = 60  # bytes of a number and its name
+FOR_TEXTS = 1500  # bytes of place, fingerprint and the reason of a failure
+
+
+def record_bytes(plan: SweepPlan) -> int:
+    """Room that one point takes at most, about [bytes]."""
+    further = [name for name, column in plan.columns.items() if column.dimension]
+    doubles = sum(plan.shape_of(name)[-1] for name in further)
+    return 2 * 8 * doubles + FOR_NUMBER * len(plan.columns) + FOR_TEXTS
+
+
+# The root attributes of a sweep file: what was swept, how, by what, and what came of it.
+
+
+def origin(plan: SweepPlan, engine: str) -> dict[str, Any]:
+    """Attributes that are known before the first point."""
+    case, scene = plan.case, plan.case.scene()
+    attrs: dict[str, Any] = {
+        **provenance("sweep", case),
+        "sweep_settings_json": json.dumps(plan.settings),
+        "sweep_sha256": plan.fingerprint,
+        "definitions": DEFINITIONS,
+        "method": flow_of(scene),
+        "engine": engine_name(engine),
+    }
+    if attrs["method"] == "taylor":
+        attrs |= {"taylor_order": scene.order, "taylor_tolerance": float(scene.tol)}
+    return attrs
+
+
+def outcome(table: Table) -> dict[str, Any]:
+    """Attributes of what came of the sweep so far; wall_time_s adds up the points."""
+    times = table.numbers["wall_time"].ravel().tolist()
+    return {
+        "complete": int(table.complete),
+        "points": table.status.size,
+        "points_done": table.count(DONE),
+        "points_failed": table.count(FAILED),
+        "wall_time_s": fsum(value for value in times if not isnan(value)),
+    }
+
+
+# What keeps a file from being continued: how the sweep in it differs from the one that is wanted.
+
+
+AT_MOST = 12  # lines; a sweep of another model differs in everything
+
+
+def differences(plan: SweepPlan, attrs: Mapping[str, Any]) -> list[str]:
+    """Lines `what: in the file X, here Y`; empty for the same sweep.
+
+    attrs : root attributes of the file
+    """
+    if attrs.get("sweep_sha256") == plan.fingerprint:
+        return []
+    stored = json.loads(attrs["sweep_settings_json"])
+    listed = [
+        *_different_settings(stored, plan.settings),
+        *_cases(attrs["case_resolved_json"], plan, stored["axes"]),
+    ]
+    more = len(listed) - AT_MOST
+    return [*listed[:AT_MOST], *([f"and {more} more"] if more > 0 else [])]
+
+
+def _different_settings(stored: Mapping[str, Any], settings: Mapping[str, Any]) -> Iterator[str]:
+    axes = [{axis["key"]: axis for axis in side["axes"]} for side in (stored, settings)]
+    for key in dict.fromkeys([*axes[1], *axes[0]]):
+        yield from _line(key, *(_axis(side.get(key)) for side in axes))
+    if set(axes[0]) == set(axes[1]):
+        yield from _line("order of the axes", *map(", ".join, axes))
+    for name in dict.fromkeys([*settings, *stored]):
+        if name != "axes":
+            yield from _line(name.replace("_", " "), *(_words(side.get(name)) for side in (stored, settings)))
+
+
+def _cases(resolved: str, plan: SweepPlan, stored_axes: list[dict[str, Any]]) -> Iterator[str]:
+    """Values that no axis of either sweep varies and that are not the same number."""
+    theirs, ours = Case.from_resolved_json(resolved), plan.case
+    stored = {key for axis in stored_axes for key in axis_from_plain(axis).keys}
+    swept = {key for axis in plan.axes for key in axis.keys} | stored | {"name", "title"}
+    exact = [_exact_values(case) for case in (theirs, ours)]
+    for key in dict.fromkeys([*ours.values, *theirs.values]):
+        if key not in swept and exact[0].get(key) != exact[1].get(key):
+            yield from _line(key, *(str(case.values.get(key, "absent")) for case in (theirs, ours)))
+
+
+def _exact_values(case: Case) -> dict[str, Any]:
+    return {
+        key: (value.value, value.per_turn) if hasattr(value, "per_turn") else value
+        for key, value in case.values.items()
+    }
+
+
+def _line(what: str, stored: str, planned: str) -> Iterator[str]:
+    if stored != planned:
+        yield f"{what}: in the file {stored}, here {planned}"
+
+
+def _axis(axis: Mapping[str, Any] | None) -> str:
+    if axis is None:
+        return "not swept"
+    if "seed" in axis:
+        return str(axis_from_plain(axis))
+    read = axis_from_plain(axis)
+    values = [read.text(i).removesuffix(read.unit).strip() for i in _few(len(read))]
+    text = ", ".join(values if len(read) <= 3 else [*values[:2], f"... {values[2]}"])
+    return f"{text} {read.unit}".strip() + f" ({len(read)} values)"
+
+
+def _few(count: int) -> list[int]:
+    return list(range(count)) if count <= 3 else [0, 1, count - 1]
+
+
+def _words(value: Any) -> str:
+    if value is None:
+        return "nothing"
+    if isinstance(value, list):
+        return " and ".join(map(str, value))
+    return {True: "yes", False: "no"}[value] if isinstance(value, bool) else str(value)

@@ -8,7 +8,7 @@ import json
 import math
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.analysis.span import HALF, Discard
-from vibsim.cases.quantities import Quantity
+from vibsim.analysis.span import HALF, Discard, parse_discard
+from vibsim.cases.quantities import Quantity, parse_quantity
 from vibsim.physics.rates import common_period, reads_time
 from vibsim.results.file_contents import Column
-from vibsim.sweeps.axes import Axis, Members
+from vibsim.results.plain_data import BESIDE, plain_data, stored
+from vibsim.sweeps.axes import Axis, Members, axes_from_plain
 from vibsim.sweeps.computations import COMPUTATIONS, length_of
 from vibsim.sweeps.quantities import Quantities, always, distinct, quantities_of
 
@@ -99,6 +100,7 @@ class SweepPlan:
     Attributes
     ----------
     case : the case that the axes vary
+    compute : names of what is computed besides, in the order of `vibsim.sweeps.computations`
     axes : one or more; the first is the one along which a state is carried, an ensemble's members the last
     directions : of the first axis, in the order computed: UP (ascending), DOWN, or both; of a list that is
         neither, UP is its own order
@@ -108,20 +110,37 @@ class SweepPlan:
     section : number of stroboscopic points kept per point, the last ones
     every : interval of the samples that verdicts on the regime are scaled with [s]; None: what suits each
         point's motion
-    compute : names of what is computed besides, in the order of `vibsim.sweeps.computations`
     probes : starts that are followed before any other, so that points stop early where they are sure to end
         on the same orbits, see `vibsim.sweeps.attractor_labels`
     """
 
-    case: "Case"
-    axes: tuple[Axis | Members, ...]
-    directions: tuple[int, ...] = (UP,)
-    carry: bool = False
-    discard: Discard = HALF
+    case: "Case" = field(metadata=BESIDE)
+    compute: tuple[str, ...] = field(default=(), kw_only=True)
+    axes: tuple[Axis | Members, ...] = field(metadata=stored("axes", None, axes_from_plain))
+    directions: tuple[int, ...] = field(
+        default=(UP,),
+        metadata=stored(
+            "direction",
+            lambda codes: [DIRECTION_NAMES[code] for code in codes],
+            lambda names: tuple(DIRECTION_FLAGS[name] for name in names),
+        ),
+    )
+    carry: bool = field(default=False, metadata=stored("carry_state"))
+    discard: Discard = field(default=HALF, metadata=stored("discard", str, parse_discard))
     section: int = 100
-    every: Fraction | None = None
-    compute: tuple[str, ...] = ()
-    probes: tuple[Start, ...] = ()
+    every: Fraction | None = field(
+        default=None,
+        metadata=stored(
+            "every",
+            lambda every: "auto" if every is None else f"{every} s",
+            lambda text: None if text == "auto" else parse_quantity(text, "time").value,
+        ),
+    )
+    probes: tuple[Start, ...] = field(
+        default=(),
+        kw_only=True,
+        metadata=stored("probes", list, lambda starts: tuple(map(dict, starts))),
+    )
 
     def __post_init__(self) -> None:
         names = [axis.name for axis in self.axes]
@@ -233,21 +252,12 @@ class SweepPlan:
     @cached_property
     def settings(self) -> dict[str, Any]:
         """Everything but the case, as plain data for JSON."""
-        computed: dict[str, Any] = (
-            {"compute": list(self.compute)} if self.compute else {}
-        )  # files without it stay valid
-        if self.probes:
-            computed |= {"probes": [dict(probe) for probe in self.probes]}
-        return {
-            **computed,
-            "axes": [axis.plain() for axis in self.axes],
-            "direction": [DIRECTION_NAMES[code] for code in self.directions],
-            "carry_state": self.carry,
-            "discard": str(self.discard),
-            "section": self.section,
-            "every": "auto" if self.every is None else f"{self.every} s",
-            "statistics": STATISTICS,
-        }
+        settings = {**plain_data(self), "statistics": STATISTICS}
+        if not self.compute:
+            del settings["compute"]  # files without it stay valid
+        if not self.probes:
+            del settings["probes"]
+        return settings
 
     @cached_property
     def fixed_values(self) -> dict[str, str]:

@@ -16,12 +16,11 @@ from vibsim.cases.problems import one_line
 from vibsim.cases.quantities import decimal_text
 from vibsim.results.file_contents import Column
 from vibsim.results.hdf5_reading import ResultFileError
-from vibsim.results.hdf5_writing import check_result_output
-from vibsim.results.journal import Waiting
 from vibsim.results.labelled import Arrays, Labelled, few
+from vibsim.results.output_files import check_result_output
+from vibsim.results.store import Waiting
 from vibsim.sweeps.axes import Axis, Members
-from vibsim.sweeps.point_store import origin, outcome, point_from
-from vibsim.sweeps.points import TEXTS_AND_STATUS, Share, Summary, Table, share, summary
+from vibsim.sweeps.points import TEXTS_AND_STATUS, Share, Summary, SweepPoint, Table, share, summary
 from vibsim.sweeps.quantities import DONE, MISSING
 from vibsim.sweeps.run_ends import NAME
 from vibsim.sweeps.sweep_file import (
@@ -29,6 +28,8 @@ from vibsim.sweeps.sweep_file import (
     coordinates,
     datasets_of,
     dimensions,
+    origin,
+    outcome,
     read_attractors,
     read_column,
     read_sweep,
@@ -253,12 +254,12 @@ def open_sweep(path: str | Path) -> SweepResult:
     waiting = Waiting(path)
     attrs, plan, file = read_sweep(Path(path))
     read = partial(read_column, Path(path), file, plan)
-    points = waiting.records(plan.fingerprint)
+    points = waiting.records(plan.fingerprint, SweepPoint)
     if not points:
         return SweepResult(attrs, plan, read, stored=partial(read_attractors, Path(path), file, plan))
     table = Table(plan)
     table.fill(read)
-    for point in map(point_from, points):
+    for point in points:
         table.put(point)
     return SweepResult({**attrs, **outcome(table)}, plan, table.column, table)
 

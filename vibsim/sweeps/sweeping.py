@@ -13,9 +13,9 @@ from vibsim.cases.quantities import parse_quantity
 from vibsim.results.blocks_ahead import available_cores
 from vibsim.sweeps.axes import Axis, Members, range_and_unit, read_axis, read_members
 from vibsim.sweeps.computations import read_computations
-from vibsim.sweeps.point_store import FileStore, Store
 from vibsim.sweeps.quantities import quantities_of
 from vibsim.sweeps.run_ends import probe_starts
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError, SweepPlan, read_directions
 from vibsim.sweeps.sweep_result import SweepResult
 from vibsim.sweeps.workers import ClusterWorkers, LocalWorkers, Watch, Workers, run
@@ -98,7 +98,7 @@ def sweep(
     )
     jobs = None if jobs is None else whole_number("jobs", jobs, 1)
     with open_workers(plan, jobs, scheduler, engine) as workers:
-        store = Store(plan, engine) if out is None else FileStore(plan, Path(out), engine, force)
+        store = SweepStore(plan, None if out is None else Path(out), engine, force)
         for note in store.notes:
             warnings.warn(note, stacklevel=2)
         return complete(store, workers)[0]
@@ -174,7 +174,7 @@ def open_workers(plan: SweepPlan, jobs: int | None, scheduler: str | None, engin
     return LocalWorkers(plan.recipe, jobs or available_cores(), engine)
 
 
-def complete(store: Store, workers: Workers, watch: Watch | None = None) -> tuple[SweepResult, bool]:
+def complete(store: SweepStore, workers: Workers, watch: Watch | None = None) -> tuple[SweepResult, bool]:
     """Complete a store; the result, and whether every point was reached."""
     with store:
         finished = run(store, workers, watch)

@@ -27,9 +27,9 @@ from vibsim.cases import load_case
 from vibsim.engine.choice import engine_name
 from vibsim.results.hdf5_reading import ResultFileError
 from vibsim.sweeps.computations import fitting
-from vibsim.sweeps.point_store import Store
 from vibsim.sweeps.points import BatchPiece, Pieces, SweepPoint, Table, compute_batch, compute_point
 from vibsim.sweeps.quantities import DONE, FAILED, MISSING, NOT_REPRODUCIBLE, quantities_of
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import STATISTICS, Index, PointRecipe, Start, SweepPlan
 
 
@@ -260,7 +260,7 @@ Watch = Callable[[Table], bool]  # shown the table now and then; False ends the 
 Active = dict["Future[list[SweepPoint]]", Handed]
 
 
-def run(store: Store, workers: Workers, watch: Watch | None = None) -> bool:
+def run(store: SweepStore, workers: Workers, watch: Watch | None = None) -> bool:
     """Compute the points that `store` lacks; whether all of them were reached.
 
     A point never depends on when, where or beside which others it is computed, so neither does the result.
@@ -274,7 +274,9 @@ def run(store: Store, workers: Workers, watch: Watch | None = None) -> bool:
         raise
 
 
-def _complete(store: Store, workers: Workers, backlog: Backlog, active: Active, watch: Watch | None) -> bool:
+def _complete(
+    store: SweepStore, workers: Workers, backlog: Backlog, active: Active, watch: Watch | None
+) -> bool:
     while True:
         _hand_out(store, backlog, workers, active)
         if watch is not None and not watch(store.table):
@@ -288,14 +290,14 @@ def _complete(store: Store, workers: Workers, backlog: Backlog, active: Active, 
             backlog.take(handed, points)
 
 
-def _hand_out(store: Store, backlog: Backlog, workers: Workers, active: Active) -> None:
+def _hand_out(store: SweepStore, backlog: Backlog, workers: Workers, active: Active) -> None:
     count = workers.count
     while len(active) < AHEAD * count and (handed := backlog.batch(count)):
         store.make_room(sum(len(piece) for each in [handed, *active.values()] for _, piece in each))
         active[workers.submit(tuple(piece for _, piece in handed))] = handed
 
 
-def _keep_finished(store: Store, workers: Workers, active: Iterable["Future[list[SweepPoint]]"]) -> None:
+def _keep_finished(store: SweepStore, workers: Workers, active: Iterable["Future[list[SweepPoint]]"]) -> None:
     """Stop the workers and keep what they had finished, of batches that they had begun too."""
     workers.stop()
     running = [future for future in active if not future.cancel()]

@@ -18,7 +18,7 @@ from vibsim.command_line.terminal import print_json, say, style
 from vibsim.command_line.text import heading, metres, multiplier_text, print_lines, trust_text
 from vibsim.opening import open_result
 from vibsim.results import Result, ResultFileError, kind_of, names_a_result, simulate
-from vibsim.results.windows import Window
+from vibsim.results.result import Window
 
 VERDICTS = ("capture", "drift", "impacts", "regime", "frequencies")
 

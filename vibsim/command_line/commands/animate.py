@@ -46,7 +46,7 @@ def command(
     """
     from vibsim.plots.animated_machine import speed_text
     from vibsim.plots.animation import FilmWish, animate, too_short
-    from vibsim.results.hdf5_writing import check_output
+    from vibsim.results.output_files import check_output
 
     check_output(output, force)
     progress = Progress(not ctx.obj.quiet, PROGRESS_AFTER)

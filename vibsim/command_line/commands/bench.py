@@ -44,7 +44,7 @@ from vibsim.evidence.benchmark.plan import (
 from vibsim.evidence.benchmark.running import run_bench
 from vibsim.evidence.benchmark.scoring import BenchTruth
 from vibsim.evidence.peers.solvers import CONTACTS
-from vibsim.results.hdf5_writing import check_output
+from vibsim.results.output_files import check_output
 from vibsim.signals import interrupted_with
 
 DEFAULT_CASE = "II-B"

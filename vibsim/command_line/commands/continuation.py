@@ -26,12 +26,11 @@ from vibsim.command_line.options import (
 from vibsim.command_line.terminal import PROGRESS_AFTER, Progress, print_json, say
 from vibsim.command_line.text import completed_file, goes_on, print_lines
 from vibsim.opening import open_result
-from vibsim.orbits.branches.branch import Branch
-from vibsim.orbits.branches.branch_file import LocusStore
-from vibsim.orbits.branches.continuing import BranchFileStore, complete, orbit_from, switched
-from vibsim.orbits.branches.description import branch_lines, facts, locus_facts, locus_lines, special_table
+from vibsim.orbits.branches.branch import Branch, branch_lines, facts, special_table
+from vibsim.orbits.branches.branch_file import BranchStore, LocusStore, complete
+from vibsim.orbits.branches.continuing import orbit_from, switched
 from vibsim.orbits.branches.locus_result import MOST_POINTS as locus_result_MOST_POINTS
-from vibsim.orbits.branches.locus_result import Locus, LocusPlan, locus_plan
+from vibsim.orbits.branches.locus_result import Locus, LocusPlan, locus_facts, locus_lines, locus_plan
 from vibsim.orbits.branches.plan import (
     BranchError,
     BranchPlan,
@@ -232,8 +231,7 @@ def run_continuation(
     """Follow a branch, or complete one; returns the exit code."""
     path, most = Path(output), most or MOST_POINTS
     return Following(
-        lambda: BranchFileStore(plan, path, engine, force),
-        lambda store, watch: complete(store, most, engine, watch),
+        lambda: BranchStore(plan, path, engine, force),
         facts,
         print_branch,
     ).run(path, most, settings)
@@ -274,7 +272,6 @@ def run_locus(
     path, most = Path(output), most or locus_result_MOST_POINTS
     return Following(
         lambda: LocusStore(plan, path, engine, force),
-        lambda store, watch: store.complete(most, watch),
         locus_facts,
         print_locus,
     ).run(path, most, settings)
@@ -288,20 +285,15 @@ def print_locus(locus: Locus, file: str, more: Iterable[tuple[str, str]] = ()) -
 # What is followed point by point into a file, a branch or a locus: progress, interruption, what is said.
 
 
-Watch = Callable[..., bool]  # told the number of points; whether to go on
-
-
 @dataclass(frozen=True)
 class Following:
     """How one kind of thing is followed.
 
     open_store : opens what takes the points, which has `points` and `notes`
-    complete : given the store and a Watch, follows what is missing: what there is, whether it came to its end
     facts, show : it as plain data, and printed with a text about its file
     """
 
     open_store: Callable[[], Any]
-    complete: Callable[[Any, Watch], tuple[Any, bool]]
     facts: Callable[[Any], dict[str, Any]]
     show: Callable[[Any, str], None]
 
@@ -319,7 +311,7 @@ class Following:
                 return interruption.signum is None
 
             try:
-                followed, finished = self.complete(store, watch)
+                followed, finished = complete(store, most, watch)
             finally:
                 progress.close()
         if settings.json:

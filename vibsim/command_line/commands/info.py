@@ -102,14 +102,14 @@ def _print_fit(path: str, settings: Settings) -> None:
 
 def _print_branch(path: str, settings: Settings) -> None:
     from vibsim.command_line.commands.continuation import print_branch
-    from vibsim.orbits.branches.description import facts
+    from vibsim.orbits.branches.branch import facts
 
     _print_whole(path, settings, facts, print_branch)
 
 
 def _print_locus(path: str, settings: Settings) -> None:
     from vibsim.command_line.commands.continuation import print_locus
-    from vibsim.orbits.branches.description import locus_facts
+    from vibsim.orbits.branches.locus_result import locus_facts
 
     _print_whole(path, settings, locus_facts, print_locus)
 

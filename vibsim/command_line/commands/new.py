@@ -39,7 +39,7 @@ def command(
     """
     from vibsim.cases import load_case
     from vibsim.cases.case import commented_text
-    from vibsim.results.hdf5_writing import output_file
+    from vibsim.results.output_files import output_file
 
     if not any(character.isalnum() for character in Path(name).name):
         raise click.BadParameter(f"a file needs a name, such as capsule; got {name!r}", param_hint="NAME")

@@ -34,7 +34,7 @@ from vibsim.orbits.stability import neighbours, sides_of_circle
 from vibsim.physics.parts import IMPACTS
 from vibsim.results import Result, kind_of, names_a_result
 from vibsim.results.hdf5_reading import ResultFileError
-from vibsim.results.hdf5_writing import check_output
+from vibsim.results.output_files import check_output
 from vibsim.signals import interrupted_with
 
 

@@ -34,7 +34,7 @@ from vibsim.opening import open_result
 from vibsim.physics.rates import fastest_damping
 from vibsim.results import Result, kind_of, names_a_result, simulate_to_file
 from vibsim.results.hdf5_reading import ResultFileError, reason
-from vibsim.results.hdf5_writing import (
+from vibsim.results.output_files import (
     RESULT_SUFFIXES,
     check_output,
     check_result_name,

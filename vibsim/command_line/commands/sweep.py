@@ -31,9 +31,9 @@ from vibsim.command_line.text import completed_file, goes_on, print_lines
 from vibsim.signals import interrupted_with
 from vibsim.sweeps.axes import read_axis
 from vibsim.sweeps.computations import COMPUTATIONS
-from vibsim.sweeps.point_store import FileStore
 from vibsim.sweeps.points import Table
 from vibsim.sweeps.quantities import DONE, FAILED, MISSING, quantities_of
+from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError, SweepPlan, read_shard, shard
 from vibsim.sweeps.sweep_result import facts, sweep_lines
 from vibsim.sweeps.sweeping import complete, make_plan, open_workers, read_ensemble
@@ -285,7 +285,7 @@ def run_sweep(
     path = Path(output)
     began = time.perf_counter()
     with Interruption() as interruption, interrupted_with(lambda: goes_on(path)), workers:
-        store = FileStore(plan, path, engine, force)
+        store = SweepStore(plan, path, engine, force)
         for note in store.notes:
             say(f"Warning: {note}", err=True)
         had, missing = store.table.count(DONE), store.table.count(MISSING)

@@ -17,11 +17,4 @@ if TYPE_CHECKING:
     from vibsim.evidence.benchmark.plan import make_plan as make_plan
     from vibsim.evidence.benchmark.running import run_bench as run_bench
 
-__getattr__, __dir__, __all__ = lazy_names(
-    __name__,
-    {
-        "vibsim.evidence.benchmark.bench_result": ["BenchResult", "facts", "open_bench"],
-        "vibsim.evidence.benchmark.plan": ["make_plan"],
-        "vibsim.evidence.benchmark.running": ["run_bench"],
-    },
-)
+__getattr__, __dir__, __all__ = lazy_names(__name__)

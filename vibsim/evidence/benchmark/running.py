@@ -13,7 +13,7 @@ from vibsim.evidence.benchmark.plan import BenchPlan, SolverFamily
 from vibsim.evidence.benchmark.scoring import BenchTruth, compute_truth, origin, score
 from vibsim.evidence.peers.solvers import TimeLimit
 from vibsim.physics.parts import Scene
-from vibsim.results.hdf5_writing import check_result_output
+from vibsim.results.output_files import check_result_output
 
 Watch = Callable[[str, float], bool]  # given what is done and how far it is [0 to 1]; False stops the bench
 

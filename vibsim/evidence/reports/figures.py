@@ -36,7 +36,7 @@ from vibsim.plots.sheet import CM, legend_below, sheet
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, SHADE, SKY, VERMILLION
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import View
-from vibsim.results.hdf5_writing import output_file
+from vibsim.results.output_files import output_file
 
 # Pictures that decide a claim: drift over ensembles, holds and escapes, regimes beside Table 1.
 

@@ -30,9 +30,9 @@ from vibsim.engine.errors import EngineError
 from vibsim.physics.elementary import mean
 from vibsim.results import Result, ResultFileError, open_trajectory_file, simulate, simulate_to_file
 from vibsim.results.blocks_ahead import available_cores
-from vibsim.results.hdf5_writing import output_file
+from vibsim.results.output_files import output_file
 from vibsim.results.recording import Watch
-from vibsim.results.windows import Window, rows_within
+from vibsim.results.result import Window, rows_within
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

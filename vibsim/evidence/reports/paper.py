@@ -35,7 +35,7 @@ from vibsim.plots import style
 from vibsim.plots.subject import Subject
 from vibsim.results import Result, ResultFileError
 from vibsim.results.hdf5_reading import reason
-from vibsim.results.hdf5_writing import Lock, output_file
+from vibsim.results.output_files import Lock, output_file
 from vibsim.signals import held_back
 
 

@@ -29,8 +29,8 @@ from vibsim.evidence.reports.measurements import (
 )
 from vibsim.evidence.reports.pages import PageTable
 from vibsim.orbits.branches.branch import Branch
-from vibsim.orbits.branches.branch_file import read_branch
-from vibsim.orbits.branches.continuing import BranchFileStore, complete, orbit_from
+from vibsim.orbits.branches.branch_file import BranchStore, complete, read_branch
+from vibsim.orbits.branches.continuing import orbit_from
 from vibsim.orbits.branches.plan import plan_from, read_span
 from vibsim.orbits.branches.tracing import MOST_POINTS
 from vibsim.plots.branch_curves import dead_ends, load_curve_panel, torque_of
@@ -406,7 +406,7 @@ def _branch(case: Case, path: Path, watch: Callable[..., bool], fresh: bool) -> 
     if stored is not None:
         return stored
     plan = plan_from(orbit_from(case), *read_span(case, KEY, SPAN))
-    branch, finished = complete(BranchFileStore(plan, path, force=True), MOST_POINTS, watch=watch)
+    branch, finished = complete(BranchStore(plan, path, force=True), MOST_POINTS, watch=watch)
     if not finished:
         raise MeasurementInterrupted
     return branch

@@ -17,10 +17,4 @@ if TYPE_CHECKING:
     from vibsim.evidence.verification.checks import CheckPoint as CheckPoint
     from vibsim.evidence.verification.checks import CheckRow as CheckRow
 
-__getattr__, __dir__, __all__ = lazy_names(
-    __name__,
-    {
-        "vibsim.evidence.verification.catalogue": ["UnknownCheckError", "verify"],
-        "vibsim.evidence.verification.checks": ["CheckPoint", "CheckRow"],
-    },
-)
+__getattr__, __dir__, __all__ = lazy_names(__name__)

@@ -20,13 +20,4 @@ if TYPE_CHECKING:
     from vibsim.orbits.branches.plan import BranchError as BranchError
 
 
-__getattr__, __dir__, __all__ = lazy_names(
-    __name__,
-    {
-        "vibsim.orbits.branches.branch": ["Branch"],
-        "vibsim.orbits.branches.branch_file": ["read_branch"],
-        "vibsim.orbits.branches.continuing": ["continue_branch", "continue_locus"],
-        "vibsim.orbits.branches.locus_result": ["Locus"],
-        "vibsim.orbits.branches.plan": ["BranchError"],
-    },
-)
+__getattr__, __dir__, __all__ = lazy_names(__name__)

@@ -1,33 +1,24 @@
 """A branch of periodic orbits: arrays by name along it, and its special points."""
 
+import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from vibsim.cases.quantities import number
-from vibsim.orbits.branches.course import CurveArrays
-from vibsim.orbits.branches.file_structure import (
-    POINT,
-    branch_origin,
-    branch_values,
-    datasets_of,
-    write_branch,
-)
+from vibsim.orbits.branches.curve import POINT, SPECIAL, OrbitCurve, columns_of, datasets_of
 from vibsim.orbits.branches.node import ENERGY
 from vibsim.orbits.branches.plan import BranchPlan
-from vibsim.orbits.branches.special_points import LABELS
+from vibsim.orbits.branches.special_points import BIFURCATIONS, LABELS, UNRESOLVED
 from vibsim.orbits.branches.tracing import CLOSED, OrbitRecord, PointRecord, SpecialRecord
-from vibsim.orbits.coordinates import Word, spelled
+from vibsim.orbits.coordinates import Word
 from vibsim.orbits.stability import length_of
 from vibsim.results.file_contents import Column, Dataset
-from vibsim.results.hdf5_writing import check_result_output
-from vibsim.results.labelled import Arrays, Labelled, few
+from vibsim.results.labelled import Arrays, few
 
 # told of every point beside what its file holds
 STABILITY = (
@@ -78,7 +69,7 @@ class SpecialPoint:
         return f"<SpecialPoint {self.label}: {where}, between points {self.between[0]} and {self.between[1]}>"
 
 
-class Branch(CurveArrays, Labelled):
+class Branch(OrbitCurve):
     """A branch: `branch["period"]` and so on along it, `branch.specials` on it.
 
     Attributes
@@ -92,7 +83,9 @@ class Branch(CurveArrays, Labelled):
     ('forces.drive.omega', [], True)
     """
 
-    noun = "branch"
+    plan: BranchPlan
+    noun, _record = "branch", PointRecord
+    _shown = ("parameter", "period", "multiplier_re")
 
     def __init__(
         self,
@@ -101,20 +94,13 @@ class Branch(CurveArrays, Labelled):
         specials: Sequence[SpecialRecord],
         attrs: Mapping[str, Any] | None = None,
     ):
-        self.plan, self.attrs = plan, dict(attrs or {})
+        self._place(plan, points, attrs)
         self._records = (list(points), list(specials))
-        last = {(point.way, point.number): point for point in points}  # where it is stuck it is told again
-        back = sorted((p for p in last.values() if p.way < 0), key=lambda p: -p.number)
-        self.points = [*back, *sorted((p for p in last.values() if p.way > 0), key=lambda p: p.number)]
 
     @property
     def records(self) -> tuple[list[PointRecord], list[SpecialRecord]]:
         """Points and special points in the order in which they came."""
         return self._records
-
-    @property
-    def case(self) -> Any:
-        return self.plan.case
 
     @property
     def unit(self) -> str:
@@ -150,26 +136,49 @@ class Branch(CurveArrays, Labelled):
         first = backwards[0].ended if backwards else CLOSED if last == CLOSED else ""
         return (LEAVES if self.plan.heading else first), last
 
+    @property
+    def _scene(self) -> Any:
+        return self.map.scene
+
+    @property
+    def _followed(self) -> bool:
+        return self.closed or all(self.ends)
+
+    def _declared(self) -> list[Dataset]:
+        return datasets_of(self.unit)
+
+    def _counts(self) -> dict[str, int]:
+        unresolved = sum(one.kind == UNRESOLVED for one in self.specials)
+        return {**super()._counts(), "special_points": len(self.specials), "unresolved": unresolved}
+
+    def _file_attributes(self, complete: bool) -> dict[str, Any]:
+        return {"names_json": json.dumps(self.names), "complete": int(complete), **self._counts()}
+
+    def _file_values(self) -> dict[str, Any]:
+        """What stands in the datasets of its file, by name."""
+        by_place = {record.unknowns: record for record in self._records[1]}
+        records = [by_place[one.unknowns] for one in self.specials]
+        return {
+            **super()._file_values(),
+            SPECIAL: np.arange(len(records)),
+            **columns_of(SpecialRecord, records, self.spelled, "special_"),
+            "special_label": [one.label for one in self.specials],
+        }
+
     def arrays(self) -> Arrays:
         """What its file holds, by point, special point and multiplier; and the stability of each point."""
-
-        declared = [*datasets_of(self.unit), *STABILITY]
-        values = branch_values(self) | {each.name: self[each.name].astype("i1") for each in STABILITY}
-        shown = ("parameter", "period", "multiplier_re")
-        return Arrays.of_values(declared, values, (POINT,), self.attrs, shown)
+        declared = [*self._declared(), *STABILITY]
+        values = self._file_values() | {each.name: self[each.name].astype("i1") for each in STABILITY}
+        return Arrays.of_values(declared, values, (POINT,), self.attrs, self._shown)
 
     def heading(self) -> str:
         """Name of the case, what was continued over what, and how many points."""
-        from vibsim.orbits.branches.description import branch_lines
-
         what = branch_lines(self)[0][1]
         special = f"{len(self.specials)} special point" + "s" * (len(self.specials) != 1)
         return f"{what}, {len(self)} points, {special}"
 
     def lines(self) -> list[tuple[str, str]]:
         """Points, ends, special points, and the names of the arrays."""
-        from vibsim.orbits.branches.description import branch_lines
-
         special = few(
             f"{one.label} at {number(one.parameter, 6)} {self.unit}".strip() for one in self.specials
         )
@@ -181,21 +190,17 @@ class Branch(CurveArrays, Labelled):
 
     @cached_property
     def _arrays(self) -> dict[str, np.ndarray]:
-        orbits = [point.orbit for point in self.points]
-        states = np.array([orbit.state for orbit in orbits]).reshape(len(orbits), -1)
+        known, orbits = self._orbit_arrays, [point.orbit for point in self.points]
         arrays = {
-            "parameter": np.array([orbit.parameter for orbit in orbits]),
-            "period": np.array([orbit.period for orbit in orbits]),
-            "multipliers": np.array([orbit.multipliers for orbit in orbits]),
+            **{name: known[name] for name in ("parameter", "period", "multipliers")},
             "index": np.array([orbit.index for orbit in orbits]),
             "stable": np.array([self._stable(orbit) for orbit in orbits]),
             "word": np.array([self.spelled(orbit.word) for orbit in orbits], dtype=object),
             "arclength": self._arclength(),
             "dp_ds": np.array([point.way * point.tangent[-1] for point in self.points]),
-            "drift": np.array([orbit.drift for orbit in orbits]),
+            **{name: known[name] for name in ("drift", "fold", "doubling", "margin", "residual")},
         }
-        for name in ("fold", "doubling", "margin", "residual"):
-            arrays[name] = np.array([getattr(orbit, name) for orbit in orbits])
+        states = known["state"].reshape(len(orbits), -1)
         return arrays | {name: states[:, i] for i, name in enumerate(self.names)}
 
     def _stable(self, orbit: OrbitRecord) -> bool:
@@ -206,11 +211,6 @@ class Branch(CurveArrays, Labelled):
         places = np.array([point.unknowns for point in self.points])
         steps = np.array([length_of(step) for step in np.diff(places, axis=0)])
         return np.concatenate([[0.0], np.cumsum(steps)])
-
-    def spelled(self, word: Word) -> str:
-        """A word in letters."""
-
-        return spelled(self.map.scene, word)
 
     @cached_property
     def specials(self) -> list[SpecialPoint]:
@@ -242,19 +242,6 @@ class Branch(CurveArrays, Labelled):
             )
         return specials
 
-    def save(self, path: str | PathLike[str], force: bool = False) -> Path:
-        """Write the branch to an HDF5 file, which every command takes; its absolute path.
-
-        force : replace what is there. Raises ResultFileError where it cannot be written.
-
-        `continue_branch(..., out=path)` goes on with it where it was not followed to its ends.
-        """
-
-        target = check_result_output(Path(path), force)
-        attrs = self.attrs or branch_origin(self.plan)
-        write_branch(target, self, attrs, self.closed or all(self.ends))
-        return target
-
     def special(self, label: str) -> SpecialPoint:
         """The special point of a label. Raises KeyError with the labels that there are."""
         for one in self.specials:
@@ -262,3 +249,103 @@ class Branch(CurveArrays, Labelled):
                 return one
         listed = ", ".join(one.label for one in self.specials) or "none"
         raise KeyError(f"{label} is not on this branch; its special points are {listed}")
+
+
+# A branch in words and as plain data: what it is, and its special points.
+
+
+DIGITS = 12  # of a parameter: special points are located to 1e-11 of it
+
+
+def branch_lines(branch: Branch) -> list[tuple[str, str]]:
+    """Lines (name, text) about a branch."""
+    low, high = reach(branch)
+    span = f"{branch.key} from {number(low, 6)} to {number(high, 6)} {branch.unit}".rstrip()
+    count = int(branch["stable"].sum())
+    stable = "without a multiplier outside the unit circle" if branch.key == ENERGY else "stable"
+    turns = branch.map.section.of_return.partition(" ")[0] + "s" * (branch.plan.n > 1)
+    lines = [
+        ("branch", f"{branch.case.name}: orbits of {branch.plan.n} {turns} over {span}"),
+        ("points", f"{len(branch)}, {count} of them {stable}"),
+        ("ends", _ends(branch)),
+    ]
+    if branch.key == ENERGY:
+        lines.append(("frequency", frequencies(branch)))
+    unresolved = [one for one in branch.specials if one.kind == UNRESOLVED]
+    where = ", ".join(f"{number(one.parameter, 8)}" for one in unresolved)
+    held = "holds everywhere" if not unresolved else f"does not hold at {where} {branch.unit}".rstrip()
+    return [*lines, ("index check", held)]
+
+
+def frequencies(branch: Branch) -> str:
+    """Of its first and its last orbit."""
+    rates = 1.0 / branch["period"]
+    return f"{number(rates[0], 8)} Hz at the least energy, {number(rates[-1], 8)} Hz at the greatest"
+
+
+def reach(branch: Branch) -> tuple[float, float]:
+    """Least and greatest parameter of a branch, its folds included."""
+    values = [*branch["parameter"].tolist(), *(one.parameter for one in branch.specials)]
+    return min(values), max(values)
+
+
+def _ends(branch: Branch) -> str:
+    if branch.closed:
+        return "none: it is closed"
+    first, last = (end or "not followed further" for end in branch.ends)
+    return first if first == last else f"{first}; {last}"
+
+
+def special_table(branch: Branch) -> list[tuple[str, ...]]:
+    """A row of texts per special point: label, kind, parameter, period, change of the index, word."""
+    return [
+        (
+            one.label,
+            one.kind,
+            f"{one.parameter:.{DIGITS}g} {branch.unit}".rstrip(),
+            f"{one.period:.8g} s",
+            f"{one.jump:+d} outside" if one.kind in BIFURCATIONS or one.jump else "",
+            _words(branch, one),
+        )
+        for one in branch.specials
+    ]
+
+
+def _words(branch: Branch, one: SpecialPoint) -> str:
+    before, after = branch.spelled(one.before), branch.spelled(one.after)
+    return before if before == after else f"{before} > {after}"
+
+
+def facts(branch: Branch) -> dict[str, Any]:
+    """A branch as plain data for JSON."""
+    return {
+        "case": branch.case.name,
+        "key": branch.key,
+        "unit": branch.unit,
+        "periods": branch.plan.n,
+        "points": len(branch),
+        "stable_points": int(branch["stable"].sum()),
+        "closed": branch.closed,
+        "ends": list(branch.ends),
+        "parameter_from": reach(branch)[0],
+        "parameter_to": reach(branch)[1],
+        "unresolved": [one.parameter for one in branch.specials if one.kind == UNRESOLVED],
+        "special_points": [special_facts(branch, one) for one in branch.specials],
+    }
+
+
+def special_facts(branch: Branch, one: SpecialPoint) -> dict[str, Any]:
+    """A special point as plain data for JSON."""
+    return {
+        "label": one.label,
+        "kind": one.kind,
+        "parameter": branch.key,
+        "value": one.parameter,
+        "period": one.period,
+        "word": branch.spelled(one.orbit.word),
+        "before": branch.spelled(one.before),
+        "after": branch.spelled(one.after),
+        "jump": one.jump,
+        "state": dict(zip(branch.names, one.orbit.state, strict=True)),
+        "multipliers": [[mu.real, mu.imag] for mu in one.orbit.multipliers],
+    }

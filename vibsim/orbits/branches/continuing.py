@@ -1,28 +1,17 @@
 """The Python calls that continue a branch, and a special point of one in two parameters."""
 
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
 
 from vibsim.orbits.branches.branch import Branch, SpecialPoint
-from vibsim.orbits.branches.branch_file import (
-    LocusStore,
-    follow_up,
-    in_order,
-    read_branch,
-    read_pair,
-    stored_branch,
-)
+from vibsim.orbits.branches.branch_file import BranchStore, C, CurveStore, LocusStore, complete, read_branch
 from vibsim.orbits.branches.correction import ContinuationError
 from vibsim.orbits.branches.family import Family
-from vibsim.orbits.branches.file_structure import branch_origin, write_branch
 from vibsim.orbits.branches.interpolant import shift
 from vibsim.orbits.branches.locus_result import MOST_POINTS as MOST_LOCUS_POINTS
 from vibsim.orbits.branches.locus_result import Locus, locus_plan
@@ -36,117 +25,11 @@ from vibsim.orbits.branches.plan import (
     read_span,
 )
 from vibsim.orbits.branches.special_points import BRANCHING, DOUBLING, NAMES
-from vibsim.orbits.branches.tracing import MOST_POINTS, PointRecord, SpecialRecord, Watch, plain, trace
+from vibsim.orbits.branches.tracing import MOST_POINTS
 from vibsim.orbits.coordinates import check_count, cyclic
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.search import opened, orbit
 from vibsim.orbits.stability import directions, length_of, product
-from vibsim.results.hdf5_reading import ResultFileError
-from vibsim.results.hdf5_writing import check_leftover, check_result_output
-from vibsim.results.journal import Journal
-
-# Where the points of a branch go while it is traced: memory, and the journal beside its file at once.
-
-
-class BranchStore:
-    """Points and special points in the order in which they come; `notes` is what the user should know."""
-
-    def __init__(self, plan: BranchPlan, engine: str = "auto"):
-        self.plan, self.attrs = plan, branch_origin(plan, engine)
-        self.points: list[PointRecord] = []
-        self.specials: list[SpecialRecord] = []
-        self.notes: list[str] = []
-        self.complete = False
-
-    def __enter__(self) -> "BranchStore":
-        return self
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        pass
-
-    def add(self, point: PointRecord, specials: list[SpecialRecord]) -> None:
-        """Keep a point, and the special points in front of it."""
-        self.points.append(point)
-        self.specials += specials
-
-    @property
-    def branch(self) -> Branch:
-        """What there is of the branch."""
-        return Branch(self.plan, self.points, self.specials, self.attrs)
-
-
-class BranchFileStore(BranchStore):
-    """A store on file: goes on from what the file and its journal hold.
-
-    Used as a context manager. At its end, whatever ended it, the file holds all points and the journal is
-    gone. Raises ResultFileError where the file holds another branch or anything else (unless `force`), where
-    another process writes it, or where it cannot be written.
-    """
-
-    def __init__(self, plan: BranchPlan, path: str | Path, engine: str = "auto", force: bool = False):
-        super().__init__(plan, engine)
-        self.path, self._shown = check_result_output(path, force=True), path
-        check_leftover(path, force)
-        self._on_file = (0, False)  # points, and whether they are all
-        self._journal = Journal(self.path, "branch", path)
-        try:
-            if not force:
-                self._go_on()
-            else:
-                self._journal.restart(plan.fingerprint)
-        except BaseException:
-            self._journal.close(remove=False)
-            raise
-
-    def _go_on(self) -> None:
-        """Take over what the file and the journal hold; they must be of this branch."""
-        if self.path.exists():
-            there = stored_branch(self._shown)
-            self._refuse(there)
-            points, specials = there.records
-            self.points, self.specials = in_order(points), specials
-            self.attrs["date_created"] = there.attrs["date_created"]
-            self._on_file = (len(points), bool(there.attrs["complete"]))
-        waiting = list(self._journal.read(self.plan.fingerprint))
-        for point, of_point in follow_up(self.points, map(read_pair, waiting)):
-            super().add(point, of_point)
-        self.notes += self._journal.notes()
-        self._journal.go_on(self.plan.fingerprint, waiting)
-
-    def _refuse(self, there: Branch) -> None:
-        if there.plan.fingerprint != self.plan.fingerprint:
-            ours, theirs = self.plan.settings, there.plan.settings
-            named = [name for name in ours if ours[name] != theirs[name]]
-            named += ["case"] if there.case.sha256 != self.plan.case.sha256 else []
-            raise ResultFileError(
-                f"{self._shown}: holds another branch; kept (force=True replaces it). It differs in "
-                + ", ".join(named)
-            )
-
-    def add(self, point: PointRecord, specials: list[SpecialRecord]) -> None:
-        """Keep a point on disk; with the first one the file is made, which holds the plan."""
-        super().add(point, specials)
-        self._journal.add([{"point": plain(point), "specials": [plain(each) for each in specials]}])
-        if self._on_file == (0, False):
-            with suppress(ResultFileError):  # the journal has it; what is wrong is told at the end
-                self._write()
-
-    def _write(self) -> None:
-        """Write the file, unless it holds all that there is."""
-        if (len(self.points), self.complete) > self._on_file:
-            write_branch(self.path, self.branch, self.attrs, self.complete)
-            self._on_file = (len(self.points), self.complete)
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        published = False
-        try:
-            self._write()
-            published = True
-        except ResultFileError as failure:
-            raise self._journal.kept_after(failure) from failure
-        finally:
-            self._journal.close(remove=published)
-
 
 Span = tuple[float, float] | tuple[tuple[float, float], str]
 
@@ -200,11 +83,7 @@ def continue_branch(
         asked = read_span(case, key, _as_text(span))
         parameter_within(case, *asked)
         plan = plan_from(orbit_from(source, engine), *asked)
-    store = BranchStore(plan, engine) if out is None else BranchFileStore(plan, Path(out), engine, force)
-    for note in store.notes:
-        warnings.warn(note, stacklevel=2)
-    with _as_branch_error():
-        return complete(store, max_points, engine)[0]
+    return _followed(BranchStore(plan, None if out is None else Path(out), engine, force), max_points)
 
 
 def continue_locus(
@@ -242,18 +121,15 @@ def continue_locus(
     _check_out(out)
     start = _branch(branch, "a locus")
     plan = locus_plan(start, label, *read_span(start.case, key, _as_text(span)))
-    store = LocusStore(plan, None if out is None else Path(out), engine, force)
+    return _followed(LocusStore(plan, None if out is None else Path(out), engine, force), max_points)
+
+
+def _followed(store: CurveStore[Any, C], most: int) -> C:
+    """What comes of a store. Raises BranchError where a branch or a locus does not begin."""
     for note in store.notes:
-        warnings.warn(note, stacklevel=2)
-    with _as_branch_error():
-        return store.complete(max_points)[0]
-
-
-@contextmanager
-def _as_branch_error() -> Iterator[None]:
-    """What is not found where a branch or a locus begins is told as a BranchError."""
+        warnings.warn(note, stacklevel=3)
     try:
-        yield
+        return complete(store, most)[0]
     except ContinuationError as error:
         raise BranchError(str(error)) from error
 
@@ -328,15 +204,6 @@ def orbit_from(source: Any, engine: str = "auto") -> Any:
         return source
 
     return orbit(source, engine=engine)
-
-
-def complete(
-    store: BranchStore, most: int, engine: str = "auto", watch: Watch | None = None
-) -> tuple[Branch, bool]:
-    """Trace what a store lacks of its branch; the branch, and whether that came to an end."""
-    with store:
-        store.complete = trace(store.plan, store, most, engine, watch)
-    return store.branch, store.complete
 
 
 # From a special point of a branch to the branch that leaves it there.

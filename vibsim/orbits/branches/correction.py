@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import isfinite, ldexp, sqrt
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -344,8 +344,7 @@ COUNT = 5  # Newton steps that are aimed at
 GROWTH, SHRINK = 1.6, 0.5
 
 
-@dataclass(frozen=True)
-class Pace:
+class Pace(NamedTuple):
     """Bounds of the step, in scaled length; the largest grows with the unknowns, as at a resonance."""
 
     first: float = 0.01

@@ -6,7 +6,7 @@ change of the order of events, where the branch may have a corner, no tangent co
 place of the point behind instead. It is a line where the state on the section jumps.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -213,33 +213,6 @@ def curve_of(locus: Any) -> np.ndarray:
         for arc, ends in zip(arcs, pairwise(places), strict=True)
     ]
     return np.concatenate([places[:1], *(line[1:] for line in lines)])
-
-
-# Points one behind the other along a curve, with arrays by name.
-
-
-class CurveArrays:
-    """`curve["parameter"]` and so on along `points`; a class of it says what it is, and its arrays."""
-
-    noun = "curve"
-    points: Sequence[Any]
-
-    @property
-    def _arrays(self) -> Mapping[str, np.ndarray]:
-        raise NotImplementedError
-
-    def __len__(self) -> int:
-        return len(self.points)
-
-    def keys(self) -> list[str]:
-        """Names of the arrays along it."""
-        return [*self._arrays]
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        """An array along it, first axis the points. Raises KeyError with the names that there are."""
-        if name not in self._arrays:
-            raise KeyError(f"{name} is not in this {self.noun}; it has {', '.join(self._arrays)}")
-        return self._arrays[name]
 
 
 # Extremes of the motion of an orbit over one period.

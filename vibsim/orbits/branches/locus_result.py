@@ -1,12 +1,8 @@
 """A locus: a bifurcation along two parameters, arrays by name."""
 
-import hashlib
-import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,32 +10,18 @@ import numpy as np
 from vibsim.cases.quantities import number
 from vibsim.orbits.branches.branch import Branch, SpecialPoint
 from vibsim.orbits.branches.correction import correct, tangent
-from vibsim.orbits.branches.course import CurveArrays
-from vibsim.orbits.branches.file_structure import (
-    POINT,
-    locus_datasets,
-    locus_origin,
-    locus_values,
-    write_locus,
-)
+from vibsim.orbits.branches.curve import OrbitCurve, locus_datasets
 from vibsim.orbits.branches.grazing import CONTACTS
-from vibsim.orbits.branches.locus import (
-    KINDS,
-    WATCHED,
-    LocusStep,
-    ParameterPlane,
-    PlanePoint,
-    follow_pair,
-    walk,
-)
+from vibsim.orbits.branches.locus import KINDS, WATCHED, ParameterPlane, PlanePoint, follow_pair, walk
 from vibsim.orbits.branches.node import Node
-from vibsim.orbits.branches.plan import FIRST_STEP, BranchError, BranchPlan, must_matter, value_in
+from vibsim.orbits.branches.plan import FIRST_STEP, BranchError, BranchPlan, CurvePlan, must_matter, value_in
 from vibsim.orbits.branches.special_points import BRANCHING, GRAZING, NAMES, STICKING, TORUS, held
 from vibsim.orbits.branches.tracing import OrbitRecord, orbit_record
 from vibsim.orbits.coordinates import changes
 from vibsim.orbits.stability import nearest_to_circle
-from vibsim.results.hdf5_writing import check_result_output
-from vibsim.results.labelled import Arrays, Labelled, few
+from vibsim.results.file_contents import Dataset
+from vibsim.results.labelled import few
+from vibsim.results.plain_data import stored
 
 # Which bifurcation is to be followed, and over what.
 
@@ -52,7 +34,7 @@ WHY_NOT = {  # why no locus of a kind is followed, and what to do
 
 
 @dataclass(frozen=True)
-class LocusPlan:
+class LocusPlan(CurvePlan):
     """A bifurcation of a branch to be followed in its parameter and a second one.
 
     branch : plan of the branch; label, kind : of the special point
@@ -72,40 +54,18 @@ class LocusPlan:
     period: float
     parameter: float
     pair: complex
-    part: int = -1
+    part: int = field(default=-1, metadata=stored("stop"))  # as files call it since they knew of stops alone
 
-    @cached_property
-    def settings(self) -> dict[str, Any]:
-        """All of it but the case, as plain data."""
-        return {
-            "branch": self.branch.settings,
-            "label": self.label,
-            "kind": self.kind,
-            "keys": list(self.keys),
-            "unit": self.unit,
-            "span": list(self.span),
-            "value": self.value,
-            "state": list(self.state),
-            "period": self.period,
-            "parameter": self.parameter,
-            "pair": [self.pair.real, self.pair.imag],
-            "stop": self.part,
-        }
+    noun = "locus"
 
-    @staticmethod
-    def from_settings(case: Any, settings: dict[str, Any]) -> "LocusPlan":
-        """The plan that `settings` wrote down."""
-        known = {**settings, "branch": BranchPlan.from_settings(case, settings["branch"])}
-        for name in ("keys", "span", "state"):
-            known[name] = tuple(settings[name])
-        known["part"] = known.pop("stop")  # as files have called it since they knew of stops alone
-        return LocusPlan(**{**known, "pair": complex(*settings["pair"])})
+    @property
+    def case(self) -> Any:
+        """That of the branch."""
+        return self.branch.case
 
-    @cached_property
-    def fingerprint(self) -> str:
-        """Of the case and the settings."""
-        text = json.dumps([self.branch.case.sha256, self.settings])
-        return hashlib.sha256(text.encode()).hexdigest()
+    @property
+    def title(self) -> str:
+        return f"{self.kind} {self.label} of {self.case.name} over {self.keys[0]}"
 
     def plane(self, engine: str = "auto") -> ParameterPlane:
         """The orbits over both parameters."""
@@ -223,7 +183,7 @@ class LocusRecord:
     ended: str = ""
 
 
-class Locus(CurveArrays, Labelled):
+class Locus(OrbitCurve):
     """A locus: `locus["parameter"]`, `locus["second"]` and so on along it.
 
     plan : what was followed
@@ -237,18 +197,25 @@ class Locus(CurveArrays, Labelled):
     True
     """
 
-    noun = "locus"
+    plan: LocusPlan
+    noun, _record = "locus", LocusRecord
+    _shown = ("parameter", "second", "period")
 
     def __init__(
         self, plan: LocusPlan, points: Sequence[LocusRecord], attrs: Mapping[str, Any] | None = None
     ):
-        self.plan, self.attrs = plan, dict(attrs or {})
-        back = sorted((p for p in points if p.way < 0), key=lambda p: -p.number)
-        self.points = [*back, *sorted((p for p in points if p.way > 0), key=lambda p: p.number)]
+        self._place(plan, points, attrs)
+
+    @cached_property
+    def _scene(self) -> Any:
+        return self.case.scene()
 
     @property
-    def case(self) -> Any:
-        return self.plan.branch.case
+    def _followed(self) -> bool:
+        return all(self.ends)
+
+    def _declared(self) -> list[Dataset]:
+        return locus_datasets(self.plan.branch.unit, self.plan.unit)
 
     @property
     def kind(self) -> str:
@@ -260,68 +227,89 @@ class Locus(CurveArrays, Labelled):
         """Why it ends, at its first and its last point; empty where it was not followed further."""
         return (self.points[0].ended, self.points[-1].ended) if self.points else ("", "")
 
-    def arrays(self) -> Arrays:
-        """What its file holds, by point and multiplier."""
-
-        declared = locus_datasets(self.plan.branch.unit, self.plan.unit)
-        shown = ("parameter", "second", "period")
-        return Arrays.of_values(declared, locus_values(self), (POINT,), self.attrs, shown)
-
     def heading(self) -> str:
         """Name of the case, which bifurcation in which two parameters, and how many points."""
-        from vibsim.orbits.branches.description import locus_lines
-
         return f"{locus_lines(self)[0][1]}, {len(self)} points"
 
     def lines(self) -> list[tuple[str, str]]:
         """Points, ends, and the names of the arrays."""
-        from vibsim.orbits.branches.description import locus_lines
-
         return [*locus_lines(self)[1:], ("arrays", few(self.keys()))]
 
     def case_at(self, point: int) -> Any:
         """The case that runs one period on the orbit of a point."""
         return self.plan.plane().family_at(self.points[point].second).case_on(self.points[point].orbit)
 
-    def save(self, path: str | PathLike[str], force: bool = False) -> Path:
-        """Write the locus to an HDF5 file, which every command takes; its absolute path.
-
-        force : replace what is there. Raises ResultFileError where it cannot be written.
-
-        `vibsim continue BRANCH --locus LABEL ... -o path` goes on with it where it did not come to its ends.
-        """
-
-        target = check_result_output(Path(path), force)
-        write_locus(target, self, self.attrs or locus_origin(self.plan), all(self.ends))
-        return target
-
     @cached_property
     def _arrays(self) -> dict[str, np.ndarray]:
-        orbits = [point.orbit for point in self.points]
+        known = self._orbit_arrays
         return {
-            "parameter": np.array([orbit.parameter for orbit in orbits]),
+            "parameter": known["parameter"],
             "second": np.array([point.second for point in self.points]),
-            "period": np.array([orbit.period for orbit in orbits]),
-            "state": np.array([orbit.state for orbit in orbits]),
-            "multipliers": np.array([orbit.multipliers for orbit in orbits]),
+            **{name: known[name] for name in ("period", "state", "multipliers")},
             "index": np.array([point.index for point in self.points]),
         }
 
 
+# A locus in words and as plain data.
+
+
+def locus_lines(locus: Locus) -> list[tuple[str, str]]:
+    """Lines (name, text) about a locus."""
+    plan = locus.plan
+    first, second = locus["parameter"], locus["second"]
+    low, high = (end or "not followed further" for end in locus.ends)
+    return [
+        (
+            "locus",
+            f"{locus.case.name}: {locus.kind} {plan.label} in {plan.branch.keys[0]} and {plan.keys[0]}",
+        ),
+        ("points", str(len(locus))),
+        ("from", _place(plan, first[0], second[0], low)),
+        ("to", _place(plan, first[-1], second[-1], high)),
+    ]
+
+
+def _place(plan: LocusPlan, first: float, second: float, end: str) -> str:
+    place = (
+        f"{number(first, 8)} {plan.branch.unit}".rstrip()
+        + f", {plan.keys[0]} = {number(second, 8)} {plan.unit}".rstrip()
+    )
+    return f"{place} ({end})"
+
+
+def locus_facts(locus: Locus) -> dict[str, Any]:
+    """A locus as plain data for JSON."""
+    plan = locus.plan
+    return {
+        "case": locus.case.name,
+        "kind": locus.kind,
+        "label": plan.label,
+        "keys": [plan.branch.keys[0], plan.keys[0]],
+        "units": [plan.branch.unit, plan.unit],
+        "periods": plan.branch.n,
+        "ends": list(locus.ends),
+        "points": [
+            [float(one), float(other)] for one, other in zip(locus["parameter"], locus["second"], strict=True)
+        ],
+    }
+
+
+# A locus followed both ways.
+
+
 def trace_locus(
-    plan: LocusPlan, add: Any, points: Sequence[LocusRecord], most: int, engine: str, watch: Any
+    plan: LocusPlan, keeper: Any, most: int = MOST_POINTS, engine: str = "auto", watch: Any = None
 ) -> bool:
-    """Follow a locus both ways from where `points` know it; `add` is given each new point.
+    """Follow a locus both ways from where the `points` of `keeper` know it; its `add` is given each new one.
 
     watch : told the number of points; whether to go on. Returns whether it came to its ends or `most`
     points. Raises ContinuationError where the bifurcation is not found again.
     """
     plane = plan.plane(engine)
     start, along = plan.start(plane)
-    known, pair = list(points), plane.pair
+    known, pair = keeper.points, plane.pair
     if not known:
-        known.append(_record(start, along, 1, 0, FIRST))
-        add(known[-1])
+        keeper.add([_record(start, along, 1, 0, FIRST)])
     for way in WAYS:
         done = [point for point in known if point.way == way or point.number == 0]
         last, plane.pair = done[-1], pair
@@ -335,17 +323,12 @@ def trace_locus(
             here, direction = plane(np.array(last.unknowns)), np.array(last.tangent)
             plane.pair = nearest_to_circle(last.orbit.multipliers)
         for i, step in enumerate(walk(plane, here, direction, last.step, plan.spans), last.number + 1):
-            known.append(_record_of(step, way, i))
-            add(known[-1])
+            keeper.add([_record(step.point, step.tangent, way, i, step.next, step.ended)])
             if watch is not None and not watch(len(known)):
                 return False
             if i == last.number + room:
                 break
     return True
-
-
-def _record_of(step: LocusStep, way: int, number: int) -> LocusRecord:
-    return _record(step.point, step.tangent, way, number, step.next, step.ended)
 
 
 def _record(

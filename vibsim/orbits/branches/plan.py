@@ -4,7 +4,7 @@ import hashlib
 import json
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import nan
 from typing import Any
@@ -32,6 +32,7 @@ from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.search import opened, start_of, unknowns
 from vibsim.orbits.stability import largest_first
 from vibsim.physics.elementary import total
+from vibsim.results.plain_data import BESIDE, plain_data, stored
 
 PACE = Pace()
 FIRST_STEP = 0.1  # scaled, that the first correction of the start may have
@@ -50,8 +51,30 @@ class BranchError(ValueError):
     """
 
 
+class CurvePlan:
+    """What a branch or a locus follows from: dataclasses that are stored field by field."""
+
+    noun: str  # what it is a plan of
+    case: Any
+
+    @property
+    def title(self) -> str:
+        """Of its file."""
+        raise NotImplementedError
+
+    @cached_property
+    def settings(self) -> dict[str, Any]:
+        """All of it but the case, as plain data."""
+        return plain_data(self)
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """SHA-256 of the case and the settings."""
+        return hashlib.sha256(json.dumps([self.case.sha256, self.settings]).encode()).hexdigest()
+
+
 @dataclass(frozen=True)
-class BranchPlan:
+class BranchPlan(CurvePlan):
     """A branch to be continued from an orbit.
 
     keys : of the case, which all have the value of the parameter; unit : of the parameter
@@ -61,11 +84,11 @@ class BranchPlan:
     heading : scaled direction in which it is followed one way only, as away from a doubling; empty: both ways
     """
 
-    case: Case
+    case: Case = field(metadata=BESIDE)
     keys: tuple[str, ...]
     unit: str
     span: tuple[float, float]
-    n: int
+    n: int = field(metadata=stored("periods"))
     state: tuple[float, ...]
     period: float
     parameter: float
@@ -73,27 +96,11 @@ class BranchPlan:
     pace: Pace = PACE
     heading: tuple[float, ...] = ()
 
-    @cached_property
-    def settings(self) -> dict[str, Any]:
-        """What the branch follows from, besides the case, as plain data."""
-        return {
-            "keys": list(self.keys),
-            "unit": self.unit,
-            "span": list(self.span),
-            "periods": self.n,
-            "state": list(self.state),
-            "period": self.period,
-            "parameter": self.parameter,
-            "travel": self.travel,
-            "pace": [self.pace.first, self.pace.least, self.pace.most],
-            "heading": list(self.heading),
-        }
+    noun = "branch"
 
-    @cached_property
-    def fingerprint(self) -> str:
-        """Of the case and the settings."""
-        text = json.dumps([self.case.sha256, self.settings])
-        return hashlib.sha256(text.encode()).hexdigest()
+    @property
+    def title(self) -> str:
+        return f"Periodic orbits of {self.case.name} over {self.keys[0]}"
 
     def family(self, engine: str = "auto") -> Family:
         """The orbits over the parameter, scaled by the first."""
@@ -124,23 +131,6 @@ class BranchPlan:
     def ways(self) -> tuple[int, ...]:
         """Ways in which it is followed from its start."""
         return (1,) if self.heading else (1, -1)
-
-    @staticmethod
-    def from_settings(case: Case, settings: dict[str, Any]) -> "BranchPlan":
-        """The plan that `settings` wrote down."""
-        return BranchPlan(
-            case,
-            tuple(settings["keys"]),
-            settings["unit"],
-            (float(settings["span"][0]), float(settings["span"][1])),
-            int(settings["periods"]),
-            tuple(float(value) for value in settings["state"]),
-            float(settings["period"]),
-            float(settings["parameter"]),
-            float(settings["travel"]),
-            Pace(*settings["pace"]),
-            tuple(float(value) for value in settings["heading"]),
-        )
 
 
 def plan_from(orbit: Any, keys: Sequence[str], unit: str, span: tuple[float, float]) -> BranchPlan:

@@ -1,9 +1,9 @@
 """A branch traced both ways from its start, each point kept as it comes."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -88,6 +88,22 @@ class SpecialRecord:
     jump: int
 
 
+@dataclass(frozen=True)
+class BranchStep:
+    """A point of a branch, and the special points in front of it."""
+
+    point: PointRecord
+    specials: tuple[SpecialRecord, ...] = ()
+
+    @property
+    def way(self) -> int:
+        return self.point.way
+
+    @property
+    def number(self) -> int:
+        return self.point.number
+
+
 def orbit_record(node: Node) -> OrbitRecord:
     """What is kept of a node."""
     point, end = node.point, node.point.end
@@ -112,10 +128,10 @@ def point_record(node: Node, way: int, number: int, step: float, ended: str = ""
     return PointRecord(way, number, orbit_record(node), *places, step, node.iterations, ended)
 
 
-def records_of(step: Step, way: int, number: int) -> tuple[PointRecord, list[SpecialRecord]]:
-    """What is kept of step `number` of a walk: its point, and the special points in front of it."""
-    specials = [special_record(each, way, number) for each in step.specials]
-    return point_record(step.node, way, number, step.next, step.ended), specials
+def records_of(step: Step, way: int, number: int) -> BranchStep:
+    """What is kept of step `number` of a walk."""
+    specials = tuple(special_record(each, way, number) for each in step.specials)
+    return BranchStep(point_record(step.node, way, number, step.next, step.ended), specials)
 
 
 def special_record(special: Special, way: int, number: int) -> SpecialRecord:
@@ -133,44 +149,13 @@ def special_record(special: Special, way: int, number: int) -> SpecialRecord:
     )
 
 
-def plain(record: PointRecord | SpecialRecord) -> dict[str, Any]:
-    """A record as plain data for JSON."""
-    return {**asdict(record), "orbit": plain_orbit(record.orbit)}
-
-
-def plain_orbit(orbit: OrbitRecord) -> dict[str, Any]:
-    """An orbit as plain data for JSON."""
-    return {**asdict(orbit), "multipliers": [[mu.real, mu.imag] for mu in orbit.multipliers]}
-
-
-def read_record(data: Mapping[str, Any]) -> PointRecord | SpecialRecord:
-    """The record that `plain` wrote down."""
-    fields = {**data, "orbit": read_orbit(data["orbit"])}
-    fields |= {name: tuple(data[name]) for name in ("unknowns", "tangent")}
-    if "kind" not in data:
-        return PointRecord(**fields)
-    return SpecialRecord(**{**fields, **{name: read_word(data[name]) for name in ("before", "after")}})
-
-
-def read_orbit(data: Mapping[str, Any]) -> OrbitRecord:
-    """The orbit that `plain_orbit` wrote down."""
-    lists = {name: tuple(data[name]) for name in ("state", "drift")}
-    multipliers = tuple(complex(*pair) for pair in data["multipliers"])
-    return OrbitRecord(**{**data, **lists, "multipliers": multipliers, "word": read_word(data["word"])})
-
-
-def read_word(pairs: Any) -> Word:
-    """A word from pairs of kind and part."""
-    return tuple((str(kind), int(part)) for kind, part in pairs)
-
-
 MOST_POINTS = 5000
 CLOSED = "closed"
 ALONE = (FOLD, DOUBLING, TORUS)
 FAR, SAME = 10, 1e-7  # points between, and scaled distance of two places that are one
 REMEMBERED = 3  # points that the next step goes by
 
-Watch = Callable[[int, list[SpecialRecord]], bool]
+Watch = Callable[..., bool]  # told the number of points, of a branch the special points; whether to go on
 
 
 class Keeper(Protocol):
@@ -179,8 +164,8 @@ class Keeper(Protocol):
     points: list[PointRecord]
     specials: list[SpecialRecord]
 
-    def add(self, point: PointRecord, specials: list[SpecialRecord]) -> None:
-        """Keep a point, and the special points in front of it."""
+    def add(self, records: Iterable[BranchStep]) -> None:
+        """Keep points with their special points."""
 
 
 def trace(
@@ -199,7 +184,7 @@ def trace(
     family = plan.family(engine)
     start = plan.start(family)
     if not keeper.points:
-        keeper.add(point_record(start, 1, 0, plan.pace.first), [])
+        keeper.add([BranchStep(point_record(start, 1, 0, plan.pace.first))])
     for way in plan.ways:
         done = [point for point in keeper.points if point.way == way or point.number == 0]
         own = [point for point in done if point.way == way]  # the start is of the way forwards
@@ -208,12 +193,13 @@ def trace(
         share = most if way == plan.ways[-1] else (most + 1) // 2
         walk = _walk(plan, family, _turned(start, way), done, way)
         for step in walk.steps():
-            point, specials = records_of(step, way, walk.count)
+            made = records_of(step, way, walk.count)
+            point, specials = made.point, made.specials
             again = next((each for each in specials if _passed_specials(keeper.specials, each)), None)
             if again is not None:  # as where a step has led onto a branch that crosses this one
                 point = replace(point, ended=f"comes back to {NAMES[again.kind]} that it has passed")
                 specials = specials[: specials.index(again)]
-            keeper.add(point, specials)
+            keeper.add([BranchStep(point, specials)])
             if watch is not None and not watch(len(keeper.points), specials):
                 return False
             if point.ended or len(keeper.points) >= share:
