@@ -174,6 +174,12 @@ basins: $(STAMP) ## basins of the belt oscillator, 5,000 starts at each of 18 sp
 	  -o results/basin-starts.h5
 	$(BIN)/vibsim plot results/basins.h5 --kind end-state -o docs/basins.png --force
 	$(BIN)/vibsim plot results/basin-starts.h5 --kind end-state -o docs/basin-starts.png --force
+	$(BIN)/vibsim sweep gallery/cantilever --param tip.x=-5:5/100mm --param tip.v=-500:500/100mm/s --section 0 \
+	  --compute attractor -o results/basin-cantilever.h5
+	$(BIN)/vibsim sweep II-B -s Omega0=5.5Hz -s c='0.03 N s/m' --param phi=0:330/12deg --param phidot=0:6/13Hz \
+	  --t-end 600s --section 0 --compute attractor -o results/basin-capture.h5
+	for name in cantilever capture; do \
+	  $(BIN)/vibsim plot results/basin-$$name.h5 --kind basins -o docs/basin-$$name.png --force || exit 1; done
 
 branches: $(STAMP) ## periodic orbits of II-B for four dampings over its sweep, and where captures end (two minutes; goes on where it was stopped): results/branches/
 	mkdir -p results/branches

@@ -189,3 +189,16 @@ def phase_of_impact(run: Run) -> float:
     """Phase of the force at the last impact [rad]."""
     t = at_events(run({"run.t_end": "400 s"}), "impact", "t")[-1]
     return atan2(np.sin(t), np.cos(t))
+
+
+def clear_amplitude_expected() -> float:
+    """Amplitude of the cantilever's tip clear of its stop [mm]: a |k + i w c| / |k - m w^2 + i w c|."""
+    m, k, c, w, a = 0.12, 450.0, 0.25, 2 * pi * 13, 0.5
+    return a * sqrt((k**2 + (w * c) ** 2) / ((k - m * w**2) ** 2 + (w * c) ** 2))
+
+
+def clear_amplitude(run: Run) -> float:
+    """Half of the way between the extremes of the tip in the last second, sampled finely [mm]."""
+    result = run({"run.t_end": "60 s", "run.every": "10 us"})
+    late = np.asarray(result["x_tip"])[np.asarray(result["time"]) > 59]
+    return float(1e3 * np.ptp(late) / 2)

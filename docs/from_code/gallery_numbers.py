@@ -86,6 +86,18 @@ NUMBERS: dict[str, tuple[Number, ...]] = {
             ROUNDING,
         ),
     ),
+    "cantilever": (
+        Number(
+            "amplitude of the tip clear of the stop",
+            Kind.CLOSED_FORM,
+            ours.clear_amplitude_expected(),
+            "mm",
+            "the linear oscillator, shaken at its root",
+            ours.clear_amplitude,
+            1e-6,
+            "samples meet an extreme to (w h)^2 / 8 of it, 8e-8",
+        ),
+    ),
     "chain-with-gaps": (
         Number(
             "velocity of the last body",

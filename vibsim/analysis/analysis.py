@@ -200,15 +200,27 @@ class StreamedVerdicts:
         )
 
     def regime(self, exponent: Exponent | None = None) -> JudgedPoints:
-        """The verdict on the stroboscopic section from `begin` on."""
+        """The verdict on the stroboscopic section from `begin` on, settled by an orbit where one is near."""
+        states, judged = self.late_section(), self.judged(exponent)
+        if not len(states["time"]):
+            return judged
+        return decided(judged, self.scene, states, self._coordinates, self._sizes())
+
+    def judged(self, exponent: Exponent | None = None) -> JudgedPoints:
+        """The verdict on the points of the section from `begin` on alone, no orbit asked for."""
+        states = self.late_section()
+        if not len(states["time"]):
+            return JudgedPoints("undecided", "no cycle of a source")
+        return judge_points(self._coordinates.points(states, self._sizes()), exponent)
+
+    def late_section(self) -> dict[str, np.ndarray]:
+        """The points of the section from `begin` on, the last ones: time and states by name, each (n)."""
         section = self._section()
         rows = np.flatnonzero(section["time"] >= self.begin)[-MOST:]
-        if not len(rows):
-            return JudgedPoints("undecided", "no cycle of a source")
-        states = {name: column[rows] for name, column in section.items()}
-        sizes = self._coordinates.sizes(np.asarray(self._low), np.asarray(self._high))
-        judged = judge_points(self._coordinates.points(states, sizes), exponent)
-        return decided(judged, self.scene, states, self._coordinates, sizes)
+        return {name: column[rows] for name, column in section.items()}
+
+    def _sizes(self) -> np.ndarray:
+        return self._coordinates.sizes(np.asarray(self._low), np.asarray(self._high))
 
     def _section(self) -> dict[str, np.ndarray]:
         """The stroboscopic points so far: time and states by name, each (n)."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from math import pi
 from os import PathLike
 from pathlib import Path
@@ -217,26 +217,78 @@ def _nowhere(failure: OrbitError | EngineError, distances: list[float] | None) -
 SETTLE = 192  # periods that a start is followed before it is looked at again
 TRIES_PER_START = 2  # numbers of periods that are tried behind them
 WIDER = 2.0  # the box of the starts, by the extremes of a run of the case
+MOST_RETURNS = 5  # of the orbits that a run may pass by
 ROUGH = 12  # Newton steps: a start that needs more goes anywhere
 SAME_ORBIT = 1e-6  # of the size of the points: orbits nearer than that are one
 
 
 @dataclass(frozen=True)
 class NewtonAttempt:
-    """What came of one start: orbits, none of which was there before."""
+    """What came of one start.
+
+    orbits : those that were not there before
+    met : numbers of all that the start led to, in the order in which they were first found, from 0
+    """
 
     number: int
     orbits: list[Orbit]
+    met: tuple[int, ...] = ()
+
+
+@dataclass
+class SearchTally:
+    """How often each orbit of a search was found, and what that tells of those not found.
+
+    counts : starts that led to each orbit
+    starts : all of them
+    """
+
+    counts: list[int] = field(default_factory=list)
+    starts: int = 0
+
+    def add(self, attempt: NewtonAttempt) -> None:
+        """Count what came of another start."""
+        self.starts += 1
+        self.counts += [0] * (max(attempt.met, default=-1) + 1 - len(self.counts))
+        for i in attempt.met:
+            self.counts[i] += 1
+
+    def found(self, times: int) -> int:
+        """How many orbits were found from so many starts."""
+        return self.counts.count(times)
+
+    @property
+    def unseen(self) -> float:
+        """Estimate of the orbits that can be found so and were not: f1 (f1 - 1) / (2 (f2 + 1)) (n - 1) / n
+        of f1 orbits found once and f2 found twice in n starts, a lower bound on the average.
+
+        A. Chao, Nonparametric estimation of the number of classes in a population, Scandinavian Journal of
+        Statistics 11 (1984) 265-270, in its form without bias.
+        """
+        if not self.starts:
+            return 0.0
+        once, twice = self.found(1), self.found(2)
+        return once * (once - 1) / (2 * (twice + 1)) * (self.starts - 1) / self.starts
+
+    @property
+    def next_is_new(self) -> float:
+        """Estimate of the orbits that the next start finds and no start before: f1 / n.
+
+        I. J. Good, The population frequencies of species and the estimation of population parameters,
+        Biometrika 40 (1953) 237-264.
+        """
+        return self.found(1) / self.starts if self.starts else 0.0
 
 
 def search_attempts(
     case: Case, count: int, seed: int = 0, period: int | None = None, engine: str = "auto"
 ) -> Iterator[NewtonAttempt]:
-    """Look for orbits of a case from `count` random starts; a generator of `Attempt`s.
+    """Look for orbits of a case from `count` random starts; a generator of `NewtonAttempt`s.
 
     The starts fill a box twice as wide as the extremes of a run of the case on the section. From each of them
-    Newton's method looks for orbits of `period` periods, 1 where it is left out, and the run from it for the
-    orbit that it goes to. Raises OrbitError, EngineError.
+    Newton's method looks for orbits of `period` periods, 1 where it is left out; the run from it for the
+    orbit that it goes to, and for those of up to MOST_RETURNS periods, or of `period`, that it passes by.
+    Raises OrbitError, EngineError.
     """
     scene = case.scene()
     return_map = ReturnMap(scene, period or 1, engine)
@@ -245,10 +297,13 @@ def search_attempts(
     known: list[Orbit] = []
     for i in range(count):
         X = low + (high - low) * random.random(len(low))
-        new = [one for one in _from(case, return_map, X, period, engine) if not _is_among(one, known)]
-        distinct = [one for i, one in enumerate(new) if not _is_among(one, new[:i])]
-        known += distinct
-        yield NewtonAttempt(i, distinct)
+        before, met = len(known), list[int]()
+        for one in _from(case, return_map, X, period, engine):
+            number = next((k for k, other in enumerate(known) if same(one, other)), len(known))
+            if number == len(known):
+                known.append(one)
+            met.append(number)
+        yield NewtonAttempt(i, known[before:], tuple(sorted(set(met))))
 
 
 def _box(scene: Scene, return_map: ReturnMap, engine: str) -> tuple[np.ndarray, np.ndarray]:
@@ -268,7 +323,9 @@ def _box(scene: Scene, return_map: ReturnMap, engine: str) -> tuple[np.ndarray, 
 def _from(
     case: Case, return_map: ReturnMap, X: np.ndarray, period: int | None, engine: str
 ) -> Iterator[Orbit]:
-    """The orbits from one start: the one that Newton's method finds, and the one that the run goes to."""
+    """The orbits from one start: the one that Newton's method finds, the one that the run goes to, and those
+    that it passes by, where it comes near itself on its way.
+    """
     yield from _solved(case, return_map, X, None)
     at, state = return_map.coordinates, return_map.coordinates.state(X)
     try:
@@ -282,6 +339,22 @@ def _from(
         over = return_map.of(n)
         T = None if over.section.timed else float(course.times[-1] - course.times[-1 - n])
         yield from _solved(case, over, course.points[-1], T)
+    for n in [period] if period else range(1, MOST_RETURNS + 1):
+        if n < len(course.points):
+            yield from _passed(case, return_map.of(n), course)
+
+
+def _passed(case: Case, return_map: ReturnMap, course: Course) -> Iterator[Orbit]:
+    """The orbit of so many returns near which a run passes: from the point that comes nearest to itself, as
+    weighed, where that is no end of it.
+    """
+    n, weights = return_map.n, return_map.coordinates.weights
+    steps = np.abs((course.points[n:] - course.points[:-n]) * weights).max(axis=1)
+    k = int(np.argmin(steps))
+    if k == len(steps) - 1 or steps[k] == 0:  # it has settled
+        return
+    T = None if return_map.section.timed else float(course.times[k + n] - course.times[k])
+    yield from _solved(case, return_map, course.points[k], T)
 
 
 def _solved(case: Case, return_map: ReturnMap, X: np.ndarray, T: float | None) -> Iterator[Orbit]:
@@ -290,10 +363,6 @@ def _solved(case: Case, return_map: ReturnMap, X: np.ndarray, T: float | None) -
         yield least(Orbit(return_map, solve(return_map, X, T, steps=ROUGH), case))
     except (OrbitError, EngineError):
         return
-
-
-def _is_among(orbit: Orbit, others: Iterable[Orbit]) -> bool:
-    return any(same(orbit, other) for other in others)
 
 
 def same(one: Orbit, other: Orbit) -> bool:

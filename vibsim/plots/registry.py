@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 # module of vibsim.plots -> the kinds that it draws, each by a function `<kind>_picture(subjects, view)`
 DRAWN_IN: dict[str, tuple[str, ...]] = {
+    "basins": ("basins",),
     "branch_curves": ("branch", "load-curve"),
     "capture_pictures": ("regime", "capture"),
     "characteristics": ("stiffness", "motor"),
@@ -207,6 +208,13 @@ KINDS = (
         alone=True,
     ),
     PictureKind(
+        "basins",
+        "sweep",
+        "which attractor every start ends on: a map, starts, or shares over a parameter",
+        ("attractors", "starts of attractors"),
+        alone=True,
+    ),
+    PictureKind(
         "fit",
         "fit",
         "price of the candidates over the free parameters",
@@ -258,6 +266,14 @@ NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
     "end states": (
         "end states (sweep with compute='end-state')",
         lambda subject: _has(subject, "end_state"),
+    ),
+    "attractors": (
+        "attractors (sweep with compute='attractor')",
+        lambda subject: _has(subject, "attractor_kind"),
+    ),
+    "starts of attractors": (
+        "two ranges, an ensemble of at most two start values, or starts at every value of one parameter",
+        lambda subject: _shows_basins(subject),
     ),
     "capture": (
         "verdicts on capture (sweep with compute='capture')",
@@ -322,6 +338,15 @@ def _has_starts(subject: Subject) -> bool:
     if members is None:
         return False
     return len(members.spreads) <= 2 if _ranges(subject) == 0 else _ranges(subject) <= 2
+
+
+def _shows_basins(subject: Subject) -> bool:
+    """Whether basins can be drawn: in a plane, of starts, or as shares over the one parameter."""
+    from vibsim.plots.basins import shows_shares
+
+    if subject.result.members is not None and _ranges(subject) == 0:
+        return len(subject.result.members.spreads) <= 2
+    return _is_map(subject) or shows_shares(subject)
 
 
 def misfit(kind: PictureKind, subject: Subject) -> str | None:

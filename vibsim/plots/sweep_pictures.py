@@ -57,8 +57,8 @@ from vibsim.plots.sweep_curves import (
     spread_over,
 )
 from vibsim.plots.view import PlotError, View
-from vibsim.sweeps.computations import VERDICTS
 from vibsim.sweeps.points import Share
+from vibsim.sweeps.run_ends import VERDICTS
 
 END_STATE_HEIGHT_CM = 6.8
 UNDRAWN = 0.005  # greatest share of a curve that would lie on the axis

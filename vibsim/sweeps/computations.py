@@ -11,9 +11,9 @@ from vibsim.cases.problems import did_you_mean
 from vibsim.engine.blocks import Block
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.tangent.tangent_space import dimension as exponents
-from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene, columns_of
+from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene
 from vibsim.results.file_contents import Column
-from vibsim.sweeps import contact_computations
+from vibsim.sweeps import contact_computations, run_ends
 from vibsim.sweeps.contact_computations import Task
 from vibsim.sweeps.quantities import Columns, Quantities
 from vibsim.sweeps.statistics import MeasuredRun
@@ -275,61 +275,6 @@ def _numbers(capture: "Capture") -> dict[str, float]:
     return {"capture": float(CAPTURE_VERDICTS[capture.verdict]), **known}
 
 
-# What a motion without a source that changes comes to: rest, or vibration that goes on.
-#
-# Judged on the time after the transient, in two halves. Where stops or frictions go on to change their states
-# in the second half, the motion is a vibration (stick-slip, impacts): events are exact, so no threshold
-# decides. Where they do not, it is smooth, and rests if its kinetic energy falls from one half to the other.
-
-
-END_STATE_TITLE = "rest or vibration, without a source that changes"
-NAME = "end_state"
-VERDICTS = {"undecided": 0, "rest": 1, "vibration": 2}
-OF_FRICTION = ("reversal", "stick_begin", "stick_end")
-CHANGES = (*OF_FRICTION, *IMPACTS, "contact_end", "rest_begin", "rest_end")
-FALLS = 0.99  # of the greatest kinetic energy in the first half: samples meet its peaks to a hundredth
-
-
-def end_state_columns(of: Quantities) -> Columns:
-    """The verdict; none with a source, whose motions have a regime."""
-    return {} if of.has_source else {NAME: Column("1", "what the motion comes to", flags=VERDICTS)}
-
-
-class EndState:
-    """What one run comes to. Memory grows with its samples and events after the transient."""
-
-    def __init__(self, task: Task):
-        self._begin, bodies = task.begin, task.scene.line
-        self._half_masses = {columns_of(body.name)[1]: float(body.m) / 2 for body in bodies}
-        self._codes = [EVENT_KINDS[kind] for kind in CHANGES]
-        self._changes: list[np.ndarray] = []
-        self._times: list[np.ndarray] = []
-        self._energies: list[np.ndarray] = []
-
-    def update(self, block: Block) -> None:
-        """Take the next block."""
-        events, samples = block.events, block.samples
-        self._changes.append(events["t"][np.isin(events["kind"], self._codes)])
-        self._times.append(samples["time"])
-        energy = np.zeros(len(samples["time"]))
-        for v, half in self._half_masses.items():
-            energy = energy + half * samples[v] ** 2
-        self._energies.append(energy)
-
-    def values(
-        self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
-    ) -> dict[str, float]:
-        """The verdict on the window."""
-        middle = (window[0] + window[1]) / 2
-        times, energies = np.concatenate(self._times), np.concatenate(self._energies)
-        late, early = times >= middle, (times >= window[0]) & (times < middle)
-        if any(np.any(changes >= middle) for changes in self._changes):
-            return {NAME: float(VERDICTS["vibration"])}
-        known = late.any() and early.any()
-        falls = known and energies[late].max() <= FALLS * energies[early].max()
-        return {NAME: float(VERDICTS["rest" if falls else "undecided"])}
-
-
 # What a sweep computes of each point on demand, besides its usual statistics, while the run streams by.
 #
 # Each computation is made for one run, is shown its blocks from the transient's end on, and answers at the
@@ -374,6 +319,13 @@ class ComputationKind:
     samples: bool = False
 
 
+def _attractor_computation(task: Task) -> Computation:
+    """The attractor of one run."""
+    from vibsim.sweeps.attractor_labels import AttractorComputation
+
+    return AttractorComputation(task)
+
+
 COMPUTATIONS = {
     "power": ComputationKind(
         contact_computations.POWER_TITLE,
@@ -412,10 +364,17 @@ COMPUTATIONS = {
     "regime": ComputationKind(REGIME_TITLE, regime_columns, "with a source", RegimeLabel, samples=True),
     "orbit": ComputationKind(ORBIT_TITLE, orbit_columns, "with a source", OrbitComputation, samples=True),
     "end-state": ComputationKind(
-        END_STATE_TITLE,
-        end_state_columns,
+        run_ends.END_STATE_TITLE,
+        run_ends.end_state_columns,
         "that move freely, under constant forces alone",
-        EndState,
+        run_ends.EndState,
+        samples=True,
+    ),
+    run_ends.NAME: ComputationKind(
+        run_ends.ATTRACTOR_TITLE,
+        run_ends.attractor_columns,
+        "",
+        _attractor_computation,
         samples=True,
     ),
 }
@@ -450,5 +409,7 @@ def length_of(dimension: str, scene: Scene, section: int) -> int:
         "quantile": lambda: len(contact_computations.QUANTILES),
         "exponent": lambda: exponents(scene),
         "multiplier": lambda: multipliers(scene),
+        "unknown": lambda: run_ends.unknowns(scene),
+        "observable": lambda: run_ends.observed(scene),
     }
     return lengths[dimension]()

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from vibsim.results.file_contents import Column
 from vibsim.sweeps.quantities import RELATIVE_RATE, Columns, MeasuredMotion, Quantities, distinct
 from vibsim.sweeps.statistics import MeasuredRun, velocities
 
+if TYPE_CHECKING:
+    from vibsim.analysis.attractor import KnownOrbits
+
 
 @dataclass(frozen=True)
 class Task:
@@ -27,12 +30,14 @@ class Task:
     ----------
     begin : time at which the transient ends [s]
     section : length of sections
+    known : stable orbits of the scene with which the run is compared, or None
     """
 
     scene: Scene
     of: Quantities
     begin: float
     section: int
+    known: "KnownOrbits | None" = None
 
 
 # The beginnings of contact of a run, block by block: when, where, how fast, at what phase of the source.

@@ -5,8 +5,9 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from vibsim.physics.rates import source_rates, turning_columns
 from vibsim.sweeps.computations import COMPUTATIONS, Computation
 from vibsim.sweeps.contact_computations import Task
 from vibsim.sweeps.quantities import DONE, FAILED, MISSING
+from vibsim.sweeps.run_ends import NAME
 from vibsim.sweeps.statistics import (
     GivenUpError,
     MeasuredRun,
@@ -29,6 +31,10 @@ from vibsim.sweeps.statistics import (
     sampled_for_statistics,
 )
 from vibsim.sweeps.sweep_plan import Index, PointRecipe, Start, SweepPlan
+
+if TYPE_CHECKING:
+    from vibsim.analysis.attractor import KnownOrbits
+
 
 # One point of a sweep: computed here, in whatever thread, process or machine it falls to.
 
@@ -94,7 +100,10 @@ def compute_point(
         return SweepPoint(index, FAILED, "", str(error))
     try:
         scene = sampled_for_statistics(case.scene(), recipe.every)
-        values, arrays = measure(scene, recipe, engine, go_on)
+        known = _known(recipe, changes, engine, go_on)
+        values, arrays = _early(scene, recipe, engine, go_on, known) or measure(
+            scene, recipe, engine, go_on, known
+        )
     except (EngineError, TooFineError) as error:
         return SweepPoint(index, FAILED, case.sha256, str(error))
     except GivenUpError:
@@ -114,14 +123,63 @@ def described_bug(error: Exception) -> str:
     return f"a bug in vibsim, please report it: {type(error).__name__}: {error} ({place})"
 
 
-def measure(scene: Scene, recipe: PointRecipe, engine: str, go_on: Callable[[], bool] | None) -> Measured:
-    """Statistics, totals and end state by name; sections and what else has a further dimension by name."""
+def _known(
+    recipe: PointRecipe, changes: Mapping[str, str], engine: str, go_on: Callable[[], bool] | None
+) -> "KnownOrbits | None":
+    """Orbits of the point's scene that are known beforehand; none unless attractors are asked for."""
+    if NAME not in recipe.compute:
+        return None
+    from vibsim.sweeps.attractor_labels import known_orbits
+
+    return known_orbits(recipe, changes, engine, partial(_ask, go_on))
+
+
+def _ask(go_on: Callable[[], bool] | None) -> None:
+    if go_on is not None and not go_on():
+        raise GivenUpError
+
+
+def _early(
+    scene: Scene,
+    recipe: PointRecipe,
+    engine: str,
+    go_on: Callable[[], bool] | None,
+    known: "KnownOrbits | None",
+) -> Measured | None:
+    """The attractor of a point of which nothing else is asked, where it is sure before the transient ends;
+    the statistics, which count from there on, are missing.
+    """
+    if recipe.compute != (NAME,) or recipe.carry or not known:
+        return None
+    from vibsim.sweeps.attractor_labels import early_label, values_of
+
+    early = early_label(scene, recipe.discard.time(scene.t_end), engine, partial(_ask, go_on), known)
+    if early is None:
+        return None
+    label, t_reached = early
+    stored = values_of(label)
+    numbers = {name: value for name, value in stored.items() if isinstance(value, float)}
+    arrays = {name: value for name, value in stored.items() if not isinstance(value, float)}
+    return {"t_reached": t_reached, **numbers}, arrays
+
+
+def measure(
+    scene: Scene,
+    recipe: PointRecipe,
+    engine: str,
+    go_on: Callable[[], bool] | None,
+    known: "KnownOrbits | None" = None,
+) -> Measured:
+    """Statistics, totals and end state by name; sections and what else has a further dimension by name.
+
+    known : orbits of the scene with which the run is compared
+    """
     begin = recipe.discard.time(scene.t_end)
     kinds = [COMPUTATIONS[name] for name in recipe.compute]
     if not any(kind.samples for kind in kinds):
         scene = scene.without_samples()
     statistics = Statistics(scene, recipe.of, begin)
-    computed = [kind.make(Task(scene, recipe.of, begin, recipe.section)) for kind in kinds]
+    computed = [kind.make(Task(scene, recipe.of, begin, recipe.section, known)) for kind in kinds]
     run = MeasuredRun(
         scene, recipe.of, begin, engine, go_on, any(kind.ledger for kind in kinds), _watchers(computed)
     )

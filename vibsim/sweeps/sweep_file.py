@@ -44,20 +44,65 @@ from vibsim.sweeps.axes import Axis, Members, Spread, axis_from_plain
 from vibsim.sweeps.contact_computations import QUANTILES
 from vibsim.sweeps.points import SweepPoint, Table
 from vibsim.sweeps.quantities import DEFINITIONS, DONE, FAILED, STATUS_FLAGS
+from vibsim.sweeps.run_ends import NAME, NONE
 from vibsim.sweeps.sweep_plan import DIRECTION_FLAGS, SweepPlan, check_memory
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
+    from vibsim.sweeps.attractors import Attractors
 
 
 KIND = "sweep"
-NUMBERED = ("exponent", "multiplier")  # further dimensions that count from 1
+NUMBERED = ("exponent", "multiplier", "unknown", "observable")  # further dimensions that count from 1
 
 
 def write_sweep(path: Path, plan: SweepPlan, table: Table, attrs: Mapping[str, Any]) -> None:
     """Write a sweep to `path`, replacing what is there in one instant. Raises ResultFileError."""
     points = {**table.numbers, "status": table.status, "sha256": table.sha256, "error": table.error}
-    write_hdf5(path, attrs, datasets_of(plan), {**coordinates(plan), **points})
+    derived = {}
+    if NAME in plan.compute:
+        from vibsim.sweeps.attractors import gather, values_of_group
+
+        found = gather(plan, table, attrs["engine"])
+        names = names_of_unknowns(plan)
+        derived = {NAME: found.labels, MIRRORED: found.mirrored}
+        derived |= values_of_group(found, names, len(plan.case.scene().line))
+    declared = [*datasets_of(plan), *group_of(plan)]
+    write_hdf5(path, attrs, declared, {**coordinates(plan), **points, **derived})
+
+
+def names_of_unknowns(plan: SweepPlan) -> tuple[str, ...]:
+    """Names of the unknowns of the orbits of a sweep's case."""
+    from vibsim.sweeps.attractor_labels import coordinates_of
+
+    at = coordinates_of(plan.case.scene())
+    return at.names if at else ()
+
+
+def group_of(plan: SweepPlan) -> list[Dataset]:
+    """The datasets of the group `attractors`, where the sweep has it."""
+    if NAME not in plan.compute:
+        return []
+    from vibsim.sweeps.attractors import datasets_of_attractors
+
+    return datasets_of_attractors(names_of_unknowns(plan), len(plan.case.scene().line))
+
+
+def read_attractors(path: Path, file: h5py.File, plan: SweepPlan) -> "Attractors":
+    """The attractors in the checked file of a sweep."""
+    from vibsim.sweeps.attractors import COLUMNS, Attractors
+
+    values = {}
+    for declared in group_of(plan):
+        with damage_named(path):
+            values[declared.name.rpartition("/")[2]] = np.asarray(read_values(file, declared))
+        if declared.column.dtype != "text":
+            check_values(path, declared, values[declared.name.rpartition("/")[2]])
+    values.setdefault("state", np.empty((len(values["kind"]), 0)))
+    labels, mirrored = (np.asarray(read_column(path, file, plan, name)) for name in (NAME, MIRRORED))
+    if not ((labels >= NONE) & (labels < len(values["kind"]))).all():
+        raise damaged(path, f"{NAME} names attractors that are not there")
+    return Attractors(labels, mirrored, {name: values[name] for name in (*COLUMNS, "state", "amplitude")})
 
 
 def coordinates(plan: SweepPlan) -> dict[str, np.ndarray]:
@@ -113,8 +158,15 @@ FURTHER_SCALES = {
     QUANTILE: Column("1", "share of the impacts that are not faster"),
     "multiplier": Column("1", "number of the multiplier, the largest first", dtype="i4"),
     "exponent": Column("1", "number of the exponent, the largest first", dtype="i4"),
+    "unknown": Column("1", "number of the unknown of the orbits", dtype="i4"),
+    "observable": Column("1", "of each unknown the mean, the mean square, the mean change", dtype="i4"),
 }
 STATUS = Column(None, "whether the point was computed", dtype="i1", flags=STATUS_FLAGS)
+MIRRORED = f"{NAME}_mirrored"
+DERIVED = {  # from the labels of all points, see `vibsim.sweeps.attractors`
+    NAME: Column("1", "number of its attractor; -1: undecided or not computed", dtype="i8", missing=NONE),
+    MIRRORED: Column("1", "1: it ends on the mirror image of the attractor's orbit", dtype="i8"),
+}
 TEXTS = {
     "sha256": Column(None, "SHA-256 of the point's case", dtype="text"),
     "error": Column(None, "why a point failed", dtype="text"),
@@ -167,6 +219,8 @@ def _of_points(plan: SweepPlan) -> list[Dataset]:
         if 0 not in plan.shape_of(name)
     ]
     texts = [Dataset(name, column, dims) for name, column in TEXTS.items()]
+    if NAME in plan.compute:
+        numbers += [Dataset(name, column, dims) for name, column in DERIVED.items()]
     return [*numbers, Dataset("status", STATUS, dims), *texts]
 
 
@@ -217,7 +271,7 @@ def _checked(path: Path, file: h5py.File) -> tuple[dict[str, Any], SweepPlan]:
             raise ValueError("section")
         plan = from_plain(SweepPlan, settings, case=case)
         _check_axes(case, plan)
-    check_datasets(path, file, datasets_of(plan), lengths_of(plan))
+    check_datasets(path, file, [*datasets_of(plan), *group_of(plan)], lengths_of(plan))
     _check_scales(path, file, plan)
     if attrs["points"] != plan.count or not all(0 <= attrs[name] <= plan.count for name in COUNTS):
         raise damaged(path, f"the attribute points is {attrs['points']}, and its axes have {plan.count}")

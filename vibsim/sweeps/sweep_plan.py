@@ -48,6 +48,7 @@ class PointRecipe:
     section: int
     every: Fraction | None
     compute: tuple[str, ...] = ()
+    probes: tuple[Start, ...] = ()
 
     @cached_property
     def of(self) -> Quantities:
@@ -109,6 +110,8 @@ class SweepPlan:
     section : number of stroboscopic points kept per point, the last ones
     every : interval of the samples that verdicts on the regime are scaled with [s]; None: what suits each
         point's motion
+    probes : starts that are followed before any other, so that points stop early where they are sure to end
+        on the same orbits, see `vibsim.sweeps.attractor_labels`
     """
 
     case: "Case" = field(metadata=BESIDE)
@@ -132,6 +135,11 @@ class SweepPlan:
             lambda every: "auto" if every is None else f"{every} s",
             lambda text: None if text == "auto" else parse_quantity(text, "time").value,
         ),
+    )
+    probes: tuple[Start, ...] = field(
+        default=(),
+        kw_only=True,
+        metadata=stored("probes", list, lambda starts: tuple(map(dict, starts))),
     )
 
     def __post_init__(self) -> None:
@@ -221,7 +229,9 @@ class SweepPlan:
     @cached_property
     def recipe(self) -> PointRecipe:
         """What all points have in common; with a point's `changes` it is all that computing it takes."""
-        return PointRecipe(self.case, self.carry, self.discard, self.section, self.every, self.compute)
+        return PointRecipe(
+            self.case, self.carry, self.discard, self.section, self.every, self.compute, self.probes
+        )
 
     @cached_property
     def columns(self) -> dict[str, Column]:
@@ -245,6 +255,8 @@ class SweepPlan:
         settings = {**plain_data(self), "statistics": STATISTICS}
         if not self.compute:
             del settings["compute"]  # files without it stay valid
+        if not self.probes:
+            del settings["probes"]
         return settings
 
     @cached_property

@@ -7,7 +7,7 @@ from functools import cache, cached_property, partial
 from itertools import pairwise
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,17 +22,23 @@ from vibsim.results.store import Waiting
 from vibsim.sweeps.axes import Axis, Members
 from vibsim.sweeps.points import TEXTS_AND_STATUS, Share, Summary, SweepPoint, Table, share, summary
 from vibsim.sweeps.quantities import DONE, MISSING
+from vibsim.sweeps.run_ends import NAME
 from vibsim.sweeps.sweep_file import (
+    DERIVED,
     coordinates,
     datasets_of,
     dimensions,
     origin,
     outcome,
+    read_attractors,
     read_column,
     read_sweep,
     write_sweep,
 )
 from vibsim.sweeps.sweep_plan import DIRECTION_NAMES, Index, Start, SweepPlan
+
+if TYPE_CHECKING:
+    from vibsim.sweeps.attractors import Attractors
 
 
 class SweepResult(Labelled):
@@ -55,11 +61,13 @@ class SweepResult(Labelled):
         plan: SweepPlan,
         read: Callable[[str], np.ndarray],
         table: Table | None = None,
+        stored: Callable[[], Any] | None = None,
     ):
         self.attrs, self.plan = attrs, plan
         self._read = cache(read)
         if table is not None:
             self.table = table
+        self._stored = stored
 
     def __reduce__(self) -> tuple[Any, ...]:
         """For pickle: with all points, so that what comes out needs no file."""
@@ -79,6 +87,8 @@ class SweepResult(Labelled):
         drawn = self._drawn()
         if name in drawn:
             return drawn[name]
+        if name in self._derived():
+            return self.attractors.labels if name == NAME else self.attractors.mirrored
         if name not in (*self.plan.columns, *TEXTS_AND_STATUS):
             raise KeyError(f"no {name}; this sweep has {', '.join(self.keys())}")
         return self._read(name)
@@ -92,7 +102,23 @@ class SweepResult(Labelled):
     def keys(self) -> list[str]:
         """Names of the axes and of what is known per point."""
         names = [axis.name for axis in self.axes]
-        return [*names, *self._drawn(), *self.plan.columns, *TEXTS_AND_STATUS]
+        return [*names, *self._drawn(), *self.plan.columns, *self._derived(), *TEXTS_AND_STATUS]
+
+    def _derived(self) -> list[str]:
+        """Columns that follow from the labels of all points."""
+        return list(DERIVED) if NAME in self.plan.compute else []
+
+    @cached_property
+    def attractors(self) -> "Attractors":
+        """The attractors on which the points end. Raises ValueError where the sweep did not ask for them."""
+        if NAME not in self.plan.compute:
+            raise ValueError(f"this sweep has no attractors; give compute={NAME!r}")
+        if self._stored is not None:
+            found: Attractors = self._stored()
+            return found
+        from vibsim.sweeps.attractors import gather
+
+        return gather(self.plan, self.table, self.attrs["engine"])
 
     @property
     def axes(self) -> tuple[Axis | Members, ...]:
@@ -230,7 +256,7 @@ def open_sweep(path: str | Path) -> SweepResult:
     read = partial(read_column, Path(path), file, plan)
     points = waiting.records(plan.fingerprint, SweepPoint)
     if not points:
-        return SweepResult(attrs, plan, read)
+        return SweepResult(attrs, plan, read, stored=partial(read_attractors, Path(path), file, plan))
     table = Table(plan)
     table.fill(read)
     for point in points:
@@ -262,6 +288,10 @@ def sweep_lines(result: SweepResult) -> Lines:
     if plan.compute:
         lines.append(("computed", ", ".join(plan.compute)))
     lines.append(("section", f"the last {plan.section} stroboscopic points of each"))
+    if NAME in plan.compute:
+        from vibsim.sweeps.basin_measures import attractor_lines
+
+        lines += attractor_lines(result)
     failures = list(result.table.failures())
     lines += [("failed", f"{place_text(result, index)}: {reason}") for index, reason in failures[:5]]
     if len(failures) > 5:
@@ -282,7 +312,12 @@ def facts(result: SweepResult) -> dict[str, Any]:
     attrs = {name: value for name, value in result.attrs.items() if name != "case_yaml"}
     case, settings = json.loads(attrs.pop("case_resolved_json")), json.loads(attrs.pop("sweep_settings_json"))
     failed = [{"at": place_text(result, index), "error": reason} for index, reason in result.table.failures()]
-    return {**attrs, "case": case, "sweep": settings, "failed": failed}
+    of_attractors: dict[str, Any] = {}
+    if NAME in result.plan.compute:
+        from vibsim.sweeps.basin_measures import attractor_facts
+
+        of_attractors = attractor_facts(result)
+    return {**attrs, "case": case, "sweep": settings, **of_attractors, "failed": failed}
 
 
 def axis_text(axis: Axis | Members) -> str:

@@ -14,6 +14,7 @@ from vibsim.results.blocks_ahead import available_cores
 from vibsim.sweeps.axes import Axis, Members, range_and_unit, read_axis, read_members
 from vibsim.sweeps.computations import read_computations
 from vibsim.sweeps.quantities import quantities_of
+from vibsim.sweeps.run_ends import probe_starts
 from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError, SweepPlan, read_directions
 from vibsim.sweeps.sweep_result import SweepResult
@@ -125,6 +126,7 @@ def make_plan(
         every_axis: tuple[Axis | Members, ...] = (*(read_axis(case, *axis) for axis in axes), *ensemble)
         if not every_axis:
             raise PlanError("a sweep needs something to vary")
+        computed = read_computations(compute, quantities_of(case))
         return SweepPlan(
             case=case,
             axes=every_axis,
@@ -133,7 +135,8 @@ def make_plan(
             discard=parse_discard(_text("discard", discard, "'100 s' or '50 %'")),
             section=section,
             every=None if every is None else _interval(_text("every", every, "'5 ms'")),
-            compute=read_computations(compute, quantities_of(case)),
+            compute=computed,
+            probes=probe_starts(every_axis, computed, carry_state),
         )
     except ValueError as error:
         raise error if isinstance(error, PlanError) else PlanError(str(error)) from None

@@ -29,7 +29,7 @@ from vibsim.engine.columns import state_columns
 from vibsim.opening import open_result
 from vibsim.orbits.coordinates import LETTERS
 from vibsim.orbits.orbit import Orbit, save_orbit
-from vibsim.orbits.search import INITIAL, orbit, search_attempts
+from vibsim.orbits.search import INITIAL, SearchTally, orbit, search_attempts
 from vibsim.orbits.stability import neighbours, sides_of_circle
 from vibsim.physics.parts import IMPACTS
 from vibsim.results import Result, kind_of, names_a_result
@@ -256,22 +256,24 @@ def search_all(wish: OrbitWish, count: int, seed: int, settings: Settings) -> in
     subject = wish.subject()
     case = subject.case if isinstance(subject, Result) else subject
     case = case.with_values(wish.changes) if wish.changes else case
-    rows, done = list[OrbitRow](), 0
+    rows, done, tally = list[OrbitRow](), 0, SearchTally()
     steps = Progress(not settings.quiet)
     with Interruption() as interruption, closing(steps), suppress(KeyboardInterrupt):  # of a start given up
         for attempt in search_attempts(case, count, seed, wish.period, wish.engine):
             for each in attempt.orbits:
                 rows.append(_kept(each, wish, _numbered(wish, len(rows) + 1)))
+            tally.add(attempt)
             done = attempt.number + 1
             steps.show("starts", done, count)
             if interruption.signum is not None or any(row.trouble for row in rows):
                 break
     trouble = next((row.trouble for row in rows if row.trouble), None)
     if settings.json:
-        orbits = {"starts": done, "seed": seed, "orbits": [row.object for row in rows]}
+        numbers = {"found_by": tally.counts, "unseen": tally.unseen, "next_is_new": tally.next_is_new}
+        orbits = {"starts": done, "seed": seed, **numbers, "orbits": [row.object for row in rows]}
         print_json(orbits | _error_object(trouble))
     elif not settings.quiet:
-        _print_list(case, rows, done)
+        _print_list(case, rows, done, tally)
     if interruption.signum is not None:
         files = f"; what was found is in {rows[0].file} and on" if rows and rows[0].file else ""
         say(f"interrupted after {done} of {count} starts{files}", err=True)
@@ -295,13 +297,23 @@ def _check_numbered(wish: OrbitWish) -> None:
         number += 1
 
 
-def _print_list(case: Case, rows: list[OrbitRow], done: int) -> None:
+def _print_list(case: Case, rows: list[OrbitRow], done: int, tally: SearchTally) -> None:
     say(heading(case.name, case.title))
     print_lines([("orbits", f"{len(rows)} from {counted(done, 'start')}")])
     for place, row in enumerate(rows, 1):
         print_lines([(f"{place}", orbit_row(row.orbit)), *row.file_line])
         if row.digits is not None:
             print_lines(row.digits.lines())
+    if rows:
+        print_lines([("completeness", _completeness(tally))])
+
+
+def _completeness(tally: SearchTally) -> str:
+    """How many orbits were found once and twice, and the estimates that follow."""
+    return (
+        f"{tally.found(1)} found from one start, {tally.found(2)} from two: about {tally.unseen:.1f} more "
+        f"are there to be found; the next start finds a new one with probability {tally.next_is_new:.2g}"
+    )
 
 
 # A periodic orbit for people (lines) and for programs (JSON).

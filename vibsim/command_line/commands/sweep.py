@@ -54,6 +54,7 @@ DEFAULT_CASE = "II-B"
         "vibsim sweep drifting-capsule --param stops.anvil.k=1:10/10kN/m",
         "vibsim sweep II-B --omega0 3:7:0.1 --ensemble 20 --spread phi=0:360deg --spread x1=1mm",
         "vibsim sweep II-B --omega0 3:7:0.1 --compute power,capture,regime",
+        "vibsim sweep cantilever --param tip.x=-5:5/40mm --param tip.v=-500:500/40mm/s --compute attractor",
         "vibsim sweep II-B --omega0 3:7:0.001 --scheduler tcp://10.0.0.1:8786",
         "vibsim sweep II-B-omega0.h5                   # complete it by the plan that it holds",
         "vibsim plot II-B-omega0.h5",
@@ -103,7 +104,7 @@ DEFAULT_CASE = "II-B"
     "--compute", "computed", metavar="NAME,...", default="",
     help="What to compute of each point besides: power, impact-velocity, contact-section, grazing, "
     "certificate, capture, lyapunov (one more run), lyapunov-spectrum (one more, three times as long), "
-    "regime, orbit, end-state; or all. See --list.",
+    "regime, orbit, end-state, attractor (alone, runs stop where it is sure); or all. See --list.",
 )  # fmt: skip
 @click.option("--list", "list_computations", is_flag=True, help="List what --compute takes, and stop.")
 @set_option

@@ -1,0 +1,285 @@
+"""Attractors of sweeps: labels against runs judged by hand, in any order, after a kill, and their numbers."""
+
+import h5py
+import numpy as np
+import pytest
+
+import vibsim
+from tests.sweeps.made import assert_same_points, complete, in_memory, run_stored, short_plan
+from vibsim.analysis.attractor import observables
+from vibsim.cases.case import load_case, load_case_text
+from vibsim.results.hdf5_reading import ResultFileError
+from vibsim.sweeps.attractors import gather
+from vibsim.sweeps.points import compute_point
+from vibsim.sweeps.run_ends import KINDS, NONE, REASONS
+from vibsim.sweeps.sweep_file import SweepStore
+from vibsim.sweeps.sweep_plan import PlanError, shard
+
+STARTS = {"tip.x": "-4:4/8 mm", "tip.v": "-450:450/8 mm/s"}
+BELT = {"block.x": "-2:2 m", "block.v": "0:2 m/s"}
+
+
+def cantilever_plan(axes=STARTS, compute="attractor", **settings):
+    case = load_case("gallery/cantilever", {"run.t_end": "40 s"})
+    return short_plan(axes, case, compute=compute, section=0, **settings)
+
+
+@pytest.fixture(scope="module")
+def basins(tmp_path_factory):
+    """The cantilever's basins, stored, by two workers."""
+    path = tmp_path_factory.mktemp("basins") / "basins.h5"
+    return path, complete(cantilever_plan(), path)[0]
+
+
+def strikes(case, t_end=60.0, last=5.0):
+    """Whether a long run still meets the stop at its end: no orbit, no section, no Newton."""
+    times = vibsim.simulate(case).events["t"]
+    return bool((times > t_end - last).sum() > 10)
+
+
+def test_labels_are_where_long_runs_go(basins):
+    """The motion that strikes has two events a period, 130 in 5 s; the other has none."""
+    _, result = basins
+    labels = result["attractor"][..., 0]
+    assert set(np.unique(labels)) == {0, 1}
+    word = result.attractors["word"].tolist()
+    assert word == ["be", ""]
+    for index in np.ndindex(labels.shape):
+        case = result.case_at((*index, 0)).with_values({"run.t_end": "60 s", "run.every": "1 s"})
+        assert strikes(case) == (labels[index] == 0), index
+
+
+def test_amplitudes_are_those_of_the_runs(basins):
+    """At the end of a run, half of the way between the extremes of its samples in 5 s."""
+    _, result = basins
+    for i in range(2):
+        index = tuple(np.argwhere(result["attractor"] == i)[0])
+        run = vibsim.simulate(result.case_at(index))
+        late = np.asarray(run["x_tip"])[np.asarray(run["time"]) > 35]
+        assert result.attractors["amplitude"][i, 0] == pytest.approx(np.ptp(late) / 2, rel=2e-3)
+    assert result.attractors["amplitude"][:, 0] == pytest.approx([4.782e-3, 0.641e-3], rel=1e-3)
+
+
+def test_the_clear_motion_is_the_linear_oscillator(basins):
+    """x = base + relative: closed form of k, c and the base; multipliers exp(-c T / 2 m)."""
+    _, result = basins
+    m, k, c, w, a = 0.12, 450.0, 0.25, 2 * np.pi * 13, 0.5e-3
+    amplitude = a * abs((k + 1j * w * c) / (k - m * w**2 + 1j * w * c))
+    assert result.attractors["amplitude"][1, 0] == pytest.approx(amplitude, rel=1e-9)
+    multiplier = np.exp(-c / (2 * m) / 13)
+    assert result.attractors["largest_multiplier"][1] == pytest.approx(multiplier, rel=1e-9)
+
+
+def test_shares_count_the_points(basins):
+    path, result = basins
+    counts = [(result["attractor"] == i).sum() for i in range(2)]
+    shares = np.array(counts) / 64
+    np.testing.assert_allclose(result.attractors["share"], shares, rtol=1e-15)
+    np.testing.assert_allclose(
+        result.attractors["share_error"], np.sqrt(shares * (1 - shares) / 64), rtol=1e-12
+    )
+    with h5py.File(path) as file:
+        np.testing.assert_array_equal(file["attractor"][...], result["attractor"])
+        assert file["attractors/period"][...].tolist() == [1, 1]
+        np.testing.assert_array_equal(file["attractors/share"][...], result.attractors["share"])
+        assert file["attractors/state"].shape == (2, 2)
+
+
+def test_stopping_early_changes_no_label(basins):
+    """Beside another computation every run goes on to its end."""
+    _, result = basins
+    assert np.isfinite(result["attractor_time"]).mean() > 0.8
+    assert np.nanmax(result["attractor_time"]) < 20
+    whole = in_memory(cantilever_plan(compute=["attractor", "grazing"]))
+    assert np.nanmin(whole.numbers["t_reached"]) == 40
+    labels = gather(cantilever_plan(compute=["attractor", "grazing"]), whole).labels
+    np.testing.assert_array_equal(labels, result["attractor"])
+
+
+def test_the_order_of_points_and_the_number_of_workers_change_no_bit(basins):
+    _, result = basins
+    plan = cantilever_plan()
+    points = in_memory(plan)
+    assert_same_points(points, result.table)
+    for index in [(7, 7, 0), (0, 3, 0), (4, 4, 0)]:  # alone, the last first
+        alone = compute_point(plan.recipe, index, plan.changes(index), None, "auto")
+        assert alone is not None
+        np.testing.assert_array_equal(
+            alone.arrays["attractor_state"], points.point(index).arrays["attractor_state"]
+        )
+        assert alone.values["attractor_multiplier"] == points.point(index).values["attractor_multiplier"]
+
+
+def test_a_sweep_that_is_stopped_goes_on_to_the_same_file(basins, tmp_path):
+    _, result = basins
+    plan, path = cantilever_plan(), tmp_path / "stopped.h5"
+    run_stored(SweepStore(plan, path), 2, watch=lambda table: table.count(1) < 20)
+    there = vibsim.open_result(path)
+    assert 0 < (there["status"] == 1).sum() < 64
+    assert set(np.unique(there["attractor"][there["status"] != 1])) == {NONE}
+    again, computed = complete(plan, path)
+    assert 0 < len(computed) < 64
+    assert_same_points(again.table, result.table)
+    np.testing.assert_array_equal(vibsim.open_result(path)["attractor"], result["attractor"])
+    for name, column in result.attractors.columns.items():
+        np.testing.assert_array_equal(again.attractors[name], column)
+
+
+def test_shards_have_the_points_of_the_whole(basins, tmp_path):
+    _, result = basins
+    plan = cantilever_plan()
+    paths = [tmp_path / f"{k}.h5" for k in (1, 2)]
+    for k, path in enumerate(paths, 1):
+        complete(shard(plan, k, 2), path)
+    joined = vibsim.join(paths)
+    np.testing.assert_array_equal(joined["attractor"], result["attractor"])
+    np.testing.assert_array_equal(joined["attractor_state"], result["attractor_state"])
+
+
+def test_a_damaged_number_of_an_attractor_is_told(basins, tmp_path):
+    path, _ = basins
+    copy = tmp_path / "copy.h5"
+    copy.write_bytes(path.read_bytes())
+    with h5py.File(copy, "r+") as file:
+        file["attractor"][0, 0, 0] = 7
+    with pytest.raises(ResultFileError, match="attractor names attractors that are not there"):
+        _ = vibsim.open_result(copy).attractors
+
+
+def test_rest_and_stick_slip_are_those_of_end_state():
+    """Of the belt oscillator, by another rule: whether the friction goes on to change its state."""
+    case = load_case("gallery/belt-oscillator", {"run.t_end": "300 s"})
+    result = vibsim.sweep(
+        case, {}, ensemble=40, spread=BELT, discard="200 s", section=0, compute=["attractor", "end-state"]
+    )
+    at_rest = result.verdict("end_state") == "rest"
+    assert 0 < at_rest.sum() < 40
+    np.testing.assert_array_equal(result["attractor_kind"] == KINDS["rest"], at_rest)
+    assert sorted(result.attractors["period"].tolist()) == [0, 1]
+    rest = int(np.flatnonzero(result.attractors["period"] == 0)[0])
+    mu = 0.5 + 0.5 * np.exp(-1.5 / 0.5)  # x = mu(v_belt) N / k
+    left = result["attractor_errors"][result["attractor"] == rest][:, -1]  # half of what still swings
+    assert abs(result.attractors["state"][rest][0] - mu) < left[0] < 0.05
+
+
+def test_shares_over_a_parameter_keep_their_branches():
+    result = vibsim.sweep(
+        "gallery/belt-oscillator",
+        {"belt.belt": "1.4, 1.7, 1.9 m/s"},
+        ensemble=40,
+        spread=BELT,
+        overrides={"run.t_end": "300 s"},
+        discard="200 s",
+        section=0,
+        compute="attractor",
+    )
+    found = result.attractors
+    branches = {kind: set(found["branch"][found["period"] == kind].tolist()) for kind in (0, 1)}
+    assert len(branches[0]) == len(branches[1]) == 1 and branches[0] != branches[1]
+    assert found["point"][found["period"] == 1].tolist() == [0, 1]  # the cycle ends at 1.8366 m/s
+    assert found["point"][found["period"] == 0].tolist() == [0, 1, 2]
+
+
+def test_two_periods_of_one_scene():
+    """I-A from many starts: its motions of five periods and of one, as the verdict on regimes has them."""
+    spread = {"x1": "1 mm", "v1": "50 mm/s"}
+    result = vibsim.sweep("I-A", {}, ensemble=32, spread=spread, section=0, compute=["attractor", "regime"])
+    periodic = result["regime"] == 1
+    assert periodic.sum() > 25
+    np.testing.assert_array_equal(result["attractor_period"][periodic], result["regime_period"][periodic])
+
+
+def test_chaos_is_one_set_and_told_from_orbits():
+    result = vibsim.sweep(
+        "gallery/impact-oscillator",
+        {},
+        ensemble=6,
+        spread={"mass.x": "-0.5:-0.1 m"},
+        overrides={"run.t_end": "3000 s", "forces.drive.omega": "2.8 rad/s"},
+        section=0,
+        compute="attractor",
+    )
+    assert result.verdict("attractor_kind").ravel().tolist() == ["chaotic"] * 6
+    assert result.attractors["period"].tolist() == [-1] and result.attractors["share"].tolist() == [1.0]
+    assert np.isnan(result.attractors["largest_multiplier"][0])
+
+
+def test_means_of_a_set_have_honest_errors():
+    """Of independent numbers: 1 in 20 means lies further off than two errors."""
+    draws = np.random.default_rng(0).normal(size=(400, 400))
+    off = []
+    for series in draws:
+        means, errors = observables(series[:, None])
+        off.append(abs(means[0]) / errors[0])
+    assert 0.02 < np.mean(np.array(off) > 2.26) < 0.09  # Student's t with 9 degrees: 0.05
+
+
+def test_what_nothing_moves_rests():
+    """A force below what the friction holds."""
+    text = """
+    bodies: {block: 1 kg}
+    links: {spring: {between: [block, ground], k: 10 N/m}}
+    friction: {floor: {between: [block, ground], mu: 0.5, N: 10 N}}
+    forces: {drive: {on: block, A: 1 N, omega: 1 Hz}}
+    run: {t_end: 60 s}
+    """
+    case = load_case_text(text, name="held")
+    result = vibsim.sweep(case, {"block.x": "-0.3:0.3/4 m"}, section=0, compute="attractor")
+    assert result.verdict("attractor_kind").ravel().tolist() == ["rest"] * 4
+    assert result.attractors["period"].tolist() == [0]  # any place that the friction holds
+
+
+def test_what_runs_away_is_told():
+    text = """
+    bodies: {block: 1 kg}
+    forces: {drive: {on: block, A: 1 N, omega: 1 Hz, F0: 0.1 N}}
+    run: {t_end: 60 s}
+    """
+    case = load_case_text(text, name="rocket")
+    result = vibsim.sweep(case, {"block.v": "0, 1 m/s"}, section=0, compute="attractor")
+    assert result.verdict("attractor_kind").ravel().tolist() == ["running away"] * 2
+
+
+def test_what_is_undecided_says_why():
+    case = load_case("gallery/cantilever", {"run.t_end": "0.2 s"})
+    result = vibsim.sweep(case, {"tip.x": "0, 3 mm"}, section=0, compute="attractor")
+    assert set(result["attractor"].ravel().tolist()) == {NONE}
+    assert set(result["attractor_reason"].ravel().tolist()) == {float(REASONS["too few cycles"])}
+
+
+def test_sweeps_without_attractors_have_none():
+    result = vibsim.sweep("II-B", {"Omega0": "3, 4 Hz"}, overrides={"run.t_end": "2 s"}, section=0)
+    with pytest.raises(ValueError, match="this sweep has no attractors; give compute='attractor'"):
+        _ = result.attractors
+    with pytest.raises(PlanError, match="did you mean attractor"):
+        short_plan(compute="atractor")
+
+
+def test_mirror_images_are_one_orbit_and_counted_apart():
+    """Two wells, x'' + 0.15 x' - x + x^3 = 0.2 cos t: in which of them a long run ends, by its sign alone."""
+    text = """
+    bodies: {mass: 1 kg}
+    links:
+      spring:
+        between: [mass, ground]
+        force: "k0*(d**3/L**2 - d) + c0*v"
+        k0: 1 N/m
+        L: 1 m
+        c0: 0.15 N s/m
+    forces: {drive: {on: mass, A: 0.2 N, omega: 1 rad/s, phase: 90 deg}}
+    run: {t_end: 250 s, every: 100 ms}
+    """
+    case = load_case_text(text, name="wells")
+    spread = {"mass.x": "-1.2:1.2 m", "mass.v": "-0.5:0.5 m/s"}
+    result = vibsim.sweep(case, {}, ensemble=8, spread=spread, section=0, compute="attractor")
+    known = result["attractor"].ravel() == 0
+    assert known.sum() >= 5 and len(result.attractors) == 1
+    mirrored = result["attractor_mirrored"].ravel()
+    assert result.attractors["share_mirror"][0] == pytest.approx(mirrored.sum() / 8)
+    signs = []
+    for i in range(8):
+        run = vibsim.simulate(result.case_at((i, 0)), trust=False)
+        signs.append(np.sign(np.asarray(run["x_mass"])[-628:].mean()))
+    first = signs[int(np.flatnonzero(known & (mirrored == 0))[0])]
+    np.testing.assert_array_equal(mirrored[known], (np.array(signs) != first)[known])
+    assert 0 < mirrored.sum() < known.sum()

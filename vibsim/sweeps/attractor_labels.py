@@ -1,0 +1,315 @@
+"""The attractor that the run of one point of a sweep ends on, and the orbits that its neighbours end on.
+
+Some starts of a sweep, the probes, are drawn once by its plan. Each worker follows them to their ends, in
+their order, before the first point of a scene; the stable orbits on which they end are known from then on,
+with their neighbourhoods. Every point is then compared with these as it runs, and stops where it is sure to
+end on one. What is known depends on plan and parameters alone, and never on which points came before: so a
+point has the same bits in whatever order, on whatever worker it is computed.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibsim.analysis.analysis import StreamedVerdicts
+from vibsim.analysis.attractor import (
+    KnownOrbits,
+    Label,
+    label_of_points,
+    label_of_set,
+    orbit_of_free,
+    rest_label,
+    unknowns_at,
+)
+from vibsim.analysis.attractor import label_of as label_of_orbit
+from vibsim.analysis.regime import STILL, exponent_of
+from vibsim.analysis.sections import FEWEST
+from vibsim.cases import CaseError
+from vibsim.engine.blocks import Block
+from vibsim.engine.columns import state_columns
+from vibsim.engine.errors import EngineError
+from vibsim.engine.modes.status import STICK
+from vibsim.engine.resume import Row, rows_of_instant
+from vibsim.engine.tangent.lyapunov import lyapunov_exponents
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.orbits.coordinates import OF_FRICTION, Coordinates, OrbitError, section_of
+from vibsim.orbits.newton import solve
+from vibsim.orbits.orbit import Orbit
+from vibsim.orbits.return_map import ReturnMap, slowest_period
+from vibsim.orbits.search import least
+from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES, Scene
+from vibsim.physics.rates import is_driven, source_period
+from vibsim.sweeps.contact_computations import Task
+from vibsim.sweeps.quantities import Quantities
+from vibsim.sweeps.run_ends import INITIAL, KINDS, REASONS, VERDICTS, EndState
+from vibsim.sweeps.statistics import MeasuredRun, TooFineError, sampled_for_statistics
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+
+
+def coordinates_of(scene: Scene) -> Coordinates | None:
+    """The unknowns of the orbits of a scene; None where it has no section."""
+    try:
+        return Coordinates(scene, section_of(scene))
+    except OrbitError:
+        return None
+
+
+# One run, streamed block by block to its end.
+
+
+class AttractorComputation:
+    """Attractor of one run. Memory grows with its periods after the transient."""
+
+    def __init__(self, task: Task):
+        self._scene, self._begin, self._known = task.scene, task.begin, task.known or KnownOrbits()
+        self._driven = is_driven(task.scene)
+        self._verdicts = StreamedVerdicts(task.scene, task.begin)
+        self._columns = state_columns(task.scene)
+        self._at = coordinates_of(task.scene)
+        self._ranges: list[tuple[float, list[float], list[float], list[float]]] = []  # time, and by column
+        self._last: Row = {}
+        self._end_state = None if self._driven else EndState(task)
+
+    def update(self, block: Block) -> None:
+        """Take the next block."""
+        self._verdicts.update(block)
+        if self._end_state is not None:
+            self._end_state.update(block)
+        late = block.samples["time"] >= self._begin
+        if late.any():
+            rows = [block.samples[name][late] for name in self._columns]
+            low, high = [float(row.min()) for row in rows], [float(row.max()) for row in rows]
+            ends = [float(row[-1]) for row in rows]
+            self._ranges.append((float(block.samples["time"][late][-1]), low, high, ends))
+        if len(block.events["t"]):
+            happened = np.flatnonzero(block.events["kind"] != EVENT_KINDS["end"])
+            if len(happened):
+                self._last = {name: column[happened[-1]].item() for name, column in block.events.items()}
+
+    def values(
+        self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
+    ) -> dict[str, Any]:
+        """The label by column."""
+        return values_of(self.label(window, run))
+
+    def label(self, window: tuple[float, float], run: MeasuredRun) -> Label:
+        """What the run ends on."""
+        low, high = self._range()
+        if not self._ranges:
+            return Label("undecided", "too few cycles")
+        if max(b - a for a, b in zip(low, high, strict=True)) <= STILL:
+            return self._rest(low, high)
+        if not self._driven:
+            return self._of_free(window, run, low, high)
+        if self._at is None:
+            return Label("undecided", "no section")
+        return self._of_driven(run)
+
+    def _of_driven(self, run: MeasuredRun) -> Label:
+        assert self._at is not None
+        section = self._verdicts.late_section()
+        times, points = section["time"], unknowns_at(self._at, section)
+        label = self._known.reached(times[-1:], points[-1:])
+        label = label or label_of_points(self._scene, times, points, run.engine)
+        if label is not None:
+            return label
+        judged = self._verdicts.judged()
+        if judged.verdict == "undecided" and len(points) >= FEWEST:
+            scene = self._scene.without_samples()
+            growth = lyapunov_exponents(scene, 1, self._begin, run.engine, run.ask).growth
+            exponent = exponent_of(growth[:, 0], growth[:, 1]) if len(growth) else None
+            judged = self._verdicts.judged(exponent)
+        return label_of_set(judged, points)
+
+    def _of_free(
+        self, window: tuple[float, float], run: MeasuredRun, low: list[float], high: list[float]
+    ) -> Label:
+        assert self._end_state is not None
+        codes = self._end_state.values(window, run, {})
+        verdict = next(name for name, code in VERDICTS.items() if code == codes["end_state"])
+        if verdict == "rest":
+            return self._rest(low, high)
+        label = met(self._known, self._scene, self._at, self._last)
+        if label is not None:
+            return label
+        there = dict(zip(self._columns, self._ranges[-1][3], strict=True))
+        orbit = orbit_of_free(self._scene, there, run.engine)
+        if orbit is not None:
+            return label_of_orbit(orbit)
+        return Label("undecided", "no stable orbit" if verdict == "vibration" else "still on its way")
+
+    def _range(self) -> tuple[list[float], list[float]]:
+        """Least and greatest states in the samples after the transient, in the order of their columns."""
+        if not self._ranges:
+            return [], []
+        lows, highs = (np.array([each[k] for each in self._ranges]) for k in (1, 2))
+        return lows.min(axis=0).tolist(), highs.max(axis=0).tolist()
+
+    def _rest(self, low: list[float], high: list[float]) -> Label:
+        held = any(self._last.get(friction.name, 1) == STICK for friction in self._scene.frictions)
+        lowest, highest = (dict(zip(self._columns, values, strict=True)) for values in (low, high))
+        return rest_label(self._at, held, lowest, highest)
+
+
+def met(known: KnownOrbits, scene: Scene, at: Coordinates | None, last: Row) -> Label | None:
+    """Label of a run that nothing drives, whose last event is that of a known orbit."""
+    if not known or at is None or not last:
+        return None
+    kind, part = int(last["kind"]), int(last["part"])
+    if EVENT_NAMES[kind] in OF_FRICTION:
+        part -= len(scene.stops)
+    X = unknowns_at(at, {name: [last[name]] for name in at.columns})[0]
+    return known.met(kind, part, X, float(last["t"]))
+
+
+def values_of(label: Label) -> dict[str, Any]:
+    """What is stored of a label, by column."""
+    return {
+        "attractor_kind": float(KINDS[label.kind]),
+        "attractor_reason": float(REASONS[label.reason]),
+        "attractor_period": float(label.period),
+        "attractor_multiplier": float(label.multiplier),
+        "attractor_time": float(label.time),
+        "attractor_state": label.state,
+        **({"attractor_means": label.means} if len(label.means) else {}),
+        **({"attractor_errors": label.errors} if len(label.errors) else {}),
+    }
+
+
+# The same run, stopped as soon as it is sure where it ends.
+
+
+FIRST_STAGE = 16  # periods until a run is first compared with the known orbits, then twice as many, ...
+
+
+def early_label(
+    scene: Scene, begin: float, engine: str, ask: Callable[[], None], known: KnownOrbits
+) -> tuple[Label, float] | None:
+    """Label of a run that comes into the neighbourhood of a known orbit before `begin` [s], and the time [s]
+    up to which it was run; None where it does not.
+
+    ask : called between blocks; what it raises ends the run. Raises EngineError where the run fails.
+    """
+    if not known:
+        return None
+    at = known.orbits[0].orbit.end.coordinates
+    driven, rows = is_driven(scene), list[Row]()
+    for end in _stages(scene, begin):
+        stage = replace(scene, t_end=end).without_samples()
+        times, points = np.empty(0), np.empty((0, at.count))
+        for block in open_trajectory(stage, engine, rows or None, section=driven).blocks():
+            ask()
+            if driven:
+                times = np.concatenate([times, block.section["time"]])
+                points = np.concatenate([points, unknowns_at(at, block.section)])
+            happened = np.flatnonzero(block.events["kind"] != EVENT_KINDS["end"])
+            if len(happened):
+                rows = rows_of_instant(block.events, int(happened[-1]), rows)
+            reached = block.t_reached
+        label = known.reached(times, points) if driven else met(known, scene, at, rows[-1])
+        if label is not None:
+            return label, end
+        if reached < end:
+            return None
+    return None
+
+
+def _stages(scene: Scene, begin: float) -> Iterator[float]:
+    """Ends [s] of the stages up to `begin`."""
+    end = FIRST_STAGE * _pace(scene)
+    while end < begin:
+        yield end
+        end *= 2
+    if begin > 0:
+        yield begin
+
+
+def _pace(scene: Scene) -> float:
+    """About how long one return to the section takes [s]."""
+    return float(source_period(scene)) if is_driven(scene) else slowest_period(scene)
+
+
+# Orbits on which the probes end, known to all points of their scene.
+
+
+KEPT = 64  # scenes whose orbits a worker remembers
+
+_orbits: OrderedDict[tuple[Any, ...], KnownOrbits] = OrderedDict()
+_locks: dict[tuple[Any, ...], threading.Lock] = {}
+_guard = threading.Lock()
+
+
+def known_orbits(
+    recipe: Any, changes: Mapping[str, str], engine: str, ask: Callable[[], None]
+) -> KnownOrbits:
+    """The orbits that the probes of a sweep end on, at the parameters of a point.
+
+    recipe : a `PointRecipe`; changes : of a point. A worker finds them once for each scene.
+    """
+    if not recipe.probes:
+        return KnownOrbits()
+    parameters = tuple(sorted((k, v) for k, v in changes.items() if not k.startswith(INITIAL)))
+    probes = tuple(tuple(sorted(probe.items())) for probe in recipe.probes)
+    key = recipe.case.sha256, parameters, probes, str(recipe.discard), recipe.every, engine
+    with _guard:
+        lock = _locks.setdefault(key, threading.Lock())
+    with lock:
+        if key not in _orbits:
+            known = _of_probes(recipe, dict(parameters), engine, ask)
+            with _guard:
+                _orbits[key] = known
+                while len(_orbits) > KEPT:
+                    _locks.pop(_orbits.popitem(last=False)[0], None)
+        return _orbits.get(key, KnownOrbits())
+
+
+def _of_probes(recipe: Any, parameters: dict[str, str], engine: str, ask: Callable[[], None]) -> KnownOrbits:
+    known = KnownOrbits()
+    for probe in recipe.probes:
+        try:
+            case = recipe.case.with_values({**parameters, **probe})
+            scene = sampled_for_statistics(case.scene(), recipe.every)
+            begin = recipe.discard.time(scene.t_end)
+            label = run_label(scene, recipe.of, begin, engine, ask, known)
+            if isfinite(label.time):  # it ends on an orbit that is known
+                continue
+            orbit = orbit_of_label(scene, label.state, label.period, engine)
+            if orbit is not None:
+                known.add(orbit)
+        except (CaseError, EngineError, OrbitError, TooFineError):
+            continue
+    return known
+
+
+def run_label(
+    scene: Scene, of: Quantities, begin: float, engine: str, ask: Callable[[], None], known: KnownOrbits
+) -> Label:
+    """Label of a run: early where that is sure, else at its end. Raises EngineError where the run fails."""
+    early = early_label(scene, begin, engine, ask, known)
+    if early is not None:
+        return early[0]
+    computation = AttractorComputation(Task(scene, of, begin, 0, known))
+    run = MeasuredRun(scene, of, begin, engine)
+    for block in run.blocks():
+        ask()
+        computation.update(block)
+    return computation.label((begin, run.t_reached), run)
+
+
+def orbit_of_label(
+    scene: Scene, state: np.ndarray, period: float, engine: str, case: Case | None = None
+) -> Orbit | None:
+    """The orbit whose label has this state and period; None for what is no orbit. Raises OrbitError."""
+    if not period > 0:
+        return None
+    return_map = ReturnMap(scene, int(period), engine)
+    return least(Orbit(return_map, solve(return_map, state), case))
