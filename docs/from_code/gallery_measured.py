@@ -18,7 +18,7 @@ Run = Callable[..., Result]
 class Kind(str, Enum):
     """What a number of ours is held against."""
 
-    PUBLISHED = "published formula"  # the origin cites where
+    PUBLISHED = "published formula or number"  # the origin cites where
     CLOSED_FORM = "closed form"  # of mechanics, worked out here
     INDEPENDENT = "independent solver"  # another program, at the parameters of the source
     NONE = "no number from elsewhere"  # ours must keep a law of conservation, and no more

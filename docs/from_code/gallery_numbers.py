@@ -8,11 +8,9 @@ from functools import partial
 from math import floor, log10, pi, sqrt
 
 from from_code import gallery_measured as ours
+from from_code.formulas_numbers import FORMULAS, ROUNDING, SETTLED, SOLVER
 from from_code.gallery_measured import G, Kind, Number
 
-ROUNDING = "rounding"
-SETTLED = "what is left of the transient"
-SOLVER = "at the source's parameters"
 BALANCE = Number(
     "energy that the balance of the run misses, over its largest term",
     Kind.NONE,
@@ -277,6 +275,7 @@ NUMBERS: dict[str, tuple[Number, ...]] = {
         ),
     ),
     "two-masses-with-friction": (BALANCE,),
+    **FORMULAS,
 }
 
 

@@ -89,7 +89,7 @@ def test_the_readme_says_of_what_kind_the_numbers_of_the_gallery_are():
     best = [min((number.kind for number in numbers), key=[*Kind].index) for numbers in NUMBERS.values()]
     count = {kind: best.count(kind) for kind in Kind}
     words = (
-        f"gallery of {len(NUMBERS)} models, whose numbers stand beside a published formula "
+        f"gallery of {len(NUMBERS)} models, whose numbers stand beside a published formula or number "
         f"({count[Kind.PUBLISHED]}), a closed form ({count[Kind.CLOSED_FORM]}), an independent solver "
         f"({count[Kind.INDEPENDENT]}) or a law of conservation alone ({count[Kind.NONE]})"
     )
