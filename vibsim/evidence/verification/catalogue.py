@@ -1,4 +1,4 @@
-"""All checks, in the order of validation: V1 to V21, then the hard cases."""
+"""All checks, in the order of validation: V1 to V21, the hard cases, V22 to V32."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
@@ -8,6 +8,7 @@ from vibsim.cases.problems import did_you_mean
 from vibsim.engine.choice import engine_name
 from vibsim.engine.errors import EngineError
 from vibsim.evidence.verification import (
+    formulas,
     friction,
     hard_cases,
     impact_orbits,
@@ -41,6 +42,7 @@ FAMILIES = (
     hard_cases.closed_form_checks,
     hard_cases.reported_failures_checks,
     paper_cases.spool_checks,
+    formulas.formula_checks,
 )
 
 
