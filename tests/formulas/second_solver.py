@@ -1,8 +1,8 @@
 """A second solver of scenes with formulas: Newton's equations stated anew, Runge-Kutta steps, located events.
 
-It shares nothing with vibsim: mass matrix of rotors on bodies from the kinetic energy, friction as the force
-of a constraint while it sticks, sides of switches fixed from event to event. Between events SciPy's DOP853
-integrates; each zero is found on its dense output and then met by integrating to it and by Newton's method.
+It shares nothing with vibsim: mass matrix of rotors on bodies from the kinetic energy, friction as the force of a
+constraint while it sticks, sides of switches fixed from event to event. Between events SciPy's DOP853 integrates;
+each zero is found on its dense output and then met by integrating to it and by Newton's method.
 """
 
 from __future__ import annotations
@@ -142,13 +142,8 @@ class SecondSolver:
 
     def _compile(self) -> None:
         make, model = self.compiled.function, self.model
-        self.base = (
-            [make(e, "base") for e in (model.base.x, model.base.v, model.base.a)] if model.base else None
-        )
-
-        def still(_t, _y, _S):
-            return 0.0
-
+        self.base = [make(e, "base") for e in (model.base.x, model.base.v, model.base.a)] if model.base else None
+        still = lambda t, y, S: 0.0
         self.compiled.functions |= dict(zip(("base_x", "base_v"), self.base or (still, still), strict=False))
         self.of_links = [make(o.force, o.name, self._relative(o)) for o in model.links]
         self.of_stops = [
@@ -216,9 +211,7 @@ class SecondSolver:
     def mass(self, y) -> np.ndarray:
         """From T = sum m x'^2/2 + sum [m (x' - e sin(phi) phi')^2 + m (e cos(phi) phi')^2 + J phi'^2]/2."""
         n = self.n
-        M = np.diag(
-            [b[0] for b in self.model.bodies.values()] + [o.J + o.m * o.e**2 for o in self.model.rotors]
-        )
+        M = np.diag([b[0] for b in self.model.bodies.values()] + [o.J + o.m * o.e**2 for o in self.model.rotors])
         for k, o in enumerate(self.model.rotors):
             i, j = self.names.index(o.on), n + k
             M[i, i] += o.m
@@ -327,9 +320,7 @@ class SecondSolver:
     def _awake(self, mode: Mode) -> list[int]:
         model, used = self.model, self.compiled.used
         owners = [(o.force, o.name) for o in (*model.links, *model.forces)]
-        owners += [
-            (o.force, o.name) for i, o in enumerate(model.stops) if mode.contacts[i] and o.force is not None
-        ]
+        owners += [(o.force, o.name) for i, o in enumerate(model.stops) if mode.contacts[i] and o.force is not None]
         owners += [(o.torque, o.name) for o in model.rotors if o.torque is not None]
         owners += [(rate, name) for name, (rate, _) in model.states.items()]
         for o, side in zip(model.frictions, mode.frictions, strict=True):
@@ -387,14 +378,8 @@ class SecondSolver:
     def _solver(self, mode, t, y, until):
         first = min(1e-4, (until - t) / 2) or None
         return DOP853(
-            lambda t, y: self.rhs(t, y, mode),
-            t,
-            y,
-            until,
-            rtol=self.tolerance,
-            atol=self.tolerance * 1e-2,
-            max_step=0.02,
-            first_step=first,
+            lambda t, y: self.rhs(t, y, mode), t, y, until, rtol=self.tolerance, atol=self.tolerance * 1e-2,
+            max_step=0.02, first_step=first,
         )
 
     def _first_zero(self, solver, functions):
@@ -411,12 +396,8 @@ class SecondSolver:
         if best is None:
             return None
         key, function, (low, high) = best  # of several in one place, the first zero
-        found = [
-            (self._root(f, dense, *w), k, f) for k, f in functions if (w := self._window(f, dense, low, high))
-        ]
-        when, key, function = min(
-            [(self._root(function, dense, low, high), key, function), *found], key=lambda r: r[0]
-        )
+        found = [(self._root(f, dense, *w), k, f) for k, f in functions if (w := self._window(f, dense, low, high))]
+        when, key, function = min([(self._root(function, dense, low, high), key, function), *found], key=lambda r: r[0])
         return key, function, when
 
     def _window(self, function, dense, low, high):
@@ -475,11 +456,7 @@ class SecondSolver:
 
     def _integrated(self, mode, t0, y0, t):
         done = solve_ivp(
-            lambda t, y: self.rhs(t, y, mode),
-            (t0, t),
-            y0,
-            "DOP853",
-            rtol=max(self.tolerance / 10, 3e-14),
+            lambda t, y: self.rhs(t, y, mode), (t0, t), y0, "DOP853", rtol=max(self.tolerance / 10, 3e-14),
             atol=self.tolerance * 1e-3,
         )
         return done.y[:, -1]
@@ -531,14 +508,10 @@ class SecondSolver:
     def _jumps(self, mode, turned) -> bool:
         after = Mode(mode.contacts, mode.frictions, {**mode.sides, **turned})
         t, y = self.t, self.y
-        pairs = [
-            (f(t, y, mode.sides), f(t, y, after.sides))
-            for f in (*self.of_links, *self.of_forces, *self.rates)
-        ]
+        pairs = [(f(t, y, mode.sides), f(t, y, after.sides)) for f in (*self.of_links, *self.of_forces, *self.rates)]
         pairs += [
             (f(t, y, mode.sides), f(t, y, after.sides))
-            for f, contact in zip(self.of_stops, mode.contacts, strict=True)
-            if contact and f
+            for f, contact in zip(self.of_stops, mode.contacts, strict=True) if contact and f
         ]
         pairs += [(f(t, y, mode.sides), f(t, y, after.sides)) for f in self.of_torques if f]
         pairs += [(load(t, y, mode.sides), load(t, y, after.sides)) for load, _ in self.slips]
@@ -558,9 +531,7 @@ class SecondSolver:
             return self._settled(self.t, self.y, trial)
         frictions[i] = -side
         self._record("reversal", o.name)
-        return self._settled(
-            self.t, self.y, self.with_sides(self.t, self.y, Mode(mode.contacts, frictions, mode.sides))
-        )
+        return self._settled(self.t, self.y, self.with_sides(self.t, self.y, Mode(mode.contacts, frictions, mode.sides)))
 
     def _settled(self, t, y, mode: Mode, record: bool = True) -> Mode:
         """Let go what cannot hold."""

@@ -25,6 +25,11 @@ SETTLED = (
     "V17/amplitude",
     "V19/three_balls",
     "V20/two_balls",
+    "V22/periods",
+    "V23/period",
+    "V24/contact",
+    "V25/start",
+    "V30/clutches",
 )
 
 

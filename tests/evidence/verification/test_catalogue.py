@@ -43,7 +43,7 @@ TOPICS = {
 }
 
 
-@pytest.mark.parametrize("number", range(1, 22))
+@pytest.mark.parametrize("number", range(1, 33))
 def test_every_validation_case_is_checked(number):
     assert any(name.startswith(f"V{number}/") for name in NAMES)
 
@@ -104,7 +104,7 @@ def test_selection(asked, first, count):
 
 @pytest.mark.parametrize(
     ("name", "hint"),
-    [("V33", "did you mean V3?"), ("hard/stif-stop", "did you mean hard/stiff-stop?"), ("", "see --list")],
+    [("V99", "did you mean V9?"), ("hard/stif-stop", "did you mean hard/stiff-stop?"), ("", "see --list")],
 )
 def test_an_unknown_check_gets_a_hint(name, hint):
     with pytest.raises(UnknownCheckError) as error:
