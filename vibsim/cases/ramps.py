@@ -11,6 +11,7 @@ formulas name, such as a voltage in the rate of a current, replaces its name in 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from itertools import pairwise
 from math import pi
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -47,10 +48,12 @@ def read_ramp(key: str, text: str) -> Ramp:
         units = [any_quantity(value)[0].text.partition(" ")[2] for value in values]
     except QuantityError as error:
         raise ValueError(f"{shown(text)}: {error}") from None
-    whole = [value if unit else f"{value} {units[-1]}".strip() for value, unit in zip(values, units, strict=True)]
-    for before, after in zip(whole, whole[1:], strict=False):
+    whole = [
+        value if unit else f"{value} {units[-1]}".strip() for value, unit in zip(values, units, strict=True)
+    ]
+    for before, after in pairwise(whole):
         if any_quantity(before)[0][1:] == any_quantity(after)[0][1:]:
-            raise ValueError(f"{shown(text)} begins and ends with the same value; --set gives a key one value")
+            raise ValueError(f"{shown(text)} goes from a value to the same; --set gives a key one value")
     return Ramp(key, tuple(whole))
 
 
@@ -192,7 +195,8 @@ def _replaced(text: str, name: str, count: int) -> str:
     """A formula with the course of a ramp in place of a name."""
     from vibsim.cases.formula_text import parsed, walk
 
-    spots = sorted({(term.start, term.end) for term in walk(parsed(text)) if term.kind == "name" and term.value == name})
+    names = [term for term in walk(parsed(text)) if term.kind == "name" and term.value == name]
+    spots = sorted({(term.start, term.end) for term in names})
     for start, end in reversed(spots):
         text = f"{text[:start]}({_course(name, count)}){text[end:]}"
     return text

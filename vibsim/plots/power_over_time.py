@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -32,7 +33,7 @@ SECTIONS = {
     ("work", "rotors"): "torque on",
     ("work", "forces"): "force",
     ("work", "friction"): "belt of",
-    ("loss", "links"): "link",
+    ("loss", "links"): "damper",
     ("loss", "stops"): "stop",
     ("loss", "friction"): "friction",
 }  # what entries of the ledger are called, before the name of their part
@@ -68,7 +69,7 @@ def power_history(subject: Subject, span: Span) -> PowerHistory:
     edges, scene = _edges(subject, span), subject.scene
     events = events_within(subject.result, None, (float(edges[0]), float(edges[-1])), before=1)
     started = {name: column[events["kind"] != EVENT_KINDS["end"]] for name, column in events.items()}
-    energies = [_energies(scene, started, a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    energies = [_energies(scene, started, a, b) for a, b in pairwise(edges.tolist())]
     lengths = np.diff(edges)
     powers = {name: np.array([one[name] for one in energies]) / lengths for name in energies[0]}
     entries = entries_of(scene)
@@ -125,7 +126,9 @@ def run_power_picture(subjects: Sequence[Subject], view: View) -> Figure:
     """
     strangers = [subject.path for subject in subjects if subject.reads != "trajectory"]
     if strangers:
-        raise PlotError(f"kind power: runs are drawn over time, and {strangers[0]} is a sweep; draw it by itself")
+        raise PlotError(
+            f"kind power: runs are drawn over time, and {strangers[0]} is a sweep; draw it by itself"
+        )
     spans = [window_of(subject, view.window) for subject in subjects]
     every = [power_history(subject, span) for subject, span in zip(subjects, spans, strict=True)]
     figure = sheet(view, HEIGHT_CM * len(subjects))
@@ -175,7 +178,7 @@ def _moving(powers: dict[Entry, np.ndarray]) -> list[tuple[Entry, np.ndarray]]:
 
 
 def _words(entry: Entry) -> str:
-    """What an entry is called: friction guide, damper of the link spring; the motor by itself."""
+    """What an entry is called: friction guide, damper spring; the motor and a part of that name by itself."""
     quantity, section, name = entry
     words = SECTIONS[quantity, section]
     if section == "rotors" and name == "motor":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,6 @@ from vibsim.plots.pairs import PlottedPair, common_pairs, shown_part, trust_rema
 from vibsim.plots.samples import natural_frequencies, window_of
 from vibsim.plots.sheet import (
     Level,
-    Scale,
     draw_levels,
     legend_below,
     letter_panels,
@@ -25,7 +25,7 @@ from vibsim.plots.sheet import (
     sheet,
     time_axis,
 )
-from vibsim.plots.spectra import TurnExtremes, extremes_by_turn
+from vibsim.plots.spectra import TURNS, TurnExtremes, extremes_by_turn
 from vibsim.plots.style import BLUE, GREY, VERMILLION, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import along, is_motor_speed
@@ -60,10 +60,26 @@ class Way:
         """Half of the way from the least to the greatest displacement of each turn [m]."""
         return np.asarray((self.turns.greatest - self.turns.least) / 2)
 
+    @property
+    def mean_amplitude(self) -> np.ndarray:
+        """The same, of TURNS turns about each but the first and last ones [m]."""
+        return running_mean(self.amplitude)
+
+    @property
+    def mean_speed(self) -> np.ndarray:
+        """Turns by the time that TURNS of them take [Hz], about each but the first and last ones."""
+        return 1 / running_mean(1 / self.turns.hertz)
+
+
+def running_mean(values: np.ndarray) -> np.ndarray:
+    """Means of TURNS values that follow one another, of all where there are fewer."""
+    count = min(TURNS, len(values))
+    return np.convolve(values, np.full(count, 1 / count), mode="valid")
+
 
 def run_up_picture(subjects: Sequence[Subject], view: View) -> Figure:
-    """Half the peak-to-peak of the relative motion in each turn of the motor, and below it the mean speed of
-    that turn, against the no-load speed of that instant; ways up and down in two colours.
+    """Half the peak-to-peak of the relative motion in a turn of the motor, and below it its mean speed,
+    against the no-load speed of that instant; ways up and down in two colours, single turns pale.
 
     Where the no-load speed does not change, over time. A sweep over Omega0 lies under the runs in grey: what
     they would come to if they were given time.
@@ -133,7 +149,7 @@ def _ways(run: Subject, turns: TurnExtremes, load: np.ndarray) -> Iterator[Way]:
     directions = steps[moving[np.clip(before, 0, None)]].astype(int)
     directions = np.append(directions, directions[-1])
     edges = [0, *(np.flatnonzero(np.diff(directions)) + 1), len(load)]
-    for first, last in zip(edges[:-1], edges[1:], strict=True):
+    for first, last in pairwise(edges):
         part = slice(int(first), int(last))
         kept = TurnExtremes(turns.t[part], turns.hertz[part], turns.least[part], turns.greatest[part])
         yield Way(run, int(directions[part][0]), load[part], kept)
@@ -158,16 +174,17 @@ def _amplitudes(axes: Axes, ways: Sequence[Way], under: Sequence[Curve], pair: P
     for curve, name in known:
         axes.plot(curve.x, scale(curve.values(name)), gid="sweep-amplitude", **_look_under(curve))
     for i, way in enumerate(ways):
-        _line(axes, way, scale(way.amplitude), "amplitude", _look(ways, i))
+        _line(axes, way, scale(way.amplitude), scale(way.mean_amplitude), "amplitude", _look(ways, i))
     axes.set_ylim(bottom=0)
     axes.set_ylabel(scale.label(f"Amplitude of {pair.displacement}"))
 
 
 def _speeds(axes: Axes, ways: Sequence[Way], under: Sequence[Curve]) -> None:
     for curve in under:
-        axes.plot(curve.x, curve.values("mean_speed"), gid="sweep-speed", label=_name(curve), **_look_under(curve))
+        look = {**_look_under(curve), "label": _name(curve)}
+        axes.plot(curve.x, curve.values("mean_speed"), gid="sweep-speed", **look)
     for i, way in enumerate(ways):
-        _line(axes, way, Scale(1.0, "Hz")(way.turns.hertz), "speed", _look(ways, i))
+        _line(axes, way, way.turns.hertz, way.mean_speed, "speed", _look(ways, i))
     low, high = axes.get_ylim()
     levels = [
         Level(f.hz, f"{f.label}  {f.hz:.2f}", {"linestyle": (0, (4, 2))})
@@ -178,10 +195,14 @@ def _speeds(axes: Axes, ways: Sequence[Way], under: Sequence[Curve]) -> None:
     axes.set_ylabel(SPEED)
 
 
-def _line(axes: Axes, way: Way, values: np.ndarray, gid: str, look: dict[str, Any]) -> None:
-    axes.plot(
-        way.x, values, linewidth=0.7, gid=gid, zorder=2.8, rasterized=len(values) > VECTOR_UP_TO, **look
-    )  # fmt: skip
+def _line(axes: Axes, way: Way, values: np.ndarray, mean: np.ndarray, gid: str, look: dict[str, Any]) -> None:
+    """Single turns in pale colour, and the mean of TURNS turns as a line."""
+    rasterized = len(values) > VECTOR_UP_TO
+    pale = {"color": look["color"], "alpha": 0.3, "linewidth": 0.4}
+    axes.plot(way.x, values, gid=f"{gid}-of-turn", zorder=2.0, rasterized=rasterized, **pale)
+    first = (len(values) - len(mean)) // 2
+    x = way.x[first : first + len(mean)]
+    axes.plot(x, mean, linewidth=0.9, gid=gid, zorder=2.8, rasterized=rasterized, **look)
 
 
 # The sweep under the runs.
@@ -191,7 +212,8 @@ def _curves_under(sweeps: Sequence[Subject], over_time: bool) -> list[Curve]:
     """The curves of sweeps over Omega0. Raises PlotError for other sweeps, and under runs over time."""
     for subject in sweeps:
         if over_time:
-            raise PlotError(f"{subject.path}: a sweep lies under runs whose no-load speed changes, --ramp Omega0=...")
+            words = "a sweep lies under runs whose no-load speed changes"
+            raise PlotError(f"{subject.path}: {words}, such as --ramp Omega0=3:7Hz makes")
         if not is_motor_speed(subject.result.axes[along(subject.result)].key):
             raise PlotError(f"{subject.path}: the sweep under a run-up is one over Omega0")
     return curves(sweeps) if sweeps else []

@@ -194,7 +194,7 @@ def with_ramps(
     from vibsim.cases.ramps import end_of, ramped, read_ramp
 
     for key, _ in ramps:
-        same = [given for given in values if given == key or given.endswith(f".{key}") or key.endswith(f".{given}")]
+        same = [given for given in values if f".{given}".endswith(f".{key}") or key.endswith(f".{given}")]
         if same:
             raise click.UsageError(f"--ramp {key} and --set {same[0]} give one value; choose one")
     try:
