@@ -17,9 +17,10 @@ from vibsim.plots.samples import natural_frequencies, window_of
 from vibsim.plots.sheet import (
     Level,
     draw_levels,
-    legend_below,
+    legend_above,
     letter_panels,
     note,
+    say_inside,
     scale_for,
     seconds,
     sheet,
@@ -74,6 +75,8 @@ class Way:
 def running_mean(values: np.ndarray) -> np.ndarray:
     """Means of TURNS values that follow one another, of all where there are fewer."""
     count = min(TURNS, len(values))
+    if not count:
+        return values
     return np.convolve(values, np.full(count, 1 / count), mode="valid")
 
 
@@ -93,6 +96,8 @@ def run_up_picture(subjects: Sequence[Subject], view: View) -> Figure:
     under = _curves_under(sweeps, over_time)
     figure = sheet(view, HEIGHT_CM)
     upper, lower = figure.subplots(2, 1, sharex=True)
+    if not any(len(way.x) for way in ways):
+        say_inside(upper, "the motor makes no whole turn here")
     _amplitudes(upper, ways, under, pairs[0])
     if not over_time:
         ends = np.array([min(way.x.min() for way in ways), max(way.x.max() for way in ways)])
@@ -105,9 +110,8 @@ def run_up_picture(subjects: Sequence[Subject], view: View) -> Figure:
         lower.margins(x=0.02)
     remarks = [*dict.fromkeys(map(seconds, spans)), trust_remark(runs, spans)]
     note(upper, "; ".join(filter(None, remarks)))
-    handles, labels = lower.get_legend_handles_labels()
-    if len(labels) > 1:
-        legend_below(figure, handles, labels)
+    if len(ways) + len(under) > 1:
+        legend_above(upper)
     letter_panels([upper, lower])
     figure.align_ylabels()
     return figure
@@ -117,13 +121,10 @@ def run_up_picture(subjects: Sequence[Subject], view: View) -> Figure:
 
 
 def ways_of(runs: Sequence[Subject], pairs: Sequence[PlottedPair], spans: Sequence[Span]) -> list[Way]:
-    """The ways of all runs; over time where the no-load speed of one of them does not change.
-
-    Raises PlotError for a run in whose span the motor makes no whole turn.
-    """
+    """The ways of all runs; over time where the no-load speed of one of them does not change."""
     turned = [_turns(*one) for one in zip(runs, pairs, spans, strict=True)]
     loads = [no_load_speed(run.case, turns.t) for run, turns in zip(runs, turned, strict=True)]
-    if any(load is None or np.ptp(load) == 0 for load in loads):
+    if any(load is None or len(load) < 2 or np.ptp(load) == 0 for load in loads):
         return [Way(run, 0, turns.t, turns) for run, turns in zip(runs, turned, strict=True)]
     ways: list[Way] = []
     for run, turns, load in zip(runs, turned, loads, strict=True):
@@ -133,10 +134,7 @@ def ways_of(runs: Sequence[Subject], pairs: Sequence[PlottedPair], spans: Sequen
 
 
 def _turns(run: Subject, pair: PlottedPair, span: Span) -> TurnExtremes:
-    turns = extremes_by_turn(run.result, pair.names, lambda block: pair.plane(block)[0], span)
-    if len(turns.t) < 2:
-        raise PlotError(f"{run.path}: the motor makes no two whole turns within {seconds(span)}")
-    return turns
+    return extremes_by_turn(run.result, pair.names, lambda block: pair.plane(block)[0], span)
 
 
 def _ways(run: Subject, turns: TurnExtremes, load: np.ndarray) -> Iterator[Way]:
@@ -171,6 +169,8 @@ def _amplitudes(axes: Axes, ways: Sequence[Way], under: Sequence[Curve], pair: P
     scale = scale_for(
         ways[0].subject.unit("m"), *(w.amplitude for w in ways), *(c.values(name) for c, name in known)
     )
+    for curve in under:
+        axes.plot([], [], label=_name(curve), gid="legend", **_look_under(curve))
     for curve, name in known:
         axes.plot(curve.x, scale(curve.values(name)), gid="sweep-amplitude", **_look_under(curve))
     for i, way in enumerate(ways):
@@ -181,8 +181,7 @@ def _amplitudes(axes: Axes, ways: Sequence[Way], under: Sequence[Curve], pair: P
 
 def _speeds(axes: Axes, ways: Sequence[Way], under: Sequence[Curve]) -> None:
     for curve in under:
-        look = {**_look_under(curve), "label": _name(curve)}
-        axes.plot(curve.x, curve.values("mean_speed"), gid="sweep-speed", **look)
+        axes.plot(curve.x, curve.values("mean_speed"), gid="sweep-speed", **_look_under(curve))
     for i, way in enumerate(ways):
         _line(axes, way, way.turns.hertz, way.mean_speed, "speed", _look(ways, i))
     low, high = axes.get_ylim()
