@@ -20,7 +20,7 @@ import numpy as np
 from vibsim.cases.any_unit import any_quantity
 from vibsim.cases.formula_keys import FORMULA_KEYS, ONE_PART, SIDES, Formula
 from vibsim.cases.problems import did_you_mean, shown
-from vibsim.cases.quantities import Quantity, QuantityError
+from vibsim.cases.quantities import Quantity, QuantityError, decimal_text, exact_number
 from vibsim.cases.schema_keys import UnknownKeyError, all_keys, form_of, keys_of
 from vibsim.cases.schema_kinds import Measured
 
@@ -82,13 +82,7 @@ def end_of(ramps: Iterable[Ramp], over: str) -> str:
     time = check_time(over)
     ways = max(len(ramp.values) for ramp in ramps) - 1
     number, _, unit = time.text.partition(" ")
-    return time.text if ways == 1 else f"{_times(number, ways)} {unit}".strip()
-
-
-def _times(number: str, ways: int) -> str:
-    from vibsim.cases.quantities import decimal_text, exact_number
-
-    return decimal_text(exact_number(number) * ways)
+    return time.text if ways == 1 else f"{decimal_text(exact_number(number) * ways)} {unit}".strip()
 
 
 def check_time(text: str) -> Quantity:
