@@ -8,7 +8,7 @@ import pytest
 
 from tests.plots.artists import clipped_texts, colliding_legends, letters
 from tests.plots.conftest import RUNS
-from tests.plots.test_registry import FITTING, OF_FORMULAS, SPECTRA
+from tests.plots.test_registry import FITTING, SPECTRA
 from vibsim.plots.registry import KINDS, kind_named
 from vibsim.plots.view import View
 
