@@ -8,13 +8,12 @@ import pytest
 
 from tests.plots.artists import clipped_texts, colliding_legends, letters
 from tests.plots.conftest import RUNS
-from tests.plots.test_registry import FITTING, OF_FORMULAS, SPECTRA
+from tests.plots.test_registry import FITTING, SPECTRA
 from vibsim.plots.registry import KINDS, kind_named
 from vibsim.plots.view import View
 
-UNIT = re.compile(r"\((s|Hz|°|[kmµn]?(m|m/s|N|N m))\)$")
-LEFT_OUT = {"orbit-portrait", *OF_FORMULAS}
-SINGLE = [kind for kind in KINDS if kind.reads in ("trajectory", "case") and kind.name not in LEFT_OUT]
+UNIT = re.compile(r"\((s|Hz|°|[kmµn]?(m|m/s|N|N m|W))\)$")
+SINGLE = [kind for kind in KINDS if kind.name in FITTING["motor"]]
 
 
 def drawn(kind, subjects, view=None):
@@ -49,6 +48,7 @@ def test_two_motors_in_a_window(subject, kind):
         text.get_text() for axes in figure.axes if axes.get_legend() for text in axes.get_legend().get_texts()
     }
     names |= {text.get_text() for axes in figure.axes for text in axes.get_yticklabels()}
+    names |= {axes.get_title(loc="left") for axes in figure.axes}
     assert any("II-B" in name for name in names)
     assert any("II-C" in name for name in names)
 

@@ -6,10 +6,11 @@ from vibsim.plots.view import PlotError
 SPECTRA = {"spectrum", "spectrogram", "waterfall"}
 ALWAYS = {"overview", "displacement", "velocity", "phase", "relative", "stiffness"} | SPECTRA
 OF_FORMULAS = {"rotor-speed", "states"}  # of rotors and states, which none of these runs has
-PERIODIC = {"impact-velocity", "stroboscopic", "phase-drift-free"}
+PERIODIC = {"impact-velocity", "stroboscopic", "phase-drift-free", "power"}
 FITTING = {
     "ideal": ALWAYS | PERIODIC,
-    "motor": {kind.name for kind in KINDS if kind.reads in ("trajectory", "case")}
+    "motor": {"power"}
+    | {kind.name for kind in KINDS if kind.reads in ("trajectory", "case")}
     - {"orbit-portrait", *OF_FORMULAS},
     "fixed": (ALWAYS | PERIODIC) - {"phase-drift-free"},  # a spring to the wall
     "bare": ALWAYS,

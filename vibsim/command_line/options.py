@@ -168,6 +168,7 @@ EXPONENTS = ExponentCount()
 ASSIGNMENT = PairType("KEY=VALUE, such as excitation.Omega0='6.5 Hz'")
 KEY_RANGE = PairType("KEY=RANGE, such as c=0.01:0.05/9", some_text, several=True)
 KEY_SPREAD = PairType("KEY=HOW, such as x1=1mm", some_text)
+RAMP = PairType("KEY=FROM:TO, such as Omega0=3:7Hz", some_text)
 WINDOW = WindowType()
 FILE = click.Path(path_type=str, readable=False)  # who opens it says why it cannot be read
 

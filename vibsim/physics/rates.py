@@ -16,7 +16,7 @@ import numpy as np
 from vibsim.physics.connections import body_sets
 from vibsim.physics.linear_algebra import symmetric_eigenvalues
 from vibsim.physics.numbers import N
-from vibsim.physics.parts import ANGLE, BODY, ROTOR, SPEED, Link, RigidStop, Scene, Stop
+from vibsim.physics.parts import ANGLE, BODY, MOTOR, ROTOR, SPEED, Link, RigidStop, Scene, Stop
 
 RIGID = 1e-12  # of the largest squared rate, below which one is that of a rigid motion, 0 but for rounding
 
@@ -198,6 +198,12 @@ def turning_columns(scene: Scene[Any]) -> tuple[str, str] | None:
         return None
     phi, w = scene.bodies[rotor].columns
     return (phi, w) if phi is not None else None
+
+
+def motor_columns(scene: Scene[Any]) -> tuple[str, str] | None:
+    """Columns of angle and speed of the motor, be its torque a formula; None without a motor."""
+    by_formula = any(body.kind == ROTOR and body.name == MOTOR for body in scene.bodies)
+    return (ANGLE, SPEED) if scene.motor is not None or by_formula else None
 
 
 def reads_time(scene: Scene[Any]) -> bool:

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize, to_rgb
 from matplotlib.figure import Figure
 
+from vibsim.physics.rates import motor_columns
 from vibsim.plots.pairs import trust_remark
 from vibsim.plots.portraits import moving
 from vibsim.plots.relative_motion import last_half
@@ -210,7 +211,7 @@ def spectrogram_picture(subjects: Sequence[Subject], view: View) -> Figure:
     if not values.any():
         axes.text(0.5, 0.5, NOTHING, transform=axes.transAxes, ha="center", va="center", color="white")
     figure.colorbar(picture, ax=axes, label=scale.label(f"Amplitude of {motion}"), pad=0.01)
-    if subject.scene.has_motor:
+    if motor_columns(subject.scene):
         _speeds(axes, subject, span)
     axes.set_ylim(0, cut.hz[-1])
     axes.set_ylabel("Frequency (Hz)")

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from vibsim.physics.rates import motor_columns
 from vibsim.plots.machine import machine_panel, machine_size
 from vibsim.plots.pairs import mark_detail
 from vibsim.plots.relative_motion import detail_span
@@ -80,7 +81,7 @@ def overview_picture(subjects: Sequence[Subject], view: View) -> Figure:
     figure = page.portrait.get_figure(root=True)
     assert isinstance(figure, Figure)
     shown = [Panel(axes, group, window) for axes, group in zip(page.tops, groups, strict=True)]
-    motors = all(subject.scene.has_motor for subject in subjects)
+    motors = all(motor_columns(subject.scene) for subject in subjects)
     speed = motors or all(rotor_speeds(subject.scene) for subject in subjects)
     velocities = [] if speed else [Panel(page.bottom, _first(subjects), detail if alone else window)]
     if page.middle is not None and alone:

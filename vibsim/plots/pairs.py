@@ -44,7 +44,7 @@ def pair_of(subject: Subject) -> PlottedPair:
     """The ends of the stop that is struck most often, else of the first link, else of the first friction,
     else the first body and ground.
     """
-    scene, part = subject.scene, _shown_part(subject)
+    scene, part = subject.scene, shown_part(subject)
     motion = PairMotion(scene, part)
 
     def plane(block: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -84,7 +84,8 @@ def label_relative(axes: Axes, pair: PlottedPair, scales: tuple[Scale, Scale]) -
     )
 
 
-def _shown_part(subject: Subject) -> Any:
+def shown_part(subject: Subject) -> Any:
+    """The part whose ends a relative motion is of, see `pair_of`."""
     scene = subject.scene
     if not scene.stops:
         return pairs_of(scene)[0]

@@ -30,6 +30,7 @@ DRAWN_IN: dict[str, tuple[str, ...]] = {
     "loci": ("multipliers", "locus"),
     "overview": ("overview",),
     "portraits": ("phase", "phase-drift-free", "impact-velocity", "stroboscopic", "orbit-portrait"),
+    "run_up": ("run-up",),
     "sweep_curves": ("amplitude",),
     "sweep_pictures": ("sommerfeld", "orbit", "lyapunov", "power", "end-state"),
     "time_histories": ("displacement", "velocity", "relative", "motor-speed", "rotor-speed", "states"),
@@ -52,6 +53,7 @@ class PictureKind:
     alone : whether it shows one file at a time
     besides : what else it lays over that, as `reads`
     spans : what it takes of a view: "window", "detail"
+    also : what else it shows by itself, as `reads`
     """
 
     name: str
@@ -62,6 +64,7 @@ class PictureKind:
     alone: bool = False
     besides: tuple[str, ...] = ()
     spans: tuple[str, ...] = ("window",)
+    also: tuple[str, ...] = ()
 
     @property
     def draw(self) -> Callable[..., Any]:
@@ -107,6 +110,13 @@ KINDS = (
         ("motor",),
     ),
     PictureKind(
+        "run-up",
+        "trajectory",
+        "amplitude and motor speed against the no-load speed of the instant, up and down, over a sweep",
+        ("motor",),
+        besides=("sweep",),
+    ),
+    PictureKind(
         "rotor-speed",
         "trajectory",
         "speeds of the rotors against time, with the natural frequencies",
@@ -148,7 +158,7 @@ KINDS = (
         ("springs",),
         spans=(),
     ),
-    PictureKind("motor", "case", "torque of the motor against its speed", ("motor",), spans=()),
+    PictureKind("motor", "case", "torque of the motor against its speed", ("motor torque",), spans=()),
     PictureKind(
         "sommerfeld",
         "sweep",
@@ -165,7 +175,11 @@ KINDS = (
     ),
     PictureKind("lyapunov", "sweep", "Lyapunov exponents against what was swept", ("exponents",)),
     PictureKind(
-        "power", "sweep", "power of the source, and where it goes, against what was swept", ("power",)
+        "power",
+        "sweep",
+        "power of the source, and where it goes, against what was swept; of a run against time",
+        ("power",),
+        also=("trajectory",),
     ),
     PictureKind(
         "regime",
@@ -231,7 +245,11 @@ KINDS = (
 COLUMNS = PictureKind("columns", "result", "any two columns against each other (--x and --y)")
 
 NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
-    "motor": ("a motor", lambda subject: subject.scene.has_motor),
+    "motor": ("a motor", lambda subject: _has_motor(subject)),
+    "motor torque": (
+        "a motor whose M0 and Omega0 are numbers",
+        lambda subject: subject.scene.has_motor,
+    ),
     "rotor": ("a rotor of section rotors", lambda subject: _has_kind(subject.scene, "rotor")),
     "states": ("further states", lambda subject: _has_kind(subject.scene, "state")),
     "stop": ("a stop", lambda subject: subject.scene.has_stop),
@@ -261,7 +279,7 @@ NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
         "Lyapunov exponents (sweep with compute='lyapunov')",
         lambda subject: _has(subject, "lyapunov") or _has(subject, "lyapunov_spectrum"),
     ),
-    "power": ("powers (sweep with compute='power')", lambda subject: _has(subject, "power_source")),
+    "power": ("powers (sweep with compute='power')", lambda subject: _has_powers(subject)),
     "regime": ("regimes (sweep with compute='regime')", lambda subject: _has(subject, "regime")),
     "end states": (
         "end states (sweep with compute='end-state')",
@@ -306,6 +324,22 @@ def _is_periodic(scene: Any) -> bool:
     from vibsim.engine.section import has_section
 
     return has_section(scene)
+
+
+def _has_motor(subject: Subject) -> bool:
+    """Whether there is a motor; of a run, one whose torque is a formula too."""
+    from vibsim.physics.rates import motor_columns
+
+    by_formula = subject.reads == "trajectory" and motor_columns(subject.scene) is not None
+    return by_formula or subject.scene.has_motor
+
+
+def _has_powers(subject: Subject) -> bool:
+    if subject.reads == "trajectory":
+        from vibsim.engine.ledger_integrals import entries_of
+
+        return bool(entries_of(subject.scene))
+    return _has(subject, "power_source")
 
 
 def _has_kind(scene: Any, kind: str) -> bool:
@@ -353,7 +387,7 @@ def misfit(kind: PictureKind, subject: Subject) -> str | None:
     """Why `kind` cannot show `subject`, or None when it can."""
     if subject.reads in kind.besides:
         return None
-    if kind.reads not in ("case", subject.reads):
+    if kind.reads not in ("case", subject.reads) and subject.reads not in kind.also:
         return f"it shows a {kind.reads}, and {subject.path} is a {subject.reads}"
     if kind.reads == "case" and subject.reads == "sweep":
         return f"it shows one case, and {subject.path} is a sweep"

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from vibsim.engine.columns import part_columns
 from vibsim.engine.modes.status import CONTACT, RESTING
 from vibsim.physics.parts import BASE, GROUND, RigidStop, Scene, Stop, columns_of
-from vibsim.physics.rates import turning_columns
+from vibsim.physics.rates import motor_columns, turning_columns
 from vibsim.physics.two_blocks import is_papers
 from vibsim.plots.samples import BLOCK, rows, shared_window, source_period
 from vibsim.plots.sheet import Scale, as_text, seconds, symbol
@@ -142,7 +142,7 @@ PERIODS_AT_MOST = 5000  # in the last half of a run, as far as it is shown by de
 
 def period_of(subject: Subject, span: Span) -> float:
     """Period of the source [s], the motor's at the end of the span; a tenth of the span without rhythm."""
-    phidot, turning = None, turning_columns(subject.scene)
+    phidot, turning = None, motor_columns(subject.scene) or turning_columns(subject.scene)
     if turning is not None:
         stop = rows(subject.result, span).stop
         tail = slice(max(0, stop - min(1000, BLOCK)), stop)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,12 +18,12 @@ from vibsim.analysis.dominant_frequencies import (
     without_line,
 )
 from vibsim.physics.parts import columns_of
-from vibsim.physics.rates import common_period, source_rates, turning_columns
+from vibsim.physics.rates import common_period, motor_columns, source_rates, turning_columns
 from vibsim.plots import traces
 from vibsim.plots.relative_motion import PERIODS_AT_MOST
 from vibsim.plots.samples import blocks, rows
 from vibsim.plots.subject import Subject
-from vibsim.plots.traces import dense, hermite, root_time, samples_are_sparse
+from vibsim.plots.traces import Block, dense, hermite, root_time, samples_are_sparse
 from vibsim.plots.view import PlotError, Span
 
 NOTHING = "nothing vibrates here"  # what a picture without amplitudes says
@@ -145,7 +145,7 @@ def turn_times(result: Any, span: Span) -> np.ndarray:
     in the output interval).
     """
     scene = result.case.scene()
-    turning = turning_columns(scene)
+    turning = motor_columns(scene) or turning_columns(scene)
     if turning is not None:
         parts = _joined_blocks(result, ("time", *turning), span)
         times = [_turns(part["time"], part[turning[0]], part[turning[1]]) for part in parts]
@@ -235,22 +235,31 @@ class TurnExtremes:
 
 def turn_extremes(result: Any, column: str, span: Span) -> TurnExtremes:
     """The extremes of `column` in each whole turn within the span that has samples."""
+    return extremes_by_turn(result, ("time", column), lambda block: block[column], span)
+
+
+def extremes_by_turn(
+    result: Any, names: tuple[str, ...], read: Callable[[Block], np.ndarray], span: Span
+) -> TurnExtremes:
+    """The same of what `read` makes of the columns `names` [m]."""
     times = turn_times(result, span)
     count = max(len(times) - 1, 0)
     least, greatest = np.full(count, np.inf), np.full(count, -np.inf)
-    for block in _stretches(result, column, span, count):
-        turn = np.searchsorted(times, block["time"], side="right") - 1
+    for block in _stretches(result, names, span, count):
+        turn, values = np.searchsorted(times, block["time"], side="right") - 1, read(block)
         inside = (turn >= 0) & (turn < count)
-        np.minimum.at(least, turn[inside], block[column][inside])
-        np.maximum.at(greatest, turn[inside], block[column][inside])
+        np.minimum.at(least, turn[inside], values[inside])
+        np.maximum.at(greatest, turn[inside], values[inside])
     turning = np.isfinite(least)
     middle, hertz = (times[:-1] + times[1:]) / 2, 1 / np.diff(times)
     return TurnExtremes(middle[turning], hertz[turning], least[turning], greatest[turning])
 
 
-def _stretches(result: Any, column: str, span: Span, turns: int) -> Iterator[dict[str, np.ndarray]]:
+def _stretches(
+    result: Any, names: tuple[str, ...], span: Span, turns: int
+) -> Iterator[dict[str, np.ndarray]]:
     """The samples block by block; where they are sparse and the turns not too many, instants between."""
     if samples_are_sparse(result.case.scene()) and 0 < turns <= PERIODS_AT_MOST:
-        yield dense(result, (column,), span, step=(span[1] - span[0]) / (turns * PER_TURN))
+        yield dense(result, names, span, step=(span[1] - span[0]) / (turns * PER_TURN))
     else:
-        yield from blocks(result, ("time", column), span)
+        yield from blocks(result, names, span)

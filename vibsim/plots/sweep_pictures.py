@@ -21,6 +21,7 @@ from vibsim.plots.capture_pictures import (
     scatter_classes,
     share_map,
 )
+from vibsim.plots.power_over_time import run_power_picture
 from vibsim.plots.relative_motion import DISPLACEMENT, VELOCITY, difference
 from vibsim.plots.samples import mark_frequencies
 from vibsim.plots.sheet import Level, Scale, draw_levels, legend_below, letter_panels, note, scale_for, sheet
@@ -271,7 +272,10 @@ def power_picture(subjects: Sequence[Subject], view: View) -> Figure:
 
     The areas add up to the line (first law); of an ensemble all are means, and bands hold the members. One
     panel for each curve of the sweep, or for some of them, evenly spread, where a page has no room for all.
+    Of runs, powers over time.
     """
+    if any(subject.reads == "trajectory" for subject in subjects):
+        return run_power_picture(subjects, view)
     every = curves(subjects)
     sheet = curve_panels(every, view, (POWER_PANEL_CM,), POWER_PANEL_WIDTH_CM, MARGINS_CM)
     panels = sheet.panels[:, 0]

@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vibsim.cases.ramps import no_load_speed
 from vibsim.physics.connections import drifting_sets
 from vibsim.physics.parts import ROTOR, STATE, Scene, columns_of
 from vibsim.plots.pairs import (
@@ -375,6 +376,7 @@ def motor_speed_panel(
         hertz = phidot / (2 * math.pi)
         low, high = min(low, hertz.min()), max(high, hertz.max())
         pale, clear = _looks(subject, i, len(subjects))
+        low, high = _draw_course(axes, subject, t, (low, high), len(subjects) == 1)
         axes.plot(t, hertz, gid="phidot", zorder=above_wider(hertz), **pale)
         mean = mean_speed(subject, span, pixel_columns(axes))
         if len(mean[0]) or len(subjects) > 1:
@@ -384,6 +386,18 @@ def motor_speed_panel(
     _draw_frequencies(axes, subjects, low, high, (height_cm - 1.6) * 28)
     axes.set_ylabel(f"Motor speed {SPEED} (Hz)")
     time_axis(axes, window)
+
+
+def _draw_course(
+    axes: Axes, subject: Subject, t: np.ndarray, limits: tuple[float, float], alone: bool
+) -> tuple[float, float]:
+    """The no-load speed where it changes with time, as a thin line; the limits with room for it [Hz]."""
+    course = None if subject.scene.has_motor else no_load_speed(subject.case, t)
+    if course is None:
+        return limits
+    label = r"$\Omega_0$" if alone else ""
+    axes.plot(t, course, color=GREY, linewidth=0.5, zorder=2.95, label=label, gid="no-load")
+    return min(limits[0], float(course.min())), max(limits[1], float(course.max()))
 
 
 def _looks(subject: Subject, index: int, count: int) -> tuple[dict[str, Any], dict[str, Any]]:

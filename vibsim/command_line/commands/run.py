@@ -3,6 +3,7 @@
 import json
 import os
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -18,11 +19,13 @@ from vibsim.command_line.options import (
     DIGITS,
     EXPONENTS,
     FILE,
+    RAMP,
     OneOf,
     Settings,
     engine_option,
     examples,
     joined,
+    once_each,
     set_option,
 )
 from vibsim.command_line.terminal import PROGRESS_AFTER, Progress, SlowRun, print_json, say
@@ -58,6 +61,7 @@ METHODS = ["auto", "closed_form", "taylor"]
         "vibsim run my.yaml -s c='0.03 N s/m' -o damped.h5",
         "vibsim run I-A I-B I-C -o runs/               # three files in one folder",
         "vibsim run II-B --t-end 20s --every 1ms --plot II-B.png",
+        "vibsim run II-B --ramp Omega0=3:7Hz --over 400s -o up.h5   # a slow run-up",
         "vibsim run I-A --digits 60                    # the truth, 60 digits of it",
         "vibsim run II-B --lyapunov all --discard 100s # with its Lyapunov exponents from 100 s on",
         "vibsim run II-B.h5                            # the same run again, into II-B-again.h5",
@@ -73,6 +77,16 @@ METHODS = ["auto", "closed_form", "taylor"]
     help="Output file, or folder, which is made. [default: NAME.h5]",
 )
 @set_option
+@click.option(
+    "--ramp",
+    "ramps",
+    metavar="KEY=FROM:TO[:BACK]",
+    multiple=True,
+    type=RAMP,
+    callback=once_each,
+    help="Change a value evenly while the run goes on; repeatable.",
+)
+@click.option("--over", metavar="TIME", help="How long --ramp takes each way; the end of the run too.")
 @click.option("--t-end", metavar="TIME", help="End of the run, such as 20s.")
 @click.option("--every", metavar="TIME", help="Time between samples, such as 5ms.")
 @click.option("--method", type=OneOf(METHODS), help="How the motion between events is computed.")
@@ -110,6 +124,8 @@ def command(
     sources: tuple[str, ...],
     output: str | None,
     changes: tuple[tuple[str, str], ...],
+    ramps: tuple[tuple[str, str], ...],
+    over: str | None,
     t_end: str | None,
     every: str | None,
     method: str | None,
@@ -133,7 +149,8 @@ def command(
     check_picture(picture, len(sources), force or dry_run)
     run_settings = {"run.t_end": t_end, "run.every": every, "run.method": method}
     values = joined(changes, run_settings)
-    jobs = with_exponents(plan(sources, values, output), lyapunov, discard, digits)
+    jobs = plan(sources, *with_ramps(values, ramps, over), output)
+    jobs = with_exponents(jobs, lyapunov, discard, digits)
     if dry_run:
         print_plan(jobs, ctx.obj)
         return 0
@@ -159,13 +176,52 @@ class Job:
     tangent: tuple[int, float] = (0, 0.0)  # number of Lyapunov exponents, and from when on [s]
 
 
-def plan(sources: tuple[str, ...], changes: dict[str, str], output: str | None) -> list[Job]:
-    """The jobs of one `vibsim run`, every case read.
+Changed = Callable[["Case"], "Case"]
+
+
+def with_ramps(
+    values: dict[str, str], ramps: tuple[tuple[str, str], ...], over: str | None
+) -> tuple[dict[str, str], Changed | None]:
+    """Values by key, the end of the run among them where ramps set it, and what makes ramps of a case.
+
+    Raises UsageError for ramps without a time, a time without ramps and a key that has a value too.
+    """
+    if not ramps and over is None:
+        return values, None
+    if not ramps or over is None:
+        missing = "--over needs a --ramp" if not ramps else "--ramp needs --over, how long it takes"
+        raise click.UsageError(f"{missing}, such as --ramp Omega0=3:7Hz --over 400s")
+    from vibsim.cases.ramps import end_of, ramped, read_ramp
+
+    for key, _ in ramps:
+        same = [given for given in values if f".{given}".endswith(f".{key}") or key.endswith(f".{given}")]
+        if same:
+            raise click.UsageError(f"--ramp {key} and --set {same[0]} give one value; choose one")
+    try:
+        read = [read_ramp(*ramp) for ramp in ramps]
+        end = {} if {"t_end", "run.t_end"} & values.keys() else {"run.t_end": end_of(read, over)}
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="'--ramp'") from error
+
+    def changed(case: "Case") -> "Case":
+        try:
+            return ramped(case, read, over)
+        except ValueError as error:
+            raise click.BadParameter(str(error), param_hint="'--ramp'") from error
+
+    return {**values, **end}, changed
+
+
+def plan(
+    sources: tuple[str, ...], changes: dict[str, str], ramp: Changed | None, output: str | None
+) -> list[Job]:
+    """The jobs of one `vibsim run`, every case read; ramp: what is made of each case that is read.
 
     Raises CaseError, ResultFileError, and UsageError where two cases would go into one file, or where a file
     is called what an HDF5 file is not.
     """
     cases = [read_case(source, changes) for source in sources]
+    cases = [ramp(case) for case in cases] if ramp else cases
     names = [_name_of(case, source) for case, source in zip(cases, sources, strict=True)]
     folder, paths = _outputs(names, output)
     return [Job(case, path, folder) for case, path in zip(cases, paths, strict=True)]
