@@ -56,6 +56,20 @@ static double fall_force(const Run *r, const Falling *one, const State *state, d
     return one->on_P * law_start(one->law, one->rate * ((vP - vQ) - one->drift));
 }
 
+/* Add the forces by formulas. */
+static void add_formulas(const Run *r, const Mode *m, const State *state, double X, double V, double *F)
+{
+    int i;
+    tape_values_at(r, m, state, X, V);
+    for (i = 0; i < m->formula_count; i++) {
+        const FormulaForce *one = &m->formulas[i];
+        double value = one->sign * r->taylor.tapes.values[m->tape.outputs[one->output]];
+        F[one->to_P] = F[one->to_P] + value;
+        if (one->to_Q >= 0)
+            F[one->to_Q] = F[one->to_Q] - value;
+    }
+}
+
 double accelerations(const Run *r, const Mode *m, const State *state, double *out)
 {
     double X, V, value, rate, torque = 0.0, *F = r->tangent->force;
@@ -85,6 +99,8 @@ double accelerations(const Run *r, const Mode *m, const State *state, double *ou
         F[one->to_P] = F[one->to_P] + force;
         F[one->to_Q] = F[one->to_Q] - force;
     }
+    if (m->formula_count > 0)
+        add_formulas(r, m, state, X, V, F);
     if (r->has_motor) {
         int on = m->leader[r->motor_on];
         F[on] = F[on] + r->unbalance * (state->w * state->w * cosine_of(state->phase));

@@ -43,10 +43,10 @@ class Root(NamedTuple):
 
 
 def carries_in_c(scene: Scene[N]) -> bool:
-    """Whether the C engine carries disturbances and keeps ledgers of a scene: where it has neither formulas
-    nor rotors on bodies.
+    """Whether the C engine carries disturbances of a scene: where it has no rotors on bodies, and no base that
+    moves by a formula.
     """
-    return not (scene.has_formulas or scene.rotors)
+    return not (scene.rotors or scene.base_formula is not None)
 
 
 def watched_by(node: Node) -> tuple[Node, int]:

@@ -66,6 +66,7 @@ class CarryingRun(CRun):
             self.table = table
             for number, status in enumerate(self.statuses):
                 self.run.renew_mode(number, *table.packed(status, lambda: self.scout))
+                self._set_slopes(number, status)
         self._renew_starts(before, scene)
 
     def _renew_starts(self, before: Scene, scene: Scene) -> None:

@@ -25,6 +25,9 @@ static int room_for_spare(const Run *r, TaylorTangent *of)
     Taylor *f = &of->spare;
     *f = r->taylor;
     f->arguments = f->falls = NULL;
+    f->tapes.series = NULL;
+    f->tapes.values = NULL;
+    f->tapes.ops = 0;
     f->table = room((SERIES + 1) * row, sizeof(double));
     f->load = room(columns * SERIES, sizeof(double));
     f->loaded_on = room(columns, sizeof(double *));
@@ -67,7 +70,8 @@ static int room_for_all(const Run *r, Tangent *b)
     b->other_accelerations = b->accelerations + columns;
     b->force = b->other_accelerations + columns;
     b->jump = b->force + columns;
-    return room_for_spare(r, &b->taylor) && (r->fall_room == 0 || tangent_room_for_falls(b, r->fall_room));
+    return room_for_spare(r, &b->taylor) && (r->fall_room == 0 || tangent_room_for_falls(b, r->fall_room)) &&
+           tangent_room_for_formulas(r, b);
 }
 
 /* Ends and laws of stops and frictions. */
@@ -134,6 +138,21 @@ int tangent_room_for_falls(Tangent *b, int count)
     return room_for_series(&of->slopes, count) && room_for_series(&of->spare.arguments, count) && room_for_series(&of->spare.falls, count);
 }
 
+/* Room for the series along the tapes of the modes met so far; 0 without memory. */
+int tangent_room_for_formulas(const Run *r, Tangent *b)
+{
+    TaylorTangent *of = &b->taylor;
+    if (r->slope_entries > of->entry_room) {
+        double *more = realloc(of->entries, sizeof(double) * (size_t)r->slope_entries);
+        if (!more)
+            return 0;
+        of->entries = more;
+        of->entry_room = r->slope_entries;
+    }
+    return room_for_tapes(&of->spare.tapes, r->taylor.tapes.ops) && room_for_tapes(&of->step, r->slope_ops) &&
+           room_for_tapes(&of->here, r->slope_ops);
+}
+
 int tangent_read(Run *r, Reader *in)
 {
     r->tangent = room(1, sizeof(Tangent));
@@ -166,6 +185,13 @@ void tangent_free(Tangent *b)
     free(b->taylor.spare.load);
     free(b->taylor.spare.arguments);
     free(b->taylor.spare.falls);
+    free(b->taylor.spare.tapes.series);
+    free(b->taylor.spare.tapes.values);
+    free(b->taylor.step.series);
+    free(b->taylor.step.values);
+    free(b->taylor.here.series);
+    free(b->taylor.here.values);
+    free(b->taylor.entries);
     free(b->taylor.slopes);
     free(b->taylor.spare.loaded_on);
     free(b->seat);

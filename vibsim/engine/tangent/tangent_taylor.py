@@ -132,7 +132,8 @@ class TaylorTangent(Generic[N]):
     def _expanded_at(self, t: N) -> Taylor[N]:
         """The flow expanded anew at t [s], within its step."""
         base = Taylor(self.scene, self.kit, self.flow.certificate)
-        base.enter(self.flow.state_at(t), self.flow.rows, {})
+        base.look(self.flow.state_at(t), self.flow.rows)
+        base.reach(base.order)
         return base
 
     def _prepare_motor(self, rotor: RotorSeries[N]) -> None:
