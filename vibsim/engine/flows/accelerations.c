@@ -101,12 +101,54 @@ double accelerations(const Run *r, const Mode *m, const State *state, double *ou
     }
     if (m->formula_count > 0)
         add_formulas(r, m, state, X, V, F);
+    for (i = 0; i < r->rotors.count; i++) {
+        const RotorOn *one = &r->rotors.of[i];
+        double w = state->v[one->column];
+        int on = m->leader[one->on];
+        F[on] = F[on] + one->unbalance * (w * w * cosine_of(state->x[one->column]));
+    }
     if (r->has_motor) {
         int on = m->leader[r->motor_on];
         F[on] = F[on] + r->unbalance * (state->w * state->w * cosine_of(state->phase));
         torque = r->M0 - r->drag * state->w;
     }
     return response(r, m, state, F, torque, base_acceleration(r, state->t), out);
+}
+
+static double coupling_of(const RotorOn *one, const State *state)
+{
+    return one->unbalance * sine_of(state->x[one->column]);
+}
+
+/* Acceleration of a group that moves on its own, under the forces and torques F on it and on the rotors that it carries. */
+static double with_rotors(const Run *r, const Mode *m, const State *state, const double *F, int leader)
+{
+    double force = F[leader], mass = m->group_mass[leader];
+    int i;
+    for (i = 0; i < r->rotors.count; i++) {
+        const RotorOn *one = &r->rotors.of[i];
+        double coupling = coupling_of(one, state);
+        if (m->leader[one->on] != leader)
+            continue;
+        force = force + coupling * F[one->column] / one->inertia;
+        mass = mass - coupling * coupling / one->inertia;
+    }
+    return force / mass;
+}
+
+/* Accelerations of rotors on bodies and of the groups that they are on. */
+static void turn_rotors(const Run *r, const Mode *m, const State *state, const double *F, double *out)
+{
+    int i;
+    for (i = 0; i < r->rotors.count; i++) {
+        int leader = m->leader[r->rotors.of[i].on];
+        if (leader < r->bodies)
+            out[leader] = with_rotors(r, m, state, F, leader);
+    }
+    for (i = 0; i < r->rotors.count; i++) {
+        const RotorOn *one = &r->rotors.of[i];
+        out[one->column] = (F[one->column] + coupling_of(one, state) * out[m->leader[one->on]]) / one->inertia;
+    }
 }
 
 double response(const Run *r, const Mode *m, const State *state, const double *F, double torque, double base, double *out)
@@ -116,6 +158,8 @@ double response(const Run *r, const Mode *m, const State *state, const double *F
     for (c = 0; c < r->columns; c++)
         if (m->leader[c] == c)
             out[c] = c == r->columns - 1 ? base : F[c] * m->mobility[c];
+    if (r->rotors.count > 0)
+        turn_rotors(r, m, state, F, out);
     if (on >= 0) {
         double inertia = r->inertia, coupling = r->unbalance * sine_of(state->phase);
         own = out[on];

@@ -39,6 +39,27 @@ static int room_for_spare(const Run *r, TaylorTangent *of)
     return 1;
 }
 
+/* What rotors on bodies need, and a second set of their series. */
+static int room_for_rotors(const Run *r, TaylorTangent *of)
+{
+    const size_t count = (size_t)r->rotors.count;
+    Rotors *o = &of->spare_rotors;
+    *o = r->rotors;
+    o->sine = room(5 * count, sizeof *o->sine);
+    o->mass = room(2 * count, sizeof(double));
+    o->leaders = room(count + 1, sizeof(int));
+    of->pushed = room(TANGENT_GROUP * count * SERIES, sizeof *of->pushed);
+    of->torques = room(count, sizeof *of->torques);
+    if (!o->sine || !o->mass || !o->leaders || !of->pushed || !of->torques)
+        return 0;
+    o->cosine = o->sine + count;
+    o->acceleration = o->cosine + count;
+    of->turning = o->acceleration + count;
+    of->pull = of->turning + count;
+    o->torque = o->mass + count;
+    return 1;
+}
+
 static int room_for_all(const Run *r, Tangent *b)
 {
     size_t count = (size_t)b->count, size = (size_t)b->size, stride = (size_t)b->stride, columns = (size_t)r->columns;
@@ -53,7 +74,7 @@ static int room_for_all(const Run *r, Tangent *b)
     b->accelerations = room(3 * columns + size, sizeof(double));
     b->moving = room(coordinates, sizeof(Moving));
     b->taylor.series = room(TANGENT_GROUP * (2 * columns + 1) * SERIES, sizeof *b->taylor.series);
-    b->taylor.force = room(columns, sizeof *b->taylor.force);
+    b->taylor.force = room(2 * columns, sizeof *b->taylor.force);
     b->seat = room(columns, sizeof(int));
     b->tangencies.fastest = room((size_t)b->stop_count, sizeof(double));
     if (!b->columns || !b->lost || !b->vectors || !b->sums || !b->rows || !b->fitted || !b->q || !b->accelerations || !b->moving ||
@@ -70,7 +91,7 @@ static int room_for_all(const Run *r, Tangent *b)
     b->other_accelerations = b->accelerations + columns;
     b->force = b->other_accelerations + columns;
     b->jump = b->force + columns;
-    return room_for_spare(r, &b->taylor) && (r->fall_room == 0 || tangent_room_for_falls(b, r->fall_room)) &&
+    return room_for_spare(r, &b->taylor) && room_for_rotors(r, &b->taylor) && (r->fall_room == 0 || tangent_room_for_falls(b, r->fall_room)) &&
            tangent_room_for_formulas(r, b);
 }
 
@@ -192,6 +213,11 @@ void tangent_free(Tangent *b)
     free(b->taylor.here.series);
     free(b->taylor.here.values);
     free(b->taylor.entries);
+    free(b->taylor.spare_rotors.sine);
+    free(b->taylor.spare_rotors.mass);
+    free(b->taylor.spare_rotors.leaders);
+    free(b->taylor.pushed);
+    free(b->taylor.torques);
     free(b->taylor.slopes);
     free(b->taylor.spare.loaded_on);
     free(b->seat);

@@ -12,6 +12,8 @@
 #define SPANS 100
 #define TANGENT_GROUP 4 /* pairs of disturbances whose series are made side by side */
 
+typedef double Lane[2];  /* one number of two disturbances */
+
 typedef struct {
     int P, Q;
     double c;
@@ -54,6 +56,10 @@ typedef struct {
     TapeRoom step, here; /* series of the derivatives of formulas: along the step, and along an expansion within it */
     const TapeRoom *along; /* that which is prepared */
     double *entries, prepared_at;
+    Rotors spare_rotors;   /* those of `spare` */
+    const Rotors *rotors;  /* those that are prepared */
+    double (*turning)[SERIES], (*pull)[SERIES]; /* by rotor on a body: c w = s', c a */
+    Lane *pushed, *torques; /* series of disturbed accelerations, by pair and group of rotors; by rotor */
     int entry_room, has_step, prepared; /* whether `step` is of the step in hand; whether all is prepared at a time of it */
 } TaylorTangent;
 
@@ -129,6 +135,16 @@ const TapeRoom *formula_slopes_of_step(const Run *r);
 double formula_sound_stretch(Run *r, double t, double tau);
 void formula_rates(const Run *r, double tau, double *stiffness, double *damping);
 double formula_divergence(const Run *r, double tau);
+
+/* rotor_tangent.c; pushed: of the pair of disturbances */
+void rotor_tangent_prepare(Run *r);
+void rotor_tangent_turn(const Run *r, Lane *series, int n, const Lane *F, Lane *acceleration, Lane *pushed);
+
+/* Of the series of a pair of disturbances, those of a component. */
+static inline Lane *component(Lane *series, int k)
+{
+    return series + k * SERIES;
+}
 
 /* tangent_volume.c */
 double log_volume(const Run *r, double t, double end);

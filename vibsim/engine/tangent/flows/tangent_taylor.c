@@ -9,8 +9,6 @@
 #define LEFT_OUT 0x1p-47 /* of a disturbance: the most that the last terms of its series may be */
 #define SHAPE APART void /* one function each, as in taylor_expansion.c */
 
-typedef double Lane[2]; /* one number of two disturbances */
-
 /* Series c w = s' and c a1 of the flow, and its mass matrix, as it is expanded now. */
 static void prepare_motor(Run *r)
 {
@@ -46,6 +44,8 @@ static void prepare_here(Run *r)
     int k;
     if (r->has_motor)
         prepare_motor(r);
+    if (r->rotors.count > 0)
+        rotor_tangent_prepare(r);
     for (k = 0; k < m->fall_count; k++)
         law_slopes(m->falls[k].law, r->taylor.falls[k], r->taylor.order, r->tangent->taylor.slopes[k]);
 }
@@ -55,16 +55,21 @@ static void prepare_at(Run *r, double t)
 {
     TaylorTangent *of = &r->tangent->taylor;
     Taylor flow = r->taylor;
+    Rotors rotors = r->rotors;
     double t0 = r->t0;
     flow_state(r, t, &r->scratch);
     r->taylor = of->spare;
+    r->rotors = of->spare_rotors;
     taylor_look(r, &r->scratch);
     prepare_here(r);
     if (r->mode->formula_slopes.known)
         formula_slopes_expand(r, &of->here);
     of->along = &of->here;
     of->spare = r->taylor;
+    of->spare_rotors = r->rotors;
+    of->rotors = &of->spare_rotors;
     r->taylor = flow;
+    r->rotors = rotors;
     r->t0 = t0;
 }
 
@@ -80,13 +85,14 @@ void taylor_prepare(Run *r, double t)
     } else {
         prepare_here(r);
         of->along = formula_slopes_of_step(r);
+        of->rotors = &r->rotors;
     }
 }
 
 static void prepare(Run *r, double t, double tau)
 {
     r->tangent->taylor.tau = tau;
-    if (r->mode->formula_slopes.known) {
+    if (r->mode->shape == FORMULAS || r->mode->formula_slopes.known) {
         taylor_prepare(r, t);
         return;
     }
@@ -104,11 +110,6 @@ static void prepare(Run *r, double t, double tau)
 static inline int components_of(const Run *r)
 {
     return 2 * r->bodies + 5;
-}
-
-static inline Lane *component(Lane *series, int k)
-{
-    return series + k * SERIES;
 }
 
 /* Coefficient n + 1 of q without s_0 dw_(n+1), and n of c a1 dphi + s A1 without s_0 A1_n. phi[i]: order n - i; so w and a1. */
@@ -248,12 +249,12 @@ static void disturb_forces(const Run *r, Lane *series, int n, Lane *F)
 }
 
 /* Coefficients n + 1 from those of order n and below. */
-INLINE void advance(const Run *r, const Law *law, Lane *series, int n, const int formulas)
+INLINE void advance(const Run *r, const Law *law, Lane *series, Lane *pushed, int n, const int formulas)
 {
     const Mode *m = r->mode;
     const int bodies = r->bodies, zero = bodies + 1, rates = bodies + 2, on = r->has_motor ? m->leader[r->motor_on] : -1;
     const Pair inverse = twice(law->inverse[n + 1]);
-    Lane *F = r->tangent->taylor.force;
+    Lane *F = r->tangent->taylor.force, *a = formulas ? F + r->columns : F; /* of formulas: accelerations apart from forces */
     int i, c;
     for (i = 0; i < r->columns; i++)
         F[i][0] = F[i][1] = 0.0;
@@ -275,12 +276,14 @@ INLINE void advance(const Run *r, const Law *law, Lane *series, int n, const int
         disturb_forces(r, series, n, F);
     for (c = 0; c < bodies; c++)
         if (c != on)
-            store_pair(F[c], multiply_pair(load_pair(F[c]), twice(m->mobility[c])));
+            store_pair(a[c], multiply_pair(load_pair(F[c]), twice(m->mobility[c])));
+    if (formulas && r->rotors.count > 0)
+        rotor_tangent_turn(r, series, n, (const Lane *)F, a, pushed);
     if (on >= 0)
-        store_pair(F[on], turn(&r->tangent->taylor, law, series, bodies, n, load_pair(F[on]), inverse, r->mode->carried == 0));
+        store_pair(a[on], turn(&r->tangent->taylor, law, series, bodies, n, load_pair(F[on]), inverse, r->mode->carried == 0));
     for (c = 0; c < bodies; c++) {
         Lane *x = component(series, c), *v = component(series, rates + c);
-        Pair acceleration = m->leader[c] < bodies ? load_pair(F[m->leader[c]]) : make_pair(0, 0);
+        Pair acceleration = m->leader[c] < bodies ? load_pair(a[m->leader[c]]) : make_pair(0, 0);
         store_pair(x[n + 1], multiply_pair(load_pair(v[n]), inverse));
         store_pair(v[n + 1], multiply_pair(acceleration, inverse));
     }
@@ -329,7 +332,8 @@ INLINE void expand_any(const Run *r, int pairs, const int formulas)
     int n, i;
     for (n = 0; n < law.order - 1; n++)
         for (i = 0; i < pairs; i++)
-            advance(r, &law, r->tangent->taylor.series + i * components_of(r) * SERIES, n, formulas);
+            advance(r, &law, r->tangent->taylor.series + i * components_of(r) * SERIES,
+                    r->tangent->taylor.pushed + i * r->rotors.count * SERIES, n, formulas);
 }
 
 SHAPE any(const Run *r, int pairs) { expand_any(r, pairs, 0); }
