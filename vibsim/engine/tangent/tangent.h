@@ -129,7 +129,7 @@ double taylor_piece_end(Run *r, double t, double end);
 void taylor_prepare(Run *r, double t); /* with formulas: what disturbances share from there on */
 int taylor_move(Run *r, double t, double tau); /* 0 where the piece is too long: as they were disturbances are in b->moved then */
 
-/* formula_tangent.c; tau: after the start of the step, of sound_stretch after t */
+/* formula_tangent.c; tau: after where all is prepared, by sound_stretch at t */
 void formula_slopes_expand(const Run *r, TapeRoom *room);
 const TapeRoom *formula_slopes_of_step(const Run *r);
 double formula_sound_stretch(Run *r, double t, double tau);

@@ -126,7 +126,7 @@ double log_volume(const Run *r, double t, double end)
     if (m->formula_slopes.known && !r->closed) {
         double mean = 0.0;
         for (i = 0; i < NODE_COUNT; i++)
-            mean = mean + TWELVE.weights[i] * formula_divergence(r, (t - r->t0) + TWELVE.nodes[i] * tau);
+            mean = mean + TWELVE.weights[i] * formula_divergence(r, TWELVE.nodes[i] * tau);
         fixed = fixed + tau * mean;
     }
     if (!r->has_motor)

@@ -126,11 +126,11 @@ double formula_sound_stretch(Run *r, double t, double tau)
     return tau;
 }
 
-/* Derivatives of accelerations at tau after the start of the step, by entry. */
+/* Derivatives of accelerations at tau after where all is prepared, by entry. */
 static const double *fill(const Run *r, const SlopeRows *rows, double tau)
 {
     const Mode *m = r->mode;
-    const TapeRoom *room = formula_slopes_of_step(r);
+    const TapeRoom *room = r->tangent->taylor.along;
     double *entries = r->tangent->taylor.entries;
     int i;
     for (i = 0; i < rows->entry_count; i++)
@@ -164,7 +164,7 @@ static double rate_of(const Run *r, const SlopeRows *rows, double tau)
     return largest;
 }
 
-/* Bounds of the rates at which formulas move disturbances, at the start of the step or tau behind it. */
+/* Bounds of the rates at which formulas move disturbances, where all is prepared or tau behind it. */
 void formula_rates(const Run *r, double tau, double *stiffness, double *damping)
 {
     const SlopeRows *rows = r->mode->formula_slopes.rows;

@@ -56,15 +56,16 @@ static double rising(const Run *r, int k, double end)
 
 double taylor_piece_end(Run *r, double t, double end)
 {
-    double rates[4], rate, ahead, tau;
+    double rates[4], rate, ahead;
     int count = 2, i;
     rates[0] = sqrt(fastest(r, 1)) / REACH;
     rates[1] = fastest(r, 0);
     for (i = 0; i < r->mode->fall_count; i++)
         rates[1] = rates[1] + rising(r, i, end);
     if (r->mode->formula_slopes.known) {
-        double stiffness, damping;
-        formula_rates(r, end - r->t0, &stiffness, &damping);
+        double tau = formula_sound_stretch(r, t, end - t), sound = tau < end - t ? t + tau : end, stiffness, damping;
+        end = t < sound ? sound : end;
+        formula_rates(r, tau, &stiffness, &damping);
         rates[0] = rates[0] + sqrt(stiffness) / REACH;
         rates[1] = rates[1] + damping;
     }
@@ -77,9 +78,5 @@ double taylor_piece_end(Run *r, double t, double end)
     for (i = 1; i < count; i++)
         rate = rates[i] > rate ? rates[i] : rate;
     ahead = rate > 0 ? t + r->tangent->taylor.reach / rate : end;
-    ahead = t < ahead && ahead < end ? ahead : end;
-    if (!r->mode->formula_slopes.known)
-        return ahead;
-    tau = formula_sound_stretch(r, t, ahead - t);
-    return tau >= ahead - t ? ahead : t + tau;
+    return t < ahead && ahead < end ? ahead : end;
 }
