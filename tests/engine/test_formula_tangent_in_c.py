@@ -1,6 +1,4 @@
-"""Small disturbances through formulas and rotors on bodies in the C engine: equal to the Python engine in every
-bit.
-"""
+"""Small disturbances through formulas and rotors on bodies in the C engine: equal to the Python engine."""
 
 from array import array
 from dataclasses import replace

@@ -65,7 +65,8 @@ def _inputs(node: Node, bodies: int) -> list[Node]:
 
 class Share(NamedTuple):
     """What derivative number `output` of force number `force` adds to the derivative of the acceleration of
-    the column `row` with respect to x or v of `column`, both by their leaders; end: 0 for what acts on P, 1 on Q.
+    the column `row` with respect to x or v of `column`, both by their leaders; end: 0 for what acts on P, 1
+    on Q.
     """
 
     row: int
@@ -151,8 +152,9 @@ class FormulaTangent(Generic[N]):
         return tau
 
     def rates(self, tau: N) -> tuple[N, N]:
-        """Bounds of the rates at which formulas move disturbances at the expansion point or `tau` behind it: of stiffness [1/s^2] and of damping [1/s], by sums over rows in which what two columns do to each
-        other is measured together.
+        """Bounds of the rates at which formulas move disturbances at the expansion point or `tau` behind it: of
+        stiffness [1/s^2] and of damping [1/s], by sums over rows in which what two columns do to each other is
+        measured together.
         """
         largest = [self.kit.number(0), self.kit.number(0)]
         for at in (0 * tau, tau):
