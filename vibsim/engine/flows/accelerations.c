@@ -1,5 +1,6 @@
 /* The vector field of a mode at a state; twin of vibsim/engine/flows/accelerations.py. */
 #include "friction_laws.h"
+#include "numbers.h"
 #include "tangent.h"
 
 static void value_and_rate(const Harmonic *terms, int count, double t, double *value, double *rate)
@@ -59,11 +60,18 @@ static double fall_force(const Run *r, const Falling *one, const State *state, d
 /* Add the forces by formulas. */
 static void add_formulas(const Run *r, const Mode *m, const State *state, double X, double V, double *F)
 {
+    const TapeRoom *room = &r->taylor.tapes;
+    TapeInputs at = room->at;
     int i;
-    tape_values_at(r, m, state, X, V);
+    for (i = 0; i < r->columns; i++)
+        motion_of(r, state, i, X, V, &at.x[i], &at.v[i]);
+    at.t = state->t;
+    at.phi = unwind(state->phase, state->turns);
+    at.w = state->w;
+    tape_evaluate(&m->tape, &at, &at, room->values, room->bounds); /* bounds are of no use here */
     for (i = 0; i < m->formula_count; i++) {
         const FormulaForce *one = &m->formulas[i];
-        double value = one->sign * r->taylor.tapes.values[m->tape.outputs[one->output]];
+        double value = one->sign * room->values[m->tape.outputs[one->output]];
         F[one->to_P] = F[one->to_P] + value;
         if (one->to_Q >= 0)
             F[one->to_Q] = F[one->to_Q] - value;
