@@ -153,8 +153,8 @@ class FormulaTangent(Generic[N]):
 
     def rates(self, tau: N) -> tuple[N, N]:
         """Bounds of the rates at which formulas move disturbances at the expansion point or `tau` behind it:
-        of stiffness [1/s^2] and of damping [1/s], by sums over rows in which what two columns do to each other
-        is measured together.
+        of stiffness [1/s^2] and of damping [1/s], by sums over rows in which what two columns do to each
+        other is measured together.
         """
         largest = [self.kit.number(0), self.kit.number(0)]
         for at in (0 * tau, tau):
