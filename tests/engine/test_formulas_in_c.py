@@ -19,7 +19,6 @@ from vibsim.engine.modes import same_structure
 from vibsim.engine.modes.mode_table import mode_table
 from vibsim.engine.modes.packing import pack_scene, packed_mode
 from vibsim.engine.modes.recipe import recipe_of
-from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.formulas import (
     ONE,
@@ -281,13 +280,6 @@ def test_random_scenes_are_those_of_python(first):
     kept = {"section": True, "ledger": True, "momentum": True}
     compared = [agreed(formula_scene(seed), **kept) for seed in range(first, first + 10)]
     assert sum(one is not None for one in compared) > 5
-
-
-def test_what_only_python_keeps_is_run_by_python():
-    scene = oscillator(mul(num(9), X))
-    assert open_trajectory(scene, "auto").engine == "c"
-    assert open_trajectory(scene, "c", tangent=1).engine == "python"
-    assert Carrier(scene).engine == "python"
 
 
 def test_tables_of_modes_tell_formulas_apart():

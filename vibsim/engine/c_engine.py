@@ -220,9 +220,15 @@ class CRun:
             self.told += bytes_of(packed)
             if self.meters:
                 self.run.set_meters(number, *self.table.packed_meters(status, self.momentum))
+            self._set_slopes(number, status)
             self.numbers[status] = number
             self.statuses.append(status)
         return number
+
+    def _set_slopes(self, number: int, status: Status) -> None:
+        """Tell C how disturbances feel the formulas of a mode, where it carries some."""
+        if self.carries and self.scene.has_formulas:
+            self.run.set_slopes(number, *self.table.packed_slopes(status))
 
     def _forget_modes(self) -> None:
         """Have C forget all modes but the one it is in: it is told of them again where it comes back."""

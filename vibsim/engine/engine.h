@@ -175,6 +175,7 @@ typedef struct {
     Modal *modal; /* NULL where only Taylor series will do */
     Tape tape, base_tape;      /* formulas of the mode; of the motion of the base */
     FormulaForce *formulas;
+    FormulaSlopes formula_slopes; /* where disturbances are carried */
     int formula_count, switch_count; /* switch_count: event functions that are those of switches */
 } Mode;
 
@@ -348,6 +349,7 @@ typedef struct {
 /* A run: everything between two calls. */
 typedef struct Run {
     int bodies, columns, parts, clearances, harmonic_count, key_count, mode_count, force_count, base_count;
+    int slope_ops, slope_entries; /* most of a mode's derivatives of formulas */
     int fall_room, has_motor, motor_on, rest_columns, force_taylor, stop_on_violation, closed; /* closed: the flow in use */
     int has_base, *alone, alone_count; /* has_base: be it by a formula; alone: columns of units of their own, of rotors and states */
     double m3, e, M0, unbalance, inertia, drag, tolerance_exponent, t_end, every_num, every_den;

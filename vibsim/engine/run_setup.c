@@ -120,6 +120,30 @@ PyObject *run_set_meters(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
+/* Derivatives of the formulas of a mode, where disturbances are carried. */
+PyObject *run_set_slopes(RunObject *self, PyObject *args)
+{
+    Py_buffer v[2];
+    Reader in;
+    int mode, kept = 0;
+    if (!PyArg_ParseTuple(args, "iy*y*", &mode, &v[0], &v[1]))
+        return NULL;
+    if (!run_is_idle(self))
+        kept = 0;
+    else if (mode < 0 || mode >= self->run.mode_count || self->run.modes[mode]->formula_slopes.tape.ops)
+        PyErr_SetString(PyExc_ValueError, "no mode that waits for derivatives");
+    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = slopes_read(&self->run, &in, self->run.modes[mode]))) {
+        slopes_free(&self->run.modes[mode]->formula_slopes);
+        memset(&self->run.modes[mode]->formula_slopes, 0, sizeof(FormulaSlopes));
+        PyErr_SetString(PyExc_ValueError, "the packed numbers are no derivatives");
+    }
+    PyBuffer_Release(&v[0]);
+    PyBuffer_Release(&v[1]);
+    if (!kept)
+        return NULL;
+    Py_RETURN_NONE;
+}
+
 /* Small disturbances to carry along; before the start. */
 PyObject *run_keep_tangent(RunObject *self, PyObject *args)
 {

@@ -83,18 +83,16 @@ def open_trajectory(
 
 
 def _in_c(scene: Scene, wishes: Wishes) -> bool:
-    """Whether the C engine has all that a run asks for: of scenes with formulas or rotors on bodies no
-    disturbances, nor extremes and ledgers against a base that moves by a formula.
+    """Whether the C engine has all that a run asks for: disturbances where it carries them, no extremes and
+    ledgers against a base that moves by a formula.
     """
-    if carries_in_c(scene):
-        return True
     pairs = wishes["extremes"][0] if wishes["extremes"] else ()
     by_formula = scene.base_formula is not None and any(len(scene.bodies) + 1 in pair for pair in pairs)
     stops_let_go = any(stop.lets_go for _, stop in scene.elastic_stops)
     by_formula |= (
         scene.base_formula is not None and stops_let_go and bool(wishes["ledger"] or wishes["momentum"])
     )
-    return not (wishes["tangent"][0] or by_formula)
+    return not by_formula and (not wishes["tangent"][0] or carries_in_c(scene))
 
 
 def extremes_of(scene: Scene, ends: Sequence[Edge], since: float) -> tuple[list[Edge], list[Gap], float]:

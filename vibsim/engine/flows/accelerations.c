@@ -1,5 +1,6 @@
 /* The vector field of a mode at a state; twin of vibsim/engine/flows/accelerations.py. */
 #include "friction_laws.h"
+#include "numbers.h"
 #include "tangent.h"
 
 static void value_and_rate(const Harmonic *terms, int count, double t, double *value, double *rate)
@@ -56,6 +57,27 @@ static double fall_force(const Run *r, const Falling *one, const State *state, d
     return one->on_P * law_start(one->law, one->rate * ((vP - vQ) - one->drift));
 }
 
+/* Add the forces by formulas. */
+static void add_formulas(const Run *r, const Mode *m, const State *state, double X, double V, double *F)
+{
+    const TapeRoom *room = &r->taylor.tapes;
+    TapeInputs at = room->at;
+    int i;
+    for (i = 0; i < r->columns; i++)
+        motion_of(r, state, i, X, V, &at.x[i], &at.v[i]);
+    at.t = state->t;
+    at.phi = unwind(state->phase, state->turns);
+    at.w = state->w;
+    tape_evaluate(&m->tape, &at, &at, room->values, room->bounds); /* bounds are of no use here */
+    for (i = 0; i < m->formula_count; i++) {
+        const FormulaForce *one = &m->formulas[i];
+        double value = one->sign * room->values[m->tape.outputs[one->output]];
+        F[one->to_P] = F[one->to_P] + value;
+        if (one->to_Q >= 0)
+            F[one->to_Q] = F[one->to_Q] - value;
+    }
+}
+
 double accelerations(const Run *r, const Mode *m, const State *state, double *out)
 {
     double X, V, value, rate, torque = 0.0, *F = r->tangent->force;
@@ -85,12 +107,56 @@ double accelerations(const Run *r, const Mode *m, const State *state, double *ou
         F[one->to_P] = F[one->to_P] + force;
         F[one->to_Q] = F[one->to_Q] - force;
     }
+    if (m->formula_count > 0)
+        add_formulas(r, m, state, X, V, F);
+    for (i = 0; i < r->rotors.count; i++) {
+        const RotorOn *one = &r->rotors.of[i];
+        double w = state->v[one->column];
+        int on = m->leader[one->on];
+        F[on] = F[on] + one->unbalance * (w * w * cosine_of(state->x[one->column]));
+    }
     if (r->has_motor) {
         int on = m->leader[r->motor_on];
         F[on] = F[on] + r->unbalance * (state->w * state->w * cosine_of(state->phase));
         torque = r->M0 - r->drag * state->w;
     }
     return response(r, m, state, F, torque, base_acceleration(r, state->t), out);
+}
+
+static double coupling_of(const RotorOn *one, const State *state)
+{
+    return one->unbalance * sine_of(state->x[one->column]);
+}
+
+/* Acceleration of a group that moves on its own, under the forces and torques F on it and on the rotors that it carries. */
+static double with_rotors(const Run *r, const Mode *m, const State *state, const double *F, int leader)
+{
+    double force = F[leader], mass = m->group_mass[leader];
+    int i;
+    for (i = 0; i < r->rotors.count; i++) {
+        const RotorOn *one = &r->rotors.of[i];
+        double coupling = coupling_of(one, state);
+        if (m->leader[one->on] != leader)
+            continue;
+        force = force + coupling * F[one->column] / one->inertia;
+        mass = mass - coupling * coupling / one->inertia;
+    }
+    return force / mass;
+}
+
+/* Accelerations of rotors on bodies and of the groups that they are on. */
+static void turn_rotors(const Run *r, const Mode *m, const State *state, const double *F, double *out)
+{
+    int i;
+    for (i = 0; i < r->rotors.count; i++) {
+        int leader = m->leader[r->rotors.of[i].on];
+        if (leader < r->bodies)
+            out[leader] = with_rotors(r, m, state, F, leader);
+    }
+    for (i = 0; i < r->rotors.count; i++) {
+        const RotorOn *one = &r->rotors.of[i];
+        out[one->column] = (F[one->column] + coupling_of(one, state) * out[m->leader[one->on]]) / one->inertia;
+    }
 }
 
 double response(const Run *r, const Mode *m, const State *state, const double *F, double torque, double base, double *out)
@@ -100,6 +166,8 @@ double response(const Run *r, const Mode *m, const State *state, const double *F
     for (c = 0; c < r->columns; c++)
         if (m->leader[c] == c)
             out[c] = c == r->columns - 1 ? base : F[c] * m->mobility[c];
+    if (r->rotors.count > 0)
+        turn_rotors(r, m, state, F, out);
     if (on >= 0) {
         double inertia = r->inertia, coupling = r->unbalance * sine_of(state->phase);
         own = out[on];

@@ -78,7 +78,7 @@ static void read_force(const Run *r, Reader *in, const Mode *m, FormulaForce *on
 }
 
 /* Room for the series and values along tapes of so many operations. */
-static int room_for_tapes(TapeRoom *tapes, int ops)
+int room_for_tapes(TapeRoom *tapes, int ops)
 {
     double(*series)[TAPE_ORDERS], *values;
     if (ops <= tapes->ops)
@@ -109,5 +109,80 @@ int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops)
         return 0;
     if (base_ops > 0 && m->base_tape.output_count < 1)
         in->short_of = 1;
-    return !in->short_of && room_for_tapes(&r->taylor.tapes, ops > base_ops ? ops : base_ops);
+    if (in->short_of || !room_for_tapes(&r->taylor.tapes, ops > base_ops ? ops : base_ops))
+        return 0;
+    return !r->tangent || tangent_room_for_formulas(r, r->tangent);
+}
+
+/* What the derivatives of the formulas of a mode by displacements, or by velocities, do to accelerations. */
+static int read_rows(const Run *r, Reader *in, const Mode *m, SlopeRows *rows)
+{
+    int i;
+    rows->entry_count = read_index(in, 0, MOST);
+    rows->share_count = read_index(in, 0, MOST);
+    rows->entries = room((size_t)rows->entry_count, sizeof(SlopeEntry));
+    rows->shares = room((size_t)rows->share_count, sizeof(SlopeShare));
+    if (!rows->entries || !rows->shares)
+        return 0;
+    for (i = 0; i < rows->entry_count; i++) {
+        rows->entries[i].row = read_index(in, 0, r->columns - 1);
+        rows->entries[i].column = read_index(in, 0, r->columns - 1);
+        rows->entries[i].back = read_index(in, -1, rows->entry_count - 1);
+    }
+    for (i = 0; i < rows->share_count; i++) {
+        rows->shares[i].entry = read_index(in, 0, rows->entry_count - 1);
+        rows->shares[i].force = read_index(in, 0, m->formula_count - 1);
+        rows->shares[i].end = read_index(in, 0, 1);
+        rows->shares[i].output = read_index(in, 0, m->formula_slopes.tape.output_count - 1);
+    }
+    return 1;
+}
+
+/* The derivatives of each output of the tape of a mode. */
+static int read_slopes(const Run *r, Reader *in, Mode *m)
+{
+    FormulaSlopes *s = &m->formula_slopes;
+    int count = read_index(in, 0, MOST), i;
+    s->all = room((size_t)count, sizeof(FormulaSlope));
+    s->first = room((size_t)m->tape.output_count + 1, sizeof(int));
+    if (!s->all || !s->first)
+        return 0;
+    for (i = 0; i <= m->tape.output_count; i++)
+        s->first[i] = read_index(in, i == 0 ? 0 : s->first[i - 1], i == 0 ? 0 : count);
+    for (i = 0; i < count; i++) {
+        FormulaSlope *one = &s->all[i];
+        one->kind = read_index(in, BY_PLACE, r->has_motor ? BY_SPIN : BY_SPEED);
+        one->column = read_index(in, one->kind > BY_SPEED ? -1 : 0, one->kind > BY_SPEED ? -1 : r->bodies - 1);
+        one->output = read_index(in, 0, s->tape.output_count - 1);
+    }
+    return 1;
+}
+
+int slopes_read(Run *r, Reader *in, Mode *m)
+{
+    FormulaSlopes *s = &m->formula_slopes;
+    int ops = read_index(in, 0, MOST), i;
+    if (in->short_of || !read_tape(r, in, &s->tape, ops, 0) || in->short_of || !read_slopes(r, in, m))
+        return 0;
+    for (i = 0; i < 2; i++) {
+        if (in->short_of || !read_rows(r, in, m, &s->rows[i]))
+            return 0;
+        r->slope_entries = s->rows[i].entry_count > r->slope_entries ? s->rows[i].entry_count : r->slope_entries;
+    }
+    r->slope_ops = ops > r->slope_ops ? ops : r->slope_ops;
+    s->known = read_through(in);
+    return s->known && (!r->tangent || tangent_room_for_formulas(r, r->tangent));
+}
+
+void slopes_free(FormulaSlopes *s)
+{
+    int i;
+    free(s->tape.ops);
+    free(s->tape.outputs);
+    free(s->all);
+    free(s->first);
+    for (i = 0; i < 2; i++) {
+        free(s->rows[i].entries);
+        free(s->rows[i].shares);
+    }
 }

@@ -43,10 +43,8 @@ class Root(NamedTuple):
 
 
 def carries_in_c(scene: Scene[N]) -> bool:
-    """Whether the C engine carries disturbances and keeps ledgers of a scene: where it has neither formulas
-    nor rotors on bodies.
-    """
-    return not (scene.has_formulas or scene.rotors)
+    """Whether the C engine carries disturbances of a scene: where it has no base that moves by a formula."""
+    return scene.base_formula is None
 
 
 def watched_by(node: Node) -> tuple[Node, int]:

@@ -49,6 +49,7 @@ class ModeTable:
         self.keys: dict[EventKey, int] = {}
         self._packed = Kept[Status, Packed](MOST_BYTES)
         self._meters = Kept[tuple[Status, bool], Packed](MOST_BYTES)
+        self._slopes = Kept[Status, Packed](MOST_BYTES)
         self._makers: dict[bool, MeterMaker] = {}
         self._rules = Kept[tuple[Status, int], Rule | None](MOST_RULES)
         self._recipes: dict[tuple[Place, ...], Kept[Status, ParametricRows | None]] = {}
@@ -117,6 +118,17 @@ class ModeTable:
                 rows = self.maker.rows(status)
                 made = pack_meters(self.meter_maker(momentum).meters(rows), terms_of(rows))
                 packed = self._meters.keep((status, momentum), made, bytes_of(made))
+        return packed
+
+    def packed_slopes(self, status: Status) -> Packed:
+        """The derivatives of the formulas of a mode as bytes of ints and of doubles."""
+        from vibsim.engine.tangent.packing_tangent import pack_slopes
+
+        with self._lock:
+            packed = self._slopes.get(status)
+            if packed is None:
+                made = pack_slopes(self.maker.rows(status))
+                packed = self._slopes.keep(status, made, bytes_of(made))
         return packed
 
     def rule(

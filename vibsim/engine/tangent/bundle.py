@@ -24,6 +24,7 @@ from vibsim.engine.tangent.tangent_space import (
     natural_rate,
     weights,
 )
+from vibsim.engine.tangent.tangent_taylor import TaylorTangent
 from vibsim.physics.elementary import TWELVE
 from vibsim.physics.numbers import Kit, N, abs, horner
 from vibsim.physics.parts import Motor, Scene
@@ -104,7 +105,9 @@ class TangentBundle(Disturbances[N]):
         self._shift()
         volume = self.renormalise()
         if self.complete:
-            grown = log_volume(self.scene, self.kit, self.flow.now, t, ahead)
+            tangent = self.tangents[self.flow.now.method]
+            formulas = tangent.formulas if isinstance(tangent, TaylorTangent) else None
+            grown = log_volume(self.scene, self.kit, self.flow.now, t, ahead, formulas)
             self.residual = self.residual + (volume - grown)
         self._record(ahead)
 
@@ -318,9 +321,17 @@ def _tangencies(
 # differs from it by det M, which depends on the angle of a rotor. The disturbances themselves are not used.
 
 
-def log_volume(scene: Scene[N], kit: Kit[N], flow: Taylor[N] | ClosedForm[N], t: N, end: N) -> N:
+def log_volume(
+    scene: Scene[N],
+    kit: Kit[N],
+    flow: Taylor[N] | ClosedForm[N],
+    t: N,
+    end: N,
+    formulas: FormulaTangent[N] | None = None,
+) -> N:
     """Logarithm of the growth from t to `end` [s], within the stretch that `flow` has just done, of a volume
-    that fills the tangent space of its mode.
+    that fills the tangent space of its mode; formulas: how disturbances feel them from t on, where there are
+    some.
     """
     rows, motor, tau = flow.rows, scene.motor, end - t
     on = None if motor is None else rows.leader[motor.on]
@@ -336,9 +347,8 @@ def log_volume(scene: Scene[N], kit: Kit[N], flow: Taylor[N] | ClosedForm[N], t:
     if isinstance(flow, Taylor) and rows.falls:
         series = flow
         fixed = fixed - tau * _mean(kit, lambda at: _slowed(series, (t - series.t0) + at, on), tau)
-    if isinstance(flow, Taylor) and flow.tape:
-        formulas = FormulaTangent(kit, flow)
-        fixed = fixed + tau * _mean(kit, lambda at: formulas.divergence((t - flow.t0) + at), tau)
+    if formulas is not None:
+        fixed = fixed + tau * _mean(kit, formulas.divergence, tau)
     if motor is None or on is None:
         return fixed
     assert isinstance(flow, Taylor)  # no closed form moves a rotor

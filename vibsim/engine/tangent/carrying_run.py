@@ -66,6 +66,7 @@ class CarryingRun(CRun):
             self.table = table
             for number, status in enumerate(self.statuses):
                 self.run.renew_mode(number, *table.packed(status, lambda: self.scout))
+                self._set_slopes(number, status)
         self._renew_starts(before, scene)
 
     def _renew_starts(self, before: Scene, scene: Scene) -> None:
@@ -88,7 +89,9 @@ class CarryingRun(CRun):
             self.packer = self.packer or DisturbancePacker(self.scene, self.maker.ends)
             self.run.keep_tangent(*self.packer.packed(vectors))
         self.plain = self.plain or UnambiguousStart(self.scene, self.maker.ends)
-        status = self.plain.status(state) if self.plain.known else None
+        formulas = self.maker.formulas
+        plain = self.plain.known and not (formulas and formulas.switches)  # whose sides the state tells
+        status = self.plain.status(state) if plain else None
         self._set_off(*(self._begun(state) if status is None else (state, status, {})))
 
     def run_out(self) -> tuple[np.ndarray, np.ndarray]:

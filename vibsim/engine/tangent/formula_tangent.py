@@ -63,6 +63,32 @@ def _inputs(node: Node, bodies: int) -> list[Node]:
     return [one for one in walk([node]) if one[0] in READ and (len(one) < 2 or 0 <= one[1] < bodies)]
 
 
+class Share(NamedTuple):
+    """What derivative number `output` of force number `force` adds to the derivative of the acceleration of
+    the column `row` with respect to x or v of `column`, both by their leaders; end: 0 for what acts on P, 1
+    on Q.
+    """
+
+    row: int
+    column: int
+    force: int
+    end: int
+    output: int
+
+
+def shares_of(rows: ModeRows[N], kind: str, slopes: Slopes) -> list[Share]:
+    """All shares of derivatives with respect to x or v, by `kind`."""
+    leader = rows.leader
+    return [
+        Share(leader[end], leader[one.column], force, place, one.output)
+        for force, law in enumerate(rows.formulas)
+        for one in slopes.of.get(law.output, ())
+        if one.kind == kind
+        for place, end in enumerate((law.P, law.Q))
+        if end >= 0 and rows.mobility[leader[end]] > 0
+    ]
+
+
 class FormulaTangent(Generic[N]):
     """Disturbed forces of formulas along an expansion of a flow."""
 
@@ -126,8 +152,8 @@ class FormulaTangent(Generic[N]):
         return tau
 
     def rates(self, tau: N) -> tuple[N, N]:
-        """Bounds of the rates at which formulas move disturbances at the start of the step or `tau` behind
-        it: of stiffness [1/s^2] and of damping [1/s], by sums over rows in which what two columns do to each
+        """Bounds of the rates at which formulas move disturbances at the expansion point or `tau` behind it:
+        of stiffness [1/s^2] and of damping [1/s], by sums over rows in which what two columns do to each
         other is measured together.
         """
         largest = [self.kit.number(0), self.kit.number(0)]
@@ -147,19 +173,13 @@ class FormulaTangent(Generic[N]):
         """Derivatives of accelerations of columns with respect to x or v of columns, both by their
         leaders.
         """
-        rows, leader = self.flow.rows, self.flow.rows.leader
+        rows, zero = self.flow.rows, 0 * tau
         found: dict[int, dict[int, N]] = {}
-        for law in rows.formulas:
-            for one in self.slopes.of.get(law.output, ()):
-                if one.kind != kind:
-                    continue
-                value = law.sign * horner(self.series.output(one.output), tau)
-                for end, sign in ((law.P, 1), (law.Q, -1)):
-                    if end >= 0 and rows.mobility[leader[end]] > 0:
-                        row = found.setdefault(leader[end], {})
-                        column = leader[one.column]
-                        share = sign * rows.mobility[leader[end]] * value
-                        row[column] = row[column] + share if column in row else share
+        for one in shares_of(rows, kind, self.slopes):
+            value = rows.formulas[one.force].sign * horner(self.series.output(one.output), tau)
+            row = found.setdefault(one.row, {})
+            share = (-1 if one.end else 1) * rows.mobility[one.row] * value
+            row[one.column] = row.get(one.column, zero) + share
         return found
 
     def divergence(self, tau: N) -> N:

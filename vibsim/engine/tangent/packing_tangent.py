@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import accumulate, chain
 
 import numpy as np
 
-from vibsim.engine.modes.packing import Packed, Packer, tolerance_exponent
-from vibsim.engine.modes.rows import Joined
+from vibsim.engine.modes.packing import Packed, Packer, pack_tape, tolerance_exponent
+from vibsim.engine.modes.rows import Joined, ModeRows
 from vibsim.engine.modes.ties import Edge
+from vibsim.engine.tangent.formula_tangent import READ, Share, shares_of, slopes_of
 from vibsim.engine.tangent.tangent_space import Gauge, components, natural_rate, weights
 from vibsim.engine.tangent.tangent_taylor import reach
 from vibsim.lazy import once
@@ -23,6 +25,37 @@ def pack_bundle(scene: Scene, count: int, begin: float, ends: Ends) -> Packed:
     part.
     """
     return _form(scene, False, count, ends), _numbers(scene, begin)
+
+
+def pack_slopes(rows: ModeRows) -> Packed:
+    """The partial derivatives of the formulas of a mode."""
+    assert rows.tape is not None
+    slopes, pack = slopes_of(Doubles, rows), Packer()
+    pack.put((len(slopes.tape.ops),))
+    pack_tape(pack, slopes.tape)
+    of = [slopes.of.get(k, []) for k in range(len(rows.tape.outputs))]
+    pack.put((sum(map(len, of)), *accumulate(map(len, of), initial=0)))
+    for one in chain.from_iterable(of):
+        pack.put((READ.index(one.kind), one.column, one.output))
+    for kind in ("x", "v"):
+        _pack_rows(pack, shares_of(rows, kind, slopes))
+    return pack.packed
+
+
+def _pack_rows(pack: Packer, shares: Sequence[Share]) -> None:
+    """What derivatives do to accelerations: entries of their matrix row by row, each row and each entry where
+    it is met first, then what adds to them.
+    """
+    columns: dict[int, dict[int, None]] = {}
+    for share in shares:
+        columns.setdefault(share.row, {})[share.column] = None
+    places = [(row, column) for row, of in columns.items() for column in of]
+    numbers = {place: number for number, place in enumerate(places)}
+    pack.put((len(places), len(shares)))
+    for row, column in places:
+        pack.put((row, column, numbers.get((column, row), -1)))
+    for share in shares:
+        pack.put((numbers[share.row, share.column], share.force, share.end, share.output))
 
 
 class DisturbancePacker:

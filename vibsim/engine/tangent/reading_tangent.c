@@ -25,6 +25,9 @@ static int room_for_spare(const Run *r, TaylorTangent *of)
     Taylor *f = &of->spare;
     *f = r->taylor;
     f->arguments = f->falls = NULL;
+    f->tapes.series = NULL;
+    f->tapes.values = NULL;
+    f->tapes.ops = 0;
     f->table = room((SERIES + 1) * row, sizeof(double));
     f->load = room(columns * SERIES, sizeof(double));
     f->loaded_on = room(columns, sizeof(double *));
@@ -33,6 +36,27 @@ static int room_for_spare(const Run *r, TaylorTangent *of)
     f->values = f->table + SERIES * row;
     for (i = 0; i < columns; i++)
         f->loaded_on[i] = r->taylor.loaded_on[i] ? f->load + i * SERIES : NULL;
+    return 1;
+}
+
+/* What rotors on bodies need, and a second set of their series. */
+static int room_for_rotors(const Run *r, TaylorTangent *of)
+{
+    const size_t count = (size_t)r->rotors.count;
+    Rotors *o = &of->spare_rotors;
+    *o = r->rotors;
+    o->sine = room(5 * count, sizeof *o->sine);
+    o->mass = room(2 * count, sizeof(double));
+    o->leaders = room(count + 1, sizeof(int));
+    of->pushed = room(TANGENT_GROUP * count * SERIES, sizeof *of->pushed);
+    of->torques = room(count, sizeof *of->torques);
+    if (!o->sine || !o->mass || !o->leaders || !of->pushed || !of->torques)
+        return 0;
+    o->cosine = o->sine + count;
+    o->acceleration = o->cosine + count;
+    of->turning = o->acceleration + count;
+    of->pull = of->turning + count;
+    o->torque = o->mass + count;
     return 1;
 }
 
@@ -50,7 +74,7 @@ static int room_for_all(const Run *r, Tangent *b)
     b->accelerations = room(3 * columns + size, sizeof(double));
     b->moving = room(coordinates, sizeof(Moving));
     b->taylor.series = room(TANGENT_GROUP * (2 * columns + 1) * SERIES, sizeof *b->taylor.series);
-    b->taylor.force = room(columns, sizeof *b->taylor.force);
+    b->taylor.force = room(2 * columns, sizeof *b->taylor.force);
     b->seat = room(columns, sizeof(int));
     b->tangencies.fastest = room((size_t)b->stop_count, sizeof(double));
     if (!b->columns || !b->lost || !b->vectors || !b->sums || !b->rows || !b->fitted || !b->q || !b->accelerations || !b->moving ||
@@ -67,7 +91,8 @@ static int room_for_all(const Run *r, Tangent *b)
     b->other_accelerations = b->accelerations + columns;
     b->force = b->other_accelerations + columns;
     b->jump = b->force + columns;
-    return room_for_spare(r, &b->taylor) && (r->fall_room == 0 || tangent_room_for_falls(b, r->fall_room));
+    return room_for_spare(r, &b->taylor) && room_for_rotors(r, &b->taylor) && (r->fall_room == 0 || tangent_room_for_falls(b, r->fall_room)) &&
+           tangent_room_for_formulas(r, b);
 }
 
 /* Ends and laws of stops and frictions. */
@@ -134,6 +159,21 @@ int tangent_room_for_falls(Tangent *b, int count)
     return room_for_series(&of->slopes, count) && room_for_series(&of->spare.arguments, count) && room_for_series(&of->spare.falls, count);
 }
 
+/* Room for the series along the tapes of the modes met so far; 0 without memory. */
+int tangent_room_for_formulas(const Run *r, Tangent *b)
+{
+    TaylorTangent *of = &b->taylor;
+    if (r->slope_entries > of->entry_room) {
+        double *more = realloc(of->entries, sizeof(double) * (size_t)r->slope_entries);
+        if (!more)
+            return 0;
+        of->entries = more;
+        of->entry_room = r->slope_entries;
+    }
+    return room_for_tapes(&of->spare.tapes, r->taylor.tapes.ops) && room_for_tapes(&of->step, r->slope_ops) &&
+           room_for_tapes(&of->here, r->slope_ops);
+}
+
 int tangent_read(Run *r, Reader *in)
 {
     r->tangent = room(1, sizeof(Tangent));
@@ -166,6 +206,18 @@ void tangent_free(Tangent *b)
     free(b->taylor.spare.load);
     free(b->taylor.spare.arguments);
     free(b->taylor.spare.falls);
+    free(b->taylor.spare.tapes.series);
+    free(b->taylor.spare.tapes.values);
+    free(b->taylor.step.series);
+    free(b->taylor.step.values);
+    free(b->taylor.here.series);
+    free(b->taylor.here.values);
+    free(b->taylor.entries);
+    free(b->taylor.spare_rotors.sine);
+    free(b->taylor.spare_rotors.mass);
+    free(b->taylor.spare_rotors.leaders);
+    free(b->taylor.pushed);
+    free(b->taylor.torques);
     free(b->taylor.slopes);
     free(b->taylor.spare.loaded_on);
     free(b->seat);

@@ -19,7 +19,7 @@ from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import FORMULA, GAP, HOLD, SLIDE, STRIKE, Event, Joined, ModeRows, Rule
+from vibsim.engine.modes.rows import FORMULA, GAP, HOLD, SLIDE, STRIKE, SWITCH, Event, Joined, ModeRows, Rule
 from vibsim.engine.modes.status import STICK, Status
 from vibsim.engine.tangent.impact_saltation import ImpactSaltation, Undefined
 from vibsim.engine.tangent.saltation import (
@@ -33,10 +33,11 @@ from vibsim.engine.tangent.saltation import (
     reversal,
     saltation,
     tie_rate,
+    turns_forces,
 )
 from vibsim.engine.tangent.tangent_space import natural_rate
 from vibsim.physics.numbers import Doubles, Kit, N, abs
-from vibsim.physics.parts import Scene
+from vibsim.physics.parts import Scene, Stop
 
 CLOSE = 1e-6  # a rate of 1/1000 of the largest
 GRAZING = 2.0**-40  # a depth of some thousand roundings
@@ -172,7 +173,20 @@ class Jumps:
         """
         if event.kind == STRIKE:
             return False
+        if before.tape is not None and self._by_formulas(before, after, event):
+            return False
         return event.kind != HOLD or not released_frictions(self.scene, before, after)
+
+    def _by_formulas(self, before: ModeRows, after: ModeRows, event: Event) -> bool:
+        """Whether a formula jumps, or a stop or friction by a formula begins or ends to act, at an event."""
+        if event.kind == SWITCH:
+            return turns_forces(before, after)
+        if event.kind == GAP:
+            stop = self.scene.stops[event.part]
+            return isinstance(stop, Stop) and stop.force is not None
+        pairs = zip(before.status.frictions, after.status.frictions, strict=True)
+        turned = [event.part, *(i for i, (one, other) in enumerate(pairs) if one != other)]
+        return event.kind == SLIDE and any(self.scene.frictions[i].slips is not None for i in turned)
 
     def of_rule_in_c(self, rows: ModeRows, rule: Rule, event: Event) -> bool:
         """The same for all that a rule may lead to."""

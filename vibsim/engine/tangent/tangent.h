@@ -12,6 +12,8 @@
 #define SPANS 100
 #define TANGENT_GROUP 4 /* pairs of disturbances whose series are made side by side */
 
+typedef double Lane[2];  /* one number of two disturbances */
+
 typedef struct {
     int P, Q;
     double c;
@@ -51,6 +53,14 @@ typedef struct {
     double (*series)[2], (*force)[2], (*slopes)[SERIES]; /* slopes: series of df/ds by falling friction */
     Taylor spare; /* for an expansion within the step */
     double *spare_values;
+    TapeRoom step, here; /* series of the derivatives of formulas: along the step, and along an expansion within it */
+    const TapeRoom *along; /* that which is prepared */
+    double *entries, prepared_at;
+    Rotors spare_rotors;   /* those of `spare` */
+    const Rotors *rotors;  /* those that are prepared */
+    double (*turning)[SERIES], (*pull)[SERIES]; /* by rotor on a body: c w = s', c a */
+    Lane *pushed, *torques; /* series of disturbed accelerations, by pair and group of rotors; by rotor */
+    int entry_room, has_step, prepared; /* whether `step` is of the step in hand; whether all is prepared at a time of it */
 } TaylorTangent;
 
 typedef struct {
@@ -115,8 +125,26 @@ void gauge_apply(Tangent *b);
 /* tangent_closed_form.c, tangent_taylor.c, tangent_reach.c: the end of the piece from t that is moved at once; a piece */
 double closed_form_piece_end(const Run *r, double t, double end, double mark);
 void closed_form_move(Run *r, double tau);
-double taylor_piece_end(const Run *r, double t, double end);
-void taylor_move(Run *r, double t, double tau);
+double taylor_piece_end(Run *r, double t, double end);
+void taylor_prepare(Run *r, double t); /* with formulas: what disturbances share from there on */
+int taylor_move(Run *r, double t, double tau); /* 0 where the piece is too long: as they were disturbances are in b->moved then */
+
+/* formula_tangent.c; tau: after where all is prepared, by sound_stretch at t */
+void formula_slopes_expand(const Run *r, TapeRoom *room);
+const TapeRoom *formula_slopes_of_step(const Run *r);
+double formula_sound_stretch(Run *r, double t, double tau);
+void formula_rates(const Run *r, double tau, double *stiffness, double *damping);
+double formula_divergence(const Run *r, double tau);
+
+/* rotor_tangent.c; pushed: of the pair of disturbances */
+void rotor_tangent_prepare(Run *r);
+void rotor_tangent_turn(const Run *r, Lane *series, int n, const Lane *F, Lane *acceleration, Lane *pushed);
+
+/* Of the series of a pair of disturbances, those of a component. */
+static inline Lane *component(Lane *series, int k)
+{
+    return series + k * SERIES;
+}
 
 /* tangent_volume.c */
 double log_volume(const Run *r, double t, double end);

@@ -64,19 +64,18 @@ class TaylorTangent(Generic[N]):
         for k in range(len(self.flow.falls)):
             rates[1] = rates[1] + self._rising(k, end)
         if self.flow.tape:
-            own, behind = FormulaTangent(self.kit, self.flow), end - self.flow.t0
-            stiff, damping = own.rates(behind)
+            own = FormulaTangent(self.kit, self._base_at(t))
+            tau = own.sound_step(end - t)
+            sound = self.kit.exact(t + tau) if tau < end - t else end
+            end = sound if t < sound else end
+            stiff, damping = own.rates(tau)
             rates[0] = rates[0] + self.kit.sqrt(stiff) / REACH
             rates[1] = rates[1] + damping
         if self.flow.rotor:
             rates += [self._dragging(self.flow.rotor), abs(self.flow.rotor.w[0]) / REACH]
         rate = max(rates)
         ahead = t + self.reach / rate if rate > 0 else end
-        ahead = ahead if t < ahead < end else end
-        if self.flow.tape is None:
-            return ahead
-        tau = FormulaTangent(self.kit, self._base_at(t)).sound_step(ahead - t)
-        return ahead if tau >= ahead - t else self.kit.exact(t + tau)
+        return ahead if t < ahead < end else end
 
     def _fastest(self, strength_of: Callable[[Coupling[N]], N]) -> N:
         """Bound of the largest eigenvalue of the couplings' differences, of stiffness [1/s^2] or of damping
@@ -132,7 +131,8 @@ class TaylorTangent(Generic[N]):
     def _expanded_at(self, t: N) -> Taylor[N]:
         """The flow expanded anew at t [s], within its step."""
         base = Taylor(self.scene, self.kit, self.flow.certificate)
-        base.enter(self.flow.state_at(t), self.flow.rows, {})
+        base.look(self.flow.state_at(t), self.flow.rows)
+        base.reach(base.order)
         return base
 
     def _prepare_motor(self, rotor: RotorSeries[N]) -> None:

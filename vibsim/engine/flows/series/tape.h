@@ -53,6 +53,40 @@ typedef struct {
     int output, P, Q, to_P, to_Q;
 } FormulaForce;
 
+/* Kinds of what a formula is derived by: displacement or velocity of a column, angle or speed of the motor's rotor. */
+enum { BY_PLACE, BY_SPEED, BY_ANGLE, BY_SPIN };
+
+/* A partial derivative of an output of the tape of a mode: its number on the tape of derivatives. */
+typedef struct {
+    int kind, column, output;
+} FormulaSlope;
+
+/* An entry of the matrix of derivatives of accelerations, by leading columns; back: that across the diagonal, -1 for none. */
+typedef struct {
+    int row, column, back;
+} SlopeEntry;
+
+/* What derivative number `output` of force number `force` adds to an entry, by what acts on P, or on Q where `end` is 1. */
+typedef struct {
+    int entry, force, end, output;
+} SlopeShare;
+
+typedef struct {
+    SlopeEntry *entries; /* row by row */
+    SlopeShare *shares;
+    int entry_count, share_count;
+} SlopeRows;
+
+/* Partial derivatives of the formulas of a mode: those of output k are all[first[k]] to all[first[k + 1] - 1]; rows: by displacements,
+ * by velocities. known: whether they were told of.
+ */
+typedef struct {
+    Tape tape;
+    FormulaSlope *all;
+    int *first, known;
+    SlopeRows rows[2];
+} FormulaSlopes;
+
 /* A rotor on a body: columns of it and of the body. */
 typedef struct {
     double unbalance, inertia;

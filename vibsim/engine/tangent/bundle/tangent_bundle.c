@@ -242,6 +242,7 @@ void tangent_begin_stretch(Run *r)
     if (r->tangent) {
         r->tangent->t = r->state.t;
         r->tangent->arrived = 0;
+        r->tangent->taylor.prepared = r->tangent->taylor.has_step = 0;
     }
 }
 
@@ -253,6 +254,24 @@ static void account(Run *r, double t, double ahead)
     volume = renormalise(b);
     if (b->complete)
         b->residual = b->residual + (volume - log_volume(r, t, ahead));
+}
+
+/* Move disturbances over the piece that ends tau after where they are, or over a half of it again and again where it is too long;
+ * returns its end.
+ */
+static double move_by_series(Run *r, double ahead, double tau)
+{
+    Tangent *b = r->tangent;
+    while (!taylor_move(r, b->t, tau)) {
+        double half = b->t + (ahead - b->t) / 2;
+        if (!(b->t < half && half < ahead))
+            break;
+        memcpy(b->vectors, b->moved, sizeof(double) * (size_t)(b->size * b->stride));
+        ahead = half;
+        tau = ahead - b->t;
+        b->arrived = 0;
+    }
+    return ahead;
 }
 
 int tangent_gather(Run *r)
@@ -273,7 +292,7 @@ int tangent_gather(Run *r)
         if (r->closed)
             closed_form_move(r, tau);
         else
-            taylor_move(r, b->t, tau);
+            ahead = move_by_series(r, ahead, tau);
         r->spent += 1 + b->possible;
         b->pieces += 1;
         if (!b->given)

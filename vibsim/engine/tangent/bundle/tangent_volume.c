@@ -123,6 +123,12 @@ double log_volume(const Run *r, double t, double end)
             mean = mean + TWELVE.weights[i] * slowed(r, (t - r->t0) + TWELVE.nodes[i] * tau, on);
         fixed = fixed - tau * mean;
     }
+    if (m->formula_slopes.known && !r->closed) {
+        double mean = 0.0;
+        for (i = 0; i < NODE_COUNT; i++)
+            mean = mean + TWELVE.weights[i] * formula_divergence(r, TWELVE.nodes[i] * tau);
+        fixed = fixed + tau * mean;
+    }
     if (!r->has_motor)
         return fixed;
     drag = r->drag;

@@ -54,7 +54,7 @@ static double rising(const Run *r, int k, double end)
     return fabs(one->on_P * one->rate) * (start > last ? start : last) * mobility;
 }
 
-double taylor_piece_end(const Run *r, double t, double end)
+double taylor_piece_end(Run *r, double t, double end)
 {
     double rates[4], rate, ahead;
     int count = 2, i;
@@ -62,6 +62,13 @@ double taylor_piece_end(const Run *r, double t, double end)
     rates[1] = fastest(r, 0);
     for (i = 0; i < r->mode->fall_count; i++)
         rates[1] = rates[1] + rising(r, i, end);
+    if (r->mode->formula_slopes.known) {
+        double tau = formula_sound_stretch(r, t, end - t), sound = tau < end - t ? t + tau : end, stiffness, damping;
+        end = t < sound ? sound : end;
+        formula_rates(r, tau, &stiffness, &damping);
+        rates[0] = rates[0] + sqrt(stiffness) / REACH;
+        rates[1] = rates[1] + damping;
+    }
     if (r->has_motor) {
         rates[2] = dragging(r);
         rates[3] = fabs(r->taylor.w_back[r->taylor.order]) / REACH;

@@ -1,13 +1,13 @@
 /* Disturbances along a step of the Taylor flow, two at a time; twin of vibsim/engine/tangent/tangent_taylor.py. */
 #include <stddef.h>
+#include <string.h>
 
 #include "friction_laws.h"
 #include "inlining.h"
 #include "tangent.h"
 
+#define LEFT_OUT 0x1p-47 /* of a disturbance: the most that the last terms of its series may be */
 #define SHAPE APART void /* one function each, as in taylor_expansion.c */
-
-typedef double Lane[2]; /* one number of two disturbances */
 
 /* Series c w = s' and c a1 of the flow, and its mass matrix, as it is expanded now. */
 static void prepare_motor(Run *r)
@@ -44,6 +44,8 @@ static void prepare_here(Run *r)
     int k;
     if (r->has_motor)
         prepare_motor(r);
+    if (r->rotors.count > 0)
+        rotor_tangent_prepare(r);
     for (k = 0; k < m->fall_count; k++)
         law_slopes(m->falls[k].law, r->taylor.falls[k], r->taylor.order, r->tangent->taylor.slopes[k]);
 }
@@ -53,20 +55,47 @@ static void prepare_at(Run *r, double t)
 {
     TaylorTangent *of = &r->tangent->taylor;
     Taylor flow = r->taylor;
-    double t0 = r->t0, steps = r->steps;
+    Rotors rotors = r->rotors;
+    double t0 = r->t0;
     flow_state(r, t, &r->scratch);
     r->taylor = of->spare;
-    taylor_enter(r, &r->scratch);
+    r->rotors = of->spare_rotors;
+    taylor_look(r, &r->scratch);
     prepare_here(r);
+    if (r->mode->formula_slopes.known)
+        formula_slopes_expand(r, &of->here);
+    of->along = &of->here;
     of->spare = r->taylor;
+    of->spare_rotors = r->rotors;
+    of->rotors = &of->spare_rotors;
     r->taylor = flow;
+    r->rotors = rotors;
     r->t0 = t0;
-    r->steps = steps;
+}
+
+void taylor_prepare(Run *r, double t)
+{
+    TaylorTangent *of = &r->tangent->taylor;
+    if (of->prepared && of->prepared_at == t)
+        return;
+    of->prepared = 1;
+    of->prepared_at = t;
+    if (t != r->t0) {
+        prepare_at(r, t);
+    } else {
+        prepare_here(r);
+        of->along = formula_slopes_of_step(r);
+        of->rotors = &r->rotors;
+    }
 }
 
 static void prepare(Run *r, double t, double tau)
 {
     r->tangent->taylor.tau = tau;
+    if (r->mode->shape == FORMULAS || r->mode->formula_slopes.known) {
+        taylor_prepare(r, t);
+        return;
+    }
     if (!r->has_motor && r->mode->fall_count == 0)
         return;
     if (t != r->t0)
@@ -81,11 +110,6 @@ static void prepare(Run *r, double t, double tau)
 static inline int components_of(const Run *r)
 {
     return 2 * r->bodies + 5;
-}
-
-static inline Lane *component(Lane *series, int k)
-{
-    return series + k * SERIES;
 }
 
 /* Coefficient n + 1 of q without s_0 dw_(n+1), and n of c a1 dphi + s A1 without s_0 A1_n. phi[i]: order n - i; so w and a1. */
@@ -187,13 +211,50 @@ static Pair fall(const Run *r, Lane *series, int k, int n)
     return multiply_pair(twice(one->on_P), add_pair(sums[0], sums[1]));
 }
 
+/* Coefficient n of the disturbance of output k of the tape of the mode. */
+static Pair disturbed(const Run *r, Lane *series, int k, int n)
+{
+    const FormulaSlopes *slopes = &r->mode->formula_slopes;
+    const int bodies = r->bodies, ahead = r->taylor.order - n;
+    Pair total = make_pair(0, 0);
+    int j, i;
+    for (j = slopes->first[k]; j < slopes->first[k + 1]; j++) {
+        const FormulaSlope *one = &slopes->all[j];
+        const double *slope = r->tangent->taylor.along->series[slopes->tape.outputs[one->output]];
+        const Lane *of;
+        switch (one->kind) {
+        case BY_PLACE: of = component(series, one->column) + n; break;
+        case BY_SPEED: of = component(series, bodies + 2 + one->column) + n; break;
+        case BY_ANGLE: of = component(series, bodies) + ahead; break;
+        default: of = component(series, 2 * bodies + 2) + ahead;
+        }
+        for (i = 0; i <= n; i++)
+            total = add_product(total, twice(slope[i]), load_pair(one->kind <= BY_SPEED ? of[-i] : of[i]));
+    }
+    return total;
+}
+
+/* Add those of the forces by formulas to F. */
+static void disturb_forces(const Run *r, Lane *series, int n, Lane *F)
+{
+    const Mode *m = r->mode;
+    int i;
+    for (i = 0; i < m->formula_count; i++) {
+        const FormulaForce *one = &m->formulas[i];
+        Pair force = multiply_pair(twice(one->sign), disturbed(r, series, one->output, n));
+        store_pair(F[one->to_P], add_pair(load_pair(F[one->to_P]), force));
+        if (one->to_Q >= 0)
+            store_pair(F[one->to_Q], subtract_pair(load_pair(F[one->to_Q]), force));
+    }
+}
+
 /* Coefficients n + 1 from those of order n and below. */
-static void advance(const Run *r, const Law *law, Lane *series, int n)
+INLINE void advance(const Run *r, const Law *law, Lane *series, Lane *pushed, int n, const int formulas)
 {
     const Mode *m = r->mode;
     const int bodies = r->bodies, zero = bodies + 1, rates = bodies + 2, on = r->has_motor ? m->leader[r->motor_on] : -1;
     const Pair inverse = twice(law->inverse[n + 1]);
-    Lane *F = r->tangent->taylor.force;
+    Lane *F = r->tangent->taylor.force, *a = formulas ? F + r->columns : F; /* of formulas: accelerations apart from forces */
     int i, c;
     for (i = 0; i < r->columns; i++)
         F[i][0] = F[i][1] = 0.0;
@@ -211,14 +272,18 @@ static void advance(const Run *r, const Law *law, Lane *series, int n)
         store_pair(F[one->to_P], add_pair(load_pair(F[one->to_P]), force));
         store_pair(F[one->to_Q], subtract_pair(load_pair(F[one->to_Q]), force));
     }
+    if (formulas)
+        disturb_forces(r, series, n, F);
     for (c = 0; c < bodies; c++)
         if (c != on)
-            store_pair(F[c], multiply_pair(load_pair(F[c]), twice(m->mobility[c])));
+            store_pair(a[c], multiply_pair(load_pair(F[c]), twice(m->mobility[c])));
+    if (formulas && r->rotors.count > 0)
+        rotor_tangent_turn(r, series, n, (const Lane *)F, a, pushed);
     if (on >= 0)
-        store_pair(F[on], turn(&r->tangent->taylor, law, series, bodies, n, load_pair(F[on]), inverse, r->mode->carried == 0));
+        store_pair(a[on], turn(&r->tangent->taylor, law, series, bodies, n, load_pair(F[on]), inverse, r->mode->carried == 0));
     for (c = 0; c < bodies; c++) {
         Lane *x = component(series, c), *v = component(series, rates + c);
-        Pair acceleration = m->leader[c] < bodies ? load_pair(F[m->leader[c]]) : make_pair(0, 0);
+        Pair acceleration = m->leader[c] < bodies ? load_pair(a[m->leader[c]]) : make_pair(0, 0);
         store_pair(x[n + 1], multiply_pair(load_pair(v[n]), inverse));
         store_pair(v[n + 1], multiply_pair(acceleration, inverse));
     }
@@ -261,20 +326,24 @@ SHAPE two_held_with_motor(const Run *r, int pairs) { expand_small(r, pairs, 2, 1
 SHAPE one(const Run *r, int pairs) { expand_small(r, pairs, 1, 1, 0); }
 SHAPE one_with_motor(const Run *r, int pairs) { expand_small(r, pairs, 1, 1, 1); }
 
-SHAPE any(const Run *r, int pairs)
+INLINE void expand_any(const Run *r, int pairs, const int formulas)
 {
     const Law law = law_of(r);
     int n, i;
     for (n = 0; n < law.order - 1; n++)
         for (i = 0; i < pairs; i++)
-            advance(r, &law, r->tangent->taylor.series + i * components_of(r) * SERIES, n);
+            advance(r, &law, r->tangent->taylor.series + i * components_of(r) * SERIES,
+                    r->tangent->taylor.pushed + i * r->rotors.count * SERIES, n, formulas);
 }
+
+SHAPE any(const Run *r, int pairs) { expand_any(r, pairs, 0); }
+SHAPE formulas(const Run *r, int pairs) { expand_any(r, pairs, 1); }
 
 /* Series of so many pairs of disturbances, one's chains of operations in the waits of another's. */
 static void expand(const Run *r, int pairs)
 {
     static void (*const shapes[])(const Run *, int) = {
-        any, any, two_free, two_free_with_motor, two_held, two_held_with_motor, one, one_with_motor,
+        any, any, two_free, two_free_with_motor, two_held, two_held_with_motor, one, one_with_motor, formulas, formulas,
     };
     shapes[2 * r->mode->shape + r->has_motor](r, pairs);
 }
@@ -304,6 +373,39 @@ static inline Lane *series_of_entry(const Run *r, Lane *series, int k, ptrdiff_t
     return component(series, k == 2 * n ? n : 2 * n + 2) + r->taylor.order;
 }
 
+/* Whether the last terms of one of a pair of disturbances tell that those left out matter. */
+static int misses_terms(const Run *r, Lane *series, int lane)
+{
+    const Tangent *b = r->tangent;
+    const int order = r->taylor.order;
+    double total = 0.0, last = 0.0;
+    ptrdiff_t step;
+    int k, n;
+    for (k = 0; k < b->size; k++) {
+        const Lane *of = (const Lane *)series_of_entry(r, series, k, &step);
+        double power = 1.0;
+        for (n = 0; n < order; n++) {
+            double size = fabs(of[n * step][lane]) * power;
+            total = total + size;
+            last = n > order - 3 ? last + size : last;
+            power = power * b->taylor.tau;
+        }
+    }
+    return last > LEFT_OUT * total;
+}
+
+/* Whether a piece with formulas is too long for some of a group of pairs of disturbances. */
+static int is_too_long(const Run *r, int first, int pairs)
+{
+    const int block = components_of(r) * SERIES;
+    int i, lane;
+    for (i = 0; i < pairs; i++)
+        for (lane = 0; lane < 2 && first + 2 * i + lane < r->tangent->possible; lane++)
+            if (misses_terms(r, r->tangent->taylor.series + i * block, lane))
+                return 1;
+    return 0;
+}
+
 /* Up to TANGENT_GROUP pairs of disturbances after the piece, the first of them number `first`. */
 static void move_group(Run *r, int first, int pairs)
 {
@@ -329,12 +431,19 @@ static void move_group(Run *r, int first, int pairs)
         }
 }
 
-void taylor_move(Run *r, double t, double tau)
+int taylor_move(Run *r, double t, double tau)
 {
-    int first, pairs;
+    Tangent *b = r->tangent;
+    const int formulas = r->mode->formula_slopes.known;
+    int first, pairs, fits = 1;
     prepare(r, t, tau);
+    if (formulas)
+        memcpy(b->moved, b->vectors, sizeof(double) * (size_t)(b->size * b->stride));
     for (first = 0; first < r->tangent->possible; first += 2 * TANGENT_GROUP) {
         pairs = (r->tangent->possible - first + 1) / 2;
-        move_group(r, first, pairs < TANGENT_GROUP ? pairs : TANGENT_GROUP);
+        pairs = pairs < TANGENT_GROUP ? pairs : TANGENT_GROUP;
+        move_group(r, first, pairs);
+        fits = fits && !(formulas && is_too_long(r, first, pairs));
     }
+    return fits;
 }
