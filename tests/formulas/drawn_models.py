@@ -83,22 +83,34 @@ class Drawn:
             lambda: product(k, d0, call("asin", product(("num", 0.6), call("tanh", ratio)))),
             lambda: product(k, total(("max", ("-", D, d0), ("num", 0)), ("min", total(D, d0), ("num", 0)))),
             lambda: ("/", product(k, D, ("abs", D)), d0),
-            lambda: ("where", D, "<", ("num", 0), product(k, D), product(par("kp", spread(rng, 100, 900), "N/m"), D)),
+            lambda: (
+                "where",
+                D,
+                "<",
+                ("num", 0),
+                product(k, D),
+                product(par("kp", spread(rng, 100, 900), "N/m"), D),
+            ),
             lambda: product(
                 k,
                 D,
-                total(ONE, product(("num", 0.4), call("cos", product(par("w0", even(rng, 0.5, 4), "Hz"), T)))),
+                total(
+                    ONE, product(("num", 0.4), call("cos", product(par("w0", even(rng, 0.5, 4), "Hz"), T)))
+                ),
             ),
             lambda: product(k, d0, ("-", call("cosh", ratio), ONE), ("/", D, total(d0, ("abs", D)))),
             lambda: product(
-                par("F", 1.0, "N"), ("table", ratio, ((-2.0, -3.0), (-0.5, -1.0), (0.4, 0.9), (3.0, 6.0)), ("", ""))
+                par("F", 1.0, "N"),
+                ("table", ratio, ((-2.0, -3.0), (-0.5, -1.0), (0.4, 0.9), (3.0, 6.0)), ("", "")),
             ),
         ]
         damping = [
             lambda: product(c, V),
             lambda: total(product(c, V), product(par("q", spread(rng, 0.5, 6), "N s^2/m^2"), V, ("abs", V))),
             lambda: product(c, V, total(("num", 0.2), ("**", ratio, 2))),
-            lambda: product(par("cf", spread(rng, 0.1, 1), "N"), call("tanh", ("/", V, par("v0", 0.1, "m/s")))),
+            lambda: product(
+                par("cf", spread(rng, 0.1, 1), "N"), call("tanh", ("/", V, par("v0", 0.1, "m/s")))
+            ),
         ]
         return total(rng.choice(restoring)(), rng.choice(damping)())
 
@@ -171,7 +183,9 @@ class Drawn:
             )
             torque = rng.choice([line, ("-", line, weight), ("-", ("num", 0), weight), None])
             start = even(rng, -3, 3), even(rng, -10, 20)
-            self.model.rotors.append(Rotor(name, rng.choice(list(self.model.bodies)), m, e * 1e-3, J, torque, *start))
+            self.model.rotors.append(
+                Rotor(name, rng.choice(list(self.model.bodies)), m, e * 1e-3, J, torque, *start)
+            )
 
     def _states(self) -> None:
         rng = self.rng
@@ -180,9 +194,17 @@ class Drawn:
         body = rng.choice(list(self.model.bodies))
         z, v, x = ("name", "z"), ("name", f"v_{body}"), ("name", f"x_{body}")
         u = par("u", spread(rng, 5, 20), "mm")
-        yielding = ("-", v, ("/", total(product(par("be", 0.6), ("abs", v), z), product(par("ga", 0.4), v, ("abs", z))), u))
+        yielding = (
+            "-",
+            v,
+            ("/", total(product(par("be", 0.6), ("abs", v), z), product(par("ga", 0.4), v, ("abs", z))), u),
+        )
         lag = ("/", ("-", x, z), par("tau", spread(rng, 0.02, 0.5), "s"))
-        square = ("-", product(par("r", spread(rng, 1, 5), "1/s"), x), ("/", product(("abs", z), z, par("q", 1.0, "1/s")), u))
+        square = (
+            "-",
+            product(par("r", spread(rng, 1, 5), "1/s"), x),
+            ("/", product(("abs", z), z, par("q", 1.0, "1/s")), u),
+        )
         self.model.states["z"] = (rng.choice([yielding, lag, square]), 0.0)
         kz = par("kz", spread(rng, 20, 100), "N/m")
         self.model.forces.append(Force("hysteresis", body, ("-", ("num", 0), product(kz, z))))
@@ -198,7 +220,10 @@ class Drawn:
         pairs = ((0.1, 0.0), (0.35, even(rng, -4, 4)), (0.8, even(rng, -4, 4)), (1.3, 0.0))
         laws = [
             product(A, wave),
-            product(A, call("sin", total(product(w, T), product(par("r", even(rng, 1, 10), "1/s^2"), ("**", T, 2))))),
+            product(
+                A,
+                call("sin", total(product(w, T), product(par("r", even(rng, 1, 10), "1/s^2"), ("**", T, 2)))),
+            ),
             ("where", T, "<", T1, product(A, call("sin", ("/", product(("name", "pi"), T), T1))), zero),
             product(A, ("step", ("-", T, T1))),
             product(A, ("-", ("step", ("-", T, T1)), ("step", ("-", T, T2)))),
@@ -229,7 +254,9 @@ class Drawn:
         model = self.model
         lines = [f"name: drawn-{seed}"]
         lines.append("bodies: {" + ", ".join(f"{n}: {m!r} kg" for n, (m, _, _) in model.bodies.items()) + "}")
-        lines += self._section("links", model.links, lambda o: self._with(f"between: [{o.P}, {o.Q}]", force=o.force))
+        lines += self._section(
+            "links", model.links, lambda o: self._with(f"between: [{o.P}, {o.Q}]", force=o.force)
+        )
         lines += self._section("stops", model.stops, self._stop_text)
         lines += self._section("friction", model.frictions, self._friction_text)
         lines += self._section("forces", model.forces, lambda o: self._with(f"on: {o.on}", force=o.force))

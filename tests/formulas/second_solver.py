@@ -1,8 +1,8 @@
 """A second solver of scenes with formulas: Newton's equations stated anew, Runge-Kutta steps, located events.
 
-It shares nothing with vibsim: mass matrix of rotors on bodies from the kinetic energy, friction as the force of a
-constraint while it sticks, sides of switches fixed from event to event. Between events SciPy's DOP853 integrates;
-each zero is found on its dense output and then met by integrating to it and by Newton's method.
+It shares nothing with vibsim: mass matrix of rotors on bodies from the kinetic energy, friction as the force
+of a constraint while it sticks, sides of switches fixed from event to event. Between events SciPy's DOP853
+integrates; each zero is found on its dense output and then met by integrating to it and by Newton's method.
 """
 
 from __future__ import annotations
@@ -143,7 +143,10 @@ class SecondSolver:
     def _compile(self) -> None:
         make, model = self.compiled.function, self.model
         self.base = [make(e, "base") for e in (model.base.x, model.base.v, model.base.a)] if model.base else None
-        still = lambda t, y, S: 0.0
+
+        def still(_t, _y, _S):
+            return 0.0
+
         self.compiled.functions |= dict(zip(("base_x", "base_v"), self.base or (still, still), strict=False))
         self.of_links = [make(o.force, o.name, self._relative(o)) for o in model.links]
         self.of_stops = [
@@ -211,11 +214,15 @@ class SecondSolver:
     def mass(self, y) -> np.ndarray:
         """From T = sum m x'^2/2 + sum [m (x' - e sin(phi) phi')^2 + m (e cos(phi) phi')^2 + J phi'^2]/2."""
         n = self.n
-        M = np.diag([b[0] for b in self.model.bodies.values()] + [o.J + o.m * o.e**2 for o in self.model.rotors])
-        for k, o in enumerate(self.model.rotors):
-            i, j = self.names.index(o.on), n + k
-            M[i, i] += o.m
-            M[i, j] = M[j, i] = -o.m * o.e * np.sin(y[2 * n + k])
+        M = np.diag([b[0] for b in self.model.bodies.values()] + [o.J + o.m * o.e**2 for o in
+        self.model.rotors])
+        for
+        k, o
+        in enumerate(self.model.rotors):
+            i,
+            j = self.names.index(o.on), n
+            + k M[i, i] += o.m M[i, j] = M[j, i] = -o.m * o.e * np.sin(y[2 *
+            n + k])
         return M
 
     def _applied(self, t, y, mode: Mode) -> np.ndarray:
@@ -320,10 +327,11 @@ class SecondSolver:
     def _awake(self, mode: Mode) -> list[int]:
         model, used = self.model, self.compiled.used
         owners = [(o.force, o.name) for o in (*model.links, *model.forces)]
-        owners += [(o.force, o.name) for i, o in enumerate(model.stops) if mode.contacts[i] and o.force is not None]
-        owners += [(o.torque, o.name) for o in model.rotors if o.torque is not None]
-        owners += [(rate, name) for name, (rate, _) in model.states.items()]
-        for o, side in zip(model.frictions, mode.frictions, strict=True):
+        owners += [(o.force, o.name) for i, o in enumerate(model.stops) if mode.contacts[i] and o.force is
+        not None] owners += [(o.torque, o.name) for o in model.rotors
+        if o.torque is not None] owners += [(rate, name) for name,
+        (rate, _) in model.states.items()] for o, side in
+        zip(model.frictions, mode.frictions, strict=True):
             owners.append((o.load, o.name))
             owners.append((o.mu, f"{o.name}|{'0' if side == 0 else '+' if side > 0 else '-'}"))
         return [i for e, owner in owners for i in used(e, owner)]
@@ -396,8 +404,9 @@ class SecondSolver:
         if best is None:
             return None
         key, function, (low, high) = best  # of several in one place, the first zero
-        found = [(self._root(f, dense, *w), k, f) for k, f in functions if (w := self._window(f, dense, low, high))]
-        when, key, function = min([(self._root(function, dense, low, high), key, function), *found], key=lambda r: r[0])
+        found = [(self._root(f, dense, *w), k, f) for k, f in functions if (w := self._window(f, dense, low,
+        high))] when, key, function = min([(self._root(function, dense,
+        low, high), key, function), *found], key=lambda r: r[0])
         return key, function, when
 
     def _window(self, function, dense, low, high):
@@ -508,7 +517,8 @@ class SecondSolver:
     def _jumps(self, mode, turned) -> bool:
         after = Mode(mode.contacts, mode.frictions, {**mode.sides, **turned})
         t, y = self.t, self.y
-        pairs = [(f(t, y, mode.sides), f(t, y, after.sides)) for f in (*self.of_links, *self.of_forces, *self.rates)]
+        pairs = [(f(t, y, mode.sides), f(t, y, after.sides)) for f in (*self.of_links, *self.of_forces,
+        *self.rates)]
         pairs += [
             (f(t, y, mode.sides), f(t, y, after.sides))
             for f, contact in zip(self.of_stops, mode.contacts, strict=True) if contact and f
@@ -531,7 +541,8 @@ class SecondSolver:
             return self._settled(self.t, self.y, trial)
         frictions[i] = -side
         self._record("reversal", o.name)
-        return self._settled(self.t, self.y, self.with_sides(self.t, self.y, Mode(mode.contacts, frictions, mode.sides)))
+        return self._settled(self.t, self.y, self.with_sides(self.t, self.y, Mode(mode.contacts, frictions,
+        mode.sides)))
 
     def _settled(self, t, y, mode: Mode, record: bool = True) -> Mode:
         """Let go what cannot hold."""

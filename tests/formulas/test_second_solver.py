@@ -1,4 +1,6 @@
-"""Random scenes with formulas: events and states as a second solver has them, which shares nothing with vibsim."""
+"""Random scenes with formulas: events and states as a second solver has them, which shares nothing with
+vibsim.
+"""
 
 import os
 from dataclasses import replace
@@ -9,8 +11,8 @@ import pytest
 from tests.formulas import against_second_solver
 from tests.formulas.against_second_solver import compared
 from tests.formulas.drawn_models import Drawn
-from tests.formulas.second_solver import Force, Friction, Link, Model, SecondSolver, Stop
 from tests.formulas.second_expressions import par, product
+from tests.formulas.second_solver import Force, Friction, Link, Model, SecondSolver, Stop
 
 FEW = range(1000, 1008)
 MANY = range(2000, 2000 + int(os.environ.get("VIBSIM_SCENES", "400")))
@@ -99,7 +101,9 @@ def test_it_meets_hertz():
 
 def test_it_switches_at_a_knot():
     """1 N from 0.3 s on: v = 0.7 m/s at 1 s."""
-    push = Force("push", "a", ("where", ("name", "t"), "<", par("T", 0.3, "s"), ("num", 0), par("F", 1.0, "N")))
+    push = Force(
+        "push", "a", ("where", ("name", "t"), "<", par("T", 0.3, "s"), ("num", 0), par("F", 1.0, "N"))
+    )
     solver = SecondSolver(Model({"a": (1.0, 0.0, 0.0)}, forces=[push], t_end=1.0))
     [state] = solver.run([1.0])
     assert state == pytest.approx([0.245, 0.7], abs=1e-12)
