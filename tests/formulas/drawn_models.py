@@ -9,7 +9,7 @@ from __future__ import annotations
 import random
 
 from tests.formulas.second_expressions import call, numbers_of, par, product, text, total
-from tests.formulas.second_solver import Base, Force, Friction, Link, Model, Rotor, Stop
+from tests.formulas.second_model import Base, Force, Friction, Link, Model, Rotor, Stop
 
 T = ("name", "t")
 D, V, DEPTH, PV, S = (("name", word) for word in ("d", "v", "p", "pv", "s"))
@@ -43,6 +43,7 @@ class Drawn:
         self._states()
         self._forces()
         self._base()
+        self._set_in_motion()
         self.model.t_end = self.rng.choice([1.6, 2.4, 3.2])
         self.case = self._text(seed)
 
@@ -247,6 +248,13 @@ class Drawn:
         self.model.base = Base(
             product(a, sine), product(a, w, cosine), ("-", ("num", 0), product(a, w, w, sine))
         )
+
+    def _set_in_motion(self) -> None:
+        """What nothing moves may rest for ever, where a load that vanishes makes stick a matter of words."""
+        bodies, driven = self.model.bodies, self.model.base or self.model.rotors or self.model.forces
+        if not driven and all(x == v == 0 for _, x, v in bodies.values()):
+            mass, x, _ = bodies["a"]
+            bodies["a"] = (mass, x, 0.1)
 
     # The text of the case.
 

@@ -1,6 +1,6 @@
 """Formulas of random scenes as trees of our own: as text for a case, and as numbers for the second solver.
 
-An expression is a tuple: ("par", name, value, unit), a number beside the formula; ("num", value), plain;
+An expression is a tuple: ("par", name, value, unit), a number beside the formula; ("num", value);
 ("name", name); ("+", a, b), and so "-", "*", "/"; ("**", a, p); ("call", function, a); and the switches
 ("abs", a), ("sign", a), ("step", a), ("max", a, b), ("min", a, b), ("where", a, "<", b, then, else),
 ("mod", a, b) and ("table", a, pairs, units). Values are floats in SI units. Nothing here is vibsim's.

@@ -1,13 +1,13 @@
 """A second solver of scenes with formulas: Newton's equations stated anew, Runge-Kutta steps, located events.
 
-It shares nothing with vibsim: mass matrix of rotors on bodies from the kinetic energy, friction as the force
-of a constraint while it sticks, sides of switches fixed from event to event. Between events SciPy's DOP853
-integrates; each zero is found on its dense output and then met by integrating to it and by Newton's method.
+It shares nothing with vibsim: mass matrix of rotors on bodies from the kinetic energy, friction as the
+force of a constraint while it sticks, sides of switches fixed from event to event. Between events SciPy's
+DOP853 integrates; each zero is found on its dense output, and met by integrating to it and Newton's method.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import inf
 from typing import Any
 
@@ -15,91 +15,11 @@ import numpy as np
 from scipy.integrate import DOP853, solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 
-from tests.formulas.second_expressions import Compiled, Expression
+from tests.formulas.second_expressions import Compiled
+from tests.formulas.second_model import BASE, GROUND, Friction, Model, Rotor, Stop
 
-GROUND, BASE = "ground", "base"
 GRID = 8  # places in a step at which event functions are looked at
 SAME = 1e-9  # relative, below which two values of a formula are one: no jump
-
-
-@dataclass
-class Link:
-    """P, Q and the force in d and v."""
-
-    name: str
-    P: str
-    Q: str
-    force: Expression
-
-
-@dataclass
-class Stop:
-    """sense (x_P - x_Q) - gap is the depth p; `force` in p and pv, or the restitution e of a rigid one."""
-
-    name: str
-    P: str
-    Q: str
-    gap: float
-    sense: int
-    force: Expression | None = None
-    release: str = "gap"
-    e: float | None = None
-
-
-@dataclass
-class Friction:
-    """Load N, coefficient mu in s; `static` times mu at s = 0 while sticking."""
-
-    name: str
-    P: str
-    Q: str
-    load: Expression
-    mu: Expression
-    static: float = 1.0
-    belt: float = 0.0
-
-
-@dataclass
-class Force:
-    name: str
-    on: str
-    force: Expression
-
-
-@dataclass
-class Rotor:
-    name: str
-    on: str
-    m: float
-    e: float
-    J: float
-    torque: Expression | None
-    phi: float
-    w: float
-
-
-@dataclass
-class Base:
-    """X(t) and its two derivatives."""
-
-    x: Expression
-    v: Expression
-    a: Expression
-
-
-@dataclass
-class Model:
-    """A scene: bodies as {name: (m, x, v)}, states as {name: (rate, start)}."""
-
-    bodies: dict[str, tuple[float, float, float]]
-    links: list[Link] = field(default_factory=list)
-    stops: list[Stop] = field(default_factory=list)
-    frictions: list[Friction] = field(default_factory=list)
-    forces: list[Force] = field(default_factory=list)
-    rotors: list[Rotor] = field(default_factory=list)
-    states: dict[str, tuple[Expression, float]] = field(default_factory=dict)
-    base: Base | None = None
-    t_end: float = 1.0
 
 
 class TooHard(Exception):
@@ -142,12 +62,11 @@ class SecondSolver:
 
     def _compile(self) -> None:
         make, model = self.compiled.function, self.model
-        self.base = [make(e, "base") for e in (model.base.x, model.base.v, model.base.a)] if model.base else None
-
-        def still(_t, _y, _S):
-            return 0.0
-
-        self.compiled.functions |= dict(zip(("base_x", "base_v"), self.base or (still, still), strict=False))
+        self.base = (
+            [make(e, "base") for e in (model.base.x, model.base.v, model.base.a)] if model.base else None
+        )
+        motion = self.base or (_still, _still)
+        self.compiled.functions |= dict(zip(("base_x", "base_v"), motion, strict=False))
         self.of_links = [make(o.force, o.name, self._relative(o)) for o in model.links]
         self.of_stops = [
             make(o.force, o.name, self._depth(o)) if o.force is not None else None for o in model.stops
@@ -214,15 +133,13 @@ class SecondSolver:
     def mass(self, y) -> np.ndarray:
         """From T = sum m x'^2/2 + sum [m (x' - e sin(phi) phi')^2 + m (e cos(phi) phi')^2 + J phi'^2]/2."""
         n = self.n
-        M = np.diag([b[0] for b in self.model.bodies.values()] + [o.J + o.m * o.e**2 for o in
-        self.model.rotors])
-        for
-        k, o
-        in enumerate(self.model.rotors):
-            i,
-            j = self.names.index(o.on), n
-            + k M[i, i] += o.m M[i, j] = M[j, i] = -o.m * o.e * np.sin(y[2 *
-            n + k])
+        M = np.diag(
+            [b[0] for b in self.model.bodies.values()] + [o.J + o.m * o.e**2 for o in self.model.rotors]
+        )
+        for k, o in enumerate(self.model.rotors):
+            i, j = self.names.index(o.on), n + k
+            M[i, i] += o.m
+            M[i, j] = M[j, i] = -o.m * o.e * np.sin(y[2 * n + k])
         return M
 
     def _applied(self, t, y, mode: Mode) -> np.ndarray:
@@ -327,11 +244,12 @@ class SecondSolver:
     def _awake(self, mode: Mode) -> list[int]:
         model, used = self.model, self.compiled.used
         owners = [(o.force, o.name) for o in (*model.links, *model.forces)]
-        owners += [(o.force, o.name) for i, o in enumerate(model.stops) if mode.contacts[i] and o.force is
-        not None] owners += [(o.torque, o.name) for o in model.rotors
-        if o.torque is not None] owners += [(rate, name) for name,
-        (rate, _) in model.states.items()] for o, side in
-        zip(model.frictions, mode.frictions, strict=True):
+        owners += [
+            (o.force, o.name) for i, o in enumerate(model.stops) if mode.contacts[i] and o.force is not None
+        ]
+        owners += [(o.torque, o.name) for o in model.rotors if o.torque is not None]
+        owners += [(rate, name) for name, (rate, _) in model.states.items()]
+        for o, side in zip(model.frictions, mode.frictions, strict=True):
             owners.append((o.load, o.name))
             owners.append((o.mu, f"{o.name}|{'0' if side == 0 else '+' if side > 0 else '-'}"))
         return [i for e, owner in owners for i in used(e, owner)]
@@ -386,8 +304,14 @@ class SecondSolver:
     def _solver(self, mode, t, y, until):
         first = min(1e-4, (until - t) / 2) or None
         return DOP853(
-            lambda t, y: self.rhs(t, y, mode), t, y, until, rtol=self.tolerance, atol=self.tolerance * 1e-2,
-            max_step=0.02, first_step=first,
+            lambda t, y: self.rhs(t, y, mode),
+            t,
+            y,
+            until,
+            rtol=self.tolerance,
+            atol=self.tolerance * 1e-2,
+            max_step=0.02,
+            first_step=first,
         )
 
     def _first_zero(self, solver, functions):
@@ -404,9 +328,12 @@ class SecondSolver:
         if best is None:
             return None
         key, function, (low, high) = best  # of several in one place, the first zero
-        found = [(self._root(f, dense, *w), k, f) for k, f in functions if (w := self._window(f, dense, low,
-        high))] when, key, function = min([(self._root(function, dense,
-        low, high), key, function), *found], key=lambda r: r[0])
+        found = [
+            (self._root(f, dense, *w), k, f) for k, f in functions if (w := self._window(f, dense, low, high))
+        ]
+        when, key, function = min(
+            [(self._root(function, dense, low, high), key, function), *found], key=lambda r: r[0]
+        )
         return key, function, when
 
     def _window(self, function, dense, low, high):
@@ -465,7 +392,11 @@ class SecondSolver:
 
     def _integrated(self, mode, t0, y0, t):
         done = solve_ivp(
-            lambda t, y: self.rhs(t, y, mode), (t0, t), y0, "DOP853", rtol=max(self.tolerance / 10, 3e-14),
+            lambda t, y: self.rhs(t, y, mode),
+            (t0, t),
+            y0,
+            "DOP853",
+            rtol=max(self.tolerance / 10, 3e-14),
             atol=self.tolerance * 1e-3,
         )
         return done.y[:, -1]
@@ -517,11 +448,14 @@ class SecondSolver:
     def _jumps(self, mode, turned) -> bool:
         after = Mode(mode.contacts, mode.frictions, {**mode.sides, **turned})
         t, y = self.t, self.y
-        pairs = [(f(t, y, mode.sides), f(t, y, after.sides)) for f in (*self.of_links, *self.of_forces,
-        *self.rates)]
+        pairs = [
+            (f(t, y, mode.sides), f(t, y, after.sides))
+            for f in (*self.of_links, *self.of_forces, *self.rates)
+        ]
         pairs += [
             (f(t, y, mode.sides), f(t, y, after.sides))
-            for f, contact in zip(self.of_stops, mode.contacts, strict=True) if contact and f
+            for f, contact in zip(self.of_stops, mode.contacts, strict=True)
+            if contact and f
         ]
         pairs += [(f(t, y, mode.sides), f(t, y, after.sides)) for f in self.of_torques if f]
         pairs += [(load(t, y, mode.sides), load(t, y, after.sides)) for load, _ in self.slips]
@@ -541,8 +475,9 @@ class SecondSolver:
             return self._settled(self.t, self.y, trial)
         frictions[i] = -side
         self._record("reversal", o.name)
-        return self._settled(self.t, self.y, self.with_sides(self.t, self.y, Mode(mode.contacts, frictions,
-        mode.sides)))
+        return self._settled(
+            self.t, self.y, self.with_sides(self.t, self.y, Mode(mode.contacts, frictions, mode.sides))
+        )
 
     def _settled(self, t, y, mode: Mode, record: bool = True) -> Mode:
         """Let go what cannot hold."""
@@ -572,3 +507,8 @@ class SecondSolver:
         self.y[n : 2 * n] += change[:n]
         self.y[2 * n + r : 2 * n + 2 * r] += change[n:]
         self._record("impact", o.name)
+
+
+def _still(t, y, S) -> float:
+    """The motion of a base that rests."""
+    return 0.0

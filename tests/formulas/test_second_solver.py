@@ -1,6 +1,4 @@
-"""Random scenes with formulas: events and states as a second solver has them, which shares nothing with
-vibsim.
-"""
+"""Random scenes with formulas: events and states as a second solver has them, with equations of its own."""
 
 import os
 from dataclasses import replace
@@ -12,7 +10,8 @@ from tests.formulas import against_second_solver
 from tests.formulas.against_second_solver import compared
 from tests.formulas.drawn_models import Drawn
 from tests.formulas.second_expressions import par, product
-from tests.formulas.second_solver import Force, Friction, Link, Model, SecondSolver, Stop
+from tests.formulas.second_model import Force, Friction, Link, Model, Stop
+from tests.formulas.second_solver import SecondSolver
 
 FEW = range(1000, 1008)
 MANY = range(2000, 2000 + int(os.environ.get("VIBSIM_SCENES", "400")))
