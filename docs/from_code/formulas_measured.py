@@ -206,7 +206,6 @@ def phase_between(run: Run) -> float:
     return float((result["phi_right"][-1] - result["phi_left"][-1]) % (2 * pi))
 
 
-
 # Coupled clutches, each phase of which is in closed form.
 
 
@@ -225,6 +224,9 @@ def clutch_locks() -> float:
     return float(
         brentq(
             lambda t: driven(t) - second - (pressed(t) - pressed(together)) / 2,
-            together, 0.82, xtol=1e-16, rtol=1e-15,
+            together,
+            0.82,
+            xtol=1e-16,
+            rtol=1e-15,
         )
     )

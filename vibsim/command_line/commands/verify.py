@@ -47,7 +47,7 @@ def command(
     list_checks: bool,
     engine: str,
 ) -> int:
-    """Compute cases with known results, V1 to V21 and the hard ones, and print expected, obtained, error and
+    """Compute cases with known results, V1 to V32 and the hard ones, and print expected, obtained, error and
     bound of each.
 
     NAME is a check or how it begins; without any, all are computed (on the Python engine, but for those
