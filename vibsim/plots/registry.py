@@ -30,7 +30,7 @@ DRAWN_IN: dict[str, tuple[str, ...]] = {
     "loci": ("multipliers", "locus"),
     "overview": ("overview",),
     "portraits": ("phase", "phase-drift-free", "impact-velocity", "stroboscopic", "orbit-portrait"),
-    "run_up": ("run-up",),
+    "slow_passages": ("run-up",),
     "sweep_curves": ("amplitude",),
     "sweep_pictures": ("sommerfeld", "orbit", "lyapunov", "power", "end-state"),
     "time_histories": ("displacement", "velocity", "relative", "motor-speed", "rotor-speed", "states"),

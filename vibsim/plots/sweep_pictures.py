@@ -21,10 +21,10 @@ from vibsim.plots.capture_pictures import (
     scatter_classes,
     share_map,
 )
-from vibsim.plots.power_over_time import run_power_picture
 from vibsim.plots.relative_motion import DISPLACEMENT, VELOCITY, difference
 from vibsim.plots.samples import mark_frequencies
 from vibsim.plots.sheet import Level, Scale, draw_levels, legend_below, letter_panels, note, scale_for, sheet
+from vibsim.plots.slow_passages import run_power_picture
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PINK, SKY, VERMILLION, YELLOW
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import (

@@ -7,8 +7,8 @@ import vibsim
 from tests.plots.artists import clipped_texts, colliding_legends
 from vibsim.cases import load_case
 from vibsim.cases.ramps import no_load_speed, ramped, read_ramp
-from vibsim.plots.power_over_time import power_history
 from vibsim.plots.registry import fitting, kind_named
+from vibsim.plots.slow_passages import power_history
 from vibsim.plots.subject import subject_of
 from vibsim.plots.view import PlotError, View
 from vibsim.sweeps import sweep
