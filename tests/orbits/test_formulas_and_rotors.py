@@ -165,6 +165,21 @@ def test_the_section_is_kept_while_it_runs():
     assert all(found[0][name].tobytes() == found[1][name].tobytes() for name in found[0])
 
 
+def test_a_branch_over_a_number_of_a_formula(turn):
+    """Over the voltage: each orbit closes by the independent solver, its mean speed rises with it."""
+    branch = vibsim.continue_branch(turn, "states.i.U", "11.5:12.5 V")
+    assert len(branch.points) > 3 and all(point.orbit.stable for point in branch.points)
+    periods = [point.orbit.period for point in branch.points]
+    assert periods == sorted(periods, reverse=True)
+    at = min(branch.points, key=lambda point: abs(point.orbit.parameter - 12)).orbit
+    assert np.interp(12, *np.array([(p.orbit.parameter, p.orbit.period) for p in branch.points]).T) == (
+        pytest.approx(turn.period, rel=1e-4)
+    )
+    assert set(dict(zip(branch.names, at.state, strict=True))) == {"x_cart", "v_cart", "w_left", "i"}
+    axes = branch.plot("branch")
+    assert axes.get_ylabel() == "Mean rotor speed (Hz)" and axes.get_xlabel().endswith("(V)")
+
+
 # A rotor that turns with what drives it: its angle closes up to whole turns.
 
 

@@ -31,14 +31,13 @@ def test_no_turn_is_lost_between_blocks(subject, monkeypatch):
 
 
 def test_several_turns_between_samples():
-    from vibsim.plots.spectra import _motor_turns
+    from vibsim.plots.spectra import _turns
 
     t = np.array([0.0, 1.0, 2.0])
-    part = {"time": t, "phi": 2 * math.pi * 3.5 * t - 1, "phidot": np.full(3, 2 * math.pi * 3.5)}
+    phi, phidot = 2 * math.pi * 3.5 * t - 1, np.full(3, 2 * math.pi * 3.5)
     expected = (2 * math.pi * np.arange(0, 7) + 1) / (2 * math.pi * 3.5)
-    np.testing.assert_allclose(_motor_turns(part), expected, rtol=1e-13)
-    backward = {**part, "phi": -part["phi"], "phidot": -part["phidot"]}
-    np.testing.assert_allclose(_motor_turns(backward), expected, rtol=1e-13)
+    np.testing.assert_allclose(_turns(t, phi, phidot), expected, rtol=1e-13)
+    np.testing.assert_allclose(_turns(t, -phi, -phidot), expected, rtol=1e-13)
 
 
 @pytest.mark.parametrize("name", ["ideal", "motor", "fixed"])

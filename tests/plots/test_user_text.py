@@ -7,6 +7,7 @@ import pytest
 from matplotlib.cbook import is_math_text
 from matplotlib.text import Text
 
+from tests.formula_cases import MACHINE, case_of
 from vibsim.cases import load_case
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import KINDS, kind_named
@@ -67,6 +68,7 @@ def test_pictures_of_hostile_files_can_be_read(nasty_run, tmp_path):
 
 TRAJECTORY_KINDS = [kind.name for kind in KINDS if kind.reads in ("trajectory", "case")]
 TRAJECTORY_KINDS.remove("orbit-portrait")  # of runs that are orbits alone
+MACHINE_KINDS = ["rotor-speed", "states"]  # of runs with rotors and states
 
 
 @pytest.fixture(scope="module")
@@ -77,11 +79,18 @@ def brief_run(tmp_path_factory):
     return str(path)
 
 
+@pytest.fixture(scope="module")
+def brief_machine(tmp_path_factory):
+    path = tmp_path_factory.mktemp("machine") / "brief.h5"
+    simulate_to_file(case_of(MACHINE, {"run.t_end": "0.2 s"}), path)
+    return str(path)
+
+
 @pytest.mark.parametrize("kind", TRAJECTORY_KINDS)
-def test_no_kind_lets_matplotlib_read_a_name(kind, brief_run, tmp_path):
+def test_no_kind_lets_matplotlib_read_a_name(kind, brief_run, brief_machine, tmp_path):
     paths = [str(tmp_path / f"{name}.h5") for name in ("a$\\frac$", "b_{$")]
     for path in paths:
-        shutil.copy(brief_run, path)
+        shutil.copy(brief_machine if kind in MACHINE_KINDS else brief_run, path)
     figure = kind_named(kind).draw(open_subjects(paths), View(width="column"))
     figure.draw_without_rendering()  # raises where a name is taken for mathematics and is none
     names = [text.get_text() for text in figure.findobj(Text) if "frac" in text.get_text()]

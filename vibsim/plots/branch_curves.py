@@ -18,6 +18,7 @@ from vibsim.analysis.cycles import BAND
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits.branches.course import Stretch, stretches
 from vibsim.orbits.coordinates import placed
+from vibsim.physics.rates import turning_columns
 from vibsim.plots.branch_values import (
     MARKS,
     Value,
@@ -48,19 +49,20 @@ from vibsim.plots.sweep_curves import Curve
 from vibsim.plots.view import View
 
 BRANCH_HEIGHT_CM = 7.0
+ROTOR_SPEED = "Mean rotor speed (Hz)"
 SPEED = r"Mean motor speed $\langle\dot\varphi\rangle/2\pi$ (Hz)"
 
 
 def branch_picture(subjects: Sequence[Subject], view: View) -> Figure:
     """Solid where orbits are stable, dashed where not, marks at bifurcations; several are numbered.
 
-    Under a motor its mean speed against the parameter, with the line of the no-load speed; else the amplitude
-    of the first displacement.
+    Under a motor, or by turns of a rotor, its mean speed against the parameter, of a motor with the line of
+    the no-load speed; else the amplitude of the first displacement.
     """
     figure = sheet(view, BRANCH_HEIGHT_CM)
     axes = figure.subplots()
     branches = [subject.result for subject in subjects]
-    motor = all(subject.scene.has_motor for subject in subjects)
+    motor = all(turning_columns(subject.scene) is not None for subject in subjects)
     values = [mean_speed_of(branch) if motor else amplitude_of(branch) for branch in branches]
     every = [[value(p.orbit) for p in b.points] for b, value in zip(branches, values, strict=True)]
     unit = Scale(1.0, "Hz") if motor else scale_for(subjects[0].unit("m"), *every)
@@ -76,7 +78,8 @@ def branch_picture(subjects: Sequence[Subject], view: View) -> Figure:
         span = axes.get_xlim()
         axes.plot(span, span, color=GREY, linewidth=0.5, scalex=False, scaley=False, zorder=1, gid="no-load")
     axes.set_xlabel(parameter_label(subjects))
-    axes.set_ylabel(SPEED if motor else unit.label(amplitude_words(branches[0])))
+    speed = SPEED if subjects[0].scene.has_motor else ROTOR_SPEED
+    axes.set_ylabel(speed if motor else unit.label(amplitude_words(branches[0])))
     if len(subjects) > 1:
         legend_above(axes)
     keys = keys_to_marks(branches)
