@@ -8,6 +8,7 @@ import pkgutil
 import pytest
 
 import vibsim
+from vibsim.cases.formula_text import FormulaError
 from vibsim.cases.problems import Problem
 from vibsim.engine.errors import State
 from vibsim.orbits.coordinates import NotConverged
@@ -16,6 +17,7 @@ STATE = State(t=0.5, x=[1.0], v=[2.0], phase=0.0, turns=0.0, w=0.0)
 RAISED = {
     "EngineError": vibsim.EngineError("crushed", STATE, "left, right"),
     "CaseError": vibsim.CaseError([Problem("file.yaml", 1, 2, "c", "must be positive")]),
+    "FormulaError": FormulaError("no name q", 3, 4),
     "NotConverged": NotConverged("no orbit is near", 0.25),
 }
 

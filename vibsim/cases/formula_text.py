@@ -44,6 +44,10 @@ class FormulaError(ValueError):
         super().__init__(message)
         self.start, self.end = start, end
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """For pickle, as between processes."""
+        return type(self), (str(self), self.start, self.end)
+
 
 class FormulaTerm(NamedTuple):
     """A part of a formula.

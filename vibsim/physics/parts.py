@@ -101,8 +101,7 @@ class Body(Generic[N]):
 class Rotor:
     """An unbalanced rotor on a body: numbers of the two in the scene, and unbalance m e [kg m].
 
-    M x'' = F + m e (w^2 cos phi + w' sin phi),  (J + m e^2) w' = T + m e x'' sin phi, as Eqs. (2.9) of the
-    paper.
+    M x'' = F + m e (w^2 cos phi + w' sin phi),  (J + m e^2) w' = T + m e x'' sin phi
     """
 
     column: int

@@ -63,7 +63,7 @@ def _inputs(node: Node, bodies: int) -> list[Node]:
     return [one for one in walk([node]) if one[0] in READ and (len(one) < 2 or 0 <= one[1] < bodies)]
 
 
-class Share(NamedTuple):
+class SlopeShare(NamedTuple):
     """What derivative number `output` of force number `force` adds to the derivative of the acceleration of
     the column `row` with respect to x or v of `column`, both by their leaders; end: 0 for what acts on P, 1
     on Q.
@@ -76,11 +76,11 @@ class Share(NamedTuple):
     output: int
 
 
-def shares_of(rows: ModeRows[N], kind: str, slopes: Slopes) -> list[Share]:
+def shares_of(rows: ModeRows[N], kind: str, slopes: Slopes) -> list[SlopeShare]:
     """All shares of derivatives with respect to x or v, by `kind`."""
     leader = rows.leader
     return [
-        Share(leader[end], leader[one.column], force, place, one.output)
+        SlopeShare(leader[end], leader[one.column], force, place, one.output)
         for force, law in enumerate(rows.formulas)
         for one in slopes.of.get(law.output, ())
         if one.kind == kind

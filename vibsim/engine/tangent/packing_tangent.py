@@ -10,7 +10,7 @@ import numpy as np
 from vibsim.engine.modes.packing import Packed, Packer, pack_tape, tolerance_exponent
 from vibsim.engine.modes.rows import Joined, ModeRows
 from vibsim.engine.modes.ties import Edge
-from vibsim.engine.tangent.formula_tangent import READ, Share, shares_of, slopes_of
+from vibsim.engine.tangent.formula_tangent import READ, SlopeShare, shares_of, slopes_of
 from vibsim.engine.tangent.tangent_space import Gauge, components, natural_rate, weights
 from vibsim.engine.tangent.tangent_taylor import reach
 from vibsim.lazy import once
@@ -42,7 +42,7 @@ def pack_slopes(rows: ModeRows) -> Packed:
     return pack.packed
 
 
-def _pack_rows(pack: Packer, shares: Sequence[Share]) -> None:
+def _pack_rows(pack: Packer, shares: Sequence[SlopeShare]) -> None:
     """What derivatives do to accelerations: entries of their matrix row by row, each row and each entry where
     it is met first, then what adds to them.
     """

@@ -86,7 +86,7 @@ static double square(const double *a, int n)
 /* Of a^p: n a_0 y_n = sum (p (n - i) - i) a_(n-i) y_i over i < n; at a zero of a, or one nearer than `least` [s], nothing but the
  * value.
  */
-static double power(const double *a, const double *y, double p, int n, double inverse, double least)
+static double power_coefficient(const double *a, const double *y, double p, int n, double inverse, double least)
 {
     double total = 0.0;
     int i;
@@ -118,7 +118,7 @@ static double following(const Op *op, double (*s)[TAPE_ORDERS], int i, int n, do
     case OP_ATAN:
     case OP_ASIN: return quotient(a[n] - weighted(s[i], b, n - 1, n) * inverse, b[0]);
     case OP_ACOS: return quotient(-a[n] - weighted(s[i], b, n - 1, n) * inverse, b[0]);
-    default: return power(a, s[i], op->value, n, inverse, least);
+    default: return power_coefficient(a, s[i], op->value, n, inverse, least);
     }
 }
 
