@@ -7,8 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from vibsim.results.result import read_window
-
 Span = tuple[float, float]
 
 WIDTHS_CM = {"column": 8.6, "page": 17.8}
@@ -64,6 +62,8 @@ def parse_size(text: str) -> tuple[float, float]:
 
 def parse_span(text: object) -> Span:
     """`100:110`, `:20`, `100:` or (100, 110) as (first, last) [s], an open end infinite. Raises PlotError."""
+    from vibsim.results.result import read_window
+
     try:
         return read_window(text)
     except ValueError as error:
