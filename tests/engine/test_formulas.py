@@ -196,6 +196,34 @@ run: {{t_end: 4 s, every: 1 s}}
     assert abs(np.linalg.det(matrix) - 1) < 1e-13
 
 
+def test_a_contact_that_fits_into_one_step_is_felt(tmp_path):
+    """m v'' = -F - K p^1.5: a shallow contact is shorter than the parabola of the load alone, by its force."""
+    _, events, _ = ran(
+        case_of(
+            tmp_path,
+            """
+bodies: {a: 1 kg}
+stops: {s: {between: [a, ground], gap: 1 mm, acts: compression, force: "K*p**1.5", K: 9e4 N/m^1.5}}
+forces: {w: {on: a, F0: -7 N}}
+initial: {a: {x: 0.9865 mm, v: 0.017 m/s}}
+run: {t_end: 10 ms, every: 1 ms}
+""",
+        ).scene()
+    )
+
+    def rates(_t, y):
+        return [y[1], -7 - 9e4 * max(y[0], 0.0) ** 1.5]
+
+    def depth(_t, y):
+        return y[0]
+
+    depth.terminal, depth.direction = True, -1
+    one = solve_ivp(
+        rates, (0, 0.01), [0.0, 0.01], "DOP853", events=depth, rtol=1e-12, atol=1e-16, max_step=1e-5
+    )
+    assert abs(events["t"][2] - events["t"][1] - one.t[-1]) < 1e-10
+
+
 BASE = """
 bodies: {a: 1 kg}
 base: {x: "a0*sin(w0*t)*min(t/rise, 1)", a0: 2 mm, w0: 5 Hz, rise: 0.73 s}

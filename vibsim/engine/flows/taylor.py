@@ -15,7 +15,7 @@ from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.records import Certificate, latest_zero, may_vanish_by
 from vibsim.engine.events.root_finding import PolynomialSearch
 from vibsim.engine.flows.motion import Advance
-from vibsim.engine.flows.tape import Inputs, Tape, TapeSeries, TapeValues
+from vibsim.engine.flows.tape import POWER, Inputs, Tape, TapeSeries, TapeValues
 from vibsim.engine.flows.taylor_expansion import TaylorExpansion
 from vibsim.engine.ledger_integrals import Meters, QuadratureNode
 from vibsim.engine.modes.rows import (
@@ -42,6 +42,7 @@ EIGHT_NODES_ORDER = 20
 
 SHORTENINGS = 400  # of a step, each at least by
 LEAST_SHORTENING = 0.25  # binary digits
+SHORT_CONTACT = 16.0  # binary digits by which a step is too long that ends behind a contact that it begins
 BEYOND_ALL = 60.0  # binary digits by which a value that is no number is beyond
 NEARER = 0.75  # of a step, where formulas are compared as well
 INPUT_ROUNDING = 2  # of displacements and velocities at the end of a step, in units of eps
@@ -340,6 +341,12 @@ class StepChecks(Generic[N]):
         """
         flow, worst = self.flow, 0.0
         values = flow.tape_values(h)
+        for op in self.tape.tape.ops:
+            if op.code == POWER:  # begun at a zero of its base, which must not be over before the step is
+                base, there = self.tape.series[op.a], values.values[op.a]
+                begins = base[1] > 0 and not base[0] > self.tape.least * base[1]
+                if begins and there < -values.bounds[op.a]:
+                    worst = SHORT_CONTACT
         for k, text in enumerate(self.tape.tape.texts):
             value, bound = values.output(k)
             series = self.tape.output(k)[: flow.order]

@@ -6,6 +6,7 @@
 
 #define NEAR_ZERO 16          /* units in the last place of the time within which a zero of the base of a power is one here */
 #define ULPS 4                /* rounding of an elementary function, in units of EPS */
+#define SHORT_CONTACT 16.0    /* binary digits by which a step is too long that ends behind a contact that it begins */
 #define SHORTENINGS 400       /* of a step, each at least by */
 #define LEAST_SHORTENING 0.25 /* binary digits */
 #define BEYOND_ALL 60.0       /* binary digits by which a value that is no number is beyond */
@@ -333,6 +334,12 @@ static double excess(const Run *r, double h, double tolerance, int *singular)
     double worst = 0.0;
     int k;
     tape_values(r, h);
+    for (k = 0; k < tape->op_count; k++) { /* begun at a zero of its base, which must not be over before the step is */
+        const Op *op = &tape->ops[k];
+        const double *base = f->tapes.series[op->a < 0 ? 0 : op->a];
+        if (op->code == OP_POWER && base[1] > 0 && !(base[0] > f->tapes.least * base[1]) && f->tapes.values[op->a] < -f->tapes.bounds[op->a])
+            worst = SHORT_CONTACT;
+    }
     for (k = 0; k < tape->output_count; k++) {
         int place = tape->outputs[k];
         const double *series = f->tapes.series[place];
