@@ -35,10 +35,8 @@ class Drawn:
         self.model = Model({})
         self._bodies()
         self._links()
-        contact = self.rng.random()
-        self._stops(contact)
-        if self.model.stops == [] or self.model.stops[0].e is None:
-            self._frictions()
+        self._stops()
+        self._frictions()
         self._rotors()
         self._states()
         self._forces()
@@ -102,7 +100,7 @@ class Drawn:
             lambda: product(k, d0, ("-", call("cosh", ratio), ONE), ("/", D, total(d0, ("abs", D)))),
             lambda: product(
                 par("F", 1.0, "N"),
-                ("table", ratio, ((-2.0, -3.0), (-0.5, -1.0), (0.4, 0.9), (3.0, 6.0)), ("", "")),
+                ("table", ratio, ((-2.0, -3.0), (-0.5, -1.0), (0.4, 0.9), (3.0, 6.0)), ("", ""), "linear"),
             ),
         ]
         damping = [
@@ -115,18 +113,28 @@ class Drawn:
         ]
         return total(rng.choice(restoring)(), rng.choice(damping)())
 
-    def _stops(self, contact: float) -> None:
+    def _stops(self) -> None:
+        rng, contact = self.rng, self.rng.random()
         if contact < 0.35:
             return
-        rng = self.rng
-        P, Q = ("b", "a") if "b" in self.model.bodies and rng.random() < 0.5 else ("a", "ground")
+        ends = ("b", "a") if "b" in self.model.bodies and rng.random() < 0.5 else ("a", "ground")
         sense = rng.choice([1, -1])
-        gap = even(rng, 2e-3, 1.5 * self.length)
-        start = self.model.bodies[P][1] - (self.model.bodies[Q][1] if Q != "ground" else 0.0)
-        gap = float(f"{max(gap, sense * start + 2e-3):.3g}")
         if contact < 0.5:
-            self.model.stops.append(Stop("stop", P, Q, gap, sense, e=even(rng, 0.5, 0.95)))
+            gap = self._gap(ends, sense)
+            self.model.stops.append(Stop("stop", *ends, gap, sense, e=even(rng, 0.5, 0.95)))
             return
+        self._stop("stop", ends, sense)
+        if rng.random() < 0.3:
+            self._stop("other", ends, -sense)
+
+    def _gap(self, ends: tuple[str, str], sense: int) -> float:
+        """Open at the start by 2 mm or more."""
+        P, Q = ends
+        start = self.model.bodies[P][1] - (self.model.bodies[Q][1] if Q != "ground" else 0.0)
+        return float(f"{max(even(self.rng, 2e-3, 1.5 * self.length), sense * start + 2e-3):.3g}")
+
+    def _stop(self, name: str, ends: tuple[str, str], sense: int) -> None:
+        rng, gap = self.rng, self._gap(ends, sense)
         K, lam = par("K", spread(rng, 3e3, 3e4), "N/m"), par("lam", spread(rng, 0.05, 1), "s/m")
         KH, l0 = par("KH", spread(rng, 3e4, 5e5), "N/m^1.5"), par("l0", 10.0, "mm")
         laws = [
@@ -139,25 +147,28 @@ class Drawn:
         ]
         law = rng.choice(laws)
         release = "force" if law is laws[0] and rng.random() < 0.5 else "gap"
-        self.model.stops.append(Stop("stop", P, Q, gap, sense, law, release))
+        self.model.stops.append(Stop(name, *ends, gap, sense, law, release))
 
     def _frictions(self) -> None:
-        rng = self.rng
-        if rng.random() < 0.5:
+        rng, bodies = self.rng, list(self.model.bodies)
+        if rng.random() < 0.5 or any(stop.e is not None for stop in self.model.stops):
             return
-        other = [name for name in ("a_", "b") if name.rstrip("_") in self.model.bodies]
-        body = rng.choice(other).rstrip("_")
+        self._friction("rub", rng.choice(bodies), "ground", rng.choice([0.0, 0.0, even(rng, -0.15, 0.15)]))
+        if len(bodies) == 2 and rng.random() < 0.4:
+            self._friction("between", "b", "a", 0.0)
+
+    def _friction(self, name: str, P: str, Q: str, belt: float) -> None:
+        rng = self.rng
         n0, w = par("n0", spread(rng, 1, 12), "N"), par("wn", even(rng, 0.3, 3), "Hz")
         loads = [
             n0,
             total(n0, product(par("n1", spread(rng, 1, 12), "N"), call("sin", product(w, T)))),
-            ("-", n0, product(par("kn", spread(rng, 50, 600), "N/m"), ("name", f"x_{body}"))),
+            ("-", n0, product(par("kn", spread(rng, 50, 600), "N/m"), ("name", f"x_{P}"))),
             ("where", T, "<", par("tn", even(rng, 0.3, 1.5), "s"), n0, par("n2", spread(rng, 1, 12), "N")),
             product(n0, call("exp", ("-", ("num", 0), ("/", T, par("tau", even(rng, 0.5, 2), "s"))))),
         ]
         mu_s, mu_d = par("mu_s", even(rng, 0.15, 0.3)), par("mu_d", even(rng, 0.05, 0.15))
-        vs = par("vs", even(rng, 0.03, 0.2), "m/s")
-        ratio = ("/", S, vs)
+        ratio = ("/", S, par("vs", even(rng, 0.03, 0.2), "m/s"))
         falling = [
             call("exp", ("-", ("num", 0), ("**", ratio, 2))),
             call("exp", ("-", ("num", 0), ratio)),
@@ -165,10 +176,7 @@ class Drawn:
         ]
         laws = [mu_d, total(mu_d, product(("-", mu_s, mu_d), rng.choice(falling)))]
         static = rng.choice([1.0, 1.0, 1.2])
-        belt = rng.choice([0.0, 0.0, even(rng, -0.15, 0.15)])
-        self.model.frictions.append(
-            Friction("rub", body, "ground", rng.choice(loads), rng.choice(laws), static, belt)
-        )
+        self.model.frictions.append(Friction(name, P, Q, rng.choice(loads), rng.choice(laws), static, belt))
 
     def _rotors(self) -> None:
         rng = self.rng
@@ -232,7 +240,8 @@ class Drawn:
             product(A, call("exp", ("-", zero, ("/", T, T1))), call("cos", product(w, T))),
             product(A, ("-", ("/", ("mod", T, T1), T1), ("num", 0.5))),
             product(A, ("sign", wave)),
-            ("table", T, pairs, ("s", "N")),
+            ("table", T, pairs, ("s", "N"), "linear"),
+            ("table", T, pairs, ("s", "N"), "cubic"),
             ("/", product(A, wave), total(ONE, ("**", ("/", T, T1), 2))),
             product(A, ("max", wave, ("num", 0.2))),
         ]
@@ -283,7 +292,7 @@ class Drawn:
     def _with(first: str, **formulas) -> str:
         """Keys of a part: its formulas, and the numbers beside them."""
         words = [first] if first else []
-        words += [f'{key}: "{text(e)}"'.replace('"linear"', "'linear'") for key, e in formulas.items()]
+        words += [f'{key}: "{text(e)}"' for key, e in formulas.items()]
         words += [f"{name}: {value}" for name, value in numbers_of(*formulas.values()).items()]
         return ", ".join(words)
 

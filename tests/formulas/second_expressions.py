@@ -3,7 +3,7 @@
 An expression is a tuple: ("par", name, value, unit), a number beside the formula; ("num", value);
 ("name", name); ("+", a, b), and so "-", "*", "/"; ("**", a, p); ("call", function, a); and the switches
 ("abs", a), ("sign", a), ("step", a), ("max", a, b), ("min", a, b), ("where", a, "<", b, then, else),
-("mod", a, b) and ("table", a, pairs, units). Values are floats in SI units. Nothing here is vibsim's.
+("mod", a, b) and ("table", a, pairs, units, kind). Values are floats in SI units. Nothing here is vibsim's.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from math import floor, pi
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 Expression = tuple[Any, ...]
 SWITCHES = ("abs", "sign", "step", "max", "min", "where", "mod", "table")
@@ -94,7 +95,7 @@ def text(e: Expression) -> str:
         return f"where({text(e[1])} {e[2]} {text(e[3])}, {text(e[4])}, {text(e[5])})"
     if kind == "table":
         pairs = ", ".join(f"[{u!r} {e[3][0]}, {f!r} {e[3][1]}]" for u, f in e[2])
-        return f'table({text(e[1])}, [{pairs}], "linear")'
+        return f"table({text(e[1])}, [{pairs}], '{e[4]}')"
     return f"{kind}({', '.join(text(child) for child in e[1:])})"
 
 
@@ -106,7 +107,7 @@ class Compiled:
 
     def __init__(self, names: dict[str, str]) -> None:
         self.names = names
-        self.functions: dict[str, Any] = {"np": np, "clip": _clip}
+        self.functions: dict[str, Any] = {"np": np, "clip": _clip, "horner": _horner}
         self.switches: list[Expression] = []
         self.guards: list[Any] = []
         self.owners: list[str] = []
@@ -196,10 +197,24 @@ def _side_code(e, i, code) -> str:
         return f"({code[2]} if {on} > 0 else {code[3]})"
     if kind == "mod":
         return f"({code[0]} - {on} * {code[1]})"
-    return f"_piece({code[0]}, {on}, {e[2]!r})".replace("_piece", "(lambda u, k, q: " + _PIECE + ")")
+    return _piece_code(e, on, code[0])
 
 
-_PIECE = (
-    "q[0][1] if k == 0 else q[-1][1] if k == len(q) else "
-    "q[k - 1][1] + (u - q[k - 1][0]) * (q[k][1] - q[k - 1][1]) / (q[k][0] - q[k - 1][0])"
-)
+def _piece_code(e, on, u) -> str:
+    """A table on one of its pieces: the polynomial of it, or an end value."""
+    knots, values = zip(*e[2], strict=True)
+    if e[4] == "cubic":
+        pieces = CubicSpline(knots, values, bc_type="not-a-knot").c[::-1].T.tolist()  # lowest power first
+    else:
+        pairs = zip(e[2], e[2][1:], strict=False)
+        pieces = [[f, (g - f) / (w - u)] for (u, f), (w, g) in pairs]
+    table = [[values[0]], *pieces, [values[-1]]]
+    starts = [0.0, *knots]
+    return f"horner({table!r}[{on}], {u} - {starts!r}[{on}])"
+
+
+def _horner(coefficients, u):
+    total = 0.0
+    for c in reversed(coefficients):
+        total = total * u + c
+    return total
