@@ -197,8 +197,6 @@ run: {{t_end: 4 s, every: 1 s}}
 
 
 def test_a_contact_that_fits_into_one_step_is_felt(tmp_path):
-    tolerances = {"rtol": 1e-12, "atol": 1e-16, "max_step": 1e-5}
-    one = solve_ivp(rates, (0, 0.01), [0.0, 0.01], "DOP853", events=depth, **tolerances)
     _, events, _ = ran(
         case_of(
             tmp_path,
@@ -219,9 +217,8 @@ run: {t_end: 10 ms, every: 1 ms}
         return y[0]
 
     depth.terminal, depth.direction = True, -1
-    one = solve_ivp(
-        rates, (0, 0.01), [0.0, 0.01], "DOP853", events=depth, rtol=1e-12, atol=1e-16, max_step=1e-5
-    )
+    tolerances = {"rtol": 1e-12, "atol": 1e-16, "max_step": 1e-5}
+    one = solve_ivp(rates, (0, 0.01), [0.0, 0.01], "DOP853", events=depth, **tolerances)
     assert abs(events["t"][2] - events["t"][1] - one.t[-1]) < 1e-10
 
 
