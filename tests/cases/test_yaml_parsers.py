@@ -38,7 +38,9 @@ def test_shipped_cases_are_read_by_libyaml(monkeypatch):
         raise AssertionError("read by Python")
 
     monkeypatch.setattr(yaml_nodes.yaml, "SafeLoader", read)
-    for text in TEXTS:
+    plain = [text for text in TEXTS if "*" not in text]  # as in formulas, where Python reads
+    assert len(plain) > 30
+    for text in plain:
         assert BOTH_READ.fullmatch(text) and not read_yaml(text, "case")[1]
 
 
