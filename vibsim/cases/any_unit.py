@@ -58,7 +58,6 @@ RATE = dimension(s=-1)
 VELOCITY = dimension(m=1, s=-1)
 FORCE = dimension(kg=1, m=1, s=-2)
 TORQUE = dimension(kg=1, m=2, s=-2)
-INERTIA = dimension(kg=1, m=2)
 
 
 def product(a: Dimension, b: Dimension, power: Fraction | int = 1) -> Dimension:

@@ -16,7 +16,6 @@ from vibsim.physics.friction_laws import HYPERBOLIC
 from vibsim.physics.parts import BASE, GROUND
 
 Values = dict[str, Any]
-Sides = tuple[Node, Node]  # forwards and backwards
 
 
 class FormulaParts:

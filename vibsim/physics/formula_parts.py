@@ -56,11 +56,6 @@ def has_switches(formula: Node) -> bool:
     return reads([formula], SWITCHES)
 
 
-def any_switches(scene: Scene[Any]) -> bool:
-    """Whether any formula of a scene has switches."""
-    return scene.has_formulas and bool(switching_parts(scene))
-
-
 # Which places of bodies formulas read.
 
 

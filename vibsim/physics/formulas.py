@@ -203,23 +203,6 @@ def reads(nodes: Iterable[Node], kinds: Sequence[str]) -> bool:
     return any(node[0] in kinds for node in walk(nodes))
 
 
-def replaced_inputs(node: Node, inputs: dict[Node, Node]) -> Node:
-    """The formula with other nodes in place of some of its inputs."""
-    if node in inputs:
-        return inputs[node]
-    kind = node[0]
-    below = tuple(replaced_inputs(child, inputs) for child in children(node))
-    if not below or below == children(node):
-        return node
-    if kind in ("add", "sub", "mul", "div"):
-        return {"add": add, "sub": sub, "mul": mul, "div": div}[kind](*below)
-    if kind == "choose":
-        return choose(below[0], below[1], below[2], node[4])
-    if kind == "mod":
-        return ("mod", *below, node[3])
-    return (kind, below[0], *node[2:])
-
-
 def resolved(node: Node, sides: Mapping[Node, int]) -> Node:
     """The formula without switches that a formula is where its switches are on these sides; on the upper one
     those that have none.

@@ -192,14 +192,6 @@ class FormulaTangent(Generic[N]):
         return total
 
 
-def slope_values(kit: Kit[N], rows: ModeRows[N], at: Inputs[N], k: int) -> list[tuple[Slope, N]]:
-    """The partial derivatives of output k at one instant."""
-    slopes, zero = slopes_of(kit, rows), kit.number(0)
-    quiet = [zero] * len(rows.leader)
-    values = TapeValues(kit, slopes.tape, at, Inputs(zero, quiet, quiet, zero, zero))
-    return [(one, values.output(one.output)[0]) for one in slopes.of.get(k, ())]
-
-
 def size_of(series: Sequence[N], tau: N) -> N:
     """Sum of the sizes of the terms of a series at tau."""
     total = abs(series[-1])
