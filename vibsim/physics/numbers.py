@@ -234,6 +234,14 @@ def horner(coefficients: Sequence[N], t: N) -> N:
     return (high * square + coefficients[0]) + t * low
 
 
+def sizes_at(coefficients: Sequence[N], t: N) -> N:
+    """Sum of the sizes of the terms of a polynomial at t >= 0, coefficients lowest first."""
+    total = abs(coefficients[-1])
+    for coefficient in reversed(coefficients[:-1]):
+        total = total * t + abs(coefficient)
+    return total
+
+
 def total_of(kit: Kit[N], values: Iterable[N]) -> N:
     """Sum in order; 0 of nothing."""
     rest = iter(values)

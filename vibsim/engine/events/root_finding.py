@@ -5,7 +5,7 @@ from math import inf
 from typing import Generic
 
 from vibsim.engine.events.records import Certificate, crosses
-from vibsim.physics.numbers import Kit, N, abs
+from vibsim.physics.numbers import Kit, N, abs, sizes_at
 
 BEYOND = 64  # roundings: a start by so much away from zero is proved to be on its side
 SHORTER = 16  # times, where a step is too long to prove that
@@ -60,17 +60,9 @@ class PolynomialSearch(Generic[N]):
         start, least = coefficients[0], SHORTEST * (self.kit.next_after(t0, inf) - t0)
         if not start > BEYOND * self.kit.eps * size:
             return h
-        while h > least and start <= BEYOND * self.kit.eps * self._total(coefficients, h):
+        while h > least and start <= BEYOND * self.kit.eps * sizes_at(coefficients, h):
             h = h / SHORTER
         return h
-
-    @staticmethod
-    def _total(series: Sequence[N], h: N) -> N:
-        """sum |b_n| h^n."""
-        total = abs(series[-1])
-        for coefficient in reversed(series[:-1]):
-            total = total * h + abs(coefficient)
-        return total
 
     def value_and_slope(self, coefficients: Sequence[N], known: int, tau: N) -> tuple[N, N]:
         """Value and slope at tau of the polynomial without its known zeros (see `first_root`)."""
@@ -202,10 +194,7 @@ class PolynomialSearch(Generic[N]):
 
     def _noise(self, series: Sequence[N], tau: N) -> N:
         """Rounding bound of the value at tau."""
-        total = abs(series[-1])
-        for coefficient in reversed(series[:-1]):
-            total = total * tau + abs(coefficient)
-        return 4 * self.kit.eps * total
+        return 4 * self.kit.eps * sizes_at(series, tau)
 
     @staticmethod
     def _value_and_slope(series: Sequence[N], tau: N) -> tuple[N, N]:

@@ -7,7 +7,7 @@ output and carries the event search.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from math import inf
 from typing import Generic
 
@@ -32,7 +32,7 @@ from vibsim.engine.modes.rows import (
     Term,
 )
 from vibsim.physics.elementary import EIGHT, TWELVE, Quadrature
-from vibsim.physics.numbers import Kit, N, abs, horner
+from vibsim.physics.numbers import Kit, N, abs, horner, sizes_at
 from vibsim.physics.parts import Force, Scene
 
 # A step of order 20 at full tolerance takes at most 1.32 rad of the fastest rate (h^20 / 20! = 2^-53): there
@@ -97,7 +97,7 @@ class Taylor(TaylorExpansion[N]):
             excess = max(checks.excess(h), checks.excess(NEARER * h))
             if excess <= 0:
                 return self.h if h == left else h
-            h = h * self.kit.power_of_two(-max((excess + 1) / self.order, LEAST_SHORTENING))
+            h = shortened(self.kit, h, excess, self.order)
             if self.t0 + h == self.t0:
                 break
         raise EngineError("singular", self.start, checks.worst)
@@ -325,6 +325,20 @@ class Taylor(TaylorExpansion[N]):
         return State(self.t0 + tau, x, v, phase, self.start.turns + turns, horner(self.rotor.w, tau))
 
 
+def digits_beyond(kit: Kit[N], off: N, allowed: N) -> float:
+    """By how many binary digits, one at least, a difference is beyond what it may be; 0 where it is not."""
+    if off <= allowed:
+        return 0.0
+    if not (kit.finite(off) and allowed > 0):
+        return BEYOND_ALL
+    return max(1.0, float(kit.exponent(off) - kit.exponent(allowed)))
+
+
+def shortened(kit: Kit[N], h: N, excess: float, order: int) -> N:
+    """The length of a step [s] whose last terms are `excess` binary digits too large, made shorter."""
+    return h * kit.power_of_two(-max((excess + 1) / order, LEAST_SHORTENING))
+
+
 class StepChecks(Generic[N]):
     """Compares series of formulas at the end of a step with their values there."""
 
@@ -350,22 +364,12 @@ class StepChecks(Generic[N]):
         for k, text in enumerate(self.tape.tape.texts):
             value, bound = values.output(k)
             series = self.tape.output(k)[: flow.order]
-            allowed = 2 * bound + self._rounding(series, h) + self._share(k, h, value)
-            off = abs(value - horner(series, h))
-            if not off <= allowed:
-                beyond = BEYOND_ALL
-                if self.kit.finite(off) and allowed > 0:
-                    beyond = max(1.0, float(self.kit.exponent(off) - self.kit.exponent(allowed)))
-                if beyond > worst:
-                    worst, self.worst = beyond, text
+            rounding = 2 * self.kit.eps * sizes_at(series, h)
+            allowed = 2 * bound + rounding + self._share(k, h, value)
+            beyond = digits_beyond(self.kit, abs(value - horner(series, h)), allowed)
+            if beyond > worst:
+                worst, self.worst = beyond, text
         return worst
-
-    def _rounding(self, series: Sequence[N], h: N) -> N:
-        """Rounding of a series at h."""
-        total = abs(series[-1])
-        for coefficient in reversed(series[:-1]):
-            total = total * h + abs(coefficient)
-        return 2 * self.kit.eps * total
 
     def _share(self, k: int, h: N, value: N) -> N:
         """How wrong a force may be so that velocities are not wrong beyond the tolerance of the step; of

@@ -198,11 +198,10 @@ class FormulaRows(Generic[N]):
             if self.switches[i] in sides
         }
         for i, guards in watched.items():
-            for key, node, sign in guards:
+            for key, node, _ in guards:
                 if not self._implied(maker, maker.place(node), status):
                     outputs["switch", i, key] = k = maker.output(node, self.owners[i])
                     rows.nodes[k] = node
-                    outputs["sense", i, key] = sign
         for place in maker.bases:
             if not self._implied(maker, place, status):
                 outputs["base", place] = len(maker.tape.outputs)
@@ -298,12 +297,11 @@ class FormulaRows(Generic[N]):
         events: list[Event[N]] = []
         for role, k in rows.outputs.items():
             if role[0] == "switch":
-                i, key = role[1:]
-                assert isinstance(i, int) and isinstance(key, int)
-                sign = rows.outputs["sense", i, key]
+                _, i, key = role
+                guards = self._guards(i, self.switches[i], rows.sides)
+                sign = next(sign for number, _, sign in guards if number == key)
                 events.append(self._event(SWITCH, i, sign, (SWITCH, i, key), k))
             elif role[0] == "base":
-                assert isinstance(role[1], int)
                 events.append(self._event(DOMAIN, k, 1, (DOMAIN, role[1]), k))
         return events
 

@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Generic, NamedTuple
 
 from vibsim.engine.flows.tape import Inputs, Tape, TapeMaker, TapeSeries, TapeValues
+from vibsim.engine.flows.taylor import digits_beyond, shortened
 from vibsim.physics.formulas import Node, derivative, resolved, walk
-from vibsim.physics.numbers import Kit, N, abs, horner
+from vibsim.physics.numbers import Kit, N, abs, horner, sizes_at
 
 if TYPE_CHECKING:
     from vibsim.engine.flows.taylor import Taylor
@@ -137,18 +138,11 @@ class FormulaTangent(Generic[N]):
             for k in range(len(self.slopes.tape.outputs)):
                 value, bound = values.output(k)
                 series = self.series.output(k)[: flow.order]
-                allowed = 2 * bound + flow.order * tolerance * size_of(series, tau)
-                off = abs(value - horner(series, tau))
-                if not off <= allowed:
-                    beyond = (
-                        float(kit.exponent(off) - kit.exponent(allowed))
-                        if kit.finite(off) and allowed > 0
-                        else 60.0
-                    )
-                    excess = max(excess, beyond, 1.0)
+                allowed = 2 * bound + flow.order * tolerance * sizes_at(series, tau)
+                excess = max(excess, digits_beyond(kit, abs(value - horner(series, tau)), allowed))
             if excess <= 0:
                 return tau
-            tau = tau * kit.power_of_two(-max((excess + 1) / flow.order, 0.25))
+            tau = shortened(kit, tau, excess, flow.order)
         return tau
 
     def rates(self, tau: N) -> tuple[N, N]:
@@ -190,14 +184,6 @@ class FormulaTangent(Generic[N]):
         for i, row in self._rows("v", tau).items():
             total = total + row.get(i, 0 * tau)
         return total
-
-
-def size_of(series: Sequence[N], tau: N) -> N:
-    """Sum of the sizes of the terms of a series at tau."""
-    total = abs(series[-1])
-    for coefficient in reversed(series[:-1]):
-        total = total * tau + abs(coefficient)
-    return total
 
 
 class RotorTangent(Generic[N]):
