@@ -333,6 +333,10 @@ def test_a_child_changes_numbers_and_formulas_of_its_parent(tmp_path):
             FRICTION % "mu: m0*v1/s, m0: 0.2, v1: 1 m/s, N: 1 N",
             ['case:2:48: friction.f.mu: "m0*v1/s": at s = 0, division by zero: s is 0'],
         ),
+        (
+            FRICTION % "mu: 0.3, N: 3 N, belt: q*x_a, q: 1 1/s",
+            ['case:2:63: friction.f.belt: "q*x_a": unknown name x_a; known here: mu, N, q, t, pi'],
+        ),
         (FRICTION % "mu: high", ["case:2:42: friction.f.mu: must be a plain number, got high"]),
         (
             FRICTION % "mu: 0.2, N: 3 kg",

@@ -284,7 +284,8 @@ class FormulaScene:
 
         Raises Unreadable where a number that it names cannot be read.
         """
-        inputs = self.inputs() if place.section != "base" else self.time_alone()
+        in_time = place.section == "base" or place.key == "belt"
+        inputs = self.time_alone() if in_time else self.inputs()
         own = {name: one._replace(node=instead.get(name, one.node)) for name, one in self.own(place).items()}
         numbers = self.parameters() | self.numbers_beside(place)
         read = names_in(place.text)
