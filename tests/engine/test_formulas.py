@@ -222,6 +222,25 @@ run: {t_end: 10 ms, every: 1 ms}
     assert abs(events["t"][2] - events["t"][1] - one.t[-1]) < 1e-10
 
 
+def test_a_dead_zone_that_ends_where_a_stop_begins_is_felt_at_once(tmp_path):
+    """The switch of the spring and the contact come at one instant; the stop keeps the depth above zero."""
+    scene = case_of(
+        tmp_path,
+        """
+bodies: {a: 0.75 kg}
+links: {l: {between: [a, ground], force: "k*max(d - d0, 0)", k: 500 N/m, d0: 10.3 mm}}
+stops: {s: {between: [a, ground], gap: 10.3 mm, acts: compression, force: "K*p", K: 15700 N/m}}
+initial: {a: {v: 0.2 m/s}}
+run: {t_end: 0.2 s, every: 1 ms}
+""",
+    ).scene()
+    for engine in ("python", "c"):
+        samples, events, _ = ran(scene, engine)
+        duration = pi * (0.75 / 16200) ** 0.5  # of half a vibration on both springs
+        assert np.abs(events["t"][1:3] - [0.0515, 0.0515 + duration]).max() < 1e-14
+        assert abs(samples["v_a"][-1] + 0.2) < 1e-14
+
+
 BASE = """
 bodies: {a: 1 kg}
 base: {x: "a0*sin(w0*t)*min(t/rise, 1)", a0: 2 mm, w0: 5 Hz, rise: 0.73 s}

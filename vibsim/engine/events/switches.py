@@ -80,6 +80,8 @@ class SwitchSides(Generic[N]):
             was = old[i]
             if i not in decided and was is not None and i in fixed:
                 decided[i] = was
+            if i not in decided and rows.is_above(node, status):
+                decided[i] = sign
             if i not in decided:
                 values = rows.guard_values(node, sides, at, blur)
                 side, unsure = self._side(node, values, None if was is None else sign * was)

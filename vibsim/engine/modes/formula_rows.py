@@ -23,7 +23,7 @@ from vibsim.engine.modes.rows import (
     Term,
     Terms,
 )
-from vibsim.engine.modes.status import CONTACT, OPEN, STICK, Status
+from vibsim.engine.modes.status import CONTACT, OPEN, STICK, Kept, Status
 from vibsim.engine.modes.ties import Cut
 from vibsim.physics.formulas import SWITCHES, Node, children, hashed, is_continuous, mul, num, sub, walk
 from vibsim.physics.numbers import Doubles, Kit, N, abs
@@ -31,6 +31,7 @@ from vibsim.physics.parts import Scene, Stop
 
 PROBES = (0.618, 1.414, 2.236)  # depths at which functions are compared, of no special meaning
 IRRATIONALS = (0.7548776662, 0.5698402910, 0.8191725134)  # whose multiples give all else that they read
+MOST_SIDES = 10_000  # of switches that stops keep, which are not asked for anew
 SAME = 2.0**-40  # ratios of two functions that differ by less are one
 
 
@@ -87,6 +88,7 @@ class FormulaRows(Generic[N]):
                         self.owners.append(root.text)
                     number, first = known[watched]
                     self.same[node] = number, sign * first
+        self._above = Kept[tuple[Node, tuple[int, ...]], bool](MOST_SIDES)
         self.behind = {node: [one for one in walk([node[1]]) if one[0] in SWITCHES] for node in self.same}
 
     def _all_roots(self) -> Iterator[Root]:
@@ -289,6 +291,16 @@ class FormulaRows(Generic[N]):
             depth = -(stop.sense * (x[P] - x[Q])) - gap
             ratios.append(values.values[place] / depth)
         return bool(ratios[0] > 0 and all(abs(one - ratios[0]) <= SAME * ratios[0] for one in ratios))
+
+    def is_above(self, node: Node, status: Status) -> bool:
+        """Whether a stop in contact keeps a switch on its upper side: where that watches its depth."""
+        key = node, status.stops
+        above = self._above.get(key)
+        if above is None:
+            maker = TapeMaker(self.kit, {}, self.columns)
+            plain = node[0] == "choose" and not self.behind[node]
+            above = self._above.keep(key, plain and self._implied(maker, maker.place(node[1]), status))
+        return above
 
     def events(self, rows: ModeRows[N]) -> list[Event[N]]:
         """The event functions of the switches of a mode, and of what must not become negative under a
