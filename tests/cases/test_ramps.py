@@ -125,8 +125,8 @@ def test_a_number_beside_a_formula_hides_the_parameter_of_its_name():
         ("Omega0=3Hz:180rpm", "4 s", "goes from a value to the same"),
         ("Omega0=3", "4 s", "is not FROM:TO or FROM:TO:BACK"),
         ("Omega0=3:4:5:6Hz", "4 s", "is not FROM:TO or FROM:TO:BACK"),
-        ("Omega0=3:7Hz", "0 s", "--over must be > 0"),
-        ("Omega0=3:7Hz", "4 kg", "--over must be a time"),
+        ("Omega0=3:7Hz", "0 s", "over must be > 0"),
+        ("Omega0=3:7Hz", "4 kg", "over must be a time"),
         (
             "k2=1:2N/m",
             "4 s",

@@ -53,7 +53,9 @@ def read_ramp(key: str, text: str) -> Ramp:
     ]
     for before, after in pairwise(whole):
         if any_quantity(before)[0][1:] == any_quantity(after)[0][1:]:
-            raise ValueError(f"{shown(text)} goes from a value to the same; --set gives a key one value")
+            raise ValueError(
+                f"{shown(text)} goes from a value to the same; give that value to the key itself"
+            )
     return Ramp(key, tuple(whole))
 
 
@@ -90,7 +92,7 @@ def check_time(text: str) -> Quantity:
     try:
         time = Measured("time", above="0").read(text)
     except QuantityError as error:
-        raise ValueError(f"--over {error}") from None
+        raise ValueError(f"over {error}") from None
     assert isinstance(time, Quantity)
     return time
 

@@ -221,7 +221,7 @@ def _curves_under(sweeps: Sequence[Subject], over_time: bool) -> list[Curve]:
     for subject in sweeps:
         if over_time:
             words = "a sweep lies under runs whose no-load speed changes"
-            raise PlotError(f"{subject.path}: {words}, such as --ramp Omega0=3:7Hz makes")
+            raise PlotError(f"{subject.path}: {words}, such as a ramp of Omega0 makes")
         if not is_motor_speed(subject.result.axes[along(subject.result)].key):
             raise PlotError(f"{subject.path}: the sweep under a run-up is one over Omega0")
     return curves(sweeps) if sweeps else []

@@ -191,8 +191,12 @@ def with_ramps(
     if not ramps or over is None:
         missing = "--over needs a --ramp" if not ramps else "--ramp needs --over, how long it takes"
         raise click.UsageError(f"{missing}, such as --ramp Omega0=3:7Hz --over 400s")
-    from vibsim.cases.ramps import end_of, ramped, read_ramp
+    from vibsim.cases.ramps import check_time, end_of, ramped, read_ramp
 
+    try:
+        check_time(over)
+    except ValueError as error:
+        raise click.UsageError(f"--{error}") from error
     for key, _ in ramps:
         same = [given for given in values if f".{given}".endswith(f".{key}") or key.endswith(f".{given}")]
         if same:
