@@ -15,7 +15,6 @@ from vibsim.engine.blocks import Trajectory, Wishes
 from vibsim.engine.c_trajectory import CTrajectory
 from vibsim.engine.choice import check_method, engine_name
 from vibsim.engine.extremes import Gap
-from vibsim.engine.modes.formula_rows import carries_in_c
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.resume import Row, resume_point
 from vibsim.engine.tangent.tangent_space import dimension
@@ -83,16 +82,17 @@ def open_trajectory(
 
 
 def _in_c(scene: Scene, wishes: Wishes) -> bool:
-    """Whether the C engine has all that a run asks for: disturbances where it carries them, no extremes and
-    ledgers against a base that moves by a formula.
+    """Whether the C engine has all that a run asks for: with a base that moves by a formula no disturbances,
+    no extremes against it, and no ledgers of stops that let go by force.
     """
+    if scene.base_formula is None:
+        return True
     pairs = wishes["extremes"][0] if wishes["extremes"] else ()
-    by_formula = scene.base_formula is not None and any(len(scene.bodies) + 1 in pair for pair in pairs)
-    stops_let_go = any(stop.lets_go for _, stop in scene.elastic_stops)
-    by_formula |= (
-        scene.base_formula is not None and stops_let_go and bool(wishes["ledger"] or wishes["momentum"])
+    on_base = any(len(scene.bodies) + 1 in pair for pair in pairs)
+    lets_go = (wishes["ledger"] or wishes["momentum"]) and any(
+        stop.lets_go for _, stop in scene.elastic_stops
     )
-    return not by_formula and (not wishes["tangent"][0] or carries_in_c(scene))
+    return not (wishes["tangent"][0] or on_base or lets_go)
 
 
 def extremes_of(scene: Scene, ends: Sequence[Edge], since: float) -> tuple[list[Edge], list[Gap], float]:

@@ -43,11 +43,6 @@ class Root(NamedTuple):
     text: str
 
 
-def carries_in_c(scene: Scene[N]) -> bool:
-    """Whether the C engine carries disturbances of a scene: where it has no base that moves by a formula."""
-    return scene.base_formula is None
-
-
 def watched_by(node: Node) -> tuple[Node, int]:
     """What a switch watches, the same of all that turn at the same instants, and -1 where its upper side is
     where that is negative.

@@ -23,7 +23,6 @@ from vibsim.engine.driver import Driver
 from vibsim.engine.errors import State
 from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.flows.closed.modal import pitches
-from vibsim.engine.modes.formula_rows import carries_in_c
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.packing import harmonic_indices, scene_doubles
 from vibsim.engine.modes.rows import ModeRows
@@ -77,7 +76,8 @@ class Carrier:
 
     def __init__(self, scene: Scene, engine: str = "auto") -> None:
         self.scene, self._origin = _free(scene), scene
-        self.engine = engine_name(engine) if carries_in_c(scene) else "python"
+        # C carries nothing over a base that moves by a formula
+        self.engine = engine_name(engine) if scene.base_formula is None else "python"
         self.size, self._shared = length(scene), _Shared(self.scene)
         self._doubles = self._shared.doubles
         self._numbers: Numbers = {}
