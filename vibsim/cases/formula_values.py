@@ -454,9 +454,9 @@ def _power_node(base: Node, exponent: Node) -> Node:
             raise ZeroDivisionError
         return ZERO
     if p is not None and b is not None and b < 0 and p.denominator != 1:
-        raise ValueError("a broken power of a negative number")
+        raise ValueError("a negative number to a power that is no whole number")
     if p is not None and abs(p) > nodes.MOST_EXACT:
-        raise ValueError(f"powers beyond {nodes.MOST_EXACT} are not taken")
+        raise ValueError(f"powers beyond {nodes.MOST_EXACT} are not supported")
     return nodes.power(base, exponent)
 
 

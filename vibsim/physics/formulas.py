@@ -93,7 +93,7 @@ def power(a: Node, b: Node) -> Node:
     if p.denominator != 1:
         return ("pow", a, p)
     if abs(p) > MOST_EXACT:
-        raise ValueError(f"whole powers beyond {MOST_EXACT} are not taken")
+        raise ValueError(f"whole powers beyond {MOST_EXACT} are not supported")
     if p < 0:
         return div(ONE, power(a, num(-p)))
     result, square, n = ONE, a, int(p)
