@@ -1,4 +1,4 @@
-"""What is imported when it is used, so that `import vibsim` costs next to nothing."""
+"""Imports on first use, so that `import vibsim` costs next to nothing."""
 
 from __future__ import annotations
 

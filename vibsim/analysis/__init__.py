@@ -1,4 +1,4 @@
-"""What a run tells: verdicts on it, each with the numbers and the span that it rests on.
+"""Verdicts on a run, each with the numbers and the span that it rests on.
 
     judge_capture(result)       was the motor captured, since when, until when, at which speed
     measure_drift(result)       how fast the blocks drift, with an interval

@@ -38,7 +38,7 @@ SWINGS = 64  # slowest periods that a free vibration is followed to see it repea
 
 @dataclass(frozen=True, eq=False)
 class Label:
-    """What a run ends on.
+    """The attractor, or other end, of a run.
 
     kind : rest, periodic, quasi-periodic, chaotic, running away or undecided
     reason : why it is undecided

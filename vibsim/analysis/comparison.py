@@ -181,7 +181,7 @@ Distances = tuple[np.ndarray, np.ndarray]  # times [s] and distances [m]
 
 @dataclass(frozen=True)
 class RunDifference:
-    """What two runs do not share: a case value, engine, method, version; "-" where a run has none."""
+    """One item in which two runs differ: a case value, engine, method, version; "-" where a run has none."""
 
     key: str
     a: str

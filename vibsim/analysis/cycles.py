@@ -64,7 +64,7 @@ class ImpactsVerdict(Verdict):
 
 
 class RegimeVerdict(Verdict):
-    """What kind of motion it is."""
+    """Verdict on the kind of motion: rest, periodic, quasi-periodic, chaotic."""
 
     AT_REST = "at rest"
     PERIODIC = "periodic"

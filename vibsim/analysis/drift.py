@@ -195,7 +195,7 @@ class RateSpread:
 
 @dataclass(frozen=True)
 class ImpactsPerCycle:
-    """What happens in the cycles of the source within a span.
+    """Counts of impacts and of other events in the cycles of the source within a span.
 
     Attributes
     ----------
@@ -291,7 +291,7 @@ def words_of(result: Result, ends: np.ndarray, part: str | None = None) -> list[
 
 
 def happenings(result: Result, ends: np.ndarray) -> list[bytes]:
-    """What happens in each cycle between ascending `ends` [s]: kinds and parts of the events, in order."""
+    """Kinds and parts of the events in each cycle between ascending `ends` [s], in order."""
     events = events_within(result, (float(ends[0]), float(ends[-1])), "t", "kind", "part")
     counted = np.isin(events["kind"], [EVENT_KINDS[kind] for kind in LETTERS])
     codes = np.stack([events["kind"], events["part"]], axis=1).astype("i4")[counted]

@@ -183,7 +183,9 @@ class _UnitReader:
         return self._rest(end, over=one is not None)
 
     def _rest(self, end: int, over: bool) -> int:
-        """What follows the first factor; over: whether a divisor came already."""
+        """Position in the text behind the factors that follow the first one; over: whether a divisor came
+        already.
+        """
         while True:
             slash = _OVER.match(self.text, end)
             if slash:
@@ -485,5 +487,5 @@ def _si_text(name: str) -> str:
 
 
 def free_dimension(quantity: Quantity) -> str:
-    """What a number of any unit is: "stiffness", "N/m^3", "number"."""
+    """Name of the kind of a number of any unit: "stiffness", "N/m^3", "number"."""
     return UNITS[quantity.text.partition(" ")[2]].dimension

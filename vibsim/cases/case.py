@@ -182,7 +182,7 @@ class Case:
         return quantity
 
     def measured(self, key: str) -> Measured | None:
-        """What the number at a dotted or short key is, and its range; beside a formula its dimension."""
+        """Quantity and range of the number at a dotted or short key; beside a formula its dimension."""
         full = self.full_key(key)
         return measured_in_case(self._nested, full, self.quantity(full))
 
@@ -199,7 +199,9 @@ class Case:
 
     @property
     def source_kind(self) -> str:
-        """What drives the bodies: motor, base, rotors, formula, harmonic or constant (forces), or none."""
+        """Kind of source that drives the bodies: motor, base, rotors, formula, harmonic or constant (forces),
+        or none.
+        """
         values = self.long_values()
         if "motor" in values or "base" in values:
             return "motor" if "motor" in values else "base"

@@ -68,7 +68,7 @@ def _holds_formula(key: str, value: object) -> bool:
 
 
 def excludes(name: str, one: FormulaKey) -> str:
-    """What is said of a key that excludes a formula."""
+    """Message for a key that excludes a formula."""
     what = "names a built-in law" if name == "law" else "holds harmonics"
     return f"{what}, and {one.key} is a formula; leave one of them out"
 

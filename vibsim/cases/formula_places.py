@@ -88,7 +88,7 @@ class Unreadable(Exception):
 
 
 class FormulaScene:
-    """What formulas may read in a case.
+    """The names that formulas may read in a case.
 
     values : its nested values, texts or what is read from them, of either form
     """
@@ -135,7 +135,7 @@ class FormulaScene:
         return TORQUE if self.torsional else FORCE
 
     def wanted(self, place: FormulaPlace) -> tuple[Dimension | None, str]:
-        """What a formula must come to, and what that is called."""
+        """Dimension that a formula must have, and the name of that quantity."""
         force = "a torque" if self.torsional else "a force"
         if place.key == "force":
             return self.force_dimension, force
@@ -222,7 +222,7 @@ class FormulaScene:
         return {"t": Meaning(nodes.TIME, TIME), "pi": Meaning(PI, PURE)}
 
     def inputs(self) -> dict[str, Meaning]:
-        """What every formula may read: the time, pi, states, and how bodies and rotors move."""
+        """Names that every formula may read: the time, pi, states, and the motion of bodies and rotors."""
         known = self.time_alone()
         for name in self.states:
             known[name] = Meaning(("v", self.index[name]), self.state_dimension(name))

@@ -1,4 +1,4 @@
-"""What is wrong with the formulas of a case, and with the numbers beside them."""
+"""Checks of the formulas of a case, and of the numbers beside them."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -37,7 +37,7 @@ def _by_part(places: list[FormulaPlace]) -> dict[tuple[str, str, str], list[Form
 
 
 def _of_formula(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]:
-    """What is wrong with one formula: its text, its names, its units."""
+    """Problems of one formula: of its text, its names, its units."""
     word = _bare_word(scene, place)
     if word is not None:
         yield word

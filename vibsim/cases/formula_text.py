@@ -38,7 +38,7 @@ COMPARISONS = ("<=", ">=", "<", ">")
 
 
 class FormulaError(ValueError):
-    """What is wrong with a formula, and from which character of its text to which."""
+    """An error in a formula: its message, and from which character of the text to which."""
 
     def __init__(self, message: str, start: int, end: int):
         super().__init__(message)

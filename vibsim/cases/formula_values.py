@@ -31,7 +31,9 @@ SHARES = 8  # terms of a sum, or factors of a product, that are joined one by on
 
 
 class Meaning(NamedTuple):
-    """What a name stands for: a node, and its dimension (None: it fits any, or was reported elsewhere)."""
+    """Meaning of a name in a formula: a node, and its dimension (None: it fits any, or was reported
+    elsewhere).
+    """
 
     node: Node
     dimension: Dimension | None
@@ -63,7 +65,7 @@ class UnitError(FormulaError):
 
 
 def meaning_of_number(quantity: Quantity) -> Meaning:
-    """What a number of the case stands for in a formula."""
+    """Meaning in a formula of a number of the case."""
     return Meaning(number_node(quantity.value, int(quantity.per_turn)), dimension_of(quantity), True)
 
 
@@ -461,7 +463,7 @@ def _power_node(base: Node, exponent: Node) -> Node:
 
 
 def _outside(name: str, x: Fraction) -> str:
-    """What is wrong with a number as the argument of a function; empty where nothing is."""
+    """Message for a number outside the domain of a function; empty where it is inside."""
     if name == "log" and x <= 0:
         return "the logarithm of a number that is not above 0"
     if name in ("asin", "acos") and abs(x) > 1:

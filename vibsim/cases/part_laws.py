@@ -47,7 +47,7 @@ class Direction(NamedTuple):
 
 
 def directions(part: dict[str, Any]) -> tuple[Direction, Direction]:
-    """What the coefficients of a friction say of slip forwards and backwards."""
+    """Friction coefficients of a part for slip forwards and backwards."""
     of_law = DIRECTIONS[part.get("law", COULOMB)]
     forwards, backwards = (of_law(part.get(side) or part) for side in SIDES)
     return forwards, backwards
@@ -178,7 +178,7 @@ def stops_have_their_law(draft: Draft) -> Iterator[FoundDefault]:
 
 @dataclass(frozen=True)
 class LimitKeys:
-    """What a rigid stop allows: x of the end `far` - x of the end `near` <= gap [m]."""
+    """Keys of a rigid stop: x of the end `far` - x of the end `near` <= gap [m]."""
 
     stop: str  # key
     ends: Ends  # as written

@@ -244,7 +244,7 @@ def _formulas(draft: Draft) -> Iterator[str]:
 
 
 def products_fit(draft: Draft) -> Iterator[FoundDefault]:
-    """What is computed from several values must fit a double as they do."""
+    """Problems of values computed from several others: they must fit a double too."""
     for key, name, factors in _products(draft):
         numbers = [factor.number() for factor in factors if factor is not None]
         if len(numbers) == len(factors) and all(numbers) and not SMALLEST <= abs(prod(numbers)) <= LARGEST:
@@ -387,7 +387,7 @@ RULES: tuple[Callable[[Draft], Iterator[FoundDefault]], ...] = (
 
 
 def findings(flat: Mapping[str, Any], values: Mapping[str, Any], form: Form) -> list[FoundDefault]:
-    """What the rules find.
+    """Problems found by the rules.
 
     flat : dotted key -> value that can be read; values : the nested texts of the case
     """

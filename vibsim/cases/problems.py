@@ -1,4 +1,4 @@
-"""What is wrong with a case: one problem per line, all problems at once."""
+"""Problems of a case: one per line, all at once."""
 
 import re
 from collections.abc import Collection, Iterable, Sequence
@@ -179,7 +179,7 @@ def did_you_mean(word: str, allowed: Iterable[str]) -> str:
 
 
 def unsupported(word: str) -> str:
-    """What there is in place of something that no scene has, or has under no key, and where that is written;
+    """Where to look instead of something that no scene has, or has under no key, and where that is written;
     empty for others.
     """
     for limits, what, page in (

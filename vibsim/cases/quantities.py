@@ -208,7 +208,7 @@ def _out_of_range(text: str) -> QuantityError:
 
 
 def allowed_units(dimension: str, alternative: str = "") -> str:
-    """What may be written, in words: "a length in m, mm, um or cm"."""
+    """Values that may be written, in words: "a length in m, mm, um or cm"."""
     *names, last = unit_names(dimension) or [""]
     listed = f"{', '.join(names)} or {last}" if names else last
     article = "an" if dimension[0] in "aeiou" else "a"
@@ -425,7 +425,7 @@ def parse_range(text: str, bare_unit: str = "") -> list[RangeValue]:
 
 
 def without_log(text: str) -> str | None:
-    """What stands behind the word log of a range by ratio; None for any other text."""
+    """Text behind the word log of a range by ratio; None for any other text."""
     word, *rest = text.split(maxsplit=1) or [""]
     return (rest or [""])[0] if word == "log" else None
 

@@ -98,7 +98,7 @@ def check_time(text: str) -> Quantity:
 
 
 def _changes(case: Case, key: str, ramp: Ramp, over: str) -> dict[str, object]:
-    """What `--set` would have to say: formulas and the numbers beside them."""
+    """Changes as `--set` would take them: formulas and the numbers beside them."""
     if _takes_formula(case._nested, key):
         _check_values(case, key, ramp)
         part, _, name = key.rpartition(".")

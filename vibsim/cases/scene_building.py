@@ -230,7 +230,7 @@ class _SceneBuilder:
         )
 
     def section(self, name: str) -> Any:
-        """What of the scene a section of the case makes."""
+        """Part of the scene that a section of the case makes."""
         part = self.values.get(name, {})
         if name == "base":
             return () if "x" in part else self.harmonics(part, "a")
@@ -257,7 +257,7 @@ class _SceneBuilder:
         return (*bodies, *self.rotating(self.formulas), *self.further())
 
     def of_formulas(self) -> dict[str, Any]:
-        """What a scene has of formulas alone."""
+        """The parts of a scene that only formulas make."""
         if self.formulas is None:
             return {"torsional": True} if form_of(self.values).torsional else {}
         base = self.formulas.node("base", "", "x") if self.formulas.has("base", "", "x") else None
@@ -370,7 +370,7 @@ class _SceneBuilder:
         return None if side.hold == side.slip + side.drop else self.numbers.convert(side.hold * load, 0)
 
     def fall(self, part: Values, side: Direction, load: Any) -> Fall | None:
-        """What of a friction falls with speed in one direction."""
+        """The force of a friction that falls with speed in one direction."""
         if not side.drop:
             return None
         drop, rate = self.numbers.convert(side.drop * load, 0), self.numbers.convert(side.rate, 0)

@@ -1,4 +1,4 @@
-"""What may stand at which key of the short form of a case, and what sections of both forms share."""
+"""Keys of the short form of a case and their values, and the sections that both forms share."""
 
 from functools import cached_property
 from inspect import cleandoc
@@ -69,7 +69,7 @@ class Key:
         return value
 
     def default_value(self) -> Any:
-        """What stands at the key where it is left out; never the same mapping twice."""
+        """The value of the key where it is left out; never the same mapping twice."""
         return dict(self._default) if isinstance(self._default, dict) else self._default
 
     def json(self, sections: dict[str, Json]) -> Json:
@@ -82,7 +82,7 @@ class Key:
 
 
 def key(description: str = "", default: Any = REQUIRED, examples: list[str] | None = None) -> Any:
-    """What a class says of a key beside its annotation."""
+    """Description of a key beside its annotation in a class."""
     return Key(None, default, description, examples or [])
 
 
@@ -211,7 +211,7 @@ class WithFormulas(Section):
 
     @classmethod
     def _json_condition(cls, key: str) -> Json:
-        """What a section with a formula at a key looks like."""
+        """JSON Schema of a section with a formula at a key."""
         if key in ALWAYS:
             return {"required": [key]}
         return {"required": [key], "properties": {key: {"type": "string", "pattern": "[A-Za-z_(]"}}}
@@ -408,7 +408,7 @@ class RunKeys(Section):
 
 
 class CaseHead(Section):
-    """What every case file has: what it extends, its name and its title."""
+    """Head of every case file: the file that it extends, its name and its title."""
 
     extends: str | None = key(
         default=None, description="another case file, or a shipped case, that this one starts from"

@@ -142,7 +142,7 @@ def of_one_form(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def mixed_problems(values: Mapping[str, Any], place: Any) -> Iterator[Problem]:
-    """What is wrong with a case that mixes the forms; place : key -> Place of the key."""
+    """Problems of a case that mixes the forms; place : key -> Place of the key."""
     form = form_of(values)
     for name in mixed_keys(values):
         at: Place = place(name)
@@ -307,7 +307,7 @@ def all_keys(form: Form = SHORT) -> dict[str, Measured | None]:
 
 
 def measured_at(key: str) -> Measured | None:
-    """What is measured at the dotted key of a number, in either form of case."""
+    """Quantity measured by the number at a dotted key, in either form of case."""
     if key in all_keys():
         return all_keys()[key]
     return all_keys(LONG).get(LONG.pattern(key))
@@ -388,7 +388,7 @@ SIDE_SECTIONS = ("plus", "minus", "terms", "A")  # keys of parts that hold keys 
 
 
 def measured_in_case(values: Mapping[str, Any], key: str, quantity: Quantity) -> Measured | None:
-    """What is measured at the dotted key of a number of a case: of one beside a formula, what that is."""
+    """Quantity measured by the number at a dotted key of a case; beside a formula from its unit."""
     form = form_of(values)
     known = all_keys(form).get(form.pattern(key))
     if known is not None and not is_free(values, key):

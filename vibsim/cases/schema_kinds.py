@@ -1,4 +1,4 @@
-"""What may stand at a key of a case: how it is read, what is said where it is wrong, its JSON Schema.
+"""Kinds of values at a key of a case: how each is read, its messages where it is wrong, its JSON Schema.
 
 A kind follows from the annotation of a key: Annotated[Quantity, Measured("mass")], Literal["warn", "stop"],
 str, Ends, a section, a section or None, dict[str, Link].
@@ -20,7 +20,7 @@ Location = tuple[str, ...]  # keys, and variants such as "(motor)"
 
 
 class Fault(NamedTuple):
-    """What is wrong at one place of a case.
+    """One fault at one place of a case.
 
     Attributes
     ----------
@@ -147,7 +147,9 @@ class Single(NamedTuple):
 
 
 class Optional(NamedTuple):
-    """What may be left out; None stands for that in files that vibsim wrote, and nothing does in a case."""
+    """A value that may be left out; None stands for that in files that vibsim wrote, and nothing does in a
+    case.
+    """
 
     of: KeyKind
 

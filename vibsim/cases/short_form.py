@@ -53,7 +53,7 @@ class Ends(NamedTuple):
 
 
 class _TwoEnds:
-    """What a key that holds two ends takes."""
+    """The value of a key that holds two ends."""
 
     def read(self, value: object) -> Ends:
         ends = Ends.read(value)
@@ -71,7 +71,7 @@ class _TwoEnds:
 
 
 def _shown_places(value: dict[str, object]) -> str:
-    """What stands in place of the two ends, a list or a mapping, with what has been reported already left
+    """Text in place of the two ends, a list or a mapping, with what has been reported already left
     out.
     """
     items = {place: item if isinstance(item, str) else "..." for place, item in value.items()}
@@ -298,7 +298,7 @@ CALLED = {
 
 
 class FoundDefault(NamedTuple):
-    """What a rule finds wrong.
+    """A fault that a rule found.
 
     Attributes
     ----------
@@ -323,7 +323,7 @@ class Draft:
         self.flat, self.values, self.torsional = flat, values, torsional
 
     def section(self, *path: str) -> dict[str, Any]:
-        """What stands at a path, where that is a mapping; else nothing."""
+        """The mapping at a path; empty where something else stands there."""
         inner: Any = self.values
         for name in path:
             inner = inner.get(name) if isinstance(inner, dict) else None

@@ -120,7 +120,7 @@ def called_as_result(source: str) -> bool:
 
 
 def _no_case_but(source: str) -> str:
-    """What a source with the name of a result file is instead of a case."""
+    """Message for a source that has the name of a result file."""
     if isdir(source):
         return _no_case_but_a_folder(Path(source))
     if not isfile(source):
@@ -320,7 +320,7 @@ def _is_no_case(mapping: yaml_nodes_Mapping) -> bool:
 
 
 def _parent(extends: Text, source: SourceText, chain: list[str], tree: Tree) -> yaml_nodes_Mapping | None:
-    """What a file extends; None, with a problem at that line, where it cannot be read."""
+    """The file that a file extends; None, with a problem at that line, where it cannot be read."""
     try:
         if extends.text == "-":
             raise CaseError([Problem("-", None, None, "", "standard input cannot be extended")])

@@ -1,4 +1,4 @@
-"""What is wrong with the keys and values of a case, in words and at its place in the file."""
+"""Problems of the keys and values of a case, in words and at their place in the file."""
 
 import json
 from collections.abc import Callable, Iterator, Mapping
@@ -82,7 +82,7 @@ def _unknown_key(location: Location, value: object, form: Form) -> str:
 
 
 def _states_of(around: list[str], form: Form) -> list[str]:
-    """What the start of a body has, or of the rotor: the schema has one section for both."""
+    """Keys of the start of a body, or of the rotor: the schema has one section for both."""
     if "initial" not in form.named or len(around) != 2 or around[0] != "initial":
         return []
     return ["phi", "phidot"] if around[1] == "motor" else ["x", "v"]
@@ -361,7 +361,7 @@ def _checked(values: dict[str, Any], tree: Tree, form: Form) -> tuple[CaseHead |
 
 
 def _problems_of_parts(values: dict[str, Any], tree: Tree, form: Form) -> list[Problem]:
-    """What the rules of the long form find; not what is the fault of a file that could not be read."""
+    """Problems found by the rules of the long form, without those of a file that could not be read."""
     from vibsim.cases.part_rules import findings
 
     if not tree.complete:
@@ -370,7 +370,7 @@ def _problems_of_parts(values: dict[str, Any], tree: Tree, form: Form) -> list[P
 
 
 def _problems_of_formulas(values: dict[str, Any], tree: Tree) -> list[Problem]:
-    """What is wrong with formulas; a case without them is not looked at any further."""
+    """Problems of formulas; a case without them is not looked at any further."""
     if not (tree.complete and has_formulas(values)):
         return []
     from vibsim.cases.formula_rules import formula_findings
@@ -379,7 +379,7 @@ def _problems_of_formulas(values: dict[str, Any], tree: Tree) -> list[Problem]:
 
 
 def _found(finding: FoundDefault, tree: Tree) -> Problem:
-    """What a rule found, at its place; of a formula, at the character that is to blame."""
+    """Problem that a rule found, at its place; of a formula, at the character that is to blame."""
     place = (tree.key_place if finding.of_the_name else tree.place)(finding.key)
     if finding.span is not None:
         place = tree.place_inside(finding.key, finding.span[0])
@@ -504,7 +504,7 @@ def _exact(flat: Flat, key: str) -> Fraction | None:
 
 
 def _derived_numbers_fit(flat: Flat) -> Iterator[Contradiction]:
-    """What is computed from several values must fit a double as they do; in doubles an overflow is inf."""
+    """Values computed from several others must fit a double as they do; in doubles an overflow is inf."""
     for name, factors in PRODUCTS.items():
         values = [flat.get(factor) for factor in factors]
         numbers = [factor.number() for factor in values if isinstance(factor, Quantity)]

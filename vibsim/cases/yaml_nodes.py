@@ -116,7 +116,7 @@ def read_yaml(text: str, file: str) -> tuple[Mapping | None, list[Problem]]:
 
 
 def _read_by(parser: Any, text: str, file: str) -> tuple[Mapping | None, list[Problem]]:
-    """What `read_yaml` returns, by a parser of PyYAML."""
+    """Result of `read_yaml`, by a parser of PyYAML."""
     reader = _Reader(file, text)
     try:
         root = reader.document(yaml.parse(text, Loader=parser))
@@ -273,7 +273,7 @@ class _Reader:
 
 
 def _null_message(key: str, value: str) -> str:
-    """What to say of a key without a value; commas and colons out of place make such keys."""
+    """Message for a key without a value; commas and colons out of place make such keys."""
     section, _, name = key.rpartition(".")
     what = f"must not be null, got {value}" if value else "has no value"
     if value == "" and name[:1].isdigit():

@@ -217,7 +217,7 @@ set_option = click.option(
 
 @dataclass
 class Settings:
-    """What the global options say; `ctx.obj` of every command.
+    """The global options; `ctx.obj` of every command.
 
     verbose : print more; quiet : print nothing but errors; json : results as JSON on stdout
     """

@@ -100,7 +100,7 @@ def counts_of(result: Result) -> dict[str, dict[str, int]]:
 
 
 def orbit_text(attrs: Mapping[str, Any], scene: Scene) -> str:
-    """What is known of the periodic orbit that a file holds."""
+    """Summary of the periodic orbit that a file holds."""
     turns = scene.has_motor or turning_rotor(scene) is not None
     periods = counted(attrs["orbit_periods"], "turn" if turns else "period")
     stable = "stable" if attrs["orbit_stable"] else "unstable"
@@ -180,7 +180,7 @@ def motion_text(attrs: dict[str, Any]) -> str:
 
 
 def rest_distance_text(attrs: dict[str, Any], scene: Scene) -> str:
-    """What the run needs, and what the case has."""
+    """The rest distance that the run needs, and the one of the case."""
     needed = attrs.get("rest_distance_needed")
     text = "unknown: the samples are too far apart" if needed is None else f"needs {metres(needed)}"
     if not scene.clearances:
@@ -305,7 +305,7 @@ def motor_text(motor: Motor) -> str:
 
 
 def count_lines(counts: Mapping[str, Mapping[str, int]]) -> Lines:
-    """What happened to each part, as counted by `part_counts`."""
+    """Counts of the events of each part, as lines from `part_counts`."""
     texts = [
         f"{name}: {', '.join(happened(number, word) for word, number in of_part.items())}"
         for name, of_part in counts.items()
@@ -321,7 +321,7 @@ def happened(number: int, word: str) -> str:
 
 
 def clearance_lines(scene: Scene, attrs: Mapping[str, Any], counts: Mapping[str, Mapping[str, int]]) -> Lines:
-    """What each clearance needs, and what it has."""
+    """Width that each clearance needs, and the one that it has, as lines."""
     needed = attrs.get("clearances_needed", [None] * len(scene.clearances))
     for i, (part, distance) in enumerate(zip(scene.clearances, needed, strict=True)):
         text = "unknown: the samples are too far apart"
@@ -353,7 +353,7 @@ def exponent_lines(result: Result) -> list[tuple[str, str]]:
 
 
 def exponent_object(result: Result) -> dict[str, Any]:
-    """What the intervals and warnings add to the attributes of a run."""
+    """Attributes of a run that hold its exponents, with their intervals and warnings."""
     from vibsim.analysis.exponents import stored_exponents
 
     lyapunov = stored_exponents(result)

@@ -1,4 +1,4 @@
-"""What a run on either engine gives: blocks of columns by name, totals, states between events."""
+"""Results of a run on either engine: blocks of columns by name, totals, states between events."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Block:
 
 
 class Wishes(TypedDict, total=False):
-    """What a run is to keep besides samples and events; see `open_trajectory`.
+    """Options of what a run keeps besides samples and events; see `open_trajectory`.
 
     tangent : number of disturbances, and from when their growth counts [s]
     extremes : columns of the pairs, the stops whose gaps are watched, since when [s]
@@ -66,7 +66,7 @@ class Wishes(TypedDict, total=False):
 
 
 class Trajectory(Generic[N]):
-    """What both engines share: how rows of numbers become columns by name."""
+    """Base of both engines' runs: makes columns by name of rows of numbers."""
 
     engine = ""
 

@@ -282,8 +282,8 @@ class CRun:
         return EngineError(REASONS[status], State(*tally["state"]), part)
 
     def _block(self, counts: Sequence[int], finished: int) -> Filled:
-        """What C has filled, whose arrays are given away where they hold much and copied where they are to
-        be filled again.
+        """Block of what C has filled, whose arrays are given away where they hold much and copied where they
+        are to be filled again.
         """
         samples, events, section = counts
         of = zip(self.arrays, (samples, samples, events, events, section), strict=True)
@@ -358,7 +358,7 @@ class CRun:
 
     @property
     def disturbances(self) -> dict[str, Any]:
-        """What `TangentBundle.entries` tells."""
+        """Result of `TangentBundle.entries`."""
         entries = self.run.disturbances()
         near = *entries["near"], max(entries["fastest"], default=0)
         return entries | {"lost": [bool(one) for one in entries["lost"]], "near": near}

@@ -82,7 +82,7 @@ class Ledger(Generic[N]):
             entries[meter.entry] = entries[meter.entry] + length * (meter.factor * total)
 
     def _rate(self, meter: LedgerIntegral[N], point: QuadratureNode[N]) -> N:
-        """What a meter integrates, at a node."""
+        """Integrand of a ledger integral at a node."""
         v = point.v
         if meter.kind == SQUARE:
             u = v[meter.P] - v[meter.Q]
@@ -126,8 +126,8 @@ class Ledger(Generic[N]):
 def struck_entries(
     scene: Scene[N], names: Sequence[Entry], touch: SimultaneousImpacts[N], V: N
 ) -> list[tuple[int, N]]:
-    """What rigid stops add to the entries `names`, as [(number of the entry, value)]: loss at the stops, work
-    and impulses of ground and base.
+    """Shares of rigid stops in the entries `names`, as [(number of the entry, value)]: loss at the stops,
+    work and impulses of ground and base.
 
     V: velocity of the base [m/s]. A blow takes L (g' before + g' after) / 2; the base gives V times its
     impulse. What sequences leave out at their ends goes where their blows went.

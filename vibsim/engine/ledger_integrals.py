@@ -83,7 +83,7 @@ class Meters(Generic[N]):
 
 @dataclass
 class QuadratureNode(Generic[N]):
-    """What the meters read at a node of the quadrature: velocities by column [m/s], speed of the rotor
+    """Values at a node of the quadrature: velocities by column [m/s], speed of the rotor
     [rad/s], forces [N] and functions of the rows; 0 and empty where no meter reads them.
     """
 

@@ -191,7 +191,7 @@ def _places(scene: Scene, part: Stop | Clearance, state: State) -> Ends:
 
 
 def _at_ends(part: Stop | RigidStop | Clearance, values: Sequence[float], of_base: float) -> Ends:
-    """What the ends of a part have: of `values` by body, of the base, and 0 on the ground."""
+    """Values at the ends of a part: of `values` by body, of the base, and 0 on the ground."""
     P, Q = (values[end] if end >= 0 else of_base if end == BASE else 0.0 for end in (part.P, part.Q))
     return P, Q
 

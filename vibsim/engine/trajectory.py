@@ -96,7 +96,7 @@ def _in_c(scene: Scene, wishes: Wishes) -> bool:
 
 
 def extremes_of(scene: Scene, ends: Sequence[Edge], since: float) -> tuple[list[Edge], list[Gap], float]:
-    """What `Extremes` is told: columns of the pairs, the stops whose gap is told by one of them, the time."""
+    """Arguments of `Extremes`: columns of the pairs, the stops whose gap is that of one of them, the time."""
     pairs = [(scene.column(P), scene.column(Q)) for P, Q in ends]
     gaps: list[Gap] = []
     for i, stop in enumerate(scene.stops):

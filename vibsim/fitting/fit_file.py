@@ -70,7 +70,7 @@ def write_fit(path: Path, fit: FitResult) -> None:
 
 
 def file_values(fit: FitResult) -> dict[str, Any]:
-    """What stands in the datasets of a fit, by name."""
+    """Values of the datasets of a fit, by name."""
     return {**_scales(fit), **_described(fit), **_read_measured(fit), **_read_judged(fit)}
 
 
@@ -96,7 +96,7 @@ def _described(fit: FitResult) -> dict[str, Any]:
 
 
 def _read_measured(fit: FitResult) -> dict[str, Any]:
-    """What came of each run."""
+    """Measurements of each run."""
     candidates, cases, starts = fit.candidates, range(len(fit.plan.cases)), range(fit.plan.all_starts)
     index = product([one.number for one in candidates], cases, starts)
     runs = [fit.runs.get(each) or SweepPoint(each, MISSING, "") for each in index]
@@ -108,7 +108,7 @@ def _read_measured(fit: FitResult) -> dict[str, Any]:
 
 
 def _read_judged(fit: FitResult) -> dict[str, Any]:
-    """What every candidate is worth; NaN, and rank 0, for one that is not in the ranking."""
+    """Score of every candidate; NaN, and rank 0, for one that is not in the ranking."""
     numbers = [one.number for one in fit.candidates]
     judged = {each.candidate.number: each for each in fit.ranking}
     ranks = {number: rank for rank, number in enumerate(judged, start=1)}

@@ -104,7 +104,7 @@ class FitResult(Labelled):
         return np.nan if point is None else point.values.get(HORIZON, np.nan)
 
     def own_value(self, candidate: Candidate, statement: Statement) -> float:
-        """What was measured for a statement from the case's own start; NaN where it has it not."""
+        """Value measured for a statement from the case's own start; NaN where it has it not."""
         return float(values_of(self.plan, statement, candidate.number, self.runs, [0])[0])
 
     def within_horizon(self, candidate: Candidate, statement: Statement) -> bool | None:
@@ -116,7 +116,7 @@ class FitResult(Labelled):
         return statement.decided_at(self.own_value(candidate, statement), t_end) <= horizon
 
     def values(self, statement: Statement, candidate: Candidate) -> np.ndarray:
-        """What was measured for a statement from every start (n), fresh ones last; NaN: not run or none."""
+        """Values measured for a statement from every start (n), fresh ones last; NaN: not run or none."""
         position = str(self.plan.asked[statement.case].index(statement.asked))
         points = [
             self.runs.get((candidate.number, statement.case, start)) for start in range(self.plan.all_starts)
@@ -139,7 +139,7 @@ class FitResult(Labelled):
         return target
 
     def arrays(self) -> Arrays:
-        """What its file holds: a row per candidate; by case, statement and start what was measured."""
+        """Arrays of its file: a row per candidate; by case, statement and start what was measured."""
         shown = (*[f"value_{each.name}" for each in self.plan.free][:1], "price", "share")
         return Arrays.of_values(datasets_of(self.plan), file_values(self), (CANDIDATE,), self.attrs, shown)
 
@@ -186,7 +186,7 @@ def describe(path: str | Path) -> tuple[Lines, dict[str, Any]]:
 
 
 def fit_lines(fit: FitResult) -> Lines:
-    """What was sought, among what, from which starts."""
+    """Summary of a fit: what was sought, among which candidates, from which starts."""
     plan = fit.plan
     lines = [("case", f"{case.name}  {case.title}") for case in plan.cases]
     lines += [("free", str(each)) for each in plan.free]

@@ -214,7 +214,7 @@ class FitStore(Store[SweepPoint]):
 
     @property
     def result(self) -> FitResult:
-        """What there is of the fit."""
+        """The fit as far as it is computed."""
         attrs = {**self.attrs, "complete": int(self.complete), "runs": len(self.runs)}
         return FitResult(attrs, self.plan, self.candidates, self.runs)
 
@@ -224,7 +224,7 @@ NAMES = {"free": "free parameters", "starts": "starts", "search": "search settin
 
 
 def _differences(plan: FitPlan, cases: Sequence[Case], stored: str) -> list[str]:
-    """What differs between a plan and the fit on file, in words."""
+    """Differences between a plan and the fit on file, in words."""
     ours, theirs = json.loads(json.dumps(plan.settings)), json.loads(stored)
     named = [NAMES.get(key, key) for key in ours if ours[key] != theirs.get(key)]
     same_cases = [case.sha256 for case in plan.cases] == [case.sha256 for case in cases]

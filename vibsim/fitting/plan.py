@@ -1,4 +1,4 @@
-"""What a fit is to do: cases, free parameters, readings, statements, starts, and how it searches."""
+"""Plan of a fit: cases, free parameters, readings, statements, starts, and how it searches."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ class FitPlan:
         return old and replace(old, count=len(old) + self.search.fresh)
 
     def start(self, position: int) -> dict[str, str]:
-        """What a start changes in a case; the first one nothing."""
+        """Changes of a case by a start; the first one has none."""
         return self.drawn.changes(position - 1) if position and self.drawn else {}
 
     def statements_on(self, case: int) -> list[Statement]:
@@ -109,7 +109,7 @@ class FitPlan:
 
     @cached_property
     def asked(self) -> tuple[tuple[Asked, ...], ...]:
-        """What is measured of each case, each once."""
+        """Observables of each case, each once."""
         return tuple(
             tuple(dict.fromkeys(each.asked for each in self.statements_on(case)))
             for case in range(len(self.cases))
@@ -117,7 +117,7 @@ class FitPlan:
 
     @cached_property
     def work(self) -> Work:
-        """What workers need to know besides their tasks."""
+        """Data that workers need besides their tasks."""
         return Work(self.cases, self.asked)
 
     def task(self, candidate: Candidate, case: int, start: int) -> FitTask:
@@ -202,7 +202,7 @@ class FitTask:
 
 @dataclass(frozen=True)
 class Work:
-    """What all runs have in common: the cases, and what is measured of each."""
+    """Data common to all runs: the cases, and the observables of each."""
 
     cases: tuple[Case, ...]
     asked: tuple[tuple[Asked, ...], ...]
@@ -255,7 +255,7 @@ def run(case: Case, engine: str, go_on: Callable[[], bool] | None, trust: bool =
 
 
 def measure(result: Result, asked: tuple[Asked, ...]) -> dict[str, float]:
-    """What is asked of a run, by position as text; NaN where the run has no such quantity."""
+    """Observables of a run, by position as text; NaN where the run has no such quantity."""
     return {
         str(i): each.observable.measure(result, each.window_in(result.t_reached), each.argument)
         for i, each in enumerate(asked)

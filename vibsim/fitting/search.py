@@ -167,7 +167,7 @@ Watch = Callable[[str, int, int], bool]  # what is done, how many runs of it, of
 
 
 class Evaluation:
-    """What is known of the candidates of a plan, and the means to know more."""
+    """Knowledge of the candidates of a plan, and the means to know more."""
 
     def __init__(
         self,
@@ -313,7 +313,7 @@ def judge(
 def values_of(
     plan: FitPlan, statement: Statement, number: int, runs: Mapping[Index, SweepPoint], starts: Sequence[int]
 ) -> np.ndarray:
-    """What was measured for a statement from each start (n); NaN where the run failed or does not have it."""
+    """Values measured for a statement from each start (n); NaN where the run failed or does not have it."""
     position = str(plan.asked[statement.case].index(statement.asked))
     return np.array([runs[number, statement.case, start].values.get(position, np.nan) for start in starts])
 

@@ -25,7 +25,7 @@ MOST = 0.8  # share of the starts from which a statement should hold, unless it 
 
 @dataclass(frozen=True)
 class Asked:
-    """What is to be measured of a run: an observable by name, with its argument and window if it has them."""
+    """An observable of a run by name, with its argument and window if it has them."""
 
     name: str
     argument: float = 0.0
@@ -34,7 +34,7 @@ class Asked:
 
     @property
     def observable(self) -> Observable:
-        """What it is, and how it is measured."""
+        """The observable, and how it is measured."""
         return OBSERVABLES[self.name]
 
     def window_in(self, t_end: float) -> Window | None:
@@ -206,7 +206,7 @@ def _argument(tail: str, phrase: Phrase, observable: Observable) -> tuple[str, f
 
 
 def _windowed(tail: str, asked: Asked, observable: Observable, case: Case) -> tuple[str, Asked]:
-    """What is left of the tail, and what is asked within the window that it names."""
+    """The tail without the window that it names, and the observable within that window."""
     padded, t_end = f" {tail}", case.number("run.t_end")
     last, over = _LAST.search(padded), _OVER.search(padded)
     after = _AFTER.search(padded) if observable.dimension != "time" else None
@@ -278,7 +278,7 @@ READING, SEARCHED = "reading", "search"
 
 @dataclass(frozen=True)
 class Candidate:
-    """What is judged: the values that it changes in every case.
+    """A candidate: the values that it changes in every case.
 
     Attributes
     ----------
@@ -325,7 +325,7 @@ def read_reading(cases: list[Case], text: str) -> dict[str, str]:
 
 
 def leaving_price(cases: list[Case], changes: dict[str, str], free: tuple[FreeParameter, ...]) -> float:
-    """What the changes cost: of a free parameter its price, of another number that of a usual free one."""
+    """Penalty of the changes: of a free parameter its own, of another number that of a usual free one."""
     prices = {each.key: each for each in free}
     return sum(
         sum(_price(case, key, text, prices.get(key)) for case in cases) / len(cases)
@@ -399,7 +399,7 @@ class FreeParameter:
         return f"{value!r} {self.unit}".strip()
 
     def price(self, value: float) -> float:
-        """What leaving the printed value for this one costs, on the average of the cases."""
+        """Penalty for leaving the printed value for this one, on the average of the cases."""
         return self.leave * sum(self._distance(value, each) for each in self.printed) / len(self.printed)
 
     def _distance(self, value: float, printed: float) -> float:

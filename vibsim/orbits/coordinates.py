@@ -511,7 +511,7 @@ class PoincareSection:
 
     @property
     def of_return(self) -> str:
-        """What is counted from one return to the next."""
+        """Unit counted from one return to the next."""
         if self.body:
             return f"swing of {self.body}"
         return "period of the source" if self.timed else f"turn of {self.rotor or 'the motor'}"

@@ -106,7 +106,7 @@ def _first(return_map: ReturnMap, X: np.ndarray, T: float | None) -> Return:
 
 
 def _remedy(end: Return) -> str:
-    """What to do where a motion has come to rest."""
+    """Advice where a motion has come to rest."""
     if any(friction.belt for friction in end.coordinates.scene.frictions):
         return "start from a run that has settled more"
     return "nothing feeds this scene, which comes to rest in the end; drive it, or take its losses out"
@@ -361,7 +361,7 @@ def growing(points: np.ndarray, coordinates: Coordinates, n: int = 1) -> str | N
 
 
 def _released(coordinates: Coordinates, i: int) -> str:
-    """What lets a displacement drift, and what to do about it."""
+    """Cause of a displacement that drifts, and advice."""
     scene = coordinates.scene
     body = coordinates.components.index(coordinates.names[i].partition("-")[0])
     stops = [stop.name for stop in _stops_of(scene, body)]

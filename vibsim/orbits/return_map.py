@@ -103,7 +103,7 @@ class Return:
 
     @property
     def _missing(self) -> float:
-        """What is left of the turn, as weighed [m/s]: of a motor, or the velocity of the body that turns."""
+        """Remainder of the turn, as weighed [m/s]: of a motor, or the velocity of the body that turns."""
         if self.tilt is None:
             return 0.0
         if self.coordinates.section.turning:

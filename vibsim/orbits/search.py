@@ -224,7 +224,7 @@ SAME_ORBIT = 1e-6  # of the size of the points: orbits nearer than that are one
 
 @dataclass(frozen=True)
 class NewtonAttempt:
-    """What came of one start.
+    """Result of Newton's method from one start.
 
     orbits : those that were not there before
     met : numbers of all that the start led to, in the order in which they were first found, from 0

@@ -1,4 +1,4 @@
-"""What the multipliers of an orbit say: which bifurcations are near."""
+"""Stability from the multipliers of an orbit: which bifurcations are near."""
 
 from __future__ import annotations
 

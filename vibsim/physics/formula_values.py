@@ -99,7 +99,7 @@ PANELS = 8  # of an integral, each of twelve nodes: a polynomial of degree 23 on
 def inputs_at(
     scene: Scene[Any], t: float, x: Sequence[float], v: Sequence[float], rotor: Sequence[float] = (0.0, 0.0)
 ) -> dict[Node, float]:
-    """What formulas read at a time [s]: x and v of each body, angle and speed of a motor."""
+    """Values that formulas read at a time [s]: x and v of each body, angle and speed of a motor."""
     inputs: dict[Node, float] = {TIME: t, ("phi",): rotor[0], ("w",): rotor[1]}
     for i, (place, velocity) in enumerate(zip(x, v, strict=False)):
         inputs["x", i], inputs["v", i] = float(place), float(velocity)
@@ -120,7 +120,7 @@ def _base_at(scene: Scene[Any], t: float) -> tuple[float, float]:
 
 
 def start_inputs(scene: Scene[Any]) -> dict[Node, float]:
-    """What formulas read at the start of a scene."""
+    """Values that formulas read at the start of a scene."""
     motor = scene.motor
     rotor = (0.0, 0.0) if motor is None else (float(motor.phi), float(motor.phidot))
     bodies = scene.bodies

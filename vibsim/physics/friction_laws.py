@@ -22,7 +22,7 @@ HYPERBOLIC, EXPONENTIAL = "stribeck hyperbolic", "stribeck exponential"
 
 
 class Law(Protocol):
-    """What each of the laws has."""
+    """Interface of the friction laws."""
 
     @property
     def NUMBER(self) -> int: ...

@@ -69,7 +69,7 @@ class Number(Protocol):
 
 
 class Kit(Protocol[N]):
-    """What the Python engine asks of a number type; `Doubles` says what each name means."""
+    """Interface of a number type as the Python engine needs it; `Doubles` documents each name."""
 
     @property
     def name(self) -> str: ...

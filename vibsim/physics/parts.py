@@ -158,7 +158,7 @@ class Stop(Generic[N]):
 
 @dataclass(frozen=True)
 class Fall(Generic[N]):
-    """What of a friction force falls with the speed of slip: drop f(s) [N], s = rate |v_rel|, rate in s/m.
+    """Fall of a friction force with the speed of slip: drop f(s) [N], s = rate |v_rel|, rate in s/m.
 
     law : of vibsim.physics.friction_laws, f(0) = 1
     """
@@ -234,7 +234,7 @@ class Friction(Generic[N]):
         )
 
     def fall(self, sense: int) -> Fall[N] | None:
-        """What falls with speed while it slips: sense > 0 forwards, < 0 backwards."""
+        """Force that falls with speed while it slips: sense > 0 forwards, < 0 backwards."""
         return self.fall_forward if sense > 0 else self.fall_backward
 
     def drops(self, sense: int) -> bool:
@@ -442,7 +442,7 @@ class Scene(Sampled[N], Generic[N]):
         return replace(self, every_num=2 * ceil(float(self.t_end)) or 1, every_den=1)
 
     def end_name(self, end: int) -> str:
-        """What an end of a part is called: a body's name, ground or base."""
+        """Name of an end of a part: a body's name, ground or base."""
         return {GROUND: "ground", BASE: "base"}.get(end) or self.bodies[end].name
 
 

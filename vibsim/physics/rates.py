@@ -60,7 +60,7 @@ def mobility(scene: Scene[N], ends: Iterable[int]) -> N | int:
 
 
 def _linear_parts(scene: Scene[Any]) -> list[Spring]:
-    """What formulas are for small motions about the start."""
+    """Springs that formulas are for small motions about the start."""
     if not scene.has_formulas:
         return []
     from vibsim.physics.formula_values import linear_parts

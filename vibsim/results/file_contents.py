@@ -1,4 +1,4 @@
-"""What an HDF5 file holds, as data: columns, datasets and attributes. Files are written and checked by it."""
+"""Contents of an HDF5 file as data: columns, datasets and attributes. Files are written and checked by it."""
 
 import math
 import platform
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Column:
-    """What the numbers or texts of a column are.
+    """Meaning of the numbers or texts of a column.
 
     Attributes
     ----------

@@ -162,7 +162,7 @@ def _type_name(dtype: np.dtype) -> str:
 
 
 def _hard_linked(file: h5py.File, name: str) -> Any:
-    """What has the name in this very file; None for nothing, and for what a link says is elsewhere."""
+    """Object of that name in this very file; None for nothing, and for what a link says is elsewhere."""
     place: Any = file
     for part in name.split("/"):
         if not isinstance(place, h5py.Group) or not isinstance(place.get(part, getlink=True), h5py.HardLink):
@@ -383,7 +383,7 @@ def read_attributes(path: Path, file: h5py.File, declared: Sequence[Attribute]) 
 def read_datasets(
     path: Path, file: h5py.File, declared: Sequence[Dataset], lengths: Mapping[str, int]
 ) -> dict[str, Any]:
-    """What stands in each dataset, by name, checked. Raises ResultFileError."""
+    """Values of each dataset, by name, checked. Raises ResultFileError."""
     check_datasets(path, file, declared, lengths)
     values = {dataset.name: read_values(file, dataset) for dataset in declared}
     for dataset in declared:
@@ -393,7 +393,7 @@ def read_datasets(
 
 
 def read_values(file: h5py.File, dataset: Dataset) -> Any:
-    """What stands in a dataset, as an array."""
+    """Values of a dataset, as an array."""
     item = file[dataset.name]
     return item.asstr()[...] if dataset.column.dtype == "text" else item[...]
 

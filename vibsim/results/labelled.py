@@ -1,4 +1,4 @@
-"""What every kind of result can do: show itself, and be handed on as xarray Dataset or pandas DataFrame."""
+"""Base of every kind of result: how it shows itself, and is handed on as xarray Dataset or pandas DataFrame."""
 
 import csv
 import json
@@ -63,7 +63,7 @@ class Arrays:
 
     @cached_property
     def datasets(self) -> dict[str, Dataset]:
-        """What each array is, by its name (without the group in which it stands on file)."""
+        """Dataset of each array, by its name (without the group in which it stands on file)."""
         return {dataset.name.rpartition("/")[2]: dataset for dataset in self.declared}
 
     @cached_property
@@ -96,7 +96,7 @@ class Shown:
     """An object that says two things of itself, `heading()` and `lines()`; what is shown of it follows."""
 
     def heading(self) -> str:
-        """What it is, in a line."""
+        """Heading of the result, in a line."""
         raise NotImplementedError
 
     def lines(self) -> list[tuple[str, str]]:

@@ -95,7 +95,7 @@ class DigitsPlan:
         return ceil(digits)
 
     def verdict(self, end: EndState | None, events: Mapping[str, np.ndarray]) -> dict[str, Any]:
-        """What is known of the digits of a run with the state `end` at its end, as attributes of its file.
+        """Knowledge of the digits of a run with the state `end` at its end, as attributes of its file.
 
         end is None where the run did not reach it; events: its event table in doubles. Sets `enough`, and
         `digits` for another attempt.

@@ -273,7 +273,7 @@ def _refused(path: Path, shown: str | Path, owner: str, remedy: str = "") -> Res
 
 
 def _owner(descriptor: int) -> str:
-    """What a lock file says of its owner: process and machine."""
+    """Owner named by a lock file: process and machine."""
     os.lseek(descriptor, 0, os.SEEK_SET)
     return os.read(descriptor, OWNER_BYTES).decode("utf-8", "replace").strip()
 

@@ -355,7 +355,7 @@ class NotYet(Exception):
 
 
 class ThirdRunFactor:
-    """What to multiply distances by, sample after sample, wherever the blocks of samples begin and end."""
+    """Factor of distances, sample after sample, wherever the blocks of samples begin and end."""
 
     def __init__(self) -> None:
         self._count = 0  # of the samples so far
@@ -513,8 +513,8 @@ class ThirdRun:
         return GIVEN_UP if self._run is not None and self._run.failure == GIVEN_UP else ""
 
     def displacements(self, go_on: GoOn, count: int, last: int, until: float, most: int) -> np.ndarray | None:
-        """What `LastSamples` of a run up to `until` [s], of `most` events, tells; None where it goes on when
-        `go_on` says no.
+        """Displacements by `LastSamples` of a run up to `until` [s], of `most` events; None where it goes on
+        when `go_on` says no.
         """
         if self._run is None:
             third = replace(third_scene(self._companion, self._scene), t_end=until)

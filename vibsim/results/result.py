@@ -172,7 +172,7 @@ class Result(Labelled):
         writer.attach(orbit_datasets(orbit), {f"{GROUP}/{name}": orbit[name] for name in orbit})
 
     def _tables(self) -> "Tables":
-        """What its columns are."""
+        """Columns of the run."""
         from vibsim.results.columns import JUDGEMENTS, tables_of
 
         judgements = [name for name in JUDGEMENTS if name in self]

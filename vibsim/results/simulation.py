@@ -111,7 +111,7 @@ KINDS = ("trajectory", "sweep", "fit", "branch", "locus", "bench")
 
 @ended_at_once()
 def kind_of(path: str | Path) -> str:
-    """What a result file holds, one of KINDS; raises as `vibsim.open_result`."""
+    """Kind of a result file, one of KINDS; raises as `vibsim.open_result`."""
 
     with damage_named(Path(path)), open_hdf5(Path(path)) as file:
         kind = str(read_attr(file, "vibsim_kind", "trajectory"))

@@ -36,7 +36,7 @@ Self = TypeVar("Self", bound="Store[Any]")
 
 
 class Store(Generic[R]):
-    """What is computed for one plan, record by record: in memory, and with a path on file.
+    """Records of one plan: in memory, and with a path on file.
 
     On file it goes on from what the file and its journal hold, and keeps every record from then on. Used as a
     context manager: at its end, whatever ended it, the file holds all records and the journal is gone.
@@ -225,7 +225,7 @@ class Journal:
         self._whole = not self.damaged and header == {"fingerprint": fingerprint}
 
     def notes(self) -> list[str]:
-        """What the user should know of what `read` came upon."""
+        """Remarks for the user on what `read` came upon."""
         if not self.damaged:
             return []
         count = f"{self.damaged} damaged record{'s' if self.damaged > 1 else ''}"
@@ -284,7 +284,7 @@ class Journal:
         self._records += len(lines)
 
     def kept_after(self, failure: ResultFileError) -> ResultFileError:
-        """What to raise where the file cannot be written: its text names what the journal holds."""
+        """Error to raise where the file cannot be written: its text names what the journal holds."""
         if self._records < 2:  # the header alone
             return failure
         remedy = f"{failure}; what was computed is kept in {self.path.name}"
@@ -307,7 +307,7 @@ def _line(number: int, content: dict[str, Any], fingerprint: str) -> bytes:
 
 
 def _record(line: bytes, fingerprint: str) -> dict[str, Any] | None:
-    """What a line holds; None for a damaged one, or one of another sweep."""
+    """Record of a line; None for a damaged one, or one of another sweep."""
     checksum, _, text = line.rstrip(b"\n").partition(b" ")
     if checksum != _checksum(text, fingerprint).encode():
         return None
@@ -325,7 +325,7 @@ def journal_path(target: Path) -> Path:
 
 
 class Waiting:
-    """What waits in the journal beside a file for being taken into it, for those who only read.
+    """Records that wait in the journal beside a file for being taken into it, for those who only read.
 
     To be made before the file is read: what is taken up in between is then in both, and nothing in neither.
     """

@@ -264,7 +264,7 @@ def digit_datasets(tables: Tables) -> list[Dataset]:
 
 
 def digit_columns(tables: Tables) -> tuple[dict[str, Column], dict[str, Column]]:
-    """What the texts of sampled states, and those of the table of events, are, by name."""
+    """Columns of the texts of sampled states, and of those of the table of events, by name."""
     return (
         {name: _written_out(tables.samples[name]) for name in tables.states},
         {name: _written_out(tables.events[name]) for name in ("t", *tables.states)},

@@ -53,7 +53,7 @@ class Unjudged(Generic[Tag]):
 
 
 class NoTrust(Generic[Tag]):
-    """What takes the place of `Trust` in a run that is not judged."""
+    """Stands in for `Trust` in a run that is not judged."""
 
     columns: tuple[str, ...] = ()
     t_reached = inf  # of what judges [s]

@@ -102,7 +102,7 @@ class AttractorComputation:
         return values_of(self.label(window, run))
 
     def label(self, window: tuple[float, float], run: MeasuredRun) -> Label:
-        """What the run ends on."""
+        """The label of the attractor that the run ends on."""
         low, high = self._range()
         if not self._ranges:
             return Label("undecided", "too few cycles")
@@ -172,7 +172,7 @@ def met(known: KnownOrbits, scene: Scene, at: Coordinates | None, last: Row) -> 
 
 
 def values_of(label: Label) -> dict[str, Any]:
-    """What is stored of a label, by column."""
+    """Values to store of a label, by column."""
     return {
         "attractor_kind": float(KINDS[label.kind]),
         "attractor_reason": float(REASONS[label.reason]),

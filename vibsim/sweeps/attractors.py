@@ -88,7 +88,7 @@ class Attractors:
 
 
 def datasets_of_attractors(unknowns: tuple[str, ...], bodies: int) -> list[Dataset]:
-    """What the group holds; unknowns : names, bodies : how many."""
+    """Datasets of the group of attractors; unknowns : names, bodies : how many."""
     path = GROUP + "/"
     scales = {
         NUMBER: Column("1", "number of the attractor", dtype="i8"),
@@ -105,7 +105,7 @@ def datasets_of_attractors(unknowns: tuple[str, ...], bodies: int) -> list[Datas
 
 
 def values_of_group(found: Attractors, unknowns: tuple[str, ...], bodies: int) -> dict[str, Any]:
-    """What is written to the group, by path."""
+    """Values of the group of attractors, by path."""
     values = {NUMBER: np.arange(len(found)), BODY: np.arange(bodies), **found.columns}
     if unknowns:
         values[UNKNOWN] = np.array(unknowns, dtype=object)

@@ -42,7 +42,7 @@ SCALE_NAMES = {
 
 
 def scale_name(key: str) -> str:
-    """What the values of a key are called: the last part of the key, omega0 for the motor constant.
+    """Name of the values of a key: the last part of the key, omega0 for the motor constant.
 
     In the long form of a case with the name of the part: wall_k for stops.wall.k, m_ram for bodies.ram.
     """
@@ -107,7 +107,7 @@ class Axis:
         return f"{decimal_text(self.values[position])} {self.unit}".strip()
 
     def changes(self, position: int) -> dict[str, str]:
-        """What a point at this position replaces in the case: key -> text."""
+        """Changes of the case by a point at this position: key -> text."""
         return dict.fromkeys(self.keys, self.text(position))
 
     def plain(self) -> dict[str, Any]:
@@ -277,7 +277,7 @@ class Spread:
 
     @property
     def name(self) -> str:
-        """What its values are called, as those of an axis."""
+        """Name of its values, as those of an axis."""
         return scale_name(self.key)
 
     def draw(self, seed: int, first: int, count: int) -> np.ndarray:
@@ -422,7 +422,7 @@ class Members:
         return str(self.first + position)
 
     def changes(self, position: int) -> dict[str, str]:
-        """What a member replaces in the case: key -> shortest text that reads back to the number drawn."""
+        """Changes of the case by a member: key -> shortest text that reads back to the number drawn."""
         return {
             spread.key: f"{float(self.drawn[spread.key][position])!r} {spread.unit}".strip()
             for spread in self.spreads

@@ -1,4 +1,4 @@
-"""What labels of starts tell of basins: shares with errors, uncertainty exponent, basin entropy.
+"""Measures of basins from labels of starts: shares with errors, uncertainty exponent, basin entropy.
 
     basin stability        P. J. Menck, J. Heitzig, N. Marwan and J. Kurths, How basin stability complements
                            the linear-stability paradigm, Nature Physics 9 (2013) 89-92: the share of starts

@@ -1,4 +1,4 @@
-"""What a sweep computes of each point on demand: exponents, orbits, regime, capture, end state."""
+"""Computations of a sweep on demand: exponents, orbits, regime, capture, end state."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -255,7 +255,7 @@ class CaptureComputation:
 
 
 def _thinned(block: Block) -> Block:
-    """What the verdict needs: the times of the turns and of the impacts."""
+    """Samples and events that the verdict needs: the times of the turns and of the impacts."""
     begun = np.isin(block.events["kind"], [EVENT_KINDS[kind] for kind in IMPACTS])
     events, section = {"time": block.events["t"][begun]}, {"time": block.section["time"]}
     return replace(block, samples={}, events=events, section=section)

@@ -1,4 +1,4 @@
-"""What a sweep computes on demand of contacts: section, impact velocities, grazing, power, certificate."""
+"""Computations of a sweep on demand of contacts: section, impact velocities, grazing, power, certificate."""
 
 import math
 from collections.abc import Iterator

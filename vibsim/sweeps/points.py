@@ -50,7 +50,7 @@ NO_PERIOD = "forces and base have no common period, so there is no state to carr
 
 @dataclass(frozen=True)
 class SweepPoint:
-    """What came of one point.
+    """Result of one point.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ def compute_point(
 
 
 def described_bug(error: Exception) -> str:
-    """What went wrong and where, in one line."""
+    """The error of a bug and its place, in one line."""
     frame = traceback.extract_tb(error.__traceback__)[-1]
     place = f"{Path(frame.filename).name}:{frame.lineno}"
     return f"a bug in vibsim, please report it: {type(error).__name__}: {error} ({place})"

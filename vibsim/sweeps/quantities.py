@@ -1,4 +1,5 @@
-"""What a sweep measures of a scene: motions of bodies and of pairs of ends, events of parts, by name.
+"""Quantities that a sweep measures of a scene: motions of bodies and of pairs of ends, events of parts, by
+name.
 
 Cases in the long form take the names of their bodies and parts. The short form keeps those of the paper's two
 blocks: x1, x2, and `relative` for x1 - x2, or for x1 where block 2 is fixed.
@@ -45,7 +46,7 @@ class MeasuredMotion:
 
 @dataclass(frozen=True)
 class Quantities:
-    """What is measured, and how it is called.
+    """The quantities that are measured, and their names.
 
     Attributes
     ----------
@@ -84,7 +85,7 @@ class Quantities:
 
 
 def quantities_of(case: "Case") -> Quantities:
-    """What a sweep of a case measures."""
+    """Quantities that a sweep of a case measures."""
     scene = case.scene()
     if not case.is_long:
         return of_two_blocks(scene)

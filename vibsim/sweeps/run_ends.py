@@ -1,4 +1,4 @@
-"""What runs end on, as columns of a sweep: rest or vibration, attractors; and the starts followed first.
+"""Ends of runs, as columns of a sweep: rest or vibration, attractors; and the starts followed first.
 
 How a run is labelled with its attractor stands in `vibsim.sweeps.attractor_labels`, which is loaded where
 attractors are asked for.
@@ -43,7 +43,7 @@ def end_state_columns(of: Quantities) -> Columns:
 
 
 class EndState:
-    """What one run comes to. Memory grows with its samples and events after the transient."""
+    """End state of one run. Memory grows with its samples and events after the transient."""
 
     def __init__(self, task: Task):
         self._begin, bodies = task.begin, task.scene.line
@@ -103,7 +103,7 @@ INITIAL = "initial."  # begins the keys of what a run starts from
 
 
 def attractor_columns(of: Quantities) -> Columns:
-    """What is stored of each point; `vibsim.sweeps.attractors` makes numbers of attractors of it."""
+    """Columns stored of each point; `vibsim.sweeps.attractors` makes numbers of attractors of them."""
     unknowns, observed = "unknown", "observable"
     return {
         "attractor_kind": Column("1", "what the run ends on", flags=KINDS),

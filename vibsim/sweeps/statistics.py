@@ -310,7 +310,7 @@ def speed(scene: Scene, end: int, states: States) -> np.ndarray | None:
 
 
 def difference(one: np.ndarray | None, other: np.ndarray | None) -> np.ndarray:
-    """What one end of a part has against the other (n); None is the ground, which is not both."""
+    """Difference of one end of a part against the other (n); None is the ground, which is not both."""
     if one is None:
         assert other is not None
         return -other

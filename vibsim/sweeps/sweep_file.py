@@ -198,7 +198,7 @@ def _values_of(axis: Axis | Members) -> Column:
 
 
 def _drawn(plan: SweepPlan) -> list[Dataset]:
-    """What was drawn for each member of an ensemble, by its key."""
+    """Datasets of the numbers drawn for each member of an ensemble."""
     drawn = [(axis, spread) for axis in plan.axes if isinstance(axis, Members) for spread in axis.spreads]
     return [
         Dataset(drawn_name(axis, spread), Column(spread.unit or "1", f"{spread.key}: {spread}"), (axis.name,))

@@ -1,4 +1,4 @@
-"""What a sweep is to do: its case, its axes, the order of its points, and what is kept of each.
+"""Plan of a sweep: its case, its axes, the order of its points, and what is kept of each.
 
 `fingerprint` covers everything that the numbers depend on.
 """
@@ -52,7 +52,7 @@ class PointRecipe:
 
     @cached_property
     def of(self) -> Quantities:
-        """What is measured at every point."""
+        """Quantities that are measured at every point."""
         return quantities_of(self.case)
 
     def start_after(self, values: Mapping[str, float]) -> Start:
@@ -228,14 +228,14 @@ class SweepPlan:
 
     @cached_property
     def recipe(self) -> PointRecipe:
-        """What all points have in common; with a point's `changes` it is all that computing it takes."""
+        """Data common to all points; with a point's `changes` all that computing it takes."""
         return PointRecipe(
             self.case, self.carry, self.discard, self.section, self.every, self.compute, self.probes
         )
 
     @cached_property
     def columns(self) -> dict[str, Column]:
-        """What is stored of each point, by name."""
+        """Columns stored of each point, by name."""
         of = self.recipe.of
         computed = (COMPUTATIONS[name].columns(of) for name in self.compute)
         return distinct(always(of).items(), *(columns.items() for columns in computed))

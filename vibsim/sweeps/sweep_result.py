@@ -132,7 +132,7 @@ class SweepResult(Labelled):
         return last if isinstance(last, Members) else None
 
     def _drawn(self) -> dict[str, np.ndarray]:
-        """What was drawn for the members, such as `member_phi`."""
+        """Numbers drawn for the members, such as `member_phi`."""
         members = self.members
         if members is None:
             return {}
@@ -153,7 +153,8 @@ class SweepResult(Labelled):
         return np.select([codes == code for code in flags.values()], list(flags), "")
 
     def over_members(self, name: str) -> Summary:
-        """What the members of the ensemble have of that name, summed up; shapes without the member axis.
+        """Summary over the members of the ensemble of the column of that name; shapes without the member
+        axis.
 
         Raises ValueError for a sweep without ensemble.
         """
@@ -277,7 +278,7 @@ def describe(path: str | Path) -> tuple[Lines, dict[str, Any]]:
 
 
 def sweep_lines(result: SweepResult) -> Lines:
-    """What was swept, how, and what came of it."""
+    """Summary of a sweep: its axes, its settings, its results."""
     attrs, plan = result.attrs, result.plan
     name, title = one_line(attrs["case_name"]), one_line(attrs["title"])
     lines = [("case", title if title == name else f"{name}  {title}")]

@@ -316,7 +316,8 @@ LENGTH = "2 s"  # with impacts, in a few milliseconds
 
 @cache
 def signature(engine: str, compute: tuple[str, ...]) -> dict[str, str]:
-    """What must be equal here and there, name -> text, for sweeps with these computations.
+    """Versions and settings that must be equal here and there, name -> text, for sweeps with these
+    computations.
 
     Raises RuntimeError where the engine is not there.
     """
@@ -488,7 +489,7 @@ def differing(engine: str, compute: tuple[str, ...], expected: dict[str, str]) -
 
 
 def _missing_module(error: BaseException | None) -> ModuleNotFoundError | None:
-    """What worker or scheduler could not import, where that is the cause of an error."""
+    """Module that worker or scheduler could not import, where that is the cause of an error."""
     while error is not None and not isinstance(error, ModuleNotFoundError):
         error = error.__cause__
     return error

@@ -166,7 +166,7 @@ def _print(
 
 
 def _judged(source: str, changes: dict[str, str]) -> str:
-    """What was judged, in words: a file, a case, or what came of either with changes."""
+    """Subject of the verdicts, in words: a file, a case, or either with changes."""
     if not changes:
         return source
     changed = ", ".join(f"{key}={value}" for key, value in changes.items())

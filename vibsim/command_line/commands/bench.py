@@ -191,7 +191,7 @@ def run_jobs(
 
 
 def _kept(path: Path, rows_begun: bool) -> str:
-    """What an interrupted bench leaves."""
+    """Message on the rows that an interrupted bench leaves."""
     if not rows_begun:
         return "stopped before the truth was computed; nothing is kept"
     return f"{path} holds the rows that were done, and the truth; --truth {path} uses it again"
@@ -268,7 +268,7 @@ def table_lines(bench: BenchResult) -> Iterator[str]:
 
 
 def _note(group: list[BenchRow]) -> str:
-    """What holds for all rows of a family and not for others."""
+    """Remark that holds for all rows of a family and not for others."""
     setup = max((row.setup_time for row in group if row.runs), default=0.0)
     if setup > SETUP:
         return f"  (compiled beforehand in {setup:.2f} s at most)"

@@ -312,7 +312,9 @@ def _root(attrs: dict[str, Any], parts: list[str]) -> dict[str, Any]:
 
 
 def _action(attrs: dict[str, Any], name: str) -> dict[str, Any]:
-    """What was done: the case in, the file out. A file that says of itself that it is incomplete failed."""
+    """Action of the crate: the case in, the file out. A file that says of itself that it is incomplete
+    failed.
+    """
     status = "CompletedActionStatus" if attrs.get("complete") else "FailedActionStatus"
     return {
         "@id": "#run",

@@ -117,7 +117,7 @@ def _print_locus(path: str, settings: Settings) -> None:
 def _print_whole(
     path: str, settings: Settings, facts: Callable[[Any], dict[str, Any]], show: Callable[..., None]
 ) -> None:
-    """What was printed when the file was made, its attributes too if asked for."""
+    """The summary printed when the file was made, with its attributes if asked for."""
     result = open_result(path)
     if settings.json:
         print_json({"file": path, **facts(result)})

@@ -121,7 +121,7 @@ def command(
 
 @dataclass(frozen=True)
 class OrbitWish:
-    """What a command line asks for."""
+    """Options of a command line for an orbit."""
 
     source: str
     changes: dict[str, str]
@@ -413,7 +413,7 @@ def margins_text(orbit: Orbit) -> str:
 
 
 def energy_text(energy: dict[str, float]) -> str:
-    """What goes in and what is lost in one period."""
+    """Energy that goes in and that is lost in one period, in words."""
     names = {"work_source": "source", "work_base": "base", "work_belt": "belts"}
     names |= {"loss_viscous": "dampers", "loss_stops": "stops", "loss_friction": "friction"}
     parts = {

@@ -464,7 +464,7 @@ def _run_one(
 
 
 def _left(job: Job) -> str:
-    """What a run that broke off has left."""
+    """Message on the file that a run leaves which broke off."""
     path = partial_path(job.output)
     reached = held_until(path)
     return f"what came before is in {path}, until {reached:g} s" if reached > 0.0 else "nothing came before"

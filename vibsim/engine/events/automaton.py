@@ -1,4 +1,4 @@
-"""What follows an event: the one mode that is consistent with the state behind it, the Filippov solution.
+"""Transition at an event: the one mode that is consistent with the state behind it, the Filippov solution.
 
 A mode is consistent where each of its event functions is positive just behind the instant: its first
 derivative that is not zero is. So every decision at a zero looks at derivatives, never at the sign of a
@@ -68,7 +68,7 @@ class Automaton(Generic[N]):
         return status, known | zeros
 
     def take(self, state: State[N], status: Status, event: Event[N], order: int = 0) -> Taken:
-        """What the zero of `event` at `state` leads to: (status, [(kind name, part)], known zeros).
+        """Transition at the zero of `event` at `state`: (status, [(kind name, part)], known zeros).
 
         order : of the zero of the same function that the stretch began with, 0 for none; of a rigid stop, or
             where the stretch ends in the instant in which it began

@@ -144,11 +144,11 @@ class EventFunctions(Generic[N]):
 
     @property
     def unit(self) -> N:
-        """What the rounding of an event function is in units of its scale."""
+        """Rounding of an event function in units of its scale."""
         return self.kit.eps * (16 + self.flow.modal.pace * self.flow.tau)
 
     def scale(self, event: Event[N], scales: Scales[N]) -> N:
-        """What the rounding of an event function is proportional to, by what that of coordinates is."""
+        """Scale of the rounding of an event function, from those of the coordinates."""
         total = None
         for term in event.terms:
             part = abs(term.coefficient) * self._scale(term, scales)

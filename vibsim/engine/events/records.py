@@ -1,4 +1,4 @@
-"""What an event leads to: the mode behind it, what is told of it, and what is zero there."""
+"""Records of an event: the mode behind it, what is reported of it, and what is zero there."""
 
 from __future__ import annotations
 

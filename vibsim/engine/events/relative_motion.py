@@ -35,7 +35,7 @@ class RelativeMotion(Generic[N]):
         return value if of == "x" else rate
 
     def base_rounding(self, columns: tuple[int, int], state: State[N]) -> tuple[N, N]:
-        """What rounding of the base leaves open of a difference of two columns and of its rate: nothing of
+        """Uncertainty by rounding of the base of a difference of two columns and of its rate: none of
         that where the base turns round at the start, as at 90 deg.
         """
         zero = self.kit.number(0)
@@ -119,6 +119,6 @@ def meets(
 
 
 def _difference_error(a: N, b: N, difference: N) -> N:
-    """What rounding took from a - b (Knuth's two-sum)."""
+    """Rounding error of a - b (Knuth's two-sum)."""
     back = a - difference
     return (a - (difference + back)) + (back - b)

@@ -42,7 +42,7 @@ class SwitchSides(Generic[N]):
         ]  # of each switch, as events number parts
 
     def inputs(self, state: State[N], before: Status | None = None) -> tuple[Inputs[N], Inputs[N]]:
-        """What formulas read at a state, and how far rounding leaves it open: that of its numbers, and of
+        """Values that formulas read at a state, and their uncertainty by rounding: that of the state, and of
         the time at which it is taken; before: the mode that led there.
         """
         zero, lost = self.kit.number(0), ROUNDING * self.kit.eps

@@ -1,4 +1,4 @@
-"""What every flow offers: the motion of one mode from where it was entered."""
+"""Interface of every flow: the motion of one mode from where it was entered."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ class RotorSeries(Generic[N]):
         self.sw = self.s[0] * self.w[0]
 
     def rotate(self, n: int, F: list[N]) -> None:
-        """What order n of the series is before the accelerations are known; its thrust onto F.
+        """Order n of the series as far as it is known before the accelerations are; its thrust onto F.
 
         All that does not wait for w[n] and a1[n - 1] comes first: few operations are then left between one
         order and the next.

@@ -237,8 +237,8 @@ def pi_of(kit: Kit[N]) -> N:
 
 
 class Inputs(NamedTuple, Generic[N]):
-    """What a tape reads at one instant: time, displacements and velocities by column, angle and speed of the
-    rotor.
+    """Values that a tape reads at one instant: time, displacements and velocities by column, angle and speed
+    of the rotor.
     """
 
     t: N
@@ -311,7 +311,7 @@ class TapeValues(Generic[N]):
         return self.values[place], self.bounds[place]
 
     def _bound(self, i: int, op: Op) -> N:
-        """What the rounding of its operands and its own make of a result, to first order."""
+        """Rounding bound of a result from that of its operands and its own, to first order."""
         values, bounds, eps = self.values, self.bounds, self.kit.eps
         value, a, lost = abs(values[i]), abs(values[op.a]), bounds[op.a]
         if op.code in (ADD, SUB):

@@ -72,7 +72,7 @@ class Taylor(TaylorExpansion[N]):
 
     @property
     def certificate(self) -> Certificate[N]:
-        """What doubts are told to."""
+        """The record of doubts of this run."""
         return self.search.certificate
 
     def enter(self, state: State[N], rows: ModeRows[N], known: Known) -> None:
@@ -286,7 +286,7 @@ class Taylor(TaylorExpansion[N]):
         self.series = [self.polynomial(function) for function in meters.functions]
 
     def node(self, tau: N, meters: Meters[N]) -> QuadratureNode[N]:
-        """What the meters read a time tau after the expansion point."""
+        """Values that the ledger integrals read a time tau after the expansion point."""
         v = [self.kit.number(0)] * (self.n + 2)
         for c in meters.columns:
             v[c] = horner(self.v[c], tau)

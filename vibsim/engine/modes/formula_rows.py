@@ -1,4 +1,4 @@
-"""What formulas make of a mode: its tape, the forces on it, and the event functions of their switches.
+"""Rows of a mode that formulas make: its tape, the forces on it, and the event functions of their switches.
 
 A switch of a formula (|v|, max, where, a knot of a table, ...) is on one side in a mode; the function that
 tells the side ends the mode at its zero. Switches are numbered in the order in which the parts of the scene
@@ -44,8 +44,8 @@ class Root(NamedTuple):
 
 
 def watched_by(node: Node) -> tuple[Node, int]:
-    """What a switch watches, the same of all that turn at the same instants, and -1 where its upper side is
-    where that is negative.
+    """Node that a switch watches, the same for all that turn at the same instants, and -1 where its upper
+    side is where that is negative.
     """
     if node[0] != "choose":
         return (node[0], *node[1:3]), 1
@@ -248,7 +248,7 @@ class FormulaRows(Generic[N]):
 
     @staticmethod
     def _owner(tape: Tape, place: int, roots: int) -> str:
-        """What the first output belongs to that needs the result at a place of the tape; `roots` are
+        """Part of the first output that needs the result at a place of the tape; `roots` are
         asked.
         """
         for k in range(roots):
@@ -318,7 +318,7 @@ class FormulaRows(Generic[N]):
 
     @staticmethod
     def limits(rows: ModeRows[N], cut: Cut[N], direction: int) -> Terms[N]:
-        """What the formulas of the ties of a cut add to the force that it can pass."""
+        """Terms that the formulas of the ties of a cut add to the force that it can pass."""
         return tuple(
             Term(FORMULA, 1, rows.outputs["hold", i, orientation * direction])
             for i, orientation in cut.ties

@@ -1,5 +1,5 @@
-"""What runs of one scene share, whatever they start from: the rows of its modes, packed for C, and what
-follows their events.
+"""Table of the modes of one scene, shared by its runs: the rows of its modes, packed for C, and the rules of
+their events.
 
 Restarts from events, ensembles of starts, disturbances and branches over the speed of a motor run the same
 modes many times; making them anew costs a millisecond each time.
@@ -104,7 +104,7 @@ class ModeTable:
         return [key for key, rule in list(self._rules.items()) if rule is not None]
 
     def meter_maker(self, momentum: bool) -> MeterMaker:
-        """What makes the meters of the ledgers; momentum: whether of both of them."""
+        """Maker of the integrals of the ledgers; momentum: whether of both of them."""
         with self._lock:
             if momentum not in self._makers:
                 self._makers[momentum] = MeterMaker(self.scene, Doubles, self.maker, momentum)
@@ -134,7 +134,7 @@ class ModeTable:
     def rule(
         self, rows: ModeRows, number: int, make: Callable[[ModeRows, Event], Rule | None]
     ) -> Rule | None:
-        """What follows event `number` of a mode, made by `make(rows, event)` when it is first asked for."""
+        """Rule for event `number` of a mode, made by `make(rows, event)` when it is first asked for."""
         key = rows.status, number
         with self._lock:
             if key not in self._rules:

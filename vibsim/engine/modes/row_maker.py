@@ -100,7 +100,9 @@ class RowMaker(Generic[N]):
         return stop
 
     def limits(self, k: int) -> Limits[N]:
-        """What tie number k holds against P going forwards and backwards against Q [N]; None: any force."""
+        """Force that tie number k holds against P going forwards and backwards against Q [N]; None: any
+        force.
+        """
         part = self.tie(k)
         if isinstance(part, RigidStop):
             return (self.zero, None) if part.sense == EXTENSION else (None, self.zero)
@@ -229,7 +231,7 @@ class RowMaker(Generic[N]):
         return sorted(constants.items())
 
     def _falls(self, status: Status) -> list[Falling[N]]:
-        """What falls with speed of the slipping frictions, in their order."""
+        """Forces of the slipping frictions that fall with speed, in their order."""
         falls: list[Falling[N]] = []
         for i, friction in enumerate(self.scene.frictions):
             sense = status.frictions[i]

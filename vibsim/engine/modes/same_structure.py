@@ -50,7 +50,7 @@ def differences(one: Scene, other: Scene) -> Numbers | None:
 
 
 def settings(scene: Scene) -> tuple[int | None, str, int, float]:
-    """What rows depend on besides parts: on which body a motor is, and how the scene is run."""
+    """Dependence of rows on other things than parts: on which body a motor is, and how the scene is run."""
     return scene.motor.on if scene.motor else None, scene.method, scene.order, scene.tol
 
 

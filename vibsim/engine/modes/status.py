@@ -1,4 +1,4 @@
-"""What a mode says of each part: one small number per stop, friction and clearance, in the order of the
+"""State of each part in a mode: one small number per stop, friction and clearance, in the order of the
 scene.
 """
 
@@ -61,7 +61,7 @@ Value = TypeVar("Value")
 
 
 class Kept(dict[Key, Value]):
-    """What is kept of modes to be used again, all of which is forgotten where it comes to weigh more than
+    """Cache of what belongs to modes, all of which is forgotten where it comes to weigh more than
     `most`.
 
     A scene of many frictions meets modes without end, and comes back to few of them.

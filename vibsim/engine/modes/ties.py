@@ -105,7 +105,7 @@ def connected_sides(others: Sequence[int], edges: Sequence[Edge], reference: int
     everything = (1 << len(bits)) - 1
 
     def grown(start: int, within: int) -> int:
-        """What hangs together with `start` within a set."""
+        """Set of all that hangs together with `start` within a set."""
         reached = ahead = start
         while ahead:
             bit = ahead & -ahead

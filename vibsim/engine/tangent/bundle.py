@@ -190,7 +190,7 @@ class TangentBundle(Disturbances[N]):
     def _orthonormal(
         self, vector: Sequence[N], others: Sequence[Sequence[N]], scaled: bool = False
     ) -> tuple[list[N], N]:
-        """What is left of a vector beside orthonormal others, of length 1, and how long it was.
+        """Remainder of a vector beside orthonormal others, of length 1, and how long it was.
 
         scaled: in units of the length of the vector.
         """
@@ -237,7 +237,7 @@ class TangentBundle(Disturbances[N]):
             self.next_row += 1
 
     def entries(self) -> dict[str, Any]:
-        """What `tangent_totals` needs, by name."""
+        """Values that `tangent_totals` needs, by name."""
         near = self.tangencies
         return {
             "complete": self.complete,
@@ -394,7 +394,7 @@ def _with_rotor(kit: Kit[N], flow: Taylor[N], motor: Motor[N], numbers: tuple[N,
         return mass * inertia - coupling * coupling
 
     def falling(at: N) -> N:
-        """What falling frictions on the motor's group add to its damping, by det M."""
+        """Damping that falling frictions on the motor's group add to its own, by det M."""
         total, on = kit.number(0), flow.rows.leader[motor.on]
         for one, extra in _dampings(flow, (t - flow.t0) + at):
             if on in (flow.rows.leader[one.P], flow.rows.leader[one.Q]):

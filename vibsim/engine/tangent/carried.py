@@ -1,4 +1,4 @@
-"""What a motion from a start to a time, with disturbances of that start, has come to."""
+"""End of a motion from a start to a time, with disturbances of that start."""
 
 from __future__ import annotations
 

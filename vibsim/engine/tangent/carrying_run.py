@@ -22,7 +22,7 @@ OF_OUTCOME = 5  # numbers that an outcome tells before the state
 
 
 class Outcome(NamedTuple):
-    """What a motion that carries disturbances has come to.
+    """End of a motion that carries disturbances.
 
     told : doubts, margin, number of the mode, events without a derivative, when the first was
     state : t, x and v of each body, phase, turns, w
@@ -45,8 +45,8 @@ class CarryingRun(CRun):
         super().__init__(scene, carries=True)
 
     def rates_of(self, number: int) -> Callable[[], ModeRows]:
-        """What makes the rows of a mode for its vector field, which no closed form and so no frequency has a
-        say in.
+        """Maker of the rows of a mode for its vector field, in which no closed form and so no frequency has a
+        say.
         """
         return partial(self.table.maker.rows, self.statuses[number])
 
@@ -115,7 +115,7 @@ class CarryingRun(CRun):
         return np.empty(9 + 2 * self.n + self.size * (1 + self.size))
 
     def outcome(self, count: int) -> Outcome:
-        """What the motion with `count` disturbances has come to."""
+        """End of the motion with `count` disturbances."""
         if count > self.size:
             self._room = np.empty(9 + 2 * self.n + self.size * (1 + count))
         numbers = self._room[: self.run.outcome(self._room)].copy()

@@ -106,10 +106,10 @@ class Disturbances(Generic[N]):
         return end
 
     def _moved(self, t: N, ahead: N) -> None:
-        """What is done after a piece from t to `ahead` [s]."""
+        """Called after a piece from t to `ahead` [s]."""
 
     def _jumped(self, jump: Jump[N]) -> None:
-        """What is done after an event that changed no ties."""
+        """Called after an event that changed no ties."""
 
     def _change_ties(self, state: State[N], after: ModeRows[N]) -> None:
         self._join(state, after)

@@ -68,7 +68,7 @@ def _stretch(scene: Scene, engine: str, table: Table, scale: Scale, i: int, j: i
 
 
 def _kick(scene: Scene, row: Row, scale: Scale) -> Scale:
-    """What is added to states: a velocity of the first body that no friction or rigid stop holds, of rotors
+    """Addition to states: a velocity of the first body that no friction or rigid stop holds, of rotors
     and states behind them, or a displacement of the first one where all are held.
     """
     holding: list[Friction | RigidStop] = [part for part in scene.frictions if row[part.name] == STICK]

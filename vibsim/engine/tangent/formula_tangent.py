@@ -60,12 +60,12 @@ def slopes_of(kit: Kit[N], rows: ModeRows[N]) -> Slopes:
 
 
 def _inputs(node: Node, bodies: int) -> list[Node]:
-    """What of the state a formula reads; ground and base are not disturbed."""
+    """Parts of the state that a formula reads; ground and base are not disturbed."""
     return [one for one in walk([node]) if one[0] in READ and (len(one) < 2 or 0 <= one[1] < bodies)]
 
 
 class SlopeShare(NamedTuple):
-    """What derivative number `output` of force number `force` adds to the derivative of the acceleration of
+    """Share of derivative number `output` of force number `force` in the derivative of the acceleration of
     the column `row` with respect to x or v of `column`, both by their leaders; end: 0 for what acts on P, 1
     on Q.
     """

@@ -1,4 +1,4 @@
-"""What a blow on a rigid stop does to a small disturbance: the saltation matrix of an impact.
+"""Saltation matrix of an impact: its effect on a small disturbance.
 
 A disturbed motion meets the stop dt = -n^T d / h' later, with h' the rate of the event function h and n its
 gradient. It moves by the field f- in front of the blow for so long, is struck by the law of impacts R, and

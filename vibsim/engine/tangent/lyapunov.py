@@ -18,7 +18,7 @@ from vibsim.physics.parts import Scene
 
 @dataclass(frozen=True)
 class LyapunovExponents:
-    """What a tangent bundle came to over a span of a run.
+    """Lyapunov exponents from a tangent bundle over a span of a run.
 
     Attributes
     ----------

@@ -43,8 +43,8 @@ def pack_slopes(rows: ModeRows) -> Packed:
 
 
 def _pack_rows(pack: Packer, shares: Sequence[SlopeShare]) -> None:
-    """What derivatives do to accelerations: entries of their matrix row by row, each row and each entry where
-    it is met first, then what adds to them.
+    """Packs the effect of derivatives on accelerations: entries of their matrix row by row, each row and each
+    entry where it is met first, then what adds to them.
     """
     columns: dict[int, dict[int, None]] = {}
     for share in shares:

@@ -1,4 +1,4 @@
-"""What an event does to a small disturbance: the saltation matrix.
+"""Saltation matrix: the effect of an event on a small disturbance.
 
 A disturbed motion meets the event function h a little earlier or later, and moves by the other vector field
 for so long: S = I + (f+ - f-) n^T / (n^T f- + dh/dt), with n = grad h and f-, f+ the vector fields before and

@@ -158,7 +158,7 @@ class Tangencies(Generic[N]):
 
 
 class Jumps:
-    """What events of a scene do to disturbances that a run in C carries.
+    """Effect of the events of a scene on disturbances that a run in C carries.
 
     run : that run, an `_engine.Run`; rows : the rows of a mode, by its status
     """

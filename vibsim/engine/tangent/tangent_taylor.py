@@ -112,7 +112,9 @@ class TaylorTangent(Generic[N]):
         return rotor.drag * mass / (mass * rotor.inertia - rotor.unbalance * rotor.unbalance)
 
     def prepare(self, t: N, end: N, late: N | int = 0) -> None:
-        """What the recurrences of all disturbances share over the piece from t to `late` behind `end` [s]."""
+        """Prepares what the recurrences of all disturbances share over the piece from t to `late` behind
+        `end` [s].
+        """
         self.tau, self.base = (end - t) + late, self._base_at(t)
         self.is_too_long = False
         self.slopes = [

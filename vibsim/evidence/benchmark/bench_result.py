@@ -36,7 +36,7 @@ STATUS_FLAGS = {"done": DONE, "slower": SLOWER, "failed": FAILED}
 
 @dataclass
 class BenchRow:
-    """What came of one method at one setting.
+    """Result of one method at one setting.
 
     Attributes
     ----------
@@ -179,7 +179,7 @@ NONE = -1  # of a count that a method does not give
 
 
 def scales_of(scene: Scene) -> dict[str, Column]:
-    """What counts rows, instants and kinds of events."""
+    """Columns that count rows, instants and kinds of events."""
     flags = {name: EVENT_KINDS[name] for name in kinds_of(scene)}
     return {
         "row": Column("1", "row of the bench", dtype="i4"),

@@ -1,4 +1,4 @@
-"""What a bench is to do: which case over which span, compared when, by whom, for how long at most."""
+"""Plan of a bench: which case over which span, compared when, by whom, for how long at most."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -82,7 +82,7 @@ class SolverFamily:
         return self.needs is None or find_spec(self.needs) is not None
 
     def opener(self, scene: Scene, setting: str) -> Callable[[], Any]:
-        """What makes the peer for `scene` at a setting when called; its module is imported here."""
+        """Function that makes the peer for `scene` at a setting when called; its module is imported here."""
         peer, settings = named(self.peer), dict(self.ladder)[setting]
         return lambda: peer(scene, **self.fixed, **settings)
 

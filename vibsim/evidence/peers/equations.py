@@ -390,8 +390,8 @@ class Compiled:
         return self._parameters[key]
 
     def halts(self, parts: Sequence[int]) -> list[list[float]]:
-        """What takes unit rates of the displacements of these parts to zero, masses weighing: change of the
-        velocity of each body (bodies, parts).
+        """Impulsive changes that take unit rates of the displacements of these parts to zero, masses
+        weighing: change of the velocity of each body (bodies, parts).
         """
         key = tuple(parts)
         if key not in self._halts:

@@ -80,7 +80,7 @@ class HeyokaEvents:
         integrator.pars[:] = self.mode.parameters[: len(integrator.pars)]  # the last may be in no equation
 
     def _callback(self, i: int) -> Callable[[Any, int], bool]:
-        """What heyoka calls at a zero of an event function of part i; a plain function, for heyoka
+        """Function that heyoka calls at a zero of an event function of part i; a plain function, for heyoka
         deep-copies what it is given. An error cannot pass through heyoka: it is kept, and the run ended.
         """
 

@@ -247,7 +247,7 @@ class _Steps:
         self.samples, self.count, self.evaluations, self.t = [np.array(start)], 0, 0, 0.0
 
     def counted(self, motion: Motion) -> Callable[[float, np.ndarray], tuple[float, ...]]:
-        """What solve_ivp calls."""
+        """Right-hand side that solve_ivp calls, counted."""
 
         def rates(t: float, state: np.ndarray) -> tuple[float, ...]:
             self.evaluations += 1

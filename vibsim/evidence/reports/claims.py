@@ -202,7 +202,7 @@ class ClaimVerdict:
 
 @dataclass(frozen=True)
 class Finding:
-    """What came of a claim.
+    """Verdict on a claim.
 
     Attributes
     ----------
@@ -289,7 +289,7 @@ True_of = Callable[[Numbers], bool]
 
 
 def members(numbers: Numbers, name: str) -> list[Numbers]:
-    """What came of the perturbed starts of a case."""
+    """Numbers of the perturbed starts of a case."""
     outcomes: list[Numbers] = numbers["ensembles"][name]["outcomes"]
     return outcomes
 

@@ -1,4 +1,4 @@
-"""What is measured of a run: a table of plain numbers that JSON can hold, and the claims are judged by."""
+"""Measurements of a run: a table of plain numbers that JSON can hold, and the claims are judged by."""
 
 from __future__ import annotations
 
@@ -164,7 +164,7 @@ def starts() -> list[float]:
 
 
 def measure_ensemble(case: Case, advance: Advance) -> Numbers:
-    """What comes of a case from each start; raises Interrupted when `advance` returns False."""
+    """Numbers of a case from each start; raises Interrupted when `advance` returns False."""
     members = from_starts(case)
     return {
         "starts": starts(),
@@ -213,7 +213,7 @@ Advance = Callable[[int, int], bool]  # given how many are done, and of how many
 
 
 def run_all(jobs: Sequence[Callable[[], Numbers]], advance: Advance) -> list[Numbers]:
-    """What each job returns, all cores at work: the C engine lets go of the interpreter while it computes.
+    """Results of the jobs, all cores at work: the C engine lets go of the interpreter while it computes.
 
     Raises Interrupted when `advance` returns False. Nobody waits then for the jobs under way, which may take
     seconds, but the process at its end: a daemon thread, which Python ends wherever it is, may hold the lock

@@ -364,7 +364,7 @@ def _is_twice(numbers: Numbers, name: str) -> bool:
 
 
 def _without_stop(numbers: Numbers) -> str:
-    """What becomes of the motors where the blocks never touch."""
+    """End of the motors where the blocks never touch, in words."""
     captures = {name: numbers["without_stop"][name]["capture"] for name in PRINTED}
     return "without the stop: " + ", ".join(
         f"{name} {capture['verdict']} at {hz(capture['speed_hz'])}" for name, capture in captures.items()
@@ -490,7 +490,7 @@ def _final_speeds(numbers: Numbers, name: str) -> list[float]:
 
 
 def _jumped(numbers: Numbers) -> str:
-    """What the perturbed starts of the reading end in."""
+    """Ends of the perturbed starts of the reading, in words."""
     finals = _final_speeds(numbers, READING_C)
     if not finals:
         return ""

@@ -340,7 +340,7 @@ def _regime(regime: dict[str, Any]) -> str:
 
 
 def facts_table(numbers: Numbers) -> PageTable:
-    """What was measured of each run."""
+    """Table of the measurements of each run."""
     columns = (
         "Run", "Right until", "Impacts", "Sticks", "Impacts per cycle", "Drift of block 2",
         "Strongest line of x1 − x2", "Rest distance needed", "How it is known",
@@ -440,7 +440,7 @@ def _ensemble(outcomes: Sequence[Numbers]) -> tuple[str, ...]:
 
 
 def solver_table(rows: Sequence[Numbers]) -> PageTable:
-    """What each solver makes of II-B and II-C."""
+    """Table of the results of each solver for II-B and II-C."""
     columns = ("Solver", "II-B", "II-C", "x2 of II-C at 300 s")
     outcomes = tuple(
         (row["solver"], _solved(row["II-B"]), _solved(row["II-C"]), _drifted(row["II-C"])) for row in rows

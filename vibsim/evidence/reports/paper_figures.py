@@ -493,7 +493,7 @@ def ends_table(ends: Mapping[str, Any]) -> PageTable:
 
 
 def load_words(ends: Mapping[str, Any]) -> str:
-    """What the load curves say of the motors of 5.5 and 6.5 Hz."""
+    """Conclusions from the load curves on the motors of 5.5 and 6.5 Hz, in words."""
     printed, reading = (ends[name] for name in DRAWN)
     return (
         "A motor can run where its line meets the curve of the torque that the vibration takes. Orbits held "

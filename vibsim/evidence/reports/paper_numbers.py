@@ -122,7 +122,7 @@ def _of_cases(sections: Mapping[str, Any], kind: str) -> Numbers:
 
 
 def measure_facts(cases: Mapping[str, Case]) -> Numbers:
-    """What follows from the numbers of the cases alone: natural frequencies [Hz] and amplitudes [N]."""
+    """Consequences of the numbers of the cases alone: natural frequencies [Hz] and amplitudes [N]."""
     facts = {kind: {fact.name: fact.value for fact in derived_facts(cases[name].scene())}
              for kind, name in (("I", "I-A"), ("II", "II-A"))}  # fmt: skip
     return {
@@ -144,7 +144,7 @@ def _characteristic(case: Case) -> Numbers:
 
 
 def at_voltage(case: Case, motor: Case) -> dict[str, str]:
-    """What makes of a case the motor of another, at the voltage of the no-load speed of the case.
+    """Changes that make of a case the motor of another, at the voltage of the no-load speed of the case.
 
     On a DC motor with a constant field M0 = kt V / R and Omega0 = V / ke are both proportional to V.
     """
@@ -191,7 +191,7 @@ def _measured(result: Result) -> Numbers:
 
 
 def changes_of(case: Case) -> dict[str, list[str]]:
-    """What a reading changes against the case that it is a reading of: key -> [now, as printed]."""
+    """Changes of a reading against the case that it is a reading of: key -> [now, as printed]."""
     printed = load_case(case.name[:4])
     changed = [key for key in case.numeric_keys() if case.quantity(key) != printed.quantity(key)]
     return {key.split(".")[-1]: [str(each.quantity(key)) for each in (case, printed)] for key in changed}

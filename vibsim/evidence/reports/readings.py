@@ -1,4 +1,4 @@
-"""What would make the paper's account of II-B and II-C hold: readings of the printed numbers, ranked.
+"""Readings of the printed numbers under which the paper's account of II-B and II-C holds, ranked.
 
 Table 1 has the amplitudes m3 e omega, so m3 e = 0.0033 kg m is fixed by it, and a reading that changes m3 or
 e contradicts it. The others leave J, c, M0 and mu; `vibsim fit` found that M0 and mu do not help.
@@ -184,7 +184,7 @@ def keeps_table_1(changes: dict[str, Any]) -> bool:
 
 
 def made_of() -> list[Any]:
-    """What the search depends on besides the cases."""
+    """Dependencies of the search besides the cases."""
     statements = [statement.text for statement in STATEMENTS]
     return [statements, READINGS, FREE, SPREAD, EVERY, PARAMETER_SEARCH_STARTS, FEW, POINTS, SEED]
 

@@ -47,7 +47,7 @@ Table = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True)
 class TrueMotion:
-    """What is kept of a run of many digits.
+    """Stored numbers of a run of many digits.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ def motion_path(name: str) -> Path:
 
 
 def read_motion(case: Case) -> TrueMotion | None:
-    """What is kept of a case; None where nothing is, or where the case has changed since."""
+    """Stored numbers of a case; None where there are none, or where the case has changed since."""
     path = motion_path(case.name)
     if not path.is_file():
         return None
@@ -182,7 +182,7 @@ def restarted(case: Case, motion: TrueMotion) -> Iterator[tuple[Table, Table, fl
 
 
 def keep(result: Result) -> TrueMotion:
-    """What is kept of a run with digits."""
+    """Numbers to store of a run with digits."""
     digits, attrs, events = result.digits, result.attrs, result.events
     if digits is None or not result.complete:
         raise ValueError(f"{result.case.name}: no whole run with digits")

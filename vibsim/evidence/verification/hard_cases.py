@@ -167,7 +167,7 @@ def _open(touches: int) -> str:
 
 
 def certificate(result: Result) -> str:
-    """What the run says of its own event search."""
+    """Certificate of the event search of a run, in words."""
     uncertified = int(result.attrs["uncertified"])
     return "certified" if uncertified == 0 else f"{uncertified} stretches in doubt"
 

@@ -136,7 +136,7 @@ def moved_by(number: Callable[..., float], **values: float) -> float:
 
 
 def blur_of(size: float) -> float:
-    """What rounding may do to a derivative of some size (Frobenius norm).
+    """Rounding bound of a derivative of some size (Frobenius norm).
 
     STATE_UNITS each of the flow before the impact, the impact and the flow behind, twice that for flows that
     are no pure rotations.

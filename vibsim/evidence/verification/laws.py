@@ -73,7 +73,7 @@ def energy_ledger_checks() -> list[Check]:
 
 
 def closure(name: str, flow: str, engine: str) -> Iterator[CheckRow]:
-    """What is missing in the balance at the end, relative to the largest entry."""
+    """Error of the balance at the end, relative to the largest entry."""
     residual = float(run(named_case(name), engine, flow).attrs["energy_residual_relative"])
     point = compared("what is missing, relative", 0.0, residual, CLOSURE)
     yield number_row(f"V11/{name}/{flow}", point, "promised: 1e-12 of the largest entry")
@@ -337,7 +337,7 @@ def damped(scene: TwoBlocks, result: Result, begin: float, end: float) -> float:
 
 
 def identity(name: str, flow: str, engine: str) -> Iterator[CheckRow]:
-    """What is missing in the identity over a whole run, sticking left out on both sides."""
+    """Error of the identity over a whole run, sticking left out on both sides."""
     scene = replace(named_case(name).two_blocks(), method=flow)
     totals = carried(scene, engine)
     bound = totals["tangent_pieces"] * PIECE_UNITS * UNIT

@@ -22,7 +22,7 @@ Window = tuple[Decimal, Decimal]
 
 @dataclass(frozen=True)
 class Matching:
-    """What became of two sequences of events.
+    """Result of matching two sequences of events.
 
     pairs : (index in the truth, index in the run); missed, spurious : indices of those without counterpart
     """

@@ -146,7 +146,7 @@ def impedance(omega: float, c: float) -> float:
 
 
 def conditioning(omega: float, c: float) -> float:
-    """What one relative unit of k1, m1, c, w and A each changes A / |Z| by, added up."""
+    """Sum of the changes of A / |Z| by one relative unit of k1, m1, c, w and A each."""
     size, detuned = impedance(omega, c) ** 2, abs(K1 - M1 * omega**2)
     stiffness, inertia, damping = K1 * detuned, M1 * omega**2 * detuned, (c * omega) ** 2
     return 1 + (stiffness + 3 * inertia + 2 * damping) / size

@@ -155,7 +155,7 @@ class Branch(OrbitCurve):
         return {"names_json": json.dumps(self.names), "complete": int(complete), **self._counts()}
 
     def _file_values(self) -> dict[str, Any]:
-        """What stands in the datasets of its file, by name."""
+        """Values of the datasets of its file, by name."""
         by_place = {record.unknowns: record for record in self._records[1]}
         records = [by_place[one.unknowns] for one in self.specials]
         return {
@@ -166,7 +166,7 @@ class Branch(OrbitCurve):
         }
 
     def arrays(self) -> Arrays:
-        """What its file holds, by point, special point and multiplier; and the stability of each point."""
+        """Arrays of its file, by point, special point and multiplier; and the stability of each point."""
         declared = [*self._declared(), *STABILITY]
         values = self._file_values() | {each.name: self[each.name].astype("i1") for each in STABILITY}
         return Arrays.of_values(declared, values, (POINT,), self.attrs, self._shown)

@@ -103,8 +103,8 @@ def in_order(points: Iterable[Walked]) -> list[Walked]:
 
 
 def follow_up(points: Iterable[Walked], waiting: Iterable[Other]) -> list[Other]:
-    """What waits as far as each is the next one of its way behind the points that are known: none that is
-    known, nor what stands behind a damaged record.
+    """Waiting records, as far as each is the next one of its path behind the points that are known: none that
+    is known, nor what stands behind a damaged record.
     """
     last: dict[int, int] = {}
     for point in points:
@@ -152,7 +152,7 @@ class CurveStore(Store[R], Generic[R, C]):
 
     @property
     def curve(self) -> C:
-        """What there is of it."""
+        """The curve as far as it is known."""
         raise NotImplementedError
 
     def trace(self, most: int, watch: Watch | None) -> bool:

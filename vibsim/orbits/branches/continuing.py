@@ -125,7 +125,7 @@ def continue_locus(
 
 
 def _followed(store: CurveStore[Any, C], most: int) -> C:
-    """What comes of a store. Raises BranchError where a branch or a locus does not begin."""
+    """Curve that a store holds in the end. Raises BranchError where a branch or a locus does not begin."""
     for note in store.notes:
         warnings.warn(note, stacklevel=3)
     try:
@@ -152,7 +152,7 @@ def _leave_out(reason: str, **arguments: Any) -> None:
 
 
 def _shown(source: Any) -> str:
-    """What a user passed, in one line."""
+    """Argument of a user, in one line."""
     return repr(source).partition("\n")[0][:60]
 
 

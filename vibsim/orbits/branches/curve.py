@@ -100,17 +100,17 @@ class OrbitCurve(Labelled):
 
     @cached_property
     def _orbit_arrays(self) -> dict[str, np.ndarray]:
-        """What is known of the orbit of every point."""
+        """Arrays of the orbit of every point."""
         names = ["parameter", "period", "state", "multipliers", "fold", "doubling", "margin", "residual"]
         return {name: np.array([getattr(p.orbit, name) for p in self.points]) for name in (*names, "drift")}
 
     def _file_values(self) -> dict[str, Any]:
-        """What stands in the datasets of its file, by name."""
+        """Values of the datasets of its file, by name."""
         columns = columns_of(self._record, self.points, self.spelled)
         return {POINT: np.arange(len(self)), **scale_values(self.points[0]), **columns}
 
     def arrays(self) -> Arrays:
-        """What its file holds, by point, special point and multiplier."""
+        """Arrays of its file, by point, special point and multiplier."""
         return Arrays.of_values(self._declared(), self._file_values(), (POINT,), self.attrs, self._shown)
 
     def save(self, path: str | PathLike[str], force: bool = False) -> Path:
@@ -209,7 +209,7 @@ def locus_datasets(unit: str, second_unit: str) -> list[Dataset]:
 
 
 def _orbits(prefix: str, along: str, unit: str) -> list[Dataset]:
-    """What is told of an orbit, be it a point of the branch or a special one."""
+    """Datasets of an orbit, be it a point of the branch or a special one."""
 
     def number(name: str, units: str, what: str, *further: str, gaps: bool = False) -> Dataset:
         return Dataset(f"{prefix}{name}", Column(units, what), (along, *further), gaps=gaps)
@@ -265,7 +265,7 @@ def scale_values(record: Any) -> dict[str, Any]:
 def columns_of(
     kind: Any, records: Sequence[Any], spell: Callable[[Word], str], prefix: str = ""
 ) -> dict[str, Any]:
-    """What stands in the datasets of records of a kind, by name."""
+    """Values of the datasets of records of a kind, by name."""
     columns: dict[str, Any] = {}
     for name in (each.name for each in fields(kind)):
         values = [getattr(record, name) for record in records]

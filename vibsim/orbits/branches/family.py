@@ -96,7 +96,7 @@ class ScenePath:
         return scene
 
     def _quantity(self, value: float) -> Quantity:
-        """What `parse_quantity` reads from a value and the unit, faster for ordinary numbers."""
+        """Result of `parse_quantity` for a value and the unit, faster for ordinary numbers."""
         if not 1e-200 < abs(value) < 1e200:
             measured = self._measured or Measured("number")
             return measured.parsed(f"{value!r} {self.unit}".strip())

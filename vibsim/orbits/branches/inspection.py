@@ -1,4 +1,4 @@
-"""What happened between two neighbouring points of a branch, each event found and located.
+"""Events between two neighbouring points of a branch, each found and located.
 
 Index check: the number of multipliers outside the unit circle may change only by what was detected: by one
 at a fold, a branch point or a doubling, by two at a Neimark-Sacker point, by anything where a change of the
@@ -172,7 +172,7 @@ def _parted(family: Family, one: Node, other: Node, parts: Iterator[int]) -> Ite
 def _unparted(
     family: Family, detected: list[str], one: Node, other: Node, parts: Iterator[int]
 ) -> Iterator[Special]:
-    """What lies between two nodes that are too near to be parted: changes of order one by one."""
+    """Events between two nodes that are too near to be parted: changes of order one by one."""
     try:
         special = _change(family, one, other, first=True) if CHANGE in detected else None
     except ContinuationError:

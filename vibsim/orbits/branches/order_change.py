@@ -77,7 +77,7 @@ def _bent(points: list[tuple[float, float]]) -> float:
 
 
 def shrinking(node: Node) -> Iterator[tuple[str, float]]:
-    """What may go to zero at a change of order near a node."""
+    """Quantities that may go to zero at a change of order near a node."""
     end = node.point.end
     carried, scene = end.carried, end.coordinates.scene
     happened = list(zip(carried.events, carried.times.tolist(), carried.states, strict=True))

@@ -1,4 +1,4 @@
-"""What branch is to be continued: an orbit, the parameter, its range."""
+"""Plan of a branch: an orbit, the parameter, its range."""
 
 import hashlib
 import json
@@ -52,7 +52,7 @@ class BranchError(ValueError):
 
 
 class CurvePlan:
-    """What a branch or a locus follows from: dataclasses that are stored field by field."""
+    """Common base of the plans of branches and loci: dataclasses that are stored field by field."""
 
     noun: str  # what it is a plan of
     case: Any
@@ -298,7 +298,7 @@ class EnergyPoint(FamilyPoint):
 
     @once
     def residual(self) -> np.ndarray:
-        """What is left of closing, of the energy and of the momenta, scaled."""
+        """Residuals of closing, of the energy and of the momenta, scaled."""
         of, X = self.family.conserved, self.end.X
         energy = (of.energy(X) - self.parameter) / self.family.scale[-1]
         momenta = (of.momenta(X) - self.family.momenta) / self._momentum

@@ -1,4 +1,4 @@
-"""What happens on a branch between two of its points, and how it is called."""
+"""Kinds of special points of a branch between two of its points, and their names."""
 
 from collections import Counter
 from dataclasses import dataclass
@@ -71,7 +71,7 @@ class Special:
 
 
 def kind_of_change(before: Word, after: Word) -> str:
-    """What a change of the order of events is: contacts or sticks that come or go, reversals, or the order
+    """Kind of a change of the order of events: contacts or sticks that come or go, reversals, or the order
     alone. A stick goes where impacts that a chatter ends follow each other without one between.
     """
     gone, come = changes(without_sequences(before), without_sequences(after))

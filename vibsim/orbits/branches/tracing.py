@@ -105,7 +105,7 @@ class BranchStep:
 
 
 def orbit_record(node: Node) -> OrbitRecord:
-    """What is kept of a node."""
+    """Record of a node."""
     point, end = node.point, node.point.end
     return OrbitRecord(
         parameter=point.parameter,
@@ -129,7 +129,7 @@ def point_record(node: Node, way: int, number: int, step: float, ended: str = ""
 
 
 def records_of(step: Step, way: int, number: int) -> BranchStep:
-    """What is kept of step `number` of a walk."""
+    """Records of step `number` of a walk."""
     specials = tuple(special_record(each, way, number) for each in step.specials)
     return BranchStep(point_record(step.node, way, number, step.next, step.ended), specials)
 

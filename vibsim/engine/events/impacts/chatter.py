@@ -68,7 +68,7 @@ class Hop(Generic[N]):
 
 @dataclass
 class ChatterRemainder(Generic[N]):
-    """What the ends of infinite sequences of impacts left out, summed: time [s], speed [m/s], distance
+    """Sums of what the ends of infinite sequences of impacts left out: time [s], speed [m/s], distance
     [m].
 
     ends : (when, distance from then on), by sequence
@@ -168,7 +168,7 @@ class Chatter(Generic[N]):
         return furthest if ahead < furthest else nearest if ahead > nearest else ahead
 
     def _resolution(self, t: N, contact: Contact[N], drive: N) -> N:
-        """What rounding leaves open of times [s] at a stop that `drive` [m/s^2] closes."""
+        """Uncertainty by rounding of times [s] at a stop that `drive` [m/s^2] closes."""
         kit, unit = self.kit, unit_of(self.kit, t)
         if self.maker.n + 1 not in (contact.P, contact.Q):
             return unit

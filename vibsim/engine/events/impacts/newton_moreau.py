@@ -35,7 +35,7 @@ class Contact(Generic[N]):
 
 @dataclass(frozen=True)
 class Impulse(Generic[N]):
-    """What a stop passed in a blow: impulse [N s], rates of its depth before and after it [m/s]."""
+    """Impulse that passed a stop in an impact [N s], and the rates of its depth before and after it [m/s]."""
 
     stop: int
     impulse: N
@@ -45,8 +45,8 @@ class Impulse(Generic[N]):
 
 @dataclass
 class Masses(Generic[N]):
-    """What impulses meet: 1 / mass by column, 0 for ground and base; with a motor the body it is on, and the
-    speed that its rotor gains per unit of impulse on that body.
+    """Mobility that impulses meet: 1 / mass by column, 0 for ground and base; with a motor the body it is on,
+    and the speed that its rotor gains per unit of impulse on that body.
     """
 
     mobility: list[N]
@@ -76,7 +76,7 @@ def masses(scene: Scene[N], kit: Kit[N], phase: N, x: Sequence[N] = ()) -> Masse
 def effective_masses(
     scene: Scene[N], kit: Kit[N], x: Sequence[N]
 ) -> tuple[list[N], tuple[tuple[int, int, N], ...]]:
-    """What impulses meet on each body [kg], less what its rotors keep of theirs; and of each rotor its
+    """Mass that impulses meet on each body [kg], less what its rotors keep of theirs; and of each rotor its
     column, that of its body, and the speed that it gains per speed that the body gains [1/m].
     """
     own = [body.m for body in scene.bodies]
@@ -89,8 +89,8 @@ def effective_masses(
 
 
 def motor_body(motor: Motor[N], m: N, kit: Kit[N], phase: N) -> tuple[N, N]:
-    """What a blow meets on the body, of mass m, that the motor is on, while its rotor stands at the angle
-    `phase`: (mass [kg], speed that the rotor gains per speed that the body gains [1/m]).
+    """Mass that an impact meets on the body, of mass m, that the motor is on, while its rotor stands at the
+    angle `phase`: (mass [kg], speed that the rotor gains per speed that the body gains [1/m]).
     """
     inertia, coupling = motor.inertia, motor.unbalance * kit.sin(phase)
     return m + motor.m3 - coupling * coupling / inertia, coupling / inertia

@@ -1,4 +1,4 @@
-"""What follows where rigid stops touch: impacts, rest, and the end of infinite sequences of impacts.
+"""Transitions where rigid stops touch: impacts, rest, and the end of infinite sequences of impacts.
 
 Within one instant, in this order: the law of impacts over all rigid stops that touch, again as long as one of
 them still closes; frictions and damped stops as the new velocities say; what is at rest sticks, rests or
@@ -47,7 +47,7 @@ class RigidStops(Generic[N]):
         self.touch: SimultaneousImpacts[N] | None = None
 
     def meet(self, state: State[N], status: Status, i: int, hop: bool = False) -> Taken:
-        """What follows where stop `i` touches, as `Automaton.take`: (status, what happened, known zeros).
+        """Transition where stop `i` touches, as `Automaton.take`: (status, what happened, known zeros).
 
         hop : whether the last blow on it was where the stretch began
         """
@@ -85,7 +85,7 @@ class RigidStops(Generic[N]):
         return settled, [*self._happened(touch), *lifts, *changed, *begun], known
 
     def touch_again(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken | None:
-        """What follows where a stop touches whose ends parted with a zero of `order` above 1: nothing where
+        """Transition where a stop touches whose ends parted with a zero of `order` above 1: none where
         rounding of that brought them back, and a rest, in doubt, where a plastic one closes no faster than
         rounding of the forces can have made it. None of others, which are met.
         """

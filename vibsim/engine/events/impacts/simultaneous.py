@@ -1,4 +1,4 @@
-"""What happens where rigid stops touch at one instant, as blows, rest and the ledgers read it."""
+"""Impacts and rests of rigid stops that touch at one instant, as saltation and the ledgers read them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from vibsim.physics.parts import RigidStop, Scene
 
 @dataclass(frozen=True)
 class PlasticCapture(Generic[N]):
-    """What ends give away as they come to rest on each other behind the hops that are left out.
+    """Velocities that ends give away as they come to rest on each other behind the hops that are left out.
 
     stop : where; loss : of energy [J]; impulse : of ground or base on the bodies [N s], zero where these move
     freely; column : of what catches them

@@ -169,7 +169,7 @@ class ClosedForm(Generic[N]):
         return X, V
 
     def _evaluate_start(self) -> None:
-        """What `evaluate` would give at the anchor, where every response is 0 or 1."""
+        """Result of `evaluate` at the anchor, where every response is 0 or 1."""
         zero = self.kit.number(0)
         self.tau = zero
         self.q, self.u = list(self.q0), list(self.u0)
@@ -259,7 +259,7 @@ class ClosedForm(Generic[N]):
         """Prepare the nodes of a stretch: nothing to do."""
 
     def node(self, tau: N, meters: Meters[N]) -> QuadratureNode[N]:
-        """What the meters read a time tau after the anchor."""
+        """Values that the ledger integrals read a time tau after the anchor."""
         state = self.state_after(tau)
         v = [*state.v, self.kit.number(0), self._base(self.sines, self.cosines)[1]]
         forces = [self._force_here(force) for force in self.scene.forces] if meters.forces else []

@@ -79,7 +79,7 @@ class Modal(Generic[N]):
 
 
 def harmonic_key(term: Harmonic[N]) -> Pitch[N]:
-    """What tells one harmonic function of time from another: frequency and phase."""
+    """Key of one harmonic function of time: frequency and phase."""
     return term.omega, term.cycles, term.cycles_lo, term.phase
 
 

@@ -1,4 +1,4 @@
-"""What drives modal coordinates: forces, offsets of couplings, the base, places of bodies within groups."""
+"""Loads of modal coordinates: forces, offsets of couplings, the base, places of bodies within groups."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the rounding of modal coordinates is proportional to, at the point that a `ClosedForm` evaluated last.
+"""Scales of the rounding of modal coordinates, at the point that a `ClosedForm` evaluated last.
 
 A response is a difference of terms that may cancel while their rounding stays: 1 - cos of a motion from rest
 is zero after each period, cos - cos of two close frequencies after each beat. So there are two measures:

@@ -1,1 +1,1 @@
-"""What events do to small disturbances: saltation matrices, and events crossed almost tangentially."""
+"""Effect of events on small disturbances: saltation matrices, and events crossed almost tangentially."""
