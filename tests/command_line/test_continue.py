@@ -121,7 +121,7 @@ def test_interrupted_it_goes_on(tmp_path, signum):
     run.send_signal(signum)
     _, said = run.communicate(timeout=60)
     if signum == signal.SIGINT:
-        assert run.returncode == 130 and b"the same command goes on from there" in said
+        assert run.returncode == 130 and b"the same command resumes it" in said
         assert 2 < len(open_result(path)) < len(open_result(whole))
     else:
         assert journal.exists()

@@ -109,7 +109,7 @@ def test_ctrl_c_keeps_what_was_run(tmp_path):
                 break
         last = running.stderr.read()
         assert running.wait(timeout=100) == 130
-    assert "goes on from there" in last
+    assert "the same command resumes it" in last
     facts = json.loads(call("info", "--json", path).stdout)
     assert facts["complete"] == 0 and facts["runs"] >= 9
     assert sorted(each.name for each in tmp_path.iterdir()) == ["fit.h5"]

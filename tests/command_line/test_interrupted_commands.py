@@ -22,7 +22,7 @@ from tests.command_line.made import SLOW_SOURCE, call
 from vibsim.command_line.interruption import Interruption, ended_by_signals, heard_from_now_on
 from vibsim.opening import open_result
 
-GOES_ON = "holds what was done; the same command goes on from there"
+GOES_ON = "holds what was done; the same command resumes it"
 REFINE = "vibsim.orbits.orbit_digits:refine"
 RUN = "vibsim.results.recording:Recording.into"
 FRAMES = "vibsim.plots.animation:Film.frames"

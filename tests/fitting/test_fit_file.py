@@ -105,7 +105,7 @@ def test_a_fit_that_cannot_be_written_goes_on_from_its_journal(tmp_path, monkeyp
     with monkeypatch.context() as patched, pytest.raises(ResultFileError) as caught:
         patched.setattr(os, "fsync", full)
         done(plan, path)
-    kept = "what was computed is kept in fit.h5.journal, and the same command goes on from there"
+    kept = "what was computed is kept in fit.h5.journal, and the same command resumes it"
     assert str(caught.value) == f"{path}: cannot write: disk full; {kept}"
     steps = []
     run_fit(plan, path, 1, watch=lambda step, ready, total: steps.append(ready == total) or True)

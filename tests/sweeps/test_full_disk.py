@@ -43,7 +43,7 @@ def test_nothing_computed_is_lost(tmp_path, section, further, left):
     command = [sys.executable, "-c", SWEEP, str(limit), str(section)]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 6
-    assert "disk full; " in done.stderr and "and the same command goes on from there" in done.stderr
+    assert "disk full; " in done.stderr and "and the same command resumes it" in done.stderr
     assert done.stderr.count("\n") == 1
     assert sorted(os.listdir(tmp_path)) == left
     open_result(path)

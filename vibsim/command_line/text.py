@@ -377,7 +377,7 @@ def checks(lyapunov: Lyapunov, rests: bool) -> str:
     parts = []
     if lyapunov.rank_losses:
         losses = f"{lyapunov.rank_losses} rank loss{'' if lyapunov.rank_losses == 1 else 'es'}"
-        parts.append(f"{losses} by {'sticking, rest and blows' if rests else 'sticking'}")
+        parts.append(f"{losses} by {'sticking, rest and impacts' if rests else 'sticking'}")
     if not math.isnan(lyapunov.volume_residual):
         parts.append(f"volume residual {number(lyapunov.volume_residual, 2)}")
     return "".join(f", {part}" for part in parts)
@@ -422,7 +422,7 @@ def size(path: str | Path) -> str:
 
 def goes_on(path: str | Path) -> str:
     """Where an interrupted command has left what it did, and how that is completed."""
-    return f"{path} holds what was done; the same command goes on from there"
+    return f"{path} holds what was done; the same command resumes it"
 
 
 def completed_file(path: Path, count: int, had: int, took: float) -> str:

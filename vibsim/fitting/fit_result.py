@@ -197,7 +197,7 @@ def fit_lines(fit: FitResult) -> Lines:
         lines.append(("best", best_text(fit)))
         lines += [("horizon", text) for text in horizon_texts(fit, fit.best)]
     if not fit.complete:
-        lines.append(("incomplete", "the search did not reach its end; the same command goes on"))
+        lines.append(("incomplete", "the search did not reach its end; the same command resumes it"))
     return lines
 
 

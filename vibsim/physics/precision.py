@@ -1,4 +1,4 @@
-"""Settings shared by the number kits of any precision: bits, tolerance and order for so many decimal digits."""
+"""Settings of the number kits of any precision: bits, tolerance and order for so many decimal digits."""
 
 from collections.abc import Iterable
 from importlib.util import find_spec

@@ -1,4 +1,4 @@
-"""Base of every kind of result: how it shows itself, and is handed on as xarray Dataset or pandas DataFrame."""
+"""Base of every kind of result: shows itself, and becomes an xarray Dataset or a pandas DataFrame."""
 
 import csv
 import json

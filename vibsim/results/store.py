@@ -288,7 +288,7 @@ class Journal:
         if self._records < 2:  # the header alone
             return failure
         remedy = f"{failure}; what was computed is kept in {self.path.name}"
-        return ResultFileError(f"{remedy}, and the same command goes on from there")
+        return ResultFileError(f"{remedy}, and the same command resumes it")
 
     def close(self, remove: bool) -> None:
         """Let go of the lock; with `remove`, or where it is empty, of the file as well."""

@@ -361,11 +361,7 @@ class SweepStore(Store[SweepPoint]):
         """
         if self.path is not None and not self._journal.reserve(count * self._record_bytes):
             done = self.table.count(DONE)
-            held = (
-                f"it holds {done} points, and the same command goes on from there"
-                if done
-                else "no point was done"
-            )
+            held = f"it holds {done} points, and the same command resumes it" if done else "no point was done"
             raise ResultFileError(f"{self.shown}: disk full; {held}")
 
 

@@ -57,7 +57,7 @@ def test_an_interrupted_report_keeps_what_was_done(tmp_path):
         last = running.stderr.read()
         code = running.wait(timeout=100)
     assert code == 130
-    assert last.endswith("goes on from there\n")
+    assert last.endswith("the same command resumes it\n")
     runs = sorted(path.stem for path in (tmp_path / "paper" / "runs").iterdir())
     assert runs == sorted(PAPER_RUNS)
     assert list(json.loads((tmp_path / "paper" / "numbers.json").read_text())) == ["facts"]

@@ -60,7 +60,7 @@ SPAN = PairType("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
         "vibsim continue captured.h5 --locus NS1 --param c=0.02:0.1",
         "vibsim continue captured.h5                   # complete it by the plan that it holds",
         "vibsim plot captured.h5",
-        before="An interrupted continuation goes on when the same command is given again, or its file alone.",
+        before="An interrupted continuation is resumed by the same command, or by its file alone.",
     ),
 )
 @click.argument("source", metavar="ORBIT", type=CASE)

@@ -49,8 +49,8 @@ FREE = PairType("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
         "vibsim fit II-B-fit.h5                        # complete it by the plan that it holds",
         "vibsim plot II-B-fit.h5",
         before="A statement is [CASE:] WHAT [RANGE] [over A to B s] [from P % of the starts] [, weight N]; "
-        "--list names what it can be about. An interrupted fit goes on when the same command is given again, "
-        "or its file alone.",
+        "--list names what it can be about. An interrupted fit is resumed by the same command, or by its "
+        "file alone.",
     ),
 )
 @click.argument("sources", metavar="CASE...", nargs=-1, type=CASE)

@@ -50,8 +50,8 @@ from vibsim.signals import interrupted_with
         "vibsim orbit I-C --digits 40 --json",
         "vibsim run orbit.h5 --t-end 60s               # start on it",
         before="Events are spelled b e (contact begins, ends), r (reversal), s u (stick begins, ends), i t c "
-        "(impact, blow passed on, chatter), h o (rest begins, ends), with the number of the part where there "
-        "are several.",
+        "(impact, impact passed on, chatter), h o (rest begins, ends), with the number of the part where "
+        "there are several.",
     ),
 )
 @click.argument("source", metavar="CASE|FILE", type=CASE)

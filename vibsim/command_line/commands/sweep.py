@@ -61,7 +61,7 @@ DEFAULT_CASE = "II-B"
         before="Ranges: FROM:TO:STEP (both ends included), FROM:TO/COUNT, 'log FROM:TO/COUNT' (spaced by "
         "ratio), or A,B,C; with a unit at the end. "
         "Their order counts: 7:3:0.05 runs down. "
-        "An interrupted sweep goes on when the same command is given again, or its file alone.",
+        "An interrupted sweep is resumed by the same command, or by its file alone.",
     ),
 )
 @click.argument("source", metavar="[CASE]", required=False, type=CASE)

@@ -131,7 +131,7 @@ class TaylorRounding(Generic[N]):
         self.lost[column] = self.lost[column] + lost + self.once * abs(self.force[column])
 
     def _turn(self, n: int, lost_by_speed: list[N]) -> None:
-        """Rounding of the accelerations that the rotor takes part in: that of its body's group, and its own."""
+        """Rounding of the accelerations that the rotor takes part in: of its body's group, and its own."""
         rotor, motor = self.flow.rotor, self.flow.scene.motor
         assert rotor is not None and motor is not None
         on, inverse, each = rotor.leader, self.flow.inverse[n + 1], ROTATION * self.kit.eps

@@ -198,7 +198,7 @@ def strike(
         impulses = blow(at, touching, rates)
         struck |= {i for i, L, rate in zip(touching, impulses, rates, strict=True) if L > 0 and rate > 0}
     else:
-        raise ArithmeticError(f"blows without end at {at.t:g} s")
+        raise ArithmeticError(f"impacts without end at {at.t:g} s")
     torn = [i for i in frictions if at.rate(i) != slips[i]]
     for i in torn:
         states[i] = FORWARD if at.rate(i) > 0 else BACKWARD

@@ -214,7 +214,7 @@ def several_impact_checks() -> list[Check]:
 
 
 def three_balls(engine: str) -> Iterator[CheckRow]:
-    """(1, 0, 0) becomes (-1/3, 2/3, 2/3), with one impact and one blow passed on."""
+    """(1, 0, 0) becomes (-1/3, 2/3, 2/3), with one impact and one impact passed on."""
     name = "V19/three_balls"
     result = run(made_case(BALLS, "three balls"), engine)
     points = [
