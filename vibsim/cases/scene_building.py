@@ -197,7 +197,7 @@ def rebuild_parts(scene: Scene, values: Values, section: str, numbers: NumberTyp
     objects. Bodies have a say in other parts, and no section of their own here.
     """
     builder = _SceneBuilder(values, numbers)
-    if section not in FIELDS or (section == "motor" and builder.formulas):
+    if section not in FIELDS or (section == "motor" and has_formulas(values)):
         return builder.scene()
     changed: dict[str, Any] = {FIELDS[section]: builder.section(section)}
     return scene.but(**changed)
@@ -207,8 +207,9 @@ class _SceneBuilder:
     """The values of one case, the numbers they become and the bodies they speak of."""
 
     def __init__(self, values: Values, numbers: NumberType):
-        self.values, self.numbers = values, numbers
-        self.formulas = _formulas_of(values)
+        self.numbers = numbers
+        self.values = _with_plain_laws(values)
+        self.formulas = _formulas_of(self.values)
         names = self.formulas.scene.index if self.formulas else values["bodies"]
         self.index = {name: i for i, name in enumerate(names)}
         self.index |= {GROUND_END: GROUND, BASE_END: BASE}
@@ -437,6 +438,15 @@ class ExactPlace(NamedTuple):
         """Whether it is sign times another one."""
         there = ExactPlace.at(other)
         return self == (sign * there.plain, sign * there.turns)
+
+
+def _with_plain_laws(values: Values) -> Values:
+    """The same values, formulas that say what a built-in law says put as that law."""
+    if not has_formulas(values):
+        return values
+    from vibsim.cases.plain_laws import with_plain_laws
+
+    return with_plain_laws(values)
 
 
 def _formulas_of(values: Values) -> "FormulaParts | None":
