@@ -345,7 +345,7 @@ static double excess(const Run *r, double h, double tolerance, int *singular)
         const double *series = f->tapes.series[place];
         double allowed = 2 * f->tapes.bounds[place] + rounding_of(series, f->order, h) + share_of(r, k, h, f->tapes.values[place], tolerance);
         double off = fabs(f->tapes.values[place] - horner(series, f->order, h)), beyond;
-        if (off <= allowed)
+        if (off <= allowed && isfinite(allowed)) /* a value that overflows has no bound */
             continue;
         beyond = BEYOND_ALL;
         if (isfinite(off) && allowed > 0) {

@@ -96,7 +96,7 @@ static double excess(const Run *r, const TapeRoom *room, double tau, double tole
         const double *series = room->series[place];
         double allowed = 2 * room->bounds[place] + order * tolerance * size_of(series, order, tau);
         double off = fabs(room->values[place] - horner(series, order, tau)), beyond = BEYOND_ALL;
-        if (off <= allowed)
+        if (off <= allowed && isfinite(allowed)) /* a value that overflows has no bound */
             continue;
         if (isfinite(off) && allowed > 0)
             beyond = binary_exponent(off) - binary_exponent(allowed);
