@@ -120,8 +120,8 @@ class FormulaScene:
         return any(str(self._part("rotors", name).get("on")) == str(on) for name in self.rotors)
 
     def _turns_are_counted(self) -> bool:
-        """Whether a formula reads the angle of the motor otherwise than within a turn: an engine keeps that of
-        a rotor in full, that of the paper's motor in its turn.
+        """Whether a formula reads the angle of the motor otherwise than within a turn: an engine keeps that
+        of a rotor in full, that of the paper's motor in its turn.
         """
         for place in places_of(self.values):
             if place.section == "rotors" or "phi" not in names_in(place.text):

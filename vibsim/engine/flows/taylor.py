@@ -326,8 +326,8 @@ class Taylor(TaylorExpansion[N]):
 
 
 def digits_beyond(kit: Kit[N], off: N, allowed: N) -> float:
-    """By how many binary digits, one at least, a difference is beyond what it may be; 0 where it is not. A value
-    that overflows, and its bound with it, is beyond.
+    """By how many binary digits, one at least, a difference is beyond what it may be; 0 where it is not. A
+    value that overflows, and its bound with it, is beyond.
     """
     if off <= allowed and kit.finite(allowed):
         return 0.0
