@@ -91,6 +91,8 @@ class Taylor(TaylorExpansion[N]):
         zero. Raises EngineError where no step that moves time is short enough.
         """
         left = self.scene.t_end - self.t0
+        if not left > 0:
+            return self.h
         h = self.h if self.h < left else left
         checks = StepChecks(self, tape)
         for _ in range(SHORTENINGS):
