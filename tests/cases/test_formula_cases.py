@@ -161,8 +161,27 @@ def test_a_motor_with_a_formula_is_a_rotor(keys):
 
 
 def test_formulas_read_the_rotor_of_a_plain_motor():
-    scene = scene_of(MOTOR % "M0: 1 N m, Omega0: 3 Hz" + "forces: {p: {on: a, force: b*w*phi, b: 1 N s}}")
-    assert scene.motor is not None and scene.forces[0].formula == mul(("w",), ("phi",))
+    scene = scene_of(
+        MOTOR % "M0: 1 N m, Omega0: 3 Hz" + "forces: {p: {on: a, force: b*w*sin(2*phi), b: 1 N s}}"
+    )
+    assert scene.motor is not None
+    assert scene.forces[0].formula == mul(("w",), ("sin", mul(num(2), ("phi",))))
+
+
+@pytest.mark.parametrize("force", ["b*w*phi, b: 1 N s", "F*sin(phi/2), F: 1 N", '"F*mod(phi, 2*pi)", F: 1 N'])
+def test_a_motor_whose_turns_are_counted_is_a_rotor(force):
+    """The engines keep the angle of the paper's motor within a turn, that of a rotor in full."""
+    scene = scene_of(MOTOR % "M0: 1 N m, Omega0: 3 Hz" + f"forces: {{p: {{on: a, force: {force}}}}}")
+    assert scene.motor is None
+    assert [body.kind for body in scene.bodies] == [BODY, ROTOR]
+
+
+def test_a_motor_beside_rotors_on_its_body_is_one_of_them():
+    rotor = "rotors: {r: {on: %s, m: 0.1 kg, e: 0.1 m, J: 0 kg m^2}}"
+    motor = MOTOR % "M0: 1 N m, Omega0: 3 Hz"
+    scene = scene_of(motor + rotor % "a")
+    assert scene.motor is None
+    assert [(body.name, body.kind) for body in scene.bodies[-2:]] == [("r", ROTOR), ("motor", ROTOR)]
 
 
 def test_the_short_form_takes_formulas_of_its_motor():

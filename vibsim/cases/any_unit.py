@@ -75,11 +75,11 @@ class Symbol(NamedTuple):
     prefixes: str = ""
 
 
-_ALL = "p n u m k M G"
+_ALL = "f p n u m k M G"
 SYMBOLS = {
     "m": Symbol(LENGTH, prefixes="p n u m c k"),
-    "s": Symbol(TIME, prefixes="n u m"),
-    "g": Symbol(MASS, Fraction(1, 1000), prefixes="u m k"),
+    "s": Symbol(TIME, prefixes="p n u m"),
+    "g": Symbol(MASS, Fraction(1, 1000), prefixes="p n u m k"),
     "t": Symbol(MASS, Fraction(1000)),
     "A": Symbol(dimension(A=1), prefixes=_ALL),
     "K": Symbol(dimension(K=1), prefixes="m"),
@@ -106,6 +106,7 @@ SYMBOLS = {
     "rpm": Symbol(RATE, Fraction(1, 60), 1),
 }
 PREFIXES = {
+    "f": Fraction(1, 10**15),
     "p": Fraction(1, 10**12),
     "n": Fraction(1, 10**9),
     "u": Fraction(1, 10**6),

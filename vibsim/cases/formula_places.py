@@ -21,7 +21,7 @@ from vibsim.cases.any_unit import (
     product,
 )
 from vibsim.cases.formula_keys import FORMULA_KEYS, ONE_PART, Formula, FormulaKey, of_part, sides_of
-from vibsim.cases.formula_text import names_in
+from vibsim.cases.formula_text import FormulaError, names_in
 from vibsim.cases.formula_values import Meaning, formula_node, meaning_of_number
 from vibsim.cases.quantities import Quantity, QuantityError
 from vibsim.cases.schema_keys import Form, all_keys, form_of
@@ -104,8 +104,34 @@ class FormulaScene:
         self.motor_is_rotor = bool(self.motor and of_part("motor", values["motor"]))
         if "excitation" in values:
             self._of_short_form(values)
+        self.index = self._index()
+        if self.motor and not self.motor_is_rotor:
+            self.motor_is_rotor = self._shares_its_body() or self._turns_are_counted()
+            self.index = self._index()
+
+    def _index(self) -> dict[str, int]:
+        """Columns of bodies, rotors and states by their names."""
         turning = [*self.rotors, *([MOTOR] if self.motor_is_rotor else [])]
-        self.index = {name: i for i, name in enumerate([*self.bodies, *turning, *self.states])}
+        return {name: i for i, name in enumerate([*self.bodies, *turning, *self.states])}
+
+    def _shares_its_body(self) -> bool:
+        """Whether rotors sit on the body of the motor: what moves that body depends on all their angles."""
+        on = self._part(MOTOR, "").get("on")
+        return any(str(self._part("rotors", name).get("on")) == str(on) for name in self.rotors)
+
+    def _turns_are_counted(self) -> bool:
+        """Whether a formula reads the angle of the motor otherwise than within a turn: an engine keeps that
+        of a rotor in full, that of the paper's motor in its turn.
+        """
+        for place in places_of(self.values):
+            if place.section == "rotors" or "phi" not in names_in(place.text):
+                continue
+            try:
+                if not nodes.is_periodic(self.node(place), ("phi",)):
+                    return True
+            except (FormulaError, Unreadable):
+                continue
+        return False
 
     def _of_short_form(self, values: Mapping[str, Any]) -> None:
         """The two blocks are the bodies 1 and 2, the motor is that of the excitation."""

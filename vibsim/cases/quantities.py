@@ -188,6 +188,12 @@ def parse_quantity(text: str, dimension: str, alternative: str = "") -> Quantity
     return Quantity(f"{number} {unit.name}".strip(), value, unit.per_turn)
 
 
+def quantity_unit(text: str) -> str:
+    """What stands behind the number of a quantity; empty without one."""
+    match = _NUMBER_AND_UNIT.fullmatch(text.strip())
+    return match["unit"].strip() if match else ""
+
+
 def exact_number(text: str) -> Fraction:
     """A decimal number, or a decimal over a whole number such as 1/3, as an exact fraction."""
     if len(text) > LONGEST_NUMBER:

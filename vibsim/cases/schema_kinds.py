@@ -13,7 +13,16 @@ from typing import Annotated, Any, Literal, NamedTuple, Protocol, Union, get_arg
 
 from vibsim.cases.formula_keys import Formula, is_formula
 from vibsim.cases.problems import did_you_mean, shown
-from vibsim.cases.quantities import NUMBER, Quantity, QuantityError, parse_quantity, si_unit, unit_names
+from vibsim.cases.quantities import (
+    NUMBER,
+    Quantity,
+    QuantityError,
+    find_unit,
+    parse_quantity,
+    quantity_unit,
+    si_unit,
+    unit_names,
+)
 
 Json = dict[str, Any]
 Location = tuple[str, ...]  # keys, and variants such as "(motor)"
@@ -276,16 +285,33 @@ class Measured(NamedTuple):
         except QuantityError:
             if self.formula and isinstance(value, str) and is_formula(text):
                 return Formula(text)
-            raise
+            composed = self._in_composed_unit(text)
+            if composed is None:
+                raise
+            quantity = composed
         broken = self.broken_bound(quantity.value)
         if broken:
             raise QuantityError(f"must be {broken}, got {shown(text)}")
         return quantity
 
+    def _in_composed_unit(self, text: str) -> Quantity | None:
+        """A quantity in a unit that the table has not but that is one of its dimension, such as 2 ug or
+        3 uN/um; None of any other.
+        """
+        unit = quantity_unit(text)
+        if not unit or find_unit(unit) is not None or (self.dimension == "angular rate" and unit[0] == "1"):
+            return None
+        from vibsim.cases.any_unit import quantity_of
+
+        try:
+            return quantity_of(text, self.dimension)
+        except QuantityError:
+            return None
+
     def parsed(self, text: str) -> Quantity:
         """The quantity behind a text, whether its bounds hold or not. Raises QuantityError."""
         if not self.any_unit:
-            return parse_quantity(text, self.dimension)
+            return self._in_composed_unit(text) or parse_quantity(text, self.dimension)
         from vibsim.cases.any_unit import quantity_of
 
         return quantity_of(text, self.dimension)

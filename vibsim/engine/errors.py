@@ -83,6 +83,10 @@ REASONS = {
         "what stands under a root in a formula becomes negative",
         "write the formula so that it is defined there, with max(0, ...) or where(...)",
     ),
+    "torn": (
+        "the displacement of the base jumps, which no spring or stop on it can follow",
+        "let base.x rise within a time, as h*min((t - t1)/rise, 1) does; it may have kinks",
+    ),
     "held": (
         "a formula jumps so that the motion is held at its switch",
         "use a part of section friction for dry friction, or a smooth law such as tanh(v/v0)",

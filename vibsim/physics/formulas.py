@@ -234,6 +234,19 @@ def _piece(node: Node, u: Node, side: int) -> Node:
     return result
 
 
+def is_periodic(node: Node, of: Node) -> bool:
+    """Whether a formula reads an angle in sines and cosines of whole multiples of it alone, so that 2 pi more
+    of it change nothing.
+    """
+    if node == of:
+        return False
+    if node[0] in ("sin", "cos"):
+        rate = value_of(derivative(node[1], of))
+        if rate is not None:
+            return rate.denominator == 1
+    return all(is_periodic(child, of) for child in children(node))
+
+
 def derivative(node: Node, of: Node) -> Node:
     """The partial derivative of a formula with respect to the input `of`; of one with switches it has these
     as well, so that of a table is not 0 outside of its knots.

@@ -122,7 +122,9 @@ class SwitchSides(Generic[N]):
         return status._replace(switches=tuple(sides))
 
     def jumps(self, state: State[N], before: Status, after: Status, i: int) -> bool:
-        """Whether any formula has another value behind the turn of switch `i`."""
+        """Whether any formula has another value behind the turn of switch `i`. Raises EngineError of a
+        displacement of the base that jumps.
+        """
         if self.rows.only_bends(i):
             return False
         at, blur = self.inputs(state, before)
@@ -134,6 +136,8 @@ class SwitchSides(Generic[N]):
                 pair.append(TapeValues(self.kit, maker.tape, at, blur).output(k))
             (one, lost), (other, blurred) = pair
             if abs(one - other) > lost + blurred + NO_JUMP * (abs(one) + abs(other)):
+                if root.role == ("base",) and not self.scene.base_is_rate:
+                    raise EngineError("torn", state)
                 return True
         return False
 

@@ -261,7 +261,9 @@ def input_value(op: Op, at: Inputs[N]) -> N:
 
 
 def start_value(kit: Kit[N], op: Op, values: Mapping[int, N] | Sequence[N]) -> N:
-    """The value of an operation on values. A power of what is negative is that of 0."""
+    """The value of an operation on values. A power of what is negative is that of 0, which with an exponent
+    below 0 counts as 0: of slopes, whose instant of being infinite a step leaves behind.
+    """
     code, a = op.code, values[op.a]
     if code in (ADD, SUB, MUL, DIV):
         b = values[op.b]
@@ -276,7 +278,7 @@ def start_value(kit: Kit[N], op: Op, values: Mapping[int, N] | Sequence[N]) -> N
     if code == SQUARE:
         return a * a
     if code == POWER:
-        return kit.power(a if a > 0 else 0 * a, op.value)
+        return kit.power(a, op.value) if a > 0 else 0 * a if op.value < 0 else kit.power(0 * a, op.value)
     if code == LOG and not a > 0:
         return kit.inf * 0
     names = {SIN: kit.sin, COS: kit.cos, SINH: kit.sinh, COSH: kit.cosh, EXP: kit.exp, LOG: kit.log}

@@ -91,6 +91,8 @@ class Taylor(TaylorExpansion[N]):
         zero. Raises EngineError where no step that moves time is short enough.
         """
         left = self.scene.t_end - self.t0
+        if not left > 0:
+            return self.h
         h = self.h if self.h < left else left
         checks = StepChecks(self, tape)
         for _ in range(SHORTENINGS):
@@ -326,8 +328,10 @@ class Taylor(TaylorExpansion[N]):
 
 
 def digits_beyond(kit: Kit[N], off: N, allowed: N) -> float:
-    """By how many binary digits, one at least, a difference is beyond what it may be; 0 where it is not."""
-    if off <= allowed:
+    """By how many binary digits, one at least, a difference is beyond what it may be; 0 where it is not. A
+    value that overflows, and its bound with it, is beyond.
+    """
+    if off <= allowed and kit.finite(allowed):
         return 0.0
     if not (kit.finite(off) and allowed > 0):
         return BEYOND_ALL

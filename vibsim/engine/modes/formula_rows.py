@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Generic, NamedTuple
 
-from vibsim.engine.flows.tape import INPUTS, Inputs, Tape, TapeMaker, TapeValues, chosen
+from vibsim.engine.flows.tape import INPUTS, Inputs, Tape, TapeMaker, TapeValues, chosen, quotient
 from vibsim.engine.modes.rows import (
     DOMAIN,
     FORMULA,
@@ -199,8 +199,9 @@ class FormulaRows(Generic[N]):
                 if not self._implied(maker, maker.place(node), status):
                     outputs["switch", i, key] = k = maker.output(node, self.owners[i])
                     rows.nodes[k] = node
+        kept = [(maker.place(node), sign) for guards in watched.values() for _, node, sign in guards]
         for place in maker.bases:
-            if not self._implied(maker, place, status):
+            if not (self._kept(maker.tape, place, kept) or self._implied(maker, place, status)):
                 outputs["base", place] = len(maker.tape.outputs)
                 maker.tape.texts.append(self._owner(maker.tape, place, roots))
                 maker.tape.outputs.append(place)
@@ -271,21 +272,41 @@ class FormulaRows(Generic[N]):
         P, Q = (end if end >= 0 else self.columns[end] for end in (stop.P, stop.Q))
         ratios = []
         for i, depth in enumerate(PROBES):
-            some = [0.1 + (k + 1) * IRRATIONALS[i] % 1 for k in range(2 * self.n + 7)]
-            x, v, (t, phi, w) = some[: self.n + 2], some[self.n + 2 : -3], some[-3:]
-            x[self.n] = v[self.n] = 0.0  # the ground
+            at = self._probe(i)
+            x = [*at.x]
             gap = float(stop.gap)
             if self.n > P:
                 x[P] = x[Q] - stop.sense * (gap + depth)
             else:
                 x[Q] = x[P] + stop.sense * (gap + depth)
-            at = Inputs(t, x, v, phi, w)
-            values = TapeValues(
-                Doubles, in_doubles(tape), at, Inputs(0.0, [0.0] * len(x), [0.0] * len(v), 0.0, 0.0)
-            )
             depth = -(stop.sense * (x[P] - x[Q])) - gap
-            ratios.append(values.values[place] / depth)
-        return bool(ratios[0] > 0 and all(abs(one - ratios[0]) <= SAME * ratios[0] for one in ratios))
+            ratios.append(self._probed(tape, at._replace(x=x))[place] / depth)
+        return _is_one_ratio(ratios)
+
+    def _kept(self, tape: Tape, place: int, guards: Sequence[tuple[int, int]]) -> bool:
+        """Whether a function on the tape is what a switch keeps positive, but for a positive factor: abs(z),
+        or d - g within `where(d > g, ...)`. guards : place of each guard, and the sign with which it is
+        positive
+        """
+        if not guards:
+            return False
+        values = [self._probed(tape, self._probe(i)) for i in range(len(PROBES))]
+        return any(
+            _is_one_ratio([quotient(Doubles, sign * of[place], of[k]) for of in values]) for k, sign in guards
+        )
+
+    def _probe(self, i: int) -> Inputs[float]:
+        """Numbers of no special meaning for all that formulas read; the ground is at rest."""
+        some = [0.1 + (k + 1) * IRRATIONALS[i] % 1 for k in range(2 * self.n + 7)]
+        x, v, (t, phi, w) = some[: self.n + 2], some[self.n + 2 : -3], some[-3:]
+        x[self.n] = v[self.n] = 0.0
+        return Inputs(t, x, v, phi, w)
+
+    @staticmethod
+    def _probed(tape: Tape, at: Inputs[float]) -> list[float]:
+        """The values along a tape, in doubles."""
+        none = Inputs(0.0, [0.0] * len(at.x), [0.0] * len(at.v), 0.0, 0.0)
+        return TapeValues(Doubles, in_doubles(tape), at, none).values
 
     def is_above(self, node: Node, status: Status) -> bool:
         """Whether a stop in contact keeps a switch on its upper side: where that watches its depth."""
@@ -324,6 +345,11 @@ class FormulaRows(Generic[N]):
             for i, orientation in cut.ties
             if ("hold", i, orientation * direction) in rows.outputs
         )
+
+
+def _is_one_ratio(ratios: Sequence[float]) -> bool:
+    """Whether ratios of two functions at several places are one positive number."""
+    return bool(ratios[0] > 0 and all(abs(one - ratios[0]) <= SAME * ratios[0] for one in ratios))
 
 
 def in_doubles(tape: Tape) -> Tape:

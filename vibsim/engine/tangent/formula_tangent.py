@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from vibsim.engine.modes.rows import ModeRows
 
 SHORTENINGS = 200  # of a stretch
+LEAST_SHARE = 2.0**-36  # of it, below which it is not shortened: where a derivative begins at infinity
 ROUNDING = 4  # of displacements and velocities at its end, in units of eps
 READ = ("x", "v", "phi", "w")
 
@@ -118,7 +119,7 @@ class FormulaTangent(Generic[N]):
         their series say.
         """
         kit, flow = self.kit, self.flow
-        tolerance = kit.power_of_two(flow.tolerance_exponent)
+        tolerance, shortest = kit.power_of_two(flow.tolerance_exponent), tau * LEAST_SHARE
         for _ in range(SHORTENINGS):
             at = flow.state_after(tau)
             n = len(at.x)
@@ -140,7 +141,7 @@ class FormulaTangent(Generic[N]):
                 series = self.series.output(k)[: flow.order]
                 allowed = 2 * bound + flow.order * tolerance * sizes_at(series, tau)
                 excess = max(excess, digits_beyond(kit, abs(value - horner(series, tau)), allowed))
-            if excess <= 0:
+            if excess <= 0 or tau <= shortest:
                 return tau
             tau = shortened(kit, tau, excess, flow.order)
         return tau

@@ -7,7 +7,7 @@ would have moved by the field f+ behind it (Aizerman & Gantmakher 1958; Mueller 
     S d = R' (d + f- dt) - f+ dt
 
 with the base at its velocity of that moment. R' is the law linearised about its impulses L,
-G dL = (1 + e) dg' - dG L on the stops that passed one; G depends on the angle of a rotor. Stops at rest take
+G dL = (1 + e) dg' - dG L on the stops that passed one; G depends on the angles of rotors. Stops at rest take
 part: their rates are 0, disturbed or not. S is unbounded as the approach becomes slow, and there is none
 
     at a grazing touch, without an approach
@@ -19,16 +19,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Generic
+from typing import Generic, NamedTuple
 
 from vibsim.engine.errors import State
-from vibsim.engine.events.impacts.newton_moreau import Contact, Impulse, coupling, masses, solved
+from vibsim.engine.events.impacts.newton_moreau import Contact, Impulse, Masses, coupling, masses, solved
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.modes.rows import Event, ModeRows
 from vibsim.engine.modes.status import OPEN, RESTING
 from vibsim.physics.numbers import Kit, N
-from vibsim.physics.parts import Scene
+from vibsim.physics.parts import Rotor, Scene
 
 ImpactGeometry = Sequence[tuple[Contact[N], Impulse[N]]]  # the stops that passed an impulse, and these
 
@@ -73,7 +73,8 @@ class ImpactSaltation(Generic[N]):
         dv = [d + late * a for d, a in zip(dv, one.a, strict=True)]
         rotor = vector[2 * n :]
         dphi, dw = (rotor[0] + late * one.w, rotor[1] + late * one.alpha) if rotor else (0 * late, 0 * late)
-        dv, dw = self.law.applied(dv, dw, dphi)
+        there = [d + late * v for d, v in zip(vector[:n], one.v, strict=True)] if self.law.turned else ()
+        dv, dw = self.law.applied(dv, dw, dphi, there)
         dx = [d - late * (b - a) for d, a, b in zip(vector[:n], one.v, other.v, strict=True)]
         dv = [d - late * a for d, a in zip(dv[:n], other.a[:n], strict=True)]
         return [*dx, *dv, *([rotor[0] - late * (other.w - one.w), dw - late * other.alpha] if rotor else [])]
@@ -102,12 +103,16 @@ class ImpactSaltation(Generic[N]):
 class LinearBlow(Generic[N]):
     """The law of impacts about one blow.
 
-    passed : (contact, impulse) of each stop that passed one; phase: angle of the rotor [rad]
+    passed : (contact, impulse) of each stop that passed one; phase: angle of the rotor [rad]; x:
+        displacements of all bodies, angles of rotors on them
     """
 
-    def __init__(self, scene: Scene[N], kit: Kit[N], passed: ImpactGeometry[N], phase: N) -> None:
+    def __init__(
+        self, scene: Scene[N], kit: Kit[N], passed: ImpactGeometry[N], phase: N, x: Sequence[N]
+    ) -> None:
         self.kit, self.passed = kit, passed
-        self.bodies = masses(scene, kit, phase)
+        self.bodies = masses(scene, kit, phase, x)
+        self.turned = [_TurnedRotor.at(scene, kit, self.bodies, one, x[one.column]) for one in scene.rotors]
         self.couplings = [[coupling(self.bodies, a, b) for b, _ in passed] for a, _ in passed]
         self.on = self.bodies.on
         if self.on >= 0:
@@ -125,15 +130,21 @@ class LinearBlow(Generic[N]):
         self.mobility_slope = self.bodies.mobility[self.on] * change
         self.turning_slope = c / determinant + self.bodies.turning * change
 
-    def applied(self, dv: Sequence[N], dw: N, dphi: N) -> tuple[list[N], N]:
-        """Velocities of all columns and of the rotor behind the blow, from those in front of it and the angle
-        of the rotor: their disturbances.
+    def applied(self, dv: Sequence[N], dw: N, dphi: N, dx: Sequence[N] = ()) -> tuple[list[N], N]:
+        """Velocities of all columns and of the rotor behind the blow, from those in front of it, the angle
+        of the rotor, and with rotors on bodies all displacements: their disturbances.
         """
         demands = [-(c.sense * (dv[c.P] - dv[c.Q])) * (1 + c.e) for c, _ in self.passed]
         if self.on >= 0:
             pushed = self._on_rotor([one.impulse for _, one in self.passed]) * (self.mobility_slope * dphi)
             demands = [
                 demand - self._gain(c) * pushed for demand, (c, _) in zip(demands, self.passed, strict=True)
+            ]
+        shifts = self._shifts(dx)
+        if shifts:
+            demands = [
+                demand - c.sense * (shifts.get(c.P, 0 * demand) - shifts.get(c.Q, 0 * demand))
+                for demand, (c, _) in zip(demands, self.passed, strict=True)
             ]
         impulses = solved(self.kit, self.couplings, demands, list(range(len(demands))))
         assert impulses is not None  # as when the blow itself was solved for
@@ -145,7 +156,30 @@ class LinearBlow(Generic[N]):
             after[self.on] = after[self.on] + pushed
             dw = dw + self.bodies.turning * self._on_rotor(impulses)
             dw = dw + self.turning_slope * dphi * self._on_rotor([one.impulse for _, one in self.passed])
+        for column, shift in shifts.items():
+            after[column] = after[column] + shift
+        for one in self.turned:
+            gained = self.bodies.mobility[one.on] * self._impulse(one.on)
+            turn = one.turning * (after[one.on] - dv[one.on]) + one.turning_slope * dx[one.column] * gained
+            after[one.column] = after[one.column] + turn
         return after, dw
+
+    def _shifts(self, dx: Sequence[N]) -> dict[int, N]:
+        """What the blow as it is adds to velocities of bodies where the angles of their rotors are disturbed,
+        which changes what impulses meet there.
+        """
+        shifts: dict[int, N] = {}
+        for one in self.turned:
+            shift = self._impulse(one.on) * (one.mobility_slope * dx[one.column])
+            shifts[one.on] = shifts.get(one.on, 0 * shift) + shift
+        return shifts
+
+    def _impulse(self, column: int) -> N:
+        """Sum of the impulses on a body [N s]."""
+        total = self.kit.number(0)
+        for c, one in self.passed:
+            total = total + {c.P: c.sense, c.Q: -c.sense}.get(column, 0) * one.impulse
+        return total
 
     def _gain(self, c: Contact[N]) -> int:
         """By how much a velocity of the body with the rotor slows the depth of a stop."""
@@ -160,6 +194,27 @@ class LinearBlow(Generic[N]):
 
     def restitution(self, stop: int) -> N:
         return next(c.e for c, _ in self.passed if c.stop == stop)
+
+
+class _TurnedRotor(NamedTuple, Generic[N]):
+    """How a rotor on a body takes part in blows: its column, that of its body, the speed that it gains per
+    speed of the body [1/m], and the slopes of that and of the mobility of the body with its angle.
+    """
+
+    column: int
+    on: int
+    turning: N
+    turning_slope: N
+    mobility_slope: N
+
+    @staticmethod
+    def at(scene: Scene[N], kit: Kit[N], bodies: Masses[N], one: Rotor, phi: N) -> _TurnedRotor[N]:
+        """Of c = u sin(phi), I = J + m e^2: w gains c / I, 1 / mobility is M - sum c^2 / I."""
+        sine, cosine = kit.sine_cosine(phi)
+        c, slope, inertia = one.unbalance * sine, one.unbalance * cosine, scene.bodies[one.column].m
+        mobility = bodies.mobility[one.on]
+        softer = mobility * mobility * (2 * c * slope / inertia)
+        return _TurnedRotor(one.column, one.on, c / inertia, slope / inertia, softer)
 
 
 def impact_saltation(
@@ -187,5 +242,5 @@ def impact_saltation(
         ImpactMotion(list(where.v[:n]), where.w, *accelerations(scene, kit, rows, where))
         for where, rows in ((start, before), (state, after))
     )
-    law = LinearBlow(scene, kit, passed, state.phase)
+    law = LinearBlow(scene, kit, passed, state.phase, state.x)
     return ImpactSaltation(event, touch.before[i], one, other, law, n)

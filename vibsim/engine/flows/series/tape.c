@@ -20,7 +20,7 @@ static double quotient(double a, double b)
     return b == 0 ? NAN : a / b;
 }
 
-/* The value of an operation on values. A power of what is negative is that of 0. */
+/* The value of an operation on values. A power of what is negative is that of 0, with an exponent below 0 it counts as 0. */
 static double start_value(const Op *op, double a, double b)
 {
     switch (op->code) {
@@ -40,7 +40,7 @@ static double start_value(const Op *op, double a, double b)
     case OP_ATAN: return arctangent(a);
     case OP_ASIN: return arcsine(a);
     case OP_ACOS: return arccosine(a);
-    default: return real_power(a > 0 ? a : 0 * a, op->value);
+    default: return a > 0 ? real_power(a, op->value) : op->value < 0 ? 0 * a : real_power(0 * a, op->value);
     }
 }
 
@@ -345,7 +345,7 @@ static double excess(const Run *r, double h, double tolerance, int *singular)
         const double *series = f->tapes.series[place];
         double allowed = 2 * f->tapes.bounds[place] + rounding_of(series, f->order, h) + share_of(r, k, h, f->tapes.values[place], tolerance);
         double off = fabs(f->tapes.values[place] - horner(series, f->order, h)), beyond;
-        if (off <= allowed)
+        if (off <= allowed && isfinite(allowed)) /* a value that overflows has no bound */
             continue;
         beyond = BEYOND_ALL;
         if (isfinite(off) && allowed > 0) {

@@ -3,6 +3,7 @@
 #include "tangent.h"
 
 #define SHORTENINGS 200       /* of a stretch, each at least by */
+#define LEAST_SHARE 0x1p-36 /* of it, below which it is not shortened: where a derivative begins at infinity */
 #define LEAST_SHORTENING 0.25 /* binary digits */
 #define BEYOND_ALL 60.0       /* binary digits by which a value that is no number is beyond */
 #define ROUNDING 4            /* of displacements and velocities at its end, in units of EPS */
@@ -96,7 +97,7 @@ static double excess(const Run *r, const TapeRoom *room, double tau, double tole
         const double *series = room->series[place];
         double allowed = 2 * room->bounds[place] + order * tolerance * size_of(series, order, tau);
         double off = fabs(room->values[place] - horner(series, order, tau)), beyond = BEYOND_ALL;
-        if (off <= allowed)
+        if (off <= allowed && isfinite(allowed)) /* a value that overflows has no bound */
             continue;
         if (isfinite(off) && allowed > 0)
             beyond = binary_exponent(off) - binary_exponent(allowed);
@@ -110,7 +111,7 @@ static double excess(const Run *r, const TapeRoom *room, double tau, double tole
 double formula_sound_stretch(Run *r, double t, double tau)
 {
     const TaylorTangent *of = &r->tangent->taylor;
-    const double tolerance = power_of_two(r->tolerance_exponent);
+    const double tolerance = power_of_two(r->tolerance_exponent), shortest = tau * LEAST_SHARE;
     const Taylor *f = t != r->t0 ? &of->spare : &r->taylor;
     int i;
     taylor_prepare(r, t);
@@ -118,7 +119,7 @@ double formula_sound_stretch(Run *r, double t, double tau)
         double beyond, digits;
         values_at(r, f, of->along, t, tau);
         beyond = excess(r, of->along, tau, tolerance);
-        if (beyond <= 0)
+        if (beyond <= 0 || tau <= shortest)
             return tau;
         digits = (beyond + 1) / r->taylor.order;
         tau = tau * power_of_two(-(digits > LEAST_SHORTENING ? digits : LEAST_SHORTENING));
