@@ -26,7 +26,7 @@ from vibsim.physics.elementary import sine_cosine_of_arrays
 from vibsim.physics.formulas import TIME, ZERO, derivative
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import BASE, BODY, ROTOR, STATE, Body, Scene, columns_of
-from vibsim.physics.rates import Period, common_period, reads_time, springs_of, turning_rotor
+from vibsim.physics.rates import Period, common_period, is_driven, reads_time, springs_of, turning_rotor
 from vibsim.results.columns import starts_of
 
 if TYPE_CHECKING:
@@ -168,6 +168,21 @@ class Coordinates:
             return dict(self.scene.state_units).get(bodies[i % n].name, "")
         unit = "rad" if bodies[i % n].kind == ROTOR else self.scene.length_unit
         return unit + ("" if i < n else "/s")
+
+
+def coordinates_of_rest(scene: Scene) -> Coordinates:
+    """The unknowns of orbits, and of states of rest, of a scene.
+
+    Where nothing drives it and nothing brings a body back near its own start, as on top of a hill between two
+    wells, they are those that it has elsewhere. Raises NoSection.
+    """
+    try:
+        return Coordinates(scene, section_of(scene))
+    except NoSection:
+        if is_driven(scene) or not scene.line:
+            raise
+        section = PoincareSection(pinned=len(scene.bodies), body=scene.line[0].name)
+        return Coordinates(scene, section)
 
 
 def unknown_count(scene: Scene) -> int:

@@ -39,7 +39,7 @@ from vibsim.engine.modes.status import STICK
 from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.tangent.lyapunov import lyapunov_exponents
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.orbits.coordinates import OF_FRICTION, Coordinates, OrbitError, section_of
+from vibsim.orbits.coordinates import OF_FRICTION, Coordinates, OrbitError, coordinates_of_rest
 from vibsim.orbits.newton import solve
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import ReturnMap, slowest_period
@@ -56,9 +56,9 @@ if TYPE_CHECKING:
 
 
 def coordinates_of(scene: Scene) -> Coordinates | None:
-    """The unknowns of the orbits of a scene; None where it has no section."""
+    """The unknowns of the orbits and rests of a scene; None where it has no section."""
     try:
-        return Coordinates(scene, section_of(scene))
+        return coordinates_of_rest(scene)
     except OrbitError:
         return None
 
@@ -169,6 +169,18 @@ def met(known: KnownOrbits, scene: Scene, at: Coordinates | None, last: Row) -> 
         part -= len(scene.stops)
     X = unknowns_at(at, {name: [last[name]] for name in at.columns})[0]
     return known.met(kind, part, X, float(last["t"]))
+
+
+BEYOND = 1e12  # SI: a run that fails at such a displacement or speed has run away
+
+
+def label_of_failure(error: EngineError) -> Label | None:
+    """Label of a run that failed on its way to infinity, which some motions reach in a finite time, as behind
+    the edge of a well; None of any other failure.
+    """
+    state = error.state
+    greatest = max(map(abs, (*map(float, state.x), *map(float, state.v))), default=0.0)
+    return Label("running away", time=float(state.t)) if greatest > BEYOND else None
 
 
 def values_of(label: Label) -> dict[str, Any]:
