@@ -192,7 +192,10 @@ def edge_between(basins: Basins, start_a: Mapping[str, float], start_b: Mapping[
 
 def _two_ends(basins: Basins, starts: tuple[Mapping[str, float], Mapping[str, float]]) -> tuple[int, int]:
     one, other = (basins.end_of(start) for start in starts)
-    for name, end in (("first", one), ("second", other)):
+    for name, end, start in zip(("first", "second"), (one, other), starts, strict=True):
+        stop = basins.inside(start)
+        if stop is not None:
+            raise EdgeError(f"the {name} start lies inside the rigid stop {stop}, where nothing can be")
         if end == NOWHERE:
             raise EdgeError(
                 f"on which attractor the {name} start ends is not decided within "

@@ -19,13 +19,13 @@ import numpy as np
 from vibsim.analysis.attractor import KnownOrbits, Label
 from vibsim.cases.quantities import number
 from vibsim.engine.errors import EngineError, start_of
-from vibsim.orbits.coordinates import OrbitError, component_names, placed
+from vibsim.orbits.coordinates import OrbitError, component_names, gap_of, placed
 from vibsim.orbits.neighbourhood import lies_on
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.search import opened
 from vibsim.orbits.search import start_of as state_of_start
 from vibsim.physics.numbers import Doubles
-from vibsim.physics.parts import Scene
+from vibsim.physics.parts import RigidStop, Scene
 from vibsim.results.simulation import kind_of, names_a_result
 from vibsim.sweeps.attractor_labels import label_of_failure, orbit_of_label, run_label
 from vibsim.sweeps.attractors import ALIKE, REST_REACH, SAME_SET
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
 StartState = Mapping[str, float]  # by name of the column, SI
 LONGER = (1, 4)  # times the end of the case that a start is run until it is decided
+TOUCHING = 1e-9  # [m]: nearer to a rigid stop, or in it, a state lies at it
 NOWHERE = -1  # the end of an undecided start
 
 
@@ -109,10 +110,20 @@ class Basins:
         self.of = quantities_of(self.case)
         self.known = KnownOrbits()
 
-    def end_of(self, state: Mapping[str, float]) -> int:
+    def inside(self, state: StartState) -> str | None:
+        """Name of a rigid stop in which a state lies, as no motion does; None where there is none."""
+        components = np.array([0.0 if name is None else state[name] for name in component_names(self.scene)])
+        for i, stop in enumerate(self.scene.stops):
+            if isinstance(stop, RigidStop) and gap_of(self.scene, i, 0.0, components)[0] < -TOUCHING:
+                return stop.name
+        return None
+
+    def end_of(self, state: StartState) -> int:
         """Number of the attractor on which the start of a state (by name of the column) ends; NOWHERE where
-        that is undecided, as after a failure.
+        that is undecided, as after a failure, and of a state inside a rigid stop.
         """
+        if self.inside(state) is not None:
+            return NOWHERE
         label = self._label(state)
         if label is None or label.kind == "undecided":
             return NOWHERE
@@ -121,7 +132,7 @@ class Basins:
                 return end.number
         return self._taken(label)
 
-    def _label(self, state: Mapping[str, float]) -> Label | None:
+    def _label(self, state: StartState) -> Label | None:
         label = None
         for factor in LONGER:
             scene = placed(self.scene, state, factor * self.scene.t_end)
