@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vibsim.engine.errors import start_of
 from vibsim.engine.tangent.carried import Carried
 from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike, weights
 from vibsim.lazy import once
@@ -251,6 +252,14 @@ def placed(scene: Scene, state: Mapping[str, float], t_end: float) -> Scene:
         motor = replace(motor, phi=state["phi"], phidot=state["phidot"])
     stops = tuple(replace(stop, at_start=False) for stop in scene.stops)
     return replace(scene, bodies=tuple(bodies), motor=motor, stops=stops, t_end=t_end)
+
+
+def start_by_column(scene: Scene) -> dict[str, float]:
+    """The initial state of a scene by name of the column [SI]; what is not shown is left out."""
+    start = start_of(scene, Doubles)
+    spin = [start.phase, start.w] if scene.motor is not None else []
+    named = zip(component_names(scene), (*start.x, *start.v, *spin), strict=True)
+    return {name: float(value) for name, value in named if name is not None}
 
 
 def case_on_orbit(case: Case, state: Mapping[str, float], period: float) -> Case:

@@ -330,7 +330,7 @@ class _Tracking:
 
     def _saddle(self, past: list[np.ndarray], first: BoundaryPair, rounds: int) -> BasinEdge | None:
         """The saddle near which the motion on the boundary is, where there is one."""
-        rest = _rest_near(self.stepping, past[-1], self.scale) if self.stepping.free else None
+        rest = _unstable_rest(self.stepping, past[-1], self.scale) if self.stepping.free else None
         orbits: Iterator[Orbit | UnstableRest] = iter([rest]) if rest else self._orbits(past)
         for saddle in orbits:
             sides = self._sides(saddle)
@@ -461,8 +461,10 @@ RESTS = 1e-3  # of the size: a motion that changes no more over a stretch may co
 REST_STEPS = 20  # of Newton's method
 
 
-def _rest_near(stepping: Stepping, state: np.ndarray, scale: float) -> UnstableRest | None:
-    """The unstable state of rest near a state that hardly moves; None where there is none."""
+def rest_near(stepping: Stepping, state: np.ndarray, scale: float) -> np.ndarray | None:
+    """The components of the state of rest near a state that hardly moves, stable or not, by Newton's method;
+    None where there is none. scale : size of the motion [m/s, as weighed]
+    """
     try:
         if stepping.size(stepping.after(state) - state) > RESTS * scale:
             return None
@@ -475,16 +477,22 @@ def _rest_near(stepping: Stepping, state: np.ndarray, scale: float) -> UnstableR
             state = state.copy()
             state[keep] += change
             if stepping.size(image - state) <= CLOSE * scale:
-                break
-        else:
-            return None
+                return state
     except (EngineError, ValueError):
         return None
-    multipliers = np.array(eigenvalues(_stretched(stepping, state)[1]))
+    return None
+
+
+def _unstable_rest(stepping: Stepping, state: np.ndarray, scale: float) -> UnstableRest | None:
+    """The state of rest with one unstable direction near a state that hardly moves."""
+    rest = rest_near(stepping, state, scale)
+    if rest is None:
+        return None
+    multipliers = np.array(eigenvalues(_stretched(stepping, rest)[1]))
     rates = sorted((log(size) / stepping.stretch for size in moduli(multipliers).tolist()), reverse=True)
     if sum(rate > 0 for rate in rates) != 1:
         return None
-    return UnstableRest(stepping.by_column(state), tuple(rates), state)
+    return UnstableRest(stepping.by_column(rest), tuple(rates), rest)
 
 
 def _stretched(stepping: Stepping, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -23,19 +23,19 @@ import numpy as np
 from vibsim.orbits.stability import dot, length_of
 from vibsim.physics.elementary import sine_cosine_of_arrays
 from vibsim.results.columns import starts_of
-from vibsim.sweeps.basin_edges import EdgeError, Stepping
+from vibsim.sweeps.basin_edges import EdgeError, Stepping, rest_near
 from vibsim.sweeps.basin_starts import LONGER, NOWHERE, BasinEnd, Basins, basins_and_starts
 from vibsim.sweeps.sweep_plan import PlanError
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
 
-FIRST = 1e-6  # of the size of the motion [m/s], or of 1 m/s where it rests: the first shock that is tried
-DOUBLINGS = 60  # of it, up to which the boundary is looked for
-LOOKS = 32  # between the motion and a shock that is fatal: what is nearer and narrower is not seen
+FIRST, WIDE = 1e-6, 1e-2  # of the size of the motion [m/s], or of 1 m/s at rest in 0: shocks tried first
+WIDER = 1.03  # from the second on by so much at a time: a basin's edge that is thinner is not seen
+LARGEST = 1e6  # of the size: up to where the boundary is looked for
 FINER = 1e-10  # of the shock: where bisection ends
 DIRECTIONS = 32  # that are drawn evenly; in more than two unknowns, besides the axes, at random
-LOOKS_INSIDE = 12  # along each of them, within the smallest shock so far
+LOOKS = 12  # along each of them, within the smallest shock so far
 TURN, LEAST_TURN = 0.15, 1e-4  # [rad] by which the best direction is turned: the first, and the last
 SMALLER = 1e-9  # share by which a turned direction must shorten the shock
 SEED = 1
@@ -126,6 +126,13 @@ class _Search:
         at = self.stepping.at
         self.states = [at.lifted(X) for X in end.points]
         self.size = max(map(self.stepping.size, self.states)) or 1.0
+        if end.orbit is None and self.stepping.free:
+            self.states = [self._at_rest(state) for state in self.states]
+
+    def _at_rest(self, state: np.ndarray) -> np.ndarray:
+        """The state of rest near where a run is still on its way to it."""
+        rest = rest_near(self.stepping, state, self.size)
+        return state if rest is None else rest
 
     def smallest(self) -> FatalShock:
         """The smallest shock. Raises EdgeError where none is fatal."""
@@ -162,7 +169,7 @@ class _Search:
 
     def _none(self) -> EdgeError:
         return EdgeError(
-            f"no shock of up to {FIRST * 2.0**DOUBLINGS:.1g} times the size of the motion is seen to take it "
+            f"no shock of up to {LARGEST:.0g} times the size of the motion is seen to take it "
             f"out of its basin ({self.end.words})"
         )
 
@@ -195,19 +202,19 @@ class _Search:
         return self.end.number if end == NOWHERE else end
 
     def _first_exit(self, point: int, direction: np.ndarray) -> _Exit | None:
-        """Where a ray leaves the basin first, as far as LOOKS in equal steps see."""
-        outside = FIRST * self.size
-        for _ in range(DOUBLINGS):
+        """Where a ray leaves the basin first, as far as steps by WIDER see."""
+        inside, outside = 0.0, FIRST * self.size
+        while outside <= LARGEST * self.size:
             if self._end_at(point, direction, outside) != self.end.number:
-                return self._exit_within(point, direction, outside, LOOKS)
-            outside *= 2
+                return self._bisected(point, direction, inside, outside)
+            inside, outside = outside, outside * (2 if outside < WIDE * self.size else WIDER)
         return None
 
-    def _exit_within(self, point: int, direction: np.ndarray, within: float, looks: int) -> _Exit | None:
-        """The first of the exits that steps of 1 / looks of a distance see, by bisection."""
-        for k in range(1, looks + 1):
-            if self._end_at(point, direction, within * k / looks) != self.end.number:
-                return self._bisected(point, direction, within * (k - 1) / looks, within * k / looks)
+    def _exit_within(self, point: int, direction: np.ndarray, within: float) -> _Exit | None:
+        """The first of the exits within a distance that LOOKS even steps see."""
+        for k in range(1, LOOKS + 1):
+            if self._end_at(point, direction, within * k / LOOKS) != self.end.number:
+                return self._bisected(point, direction, within * (k - 1) / LOOKS, within * k / LOOKS)
         return None
 
     def _bisected(self, point: int, direction: np.ndarray, inside: float, outside: float) -> _Exit:
@@ -244,7 +251,7 @@ class _Search:
         """The exit along a direction where it is nearer than the best so far."""
         if best is None:
             return self._first_exit(point, direction)
-        return self._exit_within(point, direction, best.distance, LOOKS_INSIDE) or best
+        return self._exit_within(point, direction, best.distance) or best
 
     def _turned(self, best: _Exit) -> _Exit:
         """The exit nearest to the motion, by turning the direction as long as that brings it nearer."""

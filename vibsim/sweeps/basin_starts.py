@@ -18,13 +18,12 @@ import numpy as np
 
 from vibsim.analysis.attractor import KnownOrbits, Label
 from vibsim.cases.quantities import number
-from vibsim.engine.errors import EngineError, start_of
-from vibsim.orbits.coordinates import OrbitError, component_names, gap_of, placed
+from vibsim.engine.errors import EngineError
+from vibsim.orbits.coordinates import OrbitError, component_names, gap_of, placed, start_by_column
 from vibsim.orbits.neighbourhood import lies_on
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.search import opened
 from vibsim.orbits.search import start_of as state_of_start
-from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import RigidStop, Scene
 from vibsim.results.simulation import kind_of, names_a_result
 from vibsim.sweeps.attractor_labels import label_of_failure, orbit_of_label, run_label
@@ -227,20 +226,12 @@ def _state_of(start: Any, scene: Scene) -> StartState:
         if result is not None and result.orbit is not None:
             state = state_of_start(result)[0]
         else:
-            state = _initial(case.scene())
+            state = start_by_column(case.scene())
     names = [name for name in component_names(scene) if name is not None]
     missing = [name for name in names if name not in state]
     if missing:
         raise PlanError(f"the start {start!r:.60} has no {', '.join(missing)}, which the case has")
     return {name: float(state[name]) for name in names}
-
-
-def _initial(scene: Scene) -> StartState:
-    """The initial state of a scene by name of the column."""
-    start = start_of(scene, Doubles)
-    spin = [start.phase, start.w] if scene.motor is not None else []
-    named = zip(component_names(scene), (*start.x, *start.v, *spin), strict=True)
-    return {name: float(value) for name, value in named if name is not None}
 
 
 def _starts_of_sweep(sweep: SweepResult, wanted: Sequence[tuple[int, bool]]) -> tuple[Case, list[StartState]]:
@@ -256,7 +247,7 @@ def _starts_of_sweep(sweep: SweepResult, wanted: Sequence[tuple[int, bool]]) -> 
     ]
     chosen = _nearest(sweep, points)
     cases = [sweep.case_at(tuple(index.tolist())) for index in chosen]
-    return cases[0], [_initial(case.scene()) for case in cases]
+    return cases[0], [start_by_column(case.scene()) for case in cases]
 
 
 def _check_number(sweep: SweepResult, i: int, mirrored: bool) -> None:
