@@ -533,8 +533,14 @@ def edge(
         for their initial states
     overrides : values by key that replace those of the case
 
-    Returns a `BasinEdge`. Raises EdgeError where no saddle was found, ValueError for attractors that are not
-    there, OrbitError, CaseError, EngineError.
+    Returns a `BasinEdge`. Raises EdgeError (an OrbitError) where no saddle was found, PlanError for attractors
+    that are not there, OrbitError, CaseError, EngineError.
+
+    >>> import vibsim
+    >>> clear, strikes = {"x_tip": 0.0, "v_tip": 0.0}, {"x_tip": 0.0, "v_tip": 0.4}
+    >>> saddle = vibsim.edge("gallery/cantilever", clear, strikes).orbit
+    >>> saddle.spelled, saddle.multipliers.real.round(4).tolist()
+    ('be', [2.1087, 0.3199])
     """
     basins, starts = basins_and_starts(source, (one, other), overrides, engine, ask)
     return edge_between(basins, *starts)

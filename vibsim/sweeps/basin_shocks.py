@@ -80,8 +80,13 @@ def fatal_shock(
     along : the one coordinate that the shock changes, as a key of an initial value (tip.v) or a column
         (v_tip); None: all unknowns of the orbits
 
-    Raises EdgeError where no shock is fatal, or the start ends on no orbit and no rest; ValueError for what
+    Raises EdgeError where no shock is fatal, or the start ends on no orbit and no rest; PlanError for what
     is not there, OrbitError, CaseError, EngineError.
+
+    >>> import vibsim
+    >>> shock = vibsim.fatal_shock("gallery/cantilever", {"x_tip": 0.0, "v_tip": 0.0}, along="tip.v")
+    >>> round(shock.change["v_tip"], 6), round(shock.other_way, 6)
+    (0.089745, -0.252863)
     """
     basins, (start,) = basins_and_starts(source, [motion], overrides, engine, ask)
     column, unit = (None, "m/s") if along is None else _column(basins, along)

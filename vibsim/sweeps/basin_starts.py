@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf
+from math import inf, isfinite
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,7 +26,7 @@ from vibsim.orbits.search import opened
 from vibsim.orbits.search import start_of as state_of_start
 from vibsim.physics.parts import RigidStop, Scene
 from vibsim.results.simulation import kind_of, names_a_result
-from vibsim.sweeps.attractor_labels import label_of_failure, orbit_of_label, run_label
+from vibsim.sweeps.attractor_labels import coordinates_of, label_of_failure, orbit_of_label, run_label
 from vibsim.sweeps.attractors import ALIKE, REST_REACH, SAME_SET
 from vibsim.sweeps.axes import Members
 from vibsim.sweeps.quantities import quantities_of
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 StartState = Mapping[str, float]  # by name of the column, SI
 LONGER = (1, 4)  # times the end of the case that a start is run until it is decided
 TOUCHING = 1e-9  # [m]: nearer to a rigid stop, or in it, a state lies at it
+SHOWN = 2  # unknowns of an attractor that are told
 NOWHERE = -1  # the end of an undecided start
 
 
@@ -53,18 +54,22 @@ class BasinEnd:
     number : in the order in which they were met
     label : of the first start that ended there
     orbit : where it is one
+    names : of the unknowns of its state
     """
 
     number: int
     label: Label
     orbit: Orbit | None = None
+    names: tuple[str, ...] = ()
 
     @property
     def words(self) -> str:
-        """What it is, in words."""
-        if self.label.kind == "periodic":
-            return f"period {self.label.period:g}, multiplier {number(self.label.multiplier, 3)}"
-        return self.label.kind
+        """What it is and where it meets the section, in words."""
+        shown = list(zip(self.names, self.label.state.tolist(), strict=False))[:SHOWN]
+        place = ", ".join(f"{name} {number(value, 4)}" for name, value in shown if isfinite(value))
+        where = f" (at {place})" if place and self.label.kind in ("periodic", "rest") else ""
+        kind = f"period {self.label.period:g}" if self.label.kind == "periodic" else self.label.kind
+        return kind + where
 
     @property
     def points(self) -> np.ndarray:
@@ -155,7 +160,8 @@ class Basins:
                 orbit = orbit_of_label(self.scene, label.state, label.period, self.engine, self.case)
             except (OrbitError, EngineError):
                 return NOWHERE
-        self.ends.append(BasinEnd(len(self.ends), label, orbit))
+        at = coordinates_of(self.scene)
+        self.ends.append(BasinEnd(len(self.ends), label, orbit, at.names if at is not None else ()))
         if orbit is not None and orbit.stable:
             self.known.add(orbit)
         return len(self.ends) - 1
