@@ -14,6 +14,8 @@
     sweep = vibsim.sweep("II-B", {"excitation.Omega0": "3:7:0.05 Hz"}, out="sommerfeld.h5")
     sweep["omega0"], sweep["mean_speed"]
 
+    vibsim.edge("basins.h5", 0, 1).orbit, vibsim.fatal_shock("basins.h5", 0).size
+
     branch = vibsim.continue_branch("I-A", "excitation.omega", "3:4 Hz")
     branch["parameter"], branch["multipliers"], branch.specials
 
@@ -59,6 +61,10 @@ if TYPE_CHECKING:
     from vibsim.sweeps import SweepResult as SweepResult
     from vibsim.sweeps import join as join
     from vibsim.sweeps import sweep as sweep
+    from vibsim.sweeps.basin_edges import BasinEdge as BasinEdge
+    from vibsim.sweeps.basin_edges import edge as edge
+    from vibsim.sweeps.basin_shocks import FatalShock as FatalShock
+    from vibsim.sweeps.basin_shocks import fatal_shock as fatal_shock
 
 __version__ = "0.1.0"
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.analysis.regime import STILL
 from vibsim.analysis.sections import JudgedPoints
 from vibsim.engine.errors import EngineError
 from vibsim.orbits.coordinates import Coordinates, OrbitError, placed
@@ -183,6 +184,14 @@ def _is_around(orbit: Orbit, points: np.ndarray) -> bool:
     return bool(neighbourhood_of(orbit).holds(last).any())
 
 
+def _is_still(orbit: Orbit) -> bool:
+    """Whether nothing moves on an orbit, as where the force of a source is 0: it is a state of rest."""
+    at, carrier = orbit.end.coordinates, orbit.return_map.carrier
+    states = (carrier.carry(at.lifted(orbit.X), orbit.period * part / 3, []).state for part in (1, 2))
+    moved = [at.size(at.of(state) - orbit.X) for state in states]
+    return max(moved) <= STILL and not any(orbit.drift.values())
+
+
 def label_of_points(scene: Scene, times: np.ndarray, points: np.ndarray, engine: str) -> Label | None:
     """Label of a run by its last points on the section: an orbit or running away; None for anything else."""
     try:
@@ -193,6 +202,8 @@ def label_of_points(scene: Scene, times: np.ndarray, points: np.ndarray, engine:
         return Label("undecided", "too few cycles")
     orbit = orbit_at_end(return_map, times, points)
     if orbit is not None:
+        if _is_still(orbit):
+            return Label("rest", state=orbit.X, means=orbit.X, errors=np.zeros(len(orbit.X)))
         return label_of(orbit)
     if growing(points, return_map.coordinates) is not None:
         return Label("running away", state=points[-1])

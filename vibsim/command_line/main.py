@@ -180,18 +180,20 @@ def _discard_stdout() -> None:
     os.close(nowhere)
 
 
-# heading -> name -> (module of commands/, one line); the list is printed without importing any of them
+# heading -> name -> (module of commands/, with a name where it is not its `command`, one line); the list is
+# printed without importing any of them
 LISTED = {
     "Cases": {
         "cases": ("cases", "List the shipped cases, or print one."),
-        "new": ("new", "Begin a case file of your own."),
+        "new": ("cases:new_command", "Begin a case file of your own."),
         "check": ("check", "Check case files."),
-        "schema": ("schema", "Print the JSON Schema of a case file."),
+        "schema": ("check:schema_command", "Print the JSON Schema of a case file."),
     },
     "Motions": {
         "run": ("run", "Run cases and write their trajectories."),
         "sweep": ("sweep", "Run a case at every point of a grid."),
         "orbit": ("orbit", "Find periodic motions, stable or not, and their multipliers."),
+        "edge": ("edge", "Find what lies between two attractors: the saddle on their boundary."),
         "continue": ("continuation", "Follow a periodic orbit over a parameter."),
         "fit": ("fit", "Find values under which cases do what is said of them."),
     },
@@ -235,7 +237,8 @@ class LazyGroup(click.Group):
             return None
         if self.owns_the_process:
             signals.of_the_command = True
-        command: click.Command = named(f"vibsim.command_line.commands.{COMMANDS[cmd_name][0]}:command")
+        module, _, name = COMMANDS[cmd_name][0].partition(":")
+        command: click.Command = named(f"vibsim.command_line.commands.{module}:{name or 'command'}")
         add_global_options(command)
         refuse_repeated(command)
         return command

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vibsim.engine.errors import start_of
 from vibsim.engine.tangent.carried import Carried
 from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike, weights
 from vibsim.lazy import once
@@ -26,7 +27,7 @@ from vibsim.physics.elementary import sine_cosine_of_arrays
 from vibsim.physics.formulas import TIME, ZERO, derivative
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import BASE, BODY, ROTOR, STATE, Body, Scene, columns_of
-from vibsim.physics.rates import Period, common_period, reads_time, springs_of, turning_rotor
+from vibsim.physics.rates import Period, common_period, is_driven, reads_time, springs_of, turning_rotor
 from vibsim.results.columns import starts_of
 
 if TYPE_CHECKING:
@@ -170,6 +171,21 @@ class Coordinates:
         return unit + ("" if i < n else "/s")
 
 
+def coordinates_of_rest(scene: Scene) -> Coordinates:
+    """The unknowns of orbits, and of states of rest, of a scene.
+
+    Where nothing drives it and nothing brings a body back near its own start, as on top of a hill between two
+    wells, they are those that it has elsewhere. Raises NoSection.
+    """
+    try:
+        return Coordinates(scene, section_of(scene))
+    except NoSection:
+        if is_driven(scene) or not scene.line:
+            raise
+        section = PoincareSection(pinned=len(scene.bodies), body=scene.line[0].name)
+        return Coordinates(scene, section)
+
+
 def unknown_count(scene: Scene) -> int:
     """Number of unknowns of the orbits of a scene, and of their multipliers. Raises NoSection."""
     return Coordinates(scene, section_of(scene)).count
@@ -236,6 +252,14 @@ def placed(scene: Scene, state: Mapping[str, float], t_end: float) -> Scene:
         motor = replace(motor, phi=state["phi"], phidot=state["phidot"])
     stops = tuple(replace(stop, at_start=False) for stop in scene.stops)
     return replace(scene, bodies=tuple(bodies), motor=motor, stops=stops, t_end=t_end)
+
+
+def start_by_column(scene: Scene) -> dict[str, float]:
+    """The initial state of a scene by name of the column [SI]; what is not shown is left out."""
+    start = start_of(scene, Doubles)
+    spin = [start.phase, start.w] if scene.motor is not None else []
+    named = zip(component_names(scene), (*start.x, *start.v, *spin), strict=True)
+    return {name: float(value) for name, value in named if name is not None}
 
 
 def case_on_orbit(case: Case, state: Mapping[str, float], period: float) -> Case:

@@ -39,8 +39,8 @@ from vibsim.engine.modes.status import STICK
 from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.tangent.lyapunov import lyapunov_exponents
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.orbits.coordinates import OF_FRICTION, Coordinates, OrbitError, section_of
-from vibsim.orbits.newton import solve
+from vibsim.orbits.coordinates import OF_FRICTION, Coordinates, OrbitError, coordinates_of_rest
+from vibsim.orbits.newton import EVEN, solve
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import ReturnMap, slowest_period
 from vibsim.orbits.search import least
@@ -48,7 +48,7 @@ from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES, Scene
 from vibsim.physics.rates import is_driven, source_period
 from vibsim.sweeps.contact_computations import Task
 from vibsim.sweeps.quantities import Quantities
-from vibsim.sweeps.run_ends import INITIAL, KINDS, REASONS, VERDICTS, EndState
+from vibsim.sweeps.run_ends import END_STATE, INITIAL, KINDS, REASONS, VERDICTS, EndState
 from vibsim.sweeps.statistics import MeasuredRun, TooFineError, sampled_for_statistics
 
 if TYPE_CHECKING:
@@ -56,14 +56,17 @@ if TYPE_CHECKING:
 
 
 def coordinates_of(scene: Scene) -> Coordinates | None:
-    """The unknowns of the orbits of a scene; None where it has no section."""
+    """The unknowns of the orbits and rests of a scene; None where it has no section."""
     try:
-        return Coordinates(scene, section_of(scene))
+        return coordinates_of_rest(scene)
     except OrbitError:
         return None
 
 
 # One run, streamed block by block to its end.
+
+PLACES = 16  # samples of a block that are kept
+FAR = 0.8  # of the range of a displacement that runs away: how far it gets
 
 
 class AttractorComputation:
@@ -76,8 +79,10 @@ class AttractorComputation:
         self._columns = state_columns(task.scene)
         self._at = coordinates_of(task.scene)
         self._ranges: list[tuple[float, list[float], list[float], list[float]]] = []  # time, and by column
+        self._course: list[tuple[np.ndarray, np.ndarray]] = []  # times of some samples, and states there
         self._last: Row = {}
-        self._end_state = None if self._driven else EndState(task)
+        timed = self._at is not None and self._at.section.timed
+        self._end_state = None if timed else EndState(task)
 
     def update(self, block: Block) -> None:
         """Take the next block."""
@@ -90,6 +95,9 @@ class AttractorComputation:
             low, high = [float(row.min()) for row in rows], [float(row.max()) for row in rows]
             ends = [float(row[-1]) for row in rows]
             self._ranges.append((float(block.samples["time"][late][-1]), low, high, ends))
+            some = np.linspace(0, len(rows[0]) - 1, min(PLACES, len(rows[0]))).astype(int)
+            course = np.stack([row[some] for row in rows], axis=1)
+            self._course.append((block.samples["time"][late][some], course))
         if len(block.events["t"]):
             happened = np.flatnonzero(block.events["kind"] != EVENT_KINDS["end"])
             if len(happened):
@@ -112,7 +120,15 @@ class AttractorComputation:
             return self._of_free(window, run, low, high)
         if self._at is None:
             return Label("undecided", "no section")
+        if self._comes_to_rest(window, run):
+            return self._rest(low, high)
         return self._of_driven(run)
+
+    def _comes_to_rest(self, window: tuple[float, float], run: MeasuredRun) -> bool:
+        """Whether a rotor that torques of its own drive has stopped turning and its motion dies away."""
+        if self._end_state is None or len(self._verdicts.late_section()["time"]):
+            return False
+        return self._end_state.values(window, run, {})[END_STATE] == VERDICTS["rest"]
 
     def _of_driven(self, run: MeasuredRun) -> Label:
         assert self._at is not None
@@ -145,7 +161,21 @@ class AttractorComputation:
         orbit = orbit_of_free(self._scene, there, run.engine)
         if orbit is not None:
             return label_of_orbit(orbit)
+        if self._drifts(window):
+            return Label("running away")
         return Label("undecided", "no stable orbit" if verdict == "vibration" else "still on its way")
+
+    def _drifts(self, window: tuple[float, float]) -> bool:
+        """Whether a displacement grows by as much in each third of the window, and swings by little more."""
+        times = np.concatenate([times for times, _ in self._course])
+        states = np.concatenate([states for _, states in self._course])
+        thirds = [window[0] + (window[1] - window[0]) * k / 3 for k in range(4)]
+        places = np.array([np.interp(thirds, times, column) for column in states.T])
+        first, middle, last = np.diff(places, axis=1).T
+        even = abs(last - 2 * middle + first) <= EVEN * abs(last)
+        low, high = (np.array(side) for side in self._range())
+        far = abs(first + middle + last) >= FAR * (high - low)
+        return bool(np.any((first * last > 0) & even & far))
 
     def _range(self) -> tuple[list[float], list[float]]:
         """Least and greatest states in the samples after the transient, in the order of their columns."""
@@ -169,6 +199,18 @@ def met(known: KnownOrbits, scene: Scene, at: Coordinates | None, last: Row) -> 
         part -= len(scene.stops)
     X = unknowns_at(at, {name: [last[name]] for name in at.columns})[0]
     return known.met(kind, part, X, float(last["t"]))
+
+
+BEYOND = 1e12  # SI: a run that fails at such a displacement or speed has run away
+
+
+def label_of_failure(error: EngineError) -> Label | None:
+    """Label of a run that failed on its way to infinity, which some motions reach in a finite time, as behind
+    the edge of a well; None of any other failure.
+    """
+    state = error.state
+    greatest = max(map(abs, (*map(float, state.x), *map(float, state.v))), default=0.0)
+    return Label("running away", time=float(state.t)) if greatest > BEYOND else None
 
 
 def values_of(label: Label) -> dict[str, Any]:

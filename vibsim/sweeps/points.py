@@ -105,7 +105,10 @@ def compute_point(
             scene, recipe, engine, go_on, known
         )
     except (EngineError, TooFineError) as error:
-        return SweepPoint(index, FAILED, case.sha256, str(error))
+        label = _run_away(recipe, error)
+        if label is None:
+            return SweepPoint(index, FAILED, case.sha256, str(error))
+        values, arrays = label
     except GivenUpError:
         return None
     except Exception as error:  # a bug that shows at one point must not cost all the others
@@ -154,13 +157,26 @@ def _early(
     from vibsim.sweeps.attractor_labels import early_label, values_of
 
     early = early_label(scene, recipe.discard.time(scene.t_end), engine, partial(_ask, go_on), known)
-    if early is None:
-        return None
-    label, t_reached = early
-    stored = values_of(label)
+    return None if early is None else _of_label(values_of(early[0]), early[1])
+
+
+def _of_label(stored: dict[str, Any], t_reached: float) -> Measured:
+    """What is measured of a run of which its attractor alone is known."""
     numbers = {name: value for name, value in stored.items() if isinstance(value, float)}
     arrays = {name: value for name, value in stored.items() if not isinstance(value, float)}
     return {"t_reached": t_reached, **numbers}, arrays
+
+
+def _run_away(recipe: PointRecipe, error: EngineError | TooFineError) -> Measured | None:
+    """What is measured of a run that went to infinity in a finite time, where attractors are asked for and
+    nothing else: its label. None of any other failure.
+    """
+    if recipe.compute != (NAME,) or recipe.carry or not isinstance(error, EngineError):
+        return None
+    from vibsim.sweeps.attractor_labels import label_of_failure, values_of
+
+    label = label_of_failure(error)
+    return None if label is None else _of_label(values_of(label), float(error.state.t))
 
 
 def measure(

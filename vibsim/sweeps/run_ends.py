@@ -119,10 +119,10 @@ def attractor_columns(of: Quantities) -> Columns:
 
 def unknowns(scene: Scene) -> int:
     """How many unknowns the orbits of a scene have; 0 without a section."""
-    from vibsim.orbits.coordinates import OrbitError, unknown_count
+    from vibsim.orbits.coordinates import OrbitError, coordinates_of_rest
 
     try:
-        return unknown_count(scene)
+        return coordinates_of_rest(scene).count
     except OrbitError:
         return 0
 

@@ -1,0 +1,74 @@
+"""vibsim edge: what it prints, stores and refuses."""
+
+import json
+
+import pytest
+
+from tests.command_line.made import call
+from vibsim.opening import open_result
+
+CASE = "gallery/cantilever"
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """A sweep with both motions of the cantilever, and each of them stored as an orbit."""
+    folder = tmp_path_factory.mktemp("edge")
+    sweep = folder / "basins.h5"
+    axes = ["--param", "tip.x=-4:4/6mm", "--param", "tip.v=-450:450/6mm/s"]
+    made = call("sweep", CASE, *axes, "--section", "0", "--compute", "attractor", "-j", "1", "-o", sweep)
+    assert made.exit_code == 0, made.stderr
+    for name, change in (("clear", "tip.v=0"), ("strikes", "tip.v=400mm/s")):
+        path = folder / f"{name}.h5"
+        assert call("orbit", CASE, "-s", change, "-o", path).exit_code == 0
+    return folder
+
+
+def test_a_saddle_by_numbers_and_by_orbits_stored_and_continued(files, tmp_path):
+    saddle = tmp_path / "saddle.h5"
+    done = call("edge", files / "basins.h5", "--between", "0,1", "-o", saddle)
+    assert done.exit_code == 0, done.stderr
+    lines = {line.split()[0]: line for line in done.stdout.splitlines() if line.strip()}
+    assert "period 1 (at x_tip" in lines["between"] and "unstable: 1 multiplier outside" in lines["stability"]
+    stored = open_result(saddle)
+    assert stored.orbit is not None and stored.attrs["orbit_stable"] == 0
+    names = f"{files / 'clear.h5'},{files / 'strikes.h5'}"
+    facts = json.loads(call("edge", CASE, "--between", names, "--json").stdout)
+    assert facts["multipliers"][0][0] == pytest.approx(stored.orbit["multiplier_real"][0], rel=1e-9)
+    assert {end["kind"] for end in facts["sides"]} == {"periodic"} and facts["runs"] > 20
+    followed = call("continue", saddle, "--param", "base.omega=12.9:13.1Hz", "-o", tmp_path / "branch.h5")
+    assert followed.exit_code == 0, followed.stderr
+    assert "exists" in call("edge", files / "basins.h5", "--between", "0,1", "-o", saddle).stderr
+
+
+def test_a_shock_in_one_value_and_in_all(files):
+    one = json.loads(call("edge", files / "basins.h5", "--shock", "1", "--along", "tip.v", "--json").stdout)
+    every = json.loads(call("edge", files / "basins.h5", "--shock", "1", "--json").stdout)
+    assert one["along"] == "v_tip" and one["shock"]["x_tip"] == 0
+    assert one["shock"]["v_tip"] > 0 > one["other_way"]
+    assert every["size"] < one["size"] == pytest.approx(one["shock"]["v_tip"], rel=1e-12)
+    text = call("edge", CASE, "--shock", files / "clear.h5", "--along", "tip.v").stdout
+    assert "m/s in v_tip" in text and "ends on" in text
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "message"),
+    [
+        ([CASE, "--between", "0,1"], 2, "0 is the number of an attractor, which the file of a sweep"),
+        ([CASE, "--between", "0"], 2, "'0' is not A,B"),
+        ([CASE], 2, "give either --between A,B or --shock A"),
+        ([CASE, "--between", "II-B,I-A"], 2, "has no x_tip, v_tip, which the case has"),
+        ([CASE, "--between", f"{CASE},{CASE}"], 4, "both starts end on the same attractor"),
+        ([CASE, "--between", "a,b", "--along", "tip.v"], 2, "--along is the direction of --shock"),
+        ([CASE, "--shock", CASE, "--along", "tip.z"], 2, "no such initial value; this case has tip.x, tip.v"),
+        ([CASE, "--shock", CASE, "-o", "x.h5"], 2, "--shock finds no orbit"),
+    ],
+)
+def test_what_cannot_be_asked_for(words, code, message):
+    done = call("edge", *words)
+    assert done.exit_code == code and message in done.stderr, done.stderr
+
+
+def test_changes_go_with_starts(files):
+    done = call("edge", files / "basins.h5", "--between", "0,1", "-s", "base.a=0.6mm")
+    assert done.exit_code == 2 and "changes go with starts" in done.stderr
