@@ -10,7 +10,7 @@ from click.shell_completion import CompletionItem
 
 from vibsim.command_line.options import FiniteRange, OneOf, Settings, examples
 from vibsim.command_line.terminal import in_shell, print_json, say
-from vibsim.plots.registry import KINDS, NEEDS, fitting
+from vibsim.plots.registry import ALIASES, KINDS, NEEDS, also_called, fitting
 from vibsim.plots.view import WIDTHS_CM, PlotError, Span, View, parse_size, parse_span
 
 
@@ -26,7 +26,7 @@ class KindNames(click.ParamType):
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
         done, comma, begun = incomplete.rpartition(",")
-        names = [*(kind.name for kind in KINDS), "all"]
+        names = [*(kind.name for kind in KINDS), *ALIASES, "all"]
         return [CompletionItem(done + comma + name) for name in names if name.startswith(begun)]
 
 
@@ -148,7 +148,9 @@ def _list(settings: Settings, files: tuple[str, ...]) -> None:
     longest = max((len(kind.name) for kind in kinds), default=0)
     for kind in kinds:
         needs = f" (needs {', '.join(NEEDS[need][0] for need in kind.needs)})" if kind.needs else ""
-        say(in_shell(f"{kind.name:{longest}}  {kind.summary}{needs}"))
+        others = also_called(kind)
+        also = f" (also: {', '.join(others)})" if others else ""
+        say(in_shell(f"{kind.name:{longest}}  {kind.summary}{needs}{also}"))
 
 
 def _report(settings: Settings, written: list[str]) -> None:
