@@ -19,7 +19,7 @@ GROUND, BASE = "ground", "base"
 FIXED = (GROUND, BASE)
 LEFT, RIGHT, ANYWHERE = -1, 1, 0
 ELASTIC, DAMPED, RIGID, NONLINEAR = "elastic", "damped", "rigid", "nonlinear"
-VARIABLES = re.compile(r"\b(?:d|v|p|t|(?:x|v|phi|w)_\w+|phi|phidot)\b(?!\s*\()")  # that a law may read
+VARIABLE = re.compile("d|v|p|t|(?:x|v|phi|w)_.*|phi|phidot")  # of the motion, that a law may read
 
 CHARACTER_CM = 0.12  # about the width of a character of a label, at 6 pt
 LABEL_DIGITS = 6
@@ -65,7 +65,7 @@ def elements(values: dict[str, Any]) -> Iterator[Element]:
     """The elements of the nested values of a case in the long form; those under bodies are left out."""
     order = {name: i for i, name in enumerate(values["bodies"])}
     for name, link in values.get("links", {}).items():
-        yield from _link(f"links.{name}", name, link, order)
+        yield from _link(f"links.{name}", name, link, order, tuple(values.get("states", {})))
     for name, stop in values.get("stops", {}).items():
         yield _stop(f"stops.{name}", name, stop, order)
     for name, friction in values.get("friction", {}).items():
@@ -90,10 +90,12 @@ def short(quantity: Any) -> str:
     return " ".join(filter(None, [number, unit]))
 
 
-def _link(key: str, name: str, link: dict[str, Any], order: dict[str, int]) -> Iterator[Element]:
+def _link(
+    key: str, name: str, link: dict[str, Any], order: dict[str, int], states: tuple[str, ...]
+) -> Iterator[Element]:
     left, right, _ = _placed(link["between"], order, ANYWHERE)
     if "force" in link:
-        yield Element("law", key, left, right, name, short(link["force"]), arguments(link["force"]))
+        yield Element("law", key, left, right, name, short(link["force"]), arguments(link["force"], states))
         return
     title = name
     for kind, letter in (("spring", "k"), ("damper", "c")):
@@ -104,9 +106,10 @@ def _link(key: str, name: str, link: dict[str, Any], order: dict[str, int]) -> I
         yield Element("spring", key, left, right, title, "k = 0")
 
 
-def arguments(formula: Formula) -> str:
-    """A formula as a function of what it reads of the motion and of time: f(d, v)."""
-    names = dict.fromkeys(VARIABLES.findall(one_line(formula.text)))
+def arguments(formula: Formula, states: tuple[str, ...] = ()) -> str:
+    """A formula as a function of what it reads of the motion, of time and of further states: f(d, v)."""
+    words = re.findall(r"[A-Za-z_]\w*", one_line(formula.text))
+    names = dict.fromkeys(word for word in words if VARIABLE.fullmatch(word) or word in states)
     if len(names) > MOST_ARGUMENTS:
         names = dict.fromkeys([*list(names)[: MOST_ARGUMENTS - 1], "…"])
     return f"f({', '.join(names)})" if names else "f"

@@ -52,7 +52,7 @@ class PictureKind:
     width : "column" or "page", the width unless the user says otherwise
     alone : whether it shows one file at a time
     besides : what else it lays over that, as `reads`
-    spans : what it takes of a view: "window", "detail"
+    spans : what it takes of a view: "window", "detail", "poincare"
     also : what else it shows by itself, as `reads`
     """
 
@@ -95,14 +95,25 @@ KINDS = (
         "velocities of the bodies against time, impacts marked, with a detail",
         spans=("window", "detail"),
     ),
-    PictureKind("phase", "trajectory", "phase portrait of each body, impacts marked"),
+    PictureKind(
+        "phase",
+        "trajectory",
+        "phase portrait of each body, impacts marked",
+        spans=("window", "poincare"),
+    ),
     PictureKind(
         "phase-drift-free",
         "trajectory",
         "the same, less the drift of the blocks that nothing holds",
         ("excitation", "free blocks"),
+        spans=("window", "poincare"),
     ),
-    PictureKind("relative", "trajectory", "phase portrait of the relative motion, with the stop"),
+    PictureKind(
+        "relative",
+        "trajectory",
+        "phase portrait of the relative motion, with the stop",
+        spans=("window", "poincare"),
+    ),
     PictureKind(
         "motor-speed",
         "trajectory",
@@ -130,7 +141,10 @@ KINDS = (
         "impact-velocity", "trajectory", "closing velocity of each impact: time, phase, histogram", ("stop",)
     ),
     PictureKind(
-        "stroboscopic", "trajectory", "relative motion once per period of the source", ("excitation",)
+        "stroboscopic",
+        "trajectory",
+        "Poincare section: relative motion once per period of the source",
+        ("excitation",),
     ),
     PictureKind(
         "spectrum", "trajectory", "amplitude spectra of the displacements, natural frequencies marked"
