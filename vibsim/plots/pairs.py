@@ -106,9 +106,10 @@ def draw_belts(axes: Axes, pair: PlottedPair, scale: Scale) -> None:
     for velocity, name in pair.belts:
         at = float(scale(velocity))
         axes.axhline(at, color=GREY, linewidth=0.6, linestyle=(0, (4, 2)), zorder=0, gid="belt")
+        beside = ("top", -2) if velocity > 0 else ("bottom", 2)  # towards the middle of the picture
         axes.annotate(
-            f"velocity of {name}", (1, at), (-3, 2), xycoords=("axes fraction", "data"),
-            textcoords="offset points", ha="right", va="bottom", fontsize=points(6.5), color=GREY, zorder=4,
+            f"velocity of {name}", (1, at), (-3, beside[1]), xycoords=("axes fraction", "data"),
+            textcoords="offset points", ha="right", va=beside[0], fontsize=points(6.5), color=GREY, zorder=4,
         )  # fmt: skip
 
 
