@@ -81,7 +81,11 @@ def test_bumpers_touch_plates_just_where_the_stop_is_closed(channels, name):
         left = attached(stage, element, slot, -1) + column(film, element.left)
         right = attached(stage, element, slot, 1) + column(film, element.right)
         plate = column(film, element.key)
-        drawn = plate - (left + NOSE_CM) if element.kind == "stop" else plate - (right - NOSE_CM)
+        drawn = (
+            plate - (left + NOSE_CM)
+            if element.kind == "stop"
+            else plate - (right - stage.bracket(element, slot))
+        )
         ends = {end: column(film, scene.end_name(end)) for end in (stop.P, stop.Q)}
         free = stage.scale * stop.gap - stop.sense * (ends[stop.Q] - ends[stop.P])
         assert np.abs(drawn - np.maximum(free, 0)).max() <= 1e-9, element.key

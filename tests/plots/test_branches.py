@@ -18,13 +18,13 @@ from vibsim.plots.branch_curves import (
     LOAD_CURVE_NEAR,
     STAYS,
     LoadCurve,
-    belongs,
     crossings,
     dead_ends,
     leaps_of,
     torque_of,
 )
 from vibsim.plots.branch_values import MARKS, amplitude_of, mean_speed_of, parameter_of, pieces
+from vibsim.plots.branches_over_sweeps import belongs
 from vibsim.plots.registry import choose, kind_named
 from vibsim.plots.sheet import Scale
 from vibsim.plots.subject import Subject

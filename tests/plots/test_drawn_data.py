@@ -263,7 +263,10 @@ def test_trust_horizon_is_drawn(subject):
     assert "trust horizon 7.5 s" in figure.axes[0].get_title(loc="right")
     [beyond] = [patch for patch in figure.axes[0].patches if patch.get_gid() == "beyond-trust"]
     assert (beyond.get_x(), beyond.get_x() + beyond.get_width()) == (7.5, figure.axes[0].get_xlim()[1])
-    assert figure.axes[1].get_title(loc="right") == "beyond the trust horizon, 7.5 s"
+    assert (
+        figure.axes[1].get_title(loc="right")
+        == "rings: impacts; grey: contact\nbeyond the trust horizon, 7.5 s"
+    )
 
 
 def test_a_run_that_is_right_to_the_end_is_not_marked(subject):

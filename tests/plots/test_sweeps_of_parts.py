@@ -46,10 +46,12 @@ def test_what_fits_is_drawn_and_fit_to_print(subjects, name):
         assert clipped_texts(figure) == [] and colliding_legends(figure) == []
 
 
-def test_panels_have_the_names_of_bodies_and_parts(subjects):
+def test_panels_have_the_names_of_coordinates(subjects):
     figure = kind_named("amplitude").draw([subjects["drill"]], View())
     labels = [axes.get_ylabel() for axes in figure.axes]
-    assert labels[0].startswith("shank (") and r"x_\mathrm{hammer}" in labels[1]
+    assert (
+        labels[0] == r"$x_\mathrm{hammer} - x_\mathrm{bit}$ (mm)" and labels[1] == r"$x_\mathrm{hammer}$ (mm)"
+    )
     (line,) = [line for line in figure.axes[0].get_lines() if line.get_gid() == "relative_shank"]
     shown = subjects["drill"].result["amplitude_relative_shank"][:, 0]
     np.testing.assert_allclose(line.get_ydata() / line.get_ydata()[0], shown / shown[0], rtol=1e-14)

@@ -42,12 +42,21 @@ class Stage:
     plan : layout whose slots leave room for the motion
     scale : centimetres of the picture per metre of motion
     gaps : of each stop by its key, its gap [cm]
+    closing : by which the ends of each slot come closer than at rest, at the most [cm]
     """
 
     values: dict[str, Any]
     plan: Layout
     scale: float
     gaps: dict[str, float]
+    closing: list[float] = field(default_factory=list)
+
+    def bracket(self, element: Element, slot: int) -> float:
+        """From the lips of a hook to the body that bears them [cm]: so long that the head of the rod, which
+        goes further in while the ends come closer, never meets that body.
+        """
+        closing = self.closing[slot] if 0 <= slot < len(self.closing) else 0.0
+        return NOSE_CM + max(self.gaps[element.key], 0.0) + closing
 
     @property
     def bodies(self) -> list[str]:
@@ -86,8 +95,9 @@ def stage_for(values: dict[str, Any], motion: Ends, gaps: dict[str, float]) -> S
     widest = float(max([*travels, *map(abs, gaps.values())]))
     scale = TRAVEL_CM / widest if widest > 0 else 1.0
     drawn = {key: gap * scale for key, gap in gaps.items()}
-    widen(plan, [scale * max(-float(each.min()), 0.0) for each in between], drawn)
-    return Stage(values, plan, scale, drawn)
+    closing = [scale * max(-float(each.min()), 0.0) for each in between]
+    widen(plan, closing, drawn)
+    return Stage(values, plan, scale, drawn, closing)
 
 
 def _relative(slot: list[Element], number: int, names: list[str], motion: Ends) -> np.ndarray:
@@ -107,8 +117,9 @@ def widen(plan: Layout, closing: list[float], gaps: dict[str, float]) -> None:
     x = 0.0
     for number, slot in enumerate(plan.slots):
         width = plan.edges[number][1] - plan.edges[number][0] + closing[number]
-        stops = [each for each in slot if each.kind in ("stop", "hook")]
-        needed = [NOSE_CM + SUPPORT_CM + ROD_CM + abs(gaps[each.key]) + closing[number] for each in stops]
+        needed = [
+            _needed(each, gaps[each.key], closing[number]) for each in slot if each.kind in ("stop", "hook")
+        ]
         width = max([width, *needed])
         plan.edges[number] = (x, x + width)
         x += width
@@ -116,6 +127,14 @@ def widen(plan: Layout, closing: list[float], gaps: dict[str, float]) -> None:
             box = plan.boxes[number]
             plan.boxes[number] = type(box)(box.name, x, box.width)
             x += box.width
+
+
+def _needed(element: Element, gap: float, closing: float) -> float:
+    """Width of a slot at rest in which a stop has room for its motion [cm]; of a hook twice the closing, by
+    which its lips slide along the rod and the rod along the bracket.
+    """
+    base = NOSE_CM + SUPPORT_CM + ROD_CM + abs(gap)
+    return base + (2 * closing if element.kind == "hook" else closing)
 
 
 def attached(stage: Stage, element: Element, slot: int, side: int) -> float:
@@ -235,8 +254,9 @@ def plates(stage: Stage, moved: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
             reach = at_rest - NOSE_CM - stage.gaps[element.key]
             places[element.key] = np.maximum(right - reach, left + NOSE_CM)
         else:  # lips of the right end, head borne by the left one
-            reach = at_rest - NOSE_CM + stage.gaps[element.key]
-            places[element.key] = np.maximum(left + reach, right - NOSE_CM)
+            bracket = stage.bracket(element, slot)
+            reach = at_rest - bracket + stage.gaps[element.key]
+            places[element.key] = np.maximum(left + reach, right - bracket)
     return places
 
 
@@ -422,7 +442,8 @@ def sketch(axes: Any, stage: Stage, at: dict[str, float]) -> None:
                 if name not in FIXED:
                     machine_symbols.line(axes, [x, x], [plan.height, y + 0.12])
         _walls(axes, element, x0, x1, y)
-        _element(axes, element, x0, x1, y, at)
+        bracket = stage.bracket(element, slot) if element.kind == "hook" else 0.0
+        _element(axes, element, x0, x1, y, at, bracket)
     for box in plan.boxes:
         mass = short(stage.values["bodies"][box.name])
         machine_symbols.body(axes, box.x + at[box.name], box.width, plan.height, box.name, mass)
@@ -433,7 +454,9 @@ def sketch(axes: Any, stage: Stage, at: dict[str, float]) -> None:
             _rotor(axes, box.centre + at[box.name], plan.height + MOTOR_CM * i, *angle, key)
 
 
-def _element(axes: Any, element: Element, x0: float, x1: float, y: float, at: dict[str, float]) -> None:
+def _element(
+    axes: Any, element: Element, x0: float, x1: float, y: float, at: dict[str, float], bracket: float
+) -> None:
     if element.kind == "stop":
         plate, nose = at[element.key], x0 + NOSE_CM
         machine_symbols.line(axes, [x0, nose], [y, y])
@@ -441,12 +464,15 @@ def _element(axes: Any, element: Element, x0: float, x1: float, y: float, at: di
         _plate(axes, element.key, plate, y, 0.2)
         machine_symbols.support(axes, plate, x1, y, element.law, element.key)
     elif element.kind == "hook":
-        head, lips = at[element.key], x1 - NOSE_CM
-        machine_symbols.support(axes, x0, head - ROD_CM, y, element.law, element.key)
-        machine_symbols.line(axes, [head - ROD_CM, head], [y, y])
+        head, lips = at[element.key], x1 - bracket
+        rod = ROD_CM + bracket - NOSE_CM  # so long that the lips never come to its spring
+        machine_symbols.support(axes, x0, head - rod, y, element.law, element.key)
+        machine_symbols.line(axes, [head - rod, head], [y, y])
         _plate(axes, element.key, head, y, 0.14)
         for side in (-1, 1):
             machine_symbols.line(axes, [lips, lips, x1], [y + side * 0.06, y + side * 0.22, y + side * 0.22])
+    elif element.kind == "law":
+        machine_symbols.law(axes, x0, x1, y, element.law, element.key)
     else:
         draw = {
             "spring": machine_symbols.spring,

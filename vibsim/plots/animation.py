@@ -390,8 +390,8 @@ def moving_data(subject: Subject, channels: Channels, step: float, speed: float)
         "portrait": {
             "x": packed(scales[0](x), "f4"),
             "y": packed(scales[1](v), "f4"),
-            "xLabel": scales[0].label("relative displacement"),
-            "yLabel": scales[1].label("relative velocity"),
+            "xLabel": scales[0].label(pair.words[0].lower()),
+            "yLabel": scales[1].label(pair.words[1].lower()),
             "stops": [float(scales[0](position)) for position, _ in pair.stops],
         },
         "history": {

@@ -21,21 +21,23 @@ from vibsim.orbits.coordinates import placed
 from vibsim.physics.rates import turning_columns
 from vibsim.plots.branch_values import (
     MARKS,
+    LabelledPoint,
     Value,
     amplitude_of,
     amplitude_words,
     draw_branch,
     keys_to_marks,
+    label_points,
     mean_speed_of,
     parameter_label,
     parameter_of,
     scaled,
+    special_labels,
 )
 from vibsim.plots.samples import motor_of
 from vibsim.plots.sheet import (
     NamedQuantity,
     Scale,
-    add_below,
     legend_above,
     legend_below,
     scale_for,
@@ -45,7 +47,6 @@ from vibsim.plots.sheet import (
 from vibsim.plots.style import BLACK, GREY, VERMILLION, overlay, points
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import is_motor_speed
-from vibsim.plots.sweep_curves import Curve
 from vibsim.plots.view import View
 
 BRANCH_HEIGHT_CM = 7.0
@@ -474,10 +475,11 @@ APART = 12.0  # pt between a branch and others: enough for its number
 
 @dataclass(frozen=True)
 class Drawn:
-    """A branch as it is drawn: places along it (n, 2), and its colour."""
+    """A branch as it is drawn: places along it (n, 2), its colour, the labels of its special points."""
 
     line: np.ndarray
     colour: Any
+    labels: list[LabelledPoint]
 
 
 def draw_branches(
@@ -496,19 +498,25 @@ def draw_branches(
     for i, (subject, (x, y)) in enumerate(zip(subjects, values, strict=True)):
         label = f"{i + 1}: {subject.name}" if len(subjects) > 1 else ""
         colour = overlay(i)["color"]
-        drawn.append(Drawn(draw_branch(axes, subject.result, x, y, colour, label, kinds), colour))
+        line = draw_branch(axes, subject.result, x, y, colour, label, kinds)
+        drawn.append(Drawn(line, colour, special_labels(subject.result, x, y, kinds, colour)))
     return drawn
 
 
 def write_numbers(axes: Axes, drawn: Sequence[Drawn]) -> None:
-    """Write the number of each of several branches where it ends, or else where it is apart from the others.
+    """Write the labels of special points, and the number of each of several branches where it ends, or else
+    where it is apart from the others.
 
     Call it last: limits of the axes must be final.
     """
+    if len(drawn) > 1:
+        _write_numbers(axes, drawn)
+    label_points(axes, [label for each in drawn for label in each.labels])
+
+
+def _write_numbers(axes: Axes, drawn: Sequence[Drawn]) -> None:
     figure = axes.get_figure(root=True)
     assert figure is not None
-    if len(drawn) == 1:
-        return
     figure.draw_without_rendering()
     lines = [axes.transData.transform(each.line) for each in drawn]
     named = []
@@ -531,38 +539,3 @@ def _dense(line: np.ndarray) -> np.ndarray:
     count = np.arange(len(line))
     shares = np.linspace(0, len(line) - 1, PARTS * (len(line) - 1) + 1)
     return np.column_stack([np.interp(shares, count, column) for column in line.T])
-
-
-# Branches of periodic orbits over the curves of a sweep.
-
-
-OVER_SWEEP_MARKED = ("fold", "doubling", "neimark-sacker")
-SIZE = 0.7  # of lines and marks: what was swept shall show beside them
-
-
-def lay_branches(axes: Axes, drawn: Sequence[Curve], branches: Sequence[Subject]) -> None:
-    """Draw the branches whose cases have the values of what else was swept of the curves of a panel."""
-    limits = axes.get_xlim(), axes.get_ylim()
-    for branch in branches:
-        if any(belongs(branch, curve) for curve in drawn):
-            result = branch.result
-            draw_branch(
-                axes, result, parameter_of(result), mean_speed_of(result), BLACK, "", OVER_SWEEP_MARKED, SIZE
-            )
-    axes.set_xlim(*limits[0])
-    axes.set_ylim(*limits[1])
-
-
-def name_branches(figure: Figure, branches: Sequence[Subject]) -> None:
-    """What lines and marks of the branches mean, in the legend under the picture."""
-    if branches:
-        add_below(figure, keys_to_marks([branch.result for branch in branches], OVER_SWEEP_MARKED))
-
-
-def belongs(branch: Subject, curve: Curve) -> bool:
-    """Whether the case of a branch has the values that set a curve apart from others of its sweep."""
-    for axis, position in curve.apart:
-        swept = branch.case.with_values({axis.key: axis.text(position)})
-        if swept.quantity(axis.key).value != branch.case.quantity(axis.key).value:
-            return False
-    return True

@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.transforms import Bbox
 
 from vibsim.cases.quantities import UNITS
 from vibsim.orbits.branches.course import drawn, half_range, stretches
 from vibsim.orbits.branches.node import ENERGY
-from vibsim.plots.sheet import Scale, symbol
-from vibsim.plots.style import BLACK
+from vibsim.plots.sheet import Scale, inside, overlaps, sheet_of, symbol
+from vibsim.plots.style import BLACK, points
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import is_speed, label_of
 from vibsim.plots.view import PlotError
@@ -97,6 +98,17 @@ def draw_branch(
                 gid=kind, zorder=6 if filled or marker in STROKES else 5,
             )  # fmt: skip
     return np.concatenate([np.column_stack([piece.x, piece.y]) for piece in parts])
+
+
+def special_labels(
+    branch: Any, x: Value, y: Value, kinds: Sequence[str] = tuple(MARKS), colour: Any = BLACK
+) -> list[LabelledPoint]:
+    """The labels of the printed list (PD1, NS1, GR1, ...) at the special points that are marked."""
+    return [
+        LabelledPoint(x(special.orbit), y(special.orbit), special.label, colour)
+        for special in branch.specials
+        if special.kind in kinds
+    ]
 
 
 def keys_to_marks(branches: Sequence[Any], kinds: Sequence[str] = tuple(MARKS)) -> list[Line2D]:
@@ -182,3 +194,109 @@ def amplitude_words(branch: Any) -> str:
     """What `amplitude_of` is the half range of."""
     first, *rest = branch.names[0].split("-")
     return f"Amplitude of {symbol(first)}" + "".join(f" − {symbol(name)}" for name in rest)
+
+
+# Labels of points, each near its point and upon no other.
+
+
+LABEL_PT = 6.0  # size
+RINGS_PT = (5.0, 9.0, 14.0, 20.0, 28.0, 38.0, 50.0, 64.0)  # distances of a label from its point, in turn
+DIRECTIONS = np.radians([45, 135, -45, -135, 90, -90, 0, 180, 20, 160, -20, -160, 68, 112, -68, -112])
+LEADER_PT = 11.0  # distance from which a thin line leads from the point to its label
+
+
+@dataclass(frozen=True)
+class LabelledPoint:
+    """A point in data coordinates, its label and colour."""
+
+    x: float
+    y: float
+    text: str
+    colour: Any = "0"
+
+
+def label_points(axes: Axes, points_labelled: Sequence[LabelledPoint]) -> int:
+    """Write labels beside their points, clear of each other, of what is written on the axes and, where there
+    is room, of the lines there; how many had no room and are left out. Limits and scales must be final.
+    """
+    figure = sheet_of(axes)
+    figure.draw_without_rendering()
+    pt = figure.dpi / 72
+    covered = [text.get_window_extent() for text in axes.texts if text.get_text()]
+    places = _pixels_of_lines(axes)
+    shown = [one for one in dict.fromkeys(points_labelled) if _is_within(axes, one)]
+    left_out = 0
+    for one in shown:
+        own = axes.transData.transform((one.x, one.y))
+        text = axes.annotate(
+            one.text, (one.x, one.y), (0, 0), textcoords="offset points", ha="center", va="center",
+            fontsize=points(LABEL_PT), color=one.colour, gid="special label", zorder=7,
+        )  # fmt: skip
+        box = text.get_window_extent()
+        size = np.array([box.width, box.height]) / 2
+        offset = _free_offset(own, size, pt, (places, covered, axes.bbox))
+        if offset is None:
+            text.remove()
+            left_out += 1
+            continue
+        text.xyann = tuple(offset / pt)
+        if np.hypot(*offset) - np.hypot(*size) > LEADER_PT * pt:
+            _lead(axes, own, own + offset, size, one.colour)
+        covered.append(text.get_window_extent())
+    return left_out
+
+
+def _is_within(axes: Axes, one: LabelledPoint) -> bool:
+    """Whether a point lies within the limits of its axes."""
+    across, up = sorted(axes.get_xlim()), sorted(axes.get_ylim())
+    return across[0] <= one.x <= across[1] and up[0] <= one.y <= up[1]
+
+
+def _pixels_of_lines(axes: Axes) -> np.ndarray:
+    """Places along all lines of axes that carry data, in pixels (n, 2)."""
+    parts = [np.empty((0, 2))]
+    for line in axes.get_lines():
+        if line.get_transform() is axes.transData or line.get_transform() == axes.transData:
+            corners = axes.transData.transform(np.column_stack(line.get_data()).astype(float))
+            corners = corners[np.isfinite(corners).all(axis=1)]
+            parts.append(corners)
+            if line.get_linestyle() != "None" and len(corners) > 1:
+                shares = np.linspace(0, 1, 12)[1:-1, None, None]
+                parts.append((corners[:-1] + shares * np.diff(corners, axis=0)).reshape(-1, 2))
+    return np.concatenate(parts)
+
+
+def _free_offset(
+    own: np.ndarray, size: np.ndarray, pt: float, taken: tuple[np.ndarray, Sequence[Bbox], Bbox]
+) -> np.ndarray | None:
+    """Where the middle of a label of half a size stands from its point [px]: the nearest place that is free,
+    else the one that covers the least of lines; None where it would lie upon another label everywhere.
+    """
+    places, covered, frame = taken
+    best: np.ndarray | None = None
+    least = math.inf
+    for ring in RINGS_PT:
+        for angle in DIRECTIONS:
+            way = np.array([math.cos(angle), math.sin(angle)])
+            offset: np.ndarray = way * (ring * pt + float(np.abs(way) @ size))
+            box = Bbox(np.array([own + offset - size - pt, own + offset + size + pt]))
+            if not inside(box, frame) or overlaps(box, covered):
+                continue
+            upon = (places > box.min).all(axis=1) & (places < box.max).all(axis=1)
+            crossed = int(np.count_nonzero(upon))
+            if crossed == 0:
+                return offset
+            if crossed < least:
+                best, least = offset, crossed
+    return best
+
+
+def _lead(axes: Axes, own: np.ndarray, middle: np.ndarray, size: np.ndarray, colour: Any) -> None:
+    """A thin line from a point to the edge of its label."""
+    way = own - middle
+    share = min((s / abs(w) for s, w in zip(size, way, strict=True) if w), default=1.0)
+    ends = axes.transData.inverted().transform([own, middle + min(share, 1.0) * way])
+    axes.plot(
+        *ends.T, color=colour, linewidth=0.35, alpha=0.7, scalex=False, scaley=False, zorder=6.5,
+        gid="leader",
+    )  # fmt: skip

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import json
+import re
 import shlex
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from html import escape
@@ -30,7 +31,7 @@ from vibsim.plots.registry import fitting
 from vibsim.plots.samples import shortest_period
 from vibsim.plots.sheet import scale_for
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweep_axes import draws_by_ratio
+from vibsim.plots.sweep_axes import draws_by_ratio, label_of
 from vibsim.plots.view import PlotError
 from vibsim.results.columns import has_switches
 from vibsim.results.hdf5_reading import plain
@@ -221,6 +222,22 @@ MOST_POINTS = 100_000
 MOST_CARRIED = 400  # points whose start is looked up in the points before them
 FIRST = {"sommerfeld": "mean_speed", "amplitude": "amplitude_relative"}  # what is shown first, by kind
 HIDDEN = ("sha256",)
+DIRECTION = "direction"
+TITLES = (  # what columns are called on a page, by what their names are like; the first that fits
+    (r"amplitude_(.+)_max", "greatest amplitude of {}"),
+    (r"amplitude_(.+)", "amplitude of {}"),
+    (r"(mean|min|max)_speed", "{} motor speed"),
+    (r"(mean|min|max)_speed_(.+)", "{} speed of {}"),
+    (r"(impacts|sticks)_per_period_(.+)", "{} per period, {}"),
+    (r"section_(.+)", "{} once per period"),
+    (r"end_(.+)", "{} at the end"),
+    (r"drift_rate_(.+)", "drift rate of {}"),
+    (r"power_(.+)", "mean power, {}"),
+    (r"multiplier_(real|imaginary)", "multipliers, {} part"),
+    (r"(.+)_half_width", "half width of the interval of {}"),
+    (r"(.+)_min", "least {}"),
+    (r"(.+)_max", "greatest {}"),
+)
 
 
 def points_data(subject: Subject) -> dict[str, Any]:
@@ -259,7 +276,11 @@ def _lines(subject: Subject) -> dict[str, Any]:
 
 
 def _titled(subject: Subject, name: str) -> dict[str, str]:
-    """The key of the case that a column of a branch or a locus is about, as it is called on the page."""
+    """What a column is called on the page: of a branch or a locus the key of the case that it is about, of a
+    sweep words.
+    """
+    if subject.reads == "sweep":
+        return {"title": title_of(subject, name)}
     if subject.reads == "branch":
         keys = {"parameter": subject.result.key}
     elif subject.reads == "locus":
@@ -268,6 +289,19 @@ def _titled(subject: Subject, name: str) -> dict[str, str]:
     else:
         return {}
     return {"title": keys[name]} if name in keys else {}
+
+
+def title_of(subject: Subject, name: str) -> str:
+    """A column of a sweep in words; an axis as it is labelled in pictures, less symbol and unit."""
+    for axis in subject.result.axes:
+        if axis.name == name and axis is not subject.result.members:
+            words = re.sub(r"\$[^$]*\$", "", label_of(axis)).rpartition(" (")[0] or label_of(axis)
+            return " ".join(words.split())
+    for pattern, words in TITLES:
+        found = re.fullmatch(pattern, name)
+        if found:
+            return words.format(*(part.replace("_", " ") for part in found.groups()))
+    return name.replace("_", " ")
 
 
 def _by_ratio(subject: Subject) -> set[str]:
@@ -309,7 +343,11 @@ def _first(subject: Subject, table: Tidy, numbers: Sequence[str]) -> dict[str, A
         return {"x": hinted[0], "y": list(hinted[1:3]), "colour": ""}
     several = [name for name in table.dims if lengths[name] > 1 and name in table.columns]
     x = several[0] if several else next(iter(table.columns))
-    return {"x": x, "y": [shown[0], shown[-1]], "colour": several[1] if len(several) > 1 else ""}
+    further = several[1:]
+    colour = (
+        DIRECTION if DIRECTION in further else next(iter(further), "")
+    )  # up and down differ at first sight
+    return {"x": x, "y": [shown[0], shown[-1]], "colour": colour}
 
 
 def commands(subject: Subject) -> list[str] | None:
@@ -385,8 +423,8 @@ def run_data(subject: Subject) -> dict[str, Any]:
             "x": "<x>",
             "y": "<v>",
             "factors": [scales[0].factor, scales[1].factor],
-            "xLabel": scales[0].label("relative displacement"),
-            "yLabel": scales[1].label("relative velocity"),
+            "xLabel": scales[0].label(pair.words[0].lower()),
+            "yLabel": scales[1].label(pair.words[1].lower()),
             "stops": [position for position, _ in pair.stops],
         },
         "events": _events(result),
@@ -441,7 +479,7 @@ def panels(subject: Subject, rows: Table) -> list[dict[str, Any]]:
             {"label": scale.label(words), "unit": scale.unit, "factor": scale.factor, "curves": curves}
         )
     if subject.scene.has_motor:
-        curve = {"name": "motor speed", "column": "phidot", "colour": 2, "rate": None}
+        curve = {"name": "motor speed", "column": "phidot", "colour": 2, "rate": None, "of": "phi"}
         listed.append({"label": "motor speed (Hz)", "unit": "Hz", "factor": 0.5 / np.pi, "curves": [curve]})
     return [*listed, *_panels_of_rotors_and_states(subject)]
 
@@ -449,9 +487,10 @@ def panels(subject: Subject, rows: Table) -> list[dict[str, Any]]:
 def _panels_of_rotors_and_states(subject: Subject) -> Iterator[dict[str, Any]]:
     """Speeds of rotors in one panel, each state in one of its own."""
     bodies = subject.scene.bodies
-    speeds = [(body.name, body.columns[1]) for body in bodies if body.kind == ROTOR]
+    speeds = [(body.name, *body.columns) for body in bodies if body.kind == ROTOR]
     curves = [
-        {"name": name, "column": column, "colour": i, "rate": None} for i, (name, column) in enumerate(speeds)
+        {"name": name, "column": column, "colour": i, "rate": None, **({"of": angle} if angle else {})}
+        for i, (name, angle, column) in enumerate(speeds)
     ]
     if curves:
         yield {"label": "rotor speed (Hz)", "unit": "Hz", "factor": 0.5 / np.pi, "curves": curves}
@@ -470,8 +509,8 @@ def _interpolated(name: str) -> dict[str, Any]:
 
 
 def _type(name: str) -> str:
-    """Displacements in full: their cubics lose the digits that neighbouring rows share."""
-    return "f8" if name.startswith("x") or name == "<x>" else "f4"
+    """Displacements and angles in full: their cubics lose the digits that neighbouring rows share."""
+    return "f8" if name == "<x>" or (name != "phidot" and name.startswith(("x", "phi"))) else "f4"
 
 
 def _events(result: Any) -> dict[str, str]:

@@ -153,7 +153,8 @@ def _on_top(axes: Axes, values: dict[str, Any], box: Box, y: float) -> None:
         y += MOTOR_CM
     for i, (key, text) in enumerate(source_labels(values, box.name)):
         level = y + SOURCE_CM * i + 0.17
-        machine_symbols.arrow(axes, box.centre - 0.45, box.centre + 0.45, level, key)
+        ways = machine_symbols.ways_of(values["forces"][key.partition(".")[2]])
+        machine_symbols.force_arrow(axes, box.centre, level, ways, key)
         machine_symbols.label(axes, box.centre, level + 0.22, text, bbox=machine_symbols.PAPER)
 
 
@@ -168,6 +169,8 @@ def _element(axes: Axes, element: Element, x0: float, x1: float, y: float) -> No
     if element.kind in ("stop", "hook"):
         draw = machine_symbols.stop if element.kind == "stop" else machine_symbols.hook
         draw(axes, x0, x1, y, element.law, element.key)
+    elif element.kind == "law":
+        machine_symbols.law(axes, x0, x1, y, element.law, element.key)
     elif element.kind == "friction":
         machine_symbols.pads(axes, x0, x1, y, element.key)
     else:
@@ -244,6 +247,7 @@ LEAST_WIDTH_CM = 1.5  # of a body
 NARROW_CM = 0.5  # between bodies that nothing joins
 SOURCE_CM = 0.62  # height that a force takes, with its label
 MOTOR_CM = 1.25
+APART_CM = 0.25  # between labels of two bodies
 OVERHANG = 0.6  # least width of a body, of that of its labels
 
 
@@ -336,9 +340,28 @@ def _columns(
         edges.append((x, x + width))
         x += width
         if i < len(names):
-            boxes.append(Box(names[i], x, _body_width(values, names[i])))
+            body = _body_width(values, names[i])
+            further = _room(values, boxes[-1], names[i], body) - x if boxes else 0.0
+            if further > 0:
+                edges[-1] = (edges[-1][0], x + further)
+                x += further
+            boxes.append(Box(names[i], x, body))
             x = boxes[-1].right
     return boxes, edges
+
+
+def _room(values: dict[str, Any], before: Box, name: str, width: float) -> float:
+    """Least left edge of a body whose labels keep clear of those of the body before [cm]."""
+    apart = 0.0
+    for of in (top_labels, floor_labels):
+        one, other = (_widest(of(values, body)) for body in (before.name, name))
+        if one and other:
+            apart = max(apart, (one + other) / 2 + APART_CM)
+    return before.centre + apart - width / 2
+
+
+def _widest(labels: list[str]) -> float:
+    return max(map(len, labels), default=0) * CHARACTER_CM
 
 
 def _body_width(values: dict[str, Any], name: str) -> float:
@@ -349,10 +372,17 @@ def _body_width(values: dict[str, Any], name: str) -> float:
 
 def label_width(values: dict[str, Any], name: str) -> float:
     """Width of the longest label on top of a body or below it [cm]."""
-    labels = [label for _, label in source_labels(values, name)]
-    labels += [friction_label(friction) for _, friction in floors(values, name)]
-    labels += [label for _, label in rotors_on(values, name)]
-    return max(map(len, labels), default=0) * CHARACTER_CM
+    return _widest([*top_labels(values, name), *floor_labels(values, name)])
+
+
+def top_labels(values: dict[str, Any], name: str) -> list[str]:
+    """What is written above a body: its forces and rotors."""
+    return [label for _, label in [*source_labels(values, name), *rotors_on(values, name)]]
+
+
+def floor_labels(values: dict[str, Any], name: str) -> list[str]:
+    """What is written below a body: the frictions against ground and base."""
+    return [text for key, friction in floors(values, name) for text in (key, friction_label(friction))]
 
 
 def _stack(values: dict[str, Any], name: str) -> float:

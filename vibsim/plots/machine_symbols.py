@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -17,11 +18,14 @@ from vibsim.plots.style import BLUE, GREEN, GREY, ORANGE, VERMILLION
 GROUND, BASE = "ground", "base"
 FIXED = (GROUND, BASE)
 LEFT, RIGHT, ANYWHERE = -1, 1, 0
-ELASTIC, DAMPED, RIGID = "elastic", "damped", "rigid"
+ELASTIC, DAMPED, RIGID, NONLINEAR = "elastic", "damped", "rigid", "nonlinear"
+VARIABLE = re.compile("d|v|p|t|(?:x|v|phi|w)_.*|phi|phidot")  # of the motion, that a law may read
 
 CHARACTER_CM = 0.12  # about the width of a character of a label, at 6 pt
 LABEL_DIGITS = 6
+MOST_ARGUMENTS = 3
 LONGEST_FORMULA = 30  # characters of a formula that a label shows
+STUB_CM = 0.45  # on either side of the box of a formula
 SHORTEST_CM = 1.7  # of an element, without its label
 
 
@@ -31,12 +35,12 @@ class Element:
 
     Attributes
     ----------
-    kind : "spring", "damper", "stop", "hook", "friction" or "clearance"; a hook is a stop that acts while its
-        ends move apart
+    kind : "spring", "damper", "law" (a formula), "stop", "hook", "friction" or "clearance"; a hook is a stop
+        that acts while its ends move apart
     key : dotted key of the part
     left, right : names of its ends, in the order of the drawing
     title, value : labels above and below it
-    law : of a stop: ELASTIC, DAMPED or RIGID
+    law : of a stop: ELASTIC, DAMPED, RIGID or NONLINEAR (a formula); of a formula what it reads, as f(d, v)
     """
 
     kind: str
@@ -52,6 +56,8 @@ class Element:
         """The least width with room for the labels [cm]."""
         characters = max(len(self.title), len(self.value))
         least = {"stop": 2.3, "hook": 2.7}.get(self.kind, SHORTEST_CM)
+        if self.kind == "law":
+            least = len(self.law) * CHARACTER_CM + 2 * STUB_CM
         return max(least, characters * CHARACTER_CM + 0.3)
 
 
@@ -59,7 +65,7 @@ def elements(values: dict[str, Any]) -> Iterator[Element]:
     """The elements of the nested values of a case in the long form; those under bodies are left out."""
     order = {name: i for i, name in enumerate(values["bodies"])}
     for name, link in values.get("links", {}).items():
-        yield from _link(f"links.{name}", name, link, order)
+        yield from _link(f"links.{name}", name, link, order, tuple(values.get("states", {})))
     for name, stop in values.get("stops", {}).items():
         yield _stop(f"stops.{name}", name, stop, order)
     for name, friction in values.get("friction", {}).items():
@@ -84,10 +90,12 @@ def short(quantity: Any) -> str:
     return " ".join(filter(None, [number, unit]))
 
 
-def _link(key: str, name: str, link: dict[str, Any], order: dict[str, int]) -> Iterator[Element]:
+def _link(
+    key: str, name: str, link: dict[str, Any], order: dict[str, int], states: tuple[str, ...]
+) -> Iterator[Element]:
     left, right, _ = _placed(link["between"], order, ANYWHERE)
     if "force" in link:
-        yield Element("spring", key, left, right, name, short(link["force"]))
+        yield Element("law", key, left, right, name, short(link["force"]), arguments(link["force"], states))
         return
     title = name
     for kind, letter in (("spring", "k"), ("damper", "c")):
@@ -96,6 +104,15 @@ def _link(key: str, name: str, link: dict[str, Any], order: dict[str, int]) -> I
             title = ""
     if title:
         yield Element("spring", key, left, right, title, "k = 0")
+
+
+def arguments(formula: Formula, states: tuple[str, ...] = ()) -> str:
+    """A formula as a function of what it reads of the motion, of time and of further states: f(d, v)."""
+    words = re.findall(r"[A-Za-z_]\w*", one_line(formula.text))
+    names = dict.fromkeys(word for word in words if VARIABLE.fullmatch(word) or word in states)
+    if len(names) > MOST_ARGUMENTS:
+        names = dict.fromkeys([*list(names)[: MOST_ARGUMENTS - 1], "…"])
+    return f"f({', '.join(names)})" if names else "f"
 
 
 def _stop(key: str, name: str, stop: dict[str, Any], order: dict[str, int]) -> Element:
@@ -110,7 +127,7 @@ def _stop(key: str, name: str, stop: dict[str, Any], order: dict[str, int]) -> E
 def _stop_law(stop: dict[str, Any]) -> tuple[str, str]:
     """Numbers of a stop, or its formula, and how it is drawn."""
     if "force" in stop:
-        return short(stop["force"]), ELASTIC
+        return short(stop["force"]), NONLINEAR
     if stop["law"] == RIGID:
         return f"rigid, e = {short(stop['e'])}", RIGID
     if stop["c"].value:
@@ -175,6 +192,21 @@ def source_labels(values: dict[str, Any], body: str) -> list[tuple[str, str]]:
     ]
 
 
+def ways_of(force: dict[str, Any]) -> tuple[bool, bool]:
+    """Whether a force points against x at some time, and whether along it; a formula may do both."""
+    if isinstance(force.get("force"), Formula):
+        return True, True
+    terms = [*force.get("terms", {}).values()] or ([force] if "A" in force else [])
+    sizes = [term["A"] for term in terms]
+    constant = force.get("F0")
+    if any(isinstance(size, dict | Formula) for size in sizes) or isinstance(constant, Formula):
+        return True, True
+    reach = sum(abs(size.value) for size in sizes)
+    middle = 0 if constant is None else constant.value
+    against = middle - reach < 0
+    return against, middle + reach > 0 or not against
+
+
 def base_label(values: dict[str, Any]) -> str:
     """The motion of base, in short."""
     return _sum_of_terms(values["base"], "a")
@@ -224,6 +256,8 @@ INK = "0.15"
 LINE = 0.8  # width of lines [pt]
 SMALL = 6  # size of labels [pt]
 COILS = 5
+FORCE_CM = 0.45  # half the length of the arrow of a force
+LAW_CM = 0.32  # height of the box of a formula
 PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}  # behind a label that a line may cross
 PARTS: dict[str, Any] = {
     "color": INK,
@@ -260,6 +294,18 @@ def spring(axes: Axes, x0: float, x1: float, y: float, gid: str = "") -> None:
     line(axes, [x0, *inner, x1], y + np.array([0, *swing, 0]), gid, color=BLUE)
 
 
+def law(axes: Axes, x0: float, x1: float, y: float, words: str, gid: str = "") -> None:
+    """A force by a formula: a box that says what it reads, between two straight ends."""
+    middle, half = (x0 + x1) / 2, len(words) * CHARACTER_CM / 2
+    line(axes, [x0, middle - half], [y, y], gid, color=BLUE)
+    line(axes, [middle + half, x1], [y, y], color=BLUE)
+    corner = (middle - half, y - LAW_CM / 2)
+    axes.add_patch(
+        Rectangle(corner, 2 * half, LAW_CM, facecolor="white", edgecolor=BLUE, linewidth=LINE, gid=gid)
+    )
+    label(axes, middle, y, words)
+
+
 def damper(axes: Axes, x0: float, x1: float, y: float, gid: str = "") -> None:
     """A dashpot: piston in an open cylinder."""
     a, b = x0 + 0.38 * (x1 - x0), x0 + 0.62 * (x1 - x0)
@@ -277,6 +323,9 @@ def support(axes: Axes, x0: float, x1: float, y: float, law: str, gid: str = "")
         return
     if law != DAMPED:
         coil(axes, x0, x1, y, gid)
+        if law == NONLINEAR:  # an oblique stroke, as over what can be varied
+            middle, reach = (x0 + x1) / 2, min(0.22, 0.3 * (x1 - x0))
+            line(axes, [middle - reach, middle + reach], [y - 0.2, y + 0.2], color=VERMILLION)
         return
     line(axes, [x0, x0], [y - 0.14, y + 0.14], color=VERMILLION)
     line(axes, [x1, x1], [y - 0.14, y + 0.14], color=VERMILLION)
@@ -387,7 +436,15 @@ def wheels(axes: Axes, x0: float, x1: float, y: float) -> None:
     line(axes, [x0, x1], [y - 0.16, y - 0.16], color=GREY, linewidth=0.6)
 
 
+def force_arrow(axes: Axes, middle: float, y: float, ways: tuple[bool, bool], gid: str) -> None:
+    """The ways that a force points, against x and along it."""
+    against, along = ways
+    reach = -FORCE_CM if against and not along else FORCE_CM
+    arrow(axes, middle - reach, middle + reach, y, gid, both=against and along)
+
+
 def arrow(axes: Axes, x0: float, x1: float, y: float, gid: str = "", both: bool = False) -> None:
+    """An arrow from x0 to x1, or with heads at both ends."""
     look = {"linewidth": LINE, "color": INK, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 7}
     style = "<|-|>" if both else "-|>"
     note = axes.annotate(

@@ -14,7 +14,7 @@ from vibsim.plots.machine import machine_panel, machine_size
 from vibsim.plots.pairs import mark_detail
 from vibsim.plots.relative_motion import detail_span
 from vibsim.plots.samples import common_window
-from vibsim.plots.sheet import CM, legend_above, letter_panels, sheet
+from vibsim.plots.sheet import CM, LABEL_SHARE, characters, legend_above, letter_panels, sheet
 from vibsim.plots.style import points
 from vibsim.plots.subject import Subject
 from vibsim.plots.time_histories import (
@@ -48,6 +48,7 @@ class Page:
     middle : the detail; None where single periods are seen above
     machine : the drawing of the machine; None where runs are several, or it is too wide for the page
     portrait_first : whether the portrait stands above the others, beside the machine
+    narrow : whether all stand one below the other
     """
 
     tops: list[Axes]
@@ -56,6 +57,7 @@ class Page:
     bottom: Axes
     machine: Axes | None = None
     portrait_first: bool = False
+    narrow: bool = False
 
     @property
     def panels(self) -> list[Axes]:
@@ -66,7 +68,7 @@ class Page:
         return [
             *self.tops,
             *middle,
-            *([self.portrait, self.bottom] if middle else [self.bottom, self.portrait]),
+            *([self.portrait, self.bottom] if middle or self.narrow else [self.bottom, self.portrait]),
         ]
 
 
@@ -114,7 +116,8 @@ def _finish(figure: Figure, page: Page, subjects: Sequence[Subject]) -> None:
     legend_above(page.tops[0])
     letter_panels(page.panels)
     figure.align_ylabels()
-    figure.suptitle(_heading(subjects), x=0.01, ha="left", fontsize=points(8))
+    room = LABEL_SHARE * characters(figure.get_figwidth())
+    figure.suptitle(_heading(subjects, room), x=0.01, ha="left", fontsize=points(8))
 
 
 def _machine(subjects: Sequence[Subject], view: View) -> tuple[float, float] | None:
@@ -171,7 +174,8 @@ def _beside(view: View, size: tuple[float, float], groups: int, whole: bool) -> 
 def _panels(figure: Figure, wide: bool, groups: int, whole: bool) -> Page:
     """Displacements above (one panel, or one per body); below them the others in two columns, or one."""
     if not wide:
-        return _named(list(figure.subplots(_rows(groups, whole), 1)), groups, whole)
+        page = _named(list(figure.subplots(_rows(groups, whole), 1)), groups, whole)
+        return replace(page, narrow=True)
     grid = figure.add_gridspec(3, 2, width_ratios=(1.25, 1))
     tops = [grid[0, :]] if groups == 1 else [grid[0, 0], grid[0, 1]]
     left = [] if whole else [grid[1, 0]]
@@ -184,8 +188,10 @@ def _named(axes: list[Axes], groups: int, whole: bool) -> Page:
     return Page(rest[:groups], None if whole else rest[groups], portrait, bottom)
 
 
-def _heading(subjects: Sequence[Subject]) -> str:
+def _heading(subjects: Sequence[Subject], room: float) -> str:
+    """Name and title of the case, or as much of them as goes into a line of so many characters."""
     if len(subjects) > 1:
         return ", ".join(subject.name for subject in subjects)
-    title = subjects[0].title
-    return f"{subjects[0].name}: {title}" if title else subjects[0].name
+    name, title = subjects[0].name, subjects[0].title
+    wishes = [f"{name}: {title}", title] if title else []
+    return next((text for text in wishes if len(text) <= room), name)

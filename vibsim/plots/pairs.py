@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,8 +13,8 @@ from matplotlib.colors import to_rgba
 from vibsim.physics.connections import pairs_of
 from vibsim.plots.relative_motion import difference, impact_times, stop_label, stop_position, stops_between
 from vibsim.plots.samples import window_of
-from vibsim.plots.sheet import Scale, label_axes, note, pixel_columns
-from vibsim.plots.style import GREY, SHADE
+from vibsim.plots.sheet import Scale, as_text, label_axes, note, pixel_columns
+from vibsim.plots.style import GREY, SHADE, points
 from vibsim.plots.subject import Subject
 from vibsim.plots.traces import Plane, Trace, samples_are_sparse, trace
 from vibsim.plots.view import PlotError, Span
@@ -31,6 +31,7 @@ class PlottedPair:
     plane : from these to relative displacement [m] and velocity [m/s]
     displacement, velocity : what these are called
     stops : relative displacement [m] at which each stop between them is met, and its name
+    belts : relative velocity [m/s] at which the body rides on each belt between them, and its name
     """
 
     names: tuple[str, ...]
@@ -38,6 +39,14 @@ class PlottedPair:
     displacement: str
     velocity: str
     stops: tuple[tuple[float, str], ...]
+    belts: tuple[tuple[float, str], ...] = ()
+
+    @property
+    def words(self) -> tuple[str, str]:
+        """What displacement and velocity are: relative ones of two ends that may move."""
+        if " - " in self.displacement:
+            return "Relative displacement", "Relative velocity"
+        return "Displacement", "Velocity"
 
 
 def pair_of(subject: Subject) -> PlottedPair:
@@ -53,7 +62,18 @@ def pair_of(subject: Subject) -> PlottedPair:
 
     x, v = (difference(scene, part, letter) for letter in "xv")
     stops = [(stop_position(stop, part), stop_label(stop)) for stop in stops_between(scene, part)]
-    return PlottedPair(("time", *motion.columns), plane, x, v, tuple(stops))
+    return PlottedPair(("time", *motion.columns), plane, x, v, tuple(stops), tuple(_belts(scene, part)))
+
+
+def _belts(scene: Any, part: Any) -> Iterator[tuple[float, str]]:
+    """Velocities v_P - v_Q of a part at which the ends stick on the belts between them, which move evenly."""
+    for friction in scene.frictions:
+        if (
+            {friction.P, friction.Q} == {part.P, part.Q}
+            and isinstance(friction.belt, float)
+            and friction.belt
+        ):
+            yield (friction.belt if friction.P == part.P else -friction.belt), as_text(friction.name)
 
 
 def common_pairs(subjects: Sequence[Subject]) -> list[PlottedPair]:
@@ -77,11 +97,20 @@ def relative_traces(
 
 def label_relative(axes: Axes, pair: PlottedPair, scales: tuple[Scale, Scale]) -> None:
     """Name the relative displacement of a pair across, its velocity upwards."""
-    label_axes(
-        axes,
-        ("Relative displacement", scales[0].label(pair.displacement)),
-        ("Relative velocity", scales[1].label(pair.velocity)),
-    )
+    across, up = pair.words
+    label_axes(axes, (across, scales[0].label(pair.displacement)), (up, scales[1].label(pair.velocity)))
+
+
+def draw_belts(axes: Axes, pair: PlottedPair, scale: Scale) -> None:
+    """The velocities of belts as dashed lines across the axes, named at the right."""
+    for velocity, name in pair.belts:
+        at = float(scale(velocity))
+        axes.axhline(at, color=GREY, linewidth=0.6, linestyle=(0, (4, 2)), zorder=0, gid="belt")
+        beside = ("top", -2) if velocity > 0 else ("bottom", 2)  # towards the middle of the picture
+        axes.annotate(
+            f"velocity of {name}", (1, at), (-3, beside[1]), xycoords=("axes fraction", "data"),
+            textcoords="offset points", ha="right", va=beside[0], fontsize=points(6.5), color=GREY, zorder=4,
+        )  # fmt: skip
 
 
 def shown_part(subject: Subject) -> Any:

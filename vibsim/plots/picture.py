@@ -78,8 +78,8 @@ def chosen_kinds(subjects: Sequence[Subject], names: Sequence[str] | None, view:
     if names is not None and (view.x is not None or view.y is not None):
         raise PlotError(f"kind {', '.join(names)}: two columns are drawn in the place of a kind; choose one")
     kinds = choose(names, subjects) if view.x is None and view.y is None else [COLUMNS]
-    for span in ("window", "detail"):
-        if getattr(view, span) is not None and not any(span in kind.spans for kind in kinds):
+    for span in ("window", "detail", "poincare"):
+        if getattr(view, span) not in (None, False) and not any(span in kind.spans for kind in kinds):
             shown = ", ".join(kind.name for kind in kinds)
             fitting = ", ".join(kind.name for kind in KINDS if span in kind.spans)
             raise PlotError(f"{span}: kind {shown} has none; kinds that have: {fitting}")
@@ -223,6 +223,7 @@ def plot(
     style: bool | str | PathLike[str] = True,
     x: str | None = None,
     y: str | None = None,
+    poincare: bool = False,
 ) -> Any:
     """Draw what `vibsim plot` draws and return the axes: of one panel these, of several a list.
 
@@ -238,6 +239,7 @@ def plot(
     font_size : [pt]
     style : True: vibsim's; False: the settings of matplotlib in force; or a style sheet, laid over vibsim's
     x, y : names of two columns to draw against each other, in the place of a kind
+    poincare : whether a phase portrait carries the points of the Poincare section, one per period
 
     Raises PlotError for what does not fit, CaseError and ResultFileError.
 
@@ -252,7 +254,7 @@ def plot(
     _check(kind, width, size, font_size)
     subjects, canvas = _subjects(result), _canvas(ax)
     with styles.applied(style, font_size):
-        view = View(_span(window), _span(detail), width, size, x, y, canvas)
+        view = View(_span(window), _span(detail), width, size, x, y, canvas, bool(poincare))
         kinds = chosen_kinds(subjects, None if kind is None else [kind], view)
         if len(kinds) > 1:
             kinds = kinds[:1]

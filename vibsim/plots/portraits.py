@@ -44,8 +44,17 @@ from vibsim.plots.sheet import (
 from vibsim.plots.spectra import states_at, turn_times
 from vibsim.plots.style import BLUE, GREY, MARKERS, SHADE, dot_size, overlay
 from vibsim.plots.subject import Subject
-from vibsim.plots.time_histories import drift_rate
-from vibsim.plots.traces import Block, Trace, draw_impacts, draw_trace, impact_points, trace
+from vibsim.plots.time_histories import draw_poincare, drift_rate
+from vibsim.plots.traces import (
+    RINGS_UP_TO,
+    Block,
+    Plane,
+    Trace,
+    draw_impacts,
+    draw_trace,
+    impact_points,
+    trace,
+)
 from vibsim.plots.view import Span, View
 from vibsim.results.columns import closing_velocities
 
@@ -102,7 +111,7 @@ def phase_panels(
         scale_for(units[1], *(each.y for each in every)),
     )
     for axes, column, portraits in zip(panels, columns, drawn, strict=True):
-        _panel(axes, portraits, column, scales)
+        _panel(axes, portraits, column, scales, view.poincare)
         less = " less drift" if less_drift else ""
         axes.set_xlabel(scales[0].label(f"Displacement {symbol(column)}{less}"))
         axes.set_ylabel(scales[1].label(f"Velocity {symbol('v' + column[1:])}{less}"))
@@ -119,32 +128,46 @@ def _portraits(subjects: Sequence[Subject], view: View, column: str, less_drift:
 
 
 def _portrait(subject: Subject, column: str, span: Span, less_drift: bool, look: dict[str, Any]) -> Portrait:
-    velocity = f"v{column[1:]}"
     drift = drift_rate(subject.result, column, span) if less_drift else 0.0
-
-    def plane(columns: Block) -> tuple[np.ndarray, np.ndarray]:
-        if not less_drift:
-            return columns[column], columns[velocity]
-        return columns[column] - drift * (columns["time"] - span[0]), columns[velocity] - drift
-
-    names = ("time", column, velocity)
+    names, plane = ("time", column, f"v{column[1:]}"), _less_drift(column, drift, span[0])
     curve = trace(subject.result, names, plane, span)
     impacts = impact_points(subject, names, plane, span) if subject.scene.has_stop else None
     return Portrait(subject, span, curve, impacts, drift, look)
 
 
-def _panel(axes: Axes, portraits: Sequence[Portrait], column: str, scales: tuple[Scale, Scale]) -> None:
+def _less_drift(column: str, drift: float, begin: float) -> Plane:
+    """What makes displacement and velocity of a block, its drift taken out, of the columns of a run."""
+    velocity = f"v{column[1:]}"
+
+    def plane(columns: Block) -> tuple[np.ndarray, np.ndarray]:
+        if not drift:
+            return columns[column], columns[velocity]
+        return columns[column] - drift * (columns["time"] - begin), columns[velocity] - drift
+
+    return plane
+
+
+def _panel(
+    axes: Axes, portraits: Sequence[Portrait], column: str, scales: tuple[Scale, Scale], poincare: bool
+) -> None:
     for portrait in portraits:
         draw_trace(axes, portrait.curve, scales, label=portrait.subject.name, gid=column, **portrait.look)
         if portrait.impacts is not None:
             draw_impacts(axes, portrait.impacts, scales, portrait.look["color"])
+    names = ("time", column, f"v{column[1:]}")
+    sections = [(p.subject, names, _less_drift(column, p.drift, p.span[0]), p.span) for p in portraits]
+    points_said = draw_poincare(axes, sections, scales) if poincare else ""
     axes.margins(0.05)
     spans = [portrait.span for portrait in portraits]
+    impacts = [len(p.impacts.x) for p in portraits if p.impacts is not None and len(p.impacts.x)]
+    marks = "rings: impacts" if impacts and max(impacts) <= RINGS_UP_TO else "black dots: impacts"
     drifts = [portrait.drift for portrait in portraits if portrait.drift]
     scale = scale_for(portraits[0].subject.unit("m/s"), drifts)
     remarks = [
         *dict.fromkeys(map(seconds, spans)),
         f"drift {', '.join(f'{scale(drift):.3g}' for drift in drifts)} {scale.unit}" if drifts else "",
+        marks if impacts else "",
+        points_said,
         trust_remark([portrait.subject for portrait in portraits], spans),
     ]
     note(axes, "; ".join(filter(None, remarks)))
@@ -165,7 +188,7 @@ POINTS = 1600  # instants of a curve, besides those of the events; the engine co
 ROOM = 1.12  # around the unit circle, or the largest multiplier
 RING = np.linspace(0, 2 * np.pi, 361)
 
-Plane = tuple[np.ndarray, np.ndarray]
+Curve = tuple[np.ndarray, np.ndarray]
 
 
 def orbit_portrait_picture(subjects: Sequence[Subject], view: View) -> Figure:
@@ -203,7 +226,9 @@ def _orbit_portrait(axes: Axes, subjects: Sequence[Subject]) -> None:
         draw_stop_line(axes, position, scales[0], text if len(subjects) == 1 else "")
     axes.margins(0.06)
     label_relative(axes, pairs[0], scales)
-    note(axes, "; ".join(dict.fromkeys(map(_said, subjects))), above=1 if pairs[0].stops else 0)
+    marks = ["rings: impacts"] if any(subject.scene.has_stop for subject in subjects) else []
+    said = "; ".join(dict.fromkeys([*map(_said, subjects), *marks, "squares: returns to the section"]))
+    note(axes, said, above=1 if pairs[0].stops else 0)
 
 
 def _said(subject: Subject) -> str:
@@ -212,7 +237,7 @@ def _said(subject: Subject) -> str:
     return f"{n} {of}{'s' * (n > 1)}, {seconds((0.0, subject.result.t_reached))}"
 
 
-def _curve(subject: Subject, pair: PlottedPair) -> Plane:
+def _curve(subject: Subject, pair: PlottedPair) -> Curve:
     """The orbit through evenly spaced instants and those of its events, closed."""
     result, T = subject.result, subject.result.t_reached
     times = np.union1d(np.linspace(0, T, POINTS), np.asarray(result.events["t"]))
@@ -232,7 +257,7 @@ def _returns(
     )  # fmt: skip
 
 
-def _plane(subject: Subject, pair: PlottedPair, times: np.ndarray) -> Plane:
+def _plane(subject: Subject, pair: PlottedPair, times: np.ndarray) -> Curve:
     names = tuple(name for name in pair.names if name != "time")
     states = states_at(subject.result, names, times, len(times))
     return pair.plane({**states, "time": times})

@@ -31,8 +31,8 @@ DRAWN_IN: dict[str, tuple[str, ...]] = {
     "overview": ("overview",),
     "portraits": ("phase", "phase-drift-free", "impact-velocity", "stroboscopic", "orbit-portrait"),
     "slow_passages": ("run-up",),
-    "sweep_curves": ("amplitude",),
-    "sweep_pictures": ("sommerfeld", "orbit", "lyapunov", "power", "end-state"),
+    "sweep_pictures": ("sommerfeld", "lyapunov", "power", "end-state"),
+    "sweep_responses": ("amplitude", "orbit"),
     "time_histories": ("displacement", "velocity", "relative", "motor-speed", "rotor-speed", "states"),
 }
 MODULES = {kind: module for module, kinds in DRAWN_IN.items() for kind in kinds}
@@ -52,7 +52,7 @@ class PictureKind:
     width : "column" or "page", the width unless the user says otherwise
     alone : whether it shows one file at a time
     besides : what else it lays over that, as `reads`
-    spans : what it takes of a view: "window", "detail"
+    spans : what it takes of a view: "window", "detail", "poincare"
     also : what else it shows by itself, as `reads`
     """
 
@@ -95,14 +95,25 @@ KINDS = (
         "velocities of the bodies against time, impacts marked, with a detail",
         spans=("window", "detail"),
     ),
-    PictureKind("phase", "trajectory", "phase portrait of each body, impacts marked"),
+    PictureKind(
+        "phase",
+        "trajectory",
+        "phase portrait of each body, impacts marked",
+        spans=("window", "poincare"),
+    ),
     PictureKind(
         "phase-drift-free",
         "trajectory",
         "the same, less the drift of the blocks that nothing holds",
         ("excitation", "free blocks"),
+        spans=("window", "poincare"),
     ),
-    PictureKind("relative", "trajectory", "phase portrait of the relative motion, with the stop"),
+    PictureKind(
+        "relative",
+        "trajectory",
+        "phase portrait of the relative motion, with the stop",
+        spans=("window", "poincare"),
+    ),
     PictureKind(
         "motor-speed",
         "trajectory",
@@ -130,7 +141,10 @@ KINDS = (
         "impact-velocity", "trajectory", "closing velocity of each impact: time, phase, histogram", ("stop",)
     ),
     PictureKind(
-        "stroboscopic", "trajectory", "relative motion once per period of the source", ("excitation",)
+        "stroboscopic",
+        "trajectory",
+        "Poincare section: relative motion once per period of the source",
+        ("excitation",),
     ),
     PictureKind(
         "spectrum", "trajectory", "amplitude spectra of the displacements, natural frequencies marked"
@@ -166,12 +180,18 @@ KINDS = (
         ("motor", "Omega0"),
         besides=("branch",),
     ),
-    PictureKind("amplitude", "sweep", "amplitudes against the frequency, or whatever was swept"),
+    PictureKind(
+        "amplitude",
+        "sweep",
+        "frequency response: amplitudes against the frequency, or whatever was swept, and branches over it",
+        besides=("branch",),
+    ),
     PictureKind(
         "orbit",
         "sweep",
-        "orbit diagram: stroboscopic points against what was swept",
+        "bifurcation diagram: stroboscopic points against what was swept, and branches over it",
         ("excitation", "section"),
+        besides=("branch",),
     ),
     PictureKind("lyapunov", "sweep", "Lyapunov exponents against what was swept", ("exponents",)),
     PictureKind(
@@ -240,6 +260,13 @@ KINDS = (
         "work-precision", "bench", "error against computing time of every method", width="page", spans=()
     ),
 )
+
+# other names by which kinds are known in the field; the first that shows a result is drawn
+ALIASES: dict[str, tuple[str, ...]] = {
+    "poincare": ("stroboscopic",),
+    "bifurcation": ("orbit", "branch"),
+    "frequency-response": ("amplitude",),
+}
 
 # drawn where two columns are named, and not one of `all`: any result of columns has it
 COLUMNS = PictureKind("columns", "result", "any two columns against each other (--x and --y)")
@@ -414,10 +441,24 @@ def kind_named(name: str) -> PictureKind:
     for kind in KINDS:
         if kind.name == name:
             return kind
-    names = [kind.name for kind in KINDS]
+    if name in ALIASES:
+        return kind_named(ALIASES[name][0])
+    names = [*(kind.name for kind in KINDS), *ALIASES]
     near = nearest(name, [*names, "all"])
     hint = f"did you mean {near}? The" if near else "the"
     raise PlotError(f"unknown kind {name!r}: {hint} kinds are {', '.join(names)}")
+
+
+def own_name(name: str, fit: Sequence[PictureKind]) -> str:
+    """The name in the table of what is known in the field as `name`: of several kinds the first that fits."""
+    fitting_names = [kind.name for kind in fit]
+    several = ALIASES.get(name, (name,))
+    return next((one for one in several if one in fitting_names), several[0])
+
+
+def also_called(kind: PictureKind) -> tuple[str, ...]:
+    """Other names of a kind."""
+    return tuple(name for name, kinds in ALIASES.items() if kind.name in kinds)
 
 
 def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[PictureKind]:
@@ -435,7 +476,7 @@ def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Pic
             raise PlotError(f"no kind shows {paths}{' together' if len(subjects) > 1 else ''}")
     elif "all" in names:
         return fit
-    chosen = [kind_named(name) for name in dict.fromkeys(names)]
+    chosen = list(dict.fromkeys(kind_named(own_name(name, fit)) for name in names))
     for kind in chosen:
         if own(kind, subjects) == 0:
             words = f"it lays a {subjects[0].reads} over a {kind.reads}, which is not there"

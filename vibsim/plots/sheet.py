@@ -52,7 +52,7 @@ def characters(inches: float) -> float:
 
 def pixel_columns(axes: Axes) -> int:
     """How many columns an envelope on these axes needs: those of the whole sheet, at 600 per inch."""
-    return int(_sheet_of(axes).get_figwidth() * COLUMNS_PER_INCH)
+    return int(sheet_of(axes).get_figwidth() * COLUMNS_PER_INCH)
 
 
 def legend_above(axes: Axes, **options: Any) -> None:
@@ -69,7 +69,7 @@ def legend_above(axes: Axes, **options: Any) -> None:
     remark = axes.get_title(loc="right").split("\n")
     beside_note = needed + max(map(len, remark)) > room and remark != [""]
     raise_pt = 3 + points(NOTE_LINE_PT) * len(remark) if beside_note else 3
-    raised = axes.transAxes + ScaledTranslation(0, raise_pt / 72, _sheet_of(axes).dpi_scale_trans)
+    raised = axes.transAxes + ScaledTranslation(0, raise_pt / 72, sheet_of(axes).dpi_scale_trans)
     options = {"ncols": len(labels) if needed <= room else in_a_row, **options}
     legend = axes.legend(
         handles, labels, loc="lower left", bbox_to_anchor=(0.0, 1.0), bbox_transform=raised, **options
@@ -107,7 +107,7 @@ def add_below(figure: Figure, handles: Sequence[Any]) -> None:
 
 def label_axes(axes: Axes, across: tuple[str, str], up: tuple[str, str]) -> None:
     """Label both axes, each with words and a symbol with its unit, in two lines where they are too short."""
-    box, dpi = axes.bbox, _sheet_of(axes).dpi
+    box, dpi = axes.bbox, sheet_of(axes).dpi
     axes.set_xlabel(_in_lines(across, box.width / dpi))
     axes.set_ylabel(_in_lines(up, box.height / dpi))
 
@@ -168,10 +168,11 @@ def time_axis(axes: Axes, span: Span) -> None:
 
 def _width(axes: Axes) -> float:
     """About how wide the axes are [inch], before anything is laid out."""
-    return axes.bbox.width / _sheet_of(axes).dpi
+    return axes.bbox.width / sheet_of(axes).dpi
 
 
-def _sheet_of(axes: Axes) -> Figure:
+def sheet_of(axes: Axes) -> Figure:
+    """The figure that axes stand on."""
     figure = axes.get_figure(root=True)
     assert isinstance(figure, Figure)
     return figure
@@ -301,7 +302,7 @@ def _write(axes: Axes, curve: NamedQuantity, covered: Sequence[Bbox]) -> Bbox:
                 **{"fontsize": points(FONT_SIZE), "gid": "name", **curve.look},
             )  # fmt: skip
             box = text.get_window_extent()
-            if _inside(box, axes.bbox) and not _overlaps(box, covered):
+            if inside(box, axes.bbox) and not overlaps(box, covered):
                 for other, _ in tried:
                     other.remove()
                 return box
@@ -318,11 +319,13 @@ def _along(axes: Axes, curve: NamedQuantity) -> np.ndarray:
     return np.concatenate([corners[:1], *parts])
 
 
-def _inside(box: Bbox, frame: Bbox) -> bool:
+def inside(box: Bbox, frame: Bbox) -> bool:
+    """Whether a box lies within a frame."""
     return bool(box.x0 > frame.x0 and box.x1 < frame.x1 and box.y0 > frame.y0 and box.y1 < frame.y1)
 
 
-def _overlaps(box: Bbox, others: Iterable[Bbox]) -> bool:
+def overlaps(box: Bbox, others: Iterable[Bbox]) -> bool:
+    """Whether a box lies upon any of others."""
     return any(box.overlaps(other) for other in others)
 
 

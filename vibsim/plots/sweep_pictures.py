@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.physics.parts import GROUND
-from vibsim.plots.branch_curves import lay_branches, name_branches
+from vibsim.plots.branch_values import LabelledPoint, label_points
+from vibsim.plots.branches_over_sweeps import (
+    OVER_SPEEDS,
+    check_branches,
+    lay_branches,
+    name_branches,
+    speeds,
+)
 from vibsim.plots.capture_pictures import (
     Pictures,
     Shade,
@@ -21,9 +27,17 @@ from vibsim.plots.capture_pictures import (
     scatter_classes,
     share_map,
 )
-from vibsim.plots.relative_motion import DISPLACEMENT, VELOCITY, difference
 from vibsim.plots.samples import mark_frequencies
-from vibsim.plots.sheet import Level, Scale, draw_levels, legend_below, letter_panels, note, scale_for, sheet
+from vibsim.plots.sheet import (
+    Level,
+    Scale,
+    draw_levels,
+    legend_below,
+    letter_panels,
+    note,
+    scale_for,
+    sheet,
+)
 from vibsim.plots.slow_passages import run_power_picture
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PINK, SKY, VERMILLION, YELLOW
 from vibsim.plots.subject import Subject
@@ -42,7 +56,6 @@ from vibsim.plots.sweep_axes import (
 from vibsim.plots.sweep_curves import (
     PAGE_CM,
     Curve,
-    CurvePanels,
     alone,
     curve_panels,
     curves,
@@ -57,7 +70,7 @@ from vibsim.plots.sweep_curves import (
     name_curves,
     spread_over,
 )
-from vibsim.plots.view import PlotError, View
+from vibsim.plots.view import View
 from vibsim.sweeps.points import Share
 from vibsim.sweeps.run_ends import VERDICTS
 
@@ -335,110 +348,6 @@ def _power_panel(axes: Axes, curve: Curve, scale: Scale) -> None:
     axes.axhline(0, color=GREY, linewidth=0.5, zorder=1)
 
 
-# The orbit diagram: the stroboscopic points of every run of a sweep against what was swept.
-
-
-VECTOR_UP_TO = 20_000  # points: more are pixels in a PDF or SVG
-ORBIT_PANEL_CM, LONE_CM, ORBIT_PANEL_WIDTH_CM = 3.5, 4.2, 5.4
-PANEL_PT = 180  # about the width of a panel
-DOTS_PT = (0.8, 2.0)  # diameters, by how close the points of the sweep lie
-SPEED = r"Speed $\dot\varphi/2\pi$"
-ROWS = 3  # motions shown of a scene of named parts
-
-
-@dataclass(frozen=True)
-class PictureQuantity:
-    """What is drawn in one row of panels: a column of the sweep, its label and unit."""
-
-    column: str
-    label: str
-    unit: str
-
-
-def orbit_picture(subjects: Sequence[Subject], view: View) -> Figure:
-    """Once per period of the source: displacements; motor speed, or velocity of a single displacement.
-
-    Displacements are those of the ends of stops and links against each other, of bodies where there are none.
-
-    Below, on the same axis, the Lyapunov exponents where the sweep has them. Every curve has panels of its
-    own, up and down too: points upon points would hide each other. Of an ensemble the points of all members.
-    """
-    every = curves(subjects)
-    rows, below = quantities_of(subjects), has_exponents(subjects)
-    height = LONE_CM if len(every) == 1 else ORBIT_PANEL_CM
-    sheets = curve_panels(every, view, [height] * (len(rows) + below), ORBIT_PANEL_WIDTH_CM)
-    drawn = [alone(curve) for curve in sheets.drawn]
-    scales = [_scale(drawn, row) for row in rows]
-    for stack, curve in zip(sheets.panels, drawn, strict=True):
-        for axes, row, scale in zip(stack, rows, scales, strict=False):
-            _orbit_panel(axes, curve, row.column, scale)
-        if below:
-            exponent_panel(stack[-1], [curve])
-    limit(sheets.panels[0, 0], drawn, view)
-    labels = [scale.label(row.label) for row, scale in zip(rows, scales, strict=True)]
-    label_outer(sheets.panels, axis_label(subjects), [*labels, *([exponent_label(drawn)] if below else [])])
-    _orbit_say(sheets, subjects, drawn, below)
-    return sheets.figure
-
-
-def quantities_of(subjects: Sequence[Subject]) -> list[PictureQuantity]:
-    """What all sweeps have stroboscopic points of, and is drawn; PlotError where that is nothing."""
-    rows = _sections(subjects[0])
-    rows = [row for row in rows if all(row.column in subject.result for subject in subjects)]
-    displacements = [row for row in rows if row.unit == "m"]
-    if not displacements:
-        raise PlotError("the sweeps have no stroboscopic points of the same motion")
-    speeds = [row for row in rows if row.unit == "Hz"]
-    rates = [row for row in rows if row.unit == "m/s"]
-    return [*displacements[:ROWS], *(speeds or (rates if len(displacements) == 1 else []))]
-
-
-def _sections(subject: Subject) -> list[PictureQuantity]:
-    """The sections of a sweep: of pairs where there are any, else of bodies."""
-    of = subject.result.plan.recipe.of
-    pairs = {name: each for name, each in of.sections.items() if each[0].Q != GROUND}
-    rows = [
-        PictureQuantity(
-            name, difference(subject.scene, motion, "v" if is_rate else "x"), "m/s" if is_rate else "m"
-        )
-        for name, (motion, is_rate) in (pairs or of.sections).items()
-    ]
-    if not of.of_parts:
-        rows = [replace(row, label=DISPLACEMENT if row.unit == "m" else VELOCITY) for row in rows]
-    return [*rows, *([PictureQuantity("section_speed", SPEED, "Hz")] if of.has_motor else [])]
-
-
-def _orbit_say(sheets: CurvePanels, subjects: Sequence[Subject], drawn: Sequence[Curve], below: bool) -> None:
-    """What the points are and what is left out, above the panels; the names of the exponents under them."""
-    count = max(subject.result.plan.section for subject in subjects)
-    words = f"the last {count} stroboscopic points of each run" if len(drawn) == 1 else f"{count} points each"
-    note(sheets.top_right, "; ".join(filter(None, [sheets.omitted, words])))
-    if below:
-        lowest = sheets.panels[0, -1]
-        note(lowest, exponent_note(drawn))
-        handles, labels = lowest.get_legend_handles_labels()
-        if len(handles) > 1:
-            legend_below(sheets.figure, handles, labels)
-
-
-def _scale(drawn: Sequence[Curve], row: PictureQuantity) -> Scale:
-    if row.unit == "Hz":
-        return Scale(1.0, row.unit)
-    return scale_for(drawn[0].subject.unit(row.unit), *(curve.every(row.column) for curve in drawn))
-
-
-def _orbit_panel(axes: Axes, curve: Curve, name: str, scale: Scale) -> None:
-    section = curve.every(name).reshape(len(curve.x), -1)
-    x = np.broadcast_to(curve.x[:, np.newaxis], section.shape)
-    apart_pt = PANEL_PT / len(curve.x)
-    axes.plot(
-        x.ravel(), scale(section.ravel()), linestyle="none", marker="o", markeredgewidth=0, gid=name,
-        markersize=min(max(0.6 * apart_pt, DOTS_PT[0]), DOTS_PT[1]), color=curve.colour,
-        rasterized=section.size > VECTOR_UP_TO,
-    )  # fmt: skip
-    axes.margins(y=0.06)
-
-
 # The Sommerfeld diagram: steady speed of the motor against its no-load speed.
 
 
@@ -459,6 +368,7 @@ def sommerfeld_picture(subjects: Sequence[Subject], view: View) -> Figure:
     """
     branches = [subject for subject in subjects if subject.reads == "branch"]
     subjects = [subject for subject in subjects if subject.reads == "sweep"]
+    check_branches(subjects, branches)
     drawn = curves(subjects)
     groups = [drawn]
     omitted = ""
@@ -477,9 +387,10 @@ def sommerfeld_picture(subjects: Sequence[Subject], view: View) -> Figure:
         Level(f.hz, f"{f.label}  {f.hz:.2f}", {"linestyle": DASHED})
         for f in frequencies(subjects, parts=True)
     ]
+    marks: list[tuple[Axes, list[LabelledPoint]]] = []
     for i, (axes, group) in enumerate(zip(grid.flat, groups, strict=False)):
         _sommerfeld_panel(axes, group, len(groups) > 1)
-        lay_branches(axes, group, branches)
+        marks += [(axes, lay_branches(axes, group, branches, speeds, OVER_SPEEDS))]
         last = (i + 1) % columns == 0 or i + 1 == len(groups)
         draw_levels(axes, levels, (height_cm - 1.6) / rows * 28, named=last)
     finish(grid, len(groups), axis_label(subjects), STEADY_SPEED if len(groups) == 1 else SHORT)
@@ -489,8 +400,10 @@ def sommerfeld_picture(subjects: Sequence[Subject], view: View) -> Figure:
     name_curves(
         figure, panels, [curve for group in groups for curve in group] if len(groups) == 1 else groups[0]
     )
-    name_branches(figure, branches)
+    name_branches(figure, panels[columns - 1], subjects, branches, OVER_SPEEDS)
     letter_panels(panels)
+    for axes, labels in marks:
+        label_points(axes, labels)
     return figure
 
 

@@ -13,11 +13,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vibsim.cases.ramps import no_load_speed
-from vibsim.physics.connections import drifting_sets
-from vibsim.physics.parts import ROTOR, STATE, Scene, columns_of
+from vibsim.physics.connections import Pair, drifting_sets
+from vibsim.physics.parts import BASE, ROTOR, STATE, Scene, columns_of
 from vibsim.plots.pairs import (
     annotate_runs,
     common_pairs,
+    draw_belts,
     label_relative,
     mark_detail,
     relative_traces,
@@ -29,9 +30,12 @@ from vibsim.plots.relative_motion import (
     contact_spans,
     detail_span,
     draw_stop_line,
+    impact_events,
     impacts_of,
     period_of,
     steady_span,
+    stop_label,
+    stop_position,
 )
 from vibsim.plots.samples import (
     POINTS_PER_COLUMN,
@@ -61,11 +65,13 @@ from vibsim.plots.sheet import (
     time_axis,
 )
 from vibsim.plots.spectra import TURNS, states_at, turn_times
-from vibsim.plots.style import BLUE, GREY, SHADE, SKY, THIN, dashed, nested, overlay
+from vibsim.plots.style import BLUE, GREY, SHADE, SKY, THIN, VERMILLION, dashed, nested, overlay, points
 from vibsim.plots.subject import Subject
-from vibsim.plots.traces import dense, draw_trace, samples_are_sparse
+from vibsim.plots.traces import Plane, dense, draw_trace, samples_are_sparse
 from vibsim.plots.view import Span, View
+from vibsim.results.columns import base_motion
 
+WALL_POINTS = 2000  # of a wall that moves with the base
 SINGLE_MARKS = 120  # impacts in a detail up to which each gets its own mark on the curves
 
 
@@ -188,6 +194,8 @@ def histories(panels: Sequence[Panel], quantity: HistoryQuantity) -> None:
     for panel in panels:
         draw = _draw_short if panel.is_short else _draw_long
         draw(panel, scale)
+        if quantity is DISPLACEMENT and panel.curves[0].alone:
+            _draw_walls(panel, scale)
         first = panel.curves[0]
         panel.axes.set_ylabel(scale.label(quantity.words if first.alone else symbol(first.column)))
         time_axis(panel.axes, panel.span)
@@ -210,15 +218,19 @@ def _draw_long(panel: Panel, scale: Scale) -> None:
 def _draw_short(panel: Panel, scale: Scale) -> None:
     """Smooth curves, impacts marked on them; for a single run, contact shaded."""
     axes, span = panel.axes, panel.span
+    marked, said = 0, list[str]()
     for curve, (t, values) in zip(panel.curves, panel.drawn, strict=True):
         axes.plot(t, scale(values), label=curve.label, gid=curve.column, **curve.look)
-        _mark_impacts(axes, curve, span, scale)
+        marked += _mark_impacts(axes, curve, span, scale)
+    said += ["rings: impacts"] if marked else []
     subject = panel.curves[0].subject
     if panel.curves[0].alone and subject.scene.has_stop:
-        for begin, end in contact_spans(subject, span):
+        contacts = contact_spans(subject, span)
+        for begin, end in contacts:
             axes.axvspan(begin, end, color=SHADE, linewidth=0, zorder=0, gid="contact")
+        said += ["grey: contact"] if contacts else []
     subjects, colours = panel.runs
-    note(axes, trust_marks(axes, subjects, span, colours))
+    note(axes, "; ".join(filter(None, [*said, trust_marks(axes, subjects, span, colours)])))
 
 
 def _short_series(curve: HistoryCurve, span: Span, columns: int) -> Series:
@@ -236,16 +248,41 @@ def _long_series(curve: HistoryCurve, span: Span, columns: int) -> Series:
     return series(subject.result, (curve.column,), own, columns)[curve.column]
 
 
-def _mark_impacts(axes: Axes, curve: HistoryCurve, span: Span, scale: Scale) -> None:
+def _draw_walls(panel: Panel, scale: Scale) -> None:
+    """Where a body strikes a stop of the ground or the base within the span: the displacement at which it
+    does, dashed, and named at the right; of the base it moves along.
+    """
+    subject, (begin, end) = panel.curves[0].subject, panel.span
+    scene, struck = subject.scene, set(impact_events(subject.result, panel.span, "part")[1].tolist())
+    for number, stop in enumerate(scene.stops):
+        fixed, moving = sorted((stop.P, stop.Q))
+        if number not in struck or fixed >= 0:
+            continue
+        at = stop_position(stop, Pair(stop.name, moving, fixed))
+        t = np.linspace(begin, end, WALL_POINTS) if fixed == BASE else np.array([begin, end])
+        x = scale(at + (base_motion(scene, t)[0] if fixed == BASE else np.zeros(2)))
+        if fixed == BASE and not panel.is_short:
+            panel.axes.axhspan(x.min(), x.max(), color=GREY, alpha=0.25, linewidth=0, gid="wall", zorder=1.9)
+        else:
+            panel.axes.plot(t, x, color=GREY, linewidth=0.7, linestyle=(0, (4, 2)), gid="wall", zorder=1.9)
+        panel.axes.annotate(
+            stop_label(stop), (1, float(x[-1])), (3, 0), xycoords=("axes fraction", "data"),
+            textcoords="offset points", va="center", fontsize=points(6.5), color=GREY, gid="wall name",
+        )  # fmt: skip
+
+
+def _mark_impacts(axes: Axes, curve: HistoryCurve, span: Span, scale: Scale) -> int:
+    """Mark the impacts of a body on its curve, unless they are too many; how many are marked."""
     if not curve.subject.scene.has_stop:
-        return
+        return 0
     t, values = impacts_of(curve.subject, span, curve.column)
     if len(t) > SINGLE_MARKS:
-        return
+        return 0
     axes.plot(
         t, scale(values), linestyle="none", marker="o", markersize=2.4, markerfacecolor="white",
         markeredgewidth=0.6, color=curve.look["color"], gid="impacts", zorder=3,
     )  # fmt: skip
+    return len(t)
 
 
 # Displacements of the bodies against time.
@@ -302,15 +339,43 @@ def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
     for i, (subject, each) in enumerate(zip(subjects, traces, strict=True)):
         look = {**overlay(i), "alpha": 0.7} if len(subjects) > 1 else {"color": BLUE}
         draw_trace(axes, each, scales, label=subject.name, gid="relative", **look)
+    points_said = ""
+    if view.poincare:
+        listed = zip(subjects, pairs, spans, strict=True)
+        points_said = draw_poincare(
+            axes, [(s, pair.names, pair.plane, span) for s, pair, span in listed], scales
+        )
+    draw_belts(axes, pairs[0], scales[1])
     stops = dict.fromkeys(stop for pair in pairs for stop in pair.stops)
     for position, text in stops:
         draw_stop_line(axes, position, scales[0], text if len(subjects) == 1 else "")
     axes.margins(0.05)
     label_relative(axes, pairs[0], scales)
-    remarks = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
+    remarks = [*dict.fromkeys(map(seconds, spans)), points_said, trust_remark(subjects, spans)]
     text = "; ".join(filter(None, remarks))
     crowded = len(text) > BESIDE_STOP or any(not name.startswith("$") for _, name in stops)
     note(axes, text, above=1 if len(subjects) == 1 and stops and crowded else 0)
+
+
+POINT_PT = 2.6  # of a point of the Poincare section
+Section = tuple[Subject, tuple[str, ...], Plane, Span]  # columns, and what makes the plane of them
+
+
+def draw_poincare(axes: Axes, sections: Sequence[Section], scales: tuple[Scale, Scale]) -> str:
+    """Where in a phase portrait the periods of the source end (forces and base: phase 0; motor: phi = 0), as
+    points; what they are, in words, empty for runs without a period.
+    """
+    drawn = 0
+    for subject, names, plane, span in sections:
+        times = turn_times(subject.result, span)
+        columns = tuple(name for name in names if name != "time")
+        x, y = plane({**states_at(subject.result, columns, times, EXACT_UP_TO), "time": times})
+        drawn += len(x)
+        axes.plot(
+            scales[0](x), scales[1](y), linestyle="none", marker="o", markersize=POINT_PT, color=VERMILLION,
+            markeredgecolor="white", markeredgewidth=0.3, zorder=3.5, gid="poincare",
+        )  # fmt: skip
+    return "dots: once per period" if drawn else ""
 
 
 # The slow drift of a block, by which friction and impacts carry it along while it vibrates.

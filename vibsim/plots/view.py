@@ -26,6 +26,7 @@ class View:
     size_cm : width and height [cm] of the picture, or None: what suits the kind
     x, y : the two columns that are drawn against each other, in the place of a kind
     canvas : what makes a figure, called as `matplotlib.figure.Figure` is; None: that
+    poincare : whether phase portraits carry the points at which the periods of the source end
     """
 
     window: Span | None = None
@@ -35,6 +36,7 @@ class View:
     x: str | None = None
     y: str | None = None
     canvas: Callable[..., Any] | None = None
+    poincare: bool = False
 
     @property
     def width_cm(self) -> float:

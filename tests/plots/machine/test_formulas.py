@@ -31,10 +31,10 @@ def axes():
     return drawn(case_of(EVERYWHERE))
 
 
-def test_a_link_with_a_formula_is_a_spring_with_its_name():
+def test_a_link_with_a_formula_is_one_element_with_its_name():
     """One element, not the spring and the damper that its numbers k and c would be."""
     spring, *others = elements(case_of(EVERYWHERE).long_values())
-    assert (spring.kind, spring.key, spring.title) == ("spring", "links.spring", "spring")
+    assert (spring.kind, spring.key, spring.title) == ("law", "links.spring", "spring")
     assert spring.value == "k*d + k3*d**3 + c*v*abs(v)"
     assert [(one.kind, one.key) for one in others if one.key == "links.arm"] == [
         ("spring", "links.arm"), ("damper", "links.arm"),

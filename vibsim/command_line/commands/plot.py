@@ -10,7 +10,7 @@ from click.shell_completion import CompletionItem
 
 from vibsim.command_line.options import FiniteRange, OneOf, Settings, examples
 from vibsim.command_line.terminal import in_shell, print_json, say
-from vibsim.plots.registry import KINDS, NEEDS, fitting
+from vibsim.plots.registry import ALIASES, KINDS, NEEDS, also_called, fitting
 from vibsim.plots.view import WIDTHS_CM, PlotError, Span, View, parse_size, parse_span
 
 
@@ -26,7 +26,7 @@ class KindNames(click.ParamType):
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
         done, comma, begun = incomplete.rpartition(",")
-        names = [*(kind.name for kind in KINDS), "all"]
+        names = [*(kind.name for kind in KINDS), *ALIASES, "all"]
         return [CompletionItem(done + comma + name) for name in names if name.startswith(begun)]
 
 
@@ -67,6 +67,8 @@ EXAMPLES = examples(
     "vibsim plot map.h5 --kind capture,regime --width page",
     "vibsim plot II-B.h5 --x x1 --y v1 --window 100:120 --size 12x9 --font-size 10",
     "vibsim plot II-B.h5 --kind spectrogram",
+    "vibsim plot II-B.h5 --kind relative --poincare",
+    "vibsim plot sweep.h5 branch.h5 --kind bifurcation",
     "vibsim plot II-B.h5 -o II-B.html              # a page to zoom and point in, needs no network",
 )
 
@@ -90,6 +92,11 @@ EXAMPLES = examples(
 )
 @click.option("--x", metavar="COLUMN", help="With --y: any two columns against each other, such as x1.")
 @click.option("--y", metavar="COLUMN", help="The other; of events: events/v1.")
+@click.option(
+    "--poincare",
+    is_flag=True,
+    help="Phase portraits carry the points of the Poincare section.",
+)
 @click.option("--width", type=OneOf(list(WIDTHS_CM)), help="Width in a journal: 8.6 cm or 17.8 cm.")
 @click.option("--size", type=Size(), metavar="WxH", help="Width and height in cm, such as 12x8.")
 @click.option("--font-size", type=FiniteRange(4, 40), metavar="PT", help="Size of the text. [default: 8]")
@@ -110,6 +117,7 @@ def command(
     out: str | None,
     x: str | None,
     y: str | None,
+    poincare: bool,
     width: str | None,
     size: tuple[float, float] | None,
     font_size: float | None,
@@ -131,7 +139,7 @@ def command(
 
     if size and width:
         raise click.UsageError("--size and --width say the same; choose one")
-    view = View(window, detail, width, size, x, y)
+    view = View(window, detail, width, size, x, y, poincare=poincare)
     style = True if sheet is None else False if sheet == "none" else sheet
     _report(ctx.obj, draw_files(files, kinds, view, out, force, style, font_size))
 
@@ -148,7 +156,9 @@ def _list(settings: Settings, files: tuple[str, ...]) -> None:
     longest = max((len(kind.name) for kind in kinds), default=0)
     for kind in kinds:
         needs = f" (needs {', '.join(NEEDS[need][0] for need in kind.needs)})" if kind.needs else ""
-        say(in_shell(f"{kind.name:{longest}}  {kind.summary}{needs}"))
+        others = also_called(kind)
+        also = f" (also: {', '.join(others)})" if others else ""
+        say(in_shell(f"{kind.name:{longest}}  {kind.summary}{needs}{also}"))
 
 
 def _report(settings: Settings, written: list[str]) -> None:

@@ -8,7 +8,8 @@ for (const column of DATA.columns) {
 }
 const main = document.querySelector("main"), left = element("div", undefined, main), side = element("div", undefined, main);
 const nav = document.querySelector("nav");
-const label = (column) => (column.title || column.name) + (column.unit ? " (" + column.unit + ")" : "");
+const nameOf = (column) => column.title || column.name;
+const label = (column) => nameOf(column) + (column.unit ? " (" + column.unit + ")" : "");
 let chosen = -1;
 
 function picker(text, start, names) {
@@ -31,21 +32,28 @@ function bounds(values) {
   return [low, high];
 }
 
+// viridis of matplotlib: its lightness rises evenly, so that equal steps look equal, in grey too
+const VIRIDIS = ["440154", "482878", "3e4989", "31688e", "26828e", "1f9e89", "35b779", "6ece58", "b5de2b", "fde725"].map((hex) => [0, 2, 4].map((k) => parseInt(hex.slice(k, k + 2), 16)));
+function shade(share) {
+  const along = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1), i = Math.min(Math.floor(along), VIRIDIS.length - 2), s = along - i;
+  return `rgb(${VIRIDIS[i].map((part, k) => Math.round(part + s * (VIRIDIS[i + 1][k] - part))).join(",")})`;
+}
+
 // the values by which points are coloured: each its own colour while they are few, else a scale
 function shades() {
   if (!by.value) return () => colour("c0");
   const column = columns[by.value], different = [...new Set(column.values)].sort((a, b) => a - b);
   if (different.length <= 7) return (row) => colour("c" + Math.max(different.indexOf(column.values[row]), 0));
   const [low, high] = bounds(column.values);
-  return (row) => { const s = (column.values[row] - low) / (high - low || 1); return Number.isFinite(s) ? `hsl(${250 - 230 * s} 75% ${root.dataset.theme === "dark" ? 60 : 45}%)` : colour("dim"); };
+  return (row) => { const s = (column.values[row] - low) / (high - low || 1); return Number.isFinite(s) ? shade(s) : colour("dim"); };
 }
 
 function legend() {
   if (!by.value) return [];
   const column = columns[by.value], different = [...new Set(column.values)].filter(Number.isFinite).sort((a, b) => a - b);
-  if (different.length <= 7) return different.map((value, i) => [by.value + " = " + wordOf(column, value), colour("c" + i)]);
+  if (different.length <= 7) return different.map((value, i) => [nameOf(column) + " = " + wordOf(column, value), colour("c" + i)]);
   const [low, high] = bounds(different);
-  return [[by.value + " from " + wordOf(column, low), "hsl(250 75% 50%)"], ["to " + wordOf(column, high), "hsl(20 75% 50%)"]];
+  return [[nameOf(column) + " from " + wordOf(column, low), shade(0)], ["to " + wordOf(column, high), shade(1)]];
 }
 
 const wordOf = (column, value) => column.words && column.words[value] !== undefined ? column.words[value] : shortNumber(value);
