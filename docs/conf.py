@@ -11,6 +11,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from from_code import write_pages
 from from_code.docstrings import setup_docstrings
 from from_code.mathml import setup_mathml
+from from_code.page_runs import setup_page_runs
 from vibsim import __version__
 
 project = "vibsim"
@@ -41,3 +42,4 @@ def setup(app):
     app.connect("builder-inited", lambda app: write_pages(Path(app.srcdir)))
     setup_mathml(app)
     setup_docstrings(app)
+    setup_page_runs(app)

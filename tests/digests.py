@@ -52,7 +52,7 @@ def doubling():
     """A doubling in two parameters, and the branch that leaves it."""
     start = vibsim.orbit("I-C", {"omega": "4.2 Hz", "c": "0.001 N s/m"}, period=1)
     along = vibsim.continue_branch(start, "omega", "4:4.3 Hz")
-    locus = vibsim.continue_locus(along, "PD1", "c", "0.001:0.0012 N s/m", max_points=6)
+    locus = vibsim.continue_locus(along, {"c": "0.001:0.0012 N s/m"}, label="PD1", max_points=6)
     left = vibsim.continue_branch(along, switch="PD1", max_points=8)
     return points_of(along), points_of(locus), points_of(left)
 
@@ -64,7 +64,9 @@ def orbit(case, overrides=None, **how):
 
 
 def monodromy():
-    at = vibsim.monodromy("II-B", {"x1": 0.001, "phidot": 30.0}, 0.4, parameters=("c", "excitation.Omega0"))
+    at = vibsim.monodromy(
+        "II-B", state={"x1": 0.001, "phidot": 30.0}, T=0.4, parameters=("c", "excitation.Omega0")
+    )
     return at.matrix.tolist(), {key: row.tolist() for key, row in at.by_parameter.items()}, at.lines()
 
 

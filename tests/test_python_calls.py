@@ -64,17 +64,113 @@ def test_an_unknown_column_of_events_is_told(saved):
         vibsim.open_result(saved).events["speed"]
 
 
-@pytest.mark.parametrize("wrong", [3, None, ["II-B"], b"II-B", {"name": "x"}])
+@pytest.mark.parametrize("wrong", [3, None, ["II-B"], b"II-B"])
 def test_anything_else_is_named(wrong):
-    with pytest.raises(TypeError, match="a case must be a Case, the path of a case file or the name of a"):
+    with pytest.raises(TypeError, match="a case must be a Case, the path of a case file, the name of a"):
         vibsim.load_case(wrong)
     for call in (vibsim.simulate, vibsim.analyse, vibsim.lyapunov, vibsim.sweep):
         with pytest.raises(
-            TypeError, match="a case must be a Case, the path of a case file or the name of a shipped"
+            TypeError, match="a case must be a Case, the path of a case file, the name of a shipped"
         ):
             call(wrong)
     with pytest.raises(vibsim.CaseError, match="is no shipped case"):
         vibsim.simulate("nosuch")
+
+
+HAMMER = {
+    "bodies": {"hammer": 2},
+    "links": {"spring": {"between": ("hammer", "ground"), "k": "8 kN/m", "c": np.float64(4.0)}},
+    "stops": {
+        "anvil": {
+            "between": ["hammer", "ground"],
+            "law": "rigid",
+            "gap": "1 mm",
+            "acts": "compression",
+            "e": 0.6,
+        }
+    },
+    "forces": {"drive": {"on": "hammer", "A": "40 N", "omega": "12 Hz"}},
+    "run": {"t_end": "2 s", "every": "1 ms"},
+}
+
+
+def test_a_case_may_be_a_dict_or_yaml_text(tmp_path):
+    """All four of what a file, its text and a dict say are one case, to every call."""
+    case = vibsim.load_case(HAMMER)
+    text = case.to_yaml()
+    path = tmp_path / "case.yaml"
+    path.write_text(text, encoding="utf-8")
+    assert case.sha256 == vibsim.load_case(text).sha256 == vibsim.load_case(path).sha256
+    runs = [vibsim.simulate(source)["x_hammer"].tobytes() for source in (HAMMER, text, path)]
+    assert len(set(runs)) == 1
+    assert (
+        vibsim.orbit(HAMMER, {"run.t_end": "10 s"}).state == vibsim.orbit(text, {"run.t_end": "10 s"}).state
+    )
+    assert (
+        vibsim.analyse(HAMMER, what="impacts").impacts.impacts
+        == vibsim.analyse(path, what="impacts").impacts.impacts
+    )
+    swept = vibsim.sweep(HAMMER, {"stops.anvil.e": [0.5, 0.6]}, jobs=1, section=0)
+    assert (
+        swept["impacts"].tolist()
+        == vibsim.sweep(text, {"stops.anvil.e": "0.5,0.6"}, jobs=1, section=0)["impacts"].tolist()
+    )
+    assert (
+        vibsim.lyapunov("{extends: I-A}", SHORT, count=1).exponents
+        == vibsim.lyapunov("I-A", SHORT, count=1).exponents
+    )
+
+
+def test_problems_of_a_dict_have_keys_and_no_lines():
+    with pytest.raises(vibsim.CaseError) as caught:
+        vibsim.load_case({**HAMMER, "bodies": {"hammer": "2 m"}, "stopps": {}})
+    assert [(each.key, each.line) for each in caught.value.problems] == [
+        ("bodies.hammer", None),
+        ("stopps", None),
+    ]
+
+
+def test_the_second_argument_is_by_key_of_the_case(saved):
+    """Values where a case is run, ranges where one is followed or swept; everything else goes by name."""
+    changed = {"run.t_end": "1 s"}
+    assert (
+        vibsim.analyse("II-B", changed, what="frequencies").frequencies
+        == vibsim.analyse(vibsim.load_case("II-B", changed), what="frequencies").frequencies
+    )
+    for call, wrong in (
+        (vibsim.lyapunov, 2),
+        (vibsim.analyse, (1, 2)),
+        (vibsim.search_orbits, 3),
+        (vibsim.simulate, 2),
+    ):
+        named = {"count": 1} if call is vibsim.search_orbits else {}
+        with pytest.raises(TypeError, match="overrides must be a dict such as"):
+            call("I-A", wrong, **named)
+    with pytest.raises(TypeError, match="overrides change a case before it is run"):
+        vibsim.analyse(saved, changed)
+    branch = vibsim.continue_branch("gallery/friction-oscillator", {"drive.A": "1.4:1.6 N"}, max_points=4)
+    old = vibsim.continue_branch("gallery/friction-oscillator", "drive.A", "1.4:1.6 N", max_points=4)
+    assert branch["period"].tobytes() == old["period"].tobytes()
+    with pytest.raises(vibsim.BranchError, match="one key varies along a curve"):
+        vibsim.continue_branch("I-C", {"omega": "4:7 Hz", "c": "0:1"})
+
+
+def test_a_bare_frequency_is_refused_everywhere():
+    """Hz or rad/s: nobody can guess which."""
+    with pytest.raises(vibsim.CaseError, match="omega: needs a unit"):
+        vibsim.load_case("I-C", {"omega": 6})
+    with pytest.raises(vibsim.CaseError, match="omega: needs a unit"):
+        vibsim.sweep("I-C", {"omega": "4:7:1"})
+    with pytest.raises(
+        vibsim.BranchError, match=r"omega: frequencies need a unit, such as 3:9 Hz, got 4\.0:7\.0"
+    ):
+        vibsim.continue_branch("I-C", {"omega": (4, 7)})
+
+
+def test_the_time_of_events_has_both_names(saved):
+    events = vibsim.open_result(saved).events
+    assert events["time"].tobytes() == events["t"].tobytes()
+    assert events.column("time")[0] == 0 and "time" in events
 
 
 @pytest.mark.parametrize(
@@ -115,8 +211,8 @@ def test_values_may_be_changed_in_every_call():
         assert vibsim.simulate(case, overrides=SHORT).case.sha256 == changed.sha256
         assert vibsim.simulate(case, SHORT).case.sha256 == changed.sha256
         assert vibsim.load_case(case, SHORT).sha256 == changed.sha256
-    one = vibsim.lyapunov("II-B", 1, overrides=SHORT).exponents
-    assert one.tobytes() == vibsim.lyapunov(changed, 1).exponents.tobytes()
+    one = vibsim.lyapunov("II-B", count=1, overrides=SHORT).exponents
+    assert one.tobytes() == vibsim.lyapunov(changed, count=1).exponents.tobytes()
 
 
 def test_what_is_no_change_of_values_is_refused():
@@ -161,12 +257,12 @@ def test_all_that_take_a_case_take_overrides():
     """As `load_case` does, by the same word."""
     changed, overrides = vibsim.load_case("I-A", {"mu": 0.002}), {"mu": 0.002}
     assert vibsim.orbit("I-A", overrides=overrides).state == vibsim.orbit(changed).state
-    by_overrides = vibsim.search_orbits("I-A", 1, seed=1, overrides=overrides)
+    by_overrides = vibsim.search_orbits("I-A", count=1, seed=1, overrides=overrides)
     assert [one.state for one in by_overrides] == [
-        one.state for one in vibsim.search_orbits(changed, 1, seed=1)
+        one.state for one in vibsim.search_orbits(changed, count=1, seed=1)
     ]
-    matrix = vibsim.monodromy("I-A", {"v1": 0.1}, 1.0, overrides=overrides).matrix
-    assert np.array_equal(matrix, vibsim.monodromy(changed, {"v1": 0.1}, 1.0).matrix)
+    matrix = vibsim.monodromy("I-A", state={"v1": 0.1}, T=1.0, overrides=overrides).matrix
+    assert np.array_equal(matrix, vibsim.monodromy(changed, state={"v1": 0.1}, T=1.0).matrix)
 
 
 def test_an_orbit_can_be_saved(tmp_path):
@@ -180,7 +276,7 @@ def test_an_orbit_can_be_saved(tmp_path):
 
 def test_more_exponents_than_there_are():
     with pytest.raises(ValueError, match="count must be 1 to 3 for this case, got 9"):
-        vibsim.lyapunov("I-A", 9)
+        vibsim.lyapunov("I-A", count=9)
 
 
 def _follow(path):

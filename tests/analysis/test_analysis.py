@@ -52,7 +52,7 @@ def test_only_what_is_asked_is_worked_out():
     ],
 )
 def test_the_transient_is_left_out_of_the_window(window, discard, steady):
-    found = analyse(short_run("II-B", "20 s"), window, discard)
+    found = analyse(short_run("II-B", "20 s"), window=window, discard=discard)
     assert found.steady.window == steady
     assert found.drift.span.window == steady
     judged = (0.0, 20.0) if window is None else (window[0], min(window[1], 20.0))
@@ -61,15 +61,15 @@ def test_the_transient_is_left_out_of_the_window(window, discard, steady):
 
 def test_spans_are_read_as_on_the_command_line():
     run = short_run("II-B", "20 s")
-    assert analyse(run, "5:15", "40 %", "drift").steady.window == (9.0, 15.0)
+    assert analyse(run, window="5:15", discard="40 %", what="drift").steady.window == (9.0, 15.0)
     assert analyse(run, discard="4 s", what="drift").steady.window == (4.0, 20.0)
-    assert analyse(run, "5:", what="drift").steady.window == (5.0, 20.0)
+    assert analyse(run, window="5:", what="drift").steady.window == (5.0, 20.0)
 
 
 def test_what_cannot_be_judged_is_said():
     run = short_run("II-B", "20 s")
     with pytest.raises(ValueError, match="lies outside the run, 0 to 20 s"):
-        analyse(run, (30.0, 40.0))
+        analyse(run, window=(30.0, 40.0))
     with pytest.raises(ValueError, match="leaves nothing of 0 to 20 s"):
         analyse(run, discard=20.0)
     with pytest.raises(ValueError, match="discard: must be a time or a fraction"):

@@ -104,7 +104,9 @@ def test_a_case_from_load_to_exponents():
 
 
 def test_both_engines_and_fewer_exponents_agree():
-    c, python = (vibsim.lyapunov(case(t_end="20 s"), 2, 5.0, engine) for engine in ("c", "python"))
+    c, python = (
+        vibsim.lyapunov(case(t_end="20 s"), count=2, discard=5.0, engine=engine) for engine in ("c", "python")
+    )
     np.testing.assert_array_equal(c.running, python.running)
     everything = vibsim.lyapunov(case(t_end="20 s"), discard=5.0)
     np.testing.assert_array_equal(c.exponents, everything.exponents[:2])
@@ -119,7 +121,7 @@ def test_a_regular_motor_has_its_own_direction():
 
 def test_what_a_case_has_not_got():
     with pytest.raises(ValueError, match="count must be 1 to 3 for this case, got 4"):
-        vibsim.lyapunov(case(), 4)
+        vibsim.lyapunov(case(), count=4)
     with pytest.raises(ValueError, match="a transient of 120 s leaves nothing of 120 s"):
         vibsim.lyapunov(case(), discard=120.0)
     with pytest.raises(TypeError, match="discard must be a time in s, or a text such as '100 s'"):
@@ -127,5 +129,5 @@ def test_what_a_case_has_not_got():
 
 
 def test_a_transient_may_be_a_text():
-    timed, shared, plain = (vibsim.lyapunov(case(), 1, each) for each in ("30 s", "25 %", 30))
+    timed, shared, plain = (vibsim.lyapunov(case(), count=1, discard=each) for each in ("30 s", "25 %", 30))
     assert timed.exponents == shared.exponents == plain.exponents

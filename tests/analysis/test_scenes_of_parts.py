@@ -39,7 +39,7 @@ def test_the_published_orbit_of_the_bilinear_oscillator():
     """PWSDDE-cont: one impact in two periods, met with 1.073267857664968 m/s."""
     period = 2 * np.pi / 0.8
     window = 190 * period - 1e-6, 254 * period + 1e-6
-    found = analyse(gallery("bilinear-oscillator", "2000 s"), window, exponent=False)
+    found = analyse(gallery("bilinear-oscillator", "2000 s"), window=window, exponent=False)
     assert (found.regime.verdict, found.regime.period, found.regime.word_period) == ("periodic", 2, 2)
     assert (found.impacts.impacts, found.impacts.impact_counts.keys()) == (0.5, {0, 1})
     assert found.impacts.velocity.mean == pytest.approx(1.073267857664968, rel=1e-7)
@@ -78,7 +78,7 @@ def test_parts_that_are_several_are_told_by_name():
         assert (side.impacts, side.sticks, side.words) == (1, None, {"co": 60})
     assert list(found.frequencies) == ["spring", "left"]
     assert found.drift is None  # the ball is caged, the body held
-    stack = analyse(gallery("stack-of-blocks", "40 s"), (10.0, 40.0), exponent=False)
+    stack = analyse(gallery("stack-of-blocks", "40 s"), window=(10.0, 40.0), exponent=False)
     assert list(stack.drift) == ["lower", "middle", "upper"]
     assert [one.verdict for one in stack.drift.values()] == ["none"] * 3
     assert list(stack.frequencies) == ["table", "seat", "lid"]

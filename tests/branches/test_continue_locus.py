@@ -22,7 +22,7 @@ def branch():
 
 @pytest.fixture(scope="module")
 def locus(branch):
-    return vibsim.continue_locus(branch, "PD1", "c", "0.001:0.0015 N s/m")
+    return vibsim.continue_locus(branch, {"c": "0.001:0.0015 N s/m"}, label="PD1")
 
 
 def test_it_ends_at_the_doubling_of_another_branch(branch, locus):
@@ -34,10 +34,12 @@ def test_it_ends_at_the_doubling_of_another_branch(branch, locus):
 
 def test_into_a_file_and_gone_on_with(branch, locus, tmp_path):
     path, stored = tmp_path / "locus.h5", branch.save(tmp_path / "branch.h5")
-    part = vibsim.continue_locus(stored, "PD1", "c", ((0.001, 0.0015), "N s/m"), max_points=6, out=path)
+    part = vibsim.continue_locus(
+        stored, {"c": ((0.001, 0.0015), "N s/m")}, label="PD1", max_points=6, out=path
+    )
     assert len(part) < len(locus)
-    whole = vibsim.continue_locus(branch, "PD1", "coupling.c", (0.001, 0.0015), out=path)
+    whole = vibsim.continue_locus(branch, {"coupling.c": (0.001, 0.0015)}, label="PD1", out=path)
     assert np.array_equal(whole["parameter"], read_locus(path)["parameter"])
     assert np.allclose(whole["parameter"], locus["parameter"], rtol=1e-11)
     with pytest.raises(vibsim.ResultFileError, match="holds another locus"):
-        vibsim.continue_locus(branch, "PD1", "c", (0.001, 0.002), out=path)
+        vibsim.continue_locus(branch, {"c": (0.001, 0.002)}, label="PD1", out=path)

@@ -48,7 +48,7 @@ def random_case(seed, folder):
 def checked(seed, folder, most):
     case = random_case(seed, folder)
     omega = float(case.quantity("drive.omega").value)
-    start = search_orbits(case, 2, seed=seed)[0]
+    start = search_orbits(case, count=2, seed=seed)[0]
     branch = continue_branch(start, "drive.omega", f"{0.7 * omega}:{1.4 * omega} rad/s", max_points=most)
     index = branch["index"]
     for i in range(len(branch) - 1):

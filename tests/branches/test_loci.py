@@ -111,7 +111,7 @@ def orbit():
     ("label", "key", "span", "message"),
     [
         ("NS7", "c", "0.02:0.04", "NS7 is not on this branch; its special points are NS1, F1"),
-        ("F1", "Omega0", "3:9", "is the parameter of the branch; a locus needs another"),
+        ("F1", "Omega0", "3:9 Hz", "is the parameter of the branch; a locus needs another"),
         ("F1", "run.tol", "1e-18:1e-10", "no orbit depends on run.tol"),
         ("F1", "c", "0.04:0.05", "the branch is at coupling.c = 0.03 N s/m, outside the range 0.04:0.05"),
     ],

@@ -155,7 +155,7 @@ def test_another_branch_is_kept(whole, tmp_path):
 @pytest.mark.parametrize(
     ("key", "span", "error", "message"),
     [
-        ("Omega0", "6:7", ValueError, "outside the range 6:7; begin from an orbit within it"),
+        ("Omega0", "6:7 Hz", ValueError, "outside the range 6:7; begin from an orbit within it"),
         ("Omega0", "5.5", ValueError, "5.5 is not FROM:TO with an optional unit, such as 3:9 Hz"),
         ("Omega0", "5:6:0.1", ValueError, "is not FROM:TO"),
         ("Omega0", "5:6 kg", ValueError, "excitation.Omega0 is no mass"),

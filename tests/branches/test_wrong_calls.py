@@ -20,10 +20,10 @@ def branch():
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"key": 3}, "name what is to vary"),
-        ({"key": "drive.A", "span": "1.4:1.6 N", "out": 3}, "out is the name of a file"),
-        ({"switch": "PD1", "key": "drive.A"}, "leave key out"),
-        ({"switch": "PD1", "key": "drive.A", "span": (1, 2)}, "leave key and span out"),
+        ({"ranges": 3}, "name what is to vary"),
+        ({"ranges": "drive.A", "span": "1.4:1.6 N", "out": 3}, "out is the name of a file"),
+        ({"switch": "PD1", "ranges": "drive.A"}, "leave ranges out"),
+        ({"switch": "PD1", "ranges": {"drive.A": (1, 2)}}, "leave ranges and span out"),
         ({"switch": "PD1", "energy": "1:2 J"}, "leave energy out"),
         ({"energy": "1:2 J", "span": (1, 2)}, "leave span out"),
         ({"switch": "PD1"}, r"switch needs a branch or the file of one, got <Orbit [^\n]*$"),
@@ -62,19 +62,21 @@ def test_why_no_locus_of_an_order_is_followed(branch, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ((3, "PD1", "c", "1:2"), r"a locus needs a branch or the file of one, got 3"),
-        ((None, "ZZ9", "bodies.mass", (0.5, 2)), "ZZ9 is not on this branch; its special points are"),
-        ((None, "PD1", None, None), r'a range is a text such as "3:9 Hz"'),
-        ((None, "PD1", None, "1:2"), "name what is to vary"),
-        ((None, "PD1", "bodies.mass", (0.5, 2), {"out": 3}), "out is the name of a file"),
-        ((None, "PD1", "bodies.mass", (0.5, 2), {"max_points": 1}), "max_points must be"),
+        ((3, {"c": "1:2"}, {"label": "PD1"}), r"a locus needs a branch or the file of one, got 3"),
+        (
+            (None, {"bodies.mass": (0.5, 2)}, {"label": "ZZ9"}),
+            "ZZ9 is not on this branch; its special points are",
+        ),
+        ((None, {"c": None}, {"label": "PD1"}), r'a range is a text such as "3:9 Hz"'),
+        ((None, {"": "1:2"}, {"label": "PD1"}), "name what is to vary"),
+        ((None, {"bodies.mass": (0.5, 2)}, {"label": "PD1", "out": 3}), "out is the name of a file"),
+        ((None, {"bodies.mass": (0.5, 2)}, {"label": "PD1", "max_points": 1}), "max_points must be"),
     ],
 )
 def test_of_a_locus(branch, arguments, words):
-    start, *rest = arguments
-    options = rest.pop() if isinstance(rest[-1], dict) else {}
+    start, ranges, options = arguments
     with pytest.raises(ValueError, match=words):
-        continue_locus(branch if start is None else start, *rest, **options)
+        continue_locus(branch if start is None else start, ranges, **options)
 
 
 def test_what_is_not_found_is_a_branch_error(branch, monkeypatch):

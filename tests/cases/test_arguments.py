@@ -23,7 +23,7 @@ NO_NUMBER = "must be a whole number, got"
         (lambda: vibsim.fit("II-B", "J"), "free must be a dict such as"),
         (lambda: vibsim.fit("II-B", {"J": 5}, ["captured"]), "free J: a range is a text such as"),
         (lambda: vibsim.fit("II-B", {}, [5]), "statements must be a text or a list of texts, got 5"),
-        (lambda: vibsim.lyapunov("I-C", 1.5), f"count {NO_NUMBER} 1.5"),
+        (lambda: vibsim.lyapunov("I-C", count=1.5), f"count {NO_NUMBER} 1.5"),
         (lambda: vibsim.analyse("I-C", what=5), "what must be a text or a list of texts, got 5"),
     ],
 )
@@ -63,5 +63,5 @@ def test_instants_are_numbers():
 
 def test_all_exponents_by_name():
     changes = {"run.t_end": "4 s"}
-    by_name, by_default = (vibsim.lyapunov("I-A", count, overrides=changes) for count in ("all", None))
+    by_name, by_default = (vibsim.lyapunov("I-A", count=count, overrides=changes) for count in ("all", None))
     assert by_name.exponents.tolist() == by_default.exponents.tolist() and len(by_name.exponents) == 3

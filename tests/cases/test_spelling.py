@@ -91,7 +91,7 @@ def test_what_is_not_supported_is_said_in_place_of_a_typo(word):
         with pytest.raises(CaseError) as raised:
             load_case_text(text)
         assert f"{place}: {what}: {sentence}" in str(raised.value)
-    with pytest.raises(CaseError, match=rf"{what}: .* \(docs/scenes.md, ") as raised:
+    with pytest.raises(CaseError, match=rf"{what}: .* \(docs/(?:scenes|limits).md, ") as raised:
         load_case("II-B", {f"excitation.{word}": "1"})
     assert "did you mean" not in str(raised.value)
 

@@ -27,7 +27,7 @@ SHORT = ("--t-end", "40s", "--every", "1s")
 
 def expected(name, count=None, discard=None):
     case = vibsim.load_case(name, {"run.t_end": "40 s", "run.every": "1 s"})
-    return vibsim.lyapunov(case, count, discard)
+    return vibsim.lyapunov(case, count=count, discard=discard)
 
 
 def test_the_file_holds_what_the_library_finds():

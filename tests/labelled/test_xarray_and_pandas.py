@@ -126,8 +126,11 @@ def test_reprs_are_a_few_lines(sweep):
     [
         (lambda: vibsim.analyse(short_run("II-B")), ["capture", "drift", "impacts", "regime", "frequencies"]),
         (lambda: vibsim.analyse("gallery/impact-pair", what="impacts"), ["impacts", "impacts"]),
-        (lambda: vibsim.lyapunov("gallery/impact-pair", 1, overrides={"t_end": "2 s"}), ["exponents"]),
-        (lambda: vibsim.monodromy("I-A", {}, 0.5, ["c"]), ["components", "multipliers", "events"]),
+        (lambda: vibsim.lyapunov("gallery/impact-pair", count=1, overrides={"t_end": "2 s"}), ["exponents"]),
+        (
+            lambda: vibsim.monodromy("I-A", state={}, T=0.5, parameters=["c"]),
+            ["components", "multipliers", "events"],
+        ),
     ],
 )
 def test_what_is_judged_shows_itself_in_a_few_lines(judge, lines):

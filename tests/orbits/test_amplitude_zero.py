@@ -33,11 +33,11 @@ def case(tmp_path):
 def test_derivative_by_an_amplitude_of_zero(case):
     """Against motions with small amplitudes; what their quotient leaves out is of the second order."""
     still = case()
-    derivative = vibsim.monodromy(still, START, END, ["base.a"])
+    derivative = vibsim.monodromy(still, state=START, T=END, parameters=["base.a"])
     assert {"contact_begin", "stick_begin", "stick_end"} <= {kind for kind, _ in derivative.events}
 
     def quotient(amplitude):
-        moving = vibsim.monodromy(still.replace({"base.a": f"{amplitude} m"}), START, END)
+        moving = vibsim.monodromy(still.replace({"base.a": f"{amplitude} m"}), state=START, T=END)
         return np.array([moving.state[name] - derivative.state[name] for name in START]) / amplitude
 
     limit = 2 * quotient(1e-9) - quotient(2e-9)
@@ -47,7 +47,12 @@ def test_derivative_by_an_amplitude_of_zero(case):
 
 def test_body_that_holds_on_to_ground_and_base_has_none(case):
     with pytest.raises(OrbitError, match=r"base\.a is 0, which leaves open how far to change it"):
-        vibsim.monodromy(case(", grip: {between: [block, base], N: 0.12 N, mu: 1}"), START, END, ["base.a"])
+        vibsim.monodromy(
+            case(", grip: {between: [block, base], N: 0.12 N, mu: 1}"),
+            state=START,
+            T=END,
+            parameters=["base.a"],
+        )
 
 
 def test_modes_of_a_base_that_rests_are_not_those_of_one_that_moves(case):

@@ -235,8 +235,8 @@ FORMULA = driven('force: "k*d + c*v", k: 4 N/m, c: 0.3 N s/m', 'force: "A*sin(w*
 def test_derivatives_are_those_of_the_same_law_without_a_formula():
     keys = ["links.s.k", "links.s.c"]
     state = {"x_m": 0.1, "v_m": 0.2}
-    plain = vibsim.monodromy(LINEAR, state, 1.3, [*keys, "forces.push.omega"])
-    formula = vibsim.monodromy(FORMULA, state, 1.3, [*keys, "forces.push.w"])
+    plain = vibsim.monodromy(LINEAR, state=state, T=1.3, parameters=[*keys, "forces.push.omega"])
+    formula = vibsim.monodromy(FORMULA, state=state, T=1.3, parameters=[*keys, "forces.push.w"])
     assert formula.matrix == pytest.approx(plain.matrix, rel=1e-12)
     for one, other in zip(plain.by_parameter.values(), formula.by_parameter.values(), strict=True):
         assert other == pytest.approx(one, rel=1e-9)

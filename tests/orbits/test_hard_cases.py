@@ -122,7 +122,7 @@ def test_the_unstable_orbit_of_the_bilinear_oscillator():
     Multipliers multiply to exp(-c T / m) on either.
     """
     case = load_case("gallery/bilinear-oscillator")
-    one, two = sorted(vibsim.search_orbits(case, 6, seed=3), key=lambda orbit: orbit.n)
+    one, two = sorted(vibsim.search_orbits(case, count=6, seed=3), key=lambda orbit: orbit.n)
     assert (one.n, one.stable, two.n, two.stable) == (1, False, 2, True)
     assert one.multipliers[0].real < -1
     of = case.scene()

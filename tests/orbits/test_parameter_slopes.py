@@ -95,7 +95,7 @@ def placed(case, components, T):
 def test_derivatives_by_numbers(label):
     name, changes, start, T, keys, kinds = MOTIONS[label]
     case = vibsim.load_case(name, changes)
-    told = monodromy(case, start, T, keys)
+    told = monodromy(case, state=start, T=T, parameters=keys)
     assert kinds <= {kind for kind, _ in told.events}
     components = [start.get(column, 0.0) for column in told.columns]
     base = finished(placed(case, components, T), KIT)
@@ -110,4 +110,4 @@ def test_what_comes_and_goes():
     """Without friction there is no friction part, so the motion has no derivative by its coefficient."""
     case = vibsim.load_case("I-C", {"mu": "0"})
     with pytest.raises(OrbitError, match="mu is where a part comes or goes"):
-        monodromy(case, {}, 0.1, ("mu",))
+        monodromy(case, state={}, T=0.1, parameters=("mu",))

@@ -71,7 +71,7 @@ def test_the_neighbourhood_of_a_linear_orbit_contracts_as_its_multipliers():
 
 def test_no_neighbourhood_of_what_is_unstable():
     case = vibsim.load_case("gallery/cantilever")
-    saddle = next(one for one in vibsim.search_orbits(case, 12, seed=1) if not one.stable)
+    saddle = next(one for one in vibsim.search_orbits(case, count=12, seed=1) if not one.stable)
     assert neighbourhood_of(saddle).radius == 0
     assert not neighbourhood_of(saddle).holds(saddle.X[None])[0]
 

@@ -89,7 +89,7 @@ def test_a_search_lists_each_orbit_once():
     assert {(one.n, one.stable) for one in orbits} >= {(2, True), (1, False)}
     for i, one in enumerate(orbits):
         assert not any(same(one, other) for other in orbits[:i])
-    again = [one.spelled for one in search_orbits(case, 12, seed=3)]
+    again = [one.spelled for one in search_orbits(case, count=12, seed=3)]
     assert again == [one.spelled for one in orbits]
     two = next(one for one in orbits if one.n == 2)
     shifted = orbit(case, start=two.end.coordinates.state(two.points[1]), period=2)
@@ -129,7 +129,7 @@ def test_counts_are_whole_numbers(value):
     with pytest.raises(OrbitError, match="period must be a whole number, one or more"):
         orbit("I-C", period=value)
     with pytest.raises(OrbitError, match="count must be a whole number, one or more"):
-        search_orbits("I-C", value)
+        search_orbits("I-C", count=value)
     with pytest.raises(OrbitError, match="max_points must be a whole number, 2 or more"):
         vibsim.continue_branch("I-C", "A", "0.1:0.2 N", max_points=value)
 
@@ -143,12 +143,12 @@ def test_what_is_no_start(start):
     with pytest.raises(OrbitError, match=no_word if start == "x" else no_state):
         orbit("I-C", start=start)
     with pytest.raises(OrbitError, match=no_state):
-        vibsim.monodromy("I-C", start, 1.0)
+        vibsim.monodromy("I-C", state=start, T=1.0)
 
 
 def test_a_state_by_name_or_in_the_order_of_the_columns():
-    by_name = vibsim.monodromy("I-C", {"x1": 1e-4, "v2": 0.1}, 1.0)
-    in_order = vibsim.monodromy("I-C", np.array([1e-4, 0, 0, 0.1]), 1.0)
+    by_name = vibsim.monodromy("I-C", state={"x1": 1e-4, "v2": 0.1}, T=1.0)
+    in_order = vibsim.monodromy("I-C", state=np.array([1e-4, 0, 0, 0.1]), T=1.0)
     assert np.array_equal(by_name.matrix, in_order.matrix)
     found = orbit("I-C")
     assert orbit("I-C", start=list(found.state.values())).residual == orbit("I-C", start=found).residual
@@ -157,7 +157,7 @@ def test_a_state_by_name_or_in_the_order_of_the_columns():
 @pytest.mark.parametrize("T", ["1 s", -1, 0, np.inf, np.nan, None])
 def test_what_is_no_time(T):
     with pytest.raises(OrbitError, match="T must be a number of seconds above 0"):
-        vibsim.monodromy("I-C", {}, T)
+        vibsim.monodromy("I-C", state={}, T=T)
 
 
 def test_what_is_no_branch_and_no_range():

@@ -44,7 +44,7 @@ def slope(f, value, h=1e-4):
 def test_a_linear_oscillator(case):
     values = {"m": 2.0, "k": 50.0, "c": 0.8, "A": 0.3, "W": pi / 2, "x": 0.01, "v": -0.2}
     T, keys = 1.7, {"bodies.mass": "m", "links.spring.k": "k", "links.spring.c": "c", "omega": "W"}
-    told = vibsim.monodromy(case, {"x_mass": 0.01, "v_mass": -0.2}, T, tuple(keys))
+    told = vibsim.monodromy(case, state={"x_mass": 0.01, "v_mass": -0.2}, T=T, parameters=tuple(keys))
     assert told.columns == ("x_mass", "v_mass") and told.events == ()
     assert told.state["x_mass"] == pytest.approx(displacement(T, **values), abs=1e-14)
     for j, name in enumerate("xv"):
@@ -60,7 +60,7 @@ def test_the_papers_machine_through_impacts():
     """Sensitivities of a period by the matrix of the orbit beside it: dX/dp = (I - P')^-1 dP/dp."""
     case = vibsim.load_case("I-C")
     orbit, step = vibsim.orbit(case), 1e-4
-    told = vibsim.monodromy(case, orbit.state, orbit.period, ("A",))
+    told = vibsim.monodromy(case, state=orbit.state, T=orbit.period, parameters=("A",))
     np.testing.assert_allclose(orbit.end.coordinates.of(told.matrix.T[[0, 2, 3]]).T, orbit.end.derivative)
     predicted = np.linalg.solve(
         np.eye(3) - orbit.end.derivative, orbit.end.coordinates.of(told.by_parameter["A"])
@@ -71,18 +71,20 @@ def test_the_papers_machine_through_impacts():
 
 def test_what_has_no_derivative(case):
     with pytest.raises(OrbitError, match="no column x1; the components of this scene are x_mass, v_mass"):
-        vibsim.monodromy(case, {"x1": 0.0}, 1.0)
+        vibsim.monodromy(case, state={"x1": 0.0}, T=1.0)
     with pytest.raises(OrbitError, match=r"floor\.gap is 0, which leaves open"):  # it comes to rest
-        vibsim.monodromy("gallery/bouncing-ball", {"x_ball": 0.1}, 2.0, ("stops.floor.gap",))
+        vibsim.monodromy(
+            "gallery/bouncing-ball", state={"x_ball": 0.1}, T=2.0, parameters=("stops.floor.gap",)
+        )
     rising = vibsim.load_case("gallery/bouncing-ball", {"forces.weight.F0": "2 N"})
     with pytest.raises(OrbitError, match="at 1 s the motion grazes a rigid stop"):  # 1 - 2 t + t^2
-        vibsim.monodromy(rising, {"x_ball": 1.0, "v_ball": -2.0 - 1e-14}, 1.5)
-    assert vibsim.monodromy(rising, {"x_ball": 1.0, "v_ball": -2.1}, 1.5).events == (("impact", 0),)
+        vibsim.monodromy(rising, state={"x_ball": 1.0, "v_ball": -2.0 - 1e-14}, T=1.5)
+    assert vibsim.monodromy(rising, state={"x_ball": 1.0, "v_ball": -2.1}, T=1.5).events == (("impact", 0),)
 
 
 def test_where_a_ball_comes_to_rest_there_are_quotients():
     """It lies still then, whatever it weighed less; the estimate of the error says that they are no more."""
-    told = vibsim.monodromy("gallery/bouncing-ball", {"x_ball": 0.1}, 2.0, ("weight.F0",))
+    told = vibsim.monodromy("gallery/bouncing-ball", state={"x_ball": 0.1}, T=2.0, parameters=("weight.F0",))
     assert "rest_begin" in {kind for kind, _ in told.events}
     assert told.by_parameter["weight.F0"] == pytest.approx(0, abs=1e-12)
 
@@ -104,7 +106,9 @@ def test_behind_a_chatter_and_a_rest_errors_are_told():
         "links.spring.k": ("k", 1),
         "bodies.mass": ("m", 1),
     }
-    told = vibsim.monodromy("gallery/chattering-oscillator", {"x_mass": -1.0}, 28.0, (*keys, "stops.wall.e"))
+    told = vibsim.monodromy(
+        "gallery/chattering-oscillator", state={"x_mass": -1.0}, T=28.0, parameters=(*keys, "stops.wall.e")
+    )
     assert told.events[-1] == ("rest_end", 0) and not told.matrix.any()
     with mpmath.workdps(40):
         for key, (name, value) in keys.items():
@@ -142,9 +146,11 @@ def test_a_number_where_its_range_ends(e):
     of a depends on b, and without b they are carried along, exact to rounding.
     """
     key, start = "stops.sa.e", {"v_a": -0.1}
-    told = vibsim.monodromy(load_case_text(CHATTERING, overrides={key: e}), start, 1.7, (key,))
+    told = vibsim.monodromy(
+        load_case_text(CHATTERING, overrides={key: e}), state=start, T=1.7, parameters=(key,)
+    )
     assert ("rest_begin", 1) in told.events and told.events.count(("impact", 0)) > 2
-    alone = vibsim.monodromy(load_case_text(ALONE, overrides={key: e}), start, 1.7, (key,))
+    alone = vibsim.monodromy(load_case_text(ALONE, overrides={key: e}), state=start, T=1.7, parameters=(key,))
     assert not alone.error[key].any()
     error = np.abs(told.by_parameter[key][[0, 2]] - alone.by_parameter[key])
     assert np.all(error <= told.error[key][[0, 2]]) and error.max() < 1e-9
@@ -155,7 +161,9 @@ def test_a_number_without_unit_at_0():
     the end. So it rests there as with e = 0.
     """
     text = ALONE.replace("A: 3 N, omega: 2 Hz", "F0: -4 N")
-    told = vibsim.monodromy(load_case_text(text, overrides={"stops.sa.e": "0"}), {}, 1.0, ("stops.sa.e",))
+    told = vibsim.monodromy(
+        load_case_text(text, overrides={"stops.sa.e": "0"}), state={}, T=1.0, parameters=("stops.sa.e",)
+    )
     assert told.events == (("impact", 0), ("rest_begin", 0))
     assert np.all(np.abs(told.by_parameter["stops.sa.e"]) <= told.error["stops.sa.e"])
     assert 0 < told.error["stops.sa.e"].max() < 1e-10

@@ -62,7 +62,7 @@ def whole(tmp_path_factory):
     captured = vibsim.orbit("II-B", {"c": "0.03 N s/m", "Omega0": "5.7 Hz"})
     captured.save(folder / "orbit.h5")
     omega0 = vibsim.continue_branch(captured, "excitation.Omega0", "5.6:5.8 Hz", out=folder / "branch.h5")
-    vibsim.continue_locus(omega0, "F1", "c", "0.028:0.032", max_points=3, out=folder / "locus.h5")
+    vibsim.continue_locus(omega0, {"c": "0.028:0.032"}, label="F1", max_points=3, out=folder / "locus.h5")
     from vibsim.command_line.main import group
 
     group.main(

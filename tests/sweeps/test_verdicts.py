@@ -91,7 +91,7 @@ def test_a_chaotic_motion_with_its_exponent():
     case = short_case("II-B", t_end="60 s")
     result = swept(case, "lyapunov", "regime", "lyapunov-spectrum")
     known = vibsim.lyapunov(case)
-    assert only(result, "lyapunov") == pytest.approx(vibsim.lyapunov(case, 1).exponents[0], rel=1e-12)
+    assert only(result, "lyapunov") == pytest.approx(vibsim.lyapunov(case, count=1).exponents[0], rel=1e-12)
     spectrum = result["lyapunov_spectrum"][0, 0]
     np.testing.assert_array_equal(spectrum, known.exponents)
     np.testing.assert_array_equal(result["lyapunov_spectrum_half_width"][0, 0], known.half_widths)

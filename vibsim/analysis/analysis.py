@@ -1,6 +1,6 @@
 """Everything that a run tells, judged at once."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from os import PathLike
 from typing import TYPE_CHECKING, Any, TypeVar, Union
@@ -93,6 +93,8 @@ def _verdict_lines(what: str, verdicts: Any) -> Iterator[tuple[str, str]]:
 
 def analyse(
     result: "Result | Case | str | PathLike[str]",
+    overrides: Mapping[str, object] | None = None,
+    *,
     window: Window | str | None = None,
     discard: float | str | None = None,
     what: Collection[str] | str = WHAT,
@@ -102,7 +104,8 @@ def analyse(
 
     Parameters
     ----------
-    result : a Result, its file, or a case (a Case, its file or its shipped name), which is run first
+    result : a Result, its file, or a case, as of `load_case`, which is run first
+    overrides : values of the case that are changed; of a result none
     window : span to look at [s], (100, 110) or "100:110"; None: all of the run
     discard : transient at its begin that only the verdict on capture takes in, a time [s] or a text such as
         "100 s" or "50 %"; None: half the run without a window, nothing with one
@@ -121,7 +124,7 @@ def analyse(
     unknown = [name for name in what if name not in WHAT]
     if unknown:
         raise ValueError(f"what must be among {', '.join(WHAT)}, got {unknown[0]!r}")
-    result, window = as_result(result), None if window is None else read_window(window)
+    result, window = as_result(result, overrides), None if window is None else read_window(window)
     span, steady = span_of(result, window), later_part(result, window, discard)
     scene = result.case.scene()
     verdicts: dict[str, Any] = {}

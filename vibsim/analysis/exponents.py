@@ -12,14 +12,13 @@ ones approach 0 like log(t) / t.
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import hypot, isfinite, nan
-from os import PathLike
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibsim.analysis.regime import exponent_of
 from vibsim.analysis.span import transient
-from vibsim.cases.case import load_case, whole_number
+from vibsim.cases.case import by_key, load_case, whole_number
 from vibsim.cases.quantities import number
 from vibsim.engine.tangent.lyapunov import LyapunovExponents, lyapunov_exponents
 from vibsim.engine.tangent.tangent_space import dimension
@@ -27,7 +26,7 @@ from vibsim.results.labelled import Shown
 from vibsim.results.result import Result
 
 if TYPE_CHECKING:
-    from vibsim.cases import Case
+    from vibsim.cases.case import CaseLike
 
 UNIT_ROUNDOFF = 2.0**-53
 CLEARLY = 2.0  # blocks of chaotic motion scatter more than ten of them tell
@@ -89,11 +88,12 @@ class Lyapunov(Shown):
 
 
 def lyapunov(
-    case: "Case | str | PathLike[str]",
+    case: "CaseLike",
+    overrides: Mapping[str, object] | None = None,
+    *,
     count: int | str | None = None,
     discard: float | str | None = None,
     engine: str = "auto",
-    overrides: Mapping[str, object] | None = None,
 ) -> Lyapunov:
     """The largest `count` Lyapunov exponents of a case, "all" or None: all of them.
 
@@ -107,11 +107,11 @@ def lyapunov(
 
     >>> import vibsim
     >>> changes = {"links.spring.c": "0.2 N s/m", "stops.wall.gap": "50 m", "run.t_end": "200 s"}
-    >>> vibsim.lyapunov(vibsim.load_case("gallery/bilinear-oscillator", changes)).exponents.round(3)
+    >>> vibsim.lyapunov("gallery/bilinear-oscillator", changes).exponents.round(3)
     array([-0.1, -0.1])
     """
 
-    scene = load_case(case, overrides).scene()
+    scene = load_case(case, by_key("overrides", overrides, '{"Omega0": "6.5 Hz"}')).scene()
     number = None if count is None or count == "all" else whole_number("count", count, 0)
     if number is not None and not 1 <= number <= dimension(scene):
         raise ValueError(f"count must be 1 to {dimension(scene)} for this case, got {count}")

@@ -2,13 +2,13 @@
 
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from operator import index
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any
+from typing import Any, Union
 
 from vibsim.cases.formula_keys import has_formulas
 from vibsim.cases.problems import CaseError, Problem
@@ -265,15 +265,18 @@ class Case:
         return Case, (self.model, self.text, self.source)
 
 
-# From a path, a shipped name or standard input to a case.
+# From a path, a shipped name, standard input or what a file would say to a case.
+
+CaseLike = Union[Case, str, "PathLike[str]", Mapping[str, object]]  # what `load_case` reads
 
 
-def load_case(source: Case | str | PathLike[str], overrides: Mapping[str, object] | None = None) -> Case:
+def load_case(source: CaseLike, overrides: Mapping[str, object] | None = None) -> Case:
     """Read and check a case.
 
     Parameters
     ----------
-    source : path of a YAML file, name of a shipped case, "-" for standard input, or a Case
+    source : path of a YAML file, name of a shipped case, "-" for standard input, a Case; or the content of a
+        file: a dict of what it would say, or its text, which has more than one line or begins with a brace
     overrides : dotted (or unambiguous short) key -> text or number, e.g. {"excitation.Omega0": "6.5 Hz"};
         checked as if the file said so, with "overrides" as the file
 
@@ -282,11 +285,19 @@ def load_case(source: Case | str | PathLike[str], overrides: Mapping[str, object
     >>> import vibsim
     >>> vibsim.load_case("II-B", {"Omega0": "6.5 Hz", "run.t_end": "20 s"})
     <Case II-B: 2 bodies, 1 stop, source motor at 6.5 Hz, 20 s>
+    >>> links = {"spring": {"between": ["m", "ground"], "k": "8 kN/m"}}
+    >>> start, run = {"m": {"x": "1 mm"}}, {"t_end": "1 s", "every": "1 ms"}
+    >>> vibsim.load_case({"bodies": {"m": 2.0}, "links": links, "initial": start, "run": run})
+    <Case case: 1 body, source none, 1 s>
     """
     if isinstance(source, Case):
         return source.with_values(overrides) if overrides else source
+    if isinstance(source, Mapping):
+        return _case_of_dict(source, overrides)
+    if isinstance(source, str) and ("\n" in source or source.lstrip().startswith("{")):
+        return load_case_text(source, overrides)
     if not isinstance(source, str | PathLike) or not isinstance(path := fspath(source), str):
-        allowed = "a Case, the path of a case file or the name of a shipped case"
+        allowed = "a Case, the path of a case file, the name of a shipped case, a dict or YAML text"
         raise TypeError(f"a case must be {allowed}, got {source!r:.60}")
     return _case(find_source(path), overrides or {})
 
@@ -296,6 +307,30 @@ def load_case_text(text: str, overrides: Mapping[str, object] | None = None, nam
     return _case(
         SourceText(name, name, decoded(text.encode("utf-8", "replace"), name), Path(), name), overrides or {}
     )
+
+
+def _case_of_dict(content: Mapping[str, object], overrides: Mapping[str, object] | None) -> Case:
+    """The case that a dict describes as a file would; its problems have keys and no lines."""
+    import yaml
+
+    text = yaml.safe_dump(_plain(content), sort_keys=False, allow_unicode=True, width=100)
+    try:
+        return load_case_text(text, overrides)
+    except CaseError as error:
+        raise CaseError(
+            replace(each, line=None, column=None) if each.file == "case" else each for each in error.problems
+        ) from None
+
+
+def _plain(value: Any) -> Any:
+    """A value of a dict as YAML writes it; numbers in the digits of their repr."""
+    if isinstance(value, Mapping):
+        return {key if isinstance(key, int) else str(key): _plain(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    return repr(float(value)) if isinstance(value, float) else str(value)
 
 
 def _case(source: SourceText, overrides: Mapping[str, object]) -> Case:

@@ -118,7 +118,7 @@ class KnownLimit(NamedTuple):
     instead: str
 
 
-LIMITS_PAGE = "docs/scenes.md, What a scene cannot have"
+LIMITS_PAGE = "docs/limits.md, What other programs call by a key"
 LIMITS = (
     KnownLimit(("noise", "random", "stochastic"), "all that happens in a scene follows from its numbers"),
     KnownLimit(("delay",), "forces follow from the state of the scene and from the time"),

@@ -10,8 +10,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from vibsim.cases import Case
-from vibsim.cases.case import by_key, load_case, texts
+from vibsim.cases.case import Case, CaseLike, by_key, load_case, texts
 from vibsim.fitting.fit_file import origin, read_fit, write_fit
 from vibsim.fitting.fit_result import FitResult
 from vibsim.fitting.measures import FitError, FitInterrupted
@@ -26,8 +25,6 @@ from vibsim.sweeps.points import SweepPoint
 from vibsim.sweeps.sweep_plan import PlanError
 from vibsim.sweeps.sweeping import read_ensemble
 from vibsim.sweeps.workers import LocalWorkers
-
-CaseLike = Case | str | PathLike[str]
 
 
 def fit(
@@ -55,8 +52,7 @@ def fit(
 
     Parameters
     ----------
-    cases : one case or several, each a Case, the path of a case file or the name of a shipped case; a value
-        that is changed is changed in all of them
+    cases : one case or several, each as of `load_case`; a value that is changed is changed in all of them
     free : key -> range, e.g. {"J": "0.5:20 g m^2", "c": "log 0.001:0.05"}; none: only the readings are judged
     statements : one or several, such as "captured until the end" or "II-C: settles between 6.1 and 6.3 Hz",
         see docs/fit.md
@@ -84,7 +80,7 @@ def fit(
     >>> len(result.candidates), result.best.price <= min(each.price for each in result.ranking)
     (5, True)
     """
-    listed = [cases] if isinstance(cases, (Case, str, PathLike)) else list(cases)
+    listed = [cases] if isinstance(cases, (Case, str, PathLike, Mapping)) else list(cases)
     read = [load_case(case) for case in listed]
     settings = Search(method, candidates, seed, at_most, screen, confirm, fresh)
     free, leave = by_key("free", free, "{'J': '0.5:20 g m^2'}"), by_key("leave", leave, "{'J': 0.05}")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibsim.cases.case import load_case
+from vibsim.cases.case import by_key, load_case
 from vibsim.cases.quantities import number
 from vibsim.engine.errors import EngineError
 from vibsim.orbits.coordinates import (
@@ -68,8 +68,8 @@ def orbit(
 
     Parameters
     ----------
-    source : a Case, the path of a case file or the name of a shipped case; or a `Result` of `vibsim.simulate`
-        or its file, which may hold a stored orbit
+    source : a case, as of `load_case`; or a `Result` of `vibsim.simulate` or its file, which may hold a
+        stored orbit
     overrides : values by key that replace those of the case, e.g. {"c": "0.03 N s/m"}
     start : near which state the orbit is: an `Orbit`, a `Result` that holds one, a state by name of the
         column or in their order, or "initial", the case's own at t = 0, where Newton's method begins at once;
@@ -376,11 +376,12 @@ def same(one: Orbit, other: Orbit) -> bool:
 
 def search_orbits(
     source: Any,
+    overrides: Mapping[str, Any] | None = None,
+    *,
     count: int,
     seed: int = 0,
     period: int | None = None,
     engine: str = "auto",
-    overrides: Mapping[str, Any] | None = None,
 ) -> list[Orbit]:
     """The distinct orbits that are found from `count` random starts.
 
@@ -393,14 +394,15 @@ def search_orbits(
     Returns a list of `Orbit`s. Raises OrbitError, CaseError, EngineError.
 
     >>> import vibsim
-    >>> [orbit.n for orbit in vibsim.search_orbits("gallery/friction-oscillator", 2, seed=1)]
+    >>> [orbit.n for orbit in vibsim.search_orbits("gallery/friction-oscillator", count=2, seed=1)]
     [1]
     """
 
     check_count("count", count)
     if period is not None:
         check_count("period", period)
-    attempts = search_attempts(load_case(source, overrides), count, seed, period, engine)
+    case = load_case(source, by_key("overrides", overrides, '{"Omega0": "6.5 Hz"}'))
+    attempts = search_attempts(case, count, seed, period, engine)
     return [one for attempt in attempts for one in attempt.orbits]
 
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 from math import inf, pi
-from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,6 +29,7 @@ from vibsim.results.labelled import Shown
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
+    from vibsim.cases.case import CaseLike
 
 
 # What changes of a scene's numbers make of a motion: its derivative by them, through events.
@@ -337,12 +337,13 @@ class Monodromy(Shown):
 
 
 def monodromy(
-    case: "Case | str | PathLike[str]",
+    case: "CaseLike",
+    overrides: Mapping[str, object] | None = None,
+    *,
     state: Mapping[str, float] | Sequence[float],
     T: float,
     parameters: Sequence[str] = (),
     engine: str = "auto",
-    overrides: Mapping[str, object] | None = None,
 ) -> Monodromy:
     """The derivative of the motion of a case from `state` at t = 0 over the time `T` [s].
 
@@ -359,7 +360,7 @@ def monodromy(
     Between its reversals a damped oscillator of mass 1 kg contracts areas by exp(-c T):
 
     >>> import numpy as np, vibsim
-    >>> matrix = vibsim.monodromy("gallery/friction-oscillator", {"v_mass": 5}, 1.0).matrix
+    >>> matrix = vibsim.monodromy("gallery/friction-oscillator", state={"v_mass": 5}, T=1.0).matrix
     >>> bool(abs(np.linalg.det(matrix) - np.exp(-0.1)) < 1e-14)
     True
     """

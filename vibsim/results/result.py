@@ -235,7 +235,9 @@ SHOWN = 10  # events that a notebook shows
 
 
 class Events(Labelled, Mapping[str, np.ndarray]):
-    """The events of a run, in memory or on file: `events["t"]` is a column (1-D array, SI).
+    """The events of a run, in memory or on file: `events["time"]` is a column (1-D array, SI).
+
+    Files and tables call that column `t`, which is read here too.
 
     `kind` and `part` are codes there; `events.words("kind")` are their names, as in `to_dataframe()`.
 
@@ -254,13 +256,15 @@ class Events(Labelled, Mapping[str, np.ndarray]):
         return Events, (dict(self), partial(_itself, self._case()))
 
     def __getitem__(self, name: str) -> np.ndarray:
-        self._check(name)
-        return self._table[name]
+        return self._table[self._stored(name)]
 
-    def _check(self, name: str) -> None:
-        """Raises KeyError with the columns that there are where `name` is none."""
+    def _stored(self, name: str) -> str:
+        """The name of a column in the file. Raises KeyError with the columns that there are for another."""
+        if name == "time" and "t" in self._table:
+            return "t"
         if name not in self._table:
             raise KeyError(f"no column {name}; these events have {', '.join(self._table)}")
+        return name
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._table)
@@ -270,7 +274,7 @@ class Events(Labelled, Mapping[str, np.ndarray]):
 
     def column(self, name: str) -> Any:
         """One column; on file a handle that reads only the rows it is indexed with."""
-        self._check(name)
+        name = self._stored(name)
         return self._table.column(name) if hasattr(self._table, "column") else self._table[name]
 
     def words(self, name: str) -> np.ndarray:

@@ -16,11 +16,11 @@ from vibsim.results.trajectory_writing import TrajectoryWriter
 from vibsim.signals import ended_at_once, held_back
 
 if TYPE_CHECKING:
-    from vibsim.cases import Case
+    from vibsim.cases.case import CaseLike
 
 
 def simulate(
-    case: "Case | str | PathLike[str]",
+    case: "CaseLike",
     overrides: Mapping[str, object] | None = None,
     engine: str = "auto",
     trust: bool = True,
@@ -30,7 +30,7 @@ def simulate(
 
     Parameters
     ----------
-    case : a Case, the path of a case file or the name of a shipped case
+    case : whatever `load_case` reads: a Case, a file, a shipped name, a dict or YAML text
     overrides : values that are changed, as of `load_case`
     engine : "auto" (C where it was built, else Python), "c" or "python"; they agree bit for bit
     trust : whether a second run beside the first tells until when it is right
@@ -60,7 +60,7 @@ def simulate(
 
 
 def simulate_to_file(
-    case: "Case | str | PathLike[str]",
+    case: "CaseLike",
     path: str | Path,
     engine: str = "auto",
     force: bool = False,
@@ -151,14 +151,18 @@ def open_trajectory_file(path: str | Path) -> Any:
 # A run, however it is named: a Result, its file, or a case that is run first.
 
 
-def as_result(run: "Result | Case | str | PathLike[str]") -> Result:
-    """The Result itself, that in a file, or that of running a case (a Case, its file or its shipped name).
+def as_result(run: "Result | CaseLike", overrides: Mapping[str, object] | None = None) -> Result:
+    """The Result itself, that in a file, or that of running a case, some values of which may be changed.
 
-    Raises ResultFileError, CaseError, and TypeError for anything else.
+    Raises ResultFileError, CaseError, and TypeError for anything else, and for changes of what has been run.
     """
+    if overrides and (
+        isinstance(run, Result) or (isinstance(run, str | PathLike) and names_a_result(Path(run)))
+    ):
+        raise TypeError("overrides change a case before it is run; run the case of the result: result.case")
     if isinstance(run, Result):
         return run
     if isinstance(run, str | PathLike) and names_a_result(Path(run)):
         stored: Result = open_trajectory_file(Path(run))
         return stored
-    return simulate(run)
+    return simulate(run, overrides)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from vibsim.analysis.span import parse_discard
 from vibsim.cases import Case
-from vibsim.cases.case import by_key, load_case, texts, whole_number
+from vibsim.cases.case import CaseLike, by_key, load_case, texts, whole_number
 from vibsim.cases.quantities import parse_quantity
 from vibsim.results.blocks_ahead import available_cores
 from vibsim.sweeps.axes import Axis, Members, range_and_unit, read_axis, read_members
@@ -25,7 +25,7 @@ AxisValues = str | Iterable[object] | tuple[Iterable[object], str]
 
 
 def sweep(
-    case: Case | str | PathLike[str],
+    case: CaseLike,
     axes: Mapping[str, AxisValues] | None = None,
     *,
     direction: str | None = None,
@@ -48,7 +48,7 @@ def sweep(
 
     Parameters
     ----------
-    case : a Case, the path of a case file or the name of a shipped case
+    case : as of `load_case`: a Case, a file, a shipped name, a dict or YAML text
     axes : key -> range, e.g. {"excitation.Omega0": "3:7:0.05 Hz", "c": "0.01:0.05/9"}, or values, e.g.
         {"c": [0.01, "0.02 N s/m"]}, or values and their unit, e.g. {"Omega0": (np.linspace(3, 7, 81), "Hz")};
         "log 100:1e5/31 N/m" is spaced by ratio; one or more make a grid

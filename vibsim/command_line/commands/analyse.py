@@ -128,7 +128,7 @@ def judge_all(
         result = ready if isinstance(ready, Result) else simulate(ready)
         try:
             left_out = None if transient is None else transient.time(_length(result, window))
-            verdicts = analyse(result, window, left_out, what, exponent)
+            verdicts = analyse(result, window=window, discard=left_out, what=what, exponent=exponent)
         except ValueError as error:
             raise click.UsageError(f"{source}: {error}") from error
         _print(source, changes, result, verdicts, settings)

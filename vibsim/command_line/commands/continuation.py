@@ -154,11 +154,11 @@ def read_plan(
     case = read_case(source, changes)
     if param is None:
         option, text = chosen[0]
-        key = source_key(case, option, text)
+        key, bare_rate = source_key(case, option, text), "Hz"
     else:
-        option, (key, text) = "--param", param
+        option, (key, text), bare_rate = "--param", param, ""
     try:
-        keys, unit, span = read_span(case, key, text)
+        keys, unit, span = read_span(case, key, text, bare_rate)
         parameter_within(case, keys, unit, span)
         plan = plan_from(_orbit(source, case, changes, engine), keys, unit, span)
     except (BranchError, UnknownKeyError) as error:

@@ -391,7 +391,7 @@ def exponents(engine: str) -> Iterator[CheckRow]:
     points = []
     for name, expected in CHAOTIC.items():
         case = named_case(name, run__t_end=f"{EXPONENT_SPAN} s", run__every="1000 s")
-        spectrum = lyapunov(case, 1, discard=1000.0, engine=engine)
+        spectrum = lyapunov(case, count=1, discard=1000.0, engine=engine)
         bound = WIDTHS * float(spectrum.half_widths[0]) + last_digit(4)
         points.append(
             compared(f"exponent of {case.name}", expected, float(spectrum.exponents[0]), bound, "1/s")

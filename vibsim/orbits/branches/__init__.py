@@ -1,7 +1,7 @@
 """Branches of periodic orbits: continued over a parameter, through folds, with what happens on the way.
 
     continue_branch(orbit, key, span)    follow an orbit both ways until the branch ends
-    continue_locus(branch, label, key, span)    follow a special point of it in a second parameter
+    continue_locus(branch, {key: range}, label=...)    follow a special point of it in a second parameter
     Branch, Locus                        arrays by name along it, and its special points
 
 Names are imported when they are used.

@@ -1,6 +1,7 @@
 """The Python calls that continue a branch, and a special point of one in two parameters."""
 
 import warnings
+from collections.abc import Mapping
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
@@ -36,7 +37,7 @@ Span = tuple[float, float] | tuple[tuple[float, float], str]
 
 def continue_branch(
     orbit: Any,
-    key: str = "",
+    ranges: Mapping[str, str | Span] | str | None = None,
     span: str | Span = "",
     *,
     switch: str | None = None,
@@ -51,12 +52,12 @@ def continue_branch(
     Parameters
     ----------
     orbit : an `Orbit`, or what `vibsim.orbit` takes to find one: a case, a run, a stored orbit
-    key : of the case, such as "excitation.Omega0", or KEY=KEY for several of one value
-    span : range of its values, such as "3:9 Hz", (3, 9) or ((3, 9), "Hz"); bare numbers are in SI units,
-        those of an angular rate in Hz
+    ranges : key of the case -> range of its values, such as {"Omega0": "3:9 Hz"}; KEY=KEY for several of one
+        value; a range is a text, (0.01, 0.05) or ((3, 9), "Hz"); bare numbers are SI, a frequency needs its
+        unit. A key alone has its range in `span`
     switch : label of a special point, such as "PD1": `orbit` is a Branch (or its file), and the branch that
         leaves it there is followed over the same range
-    energy : range of the energy, such as "1e-5:0.1 J", in place of `key` and `span`: the backbone curve of a
+    energy : range of the energy, such as "1e-5:0.1 J", in place of `ranges`: the backbone curve of a
         scene without damping, friction and source is followed; `orbit` may be a case that starts displaced
     max_points : of the branch, on both sides of the start together
     out : HDF5 file; one that holds a part of this very branch is completed, any other is an error unless
@@ -65,17 +66,18 @@ def continue_branch(
     Returns a `Branch`. Raises BranchError, OrbitError, CaseError, UnknownKeyError, ResultFileError.
 
     >>> import vibsim
-    >>> branch = vibsim.continue_branch("gallery/friction-oscillator", "drive.A", "1.4:1.6 N", max_points=6)
+    >>> branch = vibsim.continue_branch("gallery/friction-oscillator", {"drive.A": "1.4:1.6 N"}, max_points=6)
     >>> len(branch["period"]) <= 6
     True
     """
     check_count("max_points", max_points, 2)
     _check_out(out)
+    key, span = _one_range(ranges, span)
     if switch is not None:
-        _leave_out("switch: its branch says what is followed, and how far", key=key, span=span, energy=energy)
+        _leave_out("switch: its branch says what is followed", ranges=key, span=span, energy=energy)
         plan = switched(_branch(orbit, "switch"), switch)
     elif energy is not None:
-        _leave_out("energy: it is what varies", key=key, span=span)
+        _leave_out("energy: it is what varies", ranges=key, span=span)
 
         plan = energy_plan(orbit, _as_text(energy, "0.01:1 J"), engine)
     else:
@@ -88,10 +90,9 @@ def continue_branch(
 
 def continue_locus(
     branch: Branch | str | PathLike[str],
-    label: str,
-    key: str,
-    span: str | Span,
+    ranges: Mapping[str, str | Span],
     *,
+    label: str,
     max_points: int = MOST_LOCUS_POINTS,
     engine: str = "auto",
     out: str | PathLike[str] | None = None,
@@ -102,8 +103,8 @@ def continue_locus(
     Parameters
     ----------
     branch : a Branch, or its file
+    ranges : the second parameter and its range, as in `continue_branch`: {"c": "0.001:0.1"}
     label : of a fold, doubling, Neimark-Sacker point, grazing or begin of sticking on it, such as "PD1"
-    key, span : the second parameter and its range, as in `continue_branch`
     max_points : of the locus, on both sides of the start together
     out : HDF5 file; one that holds a part of this very locus is completed, any other is an error unless
         `force`
@@ -112,16 +113,26 @@ def continue_locus(
 
     >>> import vibsim
     >>> orbit = vibsim.orbit("I-C", {"omega": "4.2 Hz"}, period=1)
-    >>> branch = vibsim.continue_branch(orbit, "omega", "4:4.3 Hz")
-    >>> locus = vibsim.continue_locus(branch, "PD1", "c", "0.001:0.003 N s/m", max_points=8)
+    >>> branch = vibsim.continue_branch(orbit, {"omega": "4:4.3 Hz"})
+    >>> locus = vibsim.continue_locus(branch, {"c": "0.001:0.003 N s/m"}, label="PD1", max_points=8)
     >>> bool(locus["second"][-1] > locus["second"][0]), locus.kind
     (True, 'doubling')
     """
     check_count("max_points", max_points, 2)
     _check_out(out)
     start = _branch(branch, "a locus")
+    key, span = _one_range(ranges, "")
     plan = locus_plan(start, label, *read_span(start.case, key, _as_text(span)))
     return _followed(LocusStore(plan, None if out is None else Path(out), engine, force), max_points)
+
+
+def _one_range(ranges: Any, span: str | Span) -> tuple[str, str | Span]:
+    """The key that varies, and its range. Raises BranchError for more than one."""
+    if not isinstance(ranges, Mapping):
+        return ranges or "", span
+    if len(ranges) != 1 or span:
+        raise BranchError(f"one key varies along a curve, such as {{'Omega0': '3:9 Hz'}}, got {ranges!r:.60}")
+    return next(iter(ranges.items()))
 
 
 def _followed(store: CurveStore[Any, C], most: int) -> C:

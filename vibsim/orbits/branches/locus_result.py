@@ -192,7 +192,7 @@ class Locus(OrbitCurve):
     >>> import vibsim
     >>> orbit = vibsim.orbit("I-C", {"omega": "4.2 Hz"}, period=1)
     >>> branch = vibsim.continue_branch(orbit, "omega", "4:4.3 Hz")
-    >>> locus = vibsim.continue_locus(branch, "PD1", "c", "0.001:0.003 N s/m", max_points=4)
+    >>> locus = vibsim.continue_locus(branch, {"c": "0.001:0.003 N s/m"}, label="PD1", max_points=4)
     >>> bool(float(locus.case_at(0).quantity("c").value) == locus["second"][0])
     True
     """

@@ -44,7 +44,7 @@ class BranchError(ValueError):
 
     >>> import vibsim
     >>> try:
-    ...     vibsim.continue_branch("I-C", "omega", "7:9")
+    ...     vibsim.continue_branch("I-C", {"omega": "7:9 Hz"})
     ... except vibsim.BranchError as error:
     ...     print(error)
     the orbit is at excitation.omega = 6.5 Hz, outside the range 7:9; begin from an orbit within it
@@ -188,8 +188,12 @@ FACTORS = {"": 1.0, "J": 1.0, "mJ": 1e-3, "uJ": 1e-6, "kJ": 1e3}
 ENERGIES = re.compile(r"\s*(?P<ends>[^:\sa-df-zA-DF-Z]+:[^:\sa-df-zA-DF-Z]+)\s*(?P<unit>[mku]?J|)\s*")
 
 
-def read_span(case: Case, key: str, text: str) -> tuple[tuple[str, ...], str, tuple[float, float]]:
+def read_span(
+    case: Case, key: str, text: str, bare_rate: str = ""
+) -> tuple[tuple[str, ...], str, tuple[float, float]]:
     """Dotted keys, unit and ends of a range such as "3:9 Hz" of a key, or of several, KEY=KEY.
+
+    `bare_rate` is the unit of frequencies that have none; with "" they need one.
 
     Raises BranchError where it is no range or its ends are not allowed, UnknownKeyError for a key that is
     none of the case's numbers.
@@ -199,12 +203,15 @@ def read_span(case: Case, key: str, text: str) -> tuple[tuple[str, ...], str, tu
     keys = tuple(number_key(case, each.strip()) for each in key.split("="))
     measured = case.measured(keys[0])
     dimension = measured.dimension if measured else "number"
+    rate = dimension == "angular rate"  # Hz or rad/s: nobody can guess which
     try:
         if text.count(":") != 1 or without_log(text) is not None:
             raise ValueError(text)
-        low, high = parse_range(f"{text}/2", _bare_unit(dimension))
+        low, high = parse_range(f"{text}/2", bare_rate if rate else si_unit(dimension).name)
     except ValueError as error:
         raise BranchError(f"{shown(text)} is not FROM:TO with an optional unit, such as 3:9 Hz") from error
+    if rate and not low.unit:
+        raise BranchError(f"{keys[0]}: frequencies need a unit, such as 3:9 Hz, got {shown(text)}")
     if UNITS[low.unit].dimension != dimension:
         raise BranchError(f"{keys[0]} is no {UNITS[low.unit].dimension}: {shown(text)}")
     ends = float(low.value), float(high.value)
@@ -240,10 +247,6 @@ def number_key(case: Case, key: str) -> str:
     except UnknownKeyError as error:
         words = str(error)
         raise UnknownKeyError(words if words.startswith(f"{key} ") else f"{shown(key)}: {words}") from None
-
-
-def _bare_unit(dimension: str) -> str:
-    return "Hz" if dimension == "angular rate" else si_unit(dimension).name
 
 
 # Backbone curves: the orbits of a scene that neither gains nor loses energy, continued in their energy.
