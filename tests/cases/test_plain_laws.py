@@ -105,6 +105,12 @@ FORMULAS = {
     "a coefficient that falls with the square": (
         "friction: {f: {between: [a, ground], N: 2 N, mu: '0.3 + 0.1*exp(-(s/v)**2)', v: 1 m/s}}"
     ),
+    "a load that varies": (
+        "friction: {f: {between: [a, ground], N: 'N0 + k*x_b', N0: 2 N, k: 1 N/m, mu: 'm', m: 0.3}}"
+    ),
+    "a coefficient of its own under a constant load": (
+        "friction: {f: {between: [a, ground], N: 'm*g', m: 1 kg, g: 9.81 m/s^2, mu: '0.3 + q*s', q: 1 s/m}}"
+    ),
     "a chirp": "forces: {f: {on: a, force: 'F*sin(r*t**2)', F: 2 N, r: 1 rad/s^2}}",
     "a product of sines": "forces: {f: {on: a, force: 'F*sin(w*t)*sin(2*w*t)', F: 2 N, w: 1 Hz}}",
     "a negative sine with a phase in radians": (

@@ -210,10 +210,15 @@ class _Rewriting:
         return kept | {"law": "elastic"} | self._constants(found)
 
     def _friction(self, name: str, part: Values) -> Values | None:
-        """A load or coefficient that is a constant as a number, and one that falls as a built-in law."""
+        """A load that is a constant, with a coefficient that is one or falls as a built-in law does."""
         if sides_of("friction", part) or isinstance(part["belt"], Formula):
             return None
         result = dict(part)
+        if self.formulas.has("friction", name, "N"):
+            load = _constant(self.formulas.node("friction", name, "N"))
+            if load is None:
+                return None
+            result["N"] = load
         if self.formulas.has("friction", name, "mu"):
             node = self.formulas.node("friction", name, "mu", "", s=RATE)
             mu = _constant(node)
@@ -222,9 +227,6 @@ class _Rewriting:
                 return None
             del result["mu"]
             result |= law
-        if self.formulas.has("friction", name, "N"):
-            load = _constant(self.formulas.node("friction", name, "N"))
-            result |= {} if load is None else {"N": load}
         return result
 
     def _forces(self, name: str, part: Values) -> Values | None:
