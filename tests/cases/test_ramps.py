@@ -6,7 +6,7 @@ import pytest
 import vibsim
 from vibsim.cases import CaseError, load_case
 from vibsim.cases.case import load_case_text
-from vibsim.cases.ramps import end_of, no_load_speed, ramped, read_ramp
+from vibsim.cases.ramps import drive_frequency, drive_turns, end_of, no_load_speed, ramped, read_ramp
 
 MACHINE = """
 bodies: {table: 0.3 kg}
@@ -121,18 +121,19 @@ def test_a_number_beside_a_formula_hides_the_parameter_of_its_name():
         ("Omega0=3:7", "4 s", "excitation.Omega0: needs a unit"),
         ("Omega0=3:7N", "4 s", "excitation.Omega0: must be an angular rate"),
         ("Omega0=0:7Hz", "4 s", "excitation.Omega0: must be > 0, got 0 Hz"),
-        ("Omega0=3:3000mHz", "4 s", "unit"),
+        ("Omega0=3:3000mHzz", "4 s", "unit"),
         ("Omega0=3Hz:180rpm", "4 s", "goes from a value to the same"),
         ("Omega0=3", "4 s", "is not FROM:TO or FROM:TO:BACK"),
         ("Omega0=3:4:5:6Hz", "4 s", "is not FROM:TO or FROM:TO:BACK"),
         ("Omega0=3:7Hz", "0 s", "over must be > 0"),
         ("Omega0=3:7Hz", "4 kg", "over must be a time"),
         (
-            "k2=1:2N/m",
+            "m1=1:2kg",
             "4 s",
-            "stop.k2 takes no formula; here these can have a ramp: excitation.M0, excitation.Omega0",
+            "blocks.m1 takes no formula; here these can have a ramp: excitation.M0, excitation.Omega0, "
+            "coupling.k1",
         ),
-        ("mu=0.1:0.2", "4 s", "friction.mu takes no formula"),
+        ("G=1:2mm", "4 s", "stop.G takes no formula"),
         ("Omga0=3:7Hz", "4 s", "Omga0: unknown key"),
     ],
 )
@@ -156,3 +157,64 @@ def test_the_end_is_that_of_the_longest_ramp():
     there, back = read_ramp("Omega0", "3:7Hz"), read_ramp("M0", "1:2:1 N m")
     assert end_of([there], "2.5 min") == "2.5 min"
     assert end_of([there, back], "2.5 min") == "5 min"
+
+
+FORCED = """
+bodies: {table: 1 kg}
+links:
+  spring: {between: [table, ground], k: 400 N/m, c: 4 N s/m}
+  tie: {between: [table, base], k: 100 N/m}
+forces: {drive: {on: table, A: 2 N, omega: 2 Hz, phase: 30 deg, F0: 1 N}}
+base: {a: 1 mm, omega: 3 Hz}
+run: {t_end: 6 s, every: 2 ms}
+"""
+BY_HAND = {
+    "drive.omega=2:5Hz": {
+        "drive.force": "F0 + A*sin(omega*t + where(t < T, r*t**2/2, r*T*(t - T/2)) + phase)",
+        "drive.r": "0.75 Hz/s",
+        "drive.T": "4 s",
+    },
+    "drive.A=2:3N": {
+        "drive.force": "F0 + (A + r*min(t, T))*sin(omega*t + phase)",
+        "drive.r": "0.25 N/s",
+        "drive.T": "4 s",
+    },
+    "base.a=1:9mm": {"base.x": "(a + r*min(t, T))*sin(omega*t + phase)", "base.r": "2 mm/s", "base.T": "4 s"},
+    "spring.k=400:500N/m": {
+        "spring.force": "(k + r*min(t, T))*d + c*v",
+        "spring.r": "25 N/m/s",
+        "spring.T": "4 s",
+    },
+}
+
+
+@pytest.mark.parametrize("text", BY_HAND)
+def test_a_number_of_a_built_in_law(text):
+    case = load_case_text(FORCED)
+    one = vibsim.simulate(ramp(case, text, "4 s"), trust=False)
+    other = vibsim.simulate(case.with_values(BY_HAND[text]), trust=False)
+    steady = vibsim.simulate(case, trust=False)
+    assert one["x_table"] == pytest.approx(other["x_table"], abs=1e-12)
+    assert np.abs(one["x_table"] - steady["x_table"]).max() > 1e-4
+
+
+def test_a_stop_by_its_stiffness_and_a_rule_of_the_amplitude():
+    stiffer = ramp(load_case("II-B"), "k2=10:20kN/m", "4 s")
+    assert str(stiffer.values["stops.stop.force"]) == "(k_from + (k_to - k_from)*min(t/k_over, 1))*p + c*pv"
+    rule = {"excitation.A.rule": "m3 e omega^2", "excitation.A.m3": "30 g", "excitation.A.e": "1 mm"}
+    case = ramp(load_case("I-B", rule), "omega=3:6Hz", "4 s")
+    assert str(case.values["forces.excitation.force"]).startswith("F0 + m3*e*(omega_from + ")
+    run = vibsim.simulate(case.with_values({"run.t_end": "5 s"}), trust=False)
+    assert run.complete and run.case.quantity("m3").text == "30 g"
+
+
+@pytest.mark.parametrize("values, steps", [("2:5Hz", [2, 3.5, 5, 5, 5]), ("2:5:1Hz", [2, 3.5, 5, 3, 1])])
+def test_frequency_and_periods_of_a_drive(values, steps):
+    case, times = ramp(load_case_text(FORCED), f"drive.omega={values}", "4 s"), np.array([0, 2, 4, 6, 8.0])
+    assert drive_frequency(case, times) == pytest.approx(steps)
+    fine = np.linspace(0, 9, 100_001)
+    integral = np.concatenate(
+        [[0], np.cumsum(drive_frequency(case, fine)[:-1] + np.diff(drive_frequency(case, fine)) / 2)]
+    )
+    assert drive_turns(case, fine) == pytest.approx(integral * 9e-5, abs=1e-6)
+    assert drive_frequency(load_case_text(FORCED), times) is None

@@ -60,7 +60,7 @@ def test_a_run_from_a_file_gets_another_ramp():
         (("--ramp", "Omega0=3:7Hz", "--over", "3 kg"), "--over must be a time in s"),
         (("--ramp", "Omega0", "--over", "3s"), "'Omega0' is not KEY=FROM:TO, such as Omega0=3:7Hz"),
         (("--ramp", "Omega0=3:3Hz", "--over", "3s"), "goes from a value to the same"),
-        (("--ramp", "k2=3:4N/m", "--over", "3s"), "stop.k2 takes no formula; here these can have a ramp"),
+        (("--ramp", "m1=3:4kg", "--over", "3s"), "blocks.m1 takes no formula; here these can have a ramp"),
         (("--ramp", "Omega0=3:4Hz", "--ramp", "Omega0=4:5Hz", "--over", "3s"), "Omega0 is given twice"),
         (("--ramp", "Omega0=3:4Hz", "-s", "excitation.Omega0=4 Hz", "--over", "3s"), "give one value"),
     ],

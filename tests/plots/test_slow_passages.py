@@ -6,6 +6,7 @@ import pytest
 import vibsim
 from tests.plots.artists import clipped_texts, colliding_legends
 from vibsim.cases import load_case
+from vibsim.cases.case import load_case_text
 from vibsim.cases.ramps import no_load_speed, ramped, read_ramp
 from vibsim.plots.registry import fitting, kind_named
 from vibsim.plots.slow_passages import power_history
@@ -170,3 +171,27 @@ def test_the_picture_of_powers(passage):
 def test_a_sweep_has_no_power_over_time(passage, under):
     with pytest.raises(PlotError, match="runs are drawn over time"):
         drawn("power", [passage, under])
+
+
+FORCED = """
+bodies: {mass: 1 kg}
+links: {spring: {between: [mass, ground], k: 400 N/m, c: 4 N s/m}}
+forces: {drive: {on: mass, A: 2 N, omega: 2 Hz}}
+run: {t_end: 60 s, every: 5 ms}
+"""
+
+
+def test_a_drive_whose_frequency_has_a_ramp_beside_its_steady_response():
+    """A linear oscillator passed slowly: the closed form at the frequency of the instant, to the slowness."""
+    case = ramped(load_case_text(FORCED), [read_ramp("drive.omega", "2:5Hz")], "60 s")
+    run = subject_of(vibsim.simulate(case, trust=False))
+    steps = sweep(load_case_text(FORCED), {"drive.omega": "2:5:0.5Hz"})
+    figure = drawn("run-up", [run, subject_of(steps)])
+    (axes,) = figure.axes
+    assert axes.get_xlabel().startswith("Frequency of the drive")
+    (line,) = lines(axes, "amplitude")
+    rate = 2 * np.pi * line.get_xdata()
+    steady = 2000 / np.hypot(400 - rate**2, 4 * rate)
+    assert np.abs(line.get_ydata() - steady).max() < 0.06 * steady.max()
+    (under,) = lines(axes, "sweep-amplitude")
+    assert under.get_xdata() == pytest.approx(np.arange(2, 5.1, 0.5))

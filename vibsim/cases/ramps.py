@@ -6,6 +6,9 @@ A ramp of Omega0 from 3 Hz to 7 Hz over 400 s is the formula
 
 with the three numbers beside it; with a way back, another 400 s follow. What stands in place of a number that
 formulas name, such as a voltage in the rate of a current, replaces its name in them.
+
+A number of a built-in law has a ramp in the formula that says the same: k d + c v of a link, or
+A sin(omega t + phase) of a force, where the integral of omega takes the place of omega t.
 """
 
 from __future__ import annotations
@@ -66,17 +69,22 @@ def ramped(case: Case, ramps: Iterable[Ramp], over: str) -> Case:
     not take, CaseError for what the case makes of them.
     """
     check_time(over)
-    done: set[str] = set()
+    ramps, done = [*ramps], set[str]()
     for ramp in ramps:
-        try:
-            key = case.full_key(ramp.key)
-        except UnknownKeyError as error:
-            raise ValueError(f"{ramp.key}: {error}") from None
+        key = _full_key(case, ramp)
         if key in done:
             raise ValueError(f"{key} is given two ramps; choose one")
         done.add(key)
-        case = case.with_values(_changes(case, key, ramp, over))
+    for ramp in sorted(ramps, key=lambda one: not one.key.endswith(FREQUENCY)):
+        case = _ramped(case, _full_key(case, ramp), ramp, over)
     return case
+
+
+def _full_key(case: Case, ramp: Ramp) -> str:
+    try:
+        return case.full_key(ramp.key)
+    except UnknownKeyError as error:
+        raise ValueError(f"{ramp.key}: {error}") from None
 
 
 def end_of(ramps: Iterable[Ramp], over: str) -> str:
@@ -97,19 +105,86 @@ def check_time(text: str) -> Quantity:
     return time
 
 
-def _changes(case: Case, key: str, ramp: Ramp, over: str) -> dict[str, object]:
-    """Changes as `--set` would take them: formulas and the numbers beside them."""
-    if _takes_formula(case._nested, key):
-        _check_values(case, key, ramp)
-        part, _, name = key.rpartition(".")
-        return {key: Formula(_course(name, len(ramp.values))), **_numbers(part, name, ramp, over)}
-    places = _places_naming(case, key)
-    if not places:
-        raise ValueError(f"{key} takes no formula{_instead(case, ramp.key)}")
+def _ramped(case: Case, key: str, ramp: Ramp, over: str) -> Case:
+    """The case with one ramp."""
     _check_values(case, key, ramp)
-    name = key.rpartition(".")[2]
-    changed = {place.path: Formula(_replaced(place.text, name, len(ramp.values))) for place in places}
-    return {**changed, **_numbers(key.rpartition(".")[0], name, ramp, over)}
+    count = len(ramp.values)
+    if not _takes_formula(case._nested, key) and not _places_naming(case, key):
+        of_law = _with_law_written(case, key)
+        if of_law is None:
+            raise ValueError(f"{key} takes no formula{_instead(case, ramp.key)}")
+        case, key = of_law
+    part, _, name = key.rpartition(".")
+    changes: dict[str, object] = {}
+    if _takes_formula(case._nested, key):
+        changes[key] = Formula(_course(name, count))
+    for place in _places_naming(case, key):
+        text = place.text.replace(PHASE, f"{_angle(count)} + phase") if name == FREQUENCY else place.text
+        changes[place.path] = Formula(_replaced(text, name, count))
+    return case.with_values({**changes, **_numbers(part, name, ramp, over)})
+
+
+# Built-in laws as formulas.
+
+
+FREQUENCY = "omega"
+PHASE = "omega*t + phase"
+# parts of the short form in the long one
+LONG_KEYS = {
+    "coupling.k1": "links.coupling.k",
+    "coupling.c": "links.coupling.c",
+    "stop.k2": "stops.stop.k",
+    "friction.mu": "friction.friction.mu",
+    **{f"excitation.{name}": f"forces.excitation.{name}" for name in ("A", FREQUENCY, "F0")},
+}
+
+
+def _with_law_written(case: Case, key: str) -> tuple[Case, str] | None:
+    """The case in the long form with the law of a part as a formula that names the number at `key`, and the
+    key there; None where no formula says the same.
+    """
+    from vibsim.cases.case import load_case_text
+
+    if not case.is_long:
+        key = LONG_KEYS.get(key, "")
+        case = load_case_text(case.long_text(), name=case.source)
+    part, _, name = key.rpartition(".")
+    if not isinstance(case.values.get(key), Quantity):
+        return None
+    if _takes_formula(case._nested, key):
+        return case, key
+    formula = _formula_of_law(case, part, name)
+    return None if formula is None else (case.with_values(formula), key)
+
+
+def _formula_of_law(case: Case, part: str, name: str) -> dict[str, object] | None:
+    """The formula of a part whose law has the number `name`, and the numbers that are new beside it."""
+    section = part.partition(".")[0]
+    values = case.values
+    if section == "links" and name in ("k", "c"):
+        return {f"{part}.force": Formula("k*d + c*v")}
+    if section == "stops" and name in ("k", "c"):
+        return {f"{part}.force": Formula("k*p + c*pv")}
+    if section not in ("forces", "base") or f"{part}.omega" not in values or name == "phase":
+        return None
+    size = "a" if section == "base" else "A"
+    wave = f"{size}*sin({PHASE})"
+    if section == "base":
+        return {f"{part}.x": Formula(wave)}
+    rule = {
+        f"{part}.{one}": str(values[f"{part}.A.{one}"]) for one in ("m3", "e") if f"{part}.A.{one}" in values
+    }
+    return {f"{part}.force": Formula(f"F0 + {f'm3*e*omega**2*sin({PHASE})' if rule else wave}"), **rule}
+
+
+def _angle(count: int) -> str:
+    """The integral of the course of omega over the time."""
+    start, end, back, over = (f"{FREQUENCY}_{word}" for word in ("from", "to", "back", "over"))
+    there = f"{start}*t + ({end} - {start})*(min(t, {over})**2/(2*{over}) + max(t - {over}, 0))"
+    if count == FEWEST:
+        return there
+    late = f"max(t - {over}, 0)"
+    return f"{there} + ({back} - {end})*(min({late}, {over})**2/(2*{over}) + max(t - 2*{over}, 0))"
 
 
 def _takes_formula(values: Mapping[str, object], key: str) -> bool:
@@ -128,11 +203,16 @@ def _instead(case: Case, key: str) -> str:
     values = case._nested
     every = keys_of(form_of(values), values)
     taking = [one for one in every if one in case.values and _takes_formula(values, one)]
-    named = [one for one in case.numeric_keys() if one not in taking and _places_naming(case, one)]
+    named = [one for one in case.numeric_keys() if one not in taking and _can_be_named(case, one)]
     listed = [*taking, *named]
     if not listed:
         return ", nor does any number of this case"
     return f"{did_you_mean(key, listed)}; here these can have a ramp: {', '.join(listed)}"
+
+
+def _can_be_named(case: Case, key: str) -> bool:
+    """Whether formulas name a number, or one that says the same as its law would."""
+    return bool(_places_naming(case, key)) or _with_law_written(case, key) is not None
 
 
 def _check_values(case: Case, key: str, ramp: Ramp) -> None:
@@ -199,6 +279,40 @@ def _replaced(text: str, name: str, count: int) -> str:
 
 
 # What a ramp comes to.
+
+
+def drive_frequency(case: Case, times: np.ndarray) -> np.ndarray | None:
+    """Frequency [Hz] of the force or base that a ramp of omega drives, at times [s]; None without one."""
+    course = _course_of_drive(case)
+    if course is None:
+        return None
+    values, over = course
+    shares = [np.clip(times / over - i, 0, 1) for i in range(len(values) - 1)]
+    steps = [(b - a) * share for (a, b), share in zip(pairwise(values), shares, strict=True)]
+    return np.asarray(sum(steps, np.full(np.shape(times), values[0])) / (2 * pi))
+
+
+def drive_turns(case: Case, times: np.ndarray) -> np.ndarray | None:
+    """Periods that such a drive has made at times [s]: the integral of its frequency."""
+    course = _course_of_drive(case)
+    if course is None:
+        return None
+    values, over = course
+    angle = values[0] * times
+    for i, (a, b) in enumerate(pairwise(values)):
+        since = np.maximum(times - i * over, 0)
+        angle = angle + (b - a) * (np.minimum(since, over) ** 2 / (2 * over) + np.maximum(since - over, 0))
+    return np.asarray(angle / (2 * pi))
+
+
+def _course_of_drive(case: Case) -> tuple[list[float], float] | None:
+    """The angular rates of a ramp of omega [rad/s], and the time that each way takes [s]."""
+    parts = [*case._nested.get("forces", {}).values(), case._nested.get("base", {})]
+    for part in parts:
+        if f"{FREQUENCY}_over" in part:
+            names = [f"{FREQUENCY}_{word}" for word in ("from", "to", "back")]
+            return [part[name].number() for name in names if name in part], part[f"{FREQUENCY}_over"].number()
+    return None
 
 
 def no_load_speed(case: Case, times: np.ndarray) -> np.ndarray | None:

@@ -123,8 +123,8 @@ KINDS = (
     PictureKind(
         "run-up",
         "trajectory",
-        "amplitude and motor speed against the no-load speed of the instant, up and down, over a sweep",
-        ("motor",),
+        "amplitude and speed of a motor against the speed of the source at that instant, over a sweep",
+        ("motor or ramp",),
         besides=("sweep",),
     ),
     PictureKind(
@@ -273,6 +273,10 @@ COLUMNS = PictureKind("columns", "result", "any two columns against each other (
 
 NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
     "motor": ("a motor", lambda subject: _has_motor(subject)),
+    "motor or ramp": (
+        "a motor or a ramp of the frequency of its source",
+        lambda subject: _has_motor(subject) or _has_ramp(subject),
+    ),
     "motor torque": (
         "a motor whose M0 and Omega0 are numbers",
         lambda subject: subject.scene.has_motor,
@@ -359,6 +363,15 @@ def _has_motor(subject: Subject) -> bool:
 
     by_formula = subject.reads == "trajectory" and motor_columns(subject.scene) is not None
     return by_formula or subject.scene.has_motor
+
+
+def _has_ramp(subject: Subject) -> bool:
+    """Whether the frequency of a source has a ramp."""
+    import numpy as np
+
+    from vibsim.cases.ramps import drive_frequency
+
+    return drive_frequency(subject.case, np.zeros(1)) is not None
 
 
 def _has_powers(subject: Subject) -> bool:

@@ -14,11 +14,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.cases.ramps import no_load_speed
+from vibsim.cases.ramps import drive_frequency, no_load_speed
 from vibsim.engine.ledger_integrals import Entry, entries_of
 from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import EVENT_KINDS, Scene
+from vibsim.physics.rates import motor_columns
 from vibsim.plots.pairs import PlottedPair, annotate_runs, common_pairs, shown_part, trust_remark
 from vibsim.plots.relative_motion import events_within
 from vibsim.plots.samples import natural_frequencies, window_of
@@ -38,13 +39,14 @@ from vibsim.plots.sheet import (
 from vibsim.plots.spectra import TURNS, TurnExtremes, extremes_by_turn, turn_times
 from vibsim.plots.style import BLACK, BLUE, GREY, PINK, VERMILLION, dashed, overlay
 from vibsim.plots.subject import Subject
-from vibsim.plots.sweep_axes import along, is_motor_speed
+from vibsim.plots.sweep_axes import along, is_motor_speed, is_speed
 from vibsim.plots.sweep_curves import DIRECTION_NAMES, DOWN, UP, Curve, curves
 from vibsim.plots.traces import VECTOR_UP_TO
 from vibsim.plots.view import PlotError, Span, View
 
 HEIGHT_CM = 9.6
 NO_LOAD = r"No-load speed $\Omega_0/2\pi$ (Hz)"
+DRIVE = r"Frequency of the drive $\omega/2\pi$ (Hz)"
 SPEED = r"Motor speed $\dot\varphi/2\pi$ (Hz)"
 COLOURS = {UP: BLUE, DOWN: VERMILLION}
 PALE, PALER = "0.25", "0.6"  # greys of a sweep under the runs: upwards, downwards
@@ -56,7 +58,8 @@ class Way:
     """The turns of one run in which the no-load speed goes in one direction, or all where it does not change.
 
     direction : UP or DOWN; 0 over time
-    x : no-load speed [Hz] at the middle of each turn (n), or the time [s]
+    x : no-load speed of the motor, or frequency of the drive, at the middle of each turn (n) [Hz]; or the
+        time [s]
     turns : speeds and extremes of these turns (n)
     """
 
@@ -91,7 +94,8 @@ def running_mean(values: np.ndarray) -> np.ndarray:
 
 def run_up_picture(subjects: Sequence[Subject], view: View) -> Figure:
     """Half the peak-to-peak of the relative motion in a turn of the motor, and below it its mean speed,
-    against the no-load speed of that instant; ways up and down in two colours, single turns pale.
+    against the no-load speed of that instant; ways up and down in two colours, single turns pale. Of a force
+    or base whose frequency has a ramp the amplitude alone, in a period of the drive, against its frequency.
 
     Where the no-load speed does not change, over time. A sweep over Omega0 lies under the runs in grey: what
     they would come to if they were given time.
@@ -102,26 +106,32 @@ def run_up_picture(subjects: Sequence[Subject], view: View) -> Figure:
     pairs = common_pairs(runs)
     ways = ways_of(runs, pairs, spans)
     over_time = any(way.direction == 0 for way in ways)
-    under = _curves_under(sweeps, over_time)
-    figure = sheet(view, HEIGHT_CM)
-    upper, lower = figure.subplots(2, 1, sharex=True)
+    driven = all(motor_columns(run.scene) is None for run in runs)
+    under = _curves_under(sweeps, over_time, driven)
+    figure = sheet(view, 0.6 * HEIGHT_CM if driven else HEIGHT_CM)
+    panels = [figure.subplots()] if driven else list(figure.subplots(2, 1, sharex=True))
+    upper, lower = panels[0], panels[-1]
     if not any(len(way.x) for way in ways):
-        say_inside(upper, "the motor makes no whole turn here")
+        say_inside(
+            upper, "the drive makes no whole period here" if driven else "the motor makes no whole turn here"
+        )
     _amplitudes(upper, ways, under, pairs[0])
-    if not over_time:
-        ends = np.array([min(way.x.min() for way in ways), max(way.x.max() for way in ways)])
-        lower.plot(ends, ends, color=GREY, linewidth=0.5, zorder=1, gid="no-load")
-    _speeds(lower, ways, under)
+    if not driven:
+        if not over_time:
+            ends = np.array([min(way.x.min() for way in ways), max(way.x.max() for way in ways)])
+            lower.plot(ends, ends, color=GREY, linewidth=0.5, zorder=1, gid="no-load")
+        _speeds(lower, ways, under)
     if over_time:
         time_axis(lower, (min(first for first, _ in spans), max(last for _, last in spans)))
     else:
-        lower.set_xlabel(NO_LOAD)
+        lower.set_xlabel(DRIVE if driven else NO_LOAD)
         lower.margins(x=0.02)
     remarks = [*dict.fromkeys(map(seconds, spans)), trust_remark(runs, spans)]
     note(upper, "; ".join(filter(None, remarks)))
     if len(ways) + len(under) > 1:
         legend_above(upper)
-    letter_panels([upper, lower])
+    if not driven:
+        letter_panels(panels)
     figure.align_ylabels()
     return figure
 
@@ -130,9 +140,9 @@ def run_up_picture(subjects: Sequence[Subject], view: View) -> Figure:
 
 
 def ways_of(runs: Sequence[Subject], pairs: Sequence[PlottedPair], spans: Sequence[Span]) -> list[Way]:
-    """The ways of all runs; over time where the no-load speed of one of them does not change."""
+    """The ways of all runs; over time where the speed of the source of one of them does not change."""
     turned = [_turns(*one) for one in zip(runs, pairs, spans, strict=True)]
-    loads = [no_load_speed(run.case, turns.t) for run, turns in zip(runs, turned, strict=True)]
+    loads = [_speed_of_source(run, turns.t) for run, turns in zip(runs, turned, strict=True)]
     if any(load is None or len(load) < 2 or np.ptp(load) == 0 for load in loads):
         return [Way(run, 0, turns.t, turns) for run, turns in zip(runs, turned, strict=True)]
     ways: list[Way] = []
@@ -140,6 +150,12 @@ def ways_of(runs: Sequence[Subject], pairs: Sequence[PlottedPair], spans: Sequen
         assert load is not None
         ways += _ways(run, turns, load)
     return ways
+
+
+def _speed_of_source(run: Subject, times: np.ndarray) -> np.ndarray | None:
+    """No-load speed of the motor, or frequency of a drive with a ramp, at times [s], in Hz; None without."""
+    frequency = drive_frequency(run.case, times)
+    return no_load_speed(run.case, times) if frequency is None else frequency
 
 
 def _turns(run: Subject, pair: PlottedPair, span: Span) -> TurnExtremes:
@@ -216,13 +232,20 @@ def _line(axes: Axes, way: Way, values: np.ndarray, mean: np.ndarray, gid: str, 
 # The sweep under the runs.
 
 
-def _curves_under(sweeps: Sequence[Subject], over_time: bool) -> list[Curve]:
-    """The curves of sweeps over Omega0. Raises PlotError for other sweeps, and under runs over time."""
+def _curves_under(sweeps: Sequence[Subject], over_time: bool, driven: bool) -> list[Curve]:
+    """The curves of sweeps over Omega0, or over the frequency of the drive in Hz. Raises PlotError for other
+    sweeps, and under runs over time.
+    """
     for subject in sweeps:
         if over_time:
             words = "a sweep lies under runs whose no-load speed changes"
             raise PlotError(f"{subject.path}: {words}, such as a ramp of Omega0 makes")
-        if not is_motor_speed(subject.result.axes[along(subject.result)].key):
+        axis = subject.result.axes[along(subject.result)]
+        if driven and not (is_speed(axis.key) and axis.unit == "Hz"):
+            raise PlotError(
+                f"{subject.path}: the sweep under a run-up is one over the frequency of the drive in Hz"
+            )
+        if not driven and not is_motor_speed(axis.key):
             raise PlotError(f"{subject.path}: the sweep under a run-up is one over Omega0")
     return curves(sweeps) if sweeps else []
 

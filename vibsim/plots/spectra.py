@@ -17,6 +17,7 @@ from vibsim.analysis.dominant_frequencies import (
     spectrum_of,
     without_line,
 )
+from vibsim.cases.ramps import drive_turns
 from vibsim.physics.parts import columns_of
 from vibsim.physics.rates import common_period, motor_columns, source_rates, turning_columns
 from vibsim.plots import traces
@@ -140,9 +141,9 @@ TURNS = 12  # to average over: a multiple of the periods 1, 2, 3, 4 and 6 that t
 def turn_times(result: Any, span: Span) -> np.ndarray:
     """Instants within the span at which the source begins a period [s], ascending; none without a period.
 
-    Forces and base: multiples of their common period. Motor or rotor: phi = 2 pi k, located on the cubic
-    Hermite interpolant of phi between two samples (phi and phidot are stored, so its error is of fourth order
-    in the output interval).
+    Forces and base: multiples of their common period; of a ramp of their frequency its periods. Motor or
+    rotor: phi = 2 pi k, located on the cubic Hermite interpolant of phi between two samples (phi and phidot
+    are stored, so its error is of fourth order in the output interval).
     """
     scene = result.case.scene()
     turning = motor_columns(scene) or turning_columns(scene)
@@ -150,12 +151,22 @@ def turn_times(result: Any, span: Span) -> np.ndarray:
         parts = _joined_blocks(result, ("time", *turning), span)
         times = [_turns(part["time"], part[turning[0]], part[turning[1]]) for part in parts]
         return np.concatenate([np.empty(0), *times])
+    if (turns := drive_turns(result.case, np.array(span))) is not None:
+        return _starts_of_periods(result, span, turns)
     period = common_period(scene)
     if period is None:
         return np.empty(0)
     rate = period.cycles / period.turns
     first, last = math.ceil(span[0] * rate - 1e-9), math.floor(span[1] * rate + 1e-9)
     return np.asarray(np.clip(period.end(np.arange(first, last + 1)), *span))
+
+
+def _starts_of_periods(result: Any, span: Span, turns: np.ndarray) -> np.ndarray:
+    """Instants [s] at which a drive with a ramp has made whole periods, by PER_TURN instants in each."""
+    t = np.linspace(*span, max(2, math.ceil(turns[1] - turns[0]) * PER_TURN))
+    made = drive_turns(result.case, t)
+    assert made is not None
+    return np.interp(np.arange(math.ceil(turns[0] - 1e-9), math.floor(turns[1] + 1e-9) + 1), made, t)
 
 
 def _joined_blocks(result: Any, names: tuple[str, ...], span: Span) -> Iterator[dict[str, np.ndarray]]:
