@@ -469,3 +469,28 @@ def test_stored_formulas_are_plain_texts():
     case = load_case_text(LINK % ("k*d", "k: 1 N/m"))
     stored = json.loads(case.resolved_json())
     assert stored["links"]["s"] == {"between": "[a, ground]", "force": "k*d", "k": "1 N/m"}
+
+
+@pytest.mark.parametrize(
+    ("mass", "stiffness", "every", "values"),
+    [
+        ("2 ug", "3 uN/um", "50 ns", (2e-9, 3, 50e-9)),
+        ("5 ng", "4 kg/s^2", "1e-3 ms", (5e-12, 4, 1e-6)),
+    ],
+)
+def test_every_key_takes_composed_units(mass, stiffness, every, values):
+    case = load_case_text(
+        f"name: x\nbodies: {{a: {mass}}}\nlinks: {{s: {{between: [a, ground], k: {stiffness}}}}}\n"
+        f"run: {{t_end: 1 ms, every: {every}}}\n"
+    )
+    scene = case.scene()
+    sample = scene.every_num / scene.every_den
+    assert (scene.bodies[0].m, scene.links[0].k, sample) == pytest.approx(values, rel=1e-15)
+    assert Case.from_resolved_json(case.resolved_json()).scene() == scene
+    assert load_case_text(case.to_yaml()).scene() == scene
+
+
+@pytest.mark.parametrize("mass", ["2 um", "3 N", "2.94 stone", "1 kg/m"])
+def test_a_unit_of_another_dimension_is_none(mass):
+    with pytest.raises(CaseError, match="bodies.a: must be a mass in kg, g or t"):
+        load_case_text(f"name: x\nbodies: {{a: {mass}}}\n")
