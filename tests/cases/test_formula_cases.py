@@ -1,8 +1,10 @@
 """Cases with formulas: every place where one may stand, names and units there, what is wrong with them."""
 
 import json
+import re
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
 from vibsim.cases import CaseError
@@ -411,8 +413,8 @@ def test_a_child_changes_numbers_and_formulas_of_its_parent(tmp_path):
             ["case:2:35: links.s.k: must be a torsional stiffness in N m/rad, kN m/rad or N m/deg, got"],
         ),
         (
-            "bodies: {a: 1 kg, b: 1 kg m^2}",
-            ["case:1:13: bodies.a: must be an inertia in kg m^2, g m^2 or kg cm^2, got 1 kg, which is kg"],
+            "bodies: {a: 1 kg, b: 1 kg m^2}\nlinks: {s: {between: [a, b], k: 1 N/m}}",
+            ["case:2:22: links.s.between: b turns and a moves along a line; what they do to each other are"],
         ),
         (
             LINK % ("k*d", "k: 1 N/m") + "run: {method: closed_form}",
@@ -473,3 +475,77 @@ def test_stored_formulas_are_plain_texts():
     case = load_case_text(LINK % ("k*d", "k: 1 N/m"))
     stored = json.loads(case.resolved_json())
     assert stored["links"]["s"] == {"between": "[a, ground]", "force": "k*d", "k": "1 N/m"}
+
+
+@pytest.mark.parametrize(
+    ("mass", "stiffness", "every", "values"),
+    [
+        ("2 ug", "3 uN/um", "50 ns", (2e-9, 3, 50e-9)),
+        ("5 ng", "4 kg/s^2", "1e-3 ms", (5e-12, 4, 1e-6)),
+    ],
+)
+def test_every_key_takes_composed_units(mass, stiffness, every, values):
+    case = load_case_text(
+        f"name: x\nbodies: {{a: {mass}}}\nlinks: {{s: {{between: [a, ground], k: {stiffness}}}}}\n"
+        f"run: {{t_end: 1 ms, every: {every}}}\n"
+    )
+    scene = case.scene()
+    sample = scene.every_num / scene.every_den
+    assert (scene.bodies[0].m, scene.links[0].k, sample) == pytest.approx(values, rel=1e-15)
+    assert Case.from_resolved_json(case.resolved_json()).scene() == scene
+    assert load_case_text(case.to_yaml()).scene() == scene
+
+
+@pytest.mark.parametrize("mass", ["2 um", "3 N", "2.94 stone", "1 kg/m"])
+def test_a_unit_of_another_dimension_is_none(mass):
+    with pytest.raises(CaseError, match=r"bodies\.a: must be a mass in kg, g or t"):
+        load_case_text(f"name: x\nbodies: {{a: {mass}}}\n")
+
+
+MIXED = "bodies: {c: 1 kg, d: 0.1 kg m^2}\n"
+
+
+def test_some_bodies_may_turn_and_others_move_along_a_line():
+    scene = scene_of(
+        MIXED + "links: {s: {between: [d, ground], k: 4 N m/rad}, l: {between: [c, ground], k: 9 N/m}}\n"
+        "forces: {p: {on: c, force: -kr*(x_c - r*x_d), kr: 2 N/m, r: 50 mm},"
+        " q: {on: d, force: r*kr*(x_c - r*x_d), kr: 2 N/m, r: 50 mm}}\n"
+        "initial: {d: {x: 90 deg}, c: {x: 3 mm}}\n"
+    )
+    assert [(body.kind, body.turns, scene.unit_of(body)) for body in scene.bodies] == [
+        (BODY, False, "m"),
+        (BODY, True, "rad"),
+    ]
+    assert (scene.bodies[0].x, scene.bodies[1].x) == (0.003, np.pi / 2)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("links: {s: {between: [c, d], k: 1 N/m}}", "links.s.between: d turns and c moves along a line"),
+        (
+            "links: {s: {between: [d, base], k: 1 N m/rad}}\nbase: {a: 1 mm, omega: 1 Hz}",
+            "d turns and base moves along a line",
+        ),
+        (
+            "links: {s: {between: [d, ground], k: 1 N/m}}",
+            "links.s.k: must be a torsional stiffness in N m/rad, of a part of turning bodies, got 1 N/m",
+        ),
+        (
+            "links: {s: {between: [c, ground], k: 1 N m/rad}}",
+            "links.s.k: must be a stiffness in N/m, of a part of bodies on a line, got 1 N m/rad",
+        ),
+        ("forces: {f: {on: d, A: 1 N, omega: 1 Hz}}", "forces.f.A: must be a torque in N m"),
+        ("initial: {d: {x: 1 mm}}", "initial.d.x: must be an angle in rad"),
+        ("friction: {f: {between: [d, ground], mu: 0.1}}", "friction.f: needs N, the torque"),
+        ('links: {s: {between: [d, ground], force: "k*d", k: 1 N/m}}', "comes to N/m, must be N m, a torque"),
+        ("rotors: {r: {on: d, m: 1 kg, e: 1 mm, J: 1 kg m^2}}", "rotors.r.on: an unbalanced rotor sits"),
+        (
+            "motor: {on: d, m3: 1 kg, e: 1 mm, J: 1 kg m^2, M0: 1 N m, Omega0: 1 Hz}",
+            "motor.on: an unbalanced",
+        ),
+    ],
+)
+def test_parts_of_turning_bodies_and_of_others_are_told_apart(text, message):
+    with pytest.raises(CaseError, match=re.escape(message)):
+        load_case_text(f"name: x\n{MIXED}{text}\n")

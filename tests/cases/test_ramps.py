@@ -121,7 +121,7 @@ def test_a_number_beside_a_formula_hides_the_parameter_of_its_name():
         ("Omega0=3:7", "4 s", "excitation.Omega0: needs a unit"),
         ("Omega0=3:7N", "4 s", "excitation.Omega0: must be an angular rate"),
         ("Omega0=0:7Hz", "4 s", "excitation.Omega0: must be > 0, got 0 Hz"),
-        ("Omega0=3:3000mHzz", "4 s", "unit"),
+        ("Omega0=3:3000bHz", "4 s", "unit"),
         ("Omega0=3Hz:180rpm", "4 s", "goes from a value to the same"),
         ("Omega0=3", "4 s", "is not FROM:TO or FROM:TO:BACK"),
         ("Omega0=3:4:5:6Hz", "4 s", "is not FROM:TO or FROM:TO:BACK"),

@@ -23,7 +23,7 @@ from vibsim.cases.any_unit import (
 from vibsim.cases.formula_keys import FORMULA_KEYS, ONE_PART, Formula, FormulaKey, of_part, sides_of
 from vibsim.cases.formula_text import FormulaError, names_in
 from vibsim.cases.formula_values import Meaning, formula_node, meaning_of_number
-from vibsim.cases.quantities import Quantity, QuantityError
+from vibsim.cases.quantities import Quantity, QuantityError, is_inertia
 from vibsim.cases.schema_keys import Form, all_keys, form_of
 from vibsim.cases.short_form import BASE as BASE_END
 from vibsim.cases.short_form import GROUND as GROUND_END
@@ -96,7 +96,7 @@ class FormulaScene:
     def __init__(self, values: Mapping[str, Any]):
         self.values = values
         self.form: Form = form_of(values)
-        self.torsional = self.form.torsional
+        self.torsional, self.mixed = self.form.torsional, self.form.mixed
         self.bodies = self._names("bodies")
         self.states = self._names("states")
         self.rotors = self._names("rotors")
@@ -147,36 +147,36 @@ class FormulaScene:
 
     # Dimensions.
 
-    @property
-    def place_dimension(self) -> Dimension:
-        """Of a displacement."""
-        return PURE if self.torsional else LENGTH
+    def turns(self, body: str) -> bool:
+        """Whether a body turns."""
+        masses = self._part("bodies", "") if self.mixed else {}
+        return self.torsional or is_inertia(str(masses.get(body)))
 
-    @property
-    def speed_dimension(self) -> Dimension:
-        return RATE if self.torsional else VELOCITY
-
-    @property
-    def force_dimension(self) -> Dimension:
-        return TORQUE if self.torsional else FORCE
+    def _turns_at(self, place: FormulaPlace) -> bool:
+        """Whether the part of a formula is one of turning bodies."""
+        if not self.mixed:
+            return self.torsional
+        part = self._part(place.section, place.name)
+        ends = Ends.read(part.get("between"))
+        bodies = [str(part.get("on"))] if ends is None else [ends.P, ends.Q]
+        return any(self.turns(body) for body in bodies)
 
     def wanted(self, place: FormulaPlace) -> tuple[Dimension | None, str]:
         """Dimension that a formula must have, and the name of that quantity."""
-        force = "a torque" if self.torsional else "a force"
-        if place.key == "force":
-            return self.force_dimension, force
-        if place.key == "N":
-            return self.force_dimension, "a torque" if self.torsional else "a load"
+        turns = self._turns_at(place)
+        force = TORQUE if turns else FORCE
+        if place.key in ("force", "N"):
+            return force, "a torque" if turns else "a force" if place.key == "force" else "a load"
         if place.key == "rate":
             state = self.state_dimension(place.name)
             return None if state is None else product(state, TIME, -1), "the unit of its start per second"
         return {
             "mu": (PURE, "a coefficient"),
-            "belt": (self.speed_dimension, "a velocity"),
+            "belt": (RATE if turns else VELOCITY, "a velocity"),
             "torque": (TORQUE, "a torque"),
             "M0": (TORQUE, "a torque"),
             "Omega0": (RATE, "an angular rate"),
-            "x": (self.place_dimension, "an angle" if self.torsional else "a displacement"),
+            "x": (PURE, "an angle") if self.torsional else (LENGTH, "a displacement"),
         }[place.key]
 
     def state_dimension(self, name: str) -> Dimension | None:
@@ -190,7 +190,10 @@ class FormulaScene:
 
     def _part(self, section: str, name: str) -> Mapping[str, Any]:
         content = self.values.get(section)
-        part = content if section in ONE_PART else content.get(name) if isinstance(content, Mapping) else None
+        if section in ONE_PART or not name:
+            part = content
+        else:
+            part = content.get(name) if isinstance(content, Mapping) else None
         return part if isinstance(part, Mapping) else {}
 
     def _quantity(self, section: str, name: str, key: str, value: Any, free: bool) -> Quantity | None:
@@ -254,8 +257,9 @@ class FormulaScene:
             known[name] = Meaning(("v", self.index[name]), self.state_dimension(name))
         for name in self.bodies:
             x, v = columns_of(name)
-            known[x] = Meaning(("x", self.index[name]), self.place_dimension)
-            known[v] = Meaning(("v", self.index[name]), self.speed_dimension)
+            turns = self.turns(name)
+            known[x] = Meaning(("x", self.index[name]), PURE if turns else LENGTH)
+            known[v] = Meaning(("v", self.index[name]), RATE if turns else VELOCITY)
         for name in self.rotors:
             known[f"phi_{name}"] = Meaning(("x", self.index[name]), PURE)
             known[f"w_{name}"] = Meaning(("v", self.index[name]), RATE)
@@ -271,7 +275,7 @@ class FormulaScene:
 
     def own(self, place: FormulaPlace) -> dict[str, Meaning]:
         """The names of a formula's own place."""
-        x, v = self.place_dimension, self.speed_dimension
+        x, v = (PURE, RATE) if self._turns_at(place) else (LENGTH, VELOCITY)
         if place.section == "links":
             P, Q = self.ends(place)
             return {"d": Meaning(difference("x", P, Q), x), "v": Meaning(difference("v", P, Q), v)}

@@ -14,8 +14,8 @@ from vibsim.cases.part_laws import (
     stops_have_their_law,
 )
 from vibsim.cases.problems import did_you_mean, shown
-from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity
-from vibsim.cases.schema_keys import Form
+from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity, si_unit
+from vibsim.cases.schema_keys import MIXED, Form, all_keys
 from vibsim.cases.short_form import BASE, CALLED, NO_BODIES, PARTS, Draft, Ends, FoundDefault
 from vibsim.physics.parts import columns_of
 
@@ -138,6 +138,58 @@ def bodies_turn_alike(draft: Draft) -> Iterator[FoundDefault]:
             yield FoundDefault(key, message, of_the_name=True)
         elif "N" not in part:
             yield FoundDefault(key, "needs N in a scene of bodies that turn", of_the_name=True)
+
+
+def parts_join_alike(draft: Draft) -> Iterator[FoundDefault]:
+    """Where some bodies turn and others move along a line: no part joins one to the other, the numbers of a
+    part are those of its bodies, rotors sit on bodies that move along the line.
+    """
+    if not draft.mixed:
+        return
+    for key, ends in draft.ends():
+        joined = [end for end in (ends.P, ends.Q) if end in draft.bodies]
+        turning = [end for end in joined if draft.turns(end)]
+        still = [end for end in (ends.P, ends.Q) if end not in turning and (end in joined or end == BASE)]
+        if turning and still:
+            message = (
+                f"{turning[0]} turns and {still[0]} moves along a line; what they do to each other are "
+                f"forces with formulas, one on each"
+            )
+            yield FoundDefault(f"{key}.between", message)
+        else:
+            yield from _of_one_kind(draft, key, bool(turning))
+            if key.startswith("friction.") and turning and "N" not in draft.section(*key.split(".")):
+                yield FoundDefault(key, "needs N, the torque that mu is multiplied with", of_the_name=True)
+    for key, part in draft.parts("forces"):
+        yield from _of_one_kind(draft, key, draft.turns(str(part.get("on"))))
+    for body in draft.bodies:
+        yield from _of_one_kind(draft, f"initial.{body}", draft.turns(body))
+    for key, part in [*draft.parts("rotors"), ("motor", draft.section("motor"))]:
+        if draft.turns(str(part.get("on"))):
+            message = "an unbalanced rotor sits on a body that moves along a line, and this one turns"
+            yield FoundDefault(f"{key}.on", message)
+
+
+def _of_one_kind(draft: Draft, key: str, turns: bool) -> Iterator[FoundDefault]:
+    """The numbers of a part that are of turning bodies where its own do not turn, or the other way round."""
+    from vibsim.cases.any_unit import dimension_of, dimension_of_name
+
+    section = key.partition(".")[0]
+    free = {name for one in of_part(section, draft.section(*key.split("."))) for name in one.numbers}
+    known = all_keys(MIXED)
+    for path, value in draft.flat.items():
+        measured = known.get(MIXED.pattern(path)) if path.startswith(f"{key}.") else None
+        if measured is None or not measured.also or path.rpartition(".")[2] in free:
+            continue
+        name = measured.also if turns else measured.dimension
+        if isinstance(value, Quantity) and value.value and dimension_of(value) != dimension_of_name(name):
+            kind = "turning bodies" if turns else "bodies on a line"
+            message = f"must be {_article(name)} in {si_unit(name).name}, of a part of {kind}, got {value}"
+            yield FoundDefault(path, message)
+
+
+def _article(name: str) -> str:
+    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
 
 
 # Rules for what a part needs, and for keys that stand in place of one another.
@@ -374,6 +426,7 @@ RULES: tuple[Callable[[Draft], Iterator[FoundDefault]], ...] = (
     states_exist,
     rotors_have_inertia,
     bodies_turn_alike,
+    parts_join_alike,
     links_do_something,
     coefficients_fit_the_law,
     friction_falls,
@@ -391,5 +444,5 @@ def findings(flat: Mapping[str, Any], values: Mapping[str, Any], form: Form) -> 
 
     flat : dotted key -> value that can be read; values : the nested texts of the case
     """
-    draft = Draft(flat, values, form.torsional)
+    draft = Draft(flat, values, form.torsional, form.mixed)
     return [finding for rule in RULES for finding in rule(draft)]

@@ -361,29 +361,34 @@ UNCHANGED = ("rotors", "motor")  # which no torsional scene has
 
 
 @cache
-def turning_file() -> type[CaseHead]:
-    """The outermost section of a torsional scene."""
-    turned: type[CaseHead] = _turned_section(PartsFile)
+def turning_file(mixed: bool = False) -> type[CaseHead]:
+    """The outermost section of a torsional scene, or of one in which some bodies turn and others do not."""
+    turned: type[CaseHead] = _turned_section(PartsFile, mixed)
     return turned
 
 
-def _turned_section(section: Any) -> Any:
-    """The section with the dimensions of turning bodies."""
+def _turned_section(section: Any, mixed: bool) -> Any:
+    """The section with the dimensions of turning bodies; mixed: with either ones."""
     turned: Any = type(section.__name__, (section,), {"__doc__": section.__doc__, "__annotations__": {}})
-    turned.keys = {name: key if name in UNCHANGED else _turned_key(key) for name, key in section.keys.items()}
+    kept = (*UNCHANGED, "base", "run") if mixed else UNCHANGED
+    turned.keys = {
+        name: key if name in kept else _turned_key(key, mixed) for name, key in section.keys.items()
+    }
     return turned
 
 
-def _turned_key(key: Key) -> Key:
+def _turned_key(key: Key, mixed: bool) -> Key:
+    if mixed:
+        return Key(_turned(key.annotation, mixed), key.default, key.description, key.examples)
     default = TEXTS.get(key.default, key.default) if isinstance(key.default, str) else key.default
     examples = [TEXTS.get(example, example) for example in key.examples]
-    return Key(_turned(key.annotation), default, key.description, examples)
+    return Key(_turned(key.annotation, mixed), default, key.description, examples)
 
 
-def _turned(annotation: Any) -> Any:
+def _turned(annotation: Any, mixed: bool) -> Any:
     """An annotation with other dimensions in it; the rule of an amplitude, m3 e omega^2, is left out."""
     if isinstance(annotation, type) and get_origin(annotation) is None:
-        return _turned_section(annotation) if issubclass(annotation, Section) else annotation
+        return _turned_section(annotation, mixed) if issubclass(annotation, Section) else annotation
     if get_origin(annotation) is Annotated:
         inner, *notes = get_args(annotation)
         measured = next((note for note in notes if isinstance(note, Measured)), None)
@@ -391,17 +396,19 @@ def _turned(annotation: Any) -> Any:
             dimension = TURNED.get(measured.dimension, measured.dimension)
             if dimension not in TURNED.values():
                 return annotation
+            if mixed:
+                return Annotated[inner, measured._replace(also=dimension, alternative="", any_unit=True)]
             return Annotated[inner, measured._replace(dimension=dimension, alternative="", any_unit=True)]
         variants = [one for one in get_args(inner) if _measure_in(one) is not None]
         if variants:
-            return _turned(variants[-1])
+            return _turned(variants[-1], mixed)
         return annotation
     if get_origin(annotation) is dict:
         key, value = get_args(annotation)
-        return types.GenericAlias(dict, (key, _turned(value)))
+        return types.GenericAlias(dict, (key, _turned(value, mixed)))
     arguments = [one for one in get_args(annotation) if one is not type(None)]
     if len(arguments) == 1 and len(get_args(annotation)) == 2:
-        return _turned(arguments[0]) | None
+        return _turned(arguments[0], mixed) | None
     return annotation
 
 

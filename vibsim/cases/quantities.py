@@ -194,6 +194,14 @@ def quantity_unit(text: str) -> str:
     return match["unit"].strip() if match else ""
 
 
+def is_inertia(text: str) -> bool:
+    """Whether a text, `0.3 kg m^2`, is an inertia; few units have a 2 or a square."""
+    if "m" not in text or not any(square in text[1:] for square in ("^", "2", "**", "\u00b2")):
+        return False
+    unit = find_unit(quantity_unit(text))
+    return unit is not None and unit.dimension == "inertia"
+
+
 def exact_number(text: str) -> Fraction:
     """A decimal number, or a decimal over a whole number such as 1/3, as an exact fraction."""
     if len(text) > LONGEST_NUMBER:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vibsim.cases.formula_keys import Formula, has_formulas
 from vibsim.cases.part_laws import Direction, directions
-from vibsim.cases.quantities import Quantity, times_two_pi, two_pi_fraction
+from vibsim.cases.quantities import Quantity, is_inertia, times_two_pi, two_pi_fraction
 from vibsim.cases.schema import AmplitudeRule, CaseFile, HarmonicKeys, MotorKeys
 from vibsim.cases.schema_keys import form_of
 from vibsim.cases.short_form import BASE as BASE_END
@@ -320,7 +320,9 @@ class _SceneBuilder:
         own = self.numbers.of(mass)
         if self.formulas is not None:
             own = self.exact(mass.value + self.formulas.rotor_mass(name))
-        return Body(name, own, *self.several(self.values["initial"][name], "x", "v"))
+        turns = is_inertia(mass.text) and not form_of(self.values).torsional
+        x, v = self.several(self.values["initial"][name], "x", "v")
+        return Body(name, own, x, v, turns=turns)
 
     def link(self, name: str, part: Values) -> Link:
         if "force" in part:

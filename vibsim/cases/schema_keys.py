@@ -1,13 +1,12 @@
 """The two forms of a case: the short one of the paper's two blocks, and the long one of named parts."""
 
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, NamedTuple, get_args, get_origin
 
 from vibsim.cases.formula_keys import FORMULA_KEYS, ONE_PART, of_part, sides_of
 from vibsim.cases.problems import Problem, did_you_mean, nearest, superseded, unsupported
-from vibsim.cases.quantities import NUMBER, Quantity, find_unit
+from vibsim.cases.quantities import Quantity, is_inertia
 from vibsim.cases.schema import REFERENCE, CaseFile, CaseHead, Key, Section
 from vibsim.cases.schema_kinds import Json, Measured, Tag
 from vibsim.cases.yaml_nodes import Place
@@ -26,7 +25,8 @@ class Form(NamedTuple):
     own : the sections that the other form has not
     switchable : sections that may be the word none
     named : sections that hold parts by name; `--set stops.wall=none` takes one out
-    torsional : whether bodies turn: displacements are angles, forces torques
+    torsional : whether all bodies turn: displacements are angles, forces torques
+    mixed : whether some of them do
     """
 
     called: str
@@ -35,6 +35,7 @@ class Form(NamedTuple):
     switchable: tuple[str, ...]
     named: tuple[str, ...] = ()
     torsional: bool = False
+    mixed: bool = False
 
     @property
     def model(self) -> type[CaseHead]:
@@ -43,7 +44,7 @@ class Form(NamedTuple):
             return CaseFile
         from vibsim.cases.part_schema import PartsFile, turning_file
 
-        return turning_file() if self.torsional else PartsFile
+        return turning_file(self.mixed) if self.torsional or self.mixed else PartsFile
 
     def without_switched_off(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """The values of a tree without sections, and parts, that are the word none."""
@@ -93,6 +94,7 @@ LONG = Form(
     ),
 )
 TORSIONAL = LONG._replace(torsional=True)
+MIXED = LONG._replace(mixed=True)
 
 
 _OWN = (*SHORT.own, *LONG.own)
@@ -105,23 +107,15 @@ def form_of(values: Mapping[str, Any]) -> Form:
     Of sections that neither has, misspelt ones, the form is that of the nearest name.
     """
     if "bodies" in values:
-        return TORSIONAL if _turn(values["bodies"]) else LONG
+        turn = [is_inertia(str(mass)) for mass in _masses(values["bodies"])]
+        return LONG if not any(turn) else TORSIONAL if all(turn) else MIXED
     names = {name if name in _OWN else nearest(name, _OWN) for name in values if name not in _COMMON}
     is_long = any(name in LONG.own for name in names) and not any(name in SHORT.own for name in names)
     return LONG if is_long else SHORT
 
 
-def _turn(bodies: Any) -> bool:
-    """Whether any of the bodies turns: its unit is one of inertia."""
-    return isinstance(bodies, Mapping) and any(_is_inertia(str(mass)) for mass in bodies.values())
-
-
-def _is_inertia(text: str) -> bool:
-    """Whether a text, `0.3 kg m^2`, is an inertia; few units have a 2 or a square."""
-    if "m" not in text or not any(square in text[1:] for square in ("^", "2", "**", "\u00b2")):
-        return False
-    unit = find_unit(re.sub(rf"^\s*{NUMBER}(\s*/\s*\d+)?", "", text).strip())
-    return unit is not None and unit.dimension == "inertia"
+def _masses(bodies: Any) -> Iterable[Any]:
+    return bodies.values() if isinstance(bodies, Mapping) else ()
 
 
 def _other(form: Form) -> Form:

@@ -256,6 +256,7 @@ class Measured(NamedTuple):
     alternative : what else may stand there, for messages
     formula : whether a formula may stand in place of the quantity
     any_unit : whether it may be in any unit of its dimension: of a torsional scene, or beside a formula
+    also : another dimension that it may have, of turning bodies in a scene in which others do not turn
     """
 
     dimension: str
@@ -267,6 +268,7 @@ class Measured(NamedTuple):
     alternative: str = ""
     formula: bool = False
     any_unit: bool = False
+    also: str = ""
 
     def read(self, value: object) -> Quantity | Formula | str:
         """The quantity behind a text (or the word, or the formula). Raises QuantityError."""
@@ -314,6 +316,11 @@ class Measured(NamedTuple):
             return self._in_composed_unit(text) or parse_quantity(text, self.dimension)
         from vibsim.cases.any_unit import quantity_of
 
+        if self.also:
+            try:
+                return quantity_of(text, self.also)
+            except QuantityError:
+                pass
         return quantity_of(text, self.dimension)
 
     def _in_any_unit(self, text: str) -> Quantity | Formula:

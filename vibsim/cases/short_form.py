@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from vibsim.cases.formula_keys import sides_of
 from vibsim.cases.problems import shown
-from vibsim.cases.quantities import Quantity, parse_quantity
+from vibsim.cases.quantities import Quantity, is_inertia, parse_quantity
 from vibsim.cases.schema import AmplitudeRule, CaseFile, HarmonicKeys, MotorKeys
 from vibsim.cases.schema_kinds import Single
 
@@ -235,7 +235,7 @@ def with_defaults(values: dict[str, Any], torsional: bool) -> dict[str, Any]:
         filled["forces"] = {name: _in_phase(part, "A") for name, part in values["forces"].items()}
     if "base" in values:
         filled["base"] = _in_phase(values["base"], "a")
-    filled["initial"] = _default_states(values, AT_REST_TURNING if torsional else AT_REST)
+    filled["initial"] = _default_states(values, torsional)
     return {name: filled[name] for name in _order(filled)}
 
 
@@ -273,9 +273,13 @@ def _in_phase(source: dict[str, Any], amplitude: str) -> dict[str, Any]:
     }
 
 
-def _default_states(values: dict[str, Any], at_rest: dict[str, Quantity]) -> dict[str, Any]:
+def _default_states(values: dict[str, Any], torsional: bool) -> dict[str, Any]:
     initial = values.get("initial", {})
-    states = {body: at_rest | initial.get(body, {}) for body in values["bodies"]}
+    at_rest = {
+        body: AT_REST_TURNING if torsional or is_inertia(str(mass)) else AT_REST
+        for body, mass in values["bodies"].items()
+    }
+    states = {body: rest | initial.get(body, {}) for body, rest in at_rest.items()}
     states |= {rotor: LOOSE_ROTOR_AT_REST | initial.get(rotor, {}) for rotor in values.get("rotors", {})}
     return states | ({"motor": ROTOR_AT_REST | initial.get("motor", {})} if "motor" in values else {})
 
@@ -319,8 +323,14 @@ class FoundDefault(NamedTuple):
 class Draft:
     """Bodies and parts of a case that may still be wrong."""
 
-    def __init__(self, flat: Mapping[str, Any], values: Mapping[str, Any], torsional: bool = False):
-        self.flat, self.values, self.torsional = flat, values, torsional
+    def __init__(
+        self, flat: Mapping[str, Any], values: Mapping[str, Any], torsional: bool = False, mixed: bool = False
+    ):
+        self.flat, self.values, self.torsional, self.mixed = flat, values, torsional, mixed
+
+    def turns(self, body: str) -> bool:
+        """Whether a body turns: its mass is an inertia."""
+        return is_inertia(str(self.section("bodies").get(body)))
 
     def section(self, *path: str) -> dict[str, Any]:
         """The mapping at a path; empty where something else stands there."""

@@ -217,16 +217,18 @@ def summary_object(result: Result, path: str | Path) -> dict[str, Any]:
 MOST = 12  # bodies, parts or sources that are listed by name
 KINDS = (("link", "links"), ("stop", "stops"), ("friction", "frictions"), ("clearance", "clearances"))
 
+MASSES, FORCES = {"m": "kg", "rad": "kg m^2"}, {"m": "N", "rad": "N m"}  # by the unit of a displacement
+
 Lines = Iterator[tuple[str, str]]
 
 
 def scene_lines(scene: Scene, case: Case) -> Lines:
     """Label and text of what a scene is made of."""
-    mass = "kg m^2" if scene.torsional else "kg"
     own = case.long_values()["bodies"] if scene.rotors else {}  # those of a scene hold the rotors on them
     masses = [float(own[body.name].value) if own else body.m for body in scene.line]
     bodies = zip(scene.line, masses, strict=True)
-    yield "bodies", listed([f"{body.name} {number(m, 6)} {mass}" for body, m in bodies])
+    texts = [f"{body.name} {number(m, 6)} {MASSES[scene.unit_of(body)]}" for body, m in bodies]
+    yield "bodies", listed(texts)
     yield from _rotor_and_state_lines(scene)
     parts = [f"{word} {part.name}" for word, section in KINDS for part in getattr(scene, section)]
     if parts:
@@ -277,7 +279,7 @@ def source_texts(scene: Scene) -> Iterator[str]:
         on = scene.bodies[force.on]
         if on.kind == STATE:
             continue
-        unit = "N m" if on.kind == ROTOR else scene.force_unit
+        unit = FORCES[scene.unit_of(on)]
         constant = [f"{number(force.constant, 6)} {unit}"] if force.constant else []
         terms = [harmonic_text(term, f"{number(term.amplitude, 6)} {unit}") for term in force.terms]
         terms += ["a formula"] if force.formula is not None else []

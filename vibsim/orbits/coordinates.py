@@ -167,7 +167,7 @@ class Coordinates:
             return ("rad", "rad/s")[i - 2 * n]
         if bodies[i % n].kind == STATE:
             return dict(self.scene.state_units).get(bodies[i % n].name, "")
-        unit = "rad" if bodies[i % n].kind == ROTOR else self.scene.length_unit
+        unit = self.scene.unit_of(bodies[i % n])
         return unit + ("" if i < n else "/s")
 
 

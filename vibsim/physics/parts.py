@@ -76,6 +76,7 @@ class Body(Generic[N]):
     [rad/s],
         m its inertia about its shaft, that of its unbalanced mass included [kg m^2]; STATE: v is a further
         state of a scene, the force on it its rate, m is 1, and x says nothing
+    turns : whether x of a BODY is an angle [rad], m its inertia [kg m^2], where others move along a line
     """
 
     name: str
@@ -83,6 +84,7 @@ class Body(Generic[N]):
     x: N
     v: N
     kind: str = BODY
+    turns: bool = False
 
     @property
     def columns(self) -> tuple[str | None, str]:
@@ -378,6 +380,10 @@ class Scene(Sampled[N], Generic[N]):
     def length_unit(self) -> str:
         """Unit of displacements: rad of a torsional scene."""
         return "rad" if self.torsional else "m"
+
+    def unit_of(self, body: Body[N]) -> str:
+        """Unit of the displacement of a body or rotor."""
+        return "rad" if body.turns or body.kind == ROTOR else self.length_unit
 
     @property
     def force_unit(self) -> str:

@@ -133,8 +133,8 @@ def _states_of(scene: Scene, body: Body) -> dict[str, Column]:
             v: Column("rad s-1", f"speed of the rotor {body.name}"),
         }
     return {
-        x: Column(scene.length_unit, f"displacement of {_called(body.name)}"),
-        v: Column(f"{scene.length_unit} s-1", f"velocity of {_called(body.name)}"),
+        x: Column(scene.unit_of(body), f"displacement of {_called(body.name)}"),
+        v: Column(f"{scene.unit_of(body)} s-1", f"velocity of {_called(body.name)}"),
     }
 
 
@@ -151,7 +151,7 @@ def starts_of(scene: Scene, is_long: bool) -> dict[str, tuple[str, str]]:
         assert x is not None
         names = ("phi", "phidot" if body.name == MOTOR else "w") if body.kind == ROTOR else ("x", "v")
         keys = [f"{body.name}.{name}" for name in names] if is_long else (x, v)
-        unit = "rad" if body.kind == ROTOR else scene.length_unit
+        unit = scene.unit_of(body)
         starts |= {x: (f"initial.{keys[0]}", unit), v: (f"initial.{keys[1]}", f"{unit}/s")}
     if scene.has_motor:
         where = "initial.motor" if is_long else "initial"

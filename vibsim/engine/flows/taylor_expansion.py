@@ -31,7 +31,9 @@ class TaylorExpansion(Generic[N]):
         self.inverse = [kit.number(0)] + [1 / kit.number(k) for k in range(1, self.order + 4)]
         self.rotor = RotorSeries(kit, scene.motor, self.order, self.inverse) if scene.motor else None
         self.rotors = Rotors(scene, kit, self.order, self.inverse) if scene.rotors else None
-        self.alone = [c for c, body in enumerate(scene.bodies) if body.kind != BODY]  # of units of their own
+        self.alone = [
+            c for c, body in enumerate(scene.bodies) if body.kind != BODY or body.turns
+        ]  # of units of their own
         self.tape: TapeSeries[N] | None = None
         self.reached = 0  # order of the coefficients so far
 

@@ -191,7 +191,7 @@ def _signature(scene: Scene, harmonic_keys: bool) -> bytes:
     masses = [body.m for body in scene.bodies]
     parts = [getattr(scene, name) for name in PARTS]
     forces = scene.forces if harmonic_keys else _loads(scene)
-    kinds = [body.kind for body in scene.bodies]
+    kinds = [(body.kind, body.turns) for body in scene.bodies]
     return pickle.dumps((harmonic_keys, masses, kinds, parts, forces, settings(scene)))
 
 

@@ -62,7 +62,7 @@ def pack_scene(scene: Scene, harmonics: Sequence[Pitch]) -> Packed:
     ]
     ints += (motor is not None, motor.on if motor else 0, scene.has_base + scene.base_is_rate)
     ints += (rest_columns(scene),)
-    alone = [c for c, body in enumerate(scene.bodies) if body.kind != BODY]
+    alone = [c for c, body in enumerate(scene.bodies) if body.kind != BODY or body.turns]
     ints += (scene.stop_on_violation, scene.order, len(scene.rotors), len(alone))
     ints += islice(of_pitch, len(scene.base))
     for force in scene.forces:

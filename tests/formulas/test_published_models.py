@@ -1,0 +1,109 @@
+"""Published models in formulas: states and events as SciPy's DOP853 has them.
+
+The models are in published_models.yaml, with what their numbers come from.
+"""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+import yaml
+
+from vibsim import EngineError, simulate
+from vibsim.cases.case import load_case_text
+from vibsim.engine.tangent.monodromy import Carrier
+
+TOLERANCE = 2e-7  # of the larger of the two values of a column: four times what the solver may be off
+EVENTS = ("contact_begin", "contact_end", "impact", "stick_begin", "stick_end", "reversal")
+
+
+class Model(NamedTuple):
+    """A model as a case, columns at half of the run and at its end, and the number of events."""
+
+    name: str
+    text: str
+    values: dict[str, list[float]]
+    events: int
+
+
+def _read() -> list[Model]:
+    text = (Path(__file__).parent / "published_models.yaml").read_text()
+    return [Model(one["name"], one["case"], one["values"], one["events"]) for one in yaml.safe_load(text)]
+
+
+MODELS = _read()
+
+
+def case_of(model):
+    return load_case_text(f"name: {model.name}\n{model.text}", name=model.name)
+
+
+@pytest.mark.parametrize("model", MODELS, ids=[model.name for model in MODELS])
+def test_a_published_model(model):
+    run = simulate(case_of(model), trust=False)
+    end = run.time[-1]
+    at = run.at(np.array([end / 2, end]))
+    for column, values in model.values.items():
+        size = max(map(abs, values))
+        assert at[column] == pytest.approx(values, rel=0, abs=TOLERANCE * size), column
+    assert sum(kind in EVENTS for kind in run.events.words("kind")) == model.events
+
+
+@pytest.mark.parametrize("name", ["cube-root", "hertz-where-link", "motor-and-rotor"])
+def test_both_engines_have_the_same_bits(name):
+    model = next(model for model in MODELS if model.name == name)
+    runs = [simulate(case_of(model), engine=engine, trust=False) for engine in ("c", "python")]
+    for column in runs[0]:
+        assert np.array_equal(runs[0][column], runs[1][column]), column
+
+
+def difference_quotients(carrier, start, duration):
+    """The derivative of the state after `duration` with respect to that at the start, by four points."""
+    columns = []
+    for k, value in enumerate(start):
+        h = 1e-6 * max(abs(value), 1e-2)
+        ends = []
+        for step in (1, -1, 2, -2):
+            other = [*start]
+            other[k] += step * h
+            ends.append(np.array(carrier.carry(other, duration, np.zeros((0, len(start)))).state))
+        columns.append((8 * (ends[0] - ends[1]) - (ends[2] - ends[3])) / (12 * h))
+    return np.array(columns).T
+
+
+@pytest.mark.parametrize(
+    ("name", "duration", "bound"),
+    [("two-exciters-rigid", 1.0, 1e-5), ("hertz-max-link", 0.5, 1e-6), ("bouc-wen-n", 0.4, 1e-5)],
+)
+def test_disturbances_follow_difference_quotients(name, duration, bound):
+    """Rotors turn at blows on their body; slopes of powers at their zeros. bound: what quotients of the step
+    1e-6 leave of eight digits, of the largest entry of a row.
+    """
+    model = next(model for model in MODELS if model.name == name)
+    scene = case_of(model).scene()
+    shift = np.random.default_rng(1).uniform(-1e-3, 1e-3, 2 * len(scene.bodies))
+    start = [
+        float(a + d)
+        for a, d in zip([b.x for b in scene.bodies] + [b.v for b in scene.bodies], shift, strict=True)
+    ]
+    carrier = Carrier(scene)
+    own = np.array(carrier.carry(start, duration).vectors).T
+    other = difference_quotients(carrier, start, duration)
+    assert (np.abs(own - other) <= bound * np.abs(other).max(axis=1, keepdims=True)).all()
+
+
+@pytest.mark.parametrize(
+    ("base", "time"), [("where(t < T, 0, h)", 1.0), ("h*mod(t, T)/T", 1.0), ("h*step(t - 2*T)", 2.0)]
+)
+def test_a_base_that_jumps_is_refused_by_name(base, time):
+    text = f"""
+name: jump
+bodies: {{m: 1 kg}}
+links: {{s: {{between: [m, base], k: 100 N/m}}}}
+base: {{x: "{base}", T: 1 s, h: 1 mm}}
+run: {{t_end: 3 s, every: 5 ms}}
+"""
+    with pytest.raises(EngineError, match="the displacement of the base jumps") as caught:
+        simulate(load_case_text(text, name="jump"))
+    assert caught.value.state.t == time
