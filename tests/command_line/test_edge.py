@@ -56,11 +56,12 @@ def test_a_shock_in_one_value_and_in_all(files):
     [
         ([CASE, "--between", "0,1"], 2, "0 is the number of an attractor, which the file of a sweep"),
         ([CASE, "--between", "0"], 2, "'0' is not A,B"),
-        ([CASE], 2, "give either --between A,B or --shock A"),
+        ([CASE], 2, "give one of --between A,B, --shock A and --changes"),
         ([CASE, "--between", "II-B,I-A"], 2, "has no x_tip, v_tip, which the case has"),
         ([CASE, "--between", f"{CASE},{CASE}"], 4, "both starts end on the same attractor"),
         ([CASE, "--between", "a,b", "--along", "tip.v"], 2, "--along is the direction of --shock"),
         ([CASE, "--shock", CASE, "--along", "tip.z"], 2, "no such initial value; this case has tip.x, tip.v"),
+        ([CASE, "--changes", "-s", "base.a=1mm"], 2, "--changes reads SWEEP alone"),
         ([CASE, "--shock", CASE, "-o", "x.h5"], 2, "--shock finds no orbit"),
     ],
 )
@@ -72,3 +73,15 @@ def test_what_cannot_be_asked_for(words, code, message):
 def test_changes_go_with_starts(files):
     done = call("edge", files / "basins.h5", "--between", "0,1", "-s", "base.a=0.6mm")
     assert done.exit_code == 2 and "changes go with starts" in done.stderr
+
+
+def test_births_and_deaths_are_printed(tmp_path):
+    """The stick-slip cycle on a belt ends at 1.836600972207926 m/s (an independent solver's number)."""
+    path = tmp_path / "belt.h5"
+    words = ["--ensemble", "12", "--spread", "block.x=-2:2m", "--spread", "block.v=0:2m/s", "--section", "0"]
+    more = ["--t-end", "300s", "--compute", "attractor", "-j", "1", "-o", path]
+    call("sweep", "gallery/belt-oscillator", "--param", "belt.belt=1.75,1.9m/s", *words, *more)
+    text = call("edge", path, "--changes").stdout
+    assert "dies" in text and "between 1.75 and 1.9 m/s: a corner at 1.836600972 m/s" in text
+    (change,) = json.loads(call("edge", path, "--changes", "--json").stdout)["changes"]
+    assert change["parameter"] == pytest.approx(1.836600972207926, abs=1e-9) and not change["birth"]

@@ -237,7 +237,7 @@ def test_attractors_that_are_not_there(cantilever, names, message):
 
 
 def test_two_starts_on_one_attractor_have_no_edge():
-    with pytest.raises(EdgeError, match="both starts end on the same attractor, rest .at x_mass"):
+    with pytest.raises(EdgeError, match=r"both starts end on the same attractor, rest .at x_mass"):
         edge(load_case_text(FREE_WELLS), RIGHT, {"x_mass": 1.1, "v_mass": 0.0})
 
 
@@ -251,7 +251,7 @@ def test_a_boundary_that_is_a_jump_of_a_formula_has_no_saddle():
     text = TWO_WELLS.replace("k3*d**3 - k1*d + c0*v", "k3*d**3 - where(d > 0, F1, -F1) + c0*v").replace(
         "k1: 1 N/m", "F1: 1 N"
     )
-    with pytest.raises(EdgeError, match="no saddle orbit.*, are far from each other at the next period"):
+    with pytest.raises(EdgeError, match=r"no saddle orbit.*, are far from each other at the next period"):
         edge(load_case_text(text), LEFT, RIGHT)
 
 

@@ -199,7 +199,7 @@ LISTED = {
     },
     "Results": {
         "plot": ("plot", "Draw pictures of runs, cases and sweeps."),
-        "animate": ("animate", "Show the machine of a run, moving."),
+        "animate": ("plot:animate_command", "Show the machine of a run, moving."),
         "info": ("info", "Say what a result file holds."),
         "analyse": ("analyse", "Judge runs: capture, drift, impacts, regime, frequencies."),
         "compare": ("compare", "Compare two runs."),

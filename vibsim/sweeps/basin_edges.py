@@ -461,15 +461,17 @@ RESTS = 1e-3  # of the size: a motion that changes no more over a stretch may co
 REST_STEPS = 20  # of Newton's method
 
 
-def rest_near(stepping: Stepping, state: np.ndarray, scale: float) -> np.ndarray | None:
+def rest_near(stepping: Stepping, state: np.ndarray, scale: float, still: float = RESTS) -> np.ndarray | None:
     """The components of the state of rest near a state that hardly moves, stable or not, by Newton's method;
-    None where there is none. scale : size of the motion [m/s, as weighed]
+    None where there is none.
+
+    scale : size of the motion [m/s, as weighed]; still : share of it that the state may move over a stretch
     """
     try:
-        if stepping.size(stepping.after(state) - state) > RESTS * scale:
+        if stepping.size(stepping.after(state) - state) > still * scale:
             return None
         for _ in range(REST_STEPS):
-            image, matrix = _stretched(stepping, state)
+            image, matrix = stretched(stepping, state)
             keep = stepping.moving
             change, pivots = solved_by_pivots(np.eye(len(keep)) - matrix, (image - state)[keep])
             if not pivots:
@@ -488,14 +490,14 @@ def _unstable_rest(stepping: Stepping, state: np.ndarray, scale: float) -> Unsta
     rest = rest_near(stepping, state, scale)
     if rest is None:
         return None
-    multipliers = np.array(eigenvalues(_stretched(stepping, rest)[1]))
+    multipliers = np.array(eigenvalues(stretched(stepping, rest)[1]))
     rates = sorted((log(size) / stepping.stretch for size in moduli(multipliers).tolist()), reverse=True)
     if sum(rate > 0 for rate in rates) != 1:
         return None
     return UnstableRest(stepping.by_column(rest), tuple(rates), rest)
 
 
-def _stretched(stepping: Stepping, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def stretched(stepping: Stepping, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The state after a stretch, and its derivative by the components that are not shifts (k, k)."""
     keep = stepping.moving
     carried = stepping.map.carrier.carry(state, stepping.stretch)
@@ -505,7 +507,7 @@ def _stretched(stepping: Stepping, state: np.ndarray) -> tuple[np.ndarray, np.nd
 
 def _unstable_of_rest(stepping: Stepping, state: np.ndarray) -> np.ndarray:
     keep = stepping.moving
-    matrix = _stretched(stepping, state)[1]
+    matrix = stretched(stepping, state)[1]
     weights = stepping.weighed(np.ones(len(state)))[keep]
     away = np.zeros(len(state))
     away[keep] = _unstable(matrix * (weights[:, None] / weights))
@@ -533,8 +535,8 @@ def edge(
         for their initial states
     overrides : values by key that replace those of the case
 
-    Returns a `BasinEdge`. Raises EdgeError (an OrbitError) where no saddle was found, PlanError for attractors
-    that are not there, OrbitError, CaseError, EngineError.
+    Returns a `BasinEdge`. Raises EdgeError (an OrbitError) where no saddle was found, PlanError for
+    attractors that are not there, OrbitError, CaseError, EngineError.
 
     >>> import vibsim
     >>> clear, strikes = {"x_tip": 0.0, "v_tip": 0.0}, {"x_tip": 0.0, "v_tip": 0.4}

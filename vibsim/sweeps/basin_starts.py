@@ -277,7 +277,9 @@ def _nearest(sweep: SweepResult, points: Sequence[np.ndarray]) -> list[np.ndarra
     places = [np.stack([_along(sweep, each, k) for k in range(len(sweep.axes))], axis=1) for each in fewer]
     best, chosen = inf, (0, 0)
     for i, place in enumerate(places[0]):
-        squares = ((places[1] - place) ** 2).sum(axis=1)
+        squares = np.zeros(len(places[1]))
+        for k in range(len(place)):
+            squares = squares + (places[1][:, k] - place[k]) ** 2
         k = int(np.argmin(squares))
         if squares[k] < best:
             best, chosen = float(squares[k]), (i, k)

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         "vibsim continue saddle.h5 --param base.omega=12.5:14Hz   # the saddle over the frequency",
         "vibsim edge cantilever.h5 --shock 1                      # the least shock that ends motion 1",
         "vibsim edge cantilever.h5 --shock 1 --along tip.v",
+        "vibsim edge belt.h5 --changes                            # over a parameter: births and deaths",
         before="Numbers are attractors of a sweep with --compute attractor; 2m is the mirror image of 2.",
     ),
 )
@@ -41,6 +42,9 @@ if TYPE_CHECKING:
 @click.option("--between", metavar="A,B", help="Two attractors of SWEEP, or two starts.")
 @click.option("--shock", metavar="A", help="The smallest shock that takes a motion out of its basin.")
 @click.option("--along", metavar="KEY", help="Of --shock: in this initial value alone, such as tip.v.")
+@click.option(
+    "--changes", "births", is_flag=True, help="Births and deaths over SWEEP's parameter, and by what."
+)
 @set_option
 @engine_option
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="Store the saddle orbit.")
@@ -52,6 +56,7 @@ def command(
     between: str | None,
     shock: str | None,
     along: str | None,
+    births: bool,
     changes: tuple[tuple[str, str], ...],
     engine: str,
     output: str | None,
@@ -65,13 +70,17 @@ def command(
     Its two sides are run to their ends. Where there is none, a sentence says what lies on the boundary.
     """
     check_engine(engine)
-    if (between is None) == (shock is None):
-        raise click.UsageError("give either --between A,B or --shock A")
+    if sum((between is not None, shock is not None, births)) != 1:
+        raise click.UsageError("give one of --between A,B, --shock A and --changes")
     wish = EdgeWish(source, dict(changes), engine, output, force)
     if shock is not None:
         if output is not None:
             raise click.UsageError("--shock finds no orbit, so -o has nothing to store")
         return find_shock(wish, shock, along, ctx.obj)
+    if births:
+        if along is not None or output is not None or changes:
+            raise click.UsageError("--changes reads SWEEP alone; leave --along, -o and -s out")
+        return find_changes(wish, ctx.obj)
     if along is not None:
         raise click.UsageError("--along is the direction of --shock, which is not given")
     if output is not None:
@@ -140,6 +149,23 @@ def find_shock(wish: EdgeWish, name: str, along: str | None, settings: Settings)
     elif not settings.quiet:
         say(heading(shock.case.name, shock.case.title))
         print_lines(shock_lines(shock))
+    return 0
+
+
+def find_changes(wish: EdgeWish, settings: Settings) -> int:
+    """Locate births and deaths of the attractors of a sweep over a parameter, and print them."""
+    from vibsim.sweeps.attractor_changes import attractor_changes
+    from vibsim.sweeps.sweep_result import open_sweep
+
+    sweep = open_sweep(wish.source)
+    changes = attractor_changes(sweep, wish.engine)
+    if settings.json:
+        print_json({"file": wish.source, "changes": [change.plain() for change in changes]})
+    elif not settings.quiet:
+        say(heading(sweep.case.name, sweep.case.title))
+        print_lines([change.line(sweep.attractors.words(change.attractor)) for change in changes])
+        if not changes:
+            say("  every attractor is there at all values of the parameter")
     return 0
 
 
