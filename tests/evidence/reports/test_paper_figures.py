@@ -27,7 +27,9 @@ pytestmark = pytest.mark.usefixtures("house_style")
 
 # figure of the paper -> the cases that it is of
 SHOWN = {
+    "fig-01": ["I-A"],
     "fig-02": ["I-A"],
+    "fig-03": ["II-A"],
     "fig-04": ["II-A", "II-B", "II-C"],
     **{f"fig-{5 + i:02}": [f"I-{x}", f"I-{x}-eq211"] for i, x in enumerate("ABC")},
     **{f"fig-{8 + i:02}": [f"II-{x}"] for i, x in enumerate("ABC")},
