@@ -249,8 +249,8 @@ def name_curves(figure: Figure, panels: Sequence[Axes], drawn: Sequence[Curve], 
 
 
 def draw_curve(axes: Axes, curve: Curve, values: np.ndarray, gid: str) -> None:
-    """Values (n) along a curve: points, and lines between those that belong together. Where values leap no
-    line is drawn: what lies there is on two attractors, and nothing between them was computed.
+    """Values (n) along a curve: points, and lines between those that belong together. Where values leap, as a
+    rule from one attractor to another, no line is drawn: nothing between was computed.
     """
     look, apart = {**curve.look, "label": curve.label, "zorder": 3}, leaps(values)
     if not len(apart) or not curve.joined:

@@ -121,8 +121,8 @@ def test_the_page_suits_dark_screens_and_paper(document):
 
 def test_pictures_are_inside_with_their_words(document):
     images = read(render_html(document)).all("img")
-    assert images[-1]["alt"] == 'what is <seen> & "said"'
-    assert base64.b64decode(images[-1]["src"].partition(",")[2]) == PIXEL
+    assert images[0]["alt"] == 'what is <seen> & "said"'
+    assert base64.b64decode(images[0]["src"].partition(",")[2]) == PIXEL
 
 
 def test_text_is_escaped():
