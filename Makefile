@@ -18,7 +18,7 @@ UP_DOWN := $(BIN)/vibsim sweep II-B --omega0 3:7:0.05 --param c=0.001,0.01,0.03,
   --compute power -o results/up-down.h5
 SANITIZED := tests/engine tests/kernel tests/events tests/flows tests/tangent tests/sweeps
 
-.PHONY: help env run paper test everywhere docs article wheel wheels oldest without-compiler coverage workflows fuzz sanitize verify lint figures sweep sommerfeld basins branches bench budgets truths true-motions paper-page clean
+.PHONY: help env run paper test everywhere docs article wheel wheels oldest without-compiler coverage workflows fuzz sanitize verify lint figures contact-sheet sweep sommerfeld basins branches bench budgets truths true-motions paper-page clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -148,6 +148,9 @@ figures: $(STAMP) ## run the nine cases and draw each one's overview into figure
 	  $(BIN)/vibsim run $$name -o results/$$name.h5 --force && \
 	  $(BIN)/vibsim plot results/$$name.h5 -o figures/$$name.pdf --force || exit 1; \
 	done
+
+contact-sheet: $(STAMP) ## draw every kind of picture of every kind of subject onto sheets to look at (half an hour; ONLY=): build/contact-sheet/
+	$(BIN)/python -m tests.plots.contact_sheet build/contact-sheet --only "$(ONLY)"
 
 sweep: $(STAMP) ## sweep the motor constant of II-B and draw the Sommerfeld diagram
 	mkdir -p results

@@ -316,3 +316,46 @@ def test_long_ticks_have_room_and_columns_the_names_of_their_keys(browser, folde
     browser.value("panels[0].y = [3.2885881, 3.2885882]; align(panels)")
     assert browser.value("panels.map((axes) => axes.left)") == [browser.value("panels[0].room()")] * 2
     assert browser.value("panels[0].room()") > 62
+
+
+def test_up_and_down_differ_at_first_sight_and_columns_have_words(tmp_path):
+    overrides = {"run.t_end": "6 s"}
+    axes = {"Omega0": "5:6:0.5 Hz", "c": "0.01,0.03"}
+    out = tmp_path / "both.h5"
+    vibsim.sweep(
+        "II-B", axes, section=3, jobs=1, out=out, overrides=overrides, carry_state=True, direction="both"
+    )
+    assert call("plot", str(out), "-o", str(tmp_path / "both.html")).exit_code == 0
+    data = data_of(tmp_path / "both.html")
+    assert data["colour"] == "direction"
+    titles = {column["name"]: column.get("title") for column in data["columns"]}
+    assert titles["omega0"] == "No-load speed" and titles["c"] == "Damping"
+    assert titles["mean_speed"] == "mean motor speed"
+    assert titles["amplitude_x1"] == "amplitude of x1"
+    assert titles["amplitude_relative_max"] == "greatest amplitude of relative"
+    assert not any("$" in title or "_" in title for title in titles.values())
+
+
+def test_the_motors_speed_is_read_off_its_angle_between_rows(folder):
+    """As the rate of the cubic through angles and speeds; the angle has all its digits."""
+    data = data_of(folder / "run.html")
+    (panel,) = [panel for panel in data["panels"] if panel["label"] == "motor speed (Hz)"]
+    (curve,) = panel["curves"]
+    assert (curve["column"], curve["of"], curve["rate"]) == ("phidot", "phi", None)
+    assert data["columns"]["phi"]["type"] == "f8"
+
+
+def test_the_scale_of_many_values_rises_evenly_in_lightness():
+    """The colours of the page are matplotlib's viridis."""
+    import matplotlib
+    from matplotlib.colors import to_rgb
+
+    from vibsim.plots.capture_pictures import grey_of
+    from vibsim.plots.html_pages import ROOM
+
+    script = (ROOM / "points.js").read_text(encoding="utf-8")
+    colours = re.findall(r'"([0-9a-f]{6})"', script[script.index("VIRIDIS =") :].partition("]")[0])
+    greys = [grey_of(f"#{colour}") for colour in colours]
+    assert len(greys) == 10 and np.all(np.diff(greys) > 0.04)
+    expected = [matplotlib.colormaps["viridis"](share)[:3] for share in np.linspace(0, 1, 10)]
+    assert np.abs(np.array([to_rgb(f"#{c}") for c in colours]) - expected).max() < 0.01

@@ -379,9 +379,17 @@ def run_power_picture(subjects: Sequence[Subject], view: View) -> Figure:
             f"kind power: runs are drawn over time, and {strangers[0]} is a sweep; draw it by itself"
         )
     spans = [window_of(subject, view.window) for subject in subjects]
-    every = [power_history(subject, span) for subject, span in zip(subjects, spans, strict=True)]
     figure = sheet(view, POWER_HEIGHT_CM * len(subjects))
     panels = list(figure.subplots(len(subjects), 1, squeeze=False)[:, 0])
+    power_panels(panels, subjects, spans)
+    legend_above(panels[0])
+    letter_panels(panels)
+    return figure
+
+
+def power_panels(panels: Sequence[Axes], subjects: Sequence[Subject], spans: Sequence[Span]) -> None:
+    """Powers of runs over time [s] in given axes, all in one unit."""
+    every = [power_history(subject, span) for subject, span in zip(subjects, spans, strict=True)]
     values = [v for one in every for v in (*one.given.values(), *one.taken.values(), one.stored)]
     scale = scale_for("W", *values)
     for axes, subject, one, span in zip(panels, subjects, every, spans, strict=True):
@@ -393,9 +401,6 @@ def run_power_picture(subjects: Sequence[Subject], view: View) -> Figure:
         annotate_runs(axes, [subject], span, impacts=False)
         if len(subjects) > 1:
             axes.set_title(subject.name, loc="left", pad=3)
-    legend_above(panels[0])
-    letter_panels(panels)
-    return figure
 
 
 @dataclass(frozen=True)

@@ -39,6 +39,7 @@ COLOURS = 7  # curves told apart by the colours of the style; more take those of
 BRIGHTEST = 0.9  # part of the colour map in use: its end is too pale for lines
 BANDS = ((0.05, 0.95), (0.25, 0.75))  # quantiles of the members of an ensemble
 LONE, ALONE_PT, SHAPED_PT = MARKERS[0], 2.0, 2.6  # points that need not be told apart; sizes of points
+LEAP, STEEPER = 0.05, 2.5  # from which a step is a leap: share of the range, times the steps beside it
 ROOM = 0.02  # share of the span that is left on either side of it
 UP, DOWN = 1, -1
 DIRECTION_NAMES = {UP: "up", DOWN: "down"}
@@ -245,6 +246,32 @@ def name_curves(figure: Figure, panels: Sequence[Axes], drawn: Sequence[Curve], 
     if count > COLOURS:
         named = [named[0], named[len(named) // 2], named[-1]]  # of a colour map
     legend_below(figure, *zip(*named, strict=True), **options)
+
+
+def draw_curve(axes: Axes, curve: Curve, values: np.ndarray, gid: str) -> None:
+    """Values (n) along a curve: points, and lines between those that belong together. Where values leap, as a
+    rule from one attractor to another, no line is drawn: nothing between was computed.
+    """
+    look, apart = {**curve.look, "label": curve.label, "zorder": 3}, leaps(values)
+    if not len(apart) or not curve.joined:
+        axes.plot(curve.x, values, gid=gid, **look)
+        return
+    axes.plot(curve.x, values, gid=gid, **{**look, "linestyle": "none", "label": ""})
+    x, y = (np.insert(each.astype(float), apart + 1, np.nan) for each in (curve.x, values))
+    axes.plot(x, y, gid="joined", **{**look, "marker": "none", "label": "", "zorder": 2.9})
+    axes.plot([], [], **look)  # for the legend
+
+
+def leaps(values: np.ndarray) -> np.ndarray:
+    """Places i at which values (n) leap from i to i + 1: by more than LEAP of their range, and than STEEPER
+    times the steps on both sides.
+    """
+    steps = np.abs(np.diff(values))
+    if len(steps) < 2:
+        return np.empty(0, dtype=int)
+    beside = np.fmax(np.append(steps[1:], 0.0), np.insert(steps[:-1], 0, 0.0))
+    span = float(np.nanmax(values) - np.nanmin(values)) if not np.isnan(values).all() else 0.0
+    return np.flatnonzero((steps > LEAP * span) & (steps > STEEPER * beside))
 
 
 def draw_bands(axes: Axes, curve: Curve, name: str, scale: Callable[[Any], Any]) -> None:

@@ -60,6 +60,7 @@ from vibsim.plots.sweep_curves import (
     curve_panels,
     curves,
     draw_bands,
+    draw_curve,
     ensemble_note,
     families,
     finish,
@@ -420,7 +421,7 @@ def _sommerfeld_panel(axes: Axes, drawn: Sequence[Curve], titled: bool) -> None:
         note(axes, "band: least to greatest")
     for curve in drawn:
         draw_bands(axes, curve, "mean_speed", np.asarray)
-        axes.plot(curve.x, curve.values("mean_speed"), label=curve.label, gid="mean", zorder=3, **curve.look)
+        draw_curve(axes, curve, curve.values("mean_speed"), "mean")
     if len(drawn) == 2 and drawn[0].family == drawn[1].family:
         up, down = (curve.values("mean_speed") for curve in drawn)
         axes.fill_between(

@@ -35,6 +35,7 @@ from vibsim.plots.sweep_curves import (
     curve_panels,
     curves,
     draw_bands,
+    draw_curve,
     ensemble_note,
     frequencies,
     label_outer,
@@ -120,7 +121,7 @@ def _panel(axes: Axes, drawn: Sequence[Curve], name: str, scale: Scale) -> None:
             axes.fill_between(
                 curve.x, scale(mean), scale(most), color=curve.colour, alpha=0.2, linewidth=0, gid="band"
             )
-        axes.plot(curve.x, scale(mean), label=curve.label, gid=name, zorder=3, **curve.look)
+        draw_curve(axes, curve, scale(mean), name)
     axes.set_ylim(bottom=0)
     axes.margins(y=0.06)
     if all(np.isnan(mean).all() for mean in means):

@@ -121,8 +121,8 @@ def test_the_page_suits_dark_screens_and_paper(document):
 
 def test_pictures_are_inside_with_their_words(document):
     images = read(render_html(document)).all("img")
-    assert images[-1]["alt"] == 'what is <seen> & "said"'
-    assert base64.b64decode(images[-1]["src"].partition(",")[2]) == PIXEL
+    assert images[0]["alt"] == 'what is <seen> & "said"'
+    assert base64.b64decode(images[0]["src"].partition(",")[2]) == PIXEL
 
 
 def test_text_is_escaped():
@@ -149,10 +149,10 @@ def test_both_pages_tell_every_claim(document, render):
             assert verdict.word in told.lower()
 
 
-def test_assumptions_come_first(document):
-    """Duration, start, g and solver are named before any verdict."""
-    first = document.sections[0]
-    assert first.key == "assumptions"
+def test_figures_come_first_then_assumptions(document):
+    """What the paper shows; then duration, start, g and solver, before any verdict."""
+    assert [section.key for section in document.sections[:2]] == ["figures", "assumptions"]
+    first = document.sections[1]
     rows = {row[0]: row[2] for row in first.blocks[0].rows}
     assert (rows["Duration"], rows["Gravity"]) == ("300 s", "9.81 m/s²")
     assert {"Start", "Solver, step, tolerance"} <= set(rows)

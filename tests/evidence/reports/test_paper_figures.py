@@ -9,25 +9,32 @@ from matplotlib.image import imread, imsave
 from tests.branches.made import CAPTURED, branch_of, parameter
 from tests.evidence.reports.made import numbers
 from vibsim.analysis import judge_capture
+from vibsim.cases import load_case
 from vibsim.evidence.reports import figures
 from vibsim.evidence.reports.figures import draw_capture, draw_drift, draw_regimes, write_figures, write_page
 from vibsim.evidence.reports.measurements import MeasurementInterrupted
 from vibsim.evidence.reports.pages import Picture
 from vibsim.evidence.reports.paper_figures import (
     PAGE_ROWS,
+    draw_load_curves,
     followed_cases,
     growth_figure,
     load_words,
     measure_ends,
     paper_figures,
+    powers_figure,
 )
+from vibsim.physics.rates import bilinear_frequencies
 from vibsim.plots.style import BLUE
+from vibsim.plots.subject import Subject
 
 pytestmark = pytest.mark.usefixtures("house_style")
 
 # figure of the paper -> the cases that it is of
 SHOWN = {
+    "fig-01": ["I-A"],
     "fig-02": ["I-A"],
+    "fig-03": ["II-A"],
     "fig-04": ["II-A", "II-B", "II-C"],
     **{f"fig-{5 + i:02}": [f"I-{x}", f"I-{x}-eq211"] for i, x in enumerate("ABC")},
     **{f"fig-{8 + i:02}": [f"II-{x}"] for i, x in enumerate("ABC")},
@@ -160,7 +167,7 @@ def test_a_figure_is_written_in_every_format(subjects, tmp_path):
 def test_drawing_stops_when_told(subjects, tmp_path):
     with pytest.raises(MeasurementInterrupted):
         write_figures(paper_figures(), subjects, tmp_path, [], lambda step, done, total: done < 1)
-    assert [path.name for path in tmp_path.iterdir()] == ["fig-02.png"]
+    assert [path.name for path in tmp_path.iterdir()] == ["fig-01.png"]
 
 
 def test_ends_of_captures_are_those_of_the_branch():
@@ -185,3 +192,55 @@ def test_the_motors_followed_are_the_printed_one_and_the_readings():
     assert [(scene.c, scene.J) for scene in scenes.values()] == [
         (0.001, 0.001), (0.0035, 0.001), (0.001, 0.0085), (0.0035, 0.0085),
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("key", "name"), [("fig-01", "I-A"), ("fig-03", "II-A")])
+def test_the_sketches_are_drawn_from_the_cases(key, name):
+    """Every part of the case is there: the source is a force in Fig. 1, a rotor in Fig. 3."""
+    case = load_case(name)
+    drawn = FIGURES[key].figure({name: Subject(name, name, "case", case)})
+    (axes,) = drawn.axes
+    gids = {artist.get_gid() for artist in axes.get_children()}
+    assert {"bodies.1", "bodies.2", "links.coupling", "stops.stop", "friction.friction"} <= gids
+    assert ("motor" in gids) == (key == "fig-03") and any("force" in str(gid) for gid in gids) == (
+        key == "fig-01"
+    )
+
+
+def test_the_sommerfeld_diagram_has_both_ways_with_and_without_the_stop(tmp_path, monkeypatch):
+    monkeypatch.setattr(figures, "SPEEDS", "3.6:4.2:0.1 Hz")
+    monkeypatch.setattr(figures, "SETTLING", {"run.t_end": "40 s"})
+    sweeps = figures.obtain_sweeps(tmp_path, lambda *_: True)
+    assert [bool(result.case.scene().stops) for result in sweeps.values()] == [True, False]
+    drawn = figures.draw_sommerfeld(sweeps)
+    for column, result in enumerate(sweeps.values()):
+        for row, (name, factor) in enumerate((("mean_speed", 1), ("amplitude_relative", 1e3))):
+            axes = drawn.axes[2 * row + column]
+            for way, number in (("up", 0), ("down", 1)):
+                (line,) = [one for one in axes.get_lines() if one.get_gid() == f"{name} {way}"]
+                np.testing.assert_allclose(line.get_ydata(), factor * result[name][:, number])
+    stamps = [path.stat().st_mtime_ns for path in sorted(tmp_path.glob("*.h5"))]
+    figures.obtain_sweeps(tmp_path, lambda *_: True)  # taken over
+    assert [path.stat().st_mtime_ns for path in sorted(tmp_path.glob("*.h5"))] == stamps
+
+
+def test_load_curves_are_enlarged_about_half_the_bilinear_frequency():
+    """3.68 Hz of the printed motor, from its scene."""
+    branch = branch_of(CAPTURED, "4.9:6 Hz")
+    drawn = draw_load_curves({"as printed": branch, "the reading": branch})
+    (inset,) = drawn.axes[0].child_axes
+    half = bilinear_frequencies(branch.map.scene)[0] / 2
+    assert half == pytest.approx(3.685, abs=0.005)
+    assert sum(inset.get_xlim()) / 2 == pytest.approx(half)
+    (level,) = [line for line in inset.get_lines() if line.get_gid() == "half bilinear"]
+    assert level.get_xdata()[0] == half
+    assert [line for line in inset.get_lines() if line.get_gid() in ("stable", "unstable")]
+
+
+def test_what_is_given_over_time_is_taken_or_stored(subjects):
+    motors = {name: subjects.get(name) or subjects["II-B"] for name in powers_figure().runs}
+    axes = powers_figure().figure(motors).axes[0]
+    values = {line.get_gid(): line.get_ydata() for line in axes.get_lines() if line.get_gid()}
+    given = sum(value for gid, value in values.items() if gid.startswith("work"))
+    rest = sum(value for gid, value in values.items() if not gid.startswith(("work", "trust")))
+    np.testing.assert_allclose(given, rest, atol=1e-6 * np.abs(given).max())

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.patches import Patch
 
+from vibsim.cases import load_case
 from vibsim.cases.quantities import parse_quantity
 from vibsim.evidence.reports.claims import Numbers as claims_Numbers
 from vibsim.evidence.reports.claims import members
@@ -20,6 +21,7 @@ from vibsim.evidence.reports.measurements import (
     EQUAL_FORCE,
     MOTORS,
     PRINTED,
+    PRINTED_MOTOR,
     SHIPPED_READINGS,
     MeasurementInterrupted,
     Numbers,
@@ -32,11 +34,13 @@ from vibsim.evidence.reports.readings import DAMPINGS, FREQUENCIES, LAWS, REGIME
 from vibsim.orbits.branches.branch import Branch
 from vibsim.plots.fit_and_bench import scatter_shares
 from vibsim.plots.picture import DPI, drawn
-from vibsim.plots.sheet import CM, legend_below, sheet
+from vibsim.plots.sheet import CM, Level, draw_levels, legend_below, letter_panels, sheet
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, SHADE, SKY, VERMILLION
 from vibsim.plots.subject import Subject
+from vibsim.plots.sweep_curves import alone, curves, draw_curve, frequencies
 from vibsim.plots.view import View
 from vibsim.results.output_files import output_file
+from vibsim.sweeps import SweepResult, sweep
 
 # Pictures that decide a claim: drift over ensembles, holds and escapes, regimes beside Table 1.
 
@@ -215,8 +219,10 @@ def write_load_curves(branches: Mapping[str, Branch], folder: Path, formats: Seq
         "Load curves",
         "Fig. 4 completed: mean torque that the vibration takes against the mean speed, along the branch of "
         "orbits of one turn, for the motor as printed and for the reading; grey: the motors of 3.5, 5.5 and "
-        "6.5 Hz. Dots: the motor stays there; half dots: it stays near, though that orbit is unstable; "
-        "rings: it leaves.",
+        "6.5 Hz. Solid: stable orbits, dashed: unstable ones; crosses, squares and diamonds: folds, period "
+        "doublings and Neimark-Sacker points, with the labels of their list. Dots: the motor stays there; "
+        "half dots: it stays near, though that orbit is unstable; rings: it leaves. The inset enlarges the "
+        "curves about half the bilinear frequency (dashed), where they turn back.",
         "Two curves that rise steeply near 3.7 Hz and turn back. That of the printed motor turns back far "
         "below the lines of 5.5 and 6.5 Hz; that of the reading reaches just above the line of 5.5 Hz.",
     )
@@ -307,6 +313,79 @@ def _pixels(path: Path) -> Any:
 
 def _height_cm(image: Any) -> float:
     return float(image.shape[0] / PNG_DPI / CM)
+
+
+# The Sommerfeld diagram: speed and amplitude over the no-load speed, up and down, with and without the stop.
+
+
+SPEEDS = "3:7:0.05 Hz"
+SETTLING = {"run.t_end": "300 s"}  # at every no-load speed; half of it is left out
+SWEEPS: dict[str, dict[str, str]] = {"with the stop": {}, "without the stop": {"stop": "none"}}
+SOMMERFELD_CM = 10.5
+ROWS = (
+    ("mean_speed", 1.0, "Mean motor speed $\\langle\\dot\\varphi\\rangle/2\\pi$ (Hz)"),
+    ("amplitude_relative", 1e3, "Amplitude of $x_1 - x_2$ (mm)"),
+)  # column, factor, label
+
+
+def obtain_sweeps(folder: Path, tell: Tell, fresh: bool = False) -> dict[str, SweepResult]:
+    """The printed motor over its no-load speed, there and back, each point from the end of the one before;
+    taken over from FOLDER where it is there. Raises Interrupted when `tell` says to stop.
+    """
+    sweeps = {}
+    for done, (name, changes) in enumerate(SWEEPS.items(), start=1):
+        case = load_case(PRINTED_MOTOR, {**SETTLING, **changes})
+        path = folder / f"{name.replace(' ', '-')}.h5"
+        sweeps[name] = sweep(
+            case, {"Omega0": SPEEDS}, direction="both", carry_state=True, section=0, out=path, force=fresh
+        )
+        if not tell("sweeping the motor", done, len(SWEEPS)):
+            raise MeasurementInterrupted
+    return sweeps
+
+
+def write_sommerfeld(sweeps: Mapping[str, SweepResult], folder: Path, formats: Sequence[str]) -> Picture:
+    """Speed and amplitude over the no-load speed, FOLDER/sommerfeld.FORMAT."""
+    return Picture(
+        save(draw_sommerfeld(sweeps), folder / "sommerfeld", formats),
+        "Sommerfeld diagram",
+        "The printed motor while its no-load speed is raised (filled, blue) and lowered again (rings, "
+        "dashed, orange) in steps of 0.05 Hz, 300 s at each, means of the second half: mean speed above, "
+        "mean amplitude per turn of x1 − x2 below; (a), (c) with the stop, (b), (d) without it. Thin line: "
+        "no-load speed. Dashed levels: natural frequencies, with the stop the bilinear one and its half.",
+        "Four panels. Above, speeds that follow the no-load speed but for plateaus below it; below, the "
+        "amplitude, which is large on the plateaus.",
+    )
+
+
+def draw_sommerfeld(sweeps: Mapping[str, SweepResult]) -> Figure:
+    """A column for each sweep, a row for each of ROWS."""
+    figure = sheet(PAGE, SOMMERFELD_CM)
+    grid = figure.subplots(len(ROWS), len(sweeps), sharex=True, squeeze=False)
+    for column, (name, result) in enumerate(sweeps.items()):
+        subject = Subject(f"{name}.h5", name, "sweep", result.case, result)
+        drawn = [alone(curve) for curve in curves([subject])]
+        for row, (axes, (quantity, factor, label)) in enumerate(zip(grid[:, column], ROWS, strict=True)):
+            for curve in drawn:
+                draw_curve(axes, curve, factor * curve.values(quantity), f"{quantity} {curve.label}")
+            if column == 0:
+                axes.set_ylabel(label)
+            if row == 0:
+                axes.set_title(name, loc="left")
+        _add_speeds(grid[0, column], subject)
+        grid[1, column].set_ylim(bottom=0)
+        grid[1, column].set_xlabel(r"No-load speed $\Omega_0/2\pi$ (Hz)")
+    legend_below(figure, *grid[0, 0].get_legend_handles_labels())
+    letter_panels(list(grid.ravel()))
+    return figure
+
+
+def _add_speeds(axes: Axes, subject: Subject) -> None:
+    """The no-load speed as a line, natural frequencies as levels."""
+    span = axes.get_xlim()
+    axes.plot(span, span, color=GREY, linewidth=0.5, scalex=False, scaley=False, zorder=1, gid="no-load")
+    levels = [Level(f.hz, f"{f.label}  {f.hz:.2f}", {"linestyle": "--"}) for f in frequencies([subject])]
+    draw_levels(axes, levels, SOMMERFELD_CM / 2 * 28)
 
 
 # Where in the plane of J and c the motors do what the paper says of them.

@@ -4,6 +4,7 @@ DIR/report.html, report.txt    the audit
 DIR/figures/                   one file for each figure, and all-figures: one page with all
 DIR/runs/                      the trajectories
 DIR/branches/                  orbits over the no-load speed
+DIR/sweeps/                    motors over the no-load speed, up and down, with and without stop
 DIR/numbers.json               what was measured
 """
 
@@ -18,16 +19,18 @@ from vibsim.cases import load_case
 from vibsim.evidence.reports.claims import Claim, Finding, Numbers
 from vibsim.evidence.reports.figures import (
     FORMATS,
+    obtain_sweeps,
     write_evidence,
     write_figures,
     write_load_curves,
     write_page,
     write_search,
+    write_sommerfeld,
 )
 from vibsim.evidence.reports.measurements import PAPER_RUNS, MeasurementInterrupted, NumbersFile
 from vibsim.evidence.reports.pages import Picture, render_html, render_text
 from vibsim.evidence.reports.paper_document import judge_claims, paper_document
-from vibsim.evidence.reports.paper_figures import growth_figure, obtain_branches, paper_figures
+from vibsim.evidence.reports.paper_figures import growth_figure, obtain_branches, paper_figures, powers_figure
 from vibsim.evidence.reports.paper_numbers import Tell, measure_paper
 from vibsim.evidence.reports.true_motions import obtain
 from vibsim.orbits.branches.branch import Branch
@@ -37,6 +40,7 @@ from vibsim.results import Result, ResultFileError
 from vibsim.results.hdf5_reading import reason
 from vibsim.results.output_files import Lock, output_file
 from vibsim.signals import held_back
+from vibsim.sweeps import SweepResult
 
 
 @dataclass(frozen=True)
@@ -80,7 +84,8 @@ def _write_report(root: Path, formats: Sequence[str], tell: Tell, fresh: bool) -
     results, simulated = obtain_runs(root / "runs", tell, fresh)
     follow = cache(partial(obtain_branches, root / "branches", tell, fresh))
     numbers = measure_paper(results, follow, NumbersFile(root / "numbers.json", fresh), tell)
-    pictures, audit = draw_pictures(results, follow(), numbers, root / "figures", formats, tell)
+    sweeps = obtain_sweeps(root / "sweeps", tell, fresh)
+    pictures, audit = draw_pictures(results, follow(), numbers, sweeps, root / "figures", formats, tell)
     document = paper_document(numbers, pictures, audit)
     pages = {root / "report.html": render_html(document), root / "report.txt": render_text(document)}
     for path, text in pages.items():
@@ -91,7 +96,7 @@ def _write_report(root: Path, formats: Sequence[str], tell: Tell, fresh: bool) -
 
 def _made_folder(root: Path) -> Path:
     try:
-        for name in ("runs", "branches", "figures"):
+        for name in ("runs", "branches", "sweeps", "figures"):
             (root / name).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ResultFileError(f"{root}: cannot write: {reason(error)}") from error
@@ -118,6 +123,7 @@ def draw_pictures(
     results: Mapping[str, Result],
     branches: Mapping[str, Branch],
     numbers: Numbers,
+    sweeps: Mapping[str, SweepResult],
     folder: Path,
     formats: Sequence[str],
     tell: Tell,
@@ -128,11 +134,13 @@ def draw_pictures(
         for name, result in results.items()
     }
     with style.applied():
-        *pictures, growth = write_figures(
-            [*paper_figures(), growth_figure()], subjects, folder, formats, tell
+        *pictures, growth, powers = write_figures(
+            [*paper_figures(), growth_figure(), powers_figure()], subjects, folder, formats, tell
         )
         write_page(pictures, folder, formats)
         evidence = write_evidence(numbers, folder, formats)
         search = write_search(numbers, folder, formats)
         load = write_load_curves(branches, folder, formats)
-        return pictures, {"growth": growth, "search": search, "load-curves": load, **evidence}
+        sommerfeld = write_sommerfeld(sweeps, folder, formats)
+        audit = {"growth": growth, "powers": powers, "search": search, "load-curves": load}
+        return pictures, {**audit, "sommerfeld": sommerfeld, **evidence}

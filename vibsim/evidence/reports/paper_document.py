@@ -57,9 +57,9 @@ SUBTITLE = (
 
 FIGURES = (
     "Panels (a) and (b) as the captions of the paper have them; these give neither windows nor ranges, so "
-    "those here are ours. Figs. 1 and 3 are sketches of the models and not drawn again. Case I is shown "
-    "with both amplitudes, that of Table 1 and that of Eq. (2.11). The motions are those from rest, exactly; "
-    "each caption says how they were had. Figures marked as readings use a J and c under which the "
+    "those here are ours. Figs. 1 and 3, the sketches of the models, are drawn from the cases. Case I is "
+    "shown with both amplitudes, that of Table 1 and that of Eq. (2.11). The motions are those from rest, "
+    "exactly; each caption says how they were had. Figures marked as readings use a J and c under which the "
     "paper's account of them holds, but for the 4.1 Hz."
 )
 MECHANISM = (
@@ -77,6 +77,7 @@ READ = (
     "side and the rotor anywhere; a statement holds where it does from four of five. Table 1 has the "
     "amplitudes m3 e ω: a reading that changes m3 or e contradicts it."
 )
+FURTHER_FIGURES = ("sommerfeld", "powers")  # of ours, behind those of the paper
 FURTHEST, APART = f"{1e3 * EACH_WAY * STEP:g} mm", f"{1e3 * STEP:g} mm"
 STARTS = (
     "Does it survive perturbed starts? Block 1 was displaced at the start by up to "
@@ -96,14 +97,15 @@ def paper_document(numbers: Numbers, pictures: Sequence[Picture], audit: Mapping
     pictures : the figures of the paper; audit : those of the audit by name
     """
     judged = _judged(numbers, pictures, audit)
+    further = tuple(audit[name] for name in FURTHER_FIGURES if name in audit)
     sections = (
+        PageSection("figures", "The figures", (Paragraph(FIGURES), *pictures, *further)),
         PageSection("assumptions", "Assumptions first", assumption_blocks(numbers)),
         PageSection("summary", "At a glance", _summary(judged)),
         PageSection("claims", "Claim by claim", tuple(judged)),
         PageSection("unjudged", "Words that are not judged", unjudged_blocks(numbers)),
         PageSection("why", "What makes the account of the motors hold", _search(numbers, judged, audit)),
         PageSection("runs", "The runs", (regime_table(numbers), facts_table(numbers))),
-        PageSection("figures", "The figures", (Paragraph(FIGURES), *pictures)),
     )
     provenance = (("Made by", f"vibsim {__version__}, vibsim paper"), ("Cases", ", ".join(numbers["runs"])))
     return Document("The paper, reproduced and audited", f"{PAPER} {SUBTITLE}", sections, provenance)
@@ -262,7 +264,7 @@ CAPTURE = (
 
 
 def assumption_blocks(numbers: Numbers) -> tuple[Block, ...]:
-    """The section that comes first: assumptions and criteria of ours."""
+    """The section behind the figures: assumptions and criteria of ours."""
     count = 2 * EACH_WAY
     words = CHAOS.format(
         furthest=f"{1e3 * EACH_WAY * STEP:g}", count=count, step=f"{1e3 * STEP:g}", most=percent(MOST)

@@ -1,7 +1,7 @@
 """The figures of the paper: what each shows, of which runs, and how it is laid out.
 
-Figs. 1 and 3 are sketches of the two models and are not drawn again. Figures 9 and 10, 15 and 16 are drawn a
-second time, from the readings of the parameters under which the paper's account of them holds.
+Figs. 1 and 3, the sketches of the two models, are drawn from the cases. Figures 9 and 10, 15 and 16 are drawn
+a second time, from the readings of the parameters under which the paper's account of them holds.
 """
 
 from __future__ import annotations
@@ -33,16 +33,26 @@ from vibsim.orbits.branches.branch_file import BranchStore, complete, read_branc
 from vibsim.orbits.branches.continuing import orbit_from
 from vibsim.orbits.branches.plan import plan_from, read_span
 from vibsim.orbits.branches.tracing import MOST_POINTS
-from vibsim.plots.branch_curves import dead_ends, load_curve_panel, torque_of
+from vibsim.plots.branch_curves import (
+    LOAD_CURVE_MARKED,
+    LoadCurve,
+    MotorLine,
+    dead_ends,
+    draw_branches,
+    load_curve_panel,
+    torque_of,
+)
 from vibsim.plots.branch_values import amplitude_of
 from vibsim.plots.characteristics import motor_panel, stiffness_panel
 from vibsim.plots.frequency_pictures import displacement_frequency_panels
+from vibsim.plots.machine import machine_panel, machine_size
 from vibsim.plots.pairs import mark_detail
 from vibsim.plots.portraits import moving, phase_panels
 from vibsim.plots.relative_motion import detail_span
-from vibsim.plots.samples import common_window, motor_of
-from vibsim.plots.sheet import legend_above, letter_panels, sheet, time_axis
-from vibsim.plots.style import overlay
+from vibsim.plots.samples import common_window, motor_of, natural_frequencies, window_of
+from vibsim.plots.sheet import Scale, legend_above, legend_below, letter_panels, sheet, time_axis
+from vibsim.plots.slow_passages import power_panels
+from vibsim.plots.style import GREY, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.time_histories import (
     DISPLACEMENT,
@@ -63,7 +73,8 @@ PAGE_CM = 17.8
 
 # keys as on the page with all figures: A, B and C side by side
 PAGE_ROWS = (
-    ("fig-02", "fig-04"),
+    ("fig-01", "fig-02"),
+    ("fig-03", "fig-04"),
     ("fig-05", "fig-06", "fig-07"),
     ("fig-08", "fig-09", "fig-10"),
     ("", "fig-09-reading", "fig-10-reading"),
@@ -106,7 +117,9 @@ class PaperFigure:
 def paper_figures() -> list[PaperFigure]:
     """All of them, in the order of the paper."""
     return [
+        _sketch("fig-01", "I-A", "ideal"),
         _stiffness(),
+        _sketch("fig-03", "II-A", "non-ideal"),
         _motors(),
         *(_displacements_ideal(letter) for letter in LETTERS),
         *(_displacements_motor(letter) for letter in LETTERS),
@@ -131,11 +144,47 @@ def growth_figure() -> PaperFigure:
     )
 
 
+def _sketch(key: str, name: str, source: str) -> PaperFigure:
+    case = load_case(name)
+    machine = "the force of the source on block 1" if source == "ideal" else "the unbalanced rotor on block 1"
+    return PaperFigure(
+        key,
+        f"Fig. {int(key[-2:])}",
+        f"The model with the {source} source, drawn from case {name}: blocks 1 and 2 with their masses, the "
+        "spring k1 (blue coil) and the damper c (green) between them, the stop of stiffness k2 (orange) that "
+        "is met when the blocks have come nearer by the gap G, dry friction (orange line on hatches) under "
+        f"block 2, and {machine}; the arrow x is the positive direction.",
+        f"Two boxes side by side joined by a spring, a damper and a stop; {machine}; the second box stands "
+        "on a hatched floor.",
+        (name,),
+        machine_size(case.long_values())[1],
+        draw_sketch,
+    )
+
+
+def powers_figure() -> PaperFigure:
+    """Where the power of the motors goes; no figure of the paper."""
+    return PaperFigure(
+        "powers",
+        "Powers",
+        "Power over time in the two readings, each point the mean of whole turns: what the motor gives "
+        "(black), what damper and friction take (dashed, as the legend has them), and what goes into motion "
+        "and springs (pale; below 0 it comes back). What is given is what is taken and stored.",
+        "Two panels of power over time. In both the motor first sets itself and the blocks in motion; then "
+        "damper and friction take more and more. In that of II-C-escape they take less again behind its "
+        "escape.",
+        tuple(READINGS.values()),
+        6.4,
+        draw_powers,
+    )
+
+
 def _stiffness() -> PaperFigure:
     return PaperFigure(
         "fig-02",
         "Fig. 2",
-        "Stiffness: force of the two springs against the relative displacement.",
+        "Stiffness: force of the two springs against the relative displacement (solid); dashed: where the "
+        "stop is met.",
         "A line of slope k1 that turns steeper, to slope k1 + k2, where x1 - x2 falls below -G = -1 mm.",
         ("I-A",),
         6.0,
@@ -163,7 +212,8 @@ def _displacements_ideal(letter: str) -> PaperFigure:
         f"fig-{number:02}",
         f"Fig. {number}",
         f"Case I-{letter}, ideal source at {HERTZ[letter]} Hz: (a) displacements over 300 s, (b) a detail "
-        "with impacts (contact shaded); above with the amplitude of Table 1, below with that of Eq. (2.11).",
+        "with each impact as a ring and contact shaded grey. The frame in (a) is what (b) enlarges, the "
+        "ticks at its foot are impacts. Above with the amplitude of Table 1, below with that of Eq. (2.11).",
         "Four panels. Left: x1 and x2 against time over 300 s, x1 a band that vibrates about the drifting "
         f"x2; right: about ten periods with each impact marked. Ideal source, {HERTZ[letter]} Hz.",
         (f"I-{letter}", f"I-{letter}-eq211"),
@@ -178,7 +228,8 @@ def _displacements_motor(letter: str) -> PaperFigure:
         f"fig-{number:02}",
         f"Fig. {number}",
         f"Case II-{letter}, motor constant {HERTZ[letter]} Hz: (a) displacements over 300 s, (b) a detail "
-        "with impacts.",
+        "with each impact as a ring and contact shaded grey. The frame in (a) is what (b) enlarges, the "
+        "ticks at its foot are impacts.",
         "Two panels: x1 and x2 against time over 300 s, and about ten turns of the motor with each impact "
         f"marked. Motor constant {HERTZ[letter]} Hz, printed parameters.",
         (f"II-{letter}",),
@@ -192,7 +243,8 @@ def _displacements_reading(letter: str) -> PaperFigure:
     return PaperFigure(
         f"fig-{number:02}-reading",
         f"Fig. {number}, reading",
-        f"The same from {READINGS[letter]}, the reading under which the account of II-{letter} holds.",
+        f"The same from {READINGS[letter]}, the reading under which the account of II-{letter} holds; rings, "
+        "shades, frame and ticks as there.",
         "Two panels: x1 and x2 against time over 300 s, and a detail with impacts, for the case "
         f"{READINGS[letter]}.",
         (READINGS[letter],),
@@ -208,7 +260,7 @@ def _portraits(letter: str) -> PaperFigure:
         f"Fig. {number}",
         f"Phase portraits at {HERTZ[letter]} Hz, the last periods: (a) ideal source, with the amplitude of "
         "Table 1 and with that of Eq. (2.11); (b) motor. Blocks 1 and 2, and at the right their relative "
-        "motion, which no drift smears.",
+        "motion, which no drift smears. Black dots or rings: impacts; dashed: where the stop is met.",
         "Nine panels of velocity against displacement: rows for I as printed, I with equal force, and II; "
         "columns for blocks 1 and 2 and for x1 − x2.",
         (f"I-{letter}", f"I-{letter}-eq211", f"II-{letter}"),
@@ -222,7 +274,10 @@ def _passage(letter: str) -> PaperFigure:
     return PaperFigure(
         f"fig-{number}",
         f"Fig. {number}",
-        f"Case II-{letter}: (a) motor speed against time, (b) displacements against motor frequency.",
+        f"Case II-{letter}: (a) motor speed against time, pale at every instant, dark the mean of 12 turns; "
+        "solid level: no-load speed, dashed levels: natural frequencies, the bilinear one and its half; "
+        "(b) displacements against motor frequency, pale, and on them the least and the greatest of every "
+        "turn as dots, coloured by time.",
         "Left: motor speed over 300 s with the levels of the natural frequencies; right: x1 and x2 against "
         f"the speed of the motor. Motor constant {HERTZ[letter]} Hz, printed parameters.",
         (f"II-{letter}",),
@@ -236,7 +291,8 @@ def _passage_reading(letter: str) -> PaperFigure:
     return PaperFigure(
         f"fig-{number}-reading",
         f"Fig. {number}, reading",
-        f"The same from {READINGS[letter]}, the reading under which the account of II-{letter} holds.",
+        f"The same from {READINGS[letter]}, the reading under which the account of II-{letter} holds; lines, "
+        "levels and colours as there.",
         "Left: motor speed over 300 s with the levels of the natural frequencies; right: x1 and x2 against "
         f"the speed of the motor. Case {READINGS[letter]}.",
         (READINGS[letter],),
@@ -251,6 +307,21 @@ def _passage_reading(letter: str) -> PaperFigure:
 WHOLE = View()
 NARROW = 0.55  # width of a lone characteristic, of the page
 SECOND = 1.0  # [s] in which the greatest x1 - x2 is looked for: several vibrations of every motor
+
+
+def draw_sketch(sheet: Figure, subjects: Sequence[Subject]) -> None:
+    """The machine, to scale, in the middle of the sheet."""
+    machine_panel(sheet.subplots(), subjects[0].case.long_values())
+
+
+def draw_powers(sheet: Figure, subjects: Sequence[Subject]) -> None:
+    """Powers over time, the runs side by side."""
+    panels = list(sheet.subplots(1, len(subjects), squeeze=False, sharey=True)[0])
+    power_panels(panels, subjects, [window_of(subject, None) for subject in subjects])
+    for axes in panels[1:]:
+        axes.set_ylabel("")
+    legend_below(sheet, *panels[0].get_legend_handles_labels())
+    letter_panels(panels)
 
 
 def draw_stiffness(sheet: Figure, subjects: Sequence[Subject]) -> None:
@@ -319,7 +390,9 @@ def draw_passage(sheet: Figure, subjects: Sequence[Subject]) -> None:
     motor_speed_panel(speed, subjects, WHOLE, height_cm=7.0)
     legend_above(speed)
     panels = right.subplots(2, 1, sharex=True)
-    displacement_frequency_panels(panels, subjects, WHOLE, moving(subjects))
+    shown = displacement_frequency_panels(panels, subjects, WHOLE, moving(subjects))
+    if shown is not None:
+        right.colorbar(shown, ax=list(panels), label="Time (s)", pad=0.02, aspect=40)
     panels[-1].set_xlabel(f"Motor speed {SPEED} (Hz)")
     for axes in panels:
         axes.set_ylabel(axes.get_ylabel().removeprefix("Displacement "))
@@ -465,8 +538,32 @@ def draw_load_curves(branches: Mapping[str, Branch]) -> Figure:
     """Both load curves, with the lines of the paper's three motors."""
     figure = sheet(View(width="page"), HEIGHT_CM)
     subjects = [Subject(f"{name}.h5", name, "branch", branches[name].case, branches[name]) for name in DRAWN]
-    load_curve_panel(figure, figure.subplots(), subjects, View(width="page"), no_load_speeds())
+    axes = figure.subplots()
+    load_curve_panel(figure, axes, subjects, View(width="page"), no_load_speeds())
+    _enlarge(axes, subjects)
     return figure
+
+
+INSET = (0.56, 0.52, 0.33, 0.40)  # place of the enlargement, in shares of the axes
+ABOUT = 0.03  # share of half the bilinear frequency that it reaches to either side
+
+
+def _enlarge(axes: Axes, subjects: Sequence[Subject]) -> None:
+    """Enlarge the load curves about half the bilinear frequency, where they rise and turn back."""
+    (half,) = [f.hz for f in natural_frequencies(subjects[0].scene) if f.name == "half bilinear"]
+    inset = axes.inset_axes(INSET, gid="inset")
+    scale = Scale(1e3, "mN m")
+    curves = [LoadCurve(subject.result, scale) for subject in subjects]
+    draw_branches(inset, subjects, [(curve.speed, curve.torque) for curve in curves], LOAD_CURVE_MARKED)
+    inset.set_xlim(half * (1 - ABOUT), half * (1 + ABOUT))
+    inset.set_ylim(axes.get_ylim()[0], max(y for curve in curves for _, y in curve.places()) * 1.05)
+    stall = 1e3 * motor_of(subjects[0].scene).M0
+    for speed in no_load_speeds():
+        MotorLine(speed, stall).draw(inset)
+    inset.axvline(half, color=GREY, linewidth=0.6, linestyle=(0, (4, 2)), zorder=1, gid="half bilinear")
+    inset.set_title(f"about ½ bilinear, {half:.2f} Hz", fontsize=6.5, pad=2)
+    inset.tick_params(labelsize=6)
+    axes.indicate_inset_zoom(inset, edgecolor="0.4", linewidth=0.6)
 
 
 def no_load_speeds() -> list[float]:

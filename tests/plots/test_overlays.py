@@ -1,0 +1,174 @@
+"""Branches over frequency responses and bifurcation diagrams: right values, and labels that can be read."""
+
+import math
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from tests.branches.made import CAPTURED, branch_of
+from tests.plots.artists import lines
+from vibsim import orbit
+from vibsim.cases import load_case
+from vibsim.cases.case import load_case_text
+from vibsim.orbits.branches.continuing import continue_branch
+from vibsim.plots.branch_values import LabelledPoint, label_points
+from vibsim.plots.registry import choose, kind_named
+from vibsim.plots.subject import Subject, subject_of
+from vibsim.plots.sweep_curves import leaps
+from vibsim.plots.view import PlotError, View
+from vibsim.sweeps import sweep
+
+M, K, C, A = 2.0, 300.0, 4.0, 1.5
+LINEAR = f"""
+bodies: {{mass: {M} kg}}
+links: {{spring: {{between: [mass, ground], k: {K} N/m, c: {C} N s/m}}}}
+forces: {{drive: {{on: mass, A: {A} N, omega: 1.5 Hz}}}}
+run: {{t_end: 40 s, every: 10 ms}}
+"""
+
+
+def as_subject(branch):
+    return Subject("branch.h5", branch.case.name, "branch", branch.case, branch)
+
+
+def on_paper(figure):
+    figure.draw_without_rendering()
+    return figure
+
+
+@pytest.fixture(scope="module")
+def linear():
+    """A linear oscillator swept over its resonance, and the branch of its orbits."""
+    case = load_case_text(LINEAR)
+    return sweep(case, {"omega": "1:3/9 Hz"}), continue_branch(case, "omega", "1:3 Hz")
+
+
+@pytest.fixture(scope="module")
+def impacts():
+    """An oscillator with one impact in two periods."""
+    case = load_case("gallery/impact-oscillator")
+    swept = sweep(case.with_values({"run.t_end": "300 s"}), {"omega": "0.56:0.6:0.01 Hz"}, section=40)
+    return swept, continue_branch(case, "omega", "0.55:0.61 Hz")
+
+
+def test_a_frequency_response_of_any_source_has_its_branch(linear):
+    """The amplitude in the steady state is A / |k - m w^2 + i c w|."""
+    swept, branch = linear
+    figure = kind_named("amplitude").draw([subject_of(swept), as_subject(branch)], View())
+    (line,) = lines(figure, "stable")
+    hertz, drawn = line.get_data()
+    w = 2 * math.pi * hertz
+    exact = 1e3 * A / np.hypot(K - M * w**2, C * w)  # mm
+    np.testing.assert_allclose(drawn, exact, rtol=1e-4)
+    assert hertz.min() == pytest.approx(1) and hertz.max() == pytest.approx(3)
+    assert {"stable"} <= {text.get_text() for legend in figure.legends for text in legend.get_texts()}
+
+
+def test_a_bifurcation_diagram_has_a_line_for_each_period_of_an_orbit(impacts):
+    """At every frequency that was swept too, the lines lie where the settled run has its points."""
+    swept, branch = impacts
+    assert branch.plan.n == 2
+    figure = kind_named("bifurcation").draw([subject_of(swept), as_subject(branch)], View())
+    axes = figure.axes[0]
+    own = [line for line in axes.get_lines() if line.get_gid() == "stable"]
+    assert len(own) == 2
+    (dots,) = [line for line in axes.get_lines() if line.get_gid().startswith("section")]
+    x, y = dots.get_data()
+    for hertz in np.unique(x):
+        runs = np.unique(np.round(y[x == hertz], 6))
+        on_lines = [
+            np.interp(hertz, *np.array(line.get_data())[:, np.argsort(line.get_xdata())]) for line in own
+        ]
+        for value in runs:
+            assert min(abs(np.array(on_lines) - value)) < 1e-3 * np.ptp(y)
+
+
+def test_a_branch_over_something_else_is_refused(linear):
+    swept, _ = linear
+    case = load_case_text(LINEAR)
+    branch = continue_branch(case, "links.spring.k", "250:350 N/m")
+    with pytest.raises(PlotError, match=r"a branch over links.spring.k does not lie over a sweep along"):
+        kind_named("amplitude").draw([subject_of(swept), as_subject(branch)], View())
+
+
+def test_a_branch_of_another_machine_is_named(linear):
+    swept, _ = linear
+    other = continue_branch(load_case_text(LINEAR.replace("c: 4.0", "c: 9")), "omega", "1:3 Hz")
+    figure = kind_named("amplitude").draw([subject_of(swept), as_subject(other)], View())
+    assert "branches with other links.spring.c" in figure.axes[0].get_title(loc="right")
+
+
+def test_kinds_go_by_the_names_of_the_field(linear):
+    swept, branch = linear
+    run, both = subject_of(swept), [subject_of(swept), as_subject(branch)]
+    assert [kind.name for kind in choose(["bifurcation"], [run])] == ["orbit"]
+    assert [kind.name for kind in choose(["bifurcation"], [as_subject(branch)])] == ["branch"]
+    assert [kind.name for kind in choose(["frequency-response", "bifurcation"], both)] == [
+        "amplitude",
+        "orbit",
+    ]
+    assert kind_named("poincare").name == "stroboscopic"
+    with pytest.raises(PlotError, match="did you mean poincare"):
+        kind_named("poincar")
+
+
+@pytest.mark.parametrize("kind", ["branch", "load-curve"])
+@pytest.mark.parametrize("width", ["column", "page"])
+def test_special_points_carry_the_labels_of_the_list_and_none_hides_another(kind, width):
+    branch = continue_branch(orbit("II-B", overrides={"c": "0.03", "Omega0": "3.8 Hz"}), "Omega0", "3:6 Hz")
+    figure = on_paper(kind_named(kind).draw([as_subject(branch)], View(width=width)))
+    (axes,) = figure.axes
+    labels = [text for text in axes.texts if text.get_gid() == "special label"]
+    listed = {special.label for special in branch.specials}
+    assert {text.get_text() for text in labels} <= listed
+    assert {"F1", "PD1"} <= {text.get_text() for text in labels}
+    boxes = [text.get_window_extent() for text in labels]
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+    assert all(axes.bbox.x0 < box.x0 and box.x1 < axes.bbox.x1 for box in boxes)
+
+
+def test_labels_crowded_at_a_point_spread_and_what_has_no_room_is_counted():
+    from matplotlib.figure import Figure
+
+    axes = Figure(figsize=(3, 2)).subplots()
+    axes.plot([0, 1], [0, 1])
+    assert label_points(axes, [LabelledPoint(0.5, 0.5, f"PD{i}") for i in range(12)]) == 0
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert len(boxes) == 12 and not any(a.overlaps(b) for a, b in combinations(boxes, 2))
+    assert label_points(axes, [LabelledPoint(0.5, 0.5, f"a long label {i}") for i in range(60)]) > 0
+    assert label_points(axes, [LabelledPoint(5, 5, "outside")]) == 0
+
+
+def test_one_branch_labels_its_points_over_a_sweep_of_speeds():
+    branch = branch_of(CAPTURED, "4.9:6 Hz")
+    swept = sweep(branch.case, {"Omega0": "5, 6 Hz"}, overrides={"run.t_end": "20 s"})
+    for kind in ("sommerfeld", "amplitude"):
+        figure = on_paper(kind_named(kind).draw([subject_of(swept), as_subject(branch)], View(width="page")))
+        written = {
+            text.get_text()
+            for axes in figure.axes
+            for text in axes.texts
+            if text.get_gid() == "special label"
+        }
+        assert written & {special.label for special in branch.specials}
+
+
+def test_no_line_is_drawn_where_values_leap():
+    steady = np.array([1, 1.1, 1.2, 1.3, 5.0, 5.1, 5.2])
+    assert leaps(steady).tolist() == [3]
+    assert leaps(np.array([1.0, 4, 2, 5, 1, 4])).tolist() == []  # scatter is no leap
+    assert leaps(np.sin(np.linspace(0, 6, 40))).tolist() == []
+    assert leaps(np.full(5, np.nan)).tolist() == []
+
+
+def test_a_sweep_that_leaps_has_all_its_points_and_a_gap_in_its_line():
+    """Up the stop holds the motion long: it falls off between two frequencies."""
+    swept = sweep(
+        load_case("I-A", {"c": "0.05", "run.t_end": "40 s"}), {"omega": "2:8:0.1 Hz"}, carry_state=True
+    )
+    figure = kind_named("amplitude").draw([subject_of(swept)], View())
+    (points,) = [line for line in figure.axes[0].get_lines() if line.get_gid() == "relative"]
+    (joined,) = [line for line in figure.axes[0].get_lines() if line.get_gid() == "joined"]
+    assert points.get_linestyle() == "None" and len(points.get_xdata()) == 61
+    assert np.isnan(joined.get_ydata()).sum() >= 1
