@@ -7,7 +7,7 @@ from pathlib import Path
 from from_code.gallery_equations import equations
 from from_code.gallery_numbers import NUMBERS, Number, agreement
 from from_code.gallery_studies import STUDIES
-from from_code.markdown import code, fence, plain, table
+from from_code.markdown import code, fence, plain, table, with_code
 from from_code.page_runs import fresh_processes, output
 from vibsim import load_case, simulate
 from vibsim.cases import Case
@@ -88,9 +88,9 @@ def _page(case: Case, measured: list[tuple[Number, float]]) -> str:
             "",
             f"{plain(case.title)}.",
             "",
-            f"**Source.** {plain(source)}",
+            f"**Source.** {with_code(source)}",
             "",
-            f"**What to look at.** {plain(looked_at)}",
+            f"**What to look at.** {with_code(looked_at)}",
             "",
             f"![Drawing of {case.name}, with names and values]({case.name}-machine.png)",
             "",
