@@ -4,8 +4,11 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+from from_code.gallery_equations import equations
 from from_code.gallery_numbers import NUMBERS, Number, agreement
-from from_code.markdown import code, fence, plain, table
+from from_code.gallery_studies import STUDIES
+from from_code.markdown import code, fence, plain, table, with_code
+from from_code.page_runs import fresh_processes, output
 from vibsim import load_case, simulate
 from vibsim.cases import Case
 from vibsim.cases.sources import gallery_case_names
@@ -15,11 +18,12 @@ from vibsim.plots.view import View
 
 HEAD = """# Gallery
 
-Models of the literature and of mechanics, each run while this site was built. A page has the source, the
-case, the picture of a run, and a number that this run measured beside what it must be; the build fails where
-the two differ by more than the bound that the page states. What it must be is of one of four kinds: a formula
-that the cited publication states, a closed form of mechanics, what an independent solver found at the
-parameters of the source, or, where no number comes from elsewhere, a law of conservation.
+Models of the literature and of mechanics, each run while this site was built. A page has the drawing, the
+equations, the case, pictures of the motion and of a sweep or a phase portrait, what to try, and a number
+that this run measured beside what it must be; the build fails where the two differ by more than the bound
+that the page states. What it must be is of one of four kinds: a formula that the cited publication states,
+a closed form of mechanics, what an independent solver found at the parameters of the source, or, where no
+number comes from elsewhere, a law of conservation.
 
 """
 Write = Callable[[Path, str], None]
@@ -30,8 +34,9 @@ def write_gallery(folder: Path, write: Write) -> None:
     folder.mkdir(exist_ok=True)
     cases = [load_case(name) for name in gallery_case_names()]
     measured = {case.name: _measured(case.name) for case in cases}
+    with fresh_processes() as pool:
+        list(pool.map(draw, [case.name for case in cases], [folder] * len(cases)))
     for case in cases:
-        _draw(case, folder)
         write(folder / f"{case.name}.md", _page(case, measured[case.name]))
     write(folder / "index.md", _index(cases, measured))
 
@@ -40,20 +45,24 @@ def _measured(name: str) -> list[tuple[Number, float]]:
     return [(number, number.measured(name)) for number in NUMBERS[name]]
 
 
-def _draw(case: Case, folder: Path) -> None:
-    """The overview of a run, and the machine alone."""
-    run = folder / f"{case.name}.h5"
+def draw(name: str, folder: Path) -> None:
+    """The overview of a run, the machine alone, and the picture of its study, by the commands on its page."""
+    case, study = load_case(f"gallery/{name}"), STUDIES[name]
+    draw_machine_file(case, str(folder / f"{name}-machine.png"), True)
+    run = folder / f"{name}.h5"
     simulate(case).save(run, force=True)
-    draw_files([str(run)], None, View(), str(folder / f"{case.name}.png"), True)
-    draw_machine_file(case, str(folder / f"{case.name}-machine.png"), True)
+    draw_files([str(run)], None, View(), str(folder / f"{name}.png"), True)
+    if study.sweep:
+        output(f"vibsim sweep gallery/{name} {study.sweep} -o '{run}' --force -q")
+    output(f"vibsim plot '{run}' --kind {study.kind} -o '{folder / name}-study.png' --force")
     run.unlink()
 
 
 def _index(cases: list[Case], measured: dict[str, list[tuple[Number, float]]]) -> str:
     lines = [
         (
-            f"[{plain(case.name)}]({case.name}.md)",
-            plain(case.title),
+            f"[![{plain(case.name)}]({case.name}-machine.png)]({case.name}.md)",
+            f"[{plain(case.name)}]({case.name}.md)<br>{plain(case.title)}",
             "; ".join(f"{plain(number.what)}: {agreement(number, value)}" for number, value in rows),
             "; ".join(dict.fromkeys(number.kind.value for number, _ in rows)),
         )
@@ -61,31 +70,56 @@ def _index(cases: list[Case], measured: dict[str, list[tuple[Number, float]]]) -
     ]
     names = "\n".join(case.name for case in cases)
     contents = f"```{{toctree}}\n:hidden:\n\n{names}\n```\n"
-    return HEAD + table(("case", "", "agreement with what it must be", "which is"), lines) + "\n" + contents
+    return HEAD + table(("", "case", "agreement with what it must be", "which is"), lines) + "\n" + contents
 
 
 def _page(case: Case, measured: list[tuple[Number, float]]) -> str:
     source, looked_at = (comment(case.text, label) for label in ("Source", "What to look at"))
+    study = STUDIES[case.name]
     command = f"vibsim run gallery/{case.name}\nvibsim plot {case.name}.h5"
+    first = f"vibsim sweep gallery/{case.name} {study.sweep} -o study.h5\n" if study.sweep else ""
+    second = f"{first}vibsim plot {'study' if first else case.name}.h5 --kind {study.kind}"
+    tries = [
+        f"- `vibsim run gallery/{case.name} {options}`: {plain(words)}." for options, words in study.tries
+    ]
     return "\n".join(
         [
             f"# {case.name}",
             "",
             f"{plain(case.title)}.",
             "",
-            f"**Source.** {plain(source)}",
+            f"**Source.** {with_code(source)}",
             "",
-            f"**What to look at.** {plain(looked_at)}",
+            f"**What to look at.** {with_code(looked_at)}",
             "",
-            _numbers(measured),
-            f"![Overview of a run of {case.name}: the machine, and its motion]({case.name}.png)",
+            f"![Drawing of {case.name}, with names and values]({case.name}-machine.png)",
             "",
-            "## The machine",
+            "## Equations",
             "",
-            f"![Schematic of {case.name}, with names and values]({case.name}-machine.png)",
+            equations(case.text),
+            "",
+            "## The case",
             "",
             fence(_withoutcomment(case.text), "yaml"),
+            "## A run",
+            "",
             fence(command, "sh"),
+            f"![Overview of a run of {case.name}: the machine, and its motion]({case.name}.png)",
+            "",
+            "## Beside it",
+            "",
+            fence(second, "sh"),
+            f"{study.shows}.",
+            "",
+            f"![{study.shows}]({case.name}-study.png)",
+            "",
+            "## The number",
+            "",
+            _numbers(measured),
+            "## What to try",
+            "",
+            *tries,
+            "",
         ]
     )
 

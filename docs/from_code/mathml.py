@@ -5,8 +5,11 @@ from typing import Any
 
 from docutils import nodes
 from latex2mathml.converter import convert
+from sphinx.transforms import SphinxTransform
 
 NAME = r"<m[io]>(?:sin|cos|exp|log|max|det)</m[io]>"
+POWER = re.compile(r"(?<=[\w)])\^(-?\d+(?:\.\d+)?|[a-z]\b|\([^()]{1,9}\))")
+AS_IT_STANDS = (nodes.literal, nodes.literal_block, nodes.math, nodes.math_block, nodes.raw, nodes.title)
 THIN = '<mspace width="0.17em"/>'
 BETWEEN = (
     re.compile(f"(</m(?:i|n|sub|sup|row|frac|over|sqrt)>)({NAME})"),  # A sin
@@ -16,7 +19,29 @@ BETWEEN = (
 
 def setup_mathml(app: Any) -> None:
     """Register the renderer `mathml`."""
+    app.add_transform(Superscripts)
     app.add_html_math_renderer("mathml", (_visit_inline, None), (_visit_block, None))
+
+
+class Superscripts(SphinxTransform):
+    """Powers in running text, such as u^2 or x^(1/2), as superscripts; code and formulas stay as they are."""
+
+    default_priority = 900
+
+    def apply(self, **_: Any) -> None:
+        for text in list(self.document.findall(nodes.Text)):
+            if POWER.search(text) and not any(isinstance(text.parent, each) for each in AS_IT_STANDS):
+                text.parent.replace(text, with_powers(str(text)))
+
+
+def with_powers(text: str) -> list[nodes.Node]:
+    """A text as nodes, its powers as superscripts."""
+    pieces = POWER.split(text)
+    return [
+        nodes.superscript(piece, piece.strip("()")) if i % 2 else nodes.Text(piece)
+        for i, piece in enumerate(pieces)
+        if piece
+    ]
 
 
 def mathml(latex: str, **how: str) -> str:

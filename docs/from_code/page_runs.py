@@ -17,6 +17,7 @@ import shutil
 import sys
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -132,7 +133,7 @@ def run_pages(app: Any) -> None:
     """Run all pages that draw something and have changed since they were run, two at a time."""
     docs = Path(app.srcdir)
     version = sources_digest()
-    with ProcessPoolExecutor(2) as pool:
+    with fresh_processes() as pool:
         running = []
         for path in sorted(docs.rglob("*.md")):
             name = str(path.relative_to(docs).with_suffix(""))
@@ -144,6 +145,11 @@ def run_pages(app: Any) -> None:
             running.append((folder, stamp, pool.submit(run_once, path, folder, stamp)))
         for _, _, each in running:
             each.result()
+
+
+def fresh_processes() -> ProcessPoolExecutor:
+    """Two processes that inherit nothing from the build, such as what it logs."""
+    return ProcessPoolExecutor(2, mp_context=get_context("spawn"))
 
 
 def run_once(path: Path, folder: Path, stamp: str) -> None:

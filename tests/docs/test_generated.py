@@ -137,3 +137,14 @@ def test_no_formula_in_a_line_is_wider_than_a_narrow_page():
 
 def test_what_markdown_would_read_as_markup_is_escaped():
     assert plain("a_b |x|\n <c>") == r"a\_b \|x\| \<c\>"
+
+
+def test_powers_in_running_text_are_superscripts():
+    pytest.importorskip("sphinx")
+    pytest.importorskip("latex2mathml")
+    from from_code.mathml import with_powers
+
+    pieces = with_powers("m u^2/(2 (R/M - g)), x^(1/2), 10^-9 and x^3; a^ b")
+    raised = [str(piece.astext()) for piece in pieces if piece.tagname == "superscript"]
+    assert raised == ["2", "1/2", "-9", "3"]
+    assert "".join(piece.astext() for piece in pieces) == "m u2/(2 (R/M - g)), x1/2, 10-9 and x3; a^ b"

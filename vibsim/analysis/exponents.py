@@ -69,7 +69,7 @@ class Lyapunov(Shown):
     warnings: tuple[str, ...]
 
     def heading(self) -> str:
-        """How many there are, and the span."""
+        """The number of exponents, and the span."""
         noun = "exponent" if len(self.exponents) == 1 else "exponents"
         return f"{len(self.exponents)} {noun} over {self.span[0]:.5g} to {self.span[1]:.5g} s"
 

@@ -130,7 +130,7 @@ class Orbit(Labelled):
 
     @property
     def residual(self) -> float:
-        """How far it is from closing [m/s]; displacements weigh by a natural rate."""
+        """The distance by which it fails to close [m/s]; displacements weigh by a natural rate."""
         return self.end.residual
 
     @property

@@ -300,11 +300,11 @@ class Events(Labelled, Mapping[str, np.ndarray]):
         return {name: columns[name] for name in self}
 
     def heading(self) -> str:
-        """How many there are."""
+        """The case, and the number of events."""
         return f"of {self._case().name}: {len(self.column('t'))}, start and end among them"
 
     def lines(self) -> list[tuple[str, str]]:
-        """How many of each kind and of each part, and the names of the columns."""
+        """Numbers of events of each kind and of each part, and the names of the columns."""
         counted = [(label, self._counts(name)) for label, name in (("kinds", "kind"), ("parts", "part"))]
         return [*counted, ("columns", few(self))]
 

@@ -102,6 +102,7 @@ def command(
     ORBIT is a stored orbit, or a case or the HDF5 file of a run, whose end it is taken from; with --switch
     or --locus a branch. The file of a branch or a locus, given alone, is completed. The order of events need
     not be told: where it changes is located, and listed beside folds, doublings and Neimark-Sacker points.
+    Frequency responses with their unstable parts are branches over --omega, backbone curves over --energy.
     """
 
     check_engine(engine)

@@ -141,7 +141,7 @@ def command(
     """Run each CASE and write its trajectory to an HDF5 file.
 
     A CASE is a YAML file, the name of a shipped case (see `vibsim cases`), - for standard input, or an HDF5
-    file that vibsim wrote: its case is run again.
+    file that vibsim wrote: its case is run again. --ramp runs a machine slowly through a resonance.
     """
 
     check_engine(engine)

@@ -149,8 +149,9 @@ def command(
 ) -> int:
     """Run CASE at every point of a grid and store statistics of each run.
 
-    CASE is a YAML file, the name of a shipped case, - for standard input, or an HDF5 file of vibsim, whose
-    case is taken. The file of a sweep, given alone, is completed.
+    Bifurcation diagrams, frequency responses and basins are made so. CASE is a YAML file, the name of a
+    shipped case, - for standard input, or an HDF5 file of vibsim, whose case is taken. The file of a sweep,
+    given alone, is completed.
     """
 
     if list_computations:
