@@ -154,6 +154,19 @@ def test_one_branch_labels_its_points_over_a_sweep_of_speeds():
         assert written & {special.label for special in branch.specials}
 
 
+def test_labels_of_several_branches_say_whose_they_are():
+    branch = branch_of(CAPTURED, "4.9:6 Hz")
+    swept = sweep(branch.case, {"Omega0": "5, 6 Hz"}, overrides={"run.t_end": "20 s"})
+    several = [Subject(f"{name}.h5", name, "branch", branch.case, branch) for name in "ab"]
+    figure = on_paper(kind_named("sommerfeld").draw([subject_of(swept), *several], View(width="page")))
+    texts = [text for axes in figure.axes for text in axes.texts if text.get_gid() == "special label"]
+    assert {text.get_text().partition(":")[0] for text in texts} == {"1", "2"}
+    legend = {text.get_text() for one in figure.legends for text in one.get_texts()}
+    assert {"1: a", "2: b"} <= legend
+    crowd = kind_named("sommerfeld").draw([subject_of(swept), *several * 3], View(width="page"))
+    assert not [text for axes in crowd.axes for text in axes.texts if text.get_gid() == "special label"]
+
+
 def test_no_line_is_drawn_where_values_leap():
     steady = np.array([1, 1.1, 1.2, 1.3, 5.0, 5.1, 5.2])
     assert leaps(steady).tolist() == [3]

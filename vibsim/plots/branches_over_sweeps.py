@@ -7,12 +7,14 @@ their ends. The same is read off an orbit of n periods by running it through onc
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from vibsim.cases.quantities import UNITS
 from vibsim.engine.trajectory import open_trajectory
@@ -40,6 +42,7 @@ from vibsim.sweeps.statistics import displacements, velocities
 MARKED = ("fold", "doubling", "neimark-sacker", "branch point", "corner", "hopf", "grazing", "sticking")
 OVER_SPEEDS = ("fold", "doubling", "neimark-sacker")  # in the small panels of a Sommerfeld diagram
 ROOM = 0.04  # of the range, beyond a branch
+LABELLED = 4  # branches whose special points are labelled; of more the labels would say too little
 SIZE = 0.7  # of lines and marks: what was swept shall show beside them
 BEYOND = 0.4  # of a period, by which a run goes on behind an orbit: its last return lies within it
 PATH = ("initial.", "run.", "name", "title")  # keys that change no orbit
@@ -161,19 +164,22 @@ def lay_branches(
     marked: Sequence[str] = MARKED,
 ) -> list[LabelledPoint]:
     """Draw the branches that belong to the curves of a panel; the labels of their special points, to be
-    written by `label_points` when all else is drawn.
+    written by `label_points` when all else is drawn, with the number of the branch where there are several.
 
     values : what is drawn of a branch upwards: a value for every line, such as one for each period
     """
     limits, labels = (axes.get_xlim(), axes.get_ylim()), list[LabelledPoint]()
     before = len(axes.get_lines())
-    for branch in branches:
+    for number, branch in enumerate(branches, 1):
         if not any(belongs(branch, curve) for curve in drawn):
             continue
         result, x = branch.result, _across(branch, drawn[0].subject)
-        for number, y in enumerate(values(branch)):
+        for line, y in enumerate(values(branch)):
             draw_branch(axes, result, x, y, BLACK, "", marked, SIZE)
-            labels += special_labels(result, x, y, marked) if number == 0 else []
+            if line == 0 and len(branches) <= LABELLED:
+                own = special_labels(result, x, y, marked)
+                several = len(branches) > 1
+                labels += [replace(one, text=f"{number}:{one.text}") if several else one for one in own]
     axes.set_xlim(*limits[0])
     axes.set_ylim(*_with_room(limits, [line.get_data() for line in axes.get_lines()[before:]]))
     return labels
@@ -245,7 +251,11 @@ def name_branches(
     """
     if not branches:
         return
-    add_below(figure, keys_to_marks([branch.result for branch in branches], marked))
+    keys = keys_to_marks([branch.result for branch in branches], marked)
+    if 1 < len(branches) <= LABELLED:
+        named = [f"{number}: {branch.name}" for number, branch in enumerate(branches, 1)]
+        keys += [Line2D([], [], linestyle="none", label=name) for name in named]
+    add_below(figure, keys)
     others = [key for branch in branches for sweep in sweeps for key in other_values(branch, sweep)]
     if others:
         words = f"branches with other {', '.join(dict.fromkeys(others))}"
