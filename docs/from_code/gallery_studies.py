@@ -25,7 +25,7 @@ UP_AND_DOWN = " --carry-state --direction both"
 STUDIES: dict[str, Study] = {
     "ball-on-shaken-table": Study(
         "--param base.a=0.5:1.1/61mm --t-end 12s --section 40",
-        "orbit",
+        "bifurcation",
         "Bifurcation diagram over the amplitude of the table: one bounce per period, up to a doubling",
         (("-s base.a='0.9 mm'", "one bounce per period still, at another phase of the table"),),
     ),
@@ -88,7 +88,7 @@ STUDIES: dict[str, Study] = {
     ),
     "chattering-oscillator": Study(
         "--param drive.omega=0.25:0.6/71rad/s --t-end 400s --section 20",
-        "orbit",
+        "bifurcation",
         "Orbit diagram over the frequency: windows of motions that chatter and rest",
         (("-s wall.e=0.5", "fewer bounces before each rest"),),
     ),
@@ -121,7 +121,7 @@ STUDIES: dict[str, Study] = {
     ),
     "driven-pendulum": Study(
         "--param drive.A=0.4:0.62/81Nm --t-end 1200s --section 60",
-        "orbit",
+        "bifurcation",
         "Bifurcation diagram over the torque",
         (("-s weight.c='0.2 N m s/rad'", "with more damping the swings are periodic"),),
     ),
@@ -139,7 +139,7 @@ STUDIES: dict[str, Study] = {
     ),
     "duffing-two-well": Study(
         "--param drive.A=0.2:0.4/81N --t-end 1500s --section 60",
-        "orbit",
+        "bifurcation",
         "Bifurcation diagram over the force: from one well to both",
         (("-s drive.A='0.2 N'", "the mass stays in one well"),),
     ),
@@ -187,7 +187,7 @@ STUDIES: dict[str, Study] = {
     ),
     "impact-oscillator": Study(
         "--param drive.omega=2.4:3.8/141rad/s --t-end 1200s --section 60",
-        "orbit",
+        "bifurcation",
         "Bifurcation diagram over the frequency: period doubling, chaos, two periods",
         (("-s drive.omega='2.8 rad/s'", "chaos"), ("-s wall.gap='0.4 m'", "beyond the fold: another motion")),
     ),
@@ -199,7 +199,7 @@ STUDIES: dict[str, Study] = {
     ),
     "impact-pair": Study(
         "--param base.a=3:12/61mm --t-end 20s --section 40",
-        "orbit",
+        "bifurcation",
         "Bifurcation diagram over the amplitude of the base",
         (("-s left.e=0.5 -s right.e=0.5", "slower, and still one impact on each wall per period"),),
     ),
@@ -217,7 +217,7 @@ STUDIES: dict[str, Study] = {
     ),
     "percussive-drill": Study(
         "--param feed.omega=10:40/61Hz --t-end 5s --section 20",
-        "orbit",
+        "bifurcation",
         "Orbit diagram over the frequency of the hammer",
         (("-s feed.F0='40 N'", "pressed harder, the bit advances more than twice as far"),),
     ),
@@ -259,7 +259,7 @@ STUDIES: dict[str, Study] = {
     ),
     "ueda-oscillator": Study(
         "--param drive.A=5:12/81N --t-end 1200s --section 60",
-        "orbit",
+        "bifurcation",
         "Bifurcation diagram over the force: Ueda's chaos and its windows",
         (("-s initial.mass.x='2.501 m'", "a start 1 mm away: another motion after some 40 s"),),
     ),
