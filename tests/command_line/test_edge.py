@@ -54,7 +54,7 @@ def test_a_shock_in_one_value_and_in_all(files):
 @pytest.mark.parametrize(
     ("words", "code", "message"),
     [
-        ([CASE, "--between", "0,1"], 2, "0 is the number of an attractor, which the file of a sweep"),
+        ([CASE, "--between", "0,1"], 2, "0 is the number of an attractor, which a sweep with"),
         ([CASE, "--between", "0"], 2, "'0' is not A,B"),
         ([CASE], 2, "give one of --between A,B, --shock A and --changes"),
         ([CASE, "--between", "II-B,I-A"], 2, "has no x_tip, v_tip, which the case has"),
