@@ -79,6 +79,38 @@ def _orbit_near(fold, axes, tmp_path):
     return sweep.attractors["state"][fold.attractor]
 
 
+@pytest.mark.slow
+def test_chaos_between_two_wells_dies_in_a_boundary_crisis(tmp_path):
+    """x'' = x - x^3 - 0.25 x' + A sin t: of 60 starts run on in fixed steps of the fourth order, all stay on
+    the set 0.01 N below, and most leave it 0.03 N above.
+    """
+    case = load_case("gallery/duffing-two-well", {"run.t_end": "3000 s"})
+    axes = {"drive.A": "0.4,0.5 N", "mass.x": "-1:1/3 m", "mass.v": "0,0.5 m/s"}
+    changes = changes_of(axes, case, tmp_path / "wells.h5")
+    (crisis,) = [change for change in changes if "crisis" in change.cause]
+    assert not crisis.birth and 0.4 < crisis.parameter < 0.5
+
+    def large(A, periods):
+        """Share of starts on the motion of one period, by its distance from itself a period before."""
+
+        def rates(t, y):
+            return np.array([y[1], A * np.sin(t) + y[0] - y[0] ** 3 - 0.25 * y[1]])
+
+        y, h, before = np.array([np.linspace(-0.4, 0.4, 60), np.zeros(60)]), 2 * np.pi / 120, None
+        for step in range(periods * 120):
+            if step == (periods - 1) * 120:
+                before = y
+            k1 = rates(step * h, y)
+            k2 = rates((step + 0.5) * h, y + h / 2 * k1)
+            k3 = rates((step + 0.5) * h, y + h / 2 * k2)
+            k4 = rates((step + 1) * h, y + h * k3)
+            y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        return (np.abs(y - before).max(axis=0) < 1e-6).mean()
+
+    assert large(crisis.parameter - 0.01, 400) == 0
+    assert large(crisis.parameter + 0.03, 400) > 0.5
+
+
 def test_births_are_those_of_a_parameter(tmp_path):
     plan = short_plan({"tip.x": "-4:4/4 mm"}, load_case("gallery/cantilever"), compute="attractor", section=0)
     sweep, _ = complete(plan, tmp_path / "plane.h5")

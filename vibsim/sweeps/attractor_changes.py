@@ -27,14 +27,14 @@ from vibsim.orbits.branches.correction import ContinuationError
 from vibsim.orbits.branches.interpolant import JOINS
 from vibsim.orbits.branches.special_points import NAMES
 from vibsim.orbits.branches.walk import END
-from vibsim.orbits.coordinates import OrbitError, placed
+from vibsim.orbits.coordinates import Coordinates, OrbitError, placed
 from vibsim.orbits.newton import course_of
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.stability import eigenvalues
 from vibsim.sweeps.attractor_labels import coordinates_of, orbit_of_label
 from vibsim.sweeps.attractors import parameter_axes
 from vibsim.sweeps.axes import Axis
-from vibsim.sweeps.basin_edges import Stepping, edge_between, rest_near, stretched
+from vibsim.sweeps.basin_edges import BasinEdge, Stepping, edge_between, rest_near, stretched
 from vibsim.sweeps.basin_starts import NOWHERE, Basins
 from vibsim.sweeps.run_ends import KINDS
 from vibsim.sweeps.sweep_plan import PlanError
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
 HALVINGS = 12  # of the interval of the parameter in which a set vanishes
 FINE = 40  # of that in which a state of rest loses its stability
 NEAR_REST = 0.5  # of its size: how far a state of rest may move from one value to the next
+BEFORE = 0.01  # of the way between two values of the sweep: where the set is still sure to be there
 RETURNS = 256  # of a set, among which the nearest to the saddle is looked for
 
 
@@ -70,13 +71,11 @@ class AttractorChange:
 
     def line(self, words: str) -> tuple[str, str]:
         """Label and text of it; words : of its attractor."""
-        where = f" at {number(self.parameter, 10)} {self.unit}".rstrip() if isfinite(self.parameter) else ""
         low, high = sorted((self.present, self.absent))
-        between = f"between {number(low, 6)} and {number(high, 6)} {self.unit}".strip()
-        return (
-            f"{'born' if self.birth else 'dies'}",
-            f"branch {self.branch}, {words}, {between}: {self.cause}{where}",
-        )
+        where = f"between {number(low, 6)} and {number(high, 6)} {self.unit}".strip()
+        if isfinite(self.parameter):
+            where = f"at {number(self.parameter, 10)} {self.unit}".strip()
+        return "born" if self.birth else "dies", f"branch {self.branch}, {words}, {where}: {self.cause}"
 
     def plain(self) -> dict[str, Any]:
         """As plain data for JSON."""
@@ -120,7 +119,7 @@ class _Changes:
 
     def _change(self, branch: int, i: int, present: int, absent: int, birth: bool) -> AttractorChange:
         kind = next(name for name, code in KINDS.items() if code == self.attractors["kind"][i])
-        where, cause = nan, "not located"
+        where, cause = nan, "what runs away is told by the attractors that die or are born there"
         try:
             if kind == "periodic":
                 where, cause = self._of_orbit(i, present, absent)
@@ -207,25 +206,38 @@ class _Changes:
                 high, goes_to = middle, basins.ends[end].label.state
         if goes_to is None:
             return nan, f"the {kind} set is there on: no start of the sweep ends on it there"
-        words = f"runs on the {kind} set leave it"
-        return (low + high) / 2, f"{words}; {self._crisis(low, state, goes_to)}"
+        first = np.array(self.attractors["state"][i])
+        before = low + BEFORE * (float(numbers[present]) - float(numbers[absent]))
+        met = self._crisis(before, (state, first), goes_to)
+        cause = f"a boundary crisis ({met})" if met else f"runs on the {kind} set leave it"
+        return (low + high) / 2, cause
 
-    def _crisis(self, value: float, state: np.ndarray, goes_to: np.ndarray) -> str:
-        """How near the set comes to the saddle of its boundary, just before it goes."""
+    def _crisis(self, value: float, states: tuple[np.ndarray, ...], goes_to: np.ndarray) -> str:
+        """How near the set comes to the saddle of its boundary; empty where none is found.
+
+        value : of the parameter, a little before the set goes; states : on the set
+        """
         case = self._case(value)
         at = coordinates_of(case.scene())
         assert at is not None
-        try:
-            saddle = edge_between(Basins(case, self.engine), at.state(state), at.state(goes_to)).orbit
-        except (OrbitError, EngineError):
-            return "no saddle was found on its boundary"
+        for state in states:
+            try:
+                edge = edge_between(Basins(case, self.engine), at.state(state), at.state(goes_to))
+            except (OrbitError, EngineError):
+                continue
+            return self._met(case, at, state, edge)
+        return ""
+
+    def _met(self, case: Case, at: Coordinates, state: np.ndarray, edge: BasinEdge) -> str:
+        """The saddle, and the distance to it of the returns of a set."""
+        saddle = edge.orbit
         if saddle is None:
-            return "the boundary of its basin holds a state of rest"
-        course = course_of(placed(case.scene(), at.state(state), 0.0), at, self.engine, more=4 * RETURNS)
+            return "on its boundary is a state of rest"
+        course = course_of(placed(case.scene(), at.state(state), 0.0), at, self.engine, more=RETURNS)
         apart = np.abs((course.points[:, None, :] - saddle.points[None, :, :]) * at.weights).max(axis=2).min()
         size = float((np.ptp(course.points, axis=0) * at.weights).max())
         share = float(apart) / size if size else nan
-        text = f"a boundary crisis: the set comes within {number(share, 2)} of its size to the saddle"
+        text = f"the set comes within {number(share, 2)} of its size to the saddle"
         return f"{text} of period {saddle.n}, multiplier {number(float(saddle.multipliers[0].real), 4)}"
 
 

@@ -166,6 +166,12 @@ class BasinEdge:
     between : the attractors that were asked for; sides : those on which the two sides of the saddle end
     pair : neighbours on the boundary of which the search began, by name of the column
     rounds : of bisection and following; runs : starts that were run to their ends
+
+    >>> import vibsim
+    >>> clear, strikes = {"x_tip": 0.0, "v_tip": 0.0}, {"x_tip": 0.0, "v_tip": 0.4}
+    >>> found = vibsim.edge("gallery/cantilever", clear, strikes)
+    >>> sorted(end.orbit.spelled for end in found.sides)
+    ['', 'be']
     """
 
     case: Case

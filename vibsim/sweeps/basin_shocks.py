@@ -52,6 +52,11 @@ class FatalShock:
     point : number of the return to the section at which it acts
     destination : the attractor on which the motion then ends
     runs : starts that were run to their ends
+
+    >>> import vibsim
+    >>> shock = vibsim.fatal_shock("gallery/cantilever", {"x_tip": 0.0, "v_tip": 0.0}, along="v_tip")
+    >>> shock.end.orbit.spelled, shock.destination.orbit.spelled, shock.along
+    ('', 'be', 'v_tip')
     """
 
     case: Case

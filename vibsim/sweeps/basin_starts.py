@@ -198,7 +198,7 @@ def basins_and_starts(
     if any(numbers):
         name = next(name for name, match in zip(names, numbers, strict=True) if match)
         raise PlanError(
-            f"{name} is the number of an attractor, which the file of a sweep with --compute attractor has; "
+            f"{name} is the number of an attractor, which a sweep with the computation attractor has; "
             "of a case give starts: orbits, runs or cases"
         )
     case = sweep.case if sweep is not None else opened(source, None)[0]
