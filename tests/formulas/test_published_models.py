@@ -107,3 +107,23 @@ run: {{t_end: 3 s, every: 5 ms}}
     with pytest.raises(EngineError, match="the displacement of the base jumps") as caught:
         simulate(load_case_text(text, name="jump"))
     assert caught.value.state.t == time
+
+
+@pytest.mark.parametrize("engine", ["c", "python"])
+@pytest.mark.parametrize("gap", [10.7, 5.0])
+def test_a_belt_carries_a_body_out_of_a_contact(gap, engine):
+    """It sticks and moves with the belt, x = x0 + u (t - t0), out of a contact with a power of the depth."""
+    text = f"""
+name: belt
+bodies: {{a: 1 kg}}
+links: {{l: {{between: [a, ground], force: "k*d", k: 10 N/m}}}}
+stops: {{s: {{between: [a, ground], gap: {gap} mm, acts: extension, force: "K*p**1.5", K: 1e3 N/m^1.5}}}}
+friction: {{f: {{between: [a, ground], N: 10 N, mu: 0.5, belt: 0.00719 m/s}}}}
+initial: {{a: {{x: -15 mm}}}}
+run: {{t_end: 2 s, every: 10 ms}}
+"""
+    run = simulate(load_case_text(text, name="belt"), engine=engine, trust=False)
+    events = run.events
+    assert list(events.words("kind")) == ["start", "stick_begin", "contact_end", "end"]
+    _, sticks, leaves, _ = events["t"]
+    assert leaves == pytest.approx(sticks + (-gap / 1000 - events["x_a"][1]) / 0.00719, abs=1e-14)

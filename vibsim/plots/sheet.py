@@ -206,7 +206,7 @@ class Scale:
 def scale_for(unit: str, *values: Iterable[float]) -> Scale:
     """The prefix under which the largest magnitude among `values` (arrays in SI `unit`) lies in [1, 1000).
 
-    All zero, or empty: no prefix.
+    All zero, or empty: no prefix. Of several units with commas between them each has it.
     """
     arrays = [np.asarray(array, dtype=float) for array in values]
     largest = max(
@@ -216,7 +216,8 @@ def scale_for(unit: str, *values: Iterable[float]) -> Scale:
         return Scale(1.0, unit)
     most = LARGEST_POWER.get(unit, max(_PREFIXES))
     power = min(max(math.floor(math.log10(largest) / 3 + 1e-12), min(_PREFIXES)), most)
-    return Scale(1000.0 ** (-power), _PREFIXES[power] + unit)
+    named = ", ".join(_PREFIXES[power] + one for one in unit.split(", "))
+    return Scale(1000.0 ** (-power), named)
 
 
 def amount(value: float, unit: str) -> str:

@@ -70,10 +70,13 @@ class Subject:
         return {"m": self.tables.displacements, "m/s": self.tables.velocities}[unit]
 
     def unit(self, unit: str) -> str:
-        """What a unit (m, m/s, N, N/m) is in the scene: of a torsional one with rad and N m."""
-        if not self.scene.torsional:
-            return unit
-        return {"m": "rad", "m/s": "rad/s", "N": "N m", "N/m": "N m/rad"}[unit]
+        """What a unit (m, m/s, N, N/m) is in the scene: of a torsional one with rad and N m; both where some
+        bodies turn.
+        """
+        turned = {"m": "rad", "m/s": "rad/s", "N": "N m", "N/m": "N m/rad"}[unit]
+        if self.scene.torsional:
+            return turned
+        return f"{unit}, {turned}" if any(body.turns for body in self.scene.bodies) else unit
 
 
 def open_subject(path: str) -> Subject:

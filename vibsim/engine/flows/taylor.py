@@ -95,9 +95,10 @@ class Taylor(TaylorExpansion[N]):
             return self.h
         h = self.h if self.h < left else left
         checks = StepChecks(self, tape)
+        shortest = checks.shortest()
         for _ in range(SHORTENINGS):
             excess = max(checks.excess(h), checks.excess(NEARER * h))
-            if excess <= 0:
+            if excess <= 0 or h <= shortest:
                 return self.h if h == left else h
             h = shortened(self.kit, h, excess, self.order)
             if self.t0 + h == self.t0:
@@ -352,6 +353,17 @@ class StepChecks(Generic[N]):
         self.forces: dict[int, list[int]] = {}
         for one in flow.rows.formulas:
             self.forces.setdefault(one.output, []).extend(c for c in (one.P, one.Q) if c >= 0)
+
+    def shortest(self) -> N:
+        """The step [s] that is not made shorter: where the base of a power falls to its zero and is there
+        within the resolution of time. A belt may carry a body there so slowly that shorter steps do not move
+        it.
+        """
+        for op in self.tape.tape.ops:
+            base = self.tape.series[op.a]
+            if op.code == POWER and base[1] < 0 and not base[0] > self.tape.least * abs(base[1]):
+                return 2 * self.tape.least
+        return self.kit.number(0)
 
     def excess(self, h: N) -> float:
         """By how many binary digits the worst formula is beyond what it may be wrong by at h [s] after the

@@ -360,20 +360,36 @@ static double excess(const Run *r, double h, double tolerance, int *singular)
     return worst;
 }
 
+/* The step that is not made shorter: where the base of a power falls to its zero and is there within the resolution of time.
+ */
+static double shortest_step(const Run *r)
+{
+    const TapeRoom *room = &r->taylor.tapes;
+    const Tape *tape = &r->mode->tape;
+    int k;
+    for (k = 0; k < tape->op_count; k++) {
+        const double *base = room->series[tape->ops[k].a < 0 ? 0 : tape->ops[k].a];
+        if (tape->ops[k].code == OP_POWER && base[1] < 0 && !(base[0] > room->least * fabs(base[1])))
+            return 2 * room->least;
+    }
+    return 0.0;
+}
+
 /* The step, or a shorter one, at the end of which the formulas have the values that their series say. */
 void sound_step(Run *r)
 {
     Taylor *f = &r->taylor;
     const double left = r->t_end - r->t0, tolerance = power_of_two(r->tolerance_exponent);
-    double h = f->h < left ? f->h : left;
+    double h = f->h < left ? f->h : left, shortest;
     int i;
     if (!(left > 0))
         return;
+    shortest = shortest_step(r);
     r->singular = NOTHING;
     for (i = 0; i < SHORTENINGS; i++) {
         double most = excess(r, h, tolerance, &r->singular), nearer = excess(r, NEARER * h, tolerance, &r->singular), digits;
         most = nearer > most ? nearer : most;
-        if (most <= 0) {
+        if (most <= 0 || h <= shortest) {
             f->h = h == left ? f->h : h;
             return;
         }
