@@ -77,6 +77,8 @@ def run_blocks(text: str) -> Iterator[tuple[list[list[str]], list[str]]]:
     """
     for name, content in files(text).items():
         Path(name).write_text(content, encoding="utf-8")
+    if "matplotlib.pyplot" in sys.modules:
+        sys.modules["matplotlib.pyplot"].close("all")  # figures that are not of this page
     names: dict[str, Any] = {}
     before: dict[str, int] = {}
     for number, match in enumerate(BLOCK.finditer(text)):
