@@ -25,6 +25,7 @@ INPUTS = {
     ("run", "sources"): (EITHER, ["run {}"]),
     ("sweep", "source"): (EITHER, ["sweep {} --omega0 3,4"]),
     ("orbit", "source"): (EITHER, ["orbit {}", "orbit {} --search 2"]),
+    ("edge", "source"): (EITHER, ["edge {} --between a.h5,a.h5"]),
     ("orbit", "start"): (RESULTS, ["orbit I-A --from {}"]),
     ("continue", "source"): (
         EITHER,

@@ -8,7 +8,7 @@ from functools import cached_property
 from operator import index
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any, Union
+from typing import Any, TypeGuard, Union
 
 from vibsim.cases.formula_keys import has_formulas
 from vibsim.cases.problems import CaseError, Problem
@@ -27,6 +27,7 @@ from vibsim.cases.schema_keys import (
 from vibsim.cases.schema_kinds import Measured
 from vibsim.cases.short_form import HEAD, flow, long_text, long_values, scalar, sections_text
 from vibsim.cases.sources import (
+    PathText,
     SourceText,
     Tree,
     apply_overrides,
@@ -294,12 +295,19 @@ def load_case(source: CaseLike, overrides: Mapping[str, object] | None = None) -
         return source.with_values(overrides) if overrides else source
     if isinstance(source, Mapping):
         return _case_of_dict(source, overrides)
-    if isinstance(source, str) and ("\n" in source or source.lstrip().startswith("{")):
+    if _is_text(source):
         return load_case_text(source, overrides)
     if not isinstance(source, str | PathLike) or not isinstance(path := fspath(source), str):
         allowed = "a Case, the path of a case file, the name of a shipped case, a dict or YAML text"
         raise TypeError(f"a case must be {allowed}, got {source!r:.60}")
     return _case(find_source(path), overrides or {})
+
+
+def _is_text(source: object) -> TypeGuard[str]:
+    """Whether what stands for a case is the content of a file."""
+    if not isinstance(source, str) or isinstance(source, PathText):
+        return False
+    return "\n" in source or source.lstrip().startswith("{")
 
 
 def load_case_text(text: str, overrides: Mapping[str, object] | None = None, name: str = "case") -> Case:

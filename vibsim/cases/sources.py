@@ -34,6 +34,10 @@ RESULTS = (".h5", ".hdf5", ".partial")
 HARD, GALLERY = "hard/", "gallery/"  # folders of shipped cases, and how their names begin
 
 
+class PathText(str):
+    """The path or name of a case on a command line, which is one whatever is in it, and no text of a case."""
+
+
 class SourceText(NamedTuple):
     """The text of one case file.
 

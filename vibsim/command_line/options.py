@@ -30,6 +30,11 @@ class CaseSource(click.ParamType):
 
     name = "case"
 
+    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        from vibsim.cases.sources import PathText
+
+        return PathText(value)
+
     def shell_complete(
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
