@@ -15,6 +15,8 @@
 
 typedef unsigned __int128 Wide;
 
+#define UNROLLED _Pragma("GCC unroll 8")
+#define STEP static inline __attribute__((always_inline))
 #define HEAVY __attribute__((noinline)) inline /* once in the program, whoever calls */
 
 enum { WORD = 64, LIMB_BITS = WORD * LIMBS, ENDLESS = INT_MAX, FURTHEST = 1 << 29 }; /* FURTHEST: of exponents */
@@ -194,71 +196,98 @@ static inline Real fabs(const Real &a)
     return x;
 }
 
+/* The words m rounded by the first bit of what is behind them. */
+STEP void round_by(Real *x, uint64_t rest)
+{
+    unsigned char up = rest >> 63;
+    int i;
+    UNROLLED for (i = 0; i < LIMBS; i++)
+        up = __builtin_add_overflow(x->m[i], (uint64_t)up, &x->m[i]);
+    if (__builtin_expect(up, 0)) {
+        x->m[LIMBS - 1] = 1ULL << 63;
+        x->exponent += 1;
+    }
+}
+
+/* Sums of what is zero or endless. */
+HEAVY Real special_sum(const Real &a, const Real &b, int flip)
+{
+    Real only = b;
+    only.sign = b.sign * flip;
+    if (a.exponent != ENDLESS && b.exponent != ENDLESS)
+        return only.sign == 0 ? a : only;
+    if (is_no_number(a) || is_no_number(b))
+        return NAN;
+    if (a.exponent != ENDLESS)
+        return only;
+    return b.exponent != ENDLESS || a.sign == only.sign ? a : Real(NAN);
+}
+
 /* a + b, b times `flip`. */
 HEAVY Real added(const Real &a, const Real &b, int flip)
 {
-    uint64_t big[LIMBS + 2], small[LIMBS + 1];
+    uint64_t big[LIMBS + 1], small[LIMBS + 1], shifted[2 * LIMBS + 2] = {0};
     const Real *x = &a, *y = &b;
-    int x_sign = a.sign, y_sign = b.sign * flip, i, words, bits;
+    int sign = a.sign, i, words, bits;
+    const int alike = sign == b.sign * flip;
     long apart;
-    if (a.exponent == ENDLESS || b.exponent == ENDLESS) {
-        if (is_no_number(a) || is_no_number(b))
-            return NAN;
-        if (a.exponent != ENDLESS)
-            return endless(y_sign);
-        return b.exponent != ENDLESS || x_sign == y_sign ? a : NAN;
-    }
-    if (y_sign == 0)
-        return a;
-    if (x_sign == 0) {
-        Real only = b;
-        only.sign = y_sign;
-        return only;
-    }
-    if (x_sign == y_sign ? a.exponent < b.exponent : compare_sizes(a, b) < 0) {
+    Real sum;
+    unsigned char carry = 0;
+    if (__builtin_expect(a.sign == 0 || b.sign == 0 || a.exponent == ENDLESS || b.exponent == ENDLESS, 0))
+        return special_sum(a, b, flip);
+    if (a.exponent < b.exponent || (!alike && a.exponent == b.exponent && compare_sizes(a, b) < 0)) {
         x = &b;
         y = &a;
-        i = x_sign;
-        x_sign = y_sign;
-        y_sign = i;
+        sign = b.sign * flip;
     }
     apart = (long)x->exponent - y->exponent;
-    if (apart > LIMB_BITS + 2) {
-        Real only = *x;
-        only.sign = x_sign;
-        return only;
+    if (apart > LIMB_BITS) {
+        sum = *x;
+        sum.sign = sign;
+        return sum;
     }
     words = (int)(apart / WORD);
     bits = (int)(apart % WORD);
-    for (i = 0; i < LIMBS + 1; i++) { /* y below x, with a guard word */
-        int from = i + words - 1;
-        uint64_t low = from >= 0 && from < LIMBS ? y->m[from] : 0, high = from + 1 >= 0 && from + 1 < LIMBS ? y->m[from + 1] : 0;
-        small[i] = bits ? low >> bits | high << (WORD - bits) : low;
-    }
+    UNROLLED for (i = 0; i < LIMBS; i++)
+        shifted[i + 1] = y->m[i];
+    UNROLLED for (i = 0; i < LIMBS + 1; i++) /* y below x, with a guard word */
+        small[i] = shifted[i + words] >> bits | shifted[i + words + 1] << 1 << (WORD - 1 - bits);
     big[0] = 0;
-    for (i = 0; i < LIMBS; i++)
+    UNROLLED for (i = 0; i < LIMBS; i++)
         big[i + 1] = x->m[i];
-    if (x_sign == y_sign) {
-        unsigned char carry = 0;
-        for (i = 0; i < LIMBS + 1; i++) {
-            Wide sum = (Wide)big[i] + small[i] + carry;
-            big[i] = (uint64_t)sum;
-            carry = (unsigned char)(sum >> 64);
+    sum.sign = sign;
+    sum.exponent = x->exponent;
+    if (alike) {
+        UNROLLED for (i = 0; i < LIMBS + 1; i++) {
+            unsigned char over = __builtin_add_overflow(big[i], small[i], &big[i]);
+            carry = over | __builtin_add_overflow(big[i], (uint64_t)carry, &big[i]);
         }
-        big[LIMBS + 1] = carry;
-        if (!carry)
-            return normal(big, LIMBS + 1, x->exponent, x_sign);
-        return normal(big, LIMBS + 2, (long)x->exponent + WORD, x_sign);
-    }
-    {
-        unsigned char borrow = 0;
-        for (i = 0; i < LIMBS + 1; i++) {
-            Wide rest = (Wide)big[i] - small[i] - borrow;
-            big[i] = (uint64_t)rest;
-            borrow = (unsigned char)(rest >> 64 != 0);
+        UNROLLED for (i = 0; i < LIMBS; i++)
+            sum.m[i] = big[i + 1];
+        if (carry) {
+            uint64_t rest = sum.m[0] << 63;
+            UNROLLED for (i = 0; i < LIMBS - 1; i++)
+                sum.m[i] = sum.m[i] >> 1 | sum.m[i + 1] << 63;
+            sum.m[LIMBS - 1] = sum.m[LIMBS - 1] >> 1 | 1ULL << 63;
+            sum.exponent += 1;
+            round_by(&sum, rest);
+        } else {
+            round_by(&sum, big[0]);
         }
+        return sum;
     }
-    return normal(big, LIMBS + 1, x->exponent, x_sign);
+    UNROLLED for (i = 0; i < LIMBS + 1; i++) {
+        unsigned char under = __builtin_sub_overflow(big[i], small[i], &big[i]);
+        carry = under | __builtin_sub_overflow(big[i], (uint64_t)carry, &big[i]);
+    }
+    if (__builtin_expect(big[LIMBS] == 0, 0))
+        return normal(big, LIMBS + 1, sum.exponent, sign);
+    bits = __builtin_clzll(big[LIMBS]);
+    UNROLLED for (i = 0; i < LIMBS; i++)
+        sum.m[i] = big[i + 1] << bits | big[i] >> 1 >> (WORD - 1 - bits);
+    sum.exponent -= bits;
+    round_by(&sum, big[0] << bits);
+    return sum;
 }
 
 static inline Real operator+(const Real &a, const Real &b) { return added(a, b, 1); }
@@ -267,21 +296,28 @@ static inline Real operator-(const Real &a, const Real &b) { return added(a, b, 
 HEAVY Real operator*(const Real &a, const Real &b)
 {
     uint64_t w[2 * LIMBS] = {0};
-    int i, j;
-    if (a.exponent == ENDLESS || b.exponent == ENDLESS)
-        return endless(a.sign * b.sign);
-    if (a.sign == 0 || b.sign == 0)
-        return Real{};
-    for (i = 0; i < LIMBS; i++) {
+    Real x;
+    int i, j, lead;
+    if (__builtin_expect(a.sign == 0 || b.sign == 0 || a.exponent == ENDLESS || b.exponent == ENDLESS, 0))
+        return a.exponent == ENDLESS || b.exponent == ENDLESS ? endless(a.sign * b.sign) : Real{};
+    UNROLLED for (i = 0; i < LIMBS; i++) {
         uint64_t carry = 0;
-        for (j = 0; j < LIMBS; j++) {
+        UNROLLED for (j = 0; j < LIMBS; j++) {
             Wide product = (Wide)a.m[i] * b.m[j] + w[i + j] + carry;
             w[i + j] = (uint64_t)product;
             carry = (uint64_t)(product >> 64);
         }
         w[i + LIMBS] = carry;
     }
-    return normal(w, 2 * LIMBS, (long)a.exponent + b.exponent, a.sign * b.sign);
+    x.sign = a.sign * b.sign;
+    lead = !(w[2 * LIMBS - 1] >> 63);
+    x.exponent = a.exponent + b.exponent - lead;
+    UNROLLED for (i = 0; i < LIMBS; i++)
+        x.m[i] = w[i + LIMBS] << lead | (w[i + LIMBS - 1] >> 63 & (uint64_t)lead);
+    round_by(&x, w[LIMBS - 1] << lead);
+    if (__builtin_expect(x.exponent > FURTHEST || x.exponent < -FURTHEST, 0))
+        return x.exponent > 0 ? endless(x.sign) : Real{};
+    return x;
 }
 
 /* By a whole number of one word. */
@@ -455,6 +491,59 @@ HEAVY Real sqrt(const Real &x)
     root = part * inverse;
     root = root + scaled(inverse * (part - root * root), -1);
     return scaled(root, ((long)x.exponent - odd) / 2);
+}
+
+/* Sum of a[i] b[i], i from 0 below count, b a `step` apart: in whole numbers that begin where the largest product does and end a
+ * word below its last one, rounded once.
+ */
+HEAVY Real sum_of_products(const Real *a, const Real *b, int count, int step)
+{
+    enum { KEPT = LIMBS + 1 };
+    uint64_t total[KEPT + 1] = {0};
+    long largest = LONG_MIN;
+    int i, j, k;
+    const Real *other = b;
+    for (i = 0; i < count; i++, other += step) {
+        long exponent = (long)a[i].exponent + other->exponent;
+        if (__builtin_expect(a[i].exponent == ENDLESS || other->exponent == ENDLESS, 0))
+            return NAN;
+        if (a[i].sign != 0 && other->sign != 0 && exponent > largest)
+            largest = exponent;
+    }
+    for (i = 0, other = b; i < count; i++, other += step) {
+        uint64_t w[2 * LIMBS] = {0}, shifted[2 * KEPT + 1] = {0};
+        const long below = largest - ((long)a[i].exponent + other->exponent);
+        const uint64_t flip = a[i].sign == other->sign ? 0 : ~(uint64_t)0;
+        unsigned char carry = flip & 1;
+        int words, bits;
+        if (a[i].sign == 0 || other->sign == 0 || below >= (long)WORD * KEPT)
+            continue;
+        UNROLLED for (j = 0; j < LIMBS; j++) {
+            uint64_t over = 0;
+            UNROLLED for (k = 0; k < LIMBS; k++) {
+                Wide product = (Wide)a[i].m[j] * other->m[k] + w[j + k] + over;
+                w[j + k] = (uint64_t)product;
+                over = (uint64_t)(product >> 64);
+            }
+            w[j + LIMBS] = over;
+        }
+        words = (int)(below / WORD);
+        bits = (int)(below % WORD);
+        UNROLLED for (j = 0; j < KEPT; j++)
+            shifted[j] = w[j + LIMBS - 1];
+        UNROLLED for (j = 0; j < KEPT + 1; j++) {
+            uint64_t word = j < KEPT ? shifted[j + words] >> bits | shifted[j + words + 1] << 1 << (WORD - 1 - bits) : 0;
+            unsigned char over = __builtin_add_overflow(total[j], word ^ flip, &total[j]);
+            carry = over | __builtin_add_overflow(total[j], (uint64_t)carry, &total[j]);
+        }
+    }
+    i = total[KEPT] >> 63 ? -1 : 1;
+    if (i < 0) {
+        unsigned char carry = 1;
+        for (j = 0; j < KEPT + 1; j++)
+            carry = __builtin_add_overflow(~total[j], (uint64_t)carry, &total[j]);
+    }
+    return largest == LONG_MIN ? Real{} : normal(total, KEPT + 1, largest + WORD, i);
 }
 
 static inline Real copysign(const Real &size, const Real &sign)

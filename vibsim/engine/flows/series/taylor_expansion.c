@@ -56,6 +56,40 @@ INLINE Real start_rotation(Rotor *o, int p)
     return o->unbalance * o->tail;
 }
 
+/* Sums of `count` products: of cosines and speeds, sines and speeds, sines and accelerations. */
+typedef struct {
+    Real cws, tails, backs;
+} Products;
+
+INLINE Products products_of(const Real *restrict cosine, const Real *restrict sine, const Real *w, const Real *a1, int count)
+{
+    Products sums;
+#ifdef LIMBS
+    sums.cws = sum_of_products(cosine, w, count, 1);
+    sums.tails = sum_of_products(sine, w, count, 1);
+    sums.backs = sum_of_products(sine, a1, count, 1);
+#else
+    Pair cws = make_pair(0, 0), tails = cws, backs = cws;
+    int i;
+    for (i = 0; i + 1 < count; i += 2) {
+        Pair speeds = load_pair(w + i), sines = load_pair(sine + i);
+        cws = add_product(cws, load_pair(cosine + i), speeds);
+        tails = add_product(tails, sines, speeds);
+        backs = add_product(backs, sines, load_pair(a1 + i));
+    }
+    if (i < count) { /* the odd chain has one term more; the even one adds 0 * 0 */
+        Pair speed = make_pair(w[i], 0), following = make_pair(sine[i], 0);
+        cws = add_product(cws, make_pair(cosine[i], 0), speed);
+        tails = add_product(tails, following, speed);
+        backs = add_product(backs, following, make_pair(a1[i], 0));
+    }
+    sums.cws = sum_of_pair(cws);
+    sums.tails = sum_of_pair(tails);
+    sums.backs = sum_of_pair(backs);
+#endif
+    return sums;
+}
+
 /* The same of order n > 0. All that does not wait for w[n] and a1[n - 1] comes first: few operations are then left between
  * one order and the next.
  */
@@ -64,28 +98,15 @@ INLINE Real rotate(Rotor *o, int n, int p, Real inverse)
     Real *restrict sine = o->sine, *restrict cosine = o->cosine;
     const Real *w = o->w_back + (p - n), *a1 = o->a1_back + (p + 1 - n); /* w[i]: order n - i, a1[i]: order n - 1 - i */
     const Real w0 = o->w_back[p], scale = o->unbalance * (n + 1), lean = cosine[0] * inverse;
-    Pair cws = make_pair(0, 0), tails = cws, backs = cws;
     Real ahead, known, slope;
-    int i;
-    for (i = 1; i + 1 < n; i += 2) {
-        Pair speeds = load_pair(w + i), sines = load_pair(sine + i + 1);
-        cws = add_product(cws, load_pair(cosine + i), speeds);
-        tails = add_product(tails, sines, speeds);
-        backs = add_product(backs, sines, load_pair(a1 + i));
-    }
-    if (i < n) { /* the odd chain has one term more; the even one adds 0 * 0 */
-        Pair speed = make_pair(w[i], 0), following = make_pair(sine[i + 1], 0);
-        cws = add_product(cws, make_pair(cosine[i], 0), speed);
-        tails = add_product(tails, following, speed);
-        backs = add_product(backs, following, make_pair(a1[i], 0));
-    }
-    ahead = (sum_of_pair(cws) + cosine[n] * w0) * inverse;
-    known = sum_of_pair(tails) + ahead * w0;
+    const Products sums = products_of(cosine + 1, sine + 2, w + 1, a1 + 1, n - 1);
+    ahead = (sums.cws + cosine[n] * w0) * inverse;
+    known = sums.tails + ahead * w0;
     slope = sine[1] + lean * w0;
     cosine[n + 1] = -(o->sw * inverse);
     sine[n + 1] = ahead + lean * w[0];
     o->tail = known + slope * w[0];
-    o->torque = (o->unbalance * sum_of_pair(backs) - o->drag * w[0]) + o->pull * o->previous;
+    o->torque = (o->unbalance * sums.backs - o->drag * w[0]) + o->pull * o->previous;
     return scale * known + scale * slope * w[0];
 }
 
