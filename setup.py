@@ -1,7 +1,7 @@
 """Builds the optional engines in C and names the packages; everything else is declared in pyproject.toml.
 
-The same sources make `_engine`, in C on doubles, and for runs of many digits `_engine_2` and `_engine_4`, in
-C++ on numbers of so many words (`vibsim/engine/numbers/`), where the compiler has whole numbers of 128 bits.
+The same sources make `_engine`, in C on doubles, and for runs of many digits `_engine_2`, `_engine_3` and
+`_engine_4`, in C++ on numbers of so many words (`vibsim/engine/numbers/`), where the compiler has whole numbers of 128 bits.
 
 Without a compiler the extension is left out (`optional=True`) and vibsim runs on its Python engine.
 `-ffp-contract=off` keeps every product and sum rounded by itself, so that both engines agree bit for bit;
@@ -21,7 +21,7 @@ from setuptools.command.build_ext import build_ext
 ROOM = "vibsim/engine"
 ROUNDING = ["-ffp-contract=off", "-fno-fast-math", "-fno-trapping-math"]
 SIMPLE = ["-fno-exceptions", "-fno-rtti", "-fno-threadsafe-statics", "-Wno-missing-field-initializers"]
-WORDS = (2, 4)  # of the numbers of many digits
+WORDS = (2, 3, 4)  # of the numbers of many digits
 CPP_FLAGS = ["-std=c++20", "-O2", *SIMPLE, *ROUNDING, "-fvisibility=hidden", "-Wall"]
 GCC_FLAGS = ["-std=c99", "-O3", *ROUNDING, "-fvisibility=hidden", "-Wall"]
 MSVC_FLAGS = ["/O2", "/fp:strict", "/std:c11"]  # C99's restrict is C11's to it

@@ -1,6 +1,6 @@
 """The number types of the engine in C: how Python's numbers go into it and come back.
 
-Doubles go as they are. For runs of many digits the same engine is built on numbers of 2 or 4 words of 64 bits
+Doubles go as they are. For runs of many digits the same engine is built on numbers of 2 to 4 words of 64 bits
 (`numbers/limbs.h`): a mantissa, an exponent and a sign. Numbers of python-flint or mpmath are rounded to them
 once, and those that come back are exact.
 """
@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from functools import lru_cache
 from importlib import import_module
+from importlib.util import find_spec
 from math import inf
 from struct import Struct
 from typing import TYPE_CHECKING, Any, Generic, Protocol
@@ -21,15 +22,15 @@ import numpy as np
 from vibsim.engine.errors import State
 from vibsim.physics import elementary
 from vibsim.physics.numbers import Doubles, Kit, N, Number, nearest_double
-from vibsim.physics.precision import DigitsKit
+from vibsim.physics.precision import BITS_PER_DIGIT, DigitsKit
 
 if TYPE_CHECKING:
     from vibsim.engine._engine import Run
     from vibsim.physics.parts import Scene
 
 WORD, ENDLESS = 64, 2**31 - 1  # bits of a word; exponent of what is infinite
-SPARE_BITS = 28  # that a number of words has beyond the unit round-off of a run, at least
-WORDS = (2, 4)  # of the engines that are built, see setup.py
+SPARE_BITS = 20  # that a number of words has beyond the unit round-off of a run, at least
+WORDS = (2, 3, 4)  # of the engines that are built, see setup.py
 
 
 class NumberForm(Protocol[N]):
@@ -112,6 +113,7 @@ class WordsForm(Generic[N]):
 
     def __init__(self, kit: DigitsKit[N], words: int) -> None:
         self.kit, self.words = kit, words
+        self.name = f"{WORD * words}-bit"
         self._ends = Struct("<ii")  # exponent, sign
         self.type = np.dtype([("words", "<u8", (words,)), ("exponent", "<i4"), ("sign", "<i4")])
 
@@ -191,15 +193,22 @@ class WordsForm(Generic[N]):
 DOUBLES = DoubleForm()
 
 
+@lru_cache(maxsize=8)
+def is_built(words: int) -> bool:
+    """Whether the engine in C was built on numbers of so many words."""
+    return find_spec(f"vibsim.engine._engine_{words}") is not None
+
+
+def digits_in_c() -> list[int]:
+    """The most decimal digits that each number type of C suffices for, the cheapest first."""
+    return [int((WORD * words - SPARE_BITS - 1) / BITS_PER_DIGIT) for words in WORDS if is_built(words)]
+
+
 def words_form(kit: DigitsKit[Number]) -> WordsForm[Number] | None:
     """The cheapest form of C that suffices for runs on the numbers of `kit`; None where none does, or where
     the engine was not built on it.
     """
     for words in WORDS:
-        if kit.bits + SPARE_BITS <= WORD * words:
-            try:
-                import_module(f"vibsim.engine._engine_{words}")
-            except ImportError:
-                continue
+        if kit.bits + SPARE_BITS <= WORD * words and is_built(words):
             return WordsForm(kit, words)
     return None

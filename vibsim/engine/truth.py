@@ -43,6 +43,11 @@ class TruthTrajectory(PythonTrajectory[Number]):
     kit: DigitsKit[Number]
 
     @property
+    def number_type(self) -> str:
+        """What the motion is computed with."""
+        return self.kit.name
+
+    @property
     def order(self) -> int:
         """Order of the Taylor flow."""
         return self.kit.order()
@@ -88,7 +93,7 @@ class WordsTrajectory(Trajectory[Number]):
         super().__init__(scene)
         from vibsim.engine.c_engine import CRun
 
-        self.form, self.kit = form, form.kit
+        self.form, self.kit, self.number_type = form, form.kit, form.name
         self.run = CRun(scene, form=form, **wishes)
 
     @property

@@ -301,9 +301,12 @@ def check_digits(digits: int | str | None, engine: str) -> None:
     if digits is None:
         return
     from vibsim.physics.precision import MultiprecisionMissing, installed_library
+    from vibsim.results.many_digits import check_engine as check_truth_engine
 
-    if engine == "c":
-        raise click.UsageError("--digits needs the Python engine; the C engine has doubles only")
+    try:
+        check_truth_engine(digits, engine)
+    except ValueError as error:
+        raise click.UsageError(f"--digits: {error}") from error
     try:
         installed_library()
     except MultiprecisionMissing as error:

@@ -1,5 +1,5 @@
 /* Elementary functions of numbers of LIMBS words: reduction of the argument, power series, and Newton steps from doubles. Errors are
- * a few units in the last of 64 LIMBS bits, which lies 28 bits or more below the unit round-off that decisions go by.
+ * a few units in the last of 64 LIMBS bits, which lies 20 bits or more below the unit round-off that decisions go by.
  */
 #include "limbs_functions.h"
 

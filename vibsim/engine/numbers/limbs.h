@@ -493,13 +493,42 @@ HEAVY Real sqrt(const Real &x)
     return scaled(root, ((long)x.exponent - odd) / 2);
 }
 
+/* total + word, or total - word where `flip` is all ones, from their lowest words. */
+STEP void accumulate(uint64_t *total, const uint64_t *word, uint64_t flip)
+{
+    int j;
+#if defined(__x86_64__) && LIMBS == 2
+    uint64_t carry = flip, a = word[0] ^ flip, b = word[1] ^ flip, c = word[2] ^ flip;
+    (void)j;
+    __asm__("addq %[carry], %[carry]\n\tadcq %[a], %[s]\n\tadcq %[b], %[t]\n\tadcq %[c], %[u]\n\tadcq %[flip], %[v]"
+            : [carry] "+&r"(carry), [s] "+&r"(total[0]), [t] "+&r"(total[1]), [u] "+&r"(total[2]), [v] "+&r"(total[3])
+            : [a] "r"(a), [b] "r"(b), [c] "r"(c), [flip] "r"(flip)
+            : "cc");
+#elif defined(__x86_64__) && LIMBS == 4
+    uint64_t carry = flip, a = word[0] ^ flip, b = word[1] ^ flip, c = word[2] ^ flip, d = word[3] ^ flip, e = word[4] ^ flip;
+    (void)j;
+    __asm__("addq %[carry], %[carry]\n\tadcq %[a], %[s]\n\tadcq %[b], %[t]\n\tadcq %[c], %[u]\n\tadcq %[d], %[v]\n\t"
+            "adcq %[e], %[w]\n\tadcq %[flip], %[x]"
+            : [carry] "+&r"(carry), [s] "+m"(total[0]), [t] "+m"(total[1]), [u] "+m"(total[2]), [v] "+m"(total[3]),
+              [w] "+m"(total[4]), [x] "+m"(total[5])
+            : [a] "r"(a), [b] "r"(b), [c] "r"(c), [d] "r"(d), [e] "r"(e), [flip] "r"(flip)
+            : "cc");
+#else
+    unsigned char carry = flip & 1;
+    UNROLLED for (j = 0; j < LIMBS + 2; j++) {
+        unsigned char over = __builtin_add_overflow(total[j], j < LIMBS + 1 ? word[j] ^ flip : flip, &total[j]);
+        carry = over | __builtin_add_overflow(total[j], (uint64_t)carry, &total[j]);
+    }
+#endif
+}
+
 /* Sum of a[i] b[i], i from 0 below count, b a `step` apart: in whole numbers that begin where the largest product does and end a
  * word below its last one, rounded once.
  */
 HEAVY Real sum_of_products(const Real *a, const Real *b, int count, int step)
 {
     enum { KEPT = LIMBS + 1 };
-    uint64_t total[KEPT + 1] = {0};
+    uint64_t total[KEPT + 1] = {0}, w[LIMBS - 1 + 2 * KEPT + 1] = {0};
     long largest = LONG_MIN;
     int i, j, k;
     const Real *other = b;
@@ -507,35 +536,31 @@ HEAVY Real sum_of_products(const Real *a, const Real *b, int count, int step)
         long exponent = (long)a[i].exponent + other->exponent;
         if (__builtin_expect(a[i].exponent == ENDLESS || other->exponent == ENDLESS, 0))
             return NAN;
-        if (a[i].sign != 0 && other->sign != 0 && exponent > largest)
-            largest = exponent;
+        exponent = a[i].sign != 0 && other->sign != 0 ? exponent : LONG_MIN;
+        largest = exponent > largest ? exponent : largest;
     }
     for (i = 0, other = b; i < count; i++, other += step) {
-        uint64_t w[2 * LIMBS] = {0}, shifted[2 * KEPT + 1] = {0};
         const long below = largest - ((long)a[i].exponent + other->exponent);
-        const uint64_t flip = a[i].sign == other->sign ? 0 : ~(uint64_t)0;
-        unsigned char carry = flip & 1;
-        int words, bits;
+        const uint64_t flip = (uint64_t)((long)(a[i].sign ^ other->sign) >> 63); /* all ones where the signs differ */
+        uint64_t word[KEPT];
+        const uint64_t *from;
+        int bits;
         if (a[i].sign == 0 || other->sign == 0 || below >= (long)WORD * KEPT)
             continue;
         UNROLLED for (j = 0; j < LIMBS; j++) {
             uint64_t over = 0;
             UNROLLED for (k = 0; k < LIMBS; k++) {
-                Wide product = (Wide)a[i].m[j] * other->m[k] + w[j + k] + over;
+                Wide product = (Wide)a[i].m[j] * other->m[k] + (j ? w[j + k] : 0) + over;
                 w[j + k] = (uint64_t)product;
                 over = (uint64_t)(product >> 64);
             }
             w[j + LIMBS] = over;
         }
-        words = (int)(below / WORD);
+        from = w + LIMBS - 1 + below / WORD; /* zeros stand above the product */
         bits = (int)(below % WORD);
         UNROLLED for (j = 0; j < KEPT; j++)
-            shifted[j] = w[j + LIMBS - 1];
-        UNROLLED for (j = 0; j < KEPT + 1; j++) {
-            uint64_t word = j < KEPT ? shifted[j + words] >> bits | shifted[j + words + 1] << 1 << (WORD - 1 - bits) : 0;
-            unsigned char over = __builtin_add_overflow(total[j], word ^ flip, &total[j]);
-            carry = over | __builtin_add_overflow(total[j], (uint64_t)carry, &total[j]);
-        }
+            word[j] = from[j] >> bits | from[j + 1] << 1 << (WORD - 1 - bits);
+        accumulate(total, word, flip);
     }
     i = total[KEPT] >> 63 ? -1 : 1;
     if (i < 0) {

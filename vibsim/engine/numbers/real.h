@@ -16,12 +16,12 @@
 #include "limbs.h"
 #include "limbs_functions.h"
 
-#if LIMBS == 2 /* up to 30 digits, 100 bits; see LIMB_DIGITS in vibsim/engine/limb_numbers.py */
-enum { MAX_ORDER = 38, SERIES_TERMS = 40 };
-#elif LIMBS == 3 /* up to 49 digits */
-enum { MAX_ORDER = 60, SERIES_TERMS = 54 };
-#else /* up to 68 digits */
-enum { MAX_ORDER = 84, SERIES_TERMS = 68 };
+#if LIMBS == 2 /* up to 32 digits, 107 bits; see `digits_in_c` in vibsim/engine/number_forms.py */
+enum { MAX_ORDER = 40, SERIES_TERMS = 42 };
+#elif LIMBS == 3 /* up to 51 digits, 170 bits */
+enum { MAX_ORDER = 62, SERIES_TERMS = 56 };
+#else /* up to 70 digits, 235 bits */
+enum { MAX_ORDER = 86, SERIES_TERMS = 70 };
 #endif
 enum { NO_EXPONENT = -1000000 }; /* of zero */
 #define TURN (2 * HALF_TURN)
