@@ -213,6 +213,10 @@ typedef struct {
     int order, rates, stride, *loaded, loaded_count, few_nodes;
     Real *acceleration; /* by leading column, where a mode has formulas or rotors */
     TapeRoom tapes;
+#ifdef LIMBS
+    int words[SERIES], all_words; /* of which the products of each order of a rotor's series are sums, or all */
+    long sizes[3][SERIES];        /* binary exponents of the largest of these products, by sum and order */
+#endif
 } Taylor;
 
 /* Rotors on bodies, and of the step in hand: series of sine and cosine of each, of the acceleration of each group that some are

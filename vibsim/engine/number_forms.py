@@ -13,7 +13,7 @@ from fractions import Fraction
 from functools import lru_cache
 from importlib import import_module
 from importlib.util import find_spec
-from math import inf
+from math import ceil, inf
 from struct import Struct
 from typing import TYPE_CHECKING, Any, Generic, Protocol
 
@@ -201,7 +201,7 @@ def is_built(words: int) -> bool:
 
 def digits_in_c() -> list[int]:
     """The most decimal digits that each number type of C suffices for, the cheapest first."""
-    return [int((WORD * words - SPARE_BITS - 1) / BITS_PER_DIGIT) for words in WORDS if is_built(words)]
+    return [ceil((WORD * words - SPARE_BITS) / BITS_PER_DIGIT) - 1 for words in WORDS if is_built(words)]
 
 
 def words_form(kit: DigitsKit[Number]) -> WordsForm[Number] | None:

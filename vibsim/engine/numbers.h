@@ -33,6 +33,41 @@ static inline int binary_exponent(const Real &x)
     return x.sign ? x.exponent : NO_EXPONENT;
 }
 
+/* What bounds of many terms are summed in, though they need no digits: doubles, of powers that go beyond their exponents. */
+typedef double Magnitude;
+typedef struct {
+    double mantissa;
+    long exponent;
+} Power;
+
+static const double INFLATED = 1 + 0x1p-40; /* more than all rounding of a sum of bounds */
+
+static inline Power power_of(const Real &h)
+{
+    Power p = {ldexp((double)h.m[LIMBS - 1], -WORD), h.exponent};
+    if (h.sign == 0)
+        p.mantissa = 0;
+    return p;
+}
+
+static inline Power next_power(Power p, Power h)
+{
+    int shift;
+    Power next;
+    next.mantissa = frexp(p.mantissa * h.mantissa, &shift);
+    next.exponent = p.exponent + h.exponent + shift;
+    return next;
+}
+
+/* |x| p */
+static inline Magnitude term_size(const Real &x, Power p)
+{
+    long exponent = x.exponent + p.exponent;
+    if (x.sign == 0 || exponent < -1000)
+        return x.exponent == ENDLESS ? NAN : 0.0;
+    return exponent > 1000 ? INFINITY : (double)x.m[LIMBS - 1] * p.mantissa * double_of((uint64_t)(exponent - WORD + 1023) << 52);
+}
+
 /* 2^y, right to a double: of steps, which may be any. */
 static inline Real power_of_two(double y)
 {
@@ -60,6 +95,26 @@ static inline Real reduce_angle(Real angle, Real *turns)
 {
     *turns = floor(angle / TWO_PI + 0.5);
     return (angle - *turns * TWO_PI) - *turns * TWO_PI_LO;
+}
+
+typedef double Magnitude;
+typedef double Power;
+
+#define INFLATED 1
+
+static inline Power power_of(double h)
+{
+    return h;
+}
+
+static inline Power next_power(Power p, Power h)
+{
+    return p * h;
+}
+
+static inline Magnitude term_size(double x, Power p)
+{
+    return fabs(x) * p;
 }
 
 /* `turns` whole turns [rad]. */

@@ -142,7 +142,15 @@ inline Real::operator double() const
         return sign == 0 ? __builtin_nan("") : sign * __builtin_inf();
     for (i = 0; i < LIMBS - 1; i++)
         top |= m[i] != 0; /* decides where the rest would be half a unit */
-    return sign == 0 ? 0.0 : sign * ldexp((double)top, exponent < -20000 ? -20000 : exponent > 20000 ? 20000 : exponent - WORD);
+    if (sign == 0)
+        return 0.0;
+    if (exponent > -1000 && exponent < 1000) {
+        uint64_t bits = (uint64_t)(exponent - WORD + 1023) << 52;
+        double power;
+        memcpy(&power, &bits, sizeof power);
+        return sign * ((double)top * power);
+    }
+    return sign * ldexp((double)top, exponent < 0 ? (exponent < -20000 ? -20000 : exponent - WORD) : (exponent > 20000 ? 20000 : exponent - WORD));
 }
 
 /* Order of the sizes of finite numbers. */
@@ -493,74 +501,92 @@ HEAVY Real sqrt(const Real &x)
     return scaled(root, ((long)x.exponent - odd) / 2);
 }
 
-/* total + word, or total - word where `flip` is all ones, from their lowest words. */
-STEP void accumulate(uint64_t *total, const uint64_t *word, uint64_t flip)
+/* total + word, or total - word where `flip` is all ones: COUNT words from the lowest on, and what is carried above them. */
+template <int COUNT> STEP void accumulate(uint64_t *total, const uint64_t *word, uint64_t flip)
 {
-    int j;
-#if defined(__x86_64__) && LIMBS == 2
-    uint64_t carry = flip, a = word[0] ^ flip, b = word[1] ^ flip, c = word[2] ^ flip;
-    (void)j;
-    __asm__("addq %[carry], %[carry]\n\tadcq %[a], %[s]\n\tadcq %[b], %[t]\n\tadcq %[c], %[u]\n\tadcq %[flip], %[v]"
-            : [carry] "+&r"(carry), [s] "+&r"(total[0]), [t] "+&r"(total[1]), [u] "+&r"(total[2]), [v] "+&r"(total[3])
-            : [a] "r"(a), [b] "r"(b), [c] "r"(c), [flip] "r"(flip)
-            : "cc");
-#elif defined(__x86_64__) && LIMBS == 4
-    uint64_t carry = flip, a = word[0] ^ flip, b = word[1] ^ flip, c = word[2] ^ flip, d = word[3] ^ flip, e = word[4] ^ flip;
-    (void)j;
-    __asm__("addq %[carry], %[carry]\n\tadcq %[a], %[s]\n\tadcq %[b], %[t]\n\tadcq %[c], %[u]\n\tadcq %[d], %[v]\n\t"
-            "adcq %[e], %[w]\n\tadcq %[flip], %[x]"
-            : [carry] "+&r"(carry), [s] "+m"(total[0]), [t] "+m"(total[1]), [u] "+m"(total[2]), [v] "+m"(total[3]),
-              [w] "+m"(total[4]), [x] "+m"(total[5])
-            : [a] "r"(a), [b] "r"(b), [c] "r"(c), [d] "r"(d), [e] "r"(e), [flip] "r"(flip)
-            : "cc");
-#else
-    unsigned char carry = flip & 1;
-    UNROLLED for (j = 0; j < LIMBS + 2; j++) {
-        unsigned char over = __builtin_add_overflow(total[j], j < LIMBS + 1 ? word[j] ^ flip : flip, &total[j]);
-        carry = over | __builtin_add_overflow(total[j], (uint64_t)carry, &total[j]);
+#if defined(__x86_64__)
+    uint64_t carry = flip, a = word[0] ^ flip, b = word[1] ^ flip, c, d, e;
+    if constexpr (COUNT == 2) {
+        __asm__("addq %[carry], %[carry]\n\tadcq %[a], %[s]\n\tadcq %[b], %[t]\n\tadcq %[flip], %[u]"
+                : [carry] "+&r"(carry), [s] "+&r"(total[0]), [t] "+&r"(total[1]), [u] "+&r"(total[2])
+                : [a] "r"(a), [b] "r"(b), [flip] "r"(flip)
+                : "cc");
+        return;
+    }
+    if constexpr (COUNT == 3) {
+        c = word[2] ^ flip;
+        __asm__("addq %[carry], %[carry]\n\tadcq %[a], %[s]\n\tadcq %[b], %[t]\n\tadcq %[c], %[u]\n\tadcq %[flip], %[v]"
+                : [carry] "+&r"(carry), [s] "+&r"(total[0]), [t] "+&r"(total[1]), [u] "+&r"(total[2]), [v] "+&r"(total[3])
+                : [a] "r"(a), [b] "r"(b), [c] "r"(c), [flip] "r"(flip)
+                : "cc");
+        return;
+    }
+    if constexpr (COUNT == 4) {
+        c = word[2] ^ flip;
+        d = word[3] ^ flip;
+        __asm__("addq %[carry], %[carry]\n\tadcq %[a], %[s]\n\tadcq %[b], %[t]\n\tadcq %[c], %[u]\n\tadcq %[d], %[v]\n\t"
+                "adcq %[flip], %[x]"
+                : [carry] "+&r"(carry), [s] "+m"(total[0]), [t] "+m"(total[1]), [u] "+m"(total[2]), [v] "+m"(total[3]), [x] "+m"(total[4])
+                : [a] "r"(a), [b] "r"(b), [c] "r"(c), [d] "r"(d), [flip] "r"(flip)
+                : "cc");
+        return;
+    }
+    if constexpr (COUNT == 5) {
+        c = word[2] ^ flip;
+        d = word[3] ^ flip;
+        e = word[4] ^ flip;
+        __asm__("addq %[carry], %[carry]\n\tadcq %[a], %[s]\n\tadcq %[b], %[t]\n\tadcq %[c], %[u]\n\tadcq %[d], %[v]\n\t"
+                "adcq %[e], %[w]\n\tadcq %[flip], %[x]"
+                : [carry] "+&r"(carry), [s] "+m"(total[0]), [t] "+m"(total[1]), [u] "+m"(total[2]), [v] "+m"(total[3]),
+                  [w] "+m"(total[4]), [x] "+m"(total[5])
+                : [a] "r"(a), [b] "r"(b), [c] "r"(c), [d] "r"(d), [e] "r"(e), [flip] "r"(flip)
+                : "cc");
+        return;
     }
 #endif
+    unsigned char over = flip & 1;
+    for (int j = 0; j <= COUNT; j++) {
+        unsigned char more = __builtin_add_overflow(total[j], j < COUNT ? word[j] ^ flip : flip, &total[j]);
+        over = more | __builtin_add_overflow(total[j], (uint64_t)over, &total[j]);
+    }
 }
 
-/* Sum of a[i] b[i], i from 0 below count, b a `step` apart: in whole numbers that begin where the largest product does and end a
- * word below its last one, rounded once.
- */
-HEAVY Real sum_of_products(const Real *a, const Real *b, int count, int step)
+/* `sum_of_products` of the highest WORDS words of each factor. */
+template <int WORDS> Real leading_products(const Real *a, const Real *b, int count, long *largest)
 {
-    enum { KEPT = LIMBS + 1 };
-    uint64_t total[KEPT + 1] = {0}, w[LIMBS - 1 + 2 * KEPT + 1] = {0};
-    long largest = LONG_MIN;
+    enum { KEPT = WORDS + 1, LOW = LIMBS - WORDS };
+    uint64_t total[KEPT + 1] = {0}, w[WORDS - 1 + 2 * KEPT + 1] = {0};
     int i, j, k;
-    const Real *other = b;
-    for (i = 0; i < count; i++, other += step) {
-        long exponent = (long)a[i].exponent + other->exponent;
-        if (__builtin_expect(a[i].exponent == ENDLESS || other->exponent == ENDLESS, 0))
+    *largest = LONG_MIN;
+    for (i = 0; i < count; i++) {
+        long exponent = (long)a[i].exponent + b[i].exponent;
+        if (__builtin_expect(a[i].exponent == ENDLESS || b[i].exponent == ENDLESS, 0))
             return NAN;
-        exponent = a[i].sign != 0 && other->sign != 0 ? exponent : LONG_MIN;
-        largest = exponent > largest ? exponent : largest;
+        exponent = a[i].sign != 0 && b[i].sign != 0 ? exponent : LONG_MIN;
+        *largest = exponent > *largest ? exponent : *largest;
     }
-    for (i = 0, other = b; i < count; i++, other += step) {
-        const long below = largest - ((long)a[i].exponent + other->exponent);
-        const uint64_t flip = (uint64_t)((long)(a[i].sign ^ other->sign) >> 63); /* all ones where the signs differ */
+    for (i = 0; i < count; i++) {
+        const long below = *largest - ((long)a[i].exponent + b[i].exponent);
+        const uint64_t flip = (uint64_t)((long)(a[i].sign ^ b[i].sign) >> 63); /* all ones where the signs differ */
         uint64_t word[KEPT];
         const uint64_t *from;
         int bits;
-        if (a[i].sign == 0 || other->sign == 0 || below >= (long)WORD * KEPT)
+        if (a[i].sign == 0 || b[i].sign == 0 || below >= (long)WORD * KEPT)
             continue;
-        UNROLLED for (j = 0; j < LIMBS; j++) {
+        UNROLLED for (j = 0; j < WORDS; j++) {
             uint64_t over = 0;
-            UNROLLED for (k = 0; k < LIMBS; k++) {
-                Wide product = (Wide)a[i].m[j] * other->m[k] + (j ? w[j + k] : 0) + over;
+            UNROLLED for (k = 0; k < WORDS; k++) {
+                Wide product = (Wide)a[i].m[LOW + j] * b[i].m[LOW + k] + (j ? w[j + k] : 0) + over;
                 w[j + k] = (uint64_t)product;
                 over = (uint64_t)(product >> 64);
             }
-            w[j + LIMBS] = over;
+            w[j + WORDS] = over;
         }
-        from = w + LIMBS - 1 + below / WORD; /* zeros stand above the product */
+        from = w + WORDS - 1 + below / WORD; /* zeros stand above the product */
         bits = (int)(below % WORD);
         UNROLLED for (j = 0; j < KEPT; j++)
             word[j] = from[j] >> bits | from[j + 1] << 1 << (WORD - 1 - bits);
-        accumulate(total, word, flip);
+        accumulate<KEPT>(total, word, flip);
     }
     i = total[KEPT] >> 63 ? -1 : 1;
     if (i < 0) {
@@ -568,7 +594,22 @@ HEAVY Real sum_of_products(const Real *a, const Real *b, int count, int step)
         for (j = 0; j < KEPT + 1; j++)
             carry = __builtin_add_overflow(~total[j], (uint64_t)carry, &total[j]);
     }
-    return largest == LONG_MIN ? Real{} : normal(total, KEPT + 1, largest + WORD, i);
+    return *largest == LONG_MIN ? Real{} : normal(total, KEPT + 1, *largest + WORD, i);
+}
+
+/* Sum of a[i] b[i], i from 0 below count, in whole numbers that begin where the largest product does, at the binary exponent
+ * `largest`, and end a word below the last one of `words` words; rounded once.
+ */
+HEAVY Real sum_of_products(const Real *a, const Real *b, int count, int words, long *largest)
+{
+    switch (words) {
+    case 1: return leading_products<1>(a, b, count, largest);
+    case 2: return leading_products<2>(a, b, count, largest);
+#if LIMBS > 2
+    case 3: return leading_products<3>(a, b, count, largest);
+#endif
+    default: return leading_products<LIMBS>(a, b, count, largest);
+    }
 }
 
 static inline Real copysign(const Real &size, const Real &sign)

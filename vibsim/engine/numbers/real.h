@@ -20,7 +20,7 @@
 enum { MAX_ORDER = 40, SERIES_TERMS = 42 };
 #elif LIMBS == 3 /* up to 51 digits, 170 bits */
 enum { MAX_ORDER = 62, SERIES_TERMS = 56 };
-#else /* up to 70 digits, 235 bits */
+#else /* up to 71 digits, 236 bits */
 enum { MAX_ORDER = 86, SERIES_TERMS = 70 };
 #endif
 enum { NO_EXPONENT = -1000000 }; /* of zero */

@@ -173,33 +173,35 @@ static void watch_turns(Certificate *c, const Real *series, int count, Real t0, 
 }
 
 /* Bound of the curvature within h, times h^2. */
-static Real curvature_of(const Real *series, int count, Real h)
+static Magnitude curvature_of(const Real *series, int count, Power h)
 {
-    Real curvature = 0.0, power = h;
+    Magnitude curvature = 0.0;
+    Power power = h;
     int n;
     for (n = 1; n < count; n++) {
         if (n > 1)
-            curvature = curvature + n * (n - 1) * (fabs(series[n]) * power);
-        power = power * h;
+            curvature = curvature + n * (n - 1) * term_size(series[n], power);
+        power = next_power(power, h);
     }
-    return curvature;
+    return curvature * INFLATED;
 }
 
 /* Bound of the slope within h, times h. */
-static Real swing_of(const Real *series, int count, Real h)
+static Magnitude swing_of(const Real *series, int count, Power h)
 {
-    Real swing = 0.0, power = h;
+    Magnitude swing = 0.0;
+    Power power = h;
     int n;
     for (n = 1; n < count; n++) {
-        swing = swing + n * (fabs(series[n]) * power);
-        power = power * h;
+        swing = swing + n * term_size(series[n], power);
+        power = next_power(power, h);
     }
-    return swing;
+    return swing * INFLATED;
 }
 
 static int may_turn(const Real *series, int count, int order, Real total, Real h)
 {
-    Real swing = swing_of(series, count, h);
+    const Magnitude swing = swing_of(series, count, power_of(h));
     if (order > 0)
         return order * series[0] <= swing + order * (total - series[0]);
     return count > 1 && 2 * fabs(series[1]) * h <= swing;
@@ -254,7 +256,10 @@ int polynomial_first_root(Certificate *c, const Real *coefficients, int count, i
                           int sharp, Real *end)
 {
     const Real *series;
-    Real total, fall, power = h, term = 0.0, before = 0.0, error;
+    const Power step = power_of(h);
+    Magnitude total, fall, term = 0.0, before = 0.0;
+    Power power = step;
+    Real error;
     int order = known < count ? known : count, n, outcome = POSITIVE;
     while (order < count && coefficients[order] == 0)
         order++;
@@ -262,18 +267,19 @@ int polynomial_first_root(Certificate *c, const Real *coefficients, int count, i
         return POSITIVE;
     series = coefficients + order;
     count = count - order;
-    total = fabs(series[0]);
+    total = (Magnitude)fabs(series[0]);
     fall = 0.0;
     for (n = 1; n < count; n++) {
         before = term;
-        term = fabs(series[n]) * power;
+        term = term_size(series[n], power);
         total = total + term;
         fall = n > 1 || series[1] < 0 ? fall + term : fall;
-        power = power * h;
+        power = next_power(power, step);
     }
+    fall = fall * INFLATED;
     error = 4 * EPS * total + (before + term);
     if (series[0] - error - fall <= 0)
-        outcome = march(c, series, count, error, curvature_of(series, count, h) / (h * h), t0, h, sharp, end);
+        outcome = march(c, series, count, error, curvature_of(series, count, step) / (h * h), t0, h, sharp, end);
     if (keep_margin && series[0] - fall < c->margin &&
         may_turn(series, count, order, total, h))
         watch_turns(c, coefficients, count + order, t0, outcome == POSITIVE ? h : *end - t0);

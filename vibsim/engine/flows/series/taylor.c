@@ -9,6 +9,38 @@
 #define LEADING 4
 #define FEW_NODES_ORDER 20
 
+#ifdef LIMBS
+enum { SURPLUS = 30, SLACK = 14 }; /* bits beyond those that an order is expected to need; that sums may be wrong by, and more */
+
+/* Words that coefficients of order n need: they count by h^n, and end at the round-off. */
+static int words_of_order(int n, int order)
+{
+    const int bits = 1 - unit_roundoff.exponent, words = (bits - bits * n / order + SURPLUS + WORD - 1) / WORD;
+    return words < LIMBS ? words : LIMBS;
+}
+
+/* Whether what the sums of products of the rotor leave out is below the round-off of the largest of them in a step of this length. */
+static int words_suffice(const Taylor *f)
+{
+    const int bits = 1 - unit_roundoff.exponent;
+    double power; /* binary exponent of the step */
+    int s, n;
+    if (!isfinite(f->h))
+        return 0;
+    power = logarithm((double)f->h) * PER_LN_2;
+    for (s = 0; s < 3; s++) {
+        long leading = f->sizes[s][2]; /* the first order that is a sum */
+        if (leading == LONG_MIN)
+            return 0;
+        for (n = 2; n < f->order; n++)
+            if (f->words[n] < LIMBS && f->sizes[s][n] > LONG_MIN &&
+                f->sizes[s][n] + (n - 2) * power + (int)SLACK - (int)WORD * f->words[n] > leading - bits)
+                return 0;
+    }
+    return 1;
+}
+#endif
+
 void taylor_set(Run *r)
 {
     Taylor *f = &r->taylor;
@@ -19,6 +51,10 @@ void taylor_set(Run *r)
     for (n = 0; n < r->harmonic_count; n++)
         f->longest = 3 / r->harmonics[n].omega < f->longest ? 3 / r->harmonics[n].omega : f->longest;
     f->few_nodes = f->order <= FEW_NODES_ORDER && f->longest == INFINITY;
+#ifdef LIMBS
+    for (n = 0; n <= f->order; n++)
+        f->words[n] = words_of_order(n, f->order);
+#endif
     f->inverse[0] = 0.0;
     for (n = 1; n <= f->order + 2; n++)
         f->inverse[n] = 1 / (Real)n;
@@ -183,6 +219,14 @@ INLINE void expand_at(Run *r, const State *state)
         taylor_expand_loads(r, state->t);
     taylor_expand(r, state);
     f->h = step_length(r);
+#ifdef LIMBS
+    if (r->has_motor && !words_suffice(f)) {
+        f->all_words = 1;
+        taylor_expand(r, state);
+        f->all_words = 0;
+        f->h = step_length(r);
+    }
+#endif
 }
 
 void taylor_look(Run *r, const State *state)

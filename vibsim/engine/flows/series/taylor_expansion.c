@@ -14,6 +14,7 @@
 
 typedef struct {
     Real *sine, *cosine, *w_back, *a1_back; /* w_back[p - n] = w[n], a1_back[p - n] = a1[n] */
+    Taylor *of;
     Real unbalance, drag, inertia, stall, coupling, to_a1, to_w, cross, pull, sw, tail, torque, previous;
 } Rotor;
 
@@ -21,6 +22,7 @@ INLINE Rotor rotor_of(Run *r, const State *state)
 {
     Taylor *f = &r->taylor;
     Rotor o;
+    o.of = f;
     o.sine = f->sine;
     o.cosine = f->cosine;
     o.w_back = f->w_back;
@@ -61,16 +63,18 @@ typedef struct {
     Real cws, tails, backs;
 } Products;
 
-INLINE Products products_of(const Real *restrict cosine, const Real *restrict sine, const Real *w, const Real *a1, int count)
+INLINE Products products_of(Taylor *f, const Real *restrict cosine, const Real *restrict sine, const Real *w, const Real *a1, int count)
 {
     Products sums;
 #ifdef LIMBS
-    sums.cws = sum_of_products(cosine, w, count, 1);
-    sums.tails = sum_of_products(sine, w, count, 1);
-    sums.backs = sum_of_products(sine, a1, count, 1);
+    const int n = count + 1, words = f->all_words ? LIMBS : f->words[n];
+    sums.cws = sum_of_products(cosine, w, count, words, &f->sizes[0][n]);
+    sums.tails = sum_of_products(sine, w, count, words, &f->sizes[1][n]);
+    sums.backs = sum_of_products(sine, a1, count, words, &f->sizes[2][n]);
 #else
     Pair cws = make_pair(0, 0), tails = cws, backs = cws;
     int i;
+    (void)f;
     for (i = 0; i + 1 < count; i += 2) {
         Pair speeds = load_pair(w + i), sines = load_pair(sine + i);
         cws = add_product(cws, load_pair(cosine + i), speeds);
@@ -99,7 +103,7 @@ INLINE Real rotate(Rotor *o, int n, int p, Real inverse)
     const Real *w = o->w_back + (p - n), *a1 = o->a1_back + (p + 1 - n); /* w[i]: order n - i, a1[i]: order n - 1 - i */
     const Real w0 = o->w_back[p], scale = o->unbalance * (n + 1), lean = cosine[0] * inverse;
     Real ahead, known, slope;
-    const Products sums = products_of(cosine + 1, sine + 2, w + 1, a1 + 1, n - 1);
+    const Products sums = products_of(o->of, cosine + 1, sine + 2, w + 1, a1 + 1, n - 1);
     ahead = (sums.cws + cosine[n] * w0) * inverse;
     known = sums.tails + ahead * w0;
     slope = sine[1] + lean * w0;
