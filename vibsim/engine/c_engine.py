@@ -301,7 +301,14 @@ class CRun:
             self.run.fill(*self.arrays)
         tally = self.run.tally()
         states, modes, happened, codes, crossings = rows
-        return states, modes, happened, codes, crossings, (self.form.taken(tally["state"][0]), self.form.taken(tally["worked_to"]))
+        return (
+            states,
+            modes,
+            happened,
+            codes,
+            crossings,
+            (self.form.taken(tally["state"][0]), self.form.taken(tally["worked_to"])),
+        )
 
     def state_at(self, t: float) -> tuple[float, ...] | None:
         """(time, x and v of each body, rotor angle, its speed) at t [s] before the next event, None behind

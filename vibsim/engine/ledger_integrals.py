@@ -18,7 +18,6 @@ from dataclasses import dataclass, field
 from typing import Any, Generic, NamedTuple
 
 from vibsim.engine.modes.packing import Packer
-from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import (
     COUPLING,
@@ -34,6 +33,7 @@ from vibsim.engine.modes.rows import (
 )
 from vibsim.engine.modes.status import CONTACT, STICK, Kept, Status
 from vibsim.engine.modes.ties import Edge, Groups, Tie, beyond
+from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import BODY, ROTOR, Friction, Scene
 

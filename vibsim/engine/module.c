@@ -380,12 +380,13 @@ static PyMethodDef methods[] = {
     {NULL, NULL, 0, NULL},
 };
 
-static PyTypeObject run_type;
+#ifdef __GNUC__
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers" /* what is not said of a type is 0 */
+#endif
+static PyTypeObject run_type = {PyVarObject_HEAD_INIT(NULL, 0)};
 
 static void describe_type(void)
 {
-    PyTypeObject empty = {PyVarObject_HEAD_INIT(NULL, 0)};
-    run_type = empty;
     run_type.tp_name = "vibsim.engine." MODULE ".Run";
     run_type.tp_doc = "Run(ints, doubles): a run of a packed scene.";
     run_type.tp_basicsize = sizeof(RunObject);

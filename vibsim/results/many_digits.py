@@ -59,9 +59,7 @@ class DigitsPlan:
     digits : the digits, or "auto" for as many as leave WANTED right ones at the end
     """
 
-    def __init__(
-        self, case: "Case", digits: int | str, watch: Watch | None = None, engine: str = "auto"
-    ):
+    def __init__(self, case: "Case", digits: int | str, watch: Watch | None = None, engine: str = "auto"):
         self.case, self.watch, self.engine = case, watch, engine
         self.in_c = digits_in_c() if engine != "python" else []
         self.automatic = digits == "auto"

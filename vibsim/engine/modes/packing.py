@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from vibsim.engine.errors import State
 from vibsim.engine.flows.closed.modal import Pitch, harmonic_key
-from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.engine.modes.rows import DIFFERENCE, RATE, Event, EventKey, ModeRows, Term
+from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.physics.parts import BASE, BODY, GROUND, Harmonic, Scene
 
 if TYPE_CHECKING:
@@ -44,9 +44,7 @@ def harmonic(term: Harmonic) -> tuple[float, ...]:
     return term.amplitude, term.omega, term.cycles, term.cycles_lo, term.phase
 
 
-def pack_scene(
-    scene: Scene, harmonics: Sequence[Pitch], form: NumberForm[Any] = DOUBLES
-) -> Packed:
+def pack_scene(scene: Scene, harmonics: Sequence[Pitch], form: NumberForm[Any] = DOUBLES) -> Packed:
     """The scene as bytes of ints and of numbers. harmonics: distinct pitches, as `ClosedForm.harmonics`."""
     motor = scene.motor
     parts = len(scene.stops) + len(scene.frictions) + len(scene.clearances)

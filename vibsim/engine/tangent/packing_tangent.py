@@ -8,9 +8,9 @@ from itertools import accumulate, chain
 import numpy as np
 
 from vibsim.engine.modes.packing import Packed, Packer, pack_tape
-from vibsim.engine.number_forms import exponent_of
 from vibsim.engine.modes.rows import Joined, ModeRows
 from vibsim.engine.modes.ties import Edge
+from vibsim.engine.number_forms import exponent_of
 from vibsim.engine.tangent.formula_tangent import READ, SlopeShare, shares_of, slopes_of
 from vibsim.engine.tangent.tangent_space import Gauge, components, natural_rate, weights
 from vibsim.engine.tangent.tangent_taylor import reach
