@@ -179,7 +179,10 @@ class WordsForm(Generic[N]):
         words = values["words"]
         rest = np.bitwise_or.reduce(words[..., :-1], axis=-1) != 0  # decides where half a unit is left
         sizes = (words[..., -1] | rest.astype("u8")).astype("f8")
-        return values["sign"] * np.ldexp(sizes, np.where(values["sign"] == 0, 0, values["exponent"] - WORD))
+        rounded: np.ndarray = values["sign"] * np.ldexp(
+            sizes, np.where(values["sign"] == 0, 0, values["exponent"] - WORD)
+        )
+        return rounded
 
     def texts(self, row: np.ndarray) -> list[str]:
         """Numbers of words as decimal texts of all digits of the kit."""

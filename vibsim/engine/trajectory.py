@@ -8,6 +8,7 @@ trajectory.totals
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -81,13 +82,14 @@ def open_trajectory(
     return CTrajectory(scene, point, **wishes)
 
 
-def in_c(scene: Scene, wishes: Wishes) -> bool:
+def in_c(scene: Scene[Any], wishes: Wishes) -> bool:
     """Whether the C engine has all that a run asks for: with a base that moves by a formula no disturbances,
     no extremes against it, and no ledgers of stops that let go by force.
     """
     if scene.base_formula is None:
         return True
-    pairs = wishes["extremes"][0] if wishes.get("extremes") else ()
+    extremes = wishes.get("extremes")
+    pairs = extremes[0] if extremes else ()
     on_base = any(len(scene.bodies) + 1 in pair for pair in pairs)
     lets_go = (wishes["ledger"] or wishes["momentum"]) and any(
         stop.lets_go for _, stop in scene.elastic_stops

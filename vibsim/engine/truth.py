@@ -89,12 +89,12 @@ class WordsTrajectory(Trajectory[Number]):
 
     engine = "c"
 
-    def __init__(self, scene: Scene[Number], form: WordsForm[Number], **wishes: bool) -> None:
+    def __init__(self, scene: Scene[Any], form: WordsForm[Any], ledger: bool, momentum: bool) -> None:
         super().__init__(scene)
         from vibsim.engine.c_engine import CRun
 
         self.form, self.kit, self.number_type = form, form.kit, form.name
-        self.run = CRun(scene, form=form, **wishes)
+        self.run = CRun(scene, form=form, ledger=ledger, momentum=momentum)
 
     @property
     def order(self) -> int:
@@ -179,8 +179,9 @@ class WordsTrajectory(Trajectory[Number]):
         )
         if run.meters:
             now = run.left_at or self.form.state(tally["state"]), run.statuses[tally["mode"]]
-            entries = [self.form.taken(entry) for entry in tally["entries"]]
-            ledger = ledger_totals(self.scene, self.kit, run.meters.names, entries, run.first, now)
+            entries: list[Number] = [self.form.taken(entry) for entry in tally["entries"]]
+            where: Any = run.first, now
+            ledger = ledger_totals(self.scene, self.kit, run.meters.names, entries, *where)
             totals |= dict(zip(ledger, self.kit.rounded(list(ledger.values())), strict=True))
         return totals
 
