@@ -48,6 +48,7 @@ WANTED = 10  # right digits at the end of a run with digits "auto"
 TELLING = 3  # agreement below so many digits may be chance
 ORDINARY = 30  # digits of a run without chaos
 MARGIN, SHARE = 6, 1.15  # digits beyond the growth found in doubles, which is an estimate
+CLOSER = 8  # the same where digits are chosen by the number types of C
 FINER = 12  # digits that a run carries beyond the one it is compared with
 LEAST = Decimal("1e-6")
 EXACT = Context(prec=2 * MOST_DIGITS)
@@ -84,9 +85,9 @@ class DigitsPlan:
             return max(ORDINARY, ceil(self.growth) + WANTED + MARGIN)
         digits = max(FEWEST_DIGITS, ceil(SHARE * self.growth) + MARGIN)
         finer = digits + FINER
-        if self.in_c and finer > self.in_c[-1]:  # C may do: the growth is often overestimated
-            finer = self.in_c[-1]
-            digits = finer - FINER
+        if self.in_c and finer > self.in_c[-1]:  # C may do: of long runs twice the growth is estimated
+            finer = next((most for most in self.in_c if most >= self.growth / 2 + WANTED), self.in_c[-1])
+            digits = finer - CLOSER
         self._compare_with(digits)
         return self._within_reach(finer)
 
@@ -131,7 +132,8 @@ class DigitsPlan:
         self.enough = not self.automatic or right >= WANTED
         if not self.enough:
             self.coarse_digits, self.coarse = self.digits, end
-            self.digits = self._within_reach(1.5 * self.digits + FINER)
+            more = self._within_reach(1.5 * self.digits + FINER)
+            self.digits = next((most for most in self.in_c if most >= self.digits + FINER), more)
         return {"digits_right": right, "digits_right_from": source}
 
 

@@ -34,6 +34,7 @@ from vibsim.engine.choice import compiled
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.opening import open_result
+from vibsim.physics.precision import MultiprecisionMissing, installed_library
 from vibsim.physics.rates import fastest_damping
 from vibsim.results import Result, kind_of, names_a_result, simulate_to_file
 from vibsim.results.hdf5_reading import ResultFileError, reason
@@ -300,7 +301,6 @@ def check_digits(digits: int | str | None, engine: str) -> None:
     """Usage error where many digits are asked for and cannot be had."""
     if digits is None:
         return
-    from vibsim.physics.precision import MultiprecisionMissing, installed_library
     from vibsim.results.many_digits import check_engine as check_truth_engine
 
     try:
