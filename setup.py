@@ -1,4 +1,8 @@
-"""Builds the optional C engine and names the packages; everything else is declared in pyproject.toml.
+"""Builds the optional engines in C and names the packages; everything else is declared in pyproject.toml.
+
+The same sources make `_engine`, in C on doubles, and for runs of many digits `_engine_2`, `_engine_3` and
+`_engine_4`, in C++ on numbers of so many words (`vibsim/engine/numbers/`), where the compiler has whole numbers
+of 128 bits.
 
 Without a compiler the extension is left out (`optional=True`) and vibsim runs on its Python engine.
 `-ffp-contract=off` keeps every product and sum rounded by itself, so that both engines agree bit for bit;
@@ -8,13 +12,18 @@ VIBSIM_BUILD=strict takes warnings for errors, =sanitize watches addresses and u
 sanitize`), =coverage counts lines (`make coverage`); all fail where the engine does not build.
 """
 
+import copy
 import os
 from glob import glob
 
 from setuptools import Extension, find_packages, setup
+from setuptools.command.build_ext import build_ext
 
 ROOM = "vibsim/engine"
 ROUNDING = ["-ffp-contract=off", "-fno-fast-math", "-fno-trapping-math"]
+SIMPLE = ["-fno-exceptions", "-fno-rtti", "-fno-threadsafe-statics", "-Wno-missing-field-initializers"]
+WORDS = (2, 3, 4)  # of the numbers of many digits
+CPP_FLAGS = ["-std=c++20", "-O2", "-g0", *SIMPLE, *ROUNDING, "-fvisibility=hidden", "-Wall"]
 GCC_FLAGS = ["-std=c99", "-O3", *ROUNDING, "-fvisibility=hidden", "-Wall"]
 MSVC_FLAGS = ["/O2", "/fp:strict", "/std:c11"]  # C99's restrict is C11's to it
 STRICT = ["-Wextra", "-Werror"]
@@ -25,18 +34,65 @@ EXTRA = {"": [], "strict": STRICT, "sanitize": STRICT + SANITIZED, "coverage": C
 kind = os.environ.get("VIBSIM_BUILD", "")
 headers = sorted(glob(f"{ROOM}/**/*.h", recursive=True))
 
-engine = Extension(
-    "vibsim.engine._engine",
-    sources=sorted(glob(f"{ROOM}/**/*.c", recursive=True)),
-    depends=headers,
-    include_dirs=sorted({os.path.dirname(header) for header in headers}),
-    extra_compile_args=MSVC_FLAGS if os.name == "nt" else GCC_FLAGS + EXTRA[kind],
-    extra_link_args=[flag for flag in EXTRA[kind] if flag.startswith(("-fsanitize", "--coverage"))],
-    optional=not kind,
-)
+sources = sorted(glob(f"{ROOM}/**/*.c", recursive=True))
+ONLY_DOUBLES = {f"{ROOM}/matrices.c", f"{ROOM}/memory.c", *glob(f"{ROOM}/tangent/**/*.c", recursive=True)}
+
+
+def engine(name, files, flags, **more):
+    """An engine as a module of Python of that name."""
+    return Extension(
+        f"{ROOM.replace('/', '.')}.{name}",
+        sources=files,
+        depends=headers,
+        include_dirs=sorted({os.path.dirname(header) for header in headers}),
+        extra_compile_args=flags,
+        extra_link_args=[flag for flag in EXTRA[kind] if flag.startswith(("-fsanitize", "--coverage"))],
+        optional=not kind,
+        **more,
+    )
+
+
+engines = [engine("_engine", sources, MSVC_FLAGS if os.name == "nt" else GCC_FLAGS + EXTRA[kind])]
+if os.name != "nt":
+    of_words = [
+        *(file for file in sources if file not in ONLY_DOUBLES),
+        *sorted(glob(f"{ROOM}/numbers/*.cpp")),
+    ]
+    engines += [
+        engine(f"_engine_{n}", of_words, CPP_FLAGS + EXTRA[kind], define_macros=[("LIMBS", str(n))])
+        for n in WORDS
+    ]
+
+
+def as_cpp(source, room):
+    """A file in `room` that takes a source in C as one in C++."""
+    if source.endswith(".cpp"):
+        return source
+    path = os.path.join(room, os.path.basename(source)[:-1] + "cpp")
+    with open(path, "w") as file:
+        file.write(f'#include "{os.path.abspath(source)}"\n')
+    return path
+
+
+class BuildApart(build_ext):
+    """Builds the engines side by side, each in a directory of its own: they are made of the same sources."""
+
+    def finalize_options(self):
+        super().finalize_options()
+        self.parallel = self.parallel or True
+
+    def build_extension(self, ext):
+        apart, ext = copy.copy(self), copy.copy(ext)
+        apart.build_temp = os.path.join(self.build_temp, ext.name)
+        if ext.define_macros:
+            os.makedirs(apart.build_temp, exist_ok=True)
+            ext.sources = [as_cpp(source, apart.build_temp) for source in ext.sources]
+        build_ext.build_extension(apart, ext)
+
 
 setup(
     packages=[*find_packages(include=["vibsim", "vibsim.*"]), "vibsim.shipped_cases"],
     package_dir={"vibsim": "vibsim", "vibsim.shipped_cases": "cases"},
-    ext_modules=[engine],
+    ext_modules=engines,
+    cmdclass={"build_ext": BuildApart},
 )

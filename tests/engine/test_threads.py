@@ -128,7 +128,7 @@ def test_runs_of_many_digits_take_turns(monkeypatch):
     """
     flint = pytest.importorskip("flint")
     case = vibsim.load_case("I-B", {"run.t_end": "1 ms", "run.every": "1 ms"})
-    trajectory = open_truth(case.exact_scene, 60)
+    trajectory = open_truth(case.exact_scene, 60, engine="python")
     compute, bits_during = trajectory.driver.run, []
 
     def run_beside_another(*limits):

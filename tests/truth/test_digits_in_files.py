@@ -42,7 +42,7 @@ def test_texts_have_all_digits(path):
 
 def test_attributes_say_how_it_was_computed(path):
     attrs = vibsim.open_result(path).attrs
-    assert (attrs["digits"], attrs["engine"], attrs["number_type"]) == (40, "python", "arb")
+    assert (attrs["digits"], attrs["engine"], attrs["number_type"]) == (40, "c", "192-bit")
     assert (attrs["precision_bits"], attrs["method"], attrs["complete"]) == (133, "taylor", 1)
     assert attrs["taylor_order"] == 47 and "taylor_tolerance" not in attrs
     assert attrs["number_library"].startswith("python-flint ")

@@ -25,12 +25,13 @@ from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.ledger import struck_entries
 from vibsim.engine.ledger_integrals import jumps_of, pack_blows, pack_extremes, pack_ledger
-from vibsim.engine.modes.mode_table import bytes_of, mode_table
+from vibsim.engine.modes.mode_table import ModeTable, bytes_of, mode_table
 from vibsim.engine.modes.packing import pack_scene, pack_state
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import SWITCH, Event, Known, ModeRows, Rule
 from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Edge
+from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.engine.resume import Point
 from vibsim.engine.tangent.tangent_space import length
 from vibsim.physics.numbers import Doubles
@@ -54,7 +55,7 @@ REASONS = {
 NO_EVENT = -1  # in place of the kind of an event, where nothing is told
 
 
-class Doubts(Certificate[float]):
+class Doubts(Certificate[Any]):
     """A certificate that hands doubts on to the run in C.
 
     It does not keep that run: flows and automaton refer to each other, so that what they keep is freed by the
@@ -62,15 +63,15 @@ class Doubts(Certificate[float]):
     """
 
     def __init__(self, of: CRun) -> None:
-        super().__init__(Doubles)
+        super().__init__(of.kit)
         self._of = ref(of)
 
-    def doubt(self, t: float) -> None:
+    def doubt(self, t: Any) -> None:
         of = self._of()
         if of is not None:
-            of.run.doubt(t)
+            of.run.doubt(of.form.handed(t))
 
-    def keep_turn(self, value: float, t: float) -> None:
+    def keep_turn(self, value: Any, t: Any) -> None:
         """Scouts find no turns."""
 
 
@@ -97,13 +98,18 @@ class CRun:
         extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None = None,
         early: bool = False,
         dither: int = 0,
+        form: NumberForm[Any] = DOUBLES,
     ) -> None:
         self.scene, self.n, self.size, self.early = scene, len(scene.bodies), length(scene), early
-        self.table, self.momentum = mode_table(scene, harmonic_keys=not carries), momentum
+        self.form, self.kit, self.momentum = form, form.kit, momentum
+        if form is DOUBLES:
+            self.table = mode_table(scene, harmonic_keys=not carries)
+        else:
+            self.table = ModeTable(scene, form)
         self.keys, self.doubts = self.table.keys, Doubts(self)
         self.carries = carries or tangent[0] > 0  # disturbances, now or later, by which rules are made
-        ints, self._doubles = pack_scene(scene, pitches(scene))
-        self.run = _engine.Run(ints, self._doubles)
+        ints, self._doubles = pack_scene(scene, pitches(scene), form)
+        self.run = form.run(ints, self._doubles)
         self.stopped = threading.Event()
         self.left_at: State | None = None  # before an event that was left undecided
         self.told = 0  # bytes of the modes that C knows
@@ -113,10 +119,10 @@ class CRun:
         self.meters = self.table.meter_maker(momentum) if ledger or momentum else None
         if self.meters:
             names = self.meters.names
-            self.run.keep_ledger(*pack_ledger(scene, names, jumps_of(scene, names), self.maker.ends))
+            self.run.keep_ledger(*pack_ledger(scene, names, jumps_of(scene, names), self.maker.ends, form))
         if scene.rigid_stops:
             names = self.meters.names if self.meters else []
-            self.run.keep_blows(*pack_blows(scene, names, self.maker.ends, early))
+            self.run.keep_blows(*pack_blows(scene, names, self.maker.ends, early, form))
         self.run.dither(dither)
         count, begin = tangent
         self.moving = count > 0
@@ -132,25 +138,25 @@ class CRun:
         self._fill_new_arrays()
         self._recall()
         if not carries:
-            self._begin(*(resume or self._begun(start_of(scene, Doubles))))
+            self._begin(*(resume or self._begun(start_of(scene, self.kit))))
 
     @cached_property
     def maker(self) -> RowMaker:
         """Makes the rows of the modes of the scene, its closed forms among them."""
         maker = self.table.maker
         if self.carries and pitches(maker.scene) != pitches(self.scene):
-            maker = RowMaker(self.scene, Doubles)
+            maker = RowMaker(self.scene, self.kit)
         return maker
 
     @cached_property
     def scout(self) -> Flow:
         """Looks ahead from an event that Python decides."""
-        return derivative_flow(self.scene, Doubles, self.doubts)
+        return derivative_flow(self.scene, self.kit, self.doubts)
 
     @cached_property
     def automaton(self) -> Automaton:
         """Decides what C leaves open."""
-        automaton = Automaton(self.scene, self.maker, self.scout, Doubles)
+        automaton = Automaton(self.scene, self.maker, self.scout, self.kit)
         automaton.rigid.chatter.early, automaton.departures.stopped = self.early, self.stopped
         return automaton
 
@@ -179,7 +185,7 @@ class CRun:
 
     def _set_off(self, state: State, status: Status, known: Known) -> None:
         number = self._mode(status)  # which may know more keys
-        *_, status_of_run = self.run.start(number, pack_state(state), self._known(known, 0))
+        *_, status_of_run = self.run.start(number, pack_state(state, self.form), self._known(known, 0))
         if status_of_run in REASONS:
             raise self._failure(status_of_run)
 
@@ -203,11 +209,11 @@ class CRun:
         """Let C fill new arrays, one row per column: samples, sample modes, events, event codes, section."""
         n, parts, extremes = self.n, len(part_columns(self.scene)), 2 * self.extremes
         self.arrays = (
-            np.empty((3 + 2 * n, self.sample_room)),
+            self.form.empty(3 + 2 * n, self.sample_room),
             np.empty((parts, self.sample_room), dtype="i1"),
-            np.empty((5 + 3 * n, EVENT_ROOM)),
+            self.form.empty(5 + 3 * n, EVENT_ROOM),
             np.empty((2 + parts, EVENT_ROOM), dtype="i1"),
-            np.empty((3 + 2 * n + extremes, self.section_room)),
+            self.form.empty(3 + 2 * n + extremes, self.section_room),
         )
         self.run.fill(*self.arrays)
 
@@ -262,9 +268,9 @@ class CRun:
                 if self._set_rule(number, event):
                     continue
                 try:
-                    *counts, finished, status = self._decide(number, event, State(*values), order)
+                    *counts, finished, status = self._decide(number, event, self.form.state(values), order)
                 except Stopped:
-                    self.left_at = State(*values)
+                    self.left_at = self.form.state(values)
                     yield self._block(counts, True)
                     return
                 if not finished and status not in REASONS and monotonic() - last_told < SECONDS:
@@ -279,7 +285,7 @@ class CRun:
         tally = self.run.tally()
         tape = self.rows_of(tally["mode"]).tape
         part = tape.texts[tally["singular"]] if status == SINGULAR and tape else ""
-        return EngineError(REASONS[status], State(*tally["state"]), part)
+        return EngineError(REASONS[status], self.form.state(tally["state"]), part)
 
     def _block(self, counts: Sequence[int], finished: int) -> Filled:
         """Block of what C has filled, whose arrays are given away where they hold much and copied where they
@@ -295,7 +301,14 @@ class CRun:
             self.run.fill(*self.arrays)
         tally = self.run.tally()
         states, modes, happened, codes, crossings = rows
-        return states, modes, happened, codes, crossings, (tally["state"][0], tally["worked_to"])
+        return (
+            states,
+            modes,
+            happened,
+            codes,
+            crossings,
+            (self.form.taken(tally["state"][0]), self.form.taken(tally["worked_to"])),
+        )
 
     def state_at(self, t: float) -> tuple[float, ...] | None:
         """(time, x and v of each body, rotor angle, its speed) at t [s] before the next event, None behind
@@ -327,11 +340,11 @@ class CRun:
                 self.jumps.hand(rows.events[event], state, rows, after, touch)
         kinds = array("i", (EVENT_KINDS[kind] for kind, _ in happened)).tobytes()
         parts = array("i", (part for _, part in happened)).tobytes()
-        taken = self.run.take(target, pack_state(state), self._known(known, -1), kinds, parts)
+        taken = self.run.take(target, pack_state(state, self.form), self._known(known, -1), kinds, parts)
         if self.meters and touch:
-            V = base_motion(self.scene, Doubles, state.t)[1]
+            V = base_motion(self.scene, self.kit, state.t)[1]
             for entry, value in struck_entries(self.scene, self.meters.names, touch, V):
-                self.run.add_entry(entry, value)
+                self.run.add_entry(entry, self.form.handed(value))
         return taken
 
     def _set_rule(self, number: int, event: int) -> bool:

@@ -24,7 +24,7 @@ static int hops(Run *r)
     int i;
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
-        double speed, drive;
+        Real speed, drive;
         if (e->kind != STRIKE || r->known[e->key] != 1)
             continue;
         closed_form_jets(r, 2);
@@ -47,12 +47,12 @@ static void enter(Run *r, const State *state)
         taylor_enter(r, state);
 }
 
-static double flow_advance(Run *r, double limit, int *event)
+static Real flow_advance(Run *r, Real limit, int *event)
 {
     return r->closed ? closed_form_advance(r, limit, event) : taylor_advance(r, limit, event);
 }
 
-void flow_state(Run *r, double t, State *out)
+void flow_state(Run *r, Real t, State *out)
 {
     if (r->closed)
         closed_form_state_after(r, t - r->t0, out);
@@ -63,7 +63,7 @@ void flow_state(Run *r, double t, State *out)
 
 static void copy_state(const Run *r, const State *from, State *to)
 {
-    size_t size = sizeof(double) * (size_t)r->bodies;
+    size_t size = sizeof(Real) * (size_t)r->bodies;
     to->t = from->t;
     to->phase = from->phase;
     to->turns = from->turns;
@@ -117,7 +117,7 @@ void run_start(Run *r, int mode, Buffers *b)
 }
 
 /* As before the start, with another end; modes and what follows their events are kept. */
-void run_rewind(Run *r, double t_end)
+void run_rewind(Run *r, Real t_end)
 {
     int k;
     r->t_end = t_end;
@@ -125,7 +125,8 @@ void run_rewind(Run *r, double t_end)
         r->counts[k] = 0;
     for (k = 0; k < r->ledger.count; k++)
         r->ledger.entries[k] = 0.0;
-    r->evaluations = r->steps = r->first_violation = 0;
+    r->evaluations = r->steps = 0;
+    r->first_violation = 0;
     r->crowd = r->finished = r->violated_once = r->dithered = 0;
     r->status = OK;
     r->stage = ADVANCE;
@@ -172,7 +173,7 @@ void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, cons
 
 static int is_finite(const Run *r, const State *s)
 {
-    double total = s->w;
+    Real total = s->w;
     int c;
     for (c = 0; c < r->bodies; c++)
         total = total + s->x[c] + s->v[c];
@@ -180,9 +181,9 @@ static int is_finite(const Run *r, const State *s)
 }
 
 /* How long after its start the flow reaches the zero of the event of a rigid stop, which is not on the grid of time. */
-static double meeting(Run *r, const Event *e)
+static Real meeting(Run *r, const Event *e)
 {
-    double tau = r->pending_end - r->t0, value, slope, step;
+    Real tau = r->pending_end - r->t0, value, slope, step;
     if (r->closed) {
         closed_form_evaluate(r, tau);
         closed_form_jets(r, 2);
@@ -198,11 +199,11 @@ static double meeting(Run *r, const Event *e)
 }
 
 /* The time of an event, on the grid of time; with `dither` the next one there. See driver.py. */
-static double dithered(Run *r)
+static Real dithered(Run *r)
 {
     unsigned ones;
     int odd = 0;
-    double at;
+    Real at;
     if (!r->dither || r->pending_end <= r->t0)
         return r->pending_end;
     r->dithered += 1;
@@ -216,7 +217,7 @@ static double dithered(Run *r)
 void run_arrive(Run *r)
 {
     const Event *e = r->pending_event == NOTHING ? NULL : &r->mode->events[r->pending_event];
-    double at;
+    Real at;
     if (r->arrived)
         return;
     r->arrived = 1;
@@ -234,7 +235,7 @@ void run_arrive(Run *r)
             taylor_state_after(r, r->pending_tau, &r->next);
         r->next.t = at;
     }
-    memcpy(r->before_v, r->next.v, sizeof(double) * (size_t)r->bodies);
+    memcpy(r->before_v, r->next.v, sizeof(Real) * (size_t)r->bodies);
     r->before_w = r->next.w;
 }
 
@@ -262,6 +263,10 @@ static void open_stretch(Run *r)
 /* Whether a run would never end, stretch by stretch within its rounding. */
 static int stands_still(Run *r)
 {
+#ifdef LIMBS
+    (void)r;
+    return 0;
+#else
     if (r->state.t > r->milestone) {
         r->milestone = r->state.t + PROGRESS * r->t_end;
         r->stretches = 0;
@@ -269,6 +274,7 @@ static int stands_still(Run *r)
     }
     r->stretches += 1;
     return r->stretches > MOST_STRETCHES;
+#endif
 }
 
 /* The stretch from `state` to the next event, or as far as the flow advances at once: stage by stage. Returns 0 when the
@@ -334,7 +340,7 @@ void run_advance(Run *r, Buffers *b)
 }
 
 /* Time that the run has been worked out to [s]: within a long stretch ahead of its state. */
-double run_worked_to(const Run *r)
+Real run_worked_to(const Run *r)
 {
     if (r->stage == TANGENT && r->tangent)
         return tangent_worked_to(r);
@@ -351,7 +357,7 @@ static int is_untold(const Run *r)
 /* State at t before the next event that is told; 0 where it has to be called again, -1 where an event comes before t by more than
  * its rounding.
  */
-int run_state_at(Run *r, double t, State *out)
+int run_state_at(Run *r, Real t, State *out)
 {
     r->spent = 0;
     while (!r->finished && r->status == OK) {

@@ -15,14 +15,16 @@
 #define FLAT_ORDER (JET_ORDER - 3) /* order of a zero that they are too few for */
 #define JET (JET_ORDER + 4)
 #define SERIES (MAX_ORDER + 2)
-#define SERIES_TERMS 26
 #define NODE_COUNT 12 /* most of a quadrature */
 #define FEW_NODES 8
 #define TIMES_AT_ONCE 32
+#ifdef LIMBS
+#define WORK_AT_ONCE 1000
+#else
 #define WORK_AT_ONCE 100000 /* evaluations of the motion of two bodies between two returns to Python */
+#endif
 #define UNHURRIED 1e100 /* window of a free mass [s] */
 #define MARCH_LIMIT 1000 /* evaluations of an event function in one march */
-#define EPS 1.1102230246251565e-16 /* 2^-53, unit round-off */
 
 enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE, SWITCH, DOMAIN_EDGE }; /* kinds of event functions */
 enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL, FORMULA }; /* kinds of terms */
@@ -36,18 +38,18 @@ enum { OK, ACCUMULATION, DIVERGED, UNDECIDED, NO_MEMORY, STANDSTILL, SINGULAR };
 enum { NOTHING = -1, RATE_ALONE = -JET };
 
 typedef struct {
-    double k, c, offset;
+    Real k, c, offset;
     int P, Q, pair, to_P, to_Q, from, to; /* ends; their difference in the closed form; leading columns; places in the table */
 } Coupling;
 
 /* Friction that falls with speed: force on_P f(s) on P, s = rate (v_P - v_Q - drift). */
 typedef struct {
-    double on_P, rate, drift;
+    Real on_P, rate, drift;
     int law, P, Q, to_P, to_Q, from, to; /* ...; leading columns; places of the rates in the table, -1 for the ground */
 } Falling;
 
 typedef struct {
-    double coefficient;
+    Real coefficient;
     int kind, P, Q, pair, from, to; /* ...; places in the table of Taylor series, -1 for the ground */
 } Term;
 
@@ -55,57 +57,57 @@ typedef struct {
  * rate, or k y + c y' + offset. kind: of the term; NOTHING where a sum is more than that. other: NOTHING without a second one.
  */
 typedef struct {
-    double coefficient, share, other_share, k, c, offset;
+    Real coefficient, share, other_share, k, c, offset;
     int kind, m, other;
 } Single;
 
 /* place X + speed V + rest, see reaches.py. */
 typedef struct {
-    double place, speed, rest;
+    Real place, speed, rest;
 } Reach;
 
 /* One group's share in the first derivative of a sliding velocity: factor (sum of terms + constants) / mass. */
 typedef struct {
-    double mass, factor;
+    Real mass, factor;
     int first, terms, first_constant, constants;
     Single single;
 } Slope;
 
 typedef struct {
-    double constant, size;
+    Real constant, size;
     int kind, part, key, turns, first, terms, first_slope, slopes;
     Single single;
     int rule, target, other, hold, event, event_part, event_key, order; /* what follows, see rules.c; the zero behind */
 } Event;
 
 typedef struct {
-    double a, b, omega, w0, wd, slow, fast, zr, zi, zz, settling, beating, window, rate, per_b, per_wd, inverse_r, inverse_i;
-    double steady_series[SERIES_TERMS], real_series[SERIES_TERMS], imag_series[SERIES_TERMS];
+    Real a, b, omega, w0, wd, slow, fast, zr, zi, zz, settling, beating, window, rate, per_b, per_wd, inverse_r, inverse_i;
+    Real steady_series[SERIES_TERMS], real_series[SERIES_TERMS], imag_series[SERIES_TERMS];
     int oscillates;
 } Oscillator;
 
 /* weight (x_P - x_Q), or weight x_P where Q < 0 */
 typedef struct {
-    double weight;
+    Real weight;
     int P, Q;
 } Source;
 
 /* factor (sum of signed start positions): load by the place of bodies within their groups */
 typedef struct {
-    double factor;
+    Real factor;
     int first, count;
 } Shift;
 
 /* A harmonic load on a coordinate: sine sin + cosine cos; size = |sine| + |cosine|. */
 typedef struct {
-    double sine, cosine, size;
+    Real sine, cosine, size;
     int harmonic;
     Oscillator oscillator;
 } Drive;
 
 /* One modal coordinate: q'' + 2 a q' + b q = load + its drives. */
 typedef struct {
-    double a, b, load, forced[JET + 1]; /* forced: by n, sum of size omega^n / 2 */
+    Real a, b, load, forced[JET + 1]; /* forced: by n, sum of size omega^n / 2 */
     int is_free, first_source, sources, first_shift, shifts, drive_count;
     int depth; /* orders beyond the event functions' own that these read of its derivatives; RATE_ALONE: nothing but q' */
     Drive *drives;
@@ -113,7 +115,7 @@ typedef struct {
 } Coordinate;
 
 typedef struct {
-    double share;
+    Real share;
     int m;
 } Share;
 
@@ -131,12 +133,12 @@ typedef struct {
  * itself, its rate and its acceleration.
  */
 typedef struct {
-    double load, *drives;
+    Real load, *drives;
     Reach reaches[3];
 } Terms;
 
 typedef struct {
-    double window, pace;
+    Real window, pace;
     Coordinate *coordinates;
     Terms *terms; /* by coordinate */
     Reach *reaches; /* by event function */
@@ -149,7 +151,7 @@ typedef struct {
 } Modal;
 
 typedef struct {
-    double factor, drift;
+    Real factor, drift;
     int kind, entry, P, Q, source;
 } Meter;
 
@@ -166,11 +168,11 @@ typedef struct {
     Event *events;
     Term *terms;
     Slope *slopes;
-    double *mobility, *group_mass, *drift, *constants, *slope_constants, carried;
+    Real *mobility, *group_mass, *drift, *constants, *slope_constants, carried;
     int *leader, *constant_columns, *codes, *tied; /* tied: bodies under forces that are tied to another column */
     int tied_count, coupling_count, fall_count, event_count, constant_count, untied, shape;
     Coupling small;            /* the one coupling of a small scene; zero without one */
-    double small_constants[2]; /* forces of slipping frictions by column */
+    Real small_constants[2]; /* forces of slipping frictions by column */
     Meters meters;
     Modal *modal; /* NULL where only Taylor series will do */
     Tape tape, base_tape;      /* formulas of the mode; of the motion of the base */
@@ -180,36 +182,41 @@ typedef struct {
 } Mode;
 
 typedef struct {
-    double amplitude, omega, cycles, cycles_lo, phase;
+    Real amplitude, omega, cycles, cycles_lo, phase;
     int harmonic; /* among the distinct ones; -1 without amplitude */
 } Harmonic;
 
 typedef struct {
-    double constant;
+    Real constant;
     Harmonic *terms;
     int on, count;
 } Force;
 
 typedef struct {
-    double t, phase, turns, w, *x, *v;
+    Real t, phase, turns, w, *x, *v;
 } State;
 
 typedef struct {
-    double margin, margin_time, uncertified, first_doubt, doubted;
+    Real margin, margin_time, first_doubt, doubted;
+    double uncertified;
 } Certificate;
 
 /* Coefficient n of displacement c is table[n * stride + c], of its rate table[n * stride + rates + c]; columns as in
  * `column_in_table`, phi and w in that of number `bodies`.
  */
 typedef struct {
-    double *table, *values;
-    double *load, **loaded_on; /* series of the forces, by column; NULL where there is none */
-    double (*arguments)[SERIES], (*falls)[SERIES]; /* of falling frictions: what the recurrence takes of s, and f */
-    double inverse[SERIES + 1], sine[SERIES], cosine[SERIES], w_back[SERIES], a1_back[SERIES]; /* w_back[order - n]: order n */
-    double h, turns, longest; /* longest: piece of a step that one quadrature rule takes [s] */
+    Real *table, *values;
+    Real *load, **loaded_on; /* series of the forces, by column; NULL where there is none */
+    Real (*arguments)[SERIES], (*falls)[SERIES]; /* of falling frictions: what the recurrence takes of s, and f */
+    Real inverse[SERIES + 1], sine[SERIES], cosine[SERIES], w_back[SERIES], a1_back[SERIES]; /* w_back[order - n]: order n */
+    Real h, turns, longest; /* longest: piece of a step that one quadrature rule takes [s] */
     int order, rates, stride, *loaded, loaded_count, few_nodes;
-    double *acceleration; /* by leading column, where a mode has formulas or rotors */
+    Real *acceleration; /* by leading column, where a mode has formulas or rotors */
     TapeRoom tapes;
+#ifdef LIMBS
+    int words[SERIES], all_words; /* of which the products of each order of a rotor's series are sums, or all */
+    long sizes[3][SERIES];        /* binary exponents of the largest of these products, by sum and order */
+#endif
 } Taylor;
 
 /* Rotors on bodies, and of the step in hand: series of sine and cosine of each, of the acceleration of each group that some are
@@ -217,70 +224,70 @@ typedef struct {
  */
 typedef struct {
     RotorOn *of;
-    double (*sine)[SERIES], (*cosine)[SERIES], (*acceleration)[SERIES], *mass, *torque;
+    Real (*sine)[SERIES], (*cosine)[SERIES], (*acceleration)[SERIES], *mass, *torque;
     int count, groups, *leaders;
 } Rotors;
 
 /* Of an event function: the rest of a known zero, and its reach. */
 typedef struct {
-    double residue, reach;
+    Real residue, reach;
 } Blur;
 
 typedef struct {
-    double t, reach, window, stall, settled;
-    double (*watched)[5]; /* by event: time, value, slope, curvature, bound of a gap function */
+    Real t, reach, window, stall, settled;
+    Real (*watched)[5]; /* by event: time, value, slope, curvature, bound of a gap function */
     Blur *blurs; /* by event */
     int *events, event_count, leading, measured; /* measured: whether the close scales of coordinates are those of here */
 } Search;
 
 typedef struct {
-    double load_sine, load_cosine, hc, hs, dc, ds;
+    Real load_sine, load_cosine, hc, hs, dc, ds;
 } Response;
 
 /* What the rounding of a coordinate, its rate and its acceleration is proportional to, see rounding.c. */
 enum { PLAIN, CLOSE, MEASURES };
 typedef struct {
-    double q, u, a;
+    Real q, u, a;
 } Scale;
 
 /* A coordinate in the present segment: its derivatives, start, and the terms that make it at the point evaluated last. */
 typedef struct {
-    double jet[JET + 1], q0, u0, load, stiff, impulse, steady;
+    Real jet[JET + 1], q0, u0, load, stiff, impulse, steady;
     Response *responses; /* by drive */
 } Motion;
 
 /* At many times: cosine and sine of the harmonics' angles since the anchor; coordinates and their rates. */
 typedef struct {
-    double (*cosine)[TIMES_AT_ONCE], (*sine)[TIMES_AT_ONCE], (*q)[TIMES_AT_ONCE], (*u)[TIMES_AT_ONCE];
+    Real (*cosine)[TIMES_AT_ONCE], (*sine)[TIMES_AT_ONCE], (*q)[TIMES_AT_ONCE], (*u)[TIMES_AT_ONCE];
     int count;
 } Times;
 
 typedef struct {
     Motion *motions; /* by coordinate */
     Response *responses;
-    double *sin0, *cos0, *sines, *cosines, *sine, *cosine; /* by harmonic: at the anchor, here, and of the angle between */
+    Real *sin0, *cos0, *sines, *cosines, *sine, *cosine; /* by harmonic: at the anchor, here, and of the angle between */
     Times times;
-    double *x0, *v0, *rest, base[JET + 1]; /* rest: of each body, what does not move in this segment */
-    double tau, counted; /* the time that all this is of; that of the last evaluation, by itself or among many */
+    Real *x0, *v0, *rest, base[JET + 1]; /* rest: of each body, what does not move in this segment */
+    Real tau, counted; /* the time that all this is of; that of the last evaluation, by itself or among many */
     Search search;
     Scale *scales[MEASURES]; /* by coordinate */
 } ClosedForm;
 
 /* A stop whose stored energy is lost where it lets go though pressed. */
 typedef struct {
-    double gap, k;
+    Real gap, k;
     int stop, entry, P, Q, sense;
 } Jump;
 
 /* Values at the nodes of the quadrature. */
 typedef struct {
-    double (*v)[NODE_COUNT], (*force)[NODE_COUNT], (*function)[NODE_COUNT], w[NODE_COUNT], (*series)[SERIES];
+    Real (*v)[NODE_COUNT], (*force)[NODE_COUNT], (*function)[NODE_COUNT], w[NODE_COUNT], (*series)[SERIES];
     int *lengths, function_room;
 } Nodes;
 
 /* Entries of the ledgers, of the stretches that are done; `open`: of the stretch in hand as far as `tau` from the anchor. */
 typedef struct {
-    double *entries, *open, tau;
+    Real *entries, *open, tau;
     Jump *jumps;
     int wanted, count, jump_count;
     Nodes nodes;
@@ -289,14 +296,14 @@ typedef struct {
 /* Stroboscopic section of a scene without motor: a period is `turns` turns of a harmonic, 0 where there is none; or a
    turn of a rotor, whose number is one less than `rotor`, 0 where none turns the scene. */
 typedef struct {
-    double cycles, cycles_lo, turns, next; /* ...; the next period, or turn of the rotor in the present stretch */
+    Real cycles, cycles_lo, turns, next; /* ...; the next period, or turn of the rotor in the present stretch */
     int rotor;
 } Section;
 
 /* A stop whose gap is watched: its place among the parts and among the pairs. */
 typedef struct {
     int stop, pair, sense;
-    double gap;
+    Real gap;
 } Gap;
 
 /* Extremes of x_P - x_Q of `pairs` pairs of columns and of the rotor's speed: low and high in the present period, least and
@@ -304,25 +311,25 @@ typedef struct {
  */
 typedef struct {
     int pairs, count, gap_count, based, has_node, *P, *Q;
-    double since, at, *numbers, *low, *high, *least, *greatest, *node, *ahead, *here, *margins;
+    Real since, at, *numbers, *low, *high, *least, *greatest, *node, *ahead, *here, *margins;
     Gap *gaps;
 } Extremes;
 
 /* A rigid stop: its number, ends, and the entries of the ledgers that a blow adds to, -1 for none. */
 typedef struct {
-    double gap, e;
+    Real gap, e;
     int stop, P, Q, sense, loss, work, impulse;
 } RigidStop;
 
 /* A friction: its ends and the velocity of its belt. */
 typedef struct {
-    double belt;
+    Real belt;
     int P, Q;
 } Rubbing;
 
 /* An elastic stop or a clearance: its ends and where it closes. */
 typedef struct {
-    double gap;
+    Real gap;
     int P, Q, sense;
 } Bound;
 
@@ -342,7 +349,7 @@ typedef struct {
  */
 typedef struct {
     const RigidStop *stop;
-    double before, after, impulse, size, X, V;
+    Real before, after, impulse, size, X, V;
     int target, happened;
 } Blow;
 
@@ -352,16 +359,18 @@ typedef struct Run {
     int slope_ops, slope_entries; /* most of a mode's derivatives of formulas */
     int fall_room, has_motor, motor_on, rest_columns, force_taylor, stop_on_violation, closed; /* closed: the flow in use */
     int has_base, *alone, alone_count; /* has_base: be it by a formula; alone: columns of units of their own, of rotors and states */
-    double m3, e, M0, unbalance, inertia, drag, tolerance_exponent, t_end, every_num, every_den;
+    Real m3, e, M0, unbalance, inertia, drag, t_end, every_num, every_den;
+    double tolerance_exponent;
     Harmonic *harmonics, *base;
     Force *forces;
     Mode **modes;
     const Mode *mode;
     int mode_number, event_room, *known, *behind; /* order of the zeros at the start of the segment, and behind an event, by key */
-    double *masses;
+    Real *masses;
     State state, next, scratch;
-    double known_since, first_violation, evaluations, steps, counts[KINDS], t0;
-    double milestone; /* time up to which `stretches` are counted */
+    Real known_since, first_violation, t0;
+    double evaluations, steps, counts[KINDS];
+    Real milestone; /* time up to which `stretches` are counted */
     int stretches, dither;
     unsigned dithered; /* events so far whose times were moved by `dither` */
     Certificate certificate;
@@ -369,8 +378,9 @@ typedef struct Run {
     int crowd, finished, status, violated_once, stage, pending_event; /* stage: of the stretch in hand, which may take many calls */
     int arrived; /* whether `next` is the state at the end of that stretch */
     int singular; /* output of the tape that no step is short enough for, where the status is SINGULAR */
-    double pending_tau, *before_v, before_w; /* from the start of the flow to the pending event [s]; velocities in front of it */
-    double pending_end, spent, work_at_once, *force;
+    Real pending_tau, *before_v, before_w; /* from the start of the flow to the pending event [s]; velocities in front of it */
+    Real pending_end, *force;
+    double spent, work_at_once;
     Ledger ledger;
     Section section;
     Extremes extremes;
@@ -395,45 +405,45 @@ static inline int base_column(const Run *r)
 }
 
 /* responses.c */
-void oscillator_set(Oscillator *o, double a, double b, double omega);
+void oscillator_set(Oscillator *o, Real a, Real b, Real omega);
 
 /* polynomial_root.c; what became of the search for a zero within a step */
 enum { POSITIVE, ZERO, UNFINISHED };
-int polynomial_first_root(Certificate *c, const double *coefficients, int count, int known, double t0, double h, int keep_margin,
-                          int sharp, double *end);
-double polynomial_nearer(const double *coefficients, int count, double t0, double h, double size);
-int polynomial_near_zero(const double *coefficients, int count, int known, double tau, double size, double *value,
-                         double *slope, double *noise); /* returns 0 where it rests at zero */
+int polynomial_first_root(Certificate *c, const Real *coefficients, int count, int known, Real t0, Real h, int keep_margin,
+                          int sharp, Real *end);
+Real polynomial_nearer(const Real *coefficients, int count, Real t0, Real h, Real size);
+int polynomial_near_zero(const Real *coefficients, int count, int known, Real tau, Real size, Real *value,
+                         Real *slope, Real *noise); /* returns 0 where it rests at zero */
 
-void polynomial_value_and_slope(const double *coefficients, int count, int known, double tau, double *value, double *slope);
+void polynomial_value_and_slope(const Real *coefficients, int count, int known, Real tau, Real *value, Real *slope);
 
 /* taylor.c */
 void taylor_set(Run *r);
 void taylor_look(Run *r, const State *state); /* expand the motion there; no step follows */
 void taylor_enter(Run *r, const State *state);
-void taylor_values(const Taylor *f, double tau, double *out); /* of all columns of the table */
-double taylor_advance(Run *r, double limit, int *event);
-void taylor_state_after(Run *r, double tau, State *out);
-void taylor_samples(Run *r, const double *tau, int count, double *row, long room);
-double taylor_spin_rate(const Run *r, double tau);
-void taylor_value_and_slope(const Run *r, const Event *e, double tau, double *value, double *slope); /* but for known zeros */
+void taylor_values(const Taylor *f, Real tau, Real *out); /* of all columns of the table */
+Real taylor_advance(Run *r, Real limit, int *event);
+void taylor_state_after(Run *r, Real tau, State *out);
+void taylor_samples(Run *r, const Real *tau, int count, Real *row, long room);
+Real taylor_spin_rate(const Run *r, Real tau);
+void taylor_value_and_slope(const Run *r, const Event *e, Real tau, Real *value, Real *slope); /* but for known zeros */
 
 /* taylor_loads.c, taylor_expansion.c, taylor_polynomial.c */
-void taylor_expand_base(Run *r, double t);
-void taylor_expand_loads(Run *r, double t);
+void taylor_expand_base(Run *r, Real t);
+void taylor_expand_loads(Run *r, Real t);
 void taylor_expand(Run *r, const State *state);
-int taylor_polynomial(const Run *r, const Event *e, double *out);
-double taylor_magnitude(const Run *r, const Event *e);
+int taylor_polynomial(const Run *r, const Event *e, Real *out);
+Real taylor_magnitude(const Run *r, const Event *e);
 
 /* tape.c; sound_step sets the status SINGULAR where no step is short enough */
-void tape_values(const Run *r, double tau);
-void tape_values_at(const Run *r, const Mode *m, double X, double V, const double *rates);
+void tape_values(const Run *r, Real tau);
+void tape_values_at(const Run *r, const Mode *m, Real X, Real V, const Real *rates);
 void sound_step(Run *r);
 
 /* rotors_on_bodies.c */
 void rotors_expand(Run *r);
 void rotors_turn(Run *r, int n);
-void rotors_thrust(const Run *r, int column, double *out); /* adds to it */
+void rotors_thrust(const Run *r, int column, Real *out); /* adds to it */
 
 /* memory.c */
 void keep_freed_memory(void);
@@ -444,10 +454,10 @@ int leaves_flat(const Run *r, const State *state);
 /* closed_form.c */
 void closed_form_enter(Run *r, const State *state);
 int closed_form_dimension(const Run *r);
-void closed_form_evaluate(Run *r, double tau);
+void closed_form_evaluate(Run *r, Real tau);
 void closed_form_jets(Run *r, int n);
-double harmonic_turned(const ClosedForm *f, const Harmonic *term, int quarters);
-void closed_form_state_after(Run *r, double tau, State *out);
+Real harmonic_turned(const ClosedForm *f, const Harmonic *term, int quarters);
+void closed_form_state_after(Run *r, Real tau, State *out);
 
 /* rounding.c */
 void measure_start(Run *r);
@@ -458,41 +468,41 @@ void measure_closely(Run *r);
 void reaches_set(Mode *m);
 
 /* closed_form_times.c */
-void closed_form_many(Run *r, const double *tau, int count);
-void closed_form_sines(const Run *r, int harmonic, double *out);
-void closed_form_base(const Run *r, double *X, double *V);
-void closed_form_body(const Run *r, int c, const double *X, const double *V, double *x, double *v);
+void closed_form_many(Run *r, const Real *tau, int count);
+void closed_form_sines(const Run *r, int harmonic, Real *out);
+void closed_form_base(const Run *r, Real *X, Real *V);
+void closed_form_body(const Run *r, int c, const Real *X, const Real *V, Real *x, Real *v);
 
 /* closed_form_search.c */
 void closed_form_open(Run *r);
-double closed_form_advance(Run *r, double limit, int *event);
+Real closed_form_advance(Run *r, Real limit, int *event);
 
 /* recording.c; samples returns 0 when the buffer is full before the end of the stretch */
 typedef struct {
-    double *samples;           /* rows of sample_room: time, x, v of each body, phi, w */
+    Real *samples;           /* rows of sample_room: time, x, v of each body, phi, w */
     signed char *sample_modes; /* rows of sample_room: one per part */
-    double *events;            /* rows of event_room: t, x, v of each body, phi, w, phase; v, w in front of it */
+    Real *events;            /* rows of event_room: t, x, v of each body, phi, w, phase; v, w in front of it */
     signed char *event_codes;  /* rows of event_room: kind, part, one per part */
-    double *section;           /* rows of section_room, as samples, then extremes; none where section_room is 0 */
+    Real *section;           /* rows of section_room, as samples, then extremes; none where section_room is 0 */
     long sample_room, event_room, section_room, sample_count, event_count, section_count;
 } Buffers;
 
-long long sample_index(const Run *r, double t);
-void write_state(const Run *r, double *row, long room, const State *s);
-void record_event(Run *r, Buffers *b, int kind, int part, const double *v, double w);
+long long sample_index(const Run *r, Real t);
+void write_state(const Run *r, Real *row, long room, const State *s);
+void record_event(Run *r, Buffers *b, int kind, int part, const Real *v, Real w);
 int record_samples(Run *r, Buffers *b);
 
 /* driver.c */
-void flow_state(Run *r, double t, State *out);
-void run_rewind(Run *r, double t_end);
+void flow_state(Run *r, Real t, State *out);
+void run_rewind(Run *r, Real t_end);
 void run_start(Run *r, int mode, Buffers *b);
 void run_advance(Run *r, Buffers *b);
 void run_arrive(Run *r);
 void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, const int *parts);
-double run_worked_to(const Run *r);
-int run_state_at(Run *r, double t, State *out);
+Real run_worked_to(const Run *r);
+int run_state_at(Run *r, Real t, State *out);
 
-void base_motion_at(const Run *r, double t, double *X, double *V); /* accelerations.c */
+void base_motion_at(const Run *r, Real t, Real *X, Real *V); /* accelerations.c */
 
 /* blows.c; take returns 0 where Python has to decide */
 int blow_take(Run *r, const Event *event, Blow *done);
@@ -502,13 +512,13 @@ void blows_free(Blows *b); /* reading_blows.c */
 
 /* rules.c; take returns 0 where Python has to decide */
 int rule_take(Run *r, Buffers *b);
-double derivative_at_next(Run *r, const Mode *m, int key, int order);
-double forces_of(const Run *r, const Mode *m, double X, double V);
+Real derivative_at_next(Run *r, const Mode *m, int key, int order);
+Real forces_of(const Run *r, const Mode *m, Real X, Real V);
 
 /* ledger.c; gather returns 0 when the work of one call is spent before the stretch is done */
 void ledger_open(Run *r);
 int ledger_gather(Run *r);
-double longest_piece(const Run *r, double tau);
+Real longest_piece(const Run *r, Real tau);
 void ledger_cross(Run *r, const State *state, const int *before, const int *after);
 
 /* tangent_bundle.c, reading_tangent.c; gather returns 0 when the work of one call is spent before the stretch is done */
@@ -516,17 +526,17 @@ void tangent_open(Run *r);
 void tangent_begin_stretch(Run *r);
 int tangent_gather(Run *r);
 void tangent_cross(Run *r, int event, const Mode *before, const Mode *after);
-double tangent_worked_to(const Run *r);
+Real tangent_worked_to(const Run *r);
 void tangent_free(struct Tangent *b);
 
 /* extremes.c; `until` returns 0 when the work of one call is spent before, where that is bounded */
 void extremes_open(Run *r);
-int extremes_until(Run *r, double end, int bounded);
-void extremes_close(Run *r, double *row, long room);
+int extremes_until(Run *r, Real end, int bounded);
+void extremes_close(Run *r, Real *row, long room);
 void extremes_free(Extremes *e);
 
 /* section.c; gather returns 0 when the buffer is full before the stretch is done */
 void section_start(Run *r);
-int section_gather(Run *r, Buffers *b, double end);
+int section_gather(Run *r, Buffers *b, Real end);
 
 #endif

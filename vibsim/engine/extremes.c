@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "modes.h"
+#include "room.h"
 #include "numbers.h"
 
 #define NODES_OF_CLOSED_FORM 4
@@ -13,19 +14,19 @@
 #define ROUNDING 0x1p-55
 
 typedef struct {
-    double t, value, rate;
+    Real t, value, rate;
 } Node;
 
-static double column(const Run *r, const double *values, int c, double base)
+static Real column(const Run *r, const Real *values, int c, Real base)
 {
     return c < r->bodies ? values[c] : c == r->bodies ? 0.0 : base;
 }
 
 /* Displacements and their rates at t; of pair `only` alone where that is not negative. */
-static void measure(Run *r, double t, int only, double *values, double *rates)
+static void measure(Run *r, Real t, int only, Real *values, Real *rates)
 {
     Extremes *e = &r->extremes;
-    double X = 0.0, V = 0.0;
+    Real X = 0.0, V = 0.0;
     int q;
     flow_state(r, t, &r->scratch);
     if (e->based)
@@ -41,7 +42,7 @@ static void measure(Run *r, double t, int only, double *values, double *rates)
     }
 }
 
-static Node measured(Run *r, int q, double t)
+static Node measured(Run *r, int q, Real t)
 {
     Extremes *e = &r->extremes;
     Node node;
@@ -52,7 +53,7 @@ static Node measured(Run *r, int q, double t)
     return node;
 }
 
-static void take(Extremes *e, int q, double value)
+static void take(Extremes *e, int q, Real value)
 {
     if (value < e->low[q])
         e->low[q] = value;
@@ -64,14 +65,14 @@ static void take(Extremes *e, int q, double value)
         e->greatest[q] = value;
 }
 
-static void note_gaps(Run *r, int q, double value, int falling)
+static void note_gaps(Run *r, int q, Real value, int falling)
 {
     Extremes *e = &r->extremes;
     int i;
     for (i = 0; i < e->gap_count; i++) {
         const Gap *g = &e->gaps[i];
         if (g->pair == q && (g->sense > 0) == falling && r->mode->codes[g->stop] == 0) {
-            double left = g->gap + g->sense * value;
+            Real left = g->gap + g->sense * value;
             if (left < e->margins[i])
                 e->margins[i] = left;
         }
@@ -80,19 +81,19 @@ static void note_gaps(Run *r, int q, double value, int falling)
 
 static int may_turn_twice(const Node *left, const Node *right)
 {
-    double halfway = 1.5 * ((right->value - left->value) / (right->t - left->t)) - 0.25 * (left->rate + right->rate);
+    Real halfway = 1.5 * ((right->value - left->value) / (right->t - left->t)) - 0.25 * (left->rate + right->rate);
     return left->rate * right->rate > 0 && halfway * left->rate < NEARLY * (left->rate * left->rate) &&
            halfway * right->rate < NEARLY * (right->rate * right->rate);
 }
 
-static double turn_of_cubic(double length, double rise, double rate0, double rate1)
+static Real turn_of_cubic(Real length, Real rise, Real rate0, Real rate1)
 {
-    double d0 = length * rate0, d1 = length * rate1;
-    double a = d0 + d1 - 2 * rise, b = 3 * rise - 2 * d0 - d1;
-    double square = b * b - 3 * (a * d0);
-    double root = square > 0 ? sqrt(square) : 0.0;
-    double q = b > 0 ? -(b + root) : root - b;
-    double place = q != 0 ? d0 / q : 0.0;
+    Real d0 = length * rate0, d1 = length * rate1;
+    Real a = d0 + d1 - 2 * rise, b = 3 * rise - 2 * d0 - d1;
+    Real square = b * b - 3 * (a * d0);
+    Real root = square > 0 ? sqrt(square) : 0.0;
+    Real q = b > 0 ? -(b + root) : root - b;
+    Real place = q != 0 ? d0 / q : 0.0;
     if (!(0 < place && place < 1))
         place = a != 0 ? q / (3 * a) : 0.0;
     return 0 < place && place < 1 ? place : d0 / (d0 - d1);
@@ -102,8 +103,8 @@ static void turn(Run *r, int q, Node left, Node right)
 {
     int falling = left.rate < 0, i;
     for (i = 0; i < ITERATIONS; i++) {
-        double length = right.t - left.t, slope;
-        double t = left.t + turn_of_cubic(length, right.value - left.value, left.rate, right.rate) * length;
+        Real length = right.t - left.t, slope;
+        Real t = left.t + turn_of_cubic(length, right.value - left.value, left.rate, right.rate) * length;
         Node node;
         if (!(left.t < t && t < right.t))
             return;
@@ -126,7 +127,7 @@ static void span(Run *r, int q, Node left, Node right, int halvings)
     if (left.rate * right.rate < 0) {
         turn(r, q, left, right);
     } else if (halvings > 0 && may_turn_twice(&left, &right)) {
-        double t = left.t + (right.t - left.t) / 2;
+        Real t = left.t + (right.t - left.t) / 2;
         if (left.t < t && t < right.t) {
             Node middle = measured(r, q, t);
             r->spent += 1;
@@ -143,19 +144,19 @@ void extremes_open(Run *r)
     r->extremes.has_node = 0;
 }
 
-static double step(const Run *r)
+static Real step(const Run *r)
 {
-    double piece = longest_piece(r, r->extremes.at - r->t0);
+    Real piece = longest_piece(r, r->extremes.at - r->t0);
     return piece / (r->closed ? NODES_OF_CLOSED_FORM : 1 + r->taylor.order / ORDERS_TO_A_NODE);
 }
 
-static Node node_of(const Extremes *e, int q, double t, const double *values)
+static Node node_of(const Extremes *e, int q, Real t, const Real *values)
 {
     Node node = {t, values[q], values[e->count + q]};
     return node;
 }
 
-int extremes_until(Run *r, double end, int bounded)
+int extremes_until(Run *r, Real end, int bounded)
 {
     Extremes *e = &r->extremes;
     int q;
@@ -169,7 +170,7 @@ int extremes_until(Run *r, double end, int bounded)
         e->has_node = 1;
     }
     while (e->at < end) {
-        double length = step(r), ahead = length < end - e->at ? e->at + length : end, *before;
+        Real length = step(r), ahead = length < end - e->at ? e->at + length : end, *before;
         if (bounded && r->spent > r->work_at_once)
             return 0;
         measure(r, ahead, -1, e->ahead, e->ahead + e->count);
@@ -187,7 +188,7 @@ int extremes_until(Run *r, double end, int bounded)
 }
 
 /* End a period; its extremes go into the rows behind the state of the section. */
-void extremes_close(Run *r, double *row, long room)
+void extremes_close(Run *r, Real *row, long room)
 {
     Extremes *e = &r->extremes;
     int q;
@@ -205,9 +206,9 @@ int extremes_read(Run *r, Reader *in)
     int pairs = read_index(in, 0, 1 << 16), gaps = read_index(in, 0, 1 << 16), count = pairs + (r->has_motor ? 1 : 0), i;
     if (in->short_of)
         return 0;
-    e->P = calloc((size_t)(2 * pairs + 1), sizeof(int));
-    e->gaps = calloc((size_t)gaps + 1, sizeof(Gap));
-    e->numbers = calloc((size_t)(10 * count + gaps + 1), sizeof(double));
+    e->P = room((size_t)(2 * pairs + 1), sizeof(int));
+    e->gaps = room((size_t)gaps + 1, sizeof(Gap));
+    e->numbers = room((size_t)(10 * count + gaps + 1), sizeof(Real));
     if (!e->P || !e->gaps || !e->numbers)
         return 0;
     e->Q = e->P + pairs;

@@ -33,6 +33,7 @@ from vibsim.engine.modes.rows import (
 )
 from vibsim.engine.modes.status import CONTACT, STICK, Kept, Status
 from vibsim.engine.modes.ties import Edge, Groups, Tie, beyond
+from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import BODY, ROTOR, Friction, Scene
 
@@ -316,10 +317,14 @@ class MeterMaker(Generic[N]):
 
 
 def pack_ledger(
-    scene: Scene, names: Sequence[Entry], jumps: Sequence[LedgerJump], ends: Callable[[Joined], Edge]
+    scene: Scene,
+    names: Sequence[Entry],
+    jumps: Sequence[LedgerJump],
+    ends: Callable[[Joined], Edge],
+    form: NumberForm[Any] = DOUBLES,
 ) -> tuple[bytes, bytes]:
     """Number of entries, and the stops whose stored energy jumps. ends: columns of the ends of a part."""
-    pack = Packer()
+    pack = Packer(form)
     pack.put((len(names), len(jumps)))
     elastic = dict(scene.elastic_stops)
     for jump in jumps:
@@ -329,13 +334,17 @@ def pack_ledger(
 
 
 def pack_blows(
-    scene: Scene, names: Sequence[Entry], ends: Callable[[Joined], Edge], early: bool
+    scene: Scene,
+    names: Sequence[Entry],
+    ends: Callable[[Joined], Edge],
+    early: bool,
+    form: NumberForm[Any] = DOUBLES,
 ) -> tuple[bytes, bytes]:
     """The rigid stops, with the entries `names` of the ledgers that a blow on them adds to, the frictions
     that it may turn, and the elastic stops and clearances that it may close or open. early: as of
     `Chatter`
     """
-    pack = Packer()
+    pack = Packer(form)
     entry = {name: number for number, name in enumerate(names)}
     bounds = [(*ends(stop), stop.sense, stop.gap) for _, stop in scene.elastic_stops]
     bounds += [(*ends(one), -1, one.distance) for one in scene.clearances]
@@ -365,9 +374,9 @@ def pack_extremes(
     return pack.packed
 
 
-def pack_meters(meters: Meters, terms: int) -> tuple[bytes, bytes]:
+def pack_meters(meters: Meters, terms: int, form: NumberForm[Any] = DOUBLES) -> tuple[bytes, bytes]:
     """The meters of a mode, whose event functions have so many `terms`."""
-    pack, columns = Packer(), meters.columns
+    pack, columns = Packer(form), meters.columns
     pack.put((len(meters.meters), len(meters.functions), len(columns)))
     pack.put((terms, sum(len(function.terms) for function in meters.functions)))
     pack.put((meters.forces, meters.spins))

@@ -5,18 +5,39 @@
 
 #include <string.h>
 
+#define JOINED(a, b) a##b
+#define NAMED(a, b) JOINED(a, b)
+#define QUOTED(text) #text
+#define TEXT(of) QUOTED(of)
+#ifdef LIMBS
+#define MODULE "_engine_" TEXT(LIMBS)
+#define INIT NAMED(PyInit__engine_, LIMBS)
+#else
+#define MODULE "_engine"
+#define INIT PyInit__engine
+#endif
+
 static PyObject *Run_new(PyTypeObject *type, PyObject *args, PyObject *named)
 {
     Py_buffer v[2];
     Reader in;
     RunObject *self = NULL;
+    int bits = 53;
     (void)named;
+#ifdef LIMBS
+    if (!PyArg_ParseTuple(args, "y*y*i", &v[0], &v[1], &bits))
+        return NULL;
+    set_precision(bits);
+#else
     if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
         return NULL;
+#endif
     if (reader_of(&v[0], &v[1], &in) == 0 && (self = (RunObject *)type->tp_alloc(type, 0)) != NULL && !scene_read(&self->run, &in)) {
         Py_CLEAR(self);
         PyErr_SetString(PyExc_ValueError, "the packed numbers are no scene");
     }
+    if (self)
+        self->bits = bits;
     PyBuffer_Release(&v[0]);
     PyBuffer_Release(&v[1]);
     return (PyObject *)self;
@@ -38,13 +59,13 @@ static void Run_dealloc(RunObject *self)
 
 static int buffers_of(const Run *r, Py_buffer *views, Buffers *b)
 {
-    Py_ssize_t state = 3 + 2 * r->bodies, row = (Py_ssize_t)sizeof(double), section = state + 2 * r->extremes.count;
+    Py_ssize_t state = 3 + 2 * r->bodies, row = (Py_ssize_t)sizeof(Real), section = state + 2 * r->extremes.count;
     memset(b, 0, sizeof *b);
-    b->samples = views[0].buf;
-    b->sample_modes = views[1].buf;
-    b->events = views[2].buf;
-    b->event_codes = views[3].buf;
-    b->section = views[4].buf;
+    b->samples = (Real *)views[0].buf;
+    b->sample_modes = (signed char *)views[1].buf;
+    b->events = (Real *)views[2].buf;
+    b->event_codes = (signed char *)views[3].buf;
+    b->section = (Real *)views[4].buf;
     b->sample_room = (long)(views[0].len / (state * row));
     b->event_room = (long)(views[2].len / ((state + 2 + r->bodies) * row));
     b->section_room = (long)(views[4].len / (section * row));
@@ -85,9 +106,9 @@ static PyObject *progress(const RunObject *self)
 /* Packed state: t, x of each body, v of each body, phase, turns, w. */
 static int read_state(const Run *r, const Py_buffer *view, State *s)
 {
-    const double *row = view->buf;
+    const Real *row = (const Real *)view->buf;
     int c;
-    if (view->len != (Py_ssize_t)((4 + 2 * r->bodies) * (int)sizeof(double))) {
+    if (view->len != (Py_ssize_t)((4 + 2 * r->bodies) * (int)sizeof(Real))) {
         PyErr_SetString(PyExc_ValueError, "not a packed state");
         return -1;
     }
@@ -106,7 +127,7 @@ static int read_state(const Run *r, const Py_buffer *view, State *s)
 /* Orders of known zeros by key, as bytes of int; there may be more of them than this run has met. */
 static int read_known(const Run *r, const Py_buffer *view, int *known)
 {
-    const int *values = view->buf;
+    const int *values = (const int *)view->buf;
     Py_ssize_t count = view->len / (Py_ssize_t)sizeof(int), k;
     if (count < r->key_count) {
         PyErr_SetString(PyExc_ValueError, "not the orders of the known zeros");
@@ -142,8 +163,8 @@ static PyObject *start(RunObject *self, PyObject *args)
 
 static PyObject *rewind_run(RunObject *self, PyObject *args)
 {
-    double t_end;
-    if (!PyArg_ParseTuple(args, "d", &t_end) || !run_is_idle(self))
+    Real t_end;
+    if (!PyArg_ParseTuple(args, "O&", number_from, &t_end) || !run_is_idle(self))
         return NULL;
     run_rewind(&self->run, t_end);
     self->started = 0;
@@ -153,9 +174,10 @@ static PyObject *rewind_run(RunObject *self, PyObject *args)
 /* The doubles of a scene of the same shape, whose modes are renewed where rows hold others; a start has to follow. */
 static PyObject *retune(RunObject *self, PyObject *args)
 {
-    Py_buffer v[2] = {{0}};
+    Py_buffer v[2];
     Reader in;
     int done = 0;
+    memset(v, 0, sizeof v);
     if (!PyArg_ParseTuple(args, "y*", &v[1]))
         return NULL;
     if (run_is_idle(self) && reader_of(&v[0], &v[1], &in) == 0 && !(done = scene_retune(&self->run, &in)))
@@ -211,7 +233,7 @@ static PyObject *take(RunObject *self, PyObject *args)
             fits = ((const int *)v[2].buf)[i] >= START && ((const int *)v[2].buf)[i] < KINDS;
         if (fits) {
             r->status = OK;
-            run_take(r, &self->buffers, mode, count, v[2].buf, v[3].buf);
+            run_take(r, &self->buffers, mode, count, (const int *)v[2].buf, (const int *)v[3].buf);
             result = progress(self);
         }
     }
@@ -224,9 +246,9 @@ static PyObject *take(RunObject *self, PyObject *args)
 static PyObject *add_entry(RunObject *self, PyObject *args)
 {
     Ledger *l = &self->run.ledger;
-    double value;
+    Real value;
     int entry;
-    if (!PyArg_ParseTuple(args, "id", &entry, &value) || !run_is_idle(self))
+    if (!PyArg_ParseTuple(args, "iO&", &entry, number_from, &value) || !run_is_idle(self))
         return NULL;
     if (!l->wanted || entry < 0 || entry >= l->count) {
         PyErr_SetString(PyExc_ValueError, "no such entry of the ledger");
@@ -239,8 +261,8 @@ static PyObject *add_entry(RunObject *self, PyObject *args)
 static PyObject *doubt_here(RunObject *self, PyObject *args)
 {
     Certificate *c = &self->run.certificate;
-    double anchor;
-    if (!PyArg_ParseTuple(args, "d", &anchor))
+    Real anchor;
+    if (!PyArg_ParseTuple(args, "O&", number_from, &anchor))
         return NULL;
     if (anchor != c->doubted) {
         if (c->uncertified == 0)
@@ -254,9 +276,9 @@ static PyObject *doubt_here(RunObject *self, PyObject *args)
 static PyObject *state_at(RunObject *self, PyObject *args)
 {
     Run *r = &self->run;
-    double t;
+    Real t;
     int done;
-    if (!PyArg_ParseTuple(args, "d", &t) || !run_is_ready(self))
+    if (!PyArg_ParseTuple(args, "O&", number_from, &t) || !run_is_ready(self))
         return NULL;
     self->busy = 1;
     Py_BEGIN_ALLOW_THREADS
@@ -358,16 +380,25 @@ static PyMethodDef methods[] = {
     {NULL, NULL, 0, NULL},
 };
 
-static PyTypeObject run_type = {
-    PyVarObject_HEAD_INIT(NULL, 0).tp_name = "vibsim.engine._engine.Run",
-    .tp_doc = "Run(ints, doubles): a run of a packed scene.",
-    .tp_basicsize = sizeof(RunObject),
-    .tp_flags = Py_TPFLAGS_DEFAULT,
-    .tp_new = Run_new,
-    .tp_dealloc = (destructor)Run_dealloc,
-    .tp_methods = methods,
-};
+#ifdef __GNUC__
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers" /* what is not said of a type is 0 */
+#endif
+static PyTypeObject run_type = {PyVarObject_HEAD_INIT(NULL, 0)};
 
+static void describe_type(void)
+{
+    run_type.tp_name = "vibsim.engine." MODULE ".Run";
+    run_type.tp_doc = "Run(ints, doubles): a run of a packed scene.";
+    run_type.tp_basicsize = sizeof(RunObject);
+    run_type.tp_flags = Py_TPFLAGS_DEFAULT;
+    run_type.tp_new = Run_new;
+    run_type.tp_dealloc = (destructor)Run_dealloc;
+    run_type.tp_methods = methods;
+}
+
+#ifdef LIMBS
+static PyMethodDef functions[] = {{NULL, NULL, 0, NULL}};
+#else
 static const struct {
     const char *name;
     double (*of)(double);
@@ -409,17 +440,21 @@ static PyMethodDef functions[] = {
     {"eigenvalues", matrix_eigenvalues, METH_VARARGS, "eigenvalues(a, out) -> whether they were found; out (n, 2)"},
     {NULL, NULL, 0, NULL},
 };
+#endif
 
 static struct PyModuleDef module = {
-    PyModuleDef_HEAD_INIT, "_engine", "The C engine of vibsim; use vibsim.engine.", -1, functions, NULL, NULL, NULL, NULL,
+    PyModuleDef_HEAD_INIT, MODULE, "The C engine of vibsim; use vibsim.engine.", -1, functions, NULL, NULL, NULL, NULL,
 };
 
-PyMODINIT_FUNC PyInit__engine(void)
+PyMODINIT_FUNC INIT(void)
 {
     PyObject *made;
+    describe_type();
     if (PyType_Ready(&run_type) < 0 || (made = PyModule_Create(&module)) == NULL)
         return NULL;
+#ifndef LIMBS
     keep_freed_memory();
+#endif
 #ifdef Py_GIL_DISABLED
     PyUnstable_Module_SetGIL(made, Py_MOD_GIL_NOT_USED);
 #endif

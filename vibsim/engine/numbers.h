@@ -2,16 +2,87 @@
 #ifndef VIBSIM_NUMBERS_H
 #define VIBSIM_NUMBERS_H
 
-#include "elementary.h"
+#include "real.h"
 
+#ifdef LIMBS
+static inline Real turn_angle(const Real &cycles, const Real &cycles_lo, const Real &t)
+{
+    Real turns = (cycles + cycles_lo) * t;
+    return 2 * HALF_TURN * (turns - floor(turns + 0.5));
+}
+
+static inline Real reduce_angle(const Real &angle, Real *turns)
+{
+    *turns = floor(angle / (2 * HALF_TURN) + 0.5);
+    return angle - *turns * (2 * HALF_TURN);
+}
+
+/* `turns` whole turns [rad]. */
+static inline Real whole_turns_angle(const Real &turns)
+{
+    return turns * (2 * HALF_TURN);
+}
+
+static inline Real unwind(const Real &angle, const Real &turns)
+{
+    return angle + turns * (2 * HALF_TURN);
+}
+
+static inline int binary_exponent(const Real &x)
+{
+    return x.sign ? x.exponent : NO_EXPONENT;
+}
+
+/* What bounds of many terms are summed in, though they need no digits: doubles, of powers that go beyond their exponents. */
+typedef double Magnitude;
+typedef struct {
+    double mantissa;
+    long exponent;
+} Power;
+
+static const double INFLATED = 1 + 0x1p-40; /* more than all rounding of a sum of bounds */
+
+static inline Power power_of(const Real &h)
+{
+    Power p = {ldexp((double)h.m[LIMBS - 1], -WORD), h.exponent};
+    if (h.sign == 0)
+        p.mantissa = 0;
+    return p;
+}
+
+static inline Power next_power(Power p, Power h)
+{
+    int shift;
+    Power next;
+    next.mantissa = frexp(p.mantissa * h.mantissa, &shift);
+    next.exponent = p.exponent + h.exponent + shift;
+    return next;
+}
+
+/* |x| p */
+static inline Magnitude term_size(const Real &x, Power p)
+{
+    long exponent = x.exponent + p.exponent;
+    if (x.sign == 0 || exponent < -1000)
+        return x.exponent == ENDLESS ? NAN : 0.0;
+    return exponent > 1000 ? INFINITY : (double)x.m[LIMBS - 1] * p.mantissa * double_of((uint64_t)(exponent - WORD + 1023) << 52);
+}
+
+/* 2^y, right to a double: of steps, which may be any. */
+static inline Real power_of_two(double y)
+{
+    double whole = floor(y);
+    return scaled(Real(exponential((y - whole) * 0.6931471805599453)), (long)whole);
+}
+#else
 #define TWO_PI_LO 2.4492935982947064e-16
 
-static inline double turn_angle(double cycles, double cycles_lo, double t)
+static inline Real turn_angle(Real cycles, Real cycles_lo, Real t)
 {
-    double product = cycles * t;
-    double wide = VELTKAMP * cycles;
-    double f1 = wide - (wide - cycles), f2 = cycles - f1;
-    double t1, t2, error, turns;
+    Real product = cycles * t;
+    Real wide = VELTKAMP * cycles;
+    Real f1 = wide - (wide - cycles), f2 = cycles - f1;
+    Real t1, t2, error, turns;
     wide = VELTKAMP * t;
     t1 = wide - (wide - t);
     t2 = t - t1;
@@ -20,22 +91,48 @@ static inline double turn_angle(double cycles, double cycles_lo, double t)
     return TWO_PI * turns;
 }
 
-static inline double reduce_angle(double angle, double *turns)
+static inline Real reduce_angle(Real angle, Real *turns)
 {
     *turns = floor(angle / TWO_PI + 0.5);
     return (angle - *turns * TWO_PI) - *turns * TWO_PI_LO;
 }
 
-static inline double unwind(double angle, double turns)
+typedef double Magnitude;
+typedef double Power;
+
+#define INFLATED 1
+
+static inline Power power_of(double h)
+{
+    return h;
+}
+
+static inline Power next_power(Power p, Power h)
+{
+    return p * h;
+}
+
+static inline Magnitude term_size(double x, Power p)
+{
+    return fabs(x) * p;
+}
+
+/* `turns` whole turns [rad]. */
+static inline Real whole_turns_angle(Real turns)
+{
+    return turns * TWO_PI + turns * TWO_PI_LO;
+}
+
+static inline Real unwind(Real angle, Real turns)
 {
     return angle + turns * TWO_PI;
 }
 
 /* Binary exponent as frexp gives it, read off the bits for normal numbers. */
-static inline int binary_exponent(double x)
+static inline int binary_exponent(Real x)
 {
     uint64_t bits;
-    int e = -2000;
+    int e = NO_EXPONENT;
     memcpy(&bits, &x, sizeof bits);
     bits = bits >> 52 & 0x7ff;
     if (bits != 0 && bits != 0x7ff)
@@ -45,10 +142,17 @@ static inline int binary_exponent(double x)
     return e;
 }
 
-/* Polynomial of count >= 2 coefficients, lowest first: even and odd powers in two chains. */
-static inline double horner(const double *c, int count, double t)
+static inline Real power_of_two(Real y)
 {
-    double square = t * t, high = c[count - 1], low = c[count - 2];
+    return exponential(y * 0.6931471805599453);
+}
+
+#endif
+
+/* Polynomial of count >= 2 coefficients, lowest first: even and odd powers in two chains. */
+static inline Real horner(const Real *c, int count, Real t)
+{
+    Real square = t * t, high = c[count - 1], low = c[count - 2];
     int n;
     for (n = count - 3; n > 0; n -= 2) {
         high = high * square + c[n];
@@ -59,12 +163,7 @@ static inline double horner(const double *c, int count, double t)
     return (high * square + c[0]) + t * low;
 }
 
-static inline double power_of_two(double y)
-{
-    return exponential(y * 0.6931471805599453);
-}
-
-static inline int sign_of(double x)
+static inline int sign_of(Real x)
 {
     return x > 0 ? 1 : x < 0 ? -1 : 0;
 }

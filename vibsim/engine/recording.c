@@ -4,13 +4,13 @@
 #include "engine.h"
 #include "numbers.h"
 
-static double sample_time(const Run *r, long long i)
+static Real sample_time(const Run *r, long long i)
 {
-    return ((double)i * r->every_num) / r->every_den;
+    return ((double)i * (double)r->every_num) / (double)r->every_den; /* a double in every number type */
 }
 
 /* Index of the first sample at or after t. */
-long long sample_index(const Run *r, double t)
+long long sample_index(const Run *r, Real t)
 {
     long long i = (long long)(t * r->every_den / r->every_num);
     while (i > 0 && sample_time(r, i - 1) >= t)
@@ -20,7 +20,7 @@ long long sample_index(const Run *r, double t)
     return i;
 }
 
-void write_state(const Run *r, double *row, long room, const State *s)
+void write_state(const Run *r, Real *row, long room, const State *s)
 {
     int c;
     row[0] = s->t;
@@ -41,10 +41,10 @@ static void write_codes(const Run *r, signed char *row, long room, int count)
 }
 
 /* Keep an event; v, w: velocities of the bodies and speed of the rotor in front of it. */
-void record_event(Run *r, Buffers *b, int kind, int part, const double *v, double w)
+void record_event(Run *r, Buffers *b, int kind, int part, const Real *v, Real w)
 {
     long i = b->event_count++, room = b->event_room;
-    double *before = b->events + (4 + 2 * r->bodies) * room + i;
+    Real *before = b->events + (4 + 2 * r->bodies) * room + i;
     int c;
     r->counts[kind] += 1;
     write_state(r, b->events + i, room, &r->state);
@@ -58,10 +58,10 @@ void record_event(Run *r, Buffers *b, int kind, int part, const double *v, doubl
 }
 
 /* The first sample may be where the closed form was evaluated last. */
-static void sample_closed_form(Run *r, const double *times, const double *tau, int count, double *row, long room)
+static void sample_closed_form(Run *r, const Real *times, const Real *tau, int count, Real *row, long room)
 {
     const int here = tau[0] == r->closed_form.tau, n = r->bodies;
-    double X[TIMES_AT_ONCE], V[TIMES_AT_ONCE];
+    Real X[TIMES_AT_ONCE], V[TIMES_AT_ONCE];
     int i, c;
     if (here) {
         flow_state(r, times[0], &r->scratch);
@@ -79,16 +79,16 @@ static void sample_closed_form(Run *r, const double *times, const double *tau, i
     }
 }
 
-static void sample_at(Run *r, Buffers *b, const double *times, int count)
+static void sample_at(Run *r, Buffers *b, const Real *times, int count)
 {
-    double tau[TIMES_AT_ONCE], *row = b->samples + b->sample_count;
+    Real tau[TIMES_AT_ONCE], *row = b->samples + b->sample_count;
     int i;
     for (i = 0; i < count; i++)
         tau[i] = times[i] - r->t0;
     if (r->closed) {
         sample_closed_form(r, times, tau, count, row, b->sample_room);
     } else {
-        memcpy(row, times, sizeof(double) * (size_t)count);
+        memcpy(row, times, sizeof(Real) * (size_t)count);
         taylor_samples(r, tau, count, row, b->sample_room);
     }
     write_codes(r, b->sample_modes + b->sample_count, b->sample_room, count);
@@ -99,13 +99,14 @@ static void sample_at(Run *r, Buffers *b, const double *times, int count)
 /* Samples in [now, end), or up to and including the end of the run; 0 when the buffer is full before that. */
 int record_samples(Run *r, Buffers *b)
 {
-    const double end = r->pending_end;
+    const Real end = r->pending_end;
     const int last = end >= r->t_end;
-    double times[TIMES_AT_ONCE], t = sample_time(r, r->next_sample);
-    while (t < end || (last && t <= end)) {
+    const double last_time = (double)end;
+    Real times[TIMES_AT_ONCE], t = sample_time(r, r->next_sample);
+    while (t < end || (last && t <= last_time)) {
         long space = b->sample_room - b->sample_count;
         int count = 0;
-        while (count < TIMES_AT_ONCE && count < space && (t < end || (last && t <= end))) {
+        while (count < TIMES_AT_ONCE && count < space && (t < end || (last && t <= last_time))) {
             times[count++] = t;
             t = sample_time(r, r->next_sample + count);
         }

@@ -5,6 +5,8 @@
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
 
+#include <string.h>
+
 #include "modes.h"
 #include "tangent.h"
 
@@ -15,8 +17,40 @@ typedef struct {
     Run run;
     Buffers buffers; /* what is filled, of the arrays in `views` */
     Py_buffer views[BUFFERS];
-    int started, busy, view_count;
+    int started, busy, view_count, bits; /* bits: of its numbers, where they are no doubles */
 } RunObject;
+
+/* A number as an object of Python: a float, or the bytes of a number of words. */
+static inline PyObject *number_object(Real x)
+{
+#ifdef LIMBS
+    return PyBytes_FromStringAndSize((const char *)&x, sizeof x);
+#else
+    return PyFloat_FromDouble(x);
+#endif
+}
+
+/* The same back, as a converter of PyArg_ParseTuple. */
+static inline int number_from(PyObject *object, void *out)
+{
+#ifdef LIMBS
+    char *bytes;
+    Py_ssize_t size;
+    if (PyBytes_AsStringAndSize(object, &bytes, &size) < 0)
+        return 0;
+    if (size != (Py_ssize_t)sizeof(Real)) {
+        PyErr_SetString(PyExc_ValueError, "not the bytes of a number");
+        return 0;
+    }
+    memcpy(out, bytes, sizeof(Real));
+#else
+    double value = PyFloat_AsDouble(object);
+    if (value == -1 && PyErr_Occurred())
+        return 0;
+    *(double *)out = value;
+#endif
+    return 1;
+}
 
 /* run_setup.c: what a run is told of before its start, modes as they are met, and jumps; 0 of run_is_idle: an error is set */
 int reader_of(const Py_buffer *ints, const Py_buffer *doubles, Reader *in);

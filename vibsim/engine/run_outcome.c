@@ -20,10 +20,10 @@ PyObject *state_tuple(const Run *r, const State *s)
         return NULL;
     }
     for (c = 0; c < r->bodies; c++) {
-        PyList_SET_ITEM(x, c, PyFloat_FromDouble(s->x[c]));
-        PyList_SET_ITEM(v, c, PyFloat_FromDouble(s->v[c]));
+        PyList_SET_ITEM(x, c, number_object(s->x[c]));
+        PyList_SET_ITEM(v, c, number_object(s->v[c]));
     }
-    return Py_BuildValue("dNNddd", s->t, x, v, s->phase, s->turns, s->w);
+    return Py_BuildValue("NNNNNN", number_object(s->t), x, v, number_object(s->phase), number_object(s->turns), number_object(s->w));
 }
 
 PyObject *run_tally(RunObject *self, PyObject *none)
@@ -39,21 +39,21 @@ PyObject *run_tally(RunObject *self, PyObject *none)
         return NULL;
     }
     for (i = 0; i < r->ledger.count; i++)
-        PyTuple_SET_ITEM(entries, i, PyFloat_FromDouble(r->ledger.entries[i]));
+        PyTuple_SET_ITEM(entries, i, number_object(r->ledger.entries[i]));
     for (i = 0; i < KINDS; i++)
-        PyTuple_SET_ITEM(counts, i, PyLong_FromDouble(r->counts[i]));
-    return Py_BuildValue("{sNsNsNsdsdsds(dddd)sisdsisi}", "state", state_tuple(r, &r->state), "counts", counts, "entries", entries, "worked_to", run_worked_to(r), "steps", r->steps,
-                         "evaluations", r->evaluations, "certificate", r->certificate.uncertified, r->certificate.first_doubt,
-                         r->certificate.margin, r->certificate.margin_time, "violated_once", r->violated_once,
-                         "first_violation", r->first_violation, "mode", r->mode_number, "singular", r->singular);
+        PyTuple_SET_ITEM(counts, i, PyLong_FromDouble((double)r->counts[i]));
+    return Py_BuildValue("{sNsNsNsNsdsds(dNNN)sisNsisi}", "state", state_tuple(r, &r->state), "counts", counts, "entries", entries, "worked_to", number_object(run_worked_to(r)), "steps", r->steps,
+                         "evaluations", r->evaluations, "certificate", r->certificate.uncertified, number_object(r->certificate.first_doubt),
+                         number_object(r->certificate.margin), number_object(r->certificate.margin_time), "violated_once", r->violated_once,
+                         "first_violation", number_object(r->first_violation), "mode", r->mode_number, "singular", r->singular);
 }
 
-static PyObject *list_of(const double *values, int count, int stride)
+static PyObject *list_of(const Real *values, int count, int stride)
 {
     PyObject *list = PyList_New(count);
     int i;
     for (i = 0; list && i < count; i++)
-        PyList_SET_ITEM(list, i, PyFloat_FromDouble(values[i * stride]));
+        PyList_SET_ITEM(list, i, number_object(values[i * stride]));
     return list;
 }
 
@@ -67,7 +67,7 @@ static PyObject *list_of_ints(const int *values, int count)
 }
 
 /* Lists of `width` numbers, `stride` apart: the first begin `step` apart. */
-static PyObject *table_of(const double *values, int count, int width, int step, int stride)
+static PyObject *table_of(const Real *values, int count, int width, int step, int stride)
 {
     PyObject *list = PyList_New(count);
     int i;
@@ -101,13 +101,13 @@ PyObject *run_disturbances(RunObject *self, PyObject *none)
         PyErr_SetString(PyExc_ValueError, "the run carries no disturbances");
         return NULL;
     }
-    return Py_BuildValue("{sOsNsNsNsNsisdsds(Ldd)sNs(Ld)}", "complete", b->complete ? Py_True : Py_False, "rows",
+    return Py_BuildValue("{sOsNsNsNsNsisdsNs(LNN)sNs(LN)}", "complete", b->complete ? Py_True : Py_False, "rows",
                          table_of(b->rows, b->row_count, 1 + b->count, 1 + b->count, 1), "vectors",
                          table_of(b->vectors, b->possible, b->size, 1, b->stride), "columns", list_of_ints(b->columns, b->count), "lost",
-                         list_of_ints(b->lost, b->count), "losses", b->losses, "pieces", b->pieces, "residual", b->residual, "near",
-                         b->tangencies.count, b->tangencies.closest, b->tangencies.closest_time, "fastest",
+                         list_of_ints(b->lost, b->count), "losses", b->losses, "pieces", b->pieces, "residual", number_object(b->residual), "near",
+                         b->tangencies.count, number_object(b->tangencies.closest), number_object(b->tangencies.closest_time), "fastest",
                          list_of(b->tangencies.fastest, b->stop_count, 1), "undefined", b->tangencies.undefined,
-                         b->tangencies.undefined_time);
+                         number_object(b->tangencies.undefined_time));
 }
 
 /* Fills `out` with what a motion with disturbances has come to: doubts, margin, number of the mode, events without a derivative and
@@ -120,33 +120,33 @@ PyObject *run_outcome(RunObject *self, PyObject *args)
     const Tangent *b = r->tangent;
     const State *s = &r->state;
     Py_buffer view;
-    double *at;
+    Real *at;
     int n = r->bodies, i, k;
     Py_ssize_t count = 5 + 4 + 2 * n + (b ? (1 + b->possible) * b->size : 0);
     if (!run_is_ready(self) || !PyArg_ParseTuple(args, "w*", &view))
         return NULL;
-    if (view.len < count * (Py_ssize_t)sizeof(double)) {
+    if (view.len < count * (Py_ssize_t)sizeof(Real)) {
         PyBuffer_Release(&view);
         PyErr_SetString(PyExc_ValueError, "no room for the outcome");
         return NULL;
     }
-    at = view.buf;
+    at = (Real *)view.buf;
     *at++ = r->certificate.uncertified;
     *at++ = r->certificate.margin;
     *at++ = r->mode_number;
-    *at++ = b ? (double)b->tangencies.undefined : 0.0;
+    *at++ = b ? (Real)b->tangencies.undefined : 0.0;
     *at++ = b ? b->tangencies.undefined_time : 0.0;
     *at++ = s->t;
-    memcpy(at, s->x, (size_t)n * sizeof(double));
-    memcpy(at + n, s->v, (size_t)n * sizeof(double));
+    memcpy(at, s->x, (size_t)n * sizeof(Real));
+    memcpy(at + n, s->v, (size_t)n * sizeof(Real));
     at += 2 * n;
     *at++ = s->phase;
     *at++ = s->turns;
     *at++ = s->w;
     if (b) {
-        double rotor = accelerations(r, r->mode, s, b->accelerations);
-        memcpy(at, s->v, (size_t)n * sizeof(double));
-        memcpy(at + n, b->accelerations, (size_t)n * sizeof(double));
+        Real rotor = accelerations(r, r->mode, s, b->accelerations);
+        memcpy(at, s->v, (size_t)n * sizeof(Real));
+        memcpy(at + n, b->accelerations, (size_t)n * sizeof(Real));
         at += 2 * n;
         if (r->has_motor) {
             *at++ = s->w;

@@ -6,14 +6,14 @@
 int reader_of(const Py_buffer *ints, const Py_buffer *doubles, Reader *in)
 {
     memset(in, 0, sizeof *in);
-    if (ints->len % (Py_ssize_t)sizeof(int) || doubles->len % (Py_ssize_t)sizeof(double)) {
+    if (ints->len % (Py_ssize_t)sizeof(int) || doubles->len % (Py_ssize_t)sizeof(Real)) {
         PyErr_SetString(PyExc_ValueError, "packed numbers of the wrong size");
         return -1;
     }
-    in->ints = ints->buf;
-    in->doubles = doubles->buf;
+    in->ints = (const int *)ints->buf;
+    in->doubles = (const Real *)doubles->buf;
     in->int_count = (long)(ints->len / (Py_ssize_t)sizeof(int));
-    in->double_count = (long)(doubles->len / (Py_ssize_t)sizeof(double));
+    in->double_count = (long)(doubles->len / (Py_ssize_t)sizeof(Real));
     return 0;
 }
 
@@ -21,6 +21,9 @@ int run_is_idle(RunObject *self)
 {
     if (self->busy)
         PyErr_SetString(PyExc_RuntimeError, "the run is being computed by another thread");
+#ifdef LIMBS
+    set_precision(self->bits);
+#endif
     return !self->busy;
 }
 
@@ -207,7 +210,7 @@ PyObject *run_keep_section(RunObject *self, PyObject *args)
 {
     Section *s = &self->run.section;
     int rotor;
-    if (!PyArg_ParseTuple(args, "dddi", &s->cycles, &s->cycles_lo, &s->turns, &rotor))
+    if (!PyArg_ParseTuple(args, "O&O&O&i", number_from, &s->cycles, number_from, &s->cycles_lo, number_from, &s->turns, &rotor))
         return NULL;
     if (rotor < -1 || rotor >= self->run.bodies)
         return PyErr_Format(PyExc_ValueError, "rotor must be the number of a body or -1, got %d", rotor);
@@ -258,12 +261,12 @@ PyObject *run_hand_jump(RunObject *self, PyObject *args)
     Py_buffer v;
     Handed h = {1, 0, 0, 0, 1.0, 1.0};
     int i, k, fits;
-    if (!PyArg_ParseTuple(args, "pdidpy*", &h.jumps, &h.determinant, &h.tangencies, &h.closest, &h.undefined, &v))
+    if (!PyArg_ParseTuple(args, "pO&iO&py*", &h.jumps, number_from, &h.determinant, &h.tangencies, number_from, &h.closest, &h.undefined, &v))
         return NULL;
-    fits = run_is_ready(self) && b && self->run.status == UNDECIDED && v.len == (Py_ssize_t)sizeof(double) * b->possible * b->size;
+    fits = run_is_ready(self) && b && self->run.status == UNDECIDED && v.len == (Py_ssize_t)sizeof(Real) * b->possible * b->size;
     for (i = 0; fits && i < b->possible; i++)
         for (k = 0; k < b->size; k++)
-            b->vectors[k * b->stride + i] = ((const double *)v.buf)[i * b->size + k];
+            b->vectors[k * b->stride + i] = ((const Real *)v.buf)[i * b->size + k];
     PyBuffer_Release(&v);
     if (!fits) {
         if (!PyErr_Occurred())

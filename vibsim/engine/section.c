@@ -5,39 +5,39 @@
 #define ITERATIONS 60
 #define LAST_PERIOD 9007199254740992.0 /* 2^53: behind it whole numbers of periods are no doubles */
 
-static double period_end(const Section *s)
+static Real period_end(const Section *s)
 {
-    double t = s->next * s->turns / s->cycles;
+    Real t = s->next * s->turns / s->cycles;
     return t - t * (s->cycles_lo / s->cycles);
 }
 
 /* The angle of a rotor that lies behind the turn in which the stretch begins. */
-static double whole_turns(const Run *r)
+static Real whole_turns(const Run *r)
 {
-    double turns = floor(r->state.x[r->section.rotor - 1] / TWO_PI);
-    return turns * TWO_PI + turns * TWO_PI_LO;
+    Real turns = floor(r->state.x[r->section.rotor - 1] / TURN);
+    return whole_turns_angle(turns);
 }
 
 /* The angle of motor or rotor, counted in the turn in which the stretch begins. */
-static double angle_of(const Run *r, const State *s)
+static Real angle_of(const Run *r, const State *s)
 {
     if (r->section.rotor > 0)
         return s->x[r->section.rotor - 1] - whole_turns(r);
-    return s->phase + (s->turns - r->state.turns) * TWO_PI;
+    return s->phase + (s->turns - r->state.turns) * TURN;
 }
 
-static double angle_at(Run *r, double t)
+static Real angle_at(Run *r, Real t)
 {
     flow_state(r, t, &r->scratch);
     return angle_of(r, &r->scratch);
 }
 
-static double passage(Run *r, double end, double target)
+static Real passage(Run *r, Real end, Real target)
 {
-    double low = r->state.t, high = end, t = low + (high - low) / 2;
+    Real low = r->state.t, high = end, t = low + (high - low) / 2;
     int i;
     for (i = 0; i < ITERATIONS; i++) {
-        double error = angle_at(r, t) - target, speed, ahead;
+        Real error = angle_at(r, t) - target, speed, ahead;
         if (error < 0)
             low = t;
         else
@@ -53,9 +53,9 @@ static double passage(Run *r, double end, double target)
     return high;
 }
 
-static void keep(Run *r, Buffers *b, double t)
+static void keep(Run *r, Buffers *b, Real t)
 {
-    double *row = b->section + b->section_count++;
+    Real *row = b->section + b->section_count++;
     flow_state(r, t, &r->scratch);
     write_state(r, row, b->section_room, &r->scratch);
     extremes_close(r, row + (3 + 2 * r->bodies) * b->section_room, b->section_room);
@@ -74,7 +74,7 @@ void section_start(Run *r)
 }
 
 /* The angle at the end of the stretch. */
-static double last_angle(Run *r, double end)
+static Real last_angle(Run *r, Real end)
 {
     run_arrive(r);
     if (r->next.t == end && r->pending_tau == end - r->t0)
@@ -82,20 +82,20 @@ static double last_angle(Run *r, double end)
     return angle_at(r, end); /* the state was taken at the very instant of an impact */
 }
 
-static void keep_turn(Run *r, Buffers *b, double end, double target)
+static void keep_turn(Run *r, Buffers *b, Real end, Real target)
 {
-    double t = passage(r, end, target);
+    Real t = passage(r, end, target);
     extremes_until(r, t, 0);
     keep(r, b, t);
 }
 
 /* Of a stretch without bound of its turns: `next` is the turn to go on with where the buffer was full. */
-static int gather_turns_of_rotor(Run *r, Buffers *b, double end)
+static int gather_turns_of_rotor(Run *r, Buffers *b, Real end)
 {
     Section *s = &r->section;
-    double first = angle_of(r, &r->state), last = last_angle(r, end);
-    for (; s->next * TWO_PI + s->next * TWO_PI_LO <= last; s->next += 1) {
-        double target = s->next * TWO_PI + s->next * TWO_PI_LO;
+    Real first = angle_of(r, &r->state), last = last_angle(r, end);
+    for (; whole_turns_angle(s->next) <= last; s->next += 1) {
+        Real target = whole_turns_angle(s->next);
         if (first < target) {
             if (b->section_count >= b->section_room)
                 return 0;
@@ -106,19 +106,19 @@ static int gather_turns_of_rotor(Run *r, Buffers *b, double end)
     return 1;
 }
 
-int section_gather(Run *r, Buffers *b, double end)
+int section_gather(Run *r, Buffers *b, Real end)
 {
     Section *s = &r->section;
     if (b->section_room == 0)
         return 1;
     if (r->has_motor) {
-        double first = r->state.phase, last;
+        Real first = r->state.phase, last;
         int turn;
         if (b->section_count + 2 > b->section_room)
             return 0;
         last = last_angle(r, end);
         for (turn = 0; turn < 2; turn++) {
-            double target = turn * TWO_PI + turn * TWO_PI_LO;
+            Real target = whole_turns_angle(turn);
             if (first < target && target <= last)
                 keep_turn(r, b, end, target);
         }

@@ -1,4 +1,5 @@
-"""Runs of many digits of scenes made of parts: the Python engine on python-flint's or mpmath's numbers.
+"""Runs of many digits of scenes made of parts: the engine in C on numbers of so many words, beyond these and
+without it the Python engine on python-flint's or mpmath's numbers.
 
     trajectory = open_truth(case.exact_scene, 40)
     for block in trajectory.blocks(): ...
@@ -9,14 +10,18 @@ Sampled states and events come twice: as doubles, like those of any run, and as 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from fractions import Fraction
+from math import nan
 from typing import Any
 
 import numpy as np
 
-from vibsim.engine.blocks import Block
-from vibsim.engine.columns import stored_columns
+from vibsim.engine.blocks import Block, Trajectory
+from vibsim.engine.columns import stored_before, stored_columns
 from vibsim.engine.errors import EngineError, State
+from vibsim.engine.number_forms import WordsForm, words_form
 from vibsim.engine.python_trajectory import PythonTrajectory
+from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
+from vibsim.engine.trajectory import in_c
 from vibsim.physics.numbers import Number, text_width
 from vibsim.physics.parts import Scene
 from vibsim.physics.precision import DigitsKit, number_kit, one_precision
@@ -38,6 +43,11 @@ class TruthTrajectory(PythonTrajectory[Number]):
     kit: DigitsKit[Number]
 
     @property
+    def number_type(self) -> str:
+        """What the motion is computed with."""
+        return self.kit.name
+
+    @property
     def order(self) -> int:
         """Order of the Taylor flow."""
         return self.kit.order()
@@ -55,18 +65,13 @@ class TruthTrajectory(PythonTrajectory[Number]):
         try:
             self.driver.run(PIECES, SAMPLES, SECONDS)
         except EngineError as error:
-            raise EngineError(error.reason, self._rounded(error.state)) from error
+            raise EngineError(error.reason, rounded(self.kit, error.state)) from error
         samples, events, section, _ = self.driver.take()
         block = self._block(samples, events, section, ())
         names = stored_columns(self.scene)
         at = self._texts(names, [self._row(state)[1:] for state, _ in samples])
         after = self._texts(("t", *names), [self._row(one[2]) for one in events])
         return TruthBlock(**vars(block), sample_digits=at, event_digits=after)
-
-    def _rounded(self, state: State[Number]) -> State:
-        values = self.kit.rounded([state.t, *state.x, *state.v, state.phase, state.turns, state.w])
-        n = len(state.x)
-        return State(values[0], values[1 : n + 1], values[n + 1 : 2 * n + 1], *values[-3:])
 
     def _texts(self, names: Sequence[str | None], rows: Sequence[Sequence[Number]]) -> dict[str, np.ndarray]:
         width = text_width(self.kit.digits)
@@ -77,9 +82,124 @@ class TruthTrajectory(PythonTrajectory[Number]):
         }
 
 
+class WordsTrajectory(Trajectory[Number]):
+    """A run in C on numbers of words, of which Python decides the events without a clear rule on those of
+    `form.kit`; see `open_truth`.
+    """
+
+    engine = "c"
+
+    def __init__(self, scene: Scene[Any], form: WordsForm[Any], ledger: bool, momentum: bool) -> None:
+        super().__init__(scene)
+        from vibsim.engine.c_engine import CRun
+
+        self.form, self.kit, self.number_type = form, form.kit, form.name
+        self.run = CRun(scene, form=form, ledger=ledger, momentum=momentum)
+
+    @property
+    def order(self) -> int:
+        """Order of the Taylor flow."""
+        return self.kit.order()
+
+    def blocks(self) -> Iterator[TruthBlock]:
+        """Yield `TruthBlock`s until the run ends; raises EngineError when it fails."""
+        filled = self.run.blocks()
+        while True:
+            with one_precision:
+                self.kit.activate()
+                try:
+                    rows = next(filled, None)
+                except EngineError as error:
+                    raise EngineError(error.reason, rounded(self.kit, error.state), error.parts) from error
+                if rows is None:
+                    return
+                block = self._truth_block(*rows)
+            yield block
+
+    def _truth_block(
+        self,
+        samples: np.ndarray,
+        codes: np.ndarray,
+        events: np.ndarray,
+        event_codes: np.ndarray,
+        section: np.ndarray,
+        reached: tuple[Number, Number],
+    ) -> TruthBlock:
+        in_doubles = self.form.doubles
+        before = 4 + 2 * len(self.scene.bodies)  # rows of events behind the state
+        happened = in_doubles(events)
+        count = before + len(stored_before(self.scene))
+        to, worked_to = self.kit.rounded(reached)
+        block = self.block(
+            in_doubles(samples), codes, happened[:count], event_codes, in_doubles(section), (to, worked_to)
+        )
+        names = stored_columns(self.scene)
+        at = self._texts(names, samples[1:])
+        after = self._texts(("t", *names), events)
+        return TruthBlock(**vars(block), sample_digits=at, event_digits=after)
+
+    def _texts(self, names: Sequence[str | None], rows: np.ndarray) -> dict[str, np.ndarray]:
+        width = text_width(self.kit.digits)
+        return {
+            name: np.array(self.form.texts(row), dtype=f"S{width}")
+            for name, row in zip(names, rows, strict=False)
+            if name is not None
+        }
+
+    def stop(self) -> None:
+        """Have `blocks` end with what is computed, from any thread; at once where it decides what follows."""
+        self.run.stopped.set()
+
+    @property
+    def left_out(self) -> list[tuple[float, float]]:
+        """(time [s], distance [m] that ends of infinite sequences of impacts have left out from then on)."""
+        ends = (self.kit.rounded(list(end)) for end in self.run.automaton.rigid.chatter.cut_off.ends)
+        return [(t, distance) for t, distance in ends]
+
+    @property
+    def totals(self) -> dict[str, Any]:
+        """Counts and margins so far, and the ledgers where they are kept, as doubles."""
+        with one_precision:
+            self.kit.activate()
+            return self._totals()
+
+    def _totals(self) -> dict[str, Any]:
+        tally, run, double = self.run.tally, self.run, self.form.double
+        uncertified, *certificate = tally["certificate"]
+        first_doubt, margin, margin_time = map(double, certificate)
+        totals = totals_of(
+            tally["counts"],
+            (uncertified, first_doubt, margin, margin_time),
+            (tally["steps"], tally["evaluations"]),
+            double(tally["first_violation"]) if tally["violated_once"] else nan,
+        )
+        cut = run.automaton.rigid.chatter.cut_off
+        totals |= rigid_totals(
+            self.scene, tally["counts"], self.kit.rounded([cut.time, cut.speed, cut.distance])
+        )
+        if run.meters:
+            now = run.left_at or self.form.state(tally["state"]), run.statuses[tally["mode"]]
+            entries: list[Number] = [self.form.taken(entry) for entry in tally["entries"]]
+            where: Any = run.first, now
+            ledger = ledger_totals(self.scene, self.kit, run.meters.names, entries, *where)
+            totals |= dict(zip(ledger, self.kit.rounded(list(ledger.values())), strict=True))
+        return totals
+
+
+def rounded(kit: DigitsKit[Number], state: State[Number]) -> State[float]:
+    """A state in doubles."""
+    values = kit.rounded([state.t, *state.x, *state.v, state.phase, state.turns, state.w])
+    n = len(state.x)
+    return State(values[0], values[1 : n + 1], values[n + 1 : 2 * n + 1], *values[-3:])
+
+
 def open_truth(
-    exact_scene: Callable[..., Scene[Number]], digits: int, ledger: bool = False, momentum: bool = False
-) -> TruthTrajectory:
+    exact_scene: Callable[..., Scene[Number]],
+    digits: int,
+    ledger: bool = False,
+    momentum: bool = False,
+    engine: str = "auto",
+) -> TruthTrajectory | WordsTrajectory:
     """A run of `digits` decimal digits, not yet computed.
 
     Parameters
@@ -87,14 +207,23 @@ def open_truth(
     exact_scene : makes the scene from (number, pi), as `Case.exact_scene` does
     digits : 20 to 1000
     ledger, momentum : as of `open_trajectory`; their quadrature is that of doubles, 16 digits
+    engine : "auto" (C where it was built for so many digits, else Python), "c" or "python"
 
     Returns an object as `open_trajectory` does; its blocks are `TruthBlock`s, without section. Raises
-    ValueError for other digits, MultiprecisionMissing where neither python-flint nor mpmath is installed.
+    ValueError for other digits, or "c" where it has not so many, MultiprecisionMissing where neither
+    python-flint nor mpmath is installed.
     """
     with one_precision:
         kit = number_kit(digits)
         scene = exact_scene(kit.number, kit.pi)
-        return TruthTrajectory(bare(scene, kit), kit, ledger=ledger, momentum=momentum)
+        scene = bare(scene, kit)
+        form = None if engine == "python" else words_form(kit)
+        if form is not None and in_c(scene, {"ledger": ledger, "momentum": momentum}):
+            kit.activate()
+            return WordsTrajectory(scene, form, ledger=ledger, momentum=momentum)
+        if engine == "c":
+            raise ValueError(f"the C engine has no {digits} digits of this scene; use engine python")
+        return TruthTrajectory(scene, kit, ledger=ledger, momentum=momentum)
 
 
 def bare(part: Any, kit: DigitsKit[Number]) -> Any:

@@ -92,6 +92,10 @@ class BigFloats(WorkingPrecision[Number]):
         sign, mantissa, exponent, _ = x._mpf_
         return (-int(mantissa) if sign else int(mantissa)), int(exponent)
 
+    def of_parts(self, mantissa: int, exponent: int) -> Number:
+        """mantissa 2**exponent, exactly."""
+        return self.context.make_mpf(mpmath.libmp.from_man_exp(mantissa, exponent))
+
     def power_of_two(self, y: float) -> Number:
         """2**y for a float y."""
         return self.context.mpf(2) ** y

@@ -99,6 +99,11 @@ class Balls(WorkingPrecision[flint.arb]):
         return int(mantissa), int(exponent)
 
     @staticmethod
+    def of_parts(mantissa: int, exponent: int) -> flint.arb:
+        """mantissa 2**exponent, exactly."""
+        return flint.arb((mantissa, exponent))
+
+    @staticmethod
     def power_of_two(y: float) -> flint.arb:
         """2**y for a float y."""
         return flint.arb(2) ** flint.arb(y)

@@ -59,7 +59,11 @@ class WorkingPrecision(Generic[N]):
 
     def texts(self, values: Iterable[N]) -> list[str]:
         """`values` as decimal texts of all `digits`."""
-        return [decimal_text(self.parts(value), self.digits) for value in values]
+        return self.texts_of(map(self.parts, values))
+
+    def texts_of(self, parts: Iterable[tuple[int, int]]) -> list[str]:
+        """The same of whole numbers m, e that stand for m 2**e."""
+        return [decimal_text(one, self.digits) for one in parts]
 
 
 # Which number kit a run of many digits gets: python-flint's balls, or mpmath's floats without it.
@@ -91,7 +95,9 @@ class DigitsKit(Kit[N], Protocol[N]):
     def activate(self) -> None: ...
     def order(self, scene: Scene[N] | None = None, /) -> int: ...
     def parts(self, x: N, /) -> tuple[int, int]: ...
+    def of_parts(self, mantissa: int, exponent: int, /) -> N: ...
     def texts(self, values: Iterable[N], /) -> list[str]: ...
+    def texts_of(self, parts: Iterable[tuple[int, int]], /) -> list[str]: ...
 
 
 class MultiprecisionMissing(ImportError):

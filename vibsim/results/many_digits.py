@@ -14,6 +14,7 @@ import numpy as np
 from vibsim.engine.choice import flow_of
 from vibsim.engine.columns import state_columns
 from vibsim.engine.errors import EngineError, State
+from vibsim.engine.number_forms import digits_in_c
 from vibsim.engine.tangent.error_growth import error_growth, last_states
 from vibsim.engine.truth import open_truth
 from vibsim.physics.numbers import Number
@@ -47,6 +48,7 @@ WANTED = 10  # right digits at the end of a run with digits "auto"
 TELLING = 3  # agreement below so many digits may be chance
 ORDINARY = 30  # digits of a run without chaos
 MARGIN, SHARE = 6, 1.15  # digits beyond the growth found in doubles, which is an estimate
+CLOSER = 8  # the same where digits are chosen by the number types of C
 FINER = 12  # digits that a run carries beyond the one it is compared with
 LEAST = Decimal("1e-6")
 EXACT = Context(prec=2 * MOST_DIGITS)
@@ -58,8 +60,9 @@ class DigitsPlan:
     digits : the digits, or "auto" for as many as leave WANTED right ones at the end
     """
 
-    def __init__(self, case: "Case", digits: int | str, watch: Watch | None = None):
-        self.case, self.watch = case, watch
+    def __init__(self, case: "Case", digits: int | str, watch: Watch | None = None, engine: str = "auto"):
+        self.case, self.watch, self.engine = case, watch, engine
+        self.in_c = digits_in_c() if engine != "python" else []
         self.automatic = digits == "auto"
         self.enough = not self.automatic
         self.scene = case.scene()
@@ -80,12 +83,17 @@ class DigitsPlan:
     def _first_choice(self) -> int:
         if self.growth + TELLING <= DOUBLE_DIGITS and self.coarse is not None:
             return max(ORDINARY, ceil(self.growth) + WANTED + MARGIN)
-        self._compare_with(max(FEWEST_DIGITS, ceil(SHARE * self.growth) + MARGIN))
-        return self._within_reach(self.coarse_digits + FINER)
+        digits = max(FEWEST_DIGITS, ceil(SHARE * self.growth) + MARGIN)
+        finer = digits + FINER
+        if self.in_c and finer > self.in_c[-1]:  # C may do: of long runs twice the growth is estimated
+            finer = next((most for most in self.in_c if most >= self.growth / 2 + WANTED), self.in_c[-1])
+            digits = finer - CLOSER
+        self._compare_with(digits)
+        return self._within_reach(finer)
 
     def _compare_with(self, digits: int) -> None:
         self.coarse_digits = self._within_reach(digits)
-        self.coarse = end_in_digits(self.case, self.coarse_digits, self.watch)
+        self.coarse = end_in_digits(self.case, self.coarse_digits, self.watch, self.engine)
 
     def _within_reach(self, digits: float) -> int:
         if digits > MOST_DIGITS:
@@ -124,7 +132,8 @@ class DigitsPlan:
         self.enough = not self.automatic or right >= WANTED
         if not self.enough:
             self.coarse_digits, self.coarse = self.digits, end
-            self.digits = self._within_reach(1.5 * self.digits + FINER)
+            more = self._within_reach(1.5 * self.digits + FINER)
+            self.digits = next((most for most in self.in_c if most >= self.digits + FINER), more)
         return {"digits_right": right, "digits_right_from": source}
 
 
@@ -163,14 +172,16 @@ def end_in_doubles(scene: Scene) -> EndState | None:
     return {name: Decimal(float(table[name][-1])) for name in ("t", *state_columns(scene))}
 
 
-def end_in_digits(case: "Case", digits: int, watch: Watch | None = None) -> EndState | None:
+def end_in_digits(
+    case: "Case", digits: int, watch: Watch | None = None, engine: str = "auto"
+) -> EndState | None:
     """The same in so many digits; None where `watch` stopped the run."""
 
     def without_samples(number: Callable[[Fraction], Number], pi: Number) -> Scene[Number]:
         return case.exact_scene(number, pi).without_samples()
 
     end = None
-    for block in open_truth(without_samples, digits).blocks():
+    for block in open_truth(without_samples, digits, engine=engine).blocks():
         end = end_of(block.event_digits) or end
         if watch is not None and not watch(block.t_reached):
             return None
@@ -207,16 +218,16 @@ class TruthRecording:
     `end_state` is that of its last event, exactly as the digits have it; None before the end.
     """
 
-    def __init__(self, case: "Case", digits: int):
+    def __init__(self, case: "Case", digits: int, engine: str = "auto"):
         self.scene = case.scene()
         self.began = time.perf_counter()
-        self.trajectory = open_truth(case.exact_scene, digits)
+        self.trajectory = open_truth(case.exact_scene, digits, engine=engine)
         kit = self.trajectory.kit
         self.start = {
             **origin(case, self.scene, self.trajectory.engine, flow_of(self.scene)),
             "digits": digits,
             "precision_bits": kit.bits,
-            "number_type": kit.name,
+            "number_type": self.trajectory.number_type,
             "number_library": kit.library,
         }
         if "taylor_tolerance" in self.start:
@@ -274,8 +285,8 @@ class TruthMemory(MemorySink):
 
 def truth(case: "Case", digits: int | str, engine: str = "auto") -> Result:
     """Run a case with so many digits ("auto": as many as leave ten right ones at its end), in memory."""
-    check_engine(engine)
-    recording, sink, attrs = _run(case, digits, TruthMemory)
+    check_engine(digits, engine)
+    recording, sink, attrs = _run(case, digits, TruthMemory, engine=engine)
     samples, events = sink.tables()
     return Result({**recording.start, **attrs}, samples, events, case=case, digits=sink.digits())
 
@@ -290,29 +301,36 @@ def truth_to_file(
 ) -> Result:
     """The same straight into an HDF5 file; `watch`, errors and what is kept as with `simulate_to_file`."""
 
-    check_engine(engine)
+    check_engine(digits, engine)
 
     def writer(recording: TruthRecording) -> TruthWriter:
         return TruthWriter(
             path, tables_of(recording.scene), recording.start, recording.start["digits"], force
         )
 
-    recording, sink, attrs = _run(case, digits, writer, watch)
+    recording, sink, attrs = _run(case, digits, writer, watch, engine)
     file = TrajectoryFile(sink.finish(attrs), tables_of(recording.scene))
     return Result({**recording.start, **attrs}, file.samples, file.events, case=case, digits=file.digits)
 
 
-def check_engine(engine: str) -> None:
-    """ValueError where the C engine is asked for, which has doubles only."""
-    if engine == "c":
-        raise ValueError("digits need the Python engine; the C engine has doubles only")
+def check_engine(digits: int | str, engine: str) -> None:
+    """ValueError where the C engine is asked for more digits than its numbers have."""
+    most = max(digits_in_c(), default=0)
+    if engine == "c" and (digits == "auto" or _whole(digits) > most):
+        raise ValueError(f"the C engine has at most {most} digits, got {digits}; use engine auto or python")
 
 
-def _run(case: "Case", digits: int | str, open_sink: Callable[..., Any], watch: Watch | None = None) -> Any:
+def _run(
+    case: "Case",
+    digits: int | str,
+    open_sink: Callable[..., Any],
+    watch: Watch | None = None,
+    engine: str = "auto",
+) -> Any:
     """Recording, sink and last attributes of the run whose digits are enough."""
-    plan = DigitsPlan(case, digits, watch)
+    plan = DigitsPlan(case, digits, watch, engine)
     while True:
-        recording = TruthRecording(case, plan.digits)
+        recording = TruthRecording(case, plan.digits, engine)
         sink = None
         try:
             with held_back():

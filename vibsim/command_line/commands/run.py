@@ -34,6 +34,7 @@ from vibsim.engine.choice import compiled
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.opening import open_result
+from vibsim.physics.precision import MultiprecisionMissing, installed_library
 from vibsim.physics.rates import fastest_damping
 from vibsim.results import Result, kind_of, names_a_result, simulate_to_file
 from vibsim.results.hdf5_reading import ResultFileError, reason
@@ -300,10 +301,12 @@ def check_digits(digits: int | str | None, engine: str) -> None:
     """Usage error where many digits are asked for and cannot be had."""
     if digits is None:
         return
-    from vibsim.physics.precision import MultiprecisionMissing, installed_library
+    from vibsim.results.many_digits import check_engine as check_truth_engine
 
-    if engine == "c":
-        raise click.UsageError("--digits needs the Python engine; the C engine has doubles only")
+    try:
+        check_truth_engine(digits, engine)
+    except ValueError as error:
+        raise click.UsageError(f"--digits: {error}") from error
     try:
         installed_library()
     except MultiprecisionMissing as error:

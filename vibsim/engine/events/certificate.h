@@ -7,11 +7,12 @@
 static inline void certificate_open(Certificate *c)
 {
     c->margin = INFINITY;
-    c->margin_time = c->uncertified = c->first_doubt = 0.0;
+    c->margin_time = c->first_doubt = 0.0;
+    c->uncertified = 0;
     c->doubted = NAN;
 }
 
-static inline void doubt(Certificate *c, double anchor)
+static inline void doubt(Certificate *c, Real anchor)
 {
     if (anchor != c->doubted) {
         if (c->uncertified == 0)
@@ -21,7 +22,7 @@ static inline void doubt(Certificate *c, double anchor)
     }
 }
 
-static inline void keep_turn(Certificate *c, double value, double t)
+static inline void keep_turn(Certificate *c, Real value, Real t)
 {
     value = value > 0 ? value : 0 * value;
     if (value < c->margin) {
@@ -30,17 +31,17 @@ static inline void keep_turn(Certificate *c, double value, double t)
     }
 }
 
-static inline int crosses(double slope, double bound, double error)
+static inline int crosses(Real slope, Real bound, Real error)
 {
     return slope < 0 && -slope > 2 * bound * (error / -slope);
 }
 
-static inline double latest_zero(double value, double slope, double noise, double t)
+static inline Real latest_zero(Real value, Real slope, Real noise, Real t)
 {
     return (value + noise) / -slope + (nextafter(t, INFINITY) - t);
 }
 
-static inline int may_vanish_by(double value, double slope, double noise, double latest)
+static inline int may_vanish_by(Real value, Real slope, Real noise, Real latest)
 {
     return slope < 0 && value - noise <= -slope * latest;
 }

@@ -1,16 +1,16 @@
 /* Event functions of the closed-form flow; twin of vibsim/engine/events/event_functions.py. */
 #include "event_functions.h"
 
-static double difference(const Run *r, int pair, int n)
+static Real difference(const Run *r, int pair, int n)
 {
     const ClosedForm *f = &r->closed_form;
     const Modal *modal = r->mode->modal;
     const Place *p = &modal->pairs[pair];
-    double total = 0.0;
+    Real total = 0.0;
     int i;
     for (i = 0; i < p->shares; i++) {
         const Share *share = &modal->shares[p->first_share + i];
-        double part = share->share * f->motions[share->m].jet[n];
+        Real part = share->share * f->motions[share->m].jet[n];
         total = i == 0 ? part : total + part;
     }
     if (n == 0)
@@ -22,10 +22,10 @@ static double difference(const Run *r, int pair, int n)
 }
 
 /* n-th derivative of the force on a column. */
-static double load_derivative(const Run *r, int column, int n)
+static Real load_derivative(const Run *r, int column, int n)
 {
     const ClosedForm *f = &r->closed_form;
-    double total = 0.0;
+    Real total = 0.0;
     int i, j, k;
     for (i = 0; i < r->force_count; i++) {
         const Force *force = &r->forces[i];
@@ -35,7 +35,7 @@ static double load_derivative(const Run *r, int column, int n)
             total = total + force->constant;
         for (j = 0; j < force->count; j++) {
             const Harmonic *term = &force->terms[j];
-            double factor = term->amplitude;
+            Real factor = term->amplitude;
             if (term->harmonic < 0)
                 continue;
             for (k = 0; k < n; k++)
@@ -47,11 +47,11 @@ static double load_derivative(const Run *r, int column, int n)
 }
 
 /* n-th derivative of x_c, n > 0. */
-static double column_derivative(const Run *r, int c, int n)
+static Real column_derivative(const Run *r, int c, int n)
 {
     const Modal *modal = r->mode->modal;
     const Place *place = &modal->places[c];
-    double total = place->base ? r->closed_form.base[n] : 0.0;
+    Real total = place->base ? r->closed_form.base[n] : 0.0;
     int i;
     for (i = 0; i < place->shares; i++) {
         const Share *share = &modal->shares[place->first_share + i];
@@ -60,7 +60,7 @@ static double column_derivative(const Run *r, int c, int n)
     return total;
 }
 
-static double term_derivative(const Run *r, const Term *t, int n)
+static Real term_derivative(const Run *r, const Term *t, int n)
 {
     switch (t->kind) {
     case DIFFERENCE:
@@ -69,7 +69,7 @@ static double term_derivative(const Run *r, const Term *t, int n)
         return difference(r, t->pair, n + 1);
     case COUPLING: {
         const Coupling *c = &r->mode->couplings[t->P];
-        double force = c->k * difference(r, c->pair, n) + c->c * difference(r, c->pair, n + 1);
+        Real force = c->k * difference(r, c->pair, n) + c->c * difference(r, c->pair, n + 1);
         return n == 0 ? force + c->offset : force;
     }
     case LOAD:
@@ -79,24 +79,24 @@ static double term_derivative(const Run *r, const Term *t, int n)
     }
 }
 
-double sum_of_terms(const Run *r, int first, int count, int n)
+Real sum_of_terms(const Run *r, int first, int count, int n)
 {
     const Term *terms = r->mode->terms + first;
-    double total = 0.0;
+    Real total = 0.0;
     int i;
     for (i = 0; i < count; i++) {
-        double part = terms[i].coefficient * term_derivative(r, &terms[i], n);
+        Real part = terms[i].coefficient * term_derivative(r, &terms[i], n);
         total = i == 0 ? part : total + part;
     }
     return total;
 }
 
-static double harmonics_bound(const Harmonic *terms, int count, int n)
+static Real harmonics_bound(const Harmonic *terms, int count, int n)
 {
-    double total = 0.0;
+    Real total = 0.0;
     int i, k;
     for (i = 0; i < count; i++) {
-        double size = fabs(terms[i].amplitude);
+        Real size = fabs(terms[i].amplitude);
         for (k = 0; k < n; k++)
             size = size * terms[i].omega;
         total = total + size;
@@ -104,14 +104,14 @@ static double harmonics_bound(const Harmonic *terms, int count, int n)
     return total;
 }
 
-static double load_bound(const Run *r, int column, int n)
+static Real load_bound(const Run *r, int column, int n)
 {
-    double total = 0.0;
+    Real total = 0.0;
     int i, j, k;
     for (i = 0; i < r->force_count; i++)
         if (r->forces[i].on == column)
             for (j = 0; j < r->forces[i].count; j++) {
-                double size = fabs(r->forces[i].terms[j].amplitude);
+                Real size = fabs(r->forces[i].terms[j].amplitude);
                 for (k = 0; k < n; k++)
                     size = size * r->forces[i].terms[j].omega;
                 total = total + size;
@@ -119,21 +119,21 @@ static double load_bound(const Run *r, int column, int n)
     return total;
 }
 
-static double difference_bound(const Run *r, int pair, int n, double reach)
+static Real difference_bound(const Run *r, int pair, int n, Real reach)
 {
     const Modal *modal = r->mode->modal;
     const Place *p = &modal->pairs[pair];
-    double total = 0.0;
+    Real total = 0.0;
     int i;
     for (i = 0; i < p->shares; i++) {
         const Share *share = &modal->shares[p->first_share + i];
-        double part = fabs(share->share) * coordinate_bound(r, share->m, n, reach);
+        Real part = fabs(share->share) * coordinate_bound(r, share->m, n, reach);
         total = i == 0 ? part : total + part;
     }
     return p->base ? total + harmonics_bound(r->base, r->base_count, n) : total;
 }
 
-static double term_bound(const Run *r, const Term *t, int n, double reach)
+static Real term_bound(const Run *r, const Term *t, int n, Real reach)
 {
     const Modal *modal = r->mode->modal;
     switch (t->kind) {
@@ -143,14 +143,14 @@ static double term_bound(const Run *r, const Term *t, int n, double reach)
         return difference_bound(r, t->pair, n + 1, reach);
     case COUPLING: {
         const Coupling *c = &r->mode->couplings[t->P];
-        double force = c->k * difference_bound(r, c->pair, n, reach);
+        Real force = c->k * difference_bound(r, c->pair, n, reach);
         return force + c->c * difference_bound(r, c->pair, n + 1, reach);
     }
     case LOAD:
         return load_bound(r, t->P, n);
     default: {
         const Place *place = &modal->places[t->P];
-        double total = place->base ? harmonics_bound(r->base, r->base_count, n + 2) : 0.0;
+        Real total = place->base ? harmonics_bound(r->base, r->base_count, n + 2) : 0.0;
         int i;
         for (i = 0; i < place->shares; i++) {
             const Share *share = &modal->shares[place->first_share + i];
@@ -161,29 +161,29 @@ static double term_bound(const Run *r, const Term *t, int n, double reach)
     }
 }
 
-double bound_of_sum(const Run *r, int first, int count, int n, double reach)
+Real bound_of_sum(const Run *r, int first, int count, int n, Real reach)
 {
     const Term *terms = r->mode->terms + first;
-    double total = 0.0;
+    Real total = 0.0;
     int i;
     for (i = 0; i < count; i++) {
-        double part = fabs(terms[i].coefficient) * term_bound(r, &terms[i], n, reach);
+        Real part = fabs(terms[i].coefficient) * term_bound(r, &terms[i], n, reach);
         total = i == 0 ? part : total + part;
     }
     return total;
 }
 
-static double difference_scale(const Run *r, int pair, int order, int measure)
+static Real difference_scale(const Run *r, int pair, int order, int measure)
 {
     const ClosedForm *f = &r->closed_form;
     const Modal *modal = r->mode->modal;
     const Place *p = &modal->pairs[pair];
-    double total = 0.0;
+    Real total = 0.0;
     int i;
     for (i = 0; i < p->shares; i++) {
         const Share *share = &modal->shares[p->first_share + i];
         const Scale *y = &f->scales[measure][share->m];
-        double part = fabs(share->share) * (order == 0 ? y->q : y->u);
+        Real part = fabs(share->share) * (order == 0 ? y->q : y->u);
         total = i == 0 ? part : total + part;
     }
     if (order == 0)
@@ -192,11 +192,11 @@ static double difference_scale(const Run *r, int pair, int order, int measure)
     return p->base ? total + harmonics_bound(r->base, r->base_count, order) : total;
 }
 
-static double acceleration_scale(const Run *r, const Term *t, int measure)
+static Real acceleration_scale(const Run *r, const Term *t, int measure)
 {
     const Modal *modal = r->mode->modal;
     const Place *place = &modal->places[t->P];
-    double total = place->base ? harmonics_bound(r->base, r->base_count, 2) : 0.0;
+    Real total = place->base ? harmonics_bound(r->base, r->base_count, 2) : 0.0;
     int i;
     for (i = 0; i < place->shares; i++) {
         const Share *share = &modal->shares[place->first_share + i];
@@ -205,7 +205,7 @@ static double acceleration_scale(const Run *r, const Term *t, int measure)
     return total;
 }
 
-static double term_scale(const Run *r, const Term *t, int measure)
+static Real term_scale(const Run *r, const Term *t, int measure)
 {
     switch (t->kind) {
     case DIFFERENCE:
@@ -214,11 +214,11 @@ static double term_scale(const Run *r, const Term *t, int measure)
         return difference_scale(r, t->pair, 1, measure);
     case COUPLING: {
         const Coupling *c = &r->mode->couplings[t->P];
-        double force = c->k * difference_scale(r, c->pair, 0, measure);
+        Real force = c->k * difference_scale(r, c->pair, 0, measure);
         return force + c->c * difference_scale(r, c->pair, 1, measure) + fabs(c->offset);
     }
     case LOAD: {
-        double total = load_bound(r, t->P, 0);
+        Real total = load_bound(r, t->P, 0);
         int i;
         for (i = 0; i < r->force_count; i++)
             if (r->forces[i].on == t->P)
@@ -232,13 +232,13 @@ static double term_scale(const Run *r, const Term *t, int measure)
     }
 }
 
-double scale_of_sum(const Run *r, int first, int count, int measure)
+Real scale_of_sum(const Run *r, int first, int count, int measure)
 {
     const Term *terms = r->mode->terms + first;
-    double total = 0.0;
+    Real total = 0.0;
     int i;
     for (i = 0; i < count; i++) {
-        double part = fabs(terms[i].coefficient) * term_scale(r, &terms[i], measure);
+        Real part = fabs(terms[i].coefficient) * term_scale(r, &terms[i], measure);
         total = i == 0 ? part : total + part;
     }
     return total;

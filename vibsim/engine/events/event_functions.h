@@ -7,21 +7,21 @@
 #include "engine.h"
 
 /* event_functions.c; of `count` terms from number `first` */
-double sum_of_terms(const Run *r, int first, int count, int n);
-double bound_of_sum(const Run *r, int first, int count, int n, double reach);
-double scale_of_sum(const Run *r, int first, int count, int measure);
+Real sum_of_terms(const Run *r, int first, int count, int n);
+Real bound_of_sum(const Run *r, int first, int count, int n, Real reach);
+Real scale_of_sum(const Run *r, int first, int count, int measure);
 
-static inline double single_difference(const Run *r, const Single *s, int n)
+static inline Real single_difference(const Run *r, const Single *s, int n)
 {
     const Motion *motions = r->closed_form.motions;
-    double y = s->share * motions[s->m].jet[n];
+    Real y = s->share * motions[s->m].jet[n];
     return s->other < 0 ? y : y + s->other_share * motions[s->other].jet[n];
 }
 
 /* n-th derivative of a sum of terms. */
-static inline double sum_derivative(const Run *r, const Single *s, int first, int count, int n)
+static inline Real sum_derivative(const Run *r, const Single *s, int first, int count, int n)
 {
-    double force;
+    Real force;
     if (s->kind == NOTHING)
         return sum_of_terms(r, first, count, n);
     if (s->kind != COUPLING)
@@ -30,9 +30,9 @@ static inline double sum_derivative(const Run *r, const Single *s, int first, in
     return s->coefficient * (n == 0 ? force + s->offset : force);
 }
 
-static inline double event_derivative(const Run *r, const Event *e, int n)
+static inline Real event_derivative(const Run *r, const Event *e, int n)
 {
-    double value, total = 0.0;
+    Real value, total = 0.0;
     int i, k;
     if (n == 0 || e->slopes == 0) {
         value = sum_derivative(r, &e->single, e->first, e->terms, n);
@@ -40,7 +40,7 @@ static inline double event_derivative(const Run *r, const Event *e, int n)
     }
     for (i = 0; i < e->slopes; i++) {
         const Slope *s = &r->mode->slopes[e->first_slope + i];
-        double force = sum_derivative(r, &s->single, s->first, s->terms, n - 1), part;
+        Real force = sum_derivative(r, &s->single, s->first, s->terms, n - 1), part;
         if (n == 1)
             for (k = 0; k < s->constants; k++)
                 force = force + r->mode->slope_constants[s->first_constant + k];
@@ -51,28 +51,28 @@ static inline double event_derivative(const Run *r, const Event *e, int n)
 }
 
 /* Bound of |q^(n)| up to `reach` ahead. */
-static inline double coordinate_bound(const Run *r, int m, int n, double reach)
+static inline Real coordinate_bound(const Run *r, int m, int n, Real reach)
 {
     const Coordinate *c = &r->mode->modal->coordinates[m];
-    const double *d = r->closed_form.motions[m].jet;
-    double w0 = c->oscillator.w0, size = fabs(d[n]) + fabs(d[n + 1]) * reach;
+    const Real *d = r->closed_form.motions[m].jet;
+    Real w0 = c->oscillator.w0, size = fabs(d[n]) + fabs(d[n + 1]) * reach;
     if (w0 > 0) {
-        double energy = fabs(d[n]) + fabs(d[n + 1]) / w0;
+        Real energy = fabs(d[n]) + fabs(d[n + 1]) / w0;
         if (energy < size)
             size = energy;
     }
     return size + c->forced[n] * (reach * reach);
 }
 
-static inline double single_difference_bound(const Run *r, const Single *s, int n, double reach)
+static inline Real single_difference_bound(const Run *r, const Single *s, int n, Real reach)
 {
-    double y = fabs(s->share) * coordinate_bound(r, s->m, n, reach);
+    Real y = fabs(s->share) * coordinate_bound(r, s->m, n, reach);
     return s->other < 0 ? y : y + fabs(s->other_share) * coordinate_bound(r, s->other, n, reach);
 }
 
-static inline double sum_bound(const Run *r, const Single *s, int first, int count, int n, double reach)
+static inline Real sum_bound(const Run *r, const Single *s, int first, int count, int n, Real reach)
 {
-    double size;
+    Real size;
     if (s->kind == NOTHING)
         return bound_of_sum(r, first, count, n, reach);
     size = single_difference_bound(r, s, n + (s->kind == RATE), reach);
@@ -82,39 +82,39 @@ static inline double sum_bound(const Run *r, const Single *s, int first, int cou
 }
 
 /* Bound of the n-th derivative of an event function up to `reach` ahead, n >= 2. */
-static inline double event_bound(const Run *r, const Event *e, int n, double reach)
+static inline Real event_bound(const Run *r, const Event *e, int n, Real reach)
 {
-    double total = 0.0;
+    Real total = 0.0;
     int i;
     if (e->slopes == 0)
         return sum_bound(r, &e->single, e->first, e->terms, n, reach);
     for (i = 0; i < e->slopes; i++) {
         const Slope *s = &r->mode->slopes[e->first_slope + i];
-        double part = fabs(s->factor) * sum_bound(r, &s->single, s->first, s->terms, n - 1, reach) / s->mass;
+        Real part = fabs(s->factor) * sum_bound(r, &s->single, s->first, s->terms, n - 1, reach) / s->mass;
         total = i == 0 ? part : total + part;
     }
     return total;
 }
 
-static inline double single_scale(const Run *r, const Single *s, int order, int measure)
+static inline Real single_scale(const Run *r, const Single *s, int order, int measure)
 {
     const Scale *y = &r->closed_form.scales[measure][s->m];
     const Scale *other = s->other < 0 ? y : &r->closed_form.scales[measure][s->other];
-    double size = fabs(s->share) * (order ? y->u : y->q);
+    Real size = fabs(s->share) * (order ? y->u : y->q);
     return s->other < 0 ? size : size + fabs(s->other_share) * (order ? other->u : other->q);
 }
 
 /* What the rounding of an event function is in units of its scale. */
-static inline double rounding_unit(const Run *r)
+static inline Real rounding_unit(const Run *r)
 {
     return EPS * (16 + r->mode->modal->pace * r->closed_form.tau);
 }
 
 /* What the rounding of an event function is proportional to, by a measure of that of coordinates. */
-static inline double event_scale(const Run *r, const Event *e, int measure)
+static inline Real event_scale(const Run *r, const Event *e, int measure)
 {
     const Single *s = &e->single;
-    double size;
+    Real size;
     if (e->terms == 0)
         return e->size;
     if (s->kind == NOTHING)

@@ -17,21 +17,21 @@
 #define NEAR_LIMIT 0x1p-40 /* of all forces of a mode: nearer to its limit than that Python measures the force of a tie closely */
 
 /* Rate of a function made of differences, from the velocities: no rounding of a flow in it. */
-static double direct_rate(const Run *r, const Event *e)
+static Real direct_rate(const Run *r, const Event *e)
 {
     const Term *t = r->mode->terms + e->first;
-    double total = 0.0;
+    Real total = 0.0;
     int i;
     for (i = 0; i < e->terms; i++) {
-        double P = t[i].P < r->bodies ? r->next.v[t[i].P] : 0.0, Q = t[i].Q < r->bodies ? r->next.v[t[i].Q] : 0.0;
-        double part = t[i].coefficient * (P - Q);
+        Real P = t[i].P < r->bodies ? r->next.v[t[i].P] : 0.0, Q = t[i].Q < r->bodies ? r->next.v[t[i].Q] : 0.0;
+        Real part = t[i].coefficient * (P - Q);
         total = i == 0 ? part : total + part;
     }
     return total;
 }
 
 /* An event function of mode m from r->next on, as a Taylor series as the automaton's. */
-static void flow_series(Run *r, const Mode *m, const Event *e, double *series)
+static void flow_series(Run *r, const Mode *m, const Event *e, Real *series)
 {
     const Mode *before = r->mode;
     r->mode = m;
@@ -41,17 +41,17 @@ static void flow_series(Run *r, const Mode *m, const Event *e, double *series)
 }
 
 /* Value, or first derivative, of an event function of mode m at r->next. */
-static double flow_derivative(Run *r, const Mode *m, const Event *e, int order)
+static Real flow_derivative(Run *r, const Mode *m, const Event *e, int order)
 {
-    double series[SERIES];
+    Real series[SERIES];
     flow_series(r, m, e, series);
     return series[order];
 }
 
 /* Rate of an event function at r->next; 0 where it is next to nothing of what it changes by within a step. */
-static double clear_rate(Run *r, const Event *e)
+static Real clear_rate(Run *r, const Event *e)
 {
-    double series[SERIES];
+    Real series[SERIES];
     flow_series(r, r->mode, e, series);
     return fabs(series[1]) <= GRAZING * r->taylor.h * fabs(series[2]) ? 0.0 : series[1];
 }
@@ -65,11 +65,12 @@ static const Event *event_of_key(const Mode *m, int key)
 }
 
 /* Derivative of order 1 or 2 of the event function `key` of mode m, at r->next; NAN where m has none. */
-double derivative_at_next(Run *r, const Mode *m, int key, int order)
+Real derivative_at_next(Run *r, const Mode *m, int key, int order)
 {
     const Mode *before = r->mode;
     const Event *e = event_of_key(m, key);
-    double series[SERIES], evaluations = r->evaluations, value;
+    const double evaluations = r->evaluations;
+    Real series[SERIES], value;
     if (e == NULL)
         return NAN;
     r->mode = m;
@@ -89,20 +90,20 @@ double derivative_at_next(Run *r, const Mode *m, int key, int order)
     return value;
 }
 
-static double column_value(const Run *r, const double *values, int c, double base)
+static Real column_value(const Run *r, const Real *values, int c, Real base)
 {
     return c < r->bodies ? values[c] : c > r->bodies ? base : 0.0;
 }
 
 /* Value of a HOLD function of mode m at r->next from its couplings; X, V: of the base. Returns 0 where it has other terms. */
-static int direct_hold(const Run *r, const Mode *m, const Event *e, double X, double V, double *value)
+static int direct_hold(const Run *r, const Mode *m, const Event *e, Real X, Real V, Real *value)
 {
-    double total = 0.0;
+    Real total = 0.0;
     int i;
     for (i = 0; i < e->terms; i++) {
         const Term *t = &m->terms[e->first + i];
         const Coupling *c = &m->couplings[t->P];
-        double y, u, part;
+        Real y, u, part;
         if (t->kind != COUPLING)
             return 0;
         y = column_value(r, r->next.x, c->P, X) - column_value(r, r->next.x, c->Q, X);
@@ -115,14 +116,14 @@ static int direct_hold(const Run *r, const Mode *m, const Event *e, double X, do
 }
 
 /* Sum of the magnitudes of all forces of mode m at r->next (see settling.py); X, V: of the base. */
-double forces_of(const Run *r, const Mode *m, double X, double V)
+Real forces_of(const Run *r, const Mode *m, Real X, Real V)
 {
-    double total = 0.0, inertia = 0.0;
+    Real total = 0.0, inertia = 0.0;
     int i, j;
     for (i = 0; i < m->coupling_count; i++) {
         const Coupling *c = &m->couplings[i];
-        double places = fabs(column_value(r, r->next.x, c->P, X)) + fabs(column_value(r, r->next.x, c->Q, X));
-        double speeds = fabs(column_value(r, r->next.v, c->P, V)) + fabs(column_value(r, r->next.v, c->Q, V));
+        Real places = fabs(column_value(r, r->next.x, c->P, X)) + fabs(column_value(r, r->next.x, c->Q, X));
+        Real speeds = fabs(column_value(r, r->next.v, c->P, V)) + fabs(column_value(r, r->next.v, c->Q, V));
         total += c->k * places + fabs(c->offset) + c->c * speeds;
     }
     for (i = 0; i < r->force_count; i++) {
@@ -150,7 +151,7 @@ double forces_of(const Run *r, const Mode *m, double X, double V)
 /* 1: every tie of mode m holds; -1: the tie `hold` alone gives way; 0: not clear. */
 static int stands(Run *r, const Mode *m, int hold)
 {
-    double X = 0.0, V = 0.0, forces;
+    Real X = 0.0, V = 0.0, forces;
     int i, answer = 1;
     if (r->base_count > 0 && r->next.t == 0) /* of a start Python knows more, as that the base turns round */
         return 0;
@@ -158,7 +159,7 @@ static int stands(Run *r, const Mode *m, int hold)
         base_motion_at(r, r->next.t, &X, &V);
     forces = forces_of(r, m, X, V);
     for (i = 0; i < m->event_count; i++) {
-        double value;
+        Real value;
         if (m->events[i].kind != HOLD)
             continue;
         if (!direct_hold(r, m, &m->events[i], X, V, &value))
@@ -178,7 +179,7 @@ static int stands(Run *r, const Mode *m, int hold)
 static int slips(Run *r, const Mode *m, int key)
 {
     const Event *e = event_of_key(m, key);
-    double X = 0.0, V = 0.0, lightest = INFINITY;
+    Real X = 0.0, V = 0.0, lightest = INFINITY;
     int c;
     if (m->untied) /* then Python does not look either */
         return 1;
@@ -197,7 +198,7 @@ static int sides_last(Run *r, const Mode *m, int key)
 {
     const Taylor *f = &r->taylor;
     const TapeRoom *room = &f->tapes;
-    double X = 0.0, V = 0.0;
+    Real X = 0.0, V = 0.0;
     int i;
     if (m->switch_count == 0)
         return 1;
@@ -220,14 +221,14 @@ static int sides_last(Run *r, const Mode *m, int key)
 }
 
 /* Speeds that rotors gain with those of their bodies; old: velocities before. */
-static void turn_rotors(Run *r, const Mode *m, int leader, const double *old)
+static void turn_rotors(Run *r, const Mode *m, int leader, const Real *old)
 {
-    double *v = r->next.v;
+    Real *v = r->next.v;
     int i;
     for (i = 0; i < r->rotors.count; i++) {
         const RotorOn *one = &r->rotors.of[i];
         if (m->leader[one->on] == leader) {
-            double coupling = one->unbalance * sine_of(r->next.x[one->column]);
+            Real coupling = one->unbalance * sine_of(r->next.x[one->column]);
             v[one->column] = v[one->column] + coupling * (v[one->on] - old[one->on]) / one->inertia;
         }
     }
@@ -237,14 +238,14 @@ static void turn_rotors(Run *r, const Mode *m, int leader, const double *old)
 static void join(Run *r, const Mode *m, int column)
 {
     int leader = m->leader[column], c;
-    double common = 0.0, momentum = 0.0, X;
+    Real common = 0.0, momentum = 0.0, X;
     if (leader > r->bodies) {
         base_motion_at(r, r->next.t, &X, &common);
     } else if (leader < r->bodies) {
         int first = 1;
         for (c = 0; c < r->bodies; c++)
             if (m->leader[c] == leader) {
-                double share = r->masses[c] * (r->next.v[c] - m->drift[c]);
+                Real share = r->masses[c] * (r->next.v[c] - m->drift[c]);
                 momentum = first ? share : momentum + share;
                 first = 0;
             }
@@ -260,18 +261,18 @@ static void join(Run *r, const Mode *m, int column)
 static int touches(const Run *r)
 {
     const Mode *m = r->mode;
-    double X, V;
+    Real X, V;
     int i, j;
     base_motion_at(r, r->next.t, &X, &V);
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
-        double value = e->constant, size = e->size;
+        Real value = e->constant, size = e->size;
         if (e->kind != GAP && e->kind != CLEARANCE)
             continue;
         for (j = 0; j < e->terms; j++) {
             const Term *t = &m->terms[e->first + j];
-            double P = t->P < r->bodies ? r->next.x[t->P] : t->P == r->bodies ? 0.0 : X;
-            double Q = t->Q < r->bodies ? r->next.x[t->Q] : t->Q == r->bodies ? 0.0 : X;
+            Real P = t->P < r->bodies ? r->next.x[t->P] : t->P == r->bodies ? 0.0 : X;
+            Real Q = t->Q < r->bodies ? r->next.x[t->Q] : t->Q == r->bodies ? 0.0 : X;
             value = value + t->coefficient * (P - Q);
             size = size + fabs(P) + fabs(Q);
         }
@@ -289,7 +290,7 @@ int rule_take(Run *r, Buffers *b)
     for (k = 0; k < r->key_count; k++)
         r->behind[k] = -1;
     if (e->rule == CROSS || e->rule == BEAR) {
-        double rate = e->kind == HOLD || e->kind == PUSH || e->kind == SWITCH ? clear_rate(r, e) : direct_rate(r, e);
+        Real rate = e->kind == HOLD || e->kind == PUSH || e->kind == SWITCH ? clear_rate(r, e) : direct_rate(r, e);
         int own = e->kind == SWITCH ? e->key : NOTHING;
         int again = r->known[e->key] > 0 && r->pending_tau == 0;
         if (rate == 0 || rate != rate || again || (e->kind == HOLD && touches(r)))
@@ -324,7 +325,7 @@ int rule_take(Run *r, Buffers *b)
         if (answer > 0) {
             join(r, r->modes[e->target], r->mode->terms[e->first].P);
             if (!sides_last(r, r->modes[e->target], NOTHING)) {
-                memcpy(r->next.v, r->before_v, sizeof(double) * (size_t)r->bodies);
+                memcpy(r->next.v, r->before_v, sizeof(Real) * (size_t)r->bodies);
                 return 0;
             }
             kind = STICK_BEGIN;

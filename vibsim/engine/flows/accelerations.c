@@ -3,31 +3,31 @@
 #include "numbers.h"
 #include "tangent.h"
 
-static void value_and_rate(const Harmonic *terms, int count, double t, double *value, double *rate)
+static void value_and_rate(const Harmonic *terms, int count, Real t, Real *value, Real *rate)
 {
     int i;
     *value = *rate = 0.0;
     for (i = 0; i < count; i++) {
         const Harmonic *term = &terms[i];
-        double sine, cosine;
+        Real sine, cosine;
         rounded_sine_cosine(turn_angle(term->cycles, term->cycles_lo, t) + term->phase, &sine, &cosine);
         *value = *value + term->amplitude * sine;
         *rate = *rate + term->amplitude * term->omega * cosine;
     }
 }
 
-void base_motion_at(const Run *r, double t, double *X, double *V)
+void base_motion_at(const Run *r, Real t, Real *X, Real *V)
 {
     value_and_rate(r->base, r->base_count, t, X, V);
 }
 
-static double base_acceleration(const Run *r, double t)
+static Real base_acceleration(const Run *r, Real t)
 {
-    double total = 0.0;
+    Real total = 0.0;
     int i;
     for (i = 0; i < r->base_count; i++) {
         const Harmonic *term = &r->base[i];
-        double sine, cosine;
+        Real sine, cosine;
         rounded_sine_cosine(turn_angle(term->cycles, term->cycles_lo, t) + term->phase, &sine, &cosine);
         total = total - term->amplitude * term->omega * term->omega * sine;
     }
@@ -35,30 +35,30 @@ static double base_acceleration(const Run *r, double t)
 }
 
 /* Displacement and velocity of a column. */
-static void motion_of(const Run *r, const State *state, int column, double X, double V, double *x, double *v)
+static void motion_of(const Run *r, const State *state, int column, Real X, Real V, Real *x, Real *v)
 {
     *x = column < r->bodies ? state->x[column] : column == r->bodies ? 0.0 : X;
     *v = column < r->bodies ? state->v[column] : column == r->bodies ? 0.0 : V;
 }
 
-static double coupling_force(const Run *r, const Coupling *q, const State *state, double X, double V)
+static Real coupling_force(const Run *r, const Coupling *q, const State *state, Real X, Real V)
 {
-    double xP, xQ, vP, vQ;
+    Real xP, xQ, vP, vQ;
     motion_of(r, state, q->P, X, V, &xP, &vP);
     motion_of(r, state, q->Q, X, V, &xQ, &vQ);
     return q->k * (xP - xQ) + q->c * (vP - vQ) + q->offset;
 }
 
-static double fall_force(const Run *r, const Falling *one, const State *state, double X, double V)
+static Real fall_force(const Run *r, const Falling *one, const State *state, Real X, Real V)
 {
-    double xP, xQ, vP, vQ;
+    Real xP, xQ, vP, vQ;
     motion_of(r, state, one->P, X, V, &xP, &vP);
     motion_of(r, state, one->Q, X, V, &xQ, &vQ);
     return one->on_P * law_start(one->law, one->rate * ((vP - vQ) - one->drift));
 }
 
 /* Add the forces by formulas. */
-static void add_formulas(const Run *r, const Mode *m, const State *state, double X, double V, double *F)
+static void add_formulas(const Run *r, const Mode *m, const State *state, Real X, Real V, Real *F)
 {
     const TapeRoom *room = &r->taylor.tapes;
     TapeInputs at = room->at;
@@ -71,16 +71,16 @@ static void add_formulas(const Run *r, const Mode *m, const State *state, double
     tape_evaluate(&m->tape, &at, &at, room->values, room->bounds); /* bounds are of no use here */
     for (i = 0; i < m->formula_count; i++) {
         const FormulaForce *one = &m->formulas[i];
-        double value = one->sign * room->values[m->tape.outputs[one->output]];
+        Real value = one->sign * room->values[m->tape.outputs[one->output]];
         F[one->to_P] = F[one->to_P] + value;
         if (one->to_Q >= 0)
             F[one->to_Q] = F[one->to_Q] - value;
     }
 }
 
-double accelerations(const Run *r, const Mode *m, const State *state, double *out)
+Real accelerations(const Run *r, const Mode *m, const State *state, Real *out)
 {
-    double X, V, value, rate, torque = 0.0, *F = r->tangent->force;
+    Real X, V, value, rate, torque = 0.0, *F = r->tangent->force;
     int i;
     base_motion_at(r, state->t, &X, &V);
     for (i = 0; i < r->columns; i++)
@@ -93,7 +93,7 @@ double accelerations(const Run *r, const Mode *m, const State *state, double *ou
     }
     for (i = 0; i < m->coupling_count; i++) {
         const Coupling *q = &m->couplings[i];
-        double force = coupling_force(r, q, state, X, V);
+        Real force = coupling_force(r, q, state, X, V);
         F[q->to_P] = F[q->to_P] - force;
         F[q->to_Q] = F[q->to_Q] + force;
     }
@@ -103,7 +103,7 @@ double accelerations(const Run *r, const Mode *m, const State *state, double *ou
     }
     for (i = 0; i < m->fall_count; i++) {
         const Falling *one = &m->falls[i];
-        double force = fall_force(r, one, state, X, V);
+        Real force = fall_force(r, one, state, X, V);
         F[one->to_P] = F[one->to_P] + force;
         F[one->to_Q] = F[one->to_Q] - force;
     }
@@ -111,7 +111,7 @@ double accelerations(const Run *r, const Mode *m, const State *state, double *ou
         add_formulas(r, m, state, X, V, F);
     for (i = 0; i < r->rotors.count; i++) {
         const RotorOn *one = &r->rotors.of[i];
-        double w = state->v[one->column];
+        Real w = state->v[one->column];
         int on = m->leader[one->on];
         F[on] = F[on] + one->unbalance * (w * w * cosine_of(state->x[one->column]));
     }
@@ -123,19 +123,19 @@ double accelerations(const Run *r, const Mode *m, const State *state, double *ou
     return response(r, m, state, F, torque, base_acceleration(r, state->t), out);
 }
 
-static double coupling_of(const RotorOn *one, const State *state)
+static Real coupling_of(const RotorOn *one, const State *state)
 {
     return one->unbalance * sine_of(state->x[one->column]);
 }
 
 /* Acceleration of a group that moves on its own, under the forces and torques F on it and on the rotors that it carries. */
-static double with_rotors(const Run *r, const Mode *m, const State *state, const double *F, int leader)
+static Real with_rotors(const Run *r, const Mode *m, const State *state, const Real *F, int leader)
 {
-    double force = F[leader], mass = m->group_mass[leader];
+    Real force = F[leader], mass = m->group_mass[leader];
     int i;
     for (i = 0; i < r->rotors.count; i++) {
         const RotorOn *one = &r->rotors.of[i];
-        double coupling = coupling_of(one, state);
+        Real coupling = coupling_of(one, state);
         if (m->leader[one->on] != leader)
             continue;
         force = force + coupling * F[one->column] / one->inertia;
@@ -145,7 +145,7 @@ static double with_rotors(const Run *r, const Mode *m, const State *state, const
 }
 
 /* Accelerations of rotors on bodies and of the groups that they are on. */
-static void turn_rotors(const Run *r, const Mode *m, const State *state, const double *F, double *out)
+static void turn_rotors(const Run *r, const Mode *m, const State *state, const Real *F, Real *out)
 {
     int i;
     for (i = 0; i < r->rotors.count; i++) {
@@ -159,9 +159,9 @@ static void turn_rotors(const Run *r, const Mode *m, const State *state, const d
     }
 }
 
-double response(const Run *r, const Mode *m, const State *state, const double *F, double torque, double base, double *out)
+Real response(const Run *r, const Mode *m, const State *state, const Real *F, Real torque, Real base, Real *out)
 {
-    double own, rotor = 0.0;
+    Real own, rotor = 0.0;
     int on = r->has_motor ? m->leader[r->motor_on] : -1, c;
     for (c = 0; c < r->columns; c++)
         if (m->leader[c] == c)
@@ -169,12 +169,12 @@ double response(const Run *r, const Mode *m, const State *state, const double *F
     if (r->rotors.count > 0)
         turn_rotors(r, m, state, F, out);
     if (on >= 0) {
-        double inertia = r->inertia, coupling = r->unbalance * sine_of(state->phase);
+        Real inertia = r->inertia, coupling = r->unbalance * sine_of(state->phase);
         own = out[on];
         if (m->carried == 0) {
             rotor = (torque + coupling * own) / inertia;
         } else {
-            double mass = m->group_mass[on] + r->m3, determinant = mass * inertia - coupling * coupling;
+            Real mass = m->group_mass[on] + r->m3, determinant = mass * inertia - coupling * coupling;
             out[on] = (inertia * F[on] + coupling * torque) / determinant;
             rotor = (mass * torque + coupling * F[on]) / determinant;
         }
@@ -185,17 +185,17 @@ double response(const Run *r, const Mode *m, const State *state, const double *F
 }
 
 /* `vector`, one entry after the other, after the ties of a mode have given tied bodies one velocity. */
-static void join_disturbance(const Run *r, const Mode *m, const State *state, double *vector)
+static void join_disturbance(const Run *r, const Mode *m, const State *state, Real *vector)
 {
     Tangent *b = r->tangent;
-    double *P = b->force, *velocities = b->accelerations, *dv = vector + r->bodies, turning = 0.0, rotor;
+    Real *P = b->force, *velocities = b->accelerations, *dv = vector + r->bodies, turning = 0.0, rotor;
     int n = r->bodies, c, d, on = r->motor_on;
     for (c = 0; c < r->columns; c++)
         P[c] = 0.0;
     for (c = 0; c < n; c++)
         P[m->leader[c]] = P[m->leader[c]] + r->masses[c] * dv[c];
     if (r->has_motor) {
-        double inertia = r->inertia, coupling = r->unbalance * sine_of(state->phase), dw = vector[2 * n + 1];
+        Real inertia = r->inertia, coupling = r->unbalance * sine_of(state->phase), dw = vector[2 * n + 1];
         P[m->leader[on]] = P[m->leader[on]] + (r->m3 * dv[on] - coupling * dw);
         turning = inertia * dw - coupling * dv[on];
     }
@@ -215,12 +215,12 @@ static void join_disturbance(const Run *r, const Mode *m, const State *state, do
 /* `vector` after rigid stops have come to rest: their ends have one displacement, the centre of mass stays where they
  * move freely.
  */
-static void seat_disturbance(const Run *r, double *vector)
+static void seat_disturbance(const Run *r, Real *vector)
 {
     const int *seat = r->tangent->seat;
     int n = r->bodies, leader, c;
     for (leader = 0; leader < r->columns; leader++) {
-        double moment = 0.0, mass = 0.0, common = 0.0;
+        Real moment = 0.0, mass = 0.0, common = 0.0;
         int count = leader >= n;
         for (c = 0; c < n; c++)
             if (seat[c] == leader) {

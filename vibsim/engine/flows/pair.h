@@ -4,15 +4,17 @@
 #ifndef VIBSIM_PAIR_H
 #define VIBSIM_PAIR_H
 
-#ifdef __GNUC__
-typedef double Pair __attribute__((vector_size(16), aligned(8), may_alias));
+#include "real.h"
 
-static inline Pair load_pair(const double *p)
+#if defined(__GNUC__) && !defined(LIMBS)
+typedef Real Pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+static inline Pair load_pair(const Real *p)
 {
     return *(const Pair *)p;
 }
 
-static inline void store_pair(double *p, Pair pair)
+static inline void store_pair(Real *p, Pair pair)
 {
     *(Pair *)p = pair;
 }
@@ -22,7 +24,7 @@ static inline Pair add_product(Pair sum, Pair a, Pair b)
     return sum + a * b;
 }
 
-static inline Pair make_pair(double first, double second)
+static inline Pair make_pair(Real first, Real second)
 {
     Pair pair = {first, second};
     return pair;
@@ -43,21 +45,21 @@ static inline Pair multiply_pair(Pair a, Pair b)
     return a * b;
 }
 
-static inline double first_of_pair(Pair pair)
+static inline Real first_of_pair(Pair pair)
 {
     return pair[0];
 }
 
-static inline double second_of_pair(Pair pair)
+static inline Real second_of_pair(Pair pair)
 {
     return pair[1];
 }
 #else
 typedef struct {
-    double first, second;
+    Real first, second;
 } Pair;
 
-static inline Pair make_pair(double first, double second)
+static inline Pair make_pair(Real first, Real second)
 {
     Pair pair;
     pair.first = first;
@@ -65,12 +67,12 @@ static inline Pair make_pair(double first, double second)
     return pair;
 }
 
-static inline Pair load_pair(const double *p)
+static inline Pair load_pair(const Real *p)
 {
     return make_pair(p[0], p[1]);
 }
 
-static inline void store_pair(double *p, Pair pair)
+static inline void store_pair(Real *p, Pair pair)
 {
     p[0] = pair.first;
     p[1] = pair.second;
@@ -96,23 +98,23 @@ static inline Pair multiply_pair(Pair a, Pair b)
     return make_pair(a.first * b.first, a.second * b.second);
 }
 
-static inline double first_of_pair(Pair pair)
+static inline Real first_of_pair(Pair pair)
 {
     return pair.first;
 }
 
-static inline double second_of_pair(Pair pair)
+static inline Real second_of_pair(Pair pair)
 {
     return pair.second;
 }
 #endif
 
-static inline Pair twice(double value)
+static inline Pair twice(Real value)
 {
     return make_pair(value, value);
 }
 
-static inline double sum_of_pair(Pair pair)
+static inline Real sum_of_pair(Pair pair)
 {
     return first_of_pair(pair) + second_of_pair(pair);
 }

@@ -6,7 +6,7 @@
 
 #include <stdlib.h> /* tells which C library this is */
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+#if !defined(LIMBS) && defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
 #define WIDE __attribute__((target_clones("avx2", "default")))
 #define WIDE_WITH_CALLS WIDE __attribute__((flatten)) /* with all that the function calls in it */
 #else

@@ -6,7 +6,7 @@
 
 typedef struct {
     int count;
-    double nodes[NODE_COUNT], weights[NODE_COUNT];
+    Real nodes[NODE_COUNT], weights[NODE_COUNT];
 } Quadrature;
 
 static const Quadrature TWELVE = {

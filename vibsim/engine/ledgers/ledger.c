@@ -8,16 +8,16 @@
 #include "wide.h"
 
 /* A series of `count` coefficients `stride` apart at `nodes` times: `horner` time by time, side by side. */
-INLINE void series_at(const double *c, int count, int stride, const double *tau, const double *square, double *out, const int nodes)
+INLINE void series_at(const Real *c, int count, int stride, const Real *tau, const Real *square, Real *out, const int nodes)
 {
-    double high[NODE_COUNT], low[NODE_COUNT];
+    Real high[NODE_COUNT], low[NODE_COUNT];
     int n, i;
     for (i = 0; i < nodes; i++) {
         high[i] = c[(count - 1) * stride];
         low[i] = c[(count - 2) * stride];
     }
     for (n = count - 3; n > 0; n -= 2) {
-        double a = c[n * stride], b = c[(n - 1) * stride];
+        Real a = c[n * stride], b = c[(n - 1) * stride];
         for (i = 0; i < nodes; i++)
             high[i] = high[i] * square[i] + a;
         for (i = 0; i < nodes; i++)
@@ -27,32 +27,32 @@ INLINE void series_at(const double *c, int count, int stride, const double *tau,
         out[i] = count % 2 == 0 ? low[i] + tau[i] * high[i] : (high[i] * square[i] + c[0]) + tau[i] * low[i];
 }
 
-WIDE static void series_at_all(const double *c, int count, int stride, const double *tau, const double *square, double *out)
+WIDE static void series_at_all(const Real *c, int count, int stride, const Real *tau, const Real *square, Real *out)
 {
     series_at(c, count, stride, tau, square, out, NODE_COUNT);
 }
 
-WIDE static void series_at_few(const double *c, int count, int stride, const double *tau, const double *square, double *out)
+WIDE static void series_at_few(const Real *c, int count, int stride, const Real *tau, const Real *square, Real *out)
 {
     series_at(c, count, stride, tau, square, out, FEW_NODES);
 }
 
-static double force_at(const Run *r, const Force *force, double tau)
+static Real force_at(const Run *r, const Force *force, Real tau)
 {
-    double total = force->constant;
+    Real total = force->constant;
     int i;
     for (i = 0; i < force->count; i++) {
         const Harmonic *term = &force->terms[i];
-        double anchor = turn_angle(term->cycles, term->cycles_lo, r->t0) + term->phase;
-        double sine = sine_of(anchor + turn_angle(term->cycles, term->cycles_lo, tau));
+        Real anchor = turn_angle(term->cycles, term->cycles_lo, r->t0) + term->phase;
+        Real sine = sine_of(anchor + turn_angle(term->cycles, term->cycles_lo, tau));
         total = total + term->amplitude * sine;
     }
     return total;
 }
 
-static double force_here(const Run *r, const Force *force)
+static Real force_here(const Run *r, const Force *force)
 {
-    double total = force->constant;
+    Real total = force->constant;
     int i;
     for (i = 0; i < force->count; i++)
         if (force->terms[i].harmonic >= 0)
@@ -60,14 +60,14 @@ static double force_here(const Run *r, const Force *force)
     return total;
 }
 
-static void taylor_nodes(Run *r, const Meters *m, const double *tau, int count)
+static void taylor_nodes(Run *r, const Meters *m, const Real *tau, int count)
 {
     Taylor *f = &r->taylor;
     Nodes *at = &r->ledger.nodes;
-    const double *rates = f->table + f->rates;
-    void (*series_at_nodes)(const double *, int, int, const double *, const double *, double *) = count == FEW_NODES ? series_at_few : series_at_all;
+    const Real *rates = f->table + f->rates;
+    void (*series_at_nodes)(const Real *, int, int, const Real *, const Real *, Real *) = count == FEW_NODES ? series_at_few : series_at_all;
     int rows = f->order + 2, i, n;
-    double squares[NODE_COUNT];
+    Real squares[NODE_COUNT];
     for (n = 0; n < count; n++)
         squares[n] = tau[n] * tau[n];
     for (i = 0; i < m->column_count; i++) {
@@ -84,7 +84,7 @@ static void taylor_nodes(Run *r, const Meters *m, const double *tau, int count)
         series_at_nodes(at->series[i], at->lengths[i], 1, tau, squares, at->function[i]);
 }
 
-static int ascend(const double *tau)
+static int ascend(const Real *tau)
 {
     int n = 1;
     while (n < NODE_COUNT && tau[n - 1] < tau[n])
@@ -93,11 +93,11 @@ static int ascend(const double *tau)
 }
 
 /* All nodes from the first that is told. */
-static void many_nodes(Run *r, const Meters *m, const double *tau, int first)
+static void many_nodes(Run *r, const Meters *m, const Real *tau, int first)
 {
     Nodes *at = &r->ledger.nodes;
     const int base = r->columns - 1, count = NODE_COUNT - first;
-    double X[NODE_COUNT], x[NODE_COUNT];
+    Real X[NODE_COUNT], x[NODE_COUNT];
     int i, k, n;
     closed_form_many(r, tau + first, count);
     closed_form_base(r, X, at->v[base] + first);
@@ -106,7 +106,7 @@ static void many_nodes(Run *r, const Meters *m, const double *tau, int first)
             closed_form_body(r, m->columns[i], X, at->v[base] + first, x, at->v[m->columns[i]] + first);
     for (i = 0; m->forces && i < r->force_count; i++) {
         const Force *force = &r->forces[i];
-        double *out = at->force[i] + first, sines[NODE_COUNT];
+        Real *out = at->force[i] + first, sines[NODE_COUNT];
         for (n = 0; n < count; n++)
             out[n] = force->constant;
         for (k = 0; k < force->count; k++) {
@@ -119,7 +119,7 @@ static void many_nodes(Run *r, const Meters *m, const double *tau, int first)
     }
 }
 
-static void closed_form_nodes(Run *r, const Meters *m, const double *tau)
+static void closed_form_nodes(Run *r, const Meters *m, const Real *tau)
 {
     Nodes *at = &r->ledger.nodes;
     const ClosedForm *f = &r->closed_form;
@@ -147,17 +147,17 @@ static void closed_form_nodes(Run *r, const Meters *m, const double *tau)
 }
 
 /* The integral of a meter over the nodes, by the length of the piece. */
-static double integral(const Run *r, const Meter *m, const Quadrature *rule)
+static Real integral(const Run *r, const Meter *m, const Quadrature *rule)
 {
     const Nodes *at = &r->ledger.nodes;
-    const double *weights = rule->weights;
+    const Real *weights = rule->weights;
     const int count = rule->count;
-    double total = 0.0;
+    Real total = 0.0;
     int n;
     switch (m->kind) {
     case SQUARE:
         for (n = 0; n < count; n++) {
-            double u = at->v[m->P][n] - at->v[m->Q][n];
+            Real u = at->v[m->P][n] - at->v[m->Q][n];
             total = total + weights[n] * (u * u);
         }
         return total;
@@ -183,18 +183,18 @@ static double integral(const Run *r, const Meter *m, const Quadrature *rule)
         return total;
     default:
         for (n = 0; n < count; n++) {
-            double value = at->function[m->source][n];
+            Real value = at->function[m->source][n];
             total = total + weights[n] * (m->P < 0 ? value : value * at->v[m->P][n]);
         }
         return total;
     }
 }
 
-static void integrate(Run *r, const Meters *m, double tau, double length)
+static void integrate(Run *r, const Meters *m, Real tau, Real length)
 {
     const int by_formulas = r->mode->tape.op_count > 0 || r->mode->base_tape.op_count > 0;
     const Quadrature *rule = r->closed || by_formulas || !r->taylor.few_nodes ? &TWELVE : &EIGHT;
-    double offsets[NODE_COUNT], *entries = r->ledger.open;
+    Real offsets[NODE_COUNT], *entries = r->ledger.open;
     int i;
     for (i = 0; i < rule->count; i++)
         offsets[i] = tau + rule->nodes[i] * length;
@@ -207,18 +207,18 @@ static void integrate(Run *r, const Meters *m, double tau, double length)
 }
 
 /* Displacement of a column at `state`. */
-static double place(const Run *r, const State *state, int column, double X)
+static Real place(const Run *r, const State *state, int column, Real X)
 {
     return column < r->bodies ? state->x[column] : column == r->bodies ? 0.0 : X;
 }
 
-static double base_place(const Run *r, double t)
+static Real base_place(const Run *r, Real t)
 {
-    double X = 0.0;
+    Real X = 0.0;
     int i;
     for (i = 0; i < r->base_count; i++) {
         const Harmonic *term = &r->base[i];
-        double sine, cosine;
+        Real sine, cosine;
         rounded_sine_cosine(turn_angle(term->cycles, term->cycles_lo, t) + term->phase, &sine, &cosine);
         X = X + term->amplitude * sine;
     }
@@ -226,17 +226,17 @@ static double base_place(const Run *r, double t)
 }
 
 /* Longest stretch from tau that one quadrature rule integrates to round-off. */
-double longest_piece(const Run *r, double tau)
+Real longest_piece(const Run *r, Real tau)
 {
-    double longest;
+    Real longest;
     int m;
     if (!r->closed)
         return r->taylor.longest;
     longest = 1.5 * r->mode->modal->window;
     for (m = 0; m < r->mode->modal->count; m++) {
-        double a = r->mode->modal->coordinates[m].a;
+        Real a = r->mode->modal->coordinates[m].a;
         if (a > 0) {
-            double growing = 1.5 / (2 * a) + tau;
+            Real growing = 1.5 / (2 * a) + tau;
             longest = growing < longest ? growing : longest;
         }
     }
@@ -251,7 +251,7 @@ void ledger_open(Run *r)
     int i;
     if (!l->wanted)
         return;
-    memcpy(l->open, l->entries, sizeof(double) * (size_t)l->count);
+    memcpy(l->open, l->entries, sizeof(Real) * (size_t)l->count);
     l->tau = r->state.t - r->t0;
     if (!r->closed)
         for (i = 0; i < m->function_count; i++)
@@ -262,12 +262,12 @@ int ledger_gather(Run *r)
 {
     Ledger *l = &r->ledger;
     const Meters *m = &r->mode->meters;
-    double last = r->pending_tau, *done;
+    Real last = r->pending_tau, *done;
     if (!l->wanted)
         return 1;
     while (l->tau < last) {
-        double piece = longest_piece(r, l->tau);
-        double ahead = piece < last - l->tau ? l->tau + piece : last;
+        Real piece = longest_piece(r, l->tau);
+        Real ahead = piece < last - l->tau ? l->tau + piece : last;
         if (r->spent > r->work_at_once)
             return 0;
         integrate(r, m, l->tau, ahead - l->tau);
@@ -288,7 +288,7 @@ void ledger_cross(Run *r, const State *state, const int *before, const int *afte
     for (i = 0; i < l->jump_count; i++) {
         const Jump *j = &l->jumps[i];
         int pressed = before[j->stop] == IN_CONTACT;
-        double X, depth, held;
+        Real X, depth, held;
         if (pressed == (after[j->stop] == IN_CONTACT))
             continue;
         X = r->base_count > 0 ? base_place(r, state->t) : 0.0;

@@ -3,13 +3,7 @@
 #include <string.h>
 
 #include "modes.h"
-
-enum { MOST = 100000 };
-
-static void *room(size_t count, size_t size)
-{
-    return calloc(count ? count : 1, size);
-}
+#include "room.h"
 
 /* Room for the entries and what is read at the nodes; 0 without memory or where the numbers are no ledger. */
 int ledger_read(Run *r, Reader *in)
@@ -19,8 +13,8 @@ int ledger_read(Run *r, Reader *in)
     int i;
     l->count = read_index(in, 0, MOST);
     l->jump_count = read_index(in, 0, r->parts);
-    l->entries = room((size_t)l->count, sizeof(double));
-    l->open = room((size_t)l->count, sizeof(double));
+    l->entries = room((size_t)l->count, sizeof(Real));
+    l->open = room((size_t)l->count, sizeof(Real));
     l->jumps = room((size_t)l->jump_count, sizeof(Jump));
     l->nodes.v = room(columns + (size_t)r->force_count + 1, sizeof *l->nodes.v);
     if (!l->entries || !l->open || !l->jumps || !l->nodes.v)
@@ -42,15 +36,15 @@ int ledger_read(Run *r, Reader *in)
 
 static int room_for_functions(Nodes *at, int count)
 {
-    double(*series)[SERIES], (*function)[NODE_COUNT];
+    Real(*series)[SERIES], (*function)[NODE_COUNT];
     int *lengths;
     if (count <= at->function_room)
         return 1;
-    series = realloc(at->series, sizeof *series * (size_t)count);
+    series = regrown(at->series, sizeof *series * (size_t)count);
     at->series = series ? series : at->series;
-    function = realloc(at->function, sizeof *function * (size_t)count);
+    function = regrown(at->function, sizeof *function * (size_t)count);
     at->function = function ? function : at->function;
-    lengths = realloc(at->lengths, sizeof *lengths * (size_t)count);
+    lengths = regrown(at->lengths, sizeof *lengths * (size_t)count);
     at->lengths = lengths ? lengths : at->lengths;
     if (!series || !function || !lengths)
         return 0;
@@ -111,7 +105,7 @@ int meters_read(Run *r, Mode *m, Reader *in)
     to->meters = room((size_t)to->count, sizeof(Meter));
     to->functions = room((size_t)to->function_count, sizeof(Event));
     to->columns = room((size_t)to->column_count, sizeof(int));
-    grown = realloc(m->terms, sizeof(Term) * (size_t)(terms + more + 1));
+    grown = regrown(m->terms, sizeof(Term) * (size_t)(terms + more + 1));
     m->terms = grown ? grown : m->terms;
     if (in->short_of || !to->meters || !to->functions || !to->columns || !grown || !room_for_functions(&r->ledger.nodes, to->function_count))
         return 0;

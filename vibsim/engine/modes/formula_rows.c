@@ -80,12 +80,12 @@ static void read_force(const Run *r, Reader *in, const Mode *m, FormulaForce *on
 /* Room for the series and values along tapes of so many operations. */
 int room_for_tapes(TapeRoom *tapes, int ops)
 {
-    double(*series)[TAPE_ORDERS], *values;
+    Real(*series)[TAPE_ORDERS], *values;
     if (ops <= tapes->ops)
         return 1;
-    series = realloc(tapes->series, sizeof *series * (size_t)ops);
+    series = regrown(tapes->series, sizeof *series * (size_t)ops);
     tapes->series = series ? series : tapes->series;
-    values = realloc(tapes->values, 2 * sizeof *values * (size_t)ops);
+    values = regrown(tapes->values, 2 * sizeof *values * (size_t)ops);
     tapes->values = values ? values : tapes->values;
     if (!series || !values)
         return 0;

@@ -19,7 +19,7 @@ static void tune_coordinate(const Run *r, Coordinate *c)
     int i, n;
     for (i = 0; i < c->drive_count; i++) {
         Drive *drive = &c->drives[i];
-        double omega = r->harmonics[drive->harmonic].omega, size = drive->size / 2;
+        Real omega = r->harmonics[drive->harmonic].omega, size = drive->size / 2;
         oscillator_set(&drive->oscillator, c->a, c->b, omega);
         for (n = 0; n < JET_ORDER + 3; n++) {
             c->forced[n] = i == 0 ? size : c->forced[n] + size;
@@ -32,7 +32,7 @@ static void tune_coordinate(const Run *r, Coordinate *c)
         oscillator_set(&c->oscillator, c->a, c->b, 0.0);
 }
 
-static double smaller(double a, double b)
+static Real smaller(Real a, Real b)
 {
     return b < a ? b : a;
 }
@@ -41,7 +41,7 @@ static double smaller(double a, double b)
 void modal_tune(const Run *r, Modal *m)
 {
     int bounded = r->harmonic_count > 0, i, k;
-    double window = INFINITY;
+    Real window = INFINITY;
     m->pace = 0.0;
     for (i = 0; i < m->count; i++) {
         Coordinate *c = &m->coordinates[i];
@@ -71,7 +71,7 @@ static int read_coordinate(Reader *in, const Run *r, Coordinate *c, Terms *terms
     c->load = read_double(in);
     terms->load = read_double(in);
     c->drives = room((size_t)r->harmonic_count, sizeof(Drive));
-    terms->drives = room((size_t)r->harmonic_count, sizeof(double));
+    terms->drives = room((size_t)r->harmonic_count, sizeof(Real));
     if (!c->drives || !terms->drives)
         return 0;
     for (h = 0; h < r->harmonic_count; h++)

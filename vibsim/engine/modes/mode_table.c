@@ -6,7 +6,7 @@
 
 static int grown(void **array, size_t before, size_t after, size_t size)
 {
-    char *more = realloc(*array, after * size);
+    char *more = (char *)realloc(*array, after * size);
     if (!more)
         return 0;
     memset(more + before * size, 0, (after - before) * size);

@@ -11,7 +11,7 @@ import pickle
 from collections import OrderedDict
 from collections.abc import Callable
 from threading import Lock, RLock
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from vibsim.engine.flows.closed.modal import harmonic_key, pitches
 from vibsim.engine.ledger_integrals import MeterMaker, pack_meters, terms_of
@@ -21,8 +21,8 @@ from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import Event, EventKey, ModeRows, Rule
 from vibsim.engine.modes.same_structure import Numbers, Place, settings
 from vibsim.engine.modes.status import Kept, Status
+from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.lazy import once
-from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
@@ -44,8 +44,8 @@ class ModeTable:
     maker : makes the rows; keys : {event key: number in C}
     """
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
+    def __init__(self, scene: Scene, form: NumberForm[Any] = DOUBLES) -> None:
+        self.scene, self.form = scene, form
         self.keys: dict[EventKey, int] = {}
         self._packed = Kept[Status, Packed](MOST_BYTES)
         self._meters = Kept[tuple[Status, bool], Packed](MOST_BYTES)
@@ -59,7 +59,7 @@ class ModeTable:
     def maker(self) -> RowMaker:
         """Makes the rows, one for all threads."""
         with self._lock:
-            maker: RowMaker = vars(self).setdefault("maker", RowMaker(self.scene, Doubles))
+            maker: RowMaker = vars(self).setdefault("maker", RowMaker(self.scene, self.form.kit))
         return maker
 
     def packed(self, status: Status, flow: Callable[[], Flow]) -> Packed:
@@ -75,7 +75,7 @@ class ModeTable:
         rows = self.maker.rows(status)
         if flow().suits(rows) is flow().taylor:
             rows.modal, rows.modal_sought = None, True
-        return packed_mode(rows, self.keys).packed
+        return packed_mode(rows, self.keys, self.form).packed
 
     def retuned(self, scene: Scene, numbers: Numbers) -> ModeTable:
         """The table of a scene whose modes differ from those of this one in `numbers` alone, as
@@ -107,7 +107,7 @@ class ModeTable:
         """Maker of the integrals of the ledgers; momentum: whether of both of them."""
         with self._lock:
             if momentum not in self._makers:
-                self._makers[momentum] = MeterMaker(self.scene, Doubles, self.maker, momentum)
+                self._makers[momentum] = MeterMaker(self.scene, self.form.kit, self.maker, momentum)
         return self._makers[momentum]
 
     def packed_meters(self, status: Status, momentum: bool) -> Packed:
@@ -116,7 +116,7 @@ class ModeTable:
             packed = self._meters.get((status, momentum))
             if packed is None:
                 rows = self.maker.rows(status)
-                made = pack_meters(self.meter_maker(momentum).meters(rows), terms_of(rows))
+                made = pack_meters(self.meter_maker(momentum).meters(rows), terms_of(rows), self.form)
                 packed = self._meters.keep((status, momentum), made, bytes_of(made))
         return packed
 

@@ -69,9 +69,9 @@ static void take_shape(const Run *r, Mode *m)
             m->small_constants[m->constant_columns[i]] = m->constants[i];
 }
 
-int room_for_series(double (**series)[SERIES], int count)
+int room_for_series(Real (**series)[SERIES], int count)
 {
-    double(*more)[SERIES] = realloc(*series, sizeof *more * (size_t)count);
+    Real(*more)[SERIES] = regrown(*series, sizeof *more * (size_t)count);
     *series = more ? more : *series;
     return more != NULL;
 }
@@ -128,8 +128,8 @@ Mode *mode_read(Run *r, Reader *in)
     m->events = room((size_t)m->event_count, sizeof(Event));
     m->terms = room((size_t)terms, sizeof(Term));
     m->slopes = room((size_t)slopes, sizeof(Slope));
-    m->mobility = room((size_t)(3 * r->columns), sizeof(double));
-    m->constants = room((size_t)(m->constant_count + slope_constants), sizeof(double));
+    m->mobility = room((size_t)(3 * r->columns), sizeof(Real));
+    m->constants = room((size_t)(m->constant_count + slope_constants), sizeof(Real));
     m->leader = room((size_t)(r->columns + m->constant_count + r->parts + r->bodies), sizeof(int));
     if (!m->couplings || !m->falls || !room_for_falls(r, m->fall_count) || !m->events || !m->terms || !m->slopes || !m->mobility || !m->constants || !m->leader) {
         in->short_of = 1;

@@ -24,7 +24,7 @@ int slopes_read(Run *r, Reader *in, Mode *m); /* their derivatives; 0 without me
 int room_for_tapes(TapeRoom *tapes, int ops);
 void slopes_free(FormulaSlopes *s);
 
-int room_for_series(double (**series)[SERIES], int count);
+int room_for_series(Real (**series)[SERIES], int count);
 void mode_free(Mode *m);
 void run_free(Run *r);
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Iterable, Sequence
-from functools import lru_cache
 from itertools import islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from vibsim.engine.errors import State
 from vibsim.engine.flows.closed.modal import Pitch, harmonic_key
 from vibsim.engine.modes.rows import DIFFERENCE, RATE, Event, EventKey, ModeRows, Term
-from vibsim.physics import elementary
+from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.physics.parts import BASE, BODY, GROUND, Harmonic, Scene
 
 if TYPE_CHECKING:
@@ -24,9 +23,10 @@ Packed = tuple[bytes, bytes]  # integers and doubles
 
 
 class Packer:
-    """Two lists of numbers: integers and doubles."""
+    """Two lists of numbers: integers, and numbers of the motion in a form of C."""
 
-    def __init__(self) -> None:
+    def __init__(self, form: NumberForm[Any] = DOUBLES) -> None:
+        self.form = form
         self.ints: list[int] = []
         self.doubles: list[float] = []
 
@@ -37,18 +37,15 @@ class Packer:
     @property
     def packed(self) -> Packed:
         """Both as bytes."""
-        return array("i", self.ints).tobytes(), array("d", self.doubles).tobytes()
+        return array("i", self.ints).tobytes(), self.form.packed(self.doubles)
 
 
 def harmonic(term: Harmonic) -> tuple[float, ...]:
     return term.amplitude, term.omega, term.cycles, term.cycles_lo, term.phase
 
 
-tolerance_exponent = lru_cache(maxsize=16)(elementary.log2)  # of the one or two tolerances that there are
-
-
-def pack_scene(scene: Scene, harmonics: Sequence[Pitch]) -> Packed:
-    """The scene as bytes of ints and of doubles. harmonics: distinct pitches, as `ClosedForm.harmonics`."""
+def pack_scene(scene: Scene, harmonics: Sequence[Pitch], form: NumberForm[Any] = DOUBLES) -> Packed:
+    """The scene as bytes of ints and of numbers. harmonics: distinct pitches, as `ClosedForm.harmonics`."""
     motor = scene.motor
     parts = len(scene.stops) + len(scene.frictions) + len(scene.clearances)
     of_pitch = iter(harmonic_indices(scene, harmonics))
@@ -63,14 +60,14 @@ def pack_scene(scene: Scene, harmonics: Sequence[Pitch]) -> Packed:
     ints += (motor is not None, motor.on if motor else 0, scene.has_base + scene.base_is_rate)
     ints += (rest_columns(scene),)
     alone = [c for c, body in enumerate(scene.bodies) if body.kind != BODY or body.turns]
-    ints += (scene.stop_on_violation, scene.order, len(scene.rotors), len(alone))
+    ints += (scene.stop_on_violation, form.order(scene), len(scene.rotors), len(alone))
     ints += islice(of_pitch, len(scene.base))
     for force in scene.forces:
         ints += (force.on, len(force.terms), *islice(of_pitch, len(force.terms)))
     for rotor in scene.rotors:
         ints += (rotor.column, rotor.on)
     ints += alone
-    return array("i", ints).tobytes(), scene_doubles(scene, harmonics)
+    return array("i", ints).tobytes(), scene_doubles(scene, harmonics, form)
 
 
 def harmonic_indices(scene: Scene, harmonics: Sequence[Pitch]) -> list[int]:
@@ -79,13 +76,13 @@ def harmonic_indices(scene: Scene, harmonics: Sequence[Pitch]) -> list[int]:
     return [harmonics.index(harmonic_key(term)) if term.amplitude != 0 else -1 for term in terms]
 
 
-def scene_doubles(scene: Scene, harmonics: Sequence[Pitch]) -> bytes:
+def scene_doubles(scene: Scene, harmonics: Sequence[Pitch], form: NumberForm[Any] = DOUBLES) -> bytes:
     """The doubles of `pack_scene`."""
     motor = scene.motor
     doubles = [0.0] * 6
     if motor:
         doubles = [motor.m3, motor.e, motor.M0, motor.unbalance, motor.inertia, motor.drag]
-    doubles += (tolerance_exponent(scene.tol), scene.t_end, scene.every_num, scene.every_den)
+    doubles += (form.tolerance_exponent(scene), scene.t_end, scene.every_num, scene.every_den)
     doubles += [body.m for body in scene.bodies]
     for one in harmonics:
         doubles += (1.0, *one)
@@ -97,7 +94,7 @@ def scene_doubles(scene: Scene, harmonics: Sequence[Pitch]) -> bytes:
             doubles += harmonic(term)
     for rotor in scene.rotors:
         doubles += (rotor.unbalance, scene.bodies[rotor.column].m)
-    return array("d", doubles).tobytes()
+    return form.packed(doubles)
 
 
 def rest_columns(scene: Scene) -> int:
@@ -108,13 +105,13 @@ def rest_columns(scene: Scene) -> int:
     return int(any(GROUND in (part.P, part.Q) for part in coupled))
 
 
-def pack_state(state: State) -> bytes:
-    return array("d", (state.t, *state.x, *state.v, state.phase, state.turns, state.w)).tobytes()
+def pack_state(state: State, form: NumberForm[Any] = DOUBLES) -> bytes:
+    return form.packed((state.t, *state.x, *state.v, state.phase, state.turns, state.w))
 
 
-def packed_mode(rows: ModeRows, keys: dict[EventKey, int]) -> Packer:
-    """The rows of a mode as ints and doubles. keys: {event key: number}, which grows."""
-    pack, modal = Packer(), rows.modal
+def packed_mode(rows: ModeRows, keys: dict[EventKey, int], form: NumberForm[Any] = DOUBLES) -> Packer:
+    """The rows of a mode as ints and numbers. keys: {event key: number}, which grows."""
+    pack, modal = Packer(form), rows.modal
     terms: list[Term] = []
     slopes: list[tuple[int, int, int, int, float, int]] = []
     slope_constants: list[float] = []

@@ -4,7 +4,7 @@
 
 typedef struct {
     const int *ints;
-    const double *doubles;
+    const Real *doubles;
     long int_count, double_count, next_int, next_double;
     int short_of; /* whether something was asked for beyond the end, or an index was out of its range */
 } Reader;
@@ -17,7 +17,7 @@ static inline int read_int(Reader *r)
     return 0;
 }
 
-static inline double read_double(Reader *r)
+static inline Real read_double(Reader *r)
 {
     if (r->next_double < r->double_count)
         return r->doubles[r->next_double++];

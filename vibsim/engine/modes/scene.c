@@ -18,15 +18,15 @@ static int room_for_flows(Run *r)
     Taylor *f = &r->taylor;
     ClosedForm *c = &r->closed_form;
     size_t n = (size_t)r->bodies, columns = n + 2, row = 2 * (n + 3), coordinates = 2 * n + 2, harmonics = (size_t)r->harmonic_count + 1, i;
-    f->table = room((SERIES + 1) * row, sizeof(double));
-    f->loaded_on = room(columns, sizeof(double *));
-    f->load = room(columns * SERIES, sizeof(double));
-    r->force = room(columns, sizeof(double));
-    r->state.x = room(7 * n, sizeof(double));
+    f->table = room((SERIES + 1) * row, sizeof(Real));
+    f->loaded_on = room(columns, sizeof(Real *));
+    f->load = room(columns * SERIES, sizeof(Real));
+    r->force = room(columns, sizeof(Real));
+    r->state.x = room(7 * n, sizeof(Real));
     c->motions = room(coordinates, sizeof(Motion));
     c->responses = room(coordinates * harmonics, sizeof(Response));
-    c->sin0 = room(harmonics * 6, sizeof(double));
-    c->x0 = room(3 * columns, sizeof(double));
+    c->sin0 = room(harmonics * 6, sizeof(Real));
+    c->x0 = room(3 * columns, sizeof(Real));
     c->scales[0] = room(MEASURES * coordinates, sizeof(Scale));
     c->times.cosine = room(2 * (harmonics + coordinates), sizeof *c->times.cosine);
     if (!f->table || !f->loaded_on || !f->load || !r->force || !r->state.x || !c->motions || !c->responses || !c->sin0 || !c->x0 ||
@@ -66,9 +66,9 @@ static int room_for_rotors(Run *r)
     r->alone = room((size_t)r->alone_count, sizeof(int));
     o->of = room(count, sizeof(RotorOn));
     o->sine = room(3 * count, sizeof *o->sine);
-    o->mass = room(2 * count, sizeof(double));
+    o->mass = room(2 * count, sizeof(Real));
     o->leaders = room(count + 1, sizeof(int));
-    r->taylor.acceleration = room(5 * columns, sizeof(double));
+    r->taylor.acceleration = room(5 * columns, sizeof(Real));
     if (!r->alone || !o->of || !o->sine || !o->mass || !o->leaders || !r->taylor.acceleration)
         return 0;
     o->cosine = o->sine + count;
@@ -102,7 +102,7 @@ static int scene_shape(Run *r, Reader *in)
     r->alone_count = read_index(in, 0, r->bodies);
     if (in->short_of)
         return 0;
-    r->masses = room((size_t)r->bodies, sizeof(double));
+    r->masses = room((size_t)r->bodies, sizeof(Real));
     r->harmonics = room((size_t)r->harmonic_count, sizeof(Harmonic));
     r->forces = room((size_t)r->force_count, sizeof(Force));
     r->base = room((size_t)r->base_count, sizeof(Harmonic));
@@ -117,7 +117,9 @@ static int scene_shape(Run *r, Reader *in)
         Force *f = &r->forces[i];
         f->on = read_index(in, 0, r->bodies - 1);
         f->count = read_index(in, 0, MOST);
-        f->terms = in->short_of ? NULL : room((size_t)f->count, sizeof(Harmonic));
+        if (in->short_of)
+            return 0;
+        f->terms = room((size_t)f->count, sizeof(Harmonic));
         if (!f->terms)
             return 0;
         for (j = 0; j < f->count; j++)
@@ -142,7 +144,7 @@ static void scene_numbers(Run *r, Reader *in)
     r->unbalance = read_double(in);
     r->inertia = read_double(in);
     r->drag = read_double(in);
-    r->tolerance_exponent = read_double(in);
+    r->tolerance_exponent = (double)read_double(in);
     r->t_end = read_double(in);
     r->every_num = read_double(in);
     r->every_den = read_double(in);

@@ -7,9 +7,10 @@ from itertools import accumulate, chain
 
 import numpy as np
 
-from vibsim.engine.modes.packing import Packed, Packer, pack_tape, tolerance_exponent
+from vibsim.engine.modes.packing import Packed, Packer, pack_tape
 from vibsim.engine.modes.rows import Joined, ModeRows
 from vibsim.engine.modes.ties import Edge
+from vibsim.engine.number_forms import exponent_of
 from vibsim.engine.tangent.formula_tangent import READ, SlopeShare, shares_of, slopes_of
 from vibsim.engine.tangent.tangent_space import Gauge, components, natural_rate, weights
 from vibsim.engine.tangent.tangent_taylor import reach
@@ -102,7 +103,7 @@ def _numbers(scene: Scene, begin: float) -> bytes:
     pack.put((), (0.0 if isinstance(stop, RigidStop) else stop.c for stop in scene.stops))
     for friction in scene.frictions:
         pack.put((), friction.starts)
-    farthest = reach(Doubles, scene.order, tolerance_exponent(scene.tol))
+    farthest = reach(Doubles, scene.order, exponent_of(scene.tol))
     rate = natural_rate(scene, Doubles)
     pack.put((), (begin, farthest, rate, *weights(scene, Doubles, rate)))
     return pack.packed[1]

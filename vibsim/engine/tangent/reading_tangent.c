@@ -3,12 +3,8 @@
 #include <string.h>
 
 #include "modes.h"
+#include "room.h"
 #include "tangent.h"
-
-static void *room(size_t count, size_t size)
-{
-    return calloc(count ? count : 1, size);
-}
 
 static int *read_indices(Reader *in, int count, int high)
 {
@@ -28,9 +24,9 @@ static int room_for_spare(const Run *r, TaylorTangent *of)
     f->tapes.series = NULL;
     f->tapes.values = NULL;
     f->tapes.ops = 0;
-    f->table = room((SERIES + 1) * row, sizeof(double));
-    f->load = room(columns * SERIES, sizeof(double));
-    f->loaded_on = room(columns, sizeof(double *));
+    f->table = room((SERIES + 1) * row, sizeof(Real));
+    f->load = room(columns * SERIES, sizeof(Real));
+    f->loaded_on = room(columns, sizeof(Real *));
     if (!f->table || !f->load || !f->loaded_on)
         return 0;
     f->values = f->table + SERIES * row;
@@ -46,7 +42,7 @@ static int room_for_rotors(const Run *r, TaylorTangent *of)
     Rotors *o = &of->spare_rotors;
     *o = r->rotors;
     o->sine = room(5 * count, sizeof *o->sine);
-    o->mass = room(2 * count, sizeof(double));
+    o->mass = room(2 * count, sizeof(Real));
     o->leaders = room(count + 1, sizeof(int));
     of->pushed = room(TANGENT_GROUP * count * SERIES, sizeof *of->pushed);
     of->torques = room(count, sizeof *of->torques);
@@ -66,17 +62,17 @@ static int room_for_all(const Run *r, Tangent *b)
     size_t coordinates = 2 * columns;
     b->columns = room(2 * count, sizeof(int));
     b->lost = room(count, sizeof(int));
-    b->vectors = room(2 * size * stride, sizeof(double));
-    b->sums = room(2 * count, sizeof(double));
-    b->rows = room((SPANS + 1) * (1 + count), sizeof(double));
-    b->fitted = room((count + size + columns + 1) * size, sizeof(double));
-    b->q = room((2 * coordinates + 2) * stride, sizeof(double));
-    b->accelerations = room(3 * columns + size, sizeof(double));
+    b->vectors = room(2 * size * stride, sizeof(Real));
+    b->sums = room(2 * count, sizeof(Real));
+    b->rows = room((SPANS + 1) * (1 + count), sizeof(Real));
+    b->fitted = room((count + size + columns + 1) * size, sizeof(Real));
+    b->q = room((2 * coordinates + 2) * stride, sizeof(Real));
+    b->accelerations = room(3 * columns + size, sizeof(Real));
     b->moving = room(coordinates, sizeof(Moving));
     b->taylor.series = room(TANGENT_GROUP * (2 * columns + 1) * SERIES, sizeof *b->taylor.series);
     b->taylor.force = room(2 * columns, sizeof *b->taylor.force);
     b->seat = room(columns, sizeof(int));
-    b->tangencies.fastest = room((size_t)b->stop_count, sizeof(double));
+    b->tangencies.fastest = room((size_t)b->stop_count, sizeof(Real));
     if (!b->columns || !b->lost || !b->vectors || !b->sums || !b->rows || !b->fitted || !b->q || !b->accelerations || !b->moving ||
         !b->taylor.series || !b->taylor.force || !b->seat || !b->tangencies.fastest)
         return 0;
@@ -136,7 +132,7 @@ static int read_bundle(Run *r, Tangent *b, Reader *in)
     b->shift_from = read_indices(in, b->shift_count, r->bodies - 1);
     b->shift_to = read_indices(in, b->shift_count, r->bodies - 1);
     b->references = read_indices(in, b->reference_count, r->bodies - 1);
-    b->weights = room((size_t)b->size, sizeof(double));
+    b->weights = room((size_t)b->size, sizeof(Real));
     if (!b->components || !b->shift_from || !b->shift_to || !b->references || !b->weights || !room_for_all(r, b) ||
         !read_parts(r, b, in))
         return 0;
@@ -164,7 +160,7 @@ int tangent_room_for_formulas(const Run *r, Tangent *b)
 {
     TaylorTangent *of = &b->taylor;
     if (r->slope_entries > of->entry_room) {
-        double *more = realloc(of->entries, sizeof(double) * (size_t)r->slope_entries);
+        Real *more = regrown(of->entries, sizeof(Real) * (size_t)r->slope_entries);
         if (!more)
             return 0;
         of->entries = more;

@@ -12,16 +12,16 @@
 #define SPANS 100
 #define TANGENT_GROUP 4 /* pairs of disturbances whose series are made side by side */
 
-typedef double Lane[2];  /* one number of two disturbances */
+typedef Real Lane[2];  /* one number of two disturbances */
 
 typedef struct {
     int P, Q;
-    double c;
+    Real c;
 } StopEnds;
 
 typedef struct {
     int P, Q;
-    double forward, backward;
+    Real forward, backward;
 } FrictionEnds;
 
 /* What an event does: nothing, S = I + jump n^T, or the common velocity of tied bodies. */
@@ -30,17 +30,17 @@ typedef struct {
     int kind;
     const Mode *before;
     const Event *event;
-    double *jump, determinant;
+    Real *jump, determinant;
 } Saltation;
 
 /* Responses of the modal coordinates over a piece: q by q0, u0 and load; u by the same. */
 typedef struct {
-    double q[3], u[3];
+    Real q[3], u[3];
 } Moving;
 
 /* Coefficient i + 1 of c w = s', and those of order i of c a1 and s, each twice. */
 typedef struct {
-    double turning[2], pull[2], sine[2];
+    Real turning[2], pull[2], sine[2];
 } Joint;
 
 /* What the recurrences of all disturbances share over a piece of a Taylor step; in `series`, the coefficients of pairs of
@@ -48,30 +48,30 @@ typedef struct {
  */
 typedef struct {
     Joint joint[SERIES];
-    double first_turning[2];
-    double to_a1, to_w, cross, tau, reach;
-    double (*series)[2], (*force)[2], (*slopes)[SERIES]; /* slopes: series of df/ds by falling friction */
+    Real first_turning[2];
+    Real to_a1, to_w, cross, tau, reach;
+    Real (*series)[2], (*force)[2], (*slopes)[SERIES]; /* slopes: series of df/ds by falling friction */
     Taylor spare; /* for an expansion within the step */
-    double *spare_values;
+    Real *spare_values;
     TapeRoom step, here; /* series of the derivatives of formulas: along the step, and along an expansion within it */
     const TapeRoom *along; /* that which is prepared */
-    double *entries, prepared_at;
+    Real *entries, prepared_at;
     Rotors spare_rotors;   /* those of `spare` */
     const Rotors *rotors;  /* those that are prepared */
-    double (*turning)[SERIES], (*pull)[SERIES]; /* by rotor on a body: c w = s', c a */
+    Real (*turning)[SERIES], (*pull)[SERIES]; /* by rotor on a body: c w = s', c a */
     Lane *pushed, *torques; /* series of disturbed accelerations, by pair and group of rotors; by rotor */
     int entry_room, has_step, prepared; /* whether `step` is of the step in hand; whether all is prepared at a time of it */
 } TaylorTangent;
 
 typedef struct {
-    double rate, *fastest, closest, closest_time, undefined_time;
+    Real rate, *fastest, closest, closest_time, undefined_time;
     long long count, undefined;
 } Tangencies;
 
 /* What an event did, where Python took it. */
 typedef struct {
     int here, jumps, tangencies, undefined;
-    double determinant, closest;
+    Real determinant, closest;
 } Handed;
 
 typedef struct Tangent {
@@ -82,11 +82,11 @@ typedef struct Tangent {
     int *seat, *components, *shift_from, *shift_to, *references, *columns, *lost, *over_columns;
     StopEnds *stops;
     FrictionEnds *frictions;
-    double begin, pieces, residual, shortest, t; /* shortest: length that the last orthogonalisation left; t: how far the stretch in hand is carried */
-    double *weights, *vectors, *moved, *sums, *over, *rows;
-    double *fitted, *candidates, *vector; /* of one vector after the other */
-    double *q, *u, *line, *zeros;         /* of modal coordinates; one entry of all */
-    double *accelerations, *other_accelerations, *force, *jump;
+    Real begin, pieces, residual, shortest, t; /* shortest: length that the last orthogonalisation left; t: how far the stretch in hand is carried */
+    Real *weights, *vectors, *moved, *sums, *over, *rows;
+    Real *fitted, *candidates, *vector; /* of one vector after the other */
+    Real *q, *u, *line, *zeros;         /* of modal coordinates; one entry of all */
+    Real *accelerations, *other_accelerations, *force, *jump;
     Moving *moving;
     TaylorTangent taylor;
     Tangencies tangencies;
@@ -94,23 +94,23 @@ typedef struct Tangent {
 } Tangent;
 
 /* accelerations.c; out: by column; each returns the acceleration of the rotor */
-double accelerations(const Run *r, const Mode *m, const State *state, double *out);
-double response(const Run *r, const Mode *m, const State *state, const double *F, double torque, double base, double *out);
+Real accelerations(const Run *r, const Mode *m, const State *state, Real *out);
+Real response(const Run *r, const Mode *m, const State *state, const Real *F, Real torque, Real base, Real *out);
 void seat_disturbances(const Run *r, const Mode *m);
 void join_disturbances(const Run *r, const Mode *m, const State *state);
 
 /* saltation.c */
 Saltation saltation(const Run *r, const State *state, const Mode *before, const Mode *after, const Event *event);
 void saltation_apply(const Run *r, const Saltation *s, const State *state);
-double gradient(const Run *r, const Mode *m, const Event *event, const double *vector, int stride);
-double event_rate_at(const Run *r, const State *state, const Mode *m, const Event *event);
-void reversal_accelerations(const Run *r, const Mode *m, const State *state, int i, double *out);
+Real gradient(const Run *r, const Mode *m, const Event *event, const Real *vector, int stride);
+Real event_rate_at(const Run *r, const State *state, const Mode *m, const Event *event);
+void reversal_accelerations(const Run *r, const Mode *m, const State *state, int i, Real *out);
 
 /* tangencies.c */
 void tangencies_forget(Tangencies *near);
 void tangencies_pass_by(Run *r, const State *state);
-void tangencies_refuse(Tangencies *near, double t);
-void tangencies_note(Tangencies *near, int count, double share, double t);
+void tangencies_refuse(Tangencies *near, Real t);
+void tangencies_note(Tangencies *near, int count, Real share, Real t);
 void tangencies_judge(Run *r, const Event *event, const State *state, const Mode *before, const Mode *after);
 
 /* tangent_space.c */
@@ -123,18 +123,18 @@ int space_held(const Run *r, const Mode *m);
 void gauge_apply(Tangent *b);
 
 /* tangent_closed_form.c, tangent_taylor.c, tangent_reach.c: the end of the piece from t that is moved at once; a piece */
-double closed_form_piece_end(const Run *r, double t, double end, double mark);
-void closed_form_move(Run *r, double tau);
-double taylor_piece_end(Run *r, double t, double end);
-void taylor_prepare(Run *r, double t); /* with formulas: what disturbances share from there on */
-int taylor_move(Run *r, double t, double tau); /* 0 where the piece is too long: as they were disturbances are in b->moved then */
+Real closed_form_piece_end(const Run *r, Real t, Real end, Real mark);
+void closed_form_move(Run *r, Real tau);
+Real taylor_piece_end(Run *r, Real t, Real end);
+void taylor_prepare(Run *r, Real t); /* with formulas: what disturbances share from there on */
+int taylor_move(Run *r, Real t, Real tau); /* 0 where the piece is too long: as they were disturbances are in b->moved then */
 
 /* formula_tangent.c; tau: after where all is prepared, by sound_stretch at t */
 void formula_slopes_expand(const Run *r, TapeRoom *room);
 const TapeRoom *formula_slopes_of_step(const Run *r);
-double formula_sound_stretch(Run *r, double t, double tau);
-void formula_rates(const Run *r, double tau, double *stiffness, double *damping);
-double formula_divergence(const Run *r, double tau);
+Real formula_sound_stretch(Run *r, Real t, Real tau);
+void formula_rates(const Run *r, Real tau, Real *stiffness, Real *damping);
+Real formula_divergence(const Run *r, Real tau);
 
 /* rotor_tangent.c; pushed: of the pair of disturbances */
 void rotor_tangent_prepare(Run *r);
@@ -147,7 +147,7 @@ static inline Lane *component(Lane *series, int k)
 }
 
 /* tangent_volume.c */
-double log_volume(const Run *r, double t, double end);
+Real log_volume(const Run *r, Real t, Real end);
 
 /* reading_tangent.c; read gives 0 without memory or where the numbers are no bundle */
 int tangent_read(Run *r, Reader *in);

@@ -3,10 +3,10 @@
 
 #include "tangent.h"
 
-static double *next_candidate(Tangent *b, int count)
+static Real *next_candidate(Tangent *b, int count)
 {
-    double *vector = b->candidates + count * b->size;
-    memset(vector, 0, sizeof(double) * (size_t)b->size);
+    Real *vector = b->candidates + count * b->size;
+    memset(vector, 0, sizeof(Real) * (size_t)b->size);
     return vector;
 }
 
@@ -97,7 +97,7 @@ int space_inside(const Run *r, const Mode *m)
     int n = r->bodies, count = 0, i, c, leader;
     seats_of(r, m);
     for (leader = 0; leader < n; leader++) {
-        double *vector;
+        Real *vector;
         if (!moving_seat(r, leader))
             continue;
         vector = next_candidate(b, count++);
@@ -109,7 +109,7 @@ int space_inside(const Run *r, const Mode *m)
         if (b->components[i] >= 2 * n)
             next_candidate(b, count++)[b->components[i]] = 1.0;
     for (leader = 0; leader < n; leader++) {
-        double *vector;
+        Real *vector;
         if (m->leader[leader] != leader)
             continue;
         vector = next_candidate(b, count++);
@@ -128,9 +128,9 @@ int space_outside(const Run *r, const Mode *m)
     seats_of(r, m);
     for (leader = 0; leader < r->columns; leader++) {
         int moving = moving_seat(r, leader);
-        double share = moving ? 1.0 / moving : 0.0;
+        Real share = moving ? 1.0 / moving : 0.0;
         for (c = 0; c < n; c++) {
-            double *vector;
+            Real *vector;
             if (b->seat[c] != leader || (moving ? c == leader : is_reference(b, c)))
                 continue;
             vector = next_candidate(b, count++);
@@ -140,9 +140,9 @@ int space_outside(const Run *r, const Mode *m)
         }
     }
     for (leader = 0; leader < r->columns; leader++) {
-        double share = leader < n ? 1.0 / bodies_of(r, m, leader) : 0.0;
+        Real share = leader < n ? 1.0 / bodies_of(r, m, leader) : 0.0;
         for (c = 0; c < n; c++) {
-            double *vector;
+            Real *vector;
             if (m->leader[c] != leader || c == leader) /* the first body of a group that moves leads it */
                 continue;
             vector = next_candidate(b, count++);
@@ -159,8 +159,8 @@ void gauge_apply(Tangent *b)
 {
     int s, i;
     for (s = 0; s < b->shift_count; s++) {
-        double *shifted = b->vectors + b->shift_from[s] * b->stride;
-        const double *reference = b->vectors + b->shift_to[s] * b->stride;
+        Real *shifted = b->vectors + b->shift_from[s] * b->stride;
+        const Real *reference = b->vectors + b->shift_to[s] * b->stride;
         for (i = 0; i < b->possible; i++)
             shifted[i] = shifted[i] - reference[i];
     }

@@ -30,30 +30,30 @@ static const RigidStop *stop_of(const Blows *b, int number)
 }
 
 /* One unit in the last place of the time. */
-static double unit_of(const Run *r)
+static Real unit_of(const Run *r)
 {
     return nextafter(r->next.t, INFINITY) - r->next.t;
 }
 
-static double column(const Run *r, const double *values, int c, double base)
+static Real column(const Run *r, const Real *values, int c, Real base)
 {
     return c < r->bodies ? values[c] : c == r->bodies ? 0.0 : base;
 }
 
 /* Rate of the depth of a stop; 0 where rounding cannot tell it from that. */
-static double rate_of(const Run *r, const RigidStop *s, double V)
+static Real rate_of(const Run *r, const RigidStop *s, Real V)
 {
-    double P = column(r, r->next.v, s->P, V), Q = column(r, r->next.v, s->Q, V);
-    double rate = -(s->sense * (P - Q)), noise = ROUNDING * EPS * (fabs(P) + fabs(Q));
+    Real P = column(r, r->next.v, s->P, V), Q = column(r, r->next.v, s->Q, V);
+    Real rate = -(s->sense * (P - Q)), noise = ROUNDING * EPS * (fabs(P) + fabs(Q));
     return fabs(rate) > noise ? rate : 0.0;
 }
 
-static double depth_of(const Run *r, const RigidStop *s, double X)
+static Real depth_of(const Run *r, const RigidStop *s, Real X)
 {
     return -(s->sense * (column(r, r->next.x, s->P, X) - column(r, r->next.x, s->Q, X))) - s->gap;
 }
 
-static double size_of(const Run *r, const RigidStop *s, double X)
+static Real size_of(const Run *r, const RigidStop *s, Real X)
 {
     return fabs(column(r, r->next.x, s->P, X)) + fabs(column(r, r->next.x, s->Q, X)) + fabs(s->gap);
 }
@@ -62,21 +62,21 @@ static double size_of(const Run *r, const RigidStop *s, double X)
  * may have moved a body that they share.
  */
 static int stands_off(
-    const Run *r, const RigidStop *s, const RigidStop *struck, double X, double V, double unit)
+    const Run *r, const RigidStop *s, const RigidStop *struck, Real X, Real V, Real unit)
 {
-    double size = fmax(size_of(r, s, X), size_of(r, struck, X));
-    double rate = -(s->sense * (column(r, r->next.v, s->P, V) - column(r, r->next.v, s->Q, V)));
+    Real size = fmax(size_of(r, s, X), size_of(r, struck, X));
+    Real rate = -(s->sense * (column(r, r->next.v, s->P, V) - column(r, r->next.v, s->Q, V)));
     return -depth_of(r, s, X) > NEAR * (fabs(rate) * unit + EPS * size) + fabs(depth_of(r, struck, X));
 }
 
 /* Move the ends onto each other: what rounding left of the depth, shared as their masses say. */
-static void seat(Run *r, const RigidStop *s, double X)
+static void seat(Run *r, const RigidStop *s, Real X)
 {
-    double depth = depth_of(r, s, X), distance = s->sense * depth, P = 1.0, Q = 1.0;
+    Real depth = depth_of(r, s, X), distance = s->sense * depth, P = 1.0, Q = 1.0;
     if (depth == 0)
         return;
     if (s->P < r->bodies && s->Q < r->bodies) {
-        double own = r->masses[s->P], other = r->masses[s->Q];
+        Real own = r->masses[s->P], other = r->masses[s->Q];
         P = other / (own + other);
         Q = own / (own + other);
     }
@@ -87,9 +87,9 @@ static void seat(Run *r, const RigidStop *s, double X)
 }
 
 /* Whether the ends of an elastic stop or a clearance may just touch where a blow moves one of them. */
-static int borders(const Run *r, const Bound *b, const RigidStop *struck, double X)
+static int borders(const Run *r, const Bound *b, const RigidStop *struck, Real X)
 {
-    double P = column(r, r->next.x, b->P, X), Q = column(r, r->next.x, b->Q, X);
+    Real P = column(r, r->next.x, b->P, X), Q = column(r, r->next.x, b->Q, X);
     int moved = b->P == struck->P || b->P == struck->Q || b->Q == struck->P || b->Q == struck->Q;
     return moved && fabs(b->sense * (P - Q) + b->gap) <= NEAR * EPS * (fabs(P) + fabs(Q) + fabs(b->gap));
 }
@@ -98,7 +98,7 @@ static int borders(const Run *r, const Bound *b, const RigidStop *struck, double
 static int alone(const Run *r, const Blow *done)
 {
     const Blows *b = &r->blows;
-    double unit = unit_of(r);
+    Real unit = unit_of(r);
     int i;
     for (i = 0; i < b->stop_count; i++)
         if (&b->stops[i] != done->stop && !stands_off(r, &b->stops[i], done->stop, done->X, done->V, unit))
@@ -110,9 +110,9 @@ static int alone(const Run *r, const Blow *done)
 }
 
 /* 1 / mass that an impulse meets, 0 of ground and base. turning: speed that the rotor gains per impulse on its body */
-static double mobility(const Run *r, int c, double *turning)
+static Real mobility(const Run *r, int c, Real *turning)
 {
-    double inertia, coupling, determinant;
+    Real inertia, coupling, determinant;
     if (c >= r->bodies)
         return 0.0;
     if (!r->has_motor || c != r->motor_on)
@@ -128,15 +128,15 @@ static double mobility(const Run *r, int c, double *turning)
 static void strike(Run *r, Blow *done)
 {
     const RigidStop *s = done->stop;
-    double turning = 0.0, own = mobility(r, s->P, &turning), other = mobility(r, s->Q, &turning), together = own + other;
-    double vP = column(r, r->next.v, s->P, done->V), vQ = column(r, r->next.v, s->Q, done->V), between = vP - vQ;
-    double afterP = vP, afterQ = vQ;
+    Real turning = 0.0, own = mobility(r, s->P, &turning), other = mobility(r, s->Q, &turning), together = own + other;
+    Real vP = column(r, r->next.v, s->P, done->V), vQ = column(r, r->next.v, s->Q, done->V), between = vP - vQ;
+    Real afterP = vP, afterQ = vQ;
     if (other == 0) {
         afterP = vQ - s->e * between;
     } else if (own == 0) {
         afterQ = vP + s->e * between;
     } else {
-        double common = (other * vP + own * vQ) / together;
+        Real common = (other * vP + own * vQ) / together;
         afterP = common - s->e * (own / together * between);
         afterQ = common + s->e * (other / together * between);
     }
@@ -160,7 +160,7 @@ static int moves(const Run *r, const RigidStop *s, const Rubbing *f)
     return (P && f->P < r->bodies) || (Q && f->Q < r->bodies);
 }
 
-static double slip_of(const Run *r, const Rubbing *f, double V)
+static Real slip_of(const Run *r, const Rubbing *f, Real V)
 {
     return (column(r, r->next.v, f->P, V) - column(r, r->next.v, f->Q, V)) - f->belt;
 }
@@ -189,7 +189,7 @@ static int turned(Run *r, Blow *done)
     done->happened = 1;
     for (i = 0; i < b->friction_count; i++) {
         const Rubbing *f = &b->frictions[i];
-        double slip, own;
+        Real slip, own;
         int sense;
         if (!moves(r, done->stop, f))
             continue;
@@ -209,7 +209,7 @@ static int turned(Run *r, Blow *done)
 }
 
 /* Deceleration of a friction that slips in the mode behind the blow; 0 where it does not. */
-static double slowing(Run *r, const Blow *done, int friction)
+static Real slowing(Run *r, const Blow *done, int friction)
 {
     const Mode *m = r->modes[done->target];
     int i;
@@ -223,12 +223,12 @@ static double slowing(Run *r, const Blow *done, int friction)
  * Whether a friction that the blow moves slips so slowly that a hop of the speed behind it turns it round, or comes to
  * rest before the next blow, `after` [s].
  */
-static int rubs(Run *r, const Blow *done, double after)
+static int rubs(Run *r, const Blow *done, Real after)
 {
     int i;
     for (i = 0; i < r->blows.friction_count; i++) {
         const Rubbing *f = &r->blows.frictions[i];
-        double slip;
+        Real slip;
         if (!moves(r, done->stop, f))
             continue;
         slip = fabs(slip_of(r, f, done->V));
@@ -239,24 +239,24 @@ static int rubs(Run *r, const Blow *done, double after)
 }
 
 /* What rounding leaves open of times at a stop that `drive` closes. */
-static double resolution(const Run *r, const RigidStop *s, double drive)
+static Real resolution(const Run *r, const RigidStop *s, Real drive)
 {
-    double unit = unit_of(r), blur = 0.0;
+    Real unit = unit_of(r), blur = 0.0;
     int i;
     if (s->P != r->columns - 1 && s->Q != r->columns - 1)
         return unit;
     for (i = 0; i < r->base_count; i++) {
         const Harmonic *term = &r->base[i];
-        double angle = turn_angle(term->cycles, term->cycles_lo, r->next.t) + term->phase;
+        Real angle = turn_angle(term->cycles, term->cycles_lo, r->next.t) + term->phase;
         blur = blur + fabs(term->amplitude * term->omega * (EPS * angle));
     }
     return blur > unit * drive ? blur / drive : unit;
 }
 
 /* Speed that rounding of all forces has not given the lightest body since t = 0. */
-static double beyond_rounding(const Run *r, const Blow *done)
+static Real beyond_rounding(const Run *r, const Blow *done)
 {
-    double lightest = INFINITY;
+    Real lightest = INFINITY;
     int i;
     for (i = 0; i < r->bodies; i++)
         lightest = fmin(lightest, r->masses[i]);
@@ -266,9 +266,9 @@ static double beyond_rounding(const Run *r, const Blow *done)
 /* Whether the next blow on the stop comes late enough not to be the end of an infinite sequence. */
 static int departs(Run *r, const Event *event, const Blow *done)
 {
-    double speed = -done->after, e = done->stop->e, drive = -derivative_at_next(r, r->modes[done->target], event->key, 2);
-    double ahead = r->blows.early ? fmin(fmax(SURELY * e, FURTHEST), EARLY) : 1, furthest = r->blows.early ? FURTHEST : 1;
-    double rounding = CLEAR * (EPS * size_of(r, done->stop, done->X)), height, shortest;
+    Real speed = -done->after, e = done->stop->e, drive = -derivative_at_next(r, r->modes[done->target], event->key, 2);
+    Real ahead = r->blows.early ? fmin(fmax(SURELY * e, FURTHEST), EARLY) : 1, furthest = r->blows.early ? FURTHEST : 1;
+    Real rounding = CLEAR * (EPS * size_of(r, done->stop, done->X)), height, shortest;
     if (!isfinite(drive))
         return 0;
     shortest = CLEAR * (fmax(NEXT, (1 - e) * LAST) * resolution(r, done->stop, drive));
@@ -299,7 +299,7 @@ static void forget_slips(Run *r, const Blow *done)
 }
 
 /* What rests or sticks on the base has its velocity, which that of the stretch has but for rounding. */
-static void carry(Run *r, double V)
+static void carry(Run *r, Real V)
 {
     const Mode *m = r->mode;
     int c;
@@ -310,7 +310,7 @@ static void carry(Run *r, double V)
 
 static void undo(Run *r)
 {
-    memcpy(r->next.v, r->before_v, sizeof(double) * (size_t)r->bodies);
+    memcpy(r->next.v, r->before_v, sizeof(Real) * (size_t)r->bodies);
     r->next.w = r->before_w;
 }
 
@@ -345,7 +345,7 @@ int blow_take(Run *r, const Event *event, Blow *done)
 void blow_count(Run *r, const Blow *done)
 {
     const RigidStop *s = done->stop;
-    double *entries = r->ledger.entries, impulse = s->Q >= r->bodies ? s->sense * done->impulse : -s->sense * done->impulse;
+    Real *entries = r->ledger.entries, impulse = s->Q >= r->bodies ? s->sense * done->impulse : -s->sense * done->impulse;
     if (s->loss >= 0)
         entries[s->loss] = entries[s->loss] + done->impulse * (done->before + done->after) / 2;
     if (s->work >= 0)

@@ -3,15 +3,16 @@
 #include <string.h>
 
 #include "modes.h"
+#include "room.h"
 
 static int room_for_blows(Run *r, int stops, int frictions, int bounds)
 {
     Blows *b = &r->blows;
     blows_free(b);
-    b->stops = calloc((size_t)stops + 1, sizeof(RigidStop));
-    b->frictions = calloc((size_t)frictions + 1, sizeof(Rubbing));
-    b->bounds = calloc((size_t)bounds + 1, sizeof(Bound));
-    b->codes = calloc((size_t)(r->parts + 2 * (frictions + 1)), sizeof(int));
+    b->stops = room((size_t)stops + 1, sizeof(RigidStop));
+    b->frictions = room((size_t)frictions + 1, sizeof(Rubbing));
+    b->bounds = room((size_t)bounds + 1, sizeof(Bound));
+    b->codes = room((size_t)(r->parts + 2 * (frictions + 1)), sizeof(int));
     if (!b->stops || !b->frictions || !b->bounds || !b->codes)
         return 0;
     b->kinds = b->codes + r->parts;

@@ -4,14 +4,14 @@
 
 #include <math.h>
 
-static const double TINY = 1.0261342003245941e-289; /* 2^-960: squares below it have lost digits to underflow */
-static const double FACTORIALS[] = {1, 1, 2, 6, 24, 120, 720, 5040, 40320, 362880, 3628800};
+static const Real TINY = 1.0261342003245941e-289; /* 2^-960: squares below it have lost digits to underflow */
+static const Real FACTORIALS[] = {1, 1, 2, 6, 24, 120, 720, 5040, 40320, 362880, 3628800};
 
-static inline double safe_step(double q0, double q1, double bound)
+static inline Real safe_step(Real q0, Real q1, Real bound)
 {
-    double square = q1 * q1 + 2 * bound * q0, root;
+    Real square = q1 * q1 + 2 * bound * q0, root;
     if (square < TINY) {
-        double unit = q0;
+        Real unit = q0;
         if (fabs(q1) > unit)
             unit = fabs(q1);
         if (bound > unit)
@@ -31,7 +31,7 @@ static inline double safe_step(double q0, double q1, double bound)
     return (q1 + root) / bound;
 }
 
-static inline double deflated_step(int order, double leading, double following, double bound)
+static inline Real deflated_step(int order, Real leading, Real following, Real bound)
 {
     return safe_step(leading / FACTORIALS[order], following / FACTORIALS[order + 1], 2 * bound / FACTORIALS[order + 2]);
 }

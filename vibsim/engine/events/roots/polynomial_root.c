@@ -13,9 +13,9 @@
 #define SHORTER 16
 #define SHORTEST 64
 
-static void value_and_slope(const double *series, int count, double tau, double *value, double *slope)
+static void value_and_slope(const Real *series, int count, Real tau, Real *value, Real *slope)
 {
-    double v = series[count - 1], s = series[count - 1] * 0;
+    Real v = series[count - 1], s = series[count - 1] * 0;
     int n;
     for (n = count - 2; n >= 0; n--) {
         s = s * tau + v;
@@ -26,9 +26,9 @@ static void value_and_slope(const double *series, int count, double tau, double 
 }
 
 /* Rounding bound of the value at tau. */
-static double noise_at(const double *series, int count, double tau)
+static Real noise_at(const Real *series, int count, Real tau)
 {
-    double total = fabs(series[count - 1]);
+    Real total = fabs(series[count - 1]);
     int n;
     for (n = count - 2; n >= 0; n--)
         total = total * tau + fabs(series[n]);
@@ -36,21 +36,21 @@ static double noise_at(const double *series, int count, double tau)
 }
 
 /* The zero that a Newton step from tau leads to, not before the start of the step. */
-static double newton(double tau, double value, double slope)
+static Real newton(Real tau, Real value, Real slope)
 {
-    double zero = tau - value / slope;
+    Real zero = tau - value / slope;
     return zero > 0 ? zero : 0 * tau;
 }
 
 /* The zero ahead of a function that is sure to cross it: more Newton steps where the error of one, by the bound of |f''|, is
  * above the grid of time.
  */
-static double zero_ahead(const double *series, int count, double tau, double value, double slope, double bound, double t0)
+static Real zero_ahead(const Real *series, int count, Real tau, Real value, Real slope, Real bound, Real t0)
 {
-    double zero = newton(tau, value, slope), unit = nextafter(t0, INFINITY) - t0;
+    Real zero = newton(tau, value, slope), unit = nextafter(t0, INFINITY) - t0;
     int i;
     for (i = 0; i < POLISHING; i++) {
-        double step = value / slope;
+        Real step = value / slope;
         if (bound * (step * step) <= -(2 * slope) * unit)
             break;
         value_and_slope(series, count, zero, &value, &slope);
@@ -64,9 +64,9 @@ static double zero_ahead(const double *series, int count, double tau, double val
 /* The safe step from tau by a bound of |f''| that reaches a few times as far as the march has come, or `step`, that by the
  * bound of all h, whichever is longer.
  */
-static double nearer_step(const double *series, int count, double tau, double room, double slope, double step, double h)
+static Real nearer_step(const Real *series, int count, Real tau, Real room, Real slope, Real step, Real h)
 {
-    double reach = NARROWER * (tau > step ? tau : step), bound = 0.0, nearer;
+    Real reach = NARROWER * (tau > step ? tau : step), bound = 0.0, nearer;
     int n;
     if (reach >= h)
         return step;
@@ -78,21 +78,21 @@ static double nearer_step(const double *series, int count, double tau, double ro
 }
 
 /* March by safe steps from t0; `error` proves a stretch, the rounding of its value blurs the place of a zero. */
-static int march(Certificate *c, const double *series, int count, double error, double bound, double t0, double h, int sharp,
-                 double *end)
+static int march(Certificate *c, const Real *series, int count, Real error, Real bound, Real t0, Real h, int sharp,
+                 Real *end)
 {
-    double t = t0, stall = 1.0, floor = error, noise = error;
-    double value = series[0], slope = count > 1 ? series[1] : 0.0; /* at t0 */
+    Real t = t0, stall = 1.0, floor = error, noise = error;
+    Real value = series[0], slope = count > 1 ? series[1] : 0.0; /* at t0 */
     int near = 0, i;
     for (i = 0; i < MARCH_LIMIT; i++) {
-        double tau = t - t0, room, step, ahead;
+        Real tau = t - t0, room, step, ahead;
         if (tau > h)
             return POSITIVE;
         if (i > 0)
             value_and_slope(series, count, tau, &value, &slope);
         if (value <= error && !near) {
             if (crosses(slope, bound, 2 * error)) {
-                double zero = sharp ? zero_ahead(series, count, tau, value, slope, bound, t0) : newton(tau, value, slope);
+                Real zero = sharp ? zero_ahead(series, count, tau, value, slope, bound, t0) : newton(tau, value, slope);
                 *end = t0 + zero;
                 return zero <= h ? ZERO : POSITIVE;
             }
@@ -131,20 +131,20 @@ static int march(Certificate *c, const double *series, int count, double error, 
 }
 
 typedef struct {
-    const double *slopes;
+    const Real *slopes;
     int count;
 } Slopes;
 
-static void slope_at(void *function, double tau, double *slope, double *curvature)
+static void slope_at(void *function, Real tau, Real *slope, Real *curvature)
 {
-    const Slopes *of = function;
+    const Slopes *of = (const Slopes *)function;
     value_and_slope(of->slopes, of->count, tau, slope, curvature);
 }
 
-static void turn_between(Certificate *c, const double *series, const double *slopes, int count, double t0, double low, double high)
+static void turn_between(Certificate *c, const Real *series, const Real *slopes, int count, Real t0, Real low, Real high)
 {
     Slopes of;
-    double tau, turn, depth, value, unused;
+    Real tau, turn, depth, value, unused;
     of.slopes = slopes;
     of.count = count - 1;
     turning_point(slope_at, &of, low, high, (high - low) * power_of_two(binary_exponent(EPS) / 3.0), &tau, &turn, &depth);
@@ -152,9 +152,9 @@ static void turn_between(Certificate *c, const double *series, const double *slo
     keep_turn(c, value - depth, t0 + turn);
 }
 
-static void watch_turns(Certificate *c, const double *series, int count, double t0, double stop)
+static void watch_turns(Certificate *c, const Real *series, int count, Real t0, Real stop)
 {
-    double slopes[SERIES] = {0}, low = 0 * stop, falling, rising, unused;
+    Real slopes[SERIES] = {0}, low = 0 * stop, falling, rising, unused;
     int n, i;
     for (n = 1; n < count; n++)
         slopes[n - 1] = n * series[n];
@@ -163,7 +163,7 @@ static void watch_turns(Certificate *c, const double *series, int count, double 
         n++;
     falling = slopes[n];
     for (i = 1; i <= PIECES; i++) {
-        double high = stop * i / PIECES;
+        Real high = stop * i / PIECES;
         value_and_slope(slopes, count - 1, high, &rising, &unused);
         if (falling < 0 && 0 <= rising)
             turn_between(c, series, slopes, count, t0, low, high);
@@ -173,40 +173,42 @@ static void watch_turns(Certificate *c, const double *series, int count, double 
 }
 
 /* Bound of the curvature within h, times h^2. */
-static double curvature_of(const double *series, int count, double h)
+static Magnitude curvature_of(const Real *series, int count, Power h)
 {
-    double curvature = 0.0, power = h;
+    Magnitude curvature = 0.0;
+    Power power = h;
     int n;
     for (n = 1; n < count; n++) {
         if (n > 1)
-            curvature = curvature + n * (n - 1) * (fabs(series[n]) * power);
-        power = power * h;
+            curvature = curvature + n * (n - 1) * term_size(series[n], power);
+        power = next_power(power, h);
     }
-    return curvature;
+    return curvature * INFLATED;
 }
 
 /* Bound of the slope within h, times h. */
-static double swing_of(const double *series, int count, double h)
+static Magnitude swing_of(const Real *series, int count, Power h)
 {
-    double swing = 0.0, power = h;
+    Magnitude swing = 0.0;
+    Power power = h;
     int n;
     for (n = 1; n < count; n++) {
-        swing = swing + n * (fabs(series[n]) * power);
-        power = power * h;
+        swing = swing + n * term_size(series[n], power);
+        power = next_power(power, h);
     }
-    return swing;
+    return swing * INFLATED;
 }
 
-static int may_turn(const double *series, int count, int order, double total, double h)
+static int may_turn(const Real *series, int count, int order, Real total, Real h)
 {
-    double swing = swing_of(series, count, h);
+    const Magnitude swing = swing_of(series, count, power_of(h));
     if (order > 0)
         return order * series[0] <= swing + order * (total - series[0]);
     return count > 1 && 2 * fabs(series[1]) * h <= swing;
 }
 
 /* Value and slope at tau without the known zeros. */
-void polynomial_value_and_slope(const double *coefficients, int count, int known, double tau, double *value, double *slope)
+void polynomial_value_and_slope(const Real *coefficients, int count, int known, Real tau, Real *value, Real *slope)
 {
     int order = known < count - 1 ? known : count - 1;
     while (order < count - 1 && coefficients[order] == 0)
@@ -214,8 +216,8 @@ void polynomial_value_and_slope(const double *coefficients, int count, int known
     value_and_slope(coefficients + order, count - order, tau, value, slope);
 }
 
-int polynomial_near_zero(const double *coefficients, int count, int known, double tau, double size, double *value,
-                         double *slope, double *noise)
+int polynomial_near_zero(const Real *coefficients, int count, int known, Real tau, Real size, Real *value,
+                         Real *slope, Real *noise)
 {
     int order = known < count ? known : count;
     while (order < count && coefficients[order] == 0)
@@ -230,9 +232,9 @@ int polynomial_near_zero(const double *coefficients, int count, int known, doubl
 }
 
 /* sum |b_n| h^n. */
-static double total_of(const double *series, int count, double h)
+static Real total_of(const Real *series, int count, Real h)
 {
-    double total = fabs(series[count - 1]);
+    Real total = fabs(series[count - 1]);
     int n;
     for (n = count - 2; n >= 0; n--)
         total = total * h + fabs(series[n]);
@@ -240,9 +242,9 @@ static double total_of(const double *series, int count, double h)
 }
 
 /* The step h, or a shorter one where rounding over all of h would hide on which side of zero the function begins. */
-double polynomial_nearer(const double *coefficients, int count, double t0, double h, double size)
+Real polynomial_nearer(const Real *coefficients, int count, Real t0, Real h, Real size)
 {
-    double start = coefficients[0], least = SHORTEST * (nextafter(t0, INFINITY) - t0);
+    Real start = coefficients[0], least = SHORTEST * (nextafter(t0, INFINITY) - t0);
     if (!(start > BEYOND * EPS * size))
         return h;
     while (h > least && start <= BEYOND * EPS * total_of(coefficients, count, h))
@@ -250,11 +252,14 @@ double polynomial_nearer(const double *coefficients, int count, double t0, doubl
     return h;
 }
 
-int polynomial_first_root(Certificate *c, const double *coefficients, int count, int known, double t0, double h, int keep_margin,
-                          int sharp, double *end)
+int polynomial_first_root(Certificate *c, const Real *coefficients, int count, int known, Real t0, Real h, int keep_margin,
+                          int sharp, Real *end)
 {
-    const double *series;
-    double total, fall, power = h, term = 0.0, before = 0.0, error;
+    const Real *series;
+    const Power step = power_of(h);
+    Magnitude total, fall, term = 0.0, before = 0.0;
+    Power power = step;
+    Real error;
     int order = known < count ? known : count, n, outcome = POSITIVE;
     while (order < count && coefficients[order] == 0)
         order++;
@@ -262,18 +267,19 @@ int polynomial_first_root(Certificate *c, const double *coefficients, int count,
         return POSITIVE;
     series = coefficients + order;
     count = count - order;
-    total = fabs(series[0]);
+    total = (Magnitude)fabs(series[0]);
     fall = 0.0;
     for (n = 1; n < count; n++) {
         before = term;
-        term = fabs(series[n]) * power;
+        term = term_size(series[n], power);
         total = total + term;
         fall = n > 1 || series[1] < 0 ? fall + term : fall;
-        power = power * h;
+        power = next_power(power, step);
     }
+    fall = fall * INFLATED;
     error = 4 * EPS * total + (before + term);
     if (series[0] - error - fall <= 0)
-        outcome = march(c, series, count, error, curvature_of(series, count, h) / (h * h), t0, h, sharp, end);
+        outcome = march(c, series, count, error, curvature_of(series, count, step) / (h * h), t0, h, sharp, end);
     if (keep_margin && series[0] - fall < c->margin &&
         may_turn(series, count, order, total, h))
         watch_turns(c, coefficients, count + order, t0, outcome == POSITIVE ? h : *end - t0);

@@ -6,20 +6,20 @@
 
 #define TURNING 60
 
-static inline double extreme_of_slope(double length, double before, double bend, double after, double unbend)
+static inline Real extreme_of_slope(Real length, Real before, Real bend, Real after, Real unbend)
 {
-    double mean = (after - before) / length;
-    double b = 6 * mean - 4 * bend - 2 * unbend, a = 3 * (bend + unbend) - 6 * mean;
-    double root = sqrt(b * b - 4 * a * bend);
+    Real mean = (after - before) / length;
+    Real b = 6 * mean - 4 * bend - 2 * unbend, a = 3 * (bend + unbend) - 6 * mean;
+    Real root = sqrt(b * b - 4 * a * bend);
     return length * (2 * bend / (bend > 0 ? root - b : -root - b));
 }
 
-typedef void (*SlopeAt)(void *function, double t, double *slope, double *curvature);
+typedef void (*SlopeAt)(void *function, Real t, Real *slope, Real *curvature);
 
-static inline void turning_point(SlopeAt slope_at, void *function, double low, double high, double settled, double *last,
-                                 double *turn, double *depth)
+static inline void turning_point(SlopeAt slope_at, void *function, Real low, Real high, Real settled, Real *last,
+                                 Real *turn, Real *depth)
 {
-    double ahead = low + (high - low) / 2, t = ahead, slope = 0, curvature = 0;
+    Real ahead = low + (high - low) / 2, t = ahead, slope = 0, curvature = 0;
     int i;
     for (i = 0; i < TURNING; i++) {
         t = ahead;

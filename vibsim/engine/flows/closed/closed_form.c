@@ -3,20 +3,20 @@
 #include "numbers.h"
 #include "responses.h"
 
-static double fixed_sum(const Run *r, int first, int count)
+static Real fixed_sum(const Run *r, int first, int count)
 {
     const Fixed *fixed = r->mode->modal->fixed + first;
-    double total = 0.0;
+    Real total = 0.0;
     int i;
     for (i = 0; i < count; i++) {
-        double part = fixed[i].sign * r->closed_form.x0[fixed[i].column];
+        Real part = fixed[i].sign * r->closed_form.x0[fixed[i].column];
         total = i == 0 ? part : total + part;
     }
     return total;
 }
 
 /* Displacement and velocity of the base from sines and cosines of the harmonics. */
-static void base_motion(const Run *r, const double *sines, const double *cosines, double *X, double *V)
+static void base_motion(const Run *r, const Real *sines, const Real *cosines, Real *X, Real *V)
 {
     int i;
     *X = *V = 0.0;
@@ -29,12 +29,12 @@ static void base_motion(const Run *r, const double *sines, const double *cosines
     }
 }
 
-static double weighted(const Source *sources, int count, const double *values)
+static Real weighted(const Source *sources, int count, const Real *values)
 {
-    double total = 0.0;
+    Real total = 0.0;
     int i;
     for (i = 0; i < count; i++) {
-        double part = sources[i].weight * (sources[i].Q < 0 ? values[sources[i].P] : values[sources[i].P] - values[sources[i].Q]);
+        Real part = sources[i].weight * (sources[i].Q < 0 ? values[sources[i].P] : values[sources[i].P] - values[sources[i].Q]);
         total = i == 0 ? part : total + part;
     }
     return total;
@@ -43,7 +43,7 @@ static double weighted(const Source *sources, int count, const double *values)
 static void anchor_coordinate(Run *r, const Modal *modal, const Coordinate *c, Motion *y)
 {
     const ClosedForm *f = &r->closed_form;
-    double load = c->load;
+    Real load = c->load;
     int i;
     for (i = 0; i < c->shifts; i++) {
         const Shift *shift = &modal->shifts[c->first_shift + i];
@@ -56,7 +56,7 @@ static void anchor_coordinate(Run *r, const Modal *modal, const Coordinate *c, M
     for (i = 0; i < c->drive_count; i++) {
         const Drive *drive = &c->drives[i];
         Response *response = &y->responses[i];
-        double sine = f->sin0[drive->harmonic], cosine = f->cos0[drive->harmonic];
+        Real sine = f->sin0[drive->harmonic], cosine = f->cos0[drive->harmonic];
         response->load_sine = drive->sine * sine + drive->cosine * cosine;
         response->load_cosine = drive->sine * cosine - drive->cosine * sine;
         response->hc = response->hs = response->dc = response->ds = 0.0;
@@ -78,7 +78,7 @@ void closed_form_enter(Run *r, const State *state)
     r->t0 = state->t;
     for (h = 0; h < r->harmonic_count; h++) {
         const Harmonic *one = &r->harmonics[h];
-        double angle = turn_angle(one->cycles, one->cycles_lo, state->t) + one->phase;
+        Real angle = turn_angle(one->cycles, one->cycles_lo, state->t) + one->phase;
         rounded_sine_cosine(angle, &f->sin0[h], &f->cos0[h]);
         f->sines[h] = f->sin0[h];
         f->cosines[h] = f->cos0[h];
@@ -100,17 +100,17 @@ void closed_form_enter(Run *r, const State *state)
 }
 
 /* `sines`, `cosines`: of the harmonics' own angles since the anchor. */
-static inline void evaluate_coordinate(const Coordinate *c, Motion *y, double tau, const double *sines, const double *cosines)
+static inline void evaluate_coordinate(const Coordinate *c, Motion *y, Real tau, const Real *sines, const Real *cosines)
 {
     const Oscillator *o = &c->oscillator;
-    const double q0 = y->q0, u0 = y->u0, load = y->load;
-    double q, u, release = 0, impulse = 0;
+    const Real q0 = y->q0, u0 = y->u0, load = y->load;
+    Real q, u, release = 0, impulse = 0;
     int i;
     if (c->is_free) {
         q = q0 + u0 * tau + load * (tau * tau / 2);
         u = u0 + load * tau;
     } else {
-        double steady, rate, stiff;
+        Real steady, rate, stiff;
         release_and_impulse(o, tau, &release, &impulse);
         steady = constant_response(o, tau, release);
         rate = release - 2 * o->a * impulse;
@@ -124,7 +124,7 @@ static inline void evaluate_coordinate(const Coordinate *c, Motion *y, double ta
     for (i = 0; i < c->drive_count; i++) {
         const Drive *drive = &c->drives[i];
         Response *response = &y->responses[i];
-        double cosine = cosines[drive->harmonic], sine = sines[drive->harmonic], hc, hs, dc, ds;
+        Real cosine = cosines[drive->harmonic], sine = sines[drive->harmonic], hc, hs, dc, ds;
         if (c->is_free) {
             free_harmonic_response(&drive->oscillator, tau, cosine, sine, &hc, &hs);
             dc = sine / drive->oscillator.omega;
@@ -143,7 +143,7 @@ static inline void evaluate_coordinate(const Coordinate *c, Motion *y, double ta
     y->jet[1] = u;
 }
 
-void closed_form_evaluate(Run *r, double tau)
+void closed_form_evaluate(Run *r, Real tau)
 {
     ClosedForm *f = &r->closed_form;
     const Modal *modal = r->mode->modal;
@@ -154,7 +154,7 @@ void closed_form_evaluate(Run *r, double tau)
     f->tau = f->counted = tau;
     for (h = 0; h < r->harmonic_count; h++) {
         const Harmonic *one = &r->harmonics[h];
-        double angle = one->omega * tau, cosine, sine, sin0 = f->sin0[h], cos0 = f->cos0[h];
+        Real angle = one->omega * tau, cosine, sine, sin0 = f->sin0[h], cos0 = f->cos0[h];
         if (angle > 3) /* below, the product is as good as its reduction */
             angle = turn_angle(one->cycles, one->cycles_lo, tau);
         sine_cosine(angle, &sine, &cosine);
@@ -168,12 +168,12 @@ void closed_form_evaluate(Run *r, double tau)
 }
 
 /* Adds a harmonic load to the orders of d from 2. */
-static void drive_jet(const ClosedForm *f, const Drive *drive, double *d, int count)
+static void drive_jet(const ClosedForm *f, const Drive *drive, Real *d, int count)
 {
-    double sine = drive->sine, cosine = drive->cosine, turn = f->sines[drive->harmonic], next = f->cosines[drive->harmonic];
+    Real sine = drive->sine, cosine = drive->cosine, turn = f->sines[drive->harmonic], next = f->cosines[drive->harmonic];
     int n;
     for (n = 2; n <= count; n++) {
-        double before = turn;
+        Real before = turn;
         d[n] = d[n] + (sine * turn + cosine * next);
         sine = sine * drive->oscillator.omega;
         cosine = cosine * drive->oscillator.omega;
@@ -184,15 +184,15 @@ static void drive_jet(const ClosedForm *f, const Drive *drive, double *d, int co
 
 static inline void jet_of(const ClosedForm *f, const Coordinate *c, Motion *y, int count)
 {
-    const double twice = 2 * c->a, b = c->b;
-    double *d = y->jet, first = d[0], second = d[1];
+    const Real twice = 2 * c->a, b = c->b;
+    Real *d = y->jet, first = d[0], second = d[1];
     int i, n;
     if (c->drive_count == 1) {
         const Drive *drive = c->drives;
-        const double omega = drive->oscillator.omega;
-        double sine = drive->sine, cosine = drive->cosine, turn = f->sines[drive->harmonic], next = f->cosines[drive->harmonic];
+        const Real omega = drive->oscillator.omega;
+        Real sine = drive->sine, cosine = drive->cosine, turn = f->sines[drive->harmonic], next = f->cosines[drive->harmonic];
         for (n = 2; n <= count; n++) {
-            double before = turn, term = sine * turn + cosine * next;
+            Real before = turn, term = sine * turn + cosine * next;
             term = c->is_free ? term : term - twice * second - b * first;
             first = second;
             d[n] = second = n == 2 ? term + y->load : term;
@@ -216,9 +216,9 @@ static inline void jet_of(const ClosedForm *f, const Coordinate *c, Motion *y, i
 }
 
 /* Sine of a harmonic's angle here and so many quarters of a turn. */
-double harmonic_turned(const ClosedForm *f, const Harmonic *term, int quarters)
+Real harmonic_turned(const ClosedForm *f, const Harmonic *term, int quarters)
 {
-    double value = (quarters % 2 == 0 ? f->sines : f->cosines)[term->harmonic];
+    Real value = (quarters % 2 == 0 ? f->sines : f->cosines)[term->harmonic];
     return quarters % 4 < 2 ? value : -value;
 }
 
@@ -237,7 +237,7 @@ void closed_form_jets(Run *r, int n)
         f->base[n] = 0.0;
     for (i = 0; i < r->base_count; i++) {
         const Harmonic *term = &r->base[i];
-        double factor = term->amplitude;
+        Real factor = term->amplitude;
         if (term->harmonic < 0)
             continue;
         for (n = 0; n <= count; n++) {
@@ -248,12 +248,12 @@ void closed_form_jets(Run *r, int n)
 }
 
 /* Each body is where what rests of its place and its shares of the coordinates put it; -0.0 stands for nothing. */
-void closed_form_state_after(Run *r, double tau, State *out)
+void closed_form_state_after(Run *r, Real tau, State *out)
 {
     const ClosedForm *f = &r->closed_form;
     const Modal *modal = r->mode->modal;
     const Motion *y = f->motions;
-    double X = 0.0, V = 0.0;
+    Real X = 0.0, V = 0.0;
     int c, i;
     closed_form_evaluate(r, tau);
     if (r->base_count > 0)
@@ -263,14 +263,14 @@ void closed_form_state_after(Run *r, double tau, State *out)
     for (c = 0; c < r->bodies; c++) {
         const Place *place = &modal->places[c];
         const Share *share = place->share;
-        double position = f->rest[c], rate = -0.0;
+        Real position = f->rest[c], rate = -0.0;
         if (place->shares == 2) {
-            const double *one = y[share[0].m].jet, *other = y[share[1].m].jet, a = share[0].share, b = share[1].share;
+            const Real *one = y[share[0].m].jet, *other = y[share[1].m].jet, a = share[0].share, b = share[1].share;
             position = position + a * one[0] + b * other[0];
             rate = a * one[1] + b * other[1];
         } else {
             for (i = place->shares; i > 0; i--, share++) {
-                const double *jet = y[share->m].jet;
+                const Real *jet = y[share->m].jet;
                 position = position + share->share * jet[0];
                 rate = rate + share->share * jet[1];
             }

@@ -28,19 +28,19 @@ void closed_form_open(Run *r)
     }
 }
 
-static void move(Run *r, double step)
+static void move(Run *r, Real step)
 {
     Search *s = &r->closed_form.search;
     s->t = r->t0 + ((s->t - r->t0) + step);
 }
 
-static void adapt_reach(Search *s, double step)
+static void adapt_reach(Search *s, Real step)
 {
-    double needed = NARROWER * step;
+    Real needed = NARROWER * step;
     s->reach = needed < s->window ? needed : s->window;
 }
 
-APART double close_noise(Run *r, const Event *e)
+APART Real close_noise(Run *r, const Event *e)
 {
     Search *s = &r->closed_form.search;
     if (!s->measured)
@@ -50,32 +50,32 @@ APART double close_noise(Run *r, const Event *e)
 }
 
 /* Rounding bound of the value of an event function. */
-static inline double noise_of(Run *r, const Event *e, double value, double reach, double unit)
+static inline Real noise_of(Run *r, const Event *e, Real value, Real reach, Real unit)
 {
-    double noise = unit * event_scale(r, e, PLAIN);
+    Real noise = unit * event_scale(r, e, PLAIN);
     return value <= NEAR * (noise + unit * reach) ? close_noise(r, e) : noise;
 }
 
 /* Doubt that a function taken for zero at `value` falls below zero: it may be higher by `noise`. */
-static void certify_crossing(Run *r, double value, double slope, double bound, double noise)
+static void certify_crossing(Run *r, Real value, Real slope, Real bound, Real noise)
 {
     if (!crosses(slope, bound, value > 0 ? noise + value : noise))
         doubt(&r->certificate, r->t0);
 }
 
 /* Doubt that the zero of `first` is the first, where that of another of `events` may come as soon. */
-static void certify_order(Run *r, int first, const int *events, int count, double value, double slope, double noise)
+static void certify_order(Run *r, int first, const int *events, int count, Real value, Real slope, Real noise)
 {
     const Search *s = &r->closed_form.search;
-    double latest;
+    Real latest;
     int i;
     if (slope >= 0)
         return;
     latest = latest_zero(value, slope, noise, s->t);
     for (i = 0; i < count; i++) {
         const Event *e = &r->mode->events[events[i]];
-        double other = event_derivative(r, e, 0), fall = event_derivative(r, e, 1);
-        double blur = close_noise(r, e) + s->blurs[events[i]].residue;
+        Real other = event_derivative(r, e, 0), fall = event_derivative(r, e, 1);
+        Real blur = close_noise(r, e) + s->blurs[events[i]].residue;
         int same = events[i] == first || (other == value && fall == slope);
         if (!same && may_vanish_by(other, fall, blur, latest))
             doubt(&r->certificate, r->t0);
@@ -83,7 +83,7 @@ static void certify_order(Run *r, int first, const int *events, int count, doubl
 }
 
 /* As `certify_order`, at the start of a segment: against the functions whose zeros are not known to be there. */
-static void certify_leading_order(Run *r, int first, double value, double slope, double noise)
+static void certify_leading_order(Run *r, int first, Real value, Real slope, Real noise)
 {
     Search *s = &r->closed_form.search;
     const Mode *m = r->mode;
@@ -108,7 +108,7 @@ static int lead(Run *r)
 {
     Search *s = &r->closed_form.search;
     const Mode *m = r->mode;
-    double step = s->window, X = 0.0, V = 0.0;
+    Real step = s->window, X = 0.0, V = 0.0;
     int taken = 2, i;
     s->leading = 0;
     s->measured = 0;
@@ -129,7 +129,7 @@ static int lead(Run *r)
         const Event *e = &m->events[i];
         const Reach *reach = &m->modal->reaches[i];
         int known = known_order(r, i), order = known;
-        double first = event_derivative(r, e, order), bound, ahead;
+        Real first = event_derivative(r, e, order), bound, ahead;
         while (order < JET_ORDER - 2 && first == 0) {
             if (++order + 2 > taken)
                 closed_form_jets(r, taken = JET_ORDER);
@@ -151,7 +151,7 @@ static int lead(Run *r)
             return i;
         }
         if (order == 0) {
-            double noise = noise_of(r, e, first, s->blurs[i].reach, rounding_unit(r)), slope = event_derivative(r, e, 1);
+            Real noise = noise_of(r, e, first, s->blurs[i].reach, rounding_unit(r)), slope = event_derivative(r, e, 1);
             if (first <= noise && slope <= 0) {
                 certify_crossing(r, first, slope, bound, noise);
                 certify_leading_order(r, i, first, slope, noise);
@@ -182,20 +182,20 @@ typedef struct {
     const Event *event;
 } Turning;
 
-static void gap_slope(void *function, double t, double *slope, double *curvature)
+static void gap_slope(void *function, Real t, Real *slope, Real *curvature)
 {
-    const Turning *of = function;
+    const Turning *of = (const Turning *)function;
     closed_form_evaluate(of->r, t - of->r->t0);
     closed_form_jets(of->r, 2);
     *slope = event_derivative(of->r, of->event, 1);
     *curvature = event_derivative(of->r, of->event, 2);
 }
 
-static void turn_between(Run *r, const Event *e, double low, double high)
+static void turn_between(Run *r, const Event *e, Real low, Real high)
 {
     const Search *s = &r->closed_form.search;
     Turning of;
-    double t, turn, depth;
+    Real t, turn, depth;
     of.r = r;
     of.event = e;
     turning_point(gap_slope, &of, low, high, s->settled * s->window, &t, &turn, &depth);
@@ -204,12 +204,12 @@ static void turn_between(Run *r, const Event *e, double low, double high)
     keep_turn(&r->certificate, event_derivative(r, e, 0) - depth, turn);
 }
 
-static void watch_turn(Run *r, int event, double value, double slope, double curvature, double bound)
+static void watch_turn(Run *r, int event, Real value, Real slope, Real curvature, Real bound)
 {
     Search *s = &r->closed_form.search;
     const Event *e = &r->mode->events[event];
-    double *w = s->watched[event], low = w[0], was = w[1], before = w[2], bend = w[3], limit = w[4];
-    double length = s->t - low, least = was + before * length - limit * (length * length) / 2;
+    Real *w = s->watched[event], low = w[0], was = w[1], before = w[2], bend = w[3], limit = w[4];
+    Real length = s->t - low, least = was + before * length - limit * (length * length) / 2;
     w[0] = s->t;
     w[1] = value;
     w[2] = slope;
@@ -220,7 +220,7 @@ static void watch_turn(Run *r, int event, double value, double slope, double cur
     if (before < 0 && 0 <= slope) {
         turn_between(r, e, low, s->t);
     } else if ((before < 0) == (slope < 0) && ((bend < 0 && 0 < curvature) || (before < 0 && curvature < 0 && 0 < bend))) {
-        double middle = low + extreme_of_slope(length, before, bend, slope, curvature), between, unused;
+        Real middle = low + extreme_of_slope(length, before, bend, slope, curvature), between, unused;
         Turning of;
         of.r = r;
         of.event = e;
@@ -252,10 +252,10 @@ static void turn_before(Run *r, int event)
 static void polish(Run *r, const Event *e)
 {
     Search *s = &r->closed_form.search;
-    double start = s->t;
+    Real start = s->t;
     int i;
     for (i = 0; i < POLISHING; i++) {
-        double value, slope, curvature, newton, step, near, before = s->t;
+        Real value, slope, curvature, newton, step, near, before = s->t;
         closed_form_jets(r, 2);
         value = event_derivative(r, e, 0);
         slope = event_derivative(r, e, 1);
@@ -273,10 +273,10 @@ static void polish(Run *r, const Event *e)
 }
 
 /* Length of a step while a function rises within its rounding of zero: at least twice that of the one before. */
-static double leap(Run *r, double step, double free_step)
+static Real leap(Run *r, Real step, Real free_step)
 {
     Search *s = &r->closed_form.search;
-    double least = (nextafter(s->t, INFINITY) - s->t) * s->stall;
+    Real least = (nextafter(s->t, INFINITY) - s->t) * s->stall;
     s->stall = s->stall * 2;
     least = least < free_step ? least : free_step;
     if (step >= least)
@@ -288,7 +288,7 @@ static double leap(Run *r, double step, double free_step)
 static int step_ahead(Run *r)
 {
     Search *s = &r->closed_form.search;
-    double step = s->reach, rival = step, free_step = step, near = 0, before, unit, course[3] = {0, 0, 0};
+    Real step = s->reach, rival = step, free_step = step, near = 0, before, unit, course[3] = {0, 0, 0};
     int nearest = NOTHING, alone = 0, held = 0, i;
     r->steps += 1;
     closed_form_evaluate(r, s->t - r->t0);
@@ -300,8 +300,8 @@ static int step_ahead(Run *r)
         int which = s->events[i];
         const Event *e = &r->mode->events[which];
         const Blur *blur = &s->blurs[which];
-        double value = event_derivative(r, e, 0), slope = event_derivative(r, e, 1), ahead, room;
-        double noise = noise_of(r, e, value, blur->reach, unit) + blur->residue, bound = event_bound(r, e, 2, s->reach);
+        Real value = event_derivative(r, e, 0), slope = event_derivative(r, e, 1), ahead, room;
+        Real noise = noise_of(r, e, value, blur->reach, unit) + blur->residue, bound = event_bound(r, e, 2, s->reach);
         if (value < -noise || (value <= noise && slope <= 0)) {
             if (s->t == r->t0 && r->known[e->key] > 0) /* the zero of before */
                 continue;
@@ -350,14 +350,14 @@ static int step_ahead(Run *r)
         if (s->reach == 0) /* a step near t = 0 was too short to be a number: bounds have to reach further */
             s->reach = s->window;
     } else {
-        double noise = close_noise(r, &r->mode->events[nearest]) + s->blurs[nearest].residue;
+        Real noise = close_noise(r, &r->mode->events[nearest]) + s->blurs[nearest].residue;
         certify_crossing(r, course[0], course[1], course[2], noise);
         certify_order(r, nearest, s->events, s->event_count, course[0], course[1], noise);
     }
     return nearest;
 }
 
-double closed_form_advance(Run *r, double limit, int *event)
+Real closed_form_advance(Run *r, Real limit, int *event)
 {
     Search *s = &r->closed_form.search;
     int i;

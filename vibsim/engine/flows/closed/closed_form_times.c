@@ -13,7 +13,7 @@ static int whole_registers(int count)
 }
 
 /* First time from which on the response to a constant load is a quotient; times ascend, and so does what it is told by. */
-static int first_settled(const Oscillator *o, const double *tau, int count)
+static int first_settled(const Oscillator *o, const Real *tau, int count)
 {
     int j = 0;
     while (j < count && !(o->oscillates && o->settling * (tau[j] * tau[j]) >= QUARTER))
@@ -21,7 +21,7 @@ static int first_settled(const Oscillator *o, const double *tau, int count)
     return j;
 }
 
-static int first_beating(const Oscillator *o, const double *tau, int count)
+static int first_beating(const Oscillator *o, const Real *tau, int count)
 {
     int j = 0;
     while (j < count && !is_quotient(o, tau[j] * tau[j]))
@@ -30,7 +30,7 @@ static int first_beating(const Oscillator *o, const double *tau, int count)
 }
 
 /* First time from which on a response that is no quotient has no series either. */
-static int first_slow(const Oscillator *o, const double *tau, int count)
+static int first_slow(const Oscillator *o, const Real *tau, int count)
 {
     int j = 0;
     while (j < count && !(o->wd * tau[j] >= 0.5))
@@ -38,7 +38,7 @@ static int first_slow(const Oscillator *o, const double *tau, int count)
     return j;
 }
 
-static int first_turned(const Oscillator *o, const double *tau, int count)
+static int first_turned(const Oscillator *o, const Real *tau, int count)
 {
     int j = 0;
     while (j < count && !(o->omega * tau[j] * (o->omega * tau[j]) >= QUARTER))
@@ -46,9 +46,9 @@ static int first_turned(const Oscillator *o, const double *tau, int count)
     return j;
 }
 
-static void turn_harmonic(const Harmonic *one, const double *restrict tau, int count, double *restrict cosine, double *restrict sine)
+static void turn_harmonic(const Harmonic *one, const Real *restrict tau, int count, Real *restrict cosine, Real *restrict sine)
 {
-    double angle[TIMES_AT_ONCE];
+    Real angle[TIMES_AT_ONCE];
     int j;
     for (j = 0; j < count; j++)
         angle[j] = one->omega * tau[j];
@@ -58,9 +58,9 @@ static void turn_harmonic(const Harmonic *one, const double *restrict tau, int c
         moderate_sine_cosine(angle[j], &sine[j], &cosine[j]);
 }
 
-static void move_freely(const Motion *y, const double *restrict tau, int count, double *restrict q, double *restrict u)
+static void move_freely(const Motion *y, const Real *restrict tau, int count, Real *restrict q, Real *restrict u)
 {
-    const double q0 = y->q0, u0 = y->u0, load = y->load;
+    const Real q0 = y->q0, u0 = y->u0, load = y->load;
     int j;
     for (j = 0; j < count; j++) {
         q[j] = q0 + u0 * tau[j] + load * (tau[j] * tau[j] / 2);
@@ -69,7 +69,7 @@ static void move_freely(const Motion *y, const double *restrict tau, int count, 
 }
 
 /* Responses to a harmonic load by their series at the first `count` times, and with them at some behind. */
-static void response_series_at(const Oscillator *restrict o, const double *restrict tau, int count, double *restrict hc, double *restrict hs)
+static void response_series_at(const Oscillator *restrict o, const Real *restrict tau, int count, Real *restrict hc, Real *restrict hs)
 {
     const int whole = whole_registers(count);
     int j;
@@ -77,12 +77,12 @@ static void response_series_at(const Oscillator *restrict o, const double *restr
         series_response(o, tau[j], &hc[j], &hs[j]);
 }
 
-static void drive_freely(const Oscillator *o, const Response *response, const double *restrict tau, int count,
-                         const double *restrict cosine, const double *restrict sine, double *restrict q, double *restrict u)
+static void drive_freely(const Oscillator *o, const Response *response, const Real *restrict tau, int count,
+                         const Real *restrict cosine, const Real *restrict sine, Real *restrict q, Real *restrict u)
 {
-    const double load_sine = response->load_sine, load_cosine = response->load_cosine, omega = o->omega, inverse = o->inverse_r;
+    const Real load_sine = response->load_sine, load_cosine = response->load_cosine, omega = o->omega, inverse = o->inverse_r;
     const int turned = first_turned(o, tau, count);
-    double hc[TIMES_AT_ONCE], hs[TIMES_AT_ONCE];
+    Real hc[TIMES_AT_ONCE], hs[TIMES_AT_ONCE];
     int j;
     response_series_at(o, tau, turned, hc, hs);
     for (j = turned; j < count; j++) {
@@ -95,10 +95,10 @@ static void drive_freely(const Oscillator *o, const Response *response, const do
     }
 }
 
-static void swing_at(const Oscillator *restrict o, const double *restrict tau, int count, double *restrict release,
-                     double *restrict impulse)
+static void swing_at(const Oscillator *restrict o, const Real *restrict tau, int count, Real *restrict release,
+                     Real *restrict impulse)
 {
-    double sine[TIMES_AT_ONCE], cosine[TIMES_AT_ONCE];
+    Real sine[TIMES_AT_ONCE], cosine[TIMES_AT_ONCE];
     int j;
     for (j = 0; j < count; j++)
         moderate_sine_cosine(o->wd * tau[j], &sine[j], &cosine[j]);
@@ -107,7 +107,7 @@ static void swing_at(const Oscillator *restrict o, const double *restrict tau, i
 }
 
 /* Response to a constant load at the first `count` times, and with them at some behind. */
-static void steady_series_at(const Oscillator *restrict o, const double *restrict tau, int count, double *restrict steady)
+static void steady_series_at(const Oscillator *restrict o, const Real *restrict tau, int count, Real *restrict steady)
 {
     const int whole = whole_registers(count);
     int j;
@@ -115,12 +115,12 @@ static void steady_series_at(const Oscillator *restrict o, const double *restric
         steady[j] = tau[j] * tau[j] * horner(o->steady_series, SERIES_TERMS, o->rate * tau[j]);
 }
 
-static void oscillate(const Oscillator *o, const Motion *y, const double *restrict tau, int count, double *restrict release,
-                      double *restrict impulse, double *restrict q, double *restrict u)
+static void oscillate(const Oscillator *o, const Motion *y, const Real *restrict tau, int count, Real *restrict release,
+                      Real *restrict impulse, Real *restrict q, Real *restrict u)
 {
-    const double a = o->a, b = o->b, per_b = o->per_b, q0 = y->q0, u0 = y->u0, load = y->load;
+    const Real a = o->a, b = o->b, per_b = o->per_b, q0 = y->q0, u0 = y->u0, load = y->load;
     const int settled = first_settled(o, tau, count);
-    double steady[TIMES_AT_ONCE];
+    Real steady[TIMES_AT_ONCE];
     int j;
     if (o->oscillates && o->wd * tau[count - 1] < LARGEST_ANGLE)
         swing_at(o, tau, count, release, impulse);
@@ -140,14 +140,14 @@ static void oscillate(const Oscillator *o, const Motion *y, const double *restri
     }
 }
 
-static void drive(const Oscillator *o, const Response *response, const double *restrict tau, int count, const double *restrict release,
-                  const double *restrict impulse, const double *restrict cosine, const double *restrict sine, double *restrict q,
-                  double *restrict u)
+static void drive(const Oscillator *o, const Response *response, const Real *restrict tau, int count, const Real *restrict release,
+                  const Real *restrict impulse, const Real *restrict cosine, const Real *restrict sine, Real *restrict q,
+                  Real *restrict u)
 {
-    const double a = o->a, b = o->b, omega = o->omega, real = o->inverse_r, imaginary = o->inverse_i;
-    const double load_sine = response->load_sine, load_cosine = response->load_cosine;
+    const Real a = o->a, b = o->b, omega = o->omega, real = o->inverse_r, imaginary = o->inverse_i;
+    const Real load_sine = response->load_sine, load_cosine = response->load_cosine;
     const int slow = first_slow(o, tau, count), beating = first_beating(o, tau, count);
-    double hc[TIMES_AT_ONCE], hs[TIMES_AT_ONCE];
+    Real hc[TIMES_AT_ONCE], hs[TIMES_AT_ONCE];
     int j;
     response_series_at(o, tau, slow < beating ? slow : beating, hc, hs);
     for (j = slow; j < beating; j++)
@@ -157,16 +157,16 @@ static void drive(const Oscillator *o, const Response *response, const double *r
         u[j] = u[j] + (load_sine * (impulse[j] - omega * hs[j]) + load_cosine * (omega * hc[j]));
     }
     for (j = beating; j < count; j++) {
-        double nr = cosine[j] - release[j], ni = sine[j] - omega * impulse[j];
-        double vr = b * impulse[j] - omega * sine[j], vi = omega * (cosine[j] - (release[j] - 2 * a * impulse[j]));
+        Real nr = cosine[j] - release[j], ni = sine[j] - omega * impulse[j];
+        Real vr = b * impulse[j] - omega * sine[j], vi = omega * (cosine[j] - (release[j] - 2 * a * impulse[j]));
         q[j] = q[j] + (load_sine * (nr * real + ni * imaginary) + load_cosine * (ni * real - nr * imaginary));
         u[j] = u[j] + (load_sine * (vr * real + vi * imaginary) + load_cosine * (vi * real - vr * imaginary));
     }
 }
 
-static void move_coordinate(const Times *at, const Coordinate *c, const Motion *y, const double *tau, double *q, double *u)
+static void move_coordinate(const Times *at, const Coordinate *c, const Motion *y, const Real *tau, Real *q, Real *u)
 {
-    double release[TIMES_AT_ONCE], impulse[TIMES_AT_ONCE];
+    Real release[TIMES_AT_ONCE], impulse[TIMES_AT_ONCE];
     int i;
     if (c->is_free)
         move_freely(y, tau, at->count, q, u);
@@ -174,7 +174,7 @@ static void move_coordinate(const Times *at, const Coordinate *c, const Motion *
         oscillate(&c->oscillator, y, tau, at->count, release, impulse, q, u);
     for (i = 0; i < c->drive_count; i++) {
         const Oscillator *o = &c->drives[i].oscillator;
-        const double *cosine = at->cosine[c->drives[i].harmonic], *sine = at->sine[c->drives[i].harmonic];
+        const Real *cosine = at->cosine[c->drives[i].harmonic], *sine = at->sine[c->drives[i].harmonic];
         if (c->is_free)
             drive_freely(o, &y->responses[i], tau, at->count, cosine, sine, q, u);
         else
@@ -183,7 +183,7 @@ static void move_coordinate(const Times *at, const Coordinate *c, const Motion *
 }
 
 /* Fill whole registers with the times, the last of them again where there are none left; how many that makes. */
-static int filled_up(const double *times, int count, double *tau)
+static int filled_up(const Real *times, int count, Real *tau)
 {
     const int whole = whole_registers(count);
     int j;
@@ -195,11 +195,11 @@ static int filled_up(const double *times, int count, double *tau)
 /* Work out at most TIMES_AT_ONCE ascending times, none of them negative, for the three functions below; the next single time is
  * evaluated anew, whatever it is.
  */
-WIDE_WITH_CALLS void closed_form_many(Run *r, const double *times, int count)
+WIDE_WITH_CALLS void closed_form_many(Run *r, const Real *times, int count)
 {
     const Modal *modal = r->mode->modal;
     Times *at = &r->closed_form.times;
-    double tau[TIMES_AT_ONCE];
+    Real tau[TIMES_AT_ONCE];
     int i;
     at->count = filled_up(times, count, tau);
     r->evaluations += count - (times[0] == r->closed_form.counted);
@@ -213,30 +213,30 @@ WIDE_WITH_CALLS void closed_form_many(Run *r, const double *times, int count)
 }
 
 /* Sine of a harmonic, its phase at the anchor included. */
-void closed_form_sines(const Run *r, int harmonic, double *restrict out)
+void closed_form_sines(const Run *r, int harmonic, Real *restrict out)
 {
     const ClosedForm *f = &r->closed_form;
-    const double sin0 = f->sin0[harmonic], cos0 = f->cos0[harmonic];
-    const double *restrict cosine = f->times.cosine[harmonic], *restrict sine = f->times.sine[harmonic];
+    const Real sin0 = f->sin0[harmonic], cos0 = f->cos0[harmonic];
+    const Real *restrict cosine = f->times.cosine[harmonic], *restrict sine = f->times.sine[harmonic];
     int j;
     for (j = 0; j < f->times.count; j++)
         out[j] = sin0 * cosine[j] + cos0 * sine[j];
 }
 
-static void add_cosines(const Run *r, int harmonic, double factor, double *restrict out)
+static void add_cosines(const Run *r, int harmonic, Real factor, Real *restrict out)
 {
     const ClosedForm *f = &r->closed_form;
-    const double sin0 = f->sin0[harmonic], cos0 = f->cos0[harmonic];
-    const double *restrict cosine = f->times.cosine[harmonic], *restrict sine = f->times.sine[harmonic];
+    const Real sin0 = f->sin0[harmonic], cos0 = f->cos0[harmonic];
+    const Real *restrict cosine = f->times.cosine[harmonic], *restrict sine = f->times.sine[harmonic];
     int j;
     for (j = 0; j < f->times.count; j++)
         out[j] = out[j] + factor * (cos0 * cosine[j] - sin0 * sine[j]);
 }
 
 /* Displacement and velocity of the base. */
-void closed_form_base(const Run *r, double *restrict X, double *restrict V)
+void closed_form_base(const Run *r, Real *restrict X, Real *restrict V)
 {
-    double sines[TIMES_AT_ONCE];
+    Real sines[TIMES_AT_ONCE];
     int i, j;
     for (j = 0; j < r->closed_form.times.count; j++)
         X[j] = V[j] = 0.0;
@@ -252,20 +252,20 @@ void closed_form_base(const Run *r, double *restrict X, double *restrict V)
 }
 
 /* Displacements and velocities of body c, those of the base given. */
-WIDE void closed_form_body(const Run *r, int c, const double *X, const double *V, double *restrict x, double *restrict v)
+WIDE void closed_form_body(const Run *r, int c, const Real *X, const Real *V, Real *restrict x, Real *restrict v)
 {
     const ClosedForm *f = &r->closed_form;
     const Place *place = &r->mode->modal->places[c];
     const int count = f->times.count;
-    const double rest = f->rest[c];
+    const Real rest = f->rest[c];
     int i, j;
     for (j = 0; j < count; j++) {
         x[j] = rest;
         v[j] = place->shares || place->base ? -0.0 : 0.0;
     }
     for (i = 0; i < place->shares; i++) {
-        const double share = place->share[i].share;
-        const double *restrict q = f->times.q[place->share[i].m], *restrict u = f->times.u[place->share[i].m];
+        const Real share = place->share[i].share;
+        const Real *restrict q = f->times.q[place->share[i].m], *restrict u = f->times.u[place->share[i].m];
         for (j = 0; j < count; j++) {
             x[j] = x[j] + share * q[j];
             v[j] = v[j] + share * u[j];

@@ -4,7 +4,7 @@
 #include "engine.h"
 
 /* x_P - x_Q of two columns that move alike; whether they do: not so the base, column n + 1. */
-static int still_distance(const Run *r, const State *s, int P, int Q, double *apart)
+static int still_distance(const Run *r, const State *s, int P, int Q, Real *apart)
 {
     const int n = r->bodies;
     if (P > n || Q > n || (P < n ? s->v[P] : 0.0) != (Q < n ? s->v[Q] : 0.0))
@@ -14,9 +14,9 @@ static int still_distance(const Run *r, const State *s, int P, int Q, double *ap
 }
 
 /* The force of a coupling whose ends move alike; whether they do. */
-static int still_force(const Run *r, const Coupling *one, const State *s, double *force)
+static int still_force(const Run *r, const Coupling *one, const State *s, Real *force)
 {
-    double apart;
+    Real apart;
     if (!still_distance(r, s, one->P, one->Q, &apart))
         return 0;
     *force = one->k * apart + one->offset;
@@ -27,7 +27,7 @@ static int still_force(const Run *r, const Coupling *one, const State *s, double
 static int is_left_alone(const Run *r, int leader, const State *s)
 {
     const Mode *m = r->mode;
-    double force;
+    Real force;
     int i;
     if (leader >= r->bodies)
         return leader == r->bodies;
@@ -48,11 +48,11 @@ static int is_left_alone(const Run *r, int leader, const State *s)
 /* Whether an event function is zero because all that it is made of stands still. */
 static int rests_at_zero(const Run *r, const Event *e, const State *s)
 {
-    double total = 0.0;
+    Real total = 0.0;
     int i;
     for (i = 0; i < e->terms; i++) {
         const Term *t = &r->mode->terms[e->first + i];
-        double value;
+        Real value;
         switch (t->kind) {
         case COUPLING:
             if (!still_force(r, &r->mode->couplings[t->P], s, &value))

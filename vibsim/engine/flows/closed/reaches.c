@@ -3,7 +3,7 @@
 
 #define FASTER 4
 
-static Reach plus(Reach one, double factor, Reach other)
+static Reach plus(Reach one, Real factor, Reach other)
 {
     one.place = one.place + factor * other.place;
     one.speed = one.speed + factor * other.speed;
@@ -12,7 +12,7 @@ static Reach plus(Reach one, double factor, Reach other)
 }
 
 /* Bound of the terms of H where it is a quotient. */
-static double response_reach(const Oscillator *o, double longest)
+static Real response_reach(const Oscillator *o, Real longest)
 {
     return (5 + o->omega * longest) * (fabs(o->inverse_r) + fabs(o->inverse_i));
 }
@@ -21,7 +21,7 @@ static void reaches_of(const Modal *modal, const Coordinate *c, Terms *of)
 {
     const Oscillator *o = &c->oscillator;
     const int held = o->w0 > 0, wanders = c->is_free && c->sources > 1;
-    double start = 0.0, shifts = 0.0, longest = 0.0, driven = 0.0, terms = 0.0, pace = o->w0 + 2 * o->a, steady = 4 * o->per_b;
+    Real start = 0.0, shifts = 0.0, longest = 0.0, driven = 0.0, terms = 0.0, pace = o->w0 + 2 * o->a, steady = 4 * o->per_b;
     Reach *q = &of->reaches[0], *u = &of->reaches[1], *a = &of->reaches[2];
     int cancels = 0, resonates = 0, i;
     for (i = 0; i < c->sources; i++)

@@ -3,15 +3,15 @@
 #include "numbers.h"
 #include "responses.h"
 
-static void series_coefficients(const Oscillator *o, double omega, double *real, double *imag)
+static void series_coefficients(const Oscillator *o, Real omega, Real *real, Real *imag)
 {
-    double rate = o->rate > 0 ? o->rate : 1.0;
-    double damping = 2 * (o->a / rate), stiffness = (o->b / rate) / rate, step = omega / rate;
-    double r0 = 0, r1 = 0, i0 = 0, i1 = 0, lr = 1, li = 0;
+    Real rate = o->rate > 0 ? o->rate : 1.0;
+    Real damping = 2 * (o->a / rate), stiffness = (o->b / rate) / rate, step = omega / rate;
+    Real r0 = 0, r1 = 0, i0 = 0, i1 = 0, lr = 1, li = 0;
     int n;
     for (n = 0; n < SERIES_TERMS; n++) {
         int divisor = (n + 2) * (n + 1);
-        double lr_before = lr;
+        Real lr_before = lr;
         real[n] = (lr - damping * (n + 1) * r1 - stiffness * r0) / divisor;
         imag[n] = (li - damping * (n + 1) * i1 - stiffness * i0) / divisor;
         r0 = r1;
@@ -23,9 +23,9 @@ static void series_coefficients(const Oscillator *o, double omega, double *real,
     }
 }
 
-void oscillator_set(Oscillator *o, double a, double b, double omega)
+void oscillator_set(Oscillator *o, Real a, Real b, Real omega)
 {
-    double discriminant = b - a * a, fastest, pace, near;
+    Real discriminant = b - a * a, fastest, pace, near;
     o->a = a;
     o->b = b;
     o->omega = omega;
@@ -55,9 +55,9 @@ void oscillator_set(Oscillator *o, double a, double b, double omega)
     series_coefficients(o, omega, o->real_series, o->imag_series);
 }
 
-static void sinhc(double p, double q, double *re, double *im)
+static void sinhc(Real p, Real q, Real *re, Real *im)
 {
-    double zz = p * p + q * q, sine, cosine, nr, ni;
+    Real zz = p * p + q * q, sine, cosine, nr, ni;
     if (zz == 0) {
         *re = 1;
         *im = 0;
@@ -70,10 +70,10 @@ static void sinhc(double p, double q, double *re, double *im)
     *im = (ni * p - nr * q) / zz;
 }
 
-void confluent_response(const Oscillator *o, double t, double cosine, double sine, double *hc, double *hs)
+void confluent_response(const Oscillator *o, Real t, Real cosine, Real sine, Real *hc, Real *hs)
 {
-    double real1 = o->slow, imag1 = 0, real2 = o->fast, imag2 = 0;
-    double p, q, mean, qr, qi, scale, mr, mi, e1r, e1i, decay, turned_sine, turned_cosine, nr, ni, dr, di, dd, hr, hi;
+    Real real1 = o->slow, imag1 = 0, real2 = o->fast, imag2 = 0;
+    Real p, q, mean, qr, qi, scale, mr, mi, e1r, e1i, decay, turned_sine, turned_cosine, nr, ni, dr, di, dd, hr, hi;
     if (o->oscillates) {
         real1 = -o->a;
         imag1 = o->wd;

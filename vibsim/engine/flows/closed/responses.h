@@ -9,19 +9,19 @@
 #define RESONANT 0.01
 
 /* responses.c; near resonance, where the difference of two modes would cancel */
-void confluent_response(const Oscillator *o, double t, double cosine, double sine, double *hc, double *hs);
+void confluent_response(const Oscillator *o, Real t, Real cosine, Real sine, Real *hc, Real *hs);
 
 /* Of an oscillation whose sine and cosine are given. */
-static inline void swing(const Oscillator *o, double t, double sine, double cosine, double *release, double *impulse)
+static inline void swing(const Oscillator *o, Real t, Real sine, Real cosine, Real *release, Real *impulse)
 {
-    double decay = exponential(-(o->a * t)), rise = decay * (sine * o->per_wd), slow = decay * t;
+    Real decay = exponential(-(o->a * t)), rise = decay * (sine * o->per_wd), slow = decay * t;
     *impulse = o->wd * t != 0 ? rise : slow;
     *release = decay * cosine + o->a * *impulse;
 }
 
-static inline void release_and_impulse(const Oscillator *o, double t, double *release, double *impulse)
+static inline void release_and_impulse(const Oscillator *o, Real t, Real *release, Real *impulse)
 {
-    double decay, sine, cosine;
+    Real decay, sine, cosine;
     if (o->oscillates) {
         sine_cosine(o->wd * t, &sine, &cosine);
         swing(o, t, sine, cosine, release, impulse);
@@ -32,42 +32,42 @@ static inline void release_and_impulse(const Oscillator *o, double t, double *re
     *release = decay - o->slow * *impulse;
 }
 
-static inline void series_response(const Oscillator *o, double t, double *hc, double *hs)
+static inline void series_response(const Oscillator *o, Real t, Real *hc, Real *hs)
 {
-    double square = t * t, angle = o->rate * t;
+    Real square = t * t, angle = o->rate * t;
     *hc = square * horner(o->real_series, SERIES_TERMS, angle);
     *hs = square * horner(o->imag_series, SERIES_TERMS, angle);
 }
 
-static inline double constant_response(const Oscillator *o, double t, double release)
+static inline Real constant_response(const Oscillator *o, Real t, Real release)
 {
     if (o->settling * (t * t) >= QUARTER)
         return (1 - release) * o->per_b;
     if (!o->oscillates && o->wd * t >= 0.5) {
-        double slow = o->slow != 0 ? exponential_less_1(o->slow * t) / o->slow : t;
+        Real slow = o->slow != 0 ? exponential_less_1(o->slow * t) / o->slow : t;
         return (slow - exponential_less_1(o->fast * t) / o->fast) / (2 * o->wd);
     }
     return t * t * horner(o->steady_series, SERIES_TERMS, o->rate * t);
 }
 
 /* Whether the difference of two modes would cancel at the time t, its square given. */
-static inline int is_resonant(const Oscillator *o, double square)
+static inline int is_resonant(const Oscillator *o, Real square)
 {
-    double detuning = o->wd - o->omega;
+    Real detuning = o->wd - o->omega;
     return o->oscillates && (o->a * o->a + detuning * detuning) * square < RESONANT;
 }
 
 /* Whether the response to a harmonic load is a quotient at the time t, its square given: it is at all later times too. */
-static inline int is_quotient(const Oscillator *o, double square)
+static inline int is_quotient(const Oscillator *o, Real square)
 {
     return o->beating * (square * square) >= QUARTER * QUARTER && !is_resonant(o, square);
 }
 
-static inline void harmonic_response(const Oscillator *o, double t, double release, double impulse, double cosine, double sine,
-                       double *hc, double *hs, double *dc, double *ds)
+static inline void harmonic_response(const Oscillator *o, Real t, Real release, Real impulse, Real cosine, Real sine,
+                       Real *hc, Real *hs, Real *dc, Real *ds)
 {
     if (is_quotient(o, t * t)) {
-        double nr = cosine - release, ni = sine - o->omega * impulse, vr, vi;
+        Real nr = cosine - release, ni = sine - o->omega * impulse, vr, vi;
         *hc = nr * o->inverse_r + ni * o->inverse_i;
         *hs = ni * o->inverse_r - nr * o->inverse_i;
         vr = o->b * impulse - o->omega * sine;
@@ -84,9 +84,9 @@ static inline void harmonic_response(const Oscillator *o, double t, double relea
     *ds = o->omega * *hc;
 }
 
-static inline void free_harmonic_response(const Oscillator *point, double t, double cosine, double sine, double *hc, double *hs)
+static inline void free_harmonic_response(const Oscillator *point, Real t, Real cosine, Real sine, Real *hc, Real *hs)
 {
-    double angle = point->omega * t;
+    Real angle = point->omega * t;
     if (angle * angle >= QUARTER) {
         *hc = (cosine - 1) * point->inverse_r;
         *hs = (sine - angle) * point->inverse_r;

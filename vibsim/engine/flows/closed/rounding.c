@@ -17,14 +17,14 @@ void measure_plainly(Run *r)
 {
     ClosedForm *f = &r->closed_form;
     const Modal *modal = r->mode->modal;
-    const double tau = f->tau;
+    const Real tau = f->tau;
     Scale *plain = f->scales[PLAIN];
     int m, i;
     for (m = 0; m < modal->count; m++) {
         const Coordinate *c = &modal->coordinates[m];
         const Motion *y = &f->motions[m];
         const int rate_alone = c->depth == RATE_ALONE;
-        double load = y->load, q = fabs(y->q0), u = fabs(y->u0);
+        Real load = y->load, q = fabs(y->q0), u = fabs(y->u0);
         if (c->is_free) {
             if (!rate_alone)
                 q = q + fabs(y->u0 * tau) + fabs(load * (tau * tau / 2));
@@ -35,7 +35,7 @@ void measure_plainly(Run *r)
         }
         for (i = 0; i < c->drive_count; i++) {
             const Response *response = &y->responses[i];
-            double size = c->drives[i].size;
+            Real size = c->drives[i].size;
             if (!rate_alone)
                 q = q + size * (fabs(response->hc) + fabs(response->hs));
             u = u + size * (fabs(response->dc) + fabs(response->ds));
@@ -46,7 +46,7 @@ void measure_plainly(Run *r)
 }
 
 /* Terms of a coordinate's displacement, rate and load at the start of the segment. */
-static void starts(const Run *r, const Coordinate *c, const Terms *terms, double *q, double *u, double *load)
+static void starts(const Run *r, const Coordinate *c, const Terms *terms, Real *q, Real *u, Real *load)
 {
     const ClosedForm *f = &r->closed_form;
     const Modal *modal = r->mode->modal;
@@ -60,7 +60,7 @@ static void starts(const Run *r, const Coordinate *c, const Terms *terms, double
     }
     for (i = 0; i < c->shifts; i++) {
         const Shift *shift = &modal->shifts[c->first_shift + i];
-        double places = 0.0;
+        Real places = 0.0;
         for (k = 0; k < shift->count; k++)
             places = places + fabs(f->x0[modal->fixed[shift->first + k].column]);
         *load = *load + fabs(shift->factor) * places;
@@ -68,9 +68,9 @@ static void starts(const Run *r, const Coordinate *c, const Terms *terms, double
 }
 
 /* Terms of C, S and I. */
-static void swinging(const Oscillator *o, double tau, double at_steady, double *swing, double *impulse, double *steady)
+static void swinging(const Oscillator *o, Real tau, Real at_steady, Real *swing, Real *impulse, Real *steady)
 {
-    double release, rise;
+    Real release, rise;
     int quotient = o->settling * (tau * tau) >= QUARTER;
     release_and_impulse(o, tau, &release, &rise);
     release = fabs(release);
@@ -85,12 +85,12 @@ static void swinging(const Oscillator *o, double tau, double at_steady, double *
 }
 
 /* Terms of the response to a harmonic load and of its rate. */
-static void response_terms(const Oscillator *o, double tau, double swing, double impulse, const Response *at, double *place,
-                           double *rate)
+static void response_terms(const Oscillator *o, Real tau, Real swing, Real impulse, const Response *at, Real *place,
+                           Real *rate)
 {
-    const double omega = o->omega;
+    const Real omega = o->omega;
     if (is_quotient(o, tau * tau)) {
-        double inverse = fabs(o->inverse_r) + fabs(o->inverse_i);
+        Real inverse = fabs(o->inverse_r) + fabs(o->inverse_i);
         *place = (2 + swing + omega * impulse) * inverse;
         *rate = (o->b * impulse + omega * (2 + swing + 2 * o->a * impulse)) * inverse;
         return;
@@ -99,9 +99,9 @@ static void response_terms(const Oscillator *o, double tau, double swing, double
     *rate = impulse + omega * *place;
 }
 
-static void free_response_terms(const Oscillator *o, double tau, const Response *at, double *place, double *rate)
+static void free_response_terms(const Oscillator *o, Real tau, const Response *at, Real *place, Real *rate)
 {
-    double angle = o->omega * tau;
+    Real angle = o->omega * tau;
     if (angle * angle >= QUARTER) {
         *place = (3 + angle) * fabs(o->inverse_r);
         *rate = 3 / o->omega;
@@ -113,8 +113,8 @@ static void free_response_terms(const Oscillator *o, double tau, const Response 
 
 static Scale close_scale(const Run *r, const Coordinate *c, const Terms *terms, const Motion *y)
 {
-    const double tau = r->closed_form.tau;
-    double q0, u0, load, q, u, a, swing = 0.0, impulse = 0.0, steady, place, rate;
+    const Real tau = r->closed_form.tau;
+    Real q0, u0, load, q, u, a, swing = 0.0, impulse = 0.0, steady, place, rate;
     Scale scale;
     int i;
     starts(r, c, terms, &q0, &u0, &load);

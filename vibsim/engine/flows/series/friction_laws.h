@@ -7,34 +7,34 @@
 
 enum { HYPERBOLIC, EXPONENTIAL, LAWS };
 
-static inline double law_start(int law, double s)
+static inline Real law_start(int law, Real s)
 {
     return law == HYPERBOLIC ? 1 / (1 + s) : exponential(-s);
 }
 
 /* From coefficient n > 0 of s, what the products of the recurrence take. */
-static inline double law_argument(int law, int n, double s)
+static inline Real law_argument(int law, int n, Real s)
 {
     return law == HYPERBOLIC ? s : n * s;
 }
 
 /* Coefficient n > 0 of f from the sum of the products; inverse = 1 / n. */
-static inline double law_following(int law, double total, const double *f, double inverse)
+static inline Real law_following(int law, Real total, const Real *f, Real inverse)
 {
     return law == HYPERBOLIC ? -(f[0] * total) : -(total * inverse);
 }
 
-static inline double law_slope(int law, double f)
+static inline Real law_slope(int law, Real f)
 {
     return law == HYPERBOLIC ? -(f * f) : -f;
 }
 
 /* Series of df/ds from that of f. */
-static inline void law_slopes(int law, const double *f, int count, double *slopes)
+static inline void law_slopes(int law, const Real *f, int count, Real *slopes)
 {
     int n, i;
     for (n = 0; n < count; n++) {
-        double total = f[0] * f[n];
+        Real total = f[0] * f[n];
         for (i = 1; law == HYPERBOLIC && i <= n; i++)
             total = total + f[i] * f[n - i];
         slopes[n] = law == HYPERBOLIC ? -total : -f[n];
@@ -49,11 +49,11 @@ static inline void law_slopes(int law, const double *f, int count, double *slope
 static const int circle_exponents[CIRCLES] = {4, 3, 2, 5, 1, 6, 8, 12, 16};
 
 /* Whether the growth g(2^k h) is within its room on one of the circles. */
-static inline int series_converges(const double *sizes, int count, const double *room, double h)
+static inline int series_converges(const Real *sizes, int count, const Real *room, Real h)
 {
     int i, n;
     for (i = 0; i < CIRCLES; i++) {
-        double radius = (double)(1 << circle_exponents[i]) * h, growth = 0.0;
+        Real radius = (Real)(1 << circle_exponents[i]) * h, growth = 0.0;
         for (n = count - 1; n >= 0; n--)
             growth = growth * radius + sizes[n];
         if (growth <= room[i])
@@ -63,9 +63,9 @@ static inline int series_converges(const double *sizes, int count, const double 
 }
 
 /* Binary exponent of the longest step behind which what the series of exp(-s) leaves out stays small. */
-static inline double law_reach(int law, const double *s, int count, double tolerance_exponent, double longest)
+static inline double law_reach(int law, const Real *s, int count, double tolerance_exponent, double longest)
 {
-    double sizes[SERIES], room[CIRCLES];
+    Real sizes[SERIES], room[CIRCLES];
     int n, most;
     if (law == HYPERBOLIC)
         return longest;

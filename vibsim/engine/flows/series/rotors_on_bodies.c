@@ -5,7 +5,7 @@
 #include "numbers.h"
 
 /* Speed of rotor `one`, coefficient k. */
-static double speed_of(const Taylor *f, const RotorOn *one, int k)
+static Real speed_of(const Taylor *f, const RotorOn *one, int k)
 {
     return f->table[k * f->stride + f->rates + one->column];
 }
@@ -36,14 +36,14 @@ void rotors_expand(Run *r)
     int i, g;
     take_groups(r);
     for (i = 0; i < o->count; i++) {
-        double turns, angle = reduce_angle(r->taylor.table[o->of[i].column], &turns);
+        Real turns, angle = reduce_angle(r->taylor.table[o->of[i].column], &turns);
         rounded_sine_cosine(angle, &o->sine[i][0], &o->cosine[i][0]);
     }
     for (g = 0; g < o->groups; g++) {
-        double mass = m->group_mass[o->leaders[g]];
+        Real mass = m->group_mass[o->leaders[g]];
         for (i = 0; i < o->count; i++)
             if (m->leader[o->of[i].on] == o->leaders[g]) {
-                double coupling = o->of[i].unbalance * o->sine[i][0];
+                Real coupling = o->of[i].unbalance * o->sine[i][0];
                 mass = mass - coupling * coupling / o->of[i].inertia;
             }
         o->mass[g] = mass;
@@ -53,10 +53,10 @@ void rotors_expand(Run *r)
 /* Coefficient n + 1 of sine and cosine. */
 static void rotate(const Taylor *f, Rotors *o, int i, int n)
 {
-    double *s = o->sine[i], *c = o->cosine[i], sines = 0.0, cosines = 0.0;
+    Real *s = o->sine[i], *c = o->cosine[i], sines = 0.0, cosines = 0.0;
     int k;
     for (k = 0; k <= n; k++) {
-        double w = speed_of(f, &o->of[i], n - k);
+        Real w = speed_of(f, &o->of[i], n - k);
         cosines = cosines + c[k] * w;
         sines = sines + s[k] * w;
     }
@@ -65,9 +65,9 @@ static void rotate(const Taylor *f, Rotors *o, int i, int n)
 }
 
 /* Coefficient n + 1 of s w without the term of the speed that is not known yet. */
-static double pull(const Taylor *f, const Rotors *o, int i, int n)
+static Real pull(const Taylor *f, const Rotors *o, int i, int n)
 {
-    double total = 0.0;
+    Real total = 0.0;
     int k;
     for (k = 1; k <= n + 1; k++)
         total = total + o->sine[i][k] * speed_of(f, &o->of[i], n + 1 - k);
@@ -75,9 +75,9 @@ static double pull(const Taylor *f, const Rotors *o, int i, int n)
 }
 
 /* Coefficient n of s a without the term of the acceleration that is not known yet. */
-static double back(const Rotors *o, int i, int n, int group)
+static Real back(const Rotors *o, int i, int n, int group)
 {
-    double total = 0.0;
+    Real total = 0.0;
     int k;
     for (k = 1; k <= n; k++)
         total = total + o->sine[i][k] * o->acceleration[group][n - k];
@@ -85,12 +85,12 @@ static double back(const Rotors *o, int i, int n, int group)
 }
 
 /* Acceleration of order n of the group number g under the force F, and of its rotors. */
-static void turn_group(Run *r, int g, int n, const double *F)
+static void turn_group(Run *r, int g, int n, const Real *F)
 {
     const Taylor *f = &r->taylor;
     const Mode *m = r->mode;
     Rotors *o = &r->rotors;
-    double *acceleration = f->acceleration, force, a;
+    Real *acceleration = f->acceleration, force, a;
     int leader = o->leaders[g], i;
     for (i = 0; i < o->count; i++)
         if (m->leader[o->of[i].on] == leader)
@@ -100,7 +100,7 @@ static void turn_group(Run *r, int g, int n, const double *F)
         for (i = 0; i < o->count; i++) {
             const RotorOn *one = &o->of[i];
             if (m->leader[one->on] == leader) {
-                double pulled = one->unbalance * (n + 1) * pull(f, o, i, n);
+                Real pulled = one->unbalance * (n + 1) * pull(f, o, i, n);
                 force = force + pulled + one->unbalance * o->sine[i][0] * o->torque[i] / one->inertia;
             }
         }
@@ -128,18 +128,18 @@ void rotors_turn(Run *r, int n)
 }
 
 /* Add the series of the force of the rotors on a column. */
-void rotors_thrust(const Run *r, int column, double *out)
+void rotors_thrust(const Run *r, int column, Real *out)
 {
     const Taylor *f = &r->taylor;
     const Rotors *o = &r->rotors;
     int i, n;
-    double total[SERIES] = {0.0};
+    Real total[SERIES] = {0.0};
     for (i = 0; i < o->count; i++) {
         const RotorOn *one = &o->of[i];
         if (one->on != column)
             continue;
         for (n = 0; n < f->order; n++) {
-            double last = pull(f, o, i, n) + o->sine[i][0] * speed_of(f, one, n + 1);
+            Real last = pull(f, o, i, n) + o->sine[i][0] * speed_of(f, one, n + 1);
             total[n] = total[n] + one->unbalance * ((n + 1) * last);
         }
     }

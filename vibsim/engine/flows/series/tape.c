@@ -15,13 +15,13 @@
 #define STATE_ROUNDING 8      /* the same at an event */
 
 /* a / b, and what is no number where b is 0. */
-static double quotient(double a, double b)
+static Real quotient(Real a, Real b)
 {
     return b == 0 ? NAN : a / b;
 }
 
 /* The value of an operation on values. A power of what is negative is that of 0, with an exponent below 0 it counts as 0. */
-static double start_value(const Op *op, double a, double b)
+static Real start_value(const Op *op, Real a, Real b)
 {
     switch (op->code) {
     case OP_ADD: return a + b;
@@ -45,9 +45,9 @@ static double start_value(const Op *op, double a, double b)
 }
 
 /* Sum of a_i b_(n-i) from i = first, 0 or 1, to n; odd and even terms apart. */
-static double product(const double *a, const double *b, int first, int n)
+static Real product(const Real *a, const Real *b, int first, int n)
 {
-    double even = 0.0, odd = 0.0;
+    Real even = 0.0, odd = 0.0;
     int i;
     if (first == 0)
         even = even + a[0] * b[n];
@@ -61,9 +61,9 @@ static double product(const double *a, const double *b, int first, int n)
 }
 
 /* Sum of i a_i b_(n-i) from i = 1 to last; odd and even terms apart. */
-static double weighted(const double *a, const double *b, int last, int n)
+static Real weighted(const Real *a, const Real *b, int last, int n)
 {
-    double even = 0.0, odd = 0.0;
+    Real even = 0.0, odd = 0.0;
     int i;
     for (i = 1; i < last; i += 2) {
         odd = odd + (i * a[i]) * b[n - i];
@@ -74,9 +74,9 @@ static double weighted(const double *a, const double *b, int last, int n)
     return even + odd;
 }
 
-static double square(const double *a, int n)
+static Real square(const Real *a, int n)
 {
-    double total = 0.0;
+    Real total = 0.0;
     int i;
     for (i = 0; i < (n + 1) / 2; i++)
         total = total + a[i] * a[n - i];
@@ -87,9 +87,9 @@ static double square(const double *a, int n)
 /* Of a^p: n a_0 y_n = sum (p (n - i) - i) a_(n-i) y_i over i < n; at a zero of a, or one nearer than `least` [s], nothing but the
  * value.
  */
-static double power_coefficient(const double *a, const double *y, double p, int n, double inverse, double least)
+static Real power_coefficient(const Real *a, const Real *y, Real p, int n, Real inverse, Real least)
 {
-    double total = 0.0;
+    Real total = 0.0;
     int i;
     if (!(a[0] > least * fabs(a[1])))
         return 0 * a[0];
@@ -99,9 +99,9 @@ static double power_coefficient(const double *a, const double *y, double p, int 
 }
 
 /* Coefficient n > 0 of operation i. */
-static double following(const Op *op, double (*s)[TAPE_ORDERS], int i, int n, double inverse, double least)
+static Real following(const Op *op, Real (*s)[TAPE_ORDERS], int i, int n, Real inverse, Real least)
 {
-    const double *a = s[op->a], *b = op->b < 0 ? s[i] : s[op->b];
+    const Real *a = s[op->a], *b = op->b < 0 ? s[i] : s[op->b];
     switch (op->code) {
     case OP_ADD: return a[n] + b[n];
     case OP_SUB: return a[n] - b[n];
@@ -123,19 +123,19 @@ static double following(const Op *op, double (*s)[TAPE_ORDERS], int i, int n, do
     }
 }
 
-void tape_start(TapeRoom *room, double t)
+void tape_start(TapeRoom *room, Real t)
 {
     room->at.t = t;
     room->least = NEAR_ZERO * (nextafter(t, INFINITY) - t);
 }
 
-void tape_advance(const Tape *tape, const TapeRoom *room, const double *row, int n, double inverse)
+void tape_advance(const Tape *tape, const TapeRoom *room, const Real *row, int n, Real inverse)
 {
-    double (*series)[TAPE_ORDERS] = room->series;
+    Real (*series)[TAPE_ORDERS] = room->series;
     int i;
     for (i = 0; i < tape->op_count; i++) {
         const Op *op = &tape->ops[i];
-        double *s = series[i];
+        Real *s = series[i];
         if (op->code > OP_SPIN)
             s[n] = n > 0 ? following(op, series, i, n, inverse, room->least) : start_value(op, series[op->a][0], op->b < 0 ? 0.0 : series[op->b][0]);
         else if (op->code == OP_CONSTANT)
@@ -147,7 +147,7 @@ void tape_advance(const Tape *tape, const TapeRoom *room, const double *row, int
     }
 }
 
-static double input_value(const Op *op, const TapeInputs *at)
+static Real input_value(const Op *op, const TapeInputs *at)
 {
     switch (op->code) {
     case OP_TIME: return at->t;
@@ -159,7 +159,7 @@ static double input_value(const Op *op, const TapeInputs *at)
 }
 
 /* The size of the derivative of a function where its argument has the size a, or a bound of it; value: of the function. */
-static double slope_of(const Op *op, double a, double value, const double *values)
+static Real slope_of(const Op *op, Real a, Real value, const Real *values)
 {
     switch (op->code) {
     case OP_SIN:
@@ -176,9 +176,9 @@ static double slope_of(const Op *op, double a, double value, const double *value
 }
 
 /* What the rounding of its operands and its own make of the result of an operation, to first order. */
-static double bound_of(const Op *op, double result, const double *values, const double *bounds)
+static Real bound_of(const Op *op, Real result, const Real *values, const Real *bounds)
 {
-    double value = fabs(result), a = fabs(values[op->a]), lost = bounds[op->a], b;
+    Real value = fabs(result), a = fabs(values[op->a]), lost = bounds[op->a], b;
     switch (op->code) {
     case OP_ADD:
     case OP_SUB: return lost + bounds[op->b] + EPS * value;
@@ -192,7 +192,7 @@ static double bound_of(const Op *op, double result, const double *values, const 
     }
 }
 
-void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blur, double *values, double *bounds)
+void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blur, Real *values, Real *bounds)
 {
     int i;
     for (i = 0; i < tape->op_count; i++) {
@@ -211,12 +211,12 @@ void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blu
 }
 
 /* Values and bounds of the formulas of the mode a time tau after the expansion point, from the state there. */
-void tape_values(const Run *r, double tau)
+void tape_values(const Run *r, Real tau)
 {
     const Taylor *f = &r->taylor;
     const TapeRoom *room = &f->tapes;
     TapeInputs at = room->at, blur = room->blur;
-    const double *values = tau != 0 ? f->values : f->table;
+    const Real *values = tau != 0 ? f->values : f->table;
     int c;
     if (tau != 0 || r->has_motor)
         taylor_values(f, tau, f->values);
@@ -239,12 +239,12 @@ void tape_values(const Run *r, double tau)
 /* The same of mode m at r->next; X, V: displacement and velocity of the base there. rates: of all velocities, in the order of
  * the table, for what the rounding of the time leaves open of them; NULL where bounds are not asked for.
  */
-void tape_values_at(const Run *r, const Mode *m, double X, double V, const double *rates)
+void tape_values_at(const Run *r, const Mode *m, Real X, Real V, const Real *rates)
 {
     const State *state = &r->next;
     const TapeRoom *room = &r->taylor.tapes;
     TapeInputs at = room->at, blur = room->blur;
-    const double lost = STATE_ROUNDING * EPS, late = lost * fabs(state->t);
+    const Real lost = STATE_ROUNDING * EPS, late = lost * fabs(state->t);
     int c;
     for (c = 0; c < r->columns; c++) {
         at.x[c] = c < r->bodies ? state->x[c] : c == r->bodies ? 0.0 : X;
@@ -264,9 +264,9 @@ void tape_values_at(const Run *r, const Mode *m, double X, double V, const doubl
 }
 
 /* Rounding of a series at h. */
-static double rounding_of(const double *series, int count, double h)
+static Real rounding_of(const Real *series, int count, Real h)
 {
-    double total = fabs(series[count - 1]);
+    Real total = fabs(series[count - 1]);
     int n;
     for (n = count - 2; n >= 0; n--)
         total = total * h + fabs(series[n]);
@@ -284,11 +284,11 @@ static int stands_alone(const Run *r, int column)
 }
 
 /* Size of a velocity over a step of length h: of a body that of all bodies together. */
-static double speed_of(const Run *r, int leader, double h)
+static Real speed_of(const Run *r, int leader, Real h)
 {
     const Taylor *f = &r->taylor;
-    const double *rates = f->table + f->rates;
-    double total = 0.0;
+    const Real *rates = f->table + f->rates;
+    Real total = 0.0;
     int c;
     if (stands_alone(r, leader))
         return fabs(rates[leader]) + h * fabs(rates[f->stride + leader]);
@@ -300,11 +300,11 @@ static double speed_of(const Run *r, int leader, double h)
 
 /* How wrong a force may be so that velocities are not wrong beyond the tolerance of the step; of what is at rest and begins
  * to move, where `value` is the force at h, beyond that of the speed it would come to. */
-static double share_of(const Run *r, int k, double h, double value, double tolerance)
+static Real share_of(const Run *r, int k, Real h, Real value, Real tolerance)
 {
     const Taylor *f = &r->taylor;
     const Mode *m = r->mode;
-    double share = INFINITY;
+    Real share = INFINITY;
     int mobile = 0, i, end;
     for (i = 0; i < m->formula_count; i++) {
         const FormulaForce *one = &m->formulas[i];
@@ -312,7 +312,7 @@ static double share_of(const Run *r, int k, double h, double value, double toler
             continue;
         for (end = 0; end < 2; end++) {
             int leader = end ? one->to_Q : one->to_P;
-            double speed;
+            Real speed;
             if (leader < 0 || !(m->mobility[leader] > 0))
                 continue;
             speed = speed_of(r, leader, h);
@@ -327,7 +327,7 @@ static double share_of(const Run *r, int k, double h, double value, double toler
 }
 
 /* By how many binary digits the worst formula is beyond what it may be wrong by at h after the start; 0 where none is. */
-static double excess(const Run *r, double h, double tolerance, int *singular)
+static double excess(const Run *r, Real h, Real tolerance, int *singular)
 {
     const Taylor *f = &r->taylor;
     const Tape *tape = &r->mode->tape;
@@ -336,15 +336,16 @@ static double excess(const Run *r, double h, double tolerance, int *singular)
     tape_values(r, h);
     for (k = 0; k < tape->op_count; k++) { /* begun at a zero of its base, which must not be over before the step is */
         const Op *op = &tape->ops[k];
-        const double *base = f->tapes.series[op->a < 0 ? 0 : op->a];
+        const Real *base = f->tapes.series[op->a < 0 ? 0 : op->a];
         if (op->code == OP_POWER && base[1] > 0 && !(base[0] > f->tapes.least * base[1]) && f->tapes.values[op->a] < -f->tapes.bounds[op->a])
             worst = SHORT_CONTACT;
     }
     for (k = 0; k < tape->output_count; k++) {
         int place = tape->outputs[k];
-        const double *series = f->tapes.series[place];
-        double allowed = 2 * f->tapes.bounds[place] + rounding_of(series, f->order, h) + share_of(r, k, h, f->tapes.values[place], tolerance);
-        double off = fabs(f->tapes.values[place] - horner(series, f->order, h)), beyond;
+        const Real *series = f->tapes.series[place];
+        Real allowed = 2 * f->tapes.bounds[place] + rounding_of(series, f->order, h) + share_of(r, k, h, f->tapes.values[place], tolerance);
+        Real off = fabs(f->tapes.values[place] - horner(series, f->order, h));
+        double beyond;
         if (off <= allowed && isfinite(allowed)) /* a value that overflows has no bound */
             continue;
         beyond = BEYOND_ALL;
@@ -362,13 +363,13 @@ static double excess(const Run *r, double h, double tolerance, int *singular)
 
 /* The step that is not made shorter: where the base of a power falls to its zero and is there within the resolution of time.
  */
-static double shortest_step(const Run *r)
+static Real shortest_step(const Run *r)
 {
     const TapeRoom *room = &r->taylor.tapes;
     const Tape *tape = &r->mode->tape;
     int k;
     for (k = 0; k < tape->op_count; k++) {
-        const double *base = room->series[tape->ops[k].a < 0 ? 0 : tape->ops[k].a];
+        const Real *base = room->series[tape->ops[k].a < 0 ? 0 : tape->ops[k].a];
         if (tape->ops[k].code == OP_POWER && base[1] < 0 && !(base[0] > room->least * fabs(base[1])))
             return 2 * room->least;
     }
@@ -379,8 +380,8 @@ static double shortest_step(const Run *r)
 void sound_step(Run *r)
 {
     Taylor *f = &r->taylor;
-    const double left = r->t_end - r->t0, tolerance = power_of_two(r->tolerance_exponent);
-    double h = f->h < left ? f->h : left, shortest;
+    const Real left = r->t_end - r->t0, tolerance = power_of_two(r->tolerance_exponent);
+    Real h = f->h < left ? f->h : left, shortest;
     int i;
     if (!(left > 0))
         return;

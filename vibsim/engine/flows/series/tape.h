@@ -2,7 +2,8 @@
 #ifndef VIBSIM_TAPE_H
 #define VIBSIM_TAPE_H
 
-#define MAX_ORDER 40
+#include "real.h"
+
 #define TAPE_ORDERS (MAX_ORDER + 3) /* coefficients of a series along a tape; that of the base has three beyond the order */
 
 /* Operations, the same numbers in tape.py. */
@@ -37,7 +38,7 @@ enum {
  * OP_SPEED read, `from` the place in the table of Taylor series of what an operation reads, -1 for the ground.
  */
 typedef struct {
-    double value;
+    Real value;
     int code, a, b, from;
 } Op;
 
@@ -49,7 +50,7 @@ typedef struct {
 
 /* sign times output number `output` of the tape on column P, the opposite on Q; Q, to_Q < 0 for none. */
 typedef struct {
-    double sign;
+    Real sign;
     int output, P, Q, to_P, to_Q;
 } FormulaForce;
 
@@ -89,30 +90,30 @@ typedef struct {
 
 /* A rotor on a body: columns of it and of the body. */
 typedef struct {
-    double unbalance, inertia;
+    Real unbalance, inertia;
     int column, on;
 } RotorOn;
 
 /* What a tape reads at one instant: time, displacements and velocities by column, angle and speed of the rotor. */
 typedef struct {
-    double t, phi, w, *x, *v;
+    Real t, phi, w, *x, *v;
 } TapeInputs;
 
 /* By operation: series; values and bounds of their rounding. at, blur: what a tape reads, and bounds of that. */
 typedef struct {
-    double (*series)[TAPE_ORDERS], *values, *bounds;
+    Real (*series)[TAPE_ORDERS], *values, *bounds;
     TapeInputs at, blur;
-    double least; /* time [s] nearer than which a zero of the base of a power is one here */
+    Real least; /* time [s] nearer than which a zero of the base of a power is one here */
     int ops;
 } TapeRoom;
 
 /* Begin series at the time t. */
-void tape_start(TapeRoom *room, double t);
+void tape_start(TapeRoom *room, Real t);
 
 /* Coefficients of order n along a tape; row: of that order in the table of Taylor series, inverse: 1 / n. */
-void tape_advance(const Tape *tape, const TapeRoom *room, const double *row, int n, double inverse);
+void tape_advance(const Tape *tape, const TapeRoom *room, const Real *row, int n, Real inverse);
 
 /* Values along a tape, each with a bound of its rounding. */
-void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blur, double *values, double *bounds);
+void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blur, Real *values, Real *bounds);
 
 #endif

@@ -9,6 +9,38 @@
 #define LEADING 4
 #define FEW_NODES_ORDER 20
 
+#ifdef LIMBS
+enum { SURPLUS = 30, SLACK = 14 }; /* bits beyond those that an order is expected to need; that sums may be wrong by, and more */
+
+/* Words that coefficients of order n need: they count by h^n, and end at the round-off. */
+static int words_of_order(int n, int order)
+{
+    const int bits = 1 - unit_roundoff.exponent, words = (bits - bits * n / order + SURPLUS + WORD - 1) / WORD;
+    return words < LIMBS ? words : LIMBS;
+}
+
+/* Whether what the sums of products of the rotor leave out is below the round-off of the largest of them in a step of this length. */
+static int words_suffice(const Taylor *f)
+{
+    const int bits = 1 - unit_roundoff.exponent;
+    double power; /* binary exponent of the step */
+    int s, n;
+    if (!isfinite(f->h))
+        return 0;
+    power = logarithm((double)f->h) * PER_LN_2;
+    for (s = 0; s < 3; s++) {
+        long leading = f->sizes[s][2]; /* the first order that is a sum */
+        if (leading == LONG_MIN)
+            return 0;
+        for (n = 2; n < f->order; n++)
+            if (f->words[n] < LIMBS && f->sizes[s][n] > LONG_MIN &&
+                f->sizes[s][n] + (n - 2) * power + (int)SLACK - (int)WORD * f->words[n] > leading - bits)
+                return 0;
+    }
+    return 1;
+}
+#endif
+
 void taylor_set(Run *r)
 {
     Taylor *f = &r->taylor;
@@ -19,17 +51,21 @@ void taylor_set(Run *r)
     for (n = 0; n < r->harmonic_count; n++)
         f->longest = 3 / r->harmonics[n].omega < f->longest ? 3 / r->harmonics[n].omega : f->longest;
     f->few_nodes = f->order <= FEW_NODES_ORDER && f->longest == INFINITY;
+#ifdef LIMBS
+    for (n = 0; n <= f->order; n++)
+        f->words[n] = words_of_order(n, f->order);
+#endif
     f->inverse[0] = 0.0;
     for (n = 1; n <= f->order + 2; n++)
-        f->inverse[n] = 1 / (double)n;
+        f->inverse[n] = 1 / (Real)n;
 }
 
 /* Binary exponent of the summed rates of one order: of the bodies, and of the base where it moves. */
 static int size_of_rates(const Run *r, int n, int none)
 {
     const Taylor *f = &r->taylor;
-    const double *row = f->table + n * f->stride + f->rates;
-    double total = fabs(row[0]);
+    const Real *row = f->table + n * f->stride + f->rates;
+    Real total = fabs(row[0]);
     int c;
     (void)none;
     for (c = 1; c < r->bodies; c++)
@@ -43,8 +79,8 @@ static int size_of_rates(const Run *r, int n, int none)
 static int size_of_bodies(const Run *r, int n, int none)
 {
     const Taylor *f = &r->taylor;
-    const double *row = f->table + n * f->stride + f->rates;
-    double total = 0.0;
+    const Real *row = f->table + n * f->stride + f->rates;
+    Real total = 0.0;
     int c, k = 0, first = 1;
     (void)none;
     for (c = 0; c < r->bodies; c++) {
@@ -96,11 +132,11 @@ INLINE double longest_step(const Run *r, int (*size)(const Run *, int, int), int
     int last, m;
     for (m = 0; m < LEADING; m++) {
         int exponent = size(r, m, c);
-        leading[m] = exponent > -2000 ? exponent : -INFINITY; /* a term that is zero allows nothing by itself */
+        leading[m] = exponent > NO_EXPONENT ? exponent : -INFINITY; /* a term that is zero allows nothing by itself */
     }
     for (last = highest - 1; last <= highest; last++) {
         int following = size(r, last, c);
-        if (following > -2000) {
+        if (following > NO_EXPONENT) {
             double steps[LEADING], best = -INFINITY;
             for (m = 0; m < LEADING; m++) /* side by side: most of the time goes into the quotients */
                 steps[m] = (r->tolerance_exponent + (leading[m] - following)) / (last - m);
@@ -113,12 +149,12 @@ INLINE double longest_step(const Run *r, int (*size)(const Run *, int, int), int
 }
 
 /* Step that the last terms of a falling friction allow, compared with f(0) = 1. */
-static double step_of_fall(const Run *r, const double *f, double longest)
+static double step_of_fall(const Run *r, const Real *f, double longest)
 {
     int last;
     for (last = r->taylor.order - 2; last < r->taylor.order; last++) {
         int size = binary_exponent(fabs(f[last]));
-        if (size > -2000) {
+        if (size > NO_EXPONENT) {
             double step = (r->tolerance_exponent + (1 - size)) / last;
             longest = step < longest ? step : longest;
         }
@@ -141,7 +177,7 @@ APART double step_of_columns(const Run *r)
     return longest;
 }
 
-static double step_length(const Run *r)
+static Real step_length(const Run *r)
 {
     double longest;
     int i;
@@ -160,14 +196,14 @@ static double step_length(const Run *r)
         longest = step_of_fall(r, r->taylor.falls[i], longest);
     for (i = 0; i < r->mode->fall_count; i++)
         longest = law_reach(r->mode->falls[i].law, r->taylor.arguments[i], r->taylor.order, r->tolerance_exponent, longest);
-    return longest < 1000.0 ? power_of_two(longest) : INFINITY;
+    return longest < 1000.0 ? power_of_two(longest) : (Real)INFINITY;
 }
 
 INLINE void expand_at(Run *r, const State *state)
 {
     Taylor *f = &r->taylor;
     const Mode *m = r->mode;
-    double *first = f->table, *rates = first + f->rates;
+    Real *first = f->table, *rates = first + f->rates;
     int c;
     r->closed = 0;
     r->t0 = state->t;
@@ -183,6 +219,14 @@ INLINE void expand_at(Run *r, const State *state)
         taylor_expand_loads(r, state->t);
     taylor_expand(r, state);
     f->h = step_length(r);
+#ifdef LIMBS
+    if (r->has_motor && !words_suffice(f)) {
+        f->all_words = 1;
+        taylor_expand(r, state);
+        f->all_words = 0;
+        f->h = step_length(r);
+    }
+#endif
 }
 
 void taylor_look(Run *r, const State *state)
@@ -198,22 +242,22 @@ void taylor_enter(Run *r, const State *state)
         sound_step(r);
 }
 
-static int near_zero(const Run *r, const Event *e, double tau, double *value, double *slope, double *noise)
+static int near_zero(const Run *r, const Event *e, Real tau, Real *value, Real *slope, Real *noise)
 {
-    double coefficients[SERIES];
+    Real coefficients[SERIES];
     int count = taylor_polynomial(r, e, coefficients);
     return polynomial_near_zero(coefficients, count, r->known[e->key], tau, taylor_magnitude(r, e), value, slope, noise);
 }
 
-void taylor_value_and_slope(const Run *r, const Event *e, double tau, double *value, double *slope)
+void taylor_value_and_slope(const Run *r, const Event *e, Real tau, Real *value, Real *slope)
 {
-    double coefficients[SERIES];
+    Real coefficients[SERIES];
     int count = taylor_polynomial(r, e, coefficients);
     polynomial_value_and_slope(coefficients, count, r->known[e->key], tau, value, slope);
 }
 
 /* Whether a function falls from where it is: its first coefficient that is not zero is negative. */
-static int closes(const double *coefficients, int count)
+static int closes(const Real *coefficients, int count)
 {
     int n = 0;
     while (n < count && coefficients[n] == 0)
@@ -222,10 +266,10 @@ static int closes(const double *coefficients, int count)
 }
 
 /* Doubt that the zero of `first`, at time `end`, is the first, where that of another event may come as soon. */
-static void certify_order(Run *r, int first, double end)
+static void certify_order(Run *r, int first, Real end)
 {
     const Mode *m = r->mode;
-    double tau = end - r->t0, value = 0, slope = 0, noise = 0, other, fall, blur, latest;
+    Real tau = end - r->t0, value = 0, slope = 0, noise = 0, other, fall, blur, latest;
     int i;
     near_zero(r, &m->events[first], tau, &value, &slope, &noise);
     if (slope >= 0)
@@ -239,12 +283,12 @@ static void certify_order(Run *r, int first, double end)
     }
 }
 
-double taylor_advance(Run *r, double limit, int *event)
+Real taylor_advance(Run *r, Real limit, int *event)
 {
     const Taylor *f = &r->taylor;
     const Mode *m = r->mode;
-    double length = limit - r->t0, h = f->h < length ? f->h : length;
-    double end = f->h >= length ? limit : r->t0 + h, coefficients[SERIES], t = 0;
+    Real length = limit - r->t0, h = f->h < length ? f->h : length;
+    Real end = f->h >= length ? limit : r->t0 + h, coefficients[SERIES], t = 0;
     int i;
     *event = NOTHING;
     if (end <= r->t0) {
@@ -260,7 +304,7 @@ double taylor_advance(Run *r, double limit, int *event)
             return r->t0;
         }
         if (e->kind == STRIKE && r->known[e->key] == 0) {
-            double nearer = polynomial_nearer(coefficients, count, r->t0, h, taylor_magnitude(r, e));
+            Real nearer = polynomial_nearer(coefficients, count, r->t0, h, taylor_magnitude(r, e));
             if (nearer < h) {
                 end = r->t0 + nearer;
                 *event = NOTHING;
@@ -286,9 +330,9 @@ double taylor_advance(Run *r, double limit, int *event)
 enum { SMALL_PAIRS = 3, MOST_PAIRS = 4, MOST_TIMES = 2 }; /* SMALL_PAIRS: of columns of a small scene */
 
 /* Columns of the table at `times` times tau, `horner` row by row: `count` pairs of columns, one time after the other. */
-INLINE void dense_block(const double *table, int rows, const int count, int stride, const int times, const double *tau, double *out)
+INLINE void dense_block(const Real *table, int rows, const int count, int stride, const int times, const Real *tau, Real *out)
 {
-    const double *row = table + (rows - 1) * stride;
+    const Real *row = table + (rows - 1) * stride;
     Pair high[MOST_PAIRS][MOST_TIMES], low[MOST_PAIRS][MOST_TIMES], time[MOST_TIMES], square[MOST_TIMES];
     int n, k, i;
     for (i = 0; i < times; i++) {
@@ -318,7 +362,7 @@ INLINE void dense_block(const double *table, int rows, const int count, int stri
         }
 }
 
-void taylor_values(const Taylor *f, double tau, double *out)
+void taylor_values(const Taylor *f, Real tau, Real *out)
 {
     int rows = f->order + 2, pairs = f->stride / 2, k;
     if (pairs == SMALL_PAIRS) {
@@ -332,11 +376,11 @@ void taylor_values(const Taylor *f, double tau, double *out)
 }
 
 /* Rate of the speed of the rotor. */
-double taylor_spin_rate(const Run *r, double tau)
+Real taylor_spin_rate(const Run *r, Real tau)
 {
     const Taylor *f = &r->taylor;
-    const double *w = f->table + f->rates + r->bodies;
-    double rate = f->order * w[f->order * f->stride];
+    const Real *w = f->table + f->rates + r->bodies;
+    Real rate = f->order * w[f->order * f->stride];
     int n;
     for (n = f->order - 1; n > 0; n--)
         rate = rate * tau + n * w[n * f->stride];
@@ -344,10 +388,10 @@ double taylor_spin_rate(const Run *r, double tau)
 }
 
 /* One row of the table into a column of samples, as `write_state` does. */
-static void write_values(const Run *r, const double *values, double *column, long room)
+static void write_values(const Run *r, const Real *values, Real *column, long room)
 {
     const Taylor *f = &r->taylor;
-    const double *rates = values + f->rates;
+    const Real *rates = values + f->rates;
     const int n = r->bodies;
     int c;
     for (c = 0; c < n; c++) {
@@ -356,17 +400,17 @@ static void write_values(const Run *r, const double *values, double *column, lon
     }
     column[(1 + 2 * n) * room] = column[(2 + 2 * n) * room] = 0.0;
     if (r->has_motor) {
-        double turns, phase = reduce_angle(values[n], &turns);
+        Real turns, phase = reduce_angle(values[n], &turns);
         column[(1 + 2 * n) * room] = unwind(phase, f->turns + turns);
         column[(2 + 2 * n) * room] = rates[n];
     }
 }
 
 /* Writes states at times tau of the step into rows as `write_state` does. */
-void taylor_samples(Run *r, const double *tau, int count, double *row, long room)
+void taylor_samples(Run *r, const Real *tau, int count, Real *row, long room)
 {
     const Taylor *f = &r->taylor;
-    double two[MOST_TIMES * 2 * SMALL_PAIRS];
+    Real two[MOST_TIMES * 2 * SMALL_PAIRS];
     int i = 0;
     for (; f->stride == 2 * SMALL_PAIRS && i + 2 <= count; i += 2) {
         dense_block(f->table, f->order + 2, SMALL_PAIRS, 2 * SMALL_PAIRS, 2, tau + i, two);
@@ -379,10 +423,10 @@ void taylor_samples(Run *r, const double *tau, int count, double *row, long room
     }
 }
 
-void taylor_state_after(Run *r, double tau, State *out)
+void taylor_state_after(Run *r, Real tau, State *out)
 {
     Taylor *f = &r->taylor;
-    double turns, *values = f->values, *rates = values + f->rates;
+    Real turns, *values = f->values, *rates = values + f->rates;
     int c;
     taylor_values(f, tau, values);
     out->t = r->t0 + tau;

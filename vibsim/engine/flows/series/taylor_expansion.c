@@ -13,14 +13,16 @@
 #define SHAPE WIDE APART void /* one function each: inlined into one they lose a quarter */
 
 typedef struct {
-    double *sine, *cosine, *w_back, *a1_back; /* w_back[p - n] = w[n], a1_back[p - n] = a1[n] */
-    double unbalance, drag, inertia, stall, coupling, to_a1, to_w, cross, pull, sw, tail, torque, previous;
+    Real *sine, *cosine, *w_back, *a1_back; /* w_back[p - n] = w[n], a1_back[p - n] = a1[n] */
+    Taylor *of;
+    Real unbalance, drag, inertia, stall, coupling, to_a1, to_w, cross, pull, sw, tail, torque, previous;
 } Rotor;
 
 INLINE Rotor rotor_of(Run *r, const State *state)
 {
     Taylor *f = &r->taylor;
     Rotor o;
+    o.of = f;
     o.sine = f->sine;
     o.cosine = f->cosine;
     o.w_back = f->w_back;
@@ -35,7 +37,7 @@ INLINE Rotor rotor_of(Run *r, const State *state)
     o.coupling = o.unbalance * o.sine[0];
     o.to_a1 = o.to_w = o.cross = o.pull = o.tail = o.torque = o.previous = 0.0;
     if (r->mode->carried > 0) {
-        double mass = r->mode->carried + r->m3, inverse_det = 1 / (mass * o.inertia - o.coupling * o.coupling);
+        Real mass = r->mode->carried + r->m3, inverse_det = 1 / (mass * o.inertia - o.coupling * o.coupling);
         o.to_a1 = o.inertia * inverse_det;
         o.to_w = mass * inverse_det;
         o.cross = o.coupling * inverse_det;
@@ -45,9 +47,9 @@ INLINE Rotor rotor_of(Run *r, const State *state)
 }
 
 /* What order 0 of the rotor's series is before the accelerations are known; returns its thrust. */
-INLINE double start_rotation(Rotor *o, int p)
+INLINE Real start_rotation(Rotor *o, int p)
 {
-    const double w0 = o->w_back[p];
+    const Real w0 = o->w_back[p];
     o->cosine[1] = -o->sw;
     o->sine[1] = o->cosine[0] * w0;
     o->pull = o->unbalance * o->sine[1];
@@ -56,43 +58,66 @@ INLINE double start_rotation(Rotor *o, int p)
     return o->unbalance * o->tail;
 }
 
-/* The same of order n > 0. All that does not wait for w[n] and a1[n - 1] comes first: few operations are then left between
- * one order and the next.
- */
-INLINE double rotate(Rotor *o, int n, int p, double inverse)
+/* Sums of `count` products: of cosines and speeds, sines and speeds, sines and accelerations. */
+typedef struct {
+    Real cws, tails, backs;
+} Products;
+
+INLINE Products products_of(Taylor *f, const Real *restrict cosine, const Real *restrict sine, const Real *w, const Real *a1, int count)
 {
-    double *restrict sine = o->sine, *restrict cosine = o->cosine;
-    const double *w = o->w_back + (p - n), *a1 = o->a1_back + (p + 1 - n); /* w[i]: order n - i, a1[i]: order n - 1 - i */
-    const double w0 = o->w_back[p], scale = o->unbalance * (n + 1), lean = cosine[0] * inverse;
+    Products sums;
+#ifdef LIMBS
+    const int n = count + 1, words = f->all_words ? LIMBS : f->words[n];
+    sums.cws = sum_of_products(cosine, w, count, words, &f->sizes[0][n]);
+    sums.tails = sum_of_products(sine, w, count, words, &f->sizes[1][n]);
+    sums.backs = sum_of_products(sine, a1, count, words, &f->sizes[2][n]);
+#else
     Pair cws = make_pair(0, 0), tails = cws, backs = cws;
-    double ahead, known, slope;
     int i;
-    for (i = 1; i + 1 < n; i += 2) {
-        Pair speeds = load_pair(w + i), sines = load_pair(sine + i + 1);
+    (void)f;
+    for (i = 0; i + 1 < count; i += 2) {
+        Pair speeds = load_pair(w + i), sines = load_pair(sine + i);
         cws = add_product(cws, load_pair(cosine + i), speeds);
         tails = add_product(tails, sines, speeds);
         backs = add_product(backs, sines, load_pair(a1 + i));
     }
-    if (i < n) { /* the odd chain has one term more; the even one adds 0 * 0 */
-        Pair speed = make_pair(w[i], 0), following = make_pair(sine[i + 1], 0);
+    if (i < count) { /* the odd chain has one term more; the even one adds 0 * 0 */
+        Pair speed = make_pair(w[i], 0), following = make_pair(sine[i], 0);
         cws = add_product(cws, make_pair(cosine[i], 0), speed);
         tails = add_product(tails, following, speed);
         backs = add_product(backs, following, make_pair(a1[i], 0));
     }
-    ahead = (sum_of_pair(cws) + cosine[n] * w0) * inverse;
-    known = sum_of_pair(tails) + ahead * w0;
+    sums.cws = sum_of_pair(cws);
+    sums.tails = sum_of_pair(tails);
+    sums.backs = sum_of_pair(backs);
+#endif
+    return sums;
+}
+
+/* The same of order n > 0. All that does not wait for w[n] and a1[n - 1] comes first: few operations are then left between
+ * one order and the next.
+ */
+INLINE Real rotate(Rotor *o, int n, int p, Real inverse)
+{
+    Real *restrict sine = o->sine, *restrict cosine = o->cosine;
+    const Real *w = o->w_back + (p - n), *a1 = o->a1_back + (p + 1 - n); /* w[i]: order n - i, a1[i]: order n - 1 - i */
+    const Real w0 = o->w_back[p], scale = o->unbalance * (n + 1), lean = cosine[0] * inverse;
+    Real ahead, known, slope;
+    const Products sums = products_of(o->of, cosine + 1, sine + 2, w + 1, a1 + 1, n - 1);
+    ahead = (sums.cws + cosine[n] * w0) * inverse;
+    known = sums.tails + ahead * w0;
     slope = sine[1] + lean * w0;
     cosine[n + 1] = -(o->sw * inverse);
     sine[n + 1] = ahead + lean * w[0];
     o->tail = known + slope * w[0];
-    o->torque = (o->unbalance * sum_of_pair(backs) - o->drag * w[0]) + o->pull * o->previous;
+    o->torque = (o->unbalance * sums.backs - o->drag * w[0]) + o->pull * o->previous;
     return scale * known + scale * slope * w[0];
 }
 
 /* Order n of the acceleration under `thrust`, and order n + 1 of the rotor's speed, from one 2x2 division by the mass matrix. */
-INLINE double turn(Rotor *o, int n, int p, double inverse, double thrust)
+INLINE Real turn(Rotor *o, int n, int p, Real inverse, Real thrust)
 {
-    double a1 = o->to_a1 * thrust + o->cross * o->torque, w = o->to_w * inverse * o->torque + o->cross * inverse * thrust;
+    Real a1 = o->to_a1 * thrust + o->cross * o->torque, w = o->to_w * inverse * o->torque + o->cross * inverse * thrust;
     o->w_back[p - n - 1] = w;
     o->a1_back[p - n] = o->previous = a1;
     o->sw = o->tail + o->sine[0] * w;
@@ -100,9 +125,9 @@ INLINE double turn(Rotor *o, int n, int p, double inverse, double thrust)
 }
 
 /* The same where the motor's body moves as the ground or the base does: its acceleration is given. */
-INLINE double turn_carried(Rotor *o, int n, int p, double inverse, double a1)
+INLINE Real turn_carried(Rotor *o, int n, int p, Real inverse, Real a1)
 {
-    double w = (o->torque + o->coupling * a1) / o->inertia * inverse;
+    Real w = (o->torque + o->coupling * a1) / o->inertia * inverse;
     o->w_back[p - n - 1] = w;
     o->a1_back[p - n] = o->previous = a1;
     o->sw = o->tail + o->sine[0] * w;
@@ -111,21 +136,21 @@ INLINE double turn_carried(Rotor *o, int n, int p, double inverse, double a1)
 
 /* What a small scene's recurrences read, in locals: the compiler then knows that no store to the table changes it. */
 typedef struct {
-    double k, c, mobility, mobility_far;
-    const double *load, *load_far;
+    Real k, c, mobility, mobility_far;
+    const Real *load, *load_far;
 } Law;
 
 enum { SMALL_RATES = 3, SMALL_STRIDE = 6 }; /* of the tables of small scenes */
 
 /* Order n + 1 from order n, order 0 with the constants. */
-INLINE void advance_small(const Run *r, const Law *law, Rotor *o, double *row, const int first, int n, int p, double inverse,
+INLINE void advance_small(const Run *r, const Law *law, Rotor *o, Real *row, const int first, int n, int p, Real inverse,
                           const int bodies, const int moving, const int far, const int motor)
 {
     const Mode *m = r->mode;
     const int phi = bodies;
-    double *next = row + SMALL_STRIDE, *rates = row + SMALL_RATES, *next_rates = next + SMALL_RATES;
-    double thrust = !motor ? 0.0 : first ? start_rotation(o, p) : rotate(o, n, p, inverse);
-    double F = 0.0, F_far = 0.0, force, a1;
+    Real *next = row + SMALL_STRIDE, *rates = row + SMALL_RATES, *next_rates = next + SMALL_RATES;
+    Real thrust = !motor ? 0.0 : first ? start_rotation(o, p) : rotate(o, n, p, inverse);
+    Real F = 0.0, F_far = 0.0, force, a1;
     if (law->load)
         F = F + law->load[n];
     if (moving > 1 && law->load_far)
@@ -158,7 +183,7 @@ INLINE void expand_small(Run *r, const State *state, const int bodies, const int
     Taylor *f = &r->taylor;
     const Mode *m = r->mode;
     const int p = f->order;
-    double *row = f->table, *next;
+    Real *row = f->table, *next;
     Law law;
     Rotor o;
     int n, c;
@@ -190,17 +215,17 @@ SHAPE two_held_with_motor(Run *r, const State *s) { expand_small(r, s, 2, 1, 1, 
 SHAPE one(Run *r, const State *s) { expand_small(r, s, 1, 1, 2, 0); }
 SHAPE one_with_motor(Run *r, const State *s) { expand_small(r, s, 1, 1, 2, 1); }
 
-static double rate_at(const double *row, int place)
+static Real rate_at(const Real *row, int place)
 {
     return place < 0 ? 0.0 : row[place];
 }
 
 /* Coefficient n of the force of falling friction k on its P. */
-static double fall(const Run *r, int k, const double *row, int n)
+static Real fall(const Run *r, int k, const Real *row, int n)
 {
     const Falling *one = &r->mode->falls[k];
-    double *arguments = r->taylor.arguments[k], *f = r->taylor.falls[k], even = 0.0, odd = 0.0;
-    double difference = rate_at(row, one->from) - rate_at(row, one->to);
+    Real *arguments = r->taylor.arguments[k], *f = r->taylor.falls[k], even = 0.0, odd = 0.0;
+    Real difference = rate_at(row, one->from) - rate_at(row, one->to);
     int i;
     if (n == 0) {
         arguments[0] = one->rate * (difference - one->drift);
@@ -219,11 +244,11 @@ static double fall(const Run *r, int k, const double *row, int n)
 }
 
 /* Order n of the forces on the groups, by leading column. */
-INLINE void balance(const Run *r, const double *row, int n)
+INLINE void balance(const Run *r, const Real *row, int n)
 {
     const Taylor *f = &r->taylor;
     const Mode *m = r->mode;
-    double *F = r->force;
+    Real *F = r->force;
     const int rates = f->rates;
     int i;
     for (i = 0; i < r->columns; i++)
@@ -234,8 +259,8 @@ INLINE void balance(const Run *r, const double *row, int n)
     }
     for (i = 0; i < m->coupling_count; i++) {
         const Coupling *q = &m->couplings[i];
-        const double *a = row + q->from, *b = row + q->to;
-        double force = q->k * (*a - *b) + q->c * (a[rates] - b[rates]);
+        const Real *a = row + q->from, *b = row + q->to;
+        Real force = q->k * (*a - *b) + q->c * (a[rates] - b[rates]);
         if (n == 0)
             force = force + q->offset;
         F[q->to_P] -= force;
@@ -244,7 +269,7 @@ INLINE void balance(const Run *r, const double *row, int n)
     for (i = 0; n == 0 && i < m->constant_count; i++)
         F[m->leader[m->constant_columns[i]]] += m->constants[i];
     for (i = 0; i < m->fall_count; i++) {
-        double force = fall(r, i, row, n);
+        Real force = fall(r, i, row, n);
         F[m->falls[i].to_P] += force;
         F[m->falls[i].to_Q] -= force;
     }
@@ -256,13 +281,13 @@ INLINE void expand_any(Run *r, const State *state, const int motor)
     const Mode *m = r->mode;
     const int p = f->order, bodies = r->bodies, rates = f->rates, stride = f->stride, base = bodies + 2;
     const int on = motor ? m->leader[r->motor_on] : 0;
-    double *row = f->table;
+    Real *row = f->table;
     Rotor o;
     int n, c;
     if (motor)
         o = rotor_of(r, state);
     for (n = 0; n <= p; n++, row += stride) {
-        double *next = row + stride, *F = r->force, inverse = f->inverse[n + 1];
+        Real *next = row + stride, *F = r->force, inverse = f->inverse[n + 1];
         for (c = 0; c <= bodies; c++)
             next[c] = row[rates + c] * inverse;
         if (n == p)
@@ -275,8 +300,8 @@ INLINE void expand_any(Run *r, const State *state, const int motor)
                 next[rates + c] = F[c] * m->mobility[c] * inverse;
         next[rates + bodies] = 0.0;
         if (motor) {
-            double given = on > bodies ? (n + 1) * next[rates + base] : 0.0;
-            double a1 = on < bodies ? turn(&o, n, p, inverse, F[on]) : turn_carried(&o, n, p, inverse, given);
+            Real given = on > bodies ? (n + 1) * next[rates + base] : 0.0;
+            Real a1 = on < bodies ? turn(&o, n, p, inverse, F[on]) : turn_carried(&o, n, p, inverse, given);
             if (on < bodies)
                 next[rates + on] = a1 * inverse;
             next[rates + bodies] = o.w_back[p - n - 1];
@@ -296,16 +321,16 @@ INLINE void expand_any(Run *r, const State *state, const int motor)
 }
 
 /* Add order n of the forces by formulas to those on the groups. */
-static void apply_formulas(const Run *r, const double *row, int n)
+static void apply_formulas(const Run *r, const Real *row, int n)
 {
     const Taylor *f = &r->taylor;
     const Mode *m = r->mode;
-    double *F = r->force;
+    Real *F = r->force;
     int i;
     tape_advance(&m->tape, &f->tapes, row, n, f->inverse[n]);
     for (i = 0; i < m->formula_count; i++) {
         const FormulaForce *one = &m->formulas[i];
-        double force = one->sign * f->tapes.series[m->tape.outputs[one->output]][n];
+        Real force = one->sign * f->tapes.series[m->tape.outputs[one->output]][n];
         F[one->to_P] = F[one->to_P] + force;
         if (one->to_Q >= 0)
             F[one->to_Q] = F[one->to_Q] - force;
@@ -319,7 +344,7 @@ INLINE void expand_formulas(Run *r, const State *state, const int motor)
     const Mode *m = r->mode;
     const int p = f->order, bodies = r->bodies, rates = f->rates, stride = f->stride, base = bodies + 2;
     const int on = motor ? m->leader[r->motor_on] : 0;
-    double *row = f->table, *F = r->force, *acceleration = f->acceleration;
+    Real *row = f->table, *F = r->force, *acceleration = f->acceleration;
     Rotor o;
     int n, c;
     if (motor)
@@ -328,7 +353,7 @@ INLINE void expand_formulas(Run *r, const State *state, const int motor)
     if (r->rotors.count > 0)
         rotors_expand(r);
     for (n = 0; n <= p; n++, row += stride) {
-        double *next = row + stride, inverse = f->inverse[n + 1];
+        Real *next = row + stride, inverse = f->inverse[n + 1];
         for (c = 0; c <= bodies; c++)
             next[c] = row[rates + c] * inverse;
         if (n == p)
@@ -341,7 +366,7 @@ INLINE void expand_formulas(Run *r, const State *state, const int motor)
             rotors_turn(r, n);
         next[rates + bodies] = 0.0;
         if (motor) {
-            double given = on > bodies ? (n + 1) * next[rates + base] : 0.0;
+            Real given = on > bodies ? (n + 1) * next[rates + base] : 0.0;
             F[on] += n == 0 ? start_rotation(&o, p) : rotate(&o, n, p, inverse);
             acceleration[on] = on < bodies ? turn(&o, n, p, inverse, F[on]) : turn_carried(&o, n, p, inverse, given);
             next[rates + bodies] = o.w_back[p - n - 1];

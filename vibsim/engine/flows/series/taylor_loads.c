@@ -4,20 +4,20 @@
 #include "engine.h"
 #include "numbers.h"
 
-static void sine_and_cosine(const Harmonic *term, double t, double *turns)
+static void sine_and_cosine(const Harmonic *term, Real t, Real *turns)
 {
-    double angle = turn_angle(term->cycles, term->cycles_lo, t) + term->phase;
+    Real angle = turn_angle(term->cycles, term->cycles_lo, t) + term->phase;
     rounded_sine_cosine(angle, &turns[0], &turns[1]);
     turns[2] = -turns[0];
     turns[3] = -turns[1];
 }
 
 /* X by a formula, or its velocity: coefficients along its tape, three beyond the order. */
-static void expand_base_formula(Run *r, const Tape *tape, double t)
+static void expand_base_formula(Run *r, const Tape *tape, Real t)
 {
     Taylor *f = &r->taylor;
-    const double *X = f->tapes.series[tape->outputs[0]];
-    double *row = f->table;
+    const Real *X = f->tapes.series[tape->outputs[0]];
+    Real *row = f->table;
     int at = base_column(r), n;
     tape_start(&f->tapes, t);
     for (n = 0; n <= f->order + 2; n++)
@@ -33,11 +33,11 @@ static void expand_base_formula(Run *r, const Tape *tape, double t)
     }
 }
 
-void taylor_expand_base(Run *r, double t)
+void taylor_expand_base(Run *r, Real t)
 {
     Taylor *f = &r->taylor;
     int at = base_column(r), i, k;
-    double *row = f->table;
+    Real *row = f->table;
     if (r->mode->base_tape.op_count > 0) {
         expand_base_formula(r, &r->mode->base_tape, t);
         return;
@@ -46,7 +46,7 @@ void taylor_expand_base(Run *r, double t)
         row[at] = row[f->rates + at] = 0.0;
     for (i = 0; i < r->base_count; i++) {
         const Harmonic *term = &r->base[i];
-        double turns[4], factor = term->amplitude;
+        Real turns[4], factor = term->amplitude;
         row = f->table;
         sine_and_cosine(term, t, turns);
         for (k = 0; k < f->order + 2; k++, row += f->stride) {
@@ -58,18 +58,18 @@ void taylor_expand_base(Run *r, double t)
     }
 }
 
-void taylor_expand_loads(Run *r, double t)
+void taylor_expand_loads(Run *r, Real t)
 {
     Taylor *f = &r->taylor;
     int i, j, k;
     for (i = 0; i < f->loaded_count; i++)
-        memset(f->loaded_on[f->loaded[i]], 0, sizeof(double) * (size_t)f->order);
+        memset(f->loaded_on[f->loaded[i]], 0, sizeof(Real) * (size_t)f->order);
     for (i = 0; i < r->force_count; i++) {
         const Force *force = &r->forces[i];
-        double *series = f->loaded_on[force->on];
+        Real *series = f->loaded_on[force->on];
         for (j = 0; j < force->count; j++) {
             const Harmonic *term = &force->terms[j];
-            double turns[4], factor = term->amplitude;
+            Real turns[4], factor = term->amplitude;
             sine_and_cosine(term, t, turns);
             for (k = 0; k < f->order; k++) {
                 series[k] = series[k] + factor * turns[k % 4];

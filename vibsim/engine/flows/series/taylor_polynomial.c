@@ -5,11 +5,11 @@
 #include "friction_laws.h"
 
 /* Series of the load on a column: its forces, and what a motor on it exerts while it is tied to the ground or the base. */
-static void load_on(const Run *r, int column, double *out)
+static void load_on(const Run *r, int column, Real *out)
 {
     const Taylor *f = &r->taylor;
-    const double *load = f->loaded_on[column];
-    double sw[SERIES];
+    const Real *load = f->loaded_on[column];
+    Real sw[SERIES];
     int n, i;
     for (n = 0; n < f->order; n++)
         out[n] = load ? load[n] : 0.0;
@@ -27,7 +27,7 @@ static void load_on(const Run *r, int column, double *out)
 }
 
 /* factor (a - b), where a column without place in the table is zero throughout. */
-static void difference(const double *row, int stride, int a, int b, double factor, int count, double *restrict out)
+static void difference(const Real *row, int stride, int a, int b, Real factor, int count, Real *restrict out)
 {
     int n;
     if (b < 0) {
@@ -42,9 +42,9 @@ static void difference(const double *row, int stride, int a, int b, double facto
     }
 }
 
-static void coupling_force(const Coupling *c, const Taylor *f, double factor, int count, double *restrict out)
+static void coupling_force(const Coupling *c, const Taylor *f, Real factor, int count, Real *restrict out)
 {
-    const double *a = f->table + c->from, *b = f->table + c->to, k = c->k, damping = c->c;
+    const Real *a = f->table + c->from, *b = f->table + c->to, k = c->k, damping = c->c;
     const int stride = f->stride, rates = f->rates;
     int n;
     out[0] = factor * (k * (*a - *b) + damping * (a[rates] - b[rates]) + c->offset);
@@ -56,11 +56,11 @@ static void coupling_force(const Coupling *c, const Taylor *f, double factor, in
 }
 
 /* Coefficients of a term over the step; returns their number. */
-static int term_series(const Run *r, const Term *t, double *out)
+static int term_series(const Run *r, const Term *t, Real *out)
 {
     const Taylor *f = &r->taylor;
     const int p = f->order;
-    const double *row;
+    const Real *row;
     int n;
     switch (t->kind) {
     case DIFFERENCE:
@@ -95,12 +95,12 @@ static int term_series(const Run *r, const Term *t, double *out)
 }
 
 /* Coefficients of an event function over the step; returns their number. */
-int taylor_polynomial(const Run *r, const Event *e, double *out)
+int taylor_polynomial(const Run *r, const Event *e, Real *out)
 {
-    double more[SERIES];
+    Real more[SERIES];
     int count, i, n;
     if (e->terms == 0) {
-        memset(out, 0, sizeof(double) * (size_t)(r->taylor.order + 1));
+        memset(out, 0, sizeof(Real) * (size_t)(r->taylor.order + 1));
         out[0] = e->constant;
         return r->taylor.order + 1;
     }
@@ -115,27 +115,27 @@ int taylor_polynomial(const Run *r, const Event *e, double *out)
     return count;
 }
 
-static double magnitude_of(const Run *r, const Term *t)
+static Real magnitude_of(const Run *r, const Term *t)
 {
     const Taylor *f = &r->taylor;
-    const double *row = f->table;
-    double series[SERIES];
+    const Real *row = f->table;
+    Real series[SERIES];
     switch (t->kind) {
     case DIFFERENCE:
     case RATE:
         return (t->from < 0 ? 0.0 : fabs(row[t->from])) + (t->to < 0 ? 0.0 : fabs(row[t->to]));
     case COUPLING: {
         const Coupling *c = &r->mode->couplings[t->P];
-        double places = fabs(row[c->from]) + fabs(row[c->to]);
-        double speeds = fabs(row[f->rates + c->from]) + fabs(row[f->rates + c->to]);
+        Real places = fabs(row[c->from]) + fabs(row[c->to]);
+        Real speeds = fabs(row[f->rates + c->from]) + fabs(row[f->rates + c->to]);
         return c->k * places + c->c * speeds + fabs(c->offset);
     }
     case ACCELERATION:
         return fabs(row[f->stride + f->rates + column_in_table(r, t->P)]);
     case FALL: {
         const Falling *one = &r->mode->falls[t->P];
-        double value = f->falls[t->P][0];
-        double speeds = (one->from < 0 ? 0.0 : fabs(row[one->from])) + (one->to < 0 ? 0.0 : fabs(row[one->to])) + fabs(one->drift);
+        Real value = f->falls[t->P][0];
+        Real speeds = (one->from < 0 ? 0.0 : fabs(row[one->from])) + (one->to < 0 ? 0.0 : fabs(row[one->to])) + fabs(one->drift);
         return fabs(value) + fabs(law_slope(one->law, value)) * (fabs(one->rate) * speeds);
     }
     case FORMULA:
@@ -148,9 +148,9 @@ static double magnitude_of(const Run *r, const Term *t)
 }
 
 /* Sum of the magnitudes that an event function is made of at the expansion point. */
-double taylor_magnitude(const Run *r, const Event *e)
+Real taylor_magnitude(const Run *r, const Event *e)
 {
-    double total = e->size;
+    Real total = e->size;
     int i;
     for (i = 0; i < e->terms; i++) {
         const Term *t = &r->mode->terms[e->first + i];

@@ -25,17 +25,17 @@ static void mark_waiting(Tangent *b)
 }
 
 /* Time of the next row. */
-static double mark(const Run *r)
+static Real mark(const Run *r)
 {
     const Tangent *b = r->tangent;
     return b->next_row >= SPANS ? r->t_end : b->begin + (r->t_end - b->begin) * b->next_row / SPANS;
 }
 
 /* Keep a row where one is due at t. */
-static void keep_row(const Run *r, double t)
+static void keep_row(const Run *r, Real t)
 {
     Tangent *b = r->tangent;
-    double *row;
+    Real *row;
     int i;
     if (b->next_row > SPANS || t < mark(r))
         return;
@@ -53,9 +53,9 @@ static void keep_row(const Run *r, double t)
         b->next_row++;
 }
 
-static double product(const Tangent *b, const double *one, const double *other)
+static Real product(const Tangent *b, const Real *one, const Real *other)
 {
-    double total = b->weights[0] * (one[0] * other[0]);
+    Real total = b->weights[0] * (one[0] * other[0]);
     int k;
     for (k = 1; k < b->size; k++)
         total = total + b->weights[k] * (one[k] * other[k]);
@@ -63,12 +63,12 @@ static double product(const Tangent *b, const double *one, const double *other)
 }
 
 /* Leave of a vector what lies beside `count` orthonormal ones, of length 1; returns how long it was. */
-static double orthonormalise(const Tangent *b, double *vector, const double *others, int count)
+static Real orthonormalise(const Tangent *b, Real *vector, const Real *others, int count)
 {
-    double size;
+    Real size;
     int i, k;
     for (i = 0; i < count; i++, others += b->size) {
-        double overlap = product(b, others, vector);
+        Real overlap = product(b, others, vector);
         for (k = 0; k < b->size; k++)
             vector[k] = vector[k] - overlap * others[k];
     }
@@ -78,15 +78,15 @@ static double orthonormalise(const Tangent *b, double *vector, const double *oth
     return size;
 }
 
-static double growth_of(double size)
+static Real growth_of(Real size)
 {
     return size > 0 ? logarithm(size) : -INFINITY;
 }
 
-static double length_of(const Tangent *b, int i)
+static Real length_of(const Tangent *b, int i)
 {
-    const double *vector = b->vectors + i;
-    double total = b->weights[0] * (vector[0] * vector[0]);
+    const Real *vector = b->vectors + i;
+    Real total = b->weights[0] * (vector[0] * vector[0]);
     const int stride = b->stride;
     int k;
     for (k = 1; k < b->size; k++)
@@ -95,9 +95,9 @@ static double length_of(const Tangent *b, int i)
 }
 
 /* Make a disturbance of length 1; returns how long it was. */
-static double normalise(Tangent *b, int i)
+static Real normalise(Tangent *b, int i)
 {
-    double *vector = b->vectors + i, size = length_of(b, i);
+    Real *vector = b->vectors + i, size = length_of(b, i);
     const int stride = b->stride;
     int k;
     for (k = 0; size > 0 && k < b->size; k++)
@@ -108,10 +108,10 @@ static double normalise(Tangent *b, int i)
 /* Leave of the disturbances behind number i what lies beside it. */
 static void project(Tangent *b, int i)
 {
-    double *overlap = b->line;
+    Real *overlap = b->line;
     int j, k;
     for (k = 0; k < b->size; k++) {
-        const double *entry = b->vectors + k * b->stride, own = entry[i], weight = b->weights[k];
+        const Real *entry = b->vectors + k * b->stride, own = entry[i], weight = b->weights[k];
         if (k == 0)
             for (j = i + 1; j < b->possible; j++)
                 overlap[j] = weight * (own * entry[j]);
@@ -120,20 +120,20 @@ static void project(Tangent *b, int i)
                 overlap[j] = overlap[j] + weight * (own * entry[j]);
     }
     for (k = 0; k < b->size; k++) {
-        double *entry = b->vectors + k * b->stride, own = entry[i];
+        Real *entry = b->vectors + k * b->stride, own = entry[i];
         for (j = i + 1; j < b->possible; j++)
             entry[j] = entry[j] - overlap[j] * own;
     }
 }
 
 /* Orthonormalise the possible disturbances, add to the growth; returns the logarithm of the volume that they spanned. */
-static double renormalise(Tangent *b)
+static Real renormalise(Tangent *b)
 {
-    double volume = 0.0;
+    Real volume = 0.0;
     int i;
     b->shortest = INFINITY;
     for (i = 0; i < b->possible; i++) {
-        double size = normalise(b, i), growth = growth_of(size);
+        Real size = normalise(b, i), growth = growth_of(size);
         b->shortest = size < b->shortest ? size : b->shortest;
         project(b, i);
         b->sums[i] = b->sums[i] + growth;
@@ -142,7 +142,7 @@ static double renormalise(Tangent *b)
     return volume;
 }
 
-static void put_vector(Tangent *b, int i, const double *vector)
+static void put_vector(Tangent *b, int i, const Real *vector)
 {
     int k;
     for (k = 0; k < b->size; k++)
@@ -154,10 +154,10 @@ static int fill(Tangent *b, int candidates, int before, int count)
 {
     int i, k;
     for (; before < count; before++) {
-        double *most = b->fitted + before * b->size, longest = 0.0;
+        Real *most = b->fitted + before * b->size, longest = 0.0;
         for (i = 0; i < candidates; i++) {
-            double whole, share;
-            memcpy(b->vector, b->candidates + i * b->size, sizeof(double) * (size_t)b->size);
+            Real whole, share;
+            memcpy(b->vector, b->candidates + i * b->size, sizeof(Real) * (size_t)b->size);
             whole = sqrt(product(b, b->vector, b->vector));
             share = orthonormalise(b, b->vector, b->fitted, before) / whole;
             if (i == 0 || share > longest) {
@@ -180,12 +180,12 @@ static void fit(const Run *r, const Mode *m)
         b->over_columns[over] = b->columns[i];
     }
     for (i = 0; i < b->possible; i++) {
-        double *vector = b->fitted + fitting * b->size, size;
+        Real *vector = b->fitted + fitting * b->size, size;
         for (k = 0; k < b->size; k++)
             b->vector[k] = b->vectors[k * b->stride + i];
         size = orthonormalise(b, b->vector, b->fitted, fitting);
         if (size > LOST && fitting < room) {
-            memcpy(vector, b->vector, sizeof(double) * (size_t)b->size);
+            memcpy(vector, b->vector, sizeof(Real) * (size_t)b->size);
             b->sums[fitting] = b->sums[i] + logarithm(size);
             b->columns[fitting] = b->columns[i];
             b->lost[fitting++] = b->lost[i];
@@ -246,10 +246,10 @@ void tangent_begin_stretch(Run *r)
     }
 }
 
-static void account(Run *r, double t, double ahead)
+static void account(Run *r, Real t, Real ahead)
 {
     Tangent *b = r->tangent;
-    double volume;
+    Real volume;
     gauge_apply(b);
     volume = renormalise(b);
     if (b->complete)
@@ -259,14 +259,14 @@ static void account(Run *r, double t, double ahead)
 /* Move disturbances over the piece that ends tau after where they are, or over a half of it again and again where it is too long;
  * returns its end.
  */
-static double move_by_series(Run *r, double ahead, double tau)
+static Real move_by_series(Run *r, Real ahead, Real tau)
 {
     Tangent *b = r->tangent;
     while (!taylor_move(r, b->t, tau)) {
-        double half = b->t + (ahead - b->t) / 2;
+        Real half = b->t + (ahead - b->t) / 2;
         if (!(b->t < half && half < ahead))
             break;
-        memcpy(b->vectors, b->moved, sizeof(double) * (size_t)(b->size * b->stride));
+        memcpy(b->vectors, b->moved, sizeof(Real) * (size_t)(b->size * b->stride));
         ahead = half;
         tau = ahead - b->t;
         b->arrived = 0;
@@ -277,12 +277,12 @@ static double move_by_series(Run *r, double ahead, double tau)
 int tangent_gather(Run *r)
 {
     Tangent *b = r->tangent;
-    double end = r->pending_end, late;
+    Real end = r->pending_end, late;
     if (!b)
         return 1;
     late = r->pending_tau - (end - r->t0); /* the instant of an impact is not on the grid of time */
     while (b->t < end || (late != 0 && !b->arrived)) {
-        double ahead = end, tau;
+        Real ahead = end, tau;
         if (b->t < end)
             ahead = r->closed ? closed_form_piece_end(r, b->t, end, b->given ? end : mark(r)) : taylor_piece_end(r, b->t, end);
         if (r->spent > r->work_at_once)
@@ -305,7 +305,7 @@ int tangent_gather(Run *r)
     return 1;
 }
 
-double tangent_worked_to(const Run *r)
+Real tangent_worked_to(const Run *r)
 {
     return r->tangent->t;
 }
@@ -371,7 +371,7 @@ void tangent_cross(Run *r, int event, const Mode *before, const Mode *after)
     if (!same_ties(r, before, after)) {
         change_ties(r, after);
     } else if (done.jumps && !b->given) {
-        double volume, longest = 0.0, determinant = fabs(done.determinant);
+        Real volume, longest = 0.0, determinant = fabs(done.determinant);
         int i, flat;
         gauge_apply(b);
         if (determinant == 0) {
@@ -380,7 +380,7 @@ void tangent_cross(Run *r, int event, const Mode *before, const Mode *after)
             return;
         }
         for (i = 0; i < b->possible; i++) {
-            double length = length_of(b, i);
+            Real length = length_of(b, i);
             longest = length > longest ? length : longest;
         }
         volume = renormalise(b);

@@ -6,11 +6,11 @@
 #define POINTS (NODE_COUNT + 2) /* the nodes, then end and start */
 
 /* The rotor's angle at times after the expansion point: `horner` point by point, side by side. */
-static void angles(const Run *r, const double *tau, double *out)
+static void angles(const Run *r, const Real *tau, Real *out)
 {
     const Taylor *f = &r->taylor;
-    const double *c = f->table + r->bodies;
-    double square[POINTS], high[POINTS], low[POINTS];
+    const Real *c = f->table + r->bodies;
+    Real square[POINTS], high[POINTS], low[POINTS];
     int count = f->order + 2, n, i;
     for (i = 0; i < POINTS; i++) {
         square[i] = tau[i] * tau[i];
@@ -18,7 +18,7 @@ static void angles(const Run *r, const double *tau, double *out)
         low[i] = c[(count - 2) * f->stride];
     }
     for (n = count - 3; n > 0; n -= 2) {
-        double a = c[n * f->stride], b = c[(n - 1) * f->stride];
+        Real a = c[n * f->stride], b = c[(n - 1) * f->stride];
         for (i = 0; i < POINTS; i++)
             high[i] = high[i] * square[i] + a;
         for (i = 0; i < POINTS; i++)
@@ -29,33 +29,33 @@ static void angles(const Run *r, const double *tau, double *out)
 }
 
 /* det M = (m + m3)(J + m3 e^2) - (m3 e sin phi)^2 at the points. */
-static void determinants(const Run *r, double mass, double inertia, const double *tau, double *out)
+static void determinants(const Run *r, Real mass, Real inertia, const Real *tau, Real *out)
 {
-    double turns;
+    Real turns;
     int i;
     angles(r, tau, out);
     for (i = 0; i < POINTS; i++) {
-        double coupling = r->unbalance * sine_of(reduce_angle(out[i], &turns));
+        Real coupling = r->unbalance * sine_of(reduce_angle(out[i], &turns));
         out[i] = mass * inertia - coupling * coupling;
     }
 }
 
 /* Force of falling friction k by the rate v_P' - v_Q', negative, a time `at` after the expansion point; 0 within a group. */
-static double damping_of_fall(const Run *r, int k, double at)
+static Real damping_of_fall(const Run *r, int k, Real at)
 {
     const Falling *one = &r->mode->falls[k];
     return one->to_P == one->to_Q ? 0.0 : -(one->on_P * one->rate * law_slope(one->law, horner(r->taylor.falls[k], r->taylor.order, at)));
 }
 
 /* Sum of falling frictions' damping by mass, of all groups but `on`. */
-static double slowed(const Run *r, double at, int on)
+static Real slowed(const Run *r, Real at, int on)
 {
     const Mode *m = r->mode;
-    double total = 0.0;
+    Real total = 0.0;
     int k;
     for (k = 0; k < m->fall_count; k++) {
         const Falling *one = &m->falls[k];
-        double damping = damping_of_fall(r, k, at);
+        Real damping = damping_of_fall(r, k, at);
         if (one->to_P == one->to_Q)
             continue;
         if (one->to_P != on)
@@ -67,10 +67,10 @@ static double slowed(const Run *r, double at, int on)
 }
 
 /* Sum of falling frictions' damping of the group `on`. */
-static double slowed_with_rotor(const Run *r, double at, int on)
+static Real slowed_with_rotor(const Run *r, Real at, int on)
 {
     const Mode *m = r->mode;
-    double total = 0.0;
+    Real total = 0.0;
     int k;
     for (k = 0; k < m->fall_count; k++)
         if (m->falls[k].to_P != m->falls[k].to_Q && (m->falls[k].to_P == on || m->falls[k].to_Q == on))
@@ -78,9 +78,9 @@ static double slowed_with_rotor(const Run *r, double at, int on)
     return total;
 }
 
-static double with_rotor(const Run *r, double mass, double inertia, double damping, double drag, double t, double tau)
+static Real with_rotor(const Run *r, Real mass, Real inertia, Real damping, Real drag, Real t, Real tau)
 {
-    double share = 0.0, damped, start = t - r->t0, points[POINTS], values[POINTS];
+    Real share = 0.0, damped, start = t - r->t0, points[POINTS], values[POINTS];
     int i;
     for (i = 0; i < NODE_COUNT; i++)
         points[i] = start + TWELVE.nodes[i] * tau;
@@ -91,7 +91,7 @@ static double with_rotor(const Run *r, double mass, double inertia, double dampi
         share = share + TWELVE.weights[i] / values[i];
     damped = (damping * inertia + drag * mass) * (tau * share);
     if (r->mode->fall_count > 0) {
-        double mean = 0.0;
+        Real mean = 0.0;
         for (i = 0; i < NODE_COUNT; i++)
             mean = mean + TWELVE.weights[i] * (slowed_with_rotor(r, points[i], r->mode->leader[r->motor_on]) / values[i]);
         damped = damped + inertia * (tau * mean);
@@ -100,11 +100,11 @@ static double with_rotor(const Run *r, double mass, double inertia, double dampi
 }
 
 /* Logarithm of the growth from t to `end`, within the stretch in hand, of a volume that fills the tangent space. */
-double log_volume(const Run *r, double t, double end)
+Real log_volume(const Run *r, Real t, Real end)
 {
     const Mode *m = r->mode;
     const int on = r->has_motor ? m->leader[r->motor_on] : -1;
-    double rate = 0.0, damping = 0.0, tau = end - t, fixed, drag, inertia;
+    Real rate = 0.0, damping = 0.0, tau = end - t, fixed, drag, inertia;
     int i, side;
     for (i = 0; i < m->coupling_count; i++) {
         const Coupling *q = &m->couplings[i];
@@ -118,13 +118,13 @@ double log_volume(const Run *r, double t, double end)
     }
     fixed = -(rate * tau);
     if (m->fall_count > 0) {
-        double mean = 0.0;
+        Real mean = 0.0;
         for (i = 0; i < NODE_COUNT; i++)
             mean = mean + TWELVE.weights[i] * slowed(r, (t - r->t0) + TWELVE.nodes[i] * tau, on);
         fixed = fixed - tau * mean;
     }
     if (m->formula_slopes.known && !r->closed) {
-        double mean = 0.0;
+        Real mean = 0.0;
         for (i = 0; i < NODE_COUNT; i++)
             mean = mean + TWELVE.weights[i] * formula_divergence(r, TWELVE.nodes[i] * tau);
         fixed = fixed + tau * mean;

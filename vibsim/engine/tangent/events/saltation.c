@@ -6,24 +6,24 @@
 static const Saltation nothing = {SAME, NULL, NULL, NULL, 1.0};
 
 /* n^T times a disturbance whose entries are `stride` apart. */
-double gradient(const Run *r, const Mode *m, const Event *event, const double *vector, int stride)
+Real gradient(const Run *r, const Mode *m, const Event *event, const Real *vector, int stride)
 {
-    double total = 0.0;
+    Real total = 0.0;
     int i;
     for (i = 0; i < event->terms; i++) {
         const Term *t = &m->terms[event->first + i];
-        const double *of = vector + (t->kind == DIFFERENCE ? 0 : r->bodies) * stride;
-        double P = t->P < r->bodies ? of[t->P * stride] : 0.0, Q = t->Q < r->bodies ? of[t->Q * stride] : 0.0;
-        double part = t->coefficient * (P - Q);
+        const Real *of = vector + (t->kind == DIFFERENCE ? 0 : r->bodies) * stride;
+        Real P = t->P < r->bodies ? of[t->P * stride] : 0.0, Q = t->Q < r->bodies ? of[t->Q * stride] : 0.0;
+        Real part = t->coefficient * (P - Q);
         total = i == 0 ? part : total + part;
     }
     return total;
 }
 
 /* Rate of an event function along the motion in the mode m. */
-double event_rate_at(const Run *r, const State *state, const Mode *m, const Event *event)
+Real event_rate_at(const Run *r, const State *state, const Mode *m, const Event *event)
 {
-    double *values = r->tangent->other_accelerations, total = 0.0, X;
+    Real *values = r->tangent->other_accelerations, total = 0.0, X;
     int i;
     if (m->terms[event->first].kind == DIFFERENCE) {
         for (i = 0; i < r->bodies; i++)
@@ -35,14 +35,14 @@ double event_rate_at(const Run *r, const State *state, const Mode *m, const Even
     }
     for (i = 0; i < event->terms; i++) {
         const Term *t = &m->terms[event->first + i];
-        double part = t->coefficient * (values[t->P] - values[t->Q]);
+        Real part = t->coefficient * (values[t->P] - values[t->Q]);
         total = i == 0 ? part : total + part;
     }
     return total;
 }
 
 /* S from the jump of the accelerations, in b->accelerations, and of the rotor's. */
-static Saltation rank_one(const Run *r, const Mode *m, const Event *event, double rotor, double rate)
+static Saltation rank_one(const Run *r, const Mode *m, const Event *event, Real rotor, Real rate)
 {
     const Tangent *b = r->tangent;
     Saltation s = nothing;
@@ -65,7 +65,7 @@ static Saltation rank_one(const Run *r, const Mode *m, const Event *event, doubl
     return s;
 }
 
-static void add_force(const Run *r, const Mode *m, double *F, int P, int Q, double force)
+static void add_force(const Run *r, const Mode *m, Real *F, int P, int Q, Real force)
 {
     if (P < r->bodies)
         F[m->leader[P]] = F[m->leader[P]] + force;
@@ -73,7 +73,7 @@ static void add_force(const Run *r, const Mode *m, double *F, int P, int Q, doub
         F[m->leader[Q]] = F[m->leader[Q]] + -force;
 }
 
-static void clear(const Run *r, double *F)
+static void clear(const Run *r, Real *F)
 {
     int c;
     for (c = 0; c < r->columns; c++)
@@ -81,7 +81,7 @@ static void clear(const Run *r, double *F)
 }
 
 /* Force of a slipping friction on P; one that sticks acts within a group, where it does not count. */
-static double friction_force(const FrictionEnds *f, int status)
+static Real friction_force(const FrictionEnds *f, int status)
 {
     return status == 0 ? 0.0 : status > 0 ? -f->forward : f->backward;
 }
@@ -90,7 +90,7 @@ static double friction_force(const FrictionEnds *f, int status)
 static Saltation damped(const Run *r, const State *state, const Mode *before, const Event *event, int gained)
 {
     const StopEnds *stop = &r->tangent->stops[event->part];
-    double *F = r->tangent->force, rotor;
+    Real *F = r->tangent->force, rotor;
     clear(r, F);
     add_force(r, before, F, stop->P, stop->Q, -(gained * stop->c));
     rotor = response(r, before, state, F, 0.0, 0.0, r->tangent->accelerations);
@@ -101,14 +101,14 @@ static Saltation damped(const Run *r, const State *state, const Mode *before, co
 static Saltation reversal(const Run *r, const State *state, const Mode *before, const Mode *after, const Event *event)
 {
     const Tangent *b = r->tangent;
-    const int *old = before->codes + b->stop_count, *new = after->codes + b->stop_count;
-    double rate = event_rate_at(r, state, before, event), rotor;
+    const int *old = before->codes + b->stop_count, *now = after->codes + b->stop_count;
+    Real rate = event_rate_at(r, state, before, event), rotor;
     int i;
     clear(r, b->force);
     for (i = 0; i < b->friction_count; i++)
-        if (old[i] != new[i]) {
+        if (old[i] != now[i]) {
             const FrictionEnds *f = &b->frictions[i];
-            add_force(r, before, b->force, f->P, f->Q, friction_force(f, new[i]) - friction_force(f, old[i]));
+            add_force(r, before, b->force, f->P, f->Q, friction_force(f, now[i]) - friction_force(f, old[i]));
         }
     rotor = response(r, before, state, b->force, 0.0, 0.0, b->accelerations);
     return rank_one(r, before, event, rotor, rate);
@@ -118,8 +118,8 @@ static Saltation reversal(const Run *r, const State *state, const Mode *before, 
 static Saltation general(const Run *r, const State *state, const Mode *before, const Mode *after, const Event *event)
 {
     const Tangent *b = r->tangent;
-    double rate = event_rate_at(r, state, before, event);
-    double rotor = accelerations(r, before, state, b->other_accelerations), turned = accelerations(r, after, state, b->accelerations);
+    Real rate = event_rate_at(r, state, before, event);
+    Real rotor = accelerations(r, before, state, b->other_accelerations), turned = accelerations(r, after, state, b->accelerations);
     int c;
     for (c = 0; c < r->columns; c++)
         b->accelerations[c] = b->accelerations[c] - b->other_accelerations[c];
@@ -130,15 +130,15 @@ static Saltation general(const Run *r, const State *state, const Mode *before, c
 Saltation saltation(const Run *r, const State *state, const Mode *before, const Mode *after, const Event *event)
 {
     const Tangent *b = r->tangent;
-    const int *old = before->codes + b->stop_count, *new = after->codes + b->stop_count;
+    const int *old = before->codes + b->stop_count, *now = after->codes + b->stop_count;
     int turned = 0, all_stick = 1, tied = 0, gained = 0, i;
     Saltation s = nothing;
     if ((event->kind == SLIDE || event->kind == GAP) && !same_seats(r, before, after))
         return general(r, state, before, after, event);
     for (i = 0; i < b->friction_count; i++)
-        if (old[i] != new[i]) {
+        if (old[i] != now[i]) {
             turned = 1;
-            all_stick = all_stick && new[i] == 0;
+            all_stick = all_stick && now[i] == 0;
         }
     if (!turned) {
         if (event->kind == GAP)
@@ -165,18 +165,18 @@ void saltation_apply(const Run *r, const Saltation *s, const State *state)
     if (s->kind == JOINED)
         join_disturbances(r, s->before, state);
     for (i = 0; s->kind == RANK_ONE && i < b->possible; i++) {
-        double along = gradient(r, s->before, s->event, b->vectors + i, b->stride);
+        Real along = gradient(r, s->before, s->event, b->vectors + i, b->stride);
         for (k = 0; k < b->size; k++)
             b->vectors[k * b->stride + i] = b->vectors[k * b->stride + i] + along * s->jump[k];
     }
 }
 
 /* Accelerations of the bodies by the forces that friction i gains where it turns round in the mode m. */
-void reversal_accelerations(const Run *r, const Mode *m, const State *state, int i, double *out)
+void reversal_accelerations(const Run *r, const Mode *m, const State *state, int i, Real *out)
 {
     const Tangent *b = r->tangent;
     const FrictionEnds *f = &b->frictions[i];
-    double total = f->forward + f->backward;
+    Real total = f->forward + f->backward;
     clear(r, b->force);
     add_force(r, m, b->force, f->P, f->Q, m->codes[b->stop_count + i] > 0 ? total : -total);
     response(r, m, state, b->force, 0.0, 0.0, out);

@@ -13,22 +13,22 @@ void tangencies_forget(Tangencies *near)
 }
 
 /* Learn of an event at t that has no derivative. */
-void tangencies_refuse(Tangencies *near, double t)
+void tangencies_refuse(Tangencies *near, Real t)
 {
     if (near->undefined == 0)
         near->undefined_time = t;
     near->undefined++;
 }
 
-static double column(const Run *r, const double *values, int c, double base)
+static Real column(const Run *r, const Real *values, int c, Real base)
 {
     return c < r->bodies ? values[c] : c == r->bodies ? 0.0 : base;
 }
 
 /* x_P - x_Q and v_P - v_Q of a stop. */
-static void between(const Run *r, const StopEnds *stop, const State *state, double *distance, double *rate)
+static void between(const Run *r, const StopEnds *stop, const State *state, Real *distance, Real *rate)
 {
-    double X, V;
+    Real X, V;
     base_motion_at(r, state->t, &X, &V);
     *distance = column(r, state->x, stop->P, X) - column(r, state->x, stop->Q, X);
     *rate = column(r, state->v, stop->P, V) - column(r, state->v, stop->Q, V);
@@ -40,7 +40,7 @@ void tangencies_pass_by(Run *r, const State *state)
     Tangencies *near = &r->tangent->tangencies;
     int i;
     for (i = 0; i < r->tangent->stop_count; i++) {
-        double distance, rate, speed;
+        Real distance, rate, speed;
         between(r, &r->tangent->stops[i], state, &distance, &rate);
         speed = fabs(rate) + near->rate * fabs(distance);
         near->fastest[i] = speed > near->fastest[i] ? speed : near->fastest[i];
@@ -48,10 +48,10 @@ void tangencies_pass_by(Run *r, const State *state)
 }
 
 /* Deceleration of a sliding that ends, over the largest with which it can end in sticking. */
-static double stopping_share(const Run *r, const Event *event, const State *state, const Mode *before)
+static Real stopping_share(const Run *r, const Event *event, const State *state, const Mode *before)
 {
     Tangent *b = r->tangent;
-    double largest;
+    Real largest;
     int c;
     reversal_accelerations(r, before, state, event->part, b->accelerations);
     for (c = 0; c < r->bodies; c++) {
@@ -67,7 +67,7 @@ void tangencies_judge(Run *r, const Event *event, const State *state, const Mode
     Tangent *b = r->tangent;
     Tangencies *near = &b->tangencies;
     int i = event->part;
-    double share, distance;
+    Real share, distance;
     if (event->kind == GAP && near->fastest[i] > 0 && before->codes[i] != after->codes[i]) {
         between(r, &b->stops[i], state, &distance, &share);
         share = share / near->fastest[i];
@@ -80,7 +80,7 @@ void tangencies_judge(Run *r, const Event *event, const State *state, const Mode
     tangencies_note(near, share < CLOSE, share, state->t);
 }
 
-void tangencies_note(Tangencies *near, int count, double share, double t)
+void tangencies_note(Tangencies *near, int count, Real share, Real t)
 {
     near->count += count;
     if (share < near->closest) {

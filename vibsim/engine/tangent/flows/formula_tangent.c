@@ -40,7 +40,7 @@ const TapeRoom *formula_slopes_of_step(const Run *r)
 }
 
 /* Derivative number k at tau. */
-static double slope_at(const Run *r, const TapeRoom *room, int k, double tau)
+static Real slope_at(const Run *r, const TapeRoom *room, int k, Real tau)
 {
     const Tape *tape = &r->mode->formula_slopes.tape;
     int place = tape->outputs[k];
@@ -48,9 +48,9 @@ static double slope_at(const Run *r, const TapeRoom *room, int k, double tau)
 }
 
 /* Sum of the sizes of the terms of a series at tau. */
-static double size_of(const double *series, int count, double tau)
+static Real size_of(const Real *series, int count, Real tau)
 {
-    double total = fabs(series[count - 1]);
+    Real total = fabs(series[count - 1]);
     int n;
     for (n = count - 2; n >= 0; n--)
         total = total * tau + fabs(series[n]);
@@ -58,11 +58,11 @@ static double size_of(const double *series, int count, double tau)
 }
 
 /* Values of the derivatives a time tau after the expansion of f at t, from the state there. */
-static void values_at(const Run *r, const Taylor *f, const TapeRoom *room, double t, double tau)
+static void values_at(const Run *r, const Taylor *f, const TapeRoom *room, Real t, Real tau)
 {
-    const double lost = ROUNDING * EPS, *values = f->values;
+    const Real lost = ROUNDING * EPS, *values = f->values;
     TapeInputs at = r->taylor.tapes.at, blur = r->taylor.tapes.blur;
-    double turns, phase;
+    Real turns, phase;
     int c;
     taylor_values(f, tau, f->values);
     for (c = 0; c < r->columns; c++) {
@@ -86,7 +86,7 @@ static void values_at(const Run *r, const Taylor *f, const TapeRoom *room, doubl
 }
 
 /* By how many binary digits the worst derivative is beyond what it may be wrong by at tau; 0 where none is. */
-static double excess(const Run *r, const TapeRoom *room, double tau, double tolerance)
+static double excess(const Run *r, const TapeRoom *room, Real tau, Real tolerance)
 {
     const Tape *tape = &r->mode->formula_slopes.tape;
     const int order = r->taylor.order;
@@ -94,9 +94,10 @@ static double excess(const Run *r, const TapeRoom *room, double tau, double tole
     int k;
     for (k = 0; k < tape->output_count; k++) {
         int place = tape->outputs[k];
-        const double *series = room->series[place];
-        double allowed = 2 * room->bounds[place] + order * tolerance * size_of(series, order, tau);
-        double off = fabs(room->values[place] - horner(series, order, tau)), beyond = BEYOND_ALL;
+        const Real *series = room->series[place];
+        Real allowed = 2 * room->bounds[place] + order * tolerance * size_of(series, order, tau);
+        Real off = fabs(room->values[place] - horner(series, order, tau));
+        double beyond = BEYOND_ALL;
         if (off <= allowed && isfinite(allowed)) /* a value that overflows has no bound */
             continue;
         if (isfinite(off) && allowed > 0)
@@ -108,10 +109,10 @@ static double excess(const Run *r, const TapeRoom *room, double tau, double tole
 }
 
 /* The stretch tau from t, or a shorter one, at the end of which the derivatives have the values that their series say. */
-double formula_sound_stretch(Run *r, double t, double tau)
+Real formula_sound_stretch(Run *r, Real t, Real tau)
 {
     const TaylorTangent *of = &r->tangent->taylor;
-    const double tolerance = power_of_two(r->tolerance_exponent), shortest = tau * LEAST_SHARE;
+    const Real tolerance = power_of_two(r->tolerance_exponent), shortest = tau * LEAST_SHARE;
     const Taylor *f = t != r->t0 ? &of->spare : &r->taylor;
     int i;
     taylor_prepare(r, t);
@@ -128,32 +129,32 @@ double formula_sound_stretch(Run *r, double t, double tau)
 }
 
 /* Derivatives of accelerations at tau after where all is prepared, by entry. */
-static const double *fill(const Run *r, const SlopeRows *rows, double tau)
+static const Real *fill(const Run *r, const SlopeRows *rows, Real tau)
 {
     const Mode *m = r->mode;
     const TapeRoom *room = r->tangent->taylor.along;
-    double *entries = r->tangent->taylor.entries;
+    Real *entries = r->tangent->taylor.entries;
     int i;
     for (i = 0; i < rows->entry_count; i++)
         entries[i] = 0.0;
     for (i = 0; i < rows->share_count; i++) {
         const SlopeShare *share = &rows->shares[i];
-        double value = m->formulas[share->force].sign * slope_at(r, room, share->output, tau);
-        double mobility = m->mobility[rows->entries[share->entry].row];
+        Real value = m->formulas[share->force].sign * slope_at(r, room, share->output, tau);
+        Real mobility = m->mobility[rows->entries[share->entry].row];
         entries[share->entry] = entries[share->entry] + (share->end ? -mobility : mobility) * value;
     }
     return entries;
 }
 
 /* Bound of a rate at tau: the largest sum over a row in which what two columns do to each other is measured together. */
-static double rate_of(const Run *r, const SlopeRows *rows, double tau)
+static Real rate_of(const Run *r, const SlopeRows *rows, Real tau)
 {
-    const double *values = fill(r, rows, tau);
-    double largest = 0.0;
+    const Real *values = fill(r, rows, tau);
+    Real largest = 0.0;
     int first, i;
     for (first = 0; first < rows->entry_count; first = i) {
         const SlopeEntry *e = rows->entries;
-        double total = 0.0;
+        Real total = 0.0;
         for (i = first; i < rows->entry_count && e[i].row == e[first].row; i++)
             if (e[i].column == e[i].row)
                 total = fabs(values[i]);
@@ -166,10 +167,10 @@ static double rate_of(const Run *r, const SlopeRows *rows, double tau)
 }
 
 /* Bounds of the rates at which formulas move disturbances, where all is prepared or tau behind it. */
-void formula_rates(const Run *r, double tau, double *stiffness, double *damping)
+void formula_rates(const Run *r, Real tau, Real *stiffness, Real *damping)
 {
     const SlopeRows *rows = r->mode->formula_slopes.rows;
-    double start = rate_of(r, &rows[0], 0.0), later = rate_of(r, &rows[0], tau);
+    Real start = rate_of(r, &rows[0], 0.0), later = rate_of(r, &rows[0], tau);
     *stiffness = later > start ? later : start;
     start = rate_of(r, &rows[1], 0.0);
     later = rate_of(r, &rows[1], tau);
@@ -177,11 +178,11 @@ void formula_rates(const Run *r, double tau, double *stiffness, double *damping)
 }
 
 /* Trace of the derivatives of accelerations with respect to velocities. */
-double formula_divergence(const Run *r, double tau)
+Real formula_divergence(const Run *r, Real tau)
 {
     const SlopeRows *rows = &r->mode->formula_slopes.rows[1];
-    const double *values = fill(r, rows, tau);
-    double total = 0.0;
+    const Real *values = fill(r, rows, tau);
+    Real total = 0.0;
     int i;
     for (i = 0; i < rows->entry_count; i++)
         if (rows->entries[i].column == rows->entries[i].row)

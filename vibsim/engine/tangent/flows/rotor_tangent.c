@@ -17,9 +17,9 @@ void rotor_tangent_prepare(Run *r)
     TaylorTangent *of = &r->tangent->taylor;
     int i, n, k;
     for (i = 0; i < o->count; i++) {
-        const double *s = o->sine[i], *c = o->cosine[i], *a = o->acceleration[group_of(r, o, i)];
+        const Real *s = o->sine[i], *c = o->cosine[i], *a = o->acceleration[group_of(r, o, i)];
         for (n = 0; n < r->taylor.order; n++) {
-            double total = 0.0;
+            Real total = 0.0;
             for (k = 0; k <= n; k++)
                 total = total + c[k] * a[n - k];
             of->turning[i][n] = (n + 1) * s[n + 1];
@@ -29,7 +29,7 @@ void rotor_tangent_prepare(Run *r)
 }
 
 /* Sum of a_i b_(n-i) from i = first to last; b points at the coefficient that a_first meets. */
-static Pair sum(const double *a, const Lane *b, int first, int last)
+static Pair sum(const Real *a, const Lane *b, int first, int last)
 {
     Pair total = make_pair(0, 0);
     int i;
@@ -46,9 +46,9 @@ static Pair torque_on(const TaylorTangent *of, int i, int n, const Lane *phi, co
 }
 
 /* Coefficient n + 1 of the disturbed q without s_0 dw_(n+1). */
-static Pair tail_of(const TaylorTangent *of, int i, int n, const Lane *phi, const Lane *w, double inverse)
+static Pair tail_of(const TaylorTangent *of, int i, int n, const Lane *phi, const Lane *w, Real inverse)
 {
-    const double *turning = of->turning[i];
+    const Real *turning = of->turning[i];
     Pair total = add_product(make_pair(0, 0), twice(turning[0]), multiply_pair(load_pair(w[n]), twice(inverse)));
     int k;
     for (k = 1; k <= n + 1; k++)

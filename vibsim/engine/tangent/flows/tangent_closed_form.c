@@ -6,14 +6,14 @@
 
 #define E_FOLDS 8
 
-double closed_form_piece_end(const Run *r, double t, double end, double mark)
+Real closed_form_piece_end(const Run *r, Real t, Real end, Real mark)
 {
     const Modal *modal = r->mode->modal;
-    double decay = 0.0, ahead;
+    Real decay = 0.0, ahead;
     int m;
     for (m = 0; m < modal->count; m++) {
         const Oscillator *o = &modal->coordinates[m].oscillator;
-        double fastest = o->oscillates ? o->a : o->a + o->wd;
+        Real fastest = o->oscillates ? o->a : o->a + o->wd;
         if (!modal->coordinates[m].is_free && fastest > decay)
             decay = fastest;
     }
@@ -23,14 +23,14 @@ double closed_form_piece_end(const Run *r, double t, double end, double mark)
     return t < ahead && ahead < end ? ahead : end;
 }
 
-static void prepare(const Run *r, double tau)
+static void prepare(const Run *r, Real tau)
 {
     const Modal *modal = r->mode->modal;
     int m;
     for (m = 0; m < modal->count; m++) {
         const Oscillator *o = &modal->coordinates[m].oscillator;
         Moving *moving = &r->tangent->moving[m];
-        double release, impulse;
+        Real release, impulse;
         if (modal->coordinates[m].is_free) {
             *moving = (Moving){{1.0, tau, tau * tau / 2}, {0.0, 1.0, tau}};
             continue;
@@ -46,31 +46,31 @@ static void prepare(const Run *r, double tau)
 }
 
 /* Entries of the bodies' displacements or velocities; nothing disturbs ground and base. */
-static const double *entries(const Run *r, const double *bodies, int column)
+static const Real *entries(const Run *r, const Real *bodies, int column)
 {
     return column < r->bodies ? bodies + column * r->tangent->stride : r->tangent->zeros;
 }
 
 /* Adds the weighted sum of a coordinate's sources. */
-static void weigh(const Run *r, const Coordinate *c, const double *values, double *restrict out)
+static void weigh(const Run *r, const Coordinate *c, const Real *values, Real *restrict out)
 {
     const Source *source = r->mode->modal->sources + c->first_source;
     int count = r->tangent->possible, s, i;
     for (s = 0; s < c->sources; s++, source++) {
-        const double weight = source->weight, *P = entries(r, values, source->P);
-        const double *Q = source->Q < 0 ? r->tangent->zeros : entries(r, values, source->Q);
+        const Real weight = source->weight, *P = entries(r, values, source->P);
+        const Real *Q = source->Q < 0 ? r->tangent->zeros : entries(r, values, source->Q);
         for (i = 0; i < count; i++)
             out[i] = out[i] + weight * (P[i] - Q[i]);
     }
 }
 
 /* Adds factor times the sum of signed displacements. */
-static void shift(const Run *r, double factor, int first, int fixed, const double *x, double *restrict out)
+static void shift(const Run *r, Real factor, int first, int fixed, const Real *x, Real *restrict out)
 {
     const Fixed *place = r->mode->modal->fixed + first;
     int count = r->tangent->possible, i, k;
     for (i = 0; i < count; i++) {
-        double total = 0.0;
+        Real total = 0.0;
         for (k = 0; k < fixed; k++)
             total = total + place[k].sign * entries(r, x, place[k].column)[i];
         out[i] = out[i] + factor * total;
@@ -84,9 +84,9 @@ static void move_coordinate(const Run *r, int m)
     const Modal *modal = r->mode->modal;
     const Coordinate *c = &modal->coordinates[m];
     const Moving *by = &b->moving[m];
-    double *q = b->q + m * b->stride, *u = b->u + m * b->stride, *load = b->moved; /* not yet in use */
+    Real *q = b->q + m * b->stride, *u = b->u + m * b->stride, *load = b->moved; /* not yet in use */
     int i, s;
-    size_t bytes = sizeof(double) * (size_t)b->stride;
+    size_t bytes = sizeof(Real) * (size_t)b->stride;
     memset(q, 0, bytes);
     memset(u, 0, bytes);
     memset(load, 0, bytes);
@@ -97,24 +97,24 @@ static void move_coordinate(const Run *r, int m)
         shift(r, one->factor, one->first, one->count, b->vectors, load);
     }
     for (i = 0; i < b->possible; i++) {
-        double q0 = q[i], u0 = u[i];
+        Real q0 = q[i], u0 = u[i];
         q[i] = q0 * by->q[0] + u0 * by->q[1] + load[i] * by->q[2];
         u[i] = q0 * by->u[0] + u0 * by->u[1] + load[i] * by->u[2];
     }
 }
 
 /* Adds the shares that a place has of the coordinates. */
-static void shape(const Run *r, const Place *p, const double *coordinates, double *restrict out)
+static void shape(const Run *r, const Place *p, const Real *coordinates, Real *restrict out)
 {
     int s, i;
     for (s = 0; s < p->shares; s++) {
-        const double share = p->share[s].share, *values = coordinates + p->share[s].m * r->tangent->stride;
+        const Real share = p->share[s].share, *values = coordinates + p->share[s].m * r->tangent->stride;
         for (i = 0; i < r->tangent->possible; i++)
             out[i] = out[i] + share * values[i];
     }
 }
 
-void closed_form_move(Run *r, double tau)
+void closed_form_move(Run *r, Real tau)
 {
     Tangent *b = r->tangent;
     const Modal *modal = r->mode->modal;
@@ -122,11 +122,11 @@ void closed_form_move(Run *r, double tau)
     prepare(r, tau);
     for (m = 0; m < modal->count; m++)
         move_coordinate(r, m);
-    memset(b->moved, 0, sizeof(double) * (size_t)(2 * n * b->stride));
+    memset(b->moved, 0, sizeof(Real) * (size_t)(2 * n * b->stride));
     for (c = 0; c < n; c++) {
         const Place *place = &modal->places[c];
-        double *dx = b->moved + c * b->stride, *dv = b->moved + (n + c) * b->stride, *shaped = b->line;
-        memset(shaped, 0, sizeof(double) * (size_t)b->stride);
+        Real *dx = b->moved + c * b->stride, *dv = b->moved + (n + c) * b->stride, *shaped = b->line;
+        memset(shaped, 0, sizeof(Real) * (size_t)b->stride);
         shift(r, 1.0, place->first_fixed, place->fixed, b->vectors, dx);
         shape(r, place, b->q, shaped);
         for (i = 0; i < b->possible; i++)

@@ -7,16 +7,16 @@
 #define REACH 1.25
 
 /* Bound of the largest eigenvalue of stiffness (stiff) or damping of the couplings' differences. */
-static double fastest(const Run *r, int stiff)
+static Real fastest(const Run *r, int stiff)
 {
     const Mode *m = r->mode;
-    double *strength = r->tangent->force, largest = 0.0;
+    Real *strength = r->tangent->force, largest = 0.0;
     int i;
     for (i = 0; i < r->columns; i++)
         strength[i] = 0.0;
     for (i = 0; i < m->coupling_count; i++) {
         const Coupling *q = &m->couplings[i];
-        double value = stiff ? q->k : q->c;
+        Real value = stiff ? q->k : q->c;
         if (q->to_P == q->to_Q)
             continue;
         strength[q->to_P] = strength[q->to_P] + value;
@@ -25,7 +25,7 @@ static double fastest(const Run *r, int stiff)
     for (i = 0; i < m->coupling_count; i++) {
         const Coupling *q = &m->couplings[i];
         if (q->to_P != q->to_Q && (stiff ? q->k : q->c) > 0) {
-            double row = strength[q->to_P] * m->mobility[q->to_P] + strength[q->to_Q] * m->mobility[q->to_Q];
+            Real row = strength[q->to_P] * m->mobility[q->to_P] + strength[q->to_Q] * m->mobility[q->to_Q];
             largest = row > largest ? row : largest;
         }
     }
@@ -33,9 +33,9 @@ static double fastest(const Run *r, int stiff)
 }
 
 /* Rate at which the motor's drag damps the rotor, at most. */
-static double dragging(const Run *r)
+static Real dragging(const Run *r)
 {
-    double mass;
+    Real mass;
     if (r->mode->carried == 0)
         return r->drag / r->inertia;
     mass = r->mode->carried + r->m3;
@@ -43,27 +43,27 @@ static double dragging(const Run *r)
 }
 
 /* Rate at which falling friction k makes disturbances grow, at the start or the end of the stretch. */
-static double rising(const Run *r, int k, double end)
+static Real rising(const Run *r, int k, Real end)
 {
     const Mode *m = r->mode;
     const Falling *one = &m->falls[k];
-    const double *f = r->taylor.falls[k];
-    double start = fabs(law_slope(one->law, f[0]));
-    double last = fabs(law_slope(one->law, horner(f, r->taylor.order, end - r->t0)));
-    double mobility = m->mobility[one->to_P] + m->mobility[one->to_Q];
+    const Real *f = r->taylor.falls[k];
+    Real start = fabs(law_slope(one->law, f[0]));
+    Real last = fabs(law_slope(one->law, horner(f, r->taylor.order, end - r->t0)));
+    Real mobility = m->mobility[one->to_P] + m->mobility[one->to_Q];
     return fabs(one->on_P * one->rate) * (start > last ? start : last) * mobility;
 }
 
-double taylor_piece_end(Run *r, double t, double end)
+Real taylor_piece_end(Run *r, Real t, Real end)
 {
-    double rates[4], rate, ahead;
+    Real rates[4], rate, ahead;
     int count = 2, i;
     rates[0] = sqrt(fastest(r, 1)) / REACH;
     rates[1] = fastest(r, 0);
     for (i = 0; i < r->mode->fall_count; i++)
         rates[1] = rates[1] + rising(r, i, end);
     if (r->mode->formula_slopes.known) {
-        double tau = formula_sound_stretch(r, t, end - t), sound = tau < end - t ? t + tau : end, stiffness, damping;
+        Real tau = formula_sound_stretch(r, t, end - t), sound = tau < end - t ? t + tau : end, stiffness, damping;
         end = t < sound ? sound : end;
         formula_rates(r, tau, &stiffness, &damping);
         rates[0] = rates[0] + sqrt(stiffness) / REACH;

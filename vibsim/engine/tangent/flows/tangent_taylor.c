@@ -21,7 +21,7 @@ static void prepare_motor(Run *r)
     for (n = 0; n < p - 1; n++)
         of->joint[n].turning[0] = of->joint[n].turning[1] = (n + 2) * f->sine[n + 2];
     for (n = 0; n < p - 1; n++) {
-        const double *back = f->a1_back + (p - n); /* back[i]: order n - i */
+        const Real *back = f->a1_back + (p - n); /* back[i]: order n - i */
         Pair sums = make_pair(0, 0);
         for (i = 0; i < n; i += 2)
             sums = add_product(sums, load_pair(f->cosine + i), load_pair(back + i));
@@ -30,8 +30,8 @@ static void prepare_motor(Run *r)
         of->joint[n].pull[0] = of->joint[n].pull[1] = sum_of_pair(sums);
     }
     if (r->mode->carried > 0) {
-        double mass = r->mode->carried + r->m3, coupling = r->unbalance * f->sine[0];
-        double inverse_det = 1 / (mass * r->inertia - coupling * coupling);
+        Real mass = r->mode->carried + r->m3, coupling = r->unbalance * f->sine[0];
+        Real inverse_det = 1 / (mass * r->inertia - coupling * coupling);
         of->to_a1 = r->inertia * inverse_det;
         of->to_w = mass * inverse_det;
         of->cross = coupling * inverse_det;
@@ -51,12 +51,12 @@ static void prepare_here(Run *r)
 }
 
 /* The same with the flow expanded anew at t, within its step. */
-static void prepare_at(Run *r, double t)
+static void prepare_at(Run *r, Real t)
 {
     TaylorTangent *of = &r->tangent->taylor;
     Taylor flow = r->taylor;
     Rotors rotors = r->rotors;
-    double t0 = r->t0;
+    Real t0 = r->t0;
     flow_state(r, t, &r->scratch);
     r->taylor = of->spare;
     r->rotors = of->spare_rotors;
@@ -73,7 +73,7 @@ static void prepare_at(Run *r, double t)
     r->t0 = t0;
 }
 
-void taylor_prepare(Run *r, double t)
+void taylor_prepare(Run *r, Real t)
 {
     TaylorTangent *of = &r->tangent->taylor;
     if (of->prepared && of->prepared_at == t)
@@ -89,7 +89,7 @@ void taylor_prepare(Run *r, double t)
     }
 }
 
-static void prepare(Run *r, double t, double tau)
+static void prepare(Run *r, Real t, Real tau)
 {
     r->tangent->taylor.tau = tau;
     if (r->mode->shape == FORMULAS || r->mode->formula_slopes.known) {
@@ -156,8 +156,8 @@ INLINE void products(const TaylorTangent *of, const Lane *phi, const Lane *w, co
 
 /* What the recurrences read, in locals: the compiler then knows that no store to a series changes it. */
 typedef struct {
-    const double *inverse;
-    double unbalance, drag, inertia, to_a1, to_w, cross, k, c, mobility, mobility_far;
+    const Real *inverse;
+    Real unbalance, drag, inertia, to_a1, to_w, cross, k, c, mobility, mobility_far;
     int order;
 } Law;
 
@@ -198,7 +198,7 @@ INLINE Pair turn(const TaylorTangent *of, const Law *law, Lane *series, int bodi
 static Pair fall(const Run *r, Lane *series, int k, int n)
 {
     const Falling *one = &r->mode->falls[k];
-    const double *slopes = r->tangent->taylor.slopes[k];
+    const Real *slopes = r->tangent->taylor.slopes[k];
     const int bodies = r->bodies, zero = bodies + 1, rates = bodies + 2;
     const Lane *P = component(series, rates + (one->P < bodies ? one->P : zero)) + n;
     const Lane *Q = component(series, rates + (one->Q < bodies ? one->Q : zero)) + n;
@@ -220,7 +220,7 @@ static Pair disturbed(const Run *r, Lane *series, int k, int n)
     int j, i;
     for (j = slopes->first[k]; j < slopes->first[k + 1]; j++) {
         const FormulaSlope *one = &slopes->all[j];
-        const double *slope = r->tangent->taylor.along->series[slopes->tape.outputs[one->output]];
+        const Real *slope = r->tangent->taylor.along->series[slopes->tape.outputs[one->output]];
         const Lane *of;
         switch (one->kind) {
         case BY_PLACE: of = component(series, one->column) + n; break;
@@ -349,7 +349,7 @@ static void expand(const Run *r, int pairs)
 }
 
 /* `horner` of both; the coefficients are `step` apart. */
-static Pair value_at(const Lane *c, ptrdiff_t step, int count, double tau)
+static Pair value_at(const Lane *c, ptrdiff_t step, int count, Real tau)
 {
     const Pair time = twice(tau), square = twice(tau * tau);
     Pair high = load_pair(c[(count - 1) * step]), low = load_pair(c[(count - 2) * step]);
@@ -378,14 +378,14 @@ static int misses_terms(const Run *r, Lane *series, int lane)
 {
     const Tangent *b = r->tangent;
     const int order = r->taylor.order;
-    double total = 0.0, last = 0.0;
+    Real total = 0.0, last = 0.0;
     ptrdiff_t step;
     int k, n;
     for (k = 0; k < b->size; k++) {
         const Lane *of = (const Lane *)series_of_entry(r, series, k, &step);
-        double power = 1.0;
+        Real power = 1.0;
         for (n = 0; n < order; n++) {
-            double size = fabs(of[n * step][lane]) * power;
+            Real size = fabs(of[n * step][lane]) * power;
             total = total + size;
             last = n > order - 3 ? last + size : last;
             power = power * b->taylor.tau;
@@ -423,7 +423,7 @@ static void move_group(Run *r, int first, int pairs)
             const Lane *of = (const Lane *)series_of_entry(r, series + i * block, k, &step);
             Pair moved = value_at(of, step, order, b->taylor.tau);
             int number = first + 2 * i;
-            double *to = b->vectors + k * b->stride + number;
+            Real *to = b->vectors + k * b->stride + number;
             if (number + 1 < b->possible)
                 store_pair(to, moved);
             else
@@ -431,14 +431,14 @@ static void move_group(Run *r, int first, int pairs)
         }
 }
 
-int taylor_move(Run *r, double t, double tau)
+int taylor_move(Run *r, Real t, Real tau)
 {
     Tangent *b = r->tangent;
     const int formulas = r->mode->formula_slopes.known;
     int first, pairs, fits = 1;
     prepare(r, t, tau);
     if (formulas)
-        memcpy(b->moved, b->vectors, sizeof(double) * (size_t)(b->size * b->stride));
+        memcpy(b->moved, b->vectors, sizeof(Real) * (size_t)(b->size * b->stride));
     for (first = 0; first < r->tangent->possible; first += 2 * TANGENT_GROUP) {
         pairs = (r->tangent->possible - first + 1) / 2;
         pairs = pairs < TANGENT_GROUP ? pairs : TANGENT_GROUP;

@@ -1,0 +1,121 @@
+"""The engine in C on numbers of words against the Python engine on python-flint's numbers."""
+
+from decimal import Decimal
+from fractions import Fraction
+from math import floor
+
+import pytest
+from hypothesis import given, settings
+
+from tests.engine.many_digits import exact_parts
+from tests.engine.random_formulas import formula_scene
+from tests.engine.random_parts import part_scenes, rigid_scenes
+from tests.engine.runs import whole
+from vibsim.cases import load_case
+from vibsim.engine.errors import EngineError
+from vibsim.engine.number_forms import WORD, WORDS, WordsForm, digits_in_c, is_built, words_form
+from vibsim.engine.truth import WordsTrajectory, open_truth
+from vibsim.physics.precision import number_kit
+
+pytest.importorskip("flint")
+pytestmark = pytest.mark.skipif(not all(map(is_built, WORDS)), reason="the engine in C is not built")
+
+DIGITS = (25, 45, 65)  # on 2, 3 and 4 words
+LOST = 9  # digits that random scenes may lose by their own growth of errors
+
+
+def told(make, digits, engine, **options):
+    """(kinds and parts of the events, their digits, totals), or the reason of a failure."""
+    trajectory = open_truth(make, digits, engine=engine, **options)
+    try:
+        blocks = list(trajectory.blocks())
+    except EngineError as error:
+        return error.reason
+    events, texts = (whole([getattr(b, name) for b in blocks]) for name in ("events", "event_digits"))
+    kinds = list(zip(events["kind"].tolist(), events["part"].tolist(), strict=True))
+    return kinds, texts, trajectory.totals
+
+
+def assert_same_motion(make, digits, lost=LOST, **options):
+    """Events in the same order, at the same times and states but for the last digits; the same doubts."""
+    here, there = (told(make, digits, engine, **options) for engine in ("c", "python"))
+    if isinstance(here, str) or isinstance(there, str):
+        assert here == there
+        return
+    assert here[0] == there[0]
+    for name, column in here[1].items():
+        pairs = [
+            (Decimal(a.decode()), Decimal(b.decode())) for a, b in zip(column, there[1][name], strict=True)
+        ]
+        size = max((abs(b) for _, b in pairs), default=Decimal(0))
+        close = max(size, Decimal("1e-6")) * Decimal(10) ** (lost - digits)
+        assert all(abs(a - b) <= close for a, b in pairs), name
+    assert here[2]["uncertified"] == there[2]["uncertified"]
+    for name in here[2]:
+        if name.startswith(("loss.", "work.", "impulse.", "energy_end")):
+            assert here[2][name] == pytest.approx(there[2][name], rel=1e-12, abs=1e-14)
+
+
+@pytest.mark.parametrize("digits", DIGITS)
+@settings(max_examples=8)
+@given(scene=part_scenes())
+def test_random_scenes_move_as_in_python(digits, scene):
+    assert_same_motion(exact_parts(scene), digits)
+
+
+@pytest.mark.parametrize("digits", DIGITS)
+@settings(max_examples=6)
+@given(scene=rigid_scenes(radians=4.0))
+def test_random_scenes_with_rigid_stops_move_as_in_python(digits, scene):
+    assert_same_motion(exact_parts(scene), digits)
+
+
+@settings(max_examples=6)
+@given(scene=part_scenes())
+def test_ledgers_are_those_of_python(scene):
+    assert_same_motion(exact_parts(scene), 30, ledger=True, momentum=True)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_formulas_move_as_in_python(seed):
+    assert_same_motion(exact_parts(formula_scene(seed)), 30)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(7200)
+@pytest.mark.parametrize("digits", DIGITS)
+@settings(max_examples=300)
+@given(scene=part_scenes())
+def test_random_scenes_move_as_in_python_often(digits, scene):
+    assert_same_motion(exact_parts(scene), digits)
+
+
+@pytest.mark.parametrize("name", ["I-A", "I-B", "I-C", "II-A", "II-B", "II-C"])
+@pytest.mark.parametrize("digits", DIGITS)
+def test_the_papers_cases_move_as_in_python(name, digits):
+    case = load_case(name, {"run.t_end": "3 s", "run.every": "50 s"})
+    assert_same_motion(case.exact_scene, digits, lost=4)
+
+
+def test_the_cheapest_type_that_suffices_is_taken():
+    assert [words_form(number_kit(digits)).words for digits in (20, 32, 33, 51, 52, 71)] == [2, 2, 3, 3, 4, 4]
+    assert words_form(number_kit(72)) is None
+    assert digits_in_c() == [32, 51, 71]
+    case = load_case("I-A", {"run.t_end": "0.1 s"})
+    assert isinstance(open_truth(case.exact_scene, 71), WordsTrajectory)
+    assert open_truth(case.exact_scene, 72).engine == open_truth(case.exact_scene, 30, engine="python").engine
+    with pytest.raises(ValueError, match="no 72 digits"):
+        open_truth(case.exact_scene, 72, engine="c")
+
+
+@pytest.mark.parametrize("words", WORDS)
+def test_numbers_come_back_as_they_went(words):
+    kit = number_kit(20)
+    form = WordsForm(kit, words)
+    for value in (0.0, 1.0, -1.0, 0.1, -(2.0**-1074), 1.7976931348623157e308, 5e-324, 3.0):
+        assert form.double(form.handed(kit.number(value))) == value == float(form.taken(form.handed(value)))
+    assert form.double(form.handed(float("-inf"))) == float("-inf")
+    third = form.parts(form.handed(Fraction(1, 3)))
+    error = abs(Fraction(third[0]) * Fraction(2) ** third[1] - Fraction(1, 3))
+    assert error <= Fraction(1, 2 ** min(WORD * words, kit.bits + 32))
+    assert floor(Fraction(third[0]).numerator) > 2**60

@@ -1,0 +1,238 @@
+/* Elementary functions of numbers of LIMBS words: reduction of the argument, power series, and Newton steps from doubles. Errors are
+ * a few units in the last of 64 LIMBS bits, which lies 20 bits or more below the unit round-off that decisions go by.
+ */
+#include "limbs_functions.h"
+
+#include "elementary.h"
+
+enum { TERMS = LIMBS == 2 ? 36 : LIMBS == 3 ? 50 : 64, HALVINGS = 8 }; /* of power series at arguments below 0.8 */
+
+thread_local Real unit_roundoff;
+
+void set_precision(int bits)
+{
+    unit_roundoff = scaled(Real(1), -bits);
+}
+
+/* Constants to 512 bits, lowest word first. */
+static const uint64_t half_pi_words[] = {0x4fe1356d6d51c245, 0x302b0a6df25f1437, 0xef9519b3cd3a431b, 0x514a08798e3404dd,
+                                         0x020bbea63b139b22, 0x29024e088a67cc74, 0xc4c6628b80dc1cd1, 0xc90fdaa22168c234};
+static const uint64_t ln_2_words[] = {0x27573b291169b825, 0xed2eae35c1382144, 0x559552fb4afa1b10, 0xe7b876206debac98,
+                                      0x8a0d175b8baafa2b, 0x40f343267298b62d, 0xc9e3b39803f2f6af, 0xb17217f7d1cf79ab};
+
+static Real constant(const uint64_t *words, int exponent)
+{
+    uint64_t w[8];
+    memcpy(w, words, sizeof w);
+    return normal(w, 8, exponent, 1);
+}
+
+static const Real half_pi = constant(half_pi_words, 1), ln_2 = constant(ln_2_words, 0);
+const Real HALF_TURN = scaled(half_pi, 1);
+
+struct Factorials {
+    Real inverse[TERMS + 1];
+    Factorials()
+    {
+        int n;
+        inverse[0] = 1;
+        for (n = 1; n <= TERMS; n++)
+            inverse[n] = inverse[n - 1] / n;
+    }
+};
+
+static const Factorials factorials;
+
+static Real nearest_whole(const Real &x)
+{
+    return floor(x + 0.5);
+}
+
+void sine_cosine(const Real &angle, Real *sine, Real *cosine)
+{
+    Real quarters, r, square, s, c;
+    int quadrant, n;
+    if (!isfinite(angle)) {
+        *sine = *cosine = NAN;
+        return;
+    }
+    quarters = nearest_whole(angle / half_pi);
+    r = angle - quarters * half_pi;
+    square = r * r;
+    s = factorials.inverse[TERMS - 1];
+    c = factorials.inverse[TERMS];
+    for (n = TERMS - 2; n >= 2; n -= 2) {
+        c = factorials.inverse[n] - square * c;
+        s = factorials.inverse[n - 1] - square * s;
+    }
+    c = 1 - square * c;
+    s = r * s;
+    quadrant = (int)(double)(quarters - scaled(floor(scaled(quarters, -2)), 2));
+    *sine = quadrant == 0 ? s : quadrant == 1 ? c : quadrant == 2 ? -s : -c;
+    *cosine = quadrant == 0 ? c : quadrant == 1 ? -s : quadrant == 2 ? -c : s;
+}
+
+void rounded_sine_cosine(const Real &angle, Real *sine, Real *cosine)
+{
+    Real lost = unit_roundoff * fabs(angle);
+    sine_cosine(angle, sine, cosine);
+    if (!(fabs(*sine) > lost))
+        *sine = 0;
+    if (!(fabs(*cosine) > lost))
+        *cosine = 0;
+}
+
+Real sine_of(const Real &angle)
+{
+    Real sine, cosine;
+    sine_cosine(angle, &sine, &cosine);
+    return sine;
+}
+
+Real cosine_of(const Real &angle)
+{
+    Real sine, cosine;
+    sine_cosine(angle, &sine, &cosine);
+    return cosine;
+}
+
+/* exp(r) - 1 of |r| < 0.4: of r / 2^HALVINGS by its series, then as often (1 + u)^2 - 1 = u (2 + u). */
+static Real small_rise(const Real &r)
+{
+    Real part = scaled(r, -HALVINGS), u;
+    int n = LIMBS == 2 ? 14 : LIMBS == 3 ? 19 : 24;
+    u = factorials.inverse[n];
+    for (n -= 1; n >= 1; n--)
+        u = factorials.inverse[n] + part * u;
+    u = part * u;
+    for (n = 0; n < HALVINGS; n++)
+        u = u * (2 + u);
+    return u;
+}
+
+/* exp(x) = (1 + rise) 2^n */
+static long reduced(const Real &x, Real *rise)
+{
+    Real n = nearest_whole(x / ln_2);
+    *rise = small_rise(x - n * ln_2);
+    return (long)(double)n;
+}
+
+static const double FLAT = 1e8; /* beyond it exp is told as infinite, or zero */
+
+Real exponential(const Real &x)
+{
+    Real rise;
+    long n;
+    if (!isfinite(x) || fabs(x) > FLAT)
+        return is_no_number(x) ? x : x > 0 ? INFINITY : Real(0);
+    n = reduced(x, &rise);
+    return scaled(1 + rise, n);
+}
+
+Real exponential_less_1(const Real &x)
+{
+    Real rise;
+    long n;
+    if (!isfinite(x) || fabs(x) > FLAT)
+        return exponential(x) - 1;
+    n = reduced(x, &rise);
+    return n == 0 ? rise : scaled(rise, n) + (scaled(Real(1), n) - 1);
+}
+
+Real hyperbolic_sine(const Real &x)
+{
+    Real rise = exponential_less_1(fabs(x));
+    return isfinite(rise) ? copysign(scaled(rise + rise / (1 + rise), -1), x) : copysign(rise, x);
+}
+
+Real hyperbolic_cosine(const Real &x)
+{
+    Real e = exponential(fabs(x));
+    return isfinite(e) ? scaled(e + 1 / e, -1) : e;
+}
+
+Real hyperbolic_tangent(const Real &x)
+{
+    Real rise = exponential_less_1(scaled(fabs(x), 1));
+    if (!isfinite(rise))
+        return is_no_number(rise) ? rise : copysign(Real(1), x);
+    return copysign(rise / (rise + 2), x);
+}
+
+/* From the angle of doubles: what is left of it by its tangent, whose series ends soon. */
+Real arctangent(const Real &x)
+{
+    Real angle, sine, cosine, t, square;
+    bool steep = fabs(x) > 1;
+    if (is_no_number(x))
+        return x;
+    if (!isfinite(x))
+        return copysign(half_pi, x);
+    t = steep ? 1 / fabs(x) : fabs(x);
+    angle = arctangent((double)t);
+    sine_cosine(angle, &sine, &cosine);
+    t = (t * cosine - sine) / (cosine + t * sine);
+    square = t * t;
+    angle = angle + t * (1 - square * (Real(1) / 3 - square * (Real(1) / 5)));
+    if (steep)
+        angle = half_pi - angle;
+    return copysign(angle, x);
+}
+
+Real arcsine(const Real &x)
+{
+    Real rest = (1 - x) * (1 + x);
+    if (!(rest >= 0))
+        return NAN;
+    return rest == 0 ? copysign(half_pi, x) : arctangent(x / sqrt(rest));
+}
+
+Real arccosine(const Real &x)
+{
+    if (!(fabs(x) <= 1))
+        return NAN;
+    return x == -1 ? HALF_TURN : scaled(arctangent(sqrt((1 - x) / (1 + x))), 1);
+}
+
+/* Halley's steps on exp(y) = x, each with three times as many right digits. */
+Real logarithm(const Real &x)
+{
+    Real part, y;
+    int power, bits;
+    if (!(x > 0) || !isfinite(x))
+        return x == 0 ? -INFINITY : x > 0 ? x : NAN;
+    power = x.exponent;
+    part = scaled(x, -(long)power); /* from 1/2 to 1 */
+    if (part < ROOT_HALF) {
+        part = scaled(part, 1);
+        power -= 1;
+    }
+    y = part == 1 ? 0.0 : logarithm((double)part);
+    for (bits = 45; bits < LIMB_BITS; bits *= 3) {
+        Real ratio = part * exponential(-y);
+        y = y + scaled((ratio - 1) / (ratio + 1), 1);
+    }
+    return y + power * ln_2;
+}
+
+/* a**p of a >= 0. */
+Real real_power(const Real &a, const Real &p)
+{
+    Real twice = scaled(p, 1), power;
+    int n;
+    if (!(a > 0) || !isfinite(a)) {
+        if (p == 0 || !(a >= 0))
+            return p == 0 ? Real(1) : NAN;
+        return is_no_number(p) ? p : (a == 0) == (p > 0) ? Real(0) : INFINITY;
+    }
+    if (!(fabs(twice) <= 16) || floor(twice) != twice)
+        return exponential(p * logarithm(a));
+    power = 1;
+    n = (int)(double)fabs(twice);
+    if (n % 2)
+        power = sqrt(a);
+    for (n /= 2; n > 0; n--)
+        power = power * a;
+    return p < 0 ? 1 / power : power;
+}

@@ -1,0 +1,42 @@
+/* Elementary functions of numbers of LIMBS words, by the names that elementary.h gives those of doubles. limbs.cpp says how. */
+#ifndef VIBSIM_LIMBS_FUNCTIONS_H
+#define VIBSIM_LIMBS_FUNCTIONS_H
+
+#include "limbs.h"
+
+extern thread_local Real unit_roundoff; /* 2^-bits of the run in hand */
+void set_precision(int bits);
+
+extern const Real HALF_TURN; /* pi */
+
+void sine_cosine(const Real &angle, Real *sine, Real *cosine);
+void rounded_sine_cosine(const Real &angle, Real *sine, Real *cosine);
+Real sine_of(const Real &angle);
+Real cosine_of(const Real &angle);
+Real exponential(const Real &x);
+Real exponential_less_1(const Real &x);
+Real hyperbolic_sine(const Real &x);
+Real hyperbolic_cosine(const Real &x);
+Real hyperbolic_tangent(const Real &x);
+Real arctangent(const Real &x);
+Real arcsine(const Real &x);
+Real arccosine(const Real &x);
+Real logarithm(const Real &x);
+Real real_power(const Real &a, const Real &p);
+
+/* The next larger time: a unit round-off on, whatever the direction asked for. */
+static inline Real nextafter(const Real &t, const Real &towards)
+{
+    (void)towards;
+    return t + (fabs(t) + unit_roundoff) * unit_roundoff;
+}
+
+static inline Real fmax(const Real &a, const Real &b) { return a > b ? a : b; }
+static inline Real fmin(const Real &a, const Real &b) { return a < b ? a : b; }
+
+static inline void moderate_sine_cosine(const Real &angle, Real *sine, Real *cosine)
+{
+    sine_cosine(angle, sine, cosine);
+}
+
+#endif
