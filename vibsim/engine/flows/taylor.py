@@ -360,8 +360,10 @@ class StepChecks(Generic[N]):
         it.
         """
         for op in self.tape.tape.ops:
+            if op.code != POWER:
+                continue
             base = self.tape.series[op.a]
-            if op.code == POWER and base[1] < 0 and not base[0] > self.tape.least * abs(base[1]):
+            if base[1] < 0 and not base[0] > self.tape.least * abs(base[1]):
                 return 2 * self.tape.least
         return self.kit.number(0)
 

@@ -369,8 +369,11 @@ static Real shortest_step(const Run *r)
     const Tape *tape = &r->mode->tape;
     int k;
     for (k = 0; k < tape->op_count; k++) {
-        const Real *base = room->series[tape->ops[k].a < 0 ? 0 : tape->ops[k].a];
-        if (tape->ops[k].code == OP_POWER && base[1] < 0 && !(base[0] > room->least * fabs(base[1])))
+        const Real *base;
+        if (tape->ops[k].code != OP_POWER)
+            continue;
+        base = room->series[tape->ops[k].a];
+        if (base[1] < 0 && !(base[0] > room->least * fabs(base[1])))
             return 2 * room->least;
     }
     return 0.0;
