@@ -1,8 +1,8 @@
 """Builds the optional engines in C and names the packages; everything else is declared in pyproject.toml.
 
 The same sources make `_engine`, in C on doubles, and for runs of many digits `_engine_2`, `_engine_3` and
-`_engine_4`, in C++ on numbers of so many words (`vibsim/engine/numbers/`), where the compiler has whole numbers
-of 128 bits.
+`_engine_4`, in C++ on numbers of so many words (`vibsim/engine/numbers/`), where the compiler has whole
+numbers of 128 bits.
 
 Without a compiler the extension is left out (`optional=True`) and vibsim runs on its Python engine.
 `-ffp-contract=off` keeps every product and sum rounded by itself, so that both engines agree bit for bit;
