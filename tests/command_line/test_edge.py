@@ -41,6 +41,7 @@ def test_a_saddle_by_numbers_and_by_orbits_stored_and_continued(files, tmp_path)
     assert "exists" in call("edge", files / "basins.h5", "--between", "0,1", "-o", saddle).stderr
 
 
+@pytest.mark.slow
 def test_a_shock_in_one_value_and_in_all(files):
     one = json.loads(call("edge", files / "basins.h5", "--shock", "1", "--along", "tip.v", "--json").stdout)
     every = json.loads(call("edge", files / "basins.h5", "--shock", "1", "--json").stdout)

@@ -22,6 +22,7 @@ MOTION = {
 INVALID_CASE = 3
 WITH_COMMANDS = [path for path in PAGES if any(command.startswith("vibsim") for command, _ in commands(path))]
 IN_AN_EMPTY_FOLDER = [README, ROOT / "docs" / "start.md"]  # as somebody who has installed it begins
+LONG = {"run-up", "base-and-stop", "study", "formulas", "motor", "sections-and-diagrams"}
 WITH_PYTHON = [path for path in PAGES if blocks(path, "python")]
 
 
@@ -48,7 +49,12 @@ def test_pages_with_commands_are_tested():
     assert {"README.md", "docs/start.md", "docs/tutorials/own-case.md", "docs/tutorials/trust.md"} <= names
 
 
-@pytest.mark.parametrize("path", WITH_COMMANDS, ids=name_of)
+def marked(path):
+    """Pages whose commands take long are run by `make verify`, and when the site is built."""
+    return pytest.param(path, marks=pytest.mark.slow if path.stem in LONG else (), id=name_of(path))
+
+
+@pytest.mark.parametrize("path", [marked(path) for path in WITH_COMMANDS])
 def test_the_commands_run_as_printed(path, tmp_path, monkeypatch):
     if path not in IN_AN_EMPTY_FOLDER:
         shutil.copytree(ROOT / "cases", tmp_path / "cases")

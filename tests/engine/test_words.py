@@ -37,11 +37,16 @@ def told(make, digits, engine, **options):
 
 
 def assert_same_motion(make, digits, lost=LOST, **options):
-    """Events in the same order, at the same times and states but for the last digits; the same doubts."""
+    """Events in the same order, at the same times and states but for the last digits; where there are
+    doubts, as many.
+    """
     here, there = (told(make, digits, engine, **options) for engine in ("c", "python"))
     if isinstance(here, str) or isinstance(there, str):
         assert here == there
         return
+    assert here[2]["uncertified"] == there[2]["uncertified"]
+    if here[2]["uncertified"]:
+        return  # rounding may decide, and both say so: a tangency is known to half the digits
     assert here[0] == there[0]
     for name, column in here[1].items():
         pairs = [
@@ -50,7 +55,6 @@ def assert_same_motion(make, digits, lost=LOST, **options):
         size = max((abs(b) for _, b in pairs), default=Decimal(0))
         close = max(size, Decimal("1e-6")) * Decimal(10) ** (lost - digits)
         assert all(abs(a - b) <= close for a, b in pairs), name
-    assert here[2]["uncertified"] == there[2]["uncertified"]
     for name in here[2]:
         if name.startswith(("loss.", "work.", "impulse.", "energy_end")):
             assert here[2][name] == pytest.approx(there[2][name], rel=1e-12, abs=1e-14)

@@ -48,7 +48,7 @@ def test_a_force_that_is_off_by_a_millionth_is_noticed(monkeypatch):
             self.model = replace(self.model, bodies=bodies)
 
     monkeypatch.setattr(against_second_solver, "Drawn", Heavier)
-    assert sum(bool(compared(seed).disagreements) for seed in FEW) >= len(FEW) // 2
+    assert sum(bool(compared(seed).disagreements) for seed in FEW[:3]) >= 2
 
 
 def test_an_event_that_is_missing_is_noticed(monkeypatch):
