@@ -37,17 +37,17 @@ def told(make, digits, engine, **options):
 
 
 def assert_same_motion(make, digits, lost=LOST, **options):
-    """Events in the same order, at the same times and states but for the last digits; where there are
-    doubts, as many.
+    """Events in the same order, at the same times and states but for the last digits, where there are no
+    doubts.
     """
     here, there = (told(make, digits, engine, **options) for engine in ("c", "python"))
     if isinstance(here, str) or isinstance(there, str):
         assert here == there
         return
-    assert here[2]["uncertified"] == there[2]["uncertified"]
-    if here[2]["uncertified"]:
-        return  # rounding may decide, and both say so: a tangency is known to half the digits
-    assert here[0] == there[0]
+    doubts = [found[2]["uncertified"] for found in (here, there)]
+    assert here[0] == there[0] or doubts[1]
+    if any(doubts):
+        return  # rounding may decide: a tangency is known to half the digits. Balls leave ties undecided
     for name, column in here[1].items():
         pairs = [
             (Decimal(a.decode()), Decimal(b.decode())) for a, b in zip(column, there[1][name], strict=True)

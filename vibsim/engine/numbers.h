@@ -63,7 +63,7 @@ static inline Power next_power(Power p, Power h)
 static inline Magnitude term_size(const Real &x, Power p)
 {
     long exponent = x.exponent + p.exponent;
-    if (x.sign == 0 || exponent < -1000)
+    if (x.sign == 0 || exponent < -900) /* far below the exponents of doubles */
         return x.exponent == ENDLESS ? NAN : 0.0;
     return exponent > 1000 ? INFINITY : (double)x.m[LIMBS - 1] * p.mantissa * double_of((uint64_t)(exponent - WORD + 1023) << 52);
 }

@@ -144,7 +144,7 @@ inline Real::operator double() const
         top |= m[i] != 0; /* decides where the rest would be half a unit */
     if (sign == 0)
         return 0.0;
-    if (exponent > -1000 && exponent < 1000) {
+    if (exponent > -900 && exponent < 1000) {
         uint64_t bits = (uint64_t)(exponent - WORD + 1023) << 52;
         double power;
         memcpy(&power, &bits, sizeof power);
