@@ -103,7 +103,8 @@ def test_up_and_down_are_told_apart(paths):
     result = open_subject(paths["carried"]).result
     figure = drawn("sommerfeld", paths["carried"])
     up, down = lines(figure.axes[0], "mean")
-    assert (up.get_label(), down.get_label()) == ("up", "down")
+    named = {line.get_label(): line.get_color() for line in figure.axes[0].lines}
+    assert (named["up"], named["down"]) == (up.get_color(), down.get_color())
     np.testing.assert_array_equal(down.get_ydata(), result["mean_speed"][:, 1])
     assert up.get_color() != down.get_color() and up.get_markerfacecolor() != down.get_markerfacecolor()
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["up", "down", "hysteresis"]
