@@ -22,7 +22,15 @@ MOTION = {
 INVALID_CASE = 3
 WITH_COMMANDS = [path for path in PAGES if any(command.startswith("vibsim") for command, _ in commands(path))]
 IN_AN_EMPTY_FOLDER = [README, ROOT / "docs" / "start.md"]  # as somebody who has installed it begins
-LONG = {"run-up", "base-and-stop", "study", "formulas", "motor", "sections-and-diagrams"}
+LONG = {
+    "run-up",
+    "base-and-stop",
+    "study",
+    "formulas",
+    "motor",
+    "sections-and-diagrams",
+    "orbits-and-branches",
+}
 WITH_PYTHON = [path for path in PAGES if blocks(path, "python")]
 
 
@@ -82,6 +90,7 @@ def run_python(path):
         exec(compile(code, name_of(path), "exec"), names)
 
 
+@pytest.mark.slow
 def test_the_commands_in_the_text_of_readme_run_in_an_empty_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name, text in files(README).items():

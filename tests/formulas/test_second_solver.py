@@ -13,7 +13,7 @@ from tests.formulas.second_expressions import par, product
 from tests.formulas.second_model import Force, Friction, Link, Model, Stop
 from tests.formulas.second_solver import SecondSolver
 
-FEW = range(1000, 1008)
+FEW = range(1000, 1005)
 MANY = range(2000, 2000 + int(os.environ.get("VIBSIM_SCENES", "400")))
 K = par("k", 4.0, "N/m")
 
