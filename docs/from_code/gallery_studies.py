@@ -153,7 +153,10 @@ STUDIES: dict[str, Study] = {
         "--param drive.omega=50:60/61rad/s --t-end 20s",
         "amplitude",
         "Frequency response with the ball: a dip at the natural frequency, where the body alone has its peak",
-        (("-s stops=none", "the body alone: 33 mm"), ("-s left.e=0.8 -s right.e=0.8", "livelier blows")),
+        (
+            ("-s stops=none", "the body alone: 33 mm"),
+            ("-s left.e=0.8 -s right.e=0.8", "impacts that lose less"),
+        ),
     ),
     "friction-oscillator": Study(
         "--param drive.omega=0.3:2/61rad/s --t-end 300s" + UP_AND_DOWN,
@@ -224,7 +227,7 @@ STUDIES: dict[str, Study] = {
     "pile-driver": Study(
         "",
         "velocity",
-        "Velocities of ram and pile: blow, drive, and stop",
+        "Velocities of ram and pile: impact, drive, and stop",
         (("-s head.e=0.2", "a softer head drives the pile less far"),),
     ),
     "stack-of-blocks": Study(
@@ -236,8 +239,8 @@ STUDIES: dict[str, Study] = {
     "three-balls": Study(
         "",
         "velocity",
-        "Velocities of the three balls at the blow",
-        (("-s first_gap.e=0.5 -s second.e=0.5", "what the Newton-Moreau law makes of inelastic blows"),),
+        "Velocities of the three balls at the impact",
+        (("-s first_gap.e=0.5 -s second.e=0.5", "what the Newton-Moreau law makes of inelastic impacts"),),
     ),
     "two-balls-and-a-spring": Study(
         "",

@@ -277,10 +277,10 @@ def stable_manifold_at(x):
 
 
 def test_the_least_shock_in_speed_reaches_the_stable_manifold():
-    shock = fatal_shock(load_case_text(FREE_WELLS), RIGHT, "mass.v")
+    shock = fatal_shock(load_case_text(FREE_WELLS.replace("80 s", "160 s")), RIGHT, "mass.v")
     assert shock.change == {"v_mass": shock.change["v_mass"]} or shock.change["x_mass"] == 0
     assert shock.change["v_mass"] == pytest.approx(stable_manifold_at(1.0), rel=1e-6)
-    assert shock.destination.label.state[0] == pytest.approx(-1, abs=0.02)  # still ringing down
+    assert shock.destination.label.state[0] == pytest.approx(-1, abs=1e-3)
 
 
 def test_without_damping_the_least_shock_is_that_of_the_energy():

@@ -82,7 +82,7 @@ def _product(one: Linear, other: Linear, kind: str) -> Linear | None:
 
 
 class HarmonicTerm(NamedTuple):
-    """amplitude sin(omega t + phase); turns: of the phase, where it is given in turns."""
+    """amplitude sin(omega t + phase)."""
 
     amplitude: Coefficient
     omega: Coefficient
@@ -148,11 +148,11 @@ def _harmonic(amplitude: Coefficient, node: Node) -> HarmonicTerm | None:
     if omega.value < 0:  # sin(-u) = -sin(u), cos(-u) = cos(u)
         omega, phase = (Coefficient(-c.value, c.power) for c in (omega, phase))
         amplitude = amplitude if is_cos else Coefficient(-amplitude.value, amplitude.power)
-    turns = Fraction(is_cos, 2) + (amplitude.value < 0)  # half turns, pi each
-    if turns:
+    half_turns = Fraction(is_cos, 2) + (amplitude.value < 0)  # pi each
+    if half_turns:
         if phase.power != 1:
             return None
-        phase = Coefficient(phase.value + turns, 1)
+        phase = Coefficient(phase.value + half_turns, 1)
         amplitude = Coefficient(abs(amplitude.value), amplitude.power)
     return HarmonicTerm(amplitude, omega, phase)
 
@@ -299,15 +299,9 @@ def _falling(node: Node) -> Values | None:
 
 def _law_of(kind: str, least: Coefficient, drop: Coefficient, fall: Coefficient) -> Values | None:
     """The keys of a law; fall: d, or -1/v0."""
-    sign = 1 if kind == "div" else -1
-    if (
-        least.power
-        or drop.power
-        or fall.power
-        or least.value < 0
-        or drop.value <= 0
-        or sign * fall.value <= 0
-    ):
+    falls = fall.value > 0 if kind == "div" else fall.value < 0
+    has_pi = any(one.power for one in (least, drop, fall))
+    if has_pi or least.value < 0 or drop.value <= 0 or not falls:
         return None
     mu = {"mu_s": Quantity("", least.value + drop.value), "mu_d": Quantity("", least.value)}
     if kind == "div":

@@ -119,7 +119,10 @@ class _Changes:
 
     def _change(self, branch: int, i: int, present: int, absent: int, birth: bool) -> AttractorChange:
         kind = next(name for name, code in KINDS.items() if code == self.attractors["kind"][i])
-        where, cause = nan, "what runs away is told by the attractors that die or are born there"
+        where, cause = (
+            nan,
+            "motions that run away: see the attractors that end or begin there",
+        )
         try:
             if kind == "periodic":
                 where, cause = self._of_orbit(i, present, absent)
