@@ -52,7 +52,7 @@ def numbers_of(fit):
     """Everything that two fits must have in common, bit for bit."""
     runs = {
         index: (point.status, point.sha256, point.error, _without_time(point.values))
-        for index, point in fit.runs.items()
+        for index, point in sorted(fit.runs.items())  # which come in the order in which they end
     }
     made = [(one.number, one.origin, one.changes, one.leaving) for one in fit.candidates]
     ranking = [(each.candidate.number, each.price, each.starts) for each in fit.ranking]
