@@ -8,7 +8,7 @@ else
 BIN := $(VENV)/bin
 endif
 STAMP := $(VENV)/installed
-ENGINE := $(wildcard vibsim/engine/*.[ch] vibsim/engine/*/*.[ch] vibsim/engine/*/*/*.[ch])
+ENGINE := $(wildcard $(foreach end,*.[ch] *.cpp,vibsim/engine/$(end) vibsim/engine/*/$(end) vibsim/engine/*/*/$(end)))
 BELTS := 0.95,1.025,1.1,1.175,1.25,1.325,1.4,1.475,1.5,1.55,1.625,1.7,1.775,1.83,1.84,1.85,1.925,2
 KERNELS := Haswell Zen SkylakeX Prescott
 PAPER := I-A I-B I-C I-A-eq211 I-B-eq211 I-C-eq211 II-A II-B II-C

@@ -243,7 +243,11 @@ def test_what_happens_on_the_way_is_met():
         assert totals["tangent_pieces"] > totals["steps"]
 
 
-@pytest.mark.parametrize("first", range(0, 60, 10))
+# the first of them always, all by `make verify`
+FIRSTS = [pytest.param(first, marks=pytest.mark.slow if first >= 30 else ()) for first in range(0, 60, 10)]
+
+
+@pytest.mark.parametrize("first", FIRSTS)
 def test_random_scenes_are_those_of_python(first):
     compared = 0
     for seed in range(first, first + 10):

@@ -272,7 +272,8 @@ def test_a_force_that_holds_the_motion_at_its_jump_is_told_by_both_engines():
     assert "held" in told
 
 
-SEEDS = range(0, 200, 10)
+# the first of them always, all by `make verify`
+SEEDS = [pytest.param(first, marks=pytest.mark.slow if first >= 60 else ()) for first in range(0, 200, 10)]
 
 
 @pytest.mark.parametrize("first", SEEDS)
