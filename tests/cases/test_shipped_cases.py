@@ -1,6 +1,9 @@
 """The shipped cases against the numbers of the paper, typed here from it: Table 1 and Eq. (2.11)."""
 
+import re
+import shlex
 from fractions import Fraction
+from pathlib import Path
 
 import mpmath
 import pytest
@@ -88,3 +91,29 @@ def test_printed_amplitudes_are_m3_e_omega():
     """Table 1's amplitudes have the value of m3 e omega: the departure that the files name."""
     for letter, amplitude in AMPLITUDES.items():
         assert 0.03 * 0.11 * radians_per_second(FREQUENCIES[letter]) == pytest.approx(amplitude, rel=2e-3)
+
+
+REMARKS = {
+    f"gallery/{path.stem}": " ".join(
+        line.lstrip("# ") for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("#")
+    )
+    for path in (Path(__file__).parents[2] / "cases" / "gallery").glob("*.yaml")
+}
+
+
+def settings_in(remarks):
+    """Settings of a command in remarks: of each place, KEY=VALUE of all options next to each other."""
+    setting = r"(?:--set|-s) [\w.]+=(?:'[^']*'|[^\s.,;:)]+(?:\.\d+)?)"
+    for options in re.findall(rf"{setting}(?: {setting})*", remarks):
+        yield dict(word.split("=", 1) for word in shlex.split(options) if "=" in word)
+
+
+@pytest.mark.parametrize("name", [name for name, remarks in REMARKS.items() if list(settings_in(remarks))])
+def test_what_remarks_of_the_gallery_set_can_be_set(name):
+    for settings in settings_in(REMARKS[name]):
+        assert load_case(name, settings).scene()
+
+
+def test_a_start_is_set_by_the_name_of_its_part_whether_or_not_the_file_gives_it():
+    case = load_case("gallery/driven-pendulum", {"pendulum.x": "170 deg"})
+    assert case.scene().bodies[0].x == pytest.approx(mpmath.radians(170), rel=1e-15)

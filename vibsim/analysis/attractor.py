@@ -200,6 +200,7 @@ def label_of_points(scene: Scene, times: np.ndarray, points: np.ndarray, engine:
         return Label("undecided", "no section")
     if len(points) < FEWEST:
         return Label("undecided", "too few cycles")
+    points = return_map.coordinates.in_turn_of(points.copy(), points[-1])
     orbit = orbit_at_end(return_map, times, points)
     if orbit is not None:
         if _is_still(orbit):

@@ -5,14 +5,15 @@ join; the velocity of one body of each set that they join to each other, but not
 of the rotor, and with a rotor cosine and sine of the phases of forces and base, which its turns do not fix.
 Of two blocks that is (y, u, v2, w). Of further rotors it has speeds, cosines and sines of angles, of states
 their values, each by its own amplitude. Lengths are divided by the amplitude of y in the span, speeds of
-bodies by that of u, the speed of the rotor by its mean; so a distance of 1e-3 between points is a thousandth
+bodies by that of u, the speed of the rotor by its mean; a body that goes through whole turns has cosine and
+sine of its angle for y. So a distance of 1e-3 between points is a thousandth
 of the vibration. What moves less than the share LEAST of the largest vibration is measured by that.
 """
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import isnan
+from math import isnan, pi
 
 import numpy as np
 
@@ -30,9 +31,9 @@ from vibsim.analysis.chaos_tests import MOST as chaos_tests_MOST
 from vibsim.analysis.cycles import ROWS, TURN, RegimeVerdict, cycle_ends, events_within, name_verdict
 from vibsim.analysis.span import Span
 from vibsim.cases.quantities import number
-from vibsim.physics.connections import body_sets, felt_angles, force_pairs
+from vibsim.physics.connections import body_sets, felt_angles, force_pairs, whole_turn_angles
 from vibsim.physics.elementary import mean, sine_cosine_of_arrays
-from vibsim.physics.parts import Scene, columns_of
+from vibsim.physics.parts import GROUND, Scene, columns_of
 from vibsim.physics.rates import turning_columns
 from vibsim.results.columns import PairMotion, states_at
 from vibsim.results.result import Result, pieces, rows_within
@@ -77,6 +78,8 @@ class SectionCoordinates:
         self._others = [v for _, v in shown]
         felt = {scene.bodies[i].columns for i in felt_angles(scene)}
         self._angles = [x for x, v in shown if x is not None and (x, v) in felt]
+        turning = set(whole_turn_angles(scene))
+        self._turns = [i for i, pair in enumerate(pairs) if pair.P in turning and pair.Q == GROUND]
         self._pairs_of_free = [
             [i for i, pair in enumerate(pairs) if {pair.P, pair.Q} & set(one.bodies)] for one in free
         ]
@@ -119,7 +122,12 @@ class SectionCoordinates:
 
     def points(self, states: Table, sizes: np.ndarray) -> np.ndarray:
         """Points (n, d) of the states by name, each (n)."""
-        columns = [row / size for row, size in zip(self.of(states), sizes, strict=True)]
+        rows = self.of(states)
+        columns = [row / size for row, size in zip(rows, sizes, strict=True)]
+        for i in self._turns:
+            if sizes[i] > pi:  # more than a turn from end to end
+                sine, columns[i] = sine_cosine_of_arrays(rows[i])
+                columns.append(sine)
         for phi in self._angles:
             columns += reversed(sine_cosine_of_arrays(np.asarray(states[phi])))
         if self._turning is not None:

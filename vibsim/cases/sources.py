@@ -437,6 +437,7 @@ def _put_table_in(tree: Tree, key: str, text: str) -> None:
 
 
 FILE = "overrides"
+STARTS = ("x", "v", "phi", "phidot")  # of bodies and rotors
 PLACED = ("between", "on", "rate")  # an override that gives one of these makes a new part
 
 
@@ -501,13 +502,23 @@ def _with_new_parts(values: dict[str, Any], keys: Iterable[str]) -> dict[str, An
     """The values with the parts that overrides may add: those whose ends or body they give, and states."""
     form = form_of(values)
     for key in keys:
-        section, *names = key.split(".")
+        section, *names = _start_of_part(values, key).split(".")
         places = names[1:2] and (names[1] in PLACED or section == "initial")
         if section in form.named and len(names) > 1 and places:
             parts = values.get(section)
             if names[0] not in (parts if isinstance(parts, dict) else {}):
                 values = _with(values, [section, names[0], names[1]], "")
     return values
+
+
+def _start_of_part(values: Mapping[str, Any], key: str) -> str:
+    """The dotted key of an initial value that is written by the name of its part alone (ram.x), whether or not
+    the file gives it; any other key as it is.
+    """
+    name, _, state = key.partition(".")
+    parts = [section for section in (values.get("bodies"), values.get("rotors")) if isinstance(section, dict)]
+    is_part = any(name in section for section in parts) or (name == "motor" and "motor" in values)
+    return f"initial.{key}" if is_part and state in STARTS else key
 
 
 def _new_numbers(

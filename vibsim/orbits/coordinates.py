@@ -3,7 +3,8 @@
 A set of bodies that springs and stops join to each other, but not to ground or base, may be shifted as a
 whole. Displacements of its bodies count from its last body, and the orbit may drift by a shift per period.
 What the section fixes (the angle of a motor) is no unknown either, nor is the angle of a rotor that no force
-feels. The angle of any other rotor is an unknown up to whole turns; a state is one unknown.
+feels. The angle of any other rotor, and of a body that whole turns bring back to where it was, as a pendulum,
+is an unknown up to whole turns; a state is one unknown.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from vibsim.engine.errors import start_of
 from vibsim.engine.tangent.carried import Carried
 from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike, weights
 from vibsim.lazy import once
-from vibsim.physics.connections import body_sets, felt_angles
+from vibsim.physics.connections import body_sets, felt_angles, whole_turn_angles
 from vibsim.physics.elementary import sine_cosine_of_arrays
 from vibsim.physics.formulas import TIME, ZERO, derivative
 from vibsim.physics.numbers import Doubles
@@ -39,7 +40,7 @@ class Coordinates:
     of each body, then phi and phidot with a motor).
 
     columns : names of the components that are shown: all but what would be the x of a state
-    names, units : of the unknowns, e.g. "x1-x2" in m; angles : which of them are angles of rotors
+    names, units : of the unknowns, e.g. "x1-x2" in m; angles : which of them are angles up to whole turns
         self.reference = reference
         self.count = len(free)
     weights : of the unknowns; each is measured as a velocity [m/s], displacements by a natural rate
@@ -65,8 +66,9 @@ class Coordinates:
         self.references = sorted({r for r in reference.values() if r < line})
         self.reference = reference
         bodies = scene.bodies
+        turning = {i for i, body in enumerate(bodies) if body.kind == ROTOR} | set(whole_turn_angles(scene))
         self.angles = np.array(
-            [row for row, i in enumerate(free) if i < len(bodies) and bodies[i].kind == ROTOR], dtype=int
+            [row for row, i in enumerate(free) if i in turning and i not in reference], dtype=int
         )
         self.count = len(free)
         self.one = np.eye(self.count)

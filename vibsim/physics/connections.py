@@ -103,6 +103,22 @@ def felt_angles(scene: Scene[Any]) -> list[int]:
     return [i for i in rotors if i in felt]
 
 
+def whole_turn_angles(scene: Scene[Any]) -> list[int]:
+    """Numbers of the turning bodies whose forces a whole turn leaves as they are: formulas read their angle in
+    sines and cosines of whole multiples alone, and no spring or stop holds them.
+    """
+    turning = [i for i, body in enumerate(scene.line) if scene.unit_of(body) == "rad"]
+    if not turning or not scene.has_formulas:
+        return []
+    from vibsim.physics.formula_parts import formulas_of
+    from vibsim.physics.formulas import is_periodic
+
+    springs = [link for link in scene.links if link.k]
+    fixed = _bodies([*springs, *scene.stops, *scene.clearances])
+    formulas = [one.formula for one in formulas_of(scene)]
+    return [i for i in turning if i not in fixed and all(is_periodic(one, ("x", i)) for one in formulas)]
+
+
 def drifting_sets(scene: Scene) -> list[BodySet]:
     """The sets of bodies that neither springs, nor stops on both sides, hold at the ground or the base; each
     is joined by springs or such stops, so that all of it drifts alike.

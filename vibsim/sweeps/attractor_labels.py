@@ -144,7 +144,7 @@ class AttractorComputation:
             growth = lyapunov_exponents(scene, 1, self._begin, run.engine, run.ask).growth
             exponent = exponent_of(growth[:, 0], growth[:, 1]) if len(growth) else None
             judged = self._verdicts.judged(exponent)
-        return label_of_set(judged, points)
+        return label_of_set(judged, self._at.in_turn_of(points.copy(), np.zeros(self._at.count)))
 
     def _of_free(
         self, window: tuple[float, float], run: MeasuredRun, low: list[float], high: list[float]
