@@ -263,3 +263,36 @@ def test_components_of_a_state_that_is_not_shown():
     words = "components of this scene are x_cart, phi_left, v_cart, w_left, i"
     with pytest.raises(vibsim.OrbitError, match=words):
         find_orbit(case.scene(), [0.0] * 6)
+
+
+PENDULUM = """\
+name: pendulum
+bodies: {rod: 1 kg m^2}
+links: {weight: {between: [rod, ground], force: "M*sin(d) + c*v", M: 1 N m, c: 0.5 N m s/rad}}
+forces: {drive: {on: rod, A: 1.35 N m, omega: 2/3 rad/s, phase: 90 deg}}
+run: {t_end: 400 s, every: 50 ms}
+"""
+
+
+def test_a_driven_pendulum_that_turns_over_once_in_a_period_has_an_orbit():
+    """x'' + x' / 2 + sin x = 1.35 cos(2 t / 3) turns, and 1.45 in place of 1.35 has twice the period:
+    G. L. Baker and J. P. Gollub, Chaotic Dynamics (1990).
+    """
+    orbit = vibsim.orbit(case_of(PENDULUM))
+    assert (orbit.n, orbit.turns) == (1, {"x_rod": -1}) and orbit.stable
+    assert np.prod(orbit.multipliers).real == pytest.approx(np.exp(-0.5 * orbit.period), rel=1e-10)
+
+    def rates(t, y):
+        return [y[1], -0.5 * y[1] - np.sin(y[0]) + 1.35 * np.cos(2 * t / 3)]
+
+    end = solve_ivp(rates, (0, orbit.period), orbit.X, "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+    assert end - orbit.X == pytest.approx([-2 * np.pi, 0.0], abs=1e-9)
+    doubled = vibsim.orbit(case_of(PENDULUM), {"forces.drive.A": "1.45 N m"})
+    assert (doubled.n, abs(doubled.turns["x_rod"])) == (2, 2)
+
+
+def test_a_spring_beside_the_weight_leaves_no_whole_turns():
+    sprung = PENDULUM.replace("M*sin(d)", "M*sin(d) + k*d").replace("c: 0.5", "k: 0.1 N m/rad, c: 0.5")
+    case = case_of(sprung.replace("1.35", "0.3"))
+    assert vibsim.orbit(case).turns == {}
+    assert not len(ReturnMap(case.scene(), 1).coordinates.angles)

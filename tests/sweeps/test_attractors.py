@@ -283,3 +283,19 @@ def test_mirror_images_are_one_orbit_and_counted_apart():
     first = signs[int(np.flatnonzero(known & (mirrored == 0))[0])]
     np.testing.assert_array_equal(mirrored[known], (np.array(signs) != first)[known])
     assert 0 < mirrored.sum() < known.sum()
+
+
+def test_motions_whole_turns_apart_are_one_attractor():
+    """A driven pendulum that swings about x = 0 and about x = 2 pi."""
+    case = vibsim.load_case(
+        """
+name: pendulum
+bodies: {rod: 1 kg m^2}
+links: {weight: {between: [rod, ground], force: "M*sin(d) + c*v", M: 1 N m, c: 0.5 N m s/rad}}
+forces: {drive: {on: rod, A: 0.1 N m, omega: 2/3 rad/s}}
+run: {t_end: 200 s, every: 50 ms}
+"""
+    )
+    swept = vibsim.sweep(case, {"initial.rod.x": "0,1,6,7,-6.5 rad"}, compute=("attractor",))
+    assert swept["attractor"].ravel().tolist() == [0] * 5
+    assert swept.attractors["share"].tolist() == [1.0]

@@ -512,8 +512,8 @@ def _with_new_parts(values: dict[str, Any], keys: Iterable[str]) -> dict[str, An
 
 
 def _start_of_part(values: Mapping[str, Any], key: str) -> str:
-    """The dotted key of an initial value that is written by the name of its part alone (ram.x), whether or not
-    the file gives it; any other key as it is.
+    """The dotted key of an initial value that is written by the name of its part alone (ram.x), whether
+    or not the file gives it; any other key as it is.
     """
     name, _, state = key.partition(".")
     parts = [section for section in (values.get("bodies"), values.get("rotors")) if isinstance(section, dict)]

@@ -136,6 +136,14 @@ class Coordinates:
         """By name of the body: how far each set that is held nowhere has moved from the start at 0 [m]."""
         return {self.scene.bodies[r].name: float(state[r]) for r in self.references}
 
+    def turns(self, X: np.ndarray, state: np.ndarray) -> dict[str, int]:
+        """By column of the angles that are unknowns up to whole turns: how many turns a motion from X to a
+        state made, those left out that made none.
+        """
+        rows = self.angles.tolist()
+        made = np.round((self.of(state) - X)[rows] / (2 * pi)).astype(int).tolist()
+        return {self.names[row]: turns for row, turns in zip(rows, made, strict=True) if turns}
+
     def state(self, X: np.ndarray) -> dict[str, float]:
         """The state on the section by name of the column [m, m/s, rad, rad/s]."""
         return self.by_column(self.lifted(X))

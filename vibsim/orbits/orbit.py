@@ -122,6 +122,11 @@ class Orbit(Labelled):
         return self.end.drift
 
     @property
+    def turns(self) -> dict[str, int]:
+        """Whole turns in a period by column of the angles that make any, such as that of a pendulum."""
+        return self.end.coordinates.turns(self.X, self.end.carried.state)
+
+    @property
     def drift_rates(self) -> dict[str, float]:
         """By body: its displacement per period over the period [m/s], 0 where something holds it."""
         bodies, reference, moved = self.scene.line, self.end.coordinates.reference, self.drift

@@ -104,8 +104,8 @@ def felt_angles(scene: Scene[Any]) -> list[int]:
 
 
 def whole_turn_angles(scene: Scene[Any]) -> list[int]:
-    """Numbers of the turning bodies whose forces a whole turn leaves as they are: formulas read their angle in
-    sines and cosines of whole multiples alone, and no spring or stop holds them.
+    """Numbers of the turning bodies whose forces a whole turn leaves as they are: formulas read their angle
+    in sines and cosines of whole multiples alone, and no spring or stop holds them.
     """
     turning = [i for i, body in enumerate(scene.line) if scene.unit_of(body) == "rad"]
     if not turning or not scene.has_formulas:

@@ -327,6 +327,7 @@ def orbit_lines(orbit: Orbit, digits: Any = None) -> Lines:
     lines = [
         ("period", period_text(orbit)),
         *_drift(orbit),
+        *_turns(orbit),
         ("events", events_text(orbit)),
         ("state", ", ".join(f"{name} {number(value, 10)}" for name, value in orbit.coordinates.items())),
         ("", f"in {', '.join(orbit.end.coordinates.units)}, on the section {section_text(orbit)}"),
@@ -348,6 +349,11 @@ def _drift(orbit: Orbit) -> Lines:
     unit = orbit.scene.length_unit
     texts = [f"{metres(value, unit)} of {name}" for name, value in orbit.drift.items()]
     return [("drift", f"{', '.join(texts)} per period")] if texts else []
+
+
+def _turns(orbit: Orbit) -> Lines:
+    texts = [f"{counted(turns, 'turn')} of {name}" for name, turns in orbit.turns.items()]
+    return [("turns", f"{', '.join(texts)} per period")] if texts else []
 
 
 def period_text(orbit: Orbit) -> str:
@@ -464,6 +470,7 @@ def orbit_object(orbit: Orbit, digits: Any = None) -> dict[str, Any]:
         **counts_of(orbit),
         "drift": max(drifts.values(), key=abs, default=0.0),
         "drifts": drifts,
+        "turns": orbit.turns,
         "grazing_margin": orbit.margin,
         "sliding_margin": orbit.sliding,
         "energy": orbit.energy,
