@@ -285,6 +285,32 @@ def test_mirror_images_are_one_orbit_and_counted_apart():
     assert 0 < mirrored.sum() < known.sum()
 
 
+def test_a_pendulum_under_a_constant_torque_rests_or_turns_for_ever():
+    """x'' + 0.1 x' + sin x = 0.5: rests at asin 0.5 and whole turns from there, or turns for ever.
+
+    M. Stender and N. Hoffmann, Nonlinear Dynamics 107 (2022).
+    """
+    case = vibsim.load_case(
+        """
+name: pendulum
+bodies: {rod: 1 kg m^2}
+links: {weight: {between: [rod, ground], force: "K*sin(d) + c*v", K: 1 N m, c: 0.1 N m s/rad}}
+forces: {load: {on: rod, F0: 0.5 N m}}
+run: {t_end: 400 s, every: 50 ms}
+"""
+    )
+    speeds = (-8.5, -1, 0, 1, 6)
+    values = ",".join(map(str, speeds))
+    swept = vibsim.sweep(case, {"initial.rod.v": f"{values} rad/s"}, compute=("attractor",))
+    kinds = [swept.attractors.words(i) for i in range(len(swept.attractors))]
+    assert sorted(kinds) == ["rest", "turning"]
+    at_rest = swept["attractor"].ravel() == kinds.index("rest")
+    runs = [vibsim.simulate(case, {"initial.rod.v": f"{v} rad/s"}, trust=False) for v in speeds]
+    assert at_rest.tolist() == [abs(run["v_rod"][-1]) < 1e-6 for run in runs]
+    angle = runs[int(np.flatnonzero(at_rest)[-1])]["x_rod"][-1]
+    assert np.sin(angle) == pytest.approx(0.5, abs=1e-6)
+
+
 def test_motions_whole_turns_apart_are_one_attractor():
     """A driven pendulum that swings about x = 0 and about x = 2 pi."""
     case = vibsim.load_case(

@@ -41,7 +41,7 @@ SWINGS = 64  # slowest periods that a free vibration is followed to see it repea
 class Label:
     """The attractor, or other end, of a run.
 
-    kind : rest, periodic, quasi-periodic, chaotic, running away or undecided
+    kind : rest, periodic, quasi-periodic, chaotic, turning, running away or undecided
     reason : why it is undecided
     period : periods of the source, turns of the motor or swings of an orbit; NaN of anything else
     multiplier : greatest modulus of its multipliers; NaN of anything else
@@ -273,7 +273,8 @@ def rest_label(
     """
     if at is None:
         return Label("rest")
-    state = unknowns_at(at, {name: [(low[name] + high[name]) / 2] for name in at.columns})[0]
+    middle = unknowns_at(at, {name: [(low[name] + high[name]) / 2] for name in at.columns})[0]
+    state = at.in_turn_of(middle, np.zeros(at.count))
     half = unknowns_at(at, {name: [(high[name] - low[name]) / 2] for name in at.columns})[0]
     width = np.full(len(state), np.inf) if held else np.abs(half)
     return Label("rest", state=state, means=state, errors=width)

@@ -13,7 +13,7 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from math import isfinite
+from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -44,11 +44,12 @@ from vibsim.orbits.newton import EVEN, solve
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import ReturnMap, slowest_period
 from vibsim.orbits.search import least
+from vibsim.physics.connections import whole_turn_angles
 from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES, Scene
 from vibsim.physics.rates import is_driven, source_period
 from vibsim.sweeps.contact_computations import Task
 from vibsim.sweeps.quantities import Quantities
-from vibsim.sweeps.run_ends import END_STATE, INITIAL, KINDS, REASONS, VERDICTS, EndState
+from vibsim.sweeps.run_ends import END_STATE, INITIAL, KINDS, REASONS, VERDICTS, EndState, observed
 from vibsim.sweeps.statistics import MeasuredRun, TooFineError, sampled_for_statistics
 
 if TYPE_CHECKING:
@@ -161,12 +162,27 @@ class AttractorComputation:
         orbit = orbit_of_free(self._scene, there, run.engine)
         if orbit is not None:
             return label_of_orbit(orbit)
-        if self._drifts(window):
-            return Label("running away")
+        drifting = self._drifting(window)
+        if drifting:
+            return self._turning(drifting) or Label("running away")
         return Label("undecided", "no stable orbit" if verdict == "vibration" else "still on its way")
 
-    def _drifts(self, window: tuple[float, float]) -> bool:
-        """Whether a displacement grows by as much in each third of the window, and swings by little more."""
+    def _turning(self, drifting: dict[str, float]) -> Label | None:
+        """Label of a run on which angles grow, by column with their mean speeds [rad/s], that whole turns
+        bring back to where they were, and nothing else; its observables are these speeds.
+        """
+        turning = [self._scene.bodies[i].columns[0] for i in whole_turn_angles(self._scene)]
+        if self._at is None or not all(name in turning for name in drifting):
+            return None
+        means = np.zeros(observed(self._scene))
+        for i, name in enumerate(self._at.names):
+            means[i] = drifting.get(name, 0.0)
+        return Label("turning", state=np.full(self._at.count, nan), means=means, errors=np.zeros(len(means)))
+
+    def _drifting(self, window: tuple[float, float]) -> dict[str, float]:
+        """Mean velocities by column of the displacements that grow by as much in each third of the window,
+        and swing by little more.
+        """
         times = np.concatenate([times for times, _ in self._course])
         states = np.concatenate([states for _, states in self._course])
         thirds = [window[0] + (window[1] - window[0]) * k / 3 for k in range(4)]
@@ -175,7 +191,9 @@ class AttractorComputation:
         even = abs(last - 2 * middle + first) <= EVEN * abs(last)
         low, high = (np.array(side) for side in self._range())
         far = abs(first + middle + last) >= FAR * (high - low)
-        return bool(np.any((first * last > 0) & even & far))
+        grown = np.flatnonzero((first * last > 0) & even & far).tolist()
+        span = window[1] - window[0]
+        return {self._columns[i]: float(places[i, -1] - places[i, 0]) / span for i in grown}
 
     def _range(self) -> tuple[list[float], list[float]]:
         """Least and greatest states in the samples after the transient, in the order of their columns."""

@@ -201,7 +201,7 @@ class _Combination:
 
     def _sets(self) -> list[_Found]:
         found = []
-        for kind in ("quasi-periodic", "chaotic", "running away"):
+        for kind in ("quasi-periodic", "chaotic", "turning", "running away"):
             rows = self._rows(kind)
             groups = [rows.tolist()] if len(rows) else []
             if kind != "running away":

@@ -87,6 +87,7 @@ KINDS = {
     "quasi-periodic": 3,
     "chaotic": 4,
     "running away": 5,
+    "turning": 6,  # for ever, with nothing that drives it
 }
 REASONS = {  # why a run is undecided
     "decided": 0,
