@@ -3,6 +3,7 @@
 import ast
 import re
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -151,9 +152,10 @@ def test_what_a_package_offers_is_found(tmp_path):
     assert list(misplaced(tmp_path / "__init__.py", "results")) == ["vibsim.sweeps.sweeping.sweep"]
 
 
-def loaded(path, tree=None):
+@cache
+def loaded(name):
     """Modules of vibsim that a module imports when it is loaded, and those that functions of it import."""
-    tree = tree or ast.parse(path.read_text(encoding="utf-8"))
+    tree = ast.parse(NAMES[name].read_text(encoding="utf-8"))
     at_once = {id(node) for node in tree.body}
     found = {True: set(), False: set()}
     checked = {
@@ -174,15 +176,14 @@ def name_of(path):
 
 
 NAMES = {name_of(path): path for path in MODULES}
-LOADED = {name: loaded(path) for name, path in NAMES.items()}
 
 
 def reached(name, seen=None):
     """All modules of vibsim that are loaded with one."""
     seen = set() if seen is None else seen
-    if name in LOADED and name not in seen:
+    if name in NAMES and name not in seen:
         seen.add(name)
-        for other in LOADED[name][0]:
+        for other in loaded(name)[0]:
             reached(other, seen)
     return seen
 
@@ -193,9 +194,9 @@ def test_no_circle_of_files():
 
     def visit(name, way):
         assert state.get(name) != "open", " -> ".join([*way, name])
-        if name in LOADED and name not in state:
+        if name in NAMES and name not in state:
             state[name] = "open"
-            for other in sorted(LOADED[name][0] | LOADED[name][1]):
+            for other in sorted(loaded(name)[0] | loaded(name)[1]):
                 if other != name:
                     visit(other, [*way, name])
             state[name] = "done"
@@ -218,7 +219,7 @@ def test_one_class_of_a_name():
 @pytest.mark.parametrize("name", sorted(name for name in NAMES if not name.startswith("vibsim.engine")))
 def test_functions_import_only_what_is_not_loaded_yet(name):
     """An import within a function spares the start of a command something; else it belongs to the top."""
-    _, later = LOADED[name]
+    _, later = loaded(name)
     modules = {other for other in later if NAMES.get(other, PACKAGE).name != "__init__.py"}
     spared = {other for other in modules if not reached(other) <= reached(name)}
     assert modules - spared - ALIASED.get(name, set()) == set()

@@ -9,6 +9,7 @@ no set and no pair.
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
+from vibsim.physics.formulas import is_periodic
 from vibsim.physics.parts import GROUND, ROTOR, Scene
 
 
@@ -111,7 +112,6 @@ def whole_turn_angles(scene: Scene[Any]) -> list[int]:
     if not turning or not scene.has_formulas:
         return []
     from vibsim.physics.formula_parts import formulas_of
-    from vibsim.physics.formulas import is_periodic
 
     springs = [link for link in scene.links if link.k]
     fixed = _bodies([*springs, *scene.stops, *scene.clearances])
