@@ -179,6 +179,7 @@ def discriminant(matrix):
     return (quartic[1] + quartic[3]) ** 2 / 4 - 4 * (quartic[2] - 2)
 
 
+@pytest.mark.slow
 def test_four_multipliers_of_a_chain_leave_the_circle(tmp_path):
     """Where vibsim says Neimark-Sacker, matrix exponentials have two equal traces; between, a quadruple."""
     (tmp_path / "chain.yaml").write_text(CHAIN)

@@ -27,6 +27,7 @@ def test_a_sequence_is_one_letter_wherever_the_section_cuts_it():
     assert circle((("impact", 1), ("chatter", 0))) == (("chatter", 0), ("impact", 1))
 
 
+@pytest.mark.slow
 def test_what_rests_in_each_period_is_followed():
     """The state on the section is forgotten, and comes back but for the rounding of its scale: Newton's
     method took more than 8 steps. The number of impacts before the rest is no change of the order of events.
@@ -139,6 +140,7 @@ def test_a_flight_of_rounding_from_a_rest_is_told_once(phase):
     assert special.parameter == pytest.approx(9.81e3 / OMEGA**2, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_blows_that_a_chatter_loses_one_by_one_are_told_one_by_one():
     """A ball of e = 0.2: each last blow is lost in a graze, where a multiplier is infinite on the side with
     it and the branch has a corner, sharper than a right angle. The parameter runs on from the first graze

@@ -1,6 +1,7 @@
 """Folds beside the graze of a rigid stop, in two parameters, against a closed form."""
 
 import numpy as np
+import pytest
 
 from vibsim.orbits.branches.branch_file import LocusStore, complete
 from vibsim.orbits.branches.continuing import continue_branch
@@ -25,6 +26,7 @@ def fold_of_one_impact(w, c=0.1, e=0.8):
     return np.sqrt(((1 - w * w) ** 2 + (c * w) ** 2) * other**2 / (a * a + other**2)), a
 
 
+@pytest.mark.slow
 def test_folds_beside_a_graze_are_followed():
     """From 3e-5 N beside the graze of a rigid stop to where the locus meets that of the graze: at the damped
     natural frequency, where a = 0. The test value changes by 0.2 over 1e-6, and differences told nothing.

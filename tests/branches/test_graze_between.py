@@ -61,7 +61,7 @@ LOST = {
 @pytest.mark.parametrize(
     ("begun", "span", "counts"),
     [
-        ("2.18427 mm", "2.1842:2.18427 mm", (8,)),
+        pytest.param("2.18427 mm", "2.1842:2.18427 mm", (8,), marks=pytest.mark.slow),
         pytest.param("2.1845 mm", "2.184:2.1847 mm", (8, 7, 6), marks=pytest.mark.slow),
     ],
 )

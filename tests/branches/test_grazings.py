@@ -119,6 +119,7 @@ def test_a_graze_among_other_contacts():
     assert locus["parameter"][start] == pytest.approx(3.50596783345623924804, rel=1e-13)
 
 
+@pytest.mark.slow
 def test_a_locus_ends_at_the_end_of_the_first_range_too():
     """Amplitudes to 12.4 N, four times those of the branch: the last point was up to a step beyond."""
     case = load_case("gallery/impact-oscillator-coco", {"drive.A": "3.1 N", "drive.omega": "2 rad/s"})
@@ -129,6 +130,7 @@ def test_a_locus_ends_at_the_end_of_the_first_range_too():
     assert amplitude == pytest.approx(hypot(1 - w * w, 0.1 * w), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_bend_beside_a_graze_is_followed():
     """The drifting capsule's branch bends by 160 degrees within 1e-6 Hz as a contact with its anvil goes. A
     step went over the bend, took the way back for the way on, and told four places that were not resolved.

@@ -102,6 +102,7 @@ def test_a_branch_that_comes_back_to_where_it_was_ends_there(earlier, same_way, 
     assert (len(again.points) < len(whole.points)) == ends and len(again.specials) == 1 + (not ends)
 
 
+@pytest.mark.slow
 def test_a_step_onto_a_branch_beside_is_taken_again():
     """Symmetric orbits of the impact damper are born in folds with one more blow on both sides each, which
     bring the next branch point with them. Their map is that of half a period twice, so no real multiplier is

@@ -132,6 +132,7 @@ def test_pictures_in_any_environment(files, name):
     assert json.loads(done.stdout) == {"written": ["a.png"]}
 
 
+@pytest.mark.slow
 def test_pictures_where_the_list_of_fonts_lacks_those_of_matplotlib(files):
     """Such a list is written while matplotlib is being removed or installed."""
     fonts = copy(font_manager.fontManager)

@@ -273,7 +273,7 @@ def test_a_force_that_holds_the_motion_at_its_jump_is_told_by_both_engines():
 
 
 # the first of them always, all by `make verify`
-SEEDS = [pytest.param(first, marks=pytest.mark.slow if first >= 60 else ()) for first in range(0, 200, 10)]
+SEEDS = [pytest.param(first, marks=pytest.mark.slow if first >= 20 else ()) for first in range(0, 200, 10)]
 
 
 @pytest.mark.parametrize("first", SEEDS)

@@ -51,6 +51,7 @@ def test_a_force_that_is_off_by_a_millionth_is_noticed(monkeypatch):
     assert sum(bool(compared(seed).disagreements) for seed in FEW[:3]) >= 2
 
 
+@pytest.mark.slow
 def test_an_event_that_is_missing_is_noticed(monkeypatch):
     class WithoutStops(Drawn):
         def __init__(self, seed):

@@ -36,6 +36,7 @@ def test_ii_c_is_held_and_let_go_within_its_trust_horizon(escape):
     assert found.final_speed_hz == pytest.approx(6.2, abs=0.05)
 
 
+@pytest.mark.slow
 def test_most_starts_end_near_6_2_hz():
     """What follows is chaotic: of eight starts most are held, let go, and run up."""
     case = load_case("II-C-escape")
