@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from vibsim.analysis.cycles import FrequenciesVerdict as FrequenciesVerdict
     from vibsim.analysis.cycles import ImpactsVerdict as ImpactsVerdict
     from vibsim.analysis.cycles import RegimeVerdict as RegimeVerdict
+    from vibsim.analysis.cycles import Span as Span
     from vibsim.analysis.dominant_frequencies import DominantFrequencies as DominantFrequencies
     from vibsim.analysis.dominant_frequencies import find_frequencies as find_frequencies
     from vibsim.analysis.drift import Drift as Drift
@@ -42,6 +43,5 @@ if TYPE_CHECKING:
     from vibsim.analysis.regime import judge_regime as judge_regime
     from vibsim.analysis.regime import largest_exponent as largest_exponent
     from vibsim.analysis.sections import Exponent as Exponent
-    from vibsim.analysis.span import Span as Span
 
 __getattr__, __dir__, __all__ = lazy_names(__name__)

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibsim.analysis.cycles import transient
 from vibsim.analysis.regime import exponent_of
-from vibsim.analysis.span import transient
 from vibsim.cases.case import by_key, load_case, whole_number
 from vibsim.cases.quantities import number
 from vibsim.engine.tangent.lyapunov import LyapunovExponents, lyapunov_exponents

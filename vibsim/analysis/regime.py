@@ -10,10 +10,9 @@ import numpy as np
 
 from vibsim.analysis.chaos_tests import EXACT, MOSTLY, NEAR, SHRINKS, TOLERANCE
 from vibsim.analysis.comparison import average
-from vibsim.analysis.cycles import ROWS, RegimeVerdict, name_verdict
+from vibsim.analysis.cycles import ROWS, RegimeVerdict, Span, name_verdict, steady_span
 from vibsim.analysis.drift import happenings
 from vibsim.analysis.sections import Exponent, JudgedPoints, SectionCoordinates, judge_points, section_of
-from vibsim.analysis.span import Span, steady_span
 from vibsim.cases.quantities import number
 from vibsim.engine.columns import state_columns
 from vibsim.engine.errors import EngineError

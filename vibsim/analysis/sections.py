@@ -27,8 +27,7 @@ from vibsim.analysis.chaos_tests import (
 )
 from vibsim.analysis.chaos_tests import LEAST as chaos_tests_LEAST
 from vibsim.analysis.chaos_tests import MOST as chaos_tests_MOST
-from vibsim.analysis.cycles import ROWS, TURN, RegimeVerdict, cycle_ends, events_within, name_verdict
-from vibsim.analysis.span import Span
+from vibsim.analysis.cycles import ROWS, TURN, RegimeVerdict, Span, cycle_ends, events_within, name_verdict
 from vibsim.cases.quantities import number
 from vibsim.physics.connections import body_sets, felt_angles, force_pairs
 from vibsim.physics.elementary import mean, sine_cosine_of_arrays

@@ -241,7 +241,7 @@ class CaptureComputation:
     ) -> dict[str, float]:
         """The verdict and its times; NaN where there is none."""
         from vibsim.analysis.capture import capture_of_turns
-        from vibsim.analysis.span import Span
+        from vibsim.analysis.cycles import Span
 
         resumed = run.rows[-1]["t"] if run.rows else 0.0
         turns, impacts = (self._joined(table, resumed) for table in ("section", "events"))

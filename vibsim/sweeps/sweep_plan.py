@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.analysis.span import HALF, Discard, parse_discard
+from vibsim.analysis.cycles import HALF, Discard, parse_discard
 from vibsim.cases.quantities import Quantity, parse_quantity
 from vibsim.physics.rates import common_period, reads_time
 from vibsim.results.file_contents import Column

@@ -6,7 +6,7 @@ from fractions import Fraction
 from os import PathLike
 from pathlib import Path
 
-from vibsim.analysis.span import parse_discard
+from vibsim.analysis.cycles import parse_discard
 from vibsim.cases import Case
 from vibsim.cases.case import CaseLike, by_key, load_case, texts, whole_number
 from vibsim.cases.quantities import parse_quantity

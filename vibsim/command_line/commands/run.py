@@ -331,7 +331,7 @@ def with_exponents(
 
 
 def _tangent(case: "Case", count: int | str, discard: str | None) -> tuple[int, float]:
-    from vibsim.analysis.span import HALF, parse_discard
+    from vibsim.analysis.cycles import HALF, parse_discard
 
     scene = case.scene()
     if count != "all" and int(count) > dimension(scene):
