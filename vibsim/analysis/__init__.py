@@ -37,11 +37,11 @@ if TYPE_CHECKING:
     from vibsim.analysis.drift import ImpactsPerCycle as ImpactsPerCycle
     from vibsim.analysis.drift import count_impacts as count_impacts
     from vibsim.analysis.drift import measure_drift as measure_drift
-    from vibsim.analysis.exponents import Lyapunov as Lyapunov
-    from vibsim.analysis.exponents import lyapunov as lyapunov
+    from vibsim.analysis.regime import Lyapunov as Lyapunov
     from vibsim.analysis.regime import Regime as Regime
     from vibsim.analysis.regime import judge_regime as judge_regime
     from vibsim.analysis.regime import largest_exponent as largest_exponent
+    from vibsim.analysis.regime import lyapunov as lyapunov
     from vibsim.analysis.sections import Exponent as Exponent
 
 __getattr__, __dir__, __all__ = lazy_names(__name__)

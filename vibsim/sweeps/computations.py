@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from vibsim.analysis.sections import Exponent
 
 
-# Lyapunov exponents of a point, by `vibsim.analysis.exponents`: one more run, with a tangent bundle.
+# Lyapunov exponents of a point, by `vibsim.analysis.regime`: one more run, with a tangent bundle.
 
 
 LARGEST, HALF_WIDTH = "lyapunov", "lyapunov_half_width"
@@ -64,7 +64,7 @@ class LyapunovComputation:
         self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
     ) -> dict[str, Any]:
         """The exponents and how well they are known."""
-        from vibsim.analysis.exponents import judged
+        from vibsim.analysis.regime import judged
         from vibsim.engine.tangent.lyapunov import lyapunov_exponents
 
         count = dimension(self._scene) if self._everything else 1
