@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibsim.analysis.attractor import is_mirrored, lies_on
 from vibsim.engine.errors import EngineError
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits.coordinates import OrbitError, placed, spelled
-from vibsim.orbits.neighbourhood import is_mirrored, lies_on
 from vibsim.orbits.newton import solve
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import ReturnMap
