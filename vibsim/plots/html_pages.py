@@ -21,7 +21,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from vibsim.cases.problems import one_line
-from vibsim.orbits.branches.course import curve_of, drawn, stretches
+from vibsim.orbits.branches.tracing import curve_of, drawn, stretches
 from vibsim.physics.connections import event_parts
 from vibsim.physics.parts import EVENT_KINDS, IMPACTS, ROTOR, STATE, SWITCH
 from vibsim.plots.branch_values import MARKS, ranges

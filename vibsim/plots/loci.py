@@ -11,9 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from vibsim.orbits.branches.correction import ContinuationError
-from vibsim.orbits.branches.course import curve_of, drawn, stretches
 from vibsim.orbits.branches.node import ENERGY
-from vibsim.orbits.branches.tracing import OrbitRecord
+from vibsim.orbits.branches.tracing import OrbitRecord, curve_of, drawn, stretches
 from vibsim.plots.branch_values import ParameterAxis, parameter_factor, parameter_label, parameter_of
 from vibsim.plots.sheet import add_below, legend_above, letter_panels, sheet
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, PINK, VERMILLION

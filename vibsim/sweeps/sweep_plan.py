@@ -18,7 +18,8 @@ import numpy as np
 
 from vibsim.analysis.cycles import HALF, Discard, parse_discard
 from vibsim.cases.quantities import Quantity, parse_quantity
-from vibsim.physics.rates import common_period, reads_time
+from vibsim.physics.connections import reads_time
+from vibsim.physics.rates import common_period
 from vibsim.results.file_contents import Column
 from vibsim.results.plain_data import BESIDE, plain_data, stored
 from vibsim.sweeps.axes import Axis, Members, axes_from_plain

@@ -17,7 +17,7 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.error_growth import error_growth
 from vibsim.evidence.benchmark.plan import BenchPlan
 from vibsim.evidence.peers.solvers import Attempt
-from vibsim.evidence.verification.stored_truths import Event, match_events, reach
+from vibsim.evidence.verification.checks import Event, match_events, reach
 from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES, Scene, columns_of
 from vibsim.physics.rates import natural_rates, source_rates
 from vibsim.results.blocks_ahead import available_cores

@@ -21,12 +21,12 @@ from vibsim.evidence.verification.checks import (
     counted_row,
     flows_of,
     named_case,
+    read_truth,
     run,
     worst_row,
 )
 from vibsim.evidence.verification.hard_cases import BECAUSE as hard_cases_BECAUSE
 from vibsim.evidence.verification.hard_cases import LUCK, UNITS, hard_state_points
-from vibsim.evidence.verification.stored_truths import read_truth
 from vibsim.physics.parts import EVENT_NAMES
 from vibsim.results import Result
 
