@@ -373,7 +373,7 @@ def _problems_of_formulas(values: dict[str, Any], tree: Tree) -> list[Problem]:
     """Problems of formulas; a case without them is not looked at any further."""
     if not (tree.complete and has_formulas(values)):
         return []
-    from vibsim.cases.formula_rules import formula_findings
+    from vibsim.cases.formula_building import formula_findings
 
     return [_found(finding, tree) for finding in formula_findings(values)]
 
