@@ -15,8 +15,7 @@ from matplotlib.figure import Figure
 from vibsim.physics.rates import motor_columns
 from vibsim.plots.pairs import trust_remark
 from vibsim.plots.portraits import moving
-from vibsim.plots.relative_motion import last_half
-from vibsim.plots.samples import mark_frequencies, natural_frequencies, shown, window_of
+from vibsim.plots.samples import last_half, mark_frequencies, natural_frequencies, shown, window_of
 from vibsim.plots.sheet import (
     CM,
     Scale,

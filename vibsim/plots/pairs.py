@@ -11,8 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 
 from vibsim.physics.connections import pairs_of
-from vibsim.plots.relative_motion import difference, impact_times, stop_label, stop_position, stops_between
-from vibsim.plots.samples import window_of
+from vibsim.plots.samples import difference, impact_times, stop_label, stop_position, stops_between, window_of
 from vibsim.plots.sheet import Scale, as_text, label_axes, note, pixel_columns
 from vibsim.plots.style import GREY, SHADE, points
 from vibsim.plots.subject import Subject

@@ -21,14 +21,16 @@ from vibsim.plots.pairs import (
     trust_marks,
     trust_remark,
 )
-from vibsim.plots.relative_motion import (
+from vibsim.plots.samples import (
     PERIODS_AT_MOST,
+    common_window,
     draw_stop_line,
     events_within,
     last_half,
+    shown,
     steady_span,
+    window_of,
 )
-from vibsim.plots.samples import common_window, shown, window_of
 from vibsim.plots.sheet import (
     Scale,
     legend_above,

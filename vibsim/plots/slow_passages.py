@@ -21,8 +21,7 @@ from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import EVENT_KINDS, Scene
 from vibsim.physics.rates import motor_columns
 from vibsim.plots.pairs import PlottedPair, annotate_runs, common_pairs, shown_part, trust_remark
-from vibsim.plots.relative_motion import events_within
-from vibsim.plots.samples import natural_frequencies, window_of
+from vibsim.plots.samples import events_within, natural_frequencies, window_of
 from vibsim.plots.sheet import (
     Level,
     as_text,

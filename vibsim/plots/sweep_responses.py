@@ -21,8 +21,7 @@ from vibsim.plots.branches_over_sweeps import (
     name_branches,
     sections,
 )
-from vibsim.plots.relative_motion import DISPLACEMENT, VELOCITY, difference
-from vibsim.plots.samples import mark_frequencies
+from vibsim.plots.samples import DISPLACEMENT, VELOCITY, difference, mark_frequencies
 from vibsim.plots.sheet import Scale, legend_below, letter_panels, note, scale_for, sheet
 from vibsim.plots.style import points
 from vibsim.plots.subject import Subject

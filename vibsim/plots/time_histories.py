@@ -25,27 +25,25 @@ from vibsim.plots.pairs import (
     trust_marks,
     trust_remark,
 )
-from vibsim.plots.relative_motion import (
+from vibsim.plots.samples import (
     DETAIL_PERIODS,
+    POINTS_PER_COLUMN,
+    Envelope,
+    Series,
+    common_window,
     contact_spans,
     detail_span,
     draw_stop_line,
     impact_events,
     impacts_of,
+    motor_of,
+    natural_frequencies,
     period_of,
+    series,
+    shown,
     steady_span,
     stop_label,
     stop_position,
-)
-from vibsim.plots.samples import (
-    POINTS_PER_COLUMN,
-    Envelope,
-    Series,
-    common_window,
-    motor_of,
-    natural_frequencies,
-    series,
-    shown,
     window_of,
 )
 from vibsim.plots.sheet import (

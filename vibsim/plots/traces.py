@@ -9,8 +9,15 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from vibsim.plots.relative_motion import events_within, impacts_of
-from vibsim.plots.samples import blocks, rows, samples, shortest_period, source_period
+from vibsim.plots.samples import (
+    blocks,
+    events_within,
+    impacts_of,
+    rows,
+    samples,
+    shortest_period,
+    source_period,
+)
 from vibsim.plots.sheet import Scale, above_wider
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import Span
