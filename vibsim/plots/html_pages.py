@@ -26,12 +26,12 @@ from vibsim.physics.connections import event_parts
 from vibsim.physics.parts import EVENT_KINDS, IMPACTS, ROTOR, STATE, SWITCH
 from vibsim.plots.branch_values import MARKS, ranges
 from vibsim.plots.loci import NAMES
-from vibsim.plots.pairs import pair_of
 from vibsim.plots.registry import fitting
 from vibsim.plots.samples import shortest_period
 from vibsim.plots.sheet import scale_for
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import draws_by_ratio, label_of
+from vibsim.plots.traces import pair_of
 from vibsim.plots.view import PlotError
 from vibsim.results.columns import has_switches
 from vibsim.results.hdf5_reading import plain
