@@ -15,13 +15,11 @@ from dataclasses import fields, is_dataclass
 from fractions import Fraction
 from functools import cache
 from types import NoneType
-from typing import Any, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import numpy as np
 
 from vibsim.cases.quantities import decimal_text, exact_number
-
-T = TypeVar("T")
 
 
 class StoredField(NamedTuple):
