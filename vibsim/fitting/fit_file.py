@@ -33,7 +33,7 @@ from vibsim.results.hdf5_reading import (
     understood,
 )
 from vibsim.results.hdf5_writing import write_hdf5
-from vibsim.results.plain_data import from_plain
+from vibsim.results.store import from_plain
 from vibsim.sweeps.points import SweepPoint
 from vibsim.sweeps.quantities import DONE, MISSING, STATUS_FLAGS
 

@@ -17,9 +17,9 @@ from vibsim.cases import CaseError
 from vibsim.engine.errors import EngineError
 from vibsim.fitting.measures import FitError
 from vibsim.fitting.statements import PRINTED, Asked, Candidate, FreeParameter, Statement
-from vibsim.results.plain_data import BESIDE, plain_data, stored
 from vibsim.results.recording import MemorySink, Recording
 from vibsim.results.result import Result
+from vibsim.results.store import BESIDE, plain_data, stored
 from vibsim.sweeps.axes import Members
 from vibsim.sweeps.points import SweepPoint, described_bug
 from vibsim.sweeps.quantities import DONE, FAILED

@@ -37,8 +37,7 @@ from vibsim.results.hdf5_reading import (
     understood,
 )
 from vibsim.results.hdf5_writing import write_hdf5
-from vibsim.results.plain_data import from_plain
-from vibsim.results.store import Store
+from vibsim.results.store import Store, from_plain
 from vibsim.signals import ended_at_once
 from vibsim.sweeps.axes import Axis, Members, Spread, axis_from_plain
 from vibsim.sweeps.contact_computations import QUANTILES

@@ -21,7 +21,7 @@ from vibsim.cases.quantities import Quantity, parse_quantity
 from vibsim.physics.connections import reads_time
 from vibsim.physics.rates import common_period
 from vibsim.results.file_contents import Column
-from vibsim.results.plain_data import BESIDE, plain_data, stored
+from vibsim.results.store import BESIDE, plain_data, stored
 from vibsim.sweeps.axes import Axis, Members, axes_from_plain
 from vibsim.sweeps.computations import COMPUTATIONS, length_of
 from vibsim.sweeps.quantities import Quantities, always, distinct, quantities_of
