@@ -25,8 +25,7 @@ from vibsim.cases.short_form import GROUND as GROUND_END
 from vibsim.cases.short_form import FoundDefault
 from vibsim.physics import formulas as nodes
 from vibsim.physics.formulas import ONE, ZERO, Node
-from vibsim.physics.friction_laws import HYPERBOLIC
-from vibsim.physics.parts import BASE, GROUND
+from vibsim.physics.parts import BASE, GROUND, HYPERBOLIC
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 LONGEST_NAME = 24

@@ -16,7 +16,7 @@ from vibsim.cases.formula_places import MOTOR
 from vibsim.cases.formula_text import names_in
 from vibsim.cases.quantities import Quantity
 from vibsim.physics.formulas import ONE, TIME, Node, walk
-from vibsim.physics.friction_laws import EXPONENTIAL, HYPERBOLIC
+from vibsim.physics.parts import EXPONENTIAL, HYPERBOLIC
 
 Values = dict[str, Any]
 PLACE: Node = ("x", "own")  # d of a link, p of a stop

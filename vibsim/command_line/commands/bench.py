@@ -22,6 +22,7 @@ from vibsim.evidence.benchmark.bench_result import (
     SLOWER,
     BenchResult,
     BenchRow,
+    BenchTruth,
     beside_reference,
     facts,
     fastest,
@@ -41,7 +42,6 @@ from vibsim.evidence.benchmark.plan import (
     make_plan,
 )
 from vibsim.evidence.benchmark.running import run_bench
-from vibsim.evidence.benchmark.scoring import BenchTruth
 from vibsim.evidence.peers.solvers import CONTACTS
 from vibsim.results.output_files import check_output
 from vibsim.signals import Interruption, interrupted_with

@@ -12,9 +12,8 @@ import numpy as np
 
 from vibsim.cases import Case
 from vibsim.evidence.benchmark.plan import NOT_TRUTH, BenchError, BenchPlan, family_of
-from vibsim.evidence.benchmark.scoring import BenchTruth, EventCount, faithful_error
 from vibsim.evidence.peers.solvers import kinds_of
-from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene
+from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene, columns_of
 from vibsim.results.columns import tables_of
 from vibsim.results.file_contents import LIST, NUMBER, PROVENANCE, TEXT, WHOLE, Attribute, Column, Dataset
 from vibsim.results.hdf5_reading import (
@@ -26,6 +25,48 @@ from vibsim.results.hdf5_reading import (
     stored_case,
 )
 from vibsim.results.hdf5_writing import write_hdf5
+
+FAITHFUL = 1e-3  # m: largest error of the displacements of a faithful run, a gap of the paper
+SMALL = 0.05  # of the largest displacement, where that is smaller
+
+
+def displacements_of(scene: Scene) -> list[str]:
+    """Names of the columns of displacements; states have each of them in front of its velocity."""
+    return [columns_of(body.name)[0] for body in scene.line]
+
+
+@dataclass(frozen=True)
+class BenchTruth:
+    """States at the instants of a plan, and events.
+
+    Attributes
+    ----------
+    fingerprint : of the plan that it was computed for
+    samples : columns time [s], x1, v1 (, x2, v2, phi, phidot) (n)
+    events : columns t [s] and kind
+    attrs : digits carried and right, library, time it took [s]
+    """
+
+    fingerprint: str
+    samples: Mapping[str, np.ndarray]
+    events: Mapping[str, np.ndarray]
+    attrs: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class EventCount:
+    """Events of one kind up to some instant."""
+
+    found: int
+    missed: int
+    spurious: int
+
+
+def faithful_error(truth: BenchTruth, scene: Scene) -> float:
+    """The largest error of a faithful run [m]: FAITHFUL, or a share of the largest displacement."""
+    largest = max(float(np.abs(truth.samples[name]).max()) for name in displacements_of(scene))
+    return min(FAITHFUL, SMALL * largest) if largest else FAITHFUL
+
 
 # One row of a bench: a method at a setting, what it took and how right it was.
 
