@@ -24,8 +24,7 @@ from vibsim.plots.sweep_axes import (
 )
 from vibsim.plots.view import View
 from vibsim.sweeps.attractors import Attractors, parameter_axes
-from vibsim.sweeps.quantities import DONE
-from vibsim.sweeps.run_ends import NONE
+from vibsim.sweeps.quantities import DONE, NONE
 
 HEIGHT_CM = 6.8
 LINE_CM = 0.4  # of a legend

@@ -31,8 +31,8 @@ from vibsim.orbits.search import least
 from vibsim.physics.parts import GROUND
 from vibsim.results.file_contents import Column, Dataset
 from vibsim.sweeps.attractor_labels import orbit_of_label
-from vibsim.sweeps.quantities import DONE
-from vibsim.sweeps.run_ends import INITIAL, KINDS, NAME, NONE, is_of_starts
+from vibsim.sweeps.quantities import DONE, INITIAL, KINDS, NAME, NONE
+from vibsim.sweeps.sweep_plan import is_of_starts
 
 if TYPE_CHECKING:
     from vibsim.sweeps.points import Table

@@ -42,8 +42,7 @@ from vibsim.signals import ended_at_once
 from vibsim.sweeps.axes import Axis, Members, Spread, axis_from_plain
 from vibsim.sweeps.contact_computations import QUANTILES
 from vibsim.sweeps.points import SweepPoint, Table
-from vibsim.sweeps.quantities import DEFINITIONS, DONE, FAILED, STATUS_FLAGS
-from vibsim.sweeps.run_ends import NAME, NONE
+from vibsim.sweeps.quantities import DEFINITIONS, DONE, FAILED, NAME, NONE, STATUS_FLAGS
 from vibsim.sweeps.sweep_plan import DIRECTION_FLAGS, SweepPlan, check_memory
 
 if TYPE_CHECKING:

@@ -30,8 +30,6 @@ from vibsim.evidence.benchmark.bench_result import (
     most_accurate,
     reference,
     refusals,
-    truth_at_hand,
-    truth_from,
 )
 from vibsim.evidence.benchmark.plan import (
     FAMILIES,
@@ -41,7 +39,7 @@ from vibsim.evidence.benchmark.plan import (
     family_of,
     make_plan,
 )
-from vibsim.evidence.benchmark.running import run_bench
+from vibsim.evidence.benchmark.running import run_bench, truth_at_hand, truth_from
 from vibsim.evidence.peers.solvers import CONTACTS
 from vibsim.results.output_files import check_output
 from vibsim.signals import Interruption, interrupted_with

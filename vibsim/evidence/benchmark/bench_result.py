@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases import Case
-from vibsim.evidence.benchmark.plan import NOT_TRUTH, BenchError, BenchPlan, family_of
+from vibsim.evidence.benchmark.plan import family_of
 from vibsim.evidence.peers.solvers import kinds_of
 from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene, columns_of
 from vibsim.results.columns import tables_of
 from vibsim.results.file_contents import LIST, NUMBER, PROVENANCE, TEXT, WHOLE, Attribute, Column, Dataset
 from vibsim.results.hdf5_reading import (
-    ResultFileError,
     damaged,
     opened,
     read_attributes,
@@ -484,29 +483,3 @@ def _rows(scene: Scene) -> list[Dataset]:
 
 
 # The truth of an earlier bench, taken over where it is that of the same case over the same instants.
-
-
-def truth_from(plan: BenchPlan, path: str | Path) -> BenchTruth:
-    """The truth in the bench file `path`. Raises ResultFileError where it is no such file, BenchError where
-    the truth in it is not that of `plan`, with what differs.
-    """
-    bench = open_bench(path)
-    if bench.truth.fingerprint != plan.fingerprint:
-        raise BenchError(
-            f"{path}: its truth is of another case; it differs in {', '.join(_differences(plan, bench))}"
-        )
-    return bench.truth
-
-
-def truth_at_hand(plan: BenchPlan, path: str | Path) -> BenchTruth | None:
-    """The same; None where there is none."""
-    try:
-        return truth_from(plan, path)
-    except (ResultFileError, BenchError):
-        return None
-
-
-def _differences(plan: BenchPlan, bench: BenchResult) -> list[str]:
-    ours, theirs = ({k: str(v) for k, v in case.values.items()} for case in (plan.case, bench.case))
-    keys = [key for key in {**ours, **theirs} if key not in NOT_TRUTH and ours.get(key) != theirs.get(key)]
-    return [f"{key} ({theirs.get(key, 'none')} there, {ours.get(key, 'none')} here)" for key in keys]

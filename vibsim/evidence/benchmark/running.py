@@ -29,15 +29,17 @@ from vibsim.evidence.benchmark.bench_result import (
     EventCount,
     displacements_of,
     faithful_error,
+    open_bench,
     write_bench,
 )
-from vibsim.evidence.benchmark.plan import BenchPlan, SolverFamily
+from vibsim.evidence.benchmark.plan import NOT_TRUTH, BenchError, BenchPlan, SolverFamily
 from vibsim.evidence.peers.solvers import Attempt, TimeLimit
 from vibsim.evidence.verification.checks import Event, match_events, reach
 from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES, Scene
 from vibsim.physics.rates import natural_rates, source_rates
 from vibsim.results.blocks_ahead import available_cores
 from vibsim.results.file_contents import provenance
+from vibsim.results.hdf5_reading import ResultFileError
 from vibsim.results.many_digits import DigitsPlan, TruthMemory, TruthRecording
 from vibsim.results.output_files import check_result_output
 
@@ -315,3 +317,29 @@ def processor() -> str:
     except OSError:
         names = []
     return names[0] if names else platform.processor() or platform.machine()
+
+
+def truth_from(plan: BenchPlan, path: str | Path) -> BenchTruth:
+    """The truth in the bench file `path`. Raises ResultFileError where it is no such file, BenchError where
+    the truth in it is not that of `plan`, with what differs.
+    """
+    bench = open_bench(path)
+    if bench.truth.fingerprint != plan.fingerprint:
+        raise BenchError(
+            f"{path}: its truth is of another case; it differs in {', '.join(_differences(plan, bench))}"
+        )
+    return bench.truth
+
+
+def truth_at_hand(plan: BenchPlan, path: str | Path) -> BenchTruth | None:
+    """The same; None where there is none."""
+    try:
+        return truth_from(plan, path)
+    except (ResultFileError, BenchError):
+        return None
+
+
+def _differences(plan: BenchPlan, bench: BenchResult) -> list[str]:
+    ours, theirs = ({k: str(v) for k, v in case.values.items()} for case in (plan.case, bench.case))
+    keys = [key for key in {**ours, **theirs} if key not in NOT_TRUTH and ours.get(key) != theirs.get(key)]
+    return [f"{key} ({theirs.get(key, 'none')} there, {ours.get(key, 'none')} here)" for key in keys]
