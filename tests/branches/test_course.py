@@ -15,7 +15,7 @@ from vibsim.orbits.branches.tracing import FINE, Arc, curve_of, drawn, stretches
 from vibsim.orbits.search import orbit
 from vibsim.plots.branch_curves import torque_of
 from vibsim.plots.branch_values import amplitude_of, mean_speed_of, parameter_of, pieces, ranges
-from vibsim.plots.loci import magnitudes_along
+from vibsim.plots.branches_over_sweeps import magnitudes_along
 
 SHORT = Pace(first=0.006, most=0.006)
 

@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 DRAWN_IN: dict[str, tuple[str, ...]] = {
     "basins": ("basins",),
     "branch_curves": ("branch", "load-curve"),
+    "branches_over_sweeps": ("multipliers", "locus"),
     "capture_pictures": ("regime", "capture"),
     "characteristics": ("stiffness", "motor"),
     "fit_and_bench": ("fit", "work-precision"),
     "frequency_pictures": ("displacement-frequency", "spectrum", "spectrogram", "waterfall"),
-    "loci": ("multipliers", "locus"),
     "overview": ("overview",),
     "picture": ("columns",),
     "portraits": ("phase", "phase-drift-free", "impact-velocity", "stroboscopic", "orbit-portrait"),

@@ -16,6 +16,7 @@ from vibsim.engine.columns import state_columns
 from vibsim.engine.driver import Driver
 from vibsim.engine.errors import State
 from vibsim.engine.truth import bare
+from vibsim.evidence.verification.catalogue import CASE_I, SPANS, judged_case
 from vibsim.evidence.verification.checks import (
     Event,
     KickedFlow,
@@ -30,7 +31,6 @@ from vibsim.evidence.verification.checks import (
     write_truth,
 )
 from vibsim.evidence.verification.hard_cases import CLOSED_FORMS, PERIOD, PERIODIC, REPORTED, SETTLED
-from vibsim.evidence.verification.paper_cases import CASE_I, SPANS, judged_case
 from vibsim.physics.numbers import Number
 from vibsim.physics.parts import EVENT_NAMES
 from vibsim.physics.precision import DigitsKit, number_kit, one_precision
