@@ -290,11 +290,7 @@ def main(names: list[str], folder: Path = Path("results/true-motions")) -> None:
         print(f"{name}: {how_it_was_had(motion)}; made again to {error:.1e} m: {write_motion(motion)}")
 
 
-if __name__ == "__main__":
-    main(sys.argv[1:])
-
-
-# The whole report: runs, numbers, figures, and the pages that tell them, into one folder.
+# The report itself.
 
 
 @dataclass(frozen=True)
@@ -398,3 +394,7 @@ def draw_pictures(
         sommerfeld = write_sommerfeld(sweeps, folder, formats)
         audit = {"growth": growth, "powers": powers, "search": search, "load-curves": load}
         return pictures, {**audit, "sommerfeld": sommerfeld, **evidence}
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
