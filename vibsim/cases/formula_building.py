@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import Any
 
-from vibsim.cases.formula_keys import FORMULA_KEYS, Formula, has_formula, of_part, sides_of
 from vibsim.cases.formula_places import (
     MOTOR,
     STATE_OF,
@@ -21,6 +20,7 @@ from vibsim.cases.part_laws import SIDES, Direction, directions
 from vibsim.cases.problems import did_you_mean, shown
 from vibsim.cases.quantities import Quantity, QuantityError
 from vibsim.cases.schema_keys import all_keys
+from vibsim.cases.schema_kinds import FORMULA_KEYS, Formula, has_formula, of_part, sides_of
 from vibsim.cases.short_form import GROUND as GROUND_END
 from vibsim.cases.short_form import FoundDefault
 from vibsim.physics import formulas as nodes
