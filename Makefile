@@ -135,7 +135,7 @@ paper-page: $(STAMP) ## bring the numbers of docs/paper.md up to date with resul
 	$(BIN)/python -m tests.docs.paper_page results/paper/numbers.json
 
 true-motions: $(STAMP) ## run the paper's cases with many digits, and keep their motions from rest (half an hour; takes the runs that are in results/true-motions)
-	$(BIN)/python -m vibsim.evidence.reports.true_motions
+	$(BIN)/python -m vibsim.evidence.reports.paper
 
 lint: $(STAMP) ## check style and types
 	$(BIN)/ruff check vibsim tests docs setup.py

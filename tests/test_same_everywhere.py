@@ -46,7 +46,7 @@ LIBRARIES = {  # libraries whose arithmetic a result takes, each with the reason
         "scipy.fft",
         "scipy.signal",
     },  # one code for all processors; a search
-    "analysis/chaos_tests.py": {"numpy.fft"},  # the same; correlations to 1e-3
+    "analysis/sections.py": {"numpy.fft"},  # the same; correlations to 1e-3
     "orbits/branches/family.py": {"numpy.polynomial"},  # sums and products in the order of its code
     "fitting/plan.py": {"scipy"},  # its version, which a file names
     "fitting/search.py": {"scipy.optimize", "scipy.stats"},  # draws candidates, under the version in the file

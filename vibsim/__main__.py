@@ -1,6 +1,6 @@
 """The command `vibsim`, also as `python -m vibsim`: here its process begins."""
 
-from vibsim.command_line.interruption import ended_by_signals
+from vibsim.signals import ended_by_signals
 
 
 def main() -> None:

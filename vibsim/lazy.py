@@ -41,7 +41,7 @@ def lazy_names(package: str) -> Lazy:
 
 
 def named(path: str) -> Any:
-    """The object of a name such as "vibsim.physics.multiprecision:Balls", its module imported."""
+    """The object of a name such as "vibsim.plots.picture:plot", its module imported."""
     module, _, name = path.partition(":")
     return getattr(import_module(module), name)
 

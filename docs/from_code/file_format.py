@@ -6,7 +6,7 @@ from from_code.attribute_meanings import MEANINGS
 from from_code.markdown import code, plain, table
 from vibsim.cases import load_case
 from vibsim.evidence.benchmark import bench_result
-from vibsim.fitting import fit_file
+from vibsim.fitting import plan as fit_plan
 from vibsim.fitting.fitting import make_plan as make_fit_plan
 from vibsim.fitting.plan import Search
 from vibsim.orbits.branches import curve as branch_structure
@@ -91,9 +91,9 @@ def _fit() -> Iterator[str]:
     plan = make_fit_plan([load_case("II-B")], {"J": "0.5:20 g m^2"}, statements, (), {}, 0, {}, Search())
     yield "## Fits (`vibsim_kind` = fit)\n"
     yield "### Datasets of a fit of `II-B` with J free\n"
-    yield _datasets(fit_file.datasets_of(plan))
+    yield _datasets(fit_plan.datasets_of(plan))
     yield "### Attributes of fits\n"
-    yield _attributes(fit_file.ATTRIBUTES)
+    yield _attributes(fit_plan.ATTRIBUTES)
 
 
 def _bench() -> Iterator[str]:

@@ -9,8 +9,7 @@ from tests.results.made import short_run
 from tests.scenes import motor, scene
 from vibsim.analysis import cycles
 from vibsim.analysis.capture import capture_of_turns, judge_capture, resonances
-from vibsim.analysis.cycles import BAND, TURNS, cycle_ends, longest_stretch
-from vibsim.analysis.span import Span
+from vibsim.analysis.cycles import BAND, TURNS, Span, cycle_ends, longest_stretch
 from vibsim.cases.case import load_case_text
 from vibsim.results import simulate
 

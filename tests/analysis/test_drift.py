@@ -5,8 +5,8 @@ import pytest
 
 import vibsim
 from tests.results.made import short_case, short_run
+from vibsim.analysis.cycles import Span
 from vibsim.analysis.drift import drift_of_blocks, measure_drift
-from vibsim.analysis.span import Span
 from vibsim.orbits.coordinates import case_on_orbit
 
 SPAN = Span(0.0, 300.0)

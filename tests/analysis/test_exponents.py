@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import vibsim
-from vibsim.analysis.exponents import judged
+from vibsim.analysis.regime import judged
 from vibsim.engine.tangent.lyapunov import LyapunovExponents
 
 RATE, TIMES = 0.7, np.linspace(100.0, 300.0, 101)

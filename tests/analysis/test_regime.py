@@ -6,9 +6,9 @@ import pytest
 import vibsim
 from tests.results.made import short_case, short_run
 from tests.trust.random_cases import driven_hard
+from vibsim.analysis.cycles import Span
 from vibsim.analysis.regime import judge_regime, word_period
 from vibsim.analysis.sections import section_of
-from vibsim.analysis.span import Span
 from vibsim.engine.trajectory import open_trajectory
 
 LINEAR = {"blocks__m2": "fixed", "friction": "none", "stop": "none"}

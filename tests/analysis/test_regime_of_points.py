@@ -4,14 +4,15 @@ import numpy as np
 import pytest
 
 from tests.analysis import known_maps
-from vibsim.analysis.chaos_tests import (
+from vibsim.analysis.sections import (
+    Exponent,
     approached_period,
     find_period,
+    judge_points,
     prediction_error,
     square_displacements,
     zero_one,
 )
-from vibsim.analysis.sections import Exponent, judge_points
 
 RNG = np.random.default_rng(11)
 

@@ -11,8 +11,8 @@ import pytest
 import vibsim
 from vibsim.analysis import analyse, compare, count_impacts, find_frequencies, judge_regime, measure_drift
 from vibsim.analysis.capture import resonances
+from vibsim.analysis.cycles import Span
 from vibsim.analysis.sections import section_of
-from vibsim.analysis.span import Span
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 

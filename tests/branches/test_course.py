@@ -9,13 +9,13 @@ from tests.branches.made import CAPTURED, branch_of, orbit_of
 from vibsim.cases import load_case
 from vibsim.orbits.branches.branch_file import BranchStore, LocusStore, complete
 from vibsim.orbits.branches.correction import Pace
-from vibsim.orbits.branches.course import FINE, Arc, curve_of, drawn, stretches
 from vibsim.orbits.branches.locus_result import locus_plan
 from vibsim.orbits.branches.plan import plan_from, read_span
+from vibsim.orbits.branches.tracing import FINE, Arc, curve_of, drawn, stretches
 from vibsim.orbits.search import orbit
 from vibsim.plots.branch_curves import torque_of
 from vibsim.plots.branch_values import amplitude_of, mean_speed_of, parameter_of, pieces, ranges
-from vibsim.plots.loci import magnitudes_along
+from vibsim.plots.branches_over_sweeps import magnitudes_along
 
 SHORT = Pace(first=0.006, most=0.006)
 

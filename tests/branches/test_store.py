@@ -18,8 +18,7 @@ from vibsim.orbits.branches.locus_result import locus_plan
 from vibsim.orbits.branches.plan import plan_from, read_span
 from vibsim.orbits.branches.tracing import BranchStep
 from vibsim.results.hdf5_reading import ResultFileError
-from vibsim.results.plain_data import from_plain, plain_data
-from vibsim.results.store import journal_path
+from vibsim.results.store import from_plain, journal_path, plain_data
 
 SPAN = "5.7:5.9 Hz"
 

@@ -10,7 +10,7 @@ from tests.budgets.true_states import error_of
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.evidence.peers.solvers import TimeLimit
-from vibsim.evidence.verification.stored_truths import match_events
+from vibsim.evidence.verification.checks import match_events
 from vibsim.physics.parts import EVENT_NAMES
 
 STATES = ("x1", "v1", "x2", "v2", "phi", "phidot")

@@ -13,7 +13,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 from statistics import median
 
-from vibsim.evidence.benchmark.scoring import processor
+from vibsim.evidence.benchmark.running import processor
 from vibsim.results.blocks_ahead import available_cores
 from vibsim.results.output_files import output_file
 

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from vibsim.cases import load_case
-from vibsim.results.plain_data import from_plain
+from vibsim.results.store import from_plain
 from vibsim.sweeps.computations import COMPUTATIONS
 from vibsim.sweeps.points import SweepPoint, Table, compute_point
 from vibsim.sweeps.quantities import DONE

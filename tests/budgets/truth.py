@@ -9,7 +9,7 @@ from dataclasses import replace
 from vibsim.cases import load_case
 from vibsim.engine.driver import Driver
 from vibsim.engine.truth import bare
-from vibsim.physics.multiprecision import Balls
+from vibsim.physics.precision import Balls
 
 INSTANTS = {"I-C": (20,), "II-A": (20, 40), "II-B": (20, 50), "II-C": (20, 40)}  # s
 

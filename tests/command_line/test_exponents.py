@@ -8,7 +8,7 @@ import pytest
 
 import vibsim
 from tests.command_line.made import call
-from vibsim.analysis.exponents import stored_exponents
+from vibsim.analysis.regime import stored_exponents
 
 
 @pytest.fixture(autouse=True)

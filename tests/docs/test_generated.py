@@ -16,7 +16,7 @@ from vibsim.cases.schema_keys import LONG, SHORT, all_keys
 from vibsim.cases.sources import gallery_case_names
 from vibsim.command_line.main import COMMANDS, EXIT_CODES
 from vibsim.evidence.benchmark import bench_result
-from vibsim.fitting import fit_file
+from vibsim.fitting import plan
 from vibsim.orbits.branches import curve as branch_structure
 from vibsim.results import trajectory_file
 from vibsim.sweeps import sweep_file
@@ -41,7 +41,7 @@ def test_tables_are_whole(page):
 def test_every_attribute_has_a_meaning():
     declared = [
         attribute.name
-        for structure in (trajectory_file, sweep_file, fit_file, bench_result)
+        for structure in (trajectory_file, sweep_file, plan, bench_result)
         for attribute in structure.ATTRIBUTES
     ]
     declared += [each.name for each in (*branch_structure.ATTRIBUTES, *branch_structure.LOCUS_ATTRIBUTES)]

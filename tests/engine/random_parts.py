@@ -8,7 +8,7 @@ from dataclasses import replace
 from hypothesis import strategies as st
 
 from tests.random_scenes import between, decades, signed
-from vibsim.physics.friction_laws import LAWS
+from vibsim.engine.flows.friction_laws import LAWS
 from vibsim.physics.parts import (
     AT_FORCE,
     AT_GAP,

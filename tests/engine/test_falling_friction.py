@@ -9,8 +9,17 @@ import pytest
 from tests.engine.runs import run
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.friction_laws import EXPONENTIAL, HYPERBOLIC
-from vibsim.physics.parts import EVENT_KINDS, GROUND, Body, Fall, Friction, Link, Scene
+from vibsim.physics.parts import (
+    EVENT_KINDS,
+    EXPONENTIAL,
+    GROUND,
+    HYPERBOLIC,
+    Body,
+    Fall,
+    Friction,
+    Link,
+    Scene,
+)
 
 ENGINES = ("c", "python")
 DEATH = 1.836600972207926  # of the stick-slip cycle of the belt oscillator, by an independent solver [m/s]

@@ -19,8 +19,8 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.tangent.tangent_space import TangentSpace, length
-from vibsim.physics.multiprecision import Balls
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, Friction, Link, RigidStop, Stop
+from vibsim.physics.precision import Balls
 
 OF_CARRIED = ("state", "rate", "vectors", "times", "states", "codes")
 ENGINES, METHODS = ("c", "python"), ("auto", "taylor")

@@ -12,7 +12,6 @@ from tests.engine.bundles import course, finished, in_digits, started
 from tests.engine.random_parts import part_scenes
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.tangent.tangent_space import Gauge, TangentSpace
-from vibsim.physics.multiprecision import Balls
 from vibsim.physics.parts import (
     AT_FORCE,
     AT_GAP,
@@ -29,6 +28,7 @@ from vibsim.physics.parts import (
     Scene,
     Stop,
 )
+from vibsim.physics.precision import Balls
 
 DIGITS = 40
 SHIFT = "1e-18"  # the quotient is then wrong by 1e-18 times the second derivative, and by 1e-40 / 1e-18

@@ -7,7 +7,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 from tests.scenes import NO_SOURCE, scene
-from vibsim.physics.friction_laws import LAWS
+from vibsim.engine.flows.friction_laws import LAWS
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,

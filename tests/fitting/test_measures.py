@@ -6,7 +6,7 @@ import pytest
 from tests.fitting.made import light_motor, run_up
 from vibsim.cases import load_case
 from vibsim.fitting.measures import CAPTURES, REGIMES, averaged
-from vibsim.fitting.plan import measure
+from vibsim.fitting.search import measure
 from vibsim.fitting.statements import parse_statement
 from vibsim.results import Result, simulate
 

@@ -14,7 +14,7 @@ from vibsim.cases.schema_keys import measured_at
 from vibsim.engine.truth import bare
 from vibsim.orbits.coordinates import OrbitError
 from vibsim.orbits.slopes import monodromy
-from vibsim.physics.multiprecision import Balls
+from vibsim.physics.precision import Balls
 
 KIT = Balls(40)
 SHIFT = Fraction(1, 10**14)  # what a one-sided quotient leaves out is of this size

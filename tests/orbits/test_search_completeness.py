@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import vibsim
-from vibsim.orbits.neighbourhood import is_mirrored, lies_on, neighbourhood_of
+from vibsim.analysis.attractor import is_mirrored, lies_on, neighbourhood_of
 from vibsim.orbits.search import NewtonAttempt, SearchTally, search_attempts
 from vibsim.orbits.stability import moduli
 

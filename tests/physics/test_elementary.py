@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from vibsim.physics import elementary
-from vibsim.physics.big_floats import BigFloats
 from vibsim.physics.elementary import sine_cosine_of_arrays
 from vibsim.physics.numbers import Doubles
+from vibsim.physics.precision import Balls, BigFloats
 from vibsim.physics.traced_numbers import Sloped, SlopedNumbers
 
 RANDOM = np.random.default_rng(7)
@@ -201,8 +201,8 @@ def test_c_knows_its_functions_by_name():
 
 def kits():
     """Both kits of many digits, of the one that rests on python-flint where that is installed."""
-    flint = pytest.importorskip("vibsim.physics.multiprecision")
-    return [kit(digits) for digits in FEW_DIGITS for kit in (BigFloats, flint.Balls)]
+    pytest.importorskip("flint")
+    return [kit(digits) for digits in FEW_DIGITS for kit in (BigFloats, Balls)]
 
 
 def as_mpf(kit, x):

@@ -5,9 +5,9 @@ import pytest
 
 from tests.plots.artists import assert_cells, clipped_texts
 from vibsim.cases import load_case
-from vibsim.plots.basins import UNDECIDED
 from vibsim.plots.registry import fitting, kind_named
 from vibsim.plots.subject import open_subject
+from vibsim.plots.sweep_responses import UNDECIDED
 from vibsim.plots.view import View
 from vibsim.sweeps import sweep
 

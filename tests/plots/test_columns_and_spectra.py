@@ -5,7 +5,7 @@ import pytest
 
 import vibsim
 from tests.command_line.made import call
-from vibsim.plots import columns, frequency_pictures
+from vibsim.plots import frequency_pictures, picture
 from vibsim.plots.spectra import pieces, spectra
 from vibsim.plots.subject import open_subject, subject_of
 from vibsim.plots.view import PlotError, View
@@ -75,14 +75,14 @@ def test_a_spectrogram_and_a_waterfall_are_drawn(forced):
 
 def test_two_columns_of_a_run(runs):
     subject = open_subject(runs["motor"])
-    axes = columns.columns_picture([subject], View(x="time", y="error_estimate", window=(1, 2))).axes[0]
+    axes = picture.columns_picture([subject], View(x="time", y="error_estimate", window=(1, 2))).axes[0]
     x, y = line(axes, "columns")
     assert (x[0], x[-1], len(x)) == (1.0, 2.0, 201)
     rows = slice(200, 401)
     assert np.array_equal(y, subject.result["error_estimate"][rows])
     assert axes.get_xlabel() == "time (s)" and axes.get_ylabel() == "error_estimate (m)"
     states = line(
-        columns.columns_picture([subject], View(x="x1", y="v1", window=(10, 11))).axes[0], "columns"
+        picture.columns_picture([subject], View(x="x1", y="v1", window=(10, 11))).axes[0], "columns"
     )
     inside = np.isin(subject.result["x1"][2000:2201], states[0])
     assert inside.all() and len(states[0]) > 400  # the samples, and instants between them
@@ -90,12 +90,12 @@ def test_two_columns_of_a_run(runs):
 
 def test_two_columns_of_events_and_of_a_sweep(runs, sweep):
     subject = open_subject(runs["motor"])
-    axes = columns.columns_picture([subject], View(x="events/t", y="events/kind")).axes[0]
+    axes = picture.columns_picture([subject], View(x="events/t", y="events/kind")).axes[0]
     assert np.array_equal(line(axes, "columns")[1], subject.result.events["kind"])
     assert "contact_begin" in [text.get_text() for text in axes.get_yticklabels()]
-    points = line(columns.columns_picture([sweep], View(x="omega0", y="mean_speed")).axes[0], "columns")
+    points = line(picture.columns_picture([sweep], View(x="omega0", y="mean_speed")).axes[0], "columns")
     assert np.array_equal(points, [sweep.result["omega0"], sweep.result["mean_speed"][:, 0]])
-    section = line(columns.columns_picture([sweep], View(x="omega0", y="section_speed")).axes[0], "columns")
+    section = line(picture.columns_picture([sweep], View(x="omega0", y="section_speed")).axes[0], "columns")
     known = sweep.result["section_speed"].ravel()
     assert np.array_equal(section[1], known[~np.isnan(known)])
 
@@ -123,7 +123,7 @@ def test_what_cannot_be_drawn_is_named(runs, words, message, tmp_path, monkeypat
 
 def test_a_case_has_no_columns_and_a_short_run_no_spectrum(forced):
     with pytest.raises(PlotError, match="has no columns to draw"):
-        columns.columns_picture([subject_of(forced.case)], View(x="x1", y="v1"))
+        picture.columns_picture([subject_of(forced.case)], View(x="x1", y="v1"))
     with pytest.raises(PlotError, match="a spectrum needs 64 samples"):
         frequency_pictures.spectrum_picture([forced], View(window=(0, 0.3)))
 

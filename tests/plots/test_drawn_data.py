@@ -84,7 +84,7 @@ def test_impacts_are_marked(subject):
 
 
 def test_contact_is_shaded(subject):
-    from vibsim.plots.relative_motion import contact_spans
+    from vibsim.plots.samples import contact_spans
 
     one = subject("motor")
     spans = contact_spans(one, (15.0, 16.0))

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from vibsim.cases import load_case
-from vibsim.plots import basins, capture_pictures, sweep_pictures
+from vibsim.plots import capture_pictures, sweep_pictures, sweep_responses
 from vibsim.plots.capture_pictures import grey_of, lay_classes
 from vibsim.plots.subject import open_subject
 from vibsim.plots.sweep_axes import plane_of
@@ -18,8 +18,11 @@ AREAS = {
     "capture": [(shade.name, shade.colour, shade.hatch) for shade in capture_pictures.CAPTURE_MAP_SHADES],
     "regime": [(shade.name, shade.colour, shade.hatch) for shade in capture_pictures.REGIME_SHADES],
     "end-state": [(shade.name, shade.colour, shade.hatch) for shade in sweep_pictures.SHADES],
-    "basins": [(f"attractor {i}", colour, hatch) for i, (colour, hatch) in enumerate(basins.COLOURS)]
-    + [(shade.name, shade.colour, shade.hatch) for shade in (basins.OTHERS, basins.UNDECIDED)],
+    "basins": [(f"attractor {i}", colour, hatch) for i, (colour, hatch) in enumerate(sweep_responses.COLOURS)]
+    + [
+        (shade.name, shade.colour, shade.hatch)
+        for shade in (sweep_responses.OTHERS, sweep_responses.UNDECIDED)
+    ],
     "power": list(sweep_pictures.TAKERS.values()),
 }
 

@@ -12,9 +12,9 @@ from tests.command_line.made import call
 from tests.plots.artists import clipped_texts, lines, points
 from vibsim.cases import load_case
 from vibsim.orbits.branches.branch_file import LocusStore, complete
-from vibsim.orbits.branches.course import curve_of
 from vibsim.orbits.branches.locus_result import locus_plan
 from vibsim.orbits.branches.plan import read_span
+from vibsim.orbits.branches.tracing import curve_of
 from vibsim.plots.registry import kind_named
 from vibsim.plots.subject import Subject
 from vibsim.plots.view import PlotError, View

@@ -9,7 +9,7 @@ from vibsim.orbits.orbit import save_orbit
 from vibsim.plots import style
 from vibsim.plots.portraits import POINTS, orbit_portrait_picture
 from vibsim.plots.registry import choose, kind_named
-from vibsim.plots.relative_motion import last_half
+from vibsim.plots.samples import last_half
 from vibsim.plots.subject import open_subject
 from vibsim.plots.view import PlotError, View
 

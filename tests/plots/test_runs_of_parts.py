@@ -7,9 +7,9 @@ import vibsim
 from tests.plots.artists import lines, points
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
-from vibsim.plots.pairs import pair_of
 from vibsim.plots.registry import choose, fitting, kind_named
 from vibsim.plots.subject import Subject
+from vibsim.plots.traces import pair_of
 from vibsim.plots.view import PlotError, View
 
 # three bodies in a row: the middle one flies between the others, which never touch
@@ -83,7 +83,7 @@ def test_where_both_stops_of_a_ball_are_met():
 
 
 def test_contact_is_shaded_for_any_stop(row):
-    from vibsim.plots.relative_motion import contact_spans
+    from vibsim.plots.samples import contact_spans
 
     spans = contact_spans(row, (0.0, 1.0))
     middle = np.array([(a + b) / 2 for a, b in spans])
@@ -96,7 +96,7 @@ def test_contact_is_shaded_for_any_stop(row):
 
 
 def test_a_stop_that_has_let_go_by_force_is_not_shaded():
-    from vibsim.plots.relative_motion import contact_spans
+    from vibsim.plots.samples import contact_spans
 
     drill = subject_of(load_case("gallery/percussive-drill", {"run.t_end": "1 s"}))
     events = drill.result.events
@@ -153,7 +153,7 @@ def test_a_rigid_stop_stands_upright_inside_the_frame():
 
 
 def test_rest_on_a_rigid_stop_is_shaded(ball):
-    from vibsim.plots.relative_motion import contact_spans
+    from vibsim.plots.samples import contact_spans
 
     [(begin, end)] = contact_spans(ball, (0.0, 5.0))
     assert (begin, end) == pytest.approx((9 * np.sqrt(2 / 9.81), 5.0), rel=1e-12)

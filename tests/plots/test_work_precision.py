@@ -8,9 +8,9 @@ import pytest
 from tests.evidence.benchmark.made import planted
 from tests.plots.artists import clipped_texts, lines, points
 from vibsim.evidence.benchmark import make_plan, open_bench
-from vibsim.evidence.benchmark.bench_result import DONE, FAILED, SLOWER, BenchRow, write_bench
+from vibsim.evidence.benchmark.bench_result import DONE, FAILED, SLOWER, BenchRow, EventCount, write_bench
 from vibsim.evidence.benchmark.plan import FAMILIES
-from vibsim.evidence.benchmark.scoring import EventCount, origin
+from vibsim.evidence.benchmark.running import origin
 from vibsim.plots import style
 from vibsim.plots.registry import choose, fitting, kind_named
 from vibsim.plots.subject import open_subject

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from vibsim.orbits.branches.correction import Pace
-from vibsim.results.plain_data import BESIDE, from_plain, plain_data, stored
+from vibsim.results.store import BESIDE, from_plain, plain_data, stored
 from vibsim.sweeps.axes import Axis, Members, Spread, axis_from_plain
 
 

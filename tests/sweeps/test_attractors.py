@@ -11,7 +11,7 @@ from vibsim.cases.case import load_case, load_case_text
 from vibsim.results.hdf5_reading import ResultFileError
 from vibsim.sweeps.attractors import gather
 from vibsim.sweeps.points import compute_point
-from vibsim.sweeps.run_ends import KINDS, NONE, REASONS
+from vibsim.sweeps.quantities import KINDS, NONE, REASONS
 from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError, shard
 

@@ -7,7 +7,7 @@ import pytest
 
 import vibsim
 from tests.sweeps.made import OMEGA0, short_case, short_plan
-from vibsim.analysis.span import parse_discard
+from vibsim.analysis.cycles import parse_discard
 from vibsim.cases import CaseError, RangeError, UnknownKeyError
 from vibsim.sweeps.axes import read_axis
 from vibsim.sweeps.sweep_plan import PlanError

@@ -9,7 +9,7 @@ import pytest
 from tests.scenes import fixed_block, harmonic, motor, paper
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from tests.trajectories import opened
-from vibsim.analysis.span import parse_discard
+from vibsim.analysis.cycles import parse_discard
 from vibsim.cases.case import load_case_text
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.opening import open_result

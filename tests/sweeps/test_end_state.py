@@ -6,7 +6,7 @@ import pytest
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 from vibsim.sweeps import sweep
-from vibsim.sweeps.run_ends import VERDICTS
+from vibsim.sweeps.contact_computations import VERDICTS
 from vibsim.sweeps.sweep_plan import PlanError
 
 NAMES = {code: name for name, code in VERDICTS.items()}

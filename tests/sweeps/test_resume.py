@@ -21,8 +21,7 @@ from tests.sweeps.made import (
 )
 from vibsim.opening import open_result
 from vibsim.results import ResultFileError
-from vibsim.results.plain_data import plain_data
-from vibsim.results.store import Journal, journal_path
+from vibsim.results.store import Journal, journal_path, plain_data
 from vibsim.sweeps.quantities import DONE, MISSING
 from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweeping import sweep

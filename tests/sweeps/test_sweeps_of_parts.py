@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.sweeps.made import assert_same_points, complete, in_memory, short_plan
-from vibsim.analysis.span import parse_discard
+from vibsim.analysis.cycles import parse_discard
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 from vibsim.engine.trajectory import open_trajectory

@@ -5,7 +5,7 @@ from decimal import Decimal
 import pytest
 
 from tests.truth.made import true_end
-from vibsim.evidence.verification.paper_cases import CASE_I, II_B
+from vibsim.evidence.verification.catalogue import CASE_I, II_B
 
 # Closed form of 40 and 60 digits and Taylor series of 32 agree on 0.00560393880015970069...: the last digit
 # of the figure is one too high.

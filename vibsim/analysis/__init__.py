@@ -30,18 +30,18 @@ if TYPE_CHECKING:
     from vibsim.analysis.cycles import FrequenciesVerdict as FrequenciesVerdict
     from vibsim.analysis.cycles import ImpactsVerdict as ImpactsVerdict
     from vibsim.analysis.cycles import RegimeVerdict as RegimeVerdict
+    from vibsim.analysis.cycles import Span as Span
     from vibsim.analysis.dominant_frequencies import DominantFrequencies as DominantFrequencies
     from vibsim.analysis.dominant_frequencies import find_frequencies as find_frequencies
     from vibsim.analysis.drift import Drift as Drift
     from vibsim.analysis.drift import ImpactsPerCycle as ImpactsPerCycle
     from vibsim.analysis.drift import count_impacts as count_impacts
     from vibsim.analysis.drift import measure_drift as measure_drift
-    from vibsim.analysis.exponents import Lyapunov as Lyapunov
-    from vibsim.analysis.exponents import lyapunov as lyapunov
+    from vibsim.analysis.regime import Lyapunov as Lyapunov
     from vibsim.analysis.regime import Regime as Regime
     from vibsim.analysis.regime import judge_regime as judge_regime
     from vibsim.analysis.regime import largest_exponent as largest_exponent
+    from vibsim.analysis.regime import lyapunov as lyapunov
     from vibsim.analysis.sections import Exponent as Exponent
-    from vibsim.analysis.span import Span as Span
 
 __getattr__, __dir__, __all__ = lazy_names(__name__)

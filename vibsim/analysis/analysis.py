@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, Union
 import numpy as np
 
 from vibsim.analysis.capture import Capture, capture_of_turns, judge_capture
+from vibsim.analysis.cycles import Span, later_part, span_of
 from vibsim.analysis.dominant_frequencies import DominantFrequencies, find_frequencies, motions_of
 from vibsim.analysis.drift import (
     Drift,
@@ -19,7 +20,6 @@ from vibsim.analysis.drift import (
 )
 from vibsim.analysis.regime import Regime, decided, judge_regime, largest_exponent
 from vibsim.analysis.sections import MOST, Exponent, JudgedPoints, SectionCoordinates, judge_points
-from vibsim.analysis.span import Span, later_part, span_of
 from vibsim.cases.case import texts
 from vibsim.engine.blocks import Block
 from vibsim.physics.parts import Scene

@@ -27,13 +27,14 @@ from vibsim.analysis.cycles import (
     TURNS,
     CaptureVerdict,
     Hold,
+    Span,
     cycle_ends,
     events_within,
     holds_of,
     mean_speeds,
     name_verdict,
+    span_of,
 )
-from vibsim.analysis.span import Span, span_of
 from vibsim.physics.parts import Motor, Scene
 from vibsim.physics.rates import bilinear_frequencies, natural_rates
 from vibsim.results.columns import IMPACT_CODES

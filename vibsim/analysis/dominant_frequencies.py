@@ -13,8 +13,7 @@ from math import ceil, pi
 
 import numpy as np
 
-from vibsim.analysis.cycles import FrequenciesVerdict, cycle_ends, name_verdict
-from vibsim.analysis.span import Span, steady_span
+from vibsim.analysis.cycles import FrequenciesVerdict, Span, cycle_ends, name_verdict, steady_span
 from vibsim.cases.quantities import number
 from vibsim.physics import elementary
 from vibsim.physics.connections import Pair, pairs_of

@@ -18,8 +18,15 @@ from typing import Any
 import numpy as np
 
 from vibsim.analysis.comparison import FEWEST_BLOCKS, MOST_BLOCKS, average
-from vibsim.analysis.cycles import DriftVerdict, ImpactsVerdict, cycle_ends, events_within, name_verdict
-from vibsim.analysis.span import Span, steady_span
+from vibsim.analysis.cycles import (
+    DriftVerdict,
+    ImpactsVerdict,
+    Span,
+    cycle_ends,
+    events_within,
+    name_verdict,
+    steady_span,
+)
 from vibsim.physics.connections import drifting_sets, event_parts
 from vibsim.physics.elementary import dot, mean, sine_cosine_of_arrays, total
 from vibsim.physics.parts import EVENT_KINDS, Scene, columns_of

@@ -10,7 +10,6 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, TypeGuard, Union
 
-from vibsim.cases.formula_keys import has_formulas
 from vibsim.cases.problems import CaseError, Problem
 from vibsim.cases.quantities import Quantity, number
 from vibsim.cases.scene_building import DOUBLES, amplitude_value, build_parts, build_two_blocks, exact_numbers
@@ -24,7 +23,7 @@ from vibsim.cases.schema_keys import (
     measured_in_case,
     section_models,
 )
-from vibsim.cases.schema_kinds import Measured
+from vibsim.cases.schema_kinds import Measured, has_formulas
 from vibsim.cases.short_form import HEAD, flow, long_text, long_values, scalar, sections_text
 from vibsim.cases.sources import (
     PathText,

@@ -1,19 +1,228 @@
-"""Parts of a scene with formulas: links, stops, frictions, forces, rotors and further states."""
+"""Formulas of a case: checks of them and of the numbers beside them, and the parts of a scene with them."""
 
+import re
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import Any
 
-from vibsim.cases.formula_keys import Formula, has_formula, sides_of
-from vibsim.cases.formula_places import MOTOR, FormulaPlace, FormulaScene, difference
+from vibsim.cases.formula_places import (
+    MOTOR,
+    STATE_OF,
+    FormulaPlace,
+    FormulaScene,
+    Unreadable,
+    difference,
+    places_of,
+)
+from vibsim.cases.formula_text import FUNCTIONS, FormulaError, names_in
 from vibsim.cases.formula_values import meaning_of_number, number_node
 from vibsim.cases.part_laws import SIDES, Direction, directions
-from vibsim.cases.quantities import Quantity
+from vibsim.cases.problems import did_you_mean, shown
+from vibsim.cases.quantities import Quantity, QuantityError
+from vibsim.cases.schema_keys import all_keys
+from vibsim.cases.schema_kinds import FORMULA_KEYS, Formula, has_formula, of_part, sides_of
 from vibsim.cases.short_form import GROUND as GROUND_END
+from vibsim.cases.short_form import FoundDefault
 from vibsim.physics import formulas as nodes
 from vibsim.physics.formulas import ONE, ZERO, Node
-from vibsim.physics.friction_laws import HYPERBOLIC
-from vibsim.physics.parts import BASE, GROUND
+from vibsim.physics.parts import BASE, GROUND, HYPERBOLIC
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
+LONGEST_NAME = 24
+
+
+def formula_findings(values: Mapping[str, Any]) -> list[FoundDefault]:
+    """All that is wrong with formulas and the numbers beside them."""
+    scene = FormulaScene(values)
+    places = list(places_of(values))
+    found = [finding for place in places for finding in _of_formula(scene, place)]
+    for part, of_it in _by_part(places).items():
+        found += _of_numbers(scene, part, of_it)
+    found += _of_parameters(scene)
+    return found
+
+
+def _by_part(places: list[FormulaPlace]) -> dict[tuple[str, str, str], list[FormulaPlace]]:
+    parts: dict[tuple[str, str, str], list[FormulaPlace]] = {}
+    for place in places:
+        parts.setdefault((place.section, place.name, place.side), []).append(place)
+    return parts
+
+
+def _of_formula(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]:
+    """Problems of one formula: of its text, its names, its units."""
+    word = _bare_word(scene, place)
+    if word is not None:
+        yield word
+        return
+    try:
+        if place.section == "friction" and place.key == "belt":
+            yield from _belt_is_alone(scene, place)
+        yield from _clashes(scene, place)
+        scene.node(place)
+        if place.key == "mu":
+            yield from _at_rest(scene, place)
+    except FormulaError as error:
+        yield _finding(place, error)
+    except Unreadable:
+        return
+
+
+def _belt_is_alone(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]:
+    """A belt by a formula runs on the ground, in a scene without base, and moves as all such belts."""
+    belts = [one for one in places_of(scene.values) if (one.section, one.key) == ("friction", "belt")]
+    if GROUND not in scene.ends(place):
+        yield FoundDefault(place.path, "a belt by a formula runs on the ground: one end must be ground")
+    elif "base" in scene.values:
+        yield FoundDefault(place.path, "a belt by a formula is not supported beside a base that moves")
+    elif len({scene.node(one) for one in belts}) > 1:
+        names = ", ".join(one.name for one in belts)
+        yield FoundDefault(place.path, f"belts by formulas must move alike; those of {names} differ")
+
+
+def _at_rest(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]:
+    """mu must have a value at s = 0, which is what it holds."""
+    try:
+        scene.node(place, s=ZERO)
+    except FormulaError as error:
+        yield _finding(place, FormulaError(f"at s = 0, {error}", error.start, error.end))
+
+
+def _bare_word(scene: FormulaScene, place: FormulaPlace) -> FoundDefault | None:
+    """A word in place of a number, where that is no name: it is told as in a case without formulas."""
+    word = place.text.strip()
+    measured = all_keys(scene.form).get(scene.form.pattern(place.path))
+    if measured is None or not NAME.fullmatch(word):
+        return None
+    try:
+        if word in scene.names(place):
+            return None
+        measured._replace(formula=False).read(word)
+    except Unreadable:
+        return None
+    except QuantityError as error:
+        return FoundDefault(place.path, str(error))
+    return None
+
+
+def _finding(place: FormulaPlace, error: FormulaError) -> FoundDefault:
+    quoted = shown(place.text, 80)
+    return FoundDefault(place.path, f'"{quoted}": {error}', span=(error.start, error.end))
+
+
+def _clashes(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]:
+    """A parameter, or a state, that a formula reads and that has the name of something else there."""
+    own = scene.own(place)
+    for name in names_in(place.text):
+        if name not in own:
+            continue
+        for section in ("parameters", "states"):
+            if name in _section(scene.values, section):
+                own_meaning = f"{name} is {_meaning(place, name)} here, and {section}.{name} too"
+                message = f'"{shown(place.text, 80)}": {own_meaning}; give that another name'
+                yield FoundDefault(place.path, message)
+
+
+def _meaning(place: FormulaPlace, name: str) -> str:
+    return {
+        "d": "x_P - x_Q",
+        "v": "v_P - v_Q",
+        "p": "the depth",
+        "pv": "the rate of the depth",
+        "s": "the slip speed",
+        "phi": "the rotor's angle",
+        "w": "the rotor's speed",
+    }[name]
+
+
+def _section(values: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    content = values.get(name)
+    return content if isinstance(content, Mapping) else {}
+
+
+def _of_numbers(
+    scene: FormulaScene, part: tuple[str, str, str], places: list[FormulaPlace]
+) -> Iterator[FoundDefault]:
+    """Numbers beside formulas: each is named by one of them, and called by a name that is free."""
+    section, name, side = part
+    content = scene._part(section, name)
+    inner = content.get(side) if side else content
+    if len(_active(section, content, side)) > len(places):
+        return  # one of the formulas cannot be read
+    named = {word for place in places for word in names_in(place.text)}
+    if not side:
+        named |= {
+            word
+            for inside, keys in sides_of(section, content).items()
+            for one in keys
+            for word in names_in(str(content[inside][one.key]))
+        }
+    free = {word for one in _active(section, content, side) for word in one.numbers}
+    excluded = {word for one in _active(section, content, side) for word in one.excluded}
+    taken = _taken(scene, places)
+    for key in inner if isinstance(inner, Mapping) else ():
+        path = f"{places[0].part}.{key}"
+        known = scene.form.pattern(path) in all_keys(scene.form) or key in ("plus", "minus")
+        if known and key not in free:
+            continue
+        if any(place.key == key or key in excluded for place in places):
+            continue
+        yield from _of_number(path, key, named, taken, places)
+
+
+def _active(section: str, content: Mapping[str, Any], side: str) -> list[Any]:
+    return [*FORMULA_KEYS[section][:1]] if side else of_part(section, content)
+
+
+def _of_number(
+    path: str, key: str, named: set[str], taken: dict[str, str], places: list[FormulaPlace]
+) -> Iterator[FoundDefault]:
+    if not NAME.fullmatch(key) or len(key) > LONGEST_NAME:
+        message = (
+            f"the name of a number holds letters, digits and _, begins with a letter and has at most "
+            f"{LONGEST_NAME} characters; got {shown(key)}"
+        )
+        yield FoundDefault(path, message, of_the_name=True)
+    elif key in taken:
+        message = f"the name is taken in formulas here: {key} is {taken[key]}; choose another"
+        yield FoundDefault(path, message, of_the_name=True)
+    elif key not in named:
+        formulas = " and ".join(place.key for place in places)
+        names = [name for name in sorted(named) if name not in taken]
+        message = f"no formula beside it names {key}{did_you_mean(key, names)}; {formulas} reads "
+        yield FoundDefault(path, message + (", ".join(names) or "no numbers"), of_the_name=True)
+
+
+def _taken(scene: FormulaScene, places: list[FormulaPlace]) -> dict[str, str]:
+    """Names that numbers beside these formulas may not have, and what they are."""
+    taken = dict.fromkeys(FUNCTIONS, "a function")
+    taken |= dict.fromkeys(scene.inputs(), "what every formula may read")
+    taken |= {"t": "the time", "pi": "the number pi"}
+    taken |= {name: f"the state {name}" for name in scene.states}
+    for place in places:
+        own = STATE_OF.get(place.section, ()) if place.section != "friction" or place.key == "mu" else ()
+        taken |= {name: _meaning(place, name) for name in own}
+    return taken
+
+
+def _of_parameters(scene: FormulaScene) -> Iterator[FoundDefault]:
+    """Names of parameters that are free in all formulas."""
+    inputs = scene.inputs()
+    for name in _section(scene.values, "parameters"):
+        path = f"parameters.{name}"
+        if not NAME.fullmatch(name) or len(name) > LONGEST_NAME:
+            message = (
+                f"the name of a parameter holds letters, digits and _, begins with a letter and has at most "
+                f"{LONGEST_NAME} characters; got {shown(name)}"
+            )
+            yield FoundDefault(path, message, of_the_name=True)
+        elif name in inputs or name in FUNCTIONS:
+            what = "a function" if name in FUNCTIONS else "something that formulas read already"
+            yield FoundDefault(path, f"the name is taken: {name} is {what}; choose another", of_the_name=True)
+
+
+# Parts of a scene with formulas: links, stops, frictions, forces, rotors and further states.
+
 
 Values = dict[str, Any]
 

@@ -20,11 +20,11 @@ from vibsim.cases.any_unit import (
     dimension_of,
     product,
 )
-from vibsim.cases.formula_keys import FORMULA_KEYS, ONE_PART, Formula, FormulaKey, of_part, sides_of
 from vibsim.cases.formula_text import FormulaError, names_in
 from vibsim.cases.formula_values import Meaning, formula_node, meaning_of_number
 from vibsim.cases.quantities import Quantity, QuantityError, is_inertia
 from vibsim.cases.schema_keys import Form, all_keys, form_of
+from vibsim.cases.schema_kinds import FORMULA_KEYS, ONE_PART, Formula, FormulaKey, of_part, sides_of
 from vibsim.cases.short_form import BASE as BASE_END
 from vibsim.cases.short_form import GROUND as GROUND_END
 from vibsim.cases.short_form import Ends

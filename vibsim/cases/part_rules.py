@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from math import prod
 from typing import Any
 
-from vibsim.cases.formula_keys import has_formula, of_part, sides_of
 from vibsim.cases.part_laws import (
     COULOMB,
     coefficients_fit_the_law,
@@ -16,6 +15,7 @@ from vibsim.cases.part_laws import (
 from vibsim.cases.problems import did_you_mean, shown
 from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity, si_unit
 from vibsim.cases.schema_keys import MIXED, Form, all_keys
+from vibsim.cases.schema_kinds import has_formula, of_part, sides_of
 from vibsim.cases.short_form import BASE, CALLED, NO_BODIES, PARTS, Draft, Ends, FoundDefault
 from vibsim.physics.parts import columns_of
 

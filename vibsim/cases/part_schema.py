@@ -7,7 +7,6 @@ import types
 from functools import cache
 from typing import Annotated, Any, Literal, get_args, get_origin
 
-from vibsim.cases.formula_keys import FORMULA_KEYS, Formula
 from vibsim.cases.quantities import Quantity
 from vibsim.cases.schema import (
     Amplitude,
@@ -28,8 +27,23 @@ from vibsim.cases.schema import (
     key,
     optional,
 )
-from vibsim.cases.schema_kinds import FormulaText, Measured
+from vibsim.cases.schema_kinds import FORMULA_KEYS, Formula, Json, Measured, kind_of_value
 from vibsim.cases.short_form import Ends
+
+
+class FormulaText:
+    """A key that always holds a formula."""
+
+    def read(self, value: object) -> Formula:
+        if isinstance(value, Formula):
+            return value
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            raise ValueError(f"must be a formula, got {kind_of_value(value)}")
+        return Formula(str(value))
+
+    def json_schema(self) -> Json:
+        return {"type": ["string", "number"], "description": "a formula"}
+
 
 Stiffness = Annotated[Quantity, Measured("stiffness", least="0")]
 Damping = Annotated[Quantity, Measured("damping", least="0")]

@@ -11,12 +11,12 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from vibsim.cases.formula_building import FormulaParts
-from vibsim.cases.formula_keys import Formula, sides_of
 from vibsim.cases.formula_places import MOTOR
 from vibsim.cases.formula_text import names_in
 from vibsim.cases.quantities import Quantity
+from vibsim.cases.schema_kinds import Formula, sides_of
 from vibsim.physics.formulas import ONE, TIME, Node, walk
-from vibsim.physics.friction_laws import EXPONENTIAL, HYPERBOLIC
+from vibsim.physics.parts import EXPONENTIAL, HYPERBOLIC
 
 Values = dict[str, Any]
 PLACE: Node = ("x", "own")  # d of a link, p of a stop

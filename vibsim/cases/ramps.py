@@ -21,11 +21,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from vibsim.cases.any_unit import any_quantity
-from vibsim.cases.formula_keys import FORMULA_KEYS, ONE_PART, SIDES, Formula
 from vibsim.cases.problems import did_you_mean, shown
 from vibsim.cases.quantities import Quantity, QuantityError, decimal_text, exact_number
 from vibsim.cases.schema_keys import UnknownKeyError, all_keys, form_of, keys_of
-from vibsim.cases.schema_kinds import Measured
+from vibsim.cases.schema_kinds import FORMULA_KEYS, ONE_PART, SIDES, Formula, Measured
 
 if TYPE_CHECKING:
     from vibsim.cases.case import Case

@@ -4,29 +4,48 @@ from functools import cached_property
 from inspect import cleandoc
 from typing import Annotated, Any, ClassVar, Literal, NoReturn, TypeVar
 
-from vibsim.cases.formula_keys import (
+from vibsim.cases.quantities import NUMBER, Quantity, QuantityError
+from vibsim.cases.schema_kinds import (
     ALWAYS,
     FORMULA_KEYS,
-    Formula,
-    FormulaKey,
-    active_keys,
-    excludes,
-)
-from vibsim.cases.quantities import Quantity
-from vibsim.cases.schema_kinds import (
-    ANY_NUMBER,
-    AnyNumber,
     ChosenBy,
     Fault,
+    Formula,
+    FormulaKey,
     Json,
     KeyKind,
     Location,
     Measured,
+    Single,
     Tag,
     TextKind,
     WholeNumber,
+    active_keys,
+    excludes,
     kind_of,
+    kind_of_value,
 )
+
+
+class AnyNumber:
+    """A number beside a formula, or a parameter: of any unit; without a unit a pure number."""
+
+    def read(self, value: object) -> Quantity:
+        from vibsim.cases.any_unit import any_quantity
+
+        if isinstance(value, Quantity):
+            return value
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            raise QuantityError(f"must be a single value, got {kind_of_value(value)}")
+        return any_quantity(str(value))[0]
+
+    def json_schema(self) -> Json:
+        text = {"type": "string", "pattern": rf"^\s*{NUMBER}.*$", "description": "number and any unit"}
+        return {"anyOf": [{"type": "number"}, text]}
+
+
+ANY_NUMBER = Single(AnyNumber())
+
 
 # Sections of a case: classes whose annotations say what stands at their keys.
 

@@ -4,11 +4,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, NamedTuple, get_args, get_origin
 
-from vibsim.cases.formula_keys import FORMULA_KEYS, ONE_PART, of_part, sides_of
 from vibsim.cases.problems import Problem, did_you_mean, nearest, superseded, unsupported
 from vibsim.cases.quantities import Quantity, is_inertia
 from vibsim.cases.schema import REFERENCE, CaseFile, CaseHead, Key, Section
-from vibsim.cases.schema_kinds import Json, Measured, Tag
+from vibsim.cases.schema_kinds import FORMULA_KEYS, ONE_PART, Json, Measured, Tag, of_part, sides_of
 from vibsim.cases.yaml_nodes import Place
 
 SWITCHED_OFF = "none"

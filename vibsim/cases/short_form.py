@@ -5,11 +5,10 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from vibsim.cases.formula_keys import sides_of
 from vibsim.cases.problems import shown
 from vibsim.cases.quantities import Quantity, is_inertia, parse_quantity
 from vibsim.cases.schema import AmplitudeRule, CaseFile, HarmonicKeys, MotorKeys
-from vibsim.cases.schema_kinds import Single
+from vibsim.cases.schema_kinds import Single, sides_of
 
 # The two ends of a part, as written: `between: [ram, ground]`.
 

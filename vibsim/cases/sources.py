@@ -8,7 +8,6 @@ from os.path import exists, isdir, isfile, normpath
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from vibsim.cases.formula_keys import ALWAYS, FORMULA_KEYS, Formula, has_formulas, is_formula
 from vibsim.cases.problems import CaseError, Problem, did_you_mean, shown, unstorable
 from vibsim.cases.quantities import NUMBER
 from vibsim.cases.schema_keys import (
@@ -22,6 +21,7 @@ from vibsim.cases.schema_keys import (
     is_free,
     keys_of,
 )
+from vibsim.cases.schema_kinds import ALWAYS, FORMULA_KEYS, Formula, has_formulas, is_formula
 from vibsim.cases.yaml_nodes import Broken, Node, Place, Text, place_inside, read_yaml
 from vibsim.cases.yaml_nodes import Mapping as yaml_nodes_Mapping
 

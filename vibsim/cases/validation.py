@@ -6,7 +6,6 @@ from fractions import Fraction
 from math import pi, prod, sqrt
 from typing import Any, NamedTuple
 
-from vibsim.cases.formula_keys import has_formulas
 from vibsim.cases.problems import CaseError, Problem, did_you_mean, shown, unsupported
 from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity, QuantityError
 from vibsim.cases.schema import CaseFile, CaseHead, MotorKeys, Section
@@ -21,7 +20,7 @@ from vibsim.cases.schema_keys import (
     section_at,
     sections_with,
 )
-from vibsim.cases.schema_kinds import Fault, Location
+from vibsim.cases.schema_kinds import Fault, Location, has_formulas
 from vibsim.cases.short_form import FoundDefault, with_defaults
 from vibsim.cases.sources import BROKEN, Tree, put_tables_in
 from vibsim.cases.yaml_nodes import Place
@@ -373,7 +372,7 @@ def _problems_of_formulas(values: dict[str, Any], tree: Tree) -> list[Problem]:
     """Problems of formulas; a case without them is not looked at any further."""
     if not (tree.complete and has_formulas(values)):
         return []
-    from vibsim.cases.formula_rules import formula_findings
+    from vibsim.cases.formula_building import formula_findings
 
     return [_found(finding, tree) for finding in formula_findings(values)]
 

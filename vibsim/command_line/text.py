@@ -19,7 +19,7 @@ from vibsim.results.hdf5_reading import plain
 from vibsim.results.result import unknown_text
 
 if TYPE_CHECKING:
-    from vibsim.analysis.exponents import Lyapunov
+    from vibsim.analysis.regime import Lyapunov
     from vibsim.cases import Case
 
 
@@ -340,7 +340,7 @@ def clearance_lines(scene: Scene, attrs: Mapping[str, Any], counts: Mapping[str,
 
 def exponent_lines(result: Result) -> list[tuple[str, str]]:
     """Label and text: the exponents with their intervals, their span, and what speaks against them."""
-    from vibsim.analysis.exponents import stored_exponents
+    from vibsim.analysis.regime import stored_exponents
 
     lyapunov = stored_exponents(result)
     if lyapunov is None:
@@ -356,7 +356,7 @@ def exponent_lines(result: Result) -> list[tuple[str, str]]:
 
 def exponent_object(result: Result) -> dict[str, Any]:
     """Attributes of a run that hold its exponents, with their intervals and warnings."""
-    from vibsim.analysis.exponents import stored_exponents
+    from vibsim.analysis.regime import stored_exponents
 
     lyapunov = stored_exponents(result)
     if lyapunov is None:

@@ -12,8 +12,17 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases import Case
-from vibsim.fitting.fit_file import CANDIDATE, datasets_of, file_values, read_fit, write_fit
-from vibsim.fitting.plan import HORIZON, TRUST, FitPlan, Index
+from vibsim.fitting.plan import (
+    CANDIDATE,
+    HORIZON,
+    TRUST,
+    FitPlan,
+    Index,
+    datasets_of,
+    file_values,
+    read_fit,
+    write_fit,
+)
 from vibsim.fitting.search import Judgement, StatementResult, candidates_within, judge, values_of
 from vibsim.fitting.statements import Candidate, Statement
 from vibsim.results.labelled import Arrays, Labelled

@@ -25,11 +25,12 @@ from vibsim.analysis.cycles import (
     events_within,
     holds_of,
     mean_speeds,
+    span_of,
+    steady_span,
 )
 from vibsim.analysis.dominant_frequencies import find_frequencies
 from vibsim.analysis.drift import CYCLES, count_impacts, measure_drift
 from vibsim.analysis.regime import judge_regime
-from vibsim.analysis.span import span_of, steady_span
 from vibsim.engine.section import has_section
 from vibsim.physics.elementary import mean
 from vibsim.physics.parts import Scene

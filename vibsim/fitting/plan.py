@@ -1,31 +1,57 @@
-"""Plan of a fit: cases, free parameters, readings, statements, starts, and how it searches."""
+"""Plan of a fit: cases, free parameters, readings, statements, starts, search; and its HDF5 file.
+
+The file holds what was measured over candidates, statements and starts, and what came of it.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
-import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import product
 from math import comb
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import scipy
 
-from vibsim.cases import CaseError
-from vibsim.engine.errors import EngineError
+from vibsim.cases import Case
+from vibsim.cases.quantities import UNITS, exact_number
+from vibsim.engine.choice import engine_name
 from vibsim.fitting.measures import FitError
-from vibsim.fitting.statements import PRINTED, Asked, Candidate, FreeParameter, Statement
-from vibsim.results.plain_data import BESIDE, plain_data, stored
-from vibsim.results.recording import MemorySink, Recording
-from vibsim.results.result import Result
+from vibsim.fitting.statements import PRINTED, Asked, Candidate, FreeParameter, Statement, parse_statement
+from vibsim.results.file_contents import (
+    ENGINE,
+    PROVENANCE,
+    TEXT,
+    WHOLE,
+    Attribute,
+    Column,
+    Dataset,
+    provenance,
+)
+from vibsim.results.hdf5_reading import (
+    opened,
+    read_attributes,
+    read_datasets,
+    stored_case,
+    understood,
+)
+from vibsim.results.hdf5_writing import write_hdf5
+from vibsim.results.store import BESIDE, from_plain, plain_data, stored
 from vibsim.sweeps.axes import Members
-from vibsim.sweeps.points import SweepPoint, described_bug
-from vibsim.sweeps.quantities import DONE, FAILED
+from vibsim.sweeps.points import SweepPoint
+from vibsim.sweeps.quantities import DONE, MISSING, STATUS_FLAGS
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
+    from vibsim.fitting.fit_result import FitResult
 
 
 QUASI_RANDOM, EVOLUTION = "quasi-random", "evolution"
@@ -182,7 +208,7 @@ def fingerprint_of(cases: Sequence[Case], settings: Mapping[str, Any]) -> str:
 __all__ = ["EVOLUTION", "METHODS", "PRINTED", "QUASI_RANDOM", "FitPlan", "Search"]
 
 
-# One run of a fit: simulated in whatever thread or process it falls to, and measured as asked.
+# One run of a fit; how it is simulated and measured stands in `vibsim.fitting.search`.
 
 
 Index = tuple[int, int, int]  # number of the candidate, position of the case, of the start
@@ -208,55 +234,225 @@ class Work:
     asked: tuple[tuple[Asked, ...], ...]
 
 
-def measure_all(
-    work: Work, tasks: tuple[FitTask, ...], engine: str, go_on: Callable[[], bool] | None = None
-) -> list[SweepPoint]:
-    """The outcomes of the tasks in their order; those that were done before `go_on` said False.
-
-    Values are by the position of what was asked, as text; a run that fails is a point that says why.
-    """
-    points = []
-    for task in tasks:
-        point = _measured(work, task, engine, go_on)
-        if point is None:
-            break
-        points.append(point)
-    return points
+# A fit as an HDF5 file: what was measured over candidates, statements and starts, and what came of it.
 
 
-def _measured(work: Work, task: FitTask, engine: str, go_on: Callable[[], bool] | None) -> SweepPoint | None:
-    began, sha256 = time.perf_counter(), ""
-    try:
-        case = work.cases[task.case].with_values(task.changes)
-        sha256 = case.sha256
-        result = run(case, engine, go_on, task.trust)
-        if result is None:
-            return None
-        if result.trust_horizon is not None:
-            return SweepPoint(task.index, DONE, sha256, "", {HORIZON: result.trust_horizon})
-        values = measure(result, work.asked[task.case])
-    except (CaseError, EngineError) as error:
-        return SweepPoint(task.index, FAILED, sha256, str(error))
-    except Exception as error:  # a bug that shows at one run must not cost all the others
-        return SweepPoint(task.index, FAILED, sha256, described_bug(error))
-    values["wall_time"] = time.perf_counter() - began
-    return SweepPoint(task.index, DONE, sha256, "", values)
+DEFINITIONS = (
+    "A shortfall is 0 where a value lies in the range that a statement asks for and grows in proportion to "
+    "the distance from it, up to 1 at one width of the range (of an open range: the magnitude of its end); a "
+    "verdict has 0 or 1. The price is the mean shortfall over statements (by weight) and starts, and what "
+    "leaving the printed values costs. Start 0 is that of the case, the last n_fresh are not seen by "
+    "the search."
+)
 
 
-def run(case: Case, engine: str, go_on: Callable[[], bool] | None, trust: bool = False) -> Result | None:
-    """The run; None where it was given up."""
-    recording = Recording(case, engine, trust)
-    sink = MemorySink(recording.tables)
-    recording.into(sink, None if go_on is None else lambda t_reached: go_on())
-    if not recording.complete:
-        return None
-    samples, events = sink.tables()
-    return Result({**recording.start, **recording.end()}, samples, events, case=case)
-
-
-def measure(result: Result, asked: tuple[Asked, ...]) -> dict[str, float]:
-    """Observables of a run, by position as text; NaN where the run has no such quantity."""
+def origin(plan: FitPlan, engine: str) -> dict[str, Any]:
+    """Attributes that are known before the first run."""
+    names = " and ".join(each.name for each in plan.cases)
     return {
-        str(i): each.observable.measure(result, each.window_in(result.t_reached), each.argument)
-        for i, each in enumerate(asked)
+        **provenance("fit", plan.cases[0], f"Fit of {names}"),
+        "cases_resolved_json": json.dumps([each.resolved_json() for each in plan.cases]),
+        "fit_settings_json": json.dumps(plan.settings),
+        "fit_sha256": plan.fingerprint,
+        "n_fresh": len(plan.fresh_starts),
+        "definitions": DEFINITIONS,
+        "engine": engine_name(engine),
     }
+
+
+def write_fit(path: Path, fit: FitResult) -> None:
+    """Write a fit to `path`, replacing what is there in one instant. Raises ResultFileError."""
+    write_hdf5(path, fit.attrs, datasets_of(fit.plan), file_values(fit))
+
+
+def file_values(fit: FitResult) -> dict[str, Any]:
+    """Values of the datasets of a fit, by name."""
+    return {**_scales(fit), **_described(fit), **_read_measured(fit), **_read_judged(fit)}
+
+
+def _scales(fit: FitResult) -> dict[str, Any]:
+    """The numbers of candidates, cases, statements and starts."""
+    lengths = {CANDIDATE: len(fit.candidates), **lengths_of(fit.plan)}
+    return {name: np.arange(length) for name, length in lengths.items()}
+
+
+def _described(fit: FitResult) -> dict[str, Any]:
+    """Cases and statements; of each candidate what it changes."""
+    candidates = fit.candidates
+    values = {f"value_{free.name}": [number_of(one, free) for one in candidates] for free in fit.plan.free}
+    return {
+        "case_name": [case.name for case in fit.plan.cases],
+        "statement_text": [each.text for each in fit.statements],
+        "statement_case": [each.case for each in fit.statements],
+        "changes": [json.dumps(one.changes) for one in candidates],
+        "origin": [one.origin for one in candidates],
+        "leaving": [one.leaving for one in candidates],
+        **values,
+    }
+
+
+def _read_measured(fit: FitResult) -> dict[str, Any]:
+    """Measurements of each run."""
+    candidates, cases, starts = fit.candidates, range(len(fit.plan.cases)), range(fit.plan.all_starts)
+    index = product([one.number for one in candidates], cases, starts)
+    runs = [fit.runs.get(each) or SweepPoint(each, MISSING, "") for each in index]
+    return {
+        **{name: [getattr(run, name) for run in runs] for name in ("status", "sha256", "error")},
+        "value": [fit.values(each, one) for one in candidates for each in fit.statements],
+        "trust_horizon": [fit.horizon(one, case) for one in candidates for case in cases],
+    }
+
+
+def _read_judged(fit: FitResult) -> dict[str, Any]:
+    """Score of every candidate; NaN, and rank 0, for one that is not in the ranking."""
+    numbers = [one.number for one in fit.candidates]
+    judged = {each.candidate.number: each for each in fit.ranking}
+    ranks = {number: rank for rank, number in enumerate(judged, start=1)}
+    price = [judged[number].price if number in judged else np.nan for number in numbers]
+    results = [
+        judged[number].results if number in judged else [None] * len(fit.statements) for number in numbers
+    ]
+    of_statements = {
+        name: [getattr(each, name, np.nan) for row in results for each in row]
+        for name in ("share", "shortfall")
+    }
+    return {"price": price, "rank": [ranks.get(number, 0) for number in numbers], **of_statements}
+
+
+def number_of(candidate: Candidate, free: FreeParameter) -> float:
+    """The value of a free parameter in its unit; NaN where the candidate leaves it as printed."""
+
+    text = candidate.changes.get(free.key)
+    if text is None:
+        return np.nan
+    number, _, written = text.partition(" ")
+    return float(exact_number(number) * UNITS[written].factor / UNITS[free.unit].factor)
+
+
+# What a fit file holds.
+
+
+ATTRIBUTES = [
+    *PROVENANCE,
+    *(Attribute(name, TEXT) for name in ("cases_resolved_json", "fit_settings_json", "fit_sha256")),
+    ENGINE,
+    *(Attribute(name, WHOLE) for name in ("runs", "n_fresh")),
+    Attribute("complete", WHOLE, allowed=(0, 1)),
+]
+CANDIDATE, CASE, STATEMENT, START = "candidate", "case", "statement", "start"
+DIMENSIONS = (CANDIDATE, CASE, STATEMENT, START)
+RUN = (CANDIDATE, CASE, START)
+
+
+def lengths_of(plan: FitPlan) -> dict[str, int]:
+    """Lengths of the dimensions that the plan knows."""
+    return {CASE: len(plan.cases), STATEMENT: len(plan.statements), START: plan.all_starts}
+
+
+def datasets_of(plan: FitPlan) -> list[Dataset]:
+    """The datasets of a fit: what it is read back from, and what was made of it for other readers."""
+    scales = [Dataset(name, Column("1", f"number of the {name}", dtype="i4"), (name,)) for name in DIMENSIONS]
+    return [*scales, *_measured_datasets(), *_judged_datasets(plan), *map(_value_of, plan.free)]
+
+
+def _measured_datasets() -> list[Dataset]:
+    return [
+        _text("origin", "where the candidate comes from", CANDIDATE),
+        _text("changes", "values changed, as JSON", CANDIDATE),
+        Dataset("leaving", Column("1", "price of leaving the printed values"), (CANDIDATE,)),
+        Dataset("status", Column("1", "whether it was run", dtype="i1", flags=STATUS_FLAGS), RUN),
+        _text("sha256", "SHA-256 of the case of a run", *RUN),
+        _text("error", "why a run failed", *RUN),
+        _number("value", Column("1", "what was measured, in SI units and Hz"), CANDIDATE, STATEMENT, START),
+        _number("trust_horizon", Column("s", "of the run from the case's own start"), CANDIDATE, CASE),
+    ]
+
+
+def _judged_datasets(plan: FitPlan) -> list[Dataset]:
+    of_case = frozenset(range(len(plan.cases)))
+    rank = Column("1", "place in the ranking, from 1; 0: not judged from all starts", dtype="i8")
+    return [
+        _text("case_name", "name of the case", CASE),
+        _text("statement_text", "as given", STATEMENT),
+        Dataset("statement_case", Column("1", "position of its case", dtype="i8"), (STATEMENT,), of_case),
+        _number("price", Column("1", "see the attribute `definitions`"), CANDIDATE),
+        Dataset("rank", rank, (CANDIDATE,)),
+        _number("share", Column("1", "share of the starts from which it holds"), CANDIDATE, STATEMENT),
+        _number("shortfall", Column("1", "mean"), CANDIDATE, STATEMENT),
+    ]
+
+
+def _value_of(free: FreeParameter) -> Dataset:
+    column = Column(free.unit or "1", f"{free.key}, as printed where NaN")
+    return _number(f"value_{free.name}", column, CANDIDATE)
+
+
+def _number(name: str, column: Column, *dims: str) -> Dataset:
+    return Dataset(name, column, dims, gaps=True)
+
+
+def _text(name: str, long_name: str, *dims: str) -> Dataset:
+    return Dataset(name, Column(None, long_name, dtype="text"), dims)
+
+
+# A fit file read back, held against what it must hold.
+
+
+SETTINGS = "the attribute fit_settings_json"
+
+Stored = tuple[dict[str, Any], FitPlan, list[Candidate], list[SweepPoint]]
+
+
+def read_fit(path: Path) -> Stored:
+    """Attributes, plan, candidates and runs of a fit file, the file checked. Raises ResultFileError."""
+    with opened(path, "fit") as file:
+        attrs = read_attributes(path, file, ATTRIBUTES)
+        case = stored_case(path, attrs)
+        with understood(path, f"{SETTINGS} and fit_sha256 describe no fit of its cases"):
+            plan = _plan(case, attrs)
+            plan.check()
+        values = read_datasets(path, file, datasets_of(plan), lengths_of(plan))
+    with understood(path, "changes has values that its cases do not take"):
+        candidates = _candidates(values, plan)
+    return attrs, plan, candidates, _runs(values, plan)
+
+
+def _plan(first: Case, attrs: Mapping[str, Any]) -> FitPlan:
+    """The plan that a file's attributes describe."""
+    settings = json.loads(attrs["fit_settings_json"])
+    others = [Case.from_resolved_json(text) for text in json.loads(attrs["cases_resolved_json"])[1:]]
+    cases = (first, *others)
+    if fingerprint_of(cases, settings) != attrs["fit_sha256"]:
+        raise ValueError("settings or cases were changed")
+    statements = tuple(parse_statement(text, cases) for text in settings["statements"])
+    plan: FitPlan = from_plain(FitPlan, settings, cases=cases, statements=statements)
+    return plan
+
+
+def _candidates(stored: Mapping[str, Any], plan: FitPlan) -> list[Candidate]:
+    candidates = []
+    rows = zip(stored["origin"], stored["changes"], stored["leaving"], strict=True)
+    for number, (origin, changes, leaving) in enumerate(rows):
+        values = dict(json.loads(changes))
+        plan.cases[0].with_values(values)
+        candidates.append(Candidate(number, str(origin), values, float(leaving)))
+    return candidates
+
+
+def _runs(stored: Mapping[str, Any], plan: FitPlan) -> list[SweepPoint]:
+    """The runs, trust horizons included."""
+    names = ("status", "value", "trust_horizon", "sha256", "error")
+    status, values, horizons, sha256, error = (stored[name] for name in names)
+    runs = []
+    for number, case, start in np.argwhere(status != MISSING).tolist():
+        measured = {
+            str(plan.asked[case].index(each.asked)): float(values[number, i, start])
+            for i, each in enumerate(plan.statements)
+            if each.case == case
+        }
+        at = number, case, start
+        runs.append(SweepPoint(at, int(status[at]), str(sha256[at]), str(error[at]), measured))
+    for number, case in np.argwhere(~np.isnan(horizons)).tolist():
+        attributes = {HORIZON: float(horizons[number, case])}
+        runs.append(SweepPoint((number, case, TRUST), DONE, str(sha256[number, case, 0]), "", attributes))
+    return runs

@@ -10,6 +10,7 @@ Nothing depends on how many workers there are, nor on when they are done.
 
 from __future__ import annotations
 
+import time
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -19,24 +20,34 @@ from dataclasses import dataclass
 from itertools import combinations
 from math import ceil
 from statistics import median
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibsim.cases import CaseError
+from vibsim.engine.errors import EngineError
 from vibsim.fitting.measures import FitInterrupted
-from vibsim.fitting.plan import EVOLUTION, TRUST, FitPlan, FitTask, Index
+from vibsim.fitting.plan import EVOLUTION, HORIZON, TRUST, FitPlan, FitTask, Index, Work
 from vibsim.fitting.statements import (
     PRINTED,
     READING,
     SEARCHED,
+    Asked,
     Candidate,
     FreeParameter,
     Statement,
     leaving_price,
 )
 from vibsim.physics.elementary import dot, mean, total
-from vibsim.sweeps.points import SweepPoint
+from vibsim.results.recording import MemorySink, Recording
+from vibsim.results.result import Result
+from vibsim.sweeps.points import SweepPoint, described_bug
 from vibsim.sweeps.points import share as share_of
+from vibsim.sweeps.quantities import DONE, FAILED
 from vibsim.sweeps.workers import AHEAD, RUNNER_PATIENCE, LocalWorkers
+
+if TYPE_CHECKING:
+    from vibsim.cases import Case
 
 GOES_ON = 4  # one of so many screened candidates is judged from all starts
 FEWEST = 5  # members of a population, the least that scipy takes
@@ -332,3 +343,57 @@ def _result_of(statement: Statement, values: np.ndarray) -> StatementResult:
         float(mean(np.array([statement.shortfall(value) for value in values]))),
         median(known) if known else np.nan,
     )
+
+
+def measure_all(
+    work: Work, tasks: tuple[FitTask, ...], engine: str, go_on: Callable[[], bool] | None = None
+) -> list[SweepPoint]:
+    """The outcomes of the tasks in their order; those that were done before `go_on` said False.
+
+    Values are by the position of what was asked, as text; a run that fails is a point that says why.
+    """
+    points = []
+    for task in tasks:
+        point = _measured(work, task, engine, go_on)
+        if point is None:
+            break
+        points.append(point)
+    return points
+
+
+def _measured(work: Work, task: FitTask, engine: str, go_on: Callable[[], bool] | None) -> SweepPoint | None:
+    began, sha256 = time.perf_counter(), ""
+    try:
+        case = work.cases[task.case].with_values(task.changes)
+        sha256 = case.sha256
+        result = run(case, engine, go_on, task.trust)
+        if result is None:
+            return None
+        if result.trust_horizon is not None:
+            return SweepPoint(task.index, DONE, sha256, "", {HORIZON: result.trust_horizon})
+        values = measure(result, work.asked[task.case])
+    except (CaseError, EngineError) as error:
+        return SweepPoint(task.index, FAILED, sha256, str(error))
+    except Exception as error:  # a bug that shows at one run must not cost all the others
+        return SweepPoint(task.index, FAILED, sha256, described_bug(error))
+    values["wall_time"] = time.perf_counter() - began
+    return SweepPoint(task.index, DONE, sha256, "", values)
+
+
+def run(case: Case, engine: str, go_on: Callable[[], bool] | None, trust: bool = False) -> Result | None:
+    """The run; None where it was given up."""
+    recording = Recording(case, engine, trust)
+    sink = MemorySink(recording.tables)
+    recording.into(sink, None if go_on is None else lambda t_reached: go_on())
+    if not recording.complete:
+        return None
+    samples, events = sink.tables()
+    return Result({**recording.start, **recording.end()}, samples, events, case=case)
+
+
+def measure(result: Result, asked: tuple[Asked, ...]) -> dict[str, float]:
+    """Observables of a run, by position as text; NaN where the run has no such quantity."""
+    return {
+        str(i): each.observable.measure(result, each.window_in(result.t_reached), each.argument)
+        for i, each in enumerate(asked)
+    }

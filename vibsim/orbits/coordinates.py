@@ -23,12 +23,12 @@ from vibsim.engine.errors import start_of
 from vibsim.engine.tangent.carried import Carried
 from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike, weights
 from vibsim.lazy import once
-from vibsim.physics.connections import body_sets, felt_angles, whole_turn_angles
+from vibsim.physics.connections import body_sets, felt_angles, reads_time, whole_turn_angles
 from vibsim.physics.elementary import sine_cosine_of_arrays
 from vibsim.physics.formulas import TIME, ZERO, derivative
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import BASE, BODY, ROTOR, STATE, Body, Scene, columns_of
-from vibsim.physics.rates import Period, common_period, is_driven, reads_time, springs_of, turning_rotor
+from vibsim.physics.rates import Period, common_period, is_driven, springs_of, turning_rotor
 from vibsim.results.columns import starts_of
 
 if TYPE_CHECKING:

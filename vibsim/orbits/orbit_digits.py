@@ -20,6 +20,7 @@ from vibsim.engine.truth import bare
 from vibsim.orbits.coordinates import OrbitError, Word, spelled, word_of
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.stability import characteristic_polynomial, refined_roots, solved
+from vibsim.physics.connections import paces_of
 from vibsim.physics.numbers import Number, decimal_text
 from vibsim.physics.parts import EVENT_NAMES, IMPACTS
 from vibsim.physics.precision import MOST_DIGITS, DigitsKit, number_kit, one_precision
@@ -149,8 +150,6 @@ class _ExactMap:
 
     def _of_formula(self, cycles: float) -> Number:
         """The frequency [Hz] of a formula of time whose double is `cycles`."""
-        from vibsim.physics.formula_parts import paces_of
-
         kit, half = self.kit, Fraction(1, 2)
         pace = next(one for one in paces_of(self.scene) or () if one.cycles[0] == cycles)
         frequency = kit.number(pace.factor * half)

@@ -1,4 +1,5 @@
-"""Which bodies of a scene hang together, and the pairs of ends whose motion against each other matters.
+"""Which bodies of a scene hang together, the pairs of ends whose motion against each other matters, and which
+places, angles and times the formulas of its parts read.
 
 Parts join their ends to sets of bodies. A set that springs hold at the ground or the base vibrates about a
 place; any other may drift. Coordinates of a motion without its drift are those of the pairs. A formula joins
@@ -6,11 +7,23 @@ the bodies whose difference it reads, and holds those whose place it reads by it
 no set and no pair.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from fractions import Fraction
+from functools import lru_cache
 from typing import Any, NamedTuple
 
-from vibsim.physics.formulas import is_periodic
-from vibsim.physics.parts import GROUND, ROTOR, Scene
+from vibsim.physics.formulas import (
+    SWITCHES,
+    TIME,
+    Node,
+    children,
+    derivative,
+    is_periodic,
+    reads,
+    value_of,
+    walk,
+)
+from vibsim.physics.parts import GROUND, ROTOR, STATE, Scene, Stop
 
 
 class Pair(NamedTuple):
@@ -86,7 +99,6 @@ def felt_pairs(scene: Scene[Any]) -> tuple[Pair, ...]:
     """
     if not scene.has_formulas:
         return ()
-    from vibsim.physics.formula_parts import pairs_read
 
     return tuple(Pair(*pair) for pair in pairs_read(scene))
 
@@ -98,7 +110,6 @@ def felt_angles(scene: Scene[Any]) -> list[int]:
     rotors = [i for i, body in enumerate(scene.bodies) if body.kind == ROTOR]
     if not rotors:
         return []
-    from vibsim.physics.formula_parts import angles_read
 
     felt = {rotor.column for rotor in scene.rotors if rotor.unbalance} | angles_read(scene)
     return [i for i in rotors if i in felt]
@@ -111,8 +122,6 @@ def whole_turn_angles(scene: Scene[Any]) -> list[int]:
     turning = [i for i, body in enumerate(scene.line) if scene.unit_of(body) == "rad"]
     if not turning or not scene.has_formulas:
         return []
-    from vibsim.physics.formula_parts import formulas_of
-
     springs = [link for link in scene.links if link.k]
     fixed = _bodies([*springs, *scene.stops, *scene.clearances])
     formulas = [one.formula for one in formulas_of(scene)]
@@ -161,7 +170,219 @@ def event_parts(scene: Scene[Any]) -> tuple[str, ...]:
     """
     names = [part.name for part in (*scene.stops, *scene.frictions, *scene.clearances)]
     if scene.has_formulas:
-        from vibsim.physics.formula_parts import switching_parts
-
         names += [name for name in switching_parts(scene) if name not in names]
     return tuple(names)
+
+
+# The formulas of a scene by their parts: where they jump, which places they read, how time drives them.
+
+
+# The formulas, each with the part that it is a law of.
+
+
+class PartFormula(NamedTuple):
+    """A formula of a part: the section of the scene, the number of the part in it, its name, the formula."""
+
+    section: str
+    number: int
+    name: str
+    formula: Node
+
+
+def formulas_of(scene: Scene[Any]) -> Iterator[PartFormula]:
+    """All formulas of a scene, section by section."""
+    for i, stop in enumerate(scene.stops):
+        if isinstance(stop, Stop) and stop.force is not None:
+            yield PartFormula("stops", i, stop.name, stop.force)
+    for i, friction in enumerate(scene.frictions):
+        for formula in (*(friction.slips or ()), *(friction.holds or ())):
+            yield PartFormula("frictions", i, friction.name, formula)
+    for i, link in enumerate(scene.links):
+        if link.force is not None:
+            yield PartFormula("links", i, link.name, link.force)
+    for i, force in enumerate(scene.forces):
+        if force.formula is not None:
+            yield PartFormula("forces", i, force.name, force.formula)
+    if scene.base_formula is not None:
+        yield PartFormula("base", 0, "base", scene.base_formula)
+
+
+# Where formulas have several sides.
+
+
+def switching_parts(scene: Scene[Any]) -> tuple[str, ...]:
+    """Names of the parts whose formulas have switches, each once."""
+    names = [one.name for one in formulas_of(scene) if has_switches(one.formula)]
+    return tuple(dict.fromkeys(names))
+
+
+@lru_cache(maxsize=1024)
+def has_switches(formula: Node) -> bool:
+    """Whether a formula has several sides: abs, sign, min, max, step, where, mod, tables."""
+    return reads([formula], SWITCHES)
+
+
+# Which places of bodies formulas read.
+
+
+def pairs_read(scene: Scene[Any]) -> Iterator[tuple[str, int, int]]:
+    """Name of the part and ends P, Q of each difference x_P - x_Q that its formula reads; Q is GROUND where
+    it reads x_P by itself. What a stop reads of its own ends is left out.
+    """
+    for one in formulas_of(scene):
+        own = None
+        if one.section == "stops":
+            own = {scene.stops[one.number].P, scene.stops[one.number].Q}
+        for P, Q in _places_read(one.formula):
+            if {P, Q} != own and _on_line(scene, P) and _on_line(scene, Q):
+                yield (one.name, P, Q) if P >= 0 else (one.name, Q, P)
+
+
+def _on_line(scene: Scene, end: int) -> bool:
+    return end < 0 or scene.bodies[end].kind not in (ROTOR, STATE)
+
+
+@lru_cache(maxsize=1024)
+def _places_read(formula: Node) -> tuple[tuple[int, int], ...]:
+    """The ends of the differences that a formula reads, those of single places with GROUND; not both
+    fixed.
+    """
+    found: dict[tuple[int, int], None] = {}
+    seen: set[Node] = set()
+    below = [formula]
+    while below:
+        node = below.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        if node[0] == "sub" and node[1][0] == node[2][0] == "x":
+            found.setdefault((node[1][1], node[2][1]))
+        elif node[0] == "x":
+            found.setdefault((node[1], GROUND))
+        else:
+            below += children(node)
+    return tuple((P, Q) for P, Q in found if P >= 0 or Q >= 0)
+
+
+def reads_own_distance(link: Any) -> bool:
+    """Whether the formula of a link reads the distance of its ends, and nothing else."""
+    ends = {link.P, link.Q}
+    return not reads([link.force], ("t", "v", "phi", "w")) and all(
+        {P, Q} == ends or (Q == GROUND and {P} == {end for end in ends if end >= 0})
+        for P, Q in _places_read(link.force)
+    )
+
+
+def angles_read(scene: Scene[Any]) -> set[int]:
+    """Numbers of the rotors whose angle any formula reads."""
+    ends = {end for one in formulas_of(scene) for pair in _places_read(one.formula) for end in pair}
+    return {i for i, body in enumerate(scene.bodies) if body.kind == ROTOR and i in ends}
+
+
+# How time drives a scene by its formulas.
+
+
+PI_TO_80_DIGITS = Fraction(
+    "3.14159265358979323846264338327950288419716939937510582097494459230781640628620899"
+)
+
+
+class TimeRate(NamedTuple):
+    """Angular rate factor pi^power [rad/s] of a sine or cosine of time."""
+
+    factor: Fraction
+    power: int
+
+    @property
+    def cycles(self) -> tuple[float, float]:
+        """The frequency [Hz] as a double-double."""
+        exact = self.factor / 2 * PI_TO_80_DIGITS ** (self.power - 1)
+        high = float(exact)
+        return high, float(exact - Fraction(high))
+
+
+def reads_time(scene: Scene[Any]) -> bool:
+    """Whether any formula reads the time."""
+    return scene.has_formulas and any(_paces(one.formula) != () for one in formulas_of(scene))
+
+
+def paces_of(scene: Scene[Any]) -> list[TimeRate] | None:
+    """The rates at which time drives a scene by its formulas, each once; None where one of them has no period
+    in time, as of a ramp, a growing frequency or a table.
+    """
+    paces: dict[TimeRate, None] = {}
+    for one in formulas_of(scene):
+        own = _paces(one.formula)
+        if own is None:
+            return None
+        paces |= dict.fromkeys(own)
+    return list(paces)
+
+
+@lru_cache(maxsize=1024)
+def _paces(formula: Node) -> tuple[TimeRate, ...] | None:
+    """The rates of a formula: time may stand only in sines and cosines of rate t + what reads no time, and in
+    mod(rate t + ..., number).
+    """
+    timed: set[Node] = set()
+    for node in walk([formula]):
+        if node == TIME or any(child in timed for child in children(node)):
+            timed.add(node)
+    if formula not in timed:
+        return ()
+    paces: dict[TimeRate, None] = {}
+    below, seen = [formula], set[Node]()
+    while below:
+        node = below.pop()
+        if node in seen or node not in timed:
+            continue
+        seen.add(node)
+        if node == TIME:
+            return None
+        pace = _pace_of(node)
+        if pace is not None:
+            paces.setdefault(pace)
+        else:
+            below += children(node)
+    return tuple(paces)
+
+
+def _pace_of(node: Node) -> TimeRate | None:
+    """The rate of a sine, a cosine or a remainder whose argument grows evenly with time; None of any
+    other.
+    """
+    if node[0] not in ("sin", "cos", "mod"):
+        return None
+    rate = _number(derivative(node[1], TIME))
+    if rate is None or not rate.factor:
+        return None
+    if node[0] != "mod":
+        return TimeRate(abs(rate.factor), rate.power)
+    modulus = _number(node[2])
+    if modulus is None or not modulus.factor:
+        return None
+    # a whole modulus in 2 pi / (the rate of the sine that has the same period)
+    return TimeRate(abs(2 * rate.factor / modulus.factor), rate.power - modulus.power + 1)
+
+
+def _number(node: Node) -> TimeRate | None:
+    """A formula of numbers and pi alone, as factor pi^power; None of any other."""
+    value = value_of(node)
+    if value is not None:
+        return TimeRate(value, 0)
+    if node[0] == "pi":
+        return TimeRate(Fraction(1), 1)
+    if node[0] in ("mul", "div"):
+        one, other = (_number(child) for child in node[1:])
+        if one is None or other is None or (node[0] == "div" and not other.factor):
+            return None
+        if node[0] == "mul":
+            return TimeRate(one.factor * other.factor, one.power + other.power)
+        return TimeRate(one.factor / other.factor, one.power - other.power)
+    if node[0] in ("add", "sub"):
+        one, other = (_number(child) for child in node[1:])
+        if one is None or other is None or (one.factor and other.factor and one.power != other.power):
+            return None
+        sign = 1 if node[0] == "add" else -1
+        return TimeRate(one.factor + sign * other.factor, one.power if one.factor else other.power)
+    return None

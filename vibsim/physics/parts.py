@@ -162,7 +162,7 @@ class Stop(Generic[N]):
 class Fall(Generic[N]):
     """Fall of a friction force with the speed of slip: drop f(s) [N], s = rate |v_rel|, rate in s/m.
 
-    law : of vibsim.physics.friction_laws, f(0) = 1
+    law : of vibsim.engine.flows.friction_laws, f(0) = 1
     """
 
     law: str
@@ -476,3 +476,5 @@ IMPACTS = ("contact_begin", "impact")  # of elastic stops, and of rigid ones
 RIGID_KINDS = ("impact", "transmitted", "chatter", "rest_begin", "rest_end")  # of rigid stops alone
 SWITCH = "switch"  # kind of the events at which a formula jumps; of formulas alone
 EVENT_NAMES = {code: name for name, code in EVENT_KINDS.items()}
+# laws by which a friction falls with the speed of slip, see vibsim.engine.flows.friction_laws
+HYPERBOLIC, EXPONENTIAL = "stribeck hyperbolic", "stribeck exponential"

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Union, overload
 
 import numpy as np
 
-from vibsim.physics.connections import body_sets
+from vibsim.physics.connections import body_sets, paces_of, reads_time
 from vibsim.physics.linear_algebra import symmetric_eigenvalues
 from vibsim.physics.numbers import N
 from vibsim.physics.parts import ANGLE, BODY, MOTOR, ROTOR, SPEED, Link, RigidStop, Scene, Stop
@@ -206,15 +206,6 @@ def motor_columns(scene: Scene[Any]) -> tuple[str, str] | None:
     return (ANGLE, SPEED) if scene.motor is not None or by_formula else None
 
 
-def reads_time(scene: Scene[Any]) -> bool:
-    """Whether any formula reads the time."""
-    if not scene.has_formulas:
-        return False
-    from vibsim.physics import formula_parts
-
-    return formula_parts.reads_time(scene)
-
-
 def source_rates(scene: Scene) -> list[float]:
     """Angular rates [rad/s] of forces, base, formulas of time and motor (its no-load speed); those that are 0
     left out.
@@ -327,8 +318,6 @@ def _pitches(scene: Scene[Any]) -> list[tuple[float, float]] | None:
     """
     if not scene.has_formulas:
         return []
-    from vibsim.physics.formula_parts import paces_of
-
     paces = paces_of(scene)
     if paces is None:
         return None

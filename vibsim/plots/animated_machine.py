@@ -16,7 +16,7 @@ from vibsim.physics.parts import ANGLE, MOTOR, ROTOR, Scene, columns_of
 from vibsim.plots import machine_symbols
 from vibsim.plots.machine import LANE_CM, MOTOR_CM, Layout, layout
 from vibsim.plots.machine_symbols import BASE, FIXED, GROUND, Element, floors, rotors_on, short
-from vibsim.plots.relative_motion import PUSHING, impact_events, period_of
+from vibsim.plots.samples import PUSHING, impact_events, period_of
 from vibsim.plots.style import GREY, ORANGE, VERMILLION
 from vibsim.plots.subject import Subject
 from vibsim.plots.traces import states_at

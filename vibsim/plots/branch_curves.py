@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from vibsim.analysis.cycles import BAND
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.orbits.branches.course import Stretch, stretches
+from vibsim.orbits.branches.tracing import Stretch, stretches
 from vibsim.orbits.coordinates import placed
 from vibsim.physics.rates import turning_columns
 from vibsim.plots.branch_values import (

@@ -15,8 +15,8 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
 
 from vibsim.cases.quantities import UNITS
-from vibsim.orbits.branches.course import drawn, half_range, stretches
 from vibsim.orbits.branches.node import ENERGY
+from vibsim.orbits.branches.tracing import drawn, half_range, stretches
 from vibsim.plots.sheet import Scale, inside, overlaps, sheet_of, symbol
 from vibsim.plots.style import BLACK, points
 from vibsim.plots.subject import Subject

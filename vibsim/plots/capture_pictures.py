@@ -14,7 +14,7 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 
-from vibsim.plots.loci import lay_loci
+from vibsim.plots.branches_over_sweeps import lay_loci
 from vibsim.plots.samples import mark_frequencies
 from vibsim.plots.sheet import draw_by_ratio, legend_below, letter_panels, note, rounded, say_inside, sheet
 from vibsim.plots.style import BLUE, GREEN, ORANGE, PALE, PINK, SKY, VERMILLION, YELLOW

@@ -15,8 +15,14 @@ from matplotlib.figure import Figure
 from vibsim.physics.connections import Pair, joined_pairs
 from vibsim.physics.formulas import Node
 from vibsim.physics.parts import Link, Motor, RigidStop, Scene, Stop
-from vibsim.plots.relative_motion import difference, draw_stop_line, stop_label, stop_position, stops_between
-from vibsim.plots.samples import motor_of
+from vibsim.plots.samples import (
+    difference,
+    draw_stop_line,
+    motor_of,
+    stop_label,
+    stop_position,
+    stops_between,
+)
 from vibsim.plots.sheet import (
     NamedQuantity,
     Scale,

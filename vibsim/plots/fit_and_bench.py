@@ -14,8 +14,8 @@ from matplotlib.ticker import LogLocator
 
 from vibsim.evidence.benchmark.bench_result import BenchRow, error_at, faster, most_accurate
 from vibsim.evidence.benchmark.plan import SolverFamily, family_of
-from vibsim.fitting.fit_file import number_of
 from vibsim.fitting.fit_result import FitResult
+from vibsim.fitting.plan import number_of
 from vibsim.fitting.search import Judgement
 from vibsim.fitting.statements import FreeParameter
 from vibsim.plots.sheet import (

@@ -13,10 +13,8 @@ from matplotlib.colors import LogNorm, Normalize, to_rgb
 from matplotlib.figure import Figure
 
 from vibsim.physics.rates import motor_columns
-from vibsim.plots.pairs import trust_remark
 from vibsim.plots.portraits import moving
-from vibsim.plots.relative_motion import last_half
-from vibsim.plots.samples import mark_frequencies, natural_frequencies, shown, window_of
+from vibsim.plots.samples import last_half, mark_frequencies, natural_frequencies, shown, window_of
 from vibsim.plots.sheet import (
     CM,
     Scale,
@@ -36,7 +34,7 @@ from vibsim.plots.spectra import FLOOR, NOTHING, TurnExtremes, first_motion, pie
 from vibsim.plots.style import BLUE, dashed, overlay
 from vibsim.plots.subject import Subject
 from vibsim.plots.time_histories import SPEED, mean_speed
-from vibsim.plots.traces import Block, Trace, draw_trace, trace
+from vibsim.plots.traces import Block, Trace, draw_trace, trace, trust_remark
 from vibsim.plots.view import Span, View
 
 LOOPS_UP_TO = 40  # turns that are seen as loops; of more, the extremes of each

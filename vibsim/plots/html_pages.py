@@ -21,17 +21,17 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from vibsim.cases.problems import one_line
-from vibsim.orbits.branches.course import curve_of, drawn, stretches
+from vibsim.orbits.branches.tracing import curve_of, drawn, stretches
 from vibsim.physics.connections import event_parts
 from vibsim.physics.parts import EVENT_KINDS, IMPACTS, ROTOR, STATE, SWITCH
 from vibsim.plots.branch_values import MARKS, ranges
-from vibsim.plots.loci import NAMES
-from vibsim.plots.pairs import pair_of
+from vibsim.plots.branches_over_sweeps import NAMES
 from vibsim.plots.registry import fitting
 from vibsim.plots.samples import shortest_period
 from vibsim.plots.sheet import scale_for
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import draws_by_ratio, label_of
+from vibsim.plots.traces import pair_of
 from vibsim.plots.view import PlotError
 from vibsim.results.columns import has_switches
 from vibsim.results.hdf5_reading import plain

@@ -11,8 +11,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 
-from vibsim.cases.formula_keys import Formula
 from vibsim.cases.problems import one_line
+from vibsim.cases.schema_kinds import Formula
 from vibsim.plots.style import BLUE, GREEN, GREY, ORANGE, VERMILLION
 
 GROUND, BASE = "ground", "base"

@@ -11,9 +11,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from vibsim.physics.rates import motor_columns
 from vibsim.plots.machine import machine_panel, machine_size
-from vibsim.plots.pairs import mark_detail
-from vibsim.plots.relative_motion import detail_span
-from vibsim.plots.samples import common_window
+from vibsim.plots.samples import common_window, detail_span
 from vibsim.plots.sheet import CM, LABEL_SHARE, characters, legend_above, letter_panels, sheet
 from vibsim.plots.style import points
 from vibsim.plots.subject import Subject
@@ -30,6 +28,7 @@ from vibsim.plots.time_histories import (
     rotor_speed_panel,
     rotor_speeds,
 )
+from vibsim.plots.traces import mark_detail
 from vibsim.plots.view import View
 
 PANEL_CM = 5.2

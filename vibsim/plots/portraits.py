@@ -13,22 +13,16 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from vibsim.physics.rates import common_period, turning_columns
-from vibsim.plots.pairs import (
-    PlottedPair,
-    common_pairs,
-    label_relative,
-    relative_traces,
-    trust_marks,
-    trust_remark,
-)
-from vibsim.plots.relative_motion import (
+from vibsim.plots.samples import (
     PERIODS_AT_MOST,
+    common_window,
     draw_stop_line,
     events_within,
     last_half,
+    shown,
     steady_span,
+    window_of,
 )
-from vibsim.plots.samples import common_window, shown, window_of
 from vibsim.plots.sheet import (
     Scale,
     legend_above,
@@ -49,11 +43,17 @@ from vibsim.plots.traces import (
     RINGS_UP_TO,
     Block,
     Plane,
+    PlottedPair,
     Trace,
+    common_pairs,
     draw_impacts,
     draw_trace,
     impact_points,
+    label_relative,
+    relative_traces,
     trace,
+    trust_marks,
+    trust_remark,
 )
 from vibsim.plots.view import Span, View
 from vibsim.results.columns import closing_velocities

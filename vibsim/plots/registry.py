@@ -20,19 +20,18 @@ if TYPE_CHECKING:
 
 # module of vibsim.plots -> the kinds that it draws, each by a function `<kind>_picture(subjects, view)`
 DRAWN_IN: dict[str, tuple[str, ...]] = {
-    "basins": ("basins",),
     "branch_curves": ("branch", "load-curve"),
+    "branches_over_sweeps": ("multipliers", "locus"),
     "capture_pictures": ("regime", "capture"),
     "characteristics": ("stiffness", "motor"),
-    "columns": ("columns",),
     "fit_and_bench": ("fit", "work-precision"),
     "frequency_pictures": ("displacement-frequency", "spectrum", "spectrogram", "waterfall"),
-    "loci": ("multipliers", "locus"),
     "overview": ("overview",),
+    "picture": ("columns",),
     "portraits": ("phase", "phase-drift-free", "impact-velocity", "stroboscopic", "orbit-portrait"),
     "slow_passages": ("run-up",),
     "sweep_pictures": ("sommerfeld", "lyapunov", "power", "end-state"),
-    "sweep_responses": ("amplitude", "orbit"),
+    "sweep_responses": ("amplitude", "orbit", "basins"),
     "time_histories": ("displacement", "velocity", "relative", "motor-speed", "rotor-speed", "states"),
 }
 MODULES = {kind: module for module, kinds in DRAWN_IN.items() for kind in kinds}
@@ -416,7 +415,7 @@ def _has_starts(subject: Subject) -> bool:
 
 def _shows_basins(subject: Subject) -> bool:
     """Whether basins can be drawn: in a plane, of starts, or as shares over the one parameter."""
-    from vibsim.plots.basins import shows_shares
+    from vibsim.plots.sweep_responses import shows_shares
 
     if subject.result.members is not None and _ranges(subject) == 0:
         return len(subject.result.members.spreads) <= 2

@@ -20,9 +20,7 @@ from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import EVENT_KINDS, Scene
 from vibsim.physics.rates import motor_columns
-from vibsim.plots.pairs import PlottedPair, annotate_runs, common_pairs, shown_part, trust_remark
-from vibsim.plots.relative_motion import events_within
-from vibsim.plots.samples import natural_frequencies, window_of
+from vibsim.plots.samples import events_within, natural_frequencies, window_of
 from vibsim.plots.sheet import (
     Level,
     as_text,
@@ -41,7 +39,14 @@ from vibsim.plots.style import BLACK, BLUE, GREY, PINK, VERMILLION, dashed, over
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import along, is_motor_speed, is_speed
 from vibsim.plots.sweep_curves import DIRECTION_NAMES, DOWN, UP, Curve, curves
-from vibsim.plots.traces import VECTOR_UP_TO
+from vibsim.plots.traces import (
+    VECTOR_UP_TO,
+    PlottedPair,
+    annotate_runs,
+    common_pairs,
+    shown_part,
+    trust_remark,
+)
 from vibsim.plots.view import PlotError, Span, View
 
 HEIGHT_CM = 9.6

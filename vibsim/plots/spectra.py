@@ -21,8 +21,7 @@ from vibsim.cases.ramps import drive_turns
 from vibsim.physics.parts import columns_of
 from vibsim.physics.rates import common_period, motor_columns, source_rates, turning_columns
 from vibsim.plots import traces
-from vibsim.plots.relative_motion import PERIODS_AT_MOST
-from vibsim.plots.samples import blocks, rows
+from vibsim.plots.samples import PERIODS_AT_MOST, blocks, rows
 from vibsim.plots.subject import Subject
 from vibsim.plots.traces import Block, dense, hermite, root_time, samples_are_sparse
 from vibsim.plots.view import PlotError, Span

@@ -72,8 +72,8 @@ from vibsim.plots.sweep_curves import (
     spread_over,
 )
 from vibsim.plots.view import View
+from vibsim.sweeps.contact_computations import VERDICTS
 from vibsim.sweeps.points import Share
-from vibsim.sweeps.run_ends import VERDICTS
 
 END_STATE_HEIGHT_CM = 6.8
 UNDRAWN = 0.005  # greatest share of a curve that would lie on the axis

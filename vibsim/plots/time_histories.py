@@ -15,37 +15,25 @@ from matplotlib.figure import Figure
 from vibsim.cases.ramps import no_load_speed
 from vibsim.physics.connections import Pair, drifting_sets
 from vibsim.physics.parts import BASE, ROTOR, STATE, Scene, columns_of
-from vibsim.plots.pairs import (
-    annotate_runs,
-    common_pairs,
-    draw_belts,
-    label_relative,
-    mark_detail,
-    relative_traces,
-    trust_marks,
-    trust_remark,
-)
-from vibsim.plots.relative_motion import (
+from vibsim.plots.samples import (
     DETAIL_PERIODS,
+    POINTS_PER_COLUMN,
+    Envelope,
+    Series,
+    common_window,
     contact_spans,
     detail_span,
     draw_stop_line,
     impact_events,
     impacts_of,
+    motor_of,
+    natural_frequencies,
     period_of,
+    series,
+    shown,
     steady_span,
     stop_label,
     stop_position,
-)
-from vibsim.plots.samples import (
-    POINTS_PER_COLUMN,
-    Envelope,
-    Series,
-    common_window,
-    motor_of,
-    natural_frequencies,
-    series,
-    shown,
     window_of,
 )
 from vibsim.plots.sheet import (
@@ -67,7 +55,20 @@ from vibsim.plots.sheet import (
 from vibsim.plots.spectra import TURNS, states_at, turn_times
 from vibsim.plots.style import BLUE, GREY, SHADE, SKY, THIN, VERMILLION, dashed, nested, overlay, points
 from vibsim.plots.subject import Subject
-from vibsim.plots.traces import Plane, dense, draw_trace, samples_are_sparse
+from vibsim.plots.traces import (
+    Plane,
+    annotate_runs,
+    common_pairs,
+    dense,
+    draw_belts,
+    draw_trace,
+    label_relative,
+    mark_detail,
+    relative_traces,
+    samples_are_sparse,
+    trust_marks,
+    trust_remark,
+)
 from vibsim.plots.view import Span, View
 from vibsim.results.columns import base_motion
 

@@ -10,7 +10,7 @@ import numpy as np
 from vibsim.engine.columns import before_columns, flags_of_parts, part_columns
 from vibsim.engine.resume import rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.connections import event_parts
+from vibsim.physics.connections import event_parts, switching_parts
 from vibsim.physics.elementary import sine_cosine_of_arrays
 from vibsim.physics.parts import (
     ANGLE,
@@ -181,8 +181,6 @@ def has_switches(scene: Scene) -> bool:
     """Whether any formula of a scene has several sides, so that its jumps are events."""
     if not scene.has_formulas:
         return False
-    from vibsim.physics.formula_parts import switching_parts
-
     return bool(switching_parts(scene))
 
 

@@ -36,7 +36,7 @@ from vibsim.sweeps.attractors import parameter_axes
 from vibsim.sweeps.axes import Axis
 from vibsim.sweeps.basin_edges import BasinEdge, Stepping, edge_between, rest_near, stretched
 from vibsim.sweeps.basin_starts import NOWHERE, Basins
-from vibsim.sweeps.run_ends import KINDS
+from vibsim.sweeps.quantities import KINDS
 from vibsim.sweeps.sweep_plan import PlanError
 
 if TYPE_CHECKING:

@@ -47,9 +47,8 @@ from vibsim.orbits.search import least
 from vibsim.physics.connections import whole_turn_angles
 from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES, Scene
 from vibsim.physics.rates import is_driven, source_period
-from vibsim.sweeps.contact_computations import Task
-from vibsim.sweeps.quantities import Quantities
-from vibsim.sweeps.run_ends import END_STATE, INITIAL, KINDS, REASONS, VERDICTS, EndState, observed
+from vibsim.sweeps.contact_computations import END_STATE, VERDICTS, EndState, Task
+from vibsim.sweeps.quantities import INITIAL, KINDS, REASONS, Quantities, observed
 from vibsim.sweeps.statistics import MeasuredRun, TooFineError, sampled_for_statistics
 
 if TYPE_CHECKING:

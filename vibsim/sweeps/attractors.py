@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibsim.analysis.attractor import is_mirrored, lies_on
 from vibsim.engine.errors import EngineError
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits.coordinates import OrbitError, placed, spelled
-from vibsim.orbits.neighbourhood import is_mirrored, lies_on
 from vibsim.orbits.newton import solve
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import ReturnMap
@@ -31,8 +31,8 @@ from vibsim.orbits.search import least
 from vibsim.physics.parts import GROUND
 from vibsim.results.file_contents import Column, Dataset
 from vibsim.sweeps.attractor_labels import orbit_of_label
-from vibsim.sweeps.quantities import DONE
-from vibsim.sweeps.run_ends import INITIAL, KINDS, NAME, NONE, is_of_starts
+from vibsim.sweeps.quantities import DONE, INITIAL, KINDS, NAME, NONE
+from vibsim.sweeps.sweep_plan import is_of_starts
 
 if TYPE_CHECKING:
     from vibsim.sweeps.points import Table

@@ -25,7 +25,7 @@ from vibsim.cases.quantities import (
     si_unit,
 )
 from vibsim.cases.schema_keys import LONG, UnknownKeyError
-from vibsim.results.plain_data import from_plain, stored
+from vibsim.results.store import from_plain, stored
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

@@ -47,7 +47,7 @@ from vibsim.results.columns import starts_of
 from vibsim.sweeps.attractor_labels import coordinates_of, orbit_of_label
 from vibsim.sweeps.attractors import parameter_axes
 from vibsim.sweeps.axes import Axis
-from vibsim.sweeps.run_ends import NONE
+from vibsim.sweeps.quantities import NONE
 
 if TYPE_CHECKING:
     from vibsim.sweeps.sweep_result import SweepResult

@@ -16,11 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.analysis.attractor import KnownOrbits, Label
+from vibsim.analysis.attractor import KnownOrbits, Label, lies_on
 from vibsim.cases.quantities import number
 from vibsim.engine.errors import EngineError
 from vibsim.orbits.coordinates import OrbitError, component_names, gap_of, placed, start_by_column
-from vibsim.orbits.neighbourhood import lies_on
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.search import opened
 from vibsim.orbits.search import start_of as state_of_start

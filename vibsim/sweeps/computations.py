@@ -13,7 +13,7 @@ from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.tangent.tangent_space import dimension as exponents
 from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene
 from vibsim.results.file_contents import Column
-from vibsim.sweeps import contact_computations, run_ends
+from vibsim.sweeps import contact_computations, quantities
 from vibsim.sweeps.contact_computations import Task
 from vibsim.sweeps.quantities import Columns, Quantities
 from vibsim.sweeps.statistics import MeasuredRun
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from vibsim.analysis.sections import Exponent
 
 
-# Lyapunov exponents of a point, by `vibsim.analysis.exponents`: one more run, with a tangent bundle.
+# Lyapunov exponents of a point, by `vibsim.analysis.regime`: one more run, with a tangent bundle.
 
 
 LARGEST, HALF_WIDTH = "lyapunov", "lyapunov_half_width"
@@ -64,7 +64,7 @@ class LyapunovComputation:
         self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
     ) -> dict[str, Any]:
         """The exponents and how well they are known."""
-        from vibsim.analysis.exponents import judged
+        from vibsim.analysis.regime import judged
         from vibsim.engine.tangent.lyapunov import lyapunov_exponents
 
         count = dimension(self._scene) if self._everything else 1
@@ -241,7 +241,7 @@ class CaptureComputation:
     ) -> dict[str, float]:
         """The verdict and its times; NaN where there is none."""
         from vibsim.analysis.capture import capture_of_turns
-        from vibsim.analysis.span import Span
+        from vibsim.analysis.cycles import Span
 
         resumed = run.rows[-1]["t"] if run.rows else 0.0
         turns, impacts = (self._joined(table, resumed) for table in ("section", "events"))
@@ -364,15 +364,15 @@ COMPUTATIONS = {
     "regime": ComputationKind(REGIME_TITLE, regime_columns, "with a source", RegimeLabel, samples=True),
     "orbit": ComputationKind(ORBIT_TITLE, orbit_columns, "with a source", OrbitComputation, samples=True),
     "end-state": ComputationKind(
-        run_ends.END_STATE_TITLE,
-        run_ends.end_state_columns,
+        contact_computations.END_STATE_TITLE,
+        contact_computations.end_state_columns,
         "that move freely, under constant forces alone",
-        run_ends.EndState,
+        contact_computations.EndState,
         samples=True,
     ),
-    run_ends.NAME: ComputationKind(
-        run_ends.ATTRACTOR_TITLE,
-        run_ends.attractor_columns,
+    quantities.NAME: ComputationKind(
+        quantities.ATTRACTOR_TITLE,
+        quantities.attractor_columns,
         "",
         _attractor_computation,
         samples=True,
@@ -409,7 +409,7 @@ def length_of(dimension: str, scene: Scene, section: int) -> int:
         "quantile": lambda: len(contact_computations.QUANTILES),
         "exponent": lambda: exponents(scene),
         "multiplier": lambda: multipliers(scene),
-        "unknown": lambda: run_ends.unknowns(scene),
-        "observable": lambda: run_ends.observed(scene),
+        "unknown": lambda: quantities.unknowns(scene),
+        "observable": lambda: quantities.observed(scene),
     }
     return lengths[dimension]()

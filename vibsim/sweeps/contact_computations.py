@@ -1,4 +1,4 @@
-"""Computations of a sweep on demand of contacts: section, impact velocities, grazing, power, certificate."""
+"""Computations of a sweep on demand: section, velocities and power of contacts, certificate, end state."""
 
 import math
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ from vibsim.engine.columns import part_columns, stop_column
 from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.elementary import mean
-from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene
+from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene, columns_of
 from vibsim.physics.rates import Period, common_period, turning_columns
 from vibsim.results.file_contents import Column
 from vibsim.sweeps.quantities import RELATIVE_RATE, Columns, MeasuredMotion, Quantities, distinct
@@ -383,3 +383,58 @@ class CertificateComputation:
     ) -> dict[str, float]:
         """The engine's total, of transient and rest."""
         return {"uncertified": run.totals["uncertified"]}
+
+
+# What a motion without a source that changes comes to: rest, or vibration that goes on.
+#
+# Judged on the time after the transient, in two halves. Where stops or frictions go on to change their states
+# in the second half, the motion is a vibration (stick-slip, impacts): events are exact, so no threshold
+# decides. Where they do not, it is smooth, and rests if its kinetic energy falls from one half to the other.
+
+
+END_STATE_TITLE = "rest or vibration, without a source that changes"
+END_STATE = "end_state"
+VERDICTS = {"undecided": 0, "rest": 1, "vibration": 2}
+OF_FRICTION = ("reversal", "stick_begin", "stick_end")
+CHANGES = (*OF_FRICTION, *IMPACTS, "contact_end", "rest_begin", "rest_end")
+FALLS = 0.99  # of the greatest kinetic energy in the first half: samples meet its peaks to a hundredth
+
+
+def end_state_columns(of: Quantities) -> Columns:
+    """The verdict; none with a source, whose motions have a regime."""
+    return {} if of.has_source else {END_STATE: Column("1", "what the motion comes to", flags=VERDICTS)}
+
+
+class EndState:
+    """End state of one run. Memory grows with its samples and events after the transient."""
+
+    def __init__(self, task: Task):
+        self._begin, bodies = task.begin, task.scene.line
+        self._half_masses = {columns_of(body.name)[1]: float(body.m) / 2 for body in bodies}
+        self._codes = [EVENT_KINDS[kind] for kind in CHANGES]
+        self._changes: list[np.ndarray] = []
+        self._times: list[np.ndarray] = []
+        self._energies: list[np.ndarray] = []
+
+    def update(self, block: Block) -> None:
+        """Take the next block."""
+        events, samples = block.events, block.samples
+        self._changes.append(events["t"][np.isin(events["kind"], self._codes)])
+        self._times.append(samples["time"])
+        energy = np.zeros(len(samples["time"]))
+        for v, half in self._half_masses.items():
+            energy = energy + half * samples[v] ** 2
+        self._energies.append(energy)
+
+    def values(
+        self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
+    ) -> dict[str, float]:
+        """The verdict on the window."""
+        middle = (window[0] + window[1]) / 2
+        times, energies = np.concatenate(self._times), np.concatenate(self._energies)
+        late, early = times >= middle, (times >= window[0]) & (times < middle)
+        if any(np.any(changes >= middle) for changes in self._changes):
+            return {END_STATE: float(VERDICTS["vibration"])}
+        known = late.any() and early.any()
+        falls = known and energies[late].max() <= FALLS * energies[early].max()
+        return {END_STATE: float(VERDICTS["rest" if falls else "undecided"])}

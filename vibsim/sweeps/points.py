@@ -21,8 +21,7 @@ from vibsim.physics.parts import ROTOR, Scene
 from vibsim.physics.rates import source_rates, turning_columns
 from vibsim.sweeps.computations import COMPUTATIONS, Computation
 from vibsim.sweeps.contact_computations import Task
-from vibsim.sweeps.quantities import DONE, FAILED, MISSING
-from vibsim.sweeps.run_ends import NAME
+from vibsim.sweeps.quantities import DONE, FAILED, MISSING, NAME
 from vibsim.sweeps.statistics import (
     GivenUpError,
     MeasuredRun,

@@ -354,3 +354,60 @@ def section(of: Quantities) -> Columns:
         columns[f"section_{name}"] = Column(unit, f"{name} {points}", dimension="section")
     speed = Column("Hz", f"motor speed {points}", dimension="section")
     return {**columns, "section_speed": speed} if of.has_motor else columns
+
+
+# The attractor that a run ends on, as it is stored. How a run is labelled with it stands in
+# `vibsim.sweeps.attractor_labels`, which is loaded where attractors are asked for.
+
+
+KINDS = {
+    "undecided": 0,
+    "rest": 1,
+    "periodic": 2,
+    "quasi-periodic": 3,
+    "chaotic": 4,
+    "running away": 5,
+    "turning": 6,  # for ever, with nothing that drives it
+}
+REASONS = {  # why a run is undecided
+    "decided": 0,
+    "no section": 1,
+    "too few cycles": 2,
+    "still on its way": 3,
+    "no stable orbit": 4,
+    "tests disagree": 5,
+}
+NONE = -1  # the number of no attractor, as of an undecided run
+ATTRACTOR_TITLE = "attractor that the run ends on: rest, orbit, quasi-periodic or chaotic set"
+NAME = "attractor"
+INITIAL = "initial."  # begins the keys of what a run starts from
+
+
+def attractor_columns(of: Quantities) -> Columns:
+    """Columns stored of each point; `vibsim.sweeps.attractors` makes numbers of attractors of them."""
+    unknowns, observed = "unknown", "observable"
+    return {
+        "attractor_kind": Column("1", "what the run ends on", flags=KINDS),
+        "attractor_reason": Column("1", "why it is undecided", flags=REASONS),
+        "attractor_period": Column("1", "returns to the section that its orbit takes; NaN of other kinds"),
+        "attractor_multiplier": Column("1", "greatest modulus of the multipliers of its orbit"),
+        "attractor_time": Column("s", "when it was sure to end there; NaN: at the end of the run"),
+        "attractor_state": Column("1", "state on the section of its orbit or rest, SI", dimension=unknowns),
+        "attractor_means": Column("1", "means over its section, of sets, SI", dimension=observed),
+        "attractor_errors": Column("1", "standard errors of these, SI", dimension=observed),
+    }
+
+
+def unknowns(scene: Scene) -> int:
+    """How many unknowns the orbits of a scene have; 0 without a section."""
+    from vibsim.orbits.coordinates import OrbitError, coordinates_of_rest
+
+    try:
+        return coordinates_of_rest(scene).count
+    except OrbitError:
+        return 0
+
+
+def observed(scene: Scene) -> int:
+    """How many observables tell sets apart, see `vibsim.analysis.attractor.observables`."""
+    return 3 * unknowns(scene)

@@ -37,14 +37,12 @@ from vibsim.results.hdf5_reading import (
     understood,
 )
 from vibsim.results.hdf5_writing import write_hdf5
-from vibsim.results.plain_data import from_plain
-from vibsim.results.store import Store
+from vibsim.results.store import Store, from_plain
 from vibsim.signals import ended_at_once
 from vibsim.sweeps.axes import Axis, Members, Spread, axis_from_plain
 from vibsim.sweeps.contact_computations import QUANTILES
 from vibsim.sweeps.points import SweepPoint, Table
-from vibsim.sweeps.quantities import DEFINITIONS, DONE, FAILED, STATUS_FLAGS
-from vibsim.sweeps.run_ends import NAME, NONE
+from vibsim.sweeps.quantities import DEFINITIONS, DONE, FAILED, NAME, NONE, STATUS_FLAGS
 from vibsim.sweeps.sweep_plan import DIRECTION_FLAGS, SweepPlan, check_memory
 
 if TYPE_CHECKING:

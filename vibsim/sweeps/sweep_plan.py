@@ -7,23 +7,28 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
+from math import prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.analysis.span import HALF, Discard, parse_discard
+from vibsim.analysis.cycles import HALF, Discard, parse_discard
 from vibsim.cases.quantities import Quantity, parse_quantity
-from vibsim.physics.rates import common_period, reads_time
+from vibsim.physics.connections import reads_time
+from vibsim.physics.rates import common_period
 from vibsim.results.file_contents import Column
-from vibsim.results.plain_data import BESIDE, plain_data, stored
+from vibsim.results.store import BESIDE, plain_data, stored
 from vibsim.sweeps.axes import Axis, Members, axes_from_plain
 from vibsim.sweeps.computations import COMPUTATIONS, length_of
-from vibsim.sweeps.quantities import Quantities, always, distinct, quantities_of
+from vibsim.sweeps.quantities import INITIAL, NAME, Quantities, always, distinct, quantities_of
+
+if TYPE_CHECKING:
+    from vibsim.sweeps.axes import Axis, Members
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -368,3 +373,37 @@ def shard(plan: SweepPlan, number: int, parts: int) -> SweepPlan:
     begin, end = (len(axis) * i // parts for i in (number - 1, number))
     axes = [axis.part(begin, end) if i == cut else other for i, other in enumerate(plan.axes)]
     return replace(plan, axes=tuple(axes))
+
+
+# Starts that are followed first: what they end on is known to all points of their scene.
+
+
+FEWEST_STARTS = 32  # of one scene, below which it does not pay
+STARTS_PER_PROBE = 8
+MOST_PROBES = 24
+PLASTIC = 1.32471795724474602596  # x^3 = x + 1: points of two axes spread as evenly as those of one by gold
+
+
+def probe_starts(axes: Sequence[Axis | Members], compute: Sequence[str], carry: bool) -> tuple[Any, ...]:
+    """Changes of the initial values for each probe of a sweep; none where they do not pay.
+
+    Positions k = 1, 2, ... along the i-th axis of starts are the fractions of k / a^i, a the plastic number
+    (M. Roberts, The unreasonable effectiveness of quasirandom sequences, 2018).
+    """
+    starts = [axis for axis in axes if is_of_starts(axis)]
+    count = prod(map(len, starts))
+    if NAME not in compute or carry or not starts or count < FEWEST_STARTS:
+        return ()
+    probes = []
+    for k in range(1, min(MOST_PROBES, count // STARTS_PER_PROBE) + 1):
+        changes: dict[str, str] = {}
+        for i, axis in enumerate(starts, 1):
+            share = (0.5 + k * PLASTIC**-i) % 1.0
+            changes |= axis.changes(int(share * len(axis)))
+        probes.append(changes)
+    return tuple(probes)
+
+
+def is_of_starts(axis: Axis | Members) -> bool:
+    """Whether an axis varies initial values alone."""
+    return all(key.startswith(INITIAL) for key in axis.keys)

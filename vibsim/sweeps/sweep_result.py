@@ -21,8 +21,7 @@ from vibsim.results.output_files import check_result_output
 from vibsim.results.store import Waiting
 from vibsim.sweeps.axes import Axis, Members
 from vibsim.sweeps.points import TEXTS_AND_STATUS, Share, Summary, SweepPoint, Table, share, summary
-from vibsim.sweeps.quantities import DONE, MISSING
-from vibsim.sweeps.run_ends import NAME
+from vibsim.sweeps.quantities import DONE, MISSING, NAME
 from vibsim.sweeps.sweep_file import (
     DERIVED,
     coordinates,

@@ -6,7 +6,7 @@ from fractions import Fraction
 from os import PathLike
 from pathlib import Path
 
-from vibsim.analysis.span import parse_discard
+from vibsim.analysis.cycles import parse_discard
 from vibsim.cases import Case
 from vibsim.cases.case import CaseLike, by_key, load_case, texts, whole_number
 from vibsim.cases.quantities import parse_quantity
@@ -14,9 +14,8 @@ from vibsim.results.blocks_ahead import available_cores
 from vibsim.sweeps.axes import Axis, Members, range_and_unit, read_axis, read_members
 from vibsim.sweeps.computations import read_computations
 from vibsim.sweeps.quantities import quantities_of
-from vibsim.sweeps.run_ends import probe_starts
 from vibsim.sweeps.sweep_file import SweepStore
-from vibsim.sweeps.sweep_plan import PlanError, SweepPlan, read_directions
+from vibsim.sweeps.sweep_plan import PlanError, SweepPlan, probe_starts, read_directions
 from vibsim.sweeps.sweep_result import SweepResult
 from vibsim.sweeps.workers import ClusterWorkers, LocalWorkers, Watch, Workers, run
 

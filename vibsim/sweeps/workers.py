@@ -22,7 +22,7 @@ from types import TracebackType
 from typing import Any, Protocol
 
 from vibsim import __version__
-from vibsim.analysis.span import HALF
+from vibsim.analysis.cycles import HALF
 from vibsim.cases import load_case
 from vibsim.engine.choice import engine_name
 from vibsim.results.hdf5_reading import ResultFileError

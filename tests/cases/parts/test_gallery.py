@@ -8,8 +8,7 @@ import pytest
 from tests.command_line.made import call
 from vibsim.cases import CaseError, gallery_case_names, load_case
 from vibsim.cases.case import load_case_text
-from vibsim.physics.friction_laws import EXPONENTIAL, HYPERBOLIC
-from vibsim.physics.parts import Fall
+from vibsim.physics.parts import EXPONENTIAL, HYPERBOLIC, Fall
 
 NAMES = gallery_case_names()
 

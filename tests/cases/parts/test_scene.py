@@ -9,14 +9,15 @@ import pytest
 
 from vibsim.cases import CaseError, hard_case_names, load_case, shipped_case_names
 from vibsim.cases.schema import CaseFile
-from vibsim.physics.friction_laws import EXPONENTIAL, HYPERBOLIC
 from vibsim.physics.parts import (
     AT_FORCE,
     AT_GAP,
     BASE,
     COMPRESSION,
+    EXPONENTIAL,
     EXTENSION,
     GROUND,
+    HYPERBOLIC,
     Body,
     Clearance,
     Fall,

@@ -5,8 +5,9 @@ from functools import cache
 import numpy as np
 
 from vibsim.cases import load_case
+from vibsim.evidence.benchmark.bench_result import BenchTruth
 from vibsim.evidence.benchmark.plan import make_plan
-from vibsim.evidence.benchmark.scoring import BenchTruth, compute_truth
+from vibsim.evidence.benchmark.running import compute_truth
 
 METHODS = ("taylor", "dop853", "rk4")
 

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibsim.evidence.benchmark.scoring import EventCount, count_events
+from vibsim.evidence.benchmark.bench_result import EventCount
+from vibsim.evidence.benchmark.running import count_events
 from vibsim.physics.parts import EVENT_KINDS
 
 TRUE = [1.0, 2.0, 2.1, 5.0]

@@ -5,8 +5,8 @@ import pytest
 
 from tests.evidence.benchmark.made import planted
 from tests.scenes import paper, scene
-from vibsim.evidence.benchmark.bench_result import DONE, BenchRow
-from vibsim.evidence.benchmark.scoring import EventCount, faithful_error, score, shortest_period
+from vibsim.evidence.benchmark.bench_result import DONE, BenchRow, EventCount, faithful_error
+from vibsim.evidence.benchmark.running import score, shortest_period
 from vibsim.evidence.peers.solvers import CONTACTS, EVERY_KIND, Attempt
 
 TIMES = [0.0, 1.0, 2.0, 3.0]

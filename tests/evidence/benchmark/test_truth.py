@@ -3,7 +3,7 @@ import pytest
 
 from tests.evidence.benchmark.made import plan, truth
 from vibsim.engine.truth import open_truth
-from vibsim.evidence.benchmark.scoring import RIGHT, compute_truth
+from vibsim.evidence.benchmark.running import RIGHT, compute_truth
 
 
 @pytest.mark.parametrize("name", ["I-A", "II-B"])
@@ -19,8 +19,8 @@ def test_every_double_is_the_nearest_to_a_run_of_many_more_digits(name):
 
 
 def test_digits_are_added_until_enough_are_right(monkeypatch):
-    monkeypatch.setattr("vibsim.evidence.benchmark.scoring.error_growth", lambda scene: -20.0)
-    monkeypatch.setattr("vibsim.evidence.benchmark.scoring.FEWEST", 20)
+    monkeypatch.setattr("vibsim.evidence.benchmark.running.error_growth", lambda scene: -20.0)
+    monkeypatch.setattr("vibsim.evidence.benchmark.running.FEWEST", 20)
     found = compute_truth(plan("I-A", "3 s"))
     assert found.attrs["truth_digits"] > 20 and found.attrs["truth_digits_right"] >= RIGHT
 

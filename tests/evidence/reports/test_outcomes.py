@@ -11,8 +11,7 @@ import pytest
 
 from vibsim.analysis import judge_capture
 from vibsim.analysis.capture import Capture
-from vibsim.analysis.cycles import Hold
-from vibsim.analysis.span import Span
+from vibsim.analysis.cycles import Hold, Span
 from vibsim.cases import load_case
 from vibsim.engine.errors import REASONS, EngineError
 from vibsim.evidence.reports import measurements

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vibsim.cases import load_case
-from vibsim.evidence.reports.true_motions import (
+from vibsim.evidence.reports.paper import (
     CHAOTIC,
     keep,
     motion_path,

@@ -3,7 +3,7 @@
 from decimal import Decimal
 from math import inf
 
-from vibsim.evidence.verification.stored_truths import match_events, outside, reach
+from vibsim.evidence.verification.checks import match_events, outside, reach
 
 WITHIN = 0.1
 

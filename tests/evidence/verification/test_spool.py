@@ -6,7 +6,7 @@ import pytest
 
 from vibsim.cases import load_case
 from vibsim.engine.truth import open_truth
-from vibsim.evidence.verification.paper_cases import PERIOD, SPOOL, TRUTH
+from vibsim.evidence.verification.catalogue import PERIOD, SPOOL, TRUTH
 from vibsim.physics.parts import EVENT_NAMES
 
 

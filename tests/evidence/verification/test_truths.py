@@ -6,16 +6,16 @@ from decimal import Decimal
 import pytest
 
 from vibsim.cases import hard_case_names, load_case
-from vibsim.evidence.verification.checks import run
-from vibsim.evidence.verification.hard_cases import REPORTED, hard_state_points, judged_names
-from vibsim.evidence.verification.paper_cases import judged_case
-from vibsim.evidence.verification.stored_truths import (
+from vibsim.evidence.verification.catalogue import judged_case
+from vibsim.evidence.verification.checks import (
     TruthError,
     read_truth,
+    run,
     truth_path,
     truths_folder,
     write_truth,
 )
+from vibsim.evidence.verification.hard_cases import REPORTED, hard_state_points, judged_names
 from vibsim.evidence.verification.truth_making import TruthRun as DigitsRun
 from vibsim.evidence.verification.truth_making import confirm, make_truth, stored_names, undecided_spans
 

@@ -8,8 +8,8 @@ import click
 from click.shell_completion import CompletionItem
 
 from vibsim.analysis import Analysis, Capture, DominantFrequencies, Drift, ImpactsPerCycle, Regime, analyse
+from vibsim.analysis.cycles import parse_discard
 from vibsim.analysis.drift import RateSpread
-from vibsim.analysis.span import parse_discard
 from vibsim.cases.problems import nearest
 from vibsim.cases.quantities import number
 from vibsim.command_line.commands.run import read_case

@@ -13,7 +13,6 @@ from click.shell_completion import CompletionItem
 
 from vibsim.cases.quantities import number
 from vibsim.command_line.commands.run import check_digits, check_picture, hdf5_name, read_case
-from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.main import told
 from vibsim.command_line.options import CASE, FILE, FiniteRange, Settings, examples, set_option
 from vibsim.command_line.terminal import Progress, print_json, say, style
@@ -23,6 +22,7 @@ from vibsim.evidence.benchmark.bench_result import (
     SLOWER,
     BenchResult,
     BenchRow,
+    BenchTruth,
     beside_reference,
     facts,
     fastest,
@@ -30,8 +30,6 @@ from vibsim.evidence.benchmark.bench_result import (
     most_accurate,
     reference,
     refusals,
-    truth_at_hand,
-    truth_from,
 )
 from vibsim.evidence.benchmark.plan import (
     FAMILIES,
@@ -41,11 +39,10 @@ from vibsim.evidence.benchmark.plan import (
     family_of,
     make_plan,
 )
-from vibsim.evidence.benchmark.running import run_bench
-from vibsim.evidence.benchmark.scoring import BenchTruth
+from vibsim.evidence.benchmark.running import run_bench, truth_at_hand, truth_from
 from vibsim.evidence.peers.solvers import CONTACTS
 from vibsim.results.output_files import check_output
-from vibsim.signals import interrupted_with
+from vibsim.signals import Interruption, interrupted_with
 
 DEFAULT_CASE = "II-B"
 LIMIT = 20.0

@@ -11,7 +11,6 @@ import click
 from vibsim.cases import Case, UnknownKeyError
 from vibsim.command_line.commands.run import check_engine, hdf5_name, read_case, to_be_completed
 from vibsim.command_line.commands.sweep import source_key
-from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.options import (
     CASE,
     PairType,
@@ -41,7 +40,7 @@ from vibsim.orbits.branches.plan import (
 )
 from vibsim.orbits.branches.tracing import MOST_POINTS
 from vibsim.results import kind_of, names_a_result
-from vibsim.signals import interrupted_with
+from vibsim.signals import Interruption, interrupted_with
 from vibsim.sweeps.axes import scale_name
 
 SPAN = PairType("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)

@@ -7,7 +7,6 @@ from typing import Any
 import click
 
 from vibsim.command_line.commands.run import check_engine, read_case, to_be_completed
-from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.options import (
     CASE,
     OneOf,
@@ -31,7 +30,7 @@ from vibsim.fitting.fitting import make_plan, run_fit
 from vibsim.fitting.measures import OBSERVABLES, FitError
 from vibsim.fitting.plan import FitPlan, Search
 from vibsim.fitting.statements import PHRASES
-from vibsim.signals import interrupted_with
+from vibsim.signals import Interruption, interrupted_with
 
 FREE = PairType("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
 

@@ -12,7 +12,6 @@ import click
 from vibsim.cases import Case
 from vibsim.cases.quantities import number
 from vibsim.command_line.commands.run import check_digits, check_engine, hdf5_name, read_case
-from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.main import FILE_TROUBLE, told
 from vibsim.command_line.options import (
     CASE,
@@ -35,7 +34,7 @@ from vibsim.physics.parts import IMPACTS
 from vibsim.results import Result, kind_of, names_a_result
 from vibsim.results.hdf5_reading import ResultFileError
 from vibsim.results.output_files import check_output
-from vibsim.signals import interrupted_with
+from vibsim.signals import Interruption, interrupted_with
 
 
 @click.command(

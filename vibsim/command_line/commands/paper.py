@@ -9,7 +9,6 @@ from typing import Any
 
 import click
 
-from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.main import told
 from vibsim.command_line.options import Settings, examples
 from vibsim.command_line.terminal import Progress, print_json, say
@@ -17,7 +16,7 @@ from vibsim.command_line.text import goes_on, print_lines, size
 from vibsim.evidence.reports.measurements import MeasurementInterrupted
 from vibsim.evidence.reports.pages import verdicts_of
 from vibsim.evidence.reports.paper import Report, write_paper
-from vibsim.signals import interrupted_with
+from vibsim.signals import Interruption, interrupted_with
 
 FORMATS = ("png", "pdf", "svg")
 

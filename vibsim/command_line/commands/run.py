@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.main import RUN_FAILED, told
 from vibsim.command_line.options import (
     CASE,
@@ -45,7 +44,7 @@ from vibsim.results.output_files import (
     held_until,
     partial_path,
 )
-from vibsim.signals import interrupted_with
+from vibsim.signals import Interruption, interrupted_with
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -331,7 +330,7 @@ def with_exponents(
 
 
 def _tangent(case: "Case", count: int | str, discard: str | None) -> tuple[int, float]:
-    from vibsim.analysis.span import HALF, parse_discard
+    from vibsim.analysis.cycles import HALF, parse_discard
 
     scene = case.scene()
     if count != "all" and int(count) > dimension(scene):

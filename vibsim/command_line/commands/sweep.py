@@ -9,7 +9,6 @@ import click
 
 from vibsim.cases import Case, RangeError, UnknownKeyError, load_case
 from vibsim.command_line.commands.run import check_engine, hdf5_name, read_case, to_be_completed
-from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.main import FAILED_POINTS
 from vibsim.command_line.options import (
     CASE,
@@ -28,7 +27,7 @@ from vibsim.command_line.options import (
 )
 from vibsim.command_line.terminal import PROGRESS_AFTER, Progress, print_json, say
 from vibsim.command_line.text import completed_file, goes_on, print_lines
-from vibsim.signals import interrupted_with
+from vibsim.signals import Interruption, interrupted_with
 from vibsim.sweeps.axes import read_axis
 from vibsim.sweeps.computations import COMPUTATIONS
 from vibsim.sweeps.points import Table

@@ -10,7 +10,6 @@ from typing import Any
 import click
 
 from vibsim.cases.quantities import number
-from vibsim.command_line.interruption import Interruption
 from vibsim.command_line.main import RUN_FAILED
 from vibsim.command_line.options import CHECK, OneOf, Settings, examples
 from vibsim.command_line.terminal import Progress, print_json, say, style
@@ -18,6 +17,7 @@ from vibsim.command_line.text import counted
 from vibsim.engine.choice import engine_name
 from vibsim.evidence.verification.catalogue import chosen_checks, rows_of
 from vibsim.evidence.verification.checks import Check, CheckPoint, CheckRow
+from vibsim.signals import Interruption
 
 ENGINE_CHOICES = ["auto", "c", "python"]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Generic
 
+from vibsim.engine.flows.friction_laws import LAWS
 from vibsim.engine.modes.formula_rows import FormulaRows
 from vibsim.engine.modes.rows import (
     ACCELERATION,
@@ -32,7 +33,6 @@ from vibsim.engine.modes.rows import (
 )
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Kept, Status
 from vibsim.engine.modes.ties import Cut, Edge, Groups, Limits, Tie, cuts
-from vibsim.physics.friction_laws import LAWS
 from vibsim.physics.numbers import Kit, N, abs, total_of
 from vibsim.physics.parts import BASE, EXTENSION, GROUND, Clearance, Friction, RigidStop, Scene, Stop
 

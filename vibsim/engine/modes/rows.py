@@ -19,10 +19,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol
 
+from vibsim.engine.flows.friction_laws import Law
 from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Cut, Groups
 from vibsim.physics.formulas import Node
-from vibsim.physics.friction_laws import Law
 from vibsim.physics.numbers import N
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class Coupling(Generic[N]):
 @dataclass(frozen=True)
 class Falling(Generic[N]):
     """Friction that falls with speed: the force on_P f(s) on P [N], the opposite on Q, s = rate (v_P - v_Q -
-    drift), which is positive while it slips; law: module of vibsim.physics.friction_laws.
+    drift), which is positive while it slips; law: module of vibsim.engine.flows.friction_laws.
     """
 
     law: Law

@@ -11,14 +11,12 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases import Case
-from vibsim.evidence.benchmark.plan import NOT_TRUTH, BenchError, BenchPlan, family_of
-from vibsim.evidence.benchmark.scoring import BenchTruth, EventCount, faithful_error
+from vibsim.evidence.benchmark.plan import family_of
 from vibsim.evidence.peers.solvers import kinds_of
-from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene
+from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene, columns_of
 from vibsim.results.columns import tables_of
 from vibsim.results.file_contents import LIST, NUMBER, PROVENANCE, TEXT, WHOLE, Attribute, Column, Dataset
 from vibsim.results.hdf5_reading import (
-    ResultFileError,
     damaged,
     opened,
     read_attributes,
@@ -26,6 +24,48 @@ from vibsim.results.hdf5_reading import (
     stored_case,
 )
 from vibsim.results.hdf5_writing import write_hdf5
+
+FAITHFUL = 1e-3  # m: largest error of the displacements of a faithful run, a gap of the paper
+SMALL = 0.05  # of the largest displacement, where that is smaller
+
+
+def displacements_of(scene: Scene) -> list[str]:
+    """Names of the columns of displacements; states have each of them in front of its velocity."""
+    return [columns_of(body.name)[0] for body in scene.line]
+
+
+@dataclass(frozen=True)
+class BenchTruth:
+    """States at the instants of a plan, and events.
+
+    Attributes
+    ----------
+    fingerprint : of the plan that it was computed for
+    samples : columns time [s], x1, v1 (, x2, v2, phi, phidot) (n)
+    events : columns t [s] and kind
+    attrs : digits carried and right, library, time it took [s]
+    """
+
+    fingerprint: str
+    samples: Mapping[str, np.ndarray]
+    events: Mapping[str, np.ndarray]
+    attrs: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class EventCount:
+    """Events of one kind up to some instant."""
+
+    found: int
+    missed: int
+    spurious: int
+
+
+def faithful_error(truth: BenchTruth, scene: Scene) -> float:
+    """The largest error of a faithful run [m]: FAITHFUL, or a share of the largest displacement."""
+    largest = max(float(np.abs(truth.samples[name]).max()) for name in displacements_of(scene))
+    return min(FAITHFUL, SMALL * largest) if largest else FAITHFUL
+
 
 # One row of a bench: a method at a setting, what it took and how right it was.
 
@@ -443,29 +483,3 @@ def _rows(scene: Scene) -> list[Dataset]:
 
 
 # The truth of an earlier bench, taken over where it is that of the same case over the same instants.
-
-
-def truth_from(plan: BenchPlan, path: str | Path) -> BenchTruth:
-    """The truth in the bench file `path`. Raises ResultFileError where it is no such file, BenchError where
-    the truth in it is not that of `plan`, with what differs.
-    """
-    bench = open_bench(path)
-    if bench.truth.fingerprint != plan.fingerprint:
-        raise BenchError(
-            f"{path}: its truth is of another case; it differs in {', '.join(_differences(plan, bench))}"
-        )
-    return bench.truth
-
-
-def truth_at_hand(plan: BenchPlan, path: str | Path) -> BenchTruth | None:
-    """The same; None where there is none."""
-    try:
-        return truth_from(plan, path)
-    except (ResultFileError, BenchError):
-        return None
-
-
-def _differences(plan: BenchPlan, bench: BenchResult) -> list[str]:
-    ours, theirs = ({k: str(v) for k, v in case.values.items()} for case in (plan.case, bench.case))
-    keys = [key for key in {**ours, **theirs} if key not in NOT_TRUTH and ours.get(key) != theirs.get(key)]
-    return [f"{key} ({theirs.get(key, 'none')} there, {ours.get(key, 'none')} here)" for key in keys]

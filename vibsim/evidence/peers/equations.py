@@ -20,8 +20,7 @@ from vibsim.evidence.peers.straight_line import (
     switches_of,
     tied_bodies,
 )
-from vibsim.physics.friction_laws import EXPONENTIAL
-from vibsim.physics.parts import AT_FORCE, BASE, Fall, Friction, Harmonic, RigidStop, Scene, Stop
+from vibsim.physics.parts import AT_FORCE, BASE, EXPONENTIAL, Fall, Friction, Harmonic, RigidStop, Scene, Stop
 
 # The equations of motion of a scene, for the peers: one force after the other as its law is printed.
 #

@@ -6,16 +6,36 @@ DIR/runs/                      the trajectories
 DIR/branches/                  orbits over the no-load speed
 DIR/sweeps/                    motors over the no-load speed, up and down, with and without stop
 DIR/numbers.json               what was measured
+
+Its motions from rest are the true ones: runs of many digits, kept as states to restart from. In double
+precision the motors are known for some 80 s of 300: errors grow a thousandfold every 20 s or so. A run of 30
+to 140 digits (`vibsim run CASE --digits auto`) knows them to the end, but takes minutes and tens of
+megabytes. Of each, true_motions/CASE.json keeps the row of one event in every two seconds, rounded to
+doubles, and the state at the end to 25 digits. Between two such rows an ordinary run errs by no more than in
+its first seconds, so that the whole motion is made again within a second (`true_motion`). Its error was
+measured at all samples when the motion was kept; and what a piece has at its end can be compared with the row
+that the next one begins with (`restarted`).
+
+    python -m vibsim.evidence.reports.paper [CASE...]    (make true-motions)
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import json
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from decimal import Context, Decimal
 from functools import cache, partial
+from importlib import resources
 from pathlib import Path
+from typing import Any
 
-from vibsim.cases import load_case
+import numpy as np
+
+from vibsim.cases import Case, load_case
+from vibsim.engine.choice import engine_name, flow_of
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.evidence.reports.claims import Claim, Finding, Numbers
 from vibsim.evidence.reports.figures import (
     FORMATS,
@@ -27,20 +47,250 @@ from vibsim.evidence.reports.figures import (
     write_search,
     write_sommerfeld,
 )
-from vibsim.evidence.reports.measurements import PAPER_RUNS, MeasurementInterrupted, NumbersFile
+from vibsim.evidence.reports.measurements import (
+    PAPER_RUNS,
+    PRINTED,
+    MeasurementInterrupted,
+    NumbersFile,
+    obtain_run,
+    stored_run,
+)
 from vibsim.evidence.reports.pages import Picture, render_html, render_text
 from vibsim.evidence.reports.paper_document import judge_claims, paper_document
 from vibsim.evidence.reports.paper_figures import growth_figure, obtain_branches, paper_figures, powers_figure
 from vibsim.evidence.reports.paper_numbers import Tell, measure_paper
-from vibsim.evidence.reports.true_motions import obtain
 from vibsim.orbits.branches.branch import Branch
+from vibsim.physics.parts import EVENT_KINDS
 from vibsim.plots import style
 from vibsim.plots.subject import Subject
-from vibsim.results import Result, ResultFileError
+from vibsim.results import Result, ResultFileError, open_trajectory_file, simulate_to_file
+from vibsim.results.columns import tables_of
+from vibsim.results.file_contents import origin
 from vibsim.results.hdf5_reading import reason
 from vibsim.results.output_files import Lock, output_file
+from vibsim.results.recording import Watch
 from vibsim.signals import held_back
 from vibsim.sweeps import SweepResult
+
+EVERY = 2.0  # [s] between the rows that are kept: errors grow a hundredfold in that time, seldom more
+ALONE = 1e-3  # [s] on either side of a row that is kept nothing else happens
+BEYOND = 1e-4  # [s] by which a piece runs past the row that the next one begins with
+SHOWN = Context(prec=25)  # digits of the state at the end
+CHAOTIC = tuple(name for name in PAPER_RUNS if name not in PRINTED)  # the others are right in doubles
+COUNTED = ("impacts", "sticks", "reversals", "events", "steps", "evaluations", "uncertified")
+KNOWN = (*COUNTED, "certified", "rest_distance_needed", "grazing_margin", "grazing_time", "violations")
+
+Table = Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class TrueMotion:
+    """Stored numbers of a run of many digits.
+
+    Attributes
+    ----------
+    case, sha256 : name and fingerprint of the case
+    made : date, digits carried, digits right at the end and how that is known, number library; and `error`,
+        the greatest error of the displacements when the motion is made again [m]
+    totals : counts of events and margins of the whole run
+    end : state at the end, SI, decimal texts
+    rows : rows of the table of events to restart from, by column
+    """
+
+    case: str
+    sha256: str
+    made: dict[str, Any]
+    totals: dict[str, Any]
+    end: dict[str, str]
+    rows: dict[str, list[float]]
+
+    @property
+    def times(self) -> list[float]:
+        """Of the rows [s]."""
+        return self.rows["t"]
+
+    def row(self, i: int) -> dict[str, float]:
+        """Row `i` by column."""
+        return {name: column[i] for name, column in self.rows.items()}
+
+
+def motion_path(name: str) -> Path:
+    """Where the motion of a case is kept."""
+    return Path(str(resources.files("vibsim.evidence.reports"))) / "true_motions" / f"{name}.json"
+
+
+def read_motion(case: Case) -> TrueMotion | None:
+    """Stored numbers of a case; None where there are none, or where the case has changed since."""
+    path = motion_path(case.name)
+    if not path.is_file():
+        return None
+    motion = TrueMotion(**json.loads(path.read_text(encoding="utf-8")))
+    return motion if motion.sha256 == case.sha256 else None
+
+
+def obtain(case: Case, folder: Path, watch: Watch | None = None, fresh: bool = False) -> tuple[Result, bool]:
+    """The run of a case in FOLDER/NAME.h5, and whether it had to be made: the true motion where one is kept,
+    else as `paper_runs.obtain_run` has it.
+    """
+    motion = read_motion(case)
+    if motion is None:
+        return obtain_run(case, folder, watch, fresh)
+    path = folder / f"{case.name}.h5"
+    stored = None if fresh else stored_run(case, path)
+    if stored is not None and stored.attrs.get("comment") == how_it_was_had(motion):
+        return stored, False
+    result = true_motion(case, motion)
+    result.save(path, force=True)
+    return result, True
+
+
+def true_motion(case: Case, motion: TrueMotion) -> Result:
+    """The whole motion, right to its end: restarted from each of the rows kept."""
+    pieces = list(restarted(case, motion))
+    samples = _joined([piece for piece, _, _ in pieces])
+    events = _joined([piece for _, piece, _ in pieces])
+    scene, error = case.scene(), motion.made["error"]
+    samples["error_estimate"] = np.full(len(samples["time"]), error)
+    end = float(scene.t_end)
+    right = {
+        "trust_horizon_s": end,
+        "trust_tolerance_m": case.number("run.trust_tolerance"),
+        "error_estimate_max": error,
+    }
+    attrs = {
+        **origin(case, scene, engine_name("auto"), flow_of(scene)),
+        **motion.totals,
+        **right,
+        "date_created": motion.made["date"],
+        "t_reached_s": end,
+        "complete": 1,
+        "comment": how_it_was_had(motion),
+    }
+    return Result(attrs, samples, events, case=case)
+
+
+def _joined(tables: Sequence[Table]) -> dict[str, np.ndarray]:
+    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+
+
+def how_it_was_had(motion: TrueMotion) -> str:
+    """In a sentence: how a motion is known."""
+    made = motion.made
+    return (
+        f"restarted from {len(motion.times)} states of a run of {made['digits']} digits, "
+        f"{made['digits_right']} of them right at the end"
+    )
+
+
+def restarted(case: Case, motion: TrueMotion) -> Iterator[tuple[Table, Table, float]]:
+    """Samples and events from each row up to the next, and the error of the displacements there [m].
+
+    The last piece ends with the run, and is compared with the state at the end.
+    """
+    scene = case.scene()
+    tables = tables_of(scene)
+    times = motion.times
+    for i, (begin, next_row) in enumerate(zip(times, [*times[1:], None], strict=True)):
+        until = scene.t_end if next_row is None else min(next_row + BEYOND, scene.t_end)
+        trajectory = open_trajectory(replace(scene, t_end=until), resume=motion.row(i))
+        blocks = list(trajectory.blocks())
+        samples, events = (
+            {name: np.concatenate([getattr(block, which)[name] for block in blocks]) for name in names}
+            for which, names in (("samples", tables.samples), ("events", tables.events))
+        )
+        first = {name: [value] for name, value in motion.row(i).items()}
+        inside = (events["t"] > begin) & (events["kind"] != EVENT_KINDS["start"])
+        last = {name: float(samples[name][-1]) for name in tables.displacements}
+        target = {name: float(motion.end[name]) for name in tables.displacements}
+        if next_row is not None:
+            reached = int(np.argmin(np.abs(events["t"] - next_row)))
+            last = {name: float(events[name][reached]) for name in tables.displacements}
+            target = {name: motion.row(i + 1)[name] for name in tables.displacements}
+            inside &= events["t"] < next_row - BEYOND
+        until = np.inf if next_row is None else next_row
+        rows = (samples["time"] < until) & ((samples["time"] >= begin) if i else True)
+        yield (
+            {name: column[rows] for name, column in samples.items()},
+            {
+                name: np.concatenate([np.array(first[name], dtype=column.dtype), column[inside]])
+                for name, column in events.items()
+            },
+            max(abs(last[name] - target[name]) for name in target),
+        )
+
+
+def keep(result: Result) -> TrueMotion:
+    """Numbers to store of a run with digits."""
+    digits, attrs, events = result.digits, result.attrs, result.events
+    if digits is None or not result.complete:
+        raise ValueError(f"{result.case.name}: no whole run with digits")
+    chosen = rows_to_keep(events["t"], events["kind"])
+    names = tables_of(result.case.scene()).events
+    names_of_state = [name for name in digits if name in tables_of(result.case.scene()).states]
+    return TrueMotion(
+        result.case.name,
+        result.case.sha256,
+        {
+            "date": attrs["date_created"],
+            "error": 0.0,
+            **{key: attrs[key] for key in ("digits", "digits_right", "digits_right_from", "number_library")},
+        },
+        {key: _plain(attrs[key]) for key in KNOWN if key in attrs},
+        {name: str(SHOWN.create_decimal(Decimal(str(digits[name][-1])))) for name in names_of_state},
+        {name: events[name][chosen].tolist() for name in names},
+    )
+
+
+def error_of(remade: Result, result: Result) -> float:
+    """Greatest difference of the displacements of two runs at all samples [m]. ValueError where they have not
+    the same events.
+    """
+    if remade.events["kind"].tolist() != result.events["kind"].tolist():
+        raise ValueError(f"{result.case.name}: the motion that is made again has other events")
+    displacements = tables_of(result.case.scene()).displacements
+    return max(float(np.abs(remade[name] - result[name]).max()) for name in displacements)
+
+
+def rows_to_keep(times: np.ndarray, kinds: np.ndarray) -> list[int]:
+    """The start, then the first contact after every EVERY seconds that is alone at its time."""
+    alone = np.zeros(len(times), dtype=bool)
+    alone[1:-1] = (np.diff(times)[:-1] > ALONE) & (np.diff(times)[1:] > ALONE)
+    fit = np.flatnonzero(alone & (kinds == EVENT_KINDS["contact_begin"]))
+    rows = [0]
+    for row in fit.tolist():
+        if times[row] >= times[rows[-1]] + EVERY:
+            rows.append(row)
+    return rows
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def write_motion(motion: TrueMotion) -> Path:
+    """Write what is kept, a column a line."""
+    path = motion_path(motion.case)
+    rows = ",\n".join(f'  "{name}": {json.dumps(column)}' for name, column in motion.rows.items())
+    facts = {key: getattr(motion, key) for key in ("case", "sha256", "made", "totals", "end")}
+    lines = ",\n".join(f' "{key}": {json.dumps(value)}' for key, value in facts.items())
+    path.write_text(f'{{\n{lines},\n "rows": {{\n{rows}\n }}\n}}\n', encoding="utf-8")
+    return path
+
+
+def main(names: list[str], folder: Path = Path("results/true-motions")) -> None:
+    """Run each case with as many digits as it needs, or take the run that FOLDER has, and keep its motion."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in names or CHAOTIC:
+        case, path = load_case(name), folder / f"{name}.h5"
+        result = open_trajectory_file(path) if path.is_file() else None
+        if result is None or not result.complete or result.case.sha256 != case.sha256:
+            result = simulate_to_file(case, path, force=True, digits="auto")
+        motion = keep(result)
+        motion.made["error"] = error = error_of(true_motion(case, motion), result)
+        print(f"{name}: {how_it_was_had(motion)}; made again to {error:.1e} m: {write_motion(motion)}")
+
+
+# The report itself.
 
 
 @dataclass(frozen=True)
@@ -144,3 +394,7 @@ def draw_pictures(
         sommerfeld = write_sommerfeld(sweeps, folder, formats)
         audit = {"growth": growth, "powers": powers, "search": search, "load-curves": load}
         return pictures, {**audit, "sommerfeld": sommerfeld, **evidence}
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -386,7 +386,7 @@ WIDTHS = 2.0  # half widths of 95 % intervals: four standard errors
 
 def exponents(engine: str) -> Iterator[CheckRow]:
     """The largest exponent, behind a transient of 1,000 s."""
-    from vibsim.analysis.exponents import lyapunov
+    from vibsim.analysis.regime import lyapunov
 
     points = []
     for name, expected in CHAOTIC.items():

@@ -20,12 +20,19 @@ from vibsim.evidence.verification.checks import (
     Check,
     CheckPoint,
     CheckRow,
+    Event,
+    Matching,
+    StoredTruth,
     bare_run,
     compared,
     counted_row,
     flows_of,
+    match_events,
     named_case,
     number_row,
+    outside,
+    reach,
+    read_truth,
     relative_rounding,
     roundings,
     run,
@@ -33,15 +40,6 @@ from vibsim.evidence.verification.checks import (
     worst_row,
 )
 from vibsim.evidence.verification.impact_orbits import rest_bound
-from vibsim.evidence.verification.stored_truths import (
-    Event,
-    Matching,
-    StoredTruth,
-    match_events,
-    outside,
-    reach,
-    read_truth,
-)
 from vibsim.evidence.verification.vibrations import (
     FREE_RATE,
     K1,

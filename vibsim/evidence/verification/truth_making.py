@@ -16,19 +16,21 @@ from vibsim.engine.columns import state_columns
 from vibsim.engine.driver import Driver
 from vibsim.engine.errors import State
 from vibsim.engine.truth import bare
-from vibsim.evidence.verification.checks import KickedFlow, flows_of, kicked_scene
-from vibsim.evidence.verification.hard_cases import CLOSED_FORMS, PERIOD, PERIODIC, REPORTED, SETTLED
-from vibsim.evidence.verification.paper_cases import CASE_I, SPANS, judged_case
-from vibsim.evidence.verification.stored_truths import (
+from vibsim.evidence.verification.catalogue import CASE_I, SPANS, judged_case
+from vibsim.evidence.verification.checks import (
     Event,
+    KickedFlow,
     StoredTruth,
     Window,
+    flows_of,
+    kicked_scene,
     match_events,
     outside,
     reach,
     truth_path,
     write_truth,
 )
+from vibsim.evidence.verification.hard_cases import CLOSED_FORMS, PERIOD, PERIODIC, REPORTED, SETTLED
 from vibsim.physics.numbers import Number
 from vibsim.physics.parts import EVENT_NAMES
 from vibsim.physics.precision import DigitsKit, number_kit, one_precision

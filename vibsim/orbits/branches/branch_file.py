@@ -31,8 +31,7 @@ from vibsim.results.hdf5_reading import (
     stored_case,
     understood,
 )
-from vibsim.results.plain_data import from_plain
-from vibsim.results.store import R, Store, Waiting
+from vibsim.results.store import R, Store, Waiting, from_plain
 
 Walked = TypeVar("Walked", bound=Any)  # a point with its way and its number on it
 Other = TypeVar("Other", bound=Any)  # the same, as it waits in a journal

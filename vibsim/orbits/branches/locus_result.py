@@ -21,7 +21,7 @@ from vibsim.orbits.coordinates import changes
 from vibsim.orbits.stability import nearest_to_circle
 from vibsim.results.file_contents import Dataset
 from vibsim.results.labelled import few
-from vibsim.results.plain_data import stored
+from vibsim.results.store import stored
 
 # Which bifurcation is to be followed, and over what.
 

@@ -11,7 +11,7 @@ from vibsim.lazy import once
 from vibsim.orbits.branches.correction import correct, kernel, tangent
 from vibsim.orbits.branches.family import Family, FamilyPoint
 from vibsim.orbits.stability import ON_CIRCLE, dot, length_of, modulus, product
-from vibsim.physics.connections import body_sets
+from vibsim.physics.connections import body_sets, formulas_of, reads_own_distance
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import masses
 
@@ -372,8 +372,6 @@ def _unknown_formulas(scene: Scene) -> list[str]:
     """Names of the parts whose formulas may give or take energy."""
     if not scene.has_formulas:
         return []
-    from vibsim.physics.formula_parts import formulas_of, reads_own_distance
-
     unknown = [
         one.name
         for one in formulas_of(scene)

@@ -32,7 +32,7 @@ from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.search import opened, start_of, unknowns
 from vibsim.orbits.stability import largest_first
 from vibsim.physics.elementary import total
-from vibsim.results.plain_data import BESIDE, plain_data, stored
+from vibsim.results.store import BESIDE, plain_data, stored
 
 PACE = Pace()
 FIRST_STEP = 0.1  # scaled, that the first correction of the start may have

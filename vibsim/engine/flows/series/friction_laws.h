@@ -1,4 +1,4 @@
-/* Laws by which friction falls with speed; twin of vibsim/physics/friction_laws. */
+/* Laws by which friction falls with speed; twin of vibsim/engine/flows/friction_laws.py. */
 #ifndef VIBSIM_FRICTION_LAWS_H
 #define VIBSIM_FRICTION_LAWS_H
 

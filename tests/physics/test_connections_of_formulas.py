@@ -8,8 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from vibsim.physics import rates
-from vibsim.physics.connections import Pair, event_parts
-from vibsim.physics.formula_parts import paces_of, pairs_read, reads_time
+from vibsim.physics.connections import Pair, event_parts, paces_of, pairs_read, reads_time
 from vibsim.physics.formula_values import (
     base_motion_of,
     driven_rotors,

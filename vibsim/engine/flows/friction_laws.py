@@ -17,8 +17,7 @@ The force is constant + drop f(s), s = rate |v_rel|, with f(0) = 1 and f falling
 from typing import Protocol
 
 from vibsim.physics.numbers import Doubles, Kit, N
-
-HYPERBOLIC, EXPONENTIAL = "stribeck hyperbolic", "stribeck exponential"
+from vibsim.physics.parts import EXPONENTIAL, HYPERBOLIC
 
 
 class Law(Protocol):
