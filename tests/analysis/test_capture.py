@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import vibsim
 from tests.results.made import short_run
 from tests.scenes import motor, scene
 from vibsim.analysis import cycles
-from vibsim.analysis.capture import capture_of_turns, judge_capture, resonances
+from vibsim.analysis.capture import averaged_load, capture_of_turns, judge_capture, resonances
 from vibsim.analysis.cycles import BAND, TURNS, Span, cycle_ends, longest_stretch
 from vibsim.cases.case import load_case_text
 from vibsim.results import simulate
@@ -254,3 +255,35 @@ def test_turns_are_the_same_in_pieces_of_any_size(rows, monkeypatch):
         monkeypatch.setattr(cycles, "ROWS", rows)
         np.testing.assert_array_equal(cycle_ends(rotor, (0.0, 10.0)), whole)
         monkeypatch.undo()
+
+
+FRAME = """
+bodies: {frame: 3 kg}
+links: {support: {between: [frame, ground], k: 2000 N/m, c: 3 N s/m}}
+motor: {on: frame, m3: 0.1 kg, e: 30 mm, J: 0.002 kg m^2, M0: 0.1 N m, Omega0: 4 Hz}
+run: {t_end: 60 s, every: 2 ms}
+"""
+
+
+def test_the_load_by_averaging_is_that_of_the_linear_oscillator():
+    """m3 e w^2 cos w t on mass m + m3: P = c (w |x|)^2 / 2, and the torque P / w."""
+    scene = vibsim.load_case(FRAME).scene()
+    w = 2 * np.pi * np.array([2.0, 4.04, 9.0])
+    size = 0.003 * w**2 / abs(2000 - 3.1 * w**2 + 3j * w)
+    np.testing.assert_allclose(averaged_load(scene, w), 3 * w * size**2 / 2, rtol=1e-12)
+
+
+@pytest.mark.parametrize("support", ["", "friction: {guide: {between: [frame, ground], mu: 0.02, N: 10 N}}"])
+def test_the_load_by_averaging_is_near_that_of_the_orbit(support):
+    orbit = vibsim.orbit(FRAME + support)
+    w = 2 * np.pi / orbit.period
+    torque = 0.1 * (1 - w / (2 * np.pi * 4))
+    assert averaged_load(orbit.scene, np.array([w])) == pytest.approx(torque, rel=0.02)
+    assert torque > 2e-3
+
+
+def test_averaging_knows_nothing_of_stops_and_formulas():
+    w = np.array([2 * np.pi * 4.04])
+    assert np.isnan(averaged_load(vibsim.load_case("II-B").scene(), w)).all()
+    cubic = FRAME.replace("k: 2000 N/m, c: 3 N s/m", 'force: "k*d + k3*d**3", k: 2000 N/m, k3: 1e5 N/m^3')
+    assert np.isnan(averaged_load(vibsim.load_case(cubic).scene(), w)).all()

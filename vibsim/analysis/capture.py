@@ -16,7 +16,7 @@ turns until there is a mean over TURNS turns, and then by these.
 """
 
 from dataclasses import dataclass, replace
-from math import floor, pi
+from math import floor, nan, pi
 
 import numpy as np
 
@@ -35,7 +35,8 @@ from vibsim.analysis.cycles import (
     name_verdict,
     span_of,
 )
-from vibsim.physics.parts import Motor, Scene
+from vibsim.physics.linear_algebra import solved
+from vibsim.physics.parts import Friction, Link, Motor, RigidStop, Scene, Stop
 from vibsim.physics.rates import bilinear_frequencies, natural_rates
 from vibsim.results.columns import IMPACT_CODES
 from vibsim.results.result import Result, Window
@@ -257,3 +258,84 @@ def passages(times: np.ndarray, speeds: np.ndarray, scene: Scene) -> tuple[Passa
             (begin, end), (low, high) = times[last].tolist(), speeds[last].tolist()
             crossings.append(Passage(one, begin + (one.hz - low) / (high - low) * (end - begin)))
     return tuple(crossings)
+
+
+# What theory says of the load of a motor on a linear support.
+
+
+ROUNDS = 200  # of the equivalent damping of dry friction, at most
+SETTLED = 1e-10  # of the amplitudes: what a round still changes
+
+
+def averaged_load(scene: Scene, speeds: np.ndarray) -> np.ndarray:
+    """Mean torque [N m] that vibration takes from a motor at steady speeds [rad/s] (n), by averaging (n).
+
+    The rotor turns evenly, so m3 e w^2 cos(w t) drives the bodies. The power that dampers and frictions take
+    of their harmonic vibration, divided by w, is the load: V. O. Kononenko, Vibrating Systems with a Limited
+    Power Supply (Iliffe, London, 1969). A dry friction F counts as the damper 4 F / (pi V), where V is the
+    amplitude of its sliding velocity. NaN where a stop would be reached, where friction does not settle, and
+    everywhere in scenes with formulas, belts, forces, a moving base or friction that is not constant.
+    """
+    load = np.full(len(speeds), nan)
+    if scene.motor is None or not _is_linear(scene):
+        return load
+    for i, w in enumerate(np.asarray(speeds, dtype="f8").tolist()):
+        force = float(scene.motor.unbalance) * w * w
+        amplitudes = _harmonic_response(scene, w, force)
+        if amplitudes is not None and not _reaches_a_stop(scene, amplitudes):
+            load[i] = force * -amplitudes[scene.motor.on].imag / 2
+    return load
+
+
+def _is_linear(scene: Scene) -> bool:
+    plain = all(
+        one.forward == one.backward and not one.belt and one.fall_forward is None is one.fall_backward
+        for one in scene.frictions
+    )
+    return plain and not (
+        scene.has_formulas or scene.base or scene.forces or len(scene.line) < len(scene.bodies)
+    )
+
+
+def _harmonic_response(scene: Scene, w: float, force: float) -> np.ndarray | None:
+    """Complex amplitudes of the bodies [m] under `force` [N] on that of the motor; None: none found."""
+    motor, n = scene.motor, len(scene.bodies)
+    assert motor is not None
+    inertia = np.diag([float(body.m) for body in scene.bodies])
+    inertia[motor.on, motor.on] += float(motor.m3)
+    parts = [(_joined(link, n), float(link.k) + 1j * w * float(link.c)) for link in scene.links]
+    bare = sum((shape * value for shape, value in parts), -w * w * inertia.astype(complex))
+    shapes = [_joined(one, n) for one in scene.frictions]
+    forces = [float(one.forward) for one in scene.frictions]
+    dampings, amplitudes = [0.0] * len(forces), np.zeros(n, dtype=complex)
+    for _ in range(ROUNDS):
+        before = amplitudes
+        matrix = sum((1j * w * c * shape for c, shape in zip(dampings, shapes, strict=True)), bare)
+        rows = np.block([[matrix.real, -matrix.imag], [matrix.imag, matrix.real]])
+        pushed = [force if i == motor.on else 0.0 for i in range(2 * n)]
+        parts_of_solution, pivot = solved(rows.tolist(), pushed)
+        if pivot == 0:
+            return None
+        amplitudes = np.array(parts_of_solution[:n]) + 1j * np.array(parts_of_solution[n:])
+        if np.abs(amplitudes - before).max() <= SETTLED * np.abs(amplitudes).max():
+            return amplitudes
+        sliding = [w * abs(_apart(one, amplitudes)) for one in scene.frictions]
+        if not all(sliding):
+            return None
+        dampings = [4 * held / (pi * v) for held, v in zip(forces, sliding, strict=True)]
+    return None
+
+
+def _joined(part: Link | Friction, n: int) -> np.ndarray:
+    """What a unit of stiffness between the ends of a part adds to the matrix of n bodies (n, n)."""
+    row = np.array([float(i == part.P) - float(i == part.Q) for i in range(n)])
+    return np.outer(row, row)
+
+
+def _apart(part: Link | Friction | Stop | RigidStop, amplitudes: np.ndarray) -> complex:
+    ends = [amplitudes[end] if end >= 0 else 0.0 for end in (part.P, part.Q)]
+    return complex(ends[0] - ends[1])
+
+
+def _reaches_a_stop(scene: Scene, amplitudes: np.ndarray) -> bool:
+    return any(abs(_apart(stop, amplitudes)) >= stop.gap for stop in scene.stops)

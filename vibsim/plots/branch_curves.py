@@ -14,7 +14,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from scipy.optimize import brentq
 
-from vibsim.analysis.cycles import BAND
+from vibsim.analysis.capture import averaged_load
+from vibsim.analysis.cycles import BAND, TURN
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits.branches.tracing import Stretch, stretches
 from vibsim.orbits.coordinates import placed
@@ -44,7 +45,7 @@ from vibsim.plots.sheet import (
     sheet,
     write_names,
 )
-from vibsim.plots.style import BLACK, GREY, VERMILLION, overlay, points
+from vibsim.plots.style import BLACK, GREEN, GREY, VERMILLION, overlay, points
 from vibsim.plots.subject import Subject
 from vibsim.plots.sweep_axes import is_motor_speed
 from vibsim.plots.view import View
@@ -101,6 +102,7 @@ def branch_picture(subjects: Sequence[Subject], view: View) -> Figure:
 
 LOAD_CURVE_HEIGHT_CM = 8.0
 LINES = 6  # of the motor, about
+AVERAGED_POINTS = 1001
 
 
 class OperatingMark(NamedTuple):
@@ -153,6 +155,7 @@ def load_curve_panel(
         axes, subjects, [(curve.speed, curve.torque) for curve in curves], LOAD_CURVE_MARKED
     )
     _limit(axes, curves, view)
+    averaged = _draw_averaged(axes, subjects[0].scene, scale)
     speeds = no_load or _round_speeds(curves)
     leaps = leaps_of(curves, axes.get_xlim()) if no_load is None else []
     avoided = [place for curve in curves for place in curve.places()]
@@ -169,7 +172,7 @@ def load_curve_panel(
     axes.set_ylabel(scale.label("Mean torque"))
     if len(subjects) > 1:
         legend_above(axes)
-    keys = [*keys_to_marks(branches, LOAD_CURVE_MARKED), *_keys(bool(leaps))]
+    keys = [*keys_to_marks(branches, LOAD_CURVE_MARKED), *_keys(bool(leaps)), *averaged]
     legend_below(figure, keys, [str(key.get_label()) for key in keys])
     write_numbers(axes, drawn)
 
@@ -180,6 +183,17 @@ def _limit(axes: Axes, curves: Sequence[LoadCurve], view: View) -> None:
     low, high = min(speeds), max(speeds)
     axes.set_xlim(*(view.window or (low - 0.03 * (high - low), high + 0.05 * (high - low))))
     axes.set_ylim(min(0.0, *torques), 1.08 * max(torques))
+
+
+def _draw_averaged(axes: Axes, scene: Any, scale: Scale) -> list[Line2D]:
+    """The load by averaging (Kononenko) where it is known, over all speeds shown; its key, or none."""
+    speeds = np.linspace(*axes.get_xlim(), AVERAGED_POINTS)
+    load = scale(averaged_load(scene, TURN * speeds))
+    if np.isnan(load).all():
+        return []
+    look = {"color": GREEN, "linewidth": 1.1, "linestyle": (0, (1, 1.6))}
+    axes.plot(speeds, load, scalex=False, scaley=False, zorder=5, gid="averaged", **look)
+    return [Line2D([], [], label="averaged (Kononenko)", **look)]
 
 
 def _round_speeds(curves: Sequence[LoadCurve]) -> list[float]:
