@@ -164,3 +164,35 @@ def test_a_case_of_two_blocks_does_not_load_the_long_form():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
+
+
+@pytest.mark.parametrize(
+    ("name", "starts"),
+    [
+        ("II-B", {"initial.x1": "2 mm", "initial.phi": "30 deg"}),
+        ("gallery/impact-oscillator", {"initial.mass.x": "-1 mm"}),
+        ("gallery/driven-pendulum", {"initial.pendulum.x": "170 deg", "initial.pendulum.v": "0.5 rad/s"}),
+    ],
+)
+def test_another_start_is_the_case_with_these_values(name, starts):
+    case = load_case(name)
+    known = {key: value for key, value in starts.items() if key in case.values}
+    assert known
+    whole, quick = case.with_values(known), case.with_start(known)
+    assert quick.values == whole.values and quick.sha256 == whole.sha256 and quick.scene() == whole.scene()
+
+
+def test_another_start_is_refused_as_any_value():
+    case = load_case("gallery/impact-oscillator")
+    (gap,) = (key for key in case.values if key.endswith(".gap"))
+    for starts in (
+        {"initial.mass.x": "3 kg"},
+        {"initial.nobody.x": "1 m"},
+        {"initial.mass.x": "1e6 m"},
+        {gap: "1 kg"},
+    ):
+        with pytest.raises(CaseError) as quick:
+            case.with_start(starts)
+        with pytest.raises(CaseError) as whole:
+            case.with_values(starts)
+        assert str(quick.value) == str(whole.value)

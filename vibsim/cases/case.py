@@ -34,12 +34,14 @@ from vibsim.cases.sources import (
     decoded,
     find_source,
     read_tree,
+    with_leaf,
 )
 from vibsim.cases.validation import (
     derived_facts,
     fingerprint,
     flat_values,
     nested_values,
+    other_start,
     resolved_text,
     resolved_values,
     validated,
@@ -232,6 +234,21 @@ class Case:
         tree = Tree(dict(self._nested), Place(self.source))
         apply_overrides(tree, changes)
         return Case(validated(tree), self.text, self.source)
+
+    def with_start(self, starts: Mapping[str, str]) -> "Case":
+        """This case with some initial values replaced, by dotted keys. Raises CaseError.
+
+        It is the case that `with_values` makes, in a tenth of the time.
+        """
+        nested = self._nested
+        if any(
+            not key.startswith("initial.") or not isinstance(self.values.get(key), Quantity) for key in starts
+        ):
+            return self.with_values(starts)
+        for key, value in starts.items():
+            nested = with_leaf(nested, key.split("."), value)
+        model = other_start(nested) if starts else self.model
+        return self.with_values(starts) if model is None else Case(model, self.text, self.source)
 
     def __repr__(self) -> str:
         scene = self.scene()

@@ -426,11 +426,11 @@ def _put_table_in(tree: Tree, key: str, text: str) -> None:
         changed, places = with_pairs(text, lambda name: table_file(name, folder))
     except FormulaError as error:
         tree.problems.append(tree.place_inside(key, error.start).problem(key, str(error)))
-        tree.values = _with(tree.values, key.split("."), BROKEN)
+        tree.values = with_leaf(tree.values, key.split("."), BROKEN)
         return
     if places:
         tree.texts[key], tree.tables[key] = text, places
-        tree.values = _with(tree.values, key.split("."), changed)
+        tree.values = with_leaf(tree.values, key.split("."), changed)
 
 
 # Overrides such as excitation.Omega0=6.5 Hz, set into a tree as if the file said so.
@@ -474,7 +474,7 @@ def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
     _supersede(tree, named)
     for key, value in named.items():
         value = _with_unit(tree.values, key, value)
-        tree.values = _with(tree.values, key.split("."), value)
+        tree.values = with_leaf(tree.values, key.split("."), value)
         tree.places[key] = tree.key_places[key] = Place(FILE)
         tree.spelt.pop(key, None)
 
@@ -507,7 +507,7 @@ def _with_new_parts(values: dict[str, Any], keys: Iterable[str]) -> dict[str, An
         if section in form.named and len(names) > 1 and places:
             parts = values.get(section)
             if names[0] not in (parts if isinstance(parts, dict) else {}):
-                values = _with(values, [section, names[0], names[1]], "")
+                values = with_leaf(values, [section, names[0], names[1]], "")
     return values
 
 
@@ -566,7 +566,7 @@ def _supersede(tree: Tree, named: Mapping[str, object]) -> None:
         replaced = given_way(part, old, {name.partition(".")[0]: value for name, value in given.items()})
         if replaced and isinstance(section, dict):
             remaining = {name: value for name, value in section.items() if name not in replaced}
-            tree.values = _with(tree.values, part.split("."), remaining)
+            tree.values = with_leaf(tree.values, part.split("."), remaining)
 
 
 def _leaf_keys(values: dict[str, Any], prefix: str = "") -> list[str]:
@@ -584,12 +584,12 @@ def _replace_kind(values: dict[str, Any], named: dict[str, object]) -> None:
         values["excitation"] = {}
 
 
-def _with(values: dict[str, Any], path: list[str], value: object) -> dict[str, Any]:
+def with_leaf(values: dict[str, Any], path: list[str], value: object) -> dict[str, Any]:
     """A copy with values["a"]["b"] = value for ["a", "b"]; a section that is none starts empty."""
     name, *rest = path
     if rest:
         inner = values.get(name)
-        return values | {name: _with(inner if isinstance(inner, dict) else {}, rest, value)}
+        return values | {name: with_leaf(inner if isinstance(inner, dict) else {}, rest, value)}
     return values | {
         name: value if isinstance(value, str | dict | Formula) or value is BROKEN else _text(value)
     }

@@ -21,7 +21,7 @@ from vibsim.cases.schema_keys import (
     sections_with,
 )
 from vibsim.cases.schema_kinds import Fault, Location, has_formulas
-from vibsim.cases.short_form import FoundDefault, with_defaults
+from vibsim.cases.short_form import Draft, FoundDefault, with_defaults
 from vibsim.cases.sources import BROKEN, Tree, put_tables_in
 from vibsim.cases.yaml_nodes import Place
 from vibsim.physics.formulas import reads
@@ -338,6 +338,25 @@ def validated(tree: Tree) -> CaseHead:
         reported = {problem.key for problem in problems if problem.key}
         problems += [problem for problem in further if not _around(problem.key) & reported]
     raise CaseError(sorted(dict.fromkeys(problems), key=_file_order(tree)))
+
+
+def other_start(values: dict[str, Any]) -> CaseHead | None:
+    """The case file of the nested values of a valid case, of which texts replace some initial values; None
+    where these are not plainly allowed: then `validated` reports why.
+
+    Nothing else in a case decides whether a start is allowed, but for rigid stops, which it must be out of,
+    and units where some bodies turn and others do not.
+    """
+    form, faults = form_of(values), list[Fault]()
+    model = None if form.mixed else form.model.read(values, (), faults)
+    if model is None or faults:
+        return None
+    if form is not SHORT and "stops" in values:
+        from vibsim.cases.part_laws import starts_are_outside
+
+        if any(starts_are_outside(Draft(every_value(model), values, form.torsional, form.mixed))):
+            return None
+    return model
 
 
 def _checked(values: dict[str, Any], tree: Tree, form: Form) -> tuple[CaseHead | None, list[Problem]]:

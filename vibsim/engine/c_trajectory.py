@@ -40,7 +40,7 @@ class CTrajectory(Trajectory[float]):
     @property
     def left_out(self) -> list[tuple[float, float]]:
         """(time [s], distance [m] that ends of infinite sequences of impacts have left out from then on)."""
-        return self.run.automaton.rigid.chatter.cut_off.ends
+        return self.run.automaton.rigid.chatter.cut_off.ends if self.scene.rigid_stops else []
 
     def blocks(self) -> Iterator[Block]:
         """Yield `Block`s until the run ends; raises EngineError when it fails."""
@@ -65,8 +65,9 @@ class CTrajectory(Trajectory[float]):
             now = self.run.left_at or State(*tally["state"]), self.run.statuses[tally["mode"]]
             where = self.run.first, now
             totals |= ledger_totals(self.scene, Doubles, self.run.meters.names, tally["entries"], *where)
-        cut = self.run.automaton.rigid.chatter.cut_off
-        totals |= rigid_totals(self.scene, tally["counts"], (cut.time, cut.speed, cut.distance))
+        if self.scene.rigid_stops:
+            cut = self.run.automaton.rigid.chatter.cut_off
+            totals |= rigid_totals(self.scene, tally["counts"], (cut.time, cut.speed, cut.distance))
         if self.run.moving:
             from vibsim.engine.tangent.bundle import tangent_totals
 

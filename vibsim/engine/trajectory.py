@@ -123,5 +123,5 @@ def state_at(
 
 def check_tangent(scene: Scene, tangent: int) -> None:
     """Raises ValueError where the scene has not so many directions."""
-    if not 0 <= tangent <= dimension(scene):
+    if tangent and not 0 <= tangent <= dimension(scene):
         raise ValueError(f"tangent must be 0 to {dimension(scene)} for this scene, got {tangent}")

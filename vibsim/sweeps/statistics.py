@@ -86,8 +86,10 @@ class MeasuredRun:
         self._add(self.late)
 
     def ends(self) -> dict[str, np.ndarray]:
-        """Time and states at `begin` and at the end of the run, each (2)."""
+        """Time, and states that statistics ask for, at `begin` and at the end of the run, each (2)."""
         times = np.array([self.begin, self.t_reached])
+        if not (self.of.drifting or self.of.rotors or self.scene.has_motor):  # nothing is asked of the states
+            return {"time": times}
         states = state_at(self.scene, self.rows or self._start, times[:1], self.engine)
         return {name: np.array([states[name][0], self._last[name]]) for name in section_columns(self.scene)}
 

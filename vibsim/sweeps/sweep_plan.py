@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.analysis.cycles import HALF, Discard, parse_discard
+from vibsim.cases.problems import CaseError
 from vibsim.cases.quantities import Quantity, parse_quantity
 from vibsim.physics.connections import reads_time
 from vibsim.physics.rates import common_period
@@ -41,6 +42,9 @@ if TYPE_CHECKING:
 
 SMALLEST = 2.0**-1022  # below it a case does not take a number
 Start = Mapping[str, str]  # initial values that replace those of the case, such as {"initial.x1": "0.1 m"}
+
+
+KEPT = 64  # cases of points that differ in their starts alone
 
 
 @dataclass(frozen=True)
@@ -70,7 +74,24 @@ class PointRecipe:
 
     def point_case(self, changes: Mapping[str, str], start: Start | None = None) -> "Case":
         """The case of a point, begun from `start` where a state is carried. Raises CaseError."""
-        return self.case.with_values({**changes, **(start or {})})
+        every = {**changes, **(start or {})}
+        starts = {key: value for key, value in every.items() if key.startswith(INITIAL)}
+        others = tuple((key, value) for key, value in every.items() if key not in starts)
+        try:
+            case = self._cases[others]
+        except KeyError:
+            if len(self._cases) >= KEPT:
+                self._cases.clear()
+            try:
+                case = self._cases[others] = self.case.with_values(dict(others)) if others else self.case
+            except CaseError:  # which may name starts too
+                return self.case.with_values(every)
+        return case.with_start(starts)
+
+    @cached_property
+    def _cases(self) -> dict[tuple[tuple[str, str], ...], "Case"]:
+        """Cases of points by what else than their starts changes."""
+        return {}
 
 
 def _storable(value: float) -> float:

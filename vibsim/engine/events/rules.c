@@ -16,14 +16,21 @@
 #define CLEARLY 4 /* times the bounds of the rounding of switches */
 #define NEAR_LIMIT 0x1p-40 /* of all forces of a mode: nearer to its limit than that Python measures the force of a tie closely */
 
+static Real column_value(const Run *r, const Real *values, int c, Real base)
+{
+    return c < r->bodies ? values[c] : c > r->bodies ? base : 0.0;
+}
+
 /* Rate of a function made of differences, from the velocities: no rounding of a flow in it. */
 static Real direct_rate(const Run *r, const Event *e)
 {
     const Term *t = r->mode->terms + e->first;
-    Real total = 0.0;
+    Real total = 0.0, X = 0.0, V = 0.0;
     int i;
+    if (r->base_count > 0)
+        base_motion_at(r, r->next.t, &X, &V);
     for (i = 0; i < e->terms; i++) {
-        Real P = t[i].P < r->bodies ? r->next.v[t[i].P] : 0.0, Q = t[i].Q < r->bodies ? r->next.v[t[i].Q] : 0.0;
+        Real P = column_value(r, r->next.v, t[i].P, V), Q = column_value(r, r->next.v, t[i].Q, V);
         Real part = t[i].coefficient * (P - Q);
         total = i == 0 ? part : total + part;
     }
@@ -88,11 +95,6 @@ Real derivative_at_next(Run *r, const Mode *m, int key, int order)
     r->mode = before;
     r->evaluations = evaluations;
     return value;
-}
-
-static Real column_value(const Run *r, const Real *values, int c, Real base)
-{
-    return c < r->bodies ? values[c] : c > r->bodies ? base : 0.0;
 }
 
 /* Value of a HOLD function of mode m at r->next from its couplings; X, V: of the base. Returns 0 where it has other terms. */
