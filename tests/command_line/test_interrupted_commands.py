@@ -355,7 +355,7 @@ def test_a_search_does_not_begin_where_its_orbits_could_not_be_stored(tmp_path, 
 
 def test_a_run_that_fills_its_chunks_slowly_is_on_file_all_the_same(tmp_path, monkeypatch):
     """Flushed by the clock, its file holds at every moment what a run in one go has, and at its end all."""
-    monkeypatch.setattr("vibsim.results.trajectory_writing.LONGEST", 0.0)
+    monkeypatch.setattr("vibsim.results.recording.LONGEST", 0.0)
     seen = []
 
     def watch(t):

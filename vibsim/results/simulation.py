@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 from vibsim.cases.case import by_key, load_case
 from vibsim.cases.sources import called_as_result
 from vibsim.results.hdf5_reading import ResultFileError, check_signature, damage_named, open_hdf5, read_attr
-from vibsim.results.recording import MemorySink, Recording, Watch
+from vibsim.results.recording import MemorySink, Recording, TrajectoryWriter, Watch
 from vibsim.results.result import Result
 from vibsim.results.trajectory_file import TrajectoryFile
-from vibsim.results.trajectory_writing import TrajectoryWriter
 from vibsim.signals import ended_at_once, held_back
 
 if TYPE_CHECKING:
