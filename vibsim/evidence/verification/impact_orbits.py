@@ -29,7 +29,7 @@ from vibsim.evidence.verification.checks import (
     settled_bound,
     worst_row,
 )
-from vibsim.evidence.verification.impact_oscillators import (
+from vibsim.evidence.verification.oscillators import (
     CASE,
     RECIPES,
     RECIPES_PHASE,
@@ -37,11 +37,11 @@ from vibsim.evidence.verification.impact_oscillators import (
     SIGMAS,
     speed_of,
 )
-from vibsim.evidence.verification.impact_oscillators import OMEGA as impact_oscillators_OMEGA
-from vibsim.evidence.verification.impact_oscillators import PERIOD as impact_oscillators_PERIOD
-from vibsim.evidence.verification.impact_oscillators import STEP as impact_oscillators_STEP
-from vibsim.evidence.verification.impact_oscillators import E as impact_oscillators_E
-from vibsim.evidence.verification.impact_oscillators import orbit as impact_oscillators_orbit
+from vibsim.evidence.verification.oscillators import OMEGA as impact_oscillators_OMEGA
+from vibsim.evidence.verification.oscillators import PERIOD as impact_oscillators_PERIOD
+from vibsim.evidence.verification.oscillators import STEP as impact_oscillators_STEP
+from vibsim.evidence.verification.oscillators import E as impact_oscillators_E
+from vibsim.evidence.verification.oscillators import orbit as impact_oscillators_orbit
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.search import orbit
