@@ -4,7 +4,7 @@ Between impacts the mass obeys x'' + c x' + x = A cos(w t), at the stop x = sigm
 by -e. A disturbance (dx, dv) is turned by exp(B T), with B = [[0, 1], [-1, -c]] and T from impact to impact,
 and multiplied at the impact by S = [[-e, 0], [(1 + e) (A cos(phase) - sigma) / V, -e]]. So the multipliers
 are the eigenvalues of S exp(B T), and their product is e^2 exp(-c T). The speed of Budd and Dux
-(`impact_oscillators`) is real as far as sigma = |gamma| sqrt(1 + (cs / r)^2): there the family turns back.
+(`oscillators`) is real as far as sigma = |gamma| sqrt(1 + (cs / r)^2): there the family turns back.
 """
 
 from collections.abc import Callable, Iterator
