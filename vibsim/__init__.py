@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from vibsim.orbits.branches.plan import BranchError as BranchError
     from vibsim.orbits.search import orbit as orbit
     from vibsim.plots.picture import plot as plot
-    from vibsim.plots.view import PlotError as PlotError
+    from vibsim.plots.subject import PlotError as PlotError
     from vibsim.results import Result as Result
     from vibsim.results import ResultFileError as ResultFileError
     from vibsim.results import simulate as simulate

@@ -45,7 +45,7 @@ from vibsim.plots.sheet import (
     write_names,
 )
 from vibsim.plots.style import BLUE, SHADE, nested, points
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import Subject, View
 from vibsim.plots.time_histories import (
     DISPLACEMENT,
     SPEED,
@@ -61,7 +61,6 @@ from vibsim.plots.time_histories import (
     rotor_speeds,
 )
 from vibsim.plots.traces import mark_detail
-from vibsim.plots.view import View
 
 PANEL_CM = 5.2
 BESIDE_CM = 10.5  # width of a machine up to which the portrait has room beside it

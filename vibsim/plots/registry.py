@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from vibsim.cases.problems import nearest
 from vibsim.lazy import named
-from vibsim.plots.view import PlotError
+from vibsim.plots.subject import PlotError
 
 if TYPE_CHECKING:
     from vibsim.plots.subject import Subject

@@ -51,7 +51,7 @@ from vibsim.plots.samples import common_window, detail_span, motor_of, natural_f
 from vibsim.plots.sheet import Scale, legend_above, legend_below, letter_panels, sheet, time_axis
 from vibsim.plots.slow_passages import power_panels
 from vibsim.plots.style import GREY, overlay
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import Subject, View
 from vibsim.plots.time_histories import (
     DISPLACEMENT,
     SPEED,
@@ -62,7 +62,6 @@ from vibsim.plots.time_histories import (
     relative_panel,
 )
 from vibsim.plots.traces import mark_detail
-from vibsim.plots.view import View
 from vibsim.results.hdf5_reading import ResultFileError
 
 LETTERS = "ABC"
