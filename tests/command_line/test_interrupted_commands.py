@@ -19,7 +19,7 @@ import pytest
 
 import vibsim
 from tests.command_line.made import SLOW_SOURCE, call
-from vibsim.opening import open_result
+from vibsim.results.simulation import open_result
 from vibsim.signals import Interruption, ended_by_signals, heard_from_now_on
 
 GOES_ON = "holds what was done; the same command resumes it"

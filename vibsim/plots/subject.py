@@ -84,8 +84,8 @@ def open_subject(path: str) -> Subject:
 
     Raises ResultFileError or CaseError when it is none of these.
     """
-    from vibsim.opening import open_result
     from vibsim.results import names_a_result
+    from vibsim.results.simulation import open_result
 
     if names_a_result(path):
         result = open_result(path)
