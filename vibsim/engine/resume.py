@@ -7,9 +7,8 @@ import numpy as np
 
 from vibsim.engine.columns import flags_of_parts, part_columns, state_columns, stored_columns
 from vibsim.engine.errors import State
-from vibsim.engine.events.departures import DerivativeSigns, derivative_flow
+from vibsim.engine.events.departures import DerivativeSigns, derivative_flow, released_parts
 from vibsim.engine.events.impacts.simultaneous import coincident_stops_of
-from vibsim.engine.events.parting import released_parts
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.relative_motion import RelativeMotion, meets
 from vibsim.engine.flows.base_motion import base_motion

@@ -14,11 +14,10 @@ from contextlib import contextmanager
 from typing import Generic
 
 from vibsim.engine.errors import EngineError, State
-from vibsim.engine.events.departures import DerivativeSigns
+from vibsim.engine.events.departures import DerivativeSigns, TouchingParts
 from vibsim.engine.events.impacts.rigid_stops import RigidStops
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.events.initial_mode import InitialMode
-from vibsim.engine.events.parting import TouchingParts
 from vibsim.engine.events.records import Happened, Taken, changes
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.events.settling import StickSlipResolution

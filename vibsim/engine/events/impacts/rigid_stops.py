@@ -12,11 +12,11 @@ from collections.abc import Container
 from typing import Generic
 
 from vibsim.engine.errors import EngineError, State
+from vibsim.engine.events.departures import TouchingParts
 from vibsim.engine.events.impacts.blows import Blows
 from vibsim.engine.events.impacts.chatter import Chatter
 from vibsim.engine.events.impacts.newton_moreau import rate_of, size_of
 from vibsim.engine.events.impacts.simultaneous import RestProjection, SimultaneousImpacts
-from vibsim.engine.events.parting import TouchingParts
 from vibsim.engine.events.records import NEXT, ROUNDING, Happened, Taken, changes
 from vibsim.engine.events.settling import StickSlipResolution
 from vibsim.engine.modes.row_maker import RowMaker
