@@ -10,7 +10,7 @@ import numpy as np
 
 from vibsim.engine.c_engine import REASONS, UNDECIDED, CRun
 from vibsim.engine.errors import State
-from vibsim.engine.events.initial_mode import UnambiguousStart
+from vibsim.engine.events.automaton import UnambiguousStart
 from vibsim.engine.ledger_integrals import pack_blows
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.rows import ModeRows
