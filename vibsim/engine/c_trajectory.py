@@ -10,9 +10,9 @@ import numpy as np
 
 from vibsim.engine.blocks import Block, Trajectory, Wishes
 from vibsim.engine.errors import State
+from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.modes.status import LIFTED
 from vibsim.engine.resume import Point
-from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 

@@ -18,9 +18,9 @@ import numpy as np
 from vibsim.engine.blocks import Block, Trajectory
 from vibsim.engine.columns import stored_before, stored_columns
 from vibsim.engine.errors import EngineError, State
+from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.number_forms import WordsForm, words_form
 from vibsim.engine.python_trajectory import PythonTrajectory
-from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.trajectory import in_c
 from vibsim.physics.numbers import Number, text_width
 from vibsim.physics.parts import Scene
