@@ -12,7 +12,7 @@ from vibsim.cases import load_case
 from vibsim.engine import c_engine
 from vibsim.engine.errors import start_of
 from vibsim.engine.modes.mode_table import ModeTable
-from vibsim.engine.modes.same_structure import differences
+from vibsim.engine.modes.parametric_rows import differences
 from vibsim.engine.tangent.carrying_run import CarryingRun
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.physics.numbers import Doubles

@@ -16,10 +16,9 @@ from typing import TYPE_CHECKING, Any
 from vibsim.engine.flows.closed.modal import harmonic_key, pitches
 from vibsim.engine.ledger_integrals import MeterMaker, pack_meters, terms_of
 from vibsim.engine.modes.packing import Packed, packed_mode
-from vibsim.engine.modes.recipe import ParametricRows, recipe_of
+from vibsim.engine.modes.parametric_rows import Numbers, ParametricRows, Place, recipe_of, settings
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import Event, EventKey, ModeRows, Rule
-from vibsim.engine.modes.same_structure import Numbers, Place, settings
 from vibsim.engine.modes.status import Kept, Status
 from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.lazy import once
