@@ -24,7 +24,7 @@ from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.ledger import struck_entries
-from vibsim.engine.ledger_integrals import jumps_of, pack_blows, pack_extremes, pack_ledger
+from vibsim.engine.ledger_integrals import jumps_of, pack_extremes, pack_impacts, pack_ledger
 from vibsim.engine.modes.mode_table import ModeTable, bytes_of, mode_table
 from vibsim.engine.modes.packing import pack_scene, pack_state
 from vibsim.engine.modes.row_maker import RowMaker
@@ -122,7 +122,7 @@ class CRun:
             self.run.keep_ledger(*pack_ledger(scene, names, jumps_of(scene, names), self.maker.ends, form))
         if scene.rigid_stops:
             names = self.meters.names if self.meters else []
-            self.run.keep_blows(*pack_blows(scene, names, self.maker.ends, early, form))
+            self.run.keep_impacts(*pack_impacts(scene, names, self.maker.ends, early, form))
         self.run.dither(dither)
         count, begin = tangent
         self.moving = count > 0

@@ -102,7 +102,7 @@ class Ledger(Generic[N]):
         return value if meter.P == NOTHING else value * v[meter.P]
 
     def strike(self, state: State[N], touch: SimultaneousImpacts[N] | None) -> None:
-        """Count the blows and ends of rigid stops at `state`."""
+        """Count the impacts and ends of rigid stops at `state`."""
         if touch:
             V = base_motion(self.scene, self.kit, state.t)[1]
             for entry, value in struck_entries(self.scene, self.names, touch, V):
@@ -130,8 +130,8 @@ def struck_entries(
     """Shares of rigid stops in the entries `names`, as [(number of the entry, value)]: loss at the stops,
     work and impulses of ground and base.
 
-    V: velocity of the base [m/s]. A blow takes L (g' before + g' after) / 2; the base gives V times its
-    impulse. What sequences leave out at their ends goes where their blows went.
+    V: velocity of the base [m/s]. An impact takes L (g' before + g' after) / 2; the base gives V times its
+    impulse. What sequences leave out at their ends goes where their impacts went.
     """
     added: list[tuple[int, N]] = []
     for one in touch.passed:

@@ -333,14 +333,14 @@ def pack_ledger(
     return pack.packed
 
 
-def pack_blows(
+def pack_impacts(
     scene: Scene,
     names: Sequence[Entry],
     ends: Callable[[Joined], Edge],
     early: bool,
     form: NumberForm[Any] = DOUBLES,
 ) -> tuple[bytes, bytes]:
-    """The rigid stops, with the entries `names` of the ledgers that a blow on them adds to, the frictions
+    """The rigid stops, with the entries `names` of the ledgers that an impact on them adds to, the frictions
     that it may turn, and the elastic stops and clearances that it may close or open. early: as of
     `Chatter`
     """

@@ -63,7 +63,7 @@ PyObject *run_set_meters(RunObject *self, PyObject *args);
 PyObject *run_set_slopes(RunObject *self, PyObject *args);
 PyObject *run_keep_tangent(RunObject *self, PyObject *args);
 PyObject *run_keep_extremes(RunObject *self, PyObject *args);
-PyObject *run_keep_blows(RunObject *self, PyObject *args);
+PyObject *run_keep_impacts(RunObject *self, PyObject *args);
 PyObject *run_keep_section(RunObject *self, PyObject *args);
 PyObject *run_dither(RunObject *self, PyObject *args);
 PyObject *run_set_rule(RunObject *self, PyObject *args);

@@ -83,7 +83,7 @@ int modes_forget(Run *r)
         if (i != number)
             mode_free(r->modes[i]);
     for (i = 0; i < now->event_count; i++)
-        now->events[i].rule = ASK;
+        now->events[i].rule = DECIDE_IN_PYTHON;
     r->modes[0] = now;
     r->mode_count = 1;
     r->mode_number = 0;
@@ -127,7 +127,7 @@ void run_free(Run *r)
     ledger_free(&r->ledger);
     tangent_free(r->tangent);
     extremes_free(&r->extremes);
-    blows_free(&r->blows);
+    impacts_free(&r->impacts);
     free(r->modes);
     free(r->known);
     free(r->behind);

@@ -36,7 +36,7 @@ int tangent_room_for_formulas(const Run *r, struct Tangent *b);
 int ledger_read(Run *r, Reader *in);
 int meters_read(Run *r, Mode *m, Reader *in);
 int extremes_read(Run *r, Reader *in); /* extremes.c */
-int blows_read(Run *r, Reader *in);    /* reading_blows.c */
+int impacts_read(Run *r, Reader *in);    /* reading_impacts.c */
 void ledger_free(Ledger *l);
 void meters_free(Meters *m);
 

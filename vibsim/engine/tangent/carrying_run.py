@@ -11,7 +11,7 @@ import numpy as np
 from vibsim.engine.c_engine import REASONS, UNDECIDED, CRun
 from vibsim.engine.errors import State
 from vibsim.engine.events.automaton import UnambiguousStart
-from vibsim.engine.ledger_integrals import pack_blows
+from vibsim.engine.ledger_integrals import pack_impacts
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.tangent.packing_tangent import DisturbancePacker
@@ -70,14 +70,14 @@ class CarryingRun(CRun):
         self._renew_starts(before, scene)
 
     def _renew_starts(self, before: Scene, scene: Scene) -> None:
-        """Renew what starts, disturbances and blows are told by, where that has changed."""
+        """Renew what starts, disturbances and impacts are told by, where that has changed."""
         touching = before.stops is not scene.stops or before.frictions is not scene.frictions
         if touching:
             self.plain = None
         if self.packer and (touching or not plainly_weighed_alike(before, scene)):
             self.packer = self.packer.of(scene)
         if touching and scene.rigid_stops:
-            self.run.keep_blows(*pack_blows(scene, [], self.maker.ends, self.early))
+            self.run.keep_impacts(*pack_impacts(scene, [], self.maker.ends, self.early))
 
     def restart(self, state: State, end: float, vectors: np.ndarray) -> None:
         """Begin anew from `state` at t = 0 and run to `end` [s], with disturbances to be carried as they are:
