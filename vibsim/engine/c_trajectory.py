@@ -61,10 +61,10 @@ class CTrajectory(Trajectory[float]):
             (tally["steps"], tally["evaluations"]),
             tally["first_violation"] if tally["violated_once"] else nan,
         )
-        if self.run.meters:
+        if self.run.integrals:
             now = self.run.left_at or State(*tally["state"]), self.run.statuses[tally["mode"]]
             where = self.run.first, now
-            totals |= ledger_totals(self.scene, Doubles, self.run.meters.names, tally["entries"], *where)
+            totals |= ledger_totals(self.scene, Doubles, self.run.integrals.names, tally["entries"], *where)
         cut = self.run.automaton.rigid.chatter.cut_off
         totals |= rigid_totals(self.scene, tally["counts"], (cut.time, cut.speed, cut.distance))
         if self.run.moving:

@@ -28,7 +28,7 @@
 
 enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE, SWITCH, DOMAIN_EDGE }; /* kinds of event functions */
 enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL, FORMULA }; /* kinds of terms */
-enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB };    /* kinds of meters, see meters.py */
+enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB };    /* kinds of integrals, see ledger_integrals.py */
 enum { IN_CONTACT = 1, AT_REST = 3 };                           /* codes of a stop */
 enum { ADVANCE, SAMPLE, SECTION, ARRIVE, EXTREMES, LEDGER, TANGENT, STAGES }; /* of a stretch */
 enum { DECIDE_IN_PYTHON, CROSS, STICK_OR_REVERSE, RIGID_IMPACT, CROSS_IF_TIES_HOLD }; /* rules for what follows an event */
@@ -153,14 +153,14 @@ typedef struct {
 typedef struct {
     Real factor, drift;
     int kind, entry, P, Q, source;
-} Meter;
+} LedgerIntegral;
 
 /* What the ledgers integrate in a mode, and what that reads: columns, forces, the rotor, functions of the rows. */
 typedef struct {
-    Meter *meters;
+    LedgerIntegral *integrals;
     Event *functions;
     int *columns, count, function_count, column_count, forces, spins;
-} Meters;
+} LedgerIntegrals;
 
 typedef struct {
     Coupling *couplings;
@@ -173,7 +173,7 @@ typedef struct {
     int tied_count, coupling_count, fall_count, event_count, constant_count, untied, shape;
     Coupling small;            /* the one coupling of a small scene; zero without one */
     Real small_constants[2]; /* forces of slipping frictions by column */
-    Meters meters;
+    LedgerIntegrals integrals;
     Modal *modal; /* NULL where only Taylor series will do */
     Tape tape, base_tape;      /* formulas of the mode; of the motion of the base */
     FormulaForce *formulas;
@@ -231,12 +231,12 @@ typedef struct {
 /* Of an event function: the rest of a known zero, and its reach. */
 typedef struct {
     Real residue, reach;
-} Blur;
+} RoundingBound;
 
 typedef struct {
     Real t, reach, window, stall, settled;
     Real (*watched)[5]; /* by event: time, value, slope, curvature, bound of a gap function */
-    Blur *blurs; /* by event */
+    RoundingBound *rounding_bounds; /* by event */
     int *events, event_count, leading, measured; /* measured: whether the close scales of coordinates are those of here */
 } Search;
 
@@ -370,12 +370,12 @@ typedef struct Run {
     State state, next, scratch;
     Real known_since, first_violation, t0;
     double evaluations, steps, counts[KINDS];
-    Real milestone; /* time up to which `stretches` are counted */
+    Real progress_deadline; /* time up to which `stretches` are counted */
     int stretches, dither;
     unsigned dithered; /* events so far whose times were moved by `dither` */
     Certificate certificate;
     long long next_sample;
-    int crowd, finished, status, violated_once, stage, pending_event; /* stage: of the stretch in hand, which may take many calls */
+    int events_at_instant, finished, status, violated_once, stage, pending_event; /* stage: of the stretch in hand, which may take many calls */
     int arrived; /* whether `next` is the state at the end of that stretch */
     int singular; /* output of the tape that no step is short enough for, where the status is SINGULAR */
     Real pending_tau, *before_v, before_w; /* from the start of the flow to the pending event [s]; velocities in front of it */

@@ -27,9 +27,9 @@ from vibsim.engine.ledger_integrals import (
     TORQUE,
     WORK,
     Entry,
+    IntegralMaker,
     LedgerIntegral,
-    MeterMaker,
-    Meters,
+    LedgerIntegrals,
     QuadratureNode,
     jumps_of,
 )
@@ -48,7 +48,7 @@ class Ledger(Generic[N]):
     ) -> None:
         self.scene, self.kit, self.flow = scene, kit, flow
         self.ground, self.base = maker.n, maker.n + 1
-        self.maker = MeterMaker(scene, kit, maker, momentum)
+        self.maker = IntegralMaker(scene, kit, maker, momentum)
         self.names = self.maker.names
         self.entries = [kit.number(0)] * len(self.names)
         self.elastic, self.jumps = dict(scene.elastic_stops), jumps_of(scene, self.names)
@@ -58,48 +58,48 @@ class Ledger(Generic[N]):
 
         A generator, which yields how far it is [s] after every piece; the entries change when all are done.
         """
-        meters, t0 = self.maker.meters(rows), self.flow.t0
+        integrals, t0 = self.maker.integrals(rows), self.flow.t0
         tau = start.t - t0
         entries = list(self.entries)
-        self.flow.open_nodes(meters)
+        self.flow.open_nodes(integrals)
         while tau < last:
             piece = self.flow.longest_piece(tau)
             ahead = tau + piece if piece < last - tau else last
-            self._integrate(entries, meters, tau, ahead - tau)
+            self._integrate(entries, integrals, tau, ahead - tau)
             tau = ahead
             yield t0 + tau
         self.entries = entries
 
-    def _integrate(self, entries: list[N], meters: Meters[N], tau: N, length: N) -> None:
+    def _integrate(self, entries: list[N], integrals: LedgerIntegrals[N], tau: N, length: N) -> None:
         """Add one piece. The nodes lie where they should, not on the time grid, whose rounding would show in
         the sums.
         """
-        totals = [self.kit.number(0)] * len(meters.meters)
+        totals = [self.kit.number(0)] * len(integrals.integrals)
         for node, weight in zip(*self.flow.quadrature, strict=True):
-            point = self.flow.node(tau + node * length, meters)
-            for i, meter in enumerate(meters.meters):
-                totals[i] = totals[i] + weight * self._rate(meter, point)
-        for meter, total in zip(meters.meters, totals, strict=True):
-            entries[meter.entry] = entries[meter.entry] + length * (meter.factor * total)
+            point = self.flow.node(tau + node * length, integrals)
+            for i, integral in enumerate(integrals.integrals):
+                totals[i] = totals[i] + weight * self._rate(integral, point)
+        for integral, total in zip(integrals.integrals, totals, strict=True):
+            entries[integral.entry] = entries[integral.entry] + length * (integral.factor * total)
 
-    def _rate(self, meter: LedgerIntegral[N], point: QuadratureNode[N]) -> N:
+    def _rate(self, integral: LedgerIntegral[N], point: QuadratureNode[N]) -> N:
         """Integrand of a ledger integral at a node."""
         v = point.v
-        if meter.kind == SQUARE:
-            u = v[meter.P] - v[meter.Q]
+        if integral.kind == SQUARE:
+            u = v[integral.P] - v[integral.Q]
             return u * u
-        if meter.kind == WORK:
-            return point.forces[meter.source] * v[meter.P]
-        if meter.kind == TORQUE:
+        if integral.kind == WORK:
+            return point.forces[integral.source] * v[integral.P]
+        if integral.kind == TORQUE:
             return motor_power(self.scene, point.w)
-        if meter.kind == SLIP:
-            return (v[meter.P] - v[meter.Q]) - meter.drift
-        if meter.kind == IMPULSE:
-            return point.forces[meter.source]
-        value = point.functions[meter.source]
-        if meter.kind == RUB:
-            return value * ((v[meter.P] - v[meter.Q]) - meter.drift)
-        return value if meter.P == NOTHING else value * v[meter.P]
+        if integral.kind == SLIP:
+            return (v[integral.P] - v[integral.Q]) - integral.drift
+        if integral.kind == IMPULSE:
+            return point.forces[integral.source]
+        value = point.functions[integral.source]
+        if integral.kind == RUB:
+            return value * ((v[integral.P] - v[integral.Q]) - integral.drift)
+        return value if integral.P == NOTHING else value * v[integral.P]
 
     def strike(self, state: State[N], touch: SimultaneousImpacts[N] | None) -> None:
         """Count the impacts and ends of rigid stops at `state`."""

@@ -310,7 +310,7 @@ ALONE(run_add_mode)
 ALONE(run_forget_modes)
 ALONE(run_renew_mode)
 ALONE(run_keep_ledger)
-ALONE(run_set_meters)
+ALONE(run_set_integrals)
 ALONE(run_set_slopes)
 ALONE(run_keep_tangent)
 ALONE(run_keep_extremes)
@@ -341,7 +341,7 @@ static PyMethodDef methods[] = {
     {"renew_mode", (PyCFunction)run_renew_mode_alone, METH_VARARGS,
      "renew_mode(mode, ints, doubles): other numbers in rows of the same form; `rewind` and `start` have to follow"},
     {"keep_ledger", (PyCFunction)run_keep_ledger_alone, METH_VARARGS, "keep_ledger(ints, doubles): before the start"},
-    {"set_meters", (PyCFunction)run_set_meters_alone, METH_VARARGS, "set_meters(mode, ints, doubles): what the ledger integrates there"},
+    {"set_integrals", (PyCFunction)run_set_integrals_alone, METH_VARARGS, "set_integrals(mode, ints, doubles): what the ledger integrates there"},
     {"set_slopes", (PyCFunction)run_set_slopes_alone, METH_VARARGS, "set_slopes(mode, ints, doubles): derivatives of its formulas"},
     {"keep_tangent", (PyCFunction)run_keep_tangent_alone, METH_VARARGS, "keep_tangent(ints, doubles): before the start"},
     {"keep_extremes", (PyCFunction)run_keep_extremes_alone, METH_VARARGS, "keep_extremes(ints, doubles): before the start and `fill`"},

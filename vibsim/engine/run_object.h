@@ -59,7 +59,7 @@ PyObject *run_add_mode(RunObject *self, PyObject *args);
 PyObject *run_forget_modes(RunObject *self, PyObject *args);
 PyObject *run_renew_mode(RunObject *self, PyObject *args);
 PyObject *run_keep_ledger(RunObject *self, PyObject *args);
-PyObject *run_set_meters(RunObject *self, PyObject *args);
+PyObject *run_set_integrals(RunObject *self, PyObject *args);
 PyObject *run_set_slopes(RunObject *self, PyObject *args);
 PyObject *run_keep_tangent(RunObject *self, PyObject *args);
 PyObject *run_keep_extremes(RunObject *self, PyObject *args);

@@ -103,7 +103,7 @@ PyObject *run_keep_ledger(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
-PyObject *run_set_meters(RunObject *self, PyObject *args)
+PyObject *run_set_integrals(RunObject *self, PyObject *args)
 {
     Py_buffer v[2];
     Reader in;
@@ -112,10 +112,10 @@ PyObject *run_set_meters(RunObject *self, PyObject *args)
         return NULL;
     if (!run_is_idle(self))
         kept = 0;
-    else if (!self->run.ledger.wanted || mode < 0 || mode >= self->run.mode_count || self->run.modes[mode]->meters.meters)
-        PyErr_SetString(PyExc_ValueError, "no mode that waits for meters");
-    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = meters_read(&self->run, self->run.modes[mode], &in)))
-        PyErr_SetString(PyExc_ValueError, "the packed numbers are no meters");
+    else if (!self->run.ledger.wanted || mode < 0 || mode >= self->run.mode_count || self->run.modes[mode]->integrals.integrals)
+        PyErr_SetString(PyExc_ValueError, "no mode that waits for integrals");
+    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = integrals_read(&self->run, self->run.modes[mode], &in)))
+        PyErr_SetString(PyExc_ValueError, "the packed numbers are no integrals");
     PyBuffer_Release(&v[0]);
     PyBuffer_Release(&v[1]);
     if (!kept)

@@ -177,11 +177,11 @@ class WordsTrajectory(Trajectory[Number]):
         totals |= rigid_totals(
             self.scene, tally["counts"], self.kit.rounded([cut.time, cut.speed, cut.distance])
         )
-        if run.meters:
+        if run.integrals:
             now = run.left_at or self.form.state(tally["state"]), run.statuses[tally["mode"]]
             entries: list[Number] = [self.form.taken(entry) for entry in tally["entries"]]
             where: Any = run.first, now
-            ledger = ledger_totals(self.scene, self.kit, run.meters.names, entries, *where)
+            ledger = ledger_totals(self.scene, self.kit, run.integrals.names, entries, *where)
             totals |= dict(zip(ledger, self.kit.rounded(list(ledger.values())), strict=True))
         return totals
 

@@ -42,7 +42,7 @@ from vibsim.physics.parts import Friction, RigidStop, Scene, Stop
 
 
 class Automaton(Generic[N]):
-    """Decides the modes of a run: at its start, see `Starts`, and behind each event."""
+    """Decides the modes of a run: at its start, see `InitialMode`, and behind each event."""
 
     def __init__(self, scene: Scene[N], maker: RowMaker[N], flow: Flow[N], kit: Kit[N]) -> None:
         self.scene, self.maker = scene, maker
@@ -112,7 +112,9 @@ class Automaton(Generic[N]):
         return self._hold_ends(state, status, event, order)
 
     def touch(self, event: Event[N]) -> SimultaneousImpacts[N] | None:
-        """The `Touch` of rigid stops that `event`, taken just now, was; None of other events."""
+        """The `SimultaneousImpacts` of rigid stops that `event`, taken just now, was; None of other
+        events.
+        """
         return self.rigid.touch if event.kind == STRIKE else None
 
     def _contact_switch(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken:

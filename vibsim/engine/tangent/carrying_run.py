@@ -51,12 +51,12 @@ class CarryingRun(CRun):
         return partial(self.table.maker.rows, self.statuses[number])
 
     def retune(self, scene: Scene, doubles: bytes, table: ModeTable) -> None:
-        """Go over to a scene whose modes have the same form (`likeness.differences`); a restart has to
+        """Go over to a scene whose modes have the same form (`parametric_rows.differences`); a restart has to
         follow.
 
         doubles : of the packed scene; table : of its modes
         """
-        for name in ("scout", "automaton", "jumps", "maker"):
+        for name in ("derivative_flow", "automaton", "jumps", "maker"):
             self.__dict__.pop(name, None)
         before, self.scene = self.scene, scene
         if doubles != self._doubles:
@@ -65,7 +65,7 @@ class CarryingRun(CRun):
         if table is not self.table:
             self.table = table
             for number, status in enumerate(self.statuses):
-                self.run.renew_mode(number, *table.packed(status, lambda: self.scout))
+                self.run.renew_mode(number, *table.packed(status, lambda: self.derivative_flow))
                 self._set_slopes(number, status)
         self._renew_starts(before, scene)
 

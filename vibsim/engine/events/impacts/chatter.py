@@ -36,7 +36,7 @@ from typing import Generic
 
 from vibsim.engine.errors import State
 from vibsim.engine.events.departures import DerivativeSigns, derivative_flow
-from vibsim.engine.events.impacts.impacts import Impacts
+from vibsim.engine.events.impacts.impacts import ImpactLaw
 from vibsim.engine.events.impacts.newton_moreau import Contact
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.events.records import LAST, NEXT, ROUNDING, Certificate, unit_of
@@ -88,11 +88,11 @@ class ChatterRemainder(Generic[N]):
 class Chatter(Generic[N]):
     """Ends sequences of impacts that time, forces or displacements no longer tell from rest.
 
-    cut_off : see `CutOff`; early : whether they end at least one hop before those of a run
+    cut_off : see `ChatterRemainder`; early : whether they end at least one hop before those of a run
     """
 
     def __init__(
-        self, scene: Scene[N], maker: RowMaker[N], settling: StickSlipResolution[N], impacts: Impacts[N]
+        self, scene: Scene[N], maker: RowMaker[N], settling: StickSlipResolution[N], impacts: ImpactLaw[N]
     ) -> None:
         self.scene, self.maker, self.settling, self.impacts = scene, maker, settling, impacts
         self.departures, self.relative = settling.departures, settling.relative

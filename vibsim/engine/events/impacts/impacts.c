@@ -70,7 +70,7 @@ static int stands_off(
 }
 
 /* Move the ends onto each other: what rounding left of the depth, shared as their masses say. */
-static void seat(Run *r, const RigidStop *s, Real X)
+static void project_to_rest(Run *r, const RigidStop *s, Real X)
 {
     Real depth = depth_of(r, s, X), distance = s->sense * depth, P = 1.0, Q = 1.0;
     if (depth == 0)
@@ -337,7 +337,7 @@ int impact_take(Run *r, const Event *event, Impact *done)
         return 0;
     }
     forget_slips(r, done);
-    seat(r, s, done->X);
+    project_to_rest(r, s, done->X);
     return 1;
 }
 

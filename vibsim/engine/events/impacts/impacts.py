@@ -27,7 +27,7 @@ from vibsim.physics.parts import RigidStop, Scene, Stop
 IN_TURN = 32  # impacts one after the other that are tried where the order is in doubt
 
 
-class Impacts(Generic[N]):
+class ImpactLaw(Generic[N]):
     """Applies the law of impacts to all rigid stops that touch."""
 
     def __init__(self, scene: Scene[N], maker: RowMaker[N], departures: DerivativeSigns[N]) -> None:

@@ -3,16 +3,16 @@
 #include <string.h>
 
 #include "modes.h"
-#include "room.h"
+#include "zalloc.h"
 
-static int room_for_impacts(Run *r, int stops, int frictions, int bounds)
+static int alloc_impacts(Run *r, int stops, int frictions, int bounds)
 {
     Impacts *b = &r->impacts;
     impacts_free(b);
-    b->stops = room((size_t)stops + 1, sizeof(RigidStop));
-    b->frictions = room((size_t)frictions + 1, sizeof(Rubbing));
-    b->bounds = room((size_t)bounds + 1, sizeof(Bound));
-    b->codes = room((size_t)(r->parts + 2 * (frictions + 1)), sizeof(int));
+    b->stops = zalloc((size_t)stops + 1, sizeof(RigidStop));
+    b->frictions = zalloc((size_t)frictions + 1, sizeof(Rubbing));
+    b->bounds = zalloc((size_t)bounds + 1, sizeof(Bound));
+    b->codes = zalloc((size_t)(r->parts + 2 * (frictions + 1)), sizeof(int));
     if (!b->stops || !b->frictions || !b->bounds || !b->codes)
         return 0;
     b->kinds = b->codes + r->parts;
@@ -26,7 +26,7 @@ int impacts_read(Run *r, Reader *in)
     Impacts *b = &r->impacts;
     int stops = read_index(in, 0, r->parts), frictions = read_index(in, 0, r->parts - r->clearances - stops);
     int bounds = read_index(in, 0, r->parts - stops - frictions), i;
-    if (in->short_of || !room_for_impacts(r, stops, frictions, bounds))
+    if (in->short_of || !alloc_impacts(r, stops, frictions, bounds))
         return 0;
     b->early = read_index(in, 0, 1);
     for (i = 0; i < stops; i++) {

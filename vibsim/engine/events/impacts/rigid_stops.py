@@ -14,7 +14,7 @@ from typing import Generic
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.departures import TouchingParts
 from vibsim.engine.events.impacts.chatter import Chatter
-from vibsim.engine.events.impacts.impacts import Impacts
+from vibsim.engine.events.impacts.impacts import ImpactLaw
 from vibsim.engine.events.impacts.newton_moreau import rate_of, size_of
 from vibsim.engine.events.impacts.simultaneous import RestProjection, SimultaneousImpacts
 from vibsim.engine.events.records import NEXT, ROUNDING, Happened, Taken, changes
@@ -39,9 +39,9 @@ class RigidStops(Generic[N]):
     ) -> None:
         self.scene, self.maker, self.settling, self.parting = scene, maker, settling, parting
         self.departures, self.relative, self.kit = settling.departures, settling.relative, settling.kit
-        self.impacts = Impacts(scene, maker, self.departures)
+        self.impacts = ImpactLaw(scene, maker, self.departures)
         self.chatter = Chatter(scene, maker, settling, self.impacts)
-        self.seats = RestProjection(scene, maker, self.relative)
+        self.rest_projection = RestProjection(scene, maker, self.relative)
         self.stops = self.impacts.stops
         self.frictions = len(scene.frictions)
         self.touch: SimultaneousImpacts[N] | None = None
@@ -65,7 +65,7 @@ class RigidStops(Generic[N]):
         if touch.hop is not None:
             self.chatter.end_last_hop(state, settled, touch, i)
         resting = [j for j in touch.rates if status.stops[j] == OPEN != settled.stops[j]]
-        self.seats.seat(state, sorted({*resting, *(one.stop for one in touch.passed)}))
+        self.rest_projection.project(state, sorted({*resting, *(one.stop for one in touch.passed)}))
         for k, (old, new) in enumerate(zip(status.frictions, settled.frictions, strict=True)):
             if old != STICK == new:
                 self.settling.join(state, self.maker.rows(settled), k)
@@ -100,8 +100,8 @@ class RigidStops(Generic[N]):
         if not slow or not self.settling.possible(self.maker.rows(after)):
             return None
         self.departures.doubt(state)
-        touch.catches += self.seats.join(state, [i])
-        self.seats.seat(state, [i])
+        touch.catches += self.rest_projection.join(state, [i])
+        self.rest_projection.project(state, [i])
         self.touch = touch
         return after, [("rest_begin", i)], {}
 
@@ -122,8 +122,8 @@ class RigidStops(Generic[N]):
                 if turned or rate <= 0:
                     parting[j] = rate < 0 and not turned
         if standing:
-            self.seats.join(state, standing)
-            self.seats.seat(state, standing)
+            self.rest_projection.join(state, standing)
+            self.rest_projection.project(state, standing)
         return parting, standing
 
     def _forgotten(self, touch: SimultaneousImpacts[N], status: Status) -> Known:
@@ -192,7 +192,7 @@ class RigidStops(Generic[N]):
         rests = {self.frictions + j: STICK if rate == 0 else FORWARD for j, rate in touch.rates.items()}
         status = status.with_ties(rests)
         seated = [k - self.frictions for k in status.tied if k >= self.frictions]
-        touch.catches += self.seats.join(state, seated)
+        touch.catches += self.rest_projection.join(state, seated)
         standing = self.settling.standing(status)
         settled = self.settling.settle(state, status, standing) if standing else status
         if RESTING in settled.stops and not self.settling.possible(self.maker.rows(settled)):

@@ -135,7 +135,7 @@ class RestProjection(Generic[N]):
             total, weight = total + m * value, weight + m
         return self.kit.exact(total / weight)
 
-    def seat(self, state: State[N], stops: Iterable[int]) -> None:
+    def project(self, state: State[N], stops: Iterable[int]) -> None:
         """Take what rounding left of the depths of stops that were struck or come to rest: the ends move
         onto each other, their centre of mass stays where they move freely.
         """

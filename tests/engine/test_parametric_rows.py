@@ -53,9 +53,9 @@ def test_modes_follow_from_their_recipes(name, repeats):
     statuses |= {start.with_frictions(dict.fromkeys(range(len(of.frictions)), s)) for s in (-1, 0, 1)}
     fresh = CarryingRun(other)
     for status in statuses:
-        first.table.packed(status, lambda: first.scout)  # the order of keys
-        packed = table.packed(status, lambda: pytest.fail("made anew") if repeats else fresh.scout)
-        assert packed == anew.packed(status, lambda: fresh.scout)
+        first.table.packed(status, lambda: first.derivative_flow)  # the order of keys
+        packed = table.packed(status, lambda: pytest.fail("made anew") if repeats else fresh.derivative_flow)
+        assert packed == anew.packed(status, lambda: fresh.derivative_flow)
 
 
 def test_scenes_over_a_damping_share_one_run(monkeypatch):
