@@ -9,7 +9,7 @@ import pytest
 
 import vibsim
 from vibsim.cases import RangeError
-from vibsim.plots.view import PlotError
+from vibsim.plots.subject import PlotError
 
 SHORT = {"run.t_end": "2 s"}
 

@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from vibsim.fitting import FitError as FitError
     from vibsim.fitting import FitResult as FitResult
     from vibsim.fitting import fit as fit
-    from vibsim.opening import open_result as open_result
     from vibsim.orbits import Orbit as Orbit
     from vibsim.orbits import OrbitError as OrbitError
     from vibsim.orbits import monodromy as monodromy
@@ -50,13 +49,14 @@ if TYPE_CHECKING:
     from vibsim.orbits.branches.plan import BranchError as BranchError
     from vibsim.orbits.search import orbit as orbit
     from vibsim.plots.picture import plot as plot
-    from vibsim.plots.view import PlotError as PlotError
+    from vibsim.plots.subject import PlotError as PlotError
     from vibsim.results import Result as Result
     from vibsim.results import ResultFileError as ResultFileError
     from vibsim.results import simulate as simulate
     from vibsim.results.labelled import Labelled as Labelled
     from vibsim.results.labelled import MissingExtra as MissingExtra
     from vibsim.results.result import Events as Events
+    from vibsim.results.simulation import open_result as open_result
     from vibsim.sweeps import PlanError as PlanError
     from vibsim.sweeps import SweepResult as SweepResult
     from vibsim.sweeps import join as join
@@ -68,7 +68,14 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-FRONT |= {"plot": "vibsim.plots.picture:plot"}
+FRONT |= {
+    "plot": "vibsim.plots.picture:plot",
+    "open sweep": "vibsim.sweeps:open_sweep",
+    "open fit": "vibsim.fitting:open_fit",
+    "open branch": "vibsim.orbits.branches.branch_file:read_branch",
+    "open locus": "vibsim.orbits.branches.branch_file:read_locus",
+    "open bench": "vibsim.evidence.benchmark:open_bench",
+}
 
 __getattr__, __dir__, __all__ = lazy_names(__name__)
 __all__ += ["__version__"]

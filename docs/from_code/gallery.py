@@ -14,7 +14,7 @@ from vibsim.cases import Case
 from vibsim.cases.sources import gallery_case_names
 from vibsim.plots.machine import draw_machine_file
 from vibsim.plots.picture import draw_files
-from vibsim.plots.view import View
+from vibsim.plots.subject import View
 
 HEAD = """# Gallery
 

@@ -9,12 +9,12 @@ from tests.branches.made import CAPTURED, KEYS, branch_of, parameter
 from tests.command_line.made import call
 from tests.orbits.truths import TRUTHS
 from vibsim.cases import load_case
-from vibsim.opening import open_result
 from vibsim.orbits import find_orbit
 from vibsim.orbits.branches.branch_file import LocusStore, complete, read_locus
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.branches.locus_result import locus_plan
 from vibsim.orbits.branches.plan import BranchError, read_span
+from vibsim.results.simulation import open_result
 
 pytestmark = pytest.mark.slow  # curves in two parameters, followed whole
 

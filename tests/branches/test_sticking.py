@@ -12,8 +12,7 @@ from vibsim.orbits.branches.plan import BranchError, read_span
 from vibsim.orbits.branches.special_points import held
 from vibsim.orbits.search import orbit
 from vibsim.plots.registry import kind_named
-from vibsim.plots.subject import Subject
-from vibsim.plots.view import View
+from vibsim.plots.subject import Subject, View
 from vibsim.results.hdf5_reading import ResultFileError
 
 COULOMB = """

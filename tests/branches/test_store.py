@@ -10,7 +10,6 @@ import pytest
 
 from tests.branches.made import CAPTURED, KEYS, orbit_of
 from vibsim.cases import UnknownKeyError
-from vibsim.opening import open_result
 from vibsim.orbits import find_orbit
 from vibsim.orbits.branches.branch_file import BranchStore, LocusStore, complete, read_branch
 from vibsim.orbits.branches.continuing import continue_branch
@@ -18,6 +17,7 @@ from vibsim.orbits.branches.locus_result import locus_plan
 from vibsim.orbits.branches.plan import plan_from, read_span
 from vibsim.orbits.branches.tracing import BranchStep
 from vibsim.results.hdf5_reading import ResultFileError
+from vibsim.results.simulation import open_result
 from vibsim.results.store import from_plain, journal_path, plain_data
 
 SPAN = "5.7:5.9 Hz"

@@ -13,8 +13,8 @@ from datetime import datetime, timezone
 from pathlib import Path
 from statistics import median
 
+from vibsim.engine.blocks_ahead import available_cores
 from vibsim.evidence.benchmark.running import processor
-from vibsim.results.blocks_ahead import available_cores
 from vibsim.results.output_files import output_file
 
 FORMAT = 1

@@ -8,7 +8,7 @@ from tests.budgets.engine_clock import EngineClock
 from tests.budgets.processes import VIBSIM, seconds
 from tests.budgets.row import Row
 from vibsim.cases import load_case
-from vibsim.results.blocks_ahead import available_cores
+from vibsim.engine.blocks_ahead import available_cores
 from vibsim.sweeps.quantities import quantities_of
 from vibsim.sweeps.statistics import MeasuredRun, sampled_for_statistics
 

@@ -3,7 +3,7 @@
 import pytest
 
 import vibsim
-from vibsim.plots.view import PlotError
+from vibsim.plots.subject import PlotError
 
 AXES = {"Omega0": "3:4:1 Hz"}
 NO_NUMBER = "must be a whole number, got"

@@ -21,10 +21,10 @@ from vibsim.cases.any_unit import (
     rational_power,
     si_name,
 )
-from vibsim.cases.formula_tables import pairs_of, size_of, spline_pieces, with_pairs
-from vibsim.cases.formula_text import FormulaError, names_in
+from vibsim.cases.formula_text import FormulaError, names_in, pairs_of, with_pairs
 from vibsim.cases.formula_values import Meaning, formula_node, meaning_of_number
 from vibsim.cases.quantities import QuantityError
+from vibsim.physics.formula_values import size_of, spline_pieces
 from vibsim.physics.formulas import PI, num
 from vibsim.physics.formulas import TIME as T
 

@@ -10,8 +10,8 @@ import pytest
 
 from tests.branches.made import orbit_of, parameter
 from tests.command_line.made import call
-from vibsim.opening import open_result
 from vibsim.results import simulate_to_file
+from vibsim.results.simulation import open_result
 
 CASE = ["II-B", "-s", "c=0.03", "-s", "Omega0=5Hz", "-s", "run.t_end=60s"]
 NS, FOLD = "II-B c=0.03 captured branch NS", "II-B c=0.03 captured branch fold"

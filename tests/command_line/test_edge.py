@@ -5,7 +5,7 @@ import json
 import pytest
 
 from tests.command_line.made import call
-from vibsim.opening import open_result
+from vibsim.results.simulation import open_result
 
 CASE = "gallery/cantilever"
 

@@ -19,7 +19,7 @@ import pytest
 
 import vibsim
 from tests.command_line.made import SLOW_SOURCE, call
-from vibsim.opening import open_result
+from vibsim.results.simulation import open_result
 from vibsim.signals import Interruption, ended_by_signals, heard_from_now_on
 
 GOES_ON = "holds what was done; the same command resumes it"
@@ -355,7 +355,7 @@ def test_a_search_does_not_begin_where_its_orbits_could_not_be_stored(tmp_path, 
 
 def test_a_run_that_fills_its_chunks_slowly_is_on_file_all_the_same(tmp_path, monkeypatch):
     """Flushed by the clock, its file holds at every moment what a run in one go has, and at its end all."""
-    monkeypatch.setattr("vibsim.results.trajectory_writing.LONGEST", 0.0)
+    monkeypatch.setattr("vibsim.results.recording.LONGEST", 0.0)
     seen = []
 
     def watch(t):

@@ -15,7 +15,7 @@ from tests.command_line.made import call, process
 from vibsim.cases import CaseError, Problem
 from vibsim.command_line.main import COMMANDS, exit_code_of, group
 from vibsim.engine.errors import EngineError, State
-from vibsim.plots.view import PlotError
+from vibsim.plots.subject import PlotError
 from vibsim.results import ResultFileError
 
 

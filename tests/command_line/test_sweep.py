@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.command_line.made import call
-from vibsim.opening import open_result
+from vibsim.results.simulation import open_result
 from vibsim.sweeps.computations import COMPUTATIONS
 
 SHORT = ("--t-end", "2s", "-j", "2")

@@ -96,7 +96,7 @@ def test_nothing_else_moves_where_a_stop_is_struck_at_the_start(engine):
 
 
 def test_bodies_without_play_come_to_rest_on_each_other_in_many_digits():
-    """Stops on both sides of a body are struck in turn, each blow half as hard, a hundred times at one
+    """Stops on both sides of a body are struck in turn, each impact half as hard, a hundred times at one
     instant: radii grew until none could be told from rest, and the run failed.
     """
     bodies = (Body("a", 2.1, 0.0, -0.0343), Body("b", 1.7, -0.00127, 0.0075))
@@ -159,7 +159,7 @@ def walls(restitutions, beyond=0.0, friction=0.0):
     ("restitutions", "beyond", "doubted"),
     [((0.8, 0.3), np.spacing(0.3), True), ((0.8, 0.8), 0.0, False), ((0.8, 0.3), 0.0, False)],
 )
-def test_a_blow_is_in_doubt_where_the_order_of_two_makes_a_difference(restitutions, beyond, doubted):
+def test_a_impact_is_in_doubt_where_the_order_of_two_makes_a_difference(restitutions, beyond, doubted):
     """Struck one after the other, the first wall tells the speed behind; both at once, the harder one. Walls
     at one place are struck at once, whatever rounding does.
     """
@@ -174,8 +174,8 @@ CUT_OFF = ("chatters", "chatter_time", "chatter_speed", "chatter_distance")
 @pytest.mark.parametrize("softer", ((0.7,), (0.3,), (0.0,), (0.3, 0.7)))
 @pytest.mark.parametrize("first", (True, False))
 def test_of_stops_at_one_place_the_hardest_decides(softer, first, friction):
-    """L >= 0 and g'(after) <= -e g'(before) of all is the law of the greatest e alone. Each blow was a doubt,
-    the softest wall ended the sequence early, and what was cut off was counted once a wall.
+    """L >= 0 and g'(after) <= -e g'(before) of all is the law of the greatest e alone. Each impact was a
+    doubt, the softest wall ended the sequence early, and what was cut off was counted once a wall.
     """
     restitutions = (0.7, *softer) if first else (*softer, 0.7)
     single = run(walls((0.7,), friction=friction), momentum=True)

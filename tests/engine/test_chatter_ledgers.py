@@ -22,7 +22,7 @@ from vibsim.physics.parts import (
 )
 
 RETURNED = 0.03  # of the last hops, which return within the rounding of displacements
-WATCHED = 100  # roundings of displacements, within which blows are found
+WATCHED = 100  # roundings of displacements, within which impacts are found
 everywhere = pytest.mark.parametrize("method", METHODS)
 
 
@@ -91,7 +91,7 @@ def test_what_an_end_by_friction_leaves_out_is_bounded_in_the_ledgers(method, e)
     up, down = (F + N) / m, (F - N) / m
     approach, share = np.sqrt(2 * down * d), e * np.sqrt(down / up)
     heights = (e * approach) ** 2 / (2 * up) / (1 - share**2)  # of all hops
-    w = e * approach * share ** (totals["impacts"] - 1)  # behind the last blow
+    w = e * approach * share ** (totals["impacts"] - 1)  # behind the last impact
     assert totals["chatter_speed"] == pytest.approx(w, rel=RETURNED)
     assert totals["chatter_distance"] == pytest.approx(totals["chatter_speed"] ** 2 / (2 * up), rel=1e-12)
     lasting = (w / up) * (1 + np.sqrt(up / down)) / (1 - share)

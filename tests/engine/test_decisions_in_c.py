@@ -40,8 +40,8 @@ def asked(monkeypatch):
     [
         ("gallery/friction-oscillator", "50 s", 0),  # a driven body that stands each time it turns round
         ("gallery/drifting-capsule", "1 s", 0),  # two driven bodies, one of which sticks
-        ("hard/spool-between-stops", "20 ms", 2),  # blows, and standing between them
-        ("gallery/pile-driver", "6 s", 2),  # blows that tear a pile loose
+        ("hard/spool-between-stops", "20 ms", 2),  # impacts, and standing between them
+        ("gallery/pile-driver", "6 s", 2),  # impacts that tear a pile loose
     ],
 )
 def test_cases(asked, name, t_end, most):

@@ -15,10 +15,10 @@ from vibsim.engine.c_engine import CRun
 from vibsim.engine.errors import EngineError
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.flows.tape import POWER
-from vibsim.engine.modes import same_structure
+from vibsim.engine.modes import parametric_rows
 from vibsim.engine.modes.mode_table import mode_table
 from vibsim.engine.modes.packing import pack_scene, packed_mode
-from vibsim.engine.modes.recipe import recipe_of
+from vibsim.engine.modes.parametric_rows import recipe_of
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.formulas import (
     ONE,
@@ -294,9 +294,9 @@ def test_tables_of_modes_tell_formulas_apart():
 
 def test_modes_of_other_formulas_are_not_of_one_form():
     one = oscillator(mul(num(9), X), stops=(RigidStop("s", 0, GROUND, 2.0, COMPRESSION, 0.5),))
-    assert same_structure.differences(one, replace(one, links=(replace(one.links[0], force=X),))) is None
+    assert parametric_rows.differences(one, replace(one, links=(replace(one.links[0], force=X),))) is None
     stiff = replace(one, stops=(replace(one.stops[0], gap=3.0),))
-    assert same_structure.differences(one, stiff) == {("stops", 0, "gap"): 3.0}
+    assert parametric_rows.differences(one, stiff) == {("stops", 0, "gap"): 3.0}
     run_of = CRun(one)
     assert recipe_of(one, (("stops", 0, "gap"),), run_of.statuses[0], dict(run_of.keys)) is None
 

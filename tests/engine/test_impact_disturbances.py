@@ -187,7 +187,7 @@ def test_grazing_has_no_derivative(engine, method):
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_blows_from_both_sides_at_once_have_no_derivative(engine):
+def test_impacts_from_both_sides_at_once_have_no_derivative(engine):
     """Which comes first decides where the balls go on to."""
     of = scene([Body(name, 1.0, 0.0, 0.0) for name in "abc"])
     of = replace(of, stops=(wall(0, 1, 0.5), wall(1, 2, 0.5, name="next")))
@@ -222,7 +222,7 @@ def test_exponents_of_an_impact_oscillator(engine):
 @pytest.mark.parametrize("engine", ENGINES)
 def test_plastic_impacts_and_rest_take_directions(engine):
     """e = 0 takes one, rest two, in which a disturbance has the exponent minus infinity."""
-    thrown = (harmonic(0.05, 2.5, 4.31),)  # at the blow the table falls faster than the ball
+    thrown = (harmonic(0.05, 2.5, 4.31),)  # at the impact the table falls faster than the ball
     found = totals(replace(ball_over(0.0, thrown, end=BASE), t_end=0.3), engine=engine)
     assert found["rank_losses"] == 1 and np.isneginf(found["exponents"][1]) and found["exponents"][0] > -1e3
     assert abs(found["volume_residual"]) < PER_PIECE * found["tangent_pieces"]

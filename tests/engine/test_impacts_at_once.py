@@ -10,7 +10,7 @@ import pytest
 from tests.engine.impacts import METHODS, scene, times
 from tests.engine.runs import run
 from vibsim.cases import load_case
-from vibsim.engine.events.impacts.newton_moreau import Contact, Masses, blow
+from vibsim.engine.events.impacts.newton_moreau import Contact, Masses, impact
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import (
     COMPRESSION,
@@ -113,9 +113,9 @@ def test_a_body_that_stands_at_one_stop_and_is_struck_through_another_does_not_p
 @pytest.mark.parametrize("engine", ["c", "python"])
 @pytest.mark.parametrize("away", [0.0, 0.125])
 @pytest.mark.parametrize("side", [1, -1])
-def test_a_blow_closes_what_just_touched(engine, method, away, side):
+def test_a_impact_closes_what_just_touched(engine, method, away, side):
     """c strikes b, which touches a spring at a: both go on with half of what b gets and swing about it until
-    they part. Where the blow was at the start, b went through the spring.
+    they part. Where the impact was at the start, b went through the spring.
     """
     speed, rate = 0.75, sqrt(2 * 40.0)
     bodies = [Body("a", 1.0, 0.0, 0.0), Body("b", 1.0, 0.0, 0.0), Body("c", 1.0, side * away, -side * 1.0)]
@@ -147,7 +147,7 @@ def test_a_heavy_body_strikes_a_light_one_before_a_wall_to_rounding():
         e, other, v = rng.uniform(0.05, 0.95), rng.uniform(0.05, 0.95), rng.uniform(0.01, 1)
         contacts = [Contact(0, 0, 2, -1, e), Contact(1, 1, 0, -1, other)]
         bodies, before = Masses([1 / light, 1 / heavy, 0.0, 0.0]), [0.0, v, 0.0, 0.0]
-        after, _, passed = blow(Doubles, bodies, contacts, before, 0.0)
+        after, _, passed = impact(Doubles, bodies, contacts, before, 0.0)
         assert [one.stop for one in passed] == [0, 1]
         assert abs(Fraction(after[1]) + Fraction(other) * Fraction(v)) <= 2 * Doubles.eps * v
         assert abs(after[0]) <= 2 * Doubles.eps * v

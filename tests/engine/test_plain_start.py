@@ -8,9 +8,8 @@ from hypothesis import given, settings
 from tests.engine.random_parts import part_scenes
 from tests.engine.test_closed_cases import scene
 from vibsim.engine.errors import start_of
-from vibsim.engine.events.automaton import Automaton
+from vibsim.engine.events.automaton import Automaton, UnambiguousStart
 from vibsim.engine.events.departures import derivative_flow
-from vibsim.engine.events.initial_mode import UnambiguousStart
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.physics.numbers import Doubles

@@ -119,7 +119,7 @@ def test_friction_beside_a_stop_holds_a_body_that_came_to_rest_by_chatter():
 
 
 def test_a_sequence_of_plastic_impacts_at_two_stops_in_turn_ends_as_a_chatter():
-    """Two bodies are pressed to one side of a third: each plastic blow of one tears the other off."""
+    """Two bodies are pressed to one side of a third: each plastic impact of one tears the other off."""
     bodies = (Body("plate", 1.0, 0.01, 0.0), Body("a", 0.5, 0.0, 0.05), Body("b", 0.7, 0.0, 0.0))
     stops = tuple(RigidStop(name, i, 0, 0.01, COMPRESSION, 0.0) for i, name in ((1, "l"), (2, "r")))
     forces = tuple(Force(f"F{i}", i, F, ()) for i, F in enumerate((-2.0, 1.0, 1.2)))

@@ -134,7 +134,7 @@ def test_letting_go_is_no_grazing(engine, method, e):
 
 @pytest.mark.parametrize("e", (0.0, 0.5))
 @pytest.mark.parametrize("method", METHODS)
-def test_what_rests_on_a_shaken_base_is_not_struck_where_a_blow_falls_elsewhere(method, e):
+def test_what_rests_on_a_shaken_base_is_not_struck_where_a_impact_falls_elsewhere(method, e):
     """The velocities of base and body are computed apart and differ by rounding, which was taken for an
     approach: impacts and ends of chatter were told at a stop where a body rests all the time.
     """

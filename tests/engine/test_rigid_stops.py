@@ -130,8 +130,8 @@ def test_mass_between_two_stops_with_dry_friction(method):
     assert abs(result.totals["energy_residual"]) < 1e-14
 
 
-def test_rotor_takes_part_in_a_blow():
-    """Energy is kept at e = 1 and the momentum of the rotor's angle: the blow acts along the line alone."""
+def test_rotor_takes_part_in_a_impact():
+    """Energy is kept at e = 1 and the momentum of the rotor's angle: the impact acts along the line alone."""
     motor = Motor(0, 0.3, 0.05, 0.002, 0.0, 50.0, 1.0, 20.0)
     wall = RigidStop("wall", 0, GROUND, 0.05, COMPRESSION, 1.0)
     result = run(

@@ -15,7 +15,7 @@ from time import sleep
 import pytest
 
 import vibsim
-from vibsim.engine.ledger_integrals import MeterMaker
+from vibsim.engine.ledger_integrals import IntegralMaker
 from vibsim.engine.modes import mode_table
 from vibsim.engine.modes.status import CONTACT, OPEN, Status
 from vibsim.engine.truth import open_truth
@@ -84,17 +84,17 @@ def test_one_case_many_times_at_once(name):
 
 
 def test_meters_of_two_modes_at_once(monkeypatch):
-    """The maker of meters works on one mode at a time."""
+    """The maker of integrals works on one mode at a time."""
     scene = vibsim.load_case("II-B").scene()
     modes = [Status((stop,), (1,), ()) for stop in (OPEN, CONTACT)]
 
     def packed(table):
         with ThreadPoolExecutor(2) as pool:
-            return list(pool.map(lambda status: table.packed_meters(status, False), modes))
+            return list(pool.map(lambda status: table.packed_integrals(status, False), modes))
 
-    alone = [mode_table.ModeTable(scene).packed_meters(status, False) for status in modes]
-    sources = MeterMaker._sources
-    monkeypatch.setattr(MeterMaker, "_sources", lambda self: (sleep(0.05), sources(self)))
+    alone = [mode_table.ModeTable(scene).packed_integrals(status, False) for status in modes]
+    sources = IntegralMaker._sources
+    monkeypatch.setattr(IntegralMaker, "_sources", lambda self: (sleep(0.05), sources(self)))
     assert packed(mode_table.ModeTable(scene)) == alone
 
 

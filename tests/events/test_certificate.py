@@ -126,7 +126,7 @@ def missed(scene):
         kind, t = exact.first_event(stretch, min(stretch.end + NEAR * scene.t_end, scene.t_end))
         crowd = following is not None and following.end - stretch.end <= later
         if stretch.kind:
-            right = blow(kind) == blow(stretch.kind) and abs(t - stretch.end) <= NEAR * scene.t_end
+            right = impact(kind) == impact(stretch.kind) and abs(t - stretch.end) <= NEAR * scene.t_end
             right = right or (crowd and kind == following.kind)
         else:
             right = kind == "" or stretch.end - t <= later  # one at the very end belongs to the next stretch
@@ -135,7 +135,7 @@ def missed(scene):
     return wrong, certificate
 
 
-def blow(kind):
+def impact(kind):
     """The kind of an event; that of a hop which ends a sequence in doubles, not in more digits, is impact."""
     return "impact" if kind == "chatter" else kind
 

@@ -5,7 +5,7 @@ import pytest
 
 import vibsim
 from vibsim.cases import load_case
-from vibsim.engine.modes.same_structure import differences
+from vibsim.engine.modes.parametric_rows import differences
 from vibsim.orbits.coordinates import OrbitError
 
 CASE = """

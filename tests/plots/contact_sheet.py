@@ -19,8 +19,7 @@ from PIL import Image, ImageDraw
 
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import choose
-from vibsim.plots.subject import open_subjects
-from vibsim.plots.view import WIDTHS_CM, PlotError, View
+from vibsim.plots.subject import WIDTHS_CM, PlotError, View, open_subjects
 
 RUNS = {  # subject: arguments of `vibsim run`
     "ideal-stop": "I-C --t-end 30s",

@@ -17,8 +17,7 @@ from tests.plots.test_pages import data_of, numbers
 from vibsim.plots import style
 from vibsim.plots.animated_machine import NOSE_CM, attached, channels_of, display_list, moving_shapes, sketch
 from vibsim.plots.animation import SIZES, Film, comfortable
-from vibsim.plots.subject import open_subject, subject_of
-from vibsim.plots.view import PlotError
+from vibsim.plots.subject import PlotError, open_subject, subject_of
 
 NAMES = ["II-B", "II-A", "gallery/drifting-capsule", "gallery/impact-damper", "gallery/impact-pair",
          "gallery/two-balls-and-a-spring", "gallery/pile-driver", "gallery/energy-sink"]  # fmt: skip

@@ -6,9 +6,8 @@ import pytest
 from tests.plots.artists import assert_cells, clipped_texts
 from vibsim.cases import load_case
 from vibsim.plots.registry import fitting, kind_named
-from vibsim.plots.subject import open_subject
+from vibsim.plots.subject import View, open_subject
 from vibsim.plots.sweep_responses import UNDECIDED
-from vibsim.plots.view import View
 from vibsim.sweeps import sweep
 
 STARTS = {"tip.x": "-4, 0, 4 mm", "tip.v": "-400, -100, 200 mm/s"}

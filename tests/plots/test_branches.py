@@ -27,9 +27,8 @@ from vibsim.plots.branch_values import MARKS, amplitude_of, mean_speed_of, param
 from vibsim.plots.branches_over_sweeps import belongs
 from vibsim.plots.registry import choose, kind_named
 from vibsim.plots.sheet import Scale
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import PlotError, Subject, View
 from vibsim.plots.sweep_curves import curves, families
-from vibsim.plots.view import PlotError, View
 from vibsim.results import simulate
 from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweeping import complete, make_plan

@@ -7,8 +7,7 @@ import pytest
 from tests.plots.artists import BLANK, assert_cells, clipped_texts
 from vibsim.cases import load_case
 from vibsim.plots.registry import choose, fitting, kind_named
-from vibsim.plots.subject import open_subject
-from vibsim.plots.view import PlotError, View
+from vibsim.plots.subject import PlotError, View, open_subject
 from vibsim.sweeps import sweep
 
 ESCAPED, CAPTURED = 3, 4

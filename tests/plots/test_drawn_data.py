@@ -11,8 +11,8 @@ from vibsim.physics.parts import EVENT_KINDS, columns_of
 from vibsim.plots import samples, traces
 from vibsim.plots.portraits import _bins
 from vibsim.plots.registry import kind_named
+from vibsim.plots.subject import PlotError, View
 from vibsim.plots.traces import dense
-from vibsim.plots.view import PlotError, View
 
 
 def figure_of(kind, subjects, **view):

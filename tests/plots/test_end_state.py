@@ -7,8 +7,7 @@ import pytest
 from tests.plots.artists import BLANK, assert_cells, clipped_texts
 from vibsim.cases import load_case
 from vibsim.plots.registry import fitting, kind_named
-from vibsim.plots.subject import open_subject
-from vibsim.plots.view import View
+from vibsim.plots.subject import View, open_subject
 from vibsim.sweeps import sweep
 
 REST, VIBRATION = 1, 2

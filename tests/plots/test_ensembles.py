@@ -6,8 +6,7 @@ import pytest
 from tests.plots.artists import clipped_texts, lines
 from vibsim.cases import load_case
 from vibsim.plots.registry import kind_named
-from vibsim.plots.subject import open_subject
-from vibsim.plots.view import View
+from vibsim.plots.subject import View, open_subject
 from vibsim.sweeps import sweep
 from vibsim.sweeps.points import quantile
 

@@ -9,8 +9,7 @@ from vibsim.plots import style
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import fitting
 from vibsim.plots.sheet import Powers
-from vibsim.plots.subject import Subject
-from vibsim.plots.view import PlotError, View
+from vibsim.plots.subject import PlotError, Subject, View
 
 WANTED = ["passes 3 Hz before 5 s"]
 

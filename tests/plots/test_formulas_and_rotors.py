@@ -9,12 +9,11 @@ import pytest
 from tests.formula_cases import CURRENT, DRIVE, MACHINE, case_of, fading, machine_file, turned
 from tests.plots.artists import lines, points
 from vibsim.physics.connections import joined_pairs
-from vibsim.plots.characteristics import motions_of, spring_force, stiffness_characteristic
 from vibsim.plots.html_pages import write_page
+from vibsim.plots.overview import motions_of, spring_force, stiffness_characteristic
 from vibsim.plots.picture import columns_picture
 from vibsim.plots.registry import choose, fitting
-from vibsim.plots.subject import open_subject, subject_of
-from vibsim.plots.view import View
+from vibsim.plots.subject import View, open_subject, subject_of
 from vibsim.results import simulate_to_file
 
 __all__ = ["machine_file"]

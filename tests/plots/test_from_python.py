@@ -12,8 +12,7 @@ from matplotlib.axes import Axes
 import vibsim
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import KINDS, kind_named
-from vibsim.plots.subject import open_subject
-from vibsim.plots.view import PlotError, View
+from vibsim.plots.subject import PlotError, View, open_subject
 
 matplotlib.use("agg")
 

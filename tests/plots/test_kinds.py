@@ -10,7 +10,7 @@ from tests.plots.artists import clipped_texts, colliding_legends, letters
 from tests.plots.conftest import RUNS
 from tests.plots.test_registry import FITTING, SPECTRA
 from vibsim.plots.registry import KINDS, kind_named
-from vibsim.plots.view import View
+from vibsim.plots.subject import View
 
 UNIT = re.compile(r"\((s|Hz|°|[kmµn]?(m|m/s|N|N m|W))\)$")
 SINGLE = [kind for kind in KINDS if kind.name in FITTING["motor"]]

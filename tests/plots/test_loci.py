@@ -16,8 +16,7 @@ from vibsim.orbits.branches.locus_result import locus_plan
 from vibsim.orbits.branches.plan import read_span
 from vibsim.orbits.branches.tracing import curve_of
 from vibsim.plots.registry import kind_named
-from vibsim.plots.subject import Subject
-from vibsim.plots.view import PlotError, View
+from vibsim.plots.subject import PlotError, Subject, View
 from vibsim.results import simulate
 from vibsim.sweeps import sweep
 

@@ -9,8 +9,7 @@ from vibsim.cases.case import load_case_text
 from vibsim.plots.picture import chosen_kinds
 from vibsim.plots.registry import kind_named
 from vibsim.plots.sheet import Scale
-from vibsim.plots.subject import subject_of
-from vibsim.plots.view import PlotError, View
+from vibsim.plots.subject import PlotError, View, subject_of
 from vibsim.results import simulate
 
 

@@ -11,9 +11,8 @@ from vibsim.cases import load_case
 from vibsim.physics.parts import EVENT_KINDS
 from vibsim.plots.registry import kind_named
 from vibsim.plots.spectra import turn_times
-from vibsim.plots.subject import Subject, open_subject
+from vibsim.plots.subject import Subject, View, open_subject
 from vibsim.plots.time_histories import drift_rate
-from vibsim.plots.view import View
 
 
 def figure_of(kind, subjects, **view):

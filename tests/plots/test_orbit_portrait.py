@@ -10,8 +10,7 @@ from vibsim.plots import style
 from vibsim.plots.portraits import POINTS, orbit_portrait_picture
 from vibsim.plots.registry import choose, kind_named
 from vibsim.plots.samples import last_half
-from vibsim.plots.subject import open_subject
-from vibsim.plots.view import PlotError, View
+from vibsim.plots.subject import PlotError, View, open_subject
 
 
 @pytest.fixture(scope="module")

@@ -14,9 +14,8 @@ from vibsim.cases.case import load_case_text
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.plots.branch_values import LabelledPoint, label_points
 from vibsim.plots.registry import choose, kind_named
-from vibsim.plots.subject import Subject, subject_of
+from vibsim.plots.subject import PlotError, Subject, View, subject_of
 from vibsim.plots.sweep_curves import leaps
-from vibsim.plots.view import PlotError, View
 from vibsim.sweeps import sweep
 
 M, K, C, A = 2.0, 300.0, 4.0, 1.5

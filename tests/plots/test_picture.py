@@ -7,7 +7,7 @@ import pytest
 
 from vibsim.plots import plot_run
 from vibsim.plots.picture import draw_files
-from vibsim.plots.view import PlotError, View
+from vibsim.plots.subject import PlotError, View
 from vibsim.results import ResultFileError
 
 

@@ -1,7 +1,7 @@
 import pytest
 
 from vibsim.plots.registry import KINDS, NEEDS, choose, fitting, kind_named
-from vibsim.plots.view import PlotError
+from vibsim.plots.subject import PlotError
 
 SPECTRA = {"spectrum", "spectrogram", "waterfall"}
 ALWAYS = {"overview", "displacement", "velocity", "phase", "relative", "stiffness"} | SPECTRA

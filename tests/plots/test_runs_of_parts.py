@@ -8,9 +8,8 @@ from tests.plots.artists import lines, points
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 from vibsim.plots.registry import choose, fitting, kind_named
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import PlotError, Subject, View
 from vibsim.plots.traces import pair_of
-from vibsim.plots.view import PlotError, View
 
 # three bodies in a row: the middle one flies between the others, which never touch
 ROW = """

@@ -8,8 +8,7 @@ import pytest
 from tests.plots.artists import lines, patches, points
 from vibsim.plots.registry import kind_named
 from vibsim.plots.style import dashed
-from vibsim.plots.subject import distinct_names, open_subjects, subject_of
-from vibsim.plots.view import View
+from vibsim.plots.subject import View, distinct_names, open_subjects, subject_of
 from vibsim.results import simulate
 
 

@@ -10,8 +10,7 @@ from vibsim.cases.case import load_case_text
 from vibsim.cases.ramps import no_load_speed, ramped, read_ramp
 from vibsim.plots.registry import fitting, kind_named
 from vibsim.plots.slow_passages import power_history
-from vibsim.plots.subject import subject_of
-from vibsim.plots.view import PlotError, View
+from vibsim.plots.subject import PlotError, View, subject_of
 from vibsim.sweeps import sweep
 
 OMEGA0 = read_ramp("Omega0", "3:5:3Hz")

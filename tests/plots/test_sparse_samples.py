@@ -5,10 +5,9 @@ import pytest
 
 from tests.plots.artists import lines, points
 from vibsim.cases import load_case
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import Subject, View
 from vibsim.plots.time_histories import displacement_picture
 from vibsim.plots.traces import samples_are_sparse
-from vibsim.plots.view import View
 from vibsim.results import simulate
 
 

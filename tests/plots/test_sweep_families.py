@@ -7,9 +7,8 @@ from tests.plots.artists import clipped_texts, letters, lines
 from vibsim.cases import load_case
 from vibsim.plots.capture_pictures import speed_classes
 from vibsim.plots.registry import fitting, kind_named
-from vibsim.plots.subject import open_subject
+from vibsim.plots.subject import View, open_subject
 from vibsim.plots.sweep_axes import along, plane_of, value_texts
-from vibsim.plots.view import View
 from vibsim.sweeps import sweep
 
 SWEEPS = {

@@ -9,8 +9,7 @@ import pytest
 from tests.plots.artists import clipped_texts
 from vibsim.cases import load_case
 from vibsim.plots.registry import choose, kind_named
-from vibsim.plots.subject import open_subject
-from vibsim.plots.view import PlotError, View
+from vibsim.plots.subject import PlotError, View, open_subject
 from vibsim.sweeps import sweep
 
 NOT_MET, PASSED, ESCAPED, CAPTURED = 1, 2, 3, 4

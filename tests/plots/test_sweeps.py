@@ -9,8 +9,7 @@ from tests.plots.artists import clipped_texts, colliding_legends
 from vibsim.cases import load_case
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import choose, fitting, kind_named
-from vibsim.plots.subject import open_subject
-from vibsim.plots.view import PlotError, View
+from vibsim.plots.subject import PlotError, View, open_subject
 from vibsim.sweeps import sweep
 
 UNIT = re.compile(r"\((s|Hz|[kmµn]?(m|m/s|N|N m|N s/m))\)$")

@@ -6,11 +6,10 @@ import pytest
 from tests.plots.artists import clipped_texts, colliding_legends
 from vibsim.cases import load_case
 from vibsim.plots.registry import fitting, kind_named
-from vibsim.plots.subject import open_subject
+from vibsim.plots.subject import View, open_subject
 from vibsim.plots.sweep_axes import label_of, value_texts
 from vibsim.plots.sweep_curves import curves
 from vibsim.plots.sweep_pictures import absorbed_powers, source_power
-from vibsim.plots.view import View
 from vibsim.sweeps import sweep
 from vibsim.sweeps.axes import read_axis
 

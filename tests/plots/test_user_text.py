@@ -11,9 +11,7 @@ from tests.formula_cases import MACHINE, case_of
 from vibsim.cases import load_case
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import KINDS, kind_named
-from vibsim.plots.sheet import as_text
-from vibsim.plots.subject import open_subject, open_subjects
-from vibsim.plots.view import View
+from vibsim.plots.subject import View, as_text, open_subject, open_subjects
 from vibsim.results import simulate_to_file
 
 NASTY = [

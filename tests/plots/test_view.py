@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from vibsim.plots.view import PlotError, parse_span
+from vibsim.plots.subject import PlotError, parse_span
 
 
 @pytest.mark.parametrize(

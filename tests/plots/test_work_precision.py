@@ -13,8 +13,7 @@ from vibsim.evidence.benchmark.plan import FAMILIES
 from vibsim.evidence.benchmark.running import origin
 from vibsim.plots import style
 from vibsim.plots.registry import choose, fitting, kind_named
-from vibsim.plots.subject import open_subject
-from vibsim.plots.view import PlotError, View
+from vibsim.plots.subject import PlotError, View, open_subject
 
 TIMES = np.linspace(0, 10.0, 101)
 MISSED = {("dop853", "rtol 1e-3"): 2}  # events

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from vibsim.results.blocks_ahead import MOST_AHEAD, BlocksAhead
+from vibsim.engine.blocks_ahead import MOST_AHEAD, BlocksAhead
 
 
 class Counting:

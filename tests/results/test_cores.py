@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from vibsim.results.blocks_ahead import Cores
+from vibsim.engine.blocks_ahead import Cores
 
 
 @pytest.mark.parametrize("count", [1, 2])

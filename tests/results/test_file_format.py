@@ -11,7 +11,7 @@ import pytest
 import vibsim
 from tests.results.made import short_case, short_run
 from vibsim.results import simulate_to_file
-from vibsim.results.trajectory_writing import EVENT_CHUNK, SAMPLE_CHUNK
+from vibsim.results.recording import EVENT_CHUNK, SAMPLE_CHUNK
 
 SAMPLES = {"time": "s", "x1": "m", "v1": "m s-1", "x2": "m", "v2": "m s-1", "phi": "rad", "phidot": "rad s-1"}
 FLAGS = {"contact", "friction"}

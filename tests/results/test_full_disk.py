@@ -83,7 +83,7 @@ def test_whatever_room_there_is_the_file_opens(tmp_path, limit):
 BROKEN_DEVICE = """
 import os, sys
 from vibsim.command_line.main import main
-from vibsim.results.trajectory_writing import TrajectoryWriter
+from vibsim.results.recording import TrajectoryWriter
 append = TrajectoryWriter.append
 def append_to_a_device_that_breaks(self, samples, events):
     append(self, samples, events)

@@ -12,7 +12,7 @@ import pytest
 from tests.command_line.made import call
 from tests.sweeps.clusters import loopback_cluster
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
-from vibsim.opening import open_result
+from vibsim.results.simulation import open_result
 from vibsim.sweeps.quantities import FAILED
 from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import STATISTICS

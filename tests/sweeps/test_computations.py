@@ -12,8 +12,8 @@ from tests.trajectories import opened
 from vibsim.analysis.cycles import parse_discard
 from vibsim.cases.case import load_case_text
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.opening import open_result
 from vibsim.physics.parts import EVENT_KINDS
+from vibsim.results.simulation import open_result
 from vibsim.sweeps import statistics
 from vibsim.sweeps.computations import COMPUTATIONS, read_computations
 from vibsim.sweeps.contact_computations import QUANTILES

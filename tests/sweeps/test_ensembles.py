@@ -9,7 +9,7 @@ import pytest
 import vibsim
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from vibsim.cases import CaseError
-from vibsim.opening import open_result
+from vibsim.results.simulation import open_result
 from vibsim.sweeps import describe, sweep
 from vibsim.sweeps.axes import Members, SpreadError, read_members, read_spread
 from vibsim.sweeps.points import share, summary

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from tests.sweeps.made import assert_same_points, complete, in_memory, short_case, short_plan
-from vibsim.opening import open_result
+from vibsim.results.simulation import open_result
 from vibsim.sweeps.quantities import DONE
 from vibsim.sweeps.sweep_file import SweepStore
 

@@ -19,8 +19,8 @@ from tests.sweeps.made import (
     short_case,
     short_plan,
 )
-from vibsim.opening import open_result
 from vibsim.results import ResultFileError
+from vibsim.results.simulation import open_result
 from vibsim.results.store import Journal, journal_path, plain_data
 from vibsim.sweeps.quantities import DONE, MISSING
 from vibsim.sweeps.sweep_file import SweepStore

@@ -6,8 +6,8 @@ import pytest
 
 from tests.command_line.made import call
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
-from vibsim.opening import open_result
 from vibsim.results import ResultFileError
+from vibsim.results.simulation import open_result
 from vibsim.sweeps import join, sweep_plan
 from vibsim.sweeps.axes import read_members
 from vibsim.sweeps.sweep_file import SweepStore

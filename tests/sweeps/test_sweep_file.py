@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
-from vibsim.opening import open_result
 from vibsim.results import ResultFileError
+from vibsim.results.simulation import open_result
 from vibsim.sweeps import describe, sweep
 from vibsim.sweeps.quantities import DEFINITIONS, always, quantities_of, section
 from vibsim.sweeps.sweep_file import SweepStore

@@ -12,8 +12,8 @@ from vibsim.analysis.cycles import parse_discard
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.opening import open_result
 from vibsim.physics.parts import EVENT_KINDS
+from vibsim.results.simulation import open_result
 from vibsim.sweeps.points import measure
 from vibsim.sweeps.quantities import FAILED
 from vibsim.sweeps.statistics import sampled_for_statistics

@@ -11,8 +11,8 @@ from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case
 from vibsim.analysis import capture, judge_capture, judge_regime
 from vibsim.analysis.analysis import StreamedVerdicts
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.opening import open_result
 from vibsim.physics.parts import EVENT_KINDS
+from vibsim.results.simulation import open_result
 from vibsim.sweeps import computations
 from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError

@@ -7,10 +7,10 @@ import pytest
 
 from tests.command_line.made import call
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_plan
-from vibsim.opening import open_result
 from vibsim.plots.subject import open_subjects
 from vibsim.plots.sweep_axes import plane_of
 from vibsim.plots.sweep_curves import curves
+from vibsim.results.simulation import open_result
 from vibsim.sweeps import join
 from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import DOWN, UP, PlanError, shard

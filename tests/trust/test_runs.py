@@ -11,9 +11,9 @@ import pytest
 import vibsim
 from tests.command_line.made import call
 from tests.results.made import short_case
+from vibsim.engine.blocks_ahead import Thinning, instants_per_sample, sampled_finer
 from vibsim.physics.rates import longest_period
 from vibsim.results import recording, simulate, simulate_to_file, trust_horizon
-from vibsim.results.blocks_ahead import Thinning, instants_per_sample, sampled_finer
 from vibsim.results.parallel_runs import LastSamples, RunPiece
 from vibsim.sweeps import sweep
 

@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 
 from vibsim.analysis.cycles import ComparisonVerdict, name_verdict
+from vibsim.engine.blocks_ahead import instants_per_sample, sampled_finer
 from vibsim.physics.connections import drifting_sets, pairs_of
 from vibsim.physics.elementary import dot, mean
 from vibsim.physics.parts import ROTOR, STATE, Scene, columns_of
 from vibsim.physics.rates import source_period
-from vibsim.results.blocks_ahead import instants_per_sample, sampled_finer
 from vibsim.results.columns import IMPACT_CODES, PairMotion, tables_of
 from vibsim.results.result import Result, pieces, rows_within
 

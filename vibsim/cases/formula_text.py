@@ -9,13 +9,16 @@ where    = "where(" sum ("<" | "<=" | ">" | ">=") sum "," sum "," sum ")"
 table    = "table(" sum "," (text | "[" pairs "]") ("," text)? ")"
 """
 
+import csv
+import io
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import lru_cache
+from pathlib import Path
 from typing import NamedTuple
 
-from vibsim.cases.any_unit import PURE, AnyUnit, Dimension, read_unit
+from vibsim.cases.any_unit import PURE, AnyUnit, Dimension, any_quantity, read_unit
 from vibsim.cases.problems import did_you_mean, shown
 from vibsim.cases.quantities import QuantityError, exact_number
 
@@ -387,3 +390,84 @@ class _Parser:
         if character in "'\"":
             hint = "; a quote is not closed"
         raise FormulaError(f"{shown(character)} has no place in a formula{hint}", start, start + 1)
+
+
+# Tables in CSV files: they become lists of pairs in the text of the formula, so that a case holds all of it.
+
+
+LARGEST_TABLE = 1_000_000  # bytes of a CSV file
+
+
+def with_pairs(text: str, read: Callable[[str], str]) -> tuple[str, list[tuple[int, int, int]]]:
+    """The text of a formula with lists of pairs in place of names of files; and where each name began, how
+    long it was, and how long its pairs are.
+
+    read : name of a file -> its text; raises ValueError with what is wrong. Raises FormulaError.
+    """
+    places: list[tuple[int, int, int]] = []
+    files = [term for term in walk(parsed(text)) if term.kind == "call" and term.value == "table"]
+    files = [term for term in files if term.parts[1].kind == "text"]
+    for term in sorted(files, key=lambda term: -term.start):
+        name = term.parts[1]
+        try:
+            pairs = pairs_of(read(str(name.value)))
+        except ValueError as error:
+            raise FormulaError(f"table {shown(name.value)}: {error}", name.start, name.end) from None
+        text = text[: name.start] + pairs + text[name.end :]
+        places.insert(0, (name.start, name.end - name.start, len(pairs)))
+    return text, places
+
+
+def table_file(name: str, folder: Path) -> str:
+    """The text of a CSV file beside a case. Raises ValueError."""
+    path = folder / name
+    try:
+        if path.exists() and not path.is_file():
+            raise ValueError("is no regular file")
+        with open(path, "rb") as file:
+            raw = file.read(LARGEST_TABLE + 1)
+    except OSError as error:
+        raise ValueError(f"cannot be read: {error.strerror or error}") from None
+    if len(raw) > LARGEST_TABLE:
+        raise ValueError("is larger than 1 MB")
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise ValueError("is not UTF-8 text") from None
+
+
+def pairs_of(text: str) -> str:
+    """The list of pairs that a CSV file with a header such as `t [s], F [N]` holds. Raises ValueError."""
+    rows = [row for row in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in row)]
+    if not rows:
+        raise ValueError("is empty; it begins with a line such as: t [s], F [N]")
+    units = [_unit_of_column(cell) for cell in rows[0]]
+    if len(units) != 2:
+        raise ValueError(f"must have two columns, got {len(units)}")
+    if len(rows) > MOST_PAIRS:
+        raise ValueError(f"has more than {MOST_PAIRS} rows")
+    pairs = []
+    for i, row in enumerate(rows[1:], 2):
+        if len(row) != 2:
+            raise ValueError(f"row {i} has {len(row)} columns, must have 2")
+        try:
+            for cell in row:
+                exact_number(cell.strip())
+        except (QuantityError, ValueError):
+            raise ValueError(f"row {i} must be two numbers, got {shown(','.join(row))}") from None
+        cells = [f"{cell.strip()} {unit}".strip() for cell, unit in zip(row, units, strict=True)]
+        pairs.append(f"[{', '.join(cells)}]")
+    return f"[{', '.join(pairs)}]"
+
+
+def _unit_of_column(header: str) -> str:
+    """The unit behind a name, such as s in `t [s]`."""
+    name, bracket, unit = header.strip().partition("[")
+    if not name.strip() or not bracket or not unit.endswith("]"):
+        raise ValueError(f"the first line must be like `t [s], F [N]`, got {shown(header)}")
+    inner = unit[:-1].strip()
+    try:
+        quantity, _ = any_quantity(f"1 {inner}" if inner not in ("", "1", "-") else "1")
+    except QuantityError as error:
+        raise ValueError(f"column {shown(name.strip())}: {error}") from None
+    return quantity.text.partition(" ")[2]

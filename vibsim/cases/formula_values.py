@@ -392,7 +392,7 @@ class _Evaluation:
             return self.worked_table(pairs, kind)
 
     def worked_table(self, pairs: FormulaTerm, kind: str) -> "WorkedTable":
-        from vibsim.cases.formula_tables import pieces_of
+        from vibsim.physics.formula_values import pieces_of
 
         columns, units, turns = [], [], []
         for column in (0, 1):
@@ -473,6 +473,6 @@ def _outside(name: str, x: Fraction) -> str:
 
 def constant(node: Node) -> float | None:
     """The size of a node that reads nothing but numbers, in doubles; None where it has none."""
-    from vibsim.cases.formula_tables import size_of
+    from vibsim.physics.formula_values import size_of
 
     return size_of(node)

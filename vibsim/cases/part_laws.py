@@ -280,8 +280,8 @@ def _base(draft: Draft) -> Any:
 def _base_formula(draft: Draft) -> float | None:
     """X(0) of a formula; None where it has no value."""
     from vibsim.cases.formula_places import FormulaScene, Unreadable, places_of
-    from vibsim.cases.formula_tables import size_of
     from vibsim.cases.formula_text import FormulaError
+    from vibsim.physics.formula_values import size_of
 
     place = next(one for one in places_of({"base": draft.section("base")}))
     try:

@@ -418,8 +418,7 @@ def put_tables_in(tree: Tree) -> None:
 
 
 def _put_table_in(tree: Tree, key: str, text: str) -> None:
-    from vibsim.cases.formula_tables import table_file, with_pairs
-    from vibsim.cases.formula_text import FormulaError
+    from vibsim.cases.formula_text import FormulaError, table_file, with_pairs
 
     folder = Path(tree.place(key).file).parent
     try:

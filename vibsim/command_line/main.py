@@ -96,7 +96,7 @@ def code_for(error: Exception) -> int | None:
     from vibsim.orbits.branches.correction import ContinuationError
     from vibsim.orbits.branches.plan import BranchError
     from vibsim.orbits.coordinates import NoSection, OrbitError
-    from vibsim.plots.view import PlotError
+    from vibsim.plots.subject import PlotError
     from vibsim.results import ResultFileError
     from vibsim.sweeps.sweep_plan import PlanError
     from vibsim.sweeps.workers import ClusterError

@@ -24,7 +24,7 @@ from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.ledger import struck_entries
-from vibsim.engine.ledger_integrals import jumps_of, pack_blows, pack_extremes, pack_ledger
+from vibsim.engine.ledger_integrals import jumps_of, pack_extremes, pack_impacts, pack_ledger
 from vibsim.engine.modes.mode_table import ModeTable, bytes_of, mode_table
 from vibsim.engine.modes.packing import pack_scene, pack_state
 from vibsim.engine.modes.row_maker import RowMaker
@@ -116,13 +116,13 @@ class CRun:
         self.numbers: dict[Status, int] = {}
         self.statuses: list[Status] = []
         self.ruled: set[tuple[int, int]] = set()
-        self.meters = self.table.meter_maker(momentum) if ledger or momentum else None
-        if self.meters:
-            names = self.meters.names
+        self.integrals = self.table.integral_maker(momentum) if ledger or momentum else None
+        if self.integrals:
+            names = self.integrals.names
             self.run.keep_ledger(*pack_ledger(scene, names, jumps_of(scene, names), self.maker.ends, form))
         if scene.rigid_stops:
-            names = self.meters.names if self.meters else []
-            self.run.keep_blows(*pack_blows(scene, names, self.maker.ends, early, form))
+            names = self.integrals.names if self.integrals else []
+            self.run.keep_impacts(*pack_impacts(scene, names, self.maker.ends, early, form))
         self.run.dither(dither)
         count, begin = tangent
         self.moving = count > 0
@@ -149,14 +149,14 @@ class CRun:
         return maker
 
     @cached_property
-    def scout(self) -> Flow:
+    def derivative_flow(self) -> Flow:
         """Looks ahead from an event that Python decides."""
         return derivative_flow(self.scene, self.kit, self.doubts)
 
     @cached_property
     def automaton(self) -> Automaton:
         """Decides what C leaves open."""
-        automaton = Automaton(self.scene, self.maker, self.scout, self.kit)
+        automaton = Automaton(self.scene, self.maker, self.derivative_flow, self.kit)
         automaton.rigid.chatter.early, automaton.departures.stopped = self.early, self.stopped
         return automaton
 
@@ -221,11 +221,11 @@ class CRun:
         """Number of a mode in C; adds it where it is new."""
         number = self.numbers.get(status)
         if number is None:
-            packed = self.table.packed(status, lambda: self.scout)
+            packed = self.table.packed(status, lambda: self.derivative_flow)
             number = self.run.add_mode(*packed)
             self.told += bytes_of(packed)
-            if self.meters:
-                self.run.set_meters(number, *self.table.packed_meters(status, self.momentum))
+            if self.integrals:
+                self.run.set_integrals(number, *self.table.packed_integrals(status, self.momentum))
             self._set_slopes(number, status)
             self.numbers[status] = number
             self.statuses.append(status)
@@ -341,9 +341,9 @@ class CRun:
         kinds = array("i", (EVENT_KINDS[kind] for kind, _ in happened)).tobytes()
         parts = array("i", (part for _, part in happened)).tobytes()
         taken = self.run.take(target, pack_state(state, self.form), self._known(known, -1), kinds, parts)
-        if self.meters and touch:
+        if self.integrals and touch:
             V = base_motion(self.scene, self.kit, state.t)[1]
-            for entry, value in struck_entries(self.scene, self.meters.names, touch, V):
+            for entry, value in struck_entries(self.scene, self.integrals.names, touch, V):
                 self.run.add_entry(entry, self.form.handed(value))
         return taken
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from vibsim.engine.blocks import Block, Trajectory, Wishes
 from vibsim.engine.errors import State
+from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.modes.status import LIFTED
 from vibsim.engine.resume import Point
-from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 
@@ -61,10 +61,10 @@ class CTrajectory(Trajectory[float]):
             (tally["steps"], tally["evaluations"]),
             tally["first_violation"] if tally["violated_once"] else nan,
         )
-        if self.run.meters:
+        if self.run.integrals:
             now = self.run.left_at or State(*tally["state"]), self.run.statuses[tally["mode"]]
             where = self.run.first, now
-            totals |= ledger_totals(self.scene, Doubles, self.run.meters.names, tally["entries"], *where)
+            totals |= ledger_totals(self.scene, Doubles, self.run.integrals.names, tally["entries"], *where)
         if self.scene.rigid_stops:
             cut = self.run.automaton.rigid.chatter.cut_off
             totals |= rigid_totals(self.scene, tally["counts"], (cut.time, cut.speed, cut.distance))

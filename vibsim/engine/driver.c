@@ -106,7 +106,7 @@ void run_start(Run *r, int mode, Buffers *b)
 {
     use_mode(r, mode);
     r->next_sample = sample_index(r, r->state.t);
-    r->known_since = r->milestone = r->state.t;
+    r->known_since = r->progress_deadline = r->state.t;
     r->stretches = 0;
     section_start(r);
     record_event(r, b, START, -1, r->state.v, r->state.w);
@@ -127,7 +127,7 @@ void run_rewind(Run *r, Real t_end)
         r->ledger.entries[k] = 0.0;
     r->evaluations = r->steps = 0;
     r->first_violation = 0;
-    r->crowd = r->finished = r->violated_once = r->dithered = 0;
+    r->events_at_instant = r->finished = r->violated_once = r->dithered = 0;
     r->status = OK;
     r->stage = ADVANCE;
     certificate_open(&r->certificate);
@@ -145,8 +145,8 @@ void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, cons
         for (k = 0; k < r->key_count; k++)
             if (r->behind[k] >= 0)
                 r->known[k] = r->behind[k];
-        r->crowd += 1;
-        if (r->crowd > EVENTS_AT_ONE_INSTANT) {
+        r->events_at_instant += 1;
+        if (r->events_at_instant > EVENTS_AT_ONE_INSTANT) {
             copy_state(r, &r->next, &r->state);
             r->status = ACCUMULATION;
             return;
@@ -154,7 +154,7 @@ void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, cons
     } else {
         for (k = 0; k < r->key_count; k++)
             r->known[k] = r->behind[k] >= 0 ? r->behind[k] : 0;
-        r->crowd = 0;
+        r->events_at_instant = 0;
     }
     copy_state(r, &r->next, &r->state);
     use_mode(r, mode);
@@ -267,8 +267,8 @@ static int stands_still(Run *r)
     (void)r;
     return 0;
 #else
-    if (r->state.t > r->milestone) {
-        r->milestone = r->state.t + PROGRESS * r->t_end;
+    if (r->state.t > r->progress_deadline) {
+        r->progress_deadline = r->state.t + PROGRESS * r->t_end;
         r->stretches = 0;
         return 0;
     }

@@ -88,7 +88,7 @@ class Driver(Generic[N]):
             if self.section:
                 self.section.skip_to(self.state.t)
         self.start = self.state.copy(), self.status
-        self.known, self.known_since, self.crowd = known, self.state.t, 0
+        self.known, self.known_since, self.events_at_instant = known, self.state.t, 0
         self.progress_deadline, self.stretches = self.state.t, 0
         self._record("start", -1)
         if any(self.status.clearances):
@@ -242,11 +242,11 @@ class Driver(Generic[N]):
             self.tangent.cross(event, state, *rows, self.automaton.touch(event))
         if state.t == self.known_since:
             known = {**self.known, **known}
-            self.crowd += 1
-            if self.crowd > EVENTS_AT_ONE_INSTANT:
+            self.events_at_instant += 1
+            if self.events_at_instant > EVENTS_AT_ONE_INSTANT:
                 raise EngineError("accumulation", state)
         else:
-            self.crowd = 0
+            self.events_at_instant = 0
         self.state, self.status, self.known, self.known_since = state, status, known, state.t
         if self.ledger:
             self.ledger.cross(state, before, status)

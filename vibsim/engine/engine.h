@@ -28,10 +28,10 @@
 
 enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE, SWITCH, DOMAIN_EDGE }; /* kinds of event functions */
 enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL, FORMULA }; /* kinds of terms */
-enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB };    /* kinds of meters, see meters.py */
+enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB };    /* kinds of integrals, see ledger_integrals.py */
 enum { IN_CONTACT = 1, AT_REST = 3 };                           /* codes of a stop */
 enum { ADVANCE, SAMPLE, SECTION, ARRIVE, EXTREMES, LEDGER, TANGENT, STAGES }; /* of a stretch */
-enum { ASK, CROSS, STAND, STRUCK, BEAR };                       /* rules for what follows an event */
+enum { DECIDE_IN_PYTHON, CROSS, STICK_OR_REVERSE, RIGID_IMPACT, CROSS_IF_TIES_HOLD }; /* rules for what follows an event */
 enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOLATION_BEGIN, VIOLATION_END, END,
        IMPACT, TRANSMITTED, CHATTER, REST_BEGIN, REST_END, SWITCH_TURN, KINDS };
 enum { OK, ACCUMULATION, DIVERGED, UNDECIDED, NO_MEMORY, STANDSTILL, SINGULAR }; /* status of a run */
@@ -153,14 +153,14 @@ typedef struct {
 typedef struct {
     Real factor, drift;
     int kind, entry, P, Q, source;
-} Meter;
+} LedgerIntegral;
 
 /* What the ledgers integrate in a mode, and what that reads: columns, forces, the rotor, functions of the rows. */
 typedef struct {
-    Meter *meters;
+    LedgerIntegral *integrals;
     Event *functions;
     int *columns, count, function_count, column_count, forces, spins;
-} Meters;
+} LedgerIntegrals;
 
 typedef struct {
     Coupling *couplings;
@@ -173,7 +173,7 @@ typedef struct {
     int tied_count, coupling_count, fall_count, event_count, constant_count, untied, shape;
     Coupling small;            /* the one coupling of a small scene; zero without one */
     Real small_constants[2]; /* forces of slipping frictions by column */
-    Meters meters;
+    LedgerIntegrals integrals;
     Modal *modal; /* NULL where only Taylor series will do */
     Tape tape, base_tape;      /* formulas of the mode; of the motion of the base */
     FormulaForce *formulas;
@@ -231,12 +231,12 @@ typedef struct {
 /* Of an event function: the rest of a known zero, and its reach. */
 typedef struct {
     Real residue, reach;
-} Blur;
+} RoundingBound;
 
 typedef struct {
     Real t, reach, window, stall, settled;
     Real (*watched)[5]; /* by event: time, value, slope, curvature, bound of a gap function */
-    Blur *blurs; /* by event */
+    RoundingBound *rounding_bounds; /* by event */
     int *events, event_count, leading, measured; /* measured: whether the close scales of coordinates are those of here */
 } Search;
 
@@ -315,7 +315,7 @@ typedef struct {
     Gap *gaps;
 } Extremes;
 
-/* A rigid stop: its number, ends, and the entries of the ledgers that a blow adds to, -1 for none. */
+/* A rigid stop: its number, ends, and the entries of the ledgers that an impact adds to, -1 for none. */
 typedef struct {
     Real gap, e;
     int stop, P, Q, sense, loss, work, impulse;
@@ -333,8 +333,8 @@ typedef struct {
     int P, Q, sense;
 } Bound;
 
-/* What a blow may change: rigid stops and frictions in the order of their numbers, elastic stops, clearances; none where none
- * were told of. `codes`: of the mode behind a blow; kinds, parts: of the events that it makes. early: see
+/* What an impact may change: rigid stops and frictions in the order of their numbers, elastic stops, clearances; none where none
+ * were told of. `codes`: of the mode behind an impact; kinds, parts: of the events that it makes. early: see
  * chatter.py
  */
 typedef struct {
@@ -342,16 +342,16 @@ typedef struct {
     Rubbing *frictions;
     Bound *bounds;
     int stop_count, friction_count, bound_count, early, *codes, *kinds, *parts;
-} Blows;
+} Impacts;
 
-/* A blow: rates of the depth before and after it, impulse, speeds of its ends in front of it; position and velocity of the
+/* An impact: rates of the depth before and after it, impulse, speeds of its ends in front of it; position and velocity of the
  * base; the mode behind it and how many events it makes.
  */
 typedef struct {
     const RigidStop *stop;
     Real before, after, impulse, size, X, V;
     int target, happened;
-} Blow;
+} Impact;
 
 /* A run: everything between two calls. */
 typedef struct Run {
@@ -370,12 +370,12 @@ typedef struct Run {
     State state, next, scratch;
     Real known_since, first_violation, t0;
     double evaluations, steps, counts[KINDS];
-    Real milestone; /* time up to which `stretches` are counted */
+    Real progress_deadline; /* time up to which `stretches` are counted */
     int stretches, dither;
     unsigned dithered; /* events so far whose times were moved by `dither` */
     Certificate certificate;
     long long next_sample;
-    int crowd, finished, status, violated_once, stage, pending_event; /* stage: of the stretch in hand, which may take many calls */
+    int events_at_instant, finished, status, violated_once, stage, pending_event; /* stage: of the stretch in hand, which may take many calls */
     int arrived; /* whether `next` is the state at the end of that stretch */
     int singular; /* output of the tape that no step is short enough for, where the status is SINGULAR */
     Real pending_tau, *before_v, before_w; /* from the start of the flow to the pending event [s]; velocities in front of it */
@@ -384,7 +384,7 @@ typedef struct Run {
     Ledger ledger;
     Section section;
     Extremes extremes;
-    Blows blows;
+    Impacts impacts;
     Taylor taylor;
     Rotors rotors;
     ClosedForm closed_form;
@@ -504,11 +504,11 @@ int run_state_at(Run *r, Real t, State *out);
 
 void base_motion_at(const Run *r, Real t, Real *X, Real *V); /* accelerations.c */
 
-/* blows.c; take returns 0 where Python has to decide */
-int blow_take(Run *r, const Event *event, Blow *done);
-void blow_count(Run *r, const Blow *done);
+/* impacts.c; take returns 0 where Python has to decide */
+int impact_take(Run *r, const Event *event, Impact *done);
+void impact_count(Run *r, const Impact *done);
 
-void blows_free(Blows *b); /* reading_blows.c */
+void impacts_free(Impacts *b); /* reading_impacts.c */
 
 /* rules.c; take returns 0 where Python has to decide */
 int rule_take(Run *r, Buffers *b);

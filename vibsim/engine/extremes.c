@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "modes.h"
-#include "room.h"
+#include "zalloc.h"
 #include "numbers.h"
 
 #define NODES_OF_CLOSED_FORM 4
@@ -206,9 +206,9 @@ int extremes_read(Run *r, Reader *in)
     int pairs = read_index(in, 0, 1 << 16), gaps = read_index(in, 0, 1 << 16), count = pairs + (r->has_motor ? 1 : 0), i;
     if (in->short_of)
         return 0;
-    e->P = room((size_t)(2 * pairs + 1), sizeof(int));
-    e->gaps = room((size_t)gaps + 1, sizeof(Gap));
-    e->numbers = room((size_t)(10 * count + gaps + 1), sizeof(Real));
+    e->P = zalloc((size_t)(2 * pairs + 1), sizeof(int));
+    e->gaps = zalloc((size_t)gaps + 1, sizeof(Gap));
+    e->numbers = zalloc((size_t)(10 * count + gaps + 1), sizeof(Real));
     if (!e->P || !e->gaps || !e->numbers)
         return 0;
     e->Q = e->P + pairs;

@@ -1,4 +1,4 @@
-"""The ledgers of energy and momentum: what goes into a scene, what is lost, and what is stored.
+"""The ledgers of energy and momentum: what goes into a scene, what is lost, what is stored; totals.
 
     energy    stored: kinetic energy of bodies and rotor, springs of links, stops in contact
               in: work of forces, motor, base and belts; out: losses in links, stops and frictions
@@ -10,8 +10,9 @@ that stored - stored(0) - work + losses is zero but for rounding: a check on eve
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Generic
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from math import inf, nan
+from typing import Any, Generic
 
 from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
@@ -26,17 +27,17 @@ from vibsim.engine.ledger_integrals import (
     TORQUE,
     WORK,
     Entry,
+    IntegralMaker,
     LedgerIntegral,
-    MeterMaker,
-    Meters,
+    LedgerIntegrals,
     QuadratureNode,
     jumps_of,
 )
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.modes.status import CONTACT, Status
-from vibsim.physics.numbers import Kit, N
-from vibsim.physics.parts import BODY, STATE, Scene, Stop
+from vibsim.physics.numbers import Kit, N, abs, total_of
+from vibsim.physics.parts import BODY, EVENT_KINDS, STATE, Scene, Stop
 
 
 class Ledger(Generic[N]):
@@ -47,7 +48,7 @@ class Ledger(Generic[N]):
     ) -> None:
         self.scene, self.kit, self.flow = scene, kit, flow
         self.ground, self.base = maker.n, maker.n + 1
-        self.maker = MeterMaker(scene, kit, maker, momentum)
+        self.maker = IntegralMaker(scene, kit, maker, momentum)
         self.names = self.maker.names
         self.entries = [kit.number(0)] * len(self.names)
         self.elastic, self.jumps = dict(scene.elastic_stops), jumps_of(scene, self.names)
@@ -57,51 +58,51 @@ class Ledger(Generic[N]):
 
         A generator, which yields how far it is [s] after every piece; the entries change when all are done.
         """
-        meters, t0 = self.maker.meters(rows), self.flow.t0
+        integrals, t0 = self.maker.integrals(rows), self.flow.t0
         tau = start.t - t0
         entries = list(self.entries)
-        self.flow.open_nodes(meters)
+        self.flow.open_nodes(integrals)
         while tau < last:
             piece = self.flow.longest_piece(tau)
             ahead = tau + piece if piece < last - tau else last
-            self._integrate(entries, meters, tau, ahead - tau)
+            self._integrate(entries, integrals, tau, ahead - tau)
             tau = ahead
             yield t0 + tau
         self.entries = entries
 
-    def _integrate(self, entries: list[N], meters: Meters[N], tau: N, length: N) -> None:
+    def _integrate(self, entries: list[N], integrals: LedgerIntegrals[N], tau: N, length: N) -> None:
         """Add one piece. The nodes lie where they should, not on the time grid, whose rounding would show in
         the sums.
         """
-        totals = [self.kit.number(0)] * len(meters.meters)
+        totals = [self.kit.number(0)] * len(integrals.integrals)
         for node, weight in zip(*self.flow.quadrature, strict=True):
-            point = self.flow.node(tau + node * length, meters)
-            for i, meter in enumerate(meters.meters):
-                totals[i] = totals[i] + weight * self._rate(meter, point)
-        for meter, total in zip(meters.meters, totals, strict=True):
-            entries[meter.entry] = entries[meter.entry] + length * (meter.factor * total)
+            point = self.flow.node(tau + node * length, integrals)
+            for i, integral in enumerate(integrals.integrals):
+                totals[i] = totals[i] + weight * self._rate(integral, point)
+        for integral, total in zip(integrals.integrals, totals, strict=True):
+            entries[integral.entry] = entries[integral.entry] + length * (integral.factor * total)
 
-    def _rate(self, meter: LedgerIntegral[N], point: QuadratureNode[N]) -> N:
+    def _rate(self, integral: LedgerIntegral[N], point: QuadratureNode[N]) -> N:
         """Integrand of a ledger integral at a node."""
         v = point.v
-        if meter.kind == SQUARE:
-            u = v[meter.P] - v[meter.Q]
+        if integral.kind == SQUARE:
+            u = v[integral.P] - v[integral.Q]
             return u * u
-        if meter.kind == WORK:
-            return point.forces[meter.source] * v[meter.P]
-        if meter.kind == TORQUE:
+        if integral.kind == WORK:
+            return point.forces[integral.source] * v[integral.P]
+        if integral.kind == TORQUE:
             return motor_power(self.scene, point.w)
-        if meter.kind == SLIP:
-            return (v[meter.P] - v[meter.Q]) - meter.drift
-        if meter.kind == IMPULSE:
-            return point.forces[meter.source]
-        value = point.functions[meter.source]
-        if meter.kind == RUB:
-            return value * ((v[meter.P] - v[meter.Q]) - meter.drift)
-        return value if meter.P == NOTHING else value * v[meter.P]
+        if integral.kind == SLIP:
+            return (v[integral.P] - v[integral.Q]) - integral.drift
+        if integral.kind == IMPULSE:
+            return point.forces[integral.source]
+        value = point.functions[integral.source]
+        if integral.kind == RUB:
+            return value * ((v[integral.P] - v[integral.Q]) - integral.drift)
+        return value if integral.P == NOTHING else value * v[integral.P]
 
     def strike(self, state: State[N], touch: SimultaneousImpacts[N] | None) -> None:
-        """Count the blows and ends of rigid stops at `state`."""
+        """Count the impacts and ends of rigid stops at `state`."""
         if touch:
             V = base_motion(self.scene, self.kit, state.t)[1]
             for entry, value in struck_entries(self.scene, self.names, touch, V):
@@ -129,8 +130,8 @@ def struck_entries(
     """Shares of rigid stops in the entries `names`, as [(number of the entry, value)]: loss at the stops,
     work and impulses of ground and base.
 
-    V: velocity of the base [m/s]. A blow takes L (g' before + g' after) / 2; the base gives V times its
-    impulse. What sequences leave out at their ends goes where their blows went.
+    V: velocity of the base [m/s]. An impact takes L (g' before + g' after) / 2; the base gives V times its
+    impulse. What sequences leave out at their ends goes where their impacts went.
     """
     added: list[tuple[int, N]] = []
     for one in touch.passed:
@@ -209,3 +210,141 @@ def momenta(scene: Scene[N], kit: Kit[N], state: State[N]) -> list[N]:
         motor = scene.motor
         each += [motor.m3 * state.v[motor.on], -(motor.m3 * (motor.e * state.w * kit.sin(state.phase)))]
     return each
+
+
+# The totals of a run: counts of events, work done and margins, one dict for both engines.
+
+
+INTO = {  # totals of the energy ledger, by quantity and section of the case
+    ("work", "forces"): "work_source",
+    ("work", "motor"): "work_source",
+    ("work", "rotors"): "work_source",
+    ("work", "base"): "work_base",
+    ("work", "friction"): "work_belt",
+    ("loss", "links"): "loss_viscous",
+    ("loss", "stops"): "loss_stops",
+    ("loss", "friction"): "loss_friction",
+}
+IMPULSES = {
+    "forces": "impulse_source",
+    "ground": "impulse_ground",
+    "base": "impulse_base",
+    "friction": "impulse_belt",
+}
+
+
+def totals_of(
+    counts: Sequence[int],
+    certificate: tuple[int, float, float, float],
+    work: tuple[int, int],
+    first_violation: float,
+) -> dict[str, Any]:
+    """Counts and margins by name.
+
+    counts: by kind of event, in the order of their codes; certificate: (doubts, time of the first [s],
+    grazing margin [m], inf where there is none, its time [s]); work: (steps, evaluations); first_violation:
+    time [s] or NaN.
+    """
+    by_kind = dict(zip(EVENT_KINDS, counts, strict=True))
+    uncertified, first_doubt, margin, margin_time = certificate
+    return {
+        "impacts": by_kind["contact_begin"] + by_kind["impact"],
+        "sticks": by_kind["stick_begin"],
+        "reversals": by_kind["reversal"],
+        "events": sum(counts) - by_kind["start"] - by_kind["end"],
+        "steps": int(work[0]),
+        "evaluations": int(work[1]),
+        "uncertified": int(uncertified),
+        "first_uncertified_time": first_doubt if uncertified else nan,
+        "grazing_margin": margin if margin != inf else nan,
+        "grazing_time": margin_time if margin != inf else nan,
+        "violations": by_kind["violation_begin"],
+        "first_violation_time": first_violation,
+    }
+
+
+def rigid_totals(scene: Scene[N], counts: Sequence[int], cut_off: Sequence[float]) -> dict[str, float]:
+    """Counts of what only rigid stops do, by name, of scenes that have some.
+
+    counts: as of `totals_of`; cut_off: time [s], speed [m/s] and distance [m] that the ends of infinite
+    sequences of impacts left out, each summed over the run
+    """
+    if not scene.rigid_stops:
+        return {}
+    by_kind = dict(zip(EVENT_KINDS, counts, strict=True))
+    return {
+        "transmitted": by_kind["transmitted"],
+        "chatters": by_kind["chatter"],
+        "rests": by_kind["rest_begin"],
+        **dict(zip(("chatter_time", "chatter_speed", "chatter_distance"), cut_off, strict=True)),
+    }
+
+
+def ledger_totals(
+    scene: Scene[N],
+    kit: Kit[N],
+    names: Sequence[Entry],
+    entries: Sequence[N],
+    first: tuple[State[N], Status],
+    last: tuple[State[N], Status],
+) -> dict[str, N]:
+    """The ledgers by name: energies [J] and impulses [N s], their sums and their closure.
+
+    names, entries: as of a `Ledger`; first, last: (state, status) at the start and now. The entries of the
+    parts are called by quantity, section and name, as loss.links.spring.
+    """
+    ledger = dict(zip(names, entries, strict=True))
+    stored = [stored_energy(scene, kit, *where) for where in (first, last)]
+    totals = energy_balance(kit, ledger, *stored)
+    if any(quantity == "impulse" for quantity, *_ in names):
+        moving = [momenta(scene, kit, state) for state, _ in (first, last)]
+        totals |= momentum_balance(kit, ledger, *moving)
+    return totals | {".".join(filter(None, name)): value for name, value in ledger.items()}
+
+
+def energy_balance(kit: Kit[N], ledger: Mapping[Entry, N], start: N, end: N) -> dict[str, N]:
+    """Sums of the energy ledger, with its closure: end - start - work + losses."""
+    sums = dict.fromkeys(INTO.values(), kit.number(0))
+    for (quantity, section, _), value in ledger.items():
+        if quantity != "impulse":
+            sums[INTO[quantity, section]] = sums[INTO[quantity, section]] + value
+    residual = end - start
+    for name, value in sums.items():
+        residual = residual - value if name.startswith("work") else residual + value
+    return {
+        "energy_start": start,
+        "energy_end": end,
+        **sums,
+        "energy_residual": residual,
+        "energy_residual_relative": relative(residual, (start, end, *sums.values())),
+    }
+
+
+def momentum_balance(
+    kit: Kit[N], ledger: Mapping[Entry, N], start: Sequence[N], end: Sequence[N]
+) -> dict[str, N]:
+    """Sums of the momentum ledger, with its closure: end - start - impulses; start, end: momenta of what
+    moves, which may cancel.
+    """
+    sizes = [*start, *end]
+    first, last = total_of(kit, start), total_of(kit, end)
+    sums = dict.fromkeys(IMPULSES.values(), kit.number(0))
+    for (quantity, section, _), value in ledger.items():
+        if quantity == "impulse":
+            sums[IMPULSES[section]] = sums[IMPULSES[section]] + value
+    residual = last - first
+    for value in sums.values():
+        residual = residual - value
+    return {
+        "momentum_start": first,
+        "momentum_end": last,
+        **sums,
+        "momentum_residual": residual,
+        "momentum_residual_relative": relative(residual, (*sizes, *sums.values())),
+    }
+
+
+def relative(residual: N, entries: Iterable[N]) -> N:
+    """`residual` by the largest of the entries; 0 where all of these are."""
+    largest = max(abs(value) for value in entries)
+    return abs(residual) / largest if largest > 0 else 0 * residual

@@ -1,6 +1,6 @@
-"""Meter rows: what the ledgers integrate in a mode, made from its rows when it is met.
+"""What the ledgers integrate in a mode, made from its rows when it is met.
 
-A meter adds factor times an integral over each stretch of the mode to one entry of a ledger:
+An integral adds factor times an integral over each stretch of the mode to one entry of a ledger:
 
     SQUARE    (v_P - v_Q)^2
     WORK      force number `source` times v_P
@@ -39,7 +39,7 @@ from vibsim.physics.parts import BODY, ROTOR, Friction, Scene
 
 SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB = range(7)
 NOTHING = -1
-MOST_METERS = 1000  # modes whose meters are kept
+MOST_INTEGRALS = 1000  # modes whose integrals are kept
 
 Entry = tuple[str, str, str]  # name of an entry: quantity, section of the case, part
 
@@ -58,34 +58,34 @@ class LedgerIntegral(Generic[N]):
 
 
 @dataclass
-class Meters(Generic[N]):
-    """The meters of a mode, and what they read at the nodes of the quadrature."""
+class LedgerIntegrals(Generic[N]):
+    """The integrals of a mode, and what they read at the nodes of the quadrature."""
 
-    meters: list[LedgerIntegral[N]] = field(default_factory=list)
+    integrals: list[LedgerIntegral[N]] = field(default_factory=list)
     functions: list[Event[N]] = field(default_factory=list)
 
     @property
     def columns(self) -> list[int]:
         """Bodies whose velocities are read, and the base where its velocity is."""
-        read = {m.P for m in self.meters if m.kind in (SQUARE, WORK, FUNCTION, SLIP, RUB)}
-        read |= {m.Q for m in self.meters if m.kind in (SQUARE, SLIP, RUB)}
+        read = {m.P for m in self.integrals if m.kind in (SQUARE, WORK, FUNCTION, SLIP, RUB)}
+        read |= {m.Q for m in self.integrals if m.kind in (SQUARE, SLIP, RUB)}
         return sorted(read - {NOTHING})
 
     @property
     def forces(self) -> bool:
         """Whether forces are read."""
-        return any(m.kind in (WORK, IMPULSE) for m in self.meters)
+        return any(m.kind in (WORK, IMPULSE) for m in self.integrals)
 
     @property
     def spins(self) -> bool:
         """Whether the speed of the rotor is read."""
-        return any(m.kind == TORQUE for m in self.meters)
+        return any(m.kind == TORQUE for m in self.integrals)
 
 
 @dataclass
 class QuadratureNode(Generic[N]):
     """Values at a node of the quadrature: velocities by column [m/s], speed of the rotor
-    [rad/s], forces [N] and functions of the rows; 0 and empty where no meter reads them.
+    [rad/s], forces [N] and functions of the rows; 0 and empty where no integral reads them.
     """
 
     v: list[N]
@@ -137,22 +137,22 @@ def jumps_of(scene: Scene[N], names: Sequence[Entry]) -> list[LedgerJump]:
     ]
 
 
-class MeterMaker(Generic[N]):
-    """Makes the meters of the modes of a scene."""
+class IntegralMaker(Generic[N]):
+    """Makes the integrals of the modes of a scene."""
 
     def __init__(self, scene: Scene[N], kit: Kit[N], maker: RowMaker[N], momentum: bool = False) -> None:
         self.scene, self.kit, self.maker, self.momentum = scene, kit, maker, momentum
         self.names = entries_of(scene, momentum)
         self.ground, self.base = maker.n, maker.n + 1
-        self.by_status = Kept[Status, Meters[N]](MOST_METERS)
+        self.by_status = Kept[Status, LedgerIntegrals[N]](MOST_INTEGRALS)
 
-    def meters(self, rows: ModeRows[N]) -> Meters[N]:
-        """The meters of the mode of `rows`."""
-        meters = self.by_status.get(rows.status)
-        return self.by_status.keep(rows.status, self._make(rows)) if meters is None else meters
+    def integrals(self, rows: ModeRows[N]) -> LedgerIntegrals[N]:
+        """The integrals of the mode of `rows`."""
+        integrals = self.by_status.get(rows.status)
+        return self.by_status.keep(rows.status, self._make(rows)) if integrals is None else integrals
 
-    def _make(self, rows: ModeRows[N]) -> Meters[N]:
-        self.now: Meters[N] = Meters()
+    def _make(self, rows: ModeRows[N]) -> LedgerIntegrals[N]:
+        self.now: LedgerIntegrals[N] = LedgerIntegrals()
         self._sources()
         self._dampers(rows.status)
         self._couplings(rows)
@@ -177,9 +177,11 @@ class MeterMaker(Generic[N]):
         source: int = NOTHING,
         drift: N | float = 0.0,
     ) -> None:
-        """A meter for the entry `name`, where the ledger has it."""
+        """An integral for the entry `name`, where the ledger has it."""
         if name in self.names:
-            self.now.meters.append(LedgerIntegral(kind, self.names.index(name), factor, P, Q, source, drift))
+            self.now.integrals.append(
+                LedgerIntegral(kind, self.names.index(name), factor, P, Q, source, drift)
+            )
 
     def _function(self, terms: Iterable[Term[N]], constant: N) -> int:
         """Number of a function of the rows."""
@@ -214,7 +216,7 @@ class MeterMaker(Generic[N]):
                 self._driven((coupling.P, coupling.Q), -one, zero, "", FUNCTION, source)  # -S on P
 
     def _driven(self, ends: Edge, on_P: N, belt: N, name: str, kind: int, source: int) -> None:
-        """Meters of a force between P and Q, on_P times a function (or, for SLIP, times 1) on P and the
+        """Integrals of a force between P and Q, on_P times a function (or, for SLIP, times 1) on P and the
         opposite on Q: what base and belt, which keep their courses, put in, and the impulse from outside.
         """
         for end, on_end in zip(ends, (on_P, -on_P), strict=True):
@@ -313,7 +315,8 @@ class MeterMaker(Generic[N]):
             yield i, self.maker.tie_force(rows, side), 1 if P in side else -1
 
 
-# Ledgers, meters, extremes and sections as flat numbers, in the order in which meters.c reads them.
+# Ledgers, integrals, extremes and sections as flat numbers, in the order in which ledger_integrals.c reads
+# them.
 
 
 def pack_ledger(
@@ -333,14 +336,14 @@ def pack_ledger(
     return pack.packed
 
 
-def pack_blows(
+def pack_impacts(
     scene: Scene,
     names: Sequence[Entry],
     ends: Callable[[Joined], Edge],
     early: bool,
     form: NumberForm[Any] = DOUBLES,
 ) -> tuple[bytes, bytes]:
-    """The rigid stops, with the entries `names` of the ledgers that a blow on them adds to, the frictions
+    """The rigid stops, with the entries `names` of the ledgers that an impact on them adds to, the frictions
     that it may turn, and the elastic stops and clearances that it may close or open. early: as of
     `Chatter`
     """
@@ -374,16 +377,18 @@ def pack_extremes(
     return pack.packed
 
 
-def pack_meters(meters: Meters, terms: int, form: NumberForm[Any] = DOUBLES) -> tuple[bytes, bytes]:
-    """The meters of a mode, whose event functions have so many `terms`."""
-    pack, columns = Packer(form), meters.columns
-    pack.put((len(meters.meters), len(meters.functions), len(columns)))
-    pack.put((terms, sum(len(function.terms) for function in meters.functions)))
-    pack.put((meters.forces, meters.spins))
+def pack_integrals(
+    integrals: LedgerIntegrals, terms: int, form: NumberForm[Any] = DOUBLES
+) -> tuple[bytes, bytes]:
+    """The integrals of a mode, whose event functions have so many `terms`."""
+    pack, columns = Packer(form), integrals.columns
+    pack.put((len(integrals.integrals), len(integrals.functions), len(columns)))
+    pack.put((terms, sum(len(function.terms) for function in integrals.functions)))
+    pack.put((integrals.forces, integrals.spins))
     pack.put(columns)
-    for m in meters.meters:
+    for m in integrals.integrals:
         pack.put((m.kind, m.entry, m.P, m.Q, m.source), (m.factor, m.drift))
-    for function in meters.functions:
+    for function in integrals.functions:
         pack.put((len(function.terms),), (function.constant,))
         for term in function.terms:
             pack.put((term.kind, term.P), (term.coefficient,))

@@ -310,11 +310,11 @@ ALONE(run_add_mode)
 ALONE(run_forget_modes)
 ALONE(run_renew_mode)
 ALONE(run_keep_ledger)
-ALONE(run_set_meters)
+ALONE(run_set_integrals)
 ALONE(run_set_slopes)
 ALONE(run_keep_tangent)
 ALONE(run_keep_extremes)
-ALONE(run_keep_blows)
+ALONE(run_keep_impacts)
 ALONE(run_keep_section)
 ALONE(run_dither)
 ALONE(run_set_rule)
@@ -341,11 +341,11 @@ static PyMethodDef methods[] = {
     {"renew_mode", (PyCFunction)run_renew_mode_alone, METH_VARARGS,
      "renew_mode(mode, ints, doubles): other numbers in rows of the same form; `rewind` and `start` have to follow"},
     {"keep_ledger", (PyCFunction)run_keep_ledger_alone, METH_VARARGS, "keep_ledger(ints, doubles): before the start"},
-    {"set_meters", (PyCFunction)run_set_meters_alone, METH_VARARGS, "set_meters(mode, ints, doubles): what the ledger integrates there"},
+    {"set_integrals", (PyCFunction)run_set_integrals_alone, METH_VARARGS, "set_integrals(mode, ints, doubles): what the ledger integrates there"},
     {"set_slopes", (PyCFunction)run_set_slopes_alone, METH_VARARGS, "set_slopes(mode, ints, doubles): derivatives of its formulas"},
     {"keep_tangent", (PyCFunction)run_keep_tangent_alone, METH_VARARGS, "keep_tangent(ints, doubles): before the start"},
     {"keep_extremes", (PyCFunction)run_keep_extremes_alone, METH_VARARGS, "keep_extremes(ints, doubles): before the start and `fill`"},
-    {"keep_blows", (PyCFunction)run_keep_blows_alone, METH_VARARGS, "keep_blows(ints, doubles): before the start"},
+    {"keep_impacts", (PyCFunction)run_keep_impacts_alone, METH_VARARGS, "keep_impacts(ints, doubles): before the start"},
     {"keep_section", (PyCFunction)run_keep_section_alone, METH_VARARGS,
      "keep_section(cycles, cycles_lo, turns, rotor): the period, or the rotor whose turns it is, else -1; before the start"},
     {"dither", (PyCFunction)run_dither_alone, METH_VARARGS, "dither(which): how the times of events are moved; before the start"},

@@ -12,10 +12,10 @@ from vibsim.engine.blocks import Block, Trajectory, Wishes
 from vibsim.engine.columns import stored_before
 from vibsim.engine.driver import Driver, EventRecord
 from vibsim.engine.errors import State, Stopped
+from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.modes.status import Status
 from vibsim.engine.resume import Point
 from vibsim.engine.tangent.bundle import TangentBundle, tangent_totals
-from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Scene
 

@@ -7,9 +7,8 @@ import numpy as np
 
 from vibsim.engine.columns import flags_of_parts, part_columns, state_columns, stored_columns
 from vibsim.engine.errors import State
-from vibsim.engine.events.departures import DerivativeSigns, derivative_flow
+from vibsim.engine.events.departures import DerivativeSigns, derivative_flow, released_parts
 from vibsim.engine.events.impacts.simultaneous import coincident_stops_of
-from vibsim.engine.events.parting import released_parts
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.relative_motion import RelativeMotion, meets
 from vibsim.engine.flows.base_motion import base_motion
@@ -24,8 +23,8 @@ Point = tuple[State[N], Status, Known]  # what a run goes on from: state, mode, 
 Row = Mapping[str, float]  # of a table of events, by column
 Ends = tuple[float, float]  # a value at each end of a part
 
-BLOWS = ("impact", "transmitted", "chatter")
-JUMPS = (*BLOWS, "stick_begin", "reversal")
+IMPACTS = ("impact", "transmitted", "chatter")
+JUMPS = (*IMPACTS, "stick_begin", "reversal")
 ROUNDING = 2.0**-40  # of a velocity, above which its change is a jump [-]
 
 
@@ -41,7 +40,7 @@ def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
     for one in rows:
         _check(scene, one)
     jumps = any(_makes_forces_jump(scene, one) for one in rows)
-    struck = any(EVENT_NAMES[int(one["kind"])] in BLOWS for one in rows)
+    struck = any(EVENT_NAMES[int(one["kind"])] in IMPACTS for one in rows)
     for one in rows:
         state, status = _state(scene, one), _status(scene, one)
         known |= _zeros(scene, one, state, status, jumps, struck)
@@ -68,7 +67,7 @@ def _with_switches(scene: Scene, state: State, status: Status, known: Known) -> 
 
 def _makes_forces_jump(scene: Scene, row: Row) -> bool:
     """Whether forces jump at the event of a row: a friction that drops where it begins to slip, turns or
-    begins to stick, a damped stop, a blow.
+    begins to stick, a damped stop, an impact.
     """
     kind, part = EVENT_NAMES[int(row["kind"])], int(row["part"])
     if kind in JUMPS:
@@ -197,7 +196,7 @@ def _at_ends(part: Stop | RigidStop | Clearance, values: Sequence[float], of_bas
 
 
 def _struck(scene: Scene, friction: Friction, row: Row) -> bool:
-    """Whether a blow moved the ends of a friction against each other."""
+    """Whether an impact moved the ends of a friction against each other."""
     ends = [scene.bodies[end].columns[1] for end in (friction.P, friction.Q) if end >= 0]
     jumps = [abs(row[name] - row.get(f"before_{name}", row[name])) for name in ends]
     sizes = [abs(row[name]) for name in ends]

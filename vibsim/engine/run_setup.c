@@ -1,4 +1,4 @@
-/* What a run is told of: modes, rules, ledgers, disturbances, blows, section. */
+/* What a run is told of: modes, rules, ledgers, disturbances, impacts, section. */
 #include "run_object.h"
 
 #include <string.h>
@@ -103,7 +103,7 @@ PyObject *run_keep_ledger(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
-PyObject *run_set_meters(RunObject *self, PyObject *args)
+PyObject *run_set_integrals(RunObject *self, PyObject *args)
 {
     Py_buffer v[2];
     Reader in;
@@ -112,10 +112,10 @@ PyObject *run_set_meters(RunObject *self, PyObject *args)
         return NULL;
     if (!run_is_idle(self))
         kept = 0;
-    else if (!self->run.ledger.wanted || mode < 0 || mode >= self->run.mode_count || self->run.modes[mode]->meters.meters)
-        PyErr_SetString(PyExc_ValueError, "no mode that waits for meters");
-    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = meters_read(&self->run, self->run.modes[mode], &in)))
-        PyErr_SetString(PyExc_ValueError, "the packed numbers are no meters");
+    else if (!self->run.ledger.wanted || mode < 0 || mode >= self->run.mode_count || self->run.modes[mode]->integrals.integrals)
+        PyErr_SetString(PyExc_ValueError, "no mode that waits for integrals");
+    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = integrals_read(&self->run, self->run.modes[mode], &in)))
+        PyErr_SetString(PyExc_ValueError, "the packed numbers are no integrals");
     PyBuffer_Release(&v[0]);
     PyBuffer_Release(&v[1]);
     if (!kept)
@@ -187,8 +187,8 @@ PyObject *run_keep_extremes(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
-/* Rigid stops whose blows C may take, in place of those told before; before the start. */
-PyObject *run_keep_blows(RunObject *self, PyObject *args)
+/* Rigid stops whose impacts C may take, in place of those told before; before the start. */
+PyObject *run_keep_impacts(RunObject *self, PyObject *args)
 {
     Py_buffer v[2];
     Reader in;
@@ -197,7 +197,7 @@ PyObject *run_keep_blows(RunObject *self, PyObject *args)
         return NULL;
     if (self->started)
         PyErr_SetString(PyExc_ValueError, "too late for rigid stops");
-    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = blows_read(&self->run, &in)))
+    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = impacts_read(&self->run, &in)))
         PyErr_SetString(PyExc_ValueError, "the packed numbers are no rigid stops");
     PyBuffer_Release(&v[0]);
     PyBuffer_Release(&v[1]);
@@ -236,8 +236,8 @@ PyObject *run_set_rule(RunObject *self, PyObject *args)
     int mode, event, v[8];
     if (!PyArg_ParseTuple(args, "ii(iiiiiiii)", &mode, &event, &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7]) || !run_is_idle(self))
         return NULL;
-    if (mode < 0 || mode >= r->mode_count || event < 0 || event >= r->modes[mode]->event_count || v[0] < ASK || v[0] > BEAR ||
-        v[1] < 0 || v[1] >= r->mode_count || v[2] < 0 || v[2] >= r->mode_count || v[4] < NOTHING || v[4] >= KINDS || v[6] < 0 ||
+    if (mode < 0 || mode >= r->mode_count || event < 0 || event >= r->modes[mode]->event_count || v[0] < DECIDE_IN_PYTHON ||
+        v[0] > CROSS_IF_TIES_HOLD || v[1] < 0 || v[1] >= r->mode_count || v[2] < 0 || v[2] >= r->mode_count || v[4] < NOTHING || v[4] >= KINDS || v[6] < 0 ||
         v[6] >= r->key_count || v[7] < 0 || v[7] > MAX_ORDER) {
         PyErr_SetString(PyExc_ValueError, "no such rule");
         return NULL;

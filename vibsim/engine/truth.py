@@ -18,9 +18,9 @@ import numpy as np
 from vibsim.engine.blocks import Block, Trajectory
 from vibsim.engine.columns import stored_before, stored_columns
 from vibsim.engine.errors import EngineError, State
+from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.number_forms import WordsForm, words_form
 from vibsim.engine.python_trajectory import PythonTrajectory
-from vibsim.engine.totals import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.trajectory import in_c
 from vibsim.physics.numbers import Number, text_width
 from vibsim.physics.parts import Scene
@@ -177,11 +177,11 @@ class WordsTrajectory(Trajectory[Number]):
         totals |= rigid_totals(
             self.scene, tally["counts"], self.kit.rounded([cut.time, cut.speed, cut.distance])
         )
-        if run.meters:
+        if run.integrals:
             now = run.left_at or self.form.state(tally["state"]), run.statuses[tally["mode"]]
             entries: list[Number] = [self.form.taken(entry) for entry in tally["entries"]]
             where: Any = run.first, now
-            ledger = ledger_totals(self.scene, self.kit, run.meters.names, entries, *where)
+            ledger = ledger_totals(self.scene, self.kit, run.integrals.names, entries, *where)
             totals |= dict(zip(ledger, self.kit.rounded(list(ledger.values())), strict=True))
         return totals
 

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from vibsim.cases.case import Case, CaseLike, by_key, load_case, texts
+from vibsim.engine.blocks_ahead import available_cores
 from vibsim.fitting.fit_result import FitResult
 from vibsim.fitting.measures import FitError, FitInterrupted
 from vibsim.fitting.plan import METHODS, FitPlan, Search, origin, read_fit, write_fit
 from vibsim.fitting.search import Evaluation, Runs, Watch, measure_all, search
 from vibsim.fitting.statements import Candidate, parse_statement, read_free, read_reading
-from vibsim.results.blocks_ahead import available_cores
 from vibsim.results.hdf5_reading import ResultFileError
 from vibsim.results.store import Store
 from vibsim.sweeps.axes import Members, read_members, rotor_angles

@@ -19,11 +19,10 @@ from vibsim.orbits.coordinates import Word, case_on_orbit, circle, placed, spell
 from vibsim.orbits.return_map import returns
 from vibsim.orbits.stability import exponents_of, multipliers_of, sides_of_circle, sliding_margin
 from vibsim.results.labelled import Arrays, Labelled, few
-from vibsim.results.recording import Recording
+from vibsim.results.recording import Recording, TrajectoryWriter
 from vibsim.results.result import Result
 from vibsim.results.simulation import simulate
 from vibsim.results.trajectory_file import DATASETS, DIGITS, GROUP, TrajectoryFile
-from vibsim.results.trajectory_writing import TrajectoryWriter
 from vibsim.signals import held_back
 
 if TYPE_CHECKING:

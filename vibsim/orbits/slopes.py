@@ -12,7 +12,7 @@ import numpy as np
 from vibsim.cases.quantities import any_unit_named, in_own_unit, number, si_unit
 from vibsim.engine.driver import Driver
 from vibsim.engine.errors import State
-from vibsim.engine.events.impacts.newton_moreau import Contact, blow, masses
+from vibsim.engine.events.impacts.newton_moreau import Contact, impact, masses
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.flows.motion import value_and_rate
 from vibsim.engine.flows.taylor import Taylor
@@ -38,7 +38,8 @@ if TYPE_CHECKING:
 # fixed times. Where an event function h depends on the numbers too, the event moves by dt = -dh / h', and
 # with the vector fields f- and f+ on both sides
 #
-#     d(behind) = d(before) + (f- - f+) dt,    at a blow R:  d(behind) = dR(state, numbers at t + dt) - f+ dt,
+#     d(behind) = d(before) + (f- - f+) dt,
+#     at an impact R:  d(behind) = dR(state, numbers at t + dt) - f+ dt,
 #
 # which is the saltation matrix with what the numbers add to it (Aizerman & Gantmakher 1958; Mueller 1995).
 
@@ -65,9 +66,9 @@ def parameter_slopes(started: Any, sloped: Any, count: int) -> np.ndarray:
 
     started : the scene in doubles, from its start to its end; sloped : the same with derivatives
 
-    Raises NotFollowed for several rigid stops at one instant, rest on a rigid stop, blows on what sticks, and
-    what holds on ground and base at once while the derivative is by an amplitude of 0;
-    OrbitError at a tangency; EngineError where the run fails.
+    Raises NotFollowed for several rigid stops at one instant, rest on a rigid stop, impacts on what sticks,
+    and what holds on ground and base at once while the derivative is by an amplitude of 0; OrbitError at a
+    tangency; EngineError where the run fails.
     """
     driver = Driver(started, Doubles)
     while not driver.finished:
@@ -156,7 +157,7 @@ class _Followed:
         return np.array([float(series[1]) for series in speeds])
 
     def _struck(self, flow: Any, event: Any, state: Any, before: Any, after: Any) -> Any:
-        """Behind a blow on one rigid stop."""
+        """Behind an impact on one rigid stop."""
         if before.tied or after.tied:
             raise NotFollowed("impact")
         later, rates, n = self._later(flow, event), self._rates(flow), flow.n
@@ -165,7 +166,7 @@ class _Followed:
         _, V = value_and_rate(self.kit, self.scene.base, Sloped(float(state.t), later))
         bodies = masses(self.scene, self.kit, meeting.phase)
         contact = Contact(event.part, *self.maker.ends(stop), stop.sense, stop.e)
-        v, w, _ = blow(self.kit, bodies, [contact], [*meeting.v, 0.0, V], meeting.w)
+        v, w, _ = impact(self.kit, bodies, [contact], [*meeting.v, 0.0, V], meeting.w)
         struck = State(state.t, meeting.x, v[:n], meeting.phase, state.turns, w)
         return _shifted(struck, self._rates(self.flow(struck, after)), -later, self.count)
 

@@ -26,6 +26,6 @@ def plot_run(
     Raises PlotError (window, kind, suffix) and ResultFileError (reading and writing).
     """
     from vibsim.plots.picture import draw_files
-    from vibsim.plots.view import View
+    from vibsim.plots.subject import View
 
     return draw_files([str(path)], kinds, View(), str(out), force)

@@ -18,9 +18,8 @@ from vibsim.plots.machine import LANE_CM, MOTOR_CM, Layout, layout
 from vibsim.plots.machine_symbols import BASE, FIXED, GROUND, Element, floors, rotors_on, short
 from vibsim.plots.samples import PUSHING, impact_events, period_of
 from vibsim.plots.style import GREY, ORANGE, VERMILLION
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import PlotError, Span, Subject
 from vibsim.plots.traces import states_at
-from vibsim.plots.view import PlotError, Span
 from vibsim.results.columns import base_motion
 
 TRAVEL_CM = 1.8  # that the widest relative motion, or gap, takes

@@ -30,9 +30,8 @@ from vibsim.plots.html_pages import packed, page
 from vibsim.plots.samples import draw_stop_line, shortest_period, window_of
 from vibsim.plots.sheet import scale_for, symbol
 from vibsim.plots.style import BLUE, VERMILLION, dashed
-from vibsim.plots.subject import Subject, open_subject
+from vibsim.plots.subject import PlotError, Span, Subject, open_subject
 from vibsim.plots.traces import dense, draw_trace, label_relative, pair_of, trace
-from vibsim.plots.view import PlotError, Span
 from vibsim.results.hdf5_reading import DISK_FULL, ResultFileError
 from vibsim.results.labelled import MissingExtra, extra
 from vibsim.results.output_files import output_file

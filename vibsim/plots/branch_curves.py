@@ -46,9 +46,8 @@ from vibsim.plots.sheet import (
     write_names,
 )
 from vibsim.plots.style import BLACK, GREEN, GREY, VERMILLION, overlay, points
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import Subject, View
 from vibsim.plots.sweep_axes import is_motor_speed
-from vibsim.plots.view import View
 
 BRANCH_HEIGHT_CM = 7.0
 ROTOR_SPEED = "Mean rotor speed (Hz)"

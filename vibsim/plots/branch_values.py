@@ -19,9 +19,8 @@ from vibsim.orbits.branches.node import ENERGY
 from vibsim.orbits.branches.tracing import drawn, half_range, stretches
 from vibsim.plots.sheet import Scale, inside, overlaps, sheet_of, symbol
 from vibsim.plots.style import BLACK, points
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import PlotError, Subject
 from vibsim.plots.sweep_axes import is_speed, label_of
-from vibsim.plots.view import PlotError
 
 WIDTH, DASHES = 1.0, (0, (3, 1.5))
 LINE = 0.9  # width of the strokes of marks without an area, and at others 0.2 less [pt]

@@ -38,10 +38,9 @@ from vibsim.plots.branch_values import (
 )
 from vibsim.plots.sheet import Scale, add_below, legend_above, letter_panels, note, sheet
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, PINK, VERMILLION
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import PlotError, Span, Subject, View
 from vibsim.plots.sweep_axes import along, is_speed, label_of, plane_of
 from vibsim.plots.sweep_curves import Curve
-from vibsim.plots.view import PlotError, Span, View
 from vibsim.sweeps.quantities import quantities_of
 from vibsim.sweeps.statistics import displacements, velocities
 

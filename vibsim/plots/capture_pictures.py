@@ -18,7 +18,7 @@ from vibsim.plots.branches_over_sweeps import lay_loci
 from vibsim.plots.samples import mark_frequencies
 from vibsim.plots.sheet import draw_by_ratio, legend_below, letter_panels, note, rounded, say_inside, sheet
 from vibsim.plots.style import BLUE, GREEN, ORANGE, PALE, PINK, SKY, VERMILLION, YELLOW
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import Subject, View
 from vibsim.plots.sweep_axes import (
     AxesPlane,
     ascending,
@@ -32,7 +32,6 @@ from vibsim.plots.sweep_axes import (
     shown,
 )
 from vibsim.plots.sweep_curves import DIRECTION_NAMES, PAGE_CM, finish, frequencies, in_columns
-from vibsim.plots.view import View
 from vibsim.sweeps.computations import CAPTURE_VERDICTS, REGIME_VERDICTS
 
 # Capture over an ensemble of starts: how probable it is, and which starts lead to it.

@@ -20,7 +20,6 @@ from vibsim.fitting.search import Judgement
 from vibsim.fitting.statements import FreeParameter
 from vibsim.plots.sheet import (
     NamedQuantity,
-    as_text,
     draw_by_ratio,
     legend_below,
     letter_panels,
@@ -29,8 +28,7 @@ from vibsim.plots.sheet import (
     write_names,
 )
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, SKY, VERMILLION, points
-from vibsim.plots.subject import Subject
-from vibsim.plots.view import PlotError, View
+from vibsim.plots.subject import PlotError, Subject, View, as_text
 
 FIT_HEIGHT_CM = 7.0
 SIZE = 26  # of a point [pt^2]

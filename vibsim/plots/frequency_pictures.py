@@ -32,10 +32,9 @@ from vibsim.plots.sheet import (
 )
 from vibsim.plots.spectra import FLOOR, NOTHING, TurnExtremes, first_motion, pieces, spectra, turn_extremes
 from vibsim.plots.style import BLUE, dashed, overlay
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import Span, Subject, View
 from vibsim.plots.time_histories import SPEED, mean_speed
 from vibsim.plots.traces import Block, Trace, draw_trace, trace, trust_remark
-from vibsim.plots.view import Span, View
 
 LOOPS_UP_TO = 40  # turns that are seen as loops; of more, the extremes of each
 HERTZ = Scale(1.0, "Hz")

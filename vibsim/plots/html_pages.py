@@ -29,10 +29,9 @@ from vibsim.plots.branches_over_sweeps import NAMES
 from vibsim.plots.registry import fitting
 from vibsim.plots.samples import shortest_period
 from vibsim.plots.sheet import scale_for
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import PlotError, Subject
 from vibsim.plots.sweep_axes import draws_by_ratio, label_of
 from vibsim.plots.traces import pair_of
-from vibsim.plots.view import PlotError
 from vibsim.results.columns import has_switches
 from vibsim.results.hdf5_reading import plain
 from vibsim.results.labelled import Arrays, Labelled, Tidy

@@ -1,22 +1,54 @@
-"""One page about a run, or a few: the machine, displacements, a detail, the relative portrait, the speed."""
+"""One page about a run, or a few: machine, displacements, detail, relative portrait, speed; and the
+characteristics of springs and motor, before anything moves.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from vibsim.physics.connections import Pair, joined_pairs
+from vibsim.physics.formulas import Node
+from vibsim.physics.parts import Link, Motor, RigidStop, Scene, Stop
 from vibsim.physics.rates import motor_columns
 from vibsim.plots.machine import machine_panel, machine_size
-from vibsim.plots.samples import common_window, detail_span
-from vibsim.plots.sheet import CM, LABEL_SHARE, characters, legend_above, letter_panels, sheet
-from vibsim.plots.style import points
-from vibsim.plots.subject import Subject
+from vibsim.plots.samples import (
+    common_window,
+    detail_span,
+    difference,
+    draw_stop_line,
+    motor_of,
+    stop_label,
+    stop_position,
+    stops_between,
+)
+from vibsim.plots.sheet import (
+    CM,
+    LABEL_SHARE,
+    NamedQuantity,
+    Scale,
+    amount,
+    characters,
+    legend_above,
+    letter_panels,
+    note,
+    scale_for,
+    sheet,
+    write_names,
+)
+from vibsim.plots.style import BLUE, SHADE, nested, points
+from vibsim.plots.subject import Subject, View
 from vibsim.plots.time_histories import (
     DISPLACEMENT,
+    SPEED,
     VELOCITY,
     HistoryCurve,
     Panel,
@@ -29,7 +61,6 @@ from vibsim.plots.time_histories import (
     rotor_speeds,
 )
 from vibsim.plots.traces import mark_detail
-from vibsim.plots.view import View
 
 PANEL_CM = 5.2
 BESIDE_CM = 10.5  # width of a machine up to which the portrait has room beside it
@@ -166,23 +197,23 @@ def _beside(view: View, size: tuple[float, float], groups: int, whole: bool) -> 
     ratios = (size[0] + LABEL_CM, view.width_cm - size[0] - LABEL_CM)
     grid = figure.add_gridspec(len(heights), 2, height_ratios=heights, width_ratios=ratios)
     *cells, last = [grid[row, :] for row in range(1, len(heights))]
-    page = _named([figure.add_subplot(cell) for cell in (*cells, grid[0, 1], last)], groups, whole)
+    page = _listed([figure.add_subplot(cell) for cell in (*cells, grid[0, 1], last)], groups, whole)
     return replace(page, machine=_head(figure, size), portrait_first=True)
 
 
 def _panels(figure: Figure, wide: bool, groups: int, whole: bool) -> Page:
     """Displacements above (one panel, or one per body); below them the others in two columns, or one."""
     if not wide:
-        page = _named(list(figure.subplots(_rows(groups, whole), 1)), groups, whole)
+        page = _listed(list(figure.subplots(_rows(groups, whole), 1)), groups, whole)
         return replace(page, narrow=True)
     grid = figure.add_gridspec(3, 2, width_ratios=(1.25, 1))
     tops = [grid[0, :]] if groups == 1 else [grid[0, 0], grid[0, 1]]
     left = [] if whole else [grid[1, 0]]
     cells = [*tops, *left, grid[1:, 1], grid[1 if whole else 2 :, 0]]
-    return _named([figure.add_subplot(cell) for cell in cells], groups, whole)
+    return _listed([figure.add_subplot(cell) for cell in cells], groups, whole)
 
 
-def _named(axes: list[Axes], groups: int, whole: bool) -> Page:
+def _listed(axes: list[Axes], groups: int, whole: bool) -> Page:
     *rest, portrait, bottom = axes
     return Page(rest[:groups], None if whole else rest[groups], portrait, bottom)
 
@@ -194,3 +225,281 @@ def _heading(subjects: Sequence[Subject], room: float) -> str:
     name, title = subjects[0].name, subjects[0].title
     wishes = [f"{name}: {title}", title] if title else []
     return next((text for text in wishes if len(text) <= room), name)
+
+
+# Pictures of cases: what a law of force or a motor is, before anything moves.
+
+
+# Characteristics of springs and stops: their force against the relative displacement of their ends.
+
+
+REACH = 2.5  # the picture reaches this many gaps beyond the rest position on the side of the stop
+PLACES = (0.5, 0.35, 0.65, 0.2, 0.8, 0.05)  # of a name along its part of the curve, the better first
+BEHIND = 0.08  # of the range, shown behind a rigid stop
+NO_GAP = 1e-3  # a range to show where the scene gives none [m]
+MOST = 6  # panels
+POINTS_OF_FORMULA = 401
+HEIGHT_CM = 6.0
+SYMBOLS = {"coupling": "k_1", "stop": "k_2"}  # of the springs of the short form
+
+
+def stiffness_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Spring force against x_P - x_Q, a panel for each pair of ends that links and stops join.
+
+    Of two blocks F_s1 + F_s2, Eqs. (2.4), (2.5): slope k1, and k1 + k2 beyond the gap.
+    """
+    motions = motions_of(subjects)
+    shown = motions[:MOST]
+    figure = sheet(view, HEIGHT_CM * len(shown))
+    panels = list(figure.subplots(len(shown), 1, squeeze=False)[:, 0])
+    for axes, motion in zip(panels, shown, strict=True):
+        stiffness_panel(axes, subjects, motion)
+    if len(motions) > MOST:
+        note(panels[-1], f"{len(motions) - MOST} more pairs of ends are not shown")
+    letter_panels(panels)
+    return figure
+
+
+def motions_of(subjects: Sequence[Subject]) -> list[str]:
+    """What the relative displacements of the subjects are called, each once."""
+    every = [(subject.scene, pair) for subject in subjects for pair in joined_pairs(subject.scene)]
+    return list(dict.fromkeys(difference(scene, pair, "x") for scene, pair in every))
+
+
+def stiffness_panel(axes: Axes, subjects: Sequence[Subject], motion: str | None = None) -> None:
+    """The characteristic of one relative motion in given axes, by default the first one."""
+    motion = motion or motions_of(subjects)[0]
+    shown = [
+        (subject, pair)
+        for subject in subjects
+        for pair in joined_pairs(subject.scene)
+        if difference(subject.scene, pair, "x") == motion
+    ]
+    gaps = [abs(at) for subject, pair in shown for at, _ in all_stops(subject.scene, pair)]
+    reach = REACH * (max(gaps, default=0.0) or max(_start(s.scene, pair) for s, pair in shown) or NO_GAP)
+    curves = [stiffness_characteristic(subject.scene, pair, reach) for subject, pair in shown]
+    units = subjects[0].unit("m"), subjects[0].unit("N")
+    scales = scale_for(units[0], *(y for y, _ in curves)), scale_for(units[1], *(f for _, f in curves))
+    looks = [nested(i, len(shown), 1.0) for i in range(len(shown))]
+    looks = looks if len(shown) > 1 else [{"color": BLUE, "linewidth": 1.0}]
+    for (subject, _), (y, force), look in zip(shown, curves, looks, strict=True):
+        axes.plot(scales[0](y), scales[1](force), label=subject.name, gid="stiffness", **look)
+    if not any(force.any() for _, force in curves):
+        axes.set_ylim(-1, 1)
+        axes.set_yticks([0])  # rigid stops alone have no scale of force
+    _draw_walls(
+        axes, [wall for each in zip(shown, curves, looks, strict=True) for wall in _walls(*each)], scales
+    )
+    axes.axhline(0, color="0.8", linewidth=0.4, zorder=0)
+    axes.axvline(0, color="0.8", linewidth=0.4, zorder=0)
+    axes.set_xlabel(scales[0].label(f"Relative displacement {motion}"))
+    axes.set_ylabel(scales[1].label("Spring force"))
+    if len(subjects) == 1:
+        _name_slopes(axes, subjects[0].scene, shown[0][1], reach, scales)
+    else:
+        legend_above(axes)
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A rigid stop: relative displacement [m] and force of springs [N] where it is met, on which side (1:
+    above) there is no motion, and the look of its curve."""
+
+    at: float
+    force: float
+    side: int
+    look: dict[str, Any]
+
+
+def _walls(shown: tuple[Subject, Pair], curve: tuple[np.ndarray, np.ndarray], look: Any) -> list[Wall]:
+    """The rigid stops at which a curve ends."""
+    subject, pair = shown
+    every = rigid_stops_between(subject.scene, pair)
+    met = [
+        (at, _side(stop, pair)) for at, stop in every if at == curve[0][-1 if _side(stop, pair) > 0 else 0]
+    ]
+    return [Wall(at, float(curve[1][-1 if side > 0 else 0]), side, look) for at, side in met]
+
+
+def _draw_walls(axes: Axes, walls: Sequence[Wall], scales: tuple[Scale, Scale]) -> None:
+    """Rigid stops as upright lines, along which the force is whatever holds against them; hatched beyond."""
+    ends, forces = list(axes.get_xlim()), axes.get_ylim()
+    room = BEHIND * (ends[1] - ends[0])
+    for side in {wall.side for wall in walls}:
+        ends[side > 0] += side * room
+    for wall in walls:
+        at, upright = float(scales[0](wall.at)), [float(scales[1](wall.force)), forces[wall.side > 0]]
+        axes.plot([at, at], upright, gid="rigid", **wall.look)
+        axes.axvspan(
+            *sorted((at, ends[wall.side > 0])), facecolor="none", edgecolor=SHADE, hatch="////", linewidth=0,
+            zorder=0, gid="beyond-rigid",
+        )  # fmt: skip
+    axes.set_xlim(*ends)
+    axes.set_ylim(forces)
+
+
+def corners(scene: Scene, pair: Pair) -> list[tuple[float, Stop]]:
+    """Relative displacement [m] at which each elastic stop between the ends is met, ascending."""
+    stops = [stop for stop in stops_between(scene, pair) if isinstance(stop, Stop)]
+    positions = [(stop_position(stop, pair), stop) for stop in stops]
+    return sorted(positions, key=lambda each: each[0])
+
+
+def rigid_stops_between(scene: Scene, pair: Pair) -> list[tuple[float, RigidStop]]:
+    """Relative displacement [m] at which each rigid stop between the ends is met: no curve goes beyond."""
+    stops = [stop for stop in stops_between(scene, pair) if isinstance(stop, RigidStop)]
+    return [(stop_position(stop, pair), stop) for stop in stops]
+
+
+def all_stops(scene: Scene, pair: Pair) -> list[tuple[float, Stop | RigidStop]]:
+    """The stops between the ends and where each is met [m], those of one kind after the other."""
+    return [*corners(scene, pair), *rigid_stops_between(scene, pair)]
+
+
+def within_rigid_stops(scene: Scene, pair: Pair, reach: float) -> tuple[float, float]:
+    """The least and the largest relative displacement [m] that rigid stops allow, at most `reach` off 0."""
+    stops = rigid_stops_between(scene, pair)
+    low = max([-reach, *(at for at, stop in stops if _side(stop, pair) < 0)])
+    high = min([reach, *(at for at, stop in stops if _side(stop, pair) > 0)])
+    return low, high
+
+
+def spring_force(scene: Scene, pair: Pair, y: np.ndarray) -> np.ndarray:
+    """Force of springs and stops between the ends [N] at x_P - x_Q = y [m], dampers left out; of formulas at
+    rest, what else they read as at the start.
+    """
+    force = np.zeros_like(y)
+    for link in _links_between(scene, pair):
+        if link.force is None:
+            force = force + link.k * y
+        else:
+            force = force + (1 if link.P == pair.P else -1) * _of_formula(scene, pair, link.force, y)
+    for at, stop in corners(scene, pair):
+        side = _side(stop, pair)
+        depth = np.maximum(side * (y - at), 0.0)
+        if stop.force is None:
+            force = force + side * stop.k * depth
+        else:
+            force = force + side * np.where(depth > 0, _of_formula(scene, pair, stop.force, y), 0.0)
+    return force
+
+
+def _links_between(scene: Scene, pair: Pair) -> list[Link]:
+    return [link for link in scene.links if {link.P, link.Q} == {pair.P, pair.Q}]
+
+
+def _of_formula(scene: Scene, pair: Pair, formula: Node, y: np.ndarray) -> np.ndarray:
+    """Values of a formula where the ends of a pair are apart by y [m] and nothing moves."""
+    from vibsim.physics.formula_values import start_inputs, values_of
+
+    inputs: dict[Node, Any] = {
+        node: 0.0 if node[0] == "v" and node[1] < len(scene.line) else value
+        for node, value in start_inputs(scene).items()
+        if node[0] != "t"
+    }
+    own, other = (pair.P, pair.Q) if pair.P >= 0 else (pair.Q, pair.P)
+    inputs |= {("x", other): 0.0, ("x", own): y if own == pair.P else -y}
+    return np.broadcast_to(values_of(formula, inputs), np.shape(y))
+
+
+def _start(scene: Scene, pair: Pair) -> float:
+    """How far apart the ends of a pair with a formula are at the start [m]; 0 of others."""
+    if not _has_formula(scene, pair):
+        return 0.0
+    P, Q = (float(scene.bodies[end].x) if end >= 0 else 0.0 for end in (pair.P, pair.Q))
+    return abs(P - Q)
+
+
+def _has_formula(scene: Scene, pair: Pair) -> bool:
+    """Whether what is between the ends is more than straight lines."""
+    formulas = [link.force for link in _links_between(scene, pair)]
+    return any(one is not None for one in [*formulas, *(stop.force for _, stop in corners(scene, pair))])
+
+
+def _side(stop: Stop | RigidStop, pair: Pair) -> int:
+    """1 where the stop is met by growing x_P - x_Q of the pair, else -1."""
+    return -stop.sense if stop.P == pair.P else stop.sense
+
+
+def stiffness_characteristic(scene: Scene, pair: Pair, reach: float) -> tuple[np.ndarray, np.ndarray]:
+    """The polyline (y [m], force [N]): its ends and its corners at the stops; many points of a formula."""
+    low, high = within_rigid_stops(scene, pair, reach)
+    between = np.linspace(low, high, POINTS_OF_FORMULA)[1:-1].tolist() if _has_formula(scene, pair) else []
+    y = np.unique([low, *between, *(at for at, _ in corners(scene, pair) if low < at < high), high])
+    return y, spring_force(scene, pair, y)
+
+
+def _name_slopes(axes: Axes, scene: Scene, pair: Pair, reach: float, scales: tuple[Scale, Scale]) -> None:
+    """The slopes in words, beside the curve and inside the frame; limits are settled before."""
+    knots, _ = stiffness_characteristic(scene, pair, reach)
+    named = []
+    if _has_formula(scene, pair):  # a curve has no slope to name
+        knots = knots[:1]
+    for low, high in sorted(pairwise(knots.tolist()), key=lambda part: not part[0] < 0 < part[1]):
+        near, far = sorted((low, high), key=abs)
+        text = _slope(scene, pair, (low + high) / 2)
+        named.append(_named(text, scene, pair, scales, 0.0 if low < 0 < high else near, far))
+    for at, stop in all_stops(scene, pair):
+        draw_stop_line(axes, at, scales[0], stop_label(stop))
+    axes.set_xlim(axes.get_xlim())
+    axes.set_ylim(axes.get_ylim())
+    write_names(axes, named)
+
+
+def _slope(scene: Scene, pair: Pair, y: float) -> str:
+    """The stiffness at x_P - x_Q = y [m] in words, with its symbols where the paper has them."""
+    acting = [link for link in scene.links if {link.P, link.Q} == {pair.P, pair.Q}]
+    touched = [stop for at, stop in corners(scene, pair) if _side(stop, pair) * (y - at) > 0]
+    springs = [*((link.name, link.k) for link in acting), *((stop.name, stop.k) for stop in touched)]
+    value = amount(sum(k for _, k in springs), "N m/rad" if scene.torsional else "N/m")
+    if not acting and not corners(scene, pair):
+        return "no spring"
+    if springs and all(name in SYMBOLS for name, _ in springs):
+        return f"slope ${' + '.join(SYMBOLS[name] for name, _ in springs)}$ = {value}"
+    return f"slope {value}"
+
+
+def _named(
+    text: str, scene: Scene, pair: Pair, scales: tuple[Scale, Scale], start: float, end: float
+) -> NamedQuantity:
+    """A name for the straight part of the curve between two displacements [m], at its middle if it fits."""
+    y = start + (end - start) * np.array(PLACES)
+    behind = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}  # lines of the axes end there
+    look = {"fontsize": points(7), "gid": "slope", "bbox": behind}
+    return NamedQuantity(text, scales[0](y), scales[1](spring_force(scene, pair, y)), look)
+
+
+# Characteristic of the limited-power motor: torque against speed.
+
+
+def motor_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Motor torque M0 (1 - w / Omega0), Eq. (2.8), against the speed w, from standstill to no load."""
+    figure = sheet(view, 5.4)
+    motor_panel(figure.subplots(), subjects)
+    return figure
+
+
+def motor_panel(axes: Axes, subjects: Sequence[Subject]) -> None:
+    """The characteristic in given axes."""
+    motors = [motor_of(subject.scene) for subject in subjects]
+    fastest = 1.1 * max(abs(motor.Omega0) for motor in motors)
+    curves = [motor_characteristic(motor, fastest) for motor in motors]
+    scale = scale_for("N m", *(torque for _, torque in curves))
+    for i, (subject, (speed, torque)) in enumerate(zip(subjects, curves, strict=True)):
+        look = nested(i, len(subjects), 1.0) if len(subjects) > 1 else {"color": BLUE, "linewidth": 1.0}
+        no_load = motors[i].Omega0 / (2 * math.pi)
+        label = rf"{subject.name}: $\Omega_0$ = {no_load:.4g} Hz"
+        axes.plot(speed / (2 * math.pi), scale(torque), label=label, gid="motor", **look)
+        axes.plot(
+            no_load, 0, "o", markersize=3, markerfacecolor="white", markeredgewidth=0.8, color=look["color"]
+        )
+    axes.axhline(0, color="0.8", linewidth=0.4, zorder=0)
+    axes.set_xlabel(f"Motor speed {SPEED} (Hz)")
+    axes.set_ylabel(scale.label("Motor torque"))
+    legend_above(axes)
+
+
+def motor_characteristic(motor: Motor, fastest: float) -> tuple[np.ndarray, np.ndarray]:
+    """Two points of the line: speeds 0 and `fastest` with the sign of Omega0 [rad/s], torques [N m]."""
+    speed = np.array([0.0, math.copysign(fastest, motor.Omega0)])
+    return speed, motor.M0 * (1 - speed / motor.Omega0)

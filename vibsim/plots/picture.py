@@ -25,11 +25,22 @@ from vibsim.plots import style
 from vibsim.plots import style as styles
 from vibsim.plots.registry import COLUMNS, KINDS, PictureKind, choose
 from vibsim.plots.samples import rows, window_of
-from vibsim.plots.sheet import LeanPages, as_text, legend_above, sheet
+from vibsim.plots.sheet import LeanPages, legend_above, sheet
 from vibsim.plots.style import BLUE, overlay
-from vibsim.plots.subject import Subject, open_subject, open_subjects, subject_of, told_apart
+from vibsim.plots.subject import (
+    WIDTHS_CM,
+    PlotError,
+    Span,
+    Subject,
+    View,
+    as_text,
+    open_subject,
+    open_subjects,
+    parse_span,
+    subject_of,
+    told_apart,
+)
 from vibsim.plots.traces import LINE_UP_TO, VECTOR_UP_TO, Trace, one_per_pixel, trace
-from vibsim.plots.view import WIDTHS_CM, PlotError, Span, View, parse_span
 from vibsim.results.labelled import Arrays, Labelled, Tidy
 from vibsim.results.output_files import check_output, output_file
 from vibsim.signals import interrupted_with

@@ -37,7 +37,7 @@ from vibsim.plots.sheet import (
 )
 from vibsim.plots.spectra import states_at, turn_times
 from vibsim.plots.style import BLUE, GREY, MARKERS, SHADE, dot_size, overlay
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import Span, Subject, View
 from vibsim.plots.time_histories import draw_poincare, drift_rate
 from vibsim.plots.traces import (
     RINGS_UP_TO,
@@ -55,7 +55,6 @@ from vibsim.plots.traces import (
     trust_marks,
     trust_remark,
 )
-from vibsim.plots.view import Span, View
 from vibsim.results.columns import closing_velocities
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from vibsim.cases.problems import nearest
 from vibsim.lazy import named
-from vibsim.plots.view import PlotError
+from vibsim.plots.subject import PlotError
 
 if TYPE_CHECKING:
     from vibsim.plots.subject import Subject
@@ -23,10 +23,9 @@ DRAWN_IN: dict[str, tuple[str, ...]] = {
     "branch_curves": ("branch", "load-curve"),
     "branches_over_sweeps": ("multipliers", "locus"),
     "capture_pictures": ("regime", "capture"),
-    "characteristics": ("stiffness", "motor"),
     "fit_and_bench": ("fit", "work-precision"),
     "frequency_pictures": ("displacement-frequency", "spectrum", "spectrogram", "waterfall"),
-    "overview": ("overview",),
+    "overview": ("overview", "stiffness", "motor"),
     "picture": ("columns",),
     "portraits": ("phase", "phase-drift-free", "impact-velocity", "stroboscopic", "orbit-portrait"),
     "slow_passages": ("run-up",),

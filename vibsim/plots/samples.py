@@ -20,10 +20,9 @@ from vibsim.physics import rates
 from vibsim.physics.parts import BASE, GROUND, Motor, RigidStop, Scene, Stop, columns_of
 from vibsim.physics.rates import motor_columns, turning_columns
 from vibsim.physics.two_blocks import is_papers
-from vibsim.plots.sheet import FONT_SIZE, LINE_HEIGHT, Scale, as_text, seconds, spread, symbol
+from vibsim.plots.sheet import FONT_SIZE, LINE_HEIGHT, Scale, seconds, spread, symbol
 from vibsim.plots.style import GREY, points
-from vibsim.plots.subject import Subject
-from vibsim.plots.view import PlotError, Span, View
+from vibsim.plots.subject import PlotError, Span, Subject, View, as_text
 from vibsim.results.columns import IMPACT_CODES
 
 BLOCK = 1 << 18  # rows: 2 MB per column

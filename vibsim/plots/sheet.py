@@ -19,10 +19,9 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormat
 from matplotlib.transforms import Bbox, ScaledTranslation
 from numpy.typing import ArrayLike
 
-from vibsim.cases.problems import one_line
 from vibsim.cases.quantities import number
 from vibsim.plots.style import GREY, points
-from vibsim.plots.view import Span, View
+from vibsim.plots.subject import Span, View
 
 CM = 1 / 2.54  # inch
 COLUMNS_PER_INCH = 600  # envelope columns: the finest print a journal asks for line art
@@ -437,18 +436,3 @@ class LeanPages(PdfPages):
             self._file = make(self._filename, metadata=self._metadata)
         file: PdfFile = self._file
         return file
-
-
-# Names and titles of the user's in a picture: shown as they are, never obeyed.
-#
-# matplotlib takes text between two $ for mathematics, leaves labels that begin with _ out of legends, and
-# writes control characters into SVG files, which no XML parser then reads.
-
-
-HAIR_SPACE = "\u200a"
-
-
-def as_text(text: object) -> str:
-    """A user's text as matplotlib draws it letter by letter, on one line."""
-    line = one_line(text).replace("$", r"\$")
-    return HAIR_SPACE + line if line.startswith("_") else line

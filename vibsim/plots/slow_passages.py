@@ -23,7 +23,6 @@ from vibsim.physics.rates import motor_columns
 from vibsim.plots.samples import events_within, natural_frequencies, window_of
 from vibsim.plots.sheet import (
     Level,
-    as_text,
     draw_levels,
     legend_above,
     letter_panels,
@@ -36,7 +35,7 @@ from vibsim.plots.sheet import (
 )
 from vibsim.plots.spectra import TURNS, TurnExtremes, extremes_by_turn, turn_times
 from vibsim.plots.style import BLACK, BLUE, GREY, PINK, VERMILLION, dashed, overlay
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import PlotError, Span, Subject, View, as_text
 from vibsim.plots.sweep_axes import along, is_motor_speed, is_speed
 from vibsim.plots.sweep_curves import DIRECTION_NAMES, DOWN, UP, Curve, curves
 from vibsim.plots.traces import (
@@ -47,7 +46,6 @@ from vibsim.plots.traces import (
     shown_part,
     trust_remark,
 )
-from vibsim.plots.view import PlotError, Span, View
 
 HEIGHT_CM = 9.6
 NO_LOAD = r"No-load speed $\Omega_0/2\pi$ (Hz)"

@@ -22,9 +22,8 @@ from vibsim.physics.parts import columns_of
 from vibsim.physics.rates import common_period, motor_columns, source_rates, turning_columns
 from vibsim.plots import traces
 from vibsim.plots.samples import PERIODS_AT_MOST, blocks, rows
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import PlotError, Span, Subject
 from vibsim.plots.traces import Block, dense, hermite, root_time, samples_are_sparse
-from vibsim.plots.view import PlotError, Span
 
 NOTHING = "nothing vibrates here"  # what a picture without amplitudes says
 FEWEST = 64  # samples of a piece

@@ -13,7 +13,7 @@ from typing import Any
 
 import matplotlib
 
-from vibsim.plots.view import PlotError
+from vibsim.plots.subject import PlotError
 from vibsim.results.hdf5_reading import reason
 
 # Okabe and Ito, "Color Universal Design" (2008), dark and light in turn: they print in different greys.

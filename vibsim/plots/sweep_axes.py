@@ -13,9 +13,8 @@ from matplotlib.axes import Axes
 
 from vibsim.cases.quantities import UNITS
 from vibsim.cases.schema_keys import LONG
-from vibsim.plots.sheet import as_text, draw_by_ratio, rounded
-from vibsim.plots.subject import Subject
-from vibsim.plots.view import PlotError, Span, View
+from vibsim.plots.sheet import draw_by_ratio, rounded
+from vibsim.plots.subject import PlotError, Span, Subject, View, as_text
 from vibsim.sweeps.axes import Axis
 from vibsim.sweeps.quantities import FAILED, MISSING
 

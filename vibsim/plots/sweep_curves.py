@@ -18,7 +18,7 @@ from vibsim.cases.schema_keys import LONG
 from vibsim.plots.samples import Frequency, fractions, natural_frequencies
 from vibsim.plots.sheet import legend_below, letter_panels, sheet
 from vibsim.plots.style import BLUE, MARKERS, VERMILLION, overlay, points
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import Subject, View
 from vibsim.plots.sweep_axes import (
     along,
     draws_by_ratio,
@@ -28,7 +28,6 @@ from vibsim.plots.sweep_axes import (
     show_span,
     value_texts,
 )
-from vibsim.plots.view import View
 from vibsim.sweeps.points import quantile, summary
 
 TUNING = {  # what natural frequencies depend on, in either form of a case

@@ -40,7 +40,7 @@ from vibsim.plots.sheet import (
 )
 from vibsim.plots.slow_passages import run_power_picture
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PINK, SKY, VERMILLION, YELLOW
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import Subject, View
 from vibsim.plots.sweep_axes import (
     along,
     ascending,
@@ -71,7 +71,6 @@ from vibsim.plots.sweep_curves import (
     name_curves,
     spread_over,
 )
-from vibsim.plots.view import View
 from vibsim.sweeps.contact_computations import VERDICTS
 from vibsim.sweeps.points import Share
 

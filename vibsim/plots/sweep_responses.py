@@ -28,7 +28,7 @@ from vibsim.plots.capture_pictures import HATCHES, Shade, lay_classes, map_sheet
 from vibsim.plots.samples import DISPLACEMENT, VELOCITY, difference, mark_frequencies
 from vibsim.plots.sheet import Scale, legend_below, letter_panels, note, scale_for, sheet
 from vibsim.plots.style import BLUE, GREEN, MARKERS, ORANGE, PALE, PINK, SKY, VERMILLION, YELLOW, points
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import PlotError, Subject, View
 from vibsim.plots.sweep_axes import (
     along,
     ascending,
@@ -57,7 +57,6 @@ from vibsim.plots.sweep_curves import (
     name_curves,
 )
 from vibsim.plots.sweep_pictures import exponent_label, exponent_note, exponent_panel, has_exponents
-from vibsim.plots.view import PlotError, View
 from vibsim.sweeps.attractors import Attractors, parameter_axes
 from vibsim.sweeps.quantities import DONE, NONE
 

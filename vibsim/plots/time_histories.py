@@ -40,7 +40,6 @@ from vibsim.plots.sheet import (
     Level,
     Scale,
     above_wider,
-    as_text,
     draw_levels,
     legend_above,
     letter_panels,
@@ -54,7 +53,7 @@ from vibsim.plots.sheet import (
 )
 from vibsim.plots.spectra import TURNS, states_at, turn_times
 from vibsim.plots.style import BLUE, GREY, SHADE, SKY, THIN, VERMILLION, dashed, nested, overlay, points
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import Span, Subject, View, as_text
 from vibsim.plots.traces import (
     Plane,
     annotate_runs,
@@ -69,7 +68,6 @@ from vibsim.plots.traces import (
     trust_marks,
     trust_remark,
 )
-from vibsim.plots.view import Span, View
 from vibsim.results.columns import base_motion
 
 WALL_POINTS = 2000  # of a wall that moves with the base

@@ -28,10 +28,9 @@ from vibsim.plots.samples import (
     stops_between,
     window_of,
 )
-from vibsim.plots.sheet import Scale, above_wider, as_text, label_axes, note, pixel_columns
+from vibsim.plots.sheet import Scale, above_wider, label_axes, note, pixel_columns
 from vibsim.plots.style import GREY, SHADE, points
-from vibsim.plots.subject import Subject
-from vibsim.plots.view import PlotError, Span
+from vibsim.plots.subject import PlotError, Span, Subject, as_text
 from vibsim.results.columns import IMPACT_CODES, PairMotion
 
 Block = Mapping[str, np.ndarray]

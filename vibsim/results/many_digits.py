@@ -22,10 +22,9 @@ from vibsim.physics.parts import Scene
 from vibsim.physics.precision import FEWEST_DIGITS, MOST_DIGITS
 from vibsim.results.columns import Digits, Distances, tables_of
 from vibsim.results.file_contents import origin, outcome
-from vibsim.results.recording import MemorySink, Sink, Watch
+from vibsim.results.recording import MemorySink, Sink, TruthWriter, Watch
 from vibsim.results.result import Result
 from vibsim.results.trajectory_file import TrajectoryFile
-from vibsim.results.trajectory_writing import TruthWriter
 from vibsim.results.trust_horizon import Rows
 from vibsim.signals import held_back
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from vibsim.cases import Case
     from vibsim.results.columns import Digits, Tables
     from vibsim.results.file_contents import Column
-    from vibsim.results.trajectory_writing import TrajectoryWriter
+    from vibsim.results.recording import TrajectoryWriter
 
 
 Table = Mapping[str, np.ndarray]
@@ -151,7 +151,7 @@ class Result(Labelled):
 
         Raises ResultFileError when the file exists and `force` is not given, or cannot be written.
         """
-        from vibsim.results.trajectory_writing import TrajectoryWriter
+        from vibsim.results.recording import TrajectoryWriter
 
         with ExitStack() as at_the_end:
             with held_back():
@@ -185,7 +185,7 @@ class Result(Labelled):
 
     def _truth_writer(self, path: str | Path, digits: "Digits", force: bool) -> Any:
         """A writer that has the digits already."""
-        from vibsim.results.trajectory_writing import TruthWriter
+        from vibsim.results.recording import TruthWriter
 
         writer = TruthWriter(path, self._tables(), {}, self.attrs["digits"], force)
         writer.append_digits(digits.table, digits.event_table)

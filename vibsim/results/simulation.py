@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from vibsim.cases.case import by_key, load_case
 from vibsim.cases.sources import called_as_result
+from vibsim.lazy import FRONT, named
 from vibsim.results.hdf5_reading import ResultFileError, check_signature, damage_named, open_hdf5, read_attr
-from vibsim.results.recording import MemorySink, Recording, Watch
+from vibsim.results.recording import MemorySink, Recording, TrajectoryWriter, Watch
 from vibsim.results.result import Result
 from vibsim.results.trajectory_file import TrajectoryFile
-from vibsim.results.trajectory_writing import TrajectoryWriter
 from vibsim.signals import ended_at_once, held_back
 
 if TYPE_CHECKING:
@@ -107,6 +107,21 @@ def simulate_to_file(
 
 
 KINDS = ("trajectory", "sweep", "fit", "branch", "locus", "bench")
+
+
+@ended_at_once()
+def open_result(path: str | Path) -> Any:
+    """The Result (SweepResult, FitResult, Branch, BenchResult) in an HDF5 file that vibsim wrote.
+
+    Raises ResultFileError when the file is missing, not readable, foreign, damaged or of a newer format.
+
+    >>> import vibsim
+    >>> path = vibsim.simulate(vibsim.load_case("gallery/three-balls")).save("balls.h5")
+    >>> vibsim.open_result(path).attrs["impacts"]
+    1
+    """
+    kind = kind_of(path)
+    return open_trajectory_file(path) if kind == "trajectory" else named(FRONT[f"open {kind}"])(path)
 
 
 @ended_at_once()

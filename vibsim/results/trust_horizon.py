@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
+from vibsim.engine.blocks_ahead import Cores, available_cores
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import longest_period
-from vibsim.results.blocks_ahead import Cores, available_cores
 from vibsim.results.columns import tables_of
 from vibsim.results.parallel_runs import (
     MOST,

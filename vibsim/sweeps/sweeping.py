@@ -10,7 +10,7 @@ from vibsim.analysis.cycles import parse_discard
 from vibsim.cases import Case
 from vibsim.cases.case import CaseLike, by_key, load_case, texts, whole_number
 from vibsim.cases.quantities import parse_quantity
-from vibsim.results.blocks_ahead import available_cores
+from vibsim.engine.blocks_ahead import available_cores
 from vibsim.sweeps.axes import Axis, Members, range_and_unit, read_axis, read_members
 from vibsim.sweeps.computations import read_computations
 from vibsim.sweeps.quantities import quantities_of

@@ -12,8 +12,8 @@ from vibsim.evidence.benchmark import open_bench, run_bench
 from vibsim.evidence.benchmark.bench_result import ROW, BenchRow
 from vibsim.evidence.benchmark.plan import BenchError
 from vibsim.evidence.benchmark.running import truth_at_hand, truth_from
-from vibsim.opening import open_result
 from vibsim.results import ResultFileError, kind_of, simulate
+from vibsim.results.simulation import open_result
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,8 @@ import pytest
 from vibsim.cases import load_case
 from vibsim.evidence.reports import measurements
 from vibsim.evidence.reports.measurements import MeasurementInterrupted, obtain_run, stored_run
-from vibsim.opening import open_result
 from vibsim.results import simulate
+from vibsim.results.simulation import open_result
 
 SHORT = {"run.t_end": "2 s"}
 

@@ -16,9 +16,9 @@ from vibsim.command_line.commands.run import read_case
 from vibsim.command_line.options import CASE, WINDOW, Settings, examples, set_option
 from vibsim.command_line.terminal import print_json, say, style
 from vibsim.command_line.text import heading, metres, multiplier_text, print_lines, trust_text
-from vibsim.opening import open_result
 from vibsim.results import Result, ResultFileError, kind_of, names_a_result, simulate
 from vibsim.results.result import Window
+from vibsim.results.simulation import open_result
 
 VERDICTS = ("capture", "drift", "impacts", "regime", "frequencies")
 

@@ -63,8 +63,8 @@ def command(
 
 
 def _run(path: str) -> Any:
-    from vibsim.opening import open_result
     from vibsim.results import ResultFileError, kind_of
+    from vibsim.results.simulation import open_result
 
     if kind_of(path) != "trajectory":
         raise ResultFileError(f"{path}: holds no single run; compare takes the files of two runs")

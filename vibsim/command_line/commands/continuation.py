@@ -24,7 +24,6 @@ from vibsim.command_line.options import (
 )
 from vibsim.command_line.terminal import PROGRESS_AFTER, Progress, print_json, say
 from vibsim.command_line.text import completed_file, goes_on, print_lines
-from vibsim.opening import open_result
 from vibsim.orbits.branches.branch import Branch, branch_lines, facts, special_table
 from vibsim.orbits.branches.branch_file import BranchStore, LocusStore, complete
 from vibsim.orbits.branches.continuing import orbit_from, switched
@@ -40,6 +39,7 @@ from vibsim.orbits.branches.plan import (
 )
 from vibsim.orbits.branches.tracing import MOST_POINTS
 from vibsim.results import kind_of, names_a_result
+from vibsim.results.simulation import open_result
 from vibsim.signals import Interruption, interrupted_with
 from vibsim.sweeps.axes import scale_name
 

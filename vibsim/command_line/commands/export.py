@@ -15,11 +15,11 @@ import click
 
 from vibsim.command_line.options import FILE, WINDOW, Settings, examples
 from vibsim.command_line.terminal import print_json, say
-from vibsim.opening import open_result
 from vibsim.results.hdf5_reading import ResultFileError, reason
 from vibsim.results.labelled import Labelled, MissingExtra, Tidy, write_parquet, write_table
 from vibsim.results.output_files import open_partial
 from vibsim.results.result import Result, Window, rows_within, write_csv, write_mat
+from vibsim.results.simulation import open_result
 from vibsim.signals import held_back, interrupted_with
 
 

@@ -8,9 +8,9 @@ import click
 from vibsim.command_line.options import FILE, Settings, examples
 from vibsim.command_line.terminal import print_json, say
 from vibsim.command_line.text import heading, print_lines, result_lines, size, summary_object
-from vibsim.opening import open_result
 from vibsim.results import Result, kind_of
 from vibsim.results.hdf5_reading import plain
+from vibsim.results.simulation import open_result
 
 
 @click.command(

@@ -25,7 +25,6 @@ from vibsim.command_line.options import (
 from vibsim.command_line.terminal import Progress, print_json, say, style
 from vibsim.command_line.text import counted, heading, metres, multiplier_text, print_lines, size
 from vibsim.engine.columns import state_columns
-from vibsim.opening import open_result
 from vibsim.orbits.coordinates import LETTERS
 from vibsim.orbits.orbit import Orbit, save_orbit
 from vibsim.orbits.search import INITIAL, SearchTally, orbit, search_attempts
@@ -34,6 +33,7 @@ from vibsim.physics.parts import IMPACTS
 from vibsim.results import Result, kind_of, names_a_result
 from vibsim.results.hdf5_reading import ResultFileError
 from vibsim.results.output_files import check_output
+from vibsim.results.simulation import open_result
 from vibsim.signals import Interruption, interrupted_with
 
 

@@ -11,7 +11,7 @@ from click.shell_completion import CompletionItem
 from vibsim.command_line.options import FILE, WINDOW, FiniteRange, OneOf, Settings, examples
 from vibsim.command_line.terminal import PROGRESS_AFTER, Progress, in_shell, print_json, say
 from vibsim.plots.registry import ALIASES, KINDS, NEEDS, also_called, fitting
-from vibsim.plots.view import WIDTHS_CM, PlotError, Span, View, parse_size, parse_span
+from vibsim.plots.subject import WIDTHS_CM, PlotError, Span, View, open_subjects, parse_size, parse_span
 from vibsim.signals import interrupted_with
 
 
@@ -148,8 +148,6 @@ def command(
 def _list(settings: Settings, files: tuple[str, ...]) -> None:
     kinds = list(KINDS)
     if files:
-        from vibsim.plots.subject import open_subjects
-
         kinds = fitting(open_subjects(files))
     if settings.json:
         print_json([asdict(kind) for kind in kinds])

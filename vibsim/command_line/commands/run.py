@@ -32,7 +32,6 @@ from vibsim.command_line.text import case_lines, heading, print_lines, result_li
 from vibsim.engine.choice import compiled
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.tangent_space import dimension
-from vibsim.opening import open_result
 from vibsim.physics.precision import MultiprecisionMissing, installed_library
 from vibsim.physics.rates import fastest_damping
 from vibsim.results import Result, kind_of, names_a_result, simulate_to_file
@@ -44,6 +43,7 @@ from vibsim.results.output_files import (
     held_until,
     partial_path,
 )
+from vibsim.results.simulation import open_result
 from vibsim.signals import Interruption, interrupted_with
 
 if TYPE_CHECKING:

@@ -7,17 +7,17 @@ from __future__ import annotations
 
 from vibsim.engine.events.automaton import Automaton
 from vibsim.engine.modes.rows import (
-    BEAR,
     CLEARANCE,
     CROSS,
+    CROSS_IF_TIES_HOLD,
     DOMAIN,
     GAP,
     HOLD,
     PUSH,
+    RIGID_IMPACT,
     SLIDE,
-    STAND,
+    STICK_OR_REVERSE,
     STRIKE,
-    STRUCK,
     SWITCH,
     Event,
     EventKey,
@@ -54,7 +54,7 @@ class RuleMaker:
         if self.scene.base_formula is not None and event.kind in (STRIKE, SLIDE, HOLD):
             return None
         if event.kind == STRIKE:
-            return self._blow_rule(status, event)
+            return self._impact_rule(status, event)
         if event.kind == GAP:
             return self._contact_rule(status, event, key)
         if event.kind == PUSH:
@@ -94,8 +94,8 @@ class RuleMaker:
             return None
         return self._cross(switches.turned(status, event), "", -1, event.key, 1)
 
-    def _blow_rule(self, status: Status, event: Event) -> Rule | None:
-        """Of a blow on a stop, where no stop rests, where no friction sticks but those that it makes slip,
+    def _impact_rule(self, status: Status, event: Event) -> Rule | None:
+        """Of an impact on a stop, where no stop rests, where no friction sticks but those that it makes slip,
         and no damped stop at its ends lets go at zero force; without rotors on bodies, and switches of
         formulas, which it may turn.
         """
@@ -109,7 +109,7 @@ class RuleMaker:
             return None
         if any(not struck & set(self.maker.ends(tie)) for tie in lasting):
             return None
-        return Rule(STRUCK, status, None, -1, "impact", i, event.key, 1)
+        return Rule(RIGID_IMPACT, status, None, -1, "impact", i, event.key, 1)
 
     def _contact_rule(self, status: Status, event: Event, key: EventKey) -> Rule | None:
         i = event.part
@@ -125,7 +125,7 @@ class RuleMaker:
             self.maker.rows(behind)
         ):
             return None
-        return self._cross(behind, kind, i, key, 1, BEAR)
+        return self._cross(behind, kind, i, key, 1, CROSS_IF_TIES_HOLD)
 
     def _against_formula(self, part: Joined) -> bool:
         """Whether an end of a part is at a base that moves by a formula: rules do not know its velocity."""
@@ -143,4 +143,4 @@ class RuleMaker:
         for number, e in enumerate(rows.events):
             if e.kind == HOLD and [(i, -before * e.direction)] == list(rows.cuts[e.part].ties):
                 other, hold = status.with_frictions({i: -before}), number
-        return Rule(STAND, stuck, other, hold, "stick_begin", i, key, 1)
+        return Rule(STICK_OR_REVERSE, stuck, other, hold, "stick_begin", i, key, 1)

@@ -1,10 +1,11 @@
 /* What follows an event where its rule is simple and the decision clear; elsewhere Python decides, see events/automaton.py:
  *   CROSS  the function falls through its zero: on to the mode `target`; nothing happens there that is told where a force of a
  *          formula has but another slope behind it
- *   STRUCK one rigid stop is struck, and nothing else touches: on in the mode that slips as the velocities say, see blows.c
- *   STAND  a sliding velocity is zero: on to `target`, where it sticks, if every tie of that mode holds, or to `other`, where
- *          it slides the other way, if the tie `hold` gives way
- *   BEAR   as CROSS, where forces jump: if every tie of the mode `target` holds
+ *   RIGID_IMPACT  one rigid stop is struck, and nothing else touches: on in the mode that slips as the velocities say, see
+ *          impacts.c
+ *   STICK_OR_REVERSE  a sliding velocity is zero: on to `target`, where it sticks, if every tie of that mode holds, or to
+ *          `other`, where it slides the other way, if the tie `hold` gives way
+ *   CROSS_IF_TIES_HOLD  as CROSS, where forces jump: if every tie of the mode `target` holds
  */
 #include <string.h>
 
@@ -291,7 +292,7 @@ int rule_take(Run *r, Buffers *b)
     int kind = e->event, part = e->event_part, k;
     for (k = 0; k < r->key_count; k++)
         r->behind[k] = -1;
-    if (e->rule == CROSS || e->rule == BEAR) {
+    if (e->rule == CROSS || e->rule == CROSS_IF_TIES_HOLD) {
         Real rate = e->kind == HOLD || e->kind == PUSH || e->kind == SWITCH ? clear_rate(r, e) : direct_rate(r, e);
         int own = e->kind == SWITCH ? e->key : NOTHING;
         int again = r->known[e->key] > 0 && r->pending_tau == 0;
@@ -304,23 +305,23 @@ int rule_take(Run *r, Buffers *b)
             run_take(r, b, r->mode_number, 0, NULL, NULL);
             return 1;
         }
-        if (e->rule == BEAR && stands(r, r->modes[e->target], NOTHING) <= 0)
+        if (e->rule == CROSS_IF_TIES_HOLD && stands(r, r->modes[e->target], NOTHING) <= 0)
             return 0;
         r->behind[e->event_key] = e->order;
         run_take(r, b, e->target, kind == NOTHING ? 0 : 1, &kind, &part);
         return 1;
     }
-    if (e->rule == STRUCK) {
-        Blow done;
-        if (!blow_take(r, e, &done))
+    if (e->rule == RIGID_IMPACT) {
+        Impact done;
+        if (!impact_take(r, e, &done))
             return 0;
         r->behind[e->key] = 1;
-        run_take(r, b, done.target, done.happened, r->blows.kinds, r->blows.parts);
+        run_take(r, b, done.target, done.happened, r->impacts.kinds, r->impacts.parts);
         if (r->status == OK)
-            blow_count(r, &done);
+            impact_count(r, &done);
         return 1;
     }
-    if (e->rule == STAND) {
+    if (e->rule == STICK_OR_REVERSE) {
         int answer = stands(r, r->modes[e->target], e->hold);
         if (answer == 0)
             return 0;

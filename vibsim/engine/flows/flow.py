@@ -17,7 +17,7 @@ from vibsim.engine.flows.closed.closed_form import ClosedForm
 from vibsim.engine.flows.closed.reaches import leaves_flat
 from vibsim.engine.flows.motion import Advance
 from vibsim.engine.flows.taylor import Taylor
-from vibsim.engine.ledger_integrals import Meters, QuadratureNode
+from vibsim.engine.ledger_integrals import LedgerIntegrals, QuadratureNode
 from vibsim.engine.modes.rows import STRIKE, Event, Known, ModeRows
 from vibsim.physics.elementary import Quadrature
 from vibsim.physics.numbers import Kit, N, abs
@@ -133,11 +133,11 @@ class Flow(Generic[N]):
     def quadrature(self) -> Quadrature:
         return self.now.quadrature
 
-    def open_nodes(self, meters: Meters[N]) -> None:
-        self.now.open_nodes(meters)
+    def open_nodes(self, integrals: LedgerIntegrals[N]) -> None:
+        self.now.open_nodes(integrals)
 
-    def node(self, tau: N, meters: Meters[N]) -> QuadratureNode[N]:
-        return self.now.node(tau, meters)
+    def node(self, tau: N, integrals: LedgerIntegrals[N]) -> QuadratureNode[N]:
+        return self.now.node(tau, integrals)
 
     def spin_rate(self, tau: N) -> N:
         """Rate of the speed of the rotor [rad/s^2], which moves by Taylor series alone."""

@@ -17,7 +17,7 @@ from vibsim.engine.events.root_finding import PolynomialSearch
 from vibsim.engine.flows.motion import Advance
 from vibsim.engine.flows.tape import POWER, Inputs, Tape, TapeSeries, TapeValues
 from vibsim.engine.flows.taylor_expansion import TaylorExpansion
-from vibsim.engine.ledger_integrals import Meters, QuadratureNode
+from vibsim.engine.ledger_integrals import LedgerIntegrals, QuadratureNode
 from vibsim.engine.modes.rows import (
     ACCELERATION,
     COUPLING,
@@ -284,17 +284,17 @@ class Taylor(TaylorExpansion[N]):
         """
         return self.longest
 
-    def open_nodes(self, meters: Meters[N]) -> None:
-        """Prepare the nodes of the step: the functions that the meters read, as polynomials."""
-        self.series = [self.polynomial(function) for function in meters.functions]
+    def open_nodes(self, integrals: LedgerIntegrals[N]) -> None:
+        """Prepare the nodes of the step: the functions that the integrals read, as polynomials."""
+        self.series = [self.polynomial(function) for function in integrals.functions]
 
-    def node(self, tau: N, meters: Meters[N]) -> QuadratureNode[N]:
+    def node(self, tau: N, integrals: LedgerIntegrals[N]) -> QuadratureNode[N]:
         """Values that the ledger integrals read a time tau after the expansion point."""
         v = [self.kit.number(0)] * (self.n + 2)
-        for c in meters.columns:
+        for c in integrals.columns:
             v[c] = horner(self.v[c], tau)
-        forces = [self._force_at(force, tau) for force in self.scene.forces] if meters.forces else []
-        w = horner(self.rotor.w, tau) if self.rotor and meters.spins else self.kit.number(0)
+        forces = [self._force_at(force, tau) for force in self.scene.forces] if integrals.forces else []
+        w = horner(self.rotor.w, tau) if self.rotor and integrals.spins else self.kit.number(0)
         return QuadratureNode(v, w, forces, [horner(series, tau) for series in self.series])
 
     def _force_at(self, force: Force[N], tau: N) -> N:

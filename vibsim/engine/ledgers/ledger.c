@@ -60,7 +60,7 @@ static Real force_here(const Run *r, const Force *force)
     return total;
 }
 
-static void taylor_nodes(Run *r, const Meters *m, const Real *tau, int count)
+static void taylor_nodes(Run *r, const LedgerIntegrals *m, const Real *tau, int count)
 {
     Taylor *f = &r->taylor;
     Nodes *at = &r->ledger.nodes;
@@ -93,7 +93,7 @@ static int ascend(const Real *tau)
 }
 
 /* All nodes from the first that is told. */
-static void many_nodes(Run *r, const Meters *m, const Real *tau, int first)
+static void many_nodes(Run *r, const LedgerIntegrals *m, const Real *tau, int first)
 {
     Nodes *at = &r->ledger.nodes;
     const int base = r->columns - 1, count = NODE_COUNT - first;
@@ -119,7 +119,7 @@ static void many_nodes(Run *r, const Meters *m, const Real *tau, int first)
     }
 }
 
-static void closed_form_nodes(Run *r, const Meters *m, const Real *tau)
+static void closed_form_nodes(Run *r, const LedgerIntegrals *m, const Real *tau)
 {
     Nodes *at = &r->ledger.nodes;
     const ClosedForm *f = &r->closed_form;
@@ -146,8 +146,8 @@ static void closed_form_nodes(Run *r, const Meters *m, const Real *tau)
         many_nodes(r, m, tau, alone);
 }
 
-/* The integral of a meter over the nodes, by the length of the piece. */
-static Real integral(const Run *r, const Meter *m, const Quadrature *rule)
+/* The integral that `m` names over the nodes, by the length of the piece. */
+static Real integral(const Run *r, const LedgerIntegral *m, const Quadrature *rule)
 {
     const Nodes *at = &r->ledger.nodes;
     const Real *weights = rule->weights;
@@ -190,7 +190,7 @@ static Real integral(const Run *r, const Meter *m, const Quadrature *rule)
     }
 }
 
-static void integrate(Run *r, const Meters *m, Real tau, Real length)
+static void integrate(Run *r, const LedgerIntegrals *m, Real tau, Real length)
 {
     const int by_formulas = r->mode->tape.op_count > 0 || r->mode->base_tape.op_count > 0;
     const Quadrature *rule = r->closed || by_formulas || !r->taylor.few_nodes ? &TWELVE : &EIGHT;
@@ -203,7 +203,7 @@ static void integrate(Run *r, const Meters *m, Real tau, Real length)
     else
         taylor_nodes(r, m, offsets, rule->count);
     for (i = 0; i < m->count; i++)
-        entries[m->meters[i].entry] = entries[m->meters[i].entry] + length * (m->meters[i].factor * integral(r, &m->meters[i], rule));
+        entries[m->integrals[i].entry] = entries[m->integrals[i].entry] + length * (m->integrals[i].factor * integral(r, &m->integrals[i], rule));
 }
 
 /* Displacement of a column at `state`. */
@@ -247,7 +247,7 @@ void ledger_open(Run *r)
 {
     Ledger *l = &r->ledger;
     Nodes *at = &l->nodes;
-    const Meters *m = &r->mode->meters;
+    const LedgerIntegrals *m = &r->mode->integrals;
     int i;
     if (!l->wanted)
         return;
@@ -261,7 +261,7 @@ void ledger_open(Run *r)
 int ledger_gather(Run *r)
 {
     Ledger *l = &r->ledger;
-    const Meters *m = &r->mode->meters;
+    const LedgerIntegrals *m = &r->mode->integrals;
     Real last = r->pending_tau, *done;
     if (!l->wanted)
         return 1;

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "modes.h"
-#include "room.h"
+#include "zalloc.h"
 
 /* Where what an operation reads is in the table of Taylor series. */
 static void place_input(const Run *r, Reader *in, Op *op)
@@ -55,8 +55,8 @@ static int read_tape(const Run *r, Reader *in, Tape *tape, int count, int timely
 {
     int i;
     tape->output_count = read_index(in, 0, MOST);
-    tape->ops = room((size_t)count, sizeof(Op));
-    tape->outputs = room((size_t)tape->output_count, sizeof(int));
+    tape->ops = zalloc((size_t)count, sizeof(Op));
+    tape->outputs = zalloc((size_t)tape->output_count, sizeof(int));
     if (!tape->ops || !tape->outputs)
         return 0;
     for (i = 0; i < count && !in->short_of; i++)
@@ -77,8 +77,8 @@ static void read_force(const Run *r, Reader *in, const Mode *m, FormulaForce *on
     one->to_Q = one->Q < 0 ? -1 : m->leader[one->Q];
 }
 
-/* Room for the series and values along tapes of so many operations. */
-int room_for_tapes(TapeRoom *tapes, int ops)
+/* Memory for the series and values along tapes of so many operations. */
+int alloc_tapes(TapeRoom *tapes, int ops)
 {
     Real(*series)[TAPE_ORDERS], *values;
     if (ops <= tapes->ops)
@@ -100,7 +100,7 @@ int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops)
     if (!read_tape(r, in, &m->tape, ops, 0))
         return 0;
     m->formula_count = read_index(in, 0, MOST);
-    m->formulas = room((size_t)m->formula_count, sizeof(FormulaForce));
+    m->formulas = zalloc((size_t)m->formula_count, sizeof(FormulaForce));
     if (!m->formulas)
         return 0;
     for (i = 0; i < m->formula_count && !in->short_of; i++)
@@ -109,9 +109,9 @@ int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops)
         return 0;
     if (base_ops > 0 && m->base_tape.output_count < 1)
         in->short_of = 1;
-    if (in->short_of || !room_for_tapes(&r->taylor.tapes, ops > base_ops ? ops : base_ops))
+    if (in->short_of || !alloc_tapes(&r->taylor.tapes, ops > base_ops ? ops : base_ops))
         return 0;
-    return !r->tangent || tangent_room_for_formulas(r, r->tangent);
+    return !r->tangent || tangent_alloc_formulas(r, r->tangent);
 }
 
 /* What the derivatives of the formulas of a mode by displacements, or by velocities, do to accelerations. */
@@ -120,8 +120,8 @@ static int read_rows(const Run *r, Reader *in, const Mode *m, SlopeRows *rows)
     int i;
     rows->entry_count = read_index(in, 0, MOST);
     rows->share_count = read_index(in, 0, MOST);
-    rows->entries = room((size_t)rows->entry_count, sizeof(SlopeEntry));
-    rows->shares = room((size_t)rows->share_count, sizeof(SlopeShare));
+    rows->entries = zalloc((size_t)rows->entry_count, sizeof(SlopeEntry));
+    rows->shares = zalloc((size_t)rows->share_count, sizeof(SlopeShare));
     if (!rows->entries || !rows->shares)
         return 0;
     for (i = 0; i < rows->entry_count; i++) {
@@ -143,8 +143,8 @@ static int read_slopes(const Run *r, Reader *in, Mode *m)
 {
     FormulaSlopes *s = &m->formula_slopes;
     int count = read_index(in, 0, MOST), i;
-    s->all = room((size_t)count, sizeof(FormulaSlope));
-    s->first = room((size_t)m->tape.output_count + 1, sizeof(int));
+    s->all = zalloc((size_t)count, sizeof(FormulaSlope));
+    s->first = zalloc((size_t)m->tape.output_count + 1, sizeof(int));
     if (!s->all || !s->first)
         return 0;
     for (i = 0; i <= m->tape.output_count; i++)
@@ -171,7 +171,7 @@ int slopes_read(Run *r, Reader *in, Mode *m)
     }
     r->slope_ops = ops > r->slope_ops ? ops : r->slope_ops;
     s->known = read_through(in);
-    return s->known && (!r->tangent || tangent_room_for_formulas(r, r->tangent));
+    return s->known && (!r->tangent || tangent_alloc_formulas(r, r->tangent));
 }
 
 void slopes_free(FormulaSlopes *s)

@@ -1,7 +1,7 @@
 /* The closed form of a mode from packed numbers, and what of its coordinates event functions read. */
 #include "modes.h"
 #include "numbers.h"
-#include "room.h"
+#include "zalloc.h"
 
 static void read_place(Reader *in, Place *p, int shares, int fixed, const Share *all)
 {
@@ -70,8 +70,8 @@ static int read_coordinate(Reader *in, const Run *r, Coordinate *c, Terms *terms
     c->b = read_double(in);
     c->load = read_double(in);
     terms->load = read_double(in);
-    c->drives = room((size_t)r->harmonic_count, sizeof(Drive));
-    terms->drives = room((size_t)r->harmonic_count, sizeof(Real));
+    c->drives = zalloc((size_t)r->harmonic_count, sizeof(Drive));
+    terms->drives = zalloc((size_t)r->harmonic_count, sizeof(Real));
     if (!c->drives || !terms->drives)
         return 0;
     for (h = 0; h < r->harmonic_count; h++)
@@ -103,17 +103,17 @@ Modal *modal_read(const Run *r, Reader *in, int pairs, int events)
     shifts = read_index(in, 0, MOST);
     shares = read_index(in, 0, MOST);
     fixed = read_index(in, 0, MOST);
-    if (in->short_of || (m = room(1, sizeof *m)) == NULL)
+    if (in->short_of || (m = zalloc(1, sizeof *m)) == NULL)
         return NULL;
     m->count = count;
-    m->coordinates = room((size_t)count, sizeof(Coordinate));
-    m->sources = room((size_t)sources, sizeof(Source));
-    m->shifts = room((size_t)shifts, sizeof(Shift));
-    m->places = room((size_t)(r->columns + pairs), sizeof(Place));
-    m->shares = room((size_t)shares, sizeof(Share));
-    m->fixed = room((size_t)fixed, sizeof(Fixed));
-    m->terms = room((size_t)count, sizeof(Terms));
-    m->reaches = room((size_t)events, sizeof(Reach));
+    m->coordinates = zalloc((size_t)count, sizeof(Coordinate));
+    m->sources = zalloc((size_t)sources, sizeof(Source));
+    m->shifts = zalloc((size_t)shifts, sizeof(Shift));
+    m->places = zalloc((size_t)(r->columns + pairs), sizeof(Place));
+    m->shares = zalloc((size_t)shares, sizeof(Share));
+    m->fixed = zalloc((size_t)fixed, sizeof(Fixed));
+    m->terms = zalloc((size_t)count, sizeof(Terms));
+    m->reaches = zalloc((size_t)events, sizeof(Reach));
     if (!m->coordinates || !m->terms || !m->reaches || !m->sources || !m->shifts || !m->places || !m->shares || !m->fixed)
         return m;
     m->pairs = m->places + r->columns;

@@ -34,7 +34,7 @@ void mode_free(Mode *m)
         free(m->modal->fixed);
         free(m->modal);
     }
-    meters_free(&m->meters);
+    integrals_free(&m->integrals);
     free(m->tape.ops);
     free(m->tape.outputs);
     free(m->base_tape.ops);
@@ -66,7 +66,7 @@ int mode_add(Run *r, Mode *m)
     r->key_count = keys;
     if (m->event_count > events) {
         if (!grown((void **)&s->watched, (size_t)events, (size_t)m->event_count, sizeof *s->watched) ||
-            !grown((void **)&s->blurs, (size_t)events, (size_t)m->event_count, sizeof(Blur)) ||
+            !grown((void **)&s->rounding_bounds, (size_t)events, (size_t)m->event_count, sizeof(RoundingBound)) ||
             !grown((void **)&s->events, (size_t)events, (size_t)m->event_count, sizeof(int)))
             return -1;
         r->event_room = m->event_count;
@@ -83,7 +83,7 @@ int modes_forget(Run *r)
         if (i != number)
             mode_free(r->modes[i]);
     for (i = 0; i < now->event_count; i++)
-        now->events[i].rule = ASK;
+        now->events[i].rule = DECIDE_IN_PYTHON;
     r->modes[0] = now;
     r->mode_count = 1;
     r->mode_number = 0;
@@ -94,7 +94,7 @@ int mode_renew(Run *r, int number, Mode *m)
 {
     Mode *before = r->modes[number];
     int i;
-    if (m->event_count != before->event_count || before->meters.meters)
+    if (m->event_count != before->event_count || before->integrals.integrals)
         return 0;
     for (i = 0; i < m->event_count; i++) {
         Event *e = &m->events[i], *one = &before->events[i];
@@ -127,7 +127,7 @@ void run_free(Run *r)
     ledger_free(&r->ledger);
     tangent_free(r->tangent);
     extremes_free(&r->extremes);
-    blows_free(&r->blows);
+    impacts_free(&r->impacts);
     free(r->modes);
     free(r->known);
     free(r->behind);
@@ -158,6 +158,6 @@ void run_free(Run *r)
     free(r->closed_form.scales[0]);
     free(r->closed_form.times.cosine);
     free(r->closed_form.search.watched);
-    free(r->closed_form.search.blurs);
+    free(r->closed_form.search.rounding_bounds);
     free(r->closed_form.search.events);
 }

@@ -14,12 +14,11 @@ from threading import Lock, RLock
 from typing import TYPE_CHECKING, Any
 
 from vibsim.engine.flows.closed.modal import harmonic_key, pitches
-from vibsim.engine.ledger_integrals import MeterMaker, pack_meters, terms_of
+from vibsim.engine.ledger_integrals import IntegralMaker, pack_integrals, terms_of
 from vibsim.engine.modes.packing import Packed, packed_mode
-from vibsim.engine.modes.recipe import ParametricRows, recipe_of
+from vibsim.engine.modes.parametric_rows import Numbers, ParametricRows, Place, recipe_of, settings
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import Event, EventKey, ModeRows, Rule
-from vibsim.engine.modes.same_structure import Numbers, Place, settings
 from vibsim.engine.modes.status import Kept, Status
 from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.lazy import once
@@ -48,12 +47,12 @@ class ModeTable:
         self.scene, self.form = scene, form
         self.keys: dict[EventKey, int] = {}
         self._packed = Kept[Status, Packed](MOST_BYTES)
-        self._meters = Kept[tuple[Status, bool], Packed](MOST_BYTES)
+        self._integrals = Kept[tuple[Status, bool], Packed](MOST_BYTES)
         self._slopes = Kept[Status, Packed](MOST_BYTES)
-        self._makers: dict[bool, MeterMaker] = {}
+        self._makers: dict[bool, IntegralMaker] = {}
         self._rules = Kept[tuple[Status, int], Rule | None](MOST_RULES)
         self._recipes: dict[tuple[Place, ...], Kept[Status, ParametricRows | None]] = {}
-        self._lock = RLock()  # one thread at a time makes rows, keys, meters and rules
+        self._lock = RLock()  # one thread at a time makes rows, keys, integrals and rules
 
     @once
     def maker(self) -> RowMaker:
@@ -79,7 +78,7 @@ class ModeTable:
 
     def retuned(self, scene: Scene, numbers: Numbers) -> ModeTable:
         """The table of a scene whose modes differ from those of this one in `numbers` alone, as
-        `likeness.differences` tells them.
+        `parametric_rows.differences` tells them.
         """
         return ParametricModeTable(self, scene, numbers) if numbers else self
 
@@ -103,21 +102,23 @@ class ModeTable:
         """(status, number of the event) of what rules were made for."""
         return [key for key, rule in list(self._rules.items()) if rule is not None]
 
-    def meter_maker(self, momentum: bool) -> MeterMaker:
+    def integral_maker(self, momentum: bool) -> IntegralMaker:
         """Maker of the integrals of the ledgers; momentum: whether of both of them."""
         with self._lock:
             if momentum not in self._makers:
-                self._makers[momentum] = MeterMaker(self.scene, self.form.kit, self.maker, momentum)
+                self._makers[momentum] = IntegralMaker(self.scene, self.form.kit, self.maker, momentum)
         return self._makers[momentum]
 
-    def packed_meters(self, status: Status, momentum: bool) -> Packed:
-        """The meters of a mode as bytes of ints and of doubles."""
+    def packed_integrals(self, status: Status, momentum: bool) -> Packed:
+        """The integrals of a mode as bytes of ints and of doubles."""
         with self._lock:
-            packed = self._meters.get((status, momentum))
+            packed = self._integrals.get((status, momentum))
             if packed is None:
                 rows = self.maker.rows(status)
-                made = pack_meters(self.meter_maker(momentum).meters(rows), terms_of(rows), self.form)
-                packed = self._meters.keep((status, momentum), made, bytes_of(made))
+                made = pack_integrals(
+                    self.integral_maker(momentum).integrals(rows), terms_of(rows), self.form
+                )
+                packed = self._integrals.keep((status, momentum), made, bytes_of(made))
         return packed
 
     def packed_slopes(self, status: Status) -> Packed:

@@ -3,7 +3,7 @@
 
 #include "friction_laws.h"
 #include "modes.h"
-#include "room.h"
+#include "zalloc.h"
 
 /* Where a difference of columns or rates is in the table of Taylor series; the ground is zero and need not be there. */
 static void place_term(const Run *r, Term *t)
@@ -69,21 +69,21 @@ static void take_shape(const Run *r, Mode *m)
             m->small_constants[m->constant_columns[i]] = m->constants[i];
 }
 
-int room_for_series(Real (**series)[SERIES], int count)
+int alloc_series(Real (**series)[SERIES], int count)
 {
     Real(*more)[SERIES] = regrown(*series, sizeof *more * (size_t)count);
     *series = more ? more : *series;
     return more != NULL;
 }
 
-/* Room for the series of so many falling frictions. */
-static int room_for_falls(Run *r, int count)
+/* Memory for the series of so many falling frictions. */
+static int alloc_falls(Run *r, int count)
 {
     if (count <= r->fall_room)
         return 1;
-    if (!room_for_series(&r->taylor.arguments, count) || !room_for_series(&r->taylor.falls, count))
+    if (!alloc_series(&r->taylor.arguments, count) || !alloc_series(&r->taylor.falls, count))
         return 0;
-    if (r->tangent && !tangent_room_for_falls(r->tangent, count))
+    if (r->tangent && !tangent_alloc_falls(r->tangent, count))
         return 0;
     r->fall_room = count;
     return 1;
@@ -107,7 +107,7 @@ static void read_fall(Reader *in, const Run *r, const Mode *m, Falling *one)
 
 Mode *mode_read(Run *r, Reader *in)
 {
-    Mode *m = room(1, sizeof *m);
+    Mode *m = zalloc(1, sizeof *m);
     int terms, slopes, slope_constants, pairs, ops, base_ops, i;
     if (!m)
         return NULL;
@@ -123,15 +123,15 @@ Mode *mode_read(Run *r, Reader *in)
     base_ops = read_index(in, 0, r->has_base ? MOST : 0);
     if (in->short_of)
         return m;
-    m->couplings = room((size_t)m->coupling_count, sizeof(Coupling));
-    m->falls = room((size_t)m->fall_count, sizeof(Falling));
-    m->events = room((size_t)m->event_count, sizeof(Event));
-    m->terms = room((size_t)terms, sizeof(Term));
-    m->slopes = room((size_t)slopes, sizeof(Slope));
-    m->mobility = room((size_t)(3 * r->columns), sizeof(Real));
-    m->constants = room((size_t)(m->constant_count + slope_constants), sizeof(Real));
-    m->leader = room((size_t)(r->columns + m->constant_count + r->parts + r->bodies), sizeof(int));
-    if (!m->couplings || !m->falls || !room_for_falls(r, m->fall_count) || !m->events || !m->terms || !m->slopes || !m->mobility || !m->constants || !m->leader) {
+    m->couplings = zalloc((size_t)m->coupling_count, sizeof(Coupling));
+    m->falls = zalloc((size_t)m->fall_count, sizeof(Falling));
+    m->events = zalloc((size_t)m->event_count, sizeof(Event));
+    m->terms = zalloc((size_t)terms, sizeof(Term));
+    m->slopes = zalloc((size_t)slopes, sizeof(Slope));
+    m->mobility = zalloc((size_t)(3 * r->columns), sizeof(Real));
+    m->constants = zalloc((size_t)(m->constant_count + slope_constants), sizeof(Real));
+    m->leader = zalloc((size_t)(r->columns + m->constant_count + r->parts + r->bodies), sizeof(int));
+    if (!m->couplings || !m->falls || !alloc_falls(r, m->fall_count) || !m->events || !m->terms || !m->slopes || !m->mobility || !m->constants || !m->leader) {
         in->short_of = 1;
         return m;
     }
@@ -208,7 +208,7 @@ Mode *mode_read(Run *r, Reader *in)
         e->slopes = read_index(in, 0, slopes - e->first_slope);
         e->constant = read_double(in);
         e->size = read_double(in);
-        e->rule = ASK;
+        e->rule = DECIDE_IN_PYTHON;
     }
     if (!in->short_of && read_index(in, 0, 1)) {
         m->modal = modal_read(r, in, pairs, m->event_count);

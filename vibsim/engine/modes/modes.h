@@ -21,23 +21,23 @@ void function_prepare(Mode *m, Event *e); /* in the closed form of its mode, whe
 int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops); /* formula_rows.c; 0 without memory */
 
 int slopes_read(Run *r, Reader *in, Mode *m); /* their derivatives; 0 without memory, or look at the reader */
-int room_for_tapes(TapeRoom *tapes, int ops);
+int alloc_tapes(TapeRoom *tapes, int ops);
 void slopes_free(FormulaSlopes *s);
 
-int room_for_series(Real (**series)[SERIES], int count);
+int alloc_series(Real (**series)[SERIES], int count);
 void mode_free(Mode *m);
 void run_free(Run *r);
 
 /* reading_tangent.c */
-int tangent_room_for_falls(struct Tangent *b, int count);
-int tangent_room_for_formulas(const Run *r, struct Tangent *b);
+int tangent_alloc_falls(struct Tangent *b, int count);
+int tangent_alloc_formulas(const Run *r, struct Tangent *b);
 
-/* meters.c; 0 without memory, or where the numbers are not what they should be (look at the reader) */
+/* ledger_integrals.c; 0 without memory, or where the numbers are not what they should be (look at the reader) */
 int ledger_read(Run *r, Reader *in);
-int meters_read(Run *r, Mode *m, Reader *in);
+int integrals_read(Run *r, Mode *m, Reader *in);
 int extremes_read(Run *r, Reader *in); /* extremes.c */
-int blows_read(Run *r, Reader *in);    /* reading_blows.c */
+int impacts_read(Run *r, Reader *in);    /* reading_impacts.c */
 void ledger_free(Ledger *l);
-void meters_free(Meters *m);
+void integrals_free(LedgerIntegrals *m);
 
 #endif

@@ -190,14 +190,15 @@ class ModeRows(Generic[N]):
 # What C is told of an event beforehand: the mode behind it, where that is simple.
 
 
-ASK, CROSS, STAND, STRUCK, BEAR = range(5)  # kinds of rules, as in rules.c; ASK: Python decides
+# kinds of rules, as in rules.c
+DECIDE_IN_PYTHON, CROSS, STICK_OR_REVERSE, RIGID_IMPACT, CROSS_IF_TIES_HOLD = range(5)
 
 
 class Rule(NamedTuple):
     """A rule of one event of a mode.
 
-    target : the mode behind it; other : of STAND, the mode where HOLD event number `hold` of the target is
-        overloaded; None and -1 where there is none
+    target : the mode behind it; other : of STICK_OR_REVERSE, the mode where HOLD event number `hold` of the
+        target is overloaded; None and -1 where there is none
     happened, part : kind of the event by name, and its part; "" and -1 where nothing is told
     key, order : of the event function that is zero behind it
     """

@@ -2,7 +2,7 @@
 #include "certificate.h"
 #include "modes.h"
 #include "numbers.h"
-#include "room.h"
+#include "zalloc.h"
 
 static void read_harmonic(Reader *in, Harmonic *h)
 {
@@ -13,22 +13,22 @@ static void read_harmonic(Reader *in, Harmonic *h)
     h->phase = read_double(in);
 }
 
-static int room_for_flows(Run *r)
+static int alloc_flows(Run *r)
 {
     Taylor *f = &r->taylor;
     ClosedForm *c = &r->closed_form;
     size_t n = (size_t)r->bodies, columns = n + 2, row = 2 * (n + 3), coordinates = 2 * n + 2, harmonics = (size_t)r->harmonic_count + 1, i;
-    f->table = room((SERIES + 1) * row, sizeof(Real));
-    f->loaded_on = room(columns, sizeof(Real *));
-    f->load = room(columns * SERIES, sizeof(Real));
-    r->force = room(columns, sizeof(Real));
-    r->state.x = room(7 * n, sizeof(Real));
-    c->motions = room(coordinates, sizeof(Motion));
-    c->responses = room(coordinates * harmonics, sizeof(Response));
-    c->sin0 = room(harmonics * 6, sizeof(Real));
-    c->x0 = room(3 * columns, sizeof(Real));
-    c->scales[0] = room(MEASURES * coordinates, sizeof(Scale));
-    c->times.cosine = room(2 * (harmonics + coordinates), sizeof *c->times.cosine);
+    f->table = zalloc((SERIES + 1) * row, sizeof(Real));
+    f->loaded_on = zalloc(columns, sizeof(Real *));
+    f->load = zalloc(columns * SERIES, sizeof(Real));
+    r->force = zalloc(columns, sizeof(Real));
+    r->state.x = zalloc(7 * n, sizeof(Real));
+    c->motions = zalloc(coordinates, sizeof(Motion));
+    c->responses = zalloc(coordinates * harmonics, sizeof(Response));
+    c->sin0 = zalloc(harmonics * 6, sizeof(Real));
+    c->x0 = zalloc(3 * columns, sizeof(Real));
+    c->scales[0] = zalloc(MEASURES * coordinates, sizeof(Scale));
+    c->times.cosine = zalloc(2 * (harmonics + coordinates), sizeof *c->times.cosine);
     if (!f->table || !f->loaded_on || !f->load || !r->force || !r->state.x || !c->motions || !c->responses || !c->sin0 || !c->x0 ||
         !c->scales[0] || !c->times.cosine)
         return 0;
@@ -57,18 +57,18 @@ static int room_for_flows(Run *r)
     return 1;
 }
 
-/* Room for rotors on bodies, columns by themselves, and what formulas read. */
-static int room_for_rotors(Run *r)
+/* Memory for rotors on bodies, columns by themselves, and what formulas read. */
+static int alloc_rotors(Run *r)
 {
     Rotors *o = &r->rotors;
     TapeInputs *at = &r->taylor.tapes.at, *blur = &r->taylor.tapes.blur;
     const size_t count = (size_t)o->count, columns = (size_t)r->columns;
-    r->alone = room((size_t)r->alone_count, sizeof(int));
-    o->of = room(count, sizeof(RotorOn));
-    o->sine = room(3 * count, sizeof *o->sine);
-    o->mass = room(2 * count, sizeof(Real));
-    o->leaders = room(count + 1, sizeof(int));
-    r->taylor.acceleration = room(5 * columns, sizeof(Real));
+    r->alone = zalloc((size_t)r->alone_count, sizeof(int));
+    o->of = zalloc(count, sizeof(RotorOn));
+    o->sine = zalloc(3 * count, sizeof *o->sine);
+    o->mass = zalloc(2 * count, sizeof(Real));
+    o->leaders = zalloc(count + 1, sizeof(int));
+    r->taylor.acceleration = zalloc(5 * columns, sizeof(Real));
     if (!r->alone || !o->of || !o->sine || !o->mass || !o->leaders || !r->taylor.acceleration)
         return 0;
     o->cosine = o->sine + count;
@@ -102,12 +102,12 @@ static int scene_shape(Run *r, Reader *in)
     r->alone_count = read_index(in, 0, r->bodies);
     if (in->short_of)
         return 0;
-    r->masses = room((size_t)r->bodies, sizeof(Real));
-    r->harmonics = room((size_t)r->harmonic_count, sizeof(Harmonic));
-    r->forces = room((size_t)r->force_count, sizeof(Force));
-    r->base = room((size_t)r->base_count, sizeof(Harmonic));
-    r->taylor.loaded = room((size_t)r->bodies, sizeof(int));
-    if (!r->masses || !r->harmonics || !r->forces || !r->base || !r->taylor.loaded || !room_for_flows(r) || !room_for_rotors(r))
+    r->masses = zalloc((size_t)r->bodies, sizeof(Real));
+    r->harmonics = zalloc((size_t)r->harmonic_count, sizeof(Harmonic));
+    r->forces = zalloc((size_t)r->force_count, sizeof(Force));
+    r->base = zalloc((size_t)r->base_count, sizeof(Harmonic));
+    r->taylor.loaded = zalloc((size_t)r->bodies, sizeof(int));
+    if (!r->masses || !r->harmonics || !r->forces || !r->base || !r->taylor.loaded || !alloc_flows(r) || !alloc_rotors(r))
         return 0;
     for (i = 0; i < r->harmonic_count; i++)
         r->harmonics[i].harmonic = i;
@@ -119,7 +119,7 @@ static int scene_shape(Run *r, Reader *in)
         f->count = read_index(in, 0, MOST);
         if (in->short_of)
             return 0;
-        f->terms = room((size_t)f->count, sizeof(Harmonic));
+        f->terms = zalloc((size_t)f->count, sizeof(Harmonic));
         if (!f->terms)
             return 0;
         for (j = 0; j < f->count; j++)

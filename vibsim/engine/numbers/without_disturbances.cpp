@@ -23,12 +23,12 @@ int tangent_read(Run *, Reader *)
     return 0;
 }
 
-int tangent_room_for_falls(struct Tangent *, int)
+int tangent_alloc_falls(struct Tangent *, int)
 {
     return 1;
 }
 
-int tangent_room_for_formulas(const Run *, struct Tangent *)
+int tangent_alloc_formulas(const Run *, struct Tangent *)
 {
     return 1;
 }

@@ -10,8 +10,8 @@ import numpy as np
 
 from vibsim.engine.c_engine import REASONS, UNDECIDED, CRun
 from vibsim.engine.errors import State
-from vibsim.engine.events.initial_mode import UnambiguousStart
-from vibsim.engine.ledger_integrals import pack_blows
+from vibsim.engine.events.automaton import UnambiguousStart
+from vibsim.engine.ledger_integrals import pack_impacts
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.tangent.packing_tangent import DisturbancePacker
@@ -51,12 +51,12 @@ class CarryingRun(CRun):
         return partial(self.table.maker.rows, self.statuses[number])
 
     def retune(self, scene: Scene, doubles: bytes, table: ModeTable) -> None:
-        """Go over to a scene whose modes have the same form (`likeness.differences`); a restart has to
+        """Go over to a scene whose modes have the same form (`parametric_rows.differences`); a restart has to
         follow.
 
         doubles : of the packed scene; table : of its modes
         """
-        for name in ("scout", "automaton", "jumps", "maker"):
+        for name in ("derivative_flow", "automaton", "jumps", "maker"):
             self.__dict__.pop(name, None)
         before, self.scene = self.scene, scene
         if doubles != self._doubles:
@@ -65,19 +65,19 @@ class CarryingRun(CRun):
         if table is not self.table:
             self.table = table
             for number, status in enumerate(self.statuses):
-                self.run.renew_mode(number, *table.packed(status, lambda: self.scout))
+                self.run.renew_mode(number, *table.packed(status, lambda: self.derivative_flow))
                 self._set_slopes(number, status)
         self._renew_starts(before, scene)
 
     def _renew_starts(self, before: Scene, scene: Scene) -> None:
-        """Renew what starts, disturbances and blows are told by, where that has changed."""
+        """Renew what starts, disturbances and impacts are told by, where that has changed."""
         touching = before.stops is not scene.stops or before.frictions is not scene.frictions
         if touching:
             self.plain = None
         if self.packer and (touching or not plainly_weighed_alike(before, scene)):
             self.packer = self.packer.of(scene)
         if touching and scene.rigid_stops:
-            self.run.keep_blows(*pack_blows(scene, [], self.maker.ends, self.early))
+            self.run.keep_impacts(*pack_impacts(scene, [], self.maker.ends, self.early))
 
     def restart(self, state: State, end: float, vectors: np.ndarray) -> None:
         """Begin anew from `state` at t = 0 and run to `end` [s], with disturbances to be carried as they are:

@@ -1,7 +1,7 @@
 """Saltation matrix of an impact: its effect on a small disturbance.
 
 A disturbed motion meets the stop dt = -n^T d / h' later, with h' the rate of the event function h and n its
-gradient. It moves by the field f- in front of the blow for so long, is struck by the law of impacts R, and
+gradient. It moves by the field f- in front of the impact for so long, is struck by the law of impacts R, and
 would have moved by the field f+ behind it (Aizerman & Gantmakher 1958; Mueller 1995):
 
     S d = R' (d + f- dt) - f+ dt
@@ -52,17 +52,17 @@ class ImpactMotion(Generic[N]):
 
 @dataclass
 class ImpactSaltation(Generic[N]):
-    """S of a blow.
+    """S of an impact.
 
     event : STRIKE function that ended the mode, with h' = -approach [m/s]
-    passed : (contact, impulse) of the stops that passed one; law : the blow, linearised
+    passed : (contact, impulse) of the stops that passed one; law : the impact, linearised
     """
 
     event: Event[N]
     approach: N
     before: ImpactMotion[N]
     after: ImpactMotion[N]
-    law: LinearBlow[N]
+    law: LinearImpact[N]
     bodies: int
 
     def applied(self, vector: Sequence[N]) -> list[N]:
@@ -87,21 +87,21 @@ class ImpactSaltation(Generic[N]):
 
     @property
     def drive(self) -> N:
-        """Acceleration that drives the ends of the stop together in front of the blow [m/s^2]."""
+        """Acceleration that drives the ends of the stop together in front of the impact [m/s^2]."""
         (term,) = self.event.terms
         return -(term.coefficient * (self.before.a[term.P] - self.before.a[term.Q]))
 
     @property
     def determinant(self) -> N:
         """Of S on disturbances that stops at rest allow: e of the law, e again as time passes slower behind
-        the blow.
+        the impact.
         """
         e = self.law.restitution(self.event.part)
         return e * e
 
 
-class LinearBlow(Generic[N]):
-    """The law of impacts about one blow.
+class LinearImpact(Generic[N]):
+    """The law of impacts about one impact.
 
     passed : (contact, impulse) of each stop that passed one; phase: angle of the rotor [rad]; x:
         displacements of all bodies, angles of rotors on them
@@ -131,7 +131,7 @@ class LinearBlow(Generic[N]):
         self.turning_slope = c / determinant + self.bodies.turning * change
 
     def applied(self, dv: Sequence[N], dw: N, dphi: N, dx: Sequence[N] = ()) -> tuple[list[N], N]:
-        """Velocities of all columns and of the rotor behind the blow, from those in front of it, the angle
+        """Velocities of all columns and of the rotor behind the impact, from those in front of it, the angle
         of the rotor, and with rotors on bodies all displacements: their disturbances.
         """
         demands = [-(c.sense * (dv[c.P] - dv[c.Q])) * (1 + c.e) for c, _ in self.passed]
@@ -147,7 +147,7 @@ class LinearBlow(Generic[N]):
                 for demand, (c, _) in zip(demands, self.passed, strict=True)
             ]
         impulses = solved(self.kit, self.couplings, demands, list(range(len(demands))))
-        assert impulses is not None  # as when the blow itself was solved for
+        assert impulses is not None  # as when the impact itself was solved for
         after = list(dv)
         for (c, _), impulse in zip(self.passed, impulses, strict=True):
             for column, sign in ((c.P, c.sense), (c.Q, -c.sense)):
@@ -165,8 +165,8 @@ class LinearBlow(Generic[N]):
         return after, dw
 
     def _shifts(self, dx: Sequence[N]) -> dict[int, N]:
-        """What the blow as it is adds to velocities of bodies where the angles of their rotors are disturbed,
-        which changes what impulses meet there.
+        """What the impact as it is adds to velocities of bodies where the angles of their rotors are
+        disturbed, which changes what impulses meet there.
         """
         shifts: dict[int, N] = {}
         for one in self.turned:
@@ -197,7 +197,7 @@ class LinearBlow(Generic[N]):
 
 
 class _TurnedRotor(NamedTuple, Generic[N]):
-    """How a rotor on a body takes part in blows: its column, that of its body, the speed that it gains per
+    """How a rotor on a body takes part in impacts: its column, that of its body, the speed that it gains per
     speed of the body [1/m], and the slopes of that and of the mobility of the body with its angle.
     """
 
@@ -229,7 +229,7 @@ def impact_saltation(
     """The saltation of a STRIKE `event` at `state`, which `touch` led to, between the modes of the rows
     `before` and `after`. None where nothing is struck, UNDEFINED where there is none.
     """
-    i, passed, more = event.part, touch.blows[0] if touch.blows else [], touch.blows[1:]
+    i, passed, more = event.part, touch.impacts[0] if touch.impacts else [], touch.impacts[1:]
     if not passed:
         grazes = touch.before[i] == 0 and after.status.stops[i] == OPEN
         return UNDEFINED if grazes else None
@@ -242,5 +242,5 @@ def impact_saltation(
         ImpactMotion(list(where.v[:n]), where.w, *accelerations(scene, kit, rows, where))
         for where, rows in ((start, before), (state, after))
     )
-    law = LinearBlow(scene, kit, passed, state.phase, state.x)
+    law = LinearImpact(scene, kit, passed, state.phase, state.x)
     return ImpactSaltation(event, touch.before[i], one, other, law, n)

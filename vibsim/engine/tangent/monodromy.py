@@ -25,8 +25,8 @@ from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.packing import harmonic_indices, scene_doubles
+from vibsim.engine.modes.parametric_rows import Numbers, differences
 from vibsim.engine.modes.rows import ModeRows
-from vibsim.engine.modes.same_structure import Numbers, differences
 from vibsim.engine.tangent.carried import Carried
 from vibsim.engine.tangent.tangent_space import length
 from vibsim.lazy import once

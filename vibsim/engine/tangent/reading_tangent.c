@@ -3,19 +3,19 @@
 #include <string.h>
 
 #include "modes.h"
-#include "room.h"
+#include "zalloc.h"
 #include "tangent.h"
 
 static int *read_indices(Reader *in, int count, int high)
 {
-    int *values = room((size_t)count, sizeof(int)), i;
+    int *values = zalloc((size_t)count, sizeof(int)), i;
     for (i = 0; values && i < count; i++)
         values[i] = read_index(in, 0, high);
     return values;
 }
 
 /* A second flow, for expansions within a step. */
-static int room_for_spare(const Run *r, TaylorTangent *of)
+static int alloc_spare(const Run *r, TaylorTangent *of)
 {
     size_t row = 2 * ((size_t)r->bodies + 3), columns = (size_t)r->columns, i;
     Taylor *f = &of->spare;
@@ -24,9 +24,9 @@ static int room_for_spare(const Run *r, TaylorTangent *of)
     f->tapes.series = NULL;
     f->tapes.values = NULL;
     f->tapes.ops = 0;
-    f->table = room((SERIES + 1) * row, sizeof(Real));
-    f->load = room(columns * SERIES, sizeof(Real));
-    f->loaded_on = room(columns, sizeof(Real *));
+    f->table = zalloc((SERIES + 1) * row, sizeof(Real));
+    f->load = zalloc(columns * SERIES, sizeof(Real));
+    f->loaded_on = zalloc(columns, sizeof(Real *));
     if (!f->table || !f->load || !f->loaded_on)
         return 0;
     f->values = f->table + SERIES * row;
@@ -36,16 +36,16 @@ static int room_for_spare(const Run *r, TaylorTangent *of)
 }
 
 /* What rotors on bodies need, and a second set of their series. */
-static int room_for_rotors(const Run *r, TaylorTangent *of)
+static int alloc_rotors(const Run *r, TaylorTangent *of)
 {
     const size_t count = (size_t)r->rotors.count;
     Rotors *o = &of->spare_rotors;
     *o = r->rotors;
-    o->sine = room(5 * count, sizeof *o->sine);
-    o->mass = room(2 * count, sizeof(Real));
-    o->leaders = room(count + 1, sizeof(int));
-    of->pushed = room(TANGENT_GROUP * count * SERIES, sizeof *of->pushed);
-    of->torques = room(count, sizeof *of->torques);
+    o->sine = zalloc(5 * count, sizeof *o->sine);
+    o->mass = zalloc(2 * count, sizeof(Real));
+    o->leaders = zalloc(count + 1, sizeof(int));
+    of->pushed = zalloc(TANGENT_GROUP * count * SERIES, sizeof *of->pushed);
+    of->torques = zalloc(count, sizeof *of->torques);
     if (!o->sine || !o->mass || !o->leaders || !of->pushed || !of->torques)
         return 0;
     o->cosine = o->sine + count;
@@ -56,23 +56,23 @@ static int room_for_rotors(const Run *r, TaylorTangent *of)
     return 1;
 }
 
-static int room_for_all(const Run *r, Tangent *b)
+static int alloc_all(const Run *r, Tangent *b)
 {
     size_t count = (size_t)b->count, size = (size_t)b->size, stride = (size_t)b->stride, columns = (size_t)r->columns;
     size_t coordinates = 2 * columns;
-    b->columns = room(2 * count, sizeof(int));
-    b->lost = room(count, sizeof(int));
-    b->vectors = room(2 * size * stride, sizeof(Real));
-    b->sums = room(2 * count, sizeof(Real));
-    b->rows = room((SPANS + 1) * (1 + count), sizeof(Real));
-    b->fitted = room((count + size + columns + 1) * size, sizeof(Real));
-    b->q = room((2 * coordinates + 2) * stride, sizeof(Real));
-    b->accelerations = room(3 * columns + size, sizeof(Real));
-    b->moving = room(coordinates, sizeof(Moving));
-    b->taylor.series = room(TANGENT_GROUP * (2 * columns + 1) * SERIES, sizeof *b->taylor.series);
-    b->taylor.force = room(2 * columns, sizeof *b->taylor.force);
-    b->seat = room(columns, sizeof(int));
-    b->tangencies.fastest = room((size_t)b->stop_count, sizeof(Real));
+    b->columns = zalloc(2 * count, sizeof(int));
+    b->lost = zalloc(count, sizeof(int));
+    b->vectors = zalloc(2 * size * stride, sizeof(Real));
+    b->sums = zalloc(2 * count, sizeof(Real));
+    b->rows = zalloc((SPANS + 1) * (1 + count), sizeof(Real));
+    b->fitted = zalloc((count + size + columns + 1) * size, sizeof(Real));
+    b->q = zalloc((2 * coordinates + 2) * stride, sizeof(Real));
+    b->accelerations = zalloc(3 * columns + size, sizeof(Real));
+    b->moving = zalloc(coordinates, sizeof(Moving));
+    b->taylor.series = zalloc(TANGENT_GROUP * (2 * columns + 1) * SERIES, sizeof *b->taylor.series);
+    b->taylor.force = zalloc(2 * columns, sizeof *b->taylor.force);
+    b->seat = zalloc(columns, sizeof(int));
+    b->tangencies.fastest = zalloc((size_t)b->stop_count, sizeof(Real));
     if (!b->columns || !b->lost || !b->vectors || !b->sums || !b->rows || !b->fitted || !b->q || !b->accelerations || !b->moving ||
         !b->taylor.series || !b->taylor.force || !b->seat || !b->tangencies.fastest)
         return 0;
@@ -87,16 +87,16 @@ static int room_for_all(const Run *r, Tangent *b)
     b->other_accelerations = b->accelerations + columns;
     b->force = b->other_accelerations + columns;
     b->jump = b->force + columns;
-    return room_for_spare(r, &b->taylor) && room_for_rotors(r, &b->taylor) && (r->fall_room == 0 || tangent_room_for_falls(b, r->fall_room)) &&
-           tangent_room_for_formulas(r, b);
+    return alloc_spare(r, &b->taylor) && alloc_rotors(r, &b->taylor) && (r->fall_room == 0 || tangent_alloc_falls(b, r->fall_room)) &&
+           tangent_alloc_formulas(r, b);
 }
 
 /* Ends and laws of stops and frictions. */
 static int read_parts(const Run *r, Tangent *b, Reader *in)
 {
     int last = r->columns - 1, i;
-    b->stops = room((size_t)b->stop_count, sizeof(StopEnds));
-    b->frictions = room((size_t)b->friction_count, sizeof(FrictionEnds));
+    b->stops = zalloc((size_t)b->stop_count, sizeof(StopEnds));
+    b->frictions = zalloc((size_t)b->friction_count, sizeof(FrictionEnds));
     if (!b->stops || !b->frictions)
         return 0;
     for (i = 0; i < b->stop_count; i++) {
@@ -132,8 +132,8 @@ static int read_bundle(Run *r, Tangent *b, Reader *in)
     b->shift_from = read_indices(in, b->shift_count, r->bodies - 1);
     b->shift_to = read_indices(in, b->shift_count, r->bodies - 1);
     b->references = read_indices(in, b->reference_count, r->bodies - 1);
-    b->weights = room((size_t)b->size, sizeof(Real));
-    if (!b->components || !b->shift_from || !b->shift_to || !b->references || !b->weights || !room_for_all(r, b) ||
+    b->weights = zalloc((size_t)b->size, sizeof(Real));
+    if (!b->components || !b->shift_from || !b->shift_to || !b->references || !b->weights || !alloc_all(r, b) ||
         !read_parts(r, b, in))
         return 0;
     b->begin = read_double(in);
@@ -148,15 +148,15 @@ static int read_bundle(Run *r, Tangent *b, Reader *in)
     return read_through(in);
 }
 
-/* Room for the series of so many falling frictions; 0 without memory. */
-int tangent_room_for_falls(Tangent *b, int count)
+/* Memory for the series of so many falling frictions; 0 without memory. */
+int tangent_alloc_falls(Tangent *b, int count)
 {
     TaylorTangent *of = &b->taylor;
-    return room_for_series(&of->slopes, count) && room_for_series(&of->spare.arguments, count) && room_for_series(&of->spare.falls, count);
+    return alloc_series(&of->slopes, count) && alloc_series(&of->spare.arguments, count) && alloc_series(&of->spare.falls, count);
 }
 
-/* Room for the series along the tapes of the modes met so far; 0 without memory. */
-int tangent_room_for_formulas(const Run *r, Tangent *b)
+/* Memory for the series along the tapes of the modes met so far; 0 without memory. */
+int tangent_alloc_formulas(const Run *r, Tangent *b)
 {
     TaylorTangent *of = &b->taylor;
     if (r->slope_entries > of->entry_room) {
@@ -166,13 +166,13 @@ int tangent_room_for_formulas(const Run *r, Tangent *b)
         of->entries = more;
         of->entry_room = r->slope_entries;
     }
-    return room_for_tapes(&of->spare.tapes, r->taylor.tapes.ops) && room_for_tapes(&of->step, r->slope_ops) &&
-           room_for_tapes(&of->here, r->slope_ops);
+    return alloc_tapes(&of->spare.tapes, r->taylor.tapes.ops) && alloc_tapes(&of->step, r->slope_ops) &&
+           alloc_tapes(&of->here, r->slope_ops);
 }
 
 int tangent_read(Run *r, Reader *in)
 {
-    r->tangent = room(1, sizeof(Tangent));
+    r->tangent = zalloc(1, sizeof(Tangent));
     return r->tangent && read_bundle(r, r->tangent, in);
 }
 

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.engine.blocks_ahead import available_cores
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.error_growth import error_growth
 from vibsim.evidence.benchmark.bench_result import (
@@ -37,7 +38,6 @@ from vibsim.evidence.peers.solvers import Attempt, TimeLimit
 from vibsim.evidence.verification.checks import Event, match_events, reach
 from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES, Scene
 from vibsim.physics.rates import natural_rates, source_rates
-from vibsim.results.blocks_ahead import available_cores
 from vibsim.results.file_contents import provenance
 from vibsim.results.hdf5_reading import ResultFileError
 from vibsim.results.many_digits import DigitsPlan, TruthMemory, TruthRecording

@@ -1,4 +1,4 @@
-"""The modes of a scene around a solver that finds events: which follows, and what a blow does."""
+"""The modes of a scene around a solver that finds events: which follows, and what an impact does."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -151,10 +151,10 @@ def _agrees(at: Instant, i: int, state: str, values: Sequence[float], scale: flo
     return bool((force if state == FORWARD else -force) >= -SLACK * scale)
 
 
-# What happens at a rigid stop that is struck: blows until none closes, then rest or a hop.
+# What happens at a rigid stop that is struck: impacts until none closes, then rest or a hop.
 
 
-MOST_BLOWS = 100  # at one instant
+MOST_IMPACTS = 100  # at one instant
 LATER, NEVER = 1e300, inf  # s, until a hop ends
 
 
@@ -172,7 +172,7 @@ class Shortest:
 
 @dataclass
 class Struck:
-    """impacts : stops that were struck while they closed; undecided : parts at rest behind the blows;
+    """impacts : stops that were struck while they closed; undecided : parts at rest behind the impacts;
     hop_ends : until the shortest hop ends [s], LATER where that is not in sight
     """
 
@@ -184,18 +184,18 @@ class Struck:
 def strike(
     at: Instant, states: States, striking: Sequence[int], undecided: Sequence[int], shortest: Shortest
 ) -> Struck:
-    """Blows of the stops `striking` and of those that touch; changes velocities of `at`, and `states` of the
-    parts that they set in motion. undecided : other parts at rest. Raises ArithmeticError as `blow`.
+    """Impacts of the stops `striking` and of those that touch; changes velocities of `at`, and `states` of
+    the parts that they set in motion. undecided : other parts at rest. Raises ArithmeticError as `impact`.
     """
     touching = [i for i in _rigid(at) if _touches(at, i, states, {*striking, *undecided}, shortest)]
     frictions = [i for i, switch in enumerate(at.switches) if isinstance(switch.part, Friction)]
     slips = {i: at.rate(i) for i in frictions}
     first, struck = max(at.rate(i) for i in touching), set()
-    for _ in range(MOST_BLOWS):
+    for _ in range(MOST_IMPACTS):
         rates = [at.rate(i) for i in touching]
         if not max(rates) > ZERO * first >= 0:
             break
-        impulses = blow(at, touching, rates)
+        impulses = impact(at, touching, rates)
         struck |= {i for i, L, rate in zip(touching, impulses, rates, strict=True) if L > 0 and rate > 0}
     else:
         raise ArithmeticError(f"impacts without end at {at.t:g} s")
@@ -218,7 +218,7 @@ def _touches(at: Instant, i: int, states: States, there: set[int], shortest: Sho
 def _let_go(
     at: Instant, states: States, touching: Sequence[int], first: float, shortest: Shortest
 ) -> tuple[list[int], float]:
-    """Open the stops that separate behind a blow; those at rest, or with a hop that is none, and until the
+    """Open the stops that separate behind an impact; those at rest, or with a hop that is none, and until the
     shortest of the other hops ends.
     """
     for i in touching:
@@ -279,7 +279,7 @@ class Mode:
         }
 
     def begin(self, state: list[float]) -> Events:
-        """Take the mode of the state at t = 0, in which a blow may fall; kinds of the events."""
+        """Take the mode of the state at t = 0, in which an impact may fall; kinds of the events."""
         at = Instant(self.compiled, 0.0, state)
         undecided, striking = [], []
         for i, switch in enumerate(self.switches):
@@ -361,7 +361,7 @@ class Mode:
             at.halt(tied)
 
     def _mend_lifts(self, at: Instant) -> None:
-        """Where a blow has turned the force of a damped stop round, it lets go, or takes hold again."""
+        """Where an impact has turned the force of a damped stop round, it lets go, or takes hold again."""
         for i in self._damped:
             if self.states[i] != FREE and at.depth(i) > self.shortest.height:
                 force = at.contact_force(i)
@@ -388,7 +388,7 @@ def _elastic_behind(at: Instant, i: int, state: str) -> str:
     return FREE if part.k * depth < abs(at.contact_force(i)) else CONTACT
 
 
-# Blows of rigid stops by the Newton-Moreau law, by trying which of them pass on an impulse.
+# Impacts of rigid stops by the Newton-Moreau law, by trying which of them pass on an impulse.
 #
 # With g' the rates of depth of the stops that touch, L their impulses and A = D G^-1 D' (D the rows of g', G
 # the masses, the rotor among them):  g'(after) = g' - A L,  L >= 0,  w = g'(after) + e g' <= 0,  L w = 0.
@@ -398,9 +398,9 @@ ROUNDING = 1e-12  # of the largest rate: what counts as zero
 MOST_STOPS = 12  # that touch at once, of which all sets are tried
 
 
-def blow(at: Instant, touching: Sequence[int], rates: Sequence[float]) -> list[float]:
-    """Change the velocities of `at` by a blow of the rigid stops `touching`, whose depths change by `rates`
-    [m/s]; the impulse of each [N s]. Raises ArithmeticError where no impulses obey the law.
+def impact(at: Instant, touching: Sequence[int], rates: Sequence[float]) -> list[float]:
+    """Change the velocities of `at` by an impact of the rigid stops `touching`, whose depths change by
+    `rates` [m/s]; the impulse of each [N s]. Raises ArithmeticError where no impulses obey the law.
     """
     if len(touching) == 1 and at.compiled.scene.motor is None:
         impulses = _of_one_stop(at, touching[0], rates[0])

@@ -1,9 +1,9 @@
 """heyoka.py: an adaptive Taylor integrator compiled at run time, the mode automaton in its event callbacks.
 
 The peer as good as heyoka allows: constants compiled in, modes as run-time parameters, back to Python at
-events only. A blow changes the velocities in the callback too: stopping at it and calling heyoka anew takes
-longer. Every event function is positive inside its mode and watched falling, so a zero just taken is not met
-again. Needs heyoka.
+events only. An impact changes the velocities in the callback too: stopping at it and calling heyoka anew
+takes longer. Every event function is positive inside its mode and watched falling, so a zero just taken is
+not met again. Needs heyoka.
 """
 
 from collections.abc import Callable

@@ -276,7 +276,7 @@ class _Steps:
 INSIDE = 1e-300  # stands for an event function that is exactly 0: solve_ivp takes 0 after 0 for an event
 LONGEST = 0.25  # of the shortest period with all stops closed: a step; a contact lasts half of it
 FIRST = 0.25  # of a hop that has just begun: its first step, so that the next ones see it end
-BEHIND_A_BLOW = 0.01  # of the longest step, where the hop has no end in sight yet
+BEHIND_A_IMPACT = 0.01  # of the longest step, where the hop has no end in sight yet
 
 
 class EventSolver:
@@ -345,10 +345,10 @@ class _EventRun:
         self.progress.event(self.t)
 
     def _first_step(self) -> float | None:
-        """Of a call behind a blow; None leaves it to solve_ivp, which would step over the whole hop."""
+        """Of a call behind an impact; None leaves it to solve_ivp, which would step over the whole hop."""
         if self.mode.hop_ends == NEVER:
             return None
-        step = min(self.mode.hop_ends * FIRST, self.settings["max_step"] * BEHIND_A_BLOW)
+        step = min(self.mode.hop_ends * FIRST, self.settings["max_step"] * BEHIND_A_IMPACT)
         return step if step < self.times[-1] - self.t else None
 
     def _named(self, kinds: list[str]) -> list[tuple[float, int]]:

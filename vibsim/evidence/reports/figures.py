@@ -36,9 +36,8 @@ from vibsim.plots.fit_and_bench import scatter_shares
 from vibsim.plots.picture import DPI, drawn
 from vibsim.plots.sheet import CM, Level, draw_levels, legend_below, letter_panels, sheet
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, SHADE, SKY, VERMILLION
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import Subject, View
 from vibsim.plots.sweep_curves import alone, curves, draw_curve, frequencies
-from vibsim.plots.view import View
 from vibsim.results.output_files import output_file
 from vibsim.sweeps import SweepResult, sweep
 

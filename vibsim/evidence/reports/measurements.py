@@ -26,10 +26,10 @@ from vibsim.analysis import (
     measure_drift,
 )
 from vibsim.analysis.drift import STILL
+from vibsim.engine.blocks_ahead import available_cores
 from vibsim.engine.errors import EngineError
 from vibsim.physics.elementary import mean
 from vibsim.results import Result, ResultFileError, open_trajectory_file, simulate, simulate_to_file
-from vibsim.results.blocks_ahead import available_cores
 from vibsim.results.output_files import output_file
 from vibsim.results.recording import Watch
 from vibsim.results.result import Window, rows_within

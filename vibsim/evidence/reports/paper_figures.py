@@ -43,15 +43,15 @@ from vibsim.plots.branch_curves import (
     torque_of,
 )
 from vibsim.plots.branch_values import amplitude_of
-from vibsim.plots.characteristics import motor_panel, stiffness_panel
 from vibsim.plots.frequency_pictures import displacement_frequency_panels
 from vibsim.plots.machine import machine_panel, machine_size
+from vibsim.plots.overview import motor_panel, stiffness_panel
 from vibsim.plots.portraits import moving, phase_panels
 from vibsim.plots.samples import common_window, detail_span, motor_of, natural_frequencies, window_of
 from vibsim.plots.sheet import Scale, legend_above, legend_below, letter_panels, sheet, time_axis
 from vibsim.plots.slow_passages import power_panels
 from vibsim.plots.style import GREY, overlay
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import Subject, View
 from vibsim.plots.time_histories import (
     DISPLACEMENT,
     SPEED,
@@ -62,7 +62,6 @@ from vibsim.plots.time_histories import (
     relative_panel,
 )
 from vibsim.plots.traces import mark_detail
-from vibsim.plots.view import View
 from vibsim.results.hdf5_reading import ResultFileError
 
 LETTERS = "ABC"

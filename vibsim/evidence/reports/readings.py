@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.analysis import count_impacts, judge_capture, judge_regime, largest_exponent, measure_drift
+from vibsim.engine.blocks_ahead import available_cores
 from vibsim.engine.errors import EngineError
 from vibsim.evidence.reports.measurements import EVERY as measurements_EVERY
 from vibsim.evidence.reports.measurements import (
@@ -39,7 +40,6 @@ from vibsim.fitting.fitting import make_plan, run_fit
 from vibsim.fitting.plan import Search
 from vibsim.physics.parts import EVENT_KINDS
 from vibsim.results import Result, simulate
-from vibsim.results.blocks_ahead import available_cores
 
 if TYPE_CHECKING:
     from vibsim.cases import Case

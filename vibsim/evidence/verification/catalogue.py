@@ -30,11 +30,6 @@ from vibsim.evidence.verification.checks import (
     worst_row,
 )
 from vibsim.evidence.verification.formulas import formula_checks
-from vibsim.evidence.verification.friction import (
-    coulomb_friction_checks,
-    friction_oscillator_checks,
-    stick_slip_checks,
-)
 from vibsim.evidence.verification.hard_cases import BECAUSE as hard_cases_BECAUSE
 from vibsim.evidence.verification.hard_cases import (
     LUCK,
@@ -50,7 +45,6 @@ from vibsim.evidence.verification.impact_orbits import (
     impact_multiplier_checks,
     impact_orbit_checks,
 )
-from vibsim.evidence.verification.impact_oscillators import impact_oscillator_checks, several_impact_checks
 from vibsim.evidence.verification.laws import (
     energy_ledger_checks,
     mirror_symmetry_checks,
@@ -58,8 +52,15 @@ from vibsim.evidence.verification.laws import (
     monodromy_checks,
     motor_run_up_checks,
 )
+from vibsim.evidence.verification.oscillators import (
+    friction_oscillator_checks,
+    impact_oscillator_checks,
+    several_impact_checks,
+    stick_slip_checks,
+)
 from vibsim.evidence.verification.vibrations import (
     bilinear_cycle_checks,
+    coulomb_friction_checks,
     free_vibration_checks,
     linear_theory_checks,
 )

@@ -4,7 +4,7 @@ Between impacts the mass obeys x'' + c x' + x = A cos(w t), at the stop x = sigm
 by -e. A disturbance (dx, dv) is turned by exp(B T), with B = [[0, 1], [-1, -c]] and T from impact to impact,
 and multiplied at the impact by S = [[-e, 0], [(1 + e) (A cos(phase) - sigma) / V, -e]]. So the multipliers
 are the eigenvalues of S exp(B T), and their product is e^2 exp(-c T). The speed of Budd and Dux
-(`impact_oscillators`) is real as far as sigma = |gamma| sqrt(1 + (cs / r)^2): there the family turns back.
+(`oscillators`) is real as far as sigma = |gamma| sqrt(1 + (cs / r)^2): there the family turns back.
 """
 
 from collections.abc import Callable, Iterator
@@ -29,7 +29,7 @@ from vibsim.evidence.verification.checks import (
     settled_bound,
     worst_row,
 )
-from vibsim.evidence.verification.impact_oscillators import (
+from vibsim.evidence.verification.oscillators import (
     CASE,
     RECIPES,
     RECIPES_PHASE,
@@ -37,11 +37,11 @@ from vibsim.evidence.verification.impact_oscillators import (
     SIGMAS,
     speed_of,
 )
-from vibsim.evidence.verification.impact_oscillators import OMEGA as impact_oscillators_OMEGA
-from vibsim.evidence.verification.impact_oscillators import PERIOD as impact_oscillators_PERIOD
-from vibsim.evidence.verification.impact_oscillators import STEP as impact_oscillators_STEP
-from vibsim.evidence.verification.impact_oscillators import E as impact_oscillators_E
-from vibsim.evidence.verification.impact_oscillators import orbit as impact_oscillators_orbit
+from vibsim.evidence.verification.oscillators import OMEGA as impact_oscillators_OMEGA
+from vibsim.evidence.verification.oscillators import PERIOD as impact_oscillators_PERIOD
+from vibsim.evidence.verification.oscillators import STEP as impact_oscillators_STEP
+from vibsim.evidence.verification.oscillators import E as impact_oscillators_E
+from vibsim.evidence.verification.oscillators import orbit as impact_oscillators_orbit
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.search import orbit

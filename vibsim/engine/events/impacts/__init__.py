@@ -1,1 +1,1 @@
-"""Rigid stops: blows, several at one instant, the ends of infinite sequences of them, and rest."""
+"""Rigid stops: impacts, several at one instant, the ends of infinite sequences of them, and rest."""

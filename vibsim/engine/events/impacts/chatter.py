@@ -1,11 +1,11 @@
 """Ends of infinite sequences of impacts.
 
-Resolution of time: behind a blow with the speed w, against the acceleration a that drives the ends together,
-the next blow comes after 2 w / a and the last one after 2 w / (a (1 - e)), as long as a stays what it is. The
-former cannot be told from now below NEXT units in the last place of t, the latter is not worth waiting for
-below LAST of them; against the base, a unit is no less than the time in which a takes up what the rounding of
-its angles leaves open of its velocity. Where the approach itself was as slow as that there was no impact, but
-a touch that stays.
+Resolution of time: behind an impact with the speed w, against the acceleration a that drives the ends
+together, the next impact comes after 2 w / a and the last one after 2 w / (a (1 - e)), as long as a stays
+what it is. The former cannot be told from now below NEXT units in the last place of t, the latter is not
+worth waiting for below LAST of them; against the base, a unit is no less than the time in which a takes up
+what the rounding of its angles leaves open of its velocity. Where the approach itself was as slow as that
+there was no impact, but a touch that stays.
 
 Resolution of forces: with e = 1 hops never end. Where forces cancel and rounding of what is left parts two
 ends that stand, they would hop on with the speeds that rounding gave them, 1e17 times a second. So a hop no
@@ -20,7 +20,7 @@ hop with the forces of its start, in which each friction turns round or holds fr
 closes with each hop and lets go by force within it, at e < 1: its force is next to none, and r is e.
 
 No speed shrinks that rounded displacements have made. So hops end in rest, in doubt, where an approach was
-lower than NOISE of that rounding and the stretch that led to it did not begin with the blow before.
+lower than NOISE of that rounding and the stretch that led to it did not begin with the impact before.
 
 What a run leaves out, its companion (`early`) must not leave out too, or their difference shows nothing of
 it. It ends each sequence at least one whole hop before: it asks of the next hop, which is slower by r, and by
@@ -36,7 +36,7 @@ from typing import Generic
 
 from vibsim.engine.errors import State
 from vibsim.engine.events.departures import DerivativeSigns, derivative_flow
-from vibsim.engine.events.impacts.blows import Blows
+from vibsim.engine.events.impacts.impacts import ImpactLaw
 from vibsim.engine.events.impacts.newton_moreau import Contact
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.events.records import LAST, NEXT, ROUNDING, Certificate, unit_of
@@ -49,7 +49,7 @@ from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 
 TURNING = 4  # times the speed of a hop: what slips faster does not turn round in it
-BESIDE = 32  # of displacements: how near a stop closes to where another is struck; blows.c asks for 64
+BESIDE = 32  # of displacements: how near a stop closes to where another is struck; impacts.c asks for 64
 LOWEST = 1024  # of displacements; event functions near zero are watched to some hundred
 NOISE = 64  # of displacements: some times what a start and a return from rounded ones are off
 EARLY = 1 / 4  # of the speed of a hop: the one that a companion asks about is no faster
@@ -88,15 +88,15 @@ class ChatterRemainder(Generic[N]):
 class Chatter(Generic[N]):
     """Ends sequences of impacts that time, forces or displacements no longer tell from rest.
 
-    cut_off : see `CutOff`; early : whether they end at least one hop before those of a run
+    cut_off : see `ChatterRemainder`; early : whether they end at least one hop before those of a run
     """
 
     def __init__(
-        self, scene: Scene[N], maker: RowMaker[N], settling: StickSlipResolution[N], blows: Blows[N]
+        self, scene: Scene[N], maker: RowMaker[N], settling: StickSlipResolution[N], impacts: ImpactLaw[N]
     ) -> None:
-        self.scene, self.maker, self.settling, self.blows = scene, maker, settling, blows
+        self.scene, self.maker, self.settling, self.impacts = scene, maker, settling, impacts
         self.departures, self.relative = settling.departures, settling.relative
-        self.kit, self.stops = blows.kit, blows.stops
+        self.kit, self.stops = impacts.kit, impacts.stops
         self.early = False
         zero = self.kit.number(0)
         self.cut_off = ChatterRemainder(zero, zero, zero)
@@ -119,7 +119,7 @@ class Chatter(Generic[N]):
             if (
                 status.stops[c.stop] != OPEN
                 or speed == 0
-                or self.blows.governing_stop(touch, c.stop) != c.stop
+                or self.impacts.governing_stop(touch, c.stop) != c.stop
             ):
                 continue
             drive = self._drive(state, status, c.stop)
@@ -152,7 +152,7 @@ class Chatter(Generic[N]):
                 one, shrinks = (hop.time, share) if hop else (after, c.e)
                 lasting = one / (1 - shrinks) if shrinks < 1 else one
                 self.cut_off.add(state.t, lasting, speed, height)
-                touch.rates |= dict.fromkeys(self.blows.coincident_stops(touch, c.stop), self.kit.number(0))
+                touch.rates |= dict.fromkeys(self.impacts.coincident_stops(touch, c.stop), self.kit.number(0))
                 touch.ended[c.stop] = hidden
                 chatter = True
         return chatter
@@ -180,7 +180,7 @@ class Chatter(Generic[N]):
 
     def end_last_hop(self, state: State[N], status: Status, touch: SimultaneousImpacts[N], i: int) -> None:
         """Take a hop on stop `i` that ends in rest for the last of its sequence where rounding of velocities
-        tells no approach, or none of how a plastic blow tears another stop open that would be struck next.
+        tells no approach, or none of how a plastic impact tears another stop open that would be struck next.
         """
         if touch.before[i] == 0:
             fading = [i] if 0 < self.stops[i].e < 1 else []
@@ -188,9 +188,9 @@ class Chatter(Generic[N]):
             fading = [j for j in touch.rates if self._torn(touch, j)] if self.stops[i].e == 0 else []
         for j in fading:
             if status.stops[i] == RESTING == status.stops[j]:
-                v, c = self.blows.velocities(state), self.blows.contacts[j]
+                v, c = self.impacts.velocities(state), self.impacts.contacts[j]
                 opened = status
-                for twin in self.blows.coincident_stops(touch, j):
+                for twin in self.impacts.coincident_stops(touch, j):
                     opened = opened.with_stop(twin, OPEN)
                 drive = self._drive(state, opened, j)
                 if drive > 0:
@@ -200,10 +200,10 @@ class Chatter(Generic[N]):
                     touch.faded.append(j)
 
     def _torn(self, touch: SimultaneousImpacts[N], j: int) -> bool:
-        """Whether blows moved an end of a stop that rested, and rounding hides what came of it."""
+        """Whether impacts moved an end of a stop that rested, and rounding hides what came of it."""
         ends = set(self.maker.ends(self.stops[j]))
         busy = {*touch.ended, *(one.stop for one in touch.passed)}
-        idle = j == self.blows.governing_stop(touch, j) and j not in busy
+        idle = j == self.impacts.governing_stop(touch, j) and j not in busy
         return idle and bool(ends & touch.moved) and touch.before[j] == touch.rates[j] == 0
 
     def _leave_out(self, t: N, speed: N, drive: N, e: N) -> None:
@@ -213,7 +213,7 @@ class Chatter(Generic[N]):
 
     def _rubs(self, state: State[N], status: Status, contact: Contact[N], speed: N, after: N) -> bool:
         """Whether a friction at an end of a stop, or at what moves with it, slips so slowly that a hop which
-        begins with a speed [m/s] turns it round, or comes to rest before the next blow, `after` [s].
+        begins with a speed [m/s] turns it round, or comes to rest before the next impact, `after` [s].
         """
         ends = self._hopping(status, contact)
         return any(
@@ -234,7 +234,7 @@ class Chatter(Generic[N]):
         for _, stop in self.scene.elastic_stops:
             if stop.lets_go and ends & set(self.maker.ends(stop)):
                 vP, vQ = self.relative.ends(stop, state, "v")
-                lost = BESIDE * self.kit.eps * self.blows.size(stop, state)
+                lost = BESIDE * self.kit.eps * self.impacts.size(stop, state)
                 if abs(self.relative.depth(stop, state)) <= lost and abs(vP - vQ) <= TURNING * speed:
                     return True
         return False
@@ -247,7 +247,7 @@ class Chatter(Generic[N]):
 
     def _is_low(self, state: State[N], j: int, height: N, most: int = LOWEST) -> bool:
         """Whether rounding of displacements hides a hop of some height [m]."""
-        return height <= most * self.kit.eps * self.blows.size(self.stops[j], state)
+        return height <= most * self.kit.eps * self.impacts.size(self.stops[j], state)
 
     def _is_noise(self, state: State[N], touch: SimultaneousImpacts[N], j: int, drive: N) -> bool:
         """Whether an approach to stop `j` against `drive` is one that rounded displacements have made."""

@@ -19,7 +19,7 @@ from vibsim.physics.parts import Motor, Scene
 
 ROUNDING = 8  # roundings of a sum of a few products, in units of eps
 NEAR = 64  # units in the last place of the time or of displacements, below which zeros may be one or none
-MOST_BLOWS = 1000  # one after the other at one instant; behind them the rest is taken as plastic
+MOST_IMPACTS = 1000  # one after the other at one instant; behind them the rest is taken as plastic
 
 
 @dataclass(frozen=True)
@@ -118,17 +118,17 @@ def size_of(contacts: Sequence[Contact[N]], v: Sequence[N]) -> N:
 
 
 def unmet(kit: Kit[N], contacts: Sequence[Contact[N]], before: Sequence[N], after: Sequence[N]) -> bool:
-    """Whether velocities `after` a blow break its law beyond rounding: where no impulse can part the ends of
-    all stops, since ground and base hold them from both sides.
+    """Whether velocities `after` an impact break its law beyond rounding: where no impulse can part the ends
+    of all stops, since ground and base hold them from both sides.
     """
     noise = 8 * ROUNDING * kit.eps * (size_of(contacts, before) + size_of(contacts, after))
     return any(rate_of(kit, c, after) + c.e * rate_of(kit, c, before) > noise for c in contacts)
 
 
-def blow(
+def impact(
     kit: Kit[N], bodies: Masses[N], contacts: Sequence[Contact[N]], v: Sequence[N], w: N
 ) -> tuple[list[N], N, list[Impulse[N]]]:
-    """One blow: (velocities of all columns behind it, speed of the rotor, [`Impulse`]).
+    """One impact: (velocities of all columns behind it, speed of the rotor, [`Impulse`]).
 
     bodies: `Masses`; contacts: the stops that touch; v: velocities of all columns, w: speed of the rotor.
     The rate that the law gives a stop is exact in its `Impulse`, where those of the velocities are rounded.
@@ -182,7 +182,7 @@ def _passed_on(
 def _single(
     kit: Kit[N], bodies: Masses[N], c: Contact[N], v: Sequence[N], w: N
 ) -> tuple[list[N], N, list[Impulse[N]]]:
-    """A blow at one stop: both ends go on with what they have in common, and part with e times what they
+    """An impact at one stop: both ends go on with what they have in common, and part with e times what they
     had not. So the speed of a body before a wall is turned round to the bit where e = 1.
     """
     own, other = bodies.mobility[c.P], bodies.mobility[c.Q]

@@ -12,11 +12,11 @@ from collections.abc import Container
 from typing import Generic
 
 from vibsim.engine.errors import EngineError, State
-from vibsim.engine.events.impacts.blows import Blows
+from vibsim.engine.events.departures import TouchingParts
 from vibsim.engine.events.impacts.chatter import Chatter
+from vibsim.engine.events.impacts.impacts import ImpactLaw
 from vibsim.engine.events.impacts.newton_moreau import rate_of, size_of
 from vibsim.engine.events.impacts.simultaneous import RestProjection, SimultaneousImpacts
-from vibsim.engine.events.parting import TouchingParts
 from vibsim.engine.events.records import NEXT, ROUNDING, Happened, Taken, changes
 from vibsim.engine.events.settling import StickSlipResolution
 from vibsim.engine.modes.row_maker import RowMaker
@@ -39,24 +39,24 @@ class RigidStops(Generic[N]):
     ) -> None:
         self.scene, self.maker, self.settling, self.parting = scene, maker, settling, parting
         self.departures, self.relative, self.kit = settling.departures, settling.relative, settling.kit
-        self.blows = Blows(scene, maker, self.departures)
-        self.chatter = Chatter(scene, maker, settling, self.blows)
-        self.seats = RestProjection(scene, maker, self.relative)
-        self.stops = self.blows.stops
+        self.impacts = ImpactLaw(scene, maker, self.departures)
+        self.chatter = Chatter(scene, maker, settling, self.impacts)
+        self.rest_projection = RestProjection(scene, maker, self.relative)
+        self.stops = self.impacts.stops
         self.frictions = len(scene.frictions)
         self.touch: SimultaneousImpacts[N] | None = None
 
     def meet(self, state: State[N], status: Status, i: int, hop: bool = False) -> Taken:
         """Transition where stop `i` touches, as `Automaton.take`: (status, what happened, known zeros).
 
-        hop : whether the last blow on it was where the stretch began
+        hop : whether the last impact on it was where the stretch began
         """
-        self.blows.carry(state, status)
-        touch = self.blows.touching(state, status, i)
-        i = self.blows.governing_stop(touch, i)
+        self.impacts.carry(state, status)
+        touch = self.impacts.touching(state, status, i)
+        i = self.impacts.governing_stop(touch, i)
         touch.hop = i if hop else None
-        self.blows.doubt_order(state, status, touch, i)
-        self.blows.strike(state, touch)
+        self.impacts.doubt_order(state, status, touch, i)
+        self.impacts.strike(state, touch)
         bounds = self._bounds(state, touch)
         after, lifts = self._lifted(state, self._turned(state, status, touch), touch, bounds[0])
         settled = self._settled(state, after, touch)
@@ -65,7 +65,7 @@ class RigidStops(Generic[N]):
         if touch.hop is not None:
             self.chatter.end_last_hop(state, settled, touch, i)
         resting = [j for j in touch.rates if status.stops[j] == OPEN != settled.stops[j]]
-        self.seats.seat(state, sorted({*resting, *(one.stop for one in touch.passed)}))
+        self.rest_projection.project(state, sorted({*resting, *(one.stop for one in touch.passed)}))
         for k, (old, new) in enumerate(zip(status.frictions, settled.frictions, strict=True)):
             if old != STICK == new:
                 self.settling.join(state, self.maker.rows(settled), k)
@@ -75,13 +75,13 @@ class RigidStops(Generic[N]):
         settled, begun = self.parting.touching(state, status, settled, bounds, 1, known)
         opened = {j for j in touch.rates if status.stops[j] == RESTING}
         struck = {i, *(one.stop for one in touch.passed)}
-        for j in {*opened, *(twin for one in struck for twin in self.blows.coincident_stops(touch, one))}:
+        for j in {*opened, *(twin for one in struck for twin in self.impacts.coincident_stops(touch, one))}:
             if settled.stops[j] == OPEN:
                 known[STRIKE, j] = self._parting_order(state, settled, j) if touch.rates[j] == 0 else 1
         for j, rate in touch.rates.items():
             torn = rate < 0 and touch.moved & set(self.maker.ends(self.stops[j]))
             if torn and settled.stops[j] == OPEN and self.relative.depth(self.stops[j], state) == 0:
-                known[STRIKE, j] = 1  # whatever order it was of in front of the blow
+                known[STRIKE, j] = 1  # whatever order it was of in front of the impact
         return settled, [*self._happened(touch), *lifts, *changed, *begun], known
 
     def touch_again(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken | None:
@@ -90,7 +90,7 @@ class RigidStops(Generic[N]):
         rounding of the forces can have made it. None of others, which are met.
         """
         i = event.part
-        touch = self.blows.touching(state, status, i)
+        touch = self.impacts.touching(state, status, i)
         crossing, at = self.departures.crossing(state, status, event.key, order)
         if crossing <= 0:
             self.touch = touch
@@ -100,8 +100,8 @@ class RigidStops(Generic[N]):
         if not slow or not self.settling.possible(self.maker.rows(after)):
             return None
         self.departures.doubt(state)
-        touch.catches += self.seats.join(state, [i])
-        self.seats.seat(state, [i])
+        touch.catches += self.rest_projection.join(state, [i])
+        self.rest_projection.project(state, [i])
         self.touch = touch
         return after, [("rest_begin", i)], {}
 
@@ -113,7 +113,7 @@ class RigidStops(Generic[N]):
         standing: list[int] = []
         for j, _ in self.scene.rigid_stops:
             if j in met:
-                rate = rate_of(self.kit, self.blows.contacts[j], self.blows.velocities(state))
+                rate = rate_of(self.kit, self.impacts.contacts[j], self.impacts.velocities(state))
                 turned = self.relative.turned_by_base(self.stops[j], rate, state.t)
                 if turned:
                     self.departures.doubt(state)
@@ -122,12 +122,12 @@ class RigidStops(Generic[N]):
                 if turned or rate <= 0:
                     parting[j] = rate < 0 and not turned
         if standing:
-            self.seats.join(state, standing)
-            self.seats.seat(state, standing)
+            self.rest_projection.join(state, standing)
+            self.rest_projection.project(state, standing)
         return parting, standing
 
     def _forgotten(self, touch: SimultaneousImpacts[N], status: Status) -> Known:
-        """Zeros of functions of velocities that blows have changed: none any more, but for what stands."""
+        """Zeros of functions of velocities that impacts have changed: none any more, but for what stands."""
         known: Known = {}
         for i, friction in enumerate(self.scene.frictions):
             if touch.moved & set(self.maker.ends(friction)) and status.frictions[i] != STICK:
@@ -138,8 +138,8 @@ class RigidStops(Generic[N]):
         return known
 
     def _turned(self, state: State[N], status: Status, touch: SimultaneousImpacts[N]) -> Status:
-        """The status with the frictions of the columns that blows moved as the velocities say."""
-        v, size = self.blows.velocities(state), size_of(touch.contacts, touch.v)
+        """The status with the frictions of the columns that impacts moved as the velocities say."""
+        v, size = self.impacts.velocities(state), size_of(touch.contacts, touch.v)
         turned: dict[int, int] = {}
         for i, friction in enumerate(self.scene.frictions):
             P, Q = self.maker.ends(friction)
@@ -151,8 +151,8 @@ class RigidStops(Generic[N]):
         return status.with_frictions(turned)
 
     def _bounds(self, state: State[N], touch: SimultaneousImpacts[N]) -> tuple[list[int], list[int]]:
-        """The elastic stops and the clearances whose ends just touch and are moved by blows: in doubt behind
-        the start, where rounding may have brought them there.
+        """The elastic stops and the clearances whose ends just touch and are moved by impacts: in doubt
+        behind the start, where rounding may have brought them there.
         """
         elastic = ((i, stop) for i, stop in self.scene.elastic_stops if i not in self.maker.guarded)
         stops, clearances = self.parting.touched(
@@ -192,16 +192,16 @@ class RigidStops(Generic[N]):
         rests = {self.frictions + j: STICK if rate == 0 else FORWARD for j, rate in touch.rates.items()}
         status = status.with_ties(rests)
         seated = [k - self.frictions for k in status.tied if k >= self.frictions]
-        touch.catches += self.seats.join(state, seated)
+        touch.catches += self.rest_projection.join(state, seated)
         standing = self.settling.standing(status)
         settled = self.settling.settle(state, status, standing) if standing else status
         if RESTING in settled.stops and not self.settling.possible(self.maker.rows(settled)):
             resting = (j for j in self.stops if settled.stops[j] == RESTING)
-            raise EngineError("crushed", state, self.blows.names(resting))
+            raise EngineError("crushed", state, self.impacts.names(resting))
         return settled
 
     def _happened(self, touch: SimultaneousImpacts[N]) -> Happened:
-        """Impacts, blows passed on and ends of infinite sequences, by stop.
+        """Impacts, also those passed on and ends of infinite sequences, by stop.
 
         A sequence may end at a stop that was not struck last: at e = 0 two stops that tear each other open
         are struck in turn.

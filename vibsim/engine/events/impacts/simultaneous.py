@@ -31,15 +31,15 @@ class PlasticCapture(Generic[N]):
 
 @dataclass
 class SimultaneousImpacts(Generic[N]):
-    """The rigid stops that touch at an instant, and what blows did there.
+    """The rigid stops that touch at an instant, and what impacts did there.
 
-    before : rates of their depths before the first blow; v, w : velocities of all columns and of the rotor
+    before : rates of their depths before the first impact; v, w : velocities of all columns and of the rotor
     there
-    rates : behind the last one, exactly 0 where the law or rounding says so; blows : by blow, the stops that
-    passed an impulse, and these; moved : columns whose velocities they changed
+    rates : behind the last one, exactly 0 where the law or rounding says so; impacts : by impact, the stops
+    that passed an impulse, and these; moved : columns whose velocities they changed
     catches : by group of ends that come to rest on each other
     ended : by stop where an infinite sequence of impacts ended, the speed that rounding of the time hides;
-    faded : stops at which one ended without a blow; hop : the stop whose last blow was where the stretch
+    faded : stops at which one ended without an impact; hop : the stop whose last impact was where the stretch
     began that ends here
     together : whether rounding might decide if another stop, of one of its bodies, is struck before this one
     """
@@ -50,7 +50,7 @@ class SimultaneousImpacts(Generic[N]):
     v: list[N]
     w: N
     together: bool
-    blows: list[list[tuple[Contact[N], Impulse[N]]]] = field(default_factory=list)
+    impacts: list[list[tuple[Contact[N], Impulse[N]]]] = field(default_factory=list)
     moved: set[int] = field(default_factory=set)
     catches: list[PlasticCapture[N]] = field(default_factory=list)
     ended: dict[int, N] = field(default_factory=dict)
@@ -59,8 +59,8 @@ class SimultaneousImpacts(Generic[N]):
 
     @property
     def passed(self) -> list[Impulse[N]]:
-        """The impulses, blow by blow."""
-        return [impulse for one in self.blows for _, impulse in one]
+        """The impulses, one impact after the other."""
+        return [impulse for one in self.impacts for _, impulse in one]
 
 
 # Rigid stops at one place: between the same ends, in either order, on one side and with one gap.
@@ -135,7 +135,7 @@ class RestProjection(Generic[N]):
             total, weight = total + m * value, weight + m
         return self.kit.exact(total / weight)
 
-    def seat(self, state: State[N], stops: Iterable[int]) -> None:
+    def project(self, state: State[N], stops: Iterable[int]) -> None:
         """Take what rounding left of the depths of stops that were struck or come to rest: the ends move
         onto each other, their centre of mass stays where they move freely.
         """

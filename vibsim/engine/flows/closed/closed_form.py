@@ -24,7 +24,7 @@ from vibsim.engine.flows.closed.modal_maker import modal_of
 from vibsim.engine.flows.closed.reaches import EventReaches, Reach, reaches_of
 from vibsim.engine.flows.closed.responses import UNHURRIED, Oscillator, Responses, free_harmonic_response
 from vibsim.engine.flows.motion import Advance
-from vibsim.engine.ledger_integrals import Meters, QuadratureNode
+from vibsim.engine.ledger_integrals import LedgerIntegrals, QuadratureNode
 from vibsim.engine.modes.rows import Event, EventKey, Known, ModeRows
 from vibsim.physics.elementary import TWELVE
 from vibsim.physics.numbers import Kit, N, abs, total_of
@@ -255,19 +255,19 @@ class ClosedForm(Generic[N]):
                 longest = growing if growing < longest else longest
         return longest
 
-    def open_nodes(self, meters: Meters[N]) -> None:
+    def open_nodes(self, integrals: LedgerIntegrals[N]) -> None:
         """Prepare the nodes of a stretch: nothing to do."""
 
-    def node(self, tau: N, meters: Meters[N]) -> QuadratureNode[N]:
+    def node(self, tau: N, integrals: LedgerIntegrals[N]) -> QuadratureNode[N]:
         """Values that the ledger integrals read a time tau after the anchor."""
         state = self.state_after(tau)
         v = [*state.v, self.kit.number(0), self._base(self.sines, self.cosines)[1]]
-        forces = [self._force_here(force) for force in self.scene.forces] if meters.forces else []
+        forces = [self._force_here(force) for force in self.scene.forces] if integrals.forces else []
         of = self.search.functions_of
-        if meters.functions:
+        if integrals.functions:
             of.here(2)
         return QuadratureNode(
-            v, self.kit.number(0), forces, [of.derivative(one, 0) for one in meters.functions]
+            v, self.kit.number(0), forces, [of.derivative(one, 0) for one in integrals.functions]
         )
 
     def _force_here(self, force: Force[N]) -> N:

@@ -75,7 +75,7 @@ static void certify_order(Run *r, int first, const int *events, int count, Real 
     for (i = 0; i < count; i++) {
         const Event *e = &r->mode->events[events[i]];
         Real other = event_derivative(r, e, 0), fall = event_derivative(r, e, 1);
-        Real blur = close_noise(r, e) + s->blurs[events[i]].residue;
+        Real blur = close_noise(r, e) + s->rounding_bounds[events[i]].residue;
         int same = events[i] == first || (other == value && fall == slope);
         if (!same && may_vanish_by(other, fall, blur, latest))
             doubt(&r->certificate, r->t0);
@@ -91,7 +91,7 @@ static void certify_leading_order(Run *r, int first, Real value, Real slope, Rea
     s->event_count = 0;
     for (i = 0; i < m->event_count; i++)
         if (r->known[m->events[i].key] == 0) {
-            s->blurs[i].residue = 0.0;
+            s->rounding_bounds[i].residue = 0.0;
             s->events[s->event_count++] = i;
         }
     certify_order(r, first, s->events, s->event_count, value, slope, noise);
@@ -135,8 +135,8 @@ static int lead(Run *r)
                 closed_form_jets(r, taken = JET_ORDER);
             first = event_derivative(r, e, order);
         }
-        s->blurs[i].residue = known > 0 ? fabs(event_derivative(r, e, 0)) : 0.0;
-        s->blurs[i].reach = reach->place * X + reach->speed * V + reach->rest;
+        s->rounding_bounds[i].residue = known > 0 ? fabs(event_derivative(r, e, 0)) : 0.0;
+        s->rounding_bounds[i].reach = reach->place * X + reach->speed * V + reach->rest;
         if (order >= FLAT_ORDER) { /* it rests at zero, surely where that are more zeros than the motion has modes */
             if (closed_form_dimension(r) > FLAT_ORDER)
                 doubt(&r->certificate, r->t0);
@@ -151,7 +151,7 @@ static int lead(Run *r)
             return i;
         }
         if (order == 0) {
-            Real noise = noise_of(r, e, first, s->blurs[i].reach, rounding_unit(r)), slope = event_derivative(r, e, 1);
+            Real noise = noise_of(r, e, first, s->rounding_bounds[i].reach, rounding_unit(r)), slope = event_derivative(r, e, 1);
             if (first <= noise && slope <= 0) {
                 certify_crossing(r, first, slope, bound, noise);
                 certify_leading_order(r, i, first, slope, noise);
@@ -299,7 +299,7 @@ static int step_ahead(Run *r)
     for (i = 0; i < s->event_count; i++) {
         int which = s->events[i];
         const Event *e = &r->mode->events[which];
-        const Blur *blur = &s->blurs[which];
+        const RoundingBound *blur = &s->rounding_bounds[which];
         Real value = event_derivative(r, e, 0), slope = event_derivative(r, e, 1), ahead, room;
         Real noise = noise_of(r, e, value, blur->reach, unit) + blur->residue, bound = event_bound(r, e, 2, s->reach);
         if (value < -noise || (value <= noise && slope <= 0)) {
@@ -350,7 +350,7 @@ static int step_ahead(Run *r)
         if (s->reach == 0) /* a step near t = 0 was too short to be a number: bounds have to reach further */
             s->reach = s->window;
     } else {
-        Real noise = close_noise(r, &r->mode->events[nearest]) + s->blurs[nearest].residue;
+        Real noise = close_noise(r, &r->mode->events[nearest]) + s->rounding_bounds[nearest].residue;
         certify_crossing(r, course[0], course[1], course[2], noise);
         certify_order(r, nearest, s->events, s->event_count, course[0], course[1], noise);
     }

@@ -23,7 +23,7 @@ from vibsim.engine.flows.closed.matrices import (
     product,
     transposed,
 )
-from vibsim.engine.flows.closed.modal_loads import Component, Loads
+from vibsim.engine.flows.closed.modal import Component, Loads
 from vibsim.engine.flows.closed.rounding import magnitudes, size_of
 from vibsim.engine.modes.ties import Edge
 from vibsim.physics.numbers import Kit, N

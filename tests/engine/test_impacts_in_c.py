@@ -1,4 +1,4 @@
-"""Blows on one rigid stop that C takes by itself: bits of the Python engine, and energy over many of them."""
+"""Impacts on one rigid stop that C takes alone: bits of the Python engine, and energy over many of them."""
 
 from dataclasses import replace
 
@@ -83,7 +83,7 @@ def test_chatter_is_pythons_at_its_end_alone(asked, method):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_bodies_and_a_shaken_box(asked, method):
-    """Blows of two bodies on each other and on walls that move, with works, losses and impulses."""
+    """Impacts of two bodies on each other and on walls that move, with works, losses and impulses."""
     of = scene(
         [Body("a", 1.0, 0.0, 0.2), Body("b", 0.4, 0.01, -0.1)],
         method,
@@ -115,8 +115,8 @@ def drifting_oscillator(method, e=0.3):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_blows_that_let_slip(asked, method):
-    """Blows that make a slider slip, and those on it while it slips: Python is asked where hops end."""
+def test_impacts_that_let_slip(asked, method):
+    """Impacts that make a slider slip, and those on it while it slips: Python is asked where hops end."""
     of = drifting_oscillator(method)
     fast = run_both(of, ledger=True, momentum=True)
     impacts, ends = fast.totals["impacts"], fast.totals["chatters"]
@@ -124,7 +124,7 @@ def test_blows_that_let_slip(asked, method):
     assert asked() <= 2 * ends + 2  # some hops before the last it is not clear whether they are
 
 
-def test_blows_that_turn_frictions_round(asked):
+def test_impacts_that_turn_frictions_round(asked):
     """Two blocks on a belt, a rail and each other between two walls, one of which moves."""
     of = scene(
         [Body("a", 1.0, 0.0, 0.5), Body("b", 0.4, 0.01, -0.3)],
@@ -148,7 +148,7 @@ def test_blows_that_turn_frictions_round(asked):
 
 
 def test_a_rotor_is_struck_with_its_body(asked):
-    """A motor of limited power on a body between two walls: each blow changes the speed of its rotor."""
+    """A motor of limited power on a body between two walls: each impact changes the speed of its rotor."""
     of = scene(
         [Body("body", 1.0, 0.0, 0.0)],
         stops=(
@@ -167,7 +167,7 @@ def test_a_rotor_is_struck_with_its_body(asked):
 
 def test_what_sticks_on_the_base_is_struck_with_its_velocity():
     """A body that rides on a shaken base, another that hops on it: rounding of the stretch is left out of the
-    blow, in both engines.
+    impact, in both engines.
     """
     of = scene(
         [Body("rider", 1.0, 0.0, 0.0), Body("carriage", 10.0**0.001, 0.0, 0.0)],

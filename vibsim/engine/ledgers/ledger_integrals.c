@@ -1,11 +1,11 @@
-/* Ledgers and the meters of modes from packed numbers, in the order in which vibsim/engine/ledger_integrals.py writes them. */
+/* Ledgers and the integrals of modes from packed numbers, in the order in which vibsim/engine/ledger_integrals.py writes them. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "modes.h"
-#include "room.h"
+#include "zalloc.h"
 
-/* Room for the entries and what is read at the nodes; 0 without memory or where the numbers are no ledger. */
+/* Memory for the entries and what is read at the nodes; 0 without memory or where the numbers are no ledger. */
 int ledger_read(Run *r, Reader *in)
 {
     Ledger *l = &r->ledger;
@@ -13,10 +13,10 @@ int ledger_read(Run *r, Reader *in)
     int i;
     l->count = read_index(in, 0, MOST);
     l->jump_count = read_index(in, 0, r->parts);
-    l->entries = room((size_t)l->count, sizeof(Real));
-    l->open = room((size_t)l->count, sizeof(Real));
-    l->jumps = room((size_t)l->jump_count, sizeof(Jump));
-    l->nodes.v = room(columns + (size_t)r->force_count + 1, sizeof *l->nodes.v);
+    l->entries = zalloc((size_t)l->count, sizeof(Real));
+    l->open = zalloc((size_t)l->count, sizeof(Real));
+    l->jumps = zalloc((size_t)l->jump_count, sizeof(Jump));
+    l->nodes.v = zalloc(columns + (size_t)r->force_count + 1, sizeof *l->nodes.v);
     if (!l->entries || !l->open || !l->jumps || !l->nodes.v)
         return 0;
     l->nodes.force = l->nodes.v + columns;
@@ -34,7 +34,7 @@ int ledger_read(Run *r, Reader *in)
     return read_through(in);
 }
 
-static int room_for_functions(Nodes *at, int count)
+static int alloc_functions(Nodes *at, int count)
 {
     Real(*series)[SERIES], (*function)[NODE_COUNT];
     int *lengths;
@@ -70,8 +70,8 @@ static int count_of_kind(const Run *r, const Mode *m, int kind)
 static void read_functions(Run *r, Mode *m, Reader *in, int first)
 {
     int i, k;
-    for (i = 0; i < m->meters.function_count; i++) {
-        Event *e = &m->meters.functions[i];
+    for (i = 0; i < m->integrals.function_count; i++) {
+        Event *e = &m->integrals.functions[i];
         int count = read_index(in, 0, MOST);
         e->kind = HOLD;
         e->first = first;
@@ -89,10 +89,10 @@ static void read_functions(Run *r, Mode *m, Reader *in, int first)
     }
 }
 
-/* The meters of mode `m`; 0 without memory, or where the numbers are no meters (look at the reader). */
-int meters_read(Run *r, Mode *m, Reader *in)
+/* The integrals of mode `m`; 0 without memory, or where the numbers are no integrals (look at the reader). */
+int integrals_read(Run *r, Mode *m, Reader *in)
 {
-    Meters *to = &m->meters;
+    LedgerIntegrals *to = &m->integrals;
     int terms, more, i;
     Term *grown;
     to->count = read_index(in, 0, MOST);
@@ -102,17 +102,17 @@ int meters_read(Run *r, Mode *m, Reader *in)
     more = read_index(in, 0, MOST);
     to->forces = read_index(in, 0, 1);
     to->spins = read_index(in, 0, r->has_motor);
-    to->meters = room((size_t)to->count, sizeof(Meter));
-    to->functions = room((size_t)to->function_count, sizeof(Event));
-    to->columns = room((size_t)to->column_count, sizeof(int));
+    to->integrals = zalloc((size_t)to->count, sizeof(LedgerIntegral));
+    to->functions = zalloc((size_t)to->function_count, sizeof(Event));
+    to->columns = zalloc((size_t)to->column_count, sizeof(int));
     grown = regrown(m->terms, sizeof(Term) * (size_t)(terms + more + 1));
     m->terms = grown ? grown : m->terms;
-    if (in->short_of || !to->meters || !to->functions || !to->columns || !grown || !room_for_functions(&r->ledger.nodes, to->function_count))
+    if (in->short_of || !to->integrals || !to->functions || !to->columns || !grown || !alloc_functions(&r->ledger.nodes, to->function_count))
         return 0;
     for (i = 0; i < to->column_count; i++)
         to->columns[i] = read_index(in, 0, r->columns - 1);
     for (i = 0; i < to->count; i++) {
-        Meter *one = &to->meters[i];
+        LedgerIntegral *one = &to->integrals[i];
         int of_force;
         one->kind = read_index(in, SQUARE, RUB);
         of_force = one->kind == WORK || one->kind == IMPULSE;
@@ -127,9 +127,9 @@ int meters_read(Run *r, Mode *m, Reader *in)
     return read_through(in);
 }
 
-void meters_free(Meters *m)
+void integrals_free(LedgerIntegrals *m)
 {
-    free(m->meters);
+    free(m->integrals);
     free(m->functions);
     free(m->columns);
 }

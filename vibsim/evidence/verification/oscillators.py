@@ -1,6 +1,7 @@
-"""V13 and V14: an oscillator that strikes a rigid stop, x'' + c x' + x = A cos(w t), stop at x = sigma.
+"""Oscillators that strike a rigid stop (V13, V14) or stick and slip on a belt (V16 to V18).
 
-V13 is that of Budd and Dux (c = 0, w = 3.7, e = 0.8), one impact in two periods in closed form: with
+V13 and V14 are x'' + c x' + x = A cos(w t) with a stop at x = sigma. V13 is that of Budd and Dux (c = 0,
+w = 3.7, e = 0.8), one impact in two periods in closed form: with
 gamma = 1 / (1 - w^2), T = 4 pi / w, cs = sin T (1 + e) / (1 - cos T) and r = (1 - e) / w the speed is
 V = (-2 cs sigma + 2 sqrt(gamma^2 cs^2 - (sigma^2 - gamma^2) r^2)) / (cs^2 + r^2).
 V14 is example 15.2 of Recipes for Continuation (COCO; c = 0.1, w = 1, sigma = 1, e = 0.8); its numbers are an
@@ -9,13 +10,14 @@ A = sqrt((1 - w^2)^2 + (c w)^2), by linear theory.
 """
 
 from collections.abc import Iterator
-from math import atan2, cos, pi, sin, sqrt
+from math import atan2, cos, exp, log, pi, sin, sqrt
 
 import numpy as np
 
 from vibsim.evidence.verification.checks import (
     BECAUSE,
     REASON,
+    SCENE_UNITS,
     STATE_UNITS,
     UNIT,
     Check,
@@ -25,6 +27,7 @@ from vibsim.evidence.verification.checks import (
     counted_row,
     last_digit,
     made_case,
+    number_row,
     run,
     settled_bound,
     time_rounding,
@@ -243,3 +246,177 @@ def two_balls(engine: str) -> Iterator[CheckRow]:
         for n, t in enumerate(BOUNCES)
     ]
     yield worst_row("V20/two_balls", points, f"{REASON}, and the last digit printed")
+
+
+# Known cases of friction: Coulomb's alone, and sticking and slipping on a belt (V6, V7, V16 to V18).
+
+
+# V17: x'' + 0.1 x' + x = 1.5 cos(0.9 t) - friction, 1 N while slipping and 1.1 N while sticking.
+#
+# Parameters of the friction demo of PWSDDE-cont: a symmetric orbit without sticking, whose amplitude is an
+# independent solver's; Den Hartog (1931) has it in closed form.
+
+
+# the damper alone takes a factor e in 20 s: the start has fallen to 6e-16 of itself by 700 s
+FRICTION_OSCILLATOR = """
+bodies: {mass: 1 kg}
+links: {spring: {between: [mass, ground], k: 1 N/m, c: 0.1 N s/m}}
+friction: {floor: {between: [mass, ground], N: 1 N, mu: 1, static: 1.1}}
+forces: {drive: {on: mass, A: 1.5 N, omega: 0.9 rad/s, phase: 90 deg}}
+initial: {mass: {v: 5 m/s}}
+run: {t_end: 800 s, every: 100 s}
+"""
+AMPLITUDE, FRICTION_OSCILLATOR_PLACES = 2.42023635057437, 14
+FRICTION_CONDITIONING = 27.0  # sum of |p dX/dp| over m, k, c, N, A, omega by difference quotients [m]
+TURNS = 10
+
+
+def friction_oscillator_checks() -> list[Check]:
+    """One check."""
+    return [Check("V17/amplitude", "Friction oscillator: symmetric orbit without sticking", amplitude)]
+
+
+def amplitude(engine: str) -> Iterator[CheckRow]:
+    """Places of the last turns, and no stick."""
+    name = "V17/amplitude"
+    result = run(made_case(FRICTION_OSCILLATOR, "friction oscillator"), engine)
+    turning = result.events["kind"] == EVENT_KINDS["reversal"]
+    places = result.events["x_mass"][turning][-TURNS:]
+    bound = settled_bound(FRICTION_CONDITIONING, result.t_reached, 2)
+    points = [
+        compared("amplitude", AMPLITUDE, abs(float(x)), bound + last_digit(FRICTION_OSCILLATOR_PLACES), "m")
+        for x in places
+    ]
+    yield worst_row(name, points, BECAUSE)
+    sticks = int(np.sum(result.events["kind"] == EVENT_KINDS["stick_begin"]))
+    yield counted_row(name, "sticks", 0, sticks, "the mass turns at once")
+
+
+# V16 and V18: a block on a spring and a belt whose friction falls with the speed of slip.
+#
+# V16, of Leine, van Campen, de Kraker, van den Steen (1998): x'' + x = -sgn(v) / (1 + 3 |v|), belt at 0.2
+# m/s. V18, of bSTAB: x'' + 0.1 x' + x = -sgn(v) (0.5 + 0.5 exp(-|v| / 0.5)), v = x' - belt. Rest loses its
+# stability where 0.1 = exp(-belt / 0.5), at ln(10) / 2; the stick-slip cycle ends where slip just reaches the
+# belt. Period, stick and the end of the cycle are an independent solver's.
+
+
+# sticking takes all memory: from the first release on each cycle is the same
+BLOCK = """
+bodies: {block: 1 kg}
+links: {spring: {between: [block, ground], k: 1 N/m}}
+friction:
+  belt:
+    {between: [block, ground], law: stribeck hyperbolic, N: 1 N, mu_s: 1, mu_d: 0, d: 3 s/m, belt: 0.2 m/s}
+initial: {block: {v: 0.2 m/s}}
+run: {t_end: 60 s, every: 1 s}
+"""
+CYCLE_PERIOD, STICK, RELEASE, STICK_SLIP_PLACES = 12.001031294830, 7.705031769350, 1.0, 12
+# sum of |p dq/dp| over m, k, N, mu_s, d, belt by difference quotients [s]; of the release: k, N, mu_s [m]
+PERIOD_CONDITIONING, STICK_CONDITIONING, RELEASE_CONDITIONING = 35.0, 39.0, 3.0
+OSCILLATOR = """
+bodies: {block: 1 kg}
+links: {spring: {between: [block, ground], k: 1 N/m, c: 0.1 N s/m}}
+friction:
+  belt:
+    between: [block, ground]
+    law: stribeck exponential
+    N: 1 N
+    mu_s: 1
+    mu_d: 0.5
+    v0: 0.5 m/s
+    belt: 1 m/s
+run: {t_end: 100 s, every: 1 s}
+"""
+UNSTABLE = log(10) / 2
+SMALL = 1e-4  # of the vibration about rest [m]
+CYCLE_ENDS, CYCLE_PLACES = 1.836600972207926, 15
+END_CONDITIONING = 7.5  # sum of |p d(end)/dp|, by difference quotients [m/s]
+HALVINGS = 46
+
+
+def stick_slip_checks() -> list[Check]:
+    """The block on a belt, and the two ends of the belt oscillator's stick-slip."""
+    return [
+        Check("V16/cycle", "Stick-slip of a block on a belt", cycle),
+        Check("V18/rest", "Belt oscillator: rest loses its stability", unstable_rest),
+        Check("V18/cycle", "Belt oscillator: the stick-slip cycle ends", cycle_ends),
+    ]
+
+
+def cycle(engine: str) -> Iterator[CheckRow]:
+    """Period, stick and place of the release of four cycles."""
+    result = run(made_case(BLOCK, "block on a belt"), engine)
+    begins, ends = times(result, "stick_begin"), times(result, "stick_end")
+    released = result.events["x_block"][result.events["kind"] == EVENT_KINDS["stick_end"]]
+    steps = 1 + result.attrs["steps"] / len(ends)  # Taylor steps of a cycle
+    for what, expected, computed, conditioning, unit in (
+        ("period", CYCLE_PERIOD, np.diff(begins), PERIOD_CONDITIONING, "s"),
+        ("stick", STICK, ends[1:] - begins[: len(ends) - 1], STICK_CONDITIONING, "s"),
+        ("release", RELEASE, released, RELEASE_CONDITIONING, "m"),
+    ):
+        bound = settled_bound(conditioning, result.t_reached, steps)
+        bound += last_digit(STICK_SLIP_PLACES) if unit == "s" else 0.0
+        points = [compared(what, expected, float(value), bound, unit) for value in computed]
+        yield worst_row("V16/cycle", points, BECAUSE)
+
+
+def times(result: Result, kind: str) -> np.ndarray:
+    """Times of events of one kind [s]."""
+    return np.asarray(result.events["t"][result.events["kind"] == EVENT_KINDS[kind]])
+
+
+def mu(speed: float) -> float:
+    """Friction of the belt oscillator over its load."""
+    return 0.5 + 0.5 * exp(-speed / 0.5)
+
+
+def unstable_rest(engine: str) -> Iterator[CheckRow]:
+    """Small vibrations about rest grow as exp(-(0.1 - exp(-2 belt)) t / 2): not at all at ln(10) / 2.
+
+    Left out are the cube of the amplitude, mu''' / 16 SMALL^2 t < 0.03 SMALL^2 t, and the square, which
+    shifts what is read here by mu'' SMALL.
+    """
+    points = []
+    for belt in (0.9 * UNSTABLE, UNSTABLE, 1.1 * UNSTABLE):
+        settings = {"friction__belt__belt": belt, "initial__block__x": mu(belt) + SMALL}
+        result = run(made_case(OSCILLATOR, "belt oscillator", **settings), engine)
+        rate = -(0.1 - exp(-2 * belt)) / 2
+        growth_rate = (
+            log(energy(result, belt, rate, -1) / energy(result, belt, rate, 0)) / 2 / result.t_reached
+        )
+        steps, size = result.attrs["steps"], SMALL * exp(min(0.0, rate * result.t_reached))
+        left_out = 0.03 * (SMALL * exp(max(0.0, rate * result.t_reached))) ** 2
+        bound = left_out + (SMALL + UNIT * (SCENE_UNITS + STATE_UNITS * steps) / size) / result.t_reached
+        points.append(compared(f"growth at {belt:.4g} m/s", rate, growth_rate, bound, "1/s"))
+    yield worst_row("V18/rest", points, "amplitude 1e-4 m: its square once, its cube all the time; rounding")
+
+
+def energy(result: Result, belt: float, rate: float, at: int) -> float:
+    """The square of the amplitude: y^2 + ((y' - rate y) / w)^2 of y'' - 2 rate y' + y = 0 [m^2]."""
+    y, speed = float(result["x_block"][at]) - mu(belt), float(result["v_block"][at])
+    return y * y + (speed - rate * y) ** 2 / (1 - rate * rate)
+
+
+def sticks_again(belt: float, engine: str) -> tuple[bool, Result]:
+    """Whether slip that begins on the belt comes back to its speed."""
+    settings = {
+        "friction__belt__belt": belt,
+        "initial__block__v": belt,
+        "initial__block__x": 0.9 - 0.1 * belt,
+    }
+    span = {"run__t_end": 10.0, "run__every": "10 s"}
+    result = run(made_case(OSCILLATOR, "belt oscillator", **settings, **span), engine)
+    return len(times(result, "stick_begin")) > 0, result
+
+
+def cycle_ends(engine: str) -> Iterator[CheckRow]:
+    """The largest speed of the belt with a stick-slip cycle, by halving."""
+    low, high = CYCLE_ENDS * (1 - 1e-3), CYCLE_ENDS * (1 + 1e-3)
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        again, result = sticks_again(middle, engine)
+        low, high = (middle, high) if again else (low, middle)
+    bound = settled_bound(END_CONDITIONING, result.t_reached, 1 + result.attrs["steps"])
+    bound += last_digit(CYCLE_PLACES) + 2e-3 * CYCLE_ENDS / 2.0**HALVINGS
+    point = compared("speed of the belt at the end of the cycle", CYCLE_ENDS, low, bound, "m/s")
+    yield number_row("V18/cycle", point, BECAUSE)

@@ -12,7 +12,7 @@ from vibsim.cases import load_case
 from vibsim.engine import c_engine
 from vibsim.engine.errors import start_of
 from vibsim.engine.modes.mode_table import ModeTable
-from vibsim.engine.modes.same_structure import differences
+from vibsim.engine.modes.parametric_rows import differences
 from vibsim.engine.tangent.carrying_run import CarryingRun
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.physics.numbers import Doubles
@@ -53,9 +53,9 @@ def test_modes_follow_from_their_recipes(name, repeats):
     statuses |= {start.with_frictions(dict.fromkeys(range(len(of.frictions)), s)) for s in (-1, 0, 1)}
     fresh = CarryingRun(other)
     for status in statuses:
-        first.table.packed(status, lambda: first.scout)  # the order of keys
-        packed = table.packed(status, lambda: pytest.fail("made anew") if repeats else fresh.scout)
-        assert packed == anew.packed(status, lambda: fresh.scout)
+        first.table.packed(status, lambda: first.derivative_flow)  # the order of keys
+        packed = table.packed(status, lambda: pytest.fail("made anew") if repeats else fresh.derivative_flow)
+        assert packed == anew.packed(status, lambda: fresh.derivative_flow)
 
 
 def test_scenes_over_a_damping_share_one_run(monkeypatch):

@@ -1,4 +1,4 @@
-/* A blow on one rigid stop alone; twin of that case of vibsim/engine/events/impacts/blows.py, chatter.py and newton_moreau.py.
+/* One impact on one rigid stop; twin of that case of vibsim/engine/events/impacts/impacts.py, chatter.py and newton_moreau.py.
  *
  * Frictions of the bodies that it moves slip behind it as the velocities say; what sticks elsewhere, rests or is pressed and
  * may let go has no rule. Whatever is not clear is left to Python: another stop that touches, an approach, a departure or a
@@ -20,7 +20,7 @@
 #define SURELY (2.0 / 3)
 #define CLEAR 2   /* times the bounds of a hop: as `drive` is not that of Python to the bit */
 
-static const RigidStop *stop_of(const Blows *b, int number)
+static const RigidStop *stop_of(const Impacts *b, int number)
 {
     int i;
     for (i = 0; i < b->stop_count; i++)
@@ -70,7 +70,7 @@ static int stands_off(
 }
 
 /* Move the ends onto each other: what rounding left of the depth, shared as their masses say. */
-static void seat(Run *r, const RigidStop *s, Real X)
+static void project_to_rest(Run *r, const RigidStop *s, Real X)
 {
     Real depth = depth_of(r, s, X), distance = s->sense * depth, P = 1.0, Q = 1.0;
     if (depth == 0)
@@ -86,7 +86,7 @@ static void seat(Run *r, const RigidStop *s, Real X)
         r->next.x[s->Q] = r->next.x[s->Q] + -(Q * distance);
 }
 
-/* Whether the ends of an elastic stop or a clearance may just touch where a blow moves one of them. */
+/* Whether the ends of an elastic stop or a clearance may just touch where an impact moves one of them. */
 static int borders(const Run *r, const Bound *b, const RigidStop *struck, Real X)
 {
     Real P = column(r, r->next.x, b->P, X), Q = column(r, r->next.x, b->Q, X);
@@ -94,10 +94,10 @@ static int borders(const Run *r, const Bound *b, const RigidStop *struck, Real X
     return moved && fabs(b->sense * (P - Q) + b->gap) <= NEAR * EPS * (fabs(P) + fabs(Q) + fabs(b->gap));
 }
 
-/* Whether no other stop takes part in a blow. */
-static int alone(const Run *r, const Blow *done)
+/* Whether no other stop takes part in an impact. */
+static int alone(const Run *r, const Impact *done)
 {
-    const Blows *b = &r->blows;
+    const Impacts *b = &r->impacts;
     Real unit = unit_of(r);
     int i;
     for (i = 0; i < b->stop_count; i++)
@@ -125,7 +125,7 @@ static Real mobility(const Run *r, int c, Real *turning)
 }
 
 /* Both ends go on with what they have in common, and part with e times what they had not. */
-static void strike(Run *r, Blow *done)
+static void strike(Run *r, Impact *done)
 {
     const RigidStop *s = done->stop;
     Real turning = 0.0, own = mobility(r, s->P, &turning), other = mobility(r, s->Q, &turning), together = own + other;
@@ -153,7 +153,7 @@ static void strike(Run *r, Blow *done)
         r->next.w = r->next.w + turning * -(s->sense * done->impulse);
 }
 
-/* Whether a blow moves an end of a friction. */
+/* Whether an impact moves an end of a friction. */
 static int moves(const Run *r, const RigidStop *s, const Rubbing *f)
 {
     int P = f->P == s->P || f->P == s->Q, Q = f->Q == s->P || f->Q == s->Q;
@@ -165,23 +165,23 @@ static Real slip_of(const Run *r, const Rubbing *f, Real V)
     return (column(r, r->next.v, f->P, V) - column(r, r->next.v, f->Q, V)) - f->belt;
 }
 
-/* Number of the mode with the codes of r->blows; NOTHING where it has not been met. */
+/* Number of the mode with the codes of r->impacts; NOTHING where it has not been met. */
 static int mode_behind(const Run *r)
 {
     const size_t size = sizeof(int) * (size_t)r->parts;
     int k;
-    if (memcmp(r->mode->codes, r->blows.codes, size) == 0)
+    if (memcmp(r->mode->codes, r->impacts.codes, size) == 0)
         return r->mode_number;
     for (k = 0; k < r->mode_count; k++)
-        if (memcmp(r->modes[k]->codes, r->blows.codes, size) == 0)
+        if (memcmp(r->modes[k]->codes, r->impacts.codes, size) == 0)
             return k;
     return NOTHING;
 }
 
-/* The frictions that a blow moves slip as the velocities behind it say, in a mode that has been met; 0 where one may stick. */
-static int turned(Run *r, Blow *done)
+/* The frictions that an impact moves slip as the velocities behind it say, in a mode that has been met; 0 where one may stick. */
+static int turned(Run *r, Impact *done)
 {
-    Blows *b = &r->blows;
+    Impacts *b = &r->impacts;
     int *codes = b->codes + (r->parts - r->clearances - b->friction_count), i;
     memcpy(b->codes, r->mode->codes, sizeof(int) * (size_t)r->parts);
     b->kinds[0] = IMPACT;
@@ -208,8 +208,8 @@ static int turned(Run *r, Blow *done)
     return done->target != NOTHING;
 }
 
-/* Deceleration of a friction that slips in the mode behind the blow; 0 where it does not. */
-static Real slowing(Run *r, const Blow *done, int friction)
+/* Deceleration of a friction that slips in the mode behind the impact; 0 where it does not. */
+static Real slowing(Run *r, const Impact *done, int friction)
 {
     const Mode *m = r->modes[done->target];
     int i;
@@ -220,14 +220,14 @@ static Real slowing(Run *r, const Blow *done, int friction)
 }
 
 /*
- * Whether a friction that the blow moves slips so slowly that a hop of the speed behind it turns it round, or comes to
- * rest before the next blow, `after` [s].
+ * Whether a friction that the impact moves slips so slowly that a hop of the speed behind it turns it round, or comes to
+ * rest before the next impact, `after` [s].
  */
-static int rubs(Run *r, const Blow *done, Real after)
+static int rubs(Run *r, const Impact *done, Real after)
 {
     int i;
-    for (i = 0; i < r->blows.friction_count; i++) {
-        const Rubbing *f = &r->blows.frictions[i];
+    for (i = 0; i < r->impacts.friction_count; i++) {
+        const Rubbing *f = &r->impacts.frictions[i];
         Real slip;
         if (!moves(r, done->stop, f))
             continue;
@@ -254,7 +254,7 @@ static Real resolution(const Run *r, const RigidStop *s, Real drive)
 }
 
 /* Speed that rounding of all forces has not given the lightest body since t = 0. */
-static Real beyond_rounding(const Run *r, const Blow *done)
+static Real beyond_rounding(const Run *r, const Impact *done)
 {
     Real lightest = INFINITY;
     int i;
@@ -263,11 +263,11 @@ static Real beyond_rounding(const Run *r, const Blow *done)
     return CANCELLED * EPS * (forces_of(r, r->modes[done->target], done->X, done->V) / lightest) * r->next.t;
 }
 
-/* Whether the next blow on the stop comes late enough not to be the end of an infinite sequence. */
-static int departs(Run *r, const Event *event, const Blow *done)
+/* Whether the next impact on the stop comes late enough not to be the end of an infinite sequence. */
+static int departs(Run *r, const Event *event, const Impact *done)
 {
     Real speed = -done->after, e = done->stop->e, drive = -derivative_at_next(r, r->modes[done->target], event->key, 2);
-    Real ahead = r->blows.early ? fmin(fmax(SURELY * e, FURTHEST), EARLY) : 1, furthest = r->blows.early ? FURTHEST : 1;
+    Real ahead = r->impacts.early ? fmin(fmax(SURELY * e, FURTHEST), EARLY) : 1, furthest = r->impacts.early ? FURTHEST : 1;
     Real rounding = CLEAR * (EPS * size_of(r, done->stop, done->X)), height, shortest;
     if (!isfinite(drive))
         return 0;
@@ -286,14 +286,14 @@ static int departs(Run *r, const Event *event, const Blow *done)
     return !rubs(r, done, 2 * speed / drive);
 }
 
-/* Zeros of sliding velocities that the blow has changed are none any more. */
-static void forget_slips(Run *r, const Blow *done)
+/* Zeros of sliding velocities that the impact has changed are none any more. */
+static void forget_slips(Run *r, const Impact *done)
 {
     const Mode *m = r->modes[done->target];
     int i;
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
-        if (e->kind == SLIDE && e->part < r->blows.friction_count && moves(r, done->stop, &r->blows.frictions[e->part]))
+        if (e->kind == SLIDE && e->part < r->impacts.friction_count && moves(r, done->stop, &r->impacts.frictions[e->part]))
             r->behind[e->key] = 0;
     }
 }
@@ -314,8 +314,8 @@ static void undo(Run *r)
     r->next.w = r->before_w;
 }
 
-/* Whether the blow of `event` at r->next is clear; it has changed velocities there, if not all of them. */
-static int is_clear(Run *r, const Event *event, Blow *done)
+/* Whether the impact of `event` at r->next is clear; it has changed velocities there, if not all of them. */
+static int is_clear(Run *r, const Event *event, Impact *done)
 {
     carry(r, done->V);
     done->before = rate_of(r, done->stop, done->V);
@@ -325,10 +325,10 @@ static int is_clear(Run *r, const Event *event, Blow *done)
     return turned(r, done) && departs(r, event, done);
 }
 
-/* Take the blow of the pending event at r->next; 0 where Python has to decide, and nothing is changed then. */
-int blow_take(Run *r, const Event *event, Blow *done)
+/* Take the impact of the pending event at r->next; 0 where Python has to decide, and nothing is changed then. */
+int impact_take(Run *r, const Event *event, Impact *done)
 {
-    const RigidStop *s = done->stop = stop_of(&r->blows, event->part);
+    const RigidStop *s = done->stop = stop_of(&r->impacts, event->part);
     if (s == NULL || s->e == 0 || r->next.t == 0)
         return 0;
     base_motion_at(r, r->next.t, &done->X, &done->V);
@@ -337,12 +337,12 @@ int blow_take(Run *r, const Event *event, Blow *done)
         return 0;
     }
     forget_slips(r, done);
-    seat(r, s, done->X);
+    project_to_rest(r, s, done->X);
     return 1;
 }
 
-/* What a blow adds to the ledgers: loss, work and impulses of ground and base. */
-void blow_count(Run *r, const Blow *done)
+/* What an impact adds to the ledgers: loss, work and impulses of ground and base. */
+void impact_count(Run *r, const Impact *done)
 {
     const RigidStop *s = done->stop;
     Real *entries = r->ledger.entries, impulse = s->Q >= r->bodies ? s->sense * done->impulse : -s->sense * done->impulse;

@@ -1,4 +1,4 @@
-"""Which rigid stops touch at an instant, and the blows there."""
+"""Which rigid stops touch at an instant, and the impacts there."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Generic
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.departures import DerivativeSigns
 from vibsim.engine.events.impacts.newton_moreau import (
-    MOST_BLOWS,
+    MOST_IMPACTS,
     NEAR,
     Contact,
-    blow,
+    impact,
     masses,
     rate_of,
     size_of,
@@ -24,10 +24,10 @@ from vibsim.engine.modes.status import OPEN, RESTING, Status
 from vibsim.physics.numbers import N, abs
 from vibsim.physics.parts import RigidStop, Scene, Stop
 
-IN_TURN = 32  # blows one after the other that are tried where the order is in doubt
+IN_TURN = 32  # impacts one after the other that are tried where the order is in doubt
 
 
-class Blows(Generic[N]):
+class ImpactLaw(Generic[N]):
     """Applies the law of impacts to all rigid stops that touch."""
 
     def __init__(self, scene: Scene[N], maker: RowMaker[N], departures: DerivativeSigns[N]) -> None:
@@ -45,7 +45,7 @@ class Blows(Generic[N]):
 
     def carry(self, state: State[N], status: Status) -> None:
         """Give what rests or sticks on the base its velocity, which that of the stretch has but for rounding:
-        where a blow meets them, they do not close.
+        where an impact meets them, they do not close.
         """
         leader, drift = self.maker.ties(status)
         carried = [c for c in range(self.maker.n) if leader[c] == self.maker.n + 1]
@@ -86,31 +86,34 @@ class Blows(Generic[N]):
         return abs(xP) + abs(xQ) + abs(stop.gap)
 
     def strike(self, state: State[N], touch: SimultaneousImpacts[N]) -> None:
-        """Blows as long as a stop closes; the last of too many are plastic. So are those behind one that
-        cannot obey its law though the bodies can stand: without room between two stops blows follow each
+        """Impacts as long as a stop closes; the last of too many are plastic. So are those behind one that
+        cannot obey its law though the bodies can stand: without room between two stops impacts follow each
         other at one instant until nothing is left of the speed.
         """
         v, w = self.velocities(state), state.w
         bodies, contacts = masses(self.scene, self.kit, state.phase, state.x), touch.contacts
         size = size_of(contacts, v)
-        for count in range(MOST_BLOWS + len(contacts)):
+        for count in range(MOST_IMPACTS + len(contacts)):
             if not any(rate > 0 for rate in touch.rates.values()):
                 break
-            if count == MOST_BLOWS:
+            if count == MOST_IMPACTS:
                 contacts = self._plastic(state, contacts)
-            struck, turned, passed = blow(self.kit, bodies, contacts, v, w)
+            struck, turned, passed = impact(self.kit, bodies, contacts, v, w)
             if unmet(self.kit, contacts, v, struck):
                 contacts = self._plastic(state, contacts)
-                struck, turned, passed = blow(self.kit, bodies, contacts, v, w)
+                struck, turned, passed = impact(self.kit, bodies, contacts, v, w)
                 if unmet(self.kit, contacts, v, struck):
                     raise EngineError("crushed", state, self.names(c.stop for c in contacts))
-            v, w = self.kit.all_exact(struck), self.kit.exact(turned)  # radii would grow from blow to blow
+            v, w = (
+                self.kit.all_exact(struck),
+                self.kit.exact(turned),
+            )  # radii would grow from impact to impact
             touch.rates = {c.stop: rate_of(self.kit, c, v, size) for c in contacts}
             telling = [one for one in passed if count == 0 or touch.rates[one.stop] != 0]
             for one in telling:
                 touch.rates |= dict.fromkeys(self.coincident_stops(touch, one.stop), one.after)
             contact = {c.stop: c for c in contacts}
-            touch.blows.append([(contact[one.stop], one) for one in passed])
+            touch.impacts.append([(contact[one.stop], one) for one in passed])
         ends = [(c.P, c.Q) for one in touch.passed for c in contacts if c.stop == one.stop]
         touch.moved = {column for pair in ends for column in pair if column < self.maker.n}
         state.v[:] = [self.kit.exact(value) for value in v[: self.maker.n]]
@@ -137,9 +140,9 @@ class Blows(Generic[N]):
         return hardest(self.stops, self.coincident_stops(touch, i))
 
     def doubt_order(self, state: State[N], status: Status, touch: SimultaneousImpacts[N], i: int) -> None:
-        """Doubt a blow at stop `i` in which others take part that rounding has brought to the same instant,
-        where blows one after the other would have another outcome. Those at rest take part anyway, what
-        touches at the start does so exactly, and stops at one place are always struck at once.
+        """Doubt an impact at stop `i` in which others take part that rounding has brought to the same
+        instant, where impacts one after the other would have another outcome. Those at rest take part anyway,
+        what touches at the start does so exactly, and stops at one place are always struck at once.
         """
         open_ones = [
             c for c in touch.contacts if c.stop not in self.places[i] and status.stops[c.stop] == OPEN
@@ -157,7 +160,7 @@ class Blows(Generic[N]):
                     self.departures.doubt(state)
 
     def _outcome(self, state: State[N], groups: Sequence[Sequence[Contact[N]]]) -> list[N]:
-        """Velocities behind blows at groups of stops, one group after the other, as long as one closes."""
+        """Velocities behind impacts at groups of stops, one group after the other, as long as one closes."""
         v, w = self.velocities(state), state.w
         bodies = masses(self.scene, self.kit, state.phase, state.x)
         size = size_of([c for group in groups for c in group], v)
@@ -165,5 +168,5 @@ class Blows(Generic[N]):
             closing = [g for g in groups if any(rate_of(self.kit, c, v, size) > 0 for c in g)]
             if not closing:
                 break
-            v, w, _ = blow(self.kit, bodies, closing[0], v, w)
+            v, w, _ = impact(self.kit, bodies, closing[0], v, w)
         return v

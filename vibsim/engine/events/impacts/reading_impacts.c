@@ -1,18 +1,18 @@
-/* What blows on rigid stops are told by: read as Python writes it, kept and freed. */
+/* What impacts on rigid stops are told by: read as Python writes it, kept and freed. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "modes.h"
-#include "room.h"
+#include "zalloc.h"
 
-static int room_for_blows(Run *r, int stops, int frictions, int bounds)
+static int alloc_impacts(Run *r, int stops, int frictions, int bounds)
 {
-    Blows *b = &r->blows;
-    blows_free(b);
-    b->stops = room((size_t)stops + 1, sizeof(RigidStop));
-    b->frictions = room((size_t)frictions + 1, sizeof(Rubbing));
-    b->bounds = room((size_t)bounds + 1, sizeof(Bound));
-    b->codes = room((size_t)(r->parts + 2 * (frictions + 1)), sizeof(int));
+    Impacts *b = &r->impacts;
+    impacts_free(b);
+    b->stops = zalloc((size_t)stops + 1, sizeof(RigidStop));
+    b->frictions = zalloc((size_t)frictions + 1, sizeof(Rubbing));
+    b->bounds = zalloc((size_t)bounds + 1, sizeof(Bound));
+    b->codes = zalloc((size_t)(r->parts + 2 * (frictions + 1)), sizeof(int));
     if (!b->stops || !b->frictions || !b->bounds || !b->codes)
         return 0;
     b->kinds = b->codes + r->parts;
@@ -21,12 +21,12 @@ static int room_for_blows(Run *r, int stops, int frictions, int bounds)
 }
 
 /* The numbers in which vibsim/engine/ledger_integrals.py writes them; 0 without memory or where they are none. */
-int blows_read(Run *r, Reader *in)
+int impacts_read(Run *r, Reader *in)
 {
-    Blows *b = &r->blows;
+    Impacts *b = &r->impacts;
     int stops = read_index(in, 0, r->parts), frictions = read_index(in, 0, r->parts - r->clearances - stops);
     int bounds = read_index(in, 0, r->parts - stops - frictions), i;
-    if (in->short_of || !room_for_blows(r, stops, frictions, bounds))
+    if (in->short_of || !alloc_impacts(r, stops, frictions, bounds))
         return 0;
     b->early = read_index(in, 0, 1);
     for (i = 0; i < stops; i++) {
@@ -58,7 +58,7 @@ int blows_read(Run *r, Reader *in)
     return read_through(in);
 }
 
-void blows_free(Blows *b)
+void impacts_free(Impacts *b)
 {
     free(b->stops);
     free(b->frictions);

@@ -1,4 +1,4 @@
-"""Blows by the Newton-Moreau law: closed forms, and what it keeps."""
+"""Impacts by the Newton-Moreau law: closed forms, and what it keeps."""
 
 from dataclasses import replace
 from math import sin
@@ -9,7 +9,7 @@ import pytest
 
 from tests.scenes import paper
 from vibsim.cases import load_case
-from vibsim.evidence.peers.automaton import Instant, _impulses, blow, consistent_states
+from vibsim.evidence.peers.automaton import Instant, _impulses, consistent_states, impact
 from vibsim.evidence.peers.equations import Compiled, start_of
 from vibsim.physics.parts import COMPRESSION, GROUND, RigidStop
 
@@ -20,7 +20,7 @@ def at(scene, state):
 
 def test_one_ball_meets_two_that_touch():
     instant = at(load_case("gallery/three-balls").scene(), [0.1, 1.0, 0.0, 0.0, 0.0, 0.0])
-    impulses = blow(instant, [0, 1], [instant.rate(0), instant.rate(1)])
+    impulses = impact(instant, [0, 1], [instant.rate(0), instant.rate(1)])
     assert instant.state[1::2] == pytest.approx([-1 / 3, 2 / 3, 2 / 3], rel=1e-14)
     assert impulses == pytest.approx([4 / 3, 2 / 3], rel=1e-14)
 
@@ -28,7 +28,7 @@ def test_one_ball_meets_two_that_touch():
 def test_one_stop_turns_the_rate_round():
     instant = at(load_case("gallery/pile-driver").scene(), [1.0, 4.0, 0.0, 1.0])
     before = instant.rate(0)
-    blow(instant, [0], [before])
+    impact(instant, [0], [before])
     assert instant.rate(0) == pytest.approx(-0.6 * before, rel=1e-14)
     assert 250 * instant.state[1] + 750 * instant.state[3] == pytest.approx(250 * 4 + 750, rel=1e-14)
 
@@ -52,7 +52,7 @@ def test_a_rotor_takes_part_by_its_mass_matrix(e):
         return float(np.array([v1, w]) @ masses @ np.array([v1, w]) / 2)
 
     before, full = kept(), energy()
-    blow(instant, [0], [2.0])
+    impact(instant, [0], [2.0])
     assert instant.state[1] == pytest.approx(-e * 2.0, abs=1e-15) and instant.state[3] == -1.0
     assert kept() == pytest.approx(before, rel=1e-14)
     lost = 1 - energy() / full
@@ -66,7 +66,7 @@ def test_a_body_held_from_both_sides_is_refused():
     scene = load_case("gallery/impact-pair").scene()
     instant = at(scene, start_of(scene))
     with pytest.raises(ArithmeticError, match="no impulses obey the law"):
-        blow(instant, [0, 1], [1.0, 1.0])
+        impact(instant, [0, 1], [1.0, 1.0])
 
 
 def test_no_more_is_tried_than_can_be():
