@@ -432,8 +432,7 @@ def rest_label(
     """
     if at is None:
         return Label("rest")
-    middle = unknowns_at(at, {name: [(low[name] + high[name]) / 2] for name in at.columns})[0]
-    state = at.in_turn_of(middle, np.zeros(at.count))
+    state = unknowns_at(at, {name: [(low[name] + high[name]) / 2] for name in at.columns})[0]
     half = unknowns_at(at, {name: [(high[name] - low[name]) / 2] for name in at.columns})[0]
     width = np.full(len(state), np.inf) if held else np.abs(half)
     return Label("rest", state=state, means=state, errors=width)

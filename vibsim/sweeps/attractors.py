@@ -30,7 +30,7 @@ from vibsim.orbits.return_map import ReturnMap
 from vibsim.orbits.search import least
 from vibsim.physics.parts import GROUND
 from vibsim.results.file_contents import Column, Dataset
-from vibsim.sweeps.attractor_labels import orbit_of_label
+from vibsim.sweeps.attractor_labels import coordinates_of, orbit_of_label
 from vibsim.sweeps.quantities import DONE, INITIAL, KINDS, NAME, NONE
 from vibsim.sweeps.sweep_plan import is_of_starts
 
@@ -181,12 +181,17 @@ class _Combination:
         found.append(_Found("periodic", members, [], state, period, multiplier, orbit))
 
     def _rests(self) -> list[_Found]:
-        """Rests apart from each other by more than what is left of the motions; one where friction holds."""
+        """Rests apart from each other by more than what is left of the motions; one where friction holds.
+        Those whole turns apart, as of a pendulum, are one.
+        """
         rows = self._rows("rest")
+        at = coordinates_of(self._scene) if len(rows) else None
         found: list[tuple[_Found, np.ndarray]] = []
         for row in rows.tolist():
             state, width = (self._columns[name][row] for name in ("attractor_state", "attractor_errors"))
             width = width[-len(state) :] if len(state) else width[:0]
+            if at is not None and len(state):
+                state = at.in_turn_of(state.copy(), np.zeros(len(state)))
             near = (
                 one
                 for one, other in found

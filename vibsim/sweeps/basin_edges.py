@@ -29,6 +29,7 @@ from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import ReturnMap, returns, slowest_period
 from vibsim.orbits.search import ROUGH, least
 from vibsim.orbits.stability import eigenvalues, moduli, product, sides_of_circle, solved_by_pivots
+from vibsim.physics.connections import whole_turn_angles
 from vibsim.physics.elementary import exp, log, mean
 from vibsim.physics.parts import Scene
 from vibsim.sweeps.basin_starts import LONGER, NOWHERE, BasinEnd, Basins, basins_and_starts
@@ -96,8 +97,12 @@ class Stepping:
         return back
 
     def near(self, components: np.ndarray, other: np.ndarray) -> np.ndarray:
-        """The same state with angles less than half a turn from those of another."""
+        """The same state with angles of rotors less than half a turn from those of another; bodies that turn, as
+        a pendulum, stay where they are: to fall over is to leave a basin.
+        """
         moved = self.at.lifted(self.at.in_turn_of(self.at.of(components), self.at.of(other)))
+        for i in whole_turn_angles(self.at.scene):
+            moved[i] = components[i]
         if self.free:
             moved[self.map.section.component] = components[self.map.section.component]
         return moved
