@@ -97,8 +97,8 @@ class Stepping:
         return back
 
     def near(self, components: np.ndarray, other: np.ndarray) -> np.ndarray:
-        """The same state with angles of rotors less than half a turn from those of another; bodies that turn, as
-        a pendulum, stay where they are: to fall over is to leave a basin.
+        """The same state with angles of rotors less than half a turn from those of another. Bodies that turn,
+        as a pendulum, stay where they are: to fall over is to leave a basin.
         """
         moved = self.at.lifted(self.at.in_turn_of(self.at.of(components), self.at.of(other)))
         for i in whole_turn_angles(self.at.scene):
