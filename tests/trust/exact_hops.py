@@ -92,7 +92,7 @@ class Line:
                 found.append((when, True))
         for rub in self.rubs:
             slip, a = self.slip(rub), self.difference(rub, A)
-            if abs(slip) > STILL and slip * a < 0:
+            if slip * a < 0:  # also of what joined ends have left below STILL
                 found.append((-slip / a, False))
         return min(found, default=(None, False))
 
