@@ -27,7 +27,8 @@ class Carried:
     uncertified : number of doubts of the certificate; 0 where it is sure that no event was missed
     margin : smallest gap at a turn without contact [m], inf without any
     undefined_at : time [s] of the first event that has no derivative, a grazing touch of a rigid stop say,
-        or from which the derivative of a formula is infinite and has no integral; NaN where all have one. `vectors` are NaN then
+        or from which the derivative of a formula is infinite and has no integral; NaN where all have one.
+        `vectors` are NaN then
     """
 
     state: np.ndarray
