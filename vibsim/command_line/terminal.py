@@ -141,7 +141,7 @@ class SlowRun:
         if rate * self._t_end >= STIFF and name in self._states:
             return (
                 f"; the state {name}, which comes to rest at {rate:.2g} 1/s, asks for steps of some"
-                f" {9 / rate:.1g} s: with the value that it follows, by a formula in its place, the run is fast"
+                f" {9 / rate:.1g} s: with a formula of the value that it follows in its place the run is fast"
             )
         if rate * self._t_end >= STIFF:
             return (
