@@ -175,6 +175,8 @@ def test_slow_run_tells_of_a_stiff_damper(capsys):
         "; the damper of joint (c / m = 2e+08 1/s) asks for steps of some 4e-08 s: with a smaller c" in stiff
     )
     assert "damper" not in noted([(2.0, 0.01)], 10.0, capsys, damping=("joint", 2e4))
+    state = noted([(2.0, 0.01)], 10.0, capsys, damping=("i", 2e8), states=["i"])
+    assert "; the state i, which comes to rest at 2e+08 1/s, asks for steps of some 4e-08 s:" in state
 
 
 def test_a_run_that_gets_far_slower_is_told_again(capsys):

@@ -151,8 +151,18 @@ class Line:
                     total += sign * factor / self.m[end]
         return total
 
+    def _standing(self):
+        """Of each friction whether it stands."""
+        return [abs(s) < STILL for s in map(self.slip, self.rubs)]
+
     def _accelerations(self):
-        """Accelerations in the mode that is consistent now."""
+        """Accelerations in the mode that is consistent now; what joining ends has made stand may stick."""
+        while True:
+            standing, A = self._standing(), self._consistent()
+            if self._standing() == standing:
+                return A
+
+    def _consistent(self):
         rubs = [(0, 1, -1) if abs(s) < STILL else (1 if s > 0 else -1,) for s in map(self.slip, self.rubs)]
         walls = []
         for wall in self.walls:

@@ -115,6 +115,19 @@ def test_hops_come_to_an_end(name, doubts):
     assert (result.attrs["uncertified"] > 0) == doubts
 
 
+@pytest.mark.parametrize("seed", [470, 20251])
+def test_a_body_between_two_stops_comes_to_rest(seed):
+    """It is struck by them in turn, on a way that comes below the rounding of displacements while its speed
+    is far from it: it bounced on 14,000 times, or to where the truth is 5 mm away.
+    """
+    pytest.importorskip("flint")
+    case, _ = pushed(seed)
+    run = simulate(case)
+    assert len(run.events["t"]) < 200
+    assert true_error(case, run)[0].max() < 1e-16
+    assert abs(run.attrs["energy_residual"]) < 1e-15
+
+
 def worst(case):
     """Least ratio of the estimate to the true error of a random chatter; None where the run is in doubt."""
     run = simulate(case)
@@ -149,7 +162,7 @@ def worst_by_parabolas(seed):
     return least(run, error), least(run, error, 16)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", [*range(6), 20311])
 def test_a_run_is_that_of_parabolas(seed):
     """Bodies under constant forces and Coulomb friction, each hop followed down to 1e-40 m/s."""
     ratios = worst_by_parabolas(seed)

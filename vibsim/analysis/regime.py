@@ -477,7 +477,8 @@ def _warnings(lyapunov: LyapunovExponents, tolerance: float) -> Iterator[str]:
     if isfinite(lyapunov.undefined_time):
         yield (
             f"exponents are undefined: at {lyapunov.undefined_time:.6g} s the motion grazes a rigid stop or"
-            " strikes several at one instant"
+            " strikes several at one instant, or the derivative of a formula is infinite there and has no"
+            " integral"
         )
     if lyapunov.tangencies:
         yield (

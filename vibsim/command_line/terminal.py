@@ -105,7 +105,8 @@ class SlowRun:
     """Tells, on stderr, that the run `label` to `t_end` [s] is slow, and again where it gets far slower; and
     what of its scene may be the reason.
 
-    damping : the fastest damper, (name, rate [1/s]), which may ask for many steps
+    damping : the fastest damper or state, (name, rate [1/s]), which may ask for many steps
+    states : names of the states
     lossless : names of the rigid stops with e = 1, on which hops that die out never end
     """
 
@@ -117,8 +118,9 @@ class SlowRun:
         clock: Callable[[], float] = time.monotonic,
         damping: tuple[str, float] = ("", 0.0),
         lossless: Sequence[str] = (),
+        states: Sequence[str] = (),
     ):
-        self._damping, self._lossless = damping, lossless
+        self._damping, self._lossless, self._states = damping, lossless, states
         self._label, self._t_end, self._shown, self._clock = label, t_end, shown, clock
         self._since, self._t, self._worth = clock(), 0.0, LONG
 
@@ -136,6 +138,11 @@ class SlowRun:
 
     def _reason(self) -> str:
         name, rate = self._damping
+        if rate * self._t_end >= STIFF and name in self._states:
+            return (
+                f"; the state {name}, which comes to rest at {rate:.2g} 1/s, asks for steps of some"
+                f" {9 / rate:.1g} s: with a formula of the value that it follows in its place the run is fast"
+            )
         if rate * self._t_end >= STIFF:
             return (
                 f"; the damper of {name} (c / m = {rate:.2g} 1/s) asks for steps of some {9 / rate:.1g} s:"

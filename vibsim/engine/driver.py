@@ -168,7 +168,7 @@ class Driver(Generic[N]):
                 self.worked_to = worked_to
                 yield
         if self.tangent:
-            for worked_to in self.tangent.gather(self.state, end, tau, state):
+            for worked_to in self.tangent.gather(self.state, end, tau, state, event is not None):
                 self.worked_to = worked_to
                 yield
         if event is not None:

@@ -98,8 +98,8 @@ def _first(return_map: ReturnMap, X: np.ndarray, T: float | None) -> Return:
     if not _has_derivative(end):
         raise NotConverged(
             "the motion from the start of Newton's method has no derivative: at "
-            f"{end.carried.undefined_at:.6g} s it grazes a rigid stop or strikes several at one instant; "
-            "start a little beside it",
+            f"{end.carried.undefined_at:.6g} s it grazes a rigid stop or strikes several at one instant, "
+            "or the derivative of a formula is infinite there and has no integral; start a little beside it",
             end.residual,
         )
     return end

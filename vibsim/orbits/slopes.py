@@ -378,7 +378,8 @@ def monodromy(
     if not np.isnan(carried.undefined_at):
         raise OrbitError(
             f"at {carried.undefined_at:.6g} s the motion grazes a rigid stop or strikes several at one"
-            " instant, where it has no derivative"
+            " instant, or the derivative of a formula is infinite there and has no integral: it has no"
+            " derivative"
         )
     slopes = _slopes(case, parameters, carrier.started(start, T))
     if slopes is None:

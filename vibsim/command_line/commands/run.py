@@ -32,6 +32,7 @@ from vibsim.command_line.text import case_lines, heading, print_lines, result_li
 from vibsim.engine.choice import compiled
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.tangent_space import dimension
+from vibsim.physics.parts import STATE
 from vibsim.physics.precision import MultiprecisionMissing, installed_library
 from vibsim.physics.rates import fastest_damping
 from vibsim.results import Result, kind_of, names_a_result, simulate_to_file
@@ -445,6 +446,7 @@ def _run_one(
         shown=not settings.quiet,
         damping=fastest_damping(scene),
         lossless=[stop.name for _, stop in scene.rigid_stops if stop.e == 1],
+        states=[body.name for body in scene.bodies if body.kind == STATE],
     )
 
     def watch(t: float) -> bool:

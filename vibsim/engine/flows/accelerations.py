@@ -14,9 +14,14 @@ from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Scene
 
 
-def accelerations(scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[N]) -> tuple[list[N], N]:
+def accelerations(
+    scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[N], blur: Inputs[N] | None = None
+) -> tuple[list[N], N]:
     """Accelerations [m/s^2] of bodies, ground and base, and that of the rotor [rad/s^2], in the mode of
     `rows`.
+
+    blur : what rounding leaves open of the state; bases of powers in formulas that are zero within it are
+    zero
     """
     n, zero, leader = len(scene.bodies), kit.number(0), rows.leader
     X, V = base_motion(scene, kit, state.t)
@@ -37,9 +42,9 @@ def accelerations(scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[
         F[leader[fall.Q]] = F[leader[fall.Q]] - drop
     if rows.tape:
         phi, quiet = kit.unwind(state.phase, state.turns), [zero] * (n + 2)
-        values = TapeValues(
-            kit, rows.tape, Inputs(state.t, x, v, phi, state.w), Inputs(zero, quiet, quiet, zero, zero)
-        )
+        sharp = Inputs(zero, quiet, quiet, zero, zero)
+        at = Inputs(state.t, x, v, phi, state.w)
+        values = TapeValues(kit, rows.tape, at, sharp if blur is None else blur, blur is not None)
         for law in rows.formulas:
             value = law.sign * values.output(law.output)[0]
             F[leader[law.P]] = F[leader[law.P]] + value

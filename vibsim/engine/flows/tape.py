@@ -293,9 +293,14 @@ def quotient(kit: Kit[N], a: N, b: N) -> N:
 
 
 class TapeValues(Generic[N]):
-    """Values along a tape at one instant, each with a bound of its rounding."""
+    """Values along a tape at one instant, each with a bound of its rounding.
 
-    def __init__(self, kit: Kit[N], tape: Tape, at: Inputs[N], blur: Inputs[N]) -> None:
+    at_zeros : whether bases of powers that are within rounding of zero are zero
+    """
+
+    def __init__(
+        self, kit: Kit[N], tape: Tape, at: Inputs[N], blur: Inputs[N], at_zeros: bool = False
+    ) -> None:
         self.kit, self.tape = kit, tape
         self.values: list[N] = []
         self.bounds: list[N] = []
@@ -303,6 +308,9 @@ class TapeValues(Generic[N]):
             if op.code in INPUTS:
                 self.values.append(input_value(op, at))
                 self.bounds.append(kit.number(0) if op.code == CONSTANT else abs(input_value(op, blur)))
+            elif at_zeros and op.code == POWER and abs(self.values[op.a]) <= self.bounds[op.a]:
+                self.values.append(start_value(kit, op, {op.a: kit.number(0)}))
+                self.bounds.append(kit.number(0))
             else:
                 self.values.append(start_value(kit, op, self.values))
                 self.bounds.append(self._bound(i, op))

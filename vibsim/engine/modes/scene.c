@@ -61,14 +61,14 @@ static int alloc_flows(Run *r)
 static int alloc_rotors(Run *r)
 {
     Rotors *o = &r->rotors;
-    TapeInputs *at = &r->taylor.tapes.at, *blur = &r->taylor.tapes.blur;
+    TapeInputs *at = &r->taylor.tapes.at, *blur = &r->taylor.tapes.blur, *between = &r->taylor.tapes.between;
     const size_t count = (size_t)o->count, columns = (size_t)r->columns;
     r->alone = zalloc((size_t)r->alone_count, sizeof(int));
     o->of = zalloc(count, sizeof(RotorOn));
     o->sine = zalloc(3 * count, sizeof *o->sine);
     o->mass = zalloc(2 * count, sizeof(Real));
     o->leaders = zalloc(count + 1, sizeof(int));
-    r->taylor.acceleration = zalloc(5 * columns, sizeof(Real));
+    r->taylor.acceleration = zalloc(7 * columns, sizeof(Real));
     if (!r->alone || !o->of || !o->sine || !o->mass || !o->leaders || !r->taylor.acceleration)
         return 0;
     o->cosine = o->sine + count;
@@ -78,6 +78,8 @@ static int alloc_rotors(Run *r)
     at->v = at->x + columns;
     blur->x = at->v + columns;
     blur->v = blur->x + columns;
+    between->x = blur->v + columns;
+    between->v = between->x + columns;
     return 1;
 }
 

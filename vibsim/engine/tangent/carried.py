@@ -26,8 +26,9 @@ class Carried:
     table : when [s], and the components behind it, one row each
     uncertified : number of doubts of the certificate; 0 where it is sure that no event was missed
     margin : smallest gap at a turn without contact [m], inf without any
-    undefined_at : time [s] of the first event that has no derivative, a grazing touch of a rigid stop say;
-        NaN where all have one. `vectors` are NaN then
+    undefined_at : time [s] of the first event that has no derivative, a grazing touch of a rigid stop say,
+        or from which the derivative of a formula is infinite and has no integral; NaN where all have one.
+        `vectors` are NaN then
     """
 
     state: np.ndarray

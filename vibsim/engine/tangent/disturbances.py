@@ -48,13 +48,15 @@ class Disturbances(Generic[N]):
         self.tangencies.pass_by(state)
         self._join(state, rows)
 
-    def gather(self, start: State[N], end: N, tau: N, state: State[N]) -> Iterator[N]:
+    def gather(self, start: State[N], end: N, tau: N, state: State[N], at_event: bool) -> Iterator[N]:
         """Carry the disturbances over the stretch from the state `start` to `state` at the time `end`, `tau`
-        [s] after the start of the flow; the instant of an impact is not on the grid of time.
+        [s] after the start of the flow, where an event is or none; the instant of an impact is not on the
+        grid of time.
 
         A generator, which yields how far it is [s] after every piece.
         """
         t, tangent = start.t, self.tangents[self.flow.now.method]
+        tangent.event_at = end if at_event else None
         late: N | int = tau - (end - self.flow.t0)
         while t < end or late != 0:
             ahead = tangent.piece_end(t, end, self._mark(end)) if t < end else end
@@ -64,6 +66,8 @@ class Disturbances(Generic[N]):
                 ahead = half
                 tangent.prepare(t, ahead)
                 moved = [tangent.moved(self.vectors[i]) for i in range(self.possible)]
+            if tangent.is_undefined:
+                self.tangencies.refuse(t)
             late = 0 if ahead >= end else late
             self.vectors[: self.possible] = moved
             self.pieces += 1

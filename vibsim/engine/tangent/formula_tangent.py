@@ -2,6 +2,11 @@
 
 A formula passes df = sum of its partial derivatives times the disturbances of what it reads; the derivatives
 are formulas themselves, made once for a mode, whose series along the motion come from a tape of their own.
+
+Where the base u of a power u^p comes to zero there is no series, and with p < 1 its derivative is infinite
+there, though its integral is not. The piece next to the zero is so short that u is linear in time in it, and
+disturbances feel nothing but the means of the derivatives over it, which are taken by quadrature from the
+zero itself on: the next pieces begin or end where there are series. So nothing of the integral is left out.
 """
 
 from __future__ import annotations
@@ -9,10 +14,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Generic, NamedTuple
 
-from vibsim.engine.flows.tape import Inputs, Tape, TapeMaker, TapeSeries, TapeValues
+from vibsim.engine.flows.tape import (
+    INPUTS,
+    POWER,
+    Inputs,
+    Tape,
+    TapeMaker,
+    TapeSeries,
+    TapeValues,
+    input_value,
+    start_value,
+)
 from vibsim.engine.flows.taylor import digits_beyond, shortened
 from vibsim.physics.formulas import Node, derivative, resolved, walk
-from vibsim.physics.numbers import Kit, N, abs, horner, sizes_at
+from vibsim.physics.numbers import TWO_PI, Kit, N, abs, horner, sizes_at
 
 if TYPE_CHECKING:
     from vibsim.engine.flows.taylor import Taylor
@@ -22,6 +37,24 @@ SHORTENINGS = 200  # of a stretch
 LEAST_SHARE = 2.0**-36  # of it, below which it is not shortened: where a derivative begins at infinity
 ROUNDING = 4  # of displacements and velocities at its end, in units of eps
 READ = ("x", "v", "phi", "w")
+MOST_ZEROS = 8  # bases of powers that come to zero in one piece
+LINEAR = 2.0**-30  # the most that a base may bend over the piece at its zero, as a share of its rate
+TOGETHER = 2.0**-47  # the most of a disturbance that depends on when within the piece its derivatives act
+NODE, NODES = 0.2, 27  # of the quadrature: between two; on either side of the middle
+ENDS = 2.0**-30  # of an integral: the most that its outermost nodes may have
+
+
+class Zero(NamedTuple, Generic[N]):
+    """A base of powers that is zero where a piece begins or ends: its place on the tape of derivatives, its
+    values there, its rate [1/s], its bend [1/s^2], and whether its powers have exponents above 0 only.
+    """
+
+    place: int
+    first: N
+    last: N
+    rate: N
+    bend: N
+    mild: bool
 
 
 class Slope(NamedTuple):
@@ -121,20 +154,7 @@ class FormulaTangent(Generic[N]):
         kit, flow = self.kit, self.flow
         tolerance, shortest = kit.power_of_two(flow.tolerance_exponent), tau * LEAST_SHARE
         for _ in range(SHORTENINGS):
-            at = flow.state_after(tau)
-            n = len(at.x)
-            x = [*at.x, *(horner(flow.x[c], tau) for c in (n, n + 1))]
-            v = [*at.v, *(horner(flow.v[c], tau) for c in (n, n + 1))]
-            lost = ROUNDING * kit.eps
-            phi = kit.unwind(at.phase, at.turns)
-            blur = Inputs(
-                lost * abs(at.t),
-                [lost * abs(a) for a in x],
-                [lost * abs(a) for a in v],
-                lost * abs(phi),
-                lost * abs(at.w),
-            )
-            values = TapeValues(kit, self.slopes.tape, Inputs(at.t, x, v, phi, at.w), blur)
+            values = self._evaluated(tau)
             excess = 0.0
             for k in range(len(self.slopes.tape.outputs)):
                 value, bound = values.output(k)
@@ -145,6 +165,103 @@ class FormulaTangent(Generic[N]):
                 return tau
             tau = shortened(kit, tau, excess, flow.order)
         return tau
+
+    def zeros(self, tau: N, behind_event: bool, at_event: bool) -> list[Zero[N]]:
+        """The bases of powers that are zero at the start or the end of the stretch tau [s].
+
+        behind_event, at_event : whether it begins behind an event and ends at one, which is at the zero
+            itself; elsewhere a base that is near zero has the value it has
+        """
+        found: dict[int, Zero[N]] = {}
+        nothing = self.kit.number(0)
+        powers = [op for op in self.slopes.tape.ops if op.code == POWER]
+        bounds = self._evaluated(tau).bounds if powers else []
+        for op in powers:
+            base = self.series.series[op.a][: self.flow.order]
+            first, last = base[0], horner(base, tau)
+            least = self.series.least * abs(base[1]) + bounds[op.a]
+            opens, closes = not first > least, at_event and not last > least
+            if not (opens or closes):
+                continue
+            first = nothing if (opens and behind_event) or first < 0 else first
+            last = nothing if closes or last < 0 else last
+            mild = op.value > 0 and (op.a not in found or found[op.a].mild)
+            found[op.a] = Zero(op.a, first, last, abs(base[1]), abs(base[2]), mild)
+        return list(found.values())
+
+    def take_means(self, zeros: list[Zero[N]], tau: N) -> bool:
+        """Replace the series of the derivatives by their means over the stretch tau [s]; False, and nothing
+        is replaced, where bases are not linear in it, or a derivative has no integral.
+        """
+        straight = all(one.first != one.last and one.bend * tau < LINEAR * one.rate for one in zeros)
+        if not straight or len(zeros) > MOST_ZEROS:
+            return False
+        ops, zero = self.slopes.tape.ops, self.kit.number(0)
+        means, sizes, ends = [zero] * len(ops), [zero] * len(ops), [zero] * len(ops)
+        start, end = self._inputs(zero), self._inputs(tau)
+        share = abs(zeros[0].last - zeros[0].first) / (
+            zeros[0].rate * tau
+        )  # of tau, in which the base moves so
+        total = zero
+        for j in range(-NODES, NODES + 1):
+            before, after, weight = quadrature_node(self.kit, j)
+            total = total + weight
+            bases = {one.place: one.first * before + one.last * after for one in zeros}
+            values = self._values(_between(start, end, before, after), bases)
+            for i, value in enumerate(values):
+                part = weight * value
+                means[i] = means[i] + part
+                sizes[i] = sizes[i] + abs(part)
+                if j in (-NODES, NODES):
+                    ends[i] = ends[i] + abs(part)
+        if not all(self.kit.finite(sizes[i]) and ends[i] <= ENDS * sizes[i] for i in self._felt()):
+            return False
+        rest = [zero] * (self.flow.order + 1)
+        self.series.series = [[mean / total * share, *rest] for mean in means]
+        return True
+
+    def _felt(self) -> set[int]:
+        """Places on the tape of derivatives of those that move anything."""
+        rows = self.flow.rows
+        return {
+            self.slopes.tape.outputs[one.output]
+            for law in rows.formulas
+            if any(end >= 0 and rows.mobility[rows.leader[end]] > 0 for end in (law.P, law.Q))
+            for one in self.slopes.of.get(law.output, ())
+        }
+
+    def _inputs(self, tau: N) -> Inputs[N]:
+        """What formulas read a time tau [s] after the expansion point."""
+        flow = self.flow
+        at = flow.state_after(tau)
+        n = len(at.x)
+        x = [*at.x, *(horner(flow.x[c], tau) for c in (n, n + 1))]
+        v = [*at.v, *(horner(flow.v[c], tau) for c in (n, n + 1))]
+        return Inputs(at.t, x, v, self.kit.unwind(at.phase, at.turns), at.w)
+
+    def _evaluated(self, tau: N) -> TapeValues[N]:
+        """Values of the derivatives a time tau [s] after the expansion point, from the state there."""
+        at, lost = self._inputs(tau), ROUNDING * self.kit.eps
+        blur = Inputs(
+            lost * abs(at.t),
+            [lost * abs(a) for a in at.x],
+            [lost * abs(a) for a in at.v],
+            lost * abs(at.phi),
+            lost * abs(at.w),
+        )
+        return TapeValues(self.kit, self.slopes.tape, at, blur)
+
+    def _values(self, at: Inputs[N], bases: dict[int, N]) -> list[N]:
+        """Values along the tape of derivatives, of which `bases` are given."""
+        values: list[N] = []
+        for i, op in enumerate(self.slopes.tape.ops):
+            if i in bases:
+                values.append(bases[i])
+            elif op.code in INPUTS:
+                values.append(input_value(op, at))
+            else:
+                values.append(start_value(self.kit, op, values))
+        return values
 
     def rates(self, tau: N) -> tuple[N, N]:
         """Bounds of the rates at which formulas move disturbances at the expansion point or `tau` behind it:
@@ -185,6 +302,28 @@ class FormulaTangent(Generic[N]):
         for i, row in self._rows("v", tau).items():
             total = total + row.get(i, 0 * tau)
         return total
+
+
+def _between(start: Inputs[N], end: Inputs[N], before: N, after: N) -> Inputs[N]:
+    """What is read between two instants, by shares of the first and of the second."""
+    return Inputs(
+        start.t * before + end.t * after,
+        [a * before + b * after for a, b in zip(start.x, end.x, strict=True)],
+        [a * before + b * after for a, b in zip(start.v, end.v, strict=True)],
+        start.phi * before + end.phi * after,
+        start.w * before + end.w * after,
+    )
+
+
+def quadrature_node(kit: Kit[N], j: int) -> tuple[N, N, N]:
+    """Node number j, from -NODES to NODES, of a quadrature from 0 to 1 of what may have a power above -0.9 at
+    either end, to the rounding of doubles: (1 - node, node, its weight, of which the sum is not 1); the
+    double exponential formula of Takahasi and Mori (1974).
+    """
+    z = kit.number(j * NODE)
+    y = TWO_PI / 2 * kit.sinh(z)
+    before, after = 1 / (1 + kit.exp(y)), 1 / (1 + kit.exp(-y))
+    return before, after, kit.cosh(z) * (before * after)
 
 
 class RotorTangent(Generic[N]):

@@ -27,14 +27,17 @@ from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.flows.accelerations import accelerations, joined, response
 from vibsim.engine.flows.base_motion import base_motion
+from vibsim.engine.flows.tape import Inputs
 from vibsim.engine.flows.taylor import Taylor
 from vibsim.engine.modes.rows import DIFFERENCE, GAP, HOLD, SLIDE, STRIKE, SWITCH, Event, ModeRows, Term
 from vibsim.engine.modes.status import CONTACT, FORWARD, RESTING, STICK, Status
 from vibsim.engine.tangent.impact_saltation import Undefined, impact_saltation
 from vibsim.engine.tangent.tangent_taylor import TaylorTangent
 from vibsim.physics.formulas import is_continuous
-from vibsim.physics.numbers import Kit, N, total_of
+from vibsim.physics.numbers import Kit, N, abs, total_of
 from vibsim.physics.parts import Friction, Scene, Stop
+
+ROUNDING = 8  # of displacements and velocities at an event, in units of eps
 
 Forces = list[tuple[int, int, N | int]]  # of parts between P and Q: on P, the opposite on Q [N]
 Accelerations = tuple[list[N], N]  # of bodies [m/s^2] and rotor [rad/s^2]
@@ -141,7 +144,7 @@ def saltation(
     damped = _damper(scene, old, new, event)
     sticks = before.leader != after.leader and all(new.frictions[i] == STICK for i in turned)
     if not (event.kind == SLIDE and sticks) and _by_formulas(scene, event, turned, old != new):
-        return _general(scene, kit, state, before, after, event)
+        return _general(scene, kit, state, before, after, event, by_formulas=True)
     if event.kind in (SLIDE, GAP) and resting(old) != resting(new):
         return _general(scene, kit, state, before, after, event)
     if not turned:
@@ -258,27 +261,58 @@ def event_rate(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N],
 
 
 def _general(
-    scene: Scene[N], kit: Kit[N], state: State[N], before: ModeRows[N], after: ModeRows[N], event: Event[N]
+    scene: Scene[N],
+    kit: Kit[N],
+    state: State[N],
+    before: ModeRows[N],
+    after: ModeRows[N],
+    event: Event[N],
+    by_formulas: bool = False,
 ) -> Jump[N] | None:
     """S by the vector fields on both sides."""
-    jump = jump_of(scene, kit, state, before, after)
+    jump = jump_of(scene, kit, state, before, after, by_formulas)
     return _saltation(scene, kit, event, jump, event_rate(scene, kit, state, before, event))
 
 
 def jump_of(
-    scene: Scene[N], kit: Kit[N], state: State[N], before: ModeRows[N], after: ModeRows[N]
+    scene: Scene[N],
+    kit: Kit[N],
+    state: State[N],
+    before: ModeRows[N],
+    after: ModeRows[N],
+    by_formulas: bool = False,
 ) -> Accelerations[N]:
-    """Jump of the accelerations (bodies, rotor) between two modes."""
-    (one, rotor), (other, turned) = (accelerations(scene, kit, rows, state) for rows in (before, after))
+    """Jump of the accelerations (bodies, rotor) between two modes; by_formulas: at the zero of a switch or of
+    a stop or friction by a formula, which rounding has moved off: a power of what is zero there is one of
+    zero.
+    """
+    blur = _left_open(scene, kit, state, before) if by_formulas else None
+    (one, rotor), (other, turned) = (accelerations(scene, kit, rows, state, blur) for rows in (before, after))
     return [b - a for a, b in zip(one, other, strict=True)], turned - rotor
+
+
+def _left_open(scene: Scene[N], kit: Kit[N], state: State[N], before: ModeRows[N]) -> Inputs[N]:
+    """What rounding leaves open of a state at an event, the time of which is rounded too."""
+    lost, zero = ROUNDING * kit.eps, kit.number(0)
+    X, V = base_motion(scene, kit, state.t)
+    x, v, late = (*state.x, zero, X), (*state.v, zero, V), lost * abs(state.t)
+    a, alpha = accelerations(scene, kit, before, state)
+    return Inputs(
+        late,
+        [lost * abs(p) + late * abs(q) for p, q in zip(x, v, strict=True)],
+        [lost * abs(p) + late * abs(q) for p, q in zip(v, a, strict=True)],
+        lost * abs(kit.unwind(state.phase, state.turns)) + late * abs(state.w),
+        lost * abs(state.w) + late * abs(alpha),
+    )
 
 
 def _released(
     scene: Scene[N], kit: Kit[N], state: State[N], before: ModeRows[N], after: ModeRows[N], event: Event[N]
 ) -> Jump[N] | None:
-    """S where ties begin to slip with less force than they held."""
+    """S where ties begin to slip with less force than they held, or a formula jumps."""
     flow, rate = expanded(scene, kit, state, before), tie_rate(scene, kit, state, before, event)
-    change = _change(scene, kit, jump_of(scene, kit, state, before, after), rate)
+    jump = jump_of(scene, kit, state, before, after, event.kind == SWITCH)
+    change = _change(scene, kit, jump, rate)
     return None if change is None else Release(event, change, len(scene.bodies), kit, flow)
 
 

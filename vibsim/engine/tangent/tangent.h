@@ -43,6 +43,21 @@ typedef struct {
     Real turning[2], pull[2], sine[2];
 } Joint;
 
+#define LEAST_SHARE 0x1p-36 /* of a stretch, below which it is not shortened: where a derivative begins at infinity */
+#define MOST_ZEROS 8 /* bases of powers that come to zero in one piece */
+
+/* A base of powers that is zero where a piece begins or ends: place on the tape of derivatives, values there, rate, bend. */
+typedef struct {
+    int place;
+    Real first, last, rate, bend;
+} Zero;
+
+/* Those of a piece; opening: whether one comes from its zero; mild: whether their powers have exponents above 0 only. */
+typedef struct {
+    Zero all[MOST_ZEROS];
+    int count, opening, mild;
+} Zeros;
+
 /* What the recurrences of all disturbances share over a piece of a Taylor step; in `series`, the coefficients of pairs of
  * disturbances: those of component k of a pair begin at k * SERIES.
  */
@@ -60,6 +75,7 @@ typedef struct {
     const Rotors *rotors;  /* those that are prepared */
     Real (*turning)[SERIES], (*pull)[SERIES]; /* by rotor on a body: c w = s', c a */
     Lane *pushed, *torques; /* series of disturbed accelerations, by pair and group of rotors; by rotor */
+    int undefined; /* whether a derivative has no integral over the piece in hand */
     int entry_room, has_step, prepared; /* whether `step` is of the step in hand; whether all is prepared at a time of it */
 } TaylorTangent;
 
@@ -127,12 +143,14 @@ Real closed_form_piece_end(const Run *r, Real t, Real end, Real mark);
 void closed_form_move(Run *r, Real tau);
 Real taylor_piece_end(Run *r, Real t, Real end);
 void taylor_prepare(Run *r, Real t); /* with formulas: what disturbances share from there on */
-int taylor_move(Run *r, Real t, Real tau); /* 0 where the piece is too long: as they were disturbances are in b->moved then */
+int taylor_move(Run *r, Real t, Real end, Real tau); /* tau: to `end` or behind it; 0 where the piece is too long: as they were disturbances are in b->moved then */
 
 /* formula_tangent.c; tau: after where all is prepared, by sound_stretch at t */
 void formula_slopes_expand(const Run *r, TapeRoom *room);
 const TapeRoom *formula_slopes_of_step(const Run *r);
 Real formula_sound_stretch(Run *r, Real t, Real tau);
+Zeros formula_zeros(Run *r, Real t, Real end); /* of the piece from t to `end` */
+int formula_take_means(Run *r, const Zeros *zeros, Real t, Real tau); /* 0 where there are none: nothing is replaced then */
 void formula_rates(const Run *r, Real tau, Real *stiffness, Real *damping);
 Real formula_divergence(const Run *r, Real tau);
 

@@ -23,8 +23,9 @@ class ClosedFormTangent(Generic[N]):
     def __init__(self, scene: Scene[N], kit: Kit[N], flow: ClosedForm[N]) -> None:
         self.scene, self.kit, self.flow = scene, kit, flow
         self.n = len(scene.bodies)
+        self.event_at: N | None = None  # time of the event that ends the stretch [s]
 
-    is_too_long = False  # no stretch is: the closed form knows no order
+    is_too_long = is_undefined = False  # no stretch is: the closed form knows no order and no formula
 
     def piece_end(self, t: N, end: N, mark: N) -> N:
         """End [s] of the piece from t that is moved at once: at most `end`, not beyond `mark` where that is

@@ -11,7 +11,7 @@ may take steps that are too long for its disturbances: then these go in pieces.
 """
 
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import cache, cached_property
 from typing import Generic
 
 from vibsim.engine.flows.rotor_series import RotorSeries
@@ -27,7 +27,8 @@ from vibsim.engine.modes.rows import (
     Event,
     Term,
 )
-from vibsim.engine.tangent.formula_tangent import FormulaTangent, RotorTangent
+from vibsim.engine.tangent.formula_tangent import LEAST_SHARE, TOGETHER, FormulaTangent, RotorTangent, Zero
+from vibsim.engine.tangent.tangent_space import natural_rate
 from vibsim.physics import elementary
 from vibsim.physics.numbers import Kit, N, abs, horner, total_of
 from vibsim.physics.parts import Scene
@@ -57,6 +58,7 @@ class TaylorTangent(Generic[N]):
         self.scene, self.kit, self.flow, self.base = scene, kit, flow, flow
         self.n = len(scene.bodies)
         self.reach = reach(kit, flow.order, flow.tolerance_exponent)
+        self.event_at: N | None = None  # time of the event that ends the stretch [s]
 
     def piece_end(self, t: N, end: N, _mark: N) -> N:
         """End [s] of the piece from t that is moved at once: as a rule the whole step."""
@@ -65,6 +67,9 @@ class TaylorTangent(Generic[N]):
             rates[1] = rates[1] + self._rising(k, end)
         if self.flow.tape:
             own = FormulaTangent(self.kit, self._base_at(t))
+            at_zero = self._piece_at_zero(own, t, end)
+            if at_zero is not None:
+                return at_zero
             tau = own.sound_step(end - t)
             sound = self.kit.exact(t + tau) if tau < end - t else end
             end = sound if t < sound else end
@@ -76,6 +81,43 @@ class TaylorTangent(Generic[N]):
         rate = max(rates)
         ahead = t + self.reach / rate if rate > 0 else end
         return ahead if t < ahead < end else end
+
+    def _piece_at_zero(self, own: FormulaTangent[N], t: N, end: N) -> N | None:
+        """End [s] of a piece from t at whose start or end the base of a power is zero, and over which the
+        derivatives have means; None where there is none. Where a derivative is infinite at the start and has
+        no integral, the whole stretch: nothing is known behind it.
+        """
+        last, shortest, zeros = end, (end - t) * LEAST_SHARE, []
+        while end - t > shortest:
+            zeros = own.zeros(end - t, self._is_behind_event(t), self._is_event(end))
+            if not zeros:
+                return None
+            if self._meets(own, zeros, end - t):
+                return end
+            if not any(one.first < one.last for one in zeros):
+                return None
+            end = self.kit.exact(t + (end - t) / 4)
+        return None if all(one.mild for one in zeros) else last
+
+    def _meets(self, own: FormulaTangent[N], zeros: list[Zero[N]], tau: N) -> bool:
+        """Whether disturbances feel nothing but means over the stretch tau [s]."""
+        series = own.series.series
+        if not own.take_means(zeros, tau):
+            return False
+        stiff, damping = own.rates(0 * tau)
+        own.series.series = series
+        return stiff * tau * tau <= TOGETHER and damping * tau * (tau * self.rate) <= TOGETHER
+
+    @cached_property
+    def rate(self) -> N:
+        """Rate [rad/s] at which displacements become velocities."""
+        return natural_rate(self.scene, self.kit)
+
+    def _is_behind_event(self, t: N) -> bool:
+        return t == self.flow.t0 and any(self.flow.known.values())
+
+    def _is_event(self, end: N) -> bool:
+        return self.event_at is not None and end == self.event_at
 
     def _fastest(self, strength_of: Callable[[Coupling[N]], N]) -> N:
         """Bound of the largest eigenvalue of the couplings' differences, of stiffness [1/s^2] or of damping
@@ -116,13 +158,17 @@ class TaylorTangent(Generic[N]):
         `end` [s].
         """
         self.tau, self.base = (end - t) + late, self._base_at(t)
-        self.is_too_long = False
+        self.is_too_long = self.is_undefined = False
         self.slopes = [
             one.law.slopes(f) for one, f in zip(self.flow.rows.falls, self.base.falls, strict=True)
         ]
         if self.base.rotor:
             self._prepare_motor(self.base.rotor)
         self.formulas = FormulaTangent(self.kit, self.base) if self.base.tape else None
+        if self.formulas and t < end:
+            zeros = self.formulas.zeros(end - t, self._is_behind_event(t), self._is_event(end))
+            if zeros and not self.formulas.take_means(zeros, end - t):
+                self.is_undefined = not all(one.mild for one in zeros)
         self.rotors = RotorTangent(self.kit, self.base) if self.base.rotors else None
 
     def _base_at(self, t: N) -> Taylor[N]:

@@ -25,6 +25,8 @@ from vibsim.physics.numbers import N, abs
 from vibsim.physics.parts import RigidStop, Scene, Stop
 
 IN_TURN = 32  # impacts one after the other that are tried where the order is in doubt
+MOST_IN_TURN = 1024  # where rounding hides the way between two stops
+NOTHING_LEFT = 2.0**-20  # of the speeds in front of these, of what has come to an end
 
 
 class ImpactLaw(Generic[N]):
@@ -93,6 +95,8 @@ class ImpactLaw(Generic[N]):
         v, w = self.velocities(state), state.w
         bodies, contacts = masses(self.scene, self.kit, state.phase, state.x), touch.contacts
         size = size_of(contacts, v)
+        if touch.collapses:
+            contacts = self._plastic(state, contacts)
         for count in range(MOST_IMPACTS + len(contacts)):
             if not any(rate > 0 for rate in touch.rates.values()):
                 break
@@ -143,6 +147,9 @@ class ImpactLaw(Generic[N]):
         """Doubt an impact at stop `i` in which others take part that rounding has brought to the same
         instant, where impacts one after the other would have another outcome. Those at rest take part anyway,
         what touches at the start does so exactly, and stops at one place are always struck at once.
+
+        One of the others that parts has just been struck: rounding hides the way of a body between two stops,
+        which it is struck by in turn. Where nothing is left of its speed, the impact is plastic.
         """
         open_ones = [
             c for c in touch.contacts if c.stop not in self.places[i] and status.stops[c.stop] == OPEN
@@ -158,13 +165,28 @@ class ImpactLaw(Generic[N]):
                 after = self._outcome(state, groups)
                 if any(abs(a - b) > noise for a, b in zip(together, after, strict=True)):
                     self.departures.doubt(state)
+            parting = [c for c in loose if c.stop in self.beside[i] and touch.rates[c.stop] < 0]
+            touch.collapses = bool(parting) and self._comes_to_nothing(state, [certain, *one_by_one])
 
-    def _outcome(self, state: State[N], groups: Sequence[Sequence[Contact[N]]]) -> list[N]:
-        """Velocities behind impacts at groups of stops, one group after the other, as long as one closes."""
+    def _comes_to_nothing(self, state: State[N], groups: Sequence[Sequence[Contact[N]]]) -> bool:
+        """Whether impacts at groups of stops one after the other, between which there is no way, take all
+        speeds that the stops have.
+        """
+        contacts = [c for group in groups for c in group]
+        before = max(abs(rate_of(self.kit, c, self.velocities(state))) for c in contacts)
+        after = self._outcome(state, groups, MOST_IN_TURN)
+        return all(abs(rate_of(self.kit, c, after)) <= NOTHING_LEFT * before for c in contacts)
+
+    def _outcome(
+        self, state: State[N], groups: Sequence[Sequence[Contact[N]]], most: int = IN_TURN
+    ) -> list[N]:
+        """Velocities behind impacts at groups of stops, one group after the other, as long as one closes;
+        `most` of them.
+        """
         v, w = self.velocities(state), state.w
         bodies = masses(self.scene, self.kit, state.phase, state.x)
         size = size_of([c for group in groups for c in group], v)
-        for _ in range(IN_TURN):
+        for _ in range(most):
             closing = [g for g in groups if any(rate_of(self.kit, c, v, size) > 0 for c in g)]
             if not closing:
                 break

@@ -42,6 +42,7 @@ class SimultaneousImpacts(Generic[N]):
     faded : stops at which one ended without an impact; hop : the stop whose last impact was where the stretch
     began that ends here
     together : whether rounding might decide if another stop, of one of its bodies, is struck before this one
+    collapses : whether impacts in turn, between which rounding hides the way, would take all speed
     """
 
     contacts: list[Contact[N]]
@@ -56,6 +57,7 @@ class SimultaneousImpacts(Generic[N]):
     ended: dict[int, N] = field(default_factory=dict)
     faded: list[int] = field(default_factory=list)
     hop: int | None = None
+    collapses: bool = False
 
     @property
     def passed(self) -> list[Impulse[N]]:

@@ -192,21 +192,28 @@ static Real bound_of(const Op *op, Real result, const Real *values, const Real *
     }
 }
 
+Real tape_value(const Tape *tape, const TapeInputs *at, int i, const Real *values)
+{
+    const Op *op = &tape->ops[i];
+    if (op->code == OP_CONSTANT)
+        return op->value;
+    if (op->code <= OP_SPIN)
+        return input_value(op, at);
+    return start_value(op, values[op->a], op->b < 0 || op->b >= i ? 0.0 : values[op->b]);
+}
+
 void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blur, Real *values, Real *bounds)
 {
     int i;
     for (i = 0; i < tape->op_count; i++) {
         const Op *op = &tape->ops[i];
-        if (op->code == OP_CONSTANT) {
-            values[i] = op->value;
+        values[i] = tape_value(tape, at, i, values);
+        if (op->code == OP_CONSTANT)
             bounds[i] = 0.0;
-        } else if (op->code <= OP_SPIN) {
-            values[i] = input_value(op, at);
+        else if (op->code <= OP_SPIN)
             bounds[i] = fabs(input_value(op, blur));
-        } else {
-            values[i] = start_value(op, values[op->a], op->b < 0 || op->b >= i ? 0.0 : values[op->b]);
+        else
             bounds[i] = bound_of(op, values[i], values, bounds);
-        }
     }
 }
 

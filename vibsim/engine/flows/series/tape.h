@@ -99,10 +99,12 @@ typedef struct {
     Real t, phi, w, *x, *v;
 } TapeInputs;
 
-/* By operation: series; values and bounds of their rounding. at, blur: what a tape reads, and bounds of that. */
+/* By operation: series; values and bounds of their rounding. at, blur: what a tape reads, and bounds of that;
+ * between: what it reads between two instants.
+ */
 typedef struct {
     Real (*series)[TAPE_ORDERS], *values, *bounds;
-    TapeInputs at, blur;
+    TapeInputs at, blur, between;
     Real least; /* time [s] nearer than which a zero of the base of a power is one here */
     int ops;
 } TapeRoom;
@@ -115,5 +117,8 @@ void tape_advance(const Tape *tape, const TapeRoom *room, const Real *row, int n
 
 /* Values along a tape, each with a bound of its rounding. */
 void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blur, Real *values, Real *bounds);
+
+/* The value of operation i from those before it. */
+Real tape_value(const Tape *tape, const TapeInputs *at, int i, const Real *values);
 
 #endif

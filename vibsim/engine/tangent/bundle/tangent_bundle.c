@@ -262,7 +262,7 @@ static void account(Run *r, Real t, Real ahead)
 static Real move_by_series(Run *r, Real ahead, Real tau)
 {
     Tangent *b = r->tangent;
-    while (!taylor_move(r, b->t, tau)) {
+    while (!taylor_move(r, b->t, ahead, tau)) {
         Real half = b->t + (ahead - b->t) / 2;
         if (!(b->t < half && half < ahead))
             break;
@@ -293,6 +293,8 @@ int tangent_gather(Run *r)
             closed_form_move(r, tau);
         else
             ahead = move_by_series(r, ahead, tau);
+        if (!r->closed && b->taylor.undefined)
+            tangencies_refuse(&b->tangencies, b->t);
         r->spent += 1 + b->possible;
         b->pieces += 1;
         if (!b->given)

@@ -1,12 +1,16 @@
 /* How small disturbances feel the formulas of a mode; twin of vibsim/engine/tangent/formula_tangent.py. */
+#include "elementary.h"
 #include "numbers.h"
 #include "tangent.h"
 
 #define SHORTENINGS 200       /* of a stretch, each at least by */
-#define LEAST_SHARE 0x1p-36 /* of it, below which it is not shortened: where a derivative begins at infinity */
 #define LEAST_SHORTENING 0.25 /* binary digits */
 #define BEYOND_ALL 60.0       /* binary digits by which a value that is no number is beyond */
 #define ROUNDING 4            /* of displacements and velocities at its end, in units of EPS */
+#define LINEAR 0x1p-30        /* the most that a base may bend over the piece at its zero, as a share of its rate */
+#define NODE 0.2              /* of the quadrature: between two */
+#define NODES 27              /* on either side of the middle */
+#define ENDS 0x1p-30          /* of an integral: the most that its outermost nodes may have */
 
 static int reads_motion(const Op *op)
 {
@@ -57,11 +61,16 @@ static Real size_of(const Real *series, int count, Real tau)
     return total;
 }
 
-/* Values of the derivatives a time tau after the expansion of f at t, from the state there. */
-static void values_at(const Run *r, const Taylor *f, const TapeRoom *room, Real t, Real tau)
+/* The flow that is expanded at t. */
+static const Taylor *flow_at(const Run *r, Real t)
 {
-    const Real lost = ROUNDING * EPS, *values = f->values;
-    TapeInputs at = r->taylor.tapes.at, blur = r->taylor.tapes.blur;
+    return t != r->t0 ? &r->tangent->taylor.spare : &r->taylor;
+}
+
+/* What formulas read a time tau after the expansion of f at t, into the arrays of `at`. */
+static TapeInputs inputs_at(const Run *r, const Taylor *f, Real t, Real tau, TapeInputs at)
+{
+    const Real *values = f->values;
     Real turns, phase;
     int c;
     taylor_values(f, tau, f->values);
@@ -69,17 +78,28 @@ static void values_at(const Run *r, const Taylor *f, const TapeRoom *room, Real 
         int from = c < r->bodies ? c : c > r->bodies && r->has_base ? base_column(r) : -1;
         at.x[c] = from < 0 ? 0.0 : values[from];
         at.v[c] = from < 0 ? 0.0 : values[f->rates + from];
-        blur.x[c] = lost * fabs(at.x[c]);
-        blur.v[c] = lost * fabs(at.v[c]);
     }
     at.t = t + tau;
-    blur.t = lost * fabs(at.t);
     at.phi = at.w = 0.0;
     if (r->has_motor) {
         phase = reduce_angle(values[r->bodies], &turns);
         at.phi = unwind(phase, f->turns + turns);
         at.w = values[f->rates + r->bodies];
     }
+    return at;
+}
+
+/* Values of the derivatives a time tau after the expansion of f at t, from the state there. */
+static void values_at(const Run *r, const Taylor *f, const TapeRoom *room, Real t, Real tau)
+{
+    const Real lost = ROUNDING * EPS;
+    TapeInputs at = inputs_at(r, f, t, tau, r->taylor.tapes.at), blur = r->taylor.tapes.blur;
+    int c;
+    for (c = 0; c < r->columns; c++) {
+        blur.x[c] = lost * fabs(at.x[c]);
+        blur.v[c] = lost * fabs(at.v[c]);
+    }
+    blur.t = lost * fabs(at.t);
     blur.phi = lost * fabs(at.phi);
     blur.w = lost * fabs(at.w);
     tape_evaluate(&r->mode->formula_slopes.tape, &at, &blur, room->values, room->bounds);
@@ -113,7 +133,7 @@ Real formula_sound_stretch(Run *r, Real t, Real tau)
 {
     const TaylorTangent *of = &r->tangent->taylor;
     const Real tolerance = power_of_two(r->tolerance_exponent), shortest = tau * LEAST_SHARE;
-    const Taylor *f = t != r->t0 ? &of->spare : &r->taylor;
+    const Taylor *f = flow_at(r, t);
     int i;
     taylor_prepare(r, t);
     for (i = 0; i < SHORTENINGS; i++) {
@@ -126,6 +146,155 @@ Real formula_sound_stretch(Run *r, Real t, Real tau)
         tau = tau * power_of_two(-(digits > LEAST_SHORTENING ? digits : LEAST_SHORTENING));
     }
     return tau;
+}
+
+/* Whether t is behind an event, which is at the zero of its function itself. */
+static int is_behind_event(const Run *r, Real t)
+{
+    int k;
+    for (k = 0; t == r->t0 && k < r->key_count; k++)
+        if (r->known[k])
+            return 1;
+    return 0;
+}
+
+/* Note a base that is zero, once. */
+static void note_zero(Zeros *zeros, const Zero *one, int mild)
+{
+    int i;
+    for (i = 0; i < zeros->count && i < MOST_ZEROS; i++)
+        if (zeros->all[i].place == one->place)
+            break;
+    if (i < MOST_ZEROS)
+        zeros->all[i] = *one;
+    zeros->count += i == zeros->count || i == MOST_ZEROS;
+    zeros->opening = zeros->opening || one->first < one->last;
+    zeros->mild = zeros->mild && mild;
+}
+
+Zeros formula_zeros(Run *r, Real t, Real end)
+{
+    const Tape *tape = &r->mode->formula_slopes.tape;
+    const int order = r->taylor.order, at_event = r->pending_event != NOTHING && end == r->pending_end;
+    const Real tau = end - t;
+    const TapeRoom *room;
+    Zeros zeros;
+    int k, known = 0;
+    zeros.count = zeros.opening = 0;
+    zeros.mild = 1;
+    taylor_prepare(r, t);
+    room = r->tangent->taylor.along;
+    for (k = 0; k < tape->op_count; k++) {
+        const Op *op = &tape->ops[k];
+        const Real *base = room->series[op->a < 0 ? 0 : op->a];
+        Real least;
+        Zero one;
+        int opens, closes;
+        if (op->code != OP_POWER)
+            continue;
+        if (!known)
+            values_at(r, flow_at(r, t), room, t, tau);
+        known = 1;
+        one.place = op->a;
+        one.first = base[0];
+        one.last = horner(base, order, tau);
+        one.rate = fabs(base[1]);
+        one.bend = fabs(base[2]);
+        least = room->least * one.rate + room->bounds[op->a];
+        opens = !(one.first > least);
+        closes = at_event && !(one.last > least);
+        if (!opens && !closes)
+            continue;
+        one.first = (opens && is_behind_event(r, t)) || one.first < 0 ? 0.0 : one.first;
+        one.last = closes || one.last < 0 ? 0.0 : one.last;
+        note_zero(&zeros, &one, op->value > 0);
+    }
+    return zeros;
+}
+
+/* Means over all that moves are sound: whether a derivative has an integral; sums: by operation its size, that of its ends. */
+static int have_integrals(const Run *r, Real (*sums)[TAPE_ORDERS])
+{
+    const Mode *m = r->mode;
+    const FormulaSlopes *slopes = &m->formula_slopes;
+    int i, j;
+    for (i = 0; i < m->formula_count; i++) {
+        const FormulaForce *law = &m->formulas[i];
+        if (!(m->mobility[law->to_P] > 0) && !(law->to_Q >= 0 && m->mobility[law->to_Q] > 0))
+            continue;
+        for (j = slopes->first[law->output]; j < slopes->first[law->output + 1]; j++) {
+            const Real *of = sums[slopes->tape.outputs[slopes->all[j].output]];
+            if (!isfinite(of[1]) || !(of[2] <= ENDS * of[1]))
+                return 0;
+        }
+    }
+    return 1;
+}
+
+/* Sums over the nodes of a quadrature from 0 to 1, whose weights' sum is returned: by operation of its values, their sizes, and
+ * those of the outermost nodes.
+ */
+static Real add_nodes(Run *r, const Zeros *zeros, Real t, Real tau, TapeRoom *room)
+{
+    const Tape *tape = &r->mode->formula_slopes.tape;
+    const Taylor *f = flow_at(r, t);
+    const TapeInputs start = inputs_at(r, f, t, 0, r->taylor.tapes.blur), last = inputs_at(r, f, t, tau, r->taylor.tapes.at);
+    TapeInputs at = r->taylor.tapes.between;
+    Real total = 0.0;
+    int i, j, k;
+    for (i = 0; i < tape->op_count; i++)
+        room->series[i][0] = room->series[i][1] = room->series[i][2] = 0.0;
+    for (j = -NODES; j <= NODES; j++) {
+        Real z = j * NODE, y = TWO_PI / 2 * hyperbolic_sine(z);
+        Real before = 1 / (1 + exponential(y)), after = 1 / (1 + exponential(-y));
+        Real weight = hyperbolic_cosine(z) * (before * after);
+        total = total + weight;
+        for (i = 0; i < r->columns; i++) {
+            at.x[i] = start.x[i] * before + last.x[i] * after;
+            at.v[i] = start.v[i] * before + last.v[i] * after;
+        }
+        at.t = start.t * before + last.t * after;
+        at.phi = start.phi * before + last.phi * after;
+        at.w = start.w * before + last.w * after;
+        for (i = 0; i < tape->op_count; i++) {
+            Real *sums = room->series[i], part;
+            room->values[i] = tape_value(tape, &at, i, room->values);
+            for (k = 0; k < zeros->count; k++)
+                if (zeros->all[k].place == i)
+                    room->values[i] = zeros->all[k].first * before + zeros->all[k].last * after;
+            part = weight * room->values[i];
+            sums[0] = sums[0] + part;
+            sums[1] = sums[1] + fabs(part);
+            if (j == -NODES || j == NODES)
+                sums[2] = sums[2] + fabs(part);
+        }
+    }
+    return total;
+}
+
+int formula_take_means(Run *r, const Zeros *zeros, Real t, Real tau)
+{
+    TaylorTangent *of = &r->tangent->taylor;
+    const Tape *tape = &r->mode->formula_slopes.tape;
+    Real share, total;
+    int i, n;
+    for (i = 0; i < zeros->count && i < MOST_ZEROS; i++)
+        if (zeros->all[i].first == zeros->all[i].last || !(zeros->all[i].bend * tau < LINEAR * zeros->all[i].rate))
+            return 0;
+    if (zeros->count > MOST_ZEROS)
+        return 0;
+    share = fabs(zeros->all[0].last - zeros->all[0].first) / (zeros->all[0].rate * tau);
+    total = add_nodes(r, zeros, t, tau, &of->here);
+    of->prepared = 0; /* series are to be made anew */
+    if (!have_integrals(r, of->here.series))
+        return 0;
+    for (i = 0; i < tape->op_count; i++) {
+        of->here.series[i][0] = of->here.series[i][0] / total * share;
+        for (n = 1; n < TAPE_ORDERS; n++)
+            of->here.series[i][n] = 0.0;
+    }
+    of->along = &of->here;
+    return 1;
 }
 
 /* Derivatives of accelerations at tau after where all is prepared, by entry. */

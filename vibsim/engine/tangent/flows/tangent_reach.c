@@ -5,6 +5,7 @@
 #include "tangent.h"
 
 #define REACH 1.25
+#define TOGETHER 0x1p-47 /* the most of a disturbance that depends on when within a piece its derivatives act */
 
 /* Bound of the largest eigenvalue of stiffness (stiff) or damping of the couplings' differences. */
 static Real fastest(const Run *r, int stiff)
@@ -54,10 +55,46 @@ static Real rising(const Run *r, int k, Real end)
     return fabs(one->on_P * one->rate) * (start > last ? start : last) * mobility;
 }
 
+/* Whether disturbances feel nothing but means over the stretch tau. */
+static int meets(Run *r, const Zeros *zeros, Real t, Real tau)
+{
+    Real stiff, damping;
+    if (!formula_take_means(r, zeros, t, tau))
+        return 0;
+    formula_rates(r, 0.0, &stiff, &damping);
+    return stiff * tau * tau <= TOGETHER && damping * tau * (tau * r->tangent->tangencies.rate) <= TOGETHER;
+}
+
+/* End of a piece from t at whose start or end the base of a power is zero, and over which the derivatives have means; t where
+ * there is none. Where a derivative is infinite at the start and has no integral, the whole stretch: nothing is known behind it.
+ */
+static Real piece_at_zero(Run *r, Real t, Real end)
+{
+    const Real last = end, shortest = (end - t) * LEAST_SHARE;
+    int mild = 1;
+    while (end - t > shortest) {
+        Zeros zeros = formula_zeros(r, t, end);
+        if (zeros.count == 0)
+            return t;
+        if (meets(r, &zeros, t, end - t))
+            return end;
+        if (!zeros.opening)
+            return t;
+        mild = zeros.mild;
+        end = t + (end - t) / 4;
+    }
+    return mild ? t : last;
+}
+
 Real taylor_piece_end(Run *r, Real t, Real end)
 {
     Real rates[4], rate, ahead;
     int count = 2, i;
+    if (r->mode->formula_slopes.known) {
+        ahead = piece_at_zero(r, t, end);
+        if (t < ahead)
+            return ahead;
+    }
     rates[0] = sqrt(fastest(r, 1)) / REACH;
     rates[1] = fastest(r, 0);
     for (i = 0; i < r->mode->fall_count; i++)

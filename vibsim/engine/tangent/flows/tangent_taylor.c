@@ -89,9 +89,25 @@ void taylor_prepare(Run *r, Real t)
     }
 }
 
-static void prepare(Run *r, Real t, Real tau)
+/* The means of the derivatives in place of their series, where the base of a power is zero. */
+static void prepare_at_zero(Run *r, Real t, Real end)
+{
+    Zeros zeros = formula_zeros(r, t, end);
+    if (zeros.count > 0 && !formula_take_means(r, &zeros, t, end - t))
+        r->tangent->taylor.undefined = !zeros.mild;
+    else if (zeros.count > 0)
+        return;
+    taylor_prepare(r, t);
+}
+
+static void prepare(Run *r, Real t, Real end, Real tau)
 {
     r->tangent->taylor.tau = tau;
+    r->tangent->taylor.undefined = 0;
+    if (r->mode->formula_slopes.known && t < end) {
+        prepare_at_zero(r, t, end);
+        return;
+    }
     if (r->mode->shape == FORMULAS || r->mode->formula_slopes.known) {
         taylor_prepare(r, t);
         return;
@@ -431,12 +447,12 @@ static void move_group(Run *r, int first, int pairs)
         }
 }
 
-int taylor_move(Run *r, Real t, Real tau)
+int taylor_move(Run *r, Real t, Real end, Real tau)
 {
     Tangent *b = r->tangent;
     const int formulas = r->mode->formula_slopes.known;
     int first, pairs, fits = 1;
-    prepare(r, t, tau);
+    prepare(r, t, end, tau);
     if (formulas)
         memcpy(b->moved, b->vectors, sizeof(Real) * (size_t)(b->size * b->stride));
     for (first = 0; first < r->tangent->possible; first += 2 * TANGENT_GROUP) {
