@@ -46,6 +46,8 @@ static void read_op(const Run *r, Reader *in, Op *op, int i, int count, int time
     else
         op->b = read_index(in, -1, -1);
     op->value = read_double(in);
+    op->first = op->code > OP_SPIN ? op->a : i;
+    op->second = op->b < 0 ? i : op->b;
     if (timely && op->code > OP_TIME && op->code <= OP_SPIN)
         in->short_of = 1;
     place_input(r, in, op);
@@ -80,7 +82,8 @@ static void read_force(const Run *r, Reader *in, const Mode *m, FormulaForce *on
 /* Memory for the series and values along tapes of so many operations. */
 int alloc_tapes(TapeRoom *tapes, int ops)
 {
-    Real(*series)[TAPE_ORDERS], *values;
+    TapeSeries *series;
+    Real *values;
     if (ops <= tapes->ops)
         return 1;
     series = regrown(tapes->series, sizeof *series * (size_t)ops);

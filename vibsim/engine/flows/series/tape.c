@@ -2,7 +2,9 @@
  * and of what vibsim/engine/flows/taylor.py does with formulas.
  */
 #include "engine.h"
+#include "inlining.h"
 #include "numbers.h"
+#include "pair.h"
 
 #define NEAR_ZERO 16          /* units in the last place of the time within which a zero of the base of a power is one here */
 #define ULPS 4                /* rounding of an elementary function, in units of EPS */
@@ -13,6 +15,15 @@
 #define NEARER 0.75           /* of a step, where formulas are compared as well */
 #define INPUT_ROUNDING 2      /* of displacements and velocities at the end of a step, in units of EPS */
 #define STATE_ROUNDING 8      /* the same at an event */
+
+#define BACK(series, n) ((series) + (TAPE_WIDTH - 1 - (n))) /* where coefficient n - i of a series is number i */
+
+/* Coefficient n of a series, forwards and backwards. */
+INLINE void put(Real *series, int n, Real value)
+{
+    series[n] = value;
+    *BACK(series, n) = value;
+}
 
 /* a / b, and what is no number where b is 0. */
 static Real quotient(Real a, Real b)
@@ -44,82 +55,83 @@ static Real start_value(const Op *op, Real a, Real b)
     }
 }
 
-/* Sum of a_i b_(n-i) from i = first, 0 or 1, to n; odd and even terms apart. */
-static Real product(const Real *a, const Real *b, int first, int n)
+/* Sum of a_i b_(n-i) from i = 1 to last, odd and even terms apart; back[i]: b_(n-i). */
+INLINE Real middle(const Real *a, const Real *back, int last)
 {
-    Real even = 0.0, odd = 0.0;
+    Pair sums = twice(0.0);
+    Real odd;
     int i;
-    if (first == 0)
-        even = even + a[0] * b[n];
-    for (i = 1; i < n; i += 2) {
-        odd = odd + a[i] * b[n - i];
-        even = even + a[i + 1] * b[n - i - 1];
-    }
-    if (i == n)
-        odd = odd + a[n] * b[0];
-    return even + odd;
+    for (i = 1; i < last; i += 2)
+        sums = add_product(sums, load_pair(a + i), load_pair(back + i));
+    odd = first_of_pair(sums);
+    if (i == last)
+        odd = odd + a[i] * back[i];
+    return odd + second_of_pair(sums);
 }
 
-/* Sum of i a_i b_(n-i) from i = 1 to last; odd and even terms apart. */
-static Real weighted(const Real *a, const Real *b, int last, int n)
+/* The same of i a_i b_(n-i). */
+INLINE Real weighted(const Real *a, const Real *back, int last)
 {
-    Real even = 0.0, odd = 0.0;
+    Pair sums = twice(0.0), weights = make_pair(1.0, 2.0);
+    Real odd;
     int i;
     for (i = 1; i < last; i += 2) {
-        odd = odd + (i * a[i]) * b[n - i];
-        even = even + ((i + 1) * a[i + 1]) * b[n - i - 1];
+        sums = add_product(sums, multiply_pair(weights, load_pair(a + i)), load_pair(back + i));
+        weights = add_pair(weights, twice(2.0));
     }
+    odd = first_of_pair(sums);
     if (i == last)
-        odd = odd + (i * a[i]) * b[n - i];
-    return even + odd;
-}
-
-static Real square(const Real *a, int n)
-{
-    Real total = 0.0;
-    int i;
-    for (i = 0; i < (n + 1) / 2; i++)
-        total = total + a[i] * a[n - i];
-    total = total + total;
-    return n % 2 == 0 ? total + a[n / 2] * a[n / 2] : total;
+        odd = odd + (i * a[i]) * back[i];
+    return odd + second_of_pair(sums);
 }
 
 /* Of a^p: n a_0 y_n = sum (p (n - i) - i) a_(n-i) y_i over i < n; at a zero of a, or one nearer than `least` [s], nothing but the
  * value.
  */
-static Real power_coefficient(const Real *a, const Real *y, Real p, int n, Real inverse, Real least)
+static Real power_coefficient(const Real *a, const Real *back, const Real *y, Real p, int n, Real inverse, Real least)
 {
-    Real total = 0.0;
+    Real odd = 0.0, even = 0.0;
     int i;
     if (!(a[0] > least * fabs(a[1])))
         return 0 * a[0];
-    for (i = 0; i < n; i++)
-        total = total + (p * (n - i) - i) * (a[n - i] * y[i]);
-    return total * inverse / a[0];
+    for (i = 1; i + 1 < n; i += 2) {
+        odd = odd + (p * (n - i) - i) * (back[i] * y[i]);
+        even = even + (p * (n - i - 1) - (i + 1)) * (back[i + 1] * y[i + 1]);
+    }
+    if (i < n)
+        odd = odd + (p * (n - i) - i) * (back[i] * y[i]);
+    return ((odd + even) + (p * n) * (a[n] * y[0])) * inverse / a[0];
 }
 
-/* Coefficient n > 0 of operation i. */
-static Real following(const Op *op, Real (*s)[TAPE_ORDERS], int i, int n, Real inverse, Real least)
+/* Coefficient n > 0 of operation i. What is known of a sum before order n comes first, so that little waits for its newest terms. */
+INLINE Real following(const Op *op, TapeSeries *series, int i, int n, Real inverse, Real least)
 {
-    const Real *a = s[op->a], *b = op->b < 0 ? s[i] : s[op->b];
+    const Real *a = series[op->first], *b = series[op->second], *s = series[i];
+    Real known, newest;
     switch (op->code) {
     case OP_ADD: return a[n] + b[n];
     case OP_SUB: return a[n] - b[n];
     case OP_SCALE: return op->value * a[n];
-    case OP_MUL: return product(a, b, 0, n);
-    case OP_SQUARE: return square(a, n);
-    case OP_DIV: return quotient(a[n] - product(b, s[i], 1, n), b[0]);
+    case OP_MUL: return middle(a, BACK(b, n), n - 1) + (a[0] * b[n] + a[n] * b[0]);
+    case OP_SQUARE:
+        known = middle(a, BACK(a, n), (n - 1) / 2);
+        known = known + known;
+        if (n % 2 == 0)
+            known = known + a[n / 2] * a[n / 2];
+        newest = a[0] * a[n];
+        return known + (newest + newest);
+    case OP_DIV: return quotient(a[n] - (middle(b, BACK(s, n), n - 1) + b[n] * s[0]), b[0]);
     case OP_SIN:
     case OP_SINH:
     case OP_COSH:
-    case OP_TANH: return weighted(a, b, n, n) * inverse;
-    case OP_COS: return -(weighted(a, b, n, n) * inverse);
-    case OP_EXP: return weighted(a, s[i], n, n) * inverse;
-    case OP_LOG: return quotient(a[n] - weighted(s[i], a, n - 1, n) * inverse, a[0]);
+    case OP_TANH:
+    case OP_EXP: return (weighted(a, BACK(b, n), n - 1) + (n * a[n]) * b[0]) * inverse;
+    case OP_COS: return -((weighted(a, BACK(b, n), n - 1) + (n * a[n]) * b[0]) * inverse);
+    case OP_LOG: return quotient(a[n] - weighted(s, BACK(a, n), n - 1) * inverse, a[0]);
     case OP_ATAN:
-    case OP_ASIN: return quotient(a[n] - weighted(s[i], b, n - 1, n) * inverse, b[0]);
-    case OP_ACOS: return quotient(-a[n] - weighted(s[i], b, n - 1, n) * inverse, b[0]);
-    default: return power_coefficient(a, s[i], op->value, n, inverse, least);
+    case OP_ASIN: return quotient(a[n] - weighted(s, BACK(b, n), n - 1) * inverse, b[0]);
+    case OP_ACOS: return quotient(-a[n] - weighted(s, BACK(b, n), n - 1) * inverse, b[0]);
+    default: return power_coefficient(a, BACK(a, n), s, op->value, n, inverse, least);
     }
 }
 
@@ -129,21 +141,42 @@ void tape_start(TapeRoom *room, Real t)
     room->least = NEAR_ZERO * (nextafter(t, INFINITY) - t);
 }
 
-void tape_advance(const Tape *tape, const TapeRoom *room, const Real *row, int n, Real inverse)
+/* Order 0 along a tape. */
+static void begin(const Tape *tape, const TapeRoom *room, const Real *row)
 {
-    Real (*series)[TAPE_ORDERS] = room->series;
+    TapeSeries *series = room->series;
     int i;
     for (i = 0; i < tape->op_count; i++) {
         const Op *op = &tape->ops[i];
-        Real *s = series[i];
-        if (op->code > OP_SPIN)
-            s[n] = n > 0 ? following(op, series, i, n, inverse, room->least) : start_value(op, series[op->a][0], op->b < 0 ? 0.0 : series[op->b][0]);
-        else if (op->code == OP_CONSTANT)
-            s[n] = n == 0 ? op->value : 0.0;
+        Real value;
+        if (op->code == OP_CONSTANT)
+            value = op->value;
         else if (op->code == OP_TIME)
-            s[n] = n == 0 ? room->at.t : n == 1 ? 1.0 : 0.0;
+            value = room->at.t;
+        else if (op->code <= OP_SPIN)
+            value = op->from < 0 ? 0.0 : row[op->from];
         else
-            s[n] = op->from < 0 ? 0.0 : row[op->from];
+            value = start_value(op, series[op->a][0], op->b < 0 ? 0.0 : series[op->b][0]);
+        put(series[i], 0, value);
+    }
+}
+
+void tape_advance(const Tape *tape, const TapeRoom *room, const Real *row, int n, Real inverse)
+{
+    TapeSeries *series = room->series;
+    int i;
+    if (n == 0) {
+        begin(tape, room, row);
+        return;
+    }
+    for (i = 0; i < tape->op_count; i++) {
+        const Op *op = &tape->ops[i];
+        if (op->code > OP_SPIN)
+            put(series[i], n, following(op, series, i, n, inverse, room->least));
+        else if (op->from >= 0)
+            put(series[i], n, row[op->from]);
+        else
+            put(series[i], n, op->code == OP_TIME && n == 1 ? 1.0 : 0.0);
     }
 }
 

@@ -5,6 +5,8 @@
 #include "real.h"
 
 #define TAPE_ORDERS (MAX_ORDER + 3) /* coefficients of a series along a tape; that of the base has three beyond the order */
+#define TAPE_WIDTH (2 * TAPE_ORDERS)
+typedef Real TapeSeries[TAPE_WIDTH]; /* coefficients from the front, and once more from the back: of order n at TAPE_WIDTH - 1 - n */
 
 /* Operations, the same numbers in tape.py. */
 enum {
@@ -35,11 +37,12 @@ enum {
 };
 
 /* value: of a constant; factor of OP_SCALE; exponent of OP_POWER. a, b: places of the operands; a is the column of what OP_PLACE and
- * OP_SPEED read, `from` the place in the table of Taylor series of what an operation reads, -1 for the ground.
+ * OP_SPEED read, `from` the place in the table of Taylor series of what an operation reads, -1 for the ground. first, second: places
+ * of the series that a recurrence reads, of what has none its own.
  */
 typedef struct {
     Real value;
-    int code, a, b, from;
+    int code, a, b, from, first, second;
 } Op;
 
 /* outputs: places by number of the output */
@@ -101,7 +104,8 @@ typedef struct {
 
 /* By operation: series; values and bounds of their rounding. at, blur: what a tape reads, and bounds of that. */
 typedef struct {
-    Real (*series)[TAPE_ORDERS], *values, *bounds;
+    TapeSeries *series;
+    Real *values, *bounds;
     TapeInputs at, blur;
     Real least; /* time [s] nearer than which a zero of the base of a power is one here */
     int ops;
