@@ -18,7 +18,7 @@ static int alloc_flows(Run *r)
     Taylor *f = &r->taylor;
     ClosedForm *c = &r->closed_form;
     size_t n = (size_t)r->bodies, columns = n + 2, row = 2 * (n + 3), coordinates = 2 * n + 2, harmonics = (size_t)r->harmonic_count + 1, i;
-    f->table = zalloc((SERIES + 1) * row, sizeof(Real));
+    f->table = zalloc((SERIES + 3) * row, sizeof(Real));
     f->loaded_on = zalloc(columns, sizeof(Real *));
     f->load = zalloc(columns * SERIES, sizeof(Real));
     r->force = zalloc(columns, sizeof(Real));
@@ -35,6 +35,7 @@ static int alloc_flows(Run *r)
     for (i = 1; i < MEASURES; i++)
         c->scales[i] = c->scales[0] + i * coordinates;
     f->values = f->table + SERIES * row;
+    f->checked = f->values + row;
     r->state.v = r->state.x + n;
     r->next.x = r->state.x + 2 * n;
     r->next.v = r->state.x + 3 * n;

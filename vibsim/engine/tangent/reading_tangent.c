@@ -30,6 +30,7 @@ static int alloc_spare(const Run *r, TaylorTangent *of)
     if (!f->table || !f->load || !f->loaded_on)
         return 0;
     f->values = f->table + SERIES * row;
+    f->checked = NULL;
     for (i = 0; i < columns; i++)
         f->loaded_on[i] = r->taylor.loaded_on[i] ? f->load + i * SERIES : NULL;
     return 1;
