@@ -220,12 +220,14 @@ typedef struct {
 #endif
 } Taylor;
 
-/* Rotors on bodies, and of the step in hand: series of sine and cosine of each, of the acceleration of each group that some are
- * on, its mass less what its rotors take part of it with, and its leading column.
+/* Rotors on bodies, and of the step in hand: series of sine, cosine and speed of each, of the acceleration of each group that some
+ * are on, its mass less what its rotors take part of it with, one by that, and its leading column; of each order torque and pull of a rotor;
+ * lean: what its torque pulls with.
  */
 typedef struct {
     RotorOn *of;
-    Real (*sine)[SERIES], (*cosine)[SERIES], (*acceleration)[SERIES], *mass, *torque;
+    TapeSeries *sine, *cosine, *acceleration, *speed;
+    Real *mass, *mobility, *torque, *pulled, *lean;
     int count, groups, *leaders;
 } Rotors;
 

@@ -350,6 +350,14 @@ class TapeValues(Generic[N]):
         return quotient(self.kit, one, abs(self.values[op.b]))
 
 
+def middle(kit: Kit[N], a: Sequence[N], b: Sequence[N], last: int, n: int, ahead: int = 0) -> N:
+    """Sum of a_(i+ahead) b_(n-i) from i = 1 to last, odd and even terms apart."""
+    sums = [kit.number(0), kit.number(0)]
+    for i in range(1, last + 1):
+        sums[i % 2] = sums[i % 2] + a[i + ahead] * b[n - i]
+    return sums[1] + sums[0]
+
+
 class TapeSeries(Generic[N]):
     """Taylor coefficients along a tape.
 
@@ -434,14 +442,10 @@ class TapeSeries(Generic[N]):
         return quotient(self.kit, (-a[n] if code == ACOS else a[n]) - inner, b[0])
 
     def _middle(self, a: Sequence[N], b: Sequence[N], last: int, n: int) -> N:
-        """Sum of a_i b_(n-i) from i = 1 to last, odd and even terms apart."""
-        sums = [self.kit.number(0), self.kit.number(0)]
-        for i in range(1, last + 1):
-            sums[i % 2] = sums[i % 2] + a[i] * b[n - i]
-        return sums[1] + sums[0]
+        return middle(self.kit, a, b, last, n)
 
     def _weighted(self, a: Sequence[N], b: Sequence[N], last: int, n: int) -> N:
-        """The same of i a_i b_(n-i)."""
+        """Sum of i a_i b_(n-i) from i = 1 to last, odd and even terms apart."""
         sums = [self.kit.number(0), self.kit.number(0)]
         for i in range(1, last + 1):
             sums[i % 2] = sums[i % 2] + (i * a[i]) * b[n - i]

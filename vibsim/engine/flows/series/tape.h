@@ -96,9 +96,9 @@ typedef struct {
     SlopeRows rows[2];
 } FormulaSlopes;
 
-/* A rotor on a body: columns of it and of the body. */
+/* A rotor on a body: columns of it and of the body; lightness: one by its inertia. */
 typedef struct {
-    Real unbalance, inertia;
+    Real unbalance, inertia, lightness;
     int column, on;
 } RotorOn;
 
