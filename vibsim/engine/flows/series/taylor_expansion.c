@@ -356,12 +356,13 @@ INLINE void apply_formulas(const Run *r, Real *F, const int alone, const Real *r
     }
 }
 
-/* Any mode with formulas, or with rotors on bodies; alone: of a scene of one body. */
-INLINE void expand_formulas(Run *r, const State *state, const int alone, const int motor)
+/* Any mode with formulas, or with rotors on bodies; few: the number of bodies, where it is known at compile time, or 0. */
+INLINE void expand_formulas(Run *r, const State *state, const int few, const int motor)
 {
     Taylor *f = &r->taylor;
     const Mode *m = r->mode;
-    const int p = f->order, bodies = alone ? 1 : r->bodies, rates = f->rates, stride = f->stride, base = bodies + 2;
+    const int alone = few == 1, bodies = few ? few : r->bodies, columns = alone ? 1 : bodies + 2;
+    const int p = f->order, rates = f->rates, stride = f->stride, base = bodies + 2;
     const int on = motor ? m->leader[r->motor_on] : 0;
     Real *row = f->table, one[1], *F = alone ? one : r->force, *acceleration = alone ? one : f->acceleration;
     Rotor o;
@@ -377,11 +378,11 @@ INLINE void expand_formulas(Run *r, const State *state, const int alone, const i
             next[c] = row[rates + c] * inverse;
         if (n == p)
             break;
-        for (c = 0; c < (alone ? 1 : r->columns); c++)
+        for (c = 0; c < columns; c++)
             F[c] = 0.0;
         add_forces(r, F, alone, row, n);
         apply_formulas(r, F, alone, row, n);
-        for (c = 0; c < (alone ? 1 : r->columns); c++)
+        for (c = 0; c < columns; c++)
             acceleration[c] = F[c] * m->mobility[c];
         if (!alone && r->rotors.count > 0)
             rotors_turn(r, n);
@@ -406,6 +407,7 @@ SHAPE any_with_motor(Run *r, const State *s) { expand_any(r, s, 1); }
 SHAPE formulas(Run *r, const State *s) { expand_formulas(r, s, 0, 0); }
 SHAPE formulas_with_motor(Run *r, const State *s) { expand_formulas(r, s, 0, 1); }
 SHAPE formulas_on_one(Run *r, const State *s) { expand_formulas(r, s, 1, 0); }
+SHAPE formulas_on_two(Run *r, const State *s) { expand_formulas(r, s, 2, 0); }
 
 void taylor_expand(Run *r, const State *state)
 {
@@ -414,6 +416,8 @@ void taylor_expand(Run *r, const State *state)
     };
     if (r->mode->shape == FORMULAS && r->bodies == 1 && !r->has_motor && r->rotors.count == 0)
         formulas_on_one(r, state);
+    else if (r->mode->shape == FORMULAS && r->bodies == 2 && !r->has_motor)
+        formulas_on_two(r, state);
     else
         shapes[2 * r->mode->shape + r->has_motor](r, state);
 }
