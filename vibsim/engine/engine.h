@@ -210,6 +210,7 @@ typedef struct {
     Real (*arguments)[SERIES], (*falls)[SERIES]; /* of falling frictions: what the recurrence takes of s, and f */
     Real inverse[SERIES + 1], sine[SERIES], cosine[SERIES], w_back[SERIES], a1_back[SERIES]; /* w_back[order - n]: order n */
     Real h, turns, longest; /* longest: piece of a step that one quadrature rule takes [s] */
+    Real *checked, checked_at; /* columns at the end of the step and before it, where formulas are compared; the former [s], or 0 */
     int order, rates, stride, *loaded, loaded_count, few_nodes;
     Real *acceleration; /* by leading column, where a mode has formulas or rotors */
     TapeRoom tapes;
@@ -219,12 +220,14 @@ typedef struct {
 #endif
 } Taylor;
 
-/* Rotors on bodies, and of the step in hand: series of sine and cosine of each, of the acceleration of each group that some are
- * on, its mass less what its rotors take part of it with, and its leading column.
+/* Rotors on bodies, and of the step in hand: series of sine, cosine and speed of each, of the acceleration of each group that some
+ * are on, its mass less what its rotors take part of it with, one by that, and its leading column; of each order torque and pull of a rotor;
+ * lean: what its torque pulls with.
  */
 typedef struct {
     RotorOn *of;
-    Real (*sine)[SERIES], (*cosine)[SERIES], (*acceleration)[SERIES], *mass, *torque;
+    TapeSeries *sine, *cosine, *acceleration, *speed;
+    Real *mass, *mobility, *torque, *pulled, *lean;
     int count, groups, *leaders;
 } Rotors;
 
@@ -422,6 +425,7 @@ void taylor_set(Run *r);
 void taylor_look(Run *r, const State *state); /* expand the motion there; no step follows */
 void taylor_enter(Run *r, const State *state);
 void taylor_values(const Taylor *f, Real tau, Real *out); /* of all columns of the table */
+void taylor_values_twice(const Taylor *f, const Real *tau, Real *out);
 Real taylor_advance(Run *r, Real limit, int *event);
 void taylor_state_after(Run *r, Real tau, State *out);
 void taylor_samples(Run *r, const Real *tau, int count, Real *row, long room);

@@ -5,8 +5,9 @@ group of mass M, its own mass among it:
 
     M a = F + sum u_i (s w)',       I_i w_i' = T_i + u_i s_i a,       s = sin phi, c = cos phi
 
-with (s w)' = s w' + w^2 c (Eqs. 2.9, 2.10 of the paper). Rotors meet in their bodies alone, so that each
-order has one division: of what is known of the force by M - sum (u_i s_i)^2 / I_i at the expansion point.
+with (s w)' = s w' + w^2 c (Eqs. 2.9, 2.10 of the paper). Rotors meet in their bodies alone, so that the mass
+matrix is inverted by one division at the expansion point: by M - sum (u_i s_i)^2 / I_i. Of each sum the
+newest terms come last: little then waits for them (`tape.py`).
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Generic
 
+from vibsim.engine.flows.tape import middle
 from vibsim.engine.modes.rows import ModeRows, RotorOn
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Scene
@@ -37,9 +39,12 @@ class Rotors(Generic[N]):
             sine, cosine = kit.rounded_sine_cosine(kit.reduce_angle(x[one.column][0])[0])
             self.s.append([sine])
             self.c.append([cosine])
+        self.pulled = [kit.number(0) for _ in rows.rotors]  # coefficient of s w without the newest speed
+        self.lean = [one.unbalance * s[0] / one.inertia for one, s in zip(rows.rotors, self.s, strict=True)]
         self.groups = sorted({rows.leader[one.on] for one in rows.rotors})
         self.a: dict[int, list[N]] = {leader: [] for leader in self.groups}
         self.mass = {leader: self._mass(leader) for leader in self.groups}
+        self.mobility = {leader: None if mass is None else 1 / mass for leader, mass in self.mass.items()}
 
     def _on(self, leader: int) -> list[tuple[int, RotorOn[N]]]:
         return [(i, one) for i, one in enumerate(self.rows.rotors) if self.rows.leader[one.on] == leader]
@@ -65,54 +70,55 @@ class Rotors(Generic[N]):
         for leader in self.groups:
             rotors = self._on(leader)
             torques = [F[one.column] + one.unbalance * self._back(i, n, leader) for i, one in rotors]
-            mass = self.mass[leader]
-            if mass is None:
+            mobility = self.mobility[leader]
+            if mobility is None:
                 a = self._given(n, leader)
             else:
                 force = F[leader]
                 for (i, one), torque in zip(rotors, torques, strict=True):
-                    pull = one.unbalance * (n + 1) * self._pull(i, n, self.v[one.column])
-                    force = force + pull + one.unbalance * self.s[i][0] * torque / one.inertia
-                a = force / mass
+                    pull = one.unbalance * (n + 1) * self.pulled[i]
+                    force = force + (pull + self.lean[i] * torque)
+                a = force * mobility
             self.a[leader].append(a)
             acceleration[leader] = a
             for (i, one), torque in zip(rotors, torques, strict=True):
-                acceleration[one.column] = (torque + one.unbalance * self.s[i][0] * a) / one.inertia
+                acceleration[one.column] = torque * (1 / one.inertia) + self.lean[i] * a
 
     def _given(self, n: int, leader: int) -> N:
         """Coefficient n of the acceleration of ground or base."""
         return (n + 1) * self.v[leader][n + 1] if leader == self.n + 1 else self.kit.number(0)
 
     def _rotate(self, i: int, n: int, w: Sequence[N]) -> None:
-        """Coefficient n + 1 of sine and cosine."""
+        """Coefficient n + 1 of sine and cosine, and the pull."""
         s, c = self.s[i], self.c[i]
-        sines = cosines = self.kit.number(0)
-        for k in range(n + 1):
-            cosines = cosines + c[k] * w[n - k]
-            sines = sines + s[k] * w[n - k]
+        cosines = c[0] * w[n]
+        if n > 0:
+            cosines = middle(self.kit, c, w, n - 1, n) + (cosines + c[n] * w[0])
+        sines = self.pulled[i] + s[0] * w[n]
         s.append(cosines * self.inverse[n + 1])
         c.append(-(sines * self.inverse[n + 1]))
+        self.pulled[i] = self._pull(i, n, w)
 
     def _pull(self, i: int, n: int, w: Sequence[N]) -> N:
         """Coefficient n + 1 of s w without the term of the speed that is not known yet."""
-        total = self.kit.number(0)
-        for k in range(1, n + 2):
-            total = total + self.s[i][k] * w[n + 1 - k]
-        return total
+        s = self.s[i]
+        if n == 0:
+            return s[1] * w[0]
+        return middle(self.kit, s, w, n - 1, n, ahead=1) + (s[1] * w[n] + s[n + 1] * w[0])
 
     def _back(self, i: int, n: int, leader: int) -> N:
         """Coefficient n of s a without the term of the acceleration that is not known yet."""
-        total, a = self.kit.number(0), self.a[leader]
-        for k in range(1, n + 1):
-            total = total + self.s[i][k] * a[n - k]
-        return total
+        s, a = self.s[i], self.a[leader]
+        if n == 0:
+            return self.kit.number(0)
+        return middle(self.kit, s, a, n - 1, n - 1, ahead=1) + s[1] * a[n - 1]
 
     def turning_alone(self) -> list[list[N]]:
         """Series of the sines of the rotors on what does not move on its own: nothing else tells how they
         turn.
         """
         rotors = zip(self.s, self.rows.rotors, strict=True)
-        return [sine for sine, one in rotors if self.mass[self.rows.leader[one.on]] is None]
+        return [sine for sine, one in rotors if self.mobility[self.rows.leader[one.on]] is None]
 
     def thrust(self, column: int) -> list[N]:
         """Series of the force of the rotors on a column, as far as those of the rotors are known."""

@@ -358,6 +358,14 @@ class TapeValues(Generic[N]):
         return quotient(self.kit, one, abs(self.values[op.b]))
 
 
+def middle(kit: Kit[N], a: Sequence[N], b: Sequence[N], last: int, n: int, ahead: int = 0) -> N:
+    """Sum of a_(i+ahead) b_(n-i) from i = 1 to last, odd and even terms apart."""
+    sums = [kit.number(0), kit.number(0)]
+    for i in range(1, last + 1):
+        sums[i % 2] = sums[i % 2] + a[i + ahead] * b[n - i]
+    return sums[1] + sums[0]
+
+
 class TapeSeries(Generic[N]):
     """Taylor coefficients along a tape.
 
@@ -411,9 +419,11 @@ class TapeSeries(Generic[N]):
         return start_value(self.kit, op, values)
 
     def _following(self, i: int, op: Op, n: int) -> N:
-        """Coefficient n > 0 of an operation."""
-        s, code = self.series, op.code
-        a = s[op.a]
+        """Coefficient n > 0 of an operation. What is known of a sum before order n comes first, so that
+        little waits for its newest terms.
+        """
+        s, code, inverse = self.series, op.code, self.inverse[n]
+        a, y = s[op.a], s[i]
         if code == ADD:
             return a[n] + s[op.b][n]
         if code == SUB:
@@ -422,42 +432,40 @@ class TapeSeries(Generic[N]):
             scaled: N = op.value * a[n]
             return scaled
         if code == MUL:
-            return self._product(a, s[op.b], 0, n, n)
+            b = s[op.b]
+            return self._middle(a, b, n - 1, n) + (a[0] * b[n] + a[n] * b[0])
         if code == SQUARE:
             return self._square(a, n)
         if code == DIV:
             b = s[op.b]
-            return quotient(self.kit, a[n] - self._product(b, s[i], 1, n, n), b[0])
+            return quotient(self.kit, a[n] - (self._middle(b, y, n - 1, n) + b[n] * y[0]), b[0])
         if code in (SIN, COS, SINH, COSH, EXP, TANH):
-            other = s[i] if code == EXP else s[op.b]
-            value = self._weighted(a, other, n, n) * self.inverse[n]
+            b = y if code == EXP else s[op.b]
+            value = (self._weighted(a, b, n - 1, n) + (n * a[n]) * b[0]) * inverse
             return -value if code == COS else value
         if code == POWER:
-            return self._power(a, s[i], op.value, n)
+            return self._power(a, y, op.value, n)
         b = a if code == LOG else s[op.b]
-        inner = self._weighted(s[i], b, n - 1, n) * self.inverse[n]
+        inner = self._weighted(y, b, n - 1, n) * inverse
         return quotient(self.kit, (-a[n] if code == ACOS else a[n]) - inner, b[0])
 
-    def _product(self, a: Sequence[N], b: Sequence[N], first: int, last: int, n: int) -> N:
-        """Sum of a_i b_(n-i) from i = first to last, odd and even terms apart."""
-        sums = [self.kit.number(0), self.kit.number(0)]
-        for i in range(first, last + 1):
-            sums[i % 2] = sums[i % 2] + a[i] * b[n - i]
-        return sums[0] + sums[1]
+    def _middle(self, a: Sequence[N], b: Sequence[N], last: int, n: int) -> N:
+        return middle(self.kit, a, b, last, n)
 
     def _weighted(self, a: Sequence[N], b: Sequence[N], last: int, n: int) -> N:
         """Sum of i a_i b_(n-i) from i = 1 to last, odd and even terms apart."""
         sums = [self.kit.number(0), self.kit.number(0)]
         for i in range(1, last + 1):
             sums[i % 2] = sums[i % 2] + (i * a[i]) * b[n - i]
-        return sums[0] + sums[1]
+        return sums[1] + sums[0]
 
     def _square(self, a: Sequence[N], n: int) -> N:
-        total = self.kit.number(0)
-        for i in range((n + 1) // 2):
-            total = total + a[i] * a[n - i]
-        total = total + total
-        return total + a[n // 2] * a[n // 2] if n % 2 == 0 else total
+        known = self._middle(a, a, (n - 1) // 2, n)
+        known = known + known
+        if n % 2 == 0:
+            known = known + a[n // 2] * a[n // 2]
+        newest = a[0] * a[n]
+        return known + (newest + newest)
 
     def _power(self, a: Sequence[N], y: Sequence[N], p: N, n: int) -> N:
         """Of a^p: n a_0 y_n = sum (p (n - i) - i) a_(n-i) y_i over i < n. At a zero of a, or one
@@ -466,10 +474,10 @@ class TapeSeries(Generic[N]):
         """
         if not a[0] > self.least * abs(a[1]):
             return 0 * a[0]
-        total = self.kit.number(0)
-        for i in range(n):
-            total = total + (p * (n - i) - i) * (a[n - i] * y[i])
-        return total * self.inverse[n] / a[0]
+        sums = [self.kit.number(0), self.kit.number(0)]
+        for i in range(1, n):
+            sums[i % 2] = sums[i % 2] + (p * (n - i) - i) * (a[n - i] * y[i])
+        return ((sums[1] + sums[0]) + (p * n) * (a[n] * y[0])) * self.inverse[n] / a[0]
 
 
 class TapeRounding(Generic[N]):

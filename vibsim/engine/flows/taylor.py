@@ -93,17 +93,22 @@ class Taylor(TaylorExpansion[N]):
         left = self.scene.t_end - self.t0
         if not left > 0:
             return self.h
-        h = self.h if self.h < left else left
+        h = self._on_grid(self.h) if self.h < left else left
         checks = StepChecks(self, tape)
         shortest = checks.shortest()
         for _ in range(SHORTENINGS):
-            excess = max(checks.excess(h), checks.excess(NEARER * h))
+            excess = checks.excess(h)
             if excess <= 0 or h <= shortest:
                 return self.h if h == left else h
-            h = shortened(self.kit, h, excess, self.order)
+            h = self._on_grid(shortened(self.kit, h, excess, self.order))
             if self.t0 + h == self.t0:
                 break
         raise EngineError("singular", self.start, checks.worst)
+
+    def _on_grid(self, h: N) -> N:
+        """A step of length h [s], of which the end is on the grid of time."""
+        tau = self.kit.exact(self.kit.exact(self.t0 + h) - self.t0)
+        return tau if tau > 0 else h
 
     def look(self, state: State[N], rows: ModeRows[N]) -> None:
         """Expand the motion at `state` in the mode of `rows` for its derivatives there, as far as they are
@@ -368,11 +373,15 @@ class StepChecks(Generic[N]):
         return self.kit.number(0)
 
     def excess(self, h: N) -> float:
-        """By how many binary digits the worst formula is beyond what it may be wrong by at h [s] after the
-        start; 0 where none is.
+        """By how many binary digits the worst formula is beyond what it may be wrong by at the end h [s] of a
+        step, and at NEARER of it; 0 where none is.
         """
+        return max(self._excess_at(h, h), self._excess_at(NEARER * h, h))
+
+    def _excess_at(self, tau: N, h: N) -> float:
+        """The same at tau; rounding of the series is that at h."""
         flow, worst = self.flow, 0.0
-        values = flow.tape_values(h)
+        values = flow.tape_values(tau)
         for op in self.tape.tape.ops:
             if op.code == POWER:  # begun at a zero of its base, which must not be over before the step is
                 base, there = self.tape.series[op.a], values.values[op.a]
@@ -383,8 +392,8 @@ class StepChecks(Generic[N]):
             value, bound = values.output(k)
             series = self.tape.output(k)[: flow.order]
             rounding = 2 * self.kit.eps * sizes_at(series, h)
-            allowed = 2 * bound + rounding + self._share(k, h, value)
-            beyond = digits_beyond(self.kit, abs(value - horner(series, h)), allowed)
+            allowed = 2 * bound + rounding + self._share(k, tau, value)
+            beyond = digits_beyond(self.kit, abs(value - horner(series, tau)), allowed)
             if beyond > worst:
                 worst, self.worst = beyond, text
         return worst

@@ -46,16 +46,38 @@ static void read_op(const Run *r, Reader *in, Op *op, int i, int count, int time
     else
         op->b = read_index(in, -1, -1);
     op->value = read_double(in);
+    op->at = i * TAPE_WIDTH;
+    op->first = op->code > OP_SPIN ? op->a * TAPE_WIDTH : op->at;
+    op->second = op->b < 0 ? op->at : op->b * TAPE_WIDTH;
     if (timely && op->code > OP_TIME && op->code <= OP_SPIN)
         in->short_of = 1;
     place_input(r, in, op);
+}
+
+/* The operations that move: those that read come first. */
+static void take_moving(Tape *tape)
+{
+    int i;
+    tape->moving = tape->ops + tape->op_count;
+    for (i = 0; i < tape->op_count; i++)
+        if (tape->ops[i].code <= OP_SPIN && tape->ops[i].from >= 0)
+            tape->moving[tape->read_count++] = tape->ops[i];
+    tape->moving_count = tape->read_count;
+    for (i = 0; i < tape->op_count; i++)
+        if (tape->ops[i].code > OP_SPIN) {
+            Op *op = &tape->moving[tape->moving_count++];
+            *op = tape->ops[i];
+            tape->powers = tape->powers || op->code == OP_POWER;
+            if (tape->moving_count > tape->read_count + 1)
+                op->after = op->first == op[-1].at ? FIRST_IS_NEWEST : op->second == op[-1].at ? SECOND_IS_NEWEST : 0;
+        }
 }
 
 static int read_tape(const Run *r, Reader *in, Tape *tape, int count, int timely)
 {
     int i;
     tape->output_count = read_index(in, 0, MOST);
-    tape->ops = zalloc((size_t)count, sizeof(Op));
+    tape->ops = zalloc(2 * (size_t)count, sizeof(Op));
     tape->outputs = zalloc((size_t)tape->output_count, sizeof(int));
     if (!tape->ops || !tape->outputs)
         return 0;
@@ -64,6 +86,8 @@ static int read_tape(const Run *r, Reader *in, Tape *tape, int count, int timely
     for (i = 0; i < tape->output_count; i++)
         tape->outputs[i] = read_index(in, 0, count - 1);
     tape->op_count = count;
+    if (!in->short_of)
+        take_moving(tape);
     return 1;
 }
 
@@ -80,12 +104,13 @@ static void read_force(const Run *r, Reader *in, const Mode *m, FormulaForce *on
 /* Memory for the series and values along tapes of so many operations. */
 int alloc_tapes(TapeRoom *tapes, int ops)
 {
-    Real(*series)[TAPE_ORDERS], *values;
+    TapeSeries *series;
+    Real *values;
     if (ops <= tapes->ops)
         return 1;
     series = regrown(tapes->series, sizeof *series * (size_t)ops);
     tapes->series = series ? series : tapes->series;
-    values = regrown(tapes->values, 2 * sizeof *values * (size_t)ops);
+    values = regrown(tapes->values, 4 * sizeof *values * (size_t)ops);
     tapes->values = values ? values : tapes->values;
     if (!series || !values)
         return 0;
@@ -103,8 +128,11 @@ int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops)
     m->formulas = zalloc((size_t)m->formula_count, sizeof(FormulaForce));
     if (!m->formulas)
         return 0;
-    for (i = 0; i < m->formula_count && !in->short_of; i++)
+    for (i = 0; i < m->formula_count && !in->short_of; i++) {
         read_force(r, in, m, &m->formulas[i]);
+        m->formulas[i].place = in->short_of ? 0 : m->tape.outputs[m->formulas[i].output];
+        m->formulas[i].newest = m->formulas[i].place == ops - 1 && m->tape.ops[ops - 1].code > OP_SPIN;
+    }
     if (base_ops > 0 && !read_tape(r, in, &m->base_tape, base_ops, 1))
         return 0;
     if (base_ops > 0 && m->base_tape.output_count < 1)

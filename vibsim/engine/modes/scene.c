@@ -18,7 +18,7 @@ static int alloc_flows(Run *r)
     Taylor *f = &r->taylor;
     ClosedForm *c = &r->closed_form;
     size_t n = (size_t)r->bodies, columns = n + 2, row = 2 * (n + 3), coordinates = 2 * n + 2, harmonics = (size_t)r->harmonic_count + 1, i;
-    f->table = zalloc((SERIES + 1) * row, sizeof(Real));
+    f->table = zalloc((SERIES + 3) * row, sizeof(Real));
     f->loaded_on = zalloc(columns, sizeof(Real *));
     f->load = zalloc(columns * SERIES, sizeof(Real));
     r->force = zalloc(columns, sizeof(Real));
@@ -35,6 +35,7 @@ static int alloc_flows(Run *r)
     for (i = 1; i < MEASURES; i++)
         c->scales[i] = c->scales[0] + i * coordinates;
     f->values = f->table + SERIES * row;
+    f->checked = f->values + row;
     r->state.v = r->state.x + n;
     r->next.x = r->state.x + 2 * n;
     r->next.v = r->state.x + 3 * n;
@@ -65,15 +66,19 @@ static int alloc_rotors(Run *r)
     const size_t count = (size_t)o->count, columns = (size_t)r->columns;
     r->alone = zalloc((size_t)r->alone_count, sizeof(int));
     o->of = zalloc(count, sizeof(RotorOn));
-    o->sine = zalloc(3 * count, sizeof *o->sine);
-    o->mass = zalloc(2 * count, sizeof(Real));
+    o->sine = zalloc(4 * count, sizeof *o->sine);
+    o->mass = zalloc(5 * count, sizeof(Real));
     o->leaders = zalloc(count + 1, sizeof(int));
     r->taylor.acceleration = zalloc(7 * columns, sizeof(Real));
     if (!r->alone || !o->of || !o->sine || !o->mass || !o->leaders || !r->taylor.acceleration)
         return 0;
     o->cosine = o->sine + count;
     o->acceleration = o->cosine + count;
-    o->torque = o->mass + count;
+    o->speed = o->acceleration + count;
+    o->mobility = o->mass + count;
+    o->torque = o->mobility + count;
+    o->pulled = o->torque + count;
+    o->lean = o->pulled + count;
     at->x = r->taylor.acceleration + columns;
     at->v = at->x + columns;
     blur->x = at->v + columns;
@@ -164,6 +169,7 @@ static void scene_numbers(Run *r, Reader *in)
     for (i = 0; i < r->rotors.count; i++) {
         r->rotors.of[i].unbalance = read_double(in);
         r->rotors.of[i].inertia = read_double(in);
+        r->rotors.of[i].lightness = 1 / r->rotors.of[i].inertia;
     }
 }
 

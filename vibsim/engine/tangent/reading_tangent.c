@@ -30,6 +30,7 @@ static int alloc_spare(const Run *r, TaylorTangent *of)
     if (!f->table || !f->load || !f->loaded_on)
         return 0;
     f->values = f->table + SERIES * row;
+    f->checked = NULL;
     for (i = 0; i < columns; i++)
         f->loaded_on[i] = r->taylor.loaded_on[i] ? f->load + i * SERIES : NULL;
     return 1;
@@ -41,8 +42,8 @@ static int alloc_rotors(const Run *r, TaylorTangent *of)
     const size_t count = (size_t)r->rotors.count;
     Rotors *o = &of->spare_rotors;
     *o = r->rotors;
-    o->sine = zalloc(5 * count, sizeof *o->sine);
-    o->mass = zalloc(2 * count, sizeof(Real));
+    o->sine = zalloc(6 * count, sizeof *o->sine);
+    o->mass = zalloc(5 * count, sizeof(Real));
     o->leaders = zalloc(count + 1, sizeof(int));
     of->pushed = zalloc(TANGENT_GROUP * count * SERIES, sizeof *of->pushed);
     of->torques = zalloc(count, sizeof *of->torques);
@@ -50,9 +51,13 @@ static int alloc_rotors(const Run *r, TaylorTangent *of)
         return 0;
     o->cosine = o->sine + count;
     o->acceleration = o->cosine + count;
-    of->turning = o->acceleration + count;
+    o->speed = o->acceleration + count;
+    of->turning = o->speed + count;
     of->pull = of->turning + count;
-    o->torque = o->mass + count;
+    o->mobility = o->mass + count;
+    o->torque = o->mobility + count;
+    o->pulled = o->torque + count;
+    o->lean = o->pulled + count;
     return 1;
 }
 

@@ -73,7 +73,7 @@ typedef struct {
     Real *entries, prepared_at;
     Rotors spare_rotors;   /* those of `spare` */
     const Rotors *rotors;  /* those that are prepared */
-    Real (*turning)[SERIES], (*pull)[SERIES]; /* by rotor on a body: c w = s', c a */
+    TapeSeries *turning, *pull; /* by rotor on a body: c w = s', c a */
     Lane *pushed, *torques; /* series of disturbed accelerations, by pair and group of rotors; by rotor */
     int undefined; /* whether a derivative has no integral over the piece in hand */
     int entry_room, has_step, prepared; /* whether `step` is of the step in hand; whether all is prepared at a time of it */

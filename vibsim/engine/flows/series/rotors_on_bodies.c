@@ -3,6 +3,7 @@
  */
 #include "engine.h"
 #include "numbers.h"
+#include "tape_series.h"
 
 /* Speed of rotor `one`, coefficient k. */
 static Real speed_of(const Taylor *f, const RotorOn *one, int k)
@@ -38,6 +39,8 @@ void rotors_expand(Run *r)
     for (i = 0; i < o->count; i++) {
         Real turns, angle = reduce_angle(r->taylor.table[o->of[i].column], &turns);
         rounded_sine_cosine(angle, &o->sine[i][0], &o->cosine[i][0]);
+        o->lean[i] = o->of[i].unbalance * o->sine[i][0] / o->of[i].inertia;
+        o->pulled[i] = 0.0;
     }
     for (g = 0; g < o->groups; g++) {
         Real mass = m->group_mass[o->leaders[g]];
@@ -47,41 +50,35 @@ void rotors_expand(Run *r)
                 mass = mass - coupling * coupling / o->of[i].inertia;
             }
         o->mass[g] = mass;
+        o->mobility[g] = o->leaders[g] < r->bodies ? 1 / mass : 0.0;
     }
-}
-
-/* Coefficient n + 1 of sine and cosine. */
-static void rotate(const Taylor *f, Rotors *o, int i, int n)
-{
-    Real *s = o->sine[i], *c = o->cosine[i], sines = 0.0, cosines = 0.0;
-    int k;
-    for (k = 0; k <= n; k++) {
-        Real w = speed_of(f, &o->of[i], n - k);
-        cosines = cosines + c[k] * w;
-        sines = sines + s[k] * w;
-    }
-    s[n + 1] = cosines * f->inverse[n + 1];
-    c[n + 1] = -(sines * f->inverse[n + 1]);
 }
 
 /* Coefficient n + 1 of s w without the term of the speed that is not known yet. */
-static Real pull(const Taylor *f, const Rotors *o, int i, int n)
+INLINE Real pull(const Rotors *o, int i, int n)
 {
-    Real total = 0.0;
-    int k;
-    for (k = 1; k <= n + 1; k++)
-        total = total + o->sine[i][k] * speed_of(f, &o->of[i], n + 1 - k);
-    return total;
+    const Real *s = o->sine[i], *w = o->speed[i];
+    if (n == 0)
+        return s[1] * w[0];
+    return middle(s + 1, BACK(w, n), n - 1) + (s[1] * w[n] + s[n + 1] * w[0]);
+}
+
+/* Coefficient n + 1 of sine and cosine, and the pull. */
+static void rotate(const Taylor *f, Rotors *o, int i, int n)
+{
+    Real *s = o->sine[i], *c = o->cosine[i], *w = o->speed[i], cosines;
+    put(w, n, speed_of(f, &o->of[i], n));
+    cosines = n == 0 ? c[0] * w[0] : middle(c, BACK(w, n), n - 1) + (c[0] * w[n] + c[n] * w[0]);
+    s[n + 1] = cosines * f->inverse[n + 1];
+    c[n + 1] = -((o->pulled[i] + s[0] * w[n]) * f->inverse[n + 1]);
+    o->pulled[i] = pull(o, i, n);
 }
 
 /* Coefficient n of s a without the term of the acceleration that is not known yet. */
-static Real back(const Rotors *o, int i, int n, int group)
+INLINE Real back(const Rotors *o, int i, int n, int group)
 {
-    Real total = 0.0;
-    int k;
-    for (k = 1; k <= n; k++)
-        total = total + o->sine[i][k] * o->acceleration[group][n - k];
-    return total;
+    const Real *s = o->sine[i], *a = o->acceleration[group];
+    return n == 0 ? 0.0 : middle(s + 1, BACK(a, n - 1), n - 1) + s[1] * a[n - 1];
 }
 
 /* Acceleration of order n of the group number g under the force F, and of its rotors. */
@@ -90,29 +87,27 @@ static void turn_group(Run *r, int g, int n, const Real *F)
     const Taylor *f = &r->taylor;
     const Mode *m = r->mode;
     Rotors *o = &r->rotors;
-    Real *acceleration = f->acceleration, force, a;
+    Real *acceleration = f->acceleration, force = 0.0, a;
     int leader = o->leaders[g], i;
-    for (i = 0; i < o->count; i++)
-        if (m->leader[o->of[i].on] == leader)
-            o->torque[i] = F[o->of[i].column] + o->of[i].unbalance * back(o, i, n, g);
-    if (leader < r->bodies) {
+    if (leader < r->bodies)
         force = F[leader];
-        for (i = 0; i < o->count; i++) {
-            const RotorOn *one = &o->of[i];
-            if (m->leader[one->on] == leader) {
-                Real pulled = one->unbalance * (n + 1) * pull(f, o, i, n);
-                force = force + pulled + one->unbalance * o->sine[i][0] * o->torque[i] / one->inertia;
-            }
-        }
-        a = force / o->mass[g];
-    } else {
-        a = leader > r->bodies ? (n + 1) * f->table[(n + 1) * f->stride + f->rates + base_column(r)] : 0.0;
+    for (i = 0; i < o->count; i++) {
+        const RotorOn *one = &o->of[i];
+        if (m->leader[one->on] != leader)
+            continue;
+        o->torque[i] = F[one->column] + one->unbalance * back(o, i, n, g);
+        force = force + (one->unbalance * (n + 1) * o->pulled[i] + o->lean[i] * o->torque[i]);
     }
-    o->acceleration[g][n] = acceleration[leader] = a;
+    if (leader < r->bodies)
+        a = force * o->mobility[g];
+    else
+        a = leader > r->bodies ? (n + 1) * f->table[(n + 1) * f->stride + f->rates + base_column(r)] : 0.0;
+    acceleration[leader] = a;
+    put(o->acceleration[g], n, a);
     for (i = 0; i < o->count; i++) {
         const RotorOn *one = &o->of[i];
         if (m->leader[one->on] == leader)
-            acceleration[one->column] = (o->torque[i] + one->unbalance * o->sine[i][0] * a) / one->inertia;
+            acceleration[one->column] = o->torque[i] * one->lightness + o->lean[i] * a;
     }
 }
 
@@ -139,7 +134,7 @@ void rotors_thrust(const Run *r, int column, Real *out)
         if (one->on != column)
             continue;
         for (n = 0; n < f->order; n++) {
-            Real last = pull(f, o, i, n) + o->sine[i][0] * speed_of(f, one, n + 1);
+            Real last = pull(o, i, n) + o->sine[i][0] * speed_of(f, one, n + 1);
             total[n] = total[n] + one->unbalance * ((n + 1) * last);
         }
     }

@@ -1,8 +1,11 @@
 /* What is computed along tapes: series, values with bounds, and steps at whose end the two agree; twin of vibsim/engine/flows/tape.py
  * and of what vibsim/engine/flows/taylor.py does with formulas.
  */
+#include <string.h>
+
 #include "engine.h"
 #include "numbers.h"
+#include "tape_series.h"
 
 #define NEAR_ZERO 16          /* units in the last place of the time within which a zero of the base of a power is one here */
 #define ULPS 4                /* rounding of an elementary function, in units of EPS */
@@ -13,12 +16,6 @@
 #define NEARER 0.75           /* of a step, where formulas are compared as well */
 #define INPUT_ROUNDING 2      /* of displacements and velocities at the end of a step, in units of EPS */
 #define STATE_ROUNDING 8      /* the same at an event */
-
-/* a / b, and what is no number where b is 0. */
-static Real quotient(Real a, Real b)
-{
-    return b == 0 ? NAN : a / b;
-}
 
 /* The value of an operation on values. A power of what is negative is that of 0, with an exponent below 0 it counts as 0. */
 static Real start_value(const Op *op, Real a, Real b)
@@ -44,107 +41,41 @@ static Real start_value(const Op *op, Real a, Real b)
     }
 }
 
-/* Sum of a_i b_(n-i) from i = first, 0 or 1, to n; odd and even terms apart. */
-static Real product(const Real *a, const Real *b, int first, int n)
-{
-    Real even = 0.0, odd = 0.0;
-    int i;
-    if (first == 0)
-        even = even + a[0] * b[n];
-    for (i = 1; i < n; i += 2) {
-        odd = odd + a[i] * b[n - i];
-        even = even + a[i + 1] * b[n - i - 1];
-    }
-    if (i == n)
-        odd = odd + a[n] * b[0];
-    return even + odd;
-}
-
-/* Sum of i a_i b_(n-i) from i = 1 to last; odd and even terms apart. */
-static Real weighted(const Real *a, const Real *b, int last, int n)
-{
-    Real even = 0.0, odd = 0.0;
-    int i;
-    for (i = 1; i < last; i += 2) {
-        odd = odd + (i * a[i]) * b[n - i];
-        even = even + ((i + 1) * a[i + 1]) * b[n - i - 1];
-    }
-    if (i == last)
-        odd = odd + (i * a[i]) * b[n - i];
-    return even + odd;
-}
-
-static Real square(const Real *a, int n)
-{
-    Real total = 0.0;
-    int i;
-    for (i = 0; i < (n + 1) / 2; i++)
-        total = total + a[i] * a[n - i];
-    total = total + total;
-    return n % 2 == 0 ? total + a[n / 2] * a[n / 2] : total;
-}
-
-/* Of a^p: n a_0 y_n = sum (p (n - i) - i) a_(n-i) y_i over i < n; at a zero of a, or one nearer than `least` [s], nothing but the
- * value.
- */
-static Real power_coefficient(const Real *a, const Real *y, Real p, int n, Real inverse, Real least)
-{
-    Real total = 0.0;
-    int i;
-    if (!(a[0] > least * fabs(a[1])))
-        return 0 * a[0];
-    for (i = 0; i < n; i++)
-        total = total + (p * (n - i) - i) * (a[n - i] * y[i]);
-    return total * inverse / a[0];
-}
-
-/* Coefficient n > 0 of operation i. */
-static Real following(const Op *op, Real (*s)[TAPE_ORDERS], int i, int n, Real inverse, Real least)
-{
-    const Real *a = s[op->a], *b = op->b < 0 ? s[i] : s[op->b];
-    switch (op->code) {
-    case OP_ADD: return a[n] + b[n];
-    case OP_SUB: return a[n] - b[n];
-    case OP_SCALE: return op->value * a[n];
-    case OP_MUL: return product(a, b, 0, n);
-    case OP_SQUARE: return square(a, n);
-    case OP_DIV: return quotient(a[n] - product(b, s[i], 1, n), b[0]);
-    case OP_SIN:
-    case OP_SINH:
-    case OP_COSH:
-    case OP_TANH: return weighted(a, b, n, n) * inverse;
-    case OP_COS: return -(weighted(a, b, n, n) * inverse);
-    case OP_EXP: return weighted(a, s[i], n, n) * inverse;
-    case OP_LOG: return quotient(a[n] - weighted(s[i], a, n - 1, n) * inverse, a[0]);
-    case OP_ATAN:
-    case OP_ASIN: return quotient(a[n] - weighted(s[i], b, n - 1, n) * inverse, b[0]);
-    case OP_ACOS: return quotient(-a[n] - weighted(s[i], b, n - 1, n) * inverse, b[0]);
-    default: return power_coefficient(a, s[i], op->value, n, inverse, least);
-    }
-}
-
 void tape_start(TapeRoom *room, Real t)
 {
     room->at.t = t;
     room->least = NEAR_ZERO * (nextafter(t, INFINITY) - t);
 }
 
-void tape_advance(const Tape *tape, const TapeRoom *room, const Real *row, int n, Real inverse)
+void tape_begin(const Tape *tape, const TapeRoom *room, const Real *row)
 {
-    Real (*series)[TAPE_ORDERS] = room->series;
+    TapeSeries *series = room->series;
     int i;
     for (i = 0; i < tape->op_count; i++) {
         const Op *op = &tape->ops[i];
-        Real *s = series[i];
-        if (op->code > OP_SPIN)
-            s[n] = n > 0 ? following(op, series, i, n, inverse, room->least) : start_value(op, series[op->a][0], op->b < 0 ? 0.0 : series[op->b][0]);
-        else if (op->code == OP_CONSTANT)
-            s[n] = n == 0 ? op->value : 0.0;
+        Real value;
+        if (op->code <= OP_SPIN && op->from < 0)
+            memset(series[i], 0, sizeof series[i]);
+        if (op->code == OP_CONSTANT)
+            value = op->value;
         else if (op->code == OP_TIME)
-            s[n] = n == 0 ? room->at.t : n == 1 ? 1.0 : 0.0;
+            value = room->at.t;
+        else if (op->code <= OP_SPIN)
+            value = op->from < 0 ? 0.0 : row[op->from];
         else
-            s[n] = op->from < 0 ? 0.0 : row[op->from];
+            value = start_value(op, series[op->a][0], op->b < 0 ? 0.0 : series[op->b][0]);
+        put(series[i], 0, value);
+        if (op->code == OP_TIME)
+            put(series[i], 1, 1.0);
     }
+}
+
+void tape_advance(const Tape *tape, const TapeRoom *room, const Real *row, int n, Real inverse)
+{
+    if (n == 0)
+        tape_begin(tape, room, row);
+    else
+        advance_along(tape, room, row, n, inverse);
 }
 
 static Real input_value(const Op *op, const TapeInputs *at)
@@ -217,30 +148,35 @@ void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blu
     }
 }
 
-/* Values and bounds of the formulas of the mode a time tau after the expansion point, from the state there. */
-void tape_values(const Run *r, Real tau)
+/* Values and bounds of the formulas of the mode a time tau after the expansion point, from the columns there. */
+static void evaluate_from(const Run *r, const Real *columns, Real tau, Real *values, Real *bounds)
 {
     const Taylor *f = &r->taylor;
-    const TapeRoom *room = &f->tapes;
-    TapeInputs at = room->at, blur = room->blur;
-    const Real *values = tau != 0 ? f->values : f->table;
+    TapeInputs at = f->tapes.at, blur = f->tapes.blur;
     int c;
-    if (tau != 0 || r->has_motor)
-        taylor_values(f, tau, f->values);
     for (c = 0; c < r->columns; c++) {
         int from = c < r->bodies ? c : c > r->bodies && r->has_base ? base_column(r) : -1;
-        at.x[c] = from < 0 ? 0.0 : values[from];
-        at.v[c] = from < 0 ? 0.0 : values[f->rates + from];
+        at.x[c] = from < 0 ? 0.0 : columns[from];
+        at.v[c] = from < 0 ? 0.0 : columns[f->rates + from];
         blur.x[c] = INPUT_ROUNDING * EPS * fabs(at.x[c]);
         blur.v[c] = INPUT_ROUNDING * EPS * fabs(at.v[c]);
     }
     at.t = r->t0 + tau;
     blur.t = EPS * fabs(at.t);
-    at.phi = r->has_motor ? f->values[r->bodies] : 0.0;
-    at.w = r->has_motor ? f->values[f->rates + r->bodies] : 0.0;
+    at.phi = r->has_motor ? columns[r->bodies] : 0.0;
+    at.w = r->has_motor ? columns[f->rates + r->bodies] : 0.0;
     blur.phi = INPUT_ROUNDING * EPS * fabs(at.phi);
     blur.w = INPUT_ROUNDING * EPS * fabs(at.w);
-    tape_evaluate(&r->mode->tape, &at, &blur, room->values, room->bounds);
+    tape_evaluate(&r->mode->tape, &at, &blur, values, bounds);
+}
+
+/* The same from the series; at the expansion point too. */
+void tape_values(const Run *r, Real tau)
+{
+    const Taylor *f = &r->taylor;
+    if (tau != 0 || r->has_motor)
+        taylor_values(f, tau, f->values);
+    evaluate_from(r, tau != 0 || r->has_motor ? f->values : f->table, tau, f->tapes.values, f->tapes.bounds);
 }
 
 /* The same of mode m at r->next; X, V: displacement and velocity of the base there. rates: of all velocities, in the order of
@@ -268,16 +204,6 @@ void tape_values_at(const Run *r, const Mode *m, Real X, Real V, const Real *rat
     blur.phi = lost * fabs(at.phi);
     blur.w = lost * fabs(at.w);
     tape_evaluate(&m->tape, &at, &blur, room->values, room->bounds);
-}
-
-/* Rounding of a series at h. */
-static Real rounding_of(const Real *series, int count, Real h)
-{
-    Real total = fabs(series[count - 1]);
-    int n;
-    for (n = count - 2; n >= 0; n--)
-        total = total * h + fabs(series[n]);
-    return 2 * EPS * total;
 }
 
 /* Whether a column has units of its own, as a rotor or a state. */
@@ -333,39 +259,88 @@ static Real share_of(const Run *r, int k, Real h, Real value, Real tolerance)
     return mobile ? f->order * tolerance * share : 0.0;
 }
 
-/* By how many binary digits the worst formula is beyond what it may be wrong by at h after the start; 0 where none is. */
-static double excess(const Run *r, Real h, Real tolerance, int *singular)
+/* A series at two times, as `horner` has it, and the rounding of it at the first, the later one. */
+static Pair twice_horner(const Real *series, int count, const Real *tau, Real *rounding)
 {
-    const Taylor *f = &r->taylor;
+    const Pair time = load_pair(tau), square = multiply_pair(time, time);
+    Pair high = twice(series[count - 1]), low = twice(series[count - 2]);
+    Real sizes = fabs(series[count - 1]);
+    int n;
+    for (n = count - 2; n >= 0; n--)
+        sizes = sizes * tau[0] + fabs(series[n]);
+    *rounding = 2 * EPS * sizes;
+    for (n = count - 3; n > 0; n -= 2) {
+        high = add_product(twice(series[n]), high, square);
+        low = add_product(twice(series[n - 1]), low, square);
+    }
+    if (count % 2 == 0)
+        return add_product(low, time, high);
+    return add_product(add_product(twice(series[0]), high, square), time, low);
+}
+
+/* By how many binary digits one at least, a value that is off by so much is beyond what it may be; 0 where it is not. */
+static double digits_beyond(Real off, Real allowed)
+{
+    double beyond;
+    if (off <= allowed && isfinite(allowed)) /* a value that overflows has no bound */
+        return 0.0;
+    if (!(isfinite(off) && allowed > 0))
+        return BEYOND_ALL;
+    beyond = binary_exponent(off) - binary_exponent(allowed);
+    return beyond > 1.0 ? beyond : 1.0;
+}
+
+/* Whether the base of a power begins at its zero and is over before the time of `values`. */
+static int ends_early(const Run *r, const Real *values, const Real *bounds)
+{
+    const TapeRoom *room = &r->taylor.tapes;
     const Tape *tape = &r->mode->tape;
-    double worst = 0.0;
     int k;
-    tape_values(r, h);
-    for (k = 0; k < tape->op_count; k++) { /* begun at a zero of its base, which must not be over before the step is */
+    for (k = 0; k < tape->op_count; k++) {
         const Op *op = &tape->ops[k];
-        const Real *base = f->tapes.series[op->a < 0 ? 0 : op->a];
-        if (op->code == OP_POWER && base[1] > 0 && !(base[0] > f->tapes.least * base[1]) && f->tapes.values[op->a] < -f->tapes.bounds[op->a])
-            worst = SHORT_CONTACT;
+        const Real *base = room->series[op->a < 0 ? 0 : op->a];
+        if (op->code == OP_POWER && base[1] > 0 && !(base[0] > room->least * base[1]) && values[op->a] < -bounds[op->a])
+            return 1;
+    }
+    return 0;
+}
+
+/* By how many binary digits the worst formula is beyond what it may be wrong by at the end h of a step, and at NEARER of it; 0 where
+ * none is.
+ */
+static double excess(Run *r, Real h, Real tolerance)
+{
+    Taylor *f = &r->taylor;
+    const Tape *tape = &r->mode->tape;
+    Real tau[2], *values[2], *bounds[2], rounding, at[2];
+    double worst[2];
+    int singular[2] = {NOTHING, NOTHING}, i, k;
+    tau[0] = h;
+    tau[1] = NEARER * h;
+    taylor_values_twice(f, tau, f->checked);
+    f->checked_at = h;
+    for (i = 0; i < 2; i++) {
+        values[i] = f->tapes.values + 2 * i * f->tapes.ops;
+        bounds[i] = values[i] + f->tapes.ops;
+        evaluate_from(r, f->checked + i * f->stride, tau[i], values[i], bounds[i]);
+        worst[i] = tape->powers && ends_early(r, values[i], bounds[i]) ? SHORT_CONTACT : 0.0;
     }
     for (k = 0; k < tape->output_count; k++) {
         int place = tape->outputs[k];
         const Real *series = f->tapes.series[place];
-        Real allowed = 2 * f->tapes.bounds[place] + rounding_of(series, f->order, h) + share_of(r, k, h, f->tapes.values[place], tolerance);
-        Real off = fabs(f->tapes.values[place] - horner(series, f->order, h));
-        double beyond;
-        if (off <= allowed && isfinite(allowed)) /* a value that overflows has no bound */
-            continue;
-        beyond = BEYOND_ALL;
-        if (isfinite(off) && allowed > 0) {
-            beyond = binary_exponent(off) - binary_exponent(allowed);
-            beyond = beyond > 1.0 ? beyond : 1.0;
-        }
-        if (beyond > worst) {
-            worst = beyond;
-            *singular = k;
+        store_pair(at, twice_horner(series, f->order, tau, &rounding));
+        for (i = 0; i < 2; i++) {
+            Real allowed = 2 * bounds[i][place] + rounding + share_of(r, k, tau[i], values[i][place], tolerance);
+            double beyond = digits_beyond(fabs(values[i][place] - at[i]), allowed);
+            if (beyond > worst[i]) {
+                worst[i] = beyond;
+                singular[i] = k;
+            }
         }
     }
-    return worst;
+    for (i = 0; i < 2; i++)
+        r->singular = singular[i] != NOTHING ? singular[i] : r->singular;
+    return worst[0] > worst[1] ? worst[0] : worst[1];
 }
 
 /* The step that is not made shorter: where the base of a power falls to its zero and is there within the resolution of time.
@@ -375,7 +350,7 @@ static Real shortest_step(const Run *r)
     const TapeRoom *room = &r->taylor.tapes;
     const Tape *tape = &r->mode->tape;
     int k;
-    for (k = 0; k < tape->op_count; k++) {
+    for (k = 0; tape->powers && k < tape->op_count; k++) {
         const Real *base;
         if (tape->ops[k].code != OP_POWER)
             continue;
@@ -386,26 +361,32 @@ static Real shortest_step(const Run *r)
     return 0.0;
 }
 
+/* A step of length h, of which the end is on the grid of time. */
+static Real on_grid(const Run *r, Real h)
+{
+    const Real tau = (r->t0 + h) - r->t0;
+    return tau > 0 ? tau : h;
+}
+
 /* The step, or a shorter one, at the end of which the formulas have the values that their series say. */
 void sound_step(Run *r)
 {
     Taylor *f = &r->taylor;
     const Real left = r->t_end - r->t0, tolerance = power_of_two(r->tolerance_exponent);
-    Real h = f->h < left ? f->h : left, shortest;
+    Real h = f->h < left ? on_grid(r, f->h) : left, shortest;
     int i;
     if (!(left > 0))
         return;
     shortest = shortest_step(r);
     r->singular = NOTHING;
     for (i = 0; i < SHORTENINGS; i++) {
-        double most = excess(r, h, tolerance, &r->singular), nearer = excess(r, NEARER * h, tolerance, &r->singular), digits;
-        most = nearer > most ? nearer : most;
+        double most = excess(r, h, tolerance), digits;
         if (most <= 0 || h <= shortest) {
             f->h = h == left ? f->h : h;
             return;
         }
         digits = (most + 1) / f->order;
-        h = h * power_of_two(-(digits > LEAST_SHORTENING ? digits : LEAST_SHORTENING));
+        h = on_grid(r, h * power_of_two(-(digits > LEAST_SHORTENING ? digits : LEAST_SHORTENING)));
         if (r->t0 + h == r->t0)
             break;
     }

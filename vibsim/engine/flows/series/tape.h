@@ -5,6 +5,8 @@
 #include "real.h"
 
 #define TAPE_ORDERS (MAX_ORDER + 3) /* coefficients of a series along a tape; that of the base has three beyond the order */
+#define TAPE_WIDTH (2 * TAPE_ORDERS)
+typedef Real TapeSeries[TAPE_WIDTH]; /* coefficients from the front, and once more from the back: of order n at TAPE_WIDTH - 1 - n */
 
 /* Operations, the same numbers in tape.py. */
 enum {
@@ -34,24 +36,30 @@ enum {
     OPERATIONS
 };
 
+enum { FIRST_IS_NEWEST = 1, SECOND_IS_NEWEST };
+
 /* value: of a constant; factor of OP_SCALE; exponent of OP_POWER. a, b: places of the operands; a is the column of what OP_PLACE and
- * OP_SPEED read, `from` the place in the table of Taylor series of what an operation reads, -1 for the ground.
+ * OP_SPEED read, `from` the place in the table of Taylor series of what an operation reads, -1 for the ground. at, first, second: where
+ * its own series and those that a recurrence reads begin, of what has none its own: TAPE_WIDTH times places; after: which of these the operation just before
+ * writes, see tape_series.h.
  */
 typedef struct {
     Real value;
-    int code, a, b, from;
+    int code, a, b, from, at, first, second, after;
 } Op;
 
-/* outputs: places by number of the output */
+/* outputs: places by number of the output; moving: operations whose series has more than a value, and the time 1,
+ * and first of them `read_count` that read; powers: whether there is OP_POWER
+ */
 typedef struct {
-    Op *ops;
-    int *outputs, op_count, output_count;
+    Op *ops, *moving;
+    int *outputs, op_count, output_count, read_count, moving_count, powers;
 } Tape;
 
-/* sign times output number `output` of the tape on column P, the opposite on Q; Q, to_Q < 0 for none. */
+/* sign times output number `output` of the tape, at `place`, on column P, the opposite on Q; Q, to_Q < 0 for none. */
 typedef struct {
     Real sign;
-    int output, P, Q, to_P, to_Q;
+    int output, place, newest, P, Q, to_P, to_Q; /* newest: whether that operation is the last on the tape */
 } FormulaForce;
 
 /* Kinds of what a formula is derived by: displacement or velocity of a column, angle or speed of the motor's rotor. */
@@ -88,9 +96,9 @@ typedef struct {
     SlopeRows rows[2];
 } FormulaSlopes;
 
-/* A rotor on a body: columns of it and of the body. */
+/* A rotor on a body: columns of it and of the body; lightness: one by its inertia. */
 typedef struct {
-    Real unbalance, inertia;
+    Real unbalance, inertia, lightness;
     int column, on;
 } RotorOn;
 
@@ -99,11 +107,12 @@ typedef struct {
     Real t, phi, w, *x, *v;
 } TapeInputs;
 
-/* By operation: series; values and bounds of their rounding. at, blur: what a tape reads, and bounds of that;
+/* By operation: series; values and bounds of their rounding, and room for as many more. at, blur: what a tape reads, and bounds of that;
  * between: what it reads between two instants.
  */
 typedef struct {
-    Real (*series)[TAPE_ORDERS], *values, *bounds;
+    TapeSeries *series;
+    Real *values, *bounds;
     TapeInputs at, blur, between;
     Real least; /* time [s] nearer than which a zero of the base of a power is one here */
     int ops;
@@ -112,7 +121,10 @@ typedef struct {
 /* Begin series at the time t. */
 void tape_start(TapeRoom *room, Real t);
 
-/* Coefficients of order n along a tape; row: of that order in the table of Taylor series, inverse: 1 / n. */
+/* Values along a tape, which are order 0; row: of that order in the table of Taylor series. */
+void tape_begin(const Tape *tape, const TapeRoom *room, const Real *row);
+
+/* Coefficients of order n along a tape; inverse: 1 / n. */
 void tape_advance(const Tape *tape, const TapeRoom *room, const Real *row, int n, Real inverse);
 
 /* Values along a tape, each with a bound of its rounding. */

@@ -207,6 +207,7 @@ INLINE void expand_at(Run *r, const State *state)
     int c;
     r->closed = 0;
     r->t0 = state->t;
+    f->checked_at = 0.0;
     f->turns = state->turns;
     if (r->has_base)
         taylor_expand_base(r, state->t);
@@ -329,8 +330,8 @@ Real taylor_advance(Run *r, Real limit, int *event)
 
 enum { SMALL_PAIRS = 3, MOST_PAIRS = 4, MOST_TIMES = 2 }; /* SMALL_PAIRS: of columns of a small scene */
 
-/* Columns of the table at `times` times tau, `horner` row by row: `count` pairs of columns, one time after the other. */
-INLINE void dense_block(const Real *table, int rows, const int count, int stride, const int times, const Real *tau, Real *out)
+/* Columns of the table at `times` times tau, `horner` row by row: `count` pairs of columns; one time is `apart` from the other. */
+INLINE void dense_block(const Real *table, int rows, const int count, int stride, const int times, const Real *tau, Real *out, int apart)
 {
     const Real *row = table + (rows - 1) * stride;
     Pair high[MOST_PAIRS][MOST_TIMES], low[MOST_PAIRS][MOST_TIMES], time[MOST_TIMES], square[MOST_TIMES];
@@ -357,22 +358,32 @@ INLINE void dense_block(const Real *table, int rows, const int count, int stride
         for (i = 0; i < times; i++) {
             if (rows % 2 != 0)
                 high[k][i] = add_product(load_pair(table + 2 * k), high[k][i], square[i]);
-            store_pair(out + 2 * (i * count + k),
+            store_pair(out + i * apart + 2 * k,
                        rows % 2 == 0 ? add_product(low[k][i], time[i], high[k][i]) : add_product(high[k][i], time[i], low[k][i]));
         }
 }
 
-void taylor_values(const Taylor *f, Real tau, Real *out)
+INLINE void dense_rows(const Taylor *f, const int times, const Real *tau, Real *out)
 {
     int rows = f->order + 2, pairs = f->stride / 2, k;
     if (pairs == SMALL_PAIRS) {
-        dense_block(f->table, rows, SMALL_PAIRS, 2 * SMALL_PAIRS, 1, &tau, out);
+        dense_block(f->table, rows, SMALL_PAIRS, 2 * SMALL_PAIRS, times, tau, out, 2 * SMALL_PAIRS);
         return;
     }
     for (k = 0; k + MOST_PAIRS <= pairs; k += MOST_PAIRS, out += 2 * MOST_PAIRS)
-        dense_block(f->table + 2 * k, rows, MOST_PAIRS, f->stride, 1, &tau, out);
+        dense_block(f->table + 2 * k, rows, MOST_PAIRS, f->stride, times, tau, out, f->stride);
     for (; k < pairs; k++, out += 2)
-        dense_block(f->table + 2 * k, rows, 1, f->stride, 1, &tau, out);
+        dense_block(f->table + 2 * k, rows, 1, f->stride, times, tau, out, f->stride);
+}
+
+void taylor_values(const Taylor *f, Real tau, Real *out)
+{
+    dense_rows(f, 1, &tau, out);
+}
+
+void taylor_values_twice(const Taylor *f, const Real *tau, Real *out)
+{
+    dense_rows(f, 2, tau, out);
 }
 
 /* Rate of the speed of the rotor. */
@@ -413,7 +424,7 @@ void taylor_samples(Run *r, const Real *tau, int count, Real *row, long room)
     Real two[MOST_TIMES * 2 * SMALL_PAIRS];
     int i = 0;
     for (; f->stride == 2 * SMALL_PAIRS && i + 2 <= count; i += 2) {
-        dense_block(f->table, f->order + 2, SMALL_PAIRS, 2 * SMALL_PAIRS, 2, tau + i, two);
+        taylor_values_twice(f, tau + i, two);
         write_values(r, two, row + i, room);
         write_values(r, two + 2 * SMALL_PAIRS, row + i + 1, room);
     }
@@ -428,7 +439,10 @@ void taylor_state_after(Run *r, Real tau, State *out)
     Taylor *f = &r->taylor;
     Real turns, *values = f->values, *rates = values + f->rates;
     int c;
-    taylor_values(f, tau, values);
+    if (tau != 0 && tau == f->checked_at)
+        rates = (values = f->checked) + f->rates;
+    else
+        taylor_values(f, tau, values);
     out->t = r->t0 + tau;
     for (c = 0; c < r->bodies; c++) {
         out->x[c] = values[c];

@@ -8,6 +8,7 @@
 #include "inlining.h"
 #include "numbers.h"
 #include "pair.h"
+#include "tape_series.h"
 
 #include "wide.h"
 #define SHAPE WIDE APART void /* one function each: inlined into one they lose a quarter */
@@ -243,19 +244,25 @@ static Real fall(const Run *r, int k, const Real *row, int n)
     return one->on_P * f[n];
 }
 
-/* Order n of the forces on the groups, by leading column. */
-INLINE void balance(const Run *r, const Real *row, int n)
+/* Add a force on a group; alone: there is but one body, number 0, and no force on anything else counts. */
+INLINE void act(Real *F, const int alone, int leader, Real force)
+{
+    if (!alone)
+        F[leader] = F[leader] + force;
+    else if (leader == 0)
+        F[0] = F[0] + force;
+}
+
+/* Add order n of the forces on the groups, by leading column. */
+INLINE void add_forces(const Run *r, Real *F, const int alone, const Real *row, int n)
 {
     const Taylor *f = &r->taylor;
     const Mode *m = r->mode;
-    Real *F = r->force;
     const int rates = f->rates;
     int i;
-    for (i = 0; i < r->columns; i++)
-        F[i] = 0.0;
     for (i = 0; i < f->loaded_count; i++) {
         int column = f->loaded[i];
-        F[m->leader[column]] += f->load[column * SERIES + n];
+        act(F, alone, m->leader[column], f->load[column * SERIES + n]);
     }
     for (i = 0; i < m->coupling_count; i++) {
         const Coupling *q = &m->couplings[i];
@@ -263,16 +270,25 @@ INLINE void balance(const Run *r, const Real *row, int n)
         Real force = q->k * (*a - *b) + q->c * (a[rates] - b[rates]);
         if (n == 0)
             force = force + q->offset;
-        F[q->to_P] -= force;
-        F[q->to_Q] += force;
+        act(F, alone, q->to_P, -force);
+        act(F, alone, q->to_Q, force);
     }
     for (i = 0; n == 0 && i < m->constant_count; i++)
-        F[m->leader[m->constant_columns[i]]] += m->constants[i];
+        act(F, alone, m->leader[m->constant_columns[i]], m->constants[i]);
     for (i = 0; i < m->fall_count; i++) {
         Real force = fall(r, i, row, n);
-        F[m->falls[i].to_P] += force;
-        F[m->falls[i].to_Q] -= force;
+        act(F, alone, m->falls[i].to_P, force);
+        act(F, alone, m->falls[i].to_Q, -force);
     }
+}
+
+/* Order n of the forces on the groups. */
+INLINE void balance(const Run *r, const Real *row, int n)
+{
+    int i;
+    for (i = 0; i < r->columns; i++)
+        r->force[i] = 0.0;
+    add_forces(r, r->force, 0, row, n);
 }
 
 INLINE void expand_any(Run *r, const State *state, const int motor)
@@ -321,36 +337,40 @@ INLINE void expand_any(Run *r, const State *state, const int motor)
 }
 
 /* Add order n of the forces by formulas to those on the groups. */
-static void apply_formulas(const Run *r, const Real *row, int n)
+INLINE void apply_formulas(const Run *r, Real *F, const int alone, const Real *row, int n)
 {
     const Taylor *f = &r->taylor;
     const Mode *m = r->mode;
-    Real *F = r->force;
+    Real last = 0.0;
     int i;
-    tape_advance(&m->tape, &f->tapes, row, n, f->inverse[n]);
+    if (n == 0)
+        tape_begin(&m->tape, &f->tapes, row);
+    else
+        last = advance_along(&m->tape, &f->tapes, row, n, f->inverse[n]);
     for (i = 0; i < m->formula_count; i++) {
         const FormulaForce *one = &m->formulas[i];
-        Real force = one->sign * f->tapes.series[m->tape.outputs[one->output]][n];
-        F[one->to_P] = F[one->to_P] + force;
+        Real force = one->sign * (n > 0 && one->newest ? last : f->tapes.series[one->place][n]);
+        act(F, alone, one->to_P, force);
         if (one->to_Q >= 0)
-            F[one->to_Q] = F[one->to_Q] - force;
+            act(F, alone, one->to_Q, -force);
     }
 }
 
-/* Any mode with formulas, or with rotors on bodies. */
-INLINE void expand_formulas(Run *r, const State *state, const int motor)
+/* Any mode with formulas, or with rotors on bodies; few: the number of bodies, where it is known at compile time, or 0. */
+INLINE void expand_formulas(Run *r, const State *state, const int few, const int motor)
 {
     Taylor *f = &r->taylor;
     const Mode *m = r->mode;
-    const int p = f->order, bodies = r->bodies, rates = f->rates, stride = f->stride, base = bodies + 2;
+    const int alone = few == 1, bodies = few ? few : r->bodies, columns = alone ? 1 : bodies + 2;
+    const int p = f->order, rates = f->rates, stride = f->stride, base = bodies + 2;
     const int on = motor ? m->leader[r->motor_on] : 0;
-    Real *row = f->table, *F = r->force, *acceleration = f->acceleration;
+    Real *row = f->table, one[1], *F = alone ? one : r->force, *acceleration = alone ? one : f->acceleration;
     Rotor o;
     int n, c;
     if (motor)
         o = rotor_of(r, state);
     tape_start(&f->tapes, r->t0);
-    if (r->rotors.count > 0)
+    if (!alone && r->rotors.count > 0)
         rotors_expand(r);
     for (n = 0; n <= p; n++, row += stride) {
         Real *next = row + stride, inverse = f->inverse[n + 1];
@@ -358,11 +378,13 @@ INLINE void expand_formulas(Run *r, const State *state, const int motor)
             next[c] = row[rates + c] * inverse;
         if (n == p)
             break;
-        balance(r, row, n);
-        apply_formulas(r, row, n);
-        for (c = 0; c < r->columns; c++)
+        for (c = 0; c < columns; c++)
+            F[c] = 0.0;
+        add_forces(r, F, alone, row, n);
+        apply_formulas(r, F, alone, row, n);
+        for (c = 0; c < columns; c++)
             acceleration[c] = F[c] * m->mobility[c];
-        if (r->rotors.count > 0)
+        if (!alone && r->rotors.count > 0)
             rotors_turn(r, n);
         next[rates + bodies] = 0.0;
         if (motor) {
@@ -382,13 +404,20 @@ INLINE void expand_formulas(Run *r, const State *state, const int motor)
 
 SHAPE any(Run *r, const State *s) { expand_any(r, s, 0); }
 SHAPE any_with_motor(Run *r, const State *s) { expand_any(r, s, 1); }
-SHAPE formulas(Run *r, const State *s) { expand_formulas(r, s, 0); }
-SHAPE formulas_with_motor(Run *r, const State *s) { expand_formulas(r, s, 1); }
+SHAPE formulas(Run *r, const State *s) { expand_formulas(r, s, 0, 0); }
+SHAPE formulas_with_motor(Run *r, const State *s) { expand_formulas(r, s, 0, 1); }
+SHAPE formulas_on_one(Run *r, const State *s) { expand_formulas(r, s, 1, 0); }
+SHAPE formulas_on_two(Run *r, const State *s) { expand_formulas(r, s, 2, 0); }
 
 void taylor_expand(Run *r, const State *state)
 {
     static void (*const shapes[])(Run *, const State *) = {
         any, any_with_motor, two_free, two_free_with_motor, two_held, two_held_with_motor, one, one_with_motor, formulas, formulas_with_motor,
     };
-    shapes[2 * r->mode->shape + r->has_motor](r, state);
+    if (r->mode->shape == FORMULAS && r->bodies == 1 && !r->has_motor && r->rotors.count == 0)
+        formulas_on_one(r, state);
+    else if (r->mode->shape == FORMULAS && r->bodies == 2 && !r->has_motor)
+        formulas_on_two(r, state);
+    else
+        shapes[2 * r->mode->shape + r->has_motor](r, state);
 }
