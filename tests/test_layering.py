@@ -235,4 +235,4 @@ def test_rooms_are_few_and_modules_are_subjects():
     rooms = {path.relative_to(PACKAGE).parts[0] for path in outside if path.parent != PACKAGE}
     assert len(rooms) <= 10 and max(depths) <= 3 and len(outside) <= 200
     short = [path for path in MODULES if len(path.read_text(encoding="utf-8").splitlines()) < 80]
-    assert len(short) < 0.2 * len(MODULES)
+    assert len(short) < 0.15 * len(MODULES)

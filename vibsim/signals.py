@@ -147,24 +147,6 @@ def _set_alarm(seconds: float) -> None:
         signal.setitimer(signal.ITIMER_REAL, seconds, SIGNAL_AGAIN if seconds else 0.0)
 
 
-class Interrupted(Exception):
-    """The command was interrupted and no message of it is printed yet; its text names what was not done."""
-
-    def __init__(self, text: str, by_sigterm: bool):
-        super().__init__(f"interrupted: {text}" if text else "interrupted")
-        self.by_sigterm = by_sigterm
-
-
-@contextmanager
-def interruption_named() -> Iterator[None]:
-    """Say Interrupted for a KeyboardInterrupt, which click would take for its own."""
-    try:
-        yield
-    except KeyboardInterrupt as error:
-        forget_alarm()
-        raise Interrupted(str(error), isinstance(error, Terminated)) from error
-
-
 def heard_from_now_on() -> None:
     """SIGINT and SIGTERM raise KeyboardInterrupt, unless the caller has them ignored."""
     _handle({signal.SIGINT: _interrupt, signal.SIGTERM: _interrupt})

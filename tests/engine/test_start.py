@@ -35,7 +35,7 @@ def test_a_stop_whose_damper_would_pull_moves_nothing(engine):
     stop = Stop("s", BASE, 0, -0.002, 1, 1000.0, 100.0, "force")
     base = (Harmonic(0.005, 9.0, 9.0 / 6.283185307179586, 0.0, 0.0),)
     run = open_trajectory(two_bodies(stop, base=base, t_end=0.03), engine, ledger=True)
-    samples = [block.samples for block in run.blocks()][-1]
+    samples = [block.samples for block in run.blocks() if len(block.samples["time"])][-1]
     assert samples["s"][0] == 2 and not samples["rub"].any()
     assert not samples["x_a"].any() and not samples["x_b"].any()
     assert run.totals["loss_friction"] == 0.0
@@ -49,7 +49,7 @@ def test_a_damper_that_is_touched_at_the_start_sets_the_sense_of_slip(engine):
     stop = Stop("s", GROUND, 0, 0.0, 1, 10.0, 20.0)
     push = (Force("push", 0, 1.6, ()),)
     run = open_trajectory(two_bodies(stop, forces=push, v=0.15, t_end=0.001), engine, ledger=True)
-    samples = [block.samples for block in run.blocks()][-1]
+    samples = [block.samples for block in run.blocks() if len(block.samples["time"])][-1]
     assert samples["s"][0] == 1 and samples["rub"][0] == 1
     # 1.6 - 20 * 0.15 + 0.5 = -0.9 m/s^2; the stop's force changes by 2 % within a millisecond
     assert samples["v_a"][-1] - 0.15 == pytest.approx(-0.9e-3, rel=0.03)

@@ -15,13 +15,26 @@ from vibsim import __version__, signals
 from vibsim.command_line.options import add_global_options, examples, global_options, refuse_repeated
 from vibsim.command_line.terminal import in_shell, open_closed_streams, print_json, problem_in_shell, say
 from vibsim.lazy import named
-from vibsim.signals import (
-    Interrupted,
-    ended_by_signals,
-    forget_alarm,
-    heard_from_now_on,
-    interruption_named,
-)
+from vibsim.signals import Terminated, ended_by_signals, forget_alarm, heard_from_now_on
+
+
+class Interrupted(Exception):
+    """The command was interrupted and no message of it is printed yet; its text names what was not done."""
+
+    def __init__(self, text: str, by_sigterm: bool):
+        super().__init__(f"interrupted: {text}" if text else "interrupted")
+        self.by_sigterm = by_sigterm
+
+
+@contextmanager
+def interruption_named() -> Iterator[None]:
+    """Say Interrupted for a KeyboardInterrupt, which click would take for its own."""
+    try:
+        yield
+    except KeyboardInterrupt as error:
+        forget_alarm()
+        raise Interrupted(str(error), isinstance(error, Terminated)) from error
+
 
 # From exceptions to messages and exit codes.
 

@@ -171,7 +171,7 @@ def digits_text(attrs: dict[str, Any]) -> str:
 
 
 def motion_text(attrs: dict[str, Any]) -> str:
-    """How often what happened; blows passed on, ends of infinite sequences of impacts and rests, if any."""
+    """How often what happened; impacts passed on, ends of infinite sequences of impacts and rests, if any."""
     texts = [counted(attrs["impacts"], "impact")]
     if attrs.get("transmitted"):
         texts.append(f"{attrs['transmitted']} transmitted")

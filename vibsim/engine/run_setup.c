@@ -84,23 +84,33 @@ PyObject *run_renew_mode(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
-/* Ledgers and section have to be told of before the start. */
-PyObject *run_keep_ledger(RunObject *self, PyObject *args)
+/* Have `read` keep packed numbers before the start; an error says that it is too late for them, or that they are no such
+   numbers, and `undo` drops what was read of those. */
+static PyObject *keep_before_start(RunObject *self, PyObject *args, int late, int (*read)(Run *, Reader *), void (*undo)(Run *),
+                                   const char *article, const char *what)
 {
     Py_buffer v[2];
     Reader in;
     int kept = 0;
     if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
         return NULL;
-    if (self->started || self->run.ledger.entries)
-        PyErr_SetString(PyExc_ValueError, "too late for a ledger");
-    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = ledger_read(&self->run, &in)))
-        PyErr_SetString(PyExc_ValueError, "the packed numbers are no ledger");
+    if (late)
+        PyErr_Format(PyExc_ValueError, "too late for %s%s", article, what);
+    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = read(&self->run, &in))) {
+        if (undo)
+            undo(&self->run);
+        PyErr_Format(PyExc_ValueError, "the packed numbers are no %s", what);
+    }
     PyBuffer_Release(&v[0]);
     PyBuffer_Release(&v[1]);
     if (!kept)
         return NULL;
     Py_RETURN_NONE;
+}
+
+PyObject *run_keep_ledger(RunObject *self, PyObject *args)
+{
+    return keep_before_start(self, args, self->started || self->run.ledger.entries, ledger_read, NULL, "a ", "ledger");
 }
 
 PyObject *run_set_integrals(RunObject *self, PyObject *args)
@@ -147,63 +157,28 @@ PyObject *run_set_slopes(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
-/* Small disturbances to carry along; before the start. */
+static void drop_tangent(Run *r)
+{
+    tangent_free(r->tangent);
+    r->tangent = NULL;
+}
+
+/* Small disturbances to carry along. */
 PyObject *run_keep_tangent(RunObject *self, PyObject *args)
 {
-    Py_buffer v[2];
-    Reader in;
-    int kept = 0;
-    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
-        return NULL;
-    if (self->started || self->run.tangent)
-        PyErr_SetString(PyExc_ValueError, "too late for disturbances");
-    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = tangent_read(&self->run, &in))) {
-        tangent_free(self->run.tangent);
-        self->run.tangent = NULL;
-        PyErr_SetString(PyExc_ValueError, "the packed numbers are no disturbances");
-    }
-    PyBuffer_Release(&v[0]);
-    PyBuffer_Release(&v[1]);
-    if (!kept)
-        return NULL;
-    Py_RETURN_NONE;
+    return keep_before_start(self, args, self->started || self->run.tangent, tangent_read, drop_tangent, "", "disturbances");
 }
 
 PyObject *run_keep_extremes(RunObject *self, PyObject *args)
 {
-    Py_buffer v[2];
-    Reader in;
-    int kept = 0;
-    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
-        return NULL;
-    if (self->started || self->view_count || self->run.extremes.numbers)
-        PyErr_SetString(PyExc_ValueError, "too late for extremes");
-    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = extremes_read(&self->run, &in)))
-        PyErr_SetString(PyExc_ValueError, "the packed numbers are no extremes");
-    PyBuffer_Release(&v[0]);
-    PyBuffer_Release(&v[1]);
-    if (!kept)
-        return NULL;
-    Py_RETURN_NONE;
+    int late = self->started || self->view_count || self->run.extremes.numbers;
+    return keep_before_start(self, args, late, extremes_read, NULL, "", "extremes");
 }
 
-/* Rigid stops whose impacts C may take, in place of those told before; before the start. */
+/* Rigid stops whose impacts C may take, in place of those kept before. */
 PyObject *run_keep_impacts(RunObject *self, PyObject *args)
 {
-    Py_buffer v[2];
-    Reader in;
-    int kept = 0;
-    if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
-        return NULL;
-    if (self->started)
-        PyErr_SetString(PyExc_ValueError, "too late for rigid stops");
-    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = impacts_read(&self->run, &in)))
-        PyErr_SetString(PyExc_ValueError, "the packed numbers are no rigid stops");
-    PyBuffer_Release(&v[0]);
-    PyBuffer_Release(&v[1]);
-    if (!kept)
-        return NULL;
-    Py_RETURN_NONE;
+    return keep_before_start(self, args, self->started, impacts_read, NULL, "", "rigid stops");
 }
 
 PyObject *run_keep_section(RunObject *self, PyObject *args)

@@ -31,7 +31,7 @@ OVERLAP = 0.75  # of a piece with the next
 SHOWN = 6.0  # highest frequency shown, in multiples of the fastest of source and free vibration
 PERIODS = 8.0  # of the slowest vibration in a piece
 FAINT, BEYOND = 1e-2, 1.5  # of the largest amplitude, and how far beyond the last greater one: where nothing
-# has a frequency, the spectrum of blows falls off for ever
+# has a frequency, the spectrum of impacts falls off for ever
 FLOOR = 1e-6  # of the largest amplitude: what lies below is not shown
 
 

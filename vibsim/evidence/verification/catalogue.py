@@ -185,7 +185,7 @@ def checkpoints(engine: str) -> Iterator[CheckRow]:
 
 SPOOL = "hard/spool-between-stops"
 METHODS = ("auto", "taylor")
-SLOW = 1e-9  # a reversal without blow is met with rounding for a speed, one by a blow with 1e-4 m/s or more
+SLOW = 1e-9  # [m/s]; a reversal is met with rounding for a speed, one by an impact with 1e-4 or more
 PERIOD, PERIODS = Decimal("0.004"), 10  # [s]; the first of them starts otherwise
 M, K, F0, A, N = 0.3361185937456267e-3, 1488.578099595049, 0.6064131049344343, 2.033654850633301, 1.0
 OMEGA = 500 * pi

@@ -197,7 +197,7 @@ def _about(return_map: ReturnMap, X: np.ndarray, T: float, stop: int, touch: flo
 
 def touches(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> list[float]:
     """When an orbit is near to graze a stop [s], the nearest first: turns of the gap by what is left of it,
-    blows by how deep the motion would go if the stop were not there. Raises ContinuationError without any.
+    impacts by how deep the motion would go if the stop were not there. Raises ContinuationError without any.
     """
     scene = placed(return_map.scene, return_map.coordinates.state(X), T)
     step = Fraction(T / TOUCHING_SAMPLES).limit_denominator(10**9)
@@ -207,15 +207,15 @@ def touches(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> list[f
     states = np.concatenate([return_map.coordinates.gathered(block) for block in blocks]).T
     start = return_map.coordinates.lifted(X)
     carried = return_map.carrier.carry(start, T, [])
-    blows = [i for i, event in enumerate(carried.events) if event == ("impact", stop)]
+    impacts = [i for i, event in enumerate(carried.events) if event == ("impact", stop)]
     gap, rate, _ = gap_of(scene, stop, times, states)
     turns = np.flatnonzero((rate[:-1] < 0) & (rate[1:] >= 0))
-    struck = np.searchsorted(times, carried.times[blows]) - 1
+    struck = np.searchsorted(times, carried.times[impacts]) - 1
     near = []
     for at in np.setdiff1d(turns, struck):
         share = rate[at] / (rate[at] - rate[at + 1])
         near.append((abs(float(gap[at])), float(times[at] + share * (times[at + 1] - times[at]))))
-    for i in blows:
+    for i in impacts:
         t = float(carried.times[i])
         there = return_map.carrier.carry(start, t, [])
         _, rate, bend = gap_of(scene, stop, t, carried.states[i], there.rate)

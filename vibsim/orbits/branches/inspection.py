@@ -195,8 +195,8 @@ def _told_within(one: Node, other: Node) -> float:
 
 
 def _graze_between(family: Family, one: Node, other: Node) -> Special | None:
-    """The graze of a rigid stop between two nodes whose words differ by its blow, and the slip that it brings
-    about; None where there is none.
+    """The graze of a rigid stop between two nodes whose words differ by its impact, and the slip that it
+    brings about; None where there is none.
 
     A multiplier is infinite there on one side, so that no bracket of orbits closes in on it.
     """

@@ -91,9 +91,9 @@ def shrinking(node: Node) -> Iterator[tuple[str, float]]:
         yield "time", min(apart)
     if isfinite(end.margin):
         yield "margin", end.margin
-    blows = [(part, t, state) for (kind, part), t, state in told if kind == "impact"]
-    if blows:
-        yield "speed", min(abs(gap_of(scene, *blow)[1]) for blow in blows)
+    impacts = [(part, t, state) for (kind, part), t, state in told if kind == "impact"]
+    if impacts:
+        yield "speed", min(abs(gap_of(scene, *impact)[1]) for impact in impacts)
 
 
 class OrderSearch:
