@@ -213,7 +213,7 @@ Zeros formula_zeros(Run *r, Real t, Real end)
 }
 
 /* Means over all that moves are sound: whether a derivative has an integral; sums: by operation its size, that of its ends. */
-static int have_integrals(const Run *r, Real (*sums)[TAPE_ORDERS])
+static int have_integrals(const Run *r, const TapeSeries *sums)
 {
     const Mode *m = r->mode;
     const FormulaSlopes *slopes = &m->formula_slopes;
