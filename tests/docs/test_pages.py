@@ -113,7 +113,7 @@ def test_make_run_and_make_test_are_shown_and_exist():
 
 
 def test_readme_is_a_newcomers_page():
-    """Two screens, two pictures: a run, and why the motor jumps."""
+    """Two screens, two pictures: a machine, and its bifurcation diagram."""
     text = README.read_text(encoding="utf-8")
-    assert len(text.splitlines()) <= 120
+    assert len(text.splitlines()) <= 92
     assert len(re.findall(r"!\[", text)) == 2
