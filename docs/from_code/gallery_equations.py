@@ -217,7 +217,8 @@ def thrust(name: str) -> str:
     index = f"_{{{label(name)}}}" if name else ""
     mass = f"m{index}" if name else "m_3"
     phi = rf"\varphi{index}"
-    return rf"+ {mass} e{index} (\ddot{{\varphi}}{index} \sin{{{phi}}} + {{\dot{{\varphi}}{index}}}^2 \cos{{{phi}}})"
+    rates = rf"\ddot{{\varphi}}{index}", rf"{{\dot{{\varphi}}{index}}}^2"
+    return rf"+ {mass} e{index} ({rates[0]} \sin{{{phi}}} + {rates[1]} \cos{{{phi}}})"
 
 
 def harmonic(amplitude: str, part: dict[str, Any]) -> str:
