@@ -261,7 +261,7 @@ def stiffness_picture(subjects: Sequence[Subject], view: View) -> Figure:
 
 
 def motions_of(subjects: Sequence[Subject]) -> list[str]:
-    """What the relative displacements of the subjects are called, each once."""
+    """Labels of the relative displacements of the subjects, each once."""
     every = [(subject.scene, pair) for subject in subjects for pair in joined_pairs(subject.scene)]
     return list(dict.fromkeys(difference(scene, pair, "x") for scene, pair in every))
 
