@@ -476,10 +476,12 @@ def _plane(axes: Axes, branch: Any) -> None:
     angle = np.linspace(0, 2 * np.pi, 361)
     axes.plot(np.cos(angle), np.sin(angle), color=GREY, linewidth=0.5, zorder=1)
     within = "inside or on it" if branch.key == ENERGY else "inside"
-    for outside, colour, label in ((False, BLUE, within), (True, VERMILLION, "outside")):
+    kinds = ((False, BLUE, "o", 1.2, within), (True, VERMILLION, "x", 2.4, "outside"))  # told apart in grey
+    for outside, colour, marker, size, label in kinds:
         shown = multipliers[(np.abs(multipliers) > 1) == outside]
         if shown.size:
-            axes.plot(shown.real, shown.imag, ".", color=colour, markersize=2, label=label, zorder=2)
+            look = {"color": colour, "markersize": size, "markeredgewidth": 0.5}
+            axes.plot(shown.real, shown.imag, marker, **look, label=label, zorder=2)
     reach = min(max(1.15, float(np.abs(multipliers).max(initial=0)) * 1.05), 3.0)
     axes.set_xlim(-reach, reach)
     axes.set_ylim(-reach, reach)
