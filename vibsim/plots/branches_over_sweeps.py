@@ -480,7 +480,7 @@ def _plane(axes: Axes, branch: Any) -> None:
     for outside, colour, marker, size, label in kinds:
         shown = multipliers[(np.abs(multipliers) > 1) == outside]
         if shown.size:
-            look = {"color": colour, "markersize": size, "markeredgewidth": 0.5}
+            look: dict[str, Any] = {"color": colour, "markersize": size, "markeredgewidth": 0.5}
             axes.plot(shown.real, shown.imag, marker, **look, label=label, zorder=2)
     reach = min(max(1.15, float(np.abs(multipliers).max(initial=0)) * 1.05), 3.0)
     axes.set_xlim(-reach, reach)
