@@ -190,7 +190,7 @@ def _draw_averaged(axes: Axes, scene: Any, scale: Scale) -> list[Line2D]:
     load = scale(averaged_load(scene, TURN * speeds))
     if np.isnan(load).all():
         return []
-    look = {"color": GREEN, "linewidth": 1.1, "linestyle": (0, (1, 1.6))}
+    look: dict[str, Any] = {"color": GREEN, "linewidth": 1.1, "linestyle": (0, (1, 1.6))}
     axes.plot(speeds, load, scalex=False, scaley=False, zorder=5, gid="averaged", **look)
     return [Line2D([], [], label="averaged (Kononenko)", **look)]
 
