@@ -10,6 +10,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from from_code import write_pages
 from from_code.docstrings import setup_docstrings
+from from_code.layout import setup_layout
 from from_code.mathml import setup_mathml
 from from_code.page_runs import setup_page_runs
 from vibsim import __version__
@@ -35,6 +36,7 @@ html_theme = "furo"
 html_title = f"vibsim {release}"
 html_theme_options = {"sidebar_hide_name": False}
 html_copy_source = False
+html_static_path = ["_static"]
 
 
 def setup(app):
@@ -43,3 +45,4 @@ def setup(app):
     setup_mathml(app)
     setup_docstrings(app)
     setup_page_runs(app)
+    setup_layout(app)

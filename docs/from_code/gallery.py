@@ -106,7 +106,7 @@ def _page(case: Case, measured: list[tuple[Number, float]]) -> str:
             fence(command, "sh"),
             f"![Overview of a run of {case.name}: the machine, and its motion]({case.name}.png)",
             "",
-            "## Beside it",
+            "## A sweep" if study.sweep else "## Another picture",
             "",
             fence(second, "sh"),
             f"{study.shows}.",

@@ -8,13 +8,40 @@ import yaml
 
 GREEK = ("alpha", "beta", "gamma", "theta", "omega", "phi", "mu", "zeta")
 SPELLED = {"Omega0": r"\Omega_0", "be": r"\beta", "ga": r"\gamma"}
+BREAK = r";\qquad "  # between formulas of one law, which narrow pages cannot hold beside each other
+LONGEST_ROW = 100  # signs in print, those of indices too
 STATE = re.compile(r"^([xv])_(\w+)$")
 
 
 def equations(text: str) -> str:
     """Displayed formulas: one for each body, state and rotor, then what each stop and friction does."""
     scene = Scene(yaml.load(text, Loader=yaml.BaseLoader))  # every value is a text; `on` is no boolean
-    return "\n\n".join(f"$$\n{line}\n$$" for line in scene.lines())
+    rows = [row for line in scene.lines() for law in line.split(BREAK) for row in folded(law)]
+    return "\n\n".join(f"$$\n{row}\n$$" for row in rows)
+
+
+def folded(formula: str) -> list[str]:
+    """A sum as rows of at most some 100 signs, broken before terms; a law with its condition is one row."""
+    if r"\quad" in formula:
+        return [formula]
+    terms = [""]
+    depth = 0
+    for piece in re.split(r"( [+-] |[{}()])", formula):
+        depth += {"{": 1, "(": 1, "}": -1, ")": -1}.get(piece, 0)
+        if piece in (" + ", " - ") and depth == 0:
+            terms.append("")
+        terms[-1] += piece
+    rows = [""]
+    for term in terms:
+        if rows[-1] and printed_length(rows[-1] + term) > LONGEST_ROW:
+            rows.append(r"\qquad")
+        rows[-1] += term
+    return rows
+
+
+def printed_length(formula: str) -> int:
+    """How many signs a formula has in print, commands as one."""
+    return len(re.sub(r"\\[a-z]+|[{}\\_^ ]", "x", formula.replace(r"\text", "")).replace("xx", "x"))
 
 
 class Scene:
@@ -128,13 +155,13 @@ class Scene:
         """The turning of a rotor: inertia, the body under it, and its torque."""
         index = f"_{{{label(name)}}}" if name else ""
         mass = "m_3" if not name else f"m{index}"
-        phi = rf"\varphi{index}"
-        inertia = rf"(J{index} + {mass} e{index}^2)\,\ddot{{{phi}}}"
+        phi, rate = rf"\varphi{index}", rf"\dot{{\varphi}}{index}"
+        inertia = rf"(J{index} + {mass} e{index}^2)\,\ddot{{\varphi}}{index}"
         coupling = rf"{mass} e{index}\,{self.x(body, chr(92) + 'ddot')} \sin{{{phi}}}"
         if "torque" in rotor:
-            torque = self.formula(rotor["torque"], {"phi": phi, "w": rf"\dot{{{phi}}}"})
+            torque = self.formula(rotor["torque"], {"phi": phi, "w": rate})
         elif "M0" in rotor:
-            torque = rf"M_{{0{label(name)}}} (1 - \dot{{{phi}}}/\Omega_{{0{label(name)}}})"
+            torque = rf"M_{{0{label(name)}}} (1 - {rate}/\Omega_{{0{label(name)}}})"
         else:
             torque = "0"
         return rf"{inertia} = {coupling}" + (f" {plus(torque)}" if torque != "0" else "")
@@ -150,7 +177,7 @@ class Scene:
         )
         if stop.get("law") == "rigid":
             impact = rf"\dot p^+ = -e_{{{index}}}\,\dot p^- \quad\text{{at }} p = {depth} = 0"
-            return rf"{impact}; \qquad F_{{{index}}} = 0 \quad\text{{while }} p < 0"
+            return rf"{impact}{BREAK}F_{{{index}}} = 0 \quad\text{{while }} p < 0"
         if "force" in stop:
             force = self.formula(stop["force"], {"p": "p", "pv": r"\dot p"})
         else:
@@ -169,7 +196,7 @@ class Scene:
         falling = r"(v)" if "mu_s" in friction else ""
         limit = rf"\mu_{{{index}}}{falling}\,{load}"
         return (
-            rf"R_{{{index}}} = -{limit}\,\operatorname{{sgn}} v,\quad v = {slip} \ne 0;\qquad "
+            rf"R_{{{index}}} = -{limit}\,\operatorname{{sgn}} v,\quad v = {slip} \ne 0{BREAK}"
             rf"|R_{{{index}}}| \le {limit.replace('(v)', '(0)')}\quad\text{{while }} v = 0"
         )
 
@@ -190,7 +217,8 @@ def thrust(name: str) -> str:
     index = f"_{{{label(name)}}}" if name else ""
     mass = f"m{index}" if name else "m_3"
     phi = rf"\varphi{index}"
-    return rf"+ {mass} e{index} (\ddot{{{phi}}} \sin{{{phi}}} + \dot{{{phi}}}^2 \cos{{{phi}}})"
+    rates = rf"\ddot{{\varphi}}{index}", rf"{{\dot{{\varphi}}{index}}}^2"
+    return rf"+ {mass} e{index} ({rates[0]} \sin{{{phi}}} + {rates[1]} \cos{{{phi}}})"
 
 
 def harmonic(amplitude: str, part: dict[str, Any]) -> str:

@@ -11,6 +11,10 @@ NAME = r"<m[io]>(?:sin|cos|exp|log|max|det)</m[io]>"
 POWER = re.compile(r"(?<=[\w)])\^(-?\d+(?:\.\d+)?|[a-z]\b|\([^()]{1,9}\))")
 AS_IT_STANDS = (nodes.literal, nodes.literal_block, nodes.math, nodes.math_block, nodes.raw, nodes.title)
 THIN = '<mspace width="0.17em"/>'
+SIGN = re.compile(
+    r"(<m[io]>(?:&#x000(?:28|3C|3D|3E);|&#x0226[45];|[=(,;])</m[io]>)<mo>(?=&#x0(?:2212|002B);)"
+)
+DOT = re.compile(r"<mover>((?:(?!<mover>).)*?<mo>&#x00(?:0A8|2D9);</mo></mover>)")
 BETWEEN = (
     re.compile(f"(</m(?:i|n|sub|sup|row|frac|over|sqrt)>)({NAME})"),  # A sin
     re.compile(f"({NAME})(<m(?:i|n|sub|sup|row|frac|over|sqrt)>)"),  # sin x, but sin(x)
@@ -45,8 +49,12 @@ def with_powers(text: str) -> list[nodes.Node]:
 
 
 def mathml(latex: str, **how: str) -> str:
-    """A formula of LaTeX; names of functions stand apart from what they are not bracketed with."""
-    text = convert(latex, **how)
+    """A formula of LaTeX; names of functions stand apart from what they are not bracketed with.
+
+    Dots over letters are as large as letters, and a sign behind a relation stands at its number.
+    """
+    text = DOT.sub(r'<mover accent="true">\1', convert(latex, **how))
+    text = SIGN.sub(r'\1<mo form="prefix">', text)
     for pattern in BETWEEN:
         text = pattern.sub(rf"\1{THIN}\2", text)
     return text

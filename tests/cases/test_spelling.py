@@ -53,6 +53,27 @@ def test_units(typed, meant):
     assert nearest(typed, filter(None, UNITS)) == meant
 
 
+FOREIGN = """
+bodies: {tip: 1 kg}
+links: {beam: {between: [tip, base], stiffness: 1 N/m}}
+base: {amplitude: 1 mm, omega: 1 Hz}
+springs: {}
+run: {t_end: 1 s, dt: 1 ms}
+"""
+
+
+def test_words_of_other_programs_lead_to_the_keys():
+    with pytest.raises(CaseError) as raised:
+        load_case_text(FOREIGN)
+    for word, key in {
+        "links.beam.stiffness": "k",
+        "base.amplitude": "a",
+        "springs": "links",
+        "run.dt": "every",
+    }.items():
+        assert f"{word}: unknown key (did you mean {key}?)" in str(raised.value)
+
+
 @pytest.mark.parametrize(
     ("a", "b", "distance"),
     [("", "abc", 3), ("kitten", "sitting", 3), ("ab", "ba", 1), ("ca", "abc", 3), ("run", "run", 0)],

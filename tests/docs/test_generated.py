@@ -148,3 +148,38 @@ def test_powers_in_running_text_are_superscripts():
     raised = [str(piece.astext()) for piece in pieces if piece.tagname == "superscript"]
     assert raised == ["2", "1/2", "-9", "3"]
     assert "".join(piece.astext() for piece in pieces) == "m u2/(2 (R/M - g)), x1/2, 10-9 and x3; a^ b"
+
+
+def test_lines_of_code_wrap_below_their_values():
+    pytest.importorskip("docutils")
+    from from_code.layout import PRE, wrapping
+
+    block = "<pre><span>$</span> vibsim run x\n  trust horizon   right\n\n  &lt;long&gt;</pre>"
+    wrapped = PRE.sub(wrapping, block)
+    assert re.findall(r'class="line"( style="[^"]*")?>', wrapped) == ["", ' style="--hang:18ch"', "", ""]
+    assert re.sub(r"<[^>]+>", "", wrapped) == re.sub(r"<[^>]+>", "", block) + "\n"
+
+
+def test_cells_of_wide_tables_know_the_heads_of_their_columns():
+    pytest.importorskip("docutils")
+    from from_code.layout import TABLE, stackable
+
+    def table(heads):
+        head = "".join(f'<th class="head"><p>{each}</p></th>' for each in heads)
+        cells = "<td><p>1</p></td>" * len(heads)
+        return f'<table class="docutils"><thead><tr>{head}</tr></thead><tr>{cells}</tr></table>'
+
+    assert TABLE.sub(stackable, table("abc")) == table("abc")
+    stacked = TABLE.sub(stackable, table(["", "a &amp; b", "c", "d"]))
+    assert 'class="docutils cards"' in stacked
+    assert re.findall(r"<td([^>]*)>", stacked) == [
+        "",
+        *(f' data-head="{each}"' for each in ("a &amp; b", "c", "d")),
+    ]
+
+
+def test_pictures_have_on_screen_the_width_that_they_have_in_print():
+    pytest.importorskip("docutils")
+    from from_code.layout import printed_width
+
+    assert printed_width(DOCS / "impact-diagram.png") == pytest.approx(3.38, abs=0.01)

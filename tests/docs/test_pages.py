@@ -11,7 +11,8 @@ import pytest
 
 import vibsim
 from tests.command_line.made import call
-from tests.docs.pages import PAGES, README, ROOT, blocks, commands, files, name_of
+from tests.docs.pages import PAGES, README, ROOT, WRITTEN, blocks, commands, files, name_of
+from tests.docs.reading_ease import measure
 
 LABEL = re.compile(r"^  (\w+(?: \w+)?)\s")
 MOTION = {
@@ -113,7 +114,34 @@ def test_make_run_and_make_test_are_shown_and_exist():
 
 
 def test_readme_is_a_newcomers_page():
-    """Two screens, two pictures: a run, and why the motor jumps."""
+    """Two screens, two pictures: a machine, and its bifurcation diagram."""
     text = README.read_text(encoding="utf-8")
-    assert len(text.splitlines()) <= 120
+    assert len(text.splitlines()) <= 92
     assert len(re.findall(r"!\[", text)) == 2
+
+
+EASY = [
+    "README.md",
+    *(f"docs/{name}.md" for name in ("index", "start", "limits", "laws", "scenes", "orbits", "pictures")),
+]
+FIRST_READ = [path for path in PAGES if name_of(path) in EASY or path.parent.name == "tutorials"]
+
+
+@pytest.mark.parametrize("path", FIRST_READ, ids=name_of)
+def test_what_is_read_first_is_easy_to_read(path):
+    """Sentences of 20 words at most on average, and one in twenty of more than 30 words."""
+    number, words, share = measure(path)
+    assert number > 3 and words <= 20 and share <= 0.05
+
+
+@pytest.mark.parametrize("path", WRITTEN, ids=name_of)
+def test_long_pages_begin_with_a_summary_and_have_sections(path):
+    """Of more than 1,800 words: a summary of at most 80 words, and sections of at most 1,100."""
+    text = path.read_text(encoding="utf-8")
+    if len(text.split()) <= 1800:
+        return
+    first = text.split("\n\n")[1]
+    assert first.startswith("**In short.**") and len(first.split()) <= 80
+    sections = re.split(r"(?m)^###? ", text)[1:]
+    assert len(sections) >= 4
+    assert max(len(section.split()) for section in sections) <= 1100

@@ -61,6 +61,7 @@ def test_pieces_tell_when_what_vibrates(forced):
 def test_a_spectrogram_and_a_waterfall_are_drawn(forced):
     axes = frequency_pictures.spectrogram_picture([forced], View()).axes[0]
     (picture,) = [mesh for mesh in axes.collections if mesh.get_gid() == "spectrogram"]
+    assert axes.figure.axes[1].get_ylabel().startswith("Amplitude of $")  # a coordinate, not a stop
     covered = picture.get_coordinates()[..., 0]
     assert (covered.min(), covered.max()) == axes.get_xlim() == (0.0, 50.0)  # no white margins
     values = np.asarray(picture.get_array())

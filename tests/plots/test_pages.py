@@ -225,8 +225,8 @@ def test_a_point_tells_its_numbers_and_its_command(browser, folder):
     left, top, _, _ = browser.box("canvas")
     browser.mouse("Moved", left + dx + 2, top + dy + 2)
     assert shown(browser)["chosen"] == "5"
-    assert "omega0\t6 Hz" in readout(browser) and "c\t0.03 N s/m" in readout(browser)
-    told = float(re.search(r"mean_speed\s+(\S+)", readout(browser))[1])
+    assert "No-load speed\t6 Hz" in readout(browser) and "Damping\t0.03 N s/m" in readout(browser)
+    told = float(re.search(r"mean motor speed\s+(\S+)", readout(browser))[1])
     assert told == pytest.approx(result["mean_speed"].ravel()[5], rel=1e-6)
     browser.value("(() => {const s = document.querySelectorAll('select')[1]; s.value = 'section_speed'; "
                   "s.dispatchEvent(new Event('change'))})()")  # fmt: skip
@@ -249,7 +249,7 @@ def test_values_spaced_by_ratio_stand_evenly(browser, tmp_path):
     left, top, _, _ = browser.box("canvas")
     dy = browser.value("panels[0].py(columns[y[0].value].places[5])")
     browser.mouse("Moved", left + places[2] + 1, top + dy + 1)
-    assert shown(browser)["chosen"] == "5" and "k2\t100000 N/m" in readout(browser)
+    assert shown(browser)["chosen"] == "5" and "Stiffness of the stop\t100000 N/m" in readout(browser)
     assert browser.said == []
 
 

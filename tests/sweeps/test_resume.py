@@ -250,3 +250,16 @@ def test_the_journal_of_another_sweep_is_refused(tmp_path):
     journal_path(path).write_bytes(data)
     with pytest.raises(ResultFileError, match="points of another sweep are waiting"):
         SweepStore(short_plan({OMEGA0: "3, 5 Hz"}), path)
+
+
+def test_another_sweep_in_the_file_is_told_on_one_line(tmp_path):
+    """Messages are one line: what breaks lines in them is shown as its code."""
+    import vibsim
+
+    short = {"section": 3, "jobs": 1, "out": tmp_path / "sweep.h5", "overrides": {"run.t_end": "1 s"}}
+    vibsim.sweep("I-A", {"omega": "3,4 Hz"}, **short)
+    with pytest.raises(
+        ResultFileError, match=r"It differs in excitation\.omega: in the file 3, 4 Hz"
+    ) as raised:
+        vibsim.sweep("I-A", {"omega": "3,5 Hz"}, **short)
+    assert "\n" not in str(raised.value)

@@ -146,10 +146,29 @@ BY_FORMULAS = (
         "bodies turn where their unit is one of inertia, and rotors on bodies stand in rotors",
     ),
     KnownLimit(
+        ("acceleration",),
+        "the base moves by its displacement, with the amplitude a = a0/omega^2 of an acceleration a0",
+    ),
+    KnownLimit(("zeta",), "a damping ratio is the damping c = 2 zeta m 2 pi f0"),
+    KnownLimit(
         ("voltage", "current", "resistance", "inductance"),
         "the current of a motor is a further state, with a formula at rate: (U - R*i - K*w)/L",
     ),
 )
+SPELLED_OUT = {  # keys, by the words that other programs have for them
+    "springs": ("links",),
+    "dampers": ("links",),
+    "masses": ("bodies",),
+    "contacts": ("stops",),
+    "stiffness": ("k", "k1", "k2"),
+    "damping": ("c",),
+    "restitution": ("e",),
+    "clearance": ("gap", "G"),
+    "amplitude": ("A", "a"),
+    "frequency": ("omega",),
+    "duration": ("t_end",),
+    "dt": ("every",),
+}
 TOLD = ((LIMITS, "is not supported", LIMITS_PAGE), (BY_FORMULAS, "is no key", FORMULAS_PAGE))
 
 
@@ -157,9 +176,13 @@ def nearest(word: str, allowed: Iterable[str]) -> str | None:
     """The allowed word with the fewest slips, or None where none is near; letter case counts for nothing.
 
     Of several, the one with the fewest slips among letters and digits, then the first. A word that begins
-    just one allowed word, or goes on behind one, stands for it too.
+    just one allowed word, or goes on behind one, stands for it too; so does a word of `SPELLED_OUT`.
     """
-    typed, names = _folded(word)[:LONGEST], {_folded(name): name for name in reversed(list(allowed))}
+    allowed = list(allowed)
+    for name in SPELLED_OUT.get(word, ()):
+        if name in allowed:
+            return name
+    typed, names = _folded(word)[:LONGEST], {_folded(name): name for name in reversed(allowed)}
     if not typed or not names:
         return None
     near = min(reversed(names), key=lambda name: (slips(typed, name), slips(_letters(typed), _letters(name))))

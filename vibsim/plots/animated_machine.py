@@ -484,7 +484,7 @@ def _element(
 
 
 def _plate(axes: Any, key: str, x: float, y: float, reach: float) -> None:
-    """What is struck of a stop."""
+    """Draw the plate of a stop, which bodies strike."""
     look = {"linewidth": 2 * machine_symbols.LINE, "color": VERMILLION}
     machine_symbols.line(axes, [x, x], [y - reach, y + reach], key, **look)
 
@@ -496,7 +496,7 @@ def _walls(axes: Any, element: Element, x0: float, x1: float, y: float) -> None:
 
 
 def _ground(axes: Any, stage: Stage, at: dict[str, float]) -> None:
-    """What bodies rub on, its marks moving past an eye that follows the machine; a line below the others."""
+    """Draw the surfaces on which bodies rub, with marks that pass an eye that follows; a line elsewhere."""
     for box in stage.plan.boxes:
         own = floors(stage.values, box.name)
         x0, x1 = box.x - 0.9, box.right + 0.9

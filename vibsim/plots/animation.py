@@ -196,7 +196,7 @@ Watch = Callable[[int, int], None]
 
 @dataclass(frozen=True)
 class FilmWish:
-    """What to show: the span [s], and how many seconds of it per second of the film (None: `comfortable`)."""
+    """A film that is asked for: span [s], and seconds of it per second of film (None: `comfortable`)."""
 
     window: Span | None = None
     speed: float | None = None
@@ -204,7 +204,7 @@ class FilmWish:
 
 @dataclass(frozen=True)
 class Written:
-    """What a film came to: the number of its frames, and the seconds of motion per second of it."""
+    """A film that was written: number of frames, and seconds of motion per second of film."""
 
     frames: int
     speed: float
@@ -263,7 +263,7 @@ def slower_advice(window: Span) -> str:
 
 
 def too_short(out: str, written: Written) -> str:
-    """What makes a film of less than a second longer, in words; empty for a longer one, and for a page."""
+    """Advice that makes a film of less than a second longer; empty for a longer film, and for a page."""
     suffix = Path(out).suffix.lower()
     if suffix == ".html" or written.frames >= FRAMES_PER_SECOND[suffix]:
         return ""
@@ -322,7 +322,7 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 def _why_ffmpeg_failed(messages: str) -> str:
-    """What its messages come to, in one line."""
+    """Reason why ffmpeg failed, in one line, from its messages."""
     if any(os.strerror(number) in messages for number in DISK_FULL):
         return "cannot write: disk full"
     return f"ffmpeg failed: {''.join(messages.strip().splitlines()[:1])[:200]}"

@@ -204,7 +204,7 @@ def _round_speeds(curves: Sequence[LoadCurve]) -> list[float]:
 
 
 def _mark(axes: Axes, place: Crossing) -> None:
-    """What the motor does; a dot and a ring nearly meet where a branch turns back."""
+    """Mark an operating point by what the motor does there; a dot and a ring nearly meet at a fold."""
     mark = STAYS if place.stable else LOAD_CURVE_NEAR if place.stays else LEAVES
     axes.plot(
         place.speed, place.torque, zorder=6.5 if place.stable else 6, gid="operating point", **mark.look

@@ -111,7 +111,7 @@ def special_labels(
 
 
 def keys_to_marks(branches: Sequence[Any], kinds: Sequence[str] = tuple(MARKS)) -> list[Line2D]:
-    """What lines and marks mean, for a legend: those that are there."""
+    """Legend entries of lines and marks that are drawn."""
     there = {special.kind for branch in branches for special in branch.specials}
     stable = any(branch["stable"].any() for branch in branches if branch.key != ENERGY)
     unstable = any(not branch["stable"].all() for branch in branches)
@@ -156,7 +156,7 @@ def parameter_of(branch: Any) -> Value:
 
 
 def parameter_factor(key: str, unit: str) -> float:
-    """What makes of a value in a unit the number that is drawn: Hz for the speed of a source."""
+    """Factor from a value in its unit to the number that is drawn: Hz for the speed of a source."""
     if not is_speed(key):
         return 1.0
     return float(UNITS[unit].factor) / (1.0 if UNITS[unit].per_turn else 2 * math.pi)
@@ -190,7 +190,7 @@ def amplitude_of(branch: Any) -> Value:
 
 
 def amplitude_words(branch: Any) -> str:
-    """What `amplitude_of` is the half range of."""
+    """Label of the quantity whose half range `amplitude_of` is."""
     first, *rest = branch.names[0].split("-")
     return f"Amplitude of {symbol(first)}" + "".join(f" − {symbol(name)}" for name in rest)
 

@@ -63,7 +63,7 @@ class OrbitCourse(NamedTuple):
 
 
 class OrbitValues:
-    """What a sweep would tell of the orbits of a branch, by the names of its columns.
+    """Values of the orbits of a branch as a sweep would have them, by the names of its columns.
 
     motions : the measured motions of the sweep; sections : column -> (motion, whether its velocity)
     """
@@ -239,7 +239,7 @@ def sections(column: str, scale: Scale) -> Callable[[Subject], list[Value]]:
 
 
 def values_of(branch: Subject) -> OrbitValues:
-    """What the orbits of a branch tell, made once for each branch."""
+    """The `OrbitValues` of a branch, computed once for each branch."""
     kept: dict[str, Any] = branch.__dict__  # of a frozen class: where its cached properties are, too
     if "orbit_values" not in kept:
         kept["orbit_values"] = OrbitValues(branch.result, quantities_of(branch.case))
@@ -251,8 +251,8 @@ def name_branches(
     figure: Figure, panel: Axes, sweeps: Sequence[Subject], branches: Sequence[Subject],
     marked: Sequence[str] = MARKED,
 ) -> None:  # fmt: skip
-    """What lines and marks of the branches mean, in the legend under the picture; above a panel, where
-    branches are those of another machine, in what it differs.
+    """Add the lines and marks of branches to the legend under the picture. Where branches belong to another
+    machine, a note above the panel names the keys that differ.
     """
     if not branches:
         return
@@ -332,7 +332,7 @@ def _coalescences(locus: Any) -> list[int]:
 
 
 def keys_to(loci: Sequence[Any], width: float = 1.0) -> list[Line2D]:
-    """What the lines mean, for a legend: each kind that is there."""
+    """Legend entries of the lines: one for each kind that is drawn."""
     kinds = [kind for kind in NAMES if any(locus.kind == kind for locus in loci)]
     keys = [Line2D([], [], linewidth=width, label=NAMES[kind], **LOOKS[kind]) for kind in kinds]
     if any(map(_coalescences, loci)):
@@ -476,10 +476,12 @@ def _plane(axes: Axes, branch: Any) -> None:
     angle = np.linspace(0, 2 * np.pi, 361)
     axes.plot(np.cos(angle), np.sin(angle), color=GREY, linewidth=0.5, zorder=1)
     within = "inside or on it" if branch.key == ENERGY else "inside"
-    for outside, colour, label in ((False, BLUE, within), (True, VERMILLION, "outside")):
+    kinds = ((False, BLUE, "o", 1.2, within), (True, VERMILLION, "x", 2.4, "outside"))  # told apart in grey
+    for outside, colour, marker, size, label in kinds:
         shown = multipliers[(np.abs(multipliers) > 1) == outside]
         if shown.size:
-            axes.plot(shown.real, shown.imag, ".", color=colour, markersize=2, label=label, zorder=2)
+            look: dict[str, Any] = {"color": colour, "markersize": size, "markeredgewidth": 0.5}
+            axes.plot(shown.real, shown.imag, marker, **look, label=label, zorder=2)
     reach = min(max(1.15, float(np.abs(multipliers).max(initial=0)) * 1.05), 3.0)
     axes.set_xlim(-reach, reach)
     axes.set_ylim(-reach, reach)

@@ -104,7 +104,7 @@ Picture = Callable[[Subject, View], Figure]
 
 @dataclass(frozen=True)
 class Pictures:
-    """What is drawn of a sweep's verdicts.
+    """Pictures of a sweep's verdicts on capture.
 
     points : two ranges, one start each
     starts : an ensemble alone, its starts
@@ -282,7 +282,7 @@ def speed_classes(speeds: np.ndarray) -> tuple[np.ndarray, Extend]:
 
 
 def _speed_label(speeds: np.ndarray, extend: str) -> str:
-    """What the bar shows, and how far speeds go beyond it."""
+    """Label of the colour bar, and how far speeds go beyond it."""
     if extend == "neither":
         return "Mean speed while held (Hz)"
     least, greatest = rounded([float(speeds.min()), float(speeds.max())])
@@ -296,7 +296,7 @@ PICTURES = Pictures(draw_map, draw_starts, draw_probability, share_map("capture"
 
 
 def capture_picture(subjects: Sequence[Subject], view: View) -> Figure:
-    """What suits the sweep.
+    """A map, shares or starts, as suits the sweep.
 
     Two ranges: verdict and speed of capture of every point, as colours; with an ensemble at every point, the
     share of its members that are captured. One range and an ensemble: that share against the range. An

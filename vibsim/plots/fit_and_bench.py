@@ -218,7 +218,7 @@ def _missed(row: BenchRow) -> bool:
 
 
 def _legend(drawn: Sequence[WorkPrecisionCurve], leads: Sequence[NamedQuantity]) -> str:
-    """What dashes, rings and arrows mean, as far as they are there."""
+    """Words for dashes, rings and arrows, as far as they are drawn."""
     words = ["dashed: events not located"] if any(_is_dashed(curve.family) for curve in drawn) else []
     words += ["ringed: events missed"] if any(curve.missed.any() for curve in drawn) else []
     words += ["arrows: vibsim at no larger error"] if leads else []

@@ -12,9 +12,17 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize, to_rgb
 from matplotlib.figure import Figure
 
+from vibsim.analysis.dominant_frequencies import motions_of
 from vibsim.physics.rates import motor_columns
 from vibsim.plots.portraits import moving
-from vibsim.plots.samples import last_half, mark_frequencies, natural_frequencies, shown, window_of
+from vibsim.plots.samples import (
+    difference,
+    last_half,
+    mark_frequencies,
+    natural_frequencies,
+    shown,
+    window_of,
+)
 from vibsim.plots.sheet import (
     CM,
     Scale,
@@ -194,6 +202,7 @@ def spectrogram_picture(subjects: Sequence[Subject], view: View) -> Figure:
     """Amplitude of the first relative motion over time and frequency."""
     subject = subjects[0]
     span, motion = window_of(subject, view.window), first_motion(subject)
+    coordinate = difference(subject.scene, motions_of(subject.scene)[motion], "x")
     cut = pieces(subject, span, motion, count=600)
     figure = sheet(view, 7.0)
     axes = figure.subplots()
@@ -207,7 +216,7 @@ def spectrogram_picture(subjects: Sequence[Subject], view: View) -> Figure:
     )  # fmt: skip
     if not values.any():
         axes.text(0.5, 0.5, NOTHING, transform=axes.transAxes, ha="center", va="center", color="white")
-    figure.colorbar(picture, ax=axes, label=scale.label(f"Amplitude of {motion}"), pad=0.01)
+    figure.colorbar(picture, ax=axes, label=scale.label(f"Amplitude of {coordinate}"), pad=0.01)
     if motor_columns(subject.scene):
         _speeds(axes, subject, span)
     axes.set_ylim(0, cut.hz[-1])

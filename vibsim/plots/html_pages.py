@@ -136,12 +136,12 @@ def locus_data(locus: Any) -> dict[str, Any]:
 
 
 def _place(orbit: Any) -> tuple[float, ...]:
-    """What the curve tells of an orbit."""
+    """Parameter, period and state of an orbit."""
     return orbit.parameter, orbit.period, *orbit.state
 
 
 def _told(orbit: Any, multipliers: np.ndarray) -> list[float]:
-    """What the map tells of it, with its multipliers in an order."""
+    """Multipliers of an orbit, in the order given, and its test values."""
     tests = orbit.fold, orbit.doubling, orbit.margin, orbit.residual
     return [*multipliers.real, *multipliers.imag, *tests]
 
@@ -222,6 +222,7 @@ MOST_CARRIED = 400  # points whose start is looked up in the points before them
 FIRST = {"sommerfeld": "mean_speed", "amplitude": "amplitude_relative"}  # what is shown first, by kind
 HIDDEN = ("sha256",)
 DIRECTION = "direction"
+MULTIPLIERS = {"multiplier_re": "multipliers, real part", "multiplier_im": "multipliers, imaginary part"}
 TITLES = (  # what columns are called on a page, by what their names are like; the first that fits
     (r"amplitude_(.+)_max", "greatest amplitude of {}"),
     (r"amplitude_(.+)", "amplitude of {}"),
@@ -275,13 +276,11 @@ def _lines(subject: Subject) -> dict[str, Any]:
 
 
 def _titled(subject: Subject, name: str) -> dict[str, str]:
-    """What a column is called on the page: of a branch or a locus the key of the case that it is about, of a
-    sweep words.
-    """
+    """Title of a column on the page: in words for a sweep, by the key of the case for a branch or a locus."""
     if subject.reads == "sweep":
         return {"title": title_of(subject, name)}
     if subject.reads == "branch":
-        keys = {"parameter": subject.result.key}
+        keys = {"parameter": subject.result.key, **MULTIPLIERS}
     elif subject.reads == "locus":
         plan = subject.result.plan
         keys = {"parameter": plan.branch.keys[0], "second": plan.keys[0]}
@@ -334,7 +333,7 @@ def _column(name: str, column: Any, values: np.ndarray, width: int) -> dict[str,
 
 
 def _first(subject: Subject, table: Tidy, numbers: Sequence[str]) -> dict[str, Any]:
-    """What is drawn at first: along the first axis, what the kinds that fit show, coloured by the second."""
+    """The first picture: columns of the kinds that fit along the first axis, coloured by the second."""
     known = [FIRST[kind.name] for kind in fitting([subject]) if FIRST.get(kind.name) in numbers]
     shown = [*known, *(name for name in numbers if name not in known)][:2]
     lengths, hinted = table.arrays.lengths, table.arrays.shown
@@ -372,7 +371,7 @@ def _command(subject: Subject, index: tuple[int, ...]) -> str:
 
 
 def _differences(subject: Subject, point: int) -> dict[str, str]:
-    """What the case of an orbit has other than that of its branch or locus."""
+    """Values by which the case of an orbit differs from that of its branch or locus."""
     own, case = subject.result.case.values, subject.result.case_at(point).values
     return {key: str(value) for key, value in case.items() if str(own.get(key)) != str(value)}
 
@@ -383,7 +382,7 @@ def _written(subject: Subject, changes: Mapping[str, str]) -> str:
 
 
 def _source(subject: Subject) -> str:
-    """What names the case in a command: the sweep's file; of a sweep in memory the case's own source."""
+    """Name of the case in a command: the sweep's file; of a sweep in memory the case's own source."""
     return Path(subject.path).name if Path(subject.path).is_file() else subject.case.source
 
 

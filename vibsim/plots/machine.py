@@ -118,7 +118,7 @@ def _outer_edges(values: dict[str, Any], plan: Layout) -> tuple[float, float]:
 
 
 def _below(axes: Axes, values: dict[str, Any], box: Box) -> None:
-    """What a body rubs on, side by side where there are several; wheels where there is none."""
+    """Draw the surfaces on which a body rubs, side by side; wheels where there are none."""
     own = floors(values, box.name)
     if not own and not _rubs(values, box.name):
         machine_symbols.wheels(axes, box.x, box.right, -0.02)
@@ -376,12 +376,12 @@ def label_width(values: dict[str, Any], name: str) -> float:
 
 
 def top_labels(values: dict[str, Any], name: str) -> list[str]:
-    """What is written above a body: its forces and rotors."""
+    """Labels above a body: its forces and rotors."""
     return [label for _, label in [*source_labels(values, name), *rotors_on(values, name)]]
 
 
 def floor_labels(values: dict[str, Any], name: str) -> list[str]:
-    """What is written below a body: the frictions against ground and base."""
+    """Labels below a body: the frictions against ground and base."""
     return [text for key, friction in floors(values, name) for text in (key, friction_label(friction))]
 
 

@@ -1,4 +1,4 @@
-"""What is drawn of a scene: one element per spring, damper, stop, friction and clearance, with its labels."""
+"""Symbols of a machine drawing: springs, dampers, stops, frictions and clearances, with their labels."""
 
 from __future__ import annotations
 
@@ -317,7 +317,7 @@ def damper(axes: Axes, x0: float, x1: float, y: float, gid: str = "") -> None:
 
 
 def support(axes: Axes, x0: float, x1: float, y: float, law: str, gid: str = "") -> None:
-    """What bears a stop: a spring, with a dashpot beside it where it is damped; a bar where it is rigid."""
+    """Draw the support of a stop: a spring, with a dashpot if it is damped; a bar if it is rigid."""
     if law == RIGID:
         line(axes, [x0, x1], [y, y], gid, color=VERMILLION, linewidth=3 * LINE)
         return
@@ -403,7 +403,7 @@ def pads(axes: Axes, x0: float, x1: float, y: float, gid: str) -> None:
 
 
 def wall(axes: Axes, x: float, y0: float, y1: float, side: int, moving: bool, gid: str) -> None:
-    """What does not move (hatched), or moves as base (grey), left (side -1) or right (1) of x."""
+    """Draw the ground (hatched) or a base that moves (grey), left (side -1) or right (1) of x."""
     width = 0.2
     look: dict[str, Any] = {"facecolor": "0.8"} if moving else {"facecolor": "white", "hatch": "////////"}
     corner = (x - width if side < 0 else x, y0)

@@ -261,7 +261,7 @@ def stiffness_picture(subjects: Sequence[Subject], view: View) -> Figure:
 
 
 def motions_of(subjects: Sequence[Subject]) -> list[str]:
-    """What the relative displacements of the subjects are called, each once."""
+    """Labels of the relative displacements of the subjects, each once."""
     every = [(subject.scene, pair) for subject in subjects for pair in joined_pairs(subject.scene)]
     return list(dict.fromkeys(difference(scene, pair, "x") for scene, pair in every))
 
@@ -292,7 +292,8 @@ def stiffness_panel(axes: Axes, subjects: Sequence[Subject], motion: str | None 
     )
     axes.axhline(0, color="0.8", linewidth=0.4, zorder=0)
     axes.axvline(0, color="0.8", linewidth=0.4, zorder=0)
-    axes.set_xlabel(scales[0].label(f"Relative displacement {motion}"))
+    words = "Relative displacement" if " - " in motion else "Displacement"
+    axes.set_xlabel(scales[0].label(f"{words} {motion}"))
     axes.set_ylabel(scales[1].label("Spring force"))
     if len(subjects) == 1:
         _name_slopes(axes, subjects[0].scene, shown[0][1], reach, scales)

@@ -322,7 +322,7 @@ def _subjects(result: Any) -> list[Subject]:
 
 
 def _canvas(ax: Any) -> Any:
-    """What makes the figure. To be called outside the style: pyplot's first import may note settings."""
+    """Maker of the figure. To be called outside the style: pyplot's first import may note settings."""
     from matplotlib.axes import Axes
 
     if ax is None:

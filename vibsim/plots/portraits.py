@@ -135,7 +135,7 @@ def _portrait(subject: Subject, column: str, span: Span, less_drift: bool, look:
 
 
 def _less_drift(column: str, drift: float, begin: float) -> Plane:
-    """What makes displacement and velocity of a block, its drift taken out, of the columns of a run."""
+    """Function from columns of a run to displacement and velocity of a block without its drift."""
     velocity = f"v{column[1:]}"
 
     def plane(columns: Block) -> tuple[np.ndarray, np.ndarray]:

@@ -329,7 +329,7 @@ def stops_between(scene: Scene, part: Any) -> list[Stop | RigidStop]:
 
 
 def stop_label(stop: Stop | RigidStop) -> str:
-    """What a stop is called beside its line: its name; the paper's is told by its equation."""
+    """Label of a stop beside its line: its name; its equation for the paper's stop."""
     if stop.name != STOP:
         return as_text(stop.name)
     return "$x_2 - x_1 = G$" if stop.sense > 0 else "$x_1 - x_2 = G$"

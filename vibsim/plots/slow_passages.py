@@ -1,4 +1,4 @@
-"""What changes slowly in a run, in means of turns: amplitude and motor speed while the no-load speed of the
+"""Slow changes in a run, as means of turns: amplitude and motor speed while the no-load speed of the
 motor goes up and down, and powers over time.
 """
 
@@ -435,7 +435,7 @@ def _moving(powers: dict[Entry, np.ndarray]) -> list[tuple[Entry, np.ndarray]]:
 
 
 def _words(entry: Entry) -> str:
-    """What an entry is called: friction guide, damper spring; the motor and a part of that name by itself."""
+    """Name of an entry: friction guide, damper spring; the motor and a part of that name by itself."""
     quantity, section, name = entry
     words = SECTIONS[quantity, section]
     if section == "rotors" and name == "motor":

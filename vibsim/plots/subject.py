@@ -1,4 +1,4 @@
-"""What a picture shows (a run, a case or a sweep, with its name in the legend), and what of it: the view."""
+"""The subject of a picture (a run, a case, a sweep or a branch, with its name), and the view of it."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Subject:
 
     @property
     def stem(self) -> str:
-        """What its pictures are called after: the file's name without suffix, or that of the case."""
+        """Beginning of the names of its pictures: the file's name without suffix, or the name of the case."""
         return self.case.name if self.reads == "case" else file_stem(self.path)
 
     @property
@@ -70,8 +70,8 @@ class Subject:
         return {"m": self.tables.displacements, "m/s": self.tables.velocities}[unit]
 
     def unit(self, unit: str) -> str:
-        """What a unit (m, m/s, N, N/m) is in the scene: of a torsional one with rad and N m; both where some
-        bodies turn.
+        """The unit of the scene that stands for m, m/s, N or N/m: of rad and N m in a torsional scene, both
+        where only some bodies turn.
         """
         turned = {"m": "rad", "m/s": "rad/s", "N": "N m", "N/m": "N m/rad"}[unit]
         if self.scene.torsional:

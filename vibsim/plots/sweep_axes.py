@@ -88,7 +88,7 @@ def label_of(axis: Any) -> str:
 
 
 def _words(key: str) -> str:
-    """What a key is, in words; empty for one that has none."""
+    """Name of a key in words; empty for a key without one."""
     section, *names = key.split(".")
     if key in WORDS or section not in LONG.named or not names:
         return WORDS.get(key, "")

@@ -75,7 +75,7 @@ class Curve:
     marker: str = LONE
 
     def values(self, name: str) -> np.ndarray:
-        """What the sweep has of that name along the curve, (n) or (n, section); of an ensemble the median."""
+        """Values of a column of the sweep along the curve, (n) or (n, section); of an ensemble the median."""
         return self.every(name) if self.members is None else quantile(self.every(name), 1, 0.5)
 
     def every(self, name: str) -> np.ndarray:
@@ -226,7 +226,7 @@ def frequencies(subjects: Sequence[Subject], parts: bool = False) -> list[Freque
 
 
 def name_curves(figure: Figure, panels: Sequence[Axes], drawn: Sequence[Curve], **options: Any) -> None:
-    """What tells the curves apart, under the picture: a legend (`options`), or the colours of many values."""
+    """Add below the picture a legend of the curves (`options`), or a colour bar for many values."""
     subjects = list({id(curve.subject): curve.subject for curve in drawn}.values())
     axis, count = _toned_axis(subjects), len({curve.family for curve in drawn})
     if axis is not None and count > COLOURS:
@@ -282,7 +282,7 @@ def draw_bands(axes: Axes, curve: Curve, name: str, scale: Callable[[Any], Any])
 
 
 def ensemble_note(drawn: Sequence[Curve]) -> str:
-    """What line and bands of an ensemble are, in words; empty without one."""
+    """Words for the line and bands of an ensemble; empty without one."""
     members = {curve.members for curve in drawn if curve.members is not None}
     if not members:
         return ""

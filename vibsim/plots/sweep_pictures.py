@@ -83,7 +83,7 @@ MARKS = {"undecided": "^", "rest": "o", "vibration": "s"}
 
 
 def end_state_picture(subjects: Sequence[Subject], view: View) -> Figure:
-    """What suits the sweep.
+    """A map, shares or starts, as suits the sweep.
 
     Two ranges: the verdict on every point, as colours; with an ensemble at every point, the share of its
     members that come to rest. One range and an ensemble: the share of each verdict against the range. An
@@ -248,7 +248,7 @@ def exponent_label(drawn: Sequence[Curve]) -> str:
 
 
 def exponent_note(drawn: Sequence[Curve]) -> str:
-    """What bars or bands about the largest exponent mean."""
+    """Words for the bars or bands about the largest exponent."""
     return ensemble_note(drawn) or "bars: 95 %"
 
 

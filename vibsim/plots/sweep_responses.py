@@ -161,7 +161,7 @@ ROWS = 3  # motions shown of a scene of named parts
 
 @dataclass(frozen=True)
 class PictureQuantity:
-    """What is drawn in one row of panels: a column of the sweep, its label and unit."""
+    """The quantity of one row of panels: a column of the sweep, its label and unit."""
 
     column: str
     label: str
@@ -207,7 +207,7 @@ def orbit_picture(subjects: Sequence[Subject], view: View) -> Figure:
 
 
 def quantities_of(subjects: Sequence[Subject]) -> list[PictureQuantity]:
-    """What all sweeps have stroboscopic points of, and is drawn; PlotError where that is nothing."""
+    """Quantities of which all sweeps have stroboscopic points. Raises PlotError where there are none."""
     rows = _sections(subjects[0])
     rows = [row for row in rows if all(row.column in subject.result for subject in subjects)]
     displacements = [row for row in rows if row.unit == "m"]
@@ -234,7 +234,7 @@ def _sections(subject: Subject) -> list[PictureQuantity]:
 
 
 def _orbit_say(sheets: CurvePanels, subjects: Sequence[Subject], drawn: Sequence[Curve], below: bool) -> None:
-    """What the points are and what is left out, above the panels; the names of the exponents under them."""
+    """Note above the panels which points are drawn and which are left out; name the exponents under them."""
     count = max(subject.result.plan.section for subject in subjects)
     words = f"the last {count} stroboscopic points of each run" if len(drawn) == 1 else f"{count} points each"
     note(sheets.top_right, "; ".join(filter(None, [sheets.omitted, words])))
@@ -279,7 +279,7 @@ UNDECIDED = Shade("undecided", "0.95", "++++")
 
 
 def basins_picture(subjects: Sequence[Subject], view: View) -> Figure:
-    """What suits the sweep.
+    """A map, shares or starts, as suits the sweep.
 
     A parameter and starts at each of its values: the share of every attractor against it, a line for every
     branch. Two ranges: the attractor of every point, as colours. An ensemble alone over two start values: its

@@ -76,7 +76,7 @@ SINGLE_MARKS = 120  # impacts in a detail up to which each gets its own mark on 
 
 @dataclass(frozen=True)
 class HistoryQuantity:
-    """What is drawn against time: words, and the SI unit of the states of bodies that it is."""
+    """A quantity drawn against time: its name, and the SI unit of the states of bodies."""
 
     words: str
     unit: str

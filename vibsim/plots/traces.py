@@ -282,7 +282,7 @@ class PlottedPair:
 
     @property
     def words(self) -> tuple[str, str]:
-        """What displacement and velocity are: relative ones of two ends that may move."""
+        """Names of displacement and velocity: relative ones of two ends that may move."""
         if " - " in self.displacement:
             return "Relative displacement", "Relative velocity"
         return "Displacement", "Velocity"

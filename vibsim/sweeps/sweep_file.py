@@ -340,8 +340,8 @@ class SweepStore(Store[SweepPoint]):
         attrs, _, file = read_sweep(path)
         with file:
             if listed := differences(self.plan, attrs):
-                lines = "\n  ".join(["It differs in", *listed])
-                raise ResultFileError(f"{path}: holds another sweep; kept (force=True replaces it). {lines}")
+                kept = f"{path}: holds another sweep; kept (force=True replaces it)"
+                raise ResultFileError(f"{kept}. It differs in {'; '.join(listed)}")
             self.table.fill(partial(read_column, path, file, self.plan))
         return attrs
 

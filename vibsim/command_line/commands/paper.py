@@ -105,7 +105,8 @@ def _print_report(report: Report, folder: str, took: float, settings: Settings) 
     count = Counter(verdict.word for _, finding in report.findings for verdict in finding.verdicts)
     for number, (claim, finding) in enumerate(report.findings, start=1):
         words = "; ".join(f"{about.lower()}: {verdict.word}" for about, verdict in verdicts_of(finding))
-        say(f"{number:3}. {claim.statement}\n     {words}")
+        say(f"{number:3}. {claim.statement}")
+        say(f"     {words}")
     verdicts = "; ".join(f"{number} × {verdict}" for verdict, number in count.items())
     runs = f"{report.simulated} simulated" if report.simulated else "all there already"
     print_lines(
