@@ -329,7 +329,7 @@ def _harmonic_response(scene: Scene, w: float, force: float) -> np.ndarray | Non
 def _joined(part: Link | Friction, n: int) -> np.ndarray:
     """What a unit of stiffness between the ends of a part adds to the matrix of n bodies (n, n)."""
     row = np.array([float(i == part.P) - float(i == part.Q) for i in range(n)])
-    return np.outer(row, row)
+    return row[:, None] * row
 
 
 def _apart(part: Link | Friction | Stop | RigidStop, amplitudes: np.ndarray) -> complex:
