@@ -329,7 +329,8 @@ def _harmonic_response(scene: Scene, w: float, force: float) -> np.ndarray | Non
 def _joined(part: Link | Friction, n: int) -> np.ndarray:
     """What a unit of stiffness between the ends of a part adds to the matrix of n bodies (n, n)."""
     row = np.array([float(i == part.P) - float(i == part.Q) for i in range(n)])
-    return row[:, None] * row
+    joined: np.ndarray = row[:, None] * row
+    return joined
 
 
 def _apart(part: Link | Friction | Stop | RigidStop, amplitudes: np.ndarray) -> complex:
