@@ -171,11 +171,13 @@ class AttractorComputation:
         bring back to where they were, and nothing else; its observables are these speeds.
         """
         turning = [self._scene.bodies[i].columns[0] for i in whole_turn_angles(self._scene)]
-        if self._at is None or not all(name in turning for name in drifting):
+        places = [body.columns[0] for body in self._scene.line]  # where these grow evenly, speeds do not grow
+        grown = [name for name in drifting if name in places]
+        if self._at is None or not grown or not all(name in turning for name in grown):
             return None
         means = np.zeros(observed(self._scene))
         for i, name in enumerate(self._at.names):
-            means[i] = drifting.get(name, 0.0)
+            means[i] = drifting.get(name, 0.0) if name in grown else 0.0
         return Label("turning", state=np.full(self._at.count, nan), means=means, errors=np.zeros(len(means)))
 
     def _drifting(self, window: tuple[float, float]) -> dict[str, float]:
