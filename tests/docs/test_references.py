@@ -82,6 +82,17 @@ def test_links_and_pictures_lead_somewhere(path):
         assert place.is_relative_to(DOCS / "generated") or place.is_file(), target
 
 
+FILE = re.compile(r"`(?:[a-z_]+/)*([A-Za-z0-9_]+\.(?:py|c|h|cpp))`")
+
+
+@pytest.mark.parametrize("page", ["engine.md", "architecture.md"])
+def test_pages_on_the_program_name_source_files_that_are_there(page):
+    """By whatever part of their path."""
+    names = {path.rpartition("/")[2] for path in tracked()}
+    named = FILE.findall((DOCS / page).read_text(encoding="utf-8"))
+    assert named and [name for name in named if name not in names] == []
+
+
 def test_nothing_cites_a_file_that_is_not_in_the_repository():
     faults = {}
     for name in texts():

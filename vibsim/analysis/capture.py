@@ -35,8 +35,9 @@ from vibsim.analysis.cycles import (
     name_verdict,
     span_of,
 )
+from vibsim.orbits.coordinates import apart
 from vibsim.physics.linear_algebra import solved
-from vibsim.physics.parts import Friction, Link, Motor, RigidStop, Scene, Stop
+from vibsim.physics.parts import Friction, Link, Motor, Scene
 from vibsim.physics.rates import bilinear_frequencies, natural_rates
 from vibsim.results.columns import IMPACT_CODES
 from vibsim.results.result import Result, Window
@@ -313,13 +314,13 @@ def _harmonic_response(scene: Scene, w: float, force: float) -> np.ndarray | Non
         matrix = sum((1j * w * c * shape for c, shape in zip(dampings, shapes, strict=True)), bare)
         rows = np.block([[matrix.real, -matrix.imag], [matrix.imag, matrix.real]])
         pushed = [force if i == motor.on else 0.0 for i in range(2 * n)]
-        parts_of_solution, pivot = solved(rows.tolist(), pushed)
+        solution, pivot = solved(rows.tolist(), pushed)
         if pivot == 0:
             return None
-        amplitudes = np.array(parts_of_solution[:n]) + 1j * np.array(parts_of_solution[n:])
+        amplitudes = np.array(solution[:n]) + 1j * np.array(solution[n:])
         if np.abs(amplitudes - before).max() <= SETTLED * np.abs(amplitudes).max():
             return amplitudes
-        sliding = [w * abs(_apart(one, amplitudes)) for one in scene.frictions]
+        sliding = [w * abs(apart(one, amplitudes, 0.0)) for one in scene.frictions]
         if not all(sliding):
             return None
         dampings = [4 * held / (pi * v) for held, v in zip(forces, sliding, strict=True)]
@@ -333,10 +334,5 @@ def _joined(part: Link | Friction, n: int) -> np.ndarray:
     return joined
 
 
-def _apart(part: Link | Friction | Stop | RigidStop, amplitudes: np.ndarray) -> complex:
-    ends = [amplitudes[end] if end >= 0 else 0.0 for end in (part.P, part.Q)]
-    return complex(ends[0] - ends[1])
-
-
 def _reaches_a_stop(scene: Scene, amplitudes: np.ndarray) -> bool:
-    return any(abs(_apart(stop, amplitudes)) >= stop.gap for stop in scene.stops)
+    return any(abs(apart(stop, amplitudes, 0.0)) >= stop.gap for stop in scene.stops)

@@ -61,6 +61,7 @@ class Stepping:
         self._weights[self.at.free] = self.at.weights
         if self.free:
             self._weights[section.component] = 1.0
+        self._turning = whole_turn_angles(self.at.scene)
         self.moving = np.flatnonzero(self._weights)  # components that are no shifts
 
     def of_state(self, state: Mapping[str, float]) -> np.ndarray:
@@ -101,8 +102,7 @@ class Stepping:
         as a pendulum, stay where they are: to fall over is to leave a basin.
         """
         moved = self.at.lifted(self.at.in_turn_of(self.at.of(components), self.at.of(other)))
-        for i in whole_turn_angles(self.at.scene):
-            moved[i] = components[i]
+        moved[self._turning] = components[self._turning]
         if self.free:
             moved[self.map.section.component] = components[self.map.section.component]
         return moved

@@ -29,9 +29,6 @@ from vibsim.sweeps.computations import COMPUTATIONS, length_of
 from vibsim.sweeps.quantities import INITIAL, NAME, Quantities, always, distinct, quantities_of
 
 if TYPE_CHECKING:
-    from vibsim.sweeps.axes import Axis, Members
-
-if TYPE_CHECKING:
     from vibsim.cases import Case
 
 
