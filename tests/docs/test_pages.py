@@ -122,7 +122,7 @@ def test_readme_is_a_newcomers_page():
 
 EASY = [
     "README.md",
-    *(f"docs/{name}.md" for name in ("index", "start", "limits", "laws", "scenes", "orbits", "pictures")),
+    *(f"docs/{name}.md" for name in ("index", "start", "limits", "laws", "scenes", "orbits", "branches", "engine", "pictures")),
 ]
 FIRST_READ = [path for path in PAGES if name_of(path) in EASY or path.parent.name == "tutorials"]
 
