@@ -24,11 +24,11 @@ SANITIZED := tests/engine tests/kernel tests/events tests/flows tests/tangent te
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 18
 
-env: $(STAMP) ## set up .venv with vibsim, its C engine and the development tools
+env: $(STAMP) ## set up .venv with vibsim, its C engine and the development tools (VIBSIM_BUILD=python: without the C engine)
 
-$(STAMP): pyproject.toml setup.py $(ENGINE)
+$(STAMP): pyproject.toml setup.py build_backend.py $(ENGINE)
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	VIBSIM_BUILD=strict $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	VIBSIM_BUILD=$(or $(VIBSIM_BUILD),strict) $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	$(BIN)/python -m compileall -q vibsim
 	touch $@
 
@@ -90,10 +90,13 @@ oldest: ## run the tests with the oldest dependencies, in an environment of thei
 	  --constraint tests/packaging/oldest.txt --editable '.[dev]'
 	build/oldest/bin/python -m pytest -n auto -q
 
-without-compiler: ## install without the C engine into an empty environment, and try it there
-	rm -rf build/without build/lib* build/temp* && $(PYTHON) -m venv build/without
-	CC=false build/without/bin/python -m pip install --quiet --disable-pip-version-check .
-	build/without/bin/python tests/packaging/smoke.py --without-engine
+without-compiler: ## install into an empty environment where no compiler answers, and then without the C engine; try both there
+	for build in strict python; do \
+	  rm -rf build/without build/lib* build/temp* && $(PYTHON) -m venv build/without && \
+	  CC=false CXX=false VIBSIM_BUILD=$$build build/without/bin/python -m pip install --quiet --disable-pip-version-check . && \
+	  build/without/bin/python tests/packaging/smoke.py $$(test $$build = strict && echo --with-engine || echo --without-engine) \
+	    || exit 1; \
+	done
 
 coverage: $(STAMP) ## tell which lines and branches of Python and C no test reaches (TESTS=): build/coverage/
 	$(BIN)/python -c "import coverage, gcovr" 2>/dev/null || \
@@ -138,8 +141,8 @@ true-motions: $(STAMP) ## run the paper's cases with many digits, and keep their
 	$(BIN)/python -m vibsim.evidence.reports.paper
 
 lint: $(STAMP) ## check style and types
-	$(BIN)/ruff check vibsim tests docs setup.py
-	$(BIN)/ruff format --check --quiet vibsim tests docs setup.py
+	$(BIN)/ruff check vibsim tests docs setup.py build_backend.py
+	$(BIN)/ruff format --check --quiet vibsim tests docs setup.py build_backend.py
 	$(BIN)/mypy vibsim
 
 figures: $(STAMP) ## run the nine cases and draw each one's overview into figures/

@@ -4,7 +4,9 @@ The same sources make `_engine`, in C on doubles, and for runs of many digits `_
 `_engine_4`, in C++ on numbers of so many words (`vibsim/engine/numbers/`), where the compiler has whole
 numbers of 128 bits.
 
-Without a compiler the extension is left out (`optional=True`) and vibsim runs on its Python engine.
+Where no compiler answers, the one of the package `ziglang` is taken, which pip fetches for the build
+(`build_backend.py`). Without that one too, or where VIBSIM_BUILD=python asks for it, the engines are left out
+(`optional=True`) and vibsim runs on its Python engine.
 `-ffp-contract=off` keeps every product and sum rounded by itself, so that both engines agree bit for bit;
 `-fno-trapping-math` says that no operation stops the program, so that loops become vectors: values stay.
 `-fvisibility=hidden` lets files of the engine call each other without a table: only its module is seen.
@@ -14,10 +16,13 @@ sanitize`), =coverage counts lines (`make coverage`); all fail where the engine 
 
 import copy
 import os
+import sys
 from glob import glob
 
 from setuptools import Extension, find_packages, setup
 from setuptools.command.build_ext import build_ext
+
+from build_backend import build_with_zig, compiler_answers, zig
 
 ROOM = "vibsim/engine"
 ROUNDING = ["-ffp-contract=off", "-fno-fast-math", "-fno-trapping-math"]
@@ -29,7 +34,7 @@ MSVC_FLAGS = ["/O2", "/fp:strict", "/std:c11"]  # C99's restrict is C11's to it
 STRICT = ["-Wextra", "-Werror"]
 SANITIZED = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 COUNTED = ["-O0", "-g", "--coverage"]
-EXTRA = {"": [], "strict": STRICT, "sanitize": STRICT + SANITIZED, "coverage": COUNTED}
+EXTRA = {"": [], "python": [], "strict": STRICT, "sanitize": STRICT + SANITIZED, "coverage": COUNTED}
 
 kind = os.environ.get("VIBSIM_BUILD", "")
 headers = sorted(glob(f"{ROOM}/**/*.h", recursive=True))
@@ -62,6 +67,10 @@ if os.name != "nt":
         engine(f"_engine_{n}", of_words, CPP_FLAGS + EXTRA[kind], define_macros=[("LIMBS", str(n))])
         for n in WORDS
     ]
+NO_COMPILER = (
+    "vibsim: no C compiler answers here. Install one, or its package: python -m pip install ziglang. "
+    "VIBSIM_BUILD=python asks for no compiler: the Python engine alone, some 100 times slower"
+)
 
 
 def as_cpp(source, room):
@@ -81,18 +90,33 @@ class BuildApart(build_ext):
         super().finalize_options()
         self.parallel = self.parallel or True
 
+    def run(self):
+        answers = compiler_answers()
+        self.zig = None if answers else zig()
+        if answers or self.zig:
+            super().run()
+        elif kind:
+            raise SystemExit(NO_COMPILER)
+        else:
+            print(NO_COMPILER, file=sys.stderr)
+
     def build_extension(self, ext):
         apart, ext = copy.copy(self), copy.copy(ext)
         apart.build_temp = os.path.join(self.build_temp, ext.name)
         if ext.define_macros:
             os.makedirs(apart.build_temp, exist_ok=True)
             ext.sources = [as_cpp(source, apart.build_temp) for source in ext.sources]
-        build_ext.build_extension(apart, ext)
+        if self.zig:
+            build_with_zig(
+                self.zig, ext, self.get_ext_fullpath(ext.name), os.path.join(self.build_temp, "zig")
+            )
+        else:
+            build_ext.build_extension(apart, ext)
 
 
 setup(
     packages=[*find_packages(include=["vibsim", "vibsim.*"]), "vibsim.shipped_cases"],
     package_dir={"vibsim": "vibsim", "vibsim.shipped_cases": "cases"},
-    ext_modules=engines,
+    ext_modules=[] if kind == "python" else engines,
     cmdclass={"build_ext": BuildApart},
 )

@@ -49,29 +49,53 @@ def allowed(room):
     return set(floors[: floors.index(room) + 1]) if room in floors else {*floors, *TOP}
 
 
-def imports(path):
-    """Full names of all that a module imports or names, anywhere in it, except for type checking only. What a
+class Reading(ast.NodeVisitor):
+    """What a module imports and defines, read once.
+
+    named : full names of all that it imports or names, anywhere, except for type checking only. What a
     package imports for that is imported when it is used.
+    at_once, later : names that it imports from modules of vibsim when it is loaded, and those that functions
+    of it import, each with its module; classes : names of its classes
     """
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    for_types = {
-        child
-        for node in ast.walk(tree)
-        if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING")
-        for statement in node.body
-        for child in ast.walk(statement)
-        if path.name != "__init__.py"
-    }
-    for node in ast.walk(tree):
-        if node in for_types:
-            continue
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{path}: relative import"
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
-        elif isinstance(node, ast.Constant) and MODULE_NAME.fullmatch(str(node.value)):
-            yield str(node.value).partition(":")[0]
+
+    def __init__(self, path):
+        self.is_package, self.path, self.for_types = path.name == "__init__.py", path, False
+        self.named, self.at_once, self.later, self.classes = [], [], [], []
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        self.top = {id(node) for node in tree.body}
+        self.visit(tree)
+
+    def visit_If(self, node):
+        before = self.for_types
+        self.for_types = before or ast.unparse(node.test).endswith("TYPE_CHECKING")
+        for statement in node.body:
+            self.visit(statement)
+        self.for_types = before
+        for statement in node.orelse:
+            self.visit(statement)
+
+    def visit_Import(self, node):
+        if self.is_package or not self.for_types:
+            self.named += [alias.name for alias in node.names]
+
+    def visit_ImportFrom(self, node):
+        assert node.level == 0, f"{self.path}: relative import"
+        names = [(node.module, alias.name) for alias in node.names]
+        if self.is_package or not self.for_types:
+            self.named += [".".join(name) for name in names]
+        if node.module.startswith("vibsim") and not self.for_types:
+            (self.at_once if id(node) in self.top else self.later).extend(names)
+
+    def visit_Constant(self, node):
+        if MODULE_NAME.fullmatch(str(node.value)):
+            self.named.append(node.value.partition(":")[0])
+
+    def visit_ClassDef(self, node):
+        self.classes.append(node.name)
+        self.generic_visit(node)
+
+
+reading = cache(Reading)
 
 
 def points_up(room, names):
@@ -87,7 +111,7 @@ def leans_on_engine(room, names):
 
 def misplaced(path, room):
     """The imports of a module of `room` that point up or sideways, or that its floor may not have."""
-    for name in imports(path):
+    for name in reading(path).named:
         first, *rest = name.split(".")
         if first == "vibsim":
             if points_up(room, rest) or leans_on_engine(room, rest):
@@ -115,7 +139,7 @@ def test_what_serves_all_knows_none_of_them(room):
     modules = sorted((PACKAGE / room.replace(".", "/")).glob("*.py"))
     assert modules
     for path in modules:
-        upward = [name for name in imports(path) if ".".join(name.split(".")[:depth]) in barred]
+        upward = [name for name in reading(path).named if ".".join(name.split(".")[:depth]) in barred]
         assert upward == [], path.name
 
 
@@ -154,20 +178,11 @@ def test_what_a_package_offers_is_found(tmp_path):
 @cache
 def loaded(name):
     """Modules of vibsim that a module imports when it is loaded, and those that functions of it import."""
-    tree = ast.parse(NAMES[name].read_text(encoding="utf-8"))
-    at_once = {id(node) for node in tree.body}
-    found = {True: set(), False: set()}
-    checked = {
-        id(child)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING")
-        for child in ast.walk(node)
-    }
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and node.module.startswith("vibsim") and id(node) not in checked:
-            names = [f"{node.module}.{alias.name}" for alias in node.names]
-            found[id(node) in at_once] |= {name if name in NAMES else node.module for name in names}
-    return found[True], found[False]
+    read = reading(NAMES[name])
+    return tuple(
+        {full if (full := f"{module}.{inner}") in NAMES else module for module, inner in names}
+        for names in (read.at_once, read.later)
+    )
 
 
 def name_of(path):
@@ -209,9 +224,8 @@ def test_no_circle_of_files():
 def test_one_class_of_a_name():
     named = {}
     for path in MODULES:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ClassDef):
-                named.setdefault(node.name, []).append(name_of(path))
+        for name in reading(path).classes:
+            named.setdefault(name, []).append(name_of(path))
     assert {name: where for name, where in named.items() if len(where) > 1} == {}
 
 

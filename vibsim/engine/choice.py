@@ -39,11 +39,14 @@ def engine_name(engine: str = "auto") -> str:
     if engine == "python" or compiled():
         return "python" if engine == "python" else "c"
     if engine == "c":
-        raise RuntimeError("the C engine was not built; install with a C compiler, or use engine python")
+        raise RuntimeError(
+            "the C engine was not built; install vibsim again where a compiler is, or use engine python"
+        )
     if not _noticed:
         print(
             "vibsim: no C engine in this installation, running on the Python engine"
-            " (same results, some 100 times slower)",
+            " (same results, some 100 times slower); install vibsim again where there is a C compiler,"
+            " or where pip finds the package ziglang",
             file=sys.stderr,
         )
         _noticed = True

@@ -47,6 +47,7 @@ static inline Real endless(int sign)
     return x;
 }
 
+#undef isfinite /* a macro of C where math.h is not that of a C++ library */
 static inline bool isfinite(const Real &x) { return x.exponent != ENDLESS; }
 static inline bool is_no_number(const Real &x) { return x.exponent == ENDLESS && x.sign == 0; }
 

@@ -32,7 +32,7 @@ EVENTS = "vibsim.evidence.peers.solvers:EventSolver"
 EVENTLESS = "vibsim.evidence.peers.solvers:EventlessSolver"
 COMPILED: Any = {
     "needs": "vibsim.engine._engine",
-    "remedy": "not in this installation: install vibsim with a C compiler",
+    "remedy": "not in this installation: install vibsim again where there is a C compiler",
 }
 FULL = 2.0**-53
 
