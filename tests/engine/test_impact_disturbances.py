@@ -3,7 +3,7 @@
 """
 
 from dataclasses import replace
-from math import cos, exp, pi, sin, sqrt
+from math import cos, exp, isnan, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -141,6 +141,24 @@ def test_chatter_leaves_what_momentum_keeps(engine, method):
     expected = [row, row, [0, 0, own, other], [0, 0, own, other]]
     np.testing.assert_allclose(carried.matrix, expected, rtol=0, atol=1e-12)
     assert np.isnan(carried.undefined_at)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_chatter_on_a_slider_that_sticks_between_the_blows(engine):
+    """A mass strikes a slider, which friction stops before each next blow: there the force on the mass parts
+    them, and the last approaches are slow beside the first. What the slider goes in all is proportional to
+    the square of the first.
+    """
+    force, v0, x0 = -5.0, 5.0, -0.1
+    bodies = [Body("mass", 1.0, x0, v0), Body("slider", 0.5, 0.0, 0.0)]
+    frictions = (Friction("rub", 1, GROUND, 8.0, 8.0, 0.0),)
+    forces = (Force("f", 0, force, ()),)
+    of = scene(bodies, "auto", stops=(wall(0, 1, 0.3),), frictions=frictions, forces=forces)
+    carried = Carrier(of, engine).carry([x0, 0.0, v0, 0.0], 1.0)
+    gone, square = carried.state[1], v0**2 + 2 * force * -x0
+    assert isnan(carried.undefined_at) and gone > 0.1
+    moved = carried.vectors[[0, 2], 1]  # of the slider, by place and speed of the mass
+    np.testing.assert_allclose(moved, gone / square * np.array([2 * force * -1, 2 * v0]), rtol=1e-6)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

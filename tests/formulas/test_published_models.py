@@ -127,3 +127,37 @@ run: {{t_end: 2 s, every: 10 ms}}
     assert list(events.words("kind")) == ["start", "stick_begin", "contact_end", "end"]
     _, sticks, leaves, _ = events["t"]
     assert leaves == pytest.approx(sticks + (-gap / 1000 - events["x_a"][1]) / 0.00719, abs=1e-14)
+
+
+@pytest.mark.parametrize("engine", ["c", "python"])
+@pytest.mark.parametrize(("power", "gap"), [(1.5, 3.0), (1.5, 0.0), (0.5, 3.0), (2.5, -5.0)])
+def test_a_belt_carries_a_body_into_a_contact(power, gap, engine):
+    """It sticks, x = x0 + u t, and a power of the depth grows on it up to mu N: (mu N / K)^(1/power) deep."""
+    law = f'force: "K*p**{power}", K: 1e3 N/m^{power}'
+    text = f"""
+name: belt
+bodies: {{a: 1 kg}}
+stops: {{s: {{between: [a, ground], gap: {gap} mm, acts: compression, {law}}}}}
+friction: {{f: {{between: [a, ground], N: 10 N, mu: 0.5, belt: 0.1 m/s}}}}
+initial: {{a: {{x: -10 mm, v: 0.1 m/s}}}}
+run: {{t_end: 1.3 s, every: 10 ms}}
+"""
+    run = simulate(load_case_text(text, name="belt"), engine=engine, trust=False)
+    met, slips = (gap / 1000 + 0.01) / 0.1, (5 / 1e3) ** (1 / power) / 0.1
+    assert list(run.events.words("kind"))[1:3] == ["contact_begin", "stick_end"]
+    assert run.events["t"][1:3] == pytest.approx([met, met + slips], abs=1e-14)
+
+
+@pytest.mark.parametrize("engine", ["c", "python"])
+def test_a_load_that_begins_with_a_root_moves_what_rests(engine):
+    """A (t - t1)^0.5 on a body that friction holds: it gives way at (mu N / A)^2 behind t1."""
+    text = """
+name: root
+bodies: {a: 1 kg}
+friction: {f: {between: [a, ground], N: 10 N, mu: 0.5}}
+forces: {push: {on: a, force: "A*max(t - t1, 0)**0.5", A: 8 N/s^0.5, t1: 0.5 s}}
+run: {t_end: 1 s, every: 10 ms}
+"""
+    run = simulate(load_case_text(text, name="root"), engine=engine, trust=False)
+    assert list(run.events.words("kind"))[-2:] == ["stick_end", "end"]
+    assert run.events["t"][-2] == pytest.approx(0.5 + (5 / 8) ** 2, abs=1e-14)

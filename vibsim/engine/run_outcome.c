@@ -101,12 +101,13 @@ PyObject *run_disturbances(RunObject *self, PyObject *none)
         PyErr_SetString(PyExc_ValueError, "the run carries no disturbances");
         return NULL;
     }
-    return Py_BuildValue("{sOsNsNsNsNsisdsNs(LNN)sNs(LN)}", "complete", b->complete ? Py_True : Py_False, "rows",
+    return Py_BuildValue("{sOsNsNsNsNsisdsNs(LNN)sNsNs(LN)}", "complete", b->complete ? Py_True : Py_False, "rows",
                          table_of(b->rows, b->row_count, 1 + b->count, 1 + b->count, 1), "vectors",
                          table_of(b->vectors, b->possible, b->size, 1, b->stride), "columns", list_of_ints(b->columns, b->count), "lost",
                          list_of_ints(b->lost, b->count), "losses", b->losses, "pieces", b->pieces, "residual", number_object(b->residual), "near",
                          b->tangencies.count, number_object(b->tangencies.closest), number_object(b->tangencies.closest_time), "fastest",
-                         list_of(b->tangencies.fastest, b->stop_count, 1), "undefined", b->tangencies.undefined,
+                         list_of(b->tangencies.fastest, b->stop_count, 1), "since", list_of(b->tangencies.since, b->stop_count, 1),
+                         "undefined", b->tangencies.undefined,
                          number_object(b->tangencies.undefined_time));
 }
 

@@ -24,6 +24,7 @@ from vibsim.engine.modes.rows import (
     DIFFERENCE,
     FALL,
     FORMULA,
+    HOLD,
     RATE,
     STRIKE,
     Event,
@@ -98,7 +99,7 @@ class Taylor(TaylorExpansion[N]):
         shortest = checks.shortest()
         for _ in range(SHORTENINGS):
             excess = checks.excess(h)
-            if excess <= 0 or h <= shortest:
+            if excess <= 0 or (h <= shortest and excess < BEYOND_ALL):
                 return self.h if h == left else h
             h = self._on_grid(shortened(self.kit, h, excess, self.order))
             if self.t0 + h == self.t0:
@@ -360,15 +361,15 @@ class StepChecks(Generic[N]):
             self.forces.setdefault(one.output, []).extend(c for c in (one.P, one.Q) if c >= 0)
 
     def shortest(self) -> N:
-        """The step [s] that is not made shorter: where the base of a power falls to its zero and is there
-        within the resolution of time. A belt may carry a body there so slowly that shorter steps do not move
-        it.
+        """The step [s] that is not made shorter: where the base of a power is at its zero within the
+        resolution of time, so that the power is known no better. A belt may also carry a body there so slowly
+        that shorter steps do not move it.
         """
         for op in self.tape.tape.ops:
             if op.code != POWER:
                 continue
             base = self.tape.series[op.a]
-            if base[1] < 0 and not base[0] > self.tape.least * abs(base[1]):
+            if (base[1] < 0 or op.value > 0) and not base[0] > self.tape.least * abs(base[1]):
                 return 2 * self.tape.least
         return self.kit.number(0)
 
@@ -414,8 +415,25 @@ class StepChecks(Generic[N]):
                 one = speed / (h * mobility)
                 share, mobile = one if one < share else share, True
         if not mobile:
-            return self.kit.number(0)
+            share = self._held(k, h, value)
         return flow.order * self.kit.power_of_two(flow.tolerance_exponent) * share
+
+    def _held(self, k: int, h: N, value: N) -> N:
+        """What a force that moves nothing has to be small beside: what holds the ties that it pulls at. Where
+        none may give way, the force of which the impulse over the rest of the run is that of `value`
+        over the step; of what is no force 0.
+        """
+        flow, least = self.flow, self.kit.inf
+        for event in flow.rows.events:
+            if event.kind == HOLD and any((term.kind, term.P) == (FORMULA, k) for term in event.terms):
+                size = event.size
+                for term in event.terms:
+                    if term.kind == FORMULA:
+                        size = size + abs(self.tape.output(term.P)[0])
+                least = size if size < least else least
+        if self.kit.finite(least):
+            return least
+        return abs(value) * (flow.scene.t_end - flow.t0) / h if k in self.forces else self.kit.number(0)
 
     def _speed(self, leader: int, h: N) -> N:
         """Size of a velocity over a step: of a body that of all bodies together."""

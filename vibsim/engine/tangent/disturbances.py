@@ -13,7 +13,7 @@ from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.flows.accelerations import joined
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.modes.rows import Event, ModeRows
-from vibsim.engine.tangent.impact_saltation import Undefined
+from vibsim.engine.tangent.impact_saltation import ImpactSaltation, Undefined
 from vibsim.engine.tangent.saltation import Jump, resting, saltation
 from vibsim.engine.tangent.tangencies import Tangencies
 from vibsim.engine.tangent.tangent_closed_form import ClosedFormTangent
@@ -91,6 +91,8 @@ class Disturbances(Generic[N]):
             return
         jump = saltation(self.scene, self.kit, state, before, after, event, touch)
         self.tangencies.judge(event, state, before, after, jump)
+        if isinstance(jump, ImpactSaltation):
+            self.tangencies.struck_at(event.part, state)
         jump = None if isinstance(jump, Undefined) else jump
         if jump is not None:
             for i in range(self.possible):

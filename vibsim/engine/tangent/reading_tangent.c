@@ -77,10 +77,12 @@ static int alloc_all(const Run *r, Tangent *b)
     b->taylor.series = zalloc(TANGENT_GROUP * (2 * columns + 1) * SERIES, sizeof *b->taylor.series);
     b->taylor.force = zalloc(2 * columns, sizeof *b->taylor.force);
     b->seat = zalloc(columns, sizeof(int));
-    b->tangencies.fastest = zalloc((size_t)b->stop_count, sizeof(Real));
+    b->tangencies.fastest = zalloc(3 * (size_t)b->stop_count, sizeof(Real));
     if (!b->columns || !b->lost || !b->vectors || !b->sums || !b->rows || !b->fitted || !b->q || !b->accelerations || !b->moving ||
         !b->taylor.series || !b->taylor.force || !b->seat || !b->tangencies.fastest)
         return 0;
+    b->tangencies.since = b->tangencies.fastest + b->stop_count;
+    b->tangencies.struck = b->tangencies.since + b->stop_count;
     b->over_columns = b->columns + count;
     b->over = b->sums + count;
     b->moved = b->vectors + size * stride;

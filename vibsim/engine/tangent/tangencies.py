@@ -6,7 +6,8 @@ of it. Crossings are judged by the square of their rate over that of the whole m
 the depth of the deepest one. A share below CLOSE counts as a tangency. An impact on a rigid stop counts
 where the acceleration in front of it parts the ends; where it drives them together, as in chatter, no motion
 turns before the stop. Below GRAZING rounding decides whether it comes up to the stop at all, and there is no
-derivative; nor at other events whose saltation is undefined.
+derivative; nor at other events whose saltation is undefined. There its share is that of the motion since the
+stop was struck before: hops of a sequence of impacts shrink, and their approaches are no slower than they.
 """
 
 from __future__ import annotations
@@ -47,12 +48,14 @@ class Tangencies(Generic[N]):
     """Counts close crossings and keeps the closest.
 
     fastest : by stop, the largest |v_P - v_Q| + rate |x_P - x_Q| at an event or the end of a step [m/s]
+    since : by stop, the same since it was struck last, with x_P - x_Q from `struck`, where that was [m/s]
     undefined, undefined_time : events that have no derivative, the time of the first [s]
     """
 
     def __init__(self, scene: Scene[N], kit: Kit[N]) -> None:
         self.scene, self.kit, self.rate = scene, kit, natural_rate(scene, kit)
         self.fastest = [kit.number(0)] * len(scene.stops)
+        self.since, self.struck = list(self.fastest), list(self.fastest)
         self.nothing = kit.number(1), kit.number(0)
         self.forget()
 
@@ -74,6 +77,13 @@ class Tangencies(Generic[N]):
             distance, rate = self._between(stop, state)
             speed = abs(rate) + self.rate * abs(distance)
             self.fastest[i] = speed if speed > self.fastest[i] else self.fastest[i]
+            speed = abs(rate) + self.rate * abs(distance - self.struck[i])
+            self.since[i] = speed if speed > self.since[i] else self.since[i]
+
+    def struck_at(self, i: int, state: State[N]) -> None:
+        """Learn of an impact on stop number i that led to `state`."""
+        self.struck[i], rate = self._between(self.scene.stops[i], state)
+        self.since[i] = abs(rate)
 
     def _between(self, stop: Joined, state: State[N]) -> tuple[N, N]:
         """x_P - x_Q and v_P - v_Q."""
@@ -100,7 +110,7 @@ class Tangencies(Generic[N]):
             share = rate / self.fastest[i]
         elif isinstance(jump, ImpactSaltation) and self.fastest[i] > 0 and jump.drive <= 0:
             share = jump.approach / self.fastest[i]
-            if share * share < GRAZING:
+            if jump.approach * jump.approach < GRAZING * (self.since[i] * self.since[i]):
                 self.refuse(state.t)
         elif event.kind == SLIDE and after.status.frictions[i] == STICK:
             share = self._stopping_share(event, state, before)
@@ -203,7 +213,7 @@ class Jumps:
         entries, near = self.run.disturbances(), self.tangencies
         vectors = entries["vectors"]
         near.forget()
-        near.fastest = entries["fastest"]
+        near.fastest, near.since = entries["fastest"], entries["since"]
         jump = saltation(self.scene, Doubles, state, before, after, event, touch)
         near.judge(event, state, before, after, jump)
         jump = None if isinstance(jump, Undefined) else jump

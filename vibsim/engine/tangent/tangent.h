@@ -80,7 +80,7 @@ typedef struct {
 } TaylorTangent;
 
 typedef struct {
-    Real rate, *fastest, closest, closest_time, undefined_time;
+    Real rate, *fastest, *since, *struck, closest, closest_time, undefined_time;
     long long count, undefined;
 } Tangencies;
 
@@ -125,6 +125,7 @@ void reversal_accelerations(const Run *r, const Mode *m, const State *state, int
 /* tangencies.c */
 void tangencies_forget(Tangencies *near);
 void tangencies_pass_by(Run *r, const State *state);
+void tangencies_struck_at(Run *r, int i, const State *state);
 void tangencies_refuse(Tangencies *near, Real t);
 void tangencies_note(Tangencies *near, int count, Real share, Real t);
 void tangencies_judge(Run *r, const Event *event, const State *state, const Mode *before, const Mode *after);

@@ -231,6 +231,34 @@ static Real speed_of(const Run *r, int leader, Real h)
     return total;
 }
 
+/* What a force that moves nothing has to be small beside: what holds the ties that it pulls at. Where none may give way,
+ * the force of which the impulse over the rest of the run is that of `value` over the step; of what is no force 0.
+ */
+static Real held_by(const Run *r, int k, Real h, Real value)
+{
+    const Mode *m = r->mode;
+    Real least = INFINITY;
+    int i, j;
+    for (i = 0; i < m->event_count; i++) {
+        const Event *e = &m->events[i];
+        const Term *terms = m->terms + e->first;
+        Real size = e->size;
+        int reads = 0;
+        for (j = 0; e->kind == HOLD && j < e->terms; j++)
+            if (terms[j].kind == FORMULA) {
+                size = size + fabs(r->taylor.tapes.series[m->tape.outputs[terms[j].P]][0]);
+                reads = reads || terms[j].P == k;
+            }
+        least = reads && size < least ? size : least;
+    }
+    if (isfinite(least))
+        return least;
+    for (i = 0; i < m->formula_count; i++)
+        if (m->formulas[i].output == k && (m->formulas[i].to_P >= 0 || m->formulas[i].to_Q >= 0))
+            return fabs(value) * (r->t_end - r->t0) / h;
+    return 0.0;
+}
+
 /* How wrong a force may be so that velocities are not wrong beyond the tolerance of the step; of what is at rest and begins
  * to move, where `value` is the force at h, beyond that of the speed it would come to. */
 static Real share_of(const Run *r, int k, Real h, Real value, Real tolerance)
@@ -256,7 +284,7 @@ static Real share_of(const Run *r, int k, Real h, Real value, Real tolerance)
             mobile = 1;
         }
     }
-    return mobile ? f->order * tolerance * share : 0.0;
+    return f->order * tolerance * (mobile ? share : held_by(r, k, h, value));
 }
 
 /* A series at two times, as `horner` has it, and the rounding of it at the first, the later one. */
@@ -343,8 +371,7 @@ static double excess(Run *r, Real h, Real tolerance)
     return worst[0] > worst[1] ? worst[0] : worst[1];
 }
 
-/* The step that is not made shorter: where the base of a power falls to its zero and is there within the resolution of time.
- */
+/* The step that is not made shorter: where the base of a power is at its zero within the resolution of time. */
 static Real shortest_step(const Run *r)
 {
     const TapeRoom *room = &r->taylor.tapes;
@@ -355,7 +382,7 @@ static Real shortest_step(const Run *r)
         if (tape->ops[k].code != OP_POWER)
             continue;
         base = room->series[tape->ops[k].a];
-        if (base[1] < 0 && !(base[0] > room->least * fabs(base[1])))
+        if ((base[1] < 0 || tape->ops[k].value > 0) && !(base[0] > room->least * fabs(base[1])))
             return 2 * room->least;
     }
     return 0.0;
@@ -381,7 +408,7 @@ void sound_step(Run *r)
     r->singular = NOTHING;
     for (i = 0; i < SHORTENINGS; i++) {
         double most = excess(r, h, tolerance), digits;
-        if (most <= 0 || h <= shortest) {
+        if (most <= 0 || (h <= shortest && most < BEYOND_ALL)) {
             f->h = h == left ? f->h : h;
             return;
         }

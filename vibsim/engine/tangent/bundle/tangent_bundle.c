@@ -370,6 +370,8 @@ void tangent_cross(Run *r, int event, const Mode *before, const Mode *after)
         return;
     done = b->handed.here ? note_handed(r) : jump(r, e, before, after);
     b->handed.here = 0;
+    if (e->kind == STRIKE && done.jumps)
+        tangencies_struck_at(r, e->part, &r->next);
     if (!same_ties(r, before, after)) {
         change_ties(r, after);
     } else if (done.jumps && !b->given) {

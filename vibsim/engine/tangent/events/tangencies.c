@@ -44,7 +44,18 @@ void tangencies_pass_by(Run *r, const State *state)
         between(r, &r->tangent->stops[i], state, &distance, &rate);
         speed = fabs(rate) + near->rate * fabs(distance);
         near->fastest[i] = speed > near->fastest[i] ? speed : near->fastest[i];
+        speed = fabs(rate) + near->rate * fabs(distance - near->struck[i]);
+        near->since[i] = speed > near->since[i] ? speed : near->since[i];
     }
+}
+
+/* Learn of an impact on stop number i that led to a state. */
+void tangencies_struck_at(Run *r, int i, const State *state)
+{
+    Tangencies *near = &r->tangent->tangencies;
+    Real rate;
+    between(r, &r->tangent->stops[i], state, &near->struck[i], &rate);
+    near->since[i] = fabs(rate);
 }
 
 /* Deceleration of a sliding that ends, over the largest with which it can end in sticking. */
