@@ -173,10 +173,12 @@ class Automaton(Generic[N]):
         if sense < 0:
             raise EngineError("held", state, switches.rows.owners[i])
         happened: Happened = [("switch", switches.part_of[i])]
+        tied, belts = after, switches.jumping_belts(state, status, after)
+        after = after.with_frictions(belts)
         if after.tied:
-            tied = after
-            after = self.settling.settle(state, after, tied.tied)
-            happened += changes(tied, after, known)
+            after = self.settling.settle(state, after, after.tied)
+        happened += changes(tied, after, known)
+        known |= {(SLIDE, k): 0 for k, sense in belts.items() if sense != STICK}
         return after, happened, {**known, event.key: behind}
 
     def _sliding_ends(self, state: State[N], status: Status, event: Event[N]) -> Taken:
@@ -348,6 +350,7 @@ class UnambiguousStart:
         self.known = not (
             scene.base
             or scene.clearances
+            or scene.has_courses
             or any(isinstance(stop, RigidStop) or stop.lets_go for stop in scene.stops)
         )
         self.stops = [(*ends(stop), stop.sense, stop.gap) for stop in scene.stops]

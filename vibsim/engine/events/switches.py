@@ -4,7 +4,7 @@ event.
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Mapping, Sequence
 from typing import TYPE_CHECKING, Generic
 
 from vibsim.engine.errors import EngineError, State
@@ -14,9 +14,9 @@ from vibsim.engine.flows.tape import Inputs, TapeMaker, TapeValues
 from vibsim.engine.modes.formula_rows import FormulaRows
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import SWITCH, Event, Known
-from vibsim.engine.modes.status import Status
+from vibsim.engine.modes.status import BACKWARD, FORWARD, STICK, Status
 from vibsim.physics.connections import event_parts
-from vibsim.physics.formulas import Node
+from vibsim.physics.formulas import TIME, Node, derivative, resolved, sub
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 
@@ -127,19 +127,46 @@ class SwitchSides(Generic[N]):
         """
         if self.rows.only_bends(i):
             return False
-        at, blur = self.inputs(state, before)
+        inputs, sides = self.inputs(state, before), [self.rows.sides(one) for one in (before, after)]
         for root in self.rows.roots(before):
-            pair = []
-            for status in (before, after):
-                maker = TapeMaker(self.kit, self.rows.sides(status), self.maker.columns)
-                k = maker.output(root.node)
-                pair.append(TapeValues(self.kit, maker.tape, at, blur).output(k))
-            (one, lost), (other, blurred) = pair
-            if abs(one - other) > lost + blurred + NO_JUMP * (abs(one) + abs(other)):
+            if self._jumps([root.node] * 2, sides, inputs):
                 if root.role == ("base",) and not self.scene.base_is_rate:
                     raise EngineError("torn", state)
                 return True
+            if root.role[0] == "course":
+                rates = [derivative(resolved(root.node, each), TIME) for each in sides]
+                if self._jumps(rates, sides, inputs):
+                    return True
         return False
+
+    def _jumps(
+        self, nodes: Sequence[Node], sides: Sequence[Mapping[Node, int]], inputs: tuple[Inputs[N], Inputs[N]]
+    ) -> bool:
+        """Whether two formulas, each on its sides of the switches, differ by more than rounding."""
+        pair = []
+        for node, each in zip(nodes, sides, strict=True):
+            maker = TapeMaker(self.kit, each, self.maker.columns)
+            k = maker.output(node)
+            pair.append(TapeValues(self.kit, maker.tape, *inputs).output(k))
+        (one, lost), (other, blurred) = pair
+        return bool(abs(one - other) > lost + blurred + NO_JUMP * (abs(one) + abs(other)))
+
+    def jumping_belts(self, state: State[N], before: Status, after: Status) -> dict[int, int]:
+        """The frictions whose belts jump between two modes, with the senses in which their ends slip then;
+        STICK where they are at rest on it by chance.
+        """
+        inputs, sides = self.inputs(state, before), [self.rows.sides(one) for one in (before, after)]
+        found: dict[int, int] = {}
+        for k, friction in enumerate(self.scene.frictions):
+            course = friction.course
+            if course is not None and self._jumps([course] * 2, sides, inputs):
+                P, Q = self.maker.ends(friction)
+                slip = sub(sub(("v", P), ("v", Q)), course)
+                maker = TapeMaker(self.kit, sides[1], self.maker.columns)
+                k_slip = maker.output(slip)
+                value, bound = TapeValues(self.kit, maker.tape, *inputs).output(k_slip)
+                found[k] = STICK if abs(value) <= bound else FORWARD if value > 0 else BACKWARD
+        return found
 
     def initial(
         self, state: State[N], departures: DerivativeSigns[N], status: Status
