@@ -1,4 +1,4 @@
-"""Belts whose velocity is a formula: between bodies, beside a base that moves, several that differ."""
+"""Belts whose velocity is a formula, between bodies, beside a base, several that differ; kinks of a base."""
 
 from decimal import Decimal, localcontext
 from math import cos, exp, sin
@@ -241,3 +241,43 @@ def test_disturbances_are_difference_quotients_in_forty_digits():
         ends = [end_in_digits(case, key, by) for by in (small, -small)]
         quotients = [float((one - other) / (2 * small)) for one, other in zip(*ends, strict=True)]
         assert quotients == pytest.approx(row, abs=1e-12)
+
+
+# A base whose velocity jumps, under what sticks to it and what rests on it.
+
+
+KINK = """\
+name: kink
+bodies: {a: 1 kg}
+PARTS
+base: {x: "V*max(t - t1, 0)", V: SPEED, t1: 1 s}
+run: {t_end: 3 s, every: 0.5 s}
+"""
+STICKS = "friction: {on: {between: [a, base], N: 5 N, mu: 0.1}}"
+RESTS = """stops: {w: {between: [a, base], gap: 0 mm, acts: extension, law: rigid, e: 0.5}}
+forces: {weight: {on: a, F0: -1 N}}"""
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+@pytest.mark.parametrize(
+    ("parts", "speed", "told", "velocities"),
+    (
+        (STICKS, 0.2, [(1, "switch"), (1, "stick_end"), (1.4, "stick_begin")], [0, 0, 0, 0.2, 0.2, 0.2, 0.2]),
+        # struck by 0.2 m/s it leaves with 1.5 times that, and comes down 2 0.1 / 1 later
+        (RESTS, 0.2, [(1, "switch"), (1, "impact"), (1, "rest_end"), (1.2, "impact")], [0, 0, 0.3]),
+        # the base falls away, and it follows: 0.2 t = t^2 / 2
+        (RESTS, -0.2, [(1, "switch"), (1, "rest_end"), (1.4, "impact")], [0, 0, 0]),
+    ),
+)
+def test_a_kink_of_the_base_is_a_blow_to_what_rests_on_it(parts, speed, told, velocities, engine):
+    """Friction gives no impulse, and a stop no pull: both went along with the base at once."""
+    text = KINK.replace("PARTS", parts).replace("SPEED", f"{speed} m/s")
+    run = simulate(case_of(text), engine=engine, trust=False)
+    happened = [(round(t, 12), kind) for t, kind in events_of(run)]
+    assert happened[1 : 1 + len(told)] == told
+    assert run["v_a"][: len(velocities)].tolist() == pytest.approx(velocities, abs=1e-14)
+    assert run["v_a"][-1] == pytest.approx(speed, abs=1e-14)
+    assert abs(run.attrs["energy_residual"]) < 1e-15
+    assert float(run.at(1.15)["v_a"]) == pytest.approx(
+        float(simulate(case_of(text.replace("every: 0.5", "every: 0.05")))["v_a"][23]), abs=1e-14
+    )

@@ -313,7 +313,7 @@ class FormulaParts:
     @cached_property
     def belts_are_base(self) -> bool:
         """Whether belts by formulas move as a base does that nothing else is on: all alike, on the ground of
-        a scene without a base.
+        a scene with a rotor and without a base.
         """
         ends = [
             Ends.read(part.get("between"))
@@ -321,7 +321,8 @@ class FormulaParts:
             if has_formula("friction", part, "belt")
         ]
         on_ground = all(one is not None and GROUND_END in (one.P, one.Q) for one in ends)
-        return "base" not in self.values and on_ground and len(set(self.belts().values())) <= 1
+        alike = "base" not in self.values and on_ground and len(set(self.belts().values())) <= 1
+        return alike and bool(self.values.get("rotors") or self.values.get("motor"))
 
     def belts(self) -> dict[str, Node]:
         """Velocities of the belts that move by formulas, by friction: of the surface on the ground, be it Q

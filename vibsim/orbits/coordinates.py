@@ -25,7 +25,7 @@ from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike, w
 from vibsim.lazy import once
 from vibsim.physics.connections import body_sets, felt_angles, reads_time, whole_turn_angles
 from vibsim.physics.elementary import sine_cosine_of_arrays
-from vibsim.physics.formulas import TIME, ZERO, derivative
+from vibsim.physics.formulas import TIME, ZERO, derivative, reads
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import BASE, BODY, ROTOR, STATE, Body, Scene, columns_of
 from vibsim.physics.rates import Period, common_period, is_driven, springs_of, turning_rotor
@@ -597,6 +597,11 @@ def section_of(scene: Scene) -> PoincareSection:
     period = common_period(scene)
     if period is not None:
         return PoincareSection(period)
+    if _base_moves_evenly(scene):
+        raise NoSection(
+            "the base moves on evenly, so nothing comes back: describe the scene from the base, which then "
+            "rests (ground in its place), and give the frictions of the ground a belt that runs the other way"
+        )
     if reads_time(scene):
         raise NoSection(
             "a formula reads the time otherwise than in sin, cos and mod of a multiple of it, or their "
@@ -618,6 +623,14 @@ def section_of(scene: Scene) -> PoincareSection:
         "an orbit needs a periodic source (a harmonic force, a moving base or a motor), or a spring that "
         "brings a body back; the scene has neither"
     )
+
+
+def _base_moves_evenly(scene: Scene) -> bool:
+    """Whether the displacement of the base grows in proportion to the time."""
+    base = scene.base_formula
+    if base is None or scene.base_is_rate or not reads([base], ("t",)):
+        return False
+    return not reads([derivative(base, TIME)], ("t",))
 
 
 def _freer_side(scene: Scene, body: int) -> int:

@@ -42,7 +42,7 @@ from vibsim.physics.formulas import (
     walk,
 )
 from vibsim.physics.numbers import Doubles, Kit, N, abs
-from vibsim.physics.parts import Scene, Stop
+from vibsim.physics.parts import BASE, Scene, Stop
 
 PROBES = (0.618, 1.414, 2.236)  # depths at which functions are compared, of no special meaning
 IRRATIONALS = (0.7548776662, 0.5698402910, 0.8191725134)  # whose multiples give all else that they read
@@ -98,7 +98,10 @@ class FormulaRows(Generic[N]):
                         self.owners.append(root.text)
                     number, first = known[watched]
                     self.same[node] = number, sign * first
-        of_courses = walk([root.node for root in self.all_roots if root.role[0] == "course"])
+        rigid_or_dry = (*self.scene.frictions, *(stop for _, stop in self.scene.rigid_stops))
+        on_base = any(BASE in (part.P, part.Q) for part in rigid_or_dry)
+        moving = ("course", "base") if on_base else ("course",)
+        of_courses = walk([root.node for root in self.all_roots if root.role[0] in moving])
         self.of_courses = {self.same[node][0] for node in of_courses if node[0] in SWITCHES}
         self._above = Kept[tuple[Node, tuple[int, ...]], bool](MOST_SIDES)
         self.behind = {node: [one for one in walk([node[1]]) if one[0] in SWITCHES] for node in self.same}
@@ -140,7 +143,7 @@ class FormulaRows(Generic[N]):
 
     def only_bends(self, i: int) -> bool:
         """Whether switch `i` is one of continuous formulas alone, as |a|: where it turns nothing jumps, nor
-        does the acceleration of a belt.
+        does the acceleration of a belt, or the velocity of a base that something sticks to or rests on.
         """
         if i in self.of_courses:
             return False

@@ -42,7 +42,7 @@ from vibsim.engine.modes.rows import (
     Term,
 )
 from vibsim.engine.modes.status import CONTACT, FORWARD, RESTING, STICK, Status
-from vibsim.engine.tangent.impact_saltation import Undefined, impact_saltation
+from vibsim.engine.tangent.impact_saltation import UNDEFINED, Undefined, impact_saltation
 from vibsim.engine.tangent.tangent_taylor import TaylorTangent
 from vibsim.physics.formulas import is_continuous
 from vibsim.physics.numbers import Kit, N, abs, total_of
@@ -149,6 +149,8 @@ def saltation(
     if event.kind == STRIKE:
         assert touch is not None
         return impact_saltation(scene, kit, state, before, after, event, touch)
+    if event.kind == SWITCH and touch is not None:
+        return UNDEFINED  # a kink of the base that strikes what rests on it
     if event.kind == SWITCH:
         return _released(scene, kit, state, before, after, event) if turns_forces(before, after) else None
     old, new = before.status, after.status
