@@ -78,3 +78,28 @@ def test_a_chatter_that_is_complete_no_more_loses_one_impact_after_the_other(beg
     assert lost["cho"] == pytest.approx(2.184239668, rel=1e-9)
     for count in counts:
         assert lost["i" * count] == pytest.approx(LOST[count], rel=1e-12)
+
+
+PARAMETRIC = """
+name: parametric
+bodies: {a: 1 kg}
+links:
+  s: {between: [a, base], force: "k*d*(1 + q*cos(w*t)) + c*v", k: 100 N/m, c: 2 N s/m, q: 0.2, w: 1 Hz}
+stops: {wall: {between: [a, ground], gap: 25 mm, acts: extension, law: rigid, e: 0.6}}
+base: {a: 15 mm, omega: 1 Hz}
+run: {t_end: 9 s, every: 10 ms}
+"""
+
+
+def test_a_graze_of_an_orbit_that_a_stiffness_in_time_drives(tmp_path):
+    """Up to the stop the motion is linear, so its amplitude grows as the base does; windows about the touch
+    began with the formulas as they are at the section, not as they are there.
+    """
+    path = tmp_path / "parametric.yaml"
+    path.write_text(PARAMETRIC)
+    case = load_case(str(path))
+    there = orbit(case)
+    graze = 15e-3 * 25e-3 / (25e-3 - there.margin)
+    branch = continue_branch(there, "base.a", "14.9:25 mm")
+    (touch,) = [one for one in branch.specials if one.kind == "grazing"]
+    assert touch.parameter == pytest.approx(1e3 * graze, rel=1e-9)

@@ -1,5 +1,7 @@
 """Orbits of scenes with formulas, rotors and states against closed forms and an independent solver."""
 
+from math import cos, pi, sin
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -213,12 +215,92 @@ def test_formulas_without_a_period_have_no_section(changes, message):
         section_of(case_of(MACHINE, changes).scene())
 
 
-def test_several_rotors_that_turn_freely_have_no_section_yet():
-    two = CURRENT.replace(
-        "run:", '  right: {on: cart, m: 0.1 kg, e: 0.02 m, J: 0.001 kg m^2, torque: "T", T: 1 N m}\nrun:'
-    )
-    with pytest.raises(NoSection, match=r"several rotors \(left, right\).* not supported yet"):
-        section_of(case_of(two).scene())
+# Several rotors that turn freely: exciters on one frame, which synchronise.
+
+
+EXCITERS = """\
+name: exciters
+bodies: {frame: 5 kg}
+links: {spring: {between: [frame, ground], k: 5 kN/m, c: 30 N s/m}}
+rotors:
+  left: {on: frame, m: 0.2 kg, e: 30 mm, J: 1e-4 kg m^2, M0: 0.3 N m, Omega0: 10 Hz}
+  right: {on: frame, m: 0.2 kg, e: 30 mm, J: 1e-4 kg m^2, TORQUE}
+initial: {left: {w: 10 Hz}, right: {phi: 160 deg, w: START}}
+run: {t_end: 6 s, every: 20 ms}
+"""
+
+
+OF_EXCITERS = ("x_frame", "phi_left", "phi_right", "v_frame", "w_left", "w_right")
+
+
+def exciters(right, sense=1):
+    """With a second motor of another no-load speed [Hz], which turns forwards or backwards."""
+    torque = f'torque: "M*({sense} - w/Om)", M: 0.3 N m, Om: {right} Hz'
+    text = EXCITERS.replace("TORQUE", torque).replace("START", f"{sense * right} Hz")
+    return case_of(text)
+
+
+def turned(state, right, sense):
+    """The state when the first rotor has made its turn, and the time [s], by equations of their own."""
+    m, r = 5.4, 0.006  # of all, and unbalance [kg m]
+    inertia, torque = 1e-4 + 0.2 * 0.03**2, 0.3
+
+    def rates(_, y):
+        x, p, q, v, w, u = y
+        mass = np.array([[m, -r * sin(p), -r * sin(q)], [-r * sin(p), inertia, 0], [-r * sin(q), 0, inertia]])
+        forces = [
+            -5e3 * x - 30 * v + r * (w * w * cos(p) + u * u * cos(q)),
+            torque * (1 - w / (20 * pi)),
+            torque * (sense - u / (2 * pi * right)),
+        ]
+        return [v, w, u, *np.linalg.solve(mass, forces)]
+
+    def whole(_, y):
+        return y[1] - 2 * pi
+
+    whole.terminal = True
+    course = solve_ivp(rates, (0, 1), state, "DOP853", events=whole, rtol=1e-12, atol=1e-13)
+    return course.y[:, -1], course.t[-1]
+
+
+def multipliers_of(start, right, sense=1):
+    """Of the map from turn to turn of the first rotor, by differences of that solver."""
+    free, small = [0, 2, 3, 4, 5], 1e-5
+    matrix = np.zeros((5, 5))
+    for column, i in enumerate(free):
+        ends = []
+        for by in (small, -small):
+            moved = start.copy()
+            moved[i] += by
+            ends.append(turned(moved, right, sense)[0][free])
+        matrix[:, column] = (ends[0] - ends[1]) / (2 * small)
+    return np.linalg.eigvals(matrix)
+
+
+@pytest.mark.parametrize(("right", "sense"), ((10.5, 1), (10.3, -1)))
+def test_exciters_on_a_frame_turn_together(right, sense):
+    """A turn of the first one, and one of the other: closed, and its multipliers, by another solver."""
+    found = vibsim.orbit(exciters(right, sense))
+    start = np.array([found.state[name] for name in OF_EXCITERS])
+    end, period = turned(start, right, sense)
+    assert period == pytest.approx(found.period, rel=1e-10)
+    assert end - start == pytest.approx([0, 2 * pi, 2 * pi * sense, 0, 0, 0], abs=1e-8)
+    assert found.turns == {"phi_right": sense}
+    theirs = multipliers_of(start, right, sense)
+    for multiplier in found.multipliers:
+        assert abs(theirs - multiplier).min() < 1e-5
+
+
+def test_the_orbits_of_two_exciters_are_a_loop_between_the_ends_of_synchronisation():
+    """Round the loop one rotor gains a turn on the other; the folds are where synchronisation is lost."""
+    case = case_of(EXCITERS.replace("TORQUE", "M0: 0.3 N m, Omega0: 10 Hz").replace("START", "10 Hz"))
+    branch = vibsim.continue_branch(vibsim.orbit(case), "rotors.right.Omega0", "8:13 Hz")
+    assert branch.closed
+    low, high = sorted(branch.specials, key=lambda one: one.parameter)
+    assert low.kind == high.kind == "fold" and low.parameter < 9.01 and high.parameter > 11.31
+    for fold in (low, high):
+        theirs = multipliers_of(np.insert(fold.orbit.state, 1, 0.0), fold.parameter)
+        assert abs(theirs - 1).min() < 1e-5
 
 
 # Derivatives by numbers of formulas, and many digits.

@@ -203,7 +203,7 @@ def test_a_pendulum_swings_by_its_inertia():
 
 
 def test_the_rotor_that_turns_a_scene():
-    """One rotor whose torque does work over a turn, or reads a current; none beside a periodic source."""
+    """The first whose torque works forwards in a turn, or reads a current; none beside a periodic source."""
     bodies = (
         Body("a", 1.0, 0.0, 0.0),
         Body("left", 0.04, 0.0, 3.0, kind=ROTOR),
@@ -221,7 +221,11 @@ def test_the_rotor_that_turns_a_scene():
     pushed = scene(bodies=bodies, forces=(steady, Force("push", 0, 0.0, (), wave(hertz(3)))))
     assert rates.turning_rotor(pushed) is None
     two = (*bodies[:2], Body("right", 0.04, 0.0, 0.0, kind=ROTOR))
-    assert rates.turning_rotor(scene(bodies=two, forces=(steady,))) is None
+    backwards = Force("left", 1, 0.0, (), num(-2))
+    forwards = Force("right", 2, 0.0, (), num(1))
+    assert rates.turning_rotor(scene(bodies=two, forces=(steady, forwards))) == 1
+    assert rates.turning_rotor(scene(bodies=two, forces=(backwards, forwards))) == 2
+    assert rates.turning_rotor(scene(bodies=two, forces=(backwards,))) == 1
 
 
 def test_a_start_has_what_formulas_read():

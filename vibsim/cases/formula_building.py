@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 from vibsim.cases.formula_places import (
@@ -21,8 +22,9 @@ from vibsim.cases.problems import did_you_mean, shown
 from vibsim.cases.quantities import Quantity, QuantityError
 from vibsim.cases.schema_keys import all_keys
 from vibsim.cases.schema_kinds import FORMULA_KEYS, Formula, has_formula, of_part, sides_of
+from vibsim.cases.short_form import BASE as BASE_END
 from vibsim.cases.short_form import GROUND as GROUND_END
-from vibsim.cases.short_form import FoundDefault
+from vibsim.cases.short_form import Ends, FoundDefault
 from vibsim.physics import formulas as nodes
 from vibsim.physics.formulas import ONE, ZERO, Node
 from vibsim.physics.parts import BASE, GROUND, HYPERBOLIC
@@ -57,7 +59,7 @@ def _of_formula(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefau
         return
     try:
         if place.section == "friction" and place.key == "belt":
-            yield from _belt_is_alone(scene, place)
+            yield from _belt_carries_no_rotor(scene, place)
         yield from _clashes(scene, place)
         scene.node(place)
         if place.key == "mu":
@@ -68,16 +70,37 @@ def _of_formula(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefau
         return
 
 
-def _belt_is_alone(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]:
-    """A belt by a formula runs on the ground, in a scene without base, and moves as all such belts."""
-    belts = [one for one in places_of(scene.values) if (one.section, one.key) == ("friction", "belt")]
-    if GROUND not in scene.ends(place):
-        yield FoundDefault(place.path, "a belt by a formula runs on the ground: one end must be ground")
-    elif "base" in scene.values:
-        yield FoundDefault(place.path, "a belt by a formula is not supported beside a base that moves")
-    elif len({scene.node(one) for one in belts}) > 1:
-        names = ", ".join(one.name for one in belts)
-        yield FoundDefault(place.path, f"belts by formulas must move alike; those of {names} differ")
+def _belt_carries_no_rotor(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]:
+    """A belt by a formula that is not one base of all carries bodies without a rotor."""
+    if FormulaParts(scene.values).belts_are_base:
+        return
+    riders = {str(part.get("on")) for part in _section(scene.values, "rotors").values()}
+    if scene.motor:
+        motor = scene._part("motor", "") if "motor" in scene.values else {"on": "1"}
+        riders.add(str(motor.get("on")))
+    carried = _tied_to(scene, place)
+    for body in riders & carried:
+        message = (
+            f"a belt by a formula between bodies, or beside a base, carries {body}, on which a rotor turns; "
+            "that is not supported, nor by way of other frictions and rigid stops"
+        )
+        yield FoundDefault(place.path, message)
+
+
+def _tied_to(scene: FormulaScene, place: FormulaPlace) -> set[str]:
+    """The bodies that frictions and rigid stops may tie to the ends of a friction, and these."""
+    pairs = []
+    for section in ("friction", "stops"):
+        for name, part in _section(scene.values, section).items():
+            ends = Ends.read(part.get("between"))
+            if ends is not None and (section == "friction" or str(part.get("law")) == "rigid"):
+                pairs.append((section, name, {ends.P, ends.Q} - {GROUND_END, BASE_END}))
+    tied = next(ends for section, name, ends in pairs if (section, name) == ("friction", place.name))
+    while True:
+        more = set().union(*(ends for _, _, ends in pairs if ends & tied)) - tied
+        if not more:
+            return tied
+        tied = tied | more
 
 
 def _at_rest(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]:
@@ -265,11 +288,15 @@ class FormulaParts:
         weight : () -> m g of the first end [N], exact
         """
         sides = sides_of("friction", part)
-        if not (sides or self.has("friction", name, "mu") or self.has("friction", name, "N")):
+        on_its_own = isinstance(part["belt"], Formula) and not self.belts_are_base
+        by_formulas = on_its_own or self.has("friction", name, "mu") or self.has("friction", name, "N")
+        if not (sides or by_formulas):
             return None
         load = self._load(name, part, weight)
         P, Q = self.scene.ends(FormulaPlace("friction", name, "", "mu", ""))
-        if isinstance(part["belt"], Formula):
+        if on_its_own:
+            slip = nodes.sub(difference("v", P, Q), self.node("friction", name, "belt"))
+        elif isinstance(part["belt"], Formula):
             P, Q = (BASE if end == GROUND else end for end in (P, Q))
             slip = difference("v", P, Q)
         else:
@@ -283,15 +310,30 @@ class FormulaParts:
             rises = rises or coefficient.rises
         return (slips[0], slips[1]), (holds[0], holds[1]), rises
 
+    @cached_property
+    def belts_are_base(self) -> bool:
+        """Whether belts by formulas move as a base does that nothing else is on: all alike, on the ground of
+        a scene with a rotor and without a base.
+        """
+        ends = [
+            Ends.read(part.get("between"))
+            for name, part in self.values.get("friction", {}).items()
+            if has_formula("friction", part, "belt")
+        ]
+        on_ground = all(one is not None and GROUND_END in (one.P, one.Q) for one in ends)
+        alike = "base" not in self.values and on_ground and len(set(self.belts().values())) <= 1
+        return alike and bool(self.values.get("rotors") or self.values.get("motor"))
+
     def belts(self) -> dict[str, Node]:
         """Velocities of the belts that move by formulas, by friction: of the surface on the ground, be it Q
         or P [m/s].
         """
         found: dict[str, Node] = {}
         for name, part in self.values.get("friction", {}).items():
-            if isinstance(part.get("belt"), Formula):
+            ends = Ends.read(part.get("between"))
+            if has_formula("friction", part, "belt") and ends is not None:
                 node = self.node("friction", name, "belt")
-                found[name] = node if part["between"].Q == GROUND_END else nodes.neg(node)
+                found[name] = node if ends.Q == GROUND_END else nodes.neg(node)
         return found
 
     def _load(self, name: str, part: Values, weight: Any) -> Node:

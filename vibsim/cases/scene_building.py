@@ -262,7 +262,8 @@ class _SceneBuilder:
         if self.formulas is None:
             return {"torsional": True} if form_of(self.values).torsional else {}
         base = self.formulas.node("base", "", "x") if self.formulas.has("base", "", "x") else None
-        belt = next(iter(self.formulas.belts().values()), None)
+        belts = self.formulas.belts() if self.formulas.belts_are_base else {}
+        belt = next(iter(belts.values()), None)
         rotors = tuple(
             Rotor(self.index[name], self.index[part["on"]], self.exact(part["m"].value * part["e"].value))
             for name, part, _ in self.formulas.rotors()
@@ -352,13 +353,19 @@ class _SceneBuilder:
         """Forces coefficient times N or m g, multiplied exactly and rounded once; None where all are 0."""
         forces = self.formulas.friction(name, part, self.weight) if self.formulas else None
         P, Q = self.ends(part)
-        by_formula = isinstance(part["belt"], Formula)
-        if by_formula:  # the belt moves as a base does that nothing else is on
-            P, Q = (BASE if end == GROUND else end for end in (P, Q))
+        by_formula, course = isinstance(part["belt"], Formula), None
+        if by_formula and self.formulas:
+            if self.formulas.belts_are_base:
+                P, Q = (BASE if end == GROUND else end for end in (P, Q))
+            else:
+                course = self.formulas.node("friction", name, "belt")
         belt = self.exact(Fraction(0)) if by_formula else self.numbers.of(part["belt"])
         if forces is not None:
             zero = self.exact(Fraction(0))
-            return Friction(name, P, Q, zero, zero, belt, slips=forces[0], holds=forces[1], rises=forces[2])
+            rises = forces[2]
+            return Friction(
+                name, P, Q, zero, zero, belt, slips=forces[0], holds=forces[1], rises=rises, course=course
+            )
         load = part["N"].value if "N" in part else self.weight(part)
         sides = directions(part)
         if not (load and any(side.hold for side in sides)):

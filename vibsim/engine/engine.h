@@ -177,8 +177,9 @@ typedef struct {
     Modal *modal; /* NULL where only Taylor series will do */
     Tape tape, base_tape;      /* formulas of the mode; of the motion of the base */
     FormulaForce *formulas;
+    Follower *followers;
     FormulaSlopes formula_slopes; /* where disturbances are carried */
-    int formula_count, switch_count; /* switch_count: event functions that are those of switches */
+    int formula_count, follower_count, switch_count; /* switch_count: event functions that are those of switches */
 } Mode;
 
 typedef struct {

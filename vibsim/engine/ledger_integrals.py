@@ -107,7 +107,7 @@ def entries_of(scene: Scene[N], momentum: bool = False) -> list[Entry]:
     """Names of the entries of a scene's ledger: (quantity, section, part), work and loss [J], impulse
     [N s].
     """
-    belts = [f.name for f in scene.frictions if f.belt != 0]
+    belts = [f.name for f in scene.frictions if f.runs]
     sections = {BODY: "forces", ROTOR: "rotors"}  # a state has no power
     on_bodies = [force for force in scene.forces if scene.bodies[force.on].kind == BODY]
     driven = [force for force in scene.forces if scene.bodies[force.on].kind in sections]
@@ -162,7 +162,7 @@ class IntegralMaker(Generic[N]):
         for k, fall in enumerate(rows.falls):
             self._falling(k, fall)
         for role, output in rows.outputs.items():
-            self._by_formula(rows.status, role, output)
+            self._by_formula(rows, role, output)
         for k, function, orientation in self._ties(rows):
             self._holding(k, function, orientation)
         return self.now
@@ -215,9 +215,12 @@ class IntegralMaker(Generic[N]):
                 source = self._function([Term(COUPLING, 1, q)], zero)
                 self._driven((coupling.P, coupling.Q), -one, zero, "", FUNCTION, source)  # -S on P
 
-    def _driven(self, ends: Edge, on_P: N, belt: N, name: str, kind: int, source: int) -> None:
+    def _driven(
+        self, ends: Edge, on_P: N, belt: N, name: str, kind: int, source: int, runs: bool = False
+    ) -> None:
         """Integrals of a force between P and Q, on_P times a function (or, for SLIP, times 1) on P and the
         opposite on Q: what base and belt, which keep their courses, put in, and the impulse from outside.
+        runs : whether the belt moves otherwise than evenly
         """
         for end, on_end in zip(ends, (on_P, -on_P), strict=True):
             if end == self.base:
@@ -229,7 +232,7 @@ class IntegralMaker(Generic[N]):
         if self.momentum and len(outside) == 1:
             on_body = on_P if outside[0] == ends[1] else -on_P
             place = "base" if outside[0] == self.base else "ground"
-            entry = ("impulse", "friction", name) if belt != 0 else ("impulse", place, "")
+            entry = ("impulse", "friction", name) if belt != 0 or runs else ("impulse", place, "")
             self._timed(kind, entry, on_body, source)
 
     def _timed(self, kind: int, name: Entry, factor: N, source: int) -> None:
@@ -253,14 +256,14 @@ class IntegralMaker(Generic[N]):
         self._add(RUB, loss, -fall.on_P, P=fall.P, Q=fall.Q, source=source, drift=fall.drift)
         self._driven((fall.P, fall.Q), fall.on_P, fall.drift, name, FUNCTION, source)
 
-    def _by_formula(self, status: Status, role: tuple[Any, ...], output: int) -> None:
+    def _by_formula(self, rows: ModeRows[N], role: tuple[Any, ...], output: int) -> None:
         """Work of a force by a formula, and what a link, a stop or a friction by one takes up: stored in a
         spring by a formula, or lost.
         """
-        scene, one, zero = self.scene, self.kit.number(1), self.kit.number(0)
+        scene, one, zero, runs = self.scene, self.kit.number(1), self.kit.number(0), False
         if role[0] not in ("force", "link", "stop", "slip"):
             return
-        if role[0] == "stop" and status.stops[role[1]] != CONTACT:
+        if role[0] == "stop" and rows.status.stops[role[1]] != CONTACT:
             return
         source = self._function([Term(FORMULA, 1, output)], zero)
         if role[0] == "force":
@@ -272,6 +275,11 @@ class IntegralMaker(Generic[N]):
         if role[0] == "slip":
             friction = scene.frictions[role[1]]
             ends, name, sign, belt = self.maker.ends(friction), friction.name, -role[2], friction.belt
+            runs = friction.course is not None
+            if runs:  # force times velocity of the belt
+                power = self._function([Term(FORMULA, 1, rows.outputs["power", role[1]])], zero)
+                for entry, share in (("work", sign * one), ("loss", sign * one)):
+                    self._add(FUNCTION, (entry, "friction", name), share, source=power)
         elif role[0] == "stop":
             stop = scene.stops[role[1]]
             ends, name, sign, belt = self.maker.ends(stop), stop.name, stop.sense, zero
@@ -280,15 +288,18 @@ class IntegralMaker(Generic[N]):
             ends, name, sign, belt = self.maker.ends(link), link.name, -1, zero
         section = {"link": "links", "stop": "stops", "slip": "friction"}[role[0]]
         self._add(RUB, ("loss", section, name), -sign * one, P=ends[0], Q=ends[1], source=source, drift=belt)
-        self._driven(ends, sign * one, belt, name, FUNCTION, source)
+        self._driven(ends, sign * one, belt, name, FUNCTION, source, runs)
 
     def _holding(self, k: int, function: tuple[Terms[N], N], orientation: int) -> None:
         part, belt = self.maker.tie(k), self.maker.belt(k)
         P, Q = self.maker.ends(part)
-        if belt != 0 or self.base in (P, Q) or (self.momentum and max(P, Q) >= self.ground):
+        runs = isinstance(part, Friction) and part.course is not None
+        if belt != 0 or runs or self.base in (P, Q) or (self.momentum and max(P, Q) >= self.ground):
             on_P = self.kit.number(1) if orientation > 0 else -self.kit.number(1)
             source = self._function(*function)
-            self._driven((P, Q), on_P, belt, part.name, FUNCTION, source)
+            self._driven((P, Q), on_P, belt, part.name, FUNCTION, source, runs)
+            if runs:  # at rest on the belt, the ends part as fast as that moves
+                self._add(RUB, ("work", "friction", part.name), on_P, P=P, Q=Q, source=source, drift=belt)
 
     def _ties(self, rows: ModeRows[N]) -> Iterator[tuple[int, tuple[Terms[N], N], int]]:
         """(number of the tie, (terms, constant) of the force T that it passes, +1 where T acts on P and -1 on

@@ -25,7 +25,7 @@ from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike, w
 from vibsim.lazy import once
 from vibsim.physics.connections import body_sets, felt_angles, reads_time, whole_turn_angles
 from vibsim.physics.elementary import sine_cosine_of_arrays
-from vibsim.physics.formulas import TIME, ZERO, derivative
+from vibsim.physics.formulas import TIME, ZERO, derivative, reads
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import BASE, BODY, ROTOR, STATE, Body, Scene, columns_of
 from vibsim.physics.rates import Period, common_period, is_driven, springs_of, turning_rotor
@@ -312,7 +312,7 @@ def at_once(scene: Scene, kind: str, part: int, t: float, state: np.ndarray) -> 
         return bool(abs(gap) <= ROUNDING * max(abs(state[:n]).max(), abs(scene.stops[part].gap)))
     if kind in OF_FRICTIONS:
         friction = scene.frictions[part]
-        slip = apart(friction, state[n:], motion_of_base(scene, t)[1]) - friction.belt
+        slip = apart(friction, state[n:], motion_of_base(scene, t)[1]) - motion_of_belt(friction, t)[0]
         return bool(abs(slip) <= ROUNDING * max(abs(state[n : 2 * n]).max(), abs(friction.belt)))
     return False
 
@@ -354,6 +354,17 @@ def motion_of_base(scene: Any, t: Any) -> tuple[Any, Any, Any]:
         v = v + term.amplitude * term.omega * cosine
         a = a - term.amplitude * term.omega**2 * sine
     return x, v, a
+
+
+def motion_of_belt(friction: Any, t: Any) -> tuple[Any, Any]:
+    """Velocity and acceleration of the belt of a friction against its Q at the times t."""
+    if friction.course is None:
+        return friction.belt, 0.0
+    from vibsim.physics.formula_values import values_of
+
+    formulas = friction.course, derivative(friction.course, TIME)
+    velocity, acceleration = (values_of(one, {TIME: t}) for one in formulas)
+    return friction.belt + velocity, acceleration
 
 
 # The word of an orbit: the events of one period in their order, read as a circle.
@@ -507,9 +518,9 @@ def spelled(scene: Scene, word: Word) -> str:
 # The section on which the orbits of a scene are looked at.
 #
 # Ideal sources: phase 0 of the common period of all forces and the base, so the time of return is known. A
-# motor, or the one rotor that its torque drives: its angle phi = 0 mod 2 pi, so phi is known and the time of
-# return is not. Neither: the velocity of a body that springs bring back is 0, at its least or its greatest
-# displacement, where fewer stops act.
+# motor, or the first rotor that its torque drives: its angle phi = 0 mod 2 pi, so phi is known and the time
+# of return is not; the angles of other rotors close up to whole turns. Neither: the velocity of a body that
+# springs bring back is 0, at its least or its greatest displacement, where fewer stops act.
 
 
 @dataclass(frozen=True)
@@ -586,6 +597,11 @@ def section_of(scene: Scene) -> PoincareSection:
     period = common_period(scene)
     if period is not None:
         return PoincareSection(period)
+    if _base_moves_evenly(scene):
+        raise NoSection(
+            "the base moves on evenly, so nothing comes back: describe the scene from the base, which then "
+            "rests (ground in its place), and give the frictions of the ground a belt that runs the other way"
+        )
     if reads_time(scene):
         raise NoSection(
             "a formula reads the time otherwise than in sin, cos and mod of a multiple of it, or their "
@@ -599,7 +615,6 @@ def section_of(scene: Scene) -> PoincareSection:
     rotor = turning_rotor(scene)
     if rotor is not None:
         return PoincareSection(pinned=rotor, advance=2 * pi, speed=n + rotor, rotor=scene.bodies[rotor].name)
-    _no_several_rotors(scene)
     springs = springs_of(scene)
     for i, body in enumerate(scene.line):
         if any(i in (part.P, part.Q) for part in springs):
@@ -610,6 +625,14 @@ def section_of(scene: Scene) -> PoincareSection:
     )
 
 
+def _base_moves_evenly(scene: Scene) -> bool:
+    """Whether the displacement of the base grows in proportion to the time."""
+    base = scene.base_formula
+    if base is None or scene.base_is_rate or not reads([base], ("t",)):
+        return False
+    return not reads([derivative(base, TIME)], ("t",))
+
+
 def _freer_side(scene: Scene, body: int) -> int:
     """1 where no more stops act at the least displacement of a body than at the greatest, else -1: an orbit
     that just grazes a stop does so where its body turns.
@@ -618,20 +641,6 @@ def _freer_side(scene: Scene, body: int) -> int:
         stop.sense if body == stop.P else -stop.sense for stop in scene.stops if body in (stop.P, stop.Q)
     ]
     return -1 if sum(sides) > 0 else 1
-
-
-def _no_several_rotors(scene: Scene) -> None:
-    """Raise NoSection where several rotors turn freely: no angle tells of a return."""
-    rotors = [body.name for body in scene.bodies if body.kind == ROTOR]
-    if len(rotors) < 2:
-        return
-    from vibsim.physics.formula_values import driven_rotors
-
-    if driven_rotors(scene):
-        raise NoSection(
-            f"orbits of scenes with several rotors ({', '.join(rotors)}), of which torques drive some, are "
-            "not supported yet; a source with a period in time gives one"
-        )
 
 
 # Why there is no orbit.

@@ -107,7 +107,7 @@ def _first(return_map: ReturnMap, X: np.ndarray, T: float | None) -> Return:
 
 def _remedy(end: Return) -> str:
     """Advice where a motion has come to rest."""
-    if any(friction.belt for friction in end.coordinates.scene.frictions):
+    if any(friction.runs for friction in end.coordinates.scene.frictions):
         return "start from a run that has settled more"
     return "nothing feeds this scene, which comes to rest in the end; drive it, or take its losses out"
 

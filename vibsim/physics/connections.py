@@ -195,7 +195,8 @@ def formulas_of(scene: Scene[Any]) -> Iterator[PartFormula]:
         if isinstance(stop, Stop) and stop.force is not None:
             yield PartFormula("stops", i, stop.name, stop.force)
     for i, friction in enumerate(scene.frictions):
-        for formula in (*(friction.slips or ()), *(friction.holds or ())):
+        course = () if friction.course is None else (friction.course,)
+        for formula in (*(friction.slips or ()), *(friction.holds or ()), *course):
             yield PartFormula("frictions", i, friction.name, formula)
     for i, link in enumerate(scene.links):
         if link.force is not None:

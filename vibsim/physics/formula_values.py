@@ -208,28 +208,28 @@ NOTHING = 1e-12  # of the largest torque of a turn: rounding
 
 def driven_rotors(scene: Scene[Any]) -> list[int]:
     """Numbers of the rotors whose torque does work over a turn at rest, or reads a state as that of a motor
-    with a current does.
+    with a current does; those first that it drives, or that begin to turn, forwards.
     """
     states = {i for i, body in enumerate(scene.bodies) if body.kind == STATE}
-    return [
-        force.on
-        for force in scene.forces
-        if scene.bodies[force.on].kind == ROTOR
-        and (_reads_any(force.formula, states) or _works(scene, force))
-    ]
+    torques = [force for force in scene.forces if scene.bodies[force.on].kind == ROTOR]
+    work = {force.on: _work(scene, force) for force in torques}
+    driven = [force.on for force in torques if work[force.on] or _reads_any(force.formula, states)]
+    return sorted(driven, key=lambda i: (work[i] or scene.bodies[i].v) < 0)
 
 
 def _reads_any(formula: Node | None, states: set[int]) -> bool:
     return formula is not None and any(node[0] == "v" and node[1] in states for node in walk([formula]))
 
 
-def _works(scene: Scene[Any], force: Any) -> bool:
+def _work(scene: Scene[Any], force: Any) -> float:
+    """Mean torque over a turn at rest [N m]; 0 where it is rounding alone."""
     angles = 2 * pi * np.arange(PLACES) / PLACES
     torque = np.full(PLACES, float(force.constant))
     if force.formula is not None:
         inputs: dict[Node, Any] = {**start_inputs(scene), ("x", force.on): angles, ("v", force.on): 0.0}
         torque = torque + values_of(force.formula, inputs)
-    return bool(abs(mean(torque)) > NOTHING * np.abs(torque).max(initial=0.0))
+    total = float(mean(torque))
+    return total if abs(total) > NOTHING * np.abs(torque).max(initial=0.0) else 0.0
 
 
 # Tables: exact polynomials between the knots.

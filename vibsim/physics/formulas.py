@@ -183,6 +183,15 @@ def hashed(node: Node, known: dict[Node, Node]) -> Node:
     return known[node]
 
 
+def begun_later(node: Node, t: Fraction) -> Node:
+    """A formula as it is from the time t [s] on, which becomes 0."""
+    known: dict[Node, Node] = {}
+    for one in walk([node]):
+        parts = (known.get(part, part) if isinstance(part, tuple) else part for part in one)
+        known[one] = add(TIME, num(t)) if one == TIME else tuple(parts)
+    return known[node]
+
+
 def walk(nodes: Iterable[Node]) -> Iterator[Node]:
     """Each distinct node of formulas once, children before what is made of them."""
     seen: set[Node] = set()

@@ -189,7 +189,7 @@ class RigidStop(Generic[N]):
 
 @dataclass(frozen=True)
 class Friction(Generic[N]):
-    """Dry friction of P on Q, v_rel = v_P - v_Q - belt.
+    """Dry friction of P on Q, v_rel = v_P - v_Q - belt - course(t).
 
     forward, backward : force while slipping [N], -forward on P where v_rel > 0, +backward where v_rel < 0;
         more of it that falls with speed is in fall_forward and fall_backward
@@ -201,6 +201,8 @@ class Friction(Generic[N]):
         what falls with speed are 0 and None then
     holds : formulas of the most that it can hold against the start of slip in either direction [N]
     rises : whether these are above the forces with which slip begins
+    course : formula of the time alone of what the belt has in velocity beside `belt` [m/s], or None; its
+        forces are formulas then
     """
 
     name: str
@@ -216,6 +218,12 @@ class Friction(Generic[N]):
     slips: tuple[Node, Node] | None = None
     holds: tuple[Node, Node] | None = None
     rises: bool = False
+    course: Node | None = None
+
+    @property
+    def runs(self) -> bool:
+        """Whether it has a belt of its own that moves."""
+        return bool(self.belt != 0) or self.course is not None
 
     @property
     def limits(self) -> tuple[N, N]:
@@ -401,6 +409,11 @@ class Scene(Sampled[N], Generic[N]):
             or any(friction.slips is not None for friction in self.frictions)
             or any(force.formula is not None for force in self.forces)
         )
+
+    @property
+    def has_courses(self) -> bool:
+        """Whether a friction has a belt whose velocity is a formula of its own."""
+        return any(friction.course is not None for friction in self.frictions)
 
     @property
     def has_stop(self) -> bool:

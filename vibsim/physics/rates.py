@@ -175,12 +175,12 @@ def is_driven(scene: Scene) -> bool:
 
 
 def turning_rotor(scene: Scene[Any]) -> int | None:
-    """Number of the rotor whose turns are the cycles of a scene: the only one of those without a motor that
-    nothing drives in time, where its torque drives it; None of any other.
+    """Number of the rotor whose turns are the cycles of a scene without a motor that nothing drives in time:
+    the first one that its torque drives forwards, or any that torques drive; None of any other scene.
     """
-    if not scene.has_formulas or scene.motor is not None:
+    if not scene.has_formulas or scene.motor is not None or reads_time(scene):
         return None
-    if [body.kind for body in scene.bodies].count(ROTOR) != 1 or reads_time(scene):
+    if not any(body.kind == ROTOR for body in scene.bodies):
         return None
     if any(term.amplitude != 0 and term.cycles != 0 for term in scene.harmonics):
         return None

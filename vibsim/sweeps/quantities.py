@@ -136,7 +136,7 @@ def of_parts(scene: Scene, frictions: Iterable[str]) -> Quantities:
         has_friction=bool(frictions),
         has_motor=scene.has_motor,
         has_source=is_driven(scene),
-        is_powered=is_driven(scene) or bool(scene.forces) or any(f.belt for f in scene.frictions),
+        is_powered=is_driven(scene) or bool(scene.forces) or any(f.runs for f in scene.frictions),
         powers=_powers(scene, frictions),
         starts=starts_of(scene, is_long=True),
         of_parts=True,
@@ -194,7 +194,7 @@ def _powers(scene: Scene, frictions: Iterable[str]) -> dict[str, tuple[str, str]
     }
     if scene.has_motor:
         powers["power_motor"] = "work.motor", "the motor gives"
-    belts, damped = [f.name for f in scene.frictions if f.belt], _damped_stops(scene)
+    belts, damped = [f.name for f in scene.frictions if f.runs], _damped_stops(scene)
     powers |= {f"power_belt_{name}": (f"work.friction.{name}", f"the belt of {name} gives") for name in belts}
     dampers = [link.name for link in scene.links if link.c]
     powers |= {

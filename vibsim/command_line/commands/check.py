@@ -15,6 +15,7 @@ from vibsim.cases.quantities import number
 from vibsim.command_line.main import INVALID_CASE
 from vibsim.command_line.options import Settings, examples
 from vibsim.command_line.terminal import print_json, say, style
+from vibsim.physics.connections import reads_time
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -81,6 +82,8 @@ def _summary(case: Case) -> str:
     t_end, every = case.quantity("run.t_end"), case.quantity("run.every")
     steady = {"none": "no excitation", "constant": "constant forces", "formula": "forces by formulas"}
     source = steady.get(kind) or f"{kind} {frequency or ''}".strip()
+    if kind == "none" and reads_time(case.scene()):
+        source = "formulas of time"
     return f"{source}, {t_end} every {every}"
 
 

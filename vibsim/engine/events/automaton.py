@@ -15,6 +15,7 @@ from typing import Generic
 
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.departures import DerivativeSigns, TouchingParts, leading, sign
+from vibsim.engine.events.impacts.newton_moreau import rate_of
 from vibsim.engine.events.impacts.rigid_stops import RigidStops
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.events.records import Happened, Taken, changes
@@ -35,7 +36,18 @@ from vibsim.engine.modes.rows import (
     Joined,
     Known,
 )
-from vibsim.engine.modes.status import BACKWARD, CONTACT, FORWARD, KEPT, LIFTED, OPEN, STICK, VIOLATED, Status
+from vibsim.engine.modes.status import (
+    BACKWARD,
+    CONTACT,
+    FORWARD,
+    KEPT,
+    LIFTED,
+    OPEN,
+    RESTING,
+    STICK,
+    VIOLATED,
+    Status,
+)
 from vibsim.engine.modes.ties import Edge, TooManyCuts
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Friction, RigidStop, Scene, Stop
@@ -47,6 +59,7 @@ class Automaton(Generic[N]):
     def __init__(self, scene: Scene[N], maker: RowMaker[N], flow: Flow[N], kit: Kit[N]) -> None:
         self.scene, self.maker = scene, maker
         self.elastic = dict(scene.elastic_stops)
+        self.struck = False  # whether the event taken last was a kink of the base that made impacts
         self.departures = DerivativeSigns(RelativeMotion(scene, maker, kit), maker, flow, kit)
         self.settling = StickSlipResolution(scene, maker, self.departures)
         self.parting = TouchingParts(scene, maker, self.departures)
@@ -77,6 +90,7 @@ class Automaton(Generic[N]):
         time grid: the friction force turns dt too late, where cutting the residue would take momentum.
         Raises EngineError.
         """
+        self.struck = False
         with self._cuts_counted(state):
             after, happened, known = self._take(state, status, event, order)
             if self.departures.switches is not None:
@@ -112,10 +126,10 @@ class Automaton(Generic[N]):
         return self._hold_ends(state, status, event, order)
 
     def touch(self, event: Event[N]) -> SimultaneousImpacts[N] | None:
-        """The `SimultaneousImpacts` of rigid stops that `event`, taken just now, was; None of other
-        events.
+        """The `SimultaneousImpacts` of rigid stops that `event`, taken just now, was, or that a kink of the
+        base made; None of other events.
         """
-        return self.rigid.touch if event.kind == STRIKE else None
+        return self.rigid.touch if event.kind == STRIKE or self.struck else None
 
     def _contact_switch(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken:
         i = event.part
@@ -167,17 +181,58 @@ class Automaton(Generic[N]):
         after = switches.turned(status, event)
         after = switches.completed(state, after, {i}, before=status)
         known: Known = {event.key: at}
+        if switches.base_jumps(state, status, after, i):
+            return self._base_turns(state, status, after, event, at)
         if not switches.jumps(state, status, after, i):
             return after, [], known
         sense, behind = self.departures.departure(state, after, event.key)
         if sense < 0:
             raise EngineError("held", state, switches.rows.owners[i])
         happened: Happened = [("switch", switches.part_of[i])]
+        tied, belts = after, switches.jumping_belts(state, status, after)
+        after = after.with_frictions(belts)
         if after.tied:
-            tied = after
-            after = self.settling.settle(state, after, tied.tied)
-            happened += changes(tied, after, known)
+            after = self.settling.settle(state, after, after.tied)
+        happened += changes(tied, after, known)
+        known |= {(SLIDE, k): 0 for k, sense in belts.items() if sense != STICK}
         return after, happened, {**known, event.key: behind}
+
+    def _base_turns(
+        self, state: State[N], status: Status, after: Status, event: Event[N], order: int
+    ) -> Taken:
+        """The mode behind a kink of the base's motion: friction gives no impulse, so that what stuck to the
+        base slips; a rigid stop that rested on it is left behind, or struck.
+        """
+        switches, base = self.departures.switches, self.maker.n + 1
+        assert switches is not None
+        happened: Happened = [("switch", switches.part_of[event.part])]
+        senses = switches.jumping_belts(state, status, after, base=True)
+        behind = after.with_frictions(senses)
+        velocities = self.rigid.impacts.velocities(state)
+        struck: list[int] = []
+        known: Known = {}
+        for j, contact in self.rigid.impacts.contacts.items():
+            if base in (contact.P, contact.Q) and after.stops[j] == RESTING:
+                rate = rate_of(self.departures.kit, contact, velocities)
+                behind = behind.with_stop(j, OPEN)
+                struck += [j] if rate > 0 else []
+        if struck:
+            self.struck = True
+            settled, impacts, known = self.rigid.meet(state, behind, struck[0])
+            happened += impacts
+        else:
+            settled = self.settling.settle(state, behind, behind.tied) if behind.tied else behind
+        told = {k for kind, k in happened if kind in ("stick_begin", "stick_end", "reversal")}
+        zeros: Known = {}
+        happened += [
+            one for one in changes(after, settled, zeros) if one[1] not in told or one[0] == "rest_end"
+        ]
+        known = zeros | known
+        known |= {(SLIDE, k): 0 for k in senses if settled.frictions[k] != STICK}
+        known |= {
+            (STRIKE, j): 1 for j in self.rigid.stops if (after.stops[j], settled.stops[j]) == (RESTING, OPEN)
+        }
+        return settled, happened, {**known, event.key: order}
 
     def _sliding_ends(self, state: State[N], status: Status, event: Event[N]) -> Taken:
         i = event.part
@@ -348,6 +403,7 @@ class UnambiguousStart:
         self.known = not (
             scene.base
             or scene.clearances
+            or scene.has_courses
             or any(isinstance(stop, RigidStop) or stop.lets_go for stop in scene.stops)
         )
         self.stops = [(*ends(stop), stop.sense, stop.gap) for stop in scene.stops]

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Generic
 
 from vibsim.engine.errors import State
-from vibsim.engine.flows.base_motion import base_motion, base_rounding, fastest_base
+from vibsim.engine.flows.base_motion import base_motion, base_rounding, course_velocity, fastest_base
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import Joined
+from vibsim.engine.modes.status import Status
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Clearance, Friction, RigidStop, Scene, Stop
 
@@ -77,7 +78,16 @@ class RelativeMotion(Generic[N]):
 
     def slip(self, friction: Friction[N], state: State[N]) -> N:
         vP, vQ = self.ends(friction, state, "v")
-        return (vP - vQ) - friction.belt
+        slip = (vP - vQ) - friction.belt
+        return slip if friction.course is None else slip - course_velocity(friction.course, self.kit, state.t)
+
+    def drift(self, status: Status, state: State[N]) -> list[N]:
+        """Velocity of each column against its group, with those of belts by formulas [m/s]."""
+        drift = list(self.maker.ties(status)[1])
+        for c, signs in enumerate(self.maker.courses(status)):
+            for course, sign in signs.items():
+                drift[c] = drift[c] + sign * course_velocity(course, self.kit, state.t)
+        return drift
 
     def met(
         self, part: Stop[N] | RigidStop[N] | Clearance[N], value: N, state: State[N], distance: N

@@ -51,7 +51,8 @@ class RuleMaker:
         status, i, key = rows.status, event.part, event.key
         if event.kind in (SWITCH, DOMAIN):
             return self._turn_rule(status, event)
-        if self.scene.base_formula is not None and event.kind in (STRIKE, SLIDE, HOLD):
+        by_formula = self.scene.base_formula is not None or self.scene.has_courses
+        if by_formula and event.kind in (STRIKE, SLIDE, HOLD):
             return None
         if event.kind == STRIKE:
             return self._impact_rule(status, event)

@@ -98,7 +98,7 @@ class StickSlipResolution(Generic[N]):
         """
         ground = self.maker.n
         tied = rows.leader[ground + 1] == ground
-        return not (tied and self.scene.base_moves)
+        return not (tied and self.scene.base_moves) and self.maker.can_last(rows.status)
 
     def _release(self, state: State[N], candidate: Status, standing: Sequence[int]) -> Status | None:
         """As long as cuts are overloaded, the ties of the one that is so most let go. None where that is not
@@ -294,20 +294,20 @@ class StickSlipResolution(Generic[N]):
         freely.
         """
         P, _ = self.maker.ends(self.scene.frictions[i])
-        leader, n = rows.leader[P], self.maker.n
+        leader, n, drift = rows.leader[P], self.maker.n, self.relative.drift(rows.status, state)
         members = [c for c in rows.groups.members[leader] if c < n]
         if leader >= n:
             common = self.kit.number(0) if leader == n else self.relative.base(state, "v")
         else:
             momentum = None
             for c in members:
-                share = self.scene.bodies[c].m * (state.v[c] - rows.drift[c])
+                share = self.scene.bodies[c].m * (state.v[c] - drift[c])
                 momentum = share if momentum is None else momentum + share
             assert momentum is not None  # the leader itself is a member
             common = momentum / rows.own_mass(leader)
         old = list(state.v)
         for c in members:
-            state.v[c] = common + rows.drift[c]
+            state.v[c] = common + drift[c]
         for one in rows.rotors:
             if one.on in members:
                 coupling = one.unbalance * self.kit.sin(state.x[one.column])

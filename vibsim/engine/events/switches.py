@@ -4,7 +4,8 @@ event.
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Mapping, Sequence
+from math import inf
 from typing import TYPE_CHECKING, Generic
 
 from vibsim.engine.errors import EngineError, State
@@ -14,9 +15,9 @@ from vibsim.engine.flows.tape import Inputs, TapeMaker, TapeValues
 from vibsim.engine.modes.formula_rows import FormulaRows
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import SWITCH, Event, Known
-from vibsim.engine.modes.status import Status
+from vibsim.engine.modes.status import BACKWARD, FORWARD, STICK, Status
 from vibsim.physics.connections import event_parts
-from vibsim.physics.formulas import Node
+from vibsim.physics.formulas import TIME, ZERO, Node, derivative, resolved, sub
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 ROUNDING = 8  # of displacements and velocities at an event, in units of eps
 NO_JUMP = 2.0**-30  # of its size, below which two sides of a switch give one force
+LATE = 64  # units of the time, within which a kink of the base is where it was found to be
 MOST_TURNS = 64  # of switches that turn at one instant
 
 
@@ -127,19 +129,71 @@ class SwitchSides(Generic[N]):
         """
         if self.rows.only_bends(i):
             return False
-        at, blur = self.inputs(state, before)
+        inputs, sides = self.inputs(state, before), [self.rows.sides(one) for one in (before, after)]
         for root in self.rows.roots(before):
-            pair = []
-            for status in (before, after):
-                maker = TapeMaker(self.kit, self.rows.sides(status), self.maker.columns)
-                k = maker.output(root.node)
-                pair.append(TapeValues(self.kit, maker.tape, at, blur).output(k))
-            (one, lost), (other, blurred) = pair
-            if abs(one - other) > lost + blurred + NO_JUMP * (abs(one) + abs(other)):
+            if self._jumps([root.node] * 2, sides, inputs):
                 if root.role == ("base",) and not self.scene.base_is_rate:
                     raise EngineError("torn", state)
                 return True
+            if root.role[0] == "course":
+                rates = [derivative(resolved(root.node, each), TIME) for each in sides]
+                if self._jumps(rates, sides, inputs):
+                    return True
         return False
+
+    def _jumps(
+        self, nodes: Sequence[Node], sides: Sequence[Mapping[Node, int]], inputs: tuple[Inputs[N], Inputs[N]]
+    ) -> bool:
+        """Whether two formulas, each on its sides of the switches, differ by more than rounding."""
+        pair = []
+        for node, each in zip(nodes, sides, strict=True):
+            maker = TapeMaker(self.kit, each, self.maker.columns)
+            k = maker.output(node)
+            pair.append(TapeValues(self.kit, maker.tape, *inputs).output(k))
+        (one, lost), (other, blurred) = pair
+        return bool(abs(one - other) > lost + blurred + NO_JUMP * (abs(one) + abs(other)))
+
+    def base_jumps(self, state: State[N], before: Status, after: Status, i: int) -> bool:
+        """Whether the velocity of the base jumps at the turn of switch `i`, and something sticks to it, or
+        may rest on it. The time is moved on by its rounding, to where the base has the velocity behind.
+        """
+        formula = self.scene.base_formula
+        if formula is None or i not in self.rows.of_courses:
+            return False
+        sides = [self.rows.sides(one) for one in (before, after)]
+        velocities = [resolved(formula, each) for each in sides]
+        if not self.scene.base_is_rate:
+            velocities = [derivative(one, TIME) for one in velocities]
+        if not self._jumps(velocities, sides, self.inputs(state, before)):
+            return False
+        maker = TapeMaker(self.kit, sides[1], self.maker.columns)
+        k = maker.output(velocities[1])
+        for _ in range(LATE):
+            behind = TapeValues(self.kit, maker.tape, *self.inputs(state)).output(k)[0]
+            if abs(self.relative.base(state, "v") - behind) <= NO_JUMP * abs(behind):
+                break
+            state.t = self.kit.next_after(state.t, inf)
+        return True
+
+    def jumping_belts(
+        self, state: State[N], before: Status, after: Status, base: bool = False
+    ) -> dict[int, int]:
+        """The frictions whose belts jump between two modes, with the senses in which their ends slip then;
+        STICK where they are at rest on it by chance. base : whether the base does
+        """
+        inputs, sides = self.inputs(state, before), [self.rows.sides(one) for one in (before, after)]
+        found: dict[int, int] = {}
+        for k, friction in enumerate(self.scene.frictions):
+            course = friction.course
+            P, Q = self.maker.ends(friction)
+            on_base = base and self.maker.n + 1 in (P, Q)
+            if on_base or (course is not None and self._jumps([course] * 2, sides, inputs)):
+                slip = sub(sub(("v", P), ("v", Q)), course or ZERO)
+                maker = TapeMaker(self.kit, sides[1], self.maker.columns)
+                k_slip = maker.output(slip)
+                value, bound = TapeValues(self.kit, maker.tape, *inputs).output(k_slip)
+                found[k] = STICK if abs(value) <= bound else FORWARD if value > 0 else BACKWARD
+        return found
 
     def initial(
         self, state: State[N], departures: DerivativeSigns[N], status: Status

@@ -80,7 +80,7 @@ static void add_formulas(const Run *r, const Mode *m, const State *state, Real X
 
 Real accelerations(const Run *r, const Mode *m, const State *state, Real *out)
 {
-    Real X, V, value, rate, torque = 0.0, *F = r->tangent->force;
+    Real X, V, value, rate, torque = 0.0, rotor, *F = r->tangent->force;
     int i;
     base_motion_at(r, state->t, &X, &V);
     for (i = 0; i < r->columns; i++)
@@ -120,7 +120,12 @@ Real accelerations(const Run *r, const Mode *m, const State *state, Real *out)
         F[on] = F[on] + r->unbalance * (state->w * state->w * cosine_of(state->phase));
         torque = r->M0 - r->drag * state->w;
     }
-    return response(r, m, state, F, torque, base_acceleration(r, state->t), out);
+    rotor = response(r, m, state, F, torque, base_acceleration(r, state->t), out);
+    for (i = 0; i < m->follower_count; i++) {
+        const Follower *one = &m->followers[i];
+        out[one->column] = out[one->column] + r->taylor.tapes.values[one->place];
+    }
+    return rotor;
 }
 
 static Real coupling_of(const RotorOn *one, const State *state)

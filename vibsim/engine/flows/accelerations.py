@@ -26,7 +26,7 @@ def accelerations(
     n, zero, leader = len(scene.bodies), kit.number(0), rows.leader
     X, V = base_motion(scene, kit, state.t)
     x, v = (*state.x, zero, X), (*state.v, zero, V)
-    F, torque = [zero] * (n + 2), zero
+    F, torque, own = [zero] * (n + 2), zero, [zero] * (n + 2)
     for force in scene.forces:
         value, _ = value_and_rate(kit, force.terms, state.t)
         F[leader[force.on]] = F[leader[force.on]] + (value + force.constant)
@@ -50,6 +50,8 @@ def accelerations(
             F[leader[law.P]] = F[leader[law.P]] + value
             if law.Q >= 0:
                 F[leader[law.Q]] = F[leader[law.Q]] - value
+        for column, output in rows.follow.items():
+            own[column] = values.output(output)[0]
     for one in rows.rotors:
         w, on = v[one.column], leader[one.on]
         F[on] = F[on] + one.unbalance * (w * w * kit.cos(x[one.column]))
@@ -58,7 +60,8 @@ def accelerations(
         on = leader[motor.on]
         F[on] = F[on] + motor.unbalance * (state.w * state.w * kit.cos(state.phase))
         torque = motor.torque(state.w)
-    return response(scene, kit, rows, state, F, torque, base_acceleration(scene, kit, state.t))
+    a, rotor = response(scene, kit, rows, state, F, torque, base_acceleration(scene, kit, state.t))
+    return [a[c] + own[c] if c in rows.follow else a[c] for c in range(n + 2)], rotor
 
 
 def response(

@@ -129,6 +129,20 @@ def base_rounding(scene: Scene[N], kit: Kit[N], t: N, count: int) -> list[N]:
     return bounds
 
 
+def course_velocity(course: Node | None, kit: Kit[N], t: N) -> N:
+    """Velocity at t [s] of a belt that moves by a formula [m/s]; 0 where there is none."""
+    if course is None:
+        return kit.number(0)
+    velocity: N = _kept(course, cast("Hashable", kit), True).values(t)[1][0]
+    return velocity
+
+
+def course_acceleration(course: Node, kit: Kit[N], t: N) -> N:
+    """Acceleration of such a belt at t [s] [m/s^2]."""
+    acceleration: N = _kept(course, cast("Hashable", kit), True).values(t)[2][0]
+    return acceleration
+
+
 def fastest_base(scene: Scene[N], kit: Kit[N], t: N) -> N:
     """A bound of the velocity of the base, of a formula that at t [m/s]."""
     if scene.base_formula is not None:

@@ -73,6 +73,12 @@ class TapeMaker(Generic[N]):
         self.tape.texts.append(text)
         return len(self.tape.outputs) - 1
 
+    def scaled_output(self, node: Node, factor: N, text: str) -> int:
+        """The same of factor times a formula."""
+        self.tape.outputs.append(self._scaled(factor, self.place(node)))
+        self.tape.texts.append(text)
+        return len(self.tape.outputs) - 1
+
     def place(self, node: Node) -> int:
         """The place of a formula on the tape."""
         for one in _unwritten(node, self._places, self.sides):

@@ -47,7 +47,9 @@ class TaylorExpansion(Generic[N]):
             self._expand_base(state.t)
         for c in range(self.n):
             leader = self.rows.leader[c]
-            if leader >= self.n:  # moves as the ground or the base, and its belts, say
+            if (
+                leader >= self.n and c not in self.rows.follow
+            ):  # moves as the ground or the base, and its belts, say
                 self.v[c][0] = self.v[leader][0] + self.rows.drift[c]
         self._expand_loads(state.t)
         self.arguments: list[list[N]] = [[] for _ in self.rows.falls]
@@ -170,6 +172,9 @@ class TaylorExpansion(Generic[N]):
                 self.v[c][n + 1] = self.v[self.n + 1][n + 1]
             elif leader[c] < self.n:
                 self.v[c][n + 1] = acceleration[leader[c]] * inverse
+        if self.tape:
+            for c, output in rows.follow.items():
+                self.v[c][n + 1] = self.v[c][n + 1] + self.tape.output(output)[n] * inverse
 
     def _apply_formulas(self, tape: TapeSeries[N], n: int, F: list[N]) -> None:
         """Add coefficient n of the forces by formulas to those on the groups."""

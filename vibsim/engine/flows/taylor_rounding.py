@@ -124,6 +124,8 @@ class TaylorRounding(Generic[N]):
             if leader[c] < flow.n:
                 own = self.product * abs(flow.v[c][n + 1])
                 self.v[c][n + 1] = lost_by_speed[leader[c]] * inverse + own
+            if c in rows.follow:
+                self.v[c][n + 1] = self.v[c][n + 1] + self.tape.output(rows.follow[c])[n] * inverse
 
     def _push(self, column: int, value: N, lost: N) -> None:
         """Add a force and its rounding to those on a group."""

@@ -133,6 +133,16 @@ int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops)
         m->formulas[i].place = in->short_of ? 0 : m->tape.outputs[m->formulas[i].output];
         m->formulas[i].newest = m->formulas[i].place == ops - 1 && m->tape.ops[ops - 1].code > OP_SPIN;
     }
+    m->follower_count = read_index(in, 0, r->bodies);
+    m->followers = zalloc((size_t)m->follower_count, sizeof(Follower));
+    if (!m->followers)
+        return 0;
+    for (i = 0; i < m->follower_count && !in->short_of; i++) {
+        Follower *one = &m->followers[i];
+        one->column = read_index(in, 0, r->bodies - 1);
+        one->output = read_index(in, 0, m->tape.output_count - 1);
+        one->place = in->short_of ? 0 : m->tape.outputs[one->output];
+    }
     if (base_ops > 0 && !read_tape(r, in, &m->base_tape, base_ops, 1))
         return 0;
     if (base_ops > 0 && m->base_tape.output_count < 1)

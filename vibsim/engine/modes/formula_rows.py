@@ -25,9 +25,24 @@ from vibsim.engine.modes.rows import (
 )
 from vibsim.engine.modes.status import CONTACT, OPEN, STICK, Kept, Status
 from vibsim.engine.modes.ties import Cut
-from vibsim.physics.formulas import SWITCHES, Node, children, hashed, is_continuous, mul, num, sub, walk
+from vibsim.physics.formulas import (
+    SWITCHES,
+    TIME,
+    ZERO,
+    Node,
+    add,
+    children,
+    derivative,
+    hashed,
+    is_continuous,
+    mul,
+    num,
+    resolved,
+    sub,
+    walk,
+)
 from vibsim.physics.numbers import Doubles, Kit, N, abs
-from vibsim.physics.parts import Scene, Stop
+from vibsim.physics.parts import BASE, Scene, Stop
 
 PROBES = (0.618, 1.414, 2.236)  # depths at which functions are compared, of no special meaning
 IRRATIONALS = (0.7548776662, 0.5698402910, 0.8191725134)  # whose multiples give all else that they read
@@ -83,6 +98,11 @@ class FormulaRows(Generic[N]):
                         self.owners.append(root.text)
                     number, first = known[watched]
                     self.same[node] = number, sign * first
+        rigid_or_dry = (*self.scene.frictions, *(stop for _, stop in self.scene.rigid_stops))
+        on_base = any(BASE in (part.P, part.Q) for part in rigid_or_dry)
+        moving = ("course", "base") if on_base else ("course",)
+        of_courses = walk([root.node for root in self.all_roots if root.role[0] in moving])
+        self.of_courses = {self.same[node][0] for node in of_courses if node[0] in SWITCHES}
         self._above = Kept[tuple[Node, tuple[int, ...]], bool](MOST_SIDES)
         self.behind = {node: [one for one in walk([node[1]]) if one[0] in SWITCHES] for node in self.same}
 
@@ -104,6 +124,8 @@ class FormulaRows(Generic[N]):
                 yield Root(node, ("slip", k, sense), friction.name)
             for sense, node in zip((1, -1), friction.holds or (), strict=False):
                 yield Root(node, ("hold", k, sense), friction.name)
+            if friction.course is not None:
+                yield Root(friction.course, ("course", k), friction.name)
 
     def roots(self, status: Status) -> list[Root]:
         """The formulas that a mode reads."""
@@ -120,7 +142,11 @@ class FormulaRows(Generic[N]):
         return True
 
     def only_bends(self, i: int) -> bool:
-        """Whether switch `i` is one of continuous formulas alone, as |a|: where it turns nothing jumps."""
+        """Whether switch `i` is one of continuous formulas alone, as |a|: where it turns nothing jumps, nor
+        does the acceleration of a belt, or the velocity of a base that something sticks to or rests on.
+        """
+        if i in self.of_courses:
+            return False
         return all(is_continuous(node) for node, (number, _) in self.same.items() if number == i)
 
     def sides(self, status: Status) -> dict[Node, int]:
@@ -169,8 +195,11 @@ class FormulaRows(Generic[N]):
         values = TapeValues(self.kit, maker.tape, at, blur)
         return [value for k in places for value in values.output(k)]
 
-    def write(self, rows: ModeRows[N]) -> None:
-        """Write the tape of a mode and its forces into its rows."""
+    def write(self, rows: ModeRows[N], courses: Sequence[Mapping[Node, int]] = ()) -> None:
+        """Write the tape of a mode and its forces into its rows.
+
+        courses : of each column, the belts by formulas between it and the group that it is in, with signs
+        """
         status, sides = rows.status, self.sides(rows.status)
         maker = TapeMaker(self.kit, sides, self.columns)
         outputs: dict[tuple[object, ...], int] = {}
@@ -182,11 +211,16 @@ class FormulaRows(Generic[N]):
                 continue
             outputs[role] = k = maker.output(node, text)
             rows.nodes[k] = node
-            if role[0] == "hold":
+            if role[0] in ("hold", "course"):
                 continue
             P, Q, sign = self._ends(role, status)
+            course = self.scene.frictions[role[1]].course if role[0] == "slip" else None
+            if course is not None:
+                outputs["power", role[1]] = k_power = maker.output(mul(node, course), text)
+                rows.nodes[k_power] = mul(node, course)
             if sign:
                 rows.formulas.append(FormulaForce(k, P, Q, sign))
+        self._carry(rows, courses, maker, sides)
         roots = len(maker.tape.outputs)
         awake = {self.same[node][0] for node in self.awake(status, sides)}
         watched = {
@@ -207,6 +241,30 @@ class FormulaRows(Generic[N]):
                 maker.tape.outputs.append(place)
         rows.tape, rows.outputs, rows.sides = maker.tape, outputs, sides
         rows.columns = dict(self.columns)
+
+    def _carry(
+        self,
+        rows: ModeRows[N],
+        courses: Sequence[Mapping[Node, int]],
+        maker: TapeMaker[N],
+        sides: Mapping[Node, int],
+    ) -> None:
+        """What belts by formulas do to those who stick on them: the acceleration of each beside that of its
+        group, and the force that this takes.
+        """
+        names = {one.course: one.name for one in self.scene.frictions if one.course is not None}
+        for c, signs in enumerate(courses[: self.n]):
+            if not signs:
+                continue
+            rate = ZERO
+            for course, sign in signs.items():
+                rate = add(rate, mul(num(sign), derivative(resolved(course, dict(sides)), TIME)))
+            text = names[next(iter(signs))]
+            rows.follow[c] = k = maker.output(rate, text)
+            rows.nodes[k] = rate
+            inertia = maker.scaled_output(rate, self.scene.bodies[c].m, text)
+            rows.nodes[inertia] = rate
+            rows.formulas.append(FormulaForce(inertia, c, -1, -1))
 
     def _ends(self, role: tuple[Any, ...], status: Status) -> tuple[int, int, int]:
         """Columns of P and Q of a force, -1 for none, and the sign with which it acts on P; 0 where it does

@@ -40,6 +40,7 @@ void mode_free(Mode *m)
     free(m->base_tape.ops);
     free(m->base_tape.outputs);
     free(m->formulas);
+    free(m->followers);
     slopes_free(&m->formula_slopes);
     free(m->couplings);
     free(m->falls);

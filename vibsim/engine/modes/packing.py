@@ -154,6 +154,9 @@ def packed_mode(rows: ModeRows, keys: dict[EventKey, int], form: NumberForm[Any]
         pack.put((len(rows.formulas),))
         for force in rows.formulas:
             pack.put(force)
+        pack.put((len(rows.follow),))
+        for follower in rows.follow.items():
+            pack.put(follower)
         if base_tape:
             pack_tape(pack, base_tape)
     pack.put((), slope_constants)

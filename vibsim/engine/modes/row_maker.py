@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Generic
 
 from vibsim.engine.flows.friction_laws import LAWS
@@ -33,10 +33,22 @@ from vibsim.engine.modes.rows import (
 )
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, RESTING, STICK, Kept, Status
 from vibsim.engine.modes.ties import Cut, Edge, Groups, Limits, Tie, cuts
+from vibsim.physics.formulas import Node
 from vibsim.physics.numbers import Kit, N, abs, total_of
 from vibsim.physics.parts import BASE, EXTENSION, GROUND, Clearance, Friction, RigidStop, Scene, Stop
 
+Courses = dict[Node, int]  # velocities of belts by formulas, how often each
+
 MOST_EVENTS, MOST_MODES = 20_000, 5000  # event functions of the rows that are kept, some 30 MB; modes
+
+
+def with_course(courses: Courses, tie: Friction[N] | RigidStop[N], sign: int) -> Courses:
+    """`courses` and that of a tie, so often as `sign` says; without those that cancel."""
+    course = tie.course if isinstance(tie, Friction) else None
+    if course is None:
+        return courses
+    count = courses.get(course, 0) + sign
+    return {one: times for one, times in (courses | {course: count}).items() if times}
 
 
 class RowMaker(Generic[N]):
@@ -136,13 +148,39 @@ class RowMaker(Generic[N]):
             belts = belts + abs(self.belt(k))
         lost = (len(status.tied) + 2) * self.kit.eps  # of each belt, and of each sum
         resting = set()
+        courses = self.courses(status)
         for k, friction in enumerate(self.scene.frictions):
             P, Q = self.ends(friction)
             if leader[P] == leader[Q]:
                 over = abs(drift[P] - drift[Q] - friction.belt)
-                if over <= lost * (belts + abs(friction.belt)):
+                if over <= lost * (belts + abs(friction.belt)) and self._goes_along(courses, friction):
                     resting.add(k)
         return resting
+
+    def courses(self, status: Status) -> list[Courses]:
+        """The belts by formulas between each column and the leading one of its group, with their signs: what
+        it has in velocity beside its drift.
+        """
+        courses: list[Courses] = [{} for _ in range(self.n + 2)]
+        if self.scene.has_courses:
+            stuck = self.stuck(status)
+            for i, one, other, sign in self._walk(Groups(self.n, stuck), stuck):
+                courses[other] = with_course(courses[one], self.tie(i), sign)
+        return courses
+
+    def _goes_along(self, courses: Sequence[Courses], tie: Friction[N] | RigidStop[N]) -> bool:
+        """Whether the ends of a tie have the difference of velocities of its belt, as far as that is a
+        formula.
+        """
+        P, Q = self.ends(tie)
+        return courses[P] == with_course(courses[Q], tie, 1)
+
+    def can_last(self, status: Status) -> bool:
+        """Whether the belts by formulas in the ties of a mode agree: two that do not may only stand for an
+        instant.
+        """
+        courses = self.courses(status)
+        return all(self._goes_along(courses, self.tie(k)) for k in status.tied)
 
     def _make(self, status: Status) -> ModeRows[N]:
         scene, stuck = self.scene, self.stuck(status)
@@ -157,7 +195,7 @@ class RowMaker(Generic[N]):
             RotorOn(one.column, one.on, one.unbalance, scene.bodies[one.column].m) for one in scene.rotors
         ]
         if self.formulas:
-            self.formulas.write(rows)
+            self.formulas.write(rows, self.courses(status))
         rows.tied = [c for c in range(self.n) if len(groups.members[groups.leader[c]]) > 1]
         for i, stop in enumerate(scene.stops):
             rows.events += self._stop_events(rows, i, stop, status.stops[i])
@@ -181,21 +219,29 @@ class RowMaker(Generic[N]):
     def _drifts(self, groups: Groups, stuck: Sequence[Tie]) -> list[N]:
         """Velocity of each column against its leader: belts between them."""
         drift = [self.zero] * (self.n + 2)
+        for i, one, other, sign in self._walk(groups, stuck):
+            belt = self.belt(i)
+            drift[other] = drift[one] + belt if sign > 0 else drift[one] - belt
+        return drift
+
+    @staticmethod
+    def _walk(groups: Groups, stuck: Sequence[Tie]) -> Iterator[tuple[int, int, int, int]]:
+        """The way from the leading columns to all others along ties: (number of the tie, column, the next
+        one, 1 where that is P of the tie and -1 where it is Q).
+        """
         reached = set(groups.members)
         ahead = list(reached)
         while ahead:
             c = ahead.pop()
             for i, P, Q in stuck:
-                belt = self.belt(i)
                 if c == Q and P not in reached:
-                    drift[P] = drift[Q] + belt
+                    yield i, Q, P, 1
                     reached.add(P)
                     ahead.append(P)
                 elif c == P and Q not in reached:
-                    drift[Q] = drift[P] - belt
+                    yield i, P, Q, -1
                     reached.add(Q)
                     ahead.append(Q)
-        return drift
 
     def _couplings(self, status: Status) -> list[Coupling[N]]:
         merged: dict[Edge, Coupling[N]] = {}
@@ -307,6 +353,8 @@ class RowMaker(Generic[N]):
             if rows.leader[end] != self.n
         )
         terms: Terms[N] = (Term(RATE, sign, P, Q),)
+        if friction.course is not None:
+            terms, slope = (*terms, Term(FORMULA, -sign, rows.outputs["course", i])), ()
         constant = -(sign * friction.belt)
         return Event(SLIDE, i, sign, (SLIDE, i), terms, constant, abs(friction.belt), slope)
 

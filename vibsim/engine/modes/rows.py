@@ -173,6 +173,8 @@ class ModeRows(Generic[N]):
     base_tape: Tape | None = None  # of the motion of the base by a formula
     outputs: dict[tuple[Any, ...], int] = field(default_factory=dict)  # of the tape, by what they are for
     formulas: list[FormulaForce] = field(default_factory=list)
+    follow: dict[int, int] = field(default_factory=dict)  # by column that a belt by a formula carries along
+    # with its group: output of the acceleration that it has more than that [m/s^2]
     rotors: list[RotorOn[N]] = field(default_factory=list)
 
     @property

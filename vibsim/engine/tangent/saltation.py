@@ -26,12 +26,23 @@ from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.flows.accelerations import accelerations, joined, response
-from vibsim.engine.flows.base_motion import base_motion
+from vibsim.engine.flows.base_motion import base_motion, course_acceleration
 from vibsim.engine.flows.tape import Inputs
 from vibsim.engine.flows.taylor import Taylor
-from vibsim.engine.modes.rows import DIFFERENCE, GAP, HOLD, SLIDE, STRIKE, SWITCH, Event, ModeRows, Term
+from vibsim.engine.modes.rows import (
+    DIFFERENCE,
+    FORMULA,
+    GAP,
+    HOLD,
+    SLIDE,
+    STRIKE,
+    SWITCH,
+    Event,
+    ModeRows,
+    Term,
+)
 from vibsim.engine.modes.status import CONTACT, FORWARD, RESTING, STICK, Status
-from vibsim.engine.tangent.impact_saltation import Undefined, impact_saltation
+from vibsim.engine.tangent.impact_saltation import UNDEFINED, Undefined, impact_saltation
 from vibsim.engine.tangent.tangent_taylor import TaylorTangent
 from vibsim.physics.formulas import is_continuous
 from vibsim.physics.numbers import Kit, N, abs, total_of
@@ -114,6 +125,8 @@ def gradient(kit: Kit[N], event: Event[N], vector: Sequence[N], bodies: int) -> 
     """
 
     def part(term: Term[N]) -> N:
+        if term.kind == FORMULA:  # of the time alone, the velocity of a belt
+            return kit.number(0)
         shift = 0 if term.kind == DIFFERENCE else bodies
         P, Q = (vector[shift + c] if c < bodies else kit.number(0) for c in (term.P, term.Q))
         return term.coefficient * (P - Q)
@@ -136,6 +149,8 @@ def saltation(
     if event.kind == STRIKE:
         assert touch is not None
         return impact_saltation(scene, kit, state, before, after, event, touch)
+    if event.kind == SWITCH and touch is not None:
+        return UNDEFINED  # a kink of the base that strikes what rests on it
     if event.kind == SWITCH:
         return _released(scene, kit, state, before, after, event) if turns_forces(before, after) else None
     old, new = before.status, after.status
@@ -257,7 +272,18 @@ def event_rate(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N],
         values = [*state.v, kit.number(0), base_motion(scene, kit, state.t)[1]]
     else:
         values, _ = accelerations(scene, kit, rows, state)
-    return total_of(kit, (term.coefficient * (values[term.P] - values[term.Q]) for term in event.terms))
+    rate = total_of(
+        kit,
+        (
+            term.coefficient * (values[term.P] - values[term.Q])
+            for term in event.terms
+            if term.kind != FORMULA
+        ),
+    )
+    course = scene.frictions[event.part].course if event.kind == SLIDE else None
+    if course is None:
+        return rate
+    return rate - event.direction * course_acceleration(course, kit, state.t)
 
 
 def _general(

@@ -25,9 +25,19 @@ from vibsim.orbits.branches.correction import ContinuationError
 from vibsim.orbits.branches.family import Family, FamilyPoint
 from vibsim.orbits.branches.node import Node, node_at
 from vibsim.orbits.branches.special_points import CORNER, GRAZING, STICK, Special, kinds_of
-from vibsim.orbits.coordinates import Word, apart, changes, circle, gap_of, motion_of_base, placed
+from vibsim.orbits.coordinates import (
+    Word,
+    apart,
+    changes,
+    circle,
+    gap_of,
+    motion_of_base,
+    motion_of_belt,
+    placed,
+)
 from vibsim.orbits.return_map import Return
 from vibsim.orbits.stability import least_squares, length_of
+from vibsim.physics.formulas import begun_later
 from vibsim.physics.parts import EVENT_KINDS, RIGID_KINDS, Scene
 
 TOUCHING_SAMPLES = (
@@ -137,7 +147,39 @@ def later(scene: Any, t: float) -> Any:
         return replace(term, phase=float(np.remainder(term.phase + term.omega * t, 2 * np.pi)))
 
     forces = tuple(replace(one, terms=tuple(map(shifted, one.terms))) for one in scene.forces)
-    return replace(scene, forces=forces, base=tuple(map(shifted, scene.base)))
+    later_scene = replace(scene, forces=forces, base=tuple(map(shifted, scene.base)))
+    return _formulas_later(later_scene, Fraction(t)) if scene.has_formulas else later_scene
+
+
+def _formulas_later(scene: Any, t: Fraction) -> Any:
+    """The scene with its formulas as they are from the time t [s] on."""
+
+    def later_one(formula: Any) -> Any:
+        return None if formula is None else begun_later(formula, t)
+
+    def later_parts(parts: Any, *names: str) -> Any:
+        return tuple(
+            replace(one, **{name: later_one(getattr(one, name)) for name in names if hasattr(one, name)})
+            for one in parts
+        )
+
+    frictions = tuple(
+        replace(
+            one,
+            slips=one.slips and tuple(map(later_one, one.slips)),
+            holds=one.holds and tuple(map(later_one, one.holds)),
+            course=later_one(one.course),
+        )
+        for one in scene.frictions
+    )
+    return replace(
+        scene,
+        links=later_parts(scene.links, "force"),
+        stops=later_parts(scene.stops, "force"),
+        forces=later_parts(scene.forces, "formula"),
+        frictions=frictions,
+        base_formula=later_one(scene.base_formula),
+    )
 
 
 def joined(parts: list[tuple[float, Carried]], stop: int) -> Carried:
@@ -460,11 +502,12 @@ def _sampled_slip(of: ReturnMap, node: Node, part: Any) -> tuple[np.ndarray, np.
     n = len(scene.bodies)
     times = np.concatenate([block["time"] for block in blocks])
     v = list(np.concatenate([at.gathered(block)[:, n : 2 * n] for block in blocks]).T)
-    return times, apart(part, v, motion_of_base(scene, times)[1]) - part.belt
+    return times, apart(part, v, motion_of_base(scene, times)[1]) - motion_of_belt(part, times)[0]
 
 
 def _slip_of(scene: Any, friction: Any, t: float, there: Any) -> tuple[float, float]:
     """Sliding velocity of a friction and its rate, where a motion has come to."""
     n, base = len(scene.bodies), motion_of_base(scene, t)
     v, a = apart(friction, there.state[n:], base[1]), apart(friction, there.rate[n:], base[2])
-    return float(v) - friction.belt, float(a)
+    belt = motion_of_belt(friction, t)
+    return float(v) - float(belt[0]), float(a) - float(belt[1])

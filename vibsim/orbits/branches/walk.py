@@ -296,7 +296,8 @@ class Walk:
         """
         chord = node.z - self.node.z
         length = length_of(chord)
-        for z in self._starts:
+        for start in self._starts:
+            z = self._in_turn_of(start, node)
             share = dot(z - self.node.z, chord) / length**2
             if not 0 < share <= 1 or length_of(z - self.node.z - share * chord) > length / 4:
                 continue
@@ -306,6 +307,16 @@ class Walk:
                 if there is not None and length_of(there.z - z) <= SAME:
                     return there
         return None
+
+    def _in_turn_of(self, z: np.ndarray, node: Node) -> np.ndarray:
+        """Scaled unknowns whose angles are in the turn of those at a node: a rotor may have gained a whole
+        turn on the one that the section pins.
+        """
+        at, scale = node.point.end.coordinates, self.family.scale
+        if not len(at.angles):
+            return z
+        X = at.in_turn_of((z * scale)[: at.count], node.point.end.X)
+        return np.array([*(X / scale[: at.count]), *z[at.count :]])
 
     def _there(self, node: Node, share: float) -> Node | None:
         if not 0 < share <= 1:

@@ -49,10 +49,10 @@ class ImpactLaw(Generic[N]):
         """Give what rests or sticks on the base its velocity, which that of the stretch has but for rounding:
         where an impact meets them, they do not close.
         """
-        leader, drift = self.maker.ties(status)
+        leader, _ = self.maker.ties(status)
         carried = [c for c in range(self.maker.n) if leader[c] == self.maker.n + 1]
         if carried:
-            base = self.relative.base(state, "v")
+            base, drift = self.relative.base(state, "v"), self.relative.drift(status, state)
             for c in carried:
                 state.v[c] = base + drift[c]
 

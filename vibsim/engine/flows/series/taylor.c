@@ -216,6 +216,8 @@ INLINE void expand_at(Run *r, const State *state)
         first[c] = state->x[c];
         rates[c] = leader < r->bodies ? state->v[c] : (leader == r->bodies ? 0.0 : rates[base_column(r)]) + m->drift[c];
     }
+    for (c = 0; c < m->follower_count; c++)
+        rates[m->followers[c].column] = state->v[m->followers[c].column];
     if (f->loaded_count > 0)
         taylor_expand_loads(r, state->t);
     taylor_expand(r, state);

@@ -397,6 +397,10 @@ INLINE void expand_formulas(Run *r, const State *state, const int few, const int
             int leader = m->leader[c];
             next[rates + c] = leader < bodies ? acceleration[leader] * inverse : leader == bodies ? 0.0 : next[rates + base];
         }
+        for (c = 0; c < m->follower_count; c++) {
+            const Follower *one = &m->followers[c];
+            next[rates + one->column] = next[rates + one->column] + f->tapes.series[one->place][n] * inverse;
+        }
     }
     for (c = 0; c <= bodies; c++)
         row[stride + rates + c] = 0.0;

@@ -1,0 +1,283 @@
+"""Belts whose velocity is a formula, between bodies, beside a base, several that differ; kinks of a base."""
+
+from decimal import Decimal, localcontext
+from math import cos, exp, sin
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from tests.engine.test_formula_tangent_in_c import carried_alike
+from vibsim import simulate
+from vibsim.cases.case import load_case_text
+from vibsim.engine.tangent.monodromy import Carrier
+from vibsim.engine.truth import open_truth
+from vibsim.physics.parts import EVENT_KINDS
+
+# A load rides on a cart whose surface moves to and fro, and the cart on a floor that moves otherwise, held by
+# a spring at a base that shakes.
+TWO_BELTS = """\
+name: two belts
+bodies: {cart: 1 kg, load: 0.4 kg}
+links: {spring: {between: [cart, base], k: 100 N/m, c: 0.3 N s/m}}
+friction:
+  top: {between: [load, cart], N: 3 N, mu: 0.25, static: 1.2, belt: "u*sin(wb*t)", u: 0.3 m/s, wb: 2 rad/s}
+  floor: {between: [cart, ground], N: 5 N, mu: "m0 + m1*exp(-s/vs)", m0: 0.05, m1: 0.1, vs: 0.1 m/s,
+          belt: "b*cos(wb*t)", b: 0.1 m/s, wb: 1.3 rad/s}
+base: {a: 40 mm, omega: 7 rad/s}
+run: {t_end: 2.5 s, every: 10 ms}
+"""
+BODIES = ("cart", "load")
+HELD, SLIPS = 3 * 0.25 * 1.2, 3 * 0.25  # by the load [N]
+
+
+def case_of(text, **changes):
+    for old, new in changes.items():
+        text = text.replace(old, new)
+    return load_case_text(text, name="belts")
+
+
+def events_of(run):
+    kinds = {number: name for name, number in EVENT_KINDS.items()}
+    return [(float(t), kinds[int(kind)]) for t, kind in zip(run.events["t"], run.events["kind"], strict=True)]
+
+
+def belt(t):
+    return 0.3 * sin(2 * t), 0.6 * cos(2 * t)
+
+
+def floor(t):
+    return 0.1 * cos(1.3 * t)
+
+
+def pull_on_cart(t, y, sense):
+    """Force on the cart but for that of the load [N]; sense: of its sliding on the floor."""
+    spring = 100 * (y[0] - 0.04 * sin(7 * t)) + 0.3 * (y[2] - 0.28 * cos(7 * t))
+    return -spring - sense * 5 * (0.05 + 0.1 * exp(-abs(y[2] - floor(t)) / 0.1))
+
+
+def second_solution(t_end):
+    """The motion of TWO_BELTS while the cart slips on the floor, by equations and switches of its own:
+    (state at the end, [(time, whether the load begins to stick)]).
+    """
+    t, y, sense, load, told = 0.0, np.zeros(4), -1, 0, []  # at 0.6 m/s^2 the belt takes the load along
+
+    def rates(t, y):
+        force, (_, du) = pull_on_cart(t, y, sense), belt(t)
+        if load:  # slips
+            on_load = -load * SLIPS
+            return [y[2], y[3], force - on_load, on_load / 0.4]
+        a = (force - 0.4 * du) / 1.4  # of both, the load du beyond
+        return [y[2], y[3], a, a + du]
+
+    def on_floor(t, y):
+        return sense * (y[2] - floor(t))
+
+    def on_belt(t, y):
+        return load * (y[3] - y[2] - belt(t)[0]) if load else HELD - abs(0.4 * rates(t, y)[3])
+
+    for event in (on_floor, on_belt):
+        event.terminal, event.direction = True, -1
+    while True:
+        course = solve_ivp(
+            rates, (t, t_end), y, "DOP853", events=(on_floor, on_belt), rtol=1e-12, atol=1e-13, max_step=0.01
+        )
+        t, y = course.t[-1], course.y[:, -1]
+        if course.status == 0:
+            return y, told
+        if len(course.t_events[0]):
+            sense = -sense  # what holds is never enough here
+        elif load:
+            was, load = load, 0
+            y[3] = y[2] + belt(t)[0]
+            if abs(0.4 * rates(t, y)[3]) > HELD:
+                load = -was
+            told.append((t, load == 0))
+        else:
+            load = -1 if rates(t, y)[3] > 0 else 1
+            told.append((t, False))
+        t, y = t + 1e-10, y + 1e-10 * np.array(rates(t, y))
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_belts_between_bodies_and_beside_a_base_are_those_of_another_solver(engine):
+    run = simulate(case_of(TWO_BELTS), engine=engine, trust=engine == "c")
+    end, told = second_solution(2.5)
+    ours = [float(run[f"{letter}_{body}"][-1]) for letter in "xv" for body in BODIES]
+    assert ours == pytest.approx(end, abs=1e-9)
+    assert run.events["top"].tolist().count(0) > 1  # it sticks and slips
+    changes = [
+        t
+        for (t, _), one, other in zip(
+            events_of(run)[1:], run.events["top"][:-1], run.events["top"][1:], strict=True
+        )
+        if one != other
+    ]
+    assert changes == pytest.approx([t for t, _ in told], abs=1e-9)
+    assert abs(run.attrs["energy_residual_relative"]) < 1e-14
+
+
+def test_both_engines_give_the_same_bits():
+    runs = [simulate(case_of(TWO_BELTS), engine=engine, trust=False) for engine in ("c", "python")]
+    for name in list(runs[0]):
+        assert np.array_equal(runs[0][name], runs[1][name]), name
+
+
+def test_a_constant_formula_is_a_number():
+    evenly = {'"u*sin(wb*t)", u: 0.3 m/s, wb: 2 rad/s': "0.3 m/s"}
+    number = simulate(case_of(TWO_BELTS, **evenly), trust=False)
+    formula = simulate(case_of(TWO_BELTS, **{'"u*sin(wb*t)", u: 0.3 m/s, wb: 2 rad/s': '"u", u: 0.3 m/s'}))
+    assert [kind for _, kind in events_of(formula)] == [kind for _, kind in events_of(number)]
+    for body in BODIES:
+        assert formula[f"x_{body}"] == pytest.approx(number[f"x_{body}"], abs=1e-13)
+
+
+def test_belts_that_agree_carry_a_body_and_those_that_do_not_only_meet():
+    """Two floors under one body: of one course they hold it together, of two they let go at once."""
+    text = """\
+name: floors
+bodies: {a: 1 kg, b: 1 kg}
+links: {spring: {between: [b, base], k: 10 N/m}}
+friction:
+  one: {between: [a, ground], N: 4 N, mu: 0.3, belt: "u*sin(w*t)", u: 0.1 m/s, w: 3 rad/s}
+  two: {between: [a, ground], N: 2 N, mu: 0.3, belt: COURSE, u: 0.1 m/s, w: 3 rad/s}
+  far: {between: [b, a], N: 1 N, mu: 0.1, belt: "u*t", u: 0.01 m/s^2}
+base: {a: 1 mm, omega: 1 Hz}
+run: {t_end: 1.5 s, every: 0.1 s}
+"""
+    together = simulate(case_of(text, COURSE='"u*sin(w*t)"'), trust=False)
+    t = together["time"]
+    assert together["v_a"] == pytest.approx(0.1 * np.sin(3 * t), abs=1e-14)
+    assert set(together["one"].tolist()) == set(together["two"].tolist()) == {0}
+    apart = simulate(case_of(text, COURSE='"-u*sin(w*t)"'), trust=False)
+    assert {tuple(pair) for pair in zip(apart["one"].tolist(), apart["two"].tolist(), strict=True)} >= {
+        (0, 1)
+    }
+    assert apart["v_a"][1:-1] == pytest.approx(0.1 * np.sin(3 * t[1:-1]), abs=1e-14)  # the heavier load wins
+
+
+JUMP = """\
+name: jump
+bodies: {a: 1 kg, b: 2 kg}
+friction:
+  on: {between: [a, b], N: 2 N, mu: 0.25, belt: "where(t < t1, 0, u)", t1: 1 s, u: 0.6 m/s}
+  floor: {between: [b, ground], N: 5 N, mu: 0.5}
+run: {t_end: 3 s, every: 0.5 s}
+"""
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_a_belt_that_jumps_lets_go_and_catches_again(engine):
+    """From 1 s on the body is pulled by 0.5 N until it has the speed of the belt, at 2.2 s."""
+    run = simulate(case_of(JUMP), engine=engine, trust=False)
+    happened = [(round(t, 12), kind) for t, kind in events_of(run)]
+    assert happened[1:] == [(1.0, "switch"), (1.0, "stick_end"), (2.2, "stick_begin"), (3.0, "end")]
+    assert run["v_a"].tolist() == pytest.approx([0, 0, 0, 0.25, 0.5, 0.6, 0.6], abs=1e-15)
+    assert run["v_b"].tolist() == [0] * 7
+    assert run.attrs["work.friction.on"] == pytest.approx(0.5 * 1.2 * 0.6, rel=1e-14)
+    assert run.attrs["loss.friction.on"] == pytest.approx(0.5 * (0.6 * 1.2 - 0.36), rel=1e-14)
+
+
+IMPACTS = """\
+name: struck
+bodies: {a: 1.3 kg, b: 0.5 kg}
+links: {one: {between: [a, base], k: 129 N/m, c: 0.9 N s/m}, two: {between: [b, ground], k: 30 N/m}}
+stops: {wall: {between: [a, ground], gap: 5 mm, acts: compression, law: rigid, e: 0.7}}
+friction:
+  on: {between: [b, base], N: 5 N, mu: 0.3, belt: "u*sin(w*t + ph)", u: 0.04 m/s, w: 4.8 rad/s, ph: 4.9}
+  under: {between: [a, ground], N: 2 N, mu: 0.1, belt: "u*sin(w*t)", u: 0.09 m/s, w: 4.8 rad/s}
+base: {a: 34 mm, omega: 7.5 rad/s}
+run: {t_end: 0.6 s, every: 10 ms}
+"""
+
+
+def test_an_impact_leaves_what_sticks_on_a_belt_elsewhere_as_it_is():
+    """It gave all that the base carries the velocity of the base alone."""
+    run = simulate(case_of(IMPACTS), trust=False)
+    t = run["time"]
+    carried = 0.255 * np.cos(7.5 * t) + 0.04 * np.sin(4.8 * t + 4.9)
+    stuck = run["on"] == 0
+    assert "impact" in dict(map(reversed, events_of(run))) and stuck.sum() > 30
+    assert run["v_b"][stuck] == pytest.approx(carried[stuck], abs=1e-14)
+    assert abs(run.attrs["energy_residual_relative"]) < 1e-14
+
+
+@pytest.mark.parametrize("text", (TWO_BELTS, IMPACTS), ids=("belts", "impacts"))
+def test_disturbances_are_the_same_in_both_engines_and_differences_of_motions(text):
+    scene = case_of(text, **{"t_end: 2.5 s": "t_end: 0.8 s", "t_end: 0.6 s": "t_end: 0.26 s"}).scene()
+    carried = carried_alike(scene)
+    assert len(carried.events) > 3
+    start, end, small = [0.001, 0.002, 0.02, 0.05], 0.23, 1e-7
+    matrix = Carrier(scene).carry(start, end).vectors
+    for i, row in enumerate(matrix):
+        states = []
+        for sign in (1, -1):
+            moved = [*start]
+            moved[i] += sign * small
+            states.append(Carrier(scene).carry(moved, end, []).state)
+        assert (states[0] - states[1]) / (2 * small) == pytest.approx(row, abs=2e-8)
+
+
+STARTS = {"initial.cart.x": 0.001, "initial.load.x": 0.002, "initial.cart.v": 0.02, "initial.load.v": 0.05}
+
+
+def end_in_digits(case, moved, by):
+    """The state at the end of a run in 40 digits, one number of its start moved."""
+    with localcontext() as context:
+        context.prec = 60
+        exact = {key: Decimal(repr(value)) + (by if key == moved else 0) for key, value in STARTS.items()}
+        values = {key: f"{value} {'m' if key.endswith('x') else 'm/s'}" for key, value in exact.items()}
+        *_, last = open_truth(case.with_values(values).exact_scene, 40).blocks()
+        return [
+            Decimal(last.event_digits[f"{letter}_{body}"][-1].decode()) for letter in "xv" for body in BODIES
+        ]
+
+
+def test_disturbances_are_difference_quotients_in_forty_digits():
+    """Of runs in 40 digits from starts 1e-18 apart, through sticks and slips."""
+    case, small = case_of(TWO_BELTS, **{"t_end: 2.5 s": "t_end: 0.75 s"}), Decimal("1e-18")
+    matrix = Carrier(case.scene()).carry([*STARTS.values()], 0.75).vectors
+    for key, row in zip(STARTS, matrix, strict=True):
+        ends = [end_in_digits(case, key, by) for by in (small, -small)]
+        quotients = [float((one - other) / (2 * small)) for one, other in zip(*ends, strict=True)]
+        assert quotients == pytest.approx(row, abs=1e-12)
+
+
+# A base whose velocity jumps, under what sticks to it and what rests on it.
+
+
+KINK = """\
+name: kink
+bodies: {a: 1 kg}
+PARTS
+base: {x: "V*max(t - t1, 0)", V: SPEED, t1: 1 s}
+run: {t_end: 3 s, every: 0.5 s}
+"""
+STICKS = "friction: {on: {between: [a, base], N: 5 N, mu: 0.1}}"
+RESTS = """stops: {w: {between: [a, base], gap: 0 mm, acts: extension, law: rigid, e: 0.5}}
+forces: {weight: {on: a, F0: -1 N}}"""
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+@pytest.mark.parametrize(
+    ("parts", "speed", "told", "velocities"),
+    (
+        (STICKS, 0.2, [(1, "switch"), (1, "stick_end"), (1.4, "stick_begin")], [0, 0, 0, 0.2, 0.2, 0.2, 0.2]),
+        # struck by 0.2 m/s it leaves with 1.5 times that, and comes down 2 0.1 / 1 later
+        (RESTS, 0.2, [(1, "switch"), (1, "impact"), (1, "rest_end"), (1.2, "impact")], [0, 0, 0.3]),
+        # the base falls away, and it follows: 0.2 t = t^2 / 2
+        (RESTS, -0.2, [(1, "switch"), (1, "rest_end"), (1.4, "impact")], [0, 0, 0]),
+    ),
+)
+def test_a_kink_of_the_base_is_a_blow_to_what_rests_on_it(parts, speed, told, velocities, engine):
+    """Friction gives no impulse, and a stop no pull: both went along with the base at once."""
+    text = KINK.replace("PARTS", parts).replace("SPEED", f"{speed} m/s")
+    run = simulate(case_of(text), engine=engine, trust=False)
+    happened = [(round(t, 12), kind) for t, kind in events_of(run)]
+    assert happened[1 : 1 + len(told)] == told
+    assert run["v_a"][: len(velocities)].tolist() == pytest.approx(velocities, abs=1e-14)
+    assert run["v_a"][-1] == pytest.approx(speed, abs=1e-14)
+    assert abs(run.attrs["energy_residual"]) < 1e-15
+    assert float(run.at(1.15)["v_a"]) == pytest.approx(
+        float(simulate(case_of(text.replace("every: 0.5", "every: 0.05")))["v_a"][23]), abs=1e-14
+    )
