@@ -3,6 +3,7 @@
 import html
 import re
 import struct
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from docutils import nodes
 
 PIXELS_PER_INCH = 150  # on screen, of a picture that is 3.4 in wide in print
 STACKED_FROM = 4  # columns
+NARROW = 40  # characters that the longest words of all columns may have beside each other at 400 pixels
 LABEL = re.compile(r"  \w[\w -]*? {2,}(?=\S)")  # of a line of a summary
 LONGEST_LABEL = 24
 PRE = re.compile(r"<pre>(.*?)</pre>", re.DOTALL)
@@ -71,12 +73,25 @@ def _line(line: str) -> str:
 
 
 def stackable(match: re.Match[str]) -> str:
-    """A table; one of many columns, or with pictures, as cards that know the heads of their columns."""
+    """A table; one too wide for a narrow screen, by its columns, pictures or words, as cards that know the
+    heads of their columns.
+    """
     heads = [TAG.sub("", head) for head in re.findall(r"<th(?: [^>]*)?>(.*?)</th>", match[2], re.DOTALL)]
-    if len(heads) < STACKED_FROM and "<img" not in match[2]:
+    if len(heads) < STACKED_FROM and "<img" not in match[2] and _least_width(match[2]) <= NARROW:
         return match[0]
     rows = re.sub(r"<tr[^>]*>.*?</tr>", lambda row: _row(row[0], heads), match[2], flags=re.DOTALL)
     return f'<table class="{match[1]} cards">{rows}</table>'
+
+
+def _least_width(table: str) -> int:
+    """Characters that the longest words of the columns have beside each other."""
+    longest: list[int] = []
+    for row in re.findall(r"<tr[^>]*>.*?</tr>", table, re.DOTALL):
+        cells = re.findall(r"<t[dh](?: [^>]*)?>(.*?)</t[dh]>", row, re.DOTALL)
+        words = [html.unescape(TAG.sub("", cell)).split() for cell in cells]
+        lengths = [max(map(len, each), default=0) for each in words]
+        longest = [max(pair) for pair in zip_longest(longest, lengths, fillvalue=0)]
+    return sum(longest)
 
 
 def _row(row: str, heads: list[str]) -> str:

@@ -170,6 +170,8 @@ def test_cells_of_wide_tables_know_the_heads_of_their_columns():
         return f'<table class="docutils"><thead><tr>{head}</tr></thead><tr>{cells}</tr></table>'
 
     assert TABLE.sub(stackable, table("abc")) == table("abc")
+    long_words = TABLE.sub(stackable, table(["a", "b" * 20, "c" * 20]))
+    assert 'class="docutils cards"' in long_words  # 41 characters that no line can break
     stacked = TABLE.sub(stackable, table(["", "a &amp; b", "c", "d"]))
     assert 'class="docutils cards"' in stacked
     assert re.findall(r"<td([^>]*)>", stacked) == [

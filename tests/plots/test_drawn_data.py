@@ -292,7 +292,8 @@ def test_equal_impacts_have_a_bar_that_can_be_seen():
     """Bins over the range of the velocities had no height where these differ by rounding alone."""
     count, (low, high) = _bins(np.array([0.35, 0.35 + 1e-15]))
     assert count == 1 and high - low == pytest.approx(0.012 * 0.35) and low < 0.35 < high
-    assert _bins(np.array([0.0, 1.0])) == (40, (0.0, 1.0))
+    assert _bins(np.linspace(0.0, 1.0, 1000)) == (40, (0.0, 1.0))
+    assert _bins(np.linspace(0.0, 1.0, 27)) == (12, (0.0, 1.0))  # of few impacts few bins
     count, (low, high) = _bins(np.array([0.95, 1.0]))
     assert count == 4 and (low, high) == (0.95, 1.0)
 

@@ -78,7 +78,7 @@ def test_points_are_whole_and_ticks_stand_apart():
         inside = [box for box in boxes if box.width]
         assert len(inside) >= 2
         assert not any(one.overlaps(other) for one, other in combinations(inside, 2))
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["best", "as printed"]
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["best", "as in the case"]
 
 
 @pytest.mark.parametrize(

@@ -60,8 +60,8 @@ def test_speeds_of_rotors(run):
 def test_states(run):
     figure = figure_of("states", [run])
     t, values = points(lines(figure, "i")[0])
-    assert values == pytest.approx([fading(each) for each in t], rel=1e-12)
-    assert labels(figure) == ["Time (s)", "i (A)"]
+    assert values == pytest.approx([1000 * fading(each) for each in t], rel=1e-12)
+    assert labels(figure) == ["Time (s)", "i (mA)"]
 
 
 def test_states_of_several_runs_share_their_panels(run):

@@ -95,7 +95,7 @@ def test_a_branch_of_another_machine_is_named(linear):
     swept, _ = linear
     other = continue_branch(load_case_text(LINEAR.replace("c: 4.0", "c: 9")), "omega", "1:3 Hz")
     figure = kind_named("amplitude").draw([subject_of(swept), as_subject(other)], View())
-    assert "branches with other links.spring.c" in figure.axes[0].get_title(loc="right")
+    assert "another value of: Damping $c$ of spring" in figure.axes[0].get_title(loc="right")
 
 
 def test_kinds_go_by_the_names_of_the_field(linear):

@@ -252,7 +252,8 @@ def test_the_characteristic_of_links_and_stops_has_a_panel_for_each_pair_of_ends
     assert len(figure.axes) == 2
     spring, cage = (points(lines_in(axes)) for axes in figure.axes)
     slopes = np.diff(spring[1]) / np.diff(spring[0])
-    np.testing.assert_allclose(slopes, 394.78, rtol=1e-9)  # mN/mm
+    np.testing.assert_allclose(slopes, 0.39478, rtol=1e-9)  # mN/um
+    np.testing.assert_allclose(spring[0].max(), 1000 * 200 / 394.78)  # as far as the drive of 0.2 N bends it
     y, force = cage  # mm, N (or kN): 0 between the stops, 50 kN/m beyond either
     inside = np.abs(y) <= 10
     assert (force[inside] == 0).all()

@@ -163,7 +163,7 @@ def test_the_picture_of_powers(passage):
     assert axes.get_ylabel() in ("Mean power (mW)", "Mean power (W)")
     assert axes.get_xlabel() == "Time (s)"
     labels = axes.get_legend_handles_labels()[1]
-    assert labels == ["stored", "motor", "damper coupling", "friction"]
+    assert labels == ["stored", "motor", "damper: coupling", "friction"]
     assert lines(axes, "work-rotors-motor")
 
 

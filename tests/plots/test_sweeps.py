@@ -10,6 +10,7 @@ from vibsim.cases import load_case
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import choose, fitting, kind_named
 from vibsim.plots.subject import PlotError, View, open_subject
+from vibsim.plots.sweep_curves import leaps
 from vibsim.sweeps import sweep
 
 UNIT = re.compile(r"\((s|Hz|[kmµn]?(m|m/s|N|N m|N s/m))\)$")
@@ -75,7 +76,7 @@ def test_sommerfeld_says_what_it_needs(paths):
         PlotError, match=r"it needs a motor, and .*ideal\.h5 has none; kinds that fit: amplitude"
     ):
         choose(["sommerfeld"], [open_subject(paths["ideal"])])
-    with pytest.raises(PlotError, match=r"it needs a sweep over Omega0, and .*damping\.h5 has none"):
+    with pytest.raises(PlotError, match=r"it needs a sweep over Omega0, or .*, and .*damping\.h5 has none"):
         choose(["sommerfeld"], [open_subject(paths["damping"])])
 
 
@@ -106,15 +107,18 @@ def test_up_and_down_are_told_apart(paths):
     assert (named["up"], named["down"]) == (up.get_color(), down.get_color())
     np.testing.assert_array_equal(down.get_ydata(), result["mean_speed"][:, 1])
     assert up.get_color() != down.get_color() and up.get_markerfacecolor() != down.get_markerfacecolor()
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["up", "down", "hysteresis"]
+    named = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert named == ["no-load speed", "up", "down", "hysteresis"]
 
 
-def test_hysteresis_is_shaded_between_up_and_down(paths):
+def test_hysteresis_is_shaded_between_up_and_down_but_not_across_leaps(paths):
     result = open_subject(paths["carried"]).result
     (shade,) = drawn("sommerfeld", paths["carried"]).axes[0].collections
-    corners = {(x, y) for x, y in shade.get_paths()[0].vertices.tolist()}
-    speeds = result["mean_speed"]
-    assert corners == {(x, y) for i, x in enumerate(result["omega0"]) for y in speeds[i]}
+    corners = [{(x, y) for x, y in path.vertices.tolist()} for path in shade.get_paths()]
+    x, speeds = result["omega0"], result["mean_speed"]
+    assert {*leaps(speeds[:, 0]), *leaps(speeds[:, 1])} == {0}  # from 3 Hz to 3.5 Hz, of steps that get less
+    assert corners[-1] == {(x[i], y) for i in (1, 2) for y in speeds[i]}
+    assert not any({3.0, 3.5} <= {across for across, _ in area} for area in corners)
 
 
 @pytest.mark.parametrize("width", ["column", "page"])

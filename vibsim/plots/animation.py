@@ -31,7 +31,7 @@ from vibsim.plots.samples import draw_stop_line, shortest_period, window_of
 from vibsim.plots.sheet import scale_for, symbol
 from vibsim.plots.style import BLUE, VERMILLION, dashed
 from vibsim.plots.subject import PlotError, Span, Subject, open_subject
-from vibsim.plots.traces import dense, draw_trace, label_relative, pair_of, trace
+from vibsim.plots.traces import Trace, dense, draw_trace, folded, label_relative, pair_of, trace
 from vibsim.results.hdf5_reading import DISK_FULL, ResultFileError
 from vibsim.results.labelled import MissingExtra, extra
 from vibsim.results.output_files import output_file
@@ -130,7 +130,10 @@ def _still(
     pair = pair_of(subject)
     x, y = pair.plane({**channels.states, "time": channels.times})
     scales = scale_for(subject.unit("m"), x), scale_for(subject.unit("m/s"), y)
-    draw_trace(portrait, trace(subject.result, pair.names, pair.plane, span), scales, color=BLUE)
+    curve = trace(subject.result, pair.names, pair.plane, span)
+    if pair.whole_turns:
+        curve, x = folded(curve), folded(Trace(x, y, joined=False)).x
+    draw_trace(portrait, curve, scales, color=BLUE)
     for position, name in pair.stops:
         draw_stop_line(portrait, position, scales[0], name)
     portrait.margins(0.06)
@@ -144,7 +147,7 @@ def _still(
     history.legend(loc="lower left", bbox_to_anchor=(0, 1.02), ncols=len(columns))
     history.set_xlim(channels.times[0], channels.times[-1])
     history.set_xlabel("Time (s)")
-    history.set_ylabel(scale.label("Displacement"))
+    history.set_ylabel(scale.label(subject.word("m").capitalize()))
     return scales[0](x), scales[1](y)
 
 
@@ -392,7 +395,7 @@ def moving_data(subject: Subject, channels: Channels, step: float, speed: float)
             "stops": [float(scales[0](position)) for position, _ in pair.stops],
         },
         "history": {
-            "label": scale.label("displacement"),
+            "label": scale.label(subject.word("m")),
             "unit": scale.unit,
             "curves": [{"name": name, "data": packed(scale(channels.states[name]), "f4")} for name in names],
         },

@@ -39,7 +39,7 @@ from vibsim.plots.branch_values import (
 from vibsim.plots.sheet import Scale, add_below, legend_above, letter_panels, note, sheet
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, PINK, VERMILLION
 from vibsim.plots.subject import PlotError, Span, Subject, View
-from vibsim.plots.sweep_axes import along, is_speed, label_of, plane_of
+from vibsim.plots.sweep_axes import along, is_speed, label_of, plane_of, words_of
 from vibsim.plots.sweep_curves import Curve
 from vibsim.sweeps.quantities import quantities_of
 from vibsim.sweeps.statistics import displacements, velocities
@@ -47,6 +47,7 @@ from vibsim.sweeps.statistics import displacements, velocities
 MARKED = ("fold", "doubling", "neimark-sacker", "branch point", "corner", "hopf", "grazing", "sticking")
 OVER_SPEEDS = ("fold", "doubling", "neimark-sacker")  # in the small panels of a Sommerfeld diagram
 ROOM = 0.04  # of the range, beyond a branch
+LABELS = 8  # of one branch over a sweep; of more, points at which sticking begins or ends have marks alone
 LABELLED = 4  # branches whose special points are labelled; of more the labels would say too little
 SIZE = 0.7  # of lines and marks: what was swept shall show beside them
 BEYOND = 0.4  # of a period, by which a run goes on behind an orbit: its last return lies within it
@@ -183,11 +184,17 @@ def lay_branches(
             draw_branch(axes, result, x, y, BLACK, "", marked, SIZE)
             if line == 0 and len(branches) <= LABELLED:
                 own = special_labels(result, x, y, marked)
+                own = own if len(own) <= LABELS else [one for one in own if not _of_stick(one)]
                 several = len(branches) > 1
                 labels += [replace(one, text=f"{number}:{one.text}") if several else one for one in own]
     axes.set_xlim(*limits[0])
     axes.set_ylim(*_with_room(limits, [line.get_data() for line in axes.get_lines()[before:]]))
     return labels
+
+
+def _of_stick(point: LabelledPoint) -> bool:
+    """Whether a label is that of a beginning or end of sticking."""
+    return point.text.startswith("ST")
 
 
 def _with_room(limits: tuple[Span, Span], lines: Sequence[Any]) -> Span:
@@ -249,22 +256,32 @@ def values_of(branch: Subject) -> OrbitValues:
 
 def name_branches(
     figure: Figure, panel: Axes, sweeps: Sequence[Subject], branches: Sequence[Subject],
-    marked: Sequence[str] = MARKED,
+    drawn: Sequence[Curve], marked: Sequence[str] = MARKED,
 ) -> None:  # fmt: skip
     """Add the lines and marks of branches to the legend under the picture. Where branches belong to another
-    machine, a note above the panel names the keys that differ.
+    machine, a note above the panel names the keys that differ; or says that they lie over no curve.
     """
     if not branches:
         return
-    keys = keys_to_marks([branch.result for branch in branches], marked)
+    laid = [branch for branch in branches if any(belongs(branch, curve) for curve in drawn)]
+    if not laid:
+        _add_note(panel, "no branch has the values of a curve")
+        return
+    keys = keys_to_marks([branch.result for branch in laid], marked)
     if 1 < len(branches) <= LABELLED:
         named = [f"{number}: {branch.name}" for number, branch in enumerate(branches, 1)]
         keys += [Line2D([], [], linestyle="none", label=name) for name in named]
     add_below(figure, keys)
     others = [key for branch in branches for sweep in sweeps for key in other_values(branch, sweep)]
     if others:
-        words = f"branches with other {', '.join(dict.fromkeys(others))}"
-        note(panel, "; ".join(filter(None, [panel.get_title(loc="right"), words])))
+        names = [words_of(key) or key for key in dict.fromkeys(others)]
+        words = f"branches with another value of: {', '.join(names)}"
+        _add_note(panel, words)
+
+
+def _add_note(panel: Axes, words: str) -> None:
+    """More words behind the remark above a panel."""
+    note(panel, "; ".join(filter(None, [panel.get_title(loc="right").replace("\n", "; "), words])))
 
 
 # Loci: bifurcations of periodic orbits in the plane of two parameters.

@@ -29,8 +29,10 @@ from vibsim.plots.sheet import (
 )
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, SKY, VERMILLION, points
 from vibsim.plots.subject import PlotError, Subject, View, as_text
+from vibsim.plots.sweep_axes import words_of
 
 FIT_HEIGHT_CM = 7.0
+PRICE = "Price (0: every statement holds)"
 SIZE = 26  # of a point [pt^2]
 ROOM = 0.04  # of the range, beside the first and last point
 
@@ -63,7 +65,7 @@ def _along(axes: Axes, fit: FitResult, judged: Sequence[Judgement], free: FreePa
         markersize=3.5, gid="price",
     )  # fmt: skip
     _mark(axes, (_value(fit.best, free), fit.best.price), None)
-    axes.set_ylabel("Price")
+    axes.set_ylabel(PRICE)
     _axis(axes, "x", free)
 
 
@@ -77,7 +79,7 @@ def _plane(
         x, y, c=[each.price for each in order], s=SIZE, cmap="viridis_r", edgecolors="white",
         linewidths=0.4, gid="price",
     )  # fmt: skip
-    figure.colorbar(shown, ax=axes, label="Price", pad=0.02, aspect=30)
+    figure.colorbar(shown, ax=axes, label=PRICE, pad=0.02, aspect=30)
     _mark(axes, tuple(_value(fit.best, one) for one in free), tuple(one.printed[0] for one in free))
     for which, one in zip("xy", free, strict=True):
         _axis(axes, which, one)
@@ -110,12 +112,13 @@ def _mark(axes: Axes, best: Any, printed: Any) -> None:
     if printed is not None:
         axes.plot(
             *printed, "x", color="black", markersize=6, markeredgewidth=1.3, gid="printed",
-            label="as printed",
+            label="as in the case",
         )  # fmt: skip
 
 
 def _axis(axes: Axes, which: str, free: FreeParameter) -> None:
-    label = f"{free.name} ({free.unit})" if free.unit else free.name
+    words = words_of(free.key) or free.name
+    label = f"{words} ({free.unit})" if free.unit else words
     axes.set(**{f"{which}label": label})
     if free.by_ratio:
         draw_by_ratio(axes, which)
@@ -181,7 +184,7 @@ def work_precision_picture(subjects: Sequence[Subject], view: View) -> Figure:
     shape: dict[str, Any] = {"nrows": 2, "height_ratios": (1.6, 1)} if narrow else SIDE_BY_SIDE
     axes, beside = figure.subplots(**shape)
     _draw_curves(axes, drawn)
-    axes.set_xlabel("Least processor time per second of motion (s)")
+    axes.set_xlabel("Processor time per second of motion (s)")
     axes.set_ylabel(f"Largest error of the displacements until {bench.telling_time:g} s (m)")
     leads = _leads(axes, bench, drawn)
     note(axes, f"{as_text(bench.attrs['case_name'])}; {_legend(drawn, leads)}")

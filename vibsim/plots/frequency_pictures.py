@@ -26,6 +26,7 @@ from vibsim.plots.samples import (
 from vibsim.plots.sheet import (
     CM,
     Scale,
+    amount,
     legend_above,
     legend_below,
     letter_panels,
@@ -74,13 +75,19 @@ def displacement_frequency_picture(subjects: Sequence[Subject], view: View) -> F
     if shown is not None:
         figure.colorbar(shown, ax=panels, label="Time (s)", pad=0.02, aspect=40)
     spans = [window_of(subject, view.window) for subject in subjects]
-    remarks = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
+    marks = "dots: extremes of each turn" if any(panel.findobj(_is_extremes) for panel in panels) else ""
+    remarks = [*dict.fromkeys(map(seconds, spans)), marks, trust_remark(subjects, spans)]
     note(panels[0], "; ".join(filter(None, remarks)))
     if len(subjects) > 1:
         legend_above(panels[0], markerscale=4)
     letter_panels(panels)
     figure.align_ylabels()
     return figure
+
+
+def _is_extremes(artist: Any) -> bool:
+    """Whether an artist is the dots of the extremes."""
+    return bool(artist.get_gid() == "extremes")
 
 
 def displacement_frequency_panels(
@@ -95,7 +102,7 @@ def displacement_frequency_panels(
         for passage in passages:
             shown = _draw(axes, passage, column, scale, alone=len(subjects) == 1) or shown
         axes.margins(0.04)
-        axes.set_ylabel(scale.label(f"Displacement {symbol(column)}"))
+        axes.set_ylabel(scale.label(f"{subjects[0].word('m').capitalize()} {symbol(column)}"))
     return shown
 
 
@@ -201,9 +208,8 @@ DECADES = 4  # of amplitude that are told apart
 def spectrogram_picture(subjects: Sequence[Subject], view: View) -> Figure:
     """Amplitude of the first relative motion over time and frequency."""
     subject = subjects[0]
-    span, motion = window_of(subject, view.window), first_motion(subject)
-    coordinate = difference(subject.scene, motions_of(subject.scene)[motion], "x")
-    cut = pieces(subject, span, motion, count=600)
+    span, coordinate = window_of(subject, view.window), _coordinate(subject)
+    cut = pieces(subject, span, first_motion(subject), count=600)
     figure = sheet(view, 7.0)
     axes = figure.subplots()
     scale = scale_for(subject.unit("m"), cut.amplitudes)
@@ -217,12 +223,11 @@ def spectrogram_picture(subjects: Sequence[Subject], view: View) -> Figure:
     if not values.any():
         axes.text(0.5, 0.5, NOTHING, transform=axes.transAxes, ha="center", va="center", color="white")
     figure.colorbar(picture, ax=axes, label=scale.label(f"Amplitude of {coordinate}"), pad=0.01)
-    if motor_columns(subject.scene):
-        _speeds(axes, subject, span)
+    motor = motor_columns(subject.scene) and _speeds(axes, subject, span)
     axes.set_ylim(0, cut.hz[-1])
     axes.set_ylabel("Frequency (Hz)")
     time_axis(axes, span)
-    note(axes, f"pieces of {cut.length:.3g} s")
+    note(axes, f"pieces of {cut.length:.3g} s" + ("; dashed: motor speed" if motor else ""))
     return figure
 
 
@@ -234,10 +239,11 @@ def _edges(middles: np.ndarray, span: Span) -> np.ndarray:
     return np.array([span[0], *((middles[1:] + middles[:-1]) / 2), span[1]])
 
 
-def _speeds(axes: Axes, subject: Subject, span: Span) -> None:
-    """The motor's mean speed over the picture."""
+def _speeds(axes: Axes, subject: Subject, span: Span) -> bool:
+    """The motor's mean speed over the picture; whether it turned often enough to have one."""
     t, hertz = mean_speed(subject, span, pixel_columns(axes))
     axes.plot(t, hertz, color="white", linewidth=0.7, linestyle=(0, (3, 2)), gid="motor-speed")
+    return len(t) > 0
 
 
 # Spectra one behind the other: of pieces of a run, or of several runs.
@@ -260,7 +266,6 @@ def waterfall_picture(subjects: Sequence[Subject], view: View) -> Figure:
     """Spectra of the first relative motion, each raised to its time, or of several runs to their number."""
     alone = len(subjects) == 1
     drawn = _of_pieces(subjects[0], view) if alone else _of_runs(subjects, view)
-    scale = scale_for(subjects[0].unit("m"), *(row.amplitudes for row in drawn))
     largest = max(float(row.amplitudes.max()) for row in drawn)
     apart = (drawn[-1].place - drawn[0].place) / max(len(drawn) - 1, 1) or 1.0
     raised = HEIGHT * apart / (largest or 1.0)
@@ -282,8 +287,15 @@ def waterfall_picture(subjects: Sequence[Subject], view: View) -> Figure:
     if not largest:
         say_inside(axes, NOTHING)
         return figure
-    note(axes, f"largest line {float(scale(largest)):.3g} {scale.unit}")
+    coordinates = dict.fromkeys(_coordinate(subject) for subject in subjects)
+    what = f"amplitude of {', '.join(coordinates)}"
+    note(axes, f"{what}; largest line {amount(largest, subjects[0].unit('m'))}")
     return figure
+
+
+def _coordinate(subject: Subject) -> str:
+    """The motion that spectra are of, in symbols."""
+    return difference(subject.scene, motions_of(subject.scene)[first_motion(subject)], "x")
 
 
 def _of_pieces(subject: Subject, view: View) -> list[SpectrumRow]:

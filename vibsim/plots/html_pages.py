@@ -24,13 +24,13 @@ from vibsim.cases.problems import one_line
 from vibsim.orbits.branches.tracing import curve_of, drawn, stretches
 from vibsim.physics.connections import event_parts
 from vibsim.physics.parts import EVENT_KINDS, IMPACTS, ROTOR, STATE, SWITCH
-from vibsim.plots.branch_values import MARKS, ranges
+from vibsim.plots.branch_values import MARKS, ParameterAxis, ranges
 from vibsim.plots.branches_over_sweeps import NAMES
 from vibsim.plots.registry import fitting
 from vibsim.plots.samples import shortest_period
 from vibsim.plots.sheet import scale_for
 from vibsim.plots.subject import PlotError, Subject
-from vibsim.plots.sweep_axes import draws_by_ratio, label_of
+from vibsim.plots.sweep_axes import draws_by_ratio, is_speed, label_of, words_of
 from vibsim.plots.traces import pair_of
 from vibsim.results.columns import has_switches
 from vibsim.results.hdf5_reading import plain
@@ -276,14 +276,14 @@ def _lines(subject: Subject) -> dict[str, Any]:
 
 
 def _titled(subject: Subject, name: str) -> dict[str, str]:
-    """Title of a column on the page: in words for a sweep, by the key of the case for a branch or a locus."""
+    """Title of a column on the page, in words; by the key of the case where a key has none."""
     if subject.reads == "sweep":
         return {"title": title_of(subject, name)}
     if subject.reads == "branch":
-        keys = {"parameter": subject.result.key, **MULTIPLIERS}
+        keys = {"parameter": _of_key(subject.result.key), **MULTIPLIERS}
     elif subject.reads == "locus":
         plan = subject.result.plan
-        keys = {"parameter": plan.branch.keys[0], "second": plan.keys[0]}
+        keys = {"parameter": _of_key(plan.branch.keys[0]), "second": _of_key(plan.keys[0])}
     else:
         return {}
     return {"title": keys[name]} if name in keys else {}
@@ -293,13 +293,23 @@ def title_of(subject: Subject, name: str) -> str:
     """A column of a sweep in words; an axis as it is labelled in pictures, less symbol and unit."""
     for axis in subject.result.axes:
         if axis.name == name and axis is not subject.result.members:
-            words = re.sub(r"\$[^$]*\$", "", label_of(axis)).rpartition(" (")[0] or label_of(axis)
-            return " ".join(words.split())
+            return _plain(label_of(axis))
     for pattern, words in TITLES:
         found = re.fullmatch(pattern, name)
         if found:
             return words.format(*(part.replace("_", " ") for part in found.groups()))
     return name.replace("_", " ")
+
+
+def _of_key(key: str) -> str:
+    """A key of the case as pictures call it, less symbols; the key itself where it has no words."""
+    return _plain(label_of(ParameterAxis(key, ""))) if is_speed(key) or words_of(key) else key
+
+
+def _plain(label: str) -> str:
+    """A label of an axis less its symbols and unit."""
+    words = re.sub(r"\$[^$]*\$", "", label)
+    return " ".join((words.rpartition(" (")[0] or words or label).split()) or label
 
 
 def _by_ratio(subject: Subject) -> set[str]:
@@ -467,7 +477,8 @@ def thinned(rows: Table, most: int) -> Table:
 def panels(subject: Subject, rows: Table) -> list[dict[str, Any]]:
     """Displacements, velocities, the speeds of a motor and of rotors, states."""
     listed = []
-    for words, unit in (("displacement", "m"), ("velocity", "m/s")):
+    for unit in ("m", "m/s"):
+        words = subject.word(unit)
         names = subject.columns_in(unit)
         scale = scale_for(subject.unit(unit), *(rows[name] for name in names))
         curves = [

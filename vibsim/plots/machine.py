@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from vibsim.cases.quantities import is_inertia
 from vibsim.plots import machine_symbols, style
 from vibsim.plots.machine_symbols import (
     BASE,
@@ -235,7 +236,8 @@ def _direction(axes: Axes, values: dict[str, Any], plan: Layout, y: float) -> No
         machine_symbols.arrow(axes, x, x + 0.6, y + BASE_CM, "base", both=True)
         machine_symbols.label(axes, x + 0.7, y + BASE_CM, f"base: {base_label(values)}", ha="left")
     machine_symbols.arrow(axes, x, x + 0.8, y)
-    machine_symbols.label(axes, x + 0.95, y, "$x$", ha="left", fontsize=7)
+    turns = all(is_inertia(str(mass)) for mass in values["bodies"].values())
+    machine_symbols.label(axes, x + 0.95, y, "$x$ (angle)" if turns else "$x$", ha="left", fontsize=7)
 
 
 # Where everything stands in the drawing of a scene, in centimetres.

@@ -24,6 +24,7 @@ VARIABLE = re.compile("d|v|p|t|(?:x|v|phi|w)_.*|phi|phidot")  # of the motion, t
 CHARACTER_CM = 0.12  # about the width of a character of a label, at 6 pt
 LABEL_DIGITS = 6
 MOST_ARGUMENTS = 3
+RAISED = str.maketrans({"^": "", "2": "\N{SUPERSCRIPT TWO}", "3": "\N{SUPERSCRIPT THREE}"})  # of units
 LONGEST_FORMULA = 30  # characters of a formula that a label shows
 STUB_CM = 0.45  # on either side of the box of a formula
 SHORTEST_CM = 1.7  # of an element, without its label
@@ -85,6 +86,7 @@ def short(quantity: Any) -> str:
         text = one_line(quantity.text)
         return text if len(text) <= LONGEST_FORMULA else f"{text[: LONGEST_FORMULA - 1]}…"
     number, _, unit = str(quantity).partition(" ")
+    unit = unit.translate(RAISED) if "^" in unit else unit
     if len(number.lstrip("-0.").replace(".", "")) > LABEL_DIGITS and "/" not in number:
         number = f"{float(number):.{LABEL_DIGITS}g}"
     return " ".join(filter(None, [number, unit]))
@@ -234,6 +236,8 @@ def _sum_of_terms(source: dict[str, Any], amplitude: str) -> str:
         return short(formula)
     terms = [*source.get("terms", {}).values()] or ([source] if amplitude in source else [])
     constant = source.get("F0")
+    if constant is not None and len(terms) > 0:  # a term of no size says nothing beside a constant
+        terms = [term for term in terms if getattr(term[amplitude], "value", 1)]
     parts = [short(constant)] if constant is not None and (constant.value or not terms) else []
     if len(terms) > 2:
         parts.append(f"{len(terms)} harmonics")

@@ -17,7 +17,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from vibsim.physics.connections import Pair, joined_pairs
 from vibsim.physics.formulas import Node
-from vibsim.physics.parts import Link, Motor, RigidStop, Scene, Stop
+from vibsim.physics.parts import GROUND, Link, Motor, RigidStop, Scene, Stop
 from vibsim.physics.rates import motor_columns
 from vibsim.plots.machine import machine_panel, machine_size
 from vibsim.plots.samples import (
@@ -33,15 +33,20 @@ from vibsim.plots.samples import (
 from vibsim.plots.sheet import (
     CM,
     LABEL_SHARE,
+    LEGEND_LINE_CM,
     NamedQuantity,
     Scale,
     amount,
+    beside_levels,
     characters,
+    label_axes,
     legend_above,
+    legend_lines,
     letter_panels,
     note,
     scale_for,
     sheet,
+    symbol,
     write_names,
 )
 from vibsim.plots.style import BLUE, SHADE, nested, points
@@ -60,7 +65,8 @@ from vibsim.plots.time_histories import (
     rotor_speed_panel,
     rotor_speeds,
 )
-from vibsim.plots.traces import mark_detail
+from vibsim.plots.traces import folded_angles, mark_detail
+from vibsim.results.columns import PairMotion
 
 PANEL_CM = 5.2
 BESIDE_CM = 10.5  # width of a machine up to which the portrait has room beside it
@@ -113,8 +119,7 @@ def overview_picture(subjects: Sequence[Subject], view: View) -> Figure:
     figure = page.portrait.get_figure(root=True)
     assert isinstance(figure, Figure)
     shown = [Panel(axes, group, window) for axes, group in zip(page.tops, groups, strict=True)]
-    motors = all(motor_columns(subject.scene) for subject in subjects)
-    speed = motors or all(rotor_speeds(subject.scene) for subject in subjects)
+    motors, speed = all(motor_columns(subject.scene) for subject in subjects), _shows_speed(subjects)
     velocities = [] if speed else [Panel(page.bottom, _first(subjects), detail if alone else window)]
     if page.middle is not None and alone:
         shown.append(Panel(page.middle, groups[0], detail))
@@ -132,6 +137,12 @@ def overview_picture(subjects: Sequence[Subject], view: View) -> Figure:
         machine_panel(page.machine, subjects[0].case.long_values())
     _finish(figure, page, subjects)
     return figure
+
+
+def _shows_speed(subjects: Sequence[Subject]) -> bool:
+    """Whether the last panel is of the speed of a motor, or of rotors."""
+    motors = all(motor_columns(subject.scene) for subject in subjects)
+    return motors or all(rotor_speeds(subject.scene) for subject in subjects)
 
 
 def _first(subjects: Sequence[Subject]) -> list[HistoryCurve]:
@@ -163,16 +174,25 @@ def _page(view: View, subjects: Sequence[Subject], groups: int, whole: bool) -> 
     speed; in a column all are one below the other.
     """
     size, wide = _machine(subjects, view), view.width == "page"
+    beside = beside_levels(view) if _shows_speed(subjects) else {}
     if size is None:
-        return _panels(sheet(view, PANEL_CM * (3 if wide else _rows(groups, whole))), wide, groups, whole)
+        figure = sheet(view, PANEL_CM * (3 if wide else _rows(groups, whole)) + _legends_cm(view, subjects))
+        return _panels(figure, wide, groups, whole, beside)
     if wide and size[0] <= BESIDE_CM:
         return _beside(view, size, groups, whole)
     height = size[1] + HEADING_CM + APART_CM + PANEL_CM * (3 if wide else _rows(groups, whole))
+    height += _legends_cm(view, subjects)
     figure = sheet(view, height)
     engine = figure.get_layout_engine()
     assert isinstance(engine, ConstrainedLayoutEngine)
     engine.set(rect=(0, 0, 1, 1 - (size[1] + APART_CM) / (figure.get_figheight() / CM)))
-    return replace(_panels(figure, wide, groups, whole), machine=_head(figure, size))
+    return replace(_panels(figure, wide, groups, whole, beside), machine=_head(figure, size))
+
+
+def _legends_cm(view: View, subjects: Sequence[Subject]) -> float:
+    """Height of the lines of the legends of bodies beyond the first ones [cm]."""
+    labels = [symbol(name) for name in subjects[0].columns_in("m")] if len(subjects) == 1 else [""]
+    return 2 * LEGEND_LINE_CM * (legend_lines(labels, view.width_cm) - 1)
 
 
 def _rows(groups: int, whole: bool) -> int:
@@ -201,10 +221,14 @@ def _beside(view: View, size: tuple[float, float], groups: int, whole: bool) -> 
     return replace(page, machine=_head(figure, size), portrait_first=True)
 
 
-def _panels(figure: Figure, wide: bool, groups: int, whole: bool) -> Page:
-    """Displacements above (one panel, or one per body); below them the others in two columns, or one."""
+def _panels(figure: Figure, wide: bool, groups: int, whole: bool, beside: dict[str, Any]) -> Page:
+    """Displacements above (one panel, or one per body); below them the others in two columns, or one.
+
+    beside : of a column, see `beside_levels`; empty where none are named
+    """
     if not wide:
-        page = _listed(list(figure.subplots(_rows(groups, whole), 1)), groups, whole)
+        axes = figure.subplots(_rows(groups, whole), 1, gridspec_kw=beside)
+        page = _listed(list(axes), groups, whole)
         return replace(page, narrow=True)
     grid = figure.add_gridspec(3, 2, width_ratios=(1.25, 1))
     tops = [grid[0, :]] if groups == 1 else [grid[0, 0], grid[0, 1]]
@@ -236,6 +260,8 @@ def _heading(subjects: Sequence[Subject], room: float) -> str:
 REACH = 2.5  # the picture reaches this many gaps beyond the rest position on the side of the stop
 PLACES = (0.5, 0.35, 0.65, 0.2, 0.8, 0.05)  # of a name along its part of the curve, the better first
 BEHIND = 0.08  # of the range, shown behind a rigid stop
+ROOM_BESIDE = 1.2  # beyond the farthest point of a run
+SAMPLES = 20_000  # of a run, to tell how far it goes
 NO_GAP = 1e-3  # a range to show where the scene gives none [m]
 MOST = 6  # panels
 POINTS_OF_FORMULA = 401
@@ -276,7 +302,7 @@ def stiffness_panel(axes: Axes, subjects: Sequence[Subject], motion: str | None 
         if difference(subject.scene, pair, "x") == motion
     ]
     gaps = [abs(at) for subject, pair in shown for at, _ in all_stops(subject.scene, pair)]
-    reach = REACH * (max(gaps, default=0.0) or max(_start(s.scene, pair) for s, pair in shown) or NO_GAP)
+    reach = _reach(shown, REACH * max(gaps, default=0.0))
     curves = [stiffness_characteristic(subject.scene, pair, reach) for subject, pair in shown]
     units = subjects[0].unit("m"), subjects[0].unit("N")
     scales = scale_for(units[0], *(y for y, _ in curves)), scale_for(units[1], *(f for _, f in curves))
@@ -292,13 +318,46 @@ def stiffness_panel(axes: Axes, subjects: Sequence[Subject], motion: str | None 
     )
     axes.axhline(0, color="0.8", linewidth=0.4, zorder=0)
     axes.axvline(0, color="0.8", linewidth=0.4, zorder=0)
-    words = "Relative displacement" if " - " in motion else "Displacement"
-    axes.set_xlabel(scales[0].label(f"{words} {motion}"))
-    axes.set_ylabel(scales[1].label("Spring force"))
+    words = subjects[0].word("m", relative=" - " in motion).capitalize()
+    label_axes(axes, (words, scales[0].label(motion)), ("Spring", scales[1].label(subjects[0].word("N"))))
     if len(subjects) == 1:
         _name_slopes(axes, subjects[0].scene, shown[0][1], reach, scales)
     else:
         legend_above(axes)
+
+
+def _reach(shown: Sequence[tuple[Subject, Pair]], of_gaps: float) -> float:
+    """How far from the rest position a characteristic is shown [m]: some gaps; of a run so far as it goes at
+    the least; without either, as far as the greatest force would bend the springs, or the start is from it.
+    """
+    if any(pair.Q == GROUND and pair.P in folded_angles(s.scene) for s, pair in shown):
+        return 2 * math.pi
+    moved = max(_moved(subject, pair) for subject, pair in shown)
+    if of_gaps or moved:
+        return max(of_gaps, ROOM_BESIDE * moved)
+    bent = max(_bent(subject.scene, pair) for subject, pair in shown)
+    return bent or REACH * max(_start(subject.scene, pair) for subject, pair in shown) or REACH * NO_GAP
+
+
+def _moved(subject: Subject, pair: Pair) -> float:
+    """The greatest relative displacement of a run in its window of samples [m]; 0 of other subjects."""
+    if subject.reads != "trajectory":
+        return 0.0
+    motion, count = PairMotion(subject.scene, pair), len(subject.result.column("time"))
+    stride = max(1, count // SAMPLES)
+    block = {name: np.asarray(subject.result.column(name)[::stride]) for name in ("time", *motion.columns)}
+    return float(np.abs(motion(block, "time")[1]).max(initial=0.0))
+
+
+def _bent(scene: Scene, pair: Pair) -> float:
+    """How far the forces on an end bend the linear springs between the ends, without dynamics [m]."""
+    k = sum(link.k for link in _links_between(scene, pair) if link.force is None)
+    forces = [
+        abs(float(force.constant)) + sum(abs(float(term.amplitude)) for term in force.terms)
+        for force in scene.forces
+        if force.on in (pair.P, pair.Q)
+    ]
+    return max(forces, default=0.0) / k if k else 0.0
 
 
 @dataclass(frozen=True)
@@ -497,6 +556,7 @@ def motor_panel(axes: Axes, subjects: Sequence[Subject]) -> None:
     axes.axhline(0, color="0.8", linewidth=0.4, zorder=0)
     axes.set_xlabel(f"Motor speed {SPEED} (Hz)")
     axes.set_ylabel(scale.label("Motor torque"))
+    note(axes, "ring: no load")
     legend_above(axes)
 
 

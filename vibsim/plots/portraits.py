@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from vibsim.physics.parts import columns_of
 from vibsim.physics.rates import common_period, turning_columns
 from vibsim.plots.samples import (
     PERIODS_AT_MOST,
@@ -25,6 +26,7 @@ from vibsim.plots.samples import (
 )
 from vibsim.plots.sheet import (
     Scale,
+    few_ticks,
     legend_above,
     letter_panels,
     note,
@@ -32,6 +34,7 @@ from vibsim.plots.sheet import (
     scale_for,
     seconds,
     sheet,
+    signed,
     symbol,
     time_axis,
 )
@@ -41,6 +44,7 @@ from vibsim.plots.subject import Span, Subject, View
 from vibsim.plots.time_histories import draw_poincare, drift_rate
 from vibsim.plots.traces import (
     RINGS_UP_TO,
+    UP_TO_TURNS,
     Block,
     Plane,
     PlottedPair,
@@ -48,6 +52,8 @@ from vibsim.plots.traces import (
     common_pairs,
     draw_impacts,
     draw_trace,
+    folded,
+    folded_angles,
     impact_points,
     label_relative,
     relative_traces,
@@ -60,7 +66,9 @@ from vibsim.results.columns import closing_velocities
 
 @dataclass(frozen=True)
 class Portrait:
-    """The portrait of one block of one run: curve, impacts, span [s], drift taken out [m/s], and its look."""
+    """The portrait of one block of one run: curve, impacts, span [s], drift taken out [m/s], its look, and
+    whether it is an angle that is drawn up to whole turns.
+    """
 
     subject: Subject
     span: Span
@@ -68,6 +76,7 @@ class Portrait:
     impacts: Trace | None
     drift: float
     look: dict[str, Any]
+    whole_turns: bool
 
 
 def phase_picture(subjects: Sequence[Subject], view: View, less_drift: bool = False) -> Figure:
@@ -112,8 +121,10 @@ def phase_panels(
     for axes, column, portraits in zip(panels, columns, drawn, strict=True):
         _panel(axes, portraits, column, scales, view.poincare)
         less = " less drift" if less_drift else ""
-        axes.set_xlabel(scales[0].label(f"Displacement {symbol(column)}{less}"))
-        axes.set_ylabel(scales[1].label(f"Velocity {symbol('v' + column[1:])}{less}"))
+        x, v = (subjects[0].word(unit).capitalize() for unit in ("m", "m/s"))
+        few_ticks(axes)
+        axes.set_xlabel(scales[0].label(f"{x} {symbol(column)}{less}"))
+        axes.set_ylabel(scales[1].label(f"{v} {symbol('v' + column[1:])}{less}"))
 
 
 def _portraits(subjects: Sequence[Subject], view: View, column: str, less_drift: bool) -> list[Portrait]:
@@ -131,7 +142,11 @@ def _portrait(subject: Subject, column: str, span: Span, less_drift: bool, look:
     names, plane = ("time", column, f"v{column[1:]}"), _less_drift(column, drift, span[0])
     curve = trace(subject.result, names, plane, span)
     impacts = impact_points(subject, names, plane, span) if subject.scene.has_stop else None
-    return Portrait(subject, span, curve, impacts, drift, look)
+    scene = subject.scene
+    turns = not less_drift and any(
+        columns_of(scene.bodies[i].name)[0] == column for i in folded_angles(scene)
+    )
+    return Portrait(subject, span, folded(curve) if turns else curve, impacts, drift, look, turns)
 
 
 def _less_drift(column: str, drift: float, begin: float) -> Plane:
@@ -155,7 +170,8 @@ def _panel(
             draw_impacts(axes, portrait.impacts, scales, portrait.look["color"])
     names = ("time", column, f"v{column[1:]}")
     sections = [(p.subject, names, _less_drift(column, p.drift, p.span[0]), p.span) for p in portraits]
-    points_said = draw_poincare(axes, sections, scales) if poincare else ""
+    turns = portraits[0].whole_turns
+    points_said = draw_poincare(axes, sections, scales, turns) if poincare else ""
     axes.margins(0.05)
     spans = [portrait.span for portrait in portraits]
     impacts = [len(p.impacts.x) for p in portraits if p.impacts is not None and len(p.impacts.x)]
@@ -164,9 +180,10 @@ def _panel(
     scale = scale_for(portraits[0].subject.unit("m/s"), drifts)
     remarks = [
         *dict.fromkeys(map(seconds, spans)),
-        f"drift {', '.join(f'{scale(drift):.3g}' for drift in drifts)} {scale.unit}" if drifts else "",
+        f"drift {', '.join(signed(float(scale(drift))) for drift in drifts)} {scale.unit}" if drifts else "",
         marks if impacts else "",
         points_said,
+        UP_TO_TURNS if turns else "",
         trust_remark([portrait.subject for portrait in portraits], spans),
     ]
     note(axes, "; ".join(filter(None, remarks)))
@@ -240,7 +257,9 @@ def _curve(subject: Subject, pair: PlottedPair) -> Curve:
     """The orbit through evenly spaced instants and those of its events, closed."""
     result, T = subject.result, subject.result.t_reached
     times = np.union1d(np.linspace(0, T, POINTS), np.asarray(result.events["t"]))
-    return _plane(subject, pair, times)
+    curve = Trace(*_plane(subject, pair, times), joined=True)
+    curve = folded(curve) if pair.whole_turns else curve
+    return curve.x, curve.y
 
 
 def _returns(
@@ -250,6 +269,7 @@ def _returns(
     result, n = subject.result, subject.result.attrs["orbit_periods"]
     share = np.arange(1 if turning_columns(subject.scene) else n) / n
     x, y = _plane(subject, pair, share * result.t_reached)
+    x = folded(Trace(x, y, joined=False)).x if pair.whole_turns else x
     axes.plot(
         scales[0](x), scales[1](y), linestyle="none", marker="s", markersize=3.2, color=colour, gid="section",
         zorder=4,
@@ -320,7 +340,9 @@ def stroboscopic_picture(subjects: Sequence[Subject], view: View) -> Figure:
     count = sum(len(y) for y, _ in drawn)
     if not count:
         say_inside(axes, "no period of the source ends here")
+        axes.set(xticks=[], yticks=[])
     remarks = [f"{count} point{'' if count == 1 else 's'}", *dict.fromkeys(map(seconds, spans))]
+    remarks += [UP_TO_TURNS] if pairs[0].whole_turns else []
     named = count > 0 and len(subjects) == 1 and _stops_if_near(axes, pairs[0], scales[0])
     note(axes, "; ".join(filter(None, [*remarks, trust_remark(subjects, spans)])), above=1 if named else 0)
     if len(subjects) > 1:
@@ -340,7 +362,8 @@ def _no_narrower_than_rounding(
     motions = [each.x for each in traces], [each.y for each in traces]
     for axis, scale, values in zip((axes.xaxis, axes.yaxis), scales, motions, strict=True):
         low, high = axis.get_view_interval()
-        least = LEAST * float(np.ptp(scale(np.concatenate(values))))
+        every = scale(np.concatenate(values))
+        least = LEAST * float(np.nanmax(every) - np.nanmin(every))
         if high - low < least:
             middle = (low + high) / 2
             axis.set_view_interval(middle - least / 2, middle + least / 2, ignore=True)
@@ -351,7 +374,8 @@ def section(subject: Subject, pair: PlottedPair, span: Span) -> tuple[np.ndarray
     times = turn_times(subject.result, span)
     names = tuple(name for name in pair.names if name != "time")
     states = states_at(subject.result, names, times, PERIODS_AT_MOST + 1)
-    return pair.plane({**states, "time": times[times <= subject.result.t_reached]})
+    y, u = pair.plane({**states, "time": times[times <= subject.result.t_reached]})
+    return (folded(Trace(y, u, joined=False)).x if pair.whole_turns else y), u
 
 
 def _stops_if_near(axes: Axes, pair: PlottedPair, scale: Scale) -> bool:
@@ -366,11 +390,13 @@ def _stops_if_near(axes: Axes, pair: PlottedPair, scale: Scale) -> bool:
 # Velocity at which the blocks meet the stop: over time, over the source's phase, and its histogram.
 
 
-BINS = 40
+BINS = 40  # at most
+BINS_OF_ROOT = 4  # bins per cube root of the number of impacts: twice the rule of Rice, for narrow peaks
 THINNEST = 0.012  # of the greatest velocity: a bar that can be seen
 LONGEST_NOTE = 10  # characters above the narrow histogram
 HEADROOM = 1.1  # beyond the longest bar of the histogram, and above the fastest impact
 CLOSING = "Closing velocity"
+NO_IMPACTS = "no impacts"
 
 
 @dataclass(frozen=True)
@@ -413,6 +439,8 @@ def impact_velocity_picture(subjects: Sequence[Subject], view: View) -> Figure:
             _dots(over_phase, 360 * late.phase, scale(late.closing), colour, subject.name)
     _finish(over_time, histogram, over_phase, scale, window)
     _say(subjects, (over_time, histogram, over_phase), (window, spans), settled, colours)
+    if not any(len(impacts.t) for impacts in of_subjects):
+        _say_none(over_time, histogram, over_phase)
     if len(subjects) > 1:
         legend_above(over_time, markerscale=5)
     letter_panels([axes for axes in (over_time, histogram, over_phase) if axes is not None])
@@ -469,6 +497,14 @@ def impacts_of(subject: Subject, span: Span) -> Impacts:
     return Impacts(t, closing, None)
 
 
+def _say_none(over_time: Axes, histogram: Axes, over_phase: Axes | None) -> None:
+    """Empty panels without a scale of velocities, which nothing has given them."""
+    say_inside(over_time, NO_IMPACTS)
+    for axes in filter(None, (over_time, histogram, over_phase)):
+        axes.set_yticks([])
+    histogram.set_xticks([0])
+
+
 def _dots(axes: Axes, x: np.ndarray, y: np.ndarray, colour: str, label: str) -> None:
     axes.plot(
         x, y, linestyle="none", marker="o", markersize=dot_size(len(x)), markeredgewidth=0, color=colour,
@@ -487,7 +523,8 @@ def _bins(values: np.ndarray) -> tuple[int, tuple[float, float]]:
     """Number and range of the bins, of which none is too thin to be seen."""
     low, high = float(values.min()), float(values.max())
     thinnest = THINNEST * high
-    bins = max(1, min(BINS, int((high - low) / thinnest))) if thinnest > 0 else BINS
+    most = min(BINS, math.ceil(BINS_OF_ROOT * len(values) ** (1 / 3)))
+    bins = max(1, min(most, int((high - low) / thinnest))) if thinnest > 0 else most
     room = max(0.0, bins * thinnest - (high - low)) / 2
     return bins, (low - room, high + room)
 

@@ -174,7 +174,7 @@ KINDS = (
     PictureKind(
         "sommerfeld",
         "sweep",
-        "steady speed of the motor against its no-load speed, and branches over it",
+        "steady speed of the motor against its no-load speed or its voltage, and branches over it",
         ("motor", "Omega0"),
         besides=("branch",),
     ),
@@ -289,7 +289,7 @@ NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
         lambda subject: _drifts(subject.scene),
     ),
     "Omega0": (
-        "a sweep over Omega0",
+        "a sweep over Omega0, or over a number that Omega0 depends on by a formula",
         lambda subject: _is_along_speed(subject),
     ),
     "continued Omega0": (
@@ -343,10 +343,10 @@ DEFAULTS = {
 
 
 def _is_along_speed(subject: Subject) -> bool:
-    """Whether the sweep is drawn along the motor constant."""
-    from vibsim.plots.sweep_axes import along, is_motor_speed
+    """Whether the sweep is drawn along the motor constant, or what changes it."""
+    from vibsim.plots.sweep_axes import sets_no_load_speed
 
-    return is_motor_speed(subject.result.axes[along(subject.result)].key)
+    return sets_no_load_speed(subject)
 
 
 def _is_periodic(scene: Any) -> bool:

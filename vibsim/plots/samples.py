@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.text import Text
 
 from vibsim.engine.columns import part_columns
 from vibsim.engine.modes.status import CONTACT, RESTING
@@ -20,7 +21,7 @@ from vibsim.physics import rates
 from vibsim.physics.parts import BASE, GROUND, Motor, RigidStop, Scene, Stop, columns_of
 from vibsim.physics.rates import motor_columns, turning_columns
 from vibsim.physics.two_blocks import is_papers
-from vibsim.plots.sheet import FONT_SIZE, LINE_HEIGHT, Scale, seconds, spread, symbol
+from vibsim.plots.sheet import FONT_SIZE, LINE_HEIGHT, Scale, hertz_text, seconds, spread, symbol
 from vibsim.plots.style import GREY, points
 from vibsim.plots.subject import PlotError, Span, Subject, View, as_text
 from vibsim.results.columns import IMPACT_CODES
@@ -188,6 +189,11 @@ class Frequency:
     label: str
     hz: float
 
+    @property
+    def text(self) -> str:
+        """Label and value, as they stand beside a line."""
+        return f"{self.label}  {hertz_text(self.hz)}"
+
 
 def natural_frequencies(scene: Scene) -> list[Frequency]:
     """Linear and bilinear frequencies of the vibration (without friction and damping).
@@ -280,13 +286,17 @@ def mark_frequencies(panels: Sequence[Axes], frequencies: Sequence[Frequency], w
     places = spread(at, points(FONT_SIZE) * LINE_HEIGHT / width_pt)
     titles = [panels[0].get_title(loc) for loc in ("left", "right")]
     above = NAME_PT + TITLE_PT * max(len(title.split("\n")) if title else 0 for title in titles)
+    over_lines = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
+    for text in panels[0].findobj(Text):
+        if text.get_text() and text.get_text() in titles:
+            text.set(zorder=5, bbox=over_lines)
     for frequency, x, place in zip(inside, at, places, strict=True):
         for axes in panels:
             axes.axvline(
                 frequency.hz, color=GREY, linewidth=0.5, linestyle=(0, (4, 2)), zorder=1, gid="frequency"
             )
         panels[0].annotate(
-            f"{frequency.label}  {frequency.hz:.2f}", (x, 1.0), (place, above),
+            frequency.text, (x, 1.0), (place, above),
             xycoords="axes fraction", textcoords=("axes fraction", "offset points"),
             ha="center", va="bottom", rotation=90, fontsize=points(FONT_SIZE), color="0.25",
             arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": GREY, "shrinkA": 1, "shrinkB": 0},
@@ -298,6 +308,7 @@ def mark_frequencies(panels: Sequence[Axes], frequencies: Sequence[Frequency], w
 
 DISPLACEMENT = "$x_1 - x_2$"
 VELOCITY = "$v_1 - v_2$"
+LEFT = 0.1  # of the width: a stop within it has its name to the right
 STOP = "stop"  # what the short form of a case calls its stop
 PAPERS = (STOP, "coupling")  # and all that is between its blocks
 
@@ -339,10 +350,12 @@ def draw_stop_line(axes: Axes, position: float, scale: Scale, text: str) -> None
     """A stop at a relative displacement [m] as a dashed line across the axes, a text above it."""
     at = float(scale(position))
     axes.axvline(at, color=GREY, linewidth=0.6, linestyle=(0, (4, 2)), zorder=0, gid="stop")
+    low, high = axes.get_xlim()
+    at_the_left = at - low < LEFT * (high - low)  # where the letter of the panel stands
     if text:
         axes.annotate(
             text, (at, 1), (0, 2), xycoords=("data", "axes fraction"), textcoords="offset points",
-            ha="center", va="bottom", fontsize=points(7), color=GREY,
+            ha="left" if at_the_left else "center", va="bottom", fontsize=points(7), color=GREY,
         )  # fmt: skip
 
 

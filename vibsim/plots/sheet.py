@@ -27,8 +27,12 @@ CM = 1 / 2.54  # inch
 COLUMNS_PER_INCH = 600  # envelope columns: the finest print a journal asks for line art
 
 CHARACTERS_PER_INCH = 18  # of legends and notes, at 7 pt
+AXES_SHARE = 0.775  # of the width of a sheet that axes have before anything is laid out
+LEGEND_LINE_CM = 0.4
 NOTE_LINE_PT = 9
-NOTE_SHARE = 0.9  # of the width of the axes that a line of a remark may take
+LEVEL_NAMES_CM = 1.9  # names of levels beside the axes
+TICKS_APART = 2.0  # characters between the numbers of ticks
+NOTE_SHARE = 0.85  # of the width of the axes that a line of a remark may take
 LABEL_SHARE = 7 / 8  # of the characters of a legend: labels of axes are of 8 pt
 HANDLE_CHARACTERS = 7  # what a line sample and its spacing take of that
 
@@ -42,6 +46,14 @@ def sheet(view: View, height_cm: float) -> Figure:
     layout = ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03, wspace=0.02, hspace=0.03)
     canvas = view.canvas or Figure
     return canvas(figsize=(width * CM, height * CM), layout=layout)
+
+
+def beside_levels(view: View) -> dict[str, Any]:
+    """For `gridspec_kw` of panels beside which levels are named: about where they end, so that legends and
+    remarks find their room before anything is laid out.
+    """
+    width = view.size_cm[0] if view.size_cm else view.width_cm
+    return {"right": max(0.9 - LEVEL_NAMES_CM * points(1) / width, 0.4)}
 
 
 def characters(inches: float) -> float:
@@ -63,19 +75,34 @@ def legend_above(axes: Axes, **options: Any) -> None:
     if not handles:
         return
     room = int(characters(_width(axes)))
-    in_a_row = max(1, room // (max(map(_shown, labels)) + HANDLE_CHARACTERS))
     needed = sum(_shown(label) + HANDLE_CHARACTERS for label in labels)
     remark = axes.get_title(loc="right").split("\n")
     beside_note = needed + max(map(len, remark)) > room and remark != [""]
-    raise_pt = 3 + points(NOTE_LINE_PT) * len(remark) if beside_note else 3
+    lines = max(len(remark) if beside_note else 0, 1 if axes.get_title(loc="left") else 0)
+    raise_pt = 3 + points(NOTE_LINE_PT) * lines
     raised = axes.transAxes + ScaledTranslation(0, raise_pt / 72, sheet_of(axes).dpi_scale_trans)
-    options = {"ncols": len(labels) if needed <= room else in_a_row, **options}
+    options = {"ncols": columns_of(labels, room), **options}
     legend = axes.legend(
         handles, labels, loc="lower left", bbox_to_anchor=(0.0, 1.0), bbox_transform=raised, **options
     )
     for line in legend.get_lines():
         line.set_linewidth(1.2)
         line.set_alpha(1.0)
+
+
+def columns_of(labels: Sequence[str], room: float) -> int:
+    """Columns of a legend, filled one after another, as many as go into a line of so many characters."""
+    shown = np.array([_shown(label) for label in labels])
+    for columns in range(len(labels), 1, -1):
+        longest = [int(part.max()) for part in np.array_split(shown, columns)]  # as matplotlib fills them
+        if sum(longest) + HANDLE_CHARACTERS * columns <= room:
+            return columns
+    return 1
+
+
+def legend_lines(labels: Sequence[str], width_cm: float) -> int:
+    """Lines of a legend above axes on a sheet of a width [cm]."""
+    return -(-len(labels) // columns_of(labels, characters(AXES_SHARE * width_cm * CM)))
 
 
 def _shown(label: str) -> int:
@@ -106,6 +133,7 @@ def add_below(figure: Figure, handles: Sequence[Any]) -> None:
 
 def label_axes(axes: Axes, across: tuple[str, str], up: tuple[str, str]) -> None:
     """Label both axes, each with words and a symbol with its unit, in two lines where they are too short."""
+    few_ticks(axes)
     box, dpi = axes.bbox, sheet_of(axes).dpi
     axes.set_xlabel(_in_lines(across, box.width / dpi))
     axes.set_ylabel(_in_lines(up, box.height / dpi))
@@ -115,6 +143,42 @@ def _in_lines(parts: tuple[str, str], inches: float) -> str:
     """The parts of a label in one line if that is no longer than a length, else in two."""
     one = " ".join(parts)
     return one if _shown(one) <= LABEL_SHARE * characters(inches) else "\n".join(parts)
+
+
+class FewTicks(MaxNLocator):
+    """Ticks across, as many as their numbers leave room for: few of long ones, as 999.98, 999.99 ...
+
+    room : characters that go into the width of the axes
+    """
+
+    def __init__(self, room: float) -> None:
+        super().__init__(steps=[1, 2, 2.5, 5, 10])
+        self._room = room
+
+    def tick_values(self, vmin: float, vmax: float) -> np.ndarray:
+        """Places of the ticks in a range."""
+        ticks = np.empty(0)
+        for count in range(9, 1, -1):
+            self.set_params(nbins=count)
+            ticks = np.asarray(super().tick_values(vmin, vmax))
+            shown = ticks[(ticks >= vmin) & (ticks <= vmax)]
+            if len(shown) * (_longest(shown) + TICKS_APART) <= self._room:
+                break
+        return ticks
+
+
+def _longest(ticks: np.ndarray) -> int:
+    """Characters of the longest of the numbers of ticks, all of the same decimals."""
+    if len(ticks) < 2:
+        return 1
+    step = float(np.diff(ticks).min())
+    places = next((n for n in range(17) if abs(round(step, n) - step) <= 1e-6 * step), 17)
+    return max(len(f"{tick:.{places}f}") for tick in ticks.tolist())
+
+
+def few_ticks(axes: Axes) -> None:
+    """Ticks across that do not run into each other."""
+    axes.xaxis.set_major_locator(FewTicks(characters(_width(axes))))
 
 
 def letter_panels(panels: Sequence[Axes]) -> None:
@@ -153,7 +217,7 @@ def say_inside(axes: Axes, text: str) -> None:
 def above_wider(values: np.ndarray) -> float:
     """A z-order that puts a narrow band of oscillation above a wider one, so that none hides another."""
     strokes = np.abs(np.diff(values))
-    width = float(strokes.mean()) if len(strokes) else 0.0
+    width = float(np.nanmean(strokes)) if np.isfinite(strokes).any() else 0.0
     return 2.0 + 0.9 / (1.0 + width)
 
 
@@ -181,10 +245,10 @@ def sheet_of(axes: Axes) -> Figure:
 
 
 # Prefix per power of 1000; what is smaller or larger keeps the last one.
-_PREFIXES = {3: "G", 2: "M", 1: "k", 0: "", -1: "m", -2: "µ", -3: "n"}
+_PREFIXES = {4: "T", 3: "G", 2: "M", 1: "k", 0: "", -1: "m", -2: "µ", -3: "n", -4: "p", -5: "f", -6: "a"}
 LARGEST_POWER = {"m": 1, "rad": 0, "rad/s": 0, "N m/rad": 0}  # nobody measures displacements in megametres
 SIGNIFICANT = range(3, 17)  # digits of a rounded number: as few as tell the numbers apart
-POSITIONAL = (1e-4, 1e6)  # magnitudes written without a power of ten
+POSITIONAL = (1e-4, 1e7)  # magnitudes written without a power of ten
 
 
 @dataclass(frozen=True)
@@ -242,6 +306,16 @@ def _positional(value: float) -> str:
     return number(value, 6)
 
 
+def signed(value: float, digits: int = 3) -> str:
+    """A number of so many digits, its minus as long as those of the axes."""
+    return f"{value:.{digits}g}".replace("-", "\N{MINUS SIGN}")
+
+
+def hertz_text(hz: float) -> str:
+    """A frequency beside its name: two decimals, of one below 1 Hz three digits."""
+    return f"{hz:.2f}" if abs(hz) >= 1 else f"{hz:.3g}"
+
+
 def symbol(column: str) -> str:
     """Mathtext of a column's name: x1 becomes $x_1$, a block's name an upright index."""
     index = column[1:].lstrip("_")
@@ -251,8 +325,10 @@ def symbol(column: str) -> str:
 
 
 def seconds(span: tuple[float, float]) -> str:
-    """A span of time in words, such as `290–300 s`."""
-    return f"{span[0]:.6g}–{span[1]:.6g} s"
+    """A span of time in words, such as `290–300 s`: to three digits of its length."""
+    length = span[1] - span[0]
+    places = max(0, 2 - math.floor(math.log10(length))) if length > 0 else 6
+    return "–".join(np.format_float_positional(round(end, places), trim="-") for end in span) + " s"
 
 
 # Names written beside curves, each where it covers no curve and no other name.
@@ -395,7 +471,7 @@ def draw_by_ratio(axes: Axes, which: str) -> None:
     axes.set(**{f"{which}scale": "log"})
     axis = axes.xaxis if which == "x" else axes.yaxis
     axis.set_major_locator(Powers())
-    axis.set_major_formatter(FuncFormatter(lambda value, _: number(value, 6)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: _positional(float(f"{value:.6g}"))))
     axis.set_minor_formatter(NullFormatter())
 
 

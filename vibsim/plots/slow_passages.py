@@ -22,7 +22,9 @@ from vibsim.physics.parts import EVENT_KINDS, Scene
 from vibsim.physics.rates import motor_columns
 from vibsim.plots.samples import events_within, natural_frequencies, window_of
 from vibsim.plots.sheet import (
+    LEGEND_LINE_CM,
     Level,
+    beside_levels,
     draw_levels,
     legend_above,
     letter_panels,
@@ -36,8 +38,8 @@ from vibsim.plots.sheet import (
 from vibsim.plots.spectra import TURNS, TurnExtremes, extremes_by_turn, turn_times
 from vibsim.plots.style import BLACK, BLUE, GREY, PINK, VERMILLION, dashed, overlay
 from vibsim.plots.subject import PlotError, Span, Subject, View, as_text
-from vibsim.plots.sweep_axes import along, is_motor_speed, is_speed
-from vibsim.plots.sweep_curves import DIRECTION_NAMES, DOWN, UP, Curve, curves
+from vibsim.plots.sweep_axes import along, is_speed, sets_no_load_speed
+from vibsim.plots.sweep_curves import DIRECTION_NAMES, DOWN, UP, Curve, broken, curves, leaps, no_load_speeds
 from vibsim.plots.traces import (
     VECTOR_UP_TO,
     PlottedPair,
@@ -111,8 +113,12 @@ def run_up_picture(subjects: Sequence[Subject], view: View) -> Figure:
     over_time = any(way.direction == 0 for way in ways)
     driven = all(motor_columns(run.scene) is None for run in runs)
     under = _curves_under(sweeps, over_time, driven)
-    figure = sheet(view, 0.6 * HEIGHT_CM if driven else HEIGHT_CM)
-    panels = [figure.subplots()] if driven else list(figure.subplots(2, 1, sharex=True))
+    of_legend = LEGEND_LINE_CM * max(len(ways) + len(under) - 2, 0)
+    figure = sheet(view, (0.6 * HEIGHT_CM if driven else HEIGHT_CM) + of_legend)
+    beside = {} if driven else beside_levels(view)
+    panels = list(
+        figure.subplots(1 if driven else 2, 1, sharex=True, squeeze=False, gridspec_kw=beside)[:, 0]
+    )
     upper, lower = panels[0], panels[-1]
     if not any(len(way.x) for way in ways):
         say_inside(
@@ -123,13 +129,16 @@ def run_up_picture(subjects: Sequence[Subject], view: View) -> Figure:
         if not over_time:
             ends = np.array([min(way.x.min() for way in ways), max(way.x.max() for way in ways)])
             lower.plot(ends, ends, color=GREY, linewidth=0.5, zorder=1, gid="no-load")
+            note(lower, "thin line: no-load speed")
         _speeds(lower, ways, under)
     if over_time:
         time_axis(lower, (min(first for first, _ in spans), max(last for _, last in spans)))
     else:
         lower.set_xlabel(DRIVE if driven else NO_LOAD)
         lower.margins(x=0.02)
-    remarks = [*dict.fromkeys(map(seconds, spans)), trust_remark(runs, spans)]
+    of = "period" if driven else "turn"
+    meant = f"line: mean of {TURNS} {of}s, pale: each {of}" if any(len(way.x) > TURNS for way in ways) else ""
+    remarks = [*dict.fromkeys(map(seconds, spans)), meant, trust_remark(runs, spans)]
     note(upper, "; ".join(filter(None, remarks)))
     if len(ways) + len(under) > 1:
         legend_above(upper)
@@ -200,21 +209,21 @@ def _amplitudes(axes: Axes, ways: Sequence[Way], under: Sequence[Curve], pair: P
     for curve in under:
         axes.plot([], [], label=_name(curve), gid="legend", **_look_under(curve))
     for curve, name in known:
-        axes.plot(curve.x, scale(curve.values(name)), gid="sweep-amplitude", **_look_under(curve))
+        _under(axes, curve, scale(curve.values(name)), "sweep-amplitude")
     for i, way in enumerate(ways):
         _line(axes, way, scale(way.amplitude), scale(way.mean_amplitude), "amplitude", _look(ways, i))
     axes.set_ylim(bottom=0)
-    axes.set_ylabel(scale.label(f"Amplitude of {pair.displacement}"))
+    axes.set_ylabel(f"Amplitude\nof {scale.label(pair.displacement)}")
 
 
 def _speeds(axes: Axes, ways: Sequence[Way], under: Sequence[Curve]) -> None:
     for curve in under:
-        axes.plot(curve.x, curve.values("mean_speed"), gid="sweep-speed", **_look_under(curve))
+        _under(axes, curve, curve.values("mean_speed"), "sweep-speed")
     for i, way in enumerate(ways):
         _line(axes, way, way.turns.hertz, way.mean_speed, "speed", _look(ways, i))
     low, high = axes.get_ylim()
     levels = [
-        Level(f.hz, f"{f.label}  {f.hz:.2f}", {"linestyle": (0, (4, 2))})
+        Level(f.hz, f.text, {"linestyle": (0, (4, 2))})
         for f in natural_frequencies(ways[0].subject.scene)
         if low <= f.hz <= high
     ]
@@ -236,8 +245,8 @@ def _line(axes: Axes, way: Way, values: np.ndarray, mean: np.ndarray, gid: str, 
 
 
 def _curves_under(sweeps: Sequence[Subject], over_time: bool, driven: bool) -> list[Curve]:
-    """The curves of sweeps over Omega0, or over the frequency of the drive in Hz. Raises PlotError for other
-    sweeps, and under runs over time.
+    """The curves of sweeps over Omega0, or what sets it, against Omega0; or over the frequency of a drive in
+    Hz. Raises PlotError for other sweeps, and under runs over time.
     """
     for subject in sweeps:
         if over_time:
@@ -248,9 +257,18 @@ def _curves_under(sweeps: Sequence[Subject], over_time: bool, driven: bool) -> l
             raise PlotError(
                 f"{subject.path}: the sweep under a run-up is one over the frequency of the drive in Hz"
             )
-        if not driven and not is_motor_speed(axis.key):
-            raise PlotError(f"{subject.path}: the sweep under a run-up is one over Omega0")
-    return curves(sweeps) if sweeps else []
+        if not driven and not sets_no_load_speed(subject):
+            raise PlotError(f"{subject.path}: the sweep under a run-up is one over Omega0, or what sets it")
+    under = curves(sweeps) if sweeps else []
+    return under if driven else [replace(curve, x=no_load_speeds(curve)) for curve in under]
+
+
+def _under(axes: Axes, curve: Curve, values: np.ndarray, gid: str) -> None:
+    """Points of a sweep, and lines between them but across leaps."""
+    look = _look_under(curve)
+    axes.plot(curve.x, values, gid=gid, **{**look, "linestyle": "none"})
+    x, y = broken(curve.x, values, leaps(values))
+    axes.plot(x, y, gid="joined", **{**look, "marker": "none"})
 
 
 def _look_under(curve: Curve) -> dict[str, Any]:
@@ -279,12 +297,13 @@ def _column_of(curve: Curve, run: Subject) -> str | None:
 MOST = 240  # spans that a mean is taken over: more cannot be seen in a column
 POWER_HEIGHT_CM = 6.6
 STORED = "stored"
+STORED_PT = 2.2  # width of its line: seen on both sides of one that lies upon it
 SECTIONS = {
     ("work", "motor"): "motor",
     ("work", "base"): "base",
-    ("work", "rotors"): "torque on",
+    ("work", "rotors"): "rotor",
     ("work", "forces"): "force",
-    ("work", "friction"): "belt of",
+    ("work", "friction"): "belt",
     ("loss", "links"): "damper",
     ("loss", "stops"): "stop",
     ("loss", "friction"): "friction",
@@ -396,7 +415,7 @@ def power_panels(panels: Sequence[Axes], subjects: Sequence[Subject], spans: Seq
     values = [v for one in every for v in (*one.given.values(), *one.taken.values(), one.stored)]
     scale = scale_for("W", *values)
     for axes, subject, one, span in zip(panels, subjects, every, spans, strict=True):
-        for curve in power_curves(one):
+        for curve in power_curves(one, subject.scene):
             axes.plot(one.middles, scale(curve.values), label=curve.label, gid=curve.gid, **curve.look)
         axes.axhline(0, color=GREY, linewidth=0.4, zorder=1)
         axes.set_ylabel(scale.label("Mean power"))
@@ -416,17 +435,17 @@ class PowerCurve:
     look: dict[str, Any]
 
 
-def power_curves(history: PowerHistory) -> list[PowerCurve]:
+def power_curves(history: PowerHistory, scene: Scene) -> list[PowerCurve]:
     """The lines of a run; entries that are 0 throughout are left out."""
-    stored = {"color": PINK, "linewidth": 0.5, "zorder": 1.8}
+    stored = {"color": PINK, "linewidth": STORED_PT, "alpha": 0.6, "zorder": 1.8}
     curves = [PowerCurve(STORED, STORED, history.stored, stored)]
     for i, (entry, values) in enumerate(_moving(history.given)):
         colour = {"color": BLACK} if i == 0 else {"color": dashed(i + 3)["color"]}
         look = {**colour, "linewidth": 0.9}
-        curves.append(PowerCurve(_words(entry), "-".join(filter(None, entry)), values, look))
+        curves.append(PowerCurve(_words(entry, scene), "-".join(filter(None, entry)), values, look))
     for i, (entry, values) in enumerate(_moving(history.taken)):
         look = {"color": dashed(i)["color"], "linewidth": 0.9, "linestyle": (0, (4, 1.2))}
-        curves.append(PowerCurve(_words(entry), "-".join(filter(None, entry)), values, look))
+        curves.append(PowerCurve(_words(entry, scene), "-".join(filter(None, entry)), values, look))
     return curves
 
 
@@ -434,10 +453,16 @@ def _moving(powers: dict[Entry, np.ndarray]) -> list[tuple[Entry, np.ndarray]]:
     return [(entry, values) for entry, values in powers.items() if np.any(values)]
 
 
-def _words(entry: Entry) -> str:
-    """Name of an entry: friction guide, damper spring; the motor and a part of that name by itself."""
+def _words(entry: Entry, scene: Scene) -> str:
+    """Name of an entry: friction: guide, damper: spring, or link: spring of one with a formula, which may
+    store what it takes; the motor and a part of that name by itself.
+    """
     quantity, section, name = entry
     words = SECTIONS[quantity, section]
     if section == "rotors" and name == "motor":
         return "motor"
-    return as_text(words if name in ("", words) else f"{words} {name}")
+    if section == "links" and any(link.name == name and link.force is not None for link in scene.links):
+        words = "link"
+    if section == "forces" and scene.torsional:
+        words = "torque"
+    return as_text(words if name in ("", words) else f"{words}: {name}")

@@ -78,6 +78,17 @@ class Subject:
             return turned
         return f"{unit}, {turned}" if any(body.turns for body in self.scene.bodies) else unit
 
+    def word(self, unit: str, relative: bool = False) -> str:
+        """What is measured in the unit that stands for m, m/s or N: in a torsional scene an angle, an angular
+        velocity or a torque; relative : of two ends that may both move.
+        """
+        words = {
+            "m": ("displacement", "angle"),
+            "m/s": ("velocity", "angular velocity"),
+            "N": ("force", "torque"),
+        }
+        return ("relative " if relative else "") + words[unit][self.scene.torsional]
+
 
 def open_subject(path: str) -> Subject:
     """The subject that `path` names: an HDF5 file of vibsim, a YAML case file or a shipped case's name.

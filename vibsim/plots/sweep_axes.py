@@ -63,6 +63,17 @@ def is_speed(key: str) -> bool:
     return is_motor_speed(key) or key.rpartition(".")[2] == "omega"
 
 
+def sets_no_load_speed(subject: Subject) -> bool:
+    """Whether what a sweep is drawn along is Omega0, or changes it, as a voltage that its formula reads."""
+    axis = _drawn_along(subject.result)
+    if is_motor_speed(axis.key):
+        return True
+    if axis is not subject.result.axes[along(subject.result)] or len(axis) < 2:
+        return False
+    ends = [subject.case.with_values(axis.changes(i)).scene().motor for i in (0, len(axis) - 1)]
+    return None not in ends and len({motor.Omega0 for motor in ends}) > 1
+
+
 def along(result: Any) -> int:
     """Position of the axis that a sweep is drawn along.
 
@@ -83,11 +94,11 @@ def label_of(axis: Any) -> str:
         return NO_LOAD
     if is_speed(axis.key):
         return f"{FREQUENCY}{_of_part(axis.key)} (Hz)"
-    words = _words(axis.key) or axis.name
+    words = words_of(axis.key) or axis.name
     return f"{words} ({axis.unit})" if axis.unit else words
 
 
-def _words(key: str) -> str:
+def words_of(key: str) -> str:
     """Name of a key in words; empty for a key without one."""
     section, *names = key.split(".")
     if key in WORDS or section not in LONG.named or not names:
@@ -95,7 +106,8 @@ def _words(key: str) -> str:
     if section == "bodies":
         return f"Mass $m${_owner(key)}"
     quantity = OF_PART.get(names[-1], "")
-    return quantity and f"{quantity}{_of_part(key)}"
+    named = as_text(names[0]).lower() in quantity.lower().split()  # the belt speed of a part called belt
+    return quantity and (quantity if named else f"{quantity}{_of_part(key)}")
 
 
 def _owner(key: str) -> str:

@@ -21,7 +21,9 @@ from vibsim.plots.style import BLUE, MARKERS, VERMILLION, overlay, points
 from vibsim.plots.subject import Subject, View
 from vibsim.plots.sweep_axes import (
     along,
+    ascending,
     draws_by_ratio,
+    is_motor_speed,
     label_of,
     numbers,
     positions,
@@ -124,7 +126,7 @@ def curves(subjects: Sequence[Subject]) -> list[Curve]:
         result, a = subject.result, along(subject.result)
         directions = result.directions if result.plan.carry else result.directions[:1]
         x = positions(result)
-        ascending = np.argsort(x, kind="stable")
+        order = np.argsort(x, kind="stable")
         alone = result.axes[a] is result.members  # then nothing but the ensemble is there to draw along
         members = None if alone or result.members is None else len(result.members)
         for d, direction in enumerate(directions):
@@ -133,14 +135,14 @@ def curves(subjects: Sequence[Subject]) -> list[Curve]:
             colour = _colour(i, len(every), direction, tones[i])
             marker = MARKERS[i] if len(every) <= COLOURS else LONE
             at = list(others)
-            at.insert(a, ascending)
+            at.insert(a, order)
             listed.append(
                 Curve(
                     subject,
                     i,
                     title,
                     label,
-                    x[ascending],
+                    x[order],
                     colour,
                     direction == DOWN,
                     members,
@@ -150,6 +152,21 @@ def curves(subjects: Sequence[Subject]) -> list[Curve]:
                 )
             )
     return listed
+
+
+def no_load_speeds(curve: Curve) -> np.ndarray:
+    """No-load speed of the motor [Hz] (n) at the points of a curve: Omega0 itself where it was swept, else
+    what the swept number makes of it, such as a voltage to which Omega0 is proportional.
+    """
+    result = curve.subject.result
+    axis = result.axes[along(result)]
+    if is_motor_speed(axis.key) or axis is result.members:
+        return curve.x
+    case = curve.subject.case
+    for other, position in curve.apart:
+        case = case.with_values(other.changes(position))
+    ends = [case.with_values(axis.changes(int(i))).scene().motor for i in ascending(axis)]
+    return np.array([np.nan if motor is None else motor.Omega0 / (2 * np.pi) for motor in ends])
 
 
 def _others(result: Any) -> Iterator[tuple[Any, ...]]:
@@ -256,9 +273,23 @@ def draw_curve(axes: Axes, curve: Curve, values: np.ndarray, gid: str) -> None:
         axes.plot(curve.x, values, gid=gid, **look)
         return
     axes.plot(curve.x, values, gid=gid, **{**look, "linestyle": "none", "label": ""})
-    x, y = (np.insert(each.astype(float), apart + 1, np.nan) for each in (curve.x, values))
+    x, y = broken(curve.x, values, apart)
     axes.plot(x, y, gid="joined", **{**look, "marker": "none", "label": "", "zorder": 2.9})
     axes.plot([], [], **look)  # for the legend
+
+
+def broken(x: np.ndarray, y: np.ndarray, apart: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A line (n) that is interrupted behind the points `apart`, such as those of `leaps`."""
+    parts = (np.insert(np.asarray(each, float), apart + 1, np.nan) for each in (x, y))
+    return next(parts), next(parts)
+
+
+def fill(
+    axes: Axes, x: np.ndarray, low: np.ndarray, high: np.ndarray, apart: np.ndarray, **look: Any
+) -> None:
+    """An area between two lines (n), none behind the points `apart`, such as those of `leaps`."""
+    (across, below), (_, above) = (broken(x, each, apart) for each in (low, high))
+    axes.fill_between(across, below, above, **look)
 
 
 def leaps(values: np.ndarray) -> np.ndarray:
@@ -275,10 +306,10 @@ def leaps(values: np.ndarray) -> np.ndarray:
 
 def draw_bands(axes: Axes, curve: Curve, name: str, scale: Callable[[Any], Any]) -> None:
     """Between which quantiles the members of an ensemble lie, as areas."""
+    apart = leaps(np.asarray(curve.values(name)))
     for low, high in curve.bands(name):
-        axes.fill_between(
-            curve.x, scale(low), scale(high), color=curve.colour, alpha=0.2, linewidth=0, gid="quantiles"
-        )
+        look = {"color": curve.colour, "alpha": 0.2, "linewidth": 0, "gid": "quantiles"}
+        fill(axes, curve.x, scale(low), scale(high), apart, **look)
 
 
 def ensemble_note(drawn: Sequence[Curve]) -> str:

@@ -31,6 +31,7 @@ from vibsim.plots.samples import mark_frequencies
 from vibsim.plots.sheet import (
     Level,
     Scale,
+    beside_levels,
     draw_levels,
     legend_below,
     letter_panels,
@@ -46,6 +47,7 @@ from vibsim.plots.sweep_axes import (
     ascending,
     axis_label,
     draws_by_ratio,
+    is_motor_speed,
     is_speed,
     label_of,
     missing_note,
@@ -63,12 +65,15 @@ from vibsim.plots.sweep_curves import (
     draw_curve,
     ensemble_note,
     families,
+    fill,
     finish,
     frequencies,
     in_columns,
     label_outer,
+    leaps,
     limit,
     name_curves,
+    no_load_speeds,
     spread_over,
 )
 from vibsim.sweeps.contact_computations import VERDICTS
@@ -331,12 +336,12 @@ def absorbed_powers(curve: Curve) -> dict[str, np.ndarray]:
 
 
 def _power_panel(axes: Axes, curve: Curve, scale: Scale) -> None:
-    below = np.zeros(len(curve.x))
+    below, apart = np.zeros(len(curve.x)), leaps(source_power(curve))
     for name, values in absorbed_powers(curve).items():
         words, colour, hatch = TAKERS[name]
         above = below + scale(values)
         look: dict[str, Any] = {"facecolor": colour, "edgecolor": "0.25", "hatch": hatch, "linewidth": 0}
-        axes.fill_between(curve.x, below, above, label=words, gid=name, **look)
+        fill(axes, curve.x, below, above, apart, label=words, gid=name, **look)
         below = above
     source = replace(curve, colour=BLACK)
     single = [
@@ -344,7 +349,7 @@ def _power_panel(axes: Axes, curve: Curve, scale: Scale) -> None:
     ]
     if len(single) == 1:
         draw_bands(axes, source, single[0], scale)
-    axes.plot(curve.x, scale(source_power(curve)), label="source", gid="power_source", **source.look)
+    draw_curve(axes, replace(source, label="source"), scale(source_power(curve)), "power_source")
     axes.axhline(0, color=GREY, linewidth=0.5, zorder=1)
 
 
@@ -359,7 +364,7 @@ SHORT = r"Steady speed $\langle\dot\varphi\rangle/2\pi$ (Hz)"  # beside a low pa
 
 
 def sommerfeld_picture(subjects: Sequence[Subject], view: View) -> Figure:
-    """Mean speed [Hz] against Omega0 [Hz]; natural frequencies and fractions of them as levels.
+    """Mean speed [Hz] against Omega0 [Hz], or what sets it; natural frequencies and fractions as levels.
 
     Points on the thin line turn at the no-load speed; a plateau below it is a capture: the power of the motor
     goes into vibration. One curve has its least to greatest speed as a band; up and down have the hysteresis
@@ -380,15 +385,16 @@ def sommerfeld_picture(subjects: Sequence[Subject], view: View) -> Figure:
     rows = -(-len(groups) // columns)
     height_cm = SOMMERFELD_HEIGHT_CM if len(groups) == 1 else SOMMERFELD_PANEL_CM * rows + 1.6
     figure = sheet(view, height_cm)
-    grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
+    beside = beside_levels(view)
+    grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True, gridspec_kw=beside)
     limit(grid[0, 0], drawn, view)
-    grid[0, 0].set_ylim(*_limits(drawn, np.array(grid[0, 0].get_xlim()), any(map(_is_banded, groups))))
-    levels = [
-        Level(f.hz, f"{f.label}  {f.hz:.2f}", {"linestyle": DASHED})
-        for f in frequencies(subjects, parts=True)
-    ]
+    free = [no_load_line(group[0], grid[0, 0].get_xlim()) for group in groups]
+    grid[0, 0].set_ylim(*_limits(drawn, grid[0, 0].get_xlim(), free, any(map(_is_banded, groups))))
+    levels = [Level(f.hz, f.text, {"linestyle": DASHED}) for f in frequencies(subjects, parts=True)]
     marks: list[tuple[Axes, list[LabelledPoint]]] = []
     for i, (axes, group) in enumerate(zip(grid.flat, groups, strict=False)):
+        look = {"color": GREY, "linewidth": 0.5, "zorder": 1, "gid": "no-load", "label": "no-load speed"}
+        axes.plot(*free[i], scalex=False, scaley=False, **look)
         _sommerfeld_panel(axes, group, len(groups) > 1)
         marks += [(axes, lay_branches(axes, group, branches, speeds, OVER_SPEEDS))]
         last = (i + 1) % columns == 0 or i + 1 == len(groups)
@@ -400,7 +406,7 @@ def sommerfeld_picture(subjects: Sequence[Subject], view: View) -> Figure:
     name_curves(
         figure, panels, [curve for group in groups for curve in group] if len(groups) == 1 else groups[0]
     )
-    name_branches(figure, panels[columns - 1], subjects, branches, OVER_SPEEDS)
+    name_branches(figure, panels[columns - 1], subjects, branches, drawn, OVER_SPEEDS)
     letter_panels(panels)
     for axes, labels in marks:
         label_points(axes, labels)
@@ -409,23 +415,20 @@ def sommerfeld_picture(subjects: Sequence[Subject], view: View) -> Figure:
 
 def _sommerfeld_panel(axes: Axes, drawn: Sequence[Curve], titled: bool) -> None:
     """The curves of one panel."""
-    span = np.array(axes.get_xlim())
-    axes.plot(span, span, color=GREY, linewidth=0.5, scalex=False, scaley=False, zorder=1, gid="no-load")
     if _is_banded(drawn):
         (curve,) = drawn
-        axes.fill_between(
-            curve.x, curve.values("min_speed"), curve.values("max_speed"),
-            color=curve.colour, alpha=0.2, linewidth=0, gid="band",
-        )  # fmt: skip
+        ends = (curve.values(name) for name in ("min_speed", "max_speed"))
+        look = {"color": curve.colour, "alpha": 0.2, "linewidth": 0, "gid": "band"}
+        fill(axes, curve.x, *ends, leaps(curve.values("mean_speed")), **look)
         note(axes, "band: least to greatest")
     for curve in drawn:
         draw_bands(axes, curve, "mean_speed", np.asarray)
         draw_curve(axes, curve, curve.values("mean_speed"), "mean")
     if len(drawn) == 2 and drawn[0].family == drawn[1].family:
         up, down = (curve.values("mean_speed") for curve in drawn)
-        axes.fill_between(
-            drawn[0].x, up, down, color=ORANGE, alpha=0.3, linewidth=0, gid="hysteresis", label="hysteresis"
-        )
+        apart = np.union1d(leaps(up), leaps(down))
+        look = {"color": ORANGE, "alpha": 0.3, "linewidth": 0, "gid": "hysteresis", "label": "hysteresis"}
+        fill(axes, drawn[0].x, up, down, apart, **look)
     if titled:
         axes.set_title(drawn[0].title, loc="left", pad=3)
 
@@ -434,13 +437,29 @@ def _is_banded(drawn: Sequence[Curve]) -> bool:
     return len(drawn) == 1 and drawn[0].members is None
 
 
-def _limits(drawn: Sequence[Curve], span: np.ndarray, banded: bool) -> tuple[float, float]:
-    """Room for speeds, bands where they are drawn, and the line of the no-load speed."""
+def no_load_line(curve: Curve, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Where the motor would turn without load: values along the axis within a span, and speeds [Hz].
+
+    Over Omega0 the diagonal of the whole span, else through the points of the curve.
+    """
+    if is_motor_speed(curve.subject.result.axes[along(curve.subject.result)].key):
+        return np.array(span), np.array(span)
+    inside = (curve.x >= span[0]) & (curve.x <= span[1])
+    return curve.x[inside], no_load_speeds(curve)[inside]
+
+
+def _limits(
+    drawn: Sequence[Curve],
+    span: tuple[float, float],
+    free: Sequence[tuple[np.ndarray, np.ndarray]],
+    banded: bool,
+) -> tuple[float, float]:
+    """Room for speeds, bands where they are drawn, and the lines of the no-load speed."""
     names = ("min_speed", "max_speed") if banded else ("mean_speed",)
     shown = [
         curve.values(name)[(curve.x >= span[0]) & (curve.x <= span[1])] for curve in drawn for name in names
     ]
-    values = np.concatenate([*shown, span])
+    values = np.concatenate([*shown, *(speeds for _, speeds in free)])
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     margin = 0.03 * (high - low)
     return low - margin, high + margin

@@ -26,7 +26,7 @@ from vibsim.plots.branches_over_sweeps import (
 )
 from vibsim.plots.capture_pictures import HATCHES, Shade, lay_classes, map_sheet, scatter_classes
 from vibsim.plots.samples import DISPLACEMENT, VELOCITY, difference, mark_frequencies
-from vibsim.plots.sheet import Scale, legend_below, letter_panels, note, scale_for, sheet
+from vibsim.plots.sheet import Scale, legend_below, letter_panels, note, say_inside, scale_for, sheet
 from vibsim.plots.style import BLUE, GREEN, MARKERS, ORANGE, PALE, PINK, SKY, VERMILLION, YELLOW, points
 from vibsim.plots.subject import PlotError, Subject, View
 from vibsim.plots.sweep_axes import (
@@ -51,8 +51,10 @@ from vibsim.plots.sweep_curves import (
     draw_bands,
     draw_curve,
     ensemble_note,
+    fill,
     frequencies,
     label_outer,
+    leaps,
     limit,
     name_curves,
 )
@@ -65,6 +67,8 @@ from vibsim.sweeps.quantities import DONE, NONE
 
 PANEL_CM = 3.1
 BANDS_UP_TO = 2
+HEADROOM = 1.06  # above the greatest amplitude
+NO_AMPLITUDES = "no run went on for so long that it has an amplitude"
 MOST = int((PAGE_CM - 2.4) / PANEL_CM)  # panels that a page has room for
 
 
@@ -99,7 +103,7 @@ def amplitude_picture(subjects: Sequence[Subject], view: View) -> Figure:
         (axes, lay_branches(axes, drawn, branches, amplitudes(name, scale)))
         for axes, name in zip(panels, names, strict=True)
     ]
-    name_branches(figure, panels[0], subjects, branches)
+    name_branches(figure, panels[0], subjects, branches, drawn)
     letter_panels(list(panels))
     for axes, labels_of_points in marks:
         label_points(axes, labels_of_points)
@@ -133,14 +137,15 @@ def _panel(axes: Axes, drawn: Sequence[Curve], name: str, scale: Scale) -> None:
         draw_bands(axes, curve, f"amplitude_{name}", scale)
         if len(drawn) <= BANDS_UP_TO and _is_banded(curve):
             most = curve.values(f"amplitude_{name}_max")
-            axes.fill_between(
-                curve.x, scale(mean), scale(most), color=curve.colour, alpha=0.2, linewidth=0, gid="band"
-            )
+            look = {"color": curve.colour, "alpha": 0.2, "linewidth": 0, "gid": "band"}
+            fill(axes, curve.x, scale(mean), scale(most), leaps(mean), **look)
         draw_curve(axes, curve, scale(mean), name)
-    axes.set_ylim(bottom=0)
-    axes.margins(y=0.06)
     if all(np.isnan(mean).all() for mean in means):
         axes.set_ylim(0, 1)
+        axes.set_yticks([])
+        say_inside(axes, NO_AMPLITUDES)
+        return
+    axes.set_ylim(0, HEADROOM * axes.dataLim.y1 or 1)
 
 
 def _is_banded(curve: Curve) -> bool:
@@ -200,7 +205,7 @@ def orbit_picture(subjects: Sequence[Subject], view: View) -> Figure:
     labels = [scale.label(row.label) for row, scale in zip(rows, scales, strict=True)]
     label_outer(sheets.panels, axis_label(subjects), [*labels, *([exponent_label(drawn)] if below else [])])
     _orbit_say(sheets, subjects, drawn, below)
-    name_branches(sheets.figure, sheets.top_right, subjects, branches)
+    name_branches(sheets.figure, sheets.top_right, subjects, branches, drawn)
     for axes, points_labelled in marks:
         label_points(axes, points_labelled)
     return sheets.figure

@@ -37,11 +37,15 @@ from vibsim.plots.samples import (
     window_of,
 )
 from vibsim.plots.sheet import (
+    LEGEND_LINE_CM,
     Level,
     Scale,
     above_wider,
+    beside_levels,
     draw_levels,
+    hertz_text,
     legend_above,
+    legend_lines,
     letter_panels,
     note,
     pixel_columns,
@@ -55,12 +59,15 @@ from vibsim.plots.spectra import TURNS, states_at, turn_times
 from vibsim.plots.style import BLUE, GREY, SHADE, SKY, THIN, VERMILLION, dashed, nested, overlay, points
 from vibsim.plots.subject import Span, Subject, View, as_text
 from vibsim.plots.traces import (
+    UP_TO_TURNS,
     Plane,
+    Trace,
     annotate_runs,
     common_pairs,
     dense,
     draw_belts,
     draw_trace,
+    folded,
     label_relative,
     mark_detail,
     relative_traces,
@@ -70,15 +77,15 @@ from vibsim.plots.traces import (
 )
 from vibsim.results.columns import base_motion
 
+TINY = 1e-4  # of the greatest value of all panels: a panel below that has a unit of its own
 WALL_POINTS = 2000  # of a wall that moves with the base
 SINGLE_MARKS = 120  # impacts in a detail up to which each gets its own mark on the curves
 
 
 @dataclass(frozen=True)
 class HistoryQuantity:
-    """A quantity drawn against time: its name, and the SI unit of the states of bodies."""
+    """A quantity drawn against time, by the SI unit of the states of bodies."""
 
-    words: str
     unit: str
 
 
@@ -132,7 +139,9 @@ def draw_history(subjects: Sequence[Subject], view: View, quantity: HistoryQuant
     groups = curve_groups(subjects, quantity)
     spans = _spans(subjects, view)
     count = len(spans) * len(groups)
-    figure = sheet(view, 1.0 + count * (4.2 if len(groups) == 1 else 3.4))
+    lines = legend_lines([curve.label for curve in groups[0]], view.width_cm)
+    of_panels = count * (4.2 if len(groups) == 1 else 3.4)
+    figure = sheet(view, 1.0 + of_panels + LEGEND_LINE_CM * (lines - 1))
     panels = list(figure.subplots(count, 1, squeeze=False)[:, 0])
     shown = [(span, group) for span in spans for group in groups]
     histories([Panel(axes, group, span) for axes, (span, group) in zip(panels, shown, strict=True)], quantity)
@@ -186,18 +195,24 @@ def histories(panels: Sequence[Panel], quantity: HistoryQuantity) -> None:
 
     A short span is smooth, with impacts and contact marked; a long one an envelope with a tick per impact.
     """
-    scale = scale_for(
-        panels[0].curves[0].subject.unit(quantity.unit),
-        *(values for panel in panels for _, values in panel.drawn),
-    )
-    for panel in panels:
+    unit = panels[0].curves[0].subject.unit(quantity.unit)
+    greatest = [_greatest(panel) for panel in panels]
+    common = scale_for(unit, greatest)
+    for panel, own in zip(panels, greatest, strict=True):
+        scale = common if own > TINY * max(greatest) else scale_for(unit, [own])
         draw = _draw_short if panel.is_short else _draw_long
         draw(panel, scale)
         if quantity is DISPLACEMENT and panel.curves[0].alone:
             _draw_walls(panel, scale)
         first = panel.curves[0]
-        panel.axes.set_ylabel(scale.label(quantity.words if first.alone else symbol(first.column)))
+        words = first.subject.word(quantity.unit).capitalize()
+        panel.axes.set_ylabel(scale.label(words if first.alone else symbol(first.column)))
         time_axis(panel.axes, panel.span)
+
+
+def _greatest(panel: Panel) -> float:
+    """The greatest magnitude of what a panel shows (SI)."""
+    return max((float(np.abs(values).max(initial=0.0)) for _, values in panel.drawn), default=0.0)
 
 
 def _draw_long(panel: Panel, scale: Scale) -> None:
@@ -287,7 +302,7 @@ def _mark_impacts(axes: Axes, curve: HistoryCurve, span: Span, scale: Scale) -> 
 # Displacements of the bodies against time.
 
 
-DISPLACEMENT = HistoryQuantity("Displacement", "m")
+DISPLACEMENT = HistoryQuantity("m")
 
 
 def displacement_picture(subjects: Sequence[Subject], view: View) -> Figure:
@@ -298,7 +313,7 @@ def displacement_picture(subjects: Sequence[Subject], view: View) -> Figure:
 # Velocities of the bodies against time.
 
 
-VELOCITY = HistoryQuantity("Velocity", "m/s")
+VELOCITY = HistoryQuantity("m/s")
 
 
 def velocity_picture(subjects: Sequence[Subject], view: View) -> Figure:
@@ -342,33 +357,49 @@ def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
     if view.poincare:
         listed = zip(subjects, pairs, spans, strict=True)
         points_said = draw_poincare(
-            axes, [(s, pair.names, pair.plane, span) for s, pair, span in listed], scales
+            axes,
+            [(s, pair.names, pair.plane, span) for s, pair, span in listed],
+            scales,
+            pairs[0].whole_turns,
         )
     draw_belts(axes, pairs[0], scales[1])
-    stops = dict.fromkeys(stop for pair in pairs for stop in pair.stops)
+    every = dict.fromkeys(stop for pair in pairs for stop in pair.stops)
+    stops = [stop for stop in every if _is_near(stop[0], traces)]
     for position, text in stops:
         draw_stop_line(axes, position, scales[0], text if len(subjects) == 1 else "")
     axes.margins(0.05)
     label_relative(axes, pairs[0], scales)
-    remarks = [*dict.fromkeys(map(seconds, spans)), points_said, trust_remark(subjects, spans)]
+    turns_said = UP_TO_TURNS if pairs[0].whole_turns else ""
+    remarks = [*dict.fromkeys(map(seconds, spans)), points_said, turns_said, trust_remark(subjects, spans)]
     text = "; ".join(filter(None, remarks))
     crowded = len(text) > BESIDE_STOP or any(not name.startswith("$") for _, name in stops)
     note(axes, text, above=1 if len(subjects) == 1 and stops and crowded else 0)
 
 
+def _is_near(position: float, traces: Sequence[Trace]) -> bool:
+    """Whether a stop [m] is so near what motions reach that these are not squeezed where it is drawn."""
+    x = np.concatenate([trace.x for trace in traces])
+    low, high = float(np.nanmin(x)), float(np.nanmax(x))
+    return max(low - position, position - high) <= FARTHEST * (high - low)
+
+
+FARTHEST = 10.0  # from a motion to a stop that is drawn, in extents of the motion
 POINT_PT = 2.6  # of a point of the Poincare section
 Section = tuple[Subject, tuple[str, ...], Plane, Span]  # columns, and what makes the plane of them
 
 
-def draw_poincare(axes: Axes, sections: Sequence[Section], scales: tuple[Scale, Scale]) -> str:
+def draw_poincare(
+    axes: Axes, sections: Sequence[Section], scales: tuple[Scale, Scale], whole_turns: bool = False
+) -> str:
     """Where in a phase portrait the periods of the source end (forces and base: phase 0; motor: phi = 0), as
-    points; what they are, in words, empty for runs without a period.
+    points, angles up to whole turns if wanted; what they are, in words, empty for runs without a period.
     """
     drawn = 0
     for subject, names, plane, span in sections:
         times = turn_times(subject.result, span)
         columns = tuple(name for name in names if name != "time")
         x, y = plane({**states_at(subject.result, columns, times, EXACT_UP_TO), "time": times})
+        x = folded(Trace(x, y, joined=False)).x if whole_turns else x
         drawn += len(x)
         axes.plot(
             scales[0](x), scales[1](y), linestyle="none", marker="o", markersize=POINT_PT, color=VERMILLION,
@@ -419,7 +450,7 @@ SPEED = r"$\dot\varphi/2\pi$"
 def motor_speed_picture(subjects: Sequence[Subject], view: View) -> Figure:
     """phidot / 2 pi [Hz] against time [s]; no-load speed and natural frequencies as labelled levels."""
     figure = sheet(view, HEIGHT_CM)
-    axes = figure.subplots()
+    axes = figure.subplots(gridspec_kw=beside_levels(view))
     motor_speed_panel(axes, subjects, view)
     legend_above(axes)
     return figure
@@ -507,7 +538,7 @@ def levels_of(subjects: Sequence[Subject]) -> list[Level]:
             named.append((r"$\Omega_0$", no_load, {"linestyle": "-"}))
         named += [(f.label, f.hz, {"linestyle": (0, (4, 2))}) for f in natural_frequencies(subject.scene)]
         for label, hz, look in named:
-            levels.setdefault((label, hz), Level(hz, f"{label}  {hz:.2f}", look))
+            levels.setdefault((label, hz), Level(hz, f"{label}  {hertz_text(hz)}", look))
     return list(levels.values())
 
 
@@ -517,7 +548,7 @@ def levels_of(subjects: Sequence[Subject]) -> list[Level]:
 def rotor_speed_picture(subjects: Sequence[Subject], view: View) -> Figure:
     """Speed of each rotor over 2 pi [Hz] against time [s], with the natural frequencies."""
     figure = sheet(view, HEIGHT_CM)
-    axes = figure.subplots()
+    axes = figure.subplots(gridspec_kw=beside_levels(view))
     rotor_speed_panel(axes, subjects, view)
     legend_above(axes)
     return figure
@@ -552,6 +583,9 @@ def rotor_speeds(scene: Scene) -> dict[str, str]:
     return {body.name: body.columns[1] for body in scene.bodies if body.kind == ROTOR}
 
 
+PREFIXED = ("A", "V", "W", "J", "N", "m", "m/s", "Pa", "C", "Wb")  # units that take a prefix
+
+
 def states_picture(subjects: Sequence[Subject], view: View) -> Figure:
     """Each further state of the scenes against time [s], in a panel of its own."""
     names = dict.fromkeys(name for subject in subjects for name in state_names(subject.scene))
@@ -580,11 +614,12 @@ def _state_panel(axes: Axes, subjects: Sequence[Subject], name: str, window: Spa
     ]
     panel = Panel(axes, curves, window)
     unit = dict(subjects[0].scene.state_units).get(name, "")
+    scale = scale_for(unit, *(values for _, values in panel.drawn)) if unit in PREFIXED else Scale(1.0, unit)
     for curve, (t, values) in zip(curves, panel.drawn, strict=True):
-        axes.plot(t, values, label=curve.label, gid=name, zorder=above_wider(values), **curve.look)
+        axes.plot(t, scale(values), label=curve.label, gid=name, zorder=above_wider(values), **curve.look)
     runs, colours = panel.runs
     annotate_runs(axes, runs, window, colours, impacts=False)
-    axes.set_ylabel(f"{as_text(name)} ({unit})" if unit else as_text(name))
+    axes.set_ylabel(scale.label(as_text(name)) if unit else as_text(name))
     time_axis(axes, window)
 
 

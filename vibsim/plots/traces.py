@@ -12,7 +12,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 
-from vibsim.physics.connections import pairs_of
+from vibsim.physics.connections import formulas_of, pairs_of, whole_turn_angles
+from vibsim.physics.formulas import walk
+from vibsim.physics.parts import GROUND
 from vibsim.plots.samples import (
     blocks,
     difference,
@@ -39,6 +41,9 @@ Plane = Callable[[Block], tuple[np.ndarray, np.ndarray]]
 SMOOTH_UP_TO = 20_000  # samples: a span up to this gets instants between its samples
 LINE_UP_TO = 200_000  # samples: up to this a line joins them; beyond, one dot per pixel
 VECTOR_UP_TO = 20_000  # points: larger ones are pixels in a PDF or SVG, at 600 dpi
+TURN = 2 * np.pi
+UP_TO_TURNS = "angle up to whole turns"  # what a picture with folded angles says
+REST_PT = 3.0  # of the point that a motion at rest is
 RINGS_UP_TO = 60  # impacts marked by rings; more by dots
 
 
@@ -70,6 +75,24 @@ def trace(result: Any, names: tuple[str, ...], plane: Plane, span: Span) -> Trac
     )
 
 
+def folded_angles(scene: Any) -> list[int]:
+    """Numbers of the bodies whose angle is drawn up to whole turns: those that forces bring back to where
+    they were, as of a pendulum; not a shaft whose angle no force feels.
+    """
+    read = set(walk(one.formula for one in formulas_of(scene))) if scene.has_formulas else set()
+    return [i for i in whole_turn_angles(scene) if ("x", i) in read]
+
+
+def folded(drawn: Trace) -> Trace:
+    """A trace whose x is an angle up to whole turns, within half a turn of 0: as a line it is broken where it
+    goes from one turn into the next.
+    """
+    turns = np.round(drawn.x / TURN)
+    breaks = np.flatnonzero(np.diff(turns)) + 1 if drawn.joined else []
+    x, y = (np.insert(each, breaks, np.nan) for each in (drawn.x - TURN * turns, drawn.y))
+    return Trace(x, y, drawn.joined)
+
+
 def impact_points(subject: Subject, names: tuple[str, ...], plane: Plane, span: Span) -> Trace:
     """The states of a body at which contact begins within the span, in the same plane."""
     columns = tuple(name for name in names if name != "time")
@@ -83,6 +106,9 @@ def draw_trace(axes: Axes, drawn: Trace, scales: tuple[Scale, Scale], **look: An
         look = {**look, "linestyle": "none", "marker": ",", "markersize": 0.5}
     x, y = scales[0](drawn.x), scales[1](drawn.y)
     look.setdefault("zorder", above_wider(x))
+    if len(x) and not (np.ptp(x) or np.ptp(y)):  # at rest: a line of no length shows nothing
+        look |= {"marker": "o", "markersize": REST_PT}
+        x, y = x[:1], y[:1]
     axes.plot(x, y, rasterized=len(x) > VECTOR_UP_TO, **{"linewidth": 0.5, **look})
 
 
@@ -268,24 +294,21 @@ class PlottedPair:
     ----------
     names : columns of a run that their relative motion needs
     plane : from these to relative displacement [m] and velocity [m/s]
-    displacement, velocity : what these are called
+    displacement, velocity : symbols of these
+    words : their names in words: relative ones of two ends that may move, angles in torsional scenes
     stops : relative displacement [m] at which each stop between them is met, and its name
     belts : relative velocity [m/s] at which the body rides on each belt between them, and its name
+    whole_turns : whether it is an angle that whole turns bring back to where it was, as of a pendulum
     """
 
     names: tuple[str, ...]
     plane: Plane
     displacement: str
     velocity: str
+    words: tuple[str, str]
     stops: tuple[tuple[float, str], ...]
     belts: tuple[tuple[float, str], ...] = ()
-
-    @property
-    def words(self) -> tuple[str, str]:
-        """Names of displacement and velocity: relative ones of two ends that may move."""
-        if " - " in self.displacement:
-            return "Relative displacement", "Relative velocity"
-        return "Displacement", "Velocity"
+    whole_turns: bool = False
 
 
 def pair_of(subject: Subject) -> PlottedPair:
@@ -300,8 +323,11 @@ def pair_of(subject: Subject) -> PlottedPair:
         return x, v
 
     x, v = (difference(scene, part, letter) for letter in "xv")
+    first, second = (subject.word(unit, relative=" - " in x).capitalize() for unit in ("m", "m/s"))
     stops = [(stop_position(stop, part), stop_label(stop)) for stop in stops_between(scene, part)]
-    return PlottedPair(("time", *motion.columns), plane, x, v, tuple(stops), tuple(_belts(scene, part)))
+    turns = part.Q == GROUND and part.P in folded_angles(scene)
+    names, belts = ("time", *motion.columns), tuple(_belts(scene, part))
+    return PlottedPair(names, plane, x, v, (first, second), tuple(stops), belts, turns)
 
 
 def _belts(scene: Any, part: Any) -> Iterator[tuple[float, str]]:
@@ -328,10 +354,11 @@ def relative_traces(
     subjects: Sequence[Subject], pairs: Sequence[PlottedPair], spans: Sequence[Span]
 ) -> list[Trace]:
     """The relative motion of each subject's pair within its span [s]."""
-    return [
+    drawn = [
         trace(subject.result, pair.names, pair.plane, span)
         for subject, pair, span in zip(subjects, pairs, spans, strict=True)
     ]
+    return [folded(one) if pair.whole_turns else one for one, pair in zip(drawn, pairs, strict=True)]
 
 
 def label_relative(axes: Axes, pair: PlottedPair, scales: tuple[Scale, Scale]) -> None:

@@ -351,7 +351,11 @@ def _drift(orbit: Orbit) -> Lines:
 
 
 def _turns(orbit: Orbit) -> Lines:
-    texts = [f"{counted(turns, 'turn')} of {name}" for name, turns in orbit.turns.items()]
+    names = {body.columns[0]: body.name for body in orbit.scene.bodies}
+    texts = [
+        f"{names[column]} {counted(abs(turns), 'turn')} {'forwards' if turns > 0 else 'backwards'}"
+        for column, turns in orbit.turns.items()
+    ]
     return [("turns", f"{', '.join(texts)} per period")] if texts else []
 
 
