@@ -122,7 +122,7 @@ def test_readme_is_a_newcomers_page():
 
 EASY = ["README.md"]
 EASY += [f"docs/{name}.md" for name in ("index", "start", "limits", "laws", "scenes", "orbits", "pictures")]
-EASY += [f"docs/{name}.md" for name in ("basins", "branches", "engine")]
+EASY += [f"docs/{name}.md" for name in ("accuracy", "basins", "branches", "engine")]
 FIRST_READ = [path for path in PAGES if name_of(path) in EASY or path.parent.name == "tutorials"]
 
 
