@@ -37,8 +37,8 @@ ARCHITECTURES = {
     "s390x": "s390x",
     "riscv64": "riscv64",
 }
-# The C library that wheels of Python 3.10 and later ask for at least; on riscv64 the first one that there is.
-OLDEST_GLIBC = {"riscv64": "2.27"}
+# The C library that wheels of Python 3.10 and later ask for at least, 2.17, or the first one that there is.
+OLDEST_GLIBC = {"riscv64": "2.27", "powerpc64le": "2.19"}
 PROGRAMS = {
     "c.c": "#include <math.h>\ndouble f(double x) { return sqrt(x); }\n",
     "cpp.cpp": "#include <math.h>\nunsigned __int128 f(unsigned __int128 x) { return x + 1; }\n",
@@ -113,16 +113,20 @@ def zig():
 
 def build_with_zig(command, extension, module, folder):
     """Make `extension` the file `module`, with a cache of the compiler in `folder`. Raises CompileError."""
-    linked = {"linux": [], "darwin": ["-Wl,-undefined,dynamic_lookup"], "win32": _python_library()}
+    of_system = {
+        "linux": ["-fPIC"],
+        "darwin": ["-fPIC", "-Wl,-undefined,dynamic_lookup"],
+        "win32": ["-DMS_WIN64", *_python_library()],
+    }
     words = [
         *command,
-        *("-shared", "-fPIC", "-target", target(), "-mcpu=baseline", "-fno-sanitize=undefined", "-DNDEBUG"),
+        *("-shared", "-target", target(), "-mcpu=baseline", "-fno-sanitize=undefined", "-DNDEBUG"),
         *extension.extra_compile_args,
         "-g0",
         *(f"-D{name}={value}" for name, value in extension.define_macros),
         *(f"-I{path}" for path in (*extension.include_dirs, sysconfig.get_path("include"))),
         *extension.sources,
-        *linked[sys.platform],
+        *of_system[sys.platform],
         *("-o", module),
     ]
     caches = {name: os.path.abspath(folder) for name in ("ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR")}

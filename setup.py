@@ -107,6 +107,8 @@ class BuildApart(build_ext):
             os.makedirs(apart.build_temp, exist_ok=True)
             ext.sources = [as_cpp(source, apart.build_temp) for source in ext.sources]
         if self.zig:
+            if os.name == "nt":
+                ext.extra_compile_args = GCC_FLAGS + EXTRA[kind]
             build_with_zig(
                 self.zig, ext, self.get_ext_fullpath(ext.name), os.path.join(self.build_temp, "zig")
             )

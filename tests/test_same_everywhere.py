@@ -28,6 +28,7 @@ LIBRARY = ELEMENTARY - {"hypot"} | {"asin", "acos", "atan", "atan2", "pow"}  # P
 SUMS = {"sum", "nansum", "mean", "nanmean", "average", "std", "var", "nanstd", "nanvar", "prod", "trapezoid"}
 PRODUCTS = {"dot", "vdot", "inner", "outer", "einsum", "matmul", "tensordot", "convolve", "correlate"}
 PRODUCTS |= {"polyfit", "lstsq", "norm", "solve", "corrcoef", "cov"}
+WATCHED = ELEMENTARY | LIBRARY | SUMS | PRODUCTS
 WHOLE_NUMBERS = {  # sums and products of whole numbers are exact in any order
     "results/hdf5_writing.py": {"sum", "@"},
     "sweeps/sweep_plan.py": {"prod"},
@@ -62,7 +63,7 @@ def uses(tree):
     for node in ast.walk(tree):
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.MatMult):
             yield "@"
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in WATCHED:
             name, owner = node.func.attr, ast.unparse(node.func.value)
             of_numpy = owner in ("np", "numpy", "np.linalg", "np.add")
             if (of_numpy and name in ELEMENTARY) or (name in PRODUCTS and owner != "np.subtract"):
@@ -75,11 +76,14 @@ def uses(tree):
             yield from [node.func.id] * any(not isinstance(argument, ast.Constant) for argument in node.args)
 
 
+def is_numpy(node):
+    return isinstance(node, ast.Name) and node.id in ("np", "numpy")
+
+
 def libraries(tree):
     """Modules of numpy with arithmetic of a library, and of scipy, that a module uses."""
     for node in ast.walk(tree):
-        numpy = isinstance(node, ast.Attribute) and ast.unparse(node.value) in ("np", "numpy")
-        if numpy and node.attr in ARITHMETIC:
+        if isinstance(node, ast.Attribute) and node.attr in ARITHMETIC and is_numpy(node.value):
             yield f"numpy.{node.attr}"
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names if alias.name.partition(".")[0] == "scipy")

@@ -39,6 +39,7 @@ from vibsim.plots.samples import motor_of
 from vibsim.plots.sheet import (
     NamedQuantity,
     Scale,
+    lay_out,
     legend_above,
     legend_below,
     scale_for,
@@ -530,7 +531,7 @@ def write_numbers(axes: Axes, drawn: Sequence[Drawn]) -> None:
 def _write_numbers(axes: Axes, drawn: Sequence[Drawn]) -> None:
     figure = axes.get_figure(root=True)
     assert figure is not None
-    figure.draw_without_rendering()
+    lay_out(figure)
     lines = [axes.transData.transform(each.line) for each in drawn]
     named = []
     for i, line in enumerate(lines):

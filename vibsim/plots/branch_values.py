@@ -17,7 +17,7 @@ from matplotlib.transforms import Bbox
 from vibsim.cases.quantities import UNITS
 from vibsim.orbits.branches.node import ENERGY
 from vibsim.orbits.branches.tracing import drawn, half_range, stretches
-from vibsim.plots.sheet import Scale, inside, overlaps, sheet_of, symbol
+from vibsim.plots.sheet import Scale, inside, lay_out, overlaps, sheet_of, symbol
 from vibsim.plots.style import BLACK, points
 from vibsim.plots.subject import PlotError, Subject
 from vibsim.plots.sweep_axes import is_speed, label_of
@@ -219,7 +219,7 @@ def label_points(axes: Axes, points_labelled: Sequence[LabelledPoint]) -> int:
     is room, of the lines there; how many had no room and are left out. Limits and scales must be final.
     """
     figure = sheet_of(axes)
-    figure.draw_without_rendering()
+    lay_out(figure)
     pt = figure.dpi / 72
     covered = [text.get_window_extent() for text in axes.texts if text.get_text()]
     places = _pixels_of_lines(axes)

@@ -14,10 +14,11 @@ from math import inf
 from numbers import Real
 from os import PathLike, fspath
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import get_registered_canvas_class
 from matplotlib.figure import Figure
 
 from vibsim.cases.problems import did_you_mean
@@ -45,14 +46,10 @@ from vibsim.results.labelled import Arrays, Labelled, Tidy
 from vibsim.results.output_files import check_output, output_file
 from vibsim.signals import interrupted_with
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-
 FORMATS = (".png", ".pdf", ".svg")
 PAGE = ".html"  # which is no picture: it answers
 DPI = {".png": 300, ".pdf": 600, ".svg": 600}  # of a vector file: what is rasterized in it
+POINTS_PER_INCH = 72  # the resolution at which matplotlib lays out a vector file
 NAMED_AT_MOST = 3  # subjects spelt out in a default file name
 
 
@@ -190,8 +187,23 @@ def drawn(figure: Figure, suffix: str, dpi: float) -> bytes:
     if suffix == ".pdf":
         return _pages([figure], dpi)
     picture = BytesIO()
-    figure.savefig(picture, format=suffix[1:], dpi=dpi, metadata=METADATA[suffix])
+    with _laid_out(figure, suffix, dpi):
+        figure.savefig(picture, format=suffix[1:], dpi=dpi, metadata=METADATA[suffix])
     return picture.getvalue()
+
+
+@contextmanager
+def _laid_out(figure: Figure, suffix: str, dpi: float) -> Iterator[None]:
+    """Lay the figure out for a format. matplotlib draws all of it a first time to that end, unseen."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        get_registered_canvas_class(suffix[1:])(figure)
+        figure.dpi = dpi if suffix == ".png" else POINTS_PER_INCH
+        engine.execute(figure)
+        figure.set_layout_engine(None)
+    yield
+    if engine is not None:
+        figure.set_layout_engine(engine)
 
 
 def _pages(figures: Sequence[Figure], dpi: float) -> bytes:
@@ -200,17 +212,22 @@ def _pages(figures: Sequence[Figure], dpi: float) -> bytes:
     sheets = BytesIO()
     with LeanPages(sheets, metadata=METADATA[".pdf"]) as pages:
         for figure in figures:
-            pages.savefig(figure, dpi=dpi)
+            with _laid_out(figure, ".pdf", dpi):
+                pages.savefig(figure, dpi=dpi)
     return sheets.getvalue()
 
 
 def _write_opaque(figure: Figure, target: Any) -> None:
-    """A PNG without the transparency that matplotlib writes: the same picture, a seventh smaller."""
+    """A PNG without the transparency that matplotlib writes: the same picture, a seventh smaller.
+
+    What matplotlib writes is read at once, so it is not compressed.
+    """
     from PIL import Image
     from PIL.PngImagePlugin import PngInfo
 
     picture, metadata = BytesIO(), PngInfo()
-    figure.savefig(picture, format="png", dpi=DPI[".png"])
+    with _laid_out(figure, ".png", DPI[".png"]):
+        figure.savefig(picture, format="png", dpi=DPI[".png"], pil_kwargs={"compress_level": 0})
     for name, value in METADATA[".png"].items():
         metadata.add_text(name, value)
     dpi = (DPI[".png"], DPI[".png"])

@@ -56,6 +56,15 @@ def beside_levels(view: View) -> dict[str, Any]:
     return {"right": max(0.9 - LEVEL_NAMES_CM * points(1) / width, 0.4)}
 
 
+def lay_out(figure: Figure) -> None:
+    """Give the axes their places, for what is measured in pixels: the layout without the drawing."""
+    engine = figure.get_layout_engine()
+    if engine is None:  # axes of a user's: matplotlib places those of a fixed aspect while it draws
+        figure.draw_without_rendering()
+    else:
+        engine.execute(figure)
+
+
 def characters(inches: float) -> float:
     """How many characters of a legend or a note go into a width [inch]."""
     return inches * CHARACTERS_PER_INCH / points(1)
@@ -358,7 +367,7 @@ def write_names(axes: Axes, curves: Sequence[NamedQuantity]) -> None:
     """Write the names, beside what is written on the axes already. Limits and scales must be final."""
     figure = axes.get_figure(root=True)
     assert figure is not None
-    figure.draw_without_rendering()
+    lay_out(figure)
     clear = CLEARANCE * figure.dpi / 72
     covered = [Bbox(np.array([at - clear, at + clear])) for curve in curves for at in _along(axes, curve)]
     covered += [text.get_window_extent() for text in axes.texts]  # of an annotation, arrow included

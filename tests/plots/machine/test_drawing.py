@@ -1,5 +1,6 @@
 """The drawing of a machine shows every part of the scene, once, where it belongs."""
 
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -23,6 +24,13 @@ def drawn(case):
     return figure.axes[0]
 
 
+@cache
+def drawing(source):
+    """The case of a file or a name, and the axes of its drawing, which are only read."""
+    case = load_case(source)
+    return case, drawn(case)
+
+
 def gids(axes):
     return {artist.get_gid() for artist in axes.get_children()} - {None}
 
@@ -39,8 +47,8 @@ def part_keys(values):
 
 @pytest.mark.parametrize("source", ALL, ids=lambda source: Path(source).stem)
 def test_every_part_is_drawn_and_named_and_nothing_leaves_the_sheet(source):
-    case = load_case(source)
-    values, axes = case.long_values(), drawn(case)
+    case, axes = drawing(source)
+    values = case.long_values()
     assert part_keys(values) <= gids(axes)
     said = " ".join(texts(axes))
     for key in part_keys(values):

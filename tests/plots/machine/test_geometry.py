@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.patches import FancyBboxPatch
 
-from tests.plots.machine.test_drawing import ALL, drawn
+from tests.plots.machine.test_drawing import ALL, drawing, drawn
 from vibsim.cases import gallery_case_names, load_case
 from vibsim.cases.case import load_case_text
 from vibsim.plots.animated_machine import channels_of, display_list
@@ -36,7 +36,7 @@ def boxes_of(axes):
 
 @pytest.mark.parametrize("source", ALL, ids=lambda source: Path(source).stem)
 def test_no_line_runs_through_a_body(source):
-    axes = drawn(load_case(source))
+    _, axes = drawing(source)
     boxes = boxes_of(axes)
     assert boxes
     for line in axes.get_lines():
@@ -46,7 +46,7 @@ def test_no_line_runs_through_a_body(source):
 
 @pytest.mark.parametrize("source", ALL, ids=lambda source: Path(source).stem)
 def test_no_word_lies_upon_another(source):
-    axes = drawn(load_case(source))
+    _, axes = drawing(source)
     texts = [text for text in axes.texts if text.get_text()]
     boxes = [text.get_window_extent() for text in texts]
     for i, one in enumerate(boxes):
@@ -58,8 +58,7 @@ def test_no_word_lies_upon_another(source):
 
 @pytest.mark.parametrize("source", ALL, ids=lambda source: Path(source).stem)
 def test_words_beside_a_body_do_not_lie_upon_it(source):
-    case = load_case(source)
-    axes = drawn(case)
+    case, axes = drawing(source)
     own = {word for name, mass in case.long_values()["bodies"].items() for word in (name, str(mass))}
     bodies = [patch.get_window_extent() for patch in axes.patches if isinstance(patch, FancyBboxPatch)]
     for text in axes.texts:
