@@ -25,7 +25,20 @@ from vibsim.engine.modes.rows import (
 )
 from vibsim.engine.modes.status import CONTACT, OPEN, STICK, Kept, Status
 from vibsim.engine.modes.ties import Cut
-from vibsim.physics.formulas import SWITCHES, Node, children, hashed, is_continuous, mul, num, sub, walk
+from vibsim.physics.formulas import (
+    ONE,
+    SWITCHES,
+    Node,
+    children,
+    div,
+    hashed,
+    is_continuous,
+    mul,
+    num,
+    sub,
+    value_of,
+    walk,
+)
 from vibsim.physics.numbers import Doubles, Kit, N, abs
 from vibsim.physics.parts import Scene, Stop
 
@@ -188,6 +201,7 @@ class FormulaRows(Generic[N]):
             if sign:
                 rows.formulas.append(FormulaForce(k, P, Q, sign))
         roots = len(maker.tape.outputs)
+        self._write_pushes(rows, maker, outputs, sides)
         awake = {self.same[node][0] for node in self.awake(status, sides)}
         watched = {
             i: list(self._guards(i, self.switches[i], sides))
@@ -207,6 +221,34 @@ class FormulaRows(Generic[N]):
                 maker.tape.outputs.append(place)
         rows.tape, rows.outputs, rows.sides = maker.tape, outputs, sides
         rows.columns = dict(self.columns)
+
+    def _write_pushes(
+        self, rows: ModeRows[N], maker: TapeMaker[N], outputs: dict[tuple[object, ...], int], sides: Any
+    ) -> None:
+        """For stops that let go at zero force: what is left of it without powers of the depth, which
+        tells its sign up to depth 0 and goes through the zeros that it has; -1 for what has none.
+        """
+        for i, stop in self.scene.elastic_stops:
+            if stop.force is not None and stop.lets_go and rows.status.stops[i] != OPEN:
+                rest = self._less_depth(maker, stop.force, stop, sides)
+                value = value_of(rest)
+                if value is not None and value > 0:
+                    outputs["push", i] = -1
+                elif value is None and rest != stop.force:
+                    outputs["push", i] = k = maker.output(rest, stop.name)
+                    rows.nodes[k] = rest
+
+    def _less_depth(self, maker: TapeMaker[N], node: Node, stop: Stop[N], sides: Mapping[Node, int]) -> Node:
+        """A formula without its factors that are powers of the depth of a stop."""
+        if node[0] == "choose" and node in sides:
+            return self._less_depth(maker, chosen(node, sides), stop, sides)
+        if node[0] == "mul":
+            return mul(*(self._less_depth(maker, one, stop, sides) for one in node[1:3]))
+        if node[0] == "div":
+            return div(self._less_depth(maker, node[1], stop, sides), node[2])
+        base = node[1] if node[0] == "pow" and node[2] > 0 else node
+        is_depth = value_of(base) is None and self._proportional(maker.tape, maker.place(base), stop)
+        return ONE if is_depth else node
 
     def _ends(self, role: tuple[Any, ...], status: Status) -> tuple[int, int, int]:
         """Columns of P and Q of a force, -1 for none, and the sign with which it acts on P; 0 where it does
