@@ -161,3 +161,44 @@ run: {t_end: 1 s, every: 10 ms}
     run = simulate(load_case_text(text, name="root"), engine=engine, trust=False)
     assert list(run.events.words("kind"))[-2:] == ["stick_end", "end"]
     assert run.events["t"][-2] == pytest.approx(0.5 + (5 / 8) ** 2, abs=1e-14)
+
+
+@pytest.mark.parametrize("engine", ["c", "python"])
+@pytest.mark.parametrize("law", ["K*p**0.5", "K*p**1.5", "K*p**2.5", "K*p**1.5*(1 + l*pv)", "K*p**2"])
+def test_a_stop_that_must_not_pull_is_left_where_its_force_comes_to_zero(law, engine):
+    """None of these pulls: contact ends at the gap, as with `release: gap`."""
+    power = law.split("**")[1].split("*")[0]
+    numbers = f"K: 1e4 N/m^{power}" + (", l: 0.5 s/m" if "l*" in law else "")
+    text = f"""
+name: wall
+bodies: {{a: 1 kg}}
+stops: {{s: {{between: [a, ground], gap: 1 mm, acts: compression, force: "{law}", {numbers}}}}}
+initial: {{a: {{v: 0.1 m/s}}}}
+run: {{t_end: 1 s, every: 100 ms}}
+"""
+    runs = [
+        simulate(load_case_text(text, overrides={"stops.s.release": release}), engine=engine, trust=False)
+        for release in ("gap", "force")
+    ]
+    for run in runs:
+        assert list(run.events.words("kind"))[1:] == ["contact_begin", "contact_end", "end"]
+        assert run.attrs["uncertified"] == 0
+    np.testing.assert_array_equal(runs[0].events["t"], runs[1].events["t"])
+
+
+@pytest.mark.parametrize("engine", ["c", "python"])
+def test_a_stop_that_must_not_pull_lets_go_where_its_damper_would(engine):
+    """1 + l pv = 0 at -2 m/s, while the body is deep."""
+    text = """
+name: torn
+bodies: {a: 1 kg}
+stops: {s: {between: [a, ground], gap: 0 mm, acts: compression, force: "K*p**1.5*(1 + l*pv)", K: 1 N/m^1.5,
+  l: 0.5 s/m, release: force}}
+forces: {pull: {on: a, force: "-A*t**2", A: 1000 N/s^2}}
+initial: {a: {v: 1 m/s}}
+run: {t_end: 0.3 s, every: 100 ms}
+"""
+    run = simulate(load_case_text(text), engine=engine, trust=False)
+    kinds, events = list(run.events.words("kind")), run.events
+    assert kinds == ["start", "contact_end", "end"] and run.attrs["uncertified"] == 0
+    assert events["v_a"][1] == pytest.approx(-2.0, abs=1e-12) and events["x_a"][1] > 1e-3

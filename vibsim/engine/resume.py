@@ -167,15 +167,16 @@ def _zeros_of_parted(scene: Scene, rows: Sequence[Row], state: State, status: St
     ties += [len(scene.frictions) + part for kind, part in names if kind == "rest_end"]
     if not ties:
         return {}
-    stops, clearances = released_parts(
-        RowMaker(scene, Doubles), status.with_ties(dict.fromkeys(ties, STICK)), status
-    )
+    maker = RowMaker(scene, Doubles)
+    stops, clearances = released_parts(maker, status.with_ties(dict.fromkeys(ties, STICK)), status)
     known: Known = {}
     for i in stops:
         stop = dict(scene.elastic_stops)[i]
         P, Q = _places(scene, stop, state)
         if meets(Doubles, stop, -(stop.sense * (P - Q)) - stop.gap, (P, Q), stop.gap):
-            known |= {(GAP, i): order, (PUSH, i): order - 1}
+            known[GAP, i] = order
+            if stop.force is None or ("push", i) not in maker.rows(status).outputs:
+                known[PUSH, i] = order - 1
     for i in clearances:
         one = scene.clearances[i]
         P, Q = _places(scene, one, state)

@@ -379,7 +379,10 @@ class InitialMode(Generic[N]):
         stop = self.elastic[i]
         if not stop.lets_go:
             return False
-        event = self.departures.event(self.departures.enter(state, status), (PUSH, i))
+        rows = self.departures.enter(state, status)
+        if rows.outputs.get(("push", i)) == -1:
+            return False
+        event = self.departures.event(rows, (PUSH, i))
         values = self.flow.derivatives(event, self.departures.jet)
         if self.departures.is_open(state, event, values, 0):
             self.departures.doubt(state)

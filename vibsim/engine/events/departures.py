@@ -255,7 +255,9 @@ class TouchingParts(Generic[N]):
         for i in parts[0]:
             closes = self.departures.departure(state, after.with_stop(i, OPEN), (GAP, i), order)[0] < 0
             after = after.with_stop(i, CONTACT if closes else OPEN)
-            known |= {(GAP, i): order, (PUSH, i): order - 1}
+            known[GAP, i] = order
+            if self.elastic[i].force is None or ("push", i) not in self.maker.rows(after).outputs:
+                known[PUSH, i] = order - 1
             if status.stops[i] != after.stops[i]:
                 happened.append(("contact_begin" if closes else "contact_end", i))
         for i in parts[1]:

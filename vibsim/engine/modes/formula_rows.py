@@ -26,6 +26,7 @@ from vibsim.engine.modes.rows import (
 from vibsim.engine.modes.status import CONTACT, OPEN, STICK, Kept, Status
 from vibsim.engine.modes.ties import Cut
 from vibsim.physics.formulas import (
+    ONE,
     SWITCHES,
     TIME,
     ZERO,
@@ -33,12 +34,14 @@ from vibsim.physics.formulas import (
     add,
     children,
     derivative,
+    div,
     hashed,
     is_continuous,
     mul,
     num,
     resolved,
     sub,
+    value_of,
     walk,
 )
 from vibsim.physics.numbers import Doubles, Kit, N, abs
@@ -222,6 +225,7 @@ class FormulaRows(Generic[N]):
                 rows.formulas.append(FormulaForce(k, P, Q, sign))
         self._carry(rows, courses, maker, sides)
         roots = len(maker.tape.outputs)
+        self._write_pushes(rows, maker, outputs, sides)
         awake = {self.same[node][0] for node in self.awake(status, sides)}
         watched = {
             i: list(self._guards(i, self.switches[i], sides))
@@ -265,6 +269,34 @@ class FormulaRows(Generic[N]):
             inertia = maker.scaled_output(rate, self.scene.bodies[c].m, text)
             rows.nodes[inertia] = rate
             rows.formulas.append(FormulaForce(inertia, c, -1, -1))
+
+    def _write_pushes(
+        self, rows: ModeRows[N], maker: TapeMaker[N], outputs: dict[tuple[object, ...], int], sides: Any
+    ) -> None:
+        """For stops that let go at zero force: what is left of it without powers of the depth, which
+        tells its sign up to depth 0 and goes through the zeros that it has; -1 for what has none.
+        """
+        for i, stop in self.scene.elastic_stops:
+            if stop.force is not None and stop.lets_go and rows.status.stops[i] != OPEN:
+                rest = self._less_depth(maker, stop.force, stop, sides)
+                value = value_of(rest)
+                if value is not None and value > 0:
+                    outputs["push", i] = -1
+                elif value is None and rest != stop.force:
+                    outputs["push", i] = k = maker.output(rest, stop.name)
+                    rows.nodes[k] = rest
+
+    def _less_depth(self, maker: TapeMaker[N], node: Node, stop: Stop[N], sides: Mapping[Node, int]) -> Node:
+        """A formula without its factors that are powers of the depth of a stop."""
+        if node[0] == "choose" and node in sides:
+            return self._less_depth(maker, chosen(node, sides), stop, sides)
+        if node[0] == "mul":
+            return mul(*(self._less_depth(maker, one, stop, sides) for one in node[1:3]))
+        if node[0] == "div":
+            return div(self._less_depth(maker, node[1], stop, sides), node[2])
+        base = node[1] if node[0] == "pow" and node[2] > 0 else node
+        is_depth = value_of(base) is None and self._proportional(maker.tape, maker.place(base), stop)
+        return ONE if is_depth else node
 
     def _ends(self, role: tuple[Any, ...], status: Status) -> tuple[int, int, int]:
         """Columns of P and Q of a force, -1 for none, and the sign with which it acts on P; 0 where it does

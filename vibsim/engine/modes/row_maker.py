@@ -302,7 +302,8 @@ class RowMaker(Generic[N]):
 
         def push(sign: int) -> Event[N]:
             if stop.force is not None:
-                pushed: Terms[N] = (Term(FORMULA, sign, rows.outputs["stop", i]),)
+                output = rows.outputs.get(("push", i), rows.outputs["stop", i])
+                pushed: Terms[N] = (Term(FORMULA, sign, output),)
                 return Event(PUSH, i, sign, (PUSH, i), pushed, self.zero, self.zero)
             terms: Terms[N] = (Term(DIFFERENCE, -sign * s * k, P, Q), Term(RATE, -sign * s * c, P, Q))
             constant = -sign * (k * gap)
@@ -314,7 +315,10 @@ class RowMaker(Generic[N]):
             return [push(-1), depth(1, turns=False)]
         if not stop.lets_go:
             return [depth(1)]
-        return [push(1)]
+        if stop.force is None:
+            return [push(1)]
+        # a formula may come to zero with the depth, and not go through it; or with that alone
+        return [depth(1)] if rows.outputs.get(("push", i)) == -1 else [push(1), depth(1)]
 
     def _strike_event(self, i: int, stop: RigidStop[N]) -> Event[N]:
         P, Q = self.ends(stop)
