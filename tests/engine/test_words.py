@@ -3,7 +3,9 @@
 from decimal import Decimal
 from fractions import Fraction
 from math import floor
+from random import Random
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 
@@ -124,3 +126,44 @@ def test_numbers_come_back_as_they_went(words):
     error = abs(Fraction(third[0]) * Fraction(2) ** third[1] - Fraction(1, 3))
     assert error <= Fraction(1, 2 ** min(WORD * words, kit.bits + 32))
     assert floor(Fraction(third[0]).numerator) > 2**60
+
+
+@pytest.mark.parametrize(("words", "digits"), [(2, 20), (2, 32), (3, 51), (4, 71)])
+def test_texts_in_c_are_those_of_python(words, digits):
+    """Of numbers whose digits go on, so that none lies half-way between two texts."""
+    kit, draw = number_kit(digits), Random(digits)
+    form = WordsForm(kit, words)
+    thirds = [Fraction(draw.randrange(1, 10**20), 3 * 10**20) for _ in range(100)]
+    values = [(-1) ** k * third * Fraction(10) ** draw.randint(-25, 15) for k, third in enumerate(thirds)]
+    powers = [
+        Fraction(10) ** k * (1 + sign * Fraction(1, 3 * 10 ** (digits + 9)))
+        for k in (-7, 0, 9)
+        for sign in (-1, 1)
+    ]
+    row = np.frombuffer(form.packed([*values, *powers, 0.0, 1.0, -0.5]), dtype=form.type)
+    texts = form.texts(row)
+    assert [text.decode() for text in texts] == kit.texts_of(map(form.parts, form._each(row)))
+    assert Decimal(texts[-1].decode()) == Decimal("-0.5")
+
+
+def test_texts_of_what_c_cannot_write_are_those_of_python():
+    kit = number_kit(30)
+    form = WordsForm(kit, 2)
+    row = np.frombuffer(form.packed([Fraction(1, 3) * 10**200, Fraction(1, 3)]), dtype=form.type)
+    assert [text[:32] for text in form.texts(row).tolist()] == [b"3.33333333333333333333333333333e"] * 2
+
+
+@pytest.mark.parametrize("name", ["II-A", "II-B"])
+def test_a_motor_keeps_the_digits_that_its_growth_of_errors_leaves(name):
+    """In two lengths of numbers, whose sums of products have lengths of their own."""
+    case = load_case(name, {"run.t_end": "30 s", "run.every": "50 s"})
+    ends = [told(case.exact_scene, digits, "c") for digits in (30, 65)]
+    assert ends[0][0] == ends[1][0]
+    assert (
+        min(
+            -abs(Decimal(one[-1].decode()) / Decimal(ends[1][1][column][-1].decode()) - 1).log10()
+            for column, one in ends[0][1].items()
+            if column != "t"
+        )
+        > 23
+    )

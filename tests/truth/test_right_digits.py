@@ -61,6 +61,16 @@ def test_too_few_digits_are_raised():
     assert not plan.enough and plan.digits > 20 and plan.coarse is end
 
 
+def test_a_coarser_run_tells_what_doubles_do_not():
+    plan = DigitsPlan(chaos("15 s"), "auto")
+    _, end = true_end("I-B-eq211", "15 s", 60)
+    plan.coarse_digits, plan.digits = DOUBLE_DIGITS, 40
+    plan.coarse = {key: value * 2 for key, value in end.items()}  # as doubles of a longer run
+    told = plan.verdict(end, {})
+    assert plan.enough and re.fullmatch(r"agreement with a run of 2\d digits", told["digits_right_from"])
+    assert 40 > told["digits_right"] > 30  # some 5 digits are lost in 15 s
+
+
 def test_fixed_digits_of_a_chaotic_case_are_estimated():
     result = vibsim.simulate(chaos(), digits=60)
     assert result.attrs["digits_right_from"] == "growth of small kicks, estimated"

@@ -104,6 +104,11 @@ static int violated(const Run *r)
 
 void run_start(Run *r, int mode, Buffers *b)
 {
+#ifdef LIMBS
+    int i;
+    for (i = 0; i < r->mode_count; i++)
+        r->modes[i]->scales.most = 0; /* each run begins as the first one did */
+#endif
     use_mode(r, mode);
     r->next_sample = sample_index(r, r->state.t);
     r->known_since = r->progress_deadline = r->state.t;

@@ -10,6 +10,9 @@
 #include <math.h>
 
 #include "tape.h"
+#ifdef LIMBS
+#include "fixed_series.h"
+#endif
 
 #define JET_ORDER 9 /* derivatives taken at the start of a segment */
 #define FLAT_ORDER (JET_ORDER - 3) /* order of a zero that they are too few for */
@@ -180,6 +183,9 @@ typedef struct {
     Follower *followers;
     FormulaSlopes formula_slopes; /* where disturbances are carried */
     int formula_count, follower_count, switch_count; /* switch_count: event functions that are those of switches */
+#ifdef LIMBS
+    mutable Scales<SERIES> scales; /* of the series of the rotor, as expansions find them */
+#endif
 } Mode;
 
 typedef struct {
@@ -216,8 +222,9 @@ typedef struct {
     Real *acceleration; /* by leading column, where a mode has formulas or rotors */
     TapeRoom tapes;
 #ifdef LIMBS
-    int words[SERIES], all_words; /* of which the products of each order of a rotor's series are sums, or all */
-    long sizes[3][SERIES];        /* binary exponents of the largest of these products, by sum and order */
+    Digits (*rotor)[SERIES];    /* series of the rotor, `Scales` of the mode says how */
+    const Scales<SERIES> *scales; /* NULL where there are none, or a coefficient did not fit */
+    FixedTable *fixed;     /* the table, where values are asked for */
 #endif
 } Taylor;
 

@@ -397,7 +397,33 @@ static void describe_type(void)
 }
 
 #ifdef LIMBS
-static PyMethodDef functions[] = {{NULL, NULL, 0, NULL}};
+static PyObject *texts(PyObject *self, PyObject *args)
+{
+    Py_buffer v;
+    int digits, width;
+    PyObject *made = NULL;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "y*ii", &v, &digits, &width))
+        return NULL;
+    if (digits < 2 || digits > MOST_DECIMALS || width < digits + 8 || width > 2 * MOST_DECIMALS || v.len % (Py_ssize_t)sizeof(Real) != 0) {
+        PyErr_SetString(PyExc_ValueError, "no numbers of words, or more digits than they have");
+    } else {
+        const long count = (long)(v.len / (Py_ssize_t)sizeof(Real));
+        made = PyBytes_FromStringAndSize(NULL, (Py_ssize_t)count * width);
+        if (made && !decimal_texts((const Real *)v.buf, count, digits, width, PyBytes_AS_STRING(made))) {
+            Py_DECREF(made);
+            made = Py_None;
+            Py_INCREF(made);
+        }
+    }
+    PyBuffer_Release(&v);
+    return made;
+}
+
+static PyMethodDef functions[] = {
+    {"texts", texts, METH_VARARGS, "texts(numbers, digits, width) -> decimal texts of so many characters; None where a number is beyond them"},
+    {NULL, NULL, 0, NULL},
+};
 #else
 static const struct {
     const char *name;

@@ -21,7 +21,7 @@ import numpy as np
 
 from vibsim.engine.errors import State
 from vibsim.physics import elementary
-from vibsim.physics.numbers import Doubles, Kit, N, Number, nearest_double
+from vibsim.physics.numbers import Doubles, Kit, N, Number, nearest_double, text_width
 from vibsim.physics.precision import BITS_PER_DIGIT, DigitsKit
 
 if TYPE_CHECKING:
@@ -184,9 +184,14 @@ class WordsForm(Generic[N]):
         )
         return rounded
 
-    def texts(self, row: np.ndarray) -> list[str]:
-        """Numbers of words as decimal texts of all digits of the kit."""
-        return self.kit.texts_of(map(self.parts, self._each(row)))
+    def texts(self, row: np.ndarray) -> np.ndarray:
+        """Numbers of words as decimal texts of all digits of the kit, in ASCII."""
+        width = text_width(self.kit.digits)
+        engine = import_module(f"vibsim.engine._engine_{self.words}")
+        made: bytes | None = engine.texts(np.ascontiguousarray(row).tobytes(), self.kit.digits, width)
+        if made is None:  # a number beyond 1e300 or so, or none at all
+            return np.array(self.kit.texts_of(map(self.parts, self._each(row))), dtype=f"S{width}")
+        return np.frombuffer(made, dtype=f"S{width}")
 
     def _each(self, row: np.ndarray) -> Iterator[bytes]:
         flat, width = np.ascontiguousarray(row).tobytes(), self.type.itemsize

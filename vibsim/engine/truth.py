@@ -139,11 +139,8 @@ class WordsTrajectory(Trajectory[Number]):
         return TruthBlock(**vars(block), sample_digits=at, event_digits=after)
 
     def _texts(self, names: Sequence[str | None], rows: np.ndarray) -> dict[str, np.ndarray]:
-        width = text_width(self.kit.digits)
         return {
-            name: np.array(self.form.texts(row), dtype=f"S{width}")
-            for name, row in zip(names, rows, strict=False)
-            if name is not None
+            name: self.form.texts(row) for name, row in zip(names, rows, strict=False) if name is not None
         }
 
     def stop(self) -> None:

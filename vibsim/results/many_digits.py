@@ -51,6 +51,7 @@ CLOSER = 8  # the same where digits are chosen by the number types of C
 FINER = 12  # digits that a run carries beyond the one it is compared with
 LEAST = Decimal("1e-6")
 EXACT = Context(prec=2 * MOST_DIGITS)
+ROUGH = Context(prec=20)  # for numbers of digits
 
 
 class DigitsPlan:
@@ -113,6 +114,11 @@ class DigitsPlan:
         tables = tables_of(self.scene)
         others = set(tables.states) - {*tables.displacements, *tables.velocities}
         agreed = None if self.coarse is None else agreement(self.coarse, end, others)
+        if self.automatic and self.coarse_digits == DOUBLE_DIGITS and not (agreed and agreed >= TELLING):
+            fewer = max(FEWEST_DIGITS, ceil(self.growth) + 2 * TELLING)
+            if fewer < self.digits:  # these may do: a coarser run that tells costs less than a finer one
+                self._compare_with(fewer)
+                agreed = None if self.coarse is None else agreement(self.coarse, end, others)
         if agreed is not None and agreed >= TELLING:
             right = floor(self.digits - max(self.coarse_digits - agreed, 0))
             return self._judged(max(right, 0), self._source(), end)
@@ -152,7 +158,7 @@ def agreement(
         apart = EXACT.abs(EXACT.subtract(value, second[name]))
         if apart:
             size = max(abs(value), abs(second[name]), LEAST * _largest(of_bodies, name))
-            fewest = min(fewest, max(float(EXACT.log10(EXACT.divide(size, apart))), 0.0))
+            fewest = min(fewest, max(float(ROUGH.log10(ROUGH.divide(size, apart))), 0.0))
     return fewest
 
 

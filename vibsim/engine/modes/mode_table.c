@@ -139,6 +139,14 @@ void run_free(Run *r)
     free(r->force);
     free(r->state.x);
     free(r->taylor.table);
+#ifdef LIMBS
+    free(r->taylor.rotor);
+    if (r->taylor.fixed) {
+        free(r->taylor.fixed->word);
+        free(r->taylor.fixed->bound);
+        free(r->taylor.fixed);
+    }
+#endif
     free(r->taylor.load);
     free(r->taylor.arguments);
     free(r->taylor.falls);

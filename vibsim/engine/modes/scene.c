@@ -36,6 +36,16 @@ static int alloc_flows(Run *r)
         c->scales[i] = c->scales[0] + i * coordinates;
     f->values = f->table + SERIES * row;
     f->checked = f->values + row;
+#ifdef LIMBS
+    f->fixed = zalloc(1, sizeof(FixedTable));
+    f->rotor = zalloc(BLOCKS, sizeof *f->rotor);
+    if (!f->fixed || !f->rotor)
+        return 0;
+    f->fixed->word = zalloc(SERIES * row, LIMBS * sizeof(uint64_t));
+    f->fixed->bound = zalloc(row, sizeof(long));
+    if (!f->fixed->word || !f->fixed->bound)
+        return 0;
+#endif
     r->state.v = r->state.x + n;
     r->next.x = r->state.x + 2 * n;
     r->next.v = r->state.x + 3 * n;

@@ -4,6 +4,7 @@
 #include "limbs_functions.h"
 
 #include "elementary.h"
+#include "words.h"
 
 enum { TERMS = LIMBS == 2 ? 36 : LIMBS == 3 ? 50 : 64, HALVINGS = 8 }; /* of power series at arguments below 0.8 */
 

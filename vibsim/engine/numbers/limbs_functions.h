@@ -24,6 +24,11 @@ Real arccosine(const Real &x);
 Real logarithm(const Real &x);
 Real real_power(const Real &a, const Real &p);
 
+/* Numbers as decimal texts of so many significant digits, each in `width` characters, the rest of them 0; false where one is not
+ * finite, or beyond what this is made for. width: digits + 8 at least.
+ */
+bool decimal_texts(const Real *x, long count, int digits, int width, char *out);
+
 /* The next larger time: a unit round-off on, whatever the direction asked for. */
 static inline Real nextafter(const Real &t, const Real &towards)
 {

@@ -23,7 +23,7 @@ enum { MAX_ORDER = 62, SERIES_TERMS = 56 };
 #else /* up to 71 digits, 236 bits */
 enum { MAX_ORDER = 86, SERIES_TERMS = 70 };
 #endif
-enum { NO_EXPONENT = -1000000 }; /* of zero */
+enum { NO_EXPONENT = -1000000, MOST_DECIMALS = 75 }; /* of zero; digits that are written */
 #define TURN (2 * HALF_TURN)
 #define EPS unit_roundoff /* above the rounding of the type, as of the numbers of Python that it stands for */
 #else

@@ -10,34 +10,71 @@
 #define FEW_NODES_ORDER 20
 
 #ifdef LIMBS
-enum { SURPLUS = 30, SLACK = 14 }; /* bits beyond those that an order is expected to need; that sums may be wrong by, and more */
+enum { LONGER = 5, MARGIN = 2, SPARE = 4 }; /* H at most so many steps; bits that bounds exceed what they were; below the round-off */
 
-/* Words that coefficients of order n need: they count by h^n, and end at the round-off. */
-static int words_of_order(int n, int order)
+/* Binary exponents of what bounds |a_n| H^n, and of the largest of the first of them; a[n * step]: order n. */
+static void bounds_of(const Real *a, int step, int order, int power, long *most, long *leading)
 {
-    const int bits = 1 - unit_roundoff.exponent, words = (bits - bits * n / order + SURPLUS + WORD - 1) / WORD;
-    return words < LIMBS ? words : LIMBS;
+    int n;
+    *most = *leading = LONG_MIN;
+    for (n = 0; n < order; n++) {
+        const Real *one = a + n * step;
+        const long size = one->sign ? one->exponent + (long)n * power : LONG_MIN;
+        *leading = n < LEADING && size > *leading ? size : *leading;
+        *most = size > *most ? size : *most;
+    }
 }
 
-/* Whether what the sums of products of the rotor leave out is below the round-off of the largest of them in a step of this length. */
-static int words_suffice(const Taylor *f)
+/* By how many bits the bounds of the factors of a product of the rotor exceed their first coefficients at most, by what the series
+ * are; `bound` of those where it is given. -1 where there is none.
+ */
+static long slack_of(Taylor *f, int power, const int *bound, int *found)
+{
+    const Real *series[BLOCKS] = {f->cosine, f->sine, f->w_back + f->order, f->a1_back + f->order};
+    long above[BLOCKS], most, leading;
+    int s;
+    for (s = 0; s < BLOCKS; s++) {
+        bounds_of(series[s], s < SPEEDS ? 1 : -1, f->order, power, &most, &leading);
+        if (leading == LONG_MIN || most > FURTHEST)
+            return -1;
+        if (found)
+            found[s] = (int)most + MARGIN;
+        above[s] = (bound ? bound[s] : found[s]) - leading;
+    }
+    most = above[COSINES] > above[SINES] ? above[COSINES] : above[SINES];
+    leading = above[SINES] + above[THRUSTS];
+    most += above[SPEEDS];
+    return most > leading ? most : leading;
+}
+
+/* Whether the sums of products in digits were as right as the round-off asks for. */
+static int digits_sufficed(Taylor *f, const Scales<SERIES> *s)
+{
+    return f->scales && isfinite(f->h) && logarithm((double)f->h) * PER_LN_2 <= s->power - s->gap && slack_of(f, s->power, s->bound, NULL) <= s->slack;
+}
+
+/* Digits for the next expansion in this mode, by this one. */
+static void set_digits(Taylor *f, Scales<SERIES> *s)
 {
     const int bits = 1 - unit_roundoff.exponent;
-    double power; /* binary exponent of the step */
-    int s, n;
-    if (!isfinite(f->h))
-        return 0;
-    power = logarithm((double)f->h) * PER_LN_2;
-    for (s = 0; s < 3; s++) {
-        long leading = f->sizes[s][2]; /* the first order that is a sum */
-        if (leading == LONG_MIN)
-            return 0;
-        for (n = 2; n < f->order; n++)
-            if (f->words[n] < LIMBS && f->sizes[s][n] > LONG_MIN &&
-                f->sizes[s][n] + (n - 2) * power + (int)SLACK - (int)WORD * f->words[n] > leading - bits)
-                return 0;
+    double size;
+    long slack;
+    int n;
+    s->most = 0;
+    if (!isfinite(f->h) || f->h <= 0)
+        return;
+    size = logarithm((int)LONGER * (double)f->h) * PER_LN_2;
+    s->power = (int)floor(size);
+    s->gap = s->power - size + 1.8; /* the next step may be longer by sqrt(2) */
+    slack = slack_of(f, s->power, NULL, s->bound);
+    if (slack < 0 || slack + bits + SPARE + MARGIN > DIGIT * MOST_DIGITS)
+        return;
+    s->slack = (int)slack + MARGIN;
+    s->most = bits + SPARE + s->slack <= DIGIT * LIMBS ? LIMBS : MOST_DIGITS;
+    for (n = 0; n <= f->order; n++) {
+        const int needed = bits + SPARE + s->slack - (int)(s->gap * n), digits = (needed + DIGIT - 1) / DIGIT;
+        s->digits[n] = (unsigned char)(digits < 1 ? 1 : digits < s->most ? digits : s->most);
     }
-    return 1;
 }
 #endif
 
@@ -51,10 +88,6 @@ void taylor_set(Run *r)
     for (n = 0; n < r->harmonic_count; n++)
         f->longest = 3 / r->harmonics[n].omega < f->longest ? 3 / r->harmonics[n].omega : f->longest;
     f->few_nodes = f->order <= FEW_NODES_ORDER && f->longest == INFINITY;
-#ifdef LIMBS
-    for (n = 0; n <= f->order; n++)
-        f->words[n] = words_of_order(n, f->order);
-#endif
     f->inverse[0] = 0.0;
     for (n = 1; n <= f->order + 2; n++)
         f->inverse[n] = 1 / (Real)n;
@@ -220,14 +253,20 @@ INLINE void expand_at(Run *r, const State *state)
         rates[m->followers[c].column] = state->v[m->followers[c].column];
     if (f->loaded_count > 0)
         taylor_expand_loads(r, state->t);
+#ifdef LIMBS
+    f->fixed->made = 0;
+    f->scales = m->scales.most ? &m->scales : NULL;
+#endif
     taylor_expand(r, state);
     f->h = step_length(r);
 #ifdef LIMBS
-    if (r->has_motor && !words_suffice(f)) {
-        f->all_words = 1;
-        taylor_expand(r, state);
-        f->all_words = 0;
-        f->h = step_length(r);
+    if (r->has_motor) {
+        if (m->scales.most && !digits_sufficed(f, &m->scales)) {
+            f->scales = NULL;
+            taylor_expand(r, state);
+            f->h = step_length(r);
+        }
+        set_digits(f, &m->scales);
     }
 #endif
 }
@@ -378,6 +417,42 @@ INLINE void dense_rows(const Taylor *f, const int times, const Real *tau, Real *
         dense_block(f->table + 2 * k, rows, 1, f->stride, times, tau, out, f->stride);
 }
 
+#ifdef LIMBS
+/* Value of one column, `horner` as `dense_block` does. */
+APART Real column_value(const Taylor *f, int c, const Real &tau)
+{
+    Real coefficients[SERIES];
+    int n;
+    for (n = 0; n < f->order + 2; n++)
+        coefficients[n] = f->table[n * f->stride + c];
+    return horner(coefficients, f->order + 2, tau);
+}
+
+void taylor_values(const Taylor *f, Real tau, Real *out)
+{
+    uint64_t time[LIMBS];
+    int c;
+    if (!f->fixed->made && isfinite(f->h) && f->h > 0)
+        fixed_table_make(f->fixed, f->table, f->order + 2, f->stride, f->h);
+    if (!f->fixed->made || !fixed_time(f->fixed, tau, time)) {
+        dense_rows(f, 1, &tau, out);
+        return;
+    }
+    for (c = 0; c < f->rates; c++) {
+        int right = fixed_values(f->fixed, time, f->order + 2, c, f->rates, &out[c], &out[c + f->rates]);
+        if (!(right & 1))
+            out[c] = column_value(f, c, tau);
+        if (!(right & 2))
+            out[c + f->rates] = column_value(f, c + f->rates, tau);
+    }
+}
+
+void taylor_values_twice(const Taylor *f, const Real *tau, Real *out)
+{
+    taylor_values(f, tau[0], out);
+    taylor_values(f, tau[1], out + f->stride);
+}
+#else
 void taylor_values(const Taylor *f, Real tau, Real *out)
 {
     dense_rows(f, 1, &tau, out);
@@ -387,6 +462,7 @@ void taylor_values_twice(const Taylor *f, const Real *tau, Real *out)
 {
     dense_rows(f, 2, tau, out);
 }
+#endif
 
 /* Rate of the speed of the rotor. */
 Real taylor_spin_rate(const Run *r, Real tau)

@@ -47,35 +47,85 @@ INLINE Rotor rotor_of(Run *r, const State *state)
     return o;
 }
 
+/* Tell the sums of products of a coefficient of order n, which stands at place `at` of its series. */
+#ifdef LIMBS
+static void keep_digits(Taylor *f, int series, int at, int n, const Real &x)
+{
+    const Scales<SERIES> *s = f->scales;
+    if (s && !digits_of(x, (long)s->power * n - s->bound[series], s->most, &f->rotor[series][at]))
+        f->scales = NULL;
+}
+#else
+#define keep_digits(of, series, at, n, x)
+#endif
+
 /* What order 0 of the rotor's series is before the accelerations are known; returns its thrust. */
 INLINE Real start_rotation(Rotor *o, int p)
 {
     const Real w0 = o->w_back[p];
     o->cosine[1] = -o->sw;
     o->sine[1] = o->cosine[0] * w0;
+    keep_digits(o->of, COSINES, 0, 0, o->cosine[0]);
+    keep_digits(o->of, COSINES, 1, 1, o->cosine[1]);
+    keep_digits(o->of, SINES, 1, 1, o->sine[1]);
+    keep_digits(o->of, SPEEDS, p, 0, w0);
     o->pull = o->unbalance * o->sine[1];
     o->tail = o->sine[1] * w0;
     o->torque = o->stall - o->drag * w0;
     return o->unbalance * o->tail;
 }
 
+#ifdef LIMBS
+/* Sum of a_i b_(n-i) of series number one and two, i from `first` to n: in whole numbers where these were made. */
+static Real product_of_series(const Taylor *f, int one, const Real *a, int two, const Real *b, int first, int n)
+{
+    const Scales<SERIES> *s = f->scales;
+    const int ahead = f->order - n + first, count = n + 1 - first;
+    Real sum = 0.0;
+    int i;
+    if (s)
+        return sum_of_products(f->rotor[one] + first, f->rotor[two] + ahead, count, s->digits[n], (long)s->bound[one] + s->bound[two] - (long)s->power * n);
+    for (i = 0; i < count; i++)
+        sum = sum + a[first + i] * b[ahead + i];
+    return sum;
+}
+
+/* Order n > 0 of the rotor's series as below, but with all terms in the sums. */
+INLINE Real rotate(Rotor *o, int n, int p, Real inverse)
+{
+    Taylor *f = o->of;
+    const Real *w = o->w_back, *a1 = o->a1_back;
+    o->cosine[n + 1] = -(o->sw * inverse);
+    o->sine[n + 1] = product_of_series(f, COSINES, o->cosine, SPEEDS, w, 0, n) * inverse;
+    keep_digits(f, COSINES, n + 1, n + 1, o->cosine[n + 1]);
+    keep_digits(f, SINES, n + 1, n + 1, o->sine[n + 1]);
+    o->tail = product_of_series(f, SINES, o->sine, SPEEDS, w, 1, n + 1);
+    o->torque = o->unbalance * product_of_series(f, SINES, o->sine, THRUSTS, a1, 1, n) - o->drag * w[p - n];
+    return o->unbalance * ((n + 1) * o->tail);
+}
+
+/* Order n of the acceleration under `thrust`, and order n + 1 of the rotor's speed, from one 2x2 division by the mass matrix. */
+INLINE Real turn(Rotor *o, int n, int p, Real inverse, Real thrust)
+{
+    Real a1 = o->to_a1 * thrust + o->cross * o->torque, w = (o->to_w * o->torque + o->cross * thrust) * inverse;
+    o->w_back[p - n - 1] = w;
+    o->a1_back[p - n] = a1;
+    keep_digits(o->of, SPEEDS, p - n - 1, n + 1, w);
+    keep_digits(o->of, THRUSTS, p - n, n, a1);
+    o->sw = o->tail + o->sine[0] * w;
+    return a1;
+}
+#else
 /* Sums of `count` products: of cosines and speeds, sines and speeds, sines and accelerations. */
 typedef struct {
     Real cws, tails, backs;
 } Products;
 
-INLINE Products products_of(Taylor *f, const Real *restrict cosine, const Real *restrict sine, const Real *w, const Real *a1, int count)
+INLINE Products products_of(const Real *restrict cosine, const Real *restrict sine, const Real *w, const Real *a1, int count)
 {
     Products sums;
-#ifdef LIMBS
-    const int n = count + 1, words = f->all_words ? LIMBS : f->words[n];
-    sums.cws = sum_of_products(cosine, w, count, words, &f->sizes[0][n]);
-    sums.tails = sum_of_products(sine, w, count, words, &f->sizes[1][n]);
-    sums.backs = sum_of_products(sine, a1, count, words, &f->sizes[2][n]);
-#else
     Pair cws = make_pair(0, 0), tails = cws, backs = cws;
     int i;
-    (void)f;
     for (i = 0; i + 1 < count; i += 2) {
         Pair speeds = load_pair(w + i), sines = load_pair(sine + i);
         cws = add_product(cws, load_pair(cosine + i), speeds);
@@ -91,7 +141,6 @@ INLINE Products products_of(Taylor *f, const Real *restrict cosine, const Real *
     sums.cws = sum_of_pair(cws);
     sums.tails = sum_of_pair(tails);
     sums.backs = sum_of_pair(backs);
-#endif
     return sums;
 }
 
@@ -104,7 +153,7 @@ INLINE Real rotate(Rotor *o, int n, int p, Real inverse)
     const Real *w = o->w_back + (p - n), *a1 = o->a1_back + (p + 1 - n); /* w[i]: order n - i, a1[i]: order n - 1 - i */
     const Real w0 = o->w_back[p], scale = o->unbalance * (n + 1), lean = cosine[0] * inverse;
     Real ahead, known, slope;
-    const Products sums = products_of(o->of, cosine + 1, sine + 2, w + 1, a1 + 1, n - 1);
+    const Products sums = products_of(cosine + 1, sine + 2, w + 1, a1 + 1, n - 1);
     ahead = (sums.cws + cosine[n] * w0) * inverse;
     known = sums.tails + ahead * w0;
     slope = sine[1] + lean * w0;
@@ -124,6 +173,7 @@ INLINE Real turn(Rotor *o, int n, int p, Real inverse, Real thrust)
     o->sw = o->tail + o->sine[0] * w;
     return a1;
 }
+#endif
 
 /* The same where the motor's body moves as the ground or the base does: its acceleration is given. */
 INLINE Real turn_carried(Rotor *o, int n, int p, Real inverse, Real a1)
@@ -131,6 +181,8 @@ INLINE Real turn_carried(Rotor *o, int n, int p, Real inverse, Real a1)
     Real w = (o->torque + o->coupling * a1) / o->inertia * inverse;
     o->w_back[p - n - 1] = w;
     o->a1_back[p - n] = o->previous = a1;
+    keep_digits(o->of, SPEEDS, p - n - 1, n + 1, w);
+    keep_digits(o->of, THRUSTS, p - n, n, a1);
     o->sw = o->tail + o->sine[0] * w;
     return a1;
 }

@@ -36,6 +36,9 @@ static void difference(const Real *row, int stride, int a, int b, Real factor, i
     } else if (a < 0) {
         for (n = 0; n < count; n++, row += stride)
             out[n] = factor * (0.0 - row[b]);
+    } else if (factor == 1) { /* most are: the same, without a product */
+        for (n = 0; n < count; n++, row += stride)
+            out[n] = row[a] - row[b];
     } else {
         for (n = 0; n < count; n++, row += stride)
             out[n] = factor * (row[a] - row[b]);
