@@ -235,7 +235,7 @@ OF_EXCITERS = ("x_frame", "phi_left", "phi_right", "v_frame", "w_left", "w_right
 
 def exciters(right, sense=1):
     """With a second motor of another no-load speed [Hz], which turns forwards or backwards."""
-    torque = f'torque: "M*({sense} - w/Om)", M: 0.3 N m, Om: {right} Hz'
+    torque = f"M0: {sense * 0.3} N m, Omega0: {sense * right} Hz"
     text = EXCITERS.replace("TORQUE", torque).replace("START", f"{sense * right} Hz")
     return case_of(text)
 

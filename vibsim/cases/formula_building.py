@@ -72,7 +72,7 @@ def _of_formula(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefau
 
 def _belt_carries_no_rotor(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]:
     """A belt by a formula that is not one base of all carries bodies without a rotor."""
-    if FormulaParts(scene.values).belts_are_base:
+    if FormulaParts(dict(scene.values)).belts_are_base:
         return
     riders = {str(part.get("on")) for part in _section(scene.values, "rotors").values()}
     if scene.motor:

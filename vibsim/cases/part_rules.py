@@ -119,6 +119,16 @@ def rotors_have_inertia(draft: Draft) -> Iterator[FoundDefault]:
         if len(pair) == 1 and not has_formula("rotors", part, "torque"):
             other = "Omega0" if pair == ["M0"] else "M0"
             yield FoundDefault(f"{key}.{pair[0]}", f"{other} is missing", of_the_name=True)
+        M0, Omega0 = (draft.quantity(f"{key}.{name}") if name in pair else None for name in ("M0", "Omega0"))
+        if Omega0 and not Omega0.value:
+            yield FoundDefault(
+                f"{key}.Omega0", "must not be 0; leave it and M0 out of a rotor without a motor"
+            )
+        elif M0 and Omega0 and M0.value * Omega0.value < 0:
+            message = (
+                f"M0 and Omega0 must have one sign, got {M0} and {Omega0}: the motor drives up to Omega0"
+            )
+            yield FoundDefault(f"{key}.M0", message)
 
 
 def bodies_turn_alike(draft: Draft) -> Iterator[FoundDefault]:

@@ -274,12 +274,13 @@ class RotorKeys(WithFormulas):
         description="formula of the torque on the rotor, in phi and w; without it and M0 there is none",
         examples=['"-m*g*e*cos(phi)"'],
     )
-    M0: Annotated[Quantity | Formula, Measured("torque", least="0", formula=True)] | None = key(
+    M0: Annotated[Quantity | Formula, Measured("torque", formula=True)] | None = key(
         default=None, description="torque at standstill, or a formula of it", examples=["0.005 N m"]
     )
-    Omega0: Annotated[Quantity | Formula, Measured("angular rate", above="0", formula=True)] | None = key(
+    Omega0: Annotated[Quantity | Formula, Measured("angular rate", formula=True)] | None = key(
         default=None,
-        description="speed at which the torque M0 (1 - w / Omega0) vanishes, or a formula of it",
+        description="speed at which the torque M0 (1 - w / Omega0) vanishes, or a formula of it; of a motor "
+        "that turns backwards below 0, as M0",
         examples=["5.5 Hz"],
     )
 

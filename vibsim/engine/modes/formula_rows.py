@@ -101,7 +101,7 @@ class FormulaRows(Generic[N]):
                         self.owners.append(root.text)
                     number, first = known[watched]
                     self.same[node] = number, sign * first
-        rigid_or_dry = (*self.scene.frictions, *(stop for _, stop in self.scene.rigid_stops))
+        rigid_or_dry: list[Joined] = [*self.scene.frictions, *(stop for _, stop in self.scene.rigid_stops)]
         on_base = any(BASE in (part.P, part.Q) for part in rigid_or_dry)
         moving = ("course", "base") if on_base else ("course",)
         of_courses = walk([root.node for root in self.all_roots if root.role[0] in moving])
