@@ -18,13 +18,14 @@ from vibsim.plots.sheet import amount, rounded, scale_for, seconds, symbol
         (2.2, "m/s", "m/s"),
         (0.005, "N m", "mN m"),
         (0.0, "m", "m"),
-        (3e-13, "m", "nm"),
+        (3e-13, "m", "fm"),
+        (3e-22, "m", "am"),
     ],
 )
 def test_prefix_puts_the_largest_magnitude_between_1_and_1000(largest, unit, label):
     scale = scale_for(unit, [0.0, -largest], np.empty(0))
     assert scale.unit == label
-    assert 1 <= scale(largest) < 1000 or largest in (0.0, 3e-13)
+    assert 1 <= scale(largest) < 1000 or largest in (0.0, 3e-22)
 
 
 def test_label_carries_the_unit():

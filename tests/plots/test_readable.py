@@ -167,3 +167,15 @@ def test_the_angle_of_a_shaft_grows():
     )
     figure = phase_picture([subject_of(simulate(load_case_text(shaft)))], COLUMN)
     assert points(lines(figure, "x_rod")[0])[0].max() > 20
+
+
+def test_speeds_of_a_rotor_whose_torque_has_no_straight_line():
+    """There is no M0 and Omega0: the speeds are drawn over U without a line of the no-load speed."""
+    text = FED.replace("M0: a*U, Omega0: b*U", 'torque: "a*U*(1 - (w/(b*U))**3)"').replace(
+        "t_end: 3 s", "t_end: 2 s"
+    )
+    swept = subject_of(sweep(load_case_text(text), {"U": "3, 4 V"}, jobs=1))
+    assert [kind.name for kind in choose(None, [swept])] == ["sommerfeld"]
+    figure = sommerfeld_picture([swept], COLUMN)
+    np.testing.assert_array_equal(points(lines(figure, "mean")[0])[1], swept.result["mean_speed_motor"][:, 0])
+    assert not lines(figure, "no-load")

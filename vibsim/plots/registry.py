@@ -175,7 +175,7 @@ KINDS = (
         "sommerfeld",
         "sweep",
         "steady speed of the motor against its no-load speed or its voltage, and branches over it",
-        ("motor", "Omega0"),
+        ("speed", "Omega0"),
         besides=("branch",),
     ),
     PictureKind(
@@ -271,6 +271,7 @@ COLUMNS = PictureKind("columns", "result", "any two columns against each other (
 
 NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
     "motor": ("a motor", lambda subject: _has_motor(subject)),
+    "speed": ("a motor", lambda subject: _has_speed(subject)),
     "motor or ramp": (
         "a motor or a ramp of the frequency of its source",
         lambda subject: _has_motor(subject) or _has_ramp(subject),
@@ -289,7 +290,7 @@ NEEDS: dict[str, tuple[str, Callable[[Subject], bool]]] = {
         lambda subject: _drifts(subject.scene),
     ),
     "Omega0": (
-        "a sweep over Omega0, or over a number that Omega0 depends on by a formula",
+        "a sweep over Omega0, or over a number that Omega0 or the torque depends on by a formula",
         lambda subject: _is_along_speed(subject),
     ),
     "continued Omega0": (
@@ -343,10 +344,10 @@ DEFAULTS = {
 
 
 def _is_along_speed(subject: Subject) -> bool:
-    """Whether the sweep is drawn along the motor constant, or what changes it."""
-    from vibsim.plots.sweep_axes import sets_no_load_speed
+    """Whether the sweep is drawn along the motor constant, or what sets the speed of the source."""
+    from vibsim.plots.sweep_axes import sets_speed
 
-    return sets_no_load_speed(subject)
+    return sets_speed(subject)
 
 
 def _is_periodic(scene: Any) -> bool:
@@ -361,6 +362,13 @@ def _has_motor(subject: Subject) -> bool:
 
     by_formula = subject.reads == "trajectory" and motor_columns(subject.scene) is not None
     return by_formula or subject.scene.has_motor
+
+
+def _has_speed(subject: Subject) -> bool:
+    """Whether a sweep has the speed of a motor, or of the rotor that drives the scene."""
+    from vibsim.plots.sweep_axes import speed_column
+
+    return speed_column(subject) in subject.result
 
 
 def _has_ramp(subject: Subject) -> bool:

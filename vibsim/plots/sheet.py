@@ -121,9 +121,7 @@ def _shown(label: str) -> int:
 
 def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str], **options: Any) -> None:
     """The legend under the picture, in one row if it fits, else in as many columns as do."""
-    room = characters(figure.get_figwidth())
-    needed = [_shown(label) + HANDLE_CHARACTERS for label in labels]
-    columns = len(labels) if sum(needed) <= room else max(1, int(room / max(needed)))
+    columns = columns_of(labels, characters(figure.get_figwidth()))
     figure.legend(handles, labels, loc="outside lower center", ncols=columns, **options)
 
 
@@ -164,8 +162,8 @@ class FewTicks(MaxNLocator):
         super().__init__(steps=[1, 2, 2.5, 5, 10])
         self._room = room
 
-    def tick_values(self, vmin: float, vmax: float) -> np.ndarray:
-        """Places of the ticks in a range."""
+    def tick_values(self, vmin: float, vmax: float) -> Any:
+        """Places of the ticks in a range (n)."""
         ticks = np.empty(0)
         for count in range(9, 1, -1):
             self.set_params(nbins=count)

@@ -137,7 +137,7 @@ def run_up_picture(subjects: Sequence[Subject], view: View) -> Figure:
         lower.set_xlabel(DRIVE if driven else NO_LOAD)
         lower.margins(x=0.02)
     of = "period" if driven else "turn"
-    meant = f"line: mean of {TURNS} {of}s, pale: each {of}" if any(len(way.x) > TURNS for way in ways) else ""
+    meant = f"line: mean of {TURNS} {of}s; pale: each {of}" if any(len(way.x) > TURNS for way in ways) else ""
     remarks = [*dict.fromkeys(map(seconds, spans)), meant, trust_remark(runs, spans)]
     note(upper, "; ".join(filter(None, remarks)))
     if len(ways) + len(under) > 1:

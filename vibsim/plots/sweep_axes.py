@@ -13,11 +13,13 @@ from matplotlib.axes import Axes
 
 from vibsim.cases.quantities import UNITS
 from vibsim.cases.schema_keys import LONG
+from vibsim.physics.rates import turning_rotor
 from vibsim.plots.sheet import draw_by_ratio, rounded
 from vibsim.plots.subject import PlotError, Span, Subject, View, as_text
 from vibsim.sweeps.axes import Axis
 from vibsim.sweeps.quantities import FAILED, MISSING
 
+DRIVES = ("motor", "rotors", "states", "parameters")  # sections with numbers that drive a rotor
 MOTOR_SPEEDS = ("excitation.Omega0", "motor.Omega0")
 NO_LOAD = r"No-load speed $\Omega_0/2\pi$ (Hz)"
 FREQUENCY = r"Excitation frequency $\omega/2\pi$"
@@ -74,6 +76,23 @@ def sets_no_load_speed(subject: Subject) -> bool:
     return None not in ends and len({motor.Omega0 for motor in ends}) > 1
 
 
+def sets_speed(subject: Subject) -> bool:
+    """Whether what a sweep is drawn along sets the speed of its source: a no-load speed, or a number of a
+    rotor that a formula drives, such as the voltage in the rate of its current.
+    """
+    if subject.scene.has_motor:
+        return sets_no_load_speed(subject)
+    return bool(speed_column(subject)) and _drawn_along(subject.result).key.partition(".")[0] in DRIVES
+
+
+def speed_column(subject: Subject) -> str:
+    """The column with the mean speeds of the motor, or of the rotor that drives a scene; empty for none."""
+    if subject.scene.has_motor:
+        return "mean_speed"
+    rotor = turning_rotor(subject.scene)
+    return "" if rotor is None else f"mean_speed_{subject.scene.bodies[rotor].name}"
+
+
 def along(result: Any) -> int:
     """Position of the axis that a sweep is drawn along.
 
@@ -105,7 +124,7 @@ def words_of(key: str) -> str:
         return WORDS.get(key, "")
     if section == "bodies":
         return f"Mass $m${_owner(key)}"
-    quantity = OF_PART.get(names[-1], "")
+    quantity = OF_PART.get(names[-1], as_text(names[-1]) if len(names) > 1 else "")
     named = as_text(names[0]).lower() in quantity.lower().split()  # the belt speed of a part called belt
     return quantity and (quantity if named else f"{quantity}{_of_part(key)}")
 

@@ -54,6 +54,7 @@ from vibsim.plots.sweep_axes import (
     numbers,
     plane_of,
     show_span,
+    speed_column,
 )
 from vibsim.plots.sweep_curves import (
     PAGE_CM,
@@ -394,7 +395,8 @@ def sommerfeld_picture(subjects: Sequence[Subject], view: View) -> Figure:
     marks: list[tuple[Axes, list[LabelledPoint]]] = []
     for i, (axes, group) in enumerate(zip(grid.flat, groups, strict=False)):
         look = {"color": GREY, "linewidth": 0.5, "zorder": 1, "gid": "no-load", "label": "no-load speed"}
-        axes.plot(*free[i], scalex=False, scaley=False, **look)
+        if np.isfinite(free[i][1]).any():
+            axes.plot(*free[i], scalex=False, scaley=False, **look)
         _sommerfeld_panel(axes, group, len(groups) > 1)
         marks += [(axes, lay_branches(axes, group, branches, speeds, OVER_SPEEDS))]
         last = (i + 1) % columns == 0 or i + 1 == len(groups)
@@ -417,15 +419,15 @@ def _sommerfeld_panel(axes: Axes, drawn: Sequence[Curve], titled: bool) -> None:
     """The curves of one panel."""
     if _is_banded(drawn):
         (curve,) = drawn
-        ends = (curve.values(name) for name in ("min_speed", "max_speed"))
+        least, greatest = (curve.values(name) for name in ("min_speed", "max_speed"))
         look = {"color": curve.colour, "alpha": 0.2, "linewidth": 0, "gid": "band"}
-        fill(axes, curve.x, *ends, leaps(curve.values("mean_speed")), **look)
+        fill(axes, curve.x, least, greatest, leaps(curve.values("mean_speed")), **look)
         note(axes, "band: least to greatest")
     for curve in drawn:
-        draw_bands(axes, curve, "mean_speed", np.asarray)
-        draw_curve(axes, curve, curve.values("mean_speed"), "mean")
+        draw_bands(axes, curve, speed_column(curve.subject), np.asarray)
+        draw_curve(axes, curve, curve.values(speed_column(curve.subject)), "mean")
     if len(drawn) == 2 and drawn[0].family == drawn[1].family:
-        up, down = (curve.values("mean_speed") for curve in drawn)
+        up, down = (curve.values(speed_column(curve.subject)) for curve in drawn)
         apart = np.union1d(leaps(up), leaps(down))
         look = {"color": ORANGE, "alpha": 0.3, "linewidth": 0, "gid": "hysteresis", "label": "hysteresis"}
         fill(axes, drawn[0].x, up, down, apart, **look)
@@ -434,7 +436,7 @@ def _sommerfeld_panel(axes: Axes, drawn: Sequence[Curve], titled: bool) -> None:
 
 
 def _is_banded(drawn: Sequence[Curve]) -> bool:
-    return len(drawn) == 1 and drawn[0].members is None
+    return len(drawn) == 1 and drawn[0].members is None and "min_speed" in drawn[0].subject.result
 
 
 def no_load_line(curve: Curve, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -455,9 +457,10 @@ def _limits(
     banded: bool,
 ) -> tuple[float, float]:
     """Room for speeds, bands where they are drawn, and the lines of the no-load speed."""
-    names = ("min_speed", "max_speed") if banded else ("mean_speed",)
     shown = [
-        curve.values(name)[(curve.x >= span[0]) & (curve.x <= span[1])] for curve in drawn for name in names
+        curve.values(name)[(curve.x >= span[0]) & (curve.x <= span[1])]
+        for curve in drawn
+        for name in (("min_speed", "max_speed") if banded else (speed_column(curve.subject),))
     ]
     values = np.concatenate([*shown, *(speeds for _, speeds in free)])
     low, high = float(np.nanmin(values)), float(np.nanmax(values))

@@ -88,7 +88,7 @@ def folded(drawn: Trace) -> Trace:
     goes from one turn into the next.
     """
     turns = np.round(drawn.x / TURN)
-    breaks = np.flatnonzero(np.diff(turns)) + 1 if drawn.joined else []
+    breaks = np.flatnonzero(np.diff(turns)) + 1 if drawn.joined else np.empty(0, dtype=int)
     x, y = (np.insert(each, breaks, np.nan) for each in (drawn.x - TURN * turns, drawn.y))
     return Trace(x, y, drawn.joined)
 
