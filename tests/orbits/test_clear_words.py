@@ -1,12 +1,14 @@
 """What has no orbit, or one without a derivative, is told in clear words."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tests.command_line.made import call
 from vibsim.cases import UnknownKeyError, load_case
+from vibsim.command_line.commands.orbit import _turns
 from vibsim.orbits import ReturnMap, find_orbit
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.branches.plan import BranchError
@@ -184,3 +186,11 @@ def test_what_cannot_be_followed_is_told_before_an_orbit_is_looked_for(key, span
         continue_branch("II-B", key, span)
     done = call("continue", "II-B", "--param", f"{key}={span}")
     assert done.exit_code == 2 and message in done.stderr
+
+
+def test_whole_turns_of_an_orbit_have_a_body_and_a_direction():
+    """What the command printed as "-1 turns of x_rod"."""
+    bodies = [SimpleNamespace(name="rod", columns=("x_rod", "v_rod"))]
+    for turns, words in ((-1, "rod 1 turn backwards per period"), (2, "rod 2 turns forwards per period")):
+        orbit = SimpleNamespace(scene=SimpleNamespace(bodies=bodies), turns={"x_rod": turns})
+        assert _turns(orbit) == [("turns", words)]
