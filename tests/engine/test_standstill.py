@@ -4,6 +4,8 @@ import random
 
 import pytest
 
+from tests.engine.many_digits import exact_parts, truth
+from tests.engine.runs import whole
 from tests.events.coincidences import machine
 from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError
@@ -43,6 +45,15 @@ def test_both_engines_end_it_at_one_step(crawling):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [4006, 4087, 6241])
-def test_special_scenes_that_creep_end(seed):
-    standstill(machine(random.Random(seed)), "c")
+def test_special_scenes_that_creep_end():
+    standstill(machine(random.Random(6241)), "c")
+
+
+def test_a_special_scene_that_crept_runs_as_in_many_digits():
+    """On a stop without restitution: it comes to rest in doubt now, where it crept."""
+    scene = machine(random.Random(4006))
+    found = whole([block.events for block in open_trajectory(scene, "c").blocks()])
+    _, true, _, _ = truth(exact_parts(scene), 40)
+    assert list(found["kind"]) == list(true["kind"]) and list(found["part"]) == list(true["part"])
+    for name in ("t", "x_a", "v_a", "x_b", "v_b"):
+        assert found[name] == pytest.approx(true[name], abs=1e-14)
