@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import vibsim
+import vibsim.command_line.commands.export as export
 from tests.command_line.made import call
 
 
@@ -88,3 +89,20 @@ def test_what_is_there_is_kept():
     assert done.exit_code == 2 and "takes the file whole" in done.stderr
     assert call("export", "II-B.h5", "--ro-crate", "-o", "no/folder").exit_code == 6
     assert not list(Path().glob("*.partial"))
+
+
+def test_a_crate_that_another_replaces_while_it_is_looked_at(monkeypatch):
+    """What is read of a folder that is moved meanwhile is not a crate; the one in its place is."""
+    assert call("export", "II-B.h5", "--ro-crate", "-o", "crate", "-q").exit_code == 0
+    looked = export._holds_nothing_else
+
+    def replaced(folder):
+        if Path("aside").exists():
+            return looked(folder)
+        folder.rename("aside")
+        assert call("export", "II-B.h5", "--ro-crate", "-o", "crate", "-q").exit_code == 0
+        return False
+
+    monkeypatch.setattr(export, "_holds_nothing_else", replaced)
+    done = call("export", "II-B.h5", "--ro-crate", "-o", "crate", "--force", "-q")
+    assert (done.exit_code, done.stderr) == (0, "")

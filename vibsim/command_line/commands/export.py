@@ -193,6 +193,7 @@ CASE = "case.yaml"
 RESOLVED = "case-resolved.yaml"
 PIECE = 1 << 20  # bytes
 TRIES = 100  # to take the place of a crate that others replace meanwhile
+BUSY = "is written by others all the time; kept"
 HDF5 = "application/x-hdf5"
 YAML = "application/yaml"
 
@@ -222,9 +223,25 @@ def write_crate(file: str, folder: str, force: bool = False) -> list[str]:
 
 
 def _check_replaceable(target: Path, folder: str, force: bool) -> None:
-    if os.path.lexists(target) and not (force and _holds_nothing_else(target)):
-        why = "holds more than a crate" if force else "--force replaces a crate"
-        raise ResultFileError(f"{folder}: exists; kept ({why})")
+    """Raises ResultFileError where a folder is there that may not be replaced. One that others have replaced
+    while it was looked at is looked at again.
+    """
+    for _ in range(TRIES):
+        seen = _number(target)
+        if seen is None or (force and _holds_nothing_else(target)):
+            return
+        if _number(target) == seen:
+            why = "holds more than a crate" if force else "--force replaces a crate"
+            raise ResultFileError(f"{folder}: exists; kept ({why})")
+    raise ResultFileError(f"{folder}: {BUSY}")
+
+
+def _number(path: Path) -> int | None:
+    """The number of a file or folder in its file system, None where there is none."""
+    try:
+        return os.lstat(path).st_ino
+    except FileNotFoundError:
+        return None
 
 
 @contextmanager
@@ -254,7 +271,7 @@ def _take_place(partial: Path, target: Path, folder: str, force: bool) -> None:
                     if before.exists():
                         before.rename(target)
                     raise
-    raise ResultFileError(f"{folder}: is written by others all the time; kept")
+    raise ResultFileError(f"{folder}: {BUSY}")
 
 
 def _holds_nothing_else(folder: Path) -> bool:
