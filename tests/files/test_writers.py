@@ -12,7 +12,7 @@ import pytest
 
 import vibsim
 from vibsim.results.hdf5_reading import ResultFileError
-from vibsim.results.output_files import Lock, check_unlocked, lock_path, output_file
+from vibsim.results.output_files import Lock, check_unlocked, lock_path, open_partial, output_file
 
 DEAD = "4194304 "  # a number that Linux gives to no process (pid_max is at most 2^22)
 
@@ -64,6 +64,24 @@ def test_only_what_the_dead_have_left_is_removed(tmp_path):
         with output_file(tmp_path / "a.csv") as file:
             file.write(b"whole")
     assert names(tmp_path) == sorted(["a.csv", alive.name, *(path.name for path in others)])
+
+
+def test_a_new_folder_that_another_takes_for_one_of_the_dead(tmp_path, monkeypatch):
+    """It is removed before it could be locked: the next one is taken."""
+    opened, removed = os.open, []
+
+    def late(path, *flags):
+        if not removed:
+            os.rmdir(path)
+            removed.append(path)
+        return opened(path, *flags)
+
+    monkeypatch.setattr(os, "open", late)
+    descriptor, path = open_partial(tmp_path / "crate", folder=True)
+    os.close(descriptor)
+    assert removed and path != removed[0] and path.is_dir()
+    with pytest.raises(FileNotFoundError):
+        open_partial(tmp_path / "none" / "crate", folder=True)
 
 
 def test_one_writer_at_a_time_holds_the_lock(tmp_path):

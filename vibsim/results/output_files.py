@@ -315,6 +315,10 @@ def open_partial(target: Path, folder: bool = False) -> tuple[int, Path]:
             descriptor = os.open(path, os.O_RDONLY if folder else os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
         except FileExistsError:
             continue
+        except FileNotFoundError:
+            if folder and target.parent.is_dir():  # taken for one of the dead before it was locked
+                continue
+            raise
         if _locked(descriptor) is not False and _is_at(descriptor, path):
             return descriptor, path
         os.close(descriptor)  # taken for one that a dead writer has left, and removed
