@@ -31,7 +31,7 @@ from vibsim.plots.samples import draw_stop_line, shortest_period, window_of
 from vibsim.plots.sheet import scale_for, symbol
 from vibsim.plots.style import BLUE, VERMILLION, dashed
 from vibsim.plots.subject import PlotError, Span, Subject, open_subject
-from vibsim.plots.traces import Trace, dense, draw_trace, folded, label_relative, pair_of, trace
+from vibsim.plots.traces import dense, draw_trace, folded, label_relative, pair_of, trace, within_a_turn
 from vibsim.results.hdf5_reading import DISK_FULL, ResultFileError
 from vibsim.results.labelled import MissingExtra, extra
 from vibsim.results.output_files import output_file
@@ -132,7 +132,7 @@ def _still(
     scales = scale_for(subject.unit("m"), x), scale_for(subject.unit("m/s"), y)
     curve = trace(subject.result, pair.names, pair.plane, span)
     if pair.whole_turns:
-        curve, x = folded(curve), folded(Trace(x, y, joined=False)).x
+        curve, x = folded(curve), within_a_turn(x)
     draw_trace(portrait, curve, scales, color=BLUE)
     for position, name in pair.stops:
         draw_stop_line(portrait, position, scales[0], name)

@@ -195,15 +195,20 @@ def drawn(figure: Figure, suffix: str, dpi: float) -> bytes:
 @contextmanager
 def _laid_out(figure: Figure, suffix: str, dpi: float) -> Iterator[None]:
     """Lay the figure out for a format. matplotlib draws all of it a first time to that end, unseen."""
-    engine = figure.get_layout_engine()
-    if engine is not None:
+    engine, canvas, resolution = figure.get_layout_engine(), figure.canvas, figure.dpi
+    if engine is None:
+        yield
+        return
+    try:
         get_registered_canvas_class(suffix[1:])(figure)
         figure.dpi = dpi if suffix == ".png" else POINTS_PER_INCH
         engine.execute(figure)
         figure.set_layout_engine(None)
-    yield
-    if engine is not None:
+        yield
+    finally:  # it may be drawn in other formats too
         figure.set_layout_engine(engine)
+        figure.set_canvas(canvas)
+        figure.dpi = resolution
 
 
 def _pages(figures: Sequence[Figure], dpi: float) -> bytes:

@@ -60,6 +60,7 @@ from vibsim.plots.traces import (
     trace,
     trust_marks,
     trust_remark,
+    within_a_turn,
 )
 from vibsim.results.columns import closing_velocities
 
@@ -269,7 +270,7 @@ def _returns(
     result, n = subject.result, subject.result.attrs["orbit_periods"]
     share = np.arange(1 if turning_columns(subject.scene) else n) / n
     x, y = _plane(subject, pair, share * result.t_reached)
-    x = folded(Trace(x, y, joined=False)).x if pair.whole_turns else x
+    x = within_a_turn(x) if pair.whole_turns else x
     axes.plot(
         scales[0](x), scales[1](y), linestyle="none", marker="s", markersize=3.2, color=colour, gid="section",
         zorder=4,
@@ -375,7 +376,7 @@ def section(subject: Subject, pair: PlottedPair, span: Span) -> tuple[np.ndarray
     names = tuple(name for name in pair.names if name != "time")
     states = states_at(subject.result, names, times, PERIODS_AT_MOST + 1)
     y, u = pair.plane({**states, "time": times[times <= subject.result.t_reached]})
-    return (folded(Trace(y, u, joined=False)).x if pair.whole_turns else y), u
+    return (within_a_turn(y) if pair.whole_turns else y), u
 
 
 def _stops_if_near(axes: Axes, pair: PlottedPair, scale: Scale) -> bool:

@@ -67,26 +67,20 @@ from vibsim.plots.traces import (
     dense,
     draw_belts,
     draw_trace,
-    folded,
     label_relative,
     mark_detail,
     relative_traces,
     samples_are_sparse,
     trust_marks,
     trust_remark,
+    within_a_turn,
 )
 from vibsim.results.columns import base_motion
 
+DISPLACEMENT, VELOCITY = "m", "m/s"  # what is drawn against time, by the SI unit of the states of bodies
 TINY = 1e-4  # of the greatest value of all panels: a panel below that has a unit of its own
 WALL_POINTS = 2000  # of a wall that moves with the base
 SINGLE_MARKS = 120  # impacts in a detail up to which each gets its own mark on the curves
-
-
-@dataclass(frozen=True)
-class HistoryQuantity:
-    """A quantity drawn against time, by the SI unit of the states of bodies."""
-
-    unit: str
 
 
 @dataclass(frozen=True)
@@ -130,7 +124,7 @@ class Panel:
         return [curve.subject for curve in self.curves], [curve.look["color"] for curve in self.curves]
 
 
-def draw_history(subjects: Sequence[Subject], view: View, quantity: HistoryQuantity) -> Figure:
+def draw_history(subjects: Sequence[Subject], view: View, quantity: str) -> Figure:
     """Panels of the whole window above, of the detail below.
 
     One subject: all bodies in one panel. Several: a panel per body, and a detail only where the view asks
@@ -169,9 +163,9 @@ def is_short(subject: Subject, span: Span) -> bool:
     return span[1] - span[0] <= 4 * DETAIL_PERIODS * period_of(subject, span)
 
 
-def curve_groups(subjects: Sequence[Subject], quantity: HistoryQuantity) -> list[list[HistoryCurve]]:
+def curve_groups(subjects: Sequence[Subject], quantity: str) -> list[list[HistoryCurve]]:
     """The curves of each panel: all bodies of one subject together, or one body of all subjects."""
-    present = [subject.columns_in(quantity.unit) for subject in subjects]
+    present = [subject.columns_in(quantity) for subject in subjects]
     if len(subjects) == 1:
         return [
             [
@@ -190,22 +184,22 @@ def curve_groups(subjects: Sequence[Subject], quantity: HistoryQuantity) -> list
     ]
 
 
-def histories(panels: Sequence[Panel], quantity: HistoryQuantity) -> None:
+def histories(panels: Sequence[Panel], quantity: str) -> None:
     """Draw panels of one quantity, all in the same unit.
 
     A short span is smooth, with impacts and contact marked; a long one an envelope with a tick per impact.
     """
-    unit = panels[0].curves[0].subject.unit(quantity.unit)
+    unit = panels[0].curves[0].subject.unit(quantity)
     greatest = [_greatest(panel) for panel in panels]
     common = scale_for(unit, greatest)
     for panel, own in zip(panels, greatest, strict=True):
         scale = common if own > TINY * max(greatest) else scale_for(unit, [own])
         draw = _draw_short if panel.is_short else _draw_long
         draw(panel, scale)
-        if quantity is DISPLACEMENT and panel.curves[0].alone:
+        if quantity == DISPLACEMENT and panel.curves[0].alone:
             _draw_walls(panel, scale)
         first = panel.curves[0]
-        words = first.subject.word(quantity.unit).capitalize()
+        words = first.subject.word(quantity).capitalize()
         panel.axes.set_ylabel(scale.label(words if first.alone else symbol(first.column)))
         time_axis(panel.axes, panel.span)
 
@@ -299,21 +293,12 @@ def _mark_impacts(axes: Axes, curve: HistoryCurve, span: Span, scale: Scale) -> 
     return len(t)
 
 
-# Displacements of the bodies against time.
-
-
-DISPLACEMENT = HistoryQuantity("m")
+# Displacements and velocities of the bodies against time.
 
 
 def displacement_picture(subjects: Sequence[Subject], view: View) -> Figure:
     """x of each body against time [s], impacts marked, with a detail."""
     return draw_history(subjects, view, DISPLACEMENT)
-
-
-# Velocities of the bodies against time.
-
-
-VELOCITY = HistoryQuantity("m/s")
 
 
 def velocity_picture(subjects: Sequence[Subject], view: View) -> Figure:
@@ -399,7 +384,7 @@ def draw_poincare(
         times = turn_times(subject.result, span)
         columns = tuple(name for name in names if name != "time")
         x, y = plane({**states_at(subject.result, columns, times, EXACT_UP_TO), "time": times})
-        x = folded(Trace(x, y, joined=False)).x if whole_turns else x
+        x = within_a_turn(x) if whole_turns else x
         drawn += len(x)
         axes.plot(
             scales[0](x), scales[1](y), linestyle="none", marker="o", markersize=POINT_PT, color=VERMILLION,

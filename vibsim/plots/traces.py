@@ -87,10 +87,18 @@ def folded(drawn: Trace) -> Trace:
     """A trace whose x is an angle up to whole turns, within half a turn of 0: as a line it is broken where it
     goes from one turn into the next.
     """
-    turns = np.round(drawn.x / TURN)
-    breaks = np.flatnonzero(np.diff(turns)) + 1 if drawn.joined else np.empty(0, dtype=int)
-    x, y = (np.insert(each, breaks, np.nan) for each in (drawn.x - TURN * turns, drawn.y))
+    breaks = np.flatnonzero(np.diff(_turns(drawn.x))) + 1 if drawn.joined else np.empty(0, dtype=int)
+    x, y = (np.insert(each, breaks, np.nan) for each in (within_a_turn(drawn.x), drawn.y))
     return Trace(x, y, drawn.joined)
+
+
+def within_a_turn(angles: np.ndarray) -> np.ndarray:
+    """Angles [rad] up to whole turns, within half a turn of 0."""
+    return angles - TURN * _turns(angles)
+
+
+def _turns(angles: np.ndarray) -> np.ndarray:
+    return np.round(angles / TURN)
 
 
 def impact_points(subject: Subject, names: tuple[str, ...], plane: Plane, span: Span) -> Trace:
