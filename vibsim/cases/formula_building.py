@@ -79,10 +79,10 @@ def _belt_carries_no_rotor(scene: FormulaScene, place: FormulaPlace) -> Iterator
         motor = scene._part("motor", "") if "motor" in scene.values else {"on": "1"}
         riders.add(str(motor.get("on")))
     carried = _tied_to(scene, place)
-    for body in riders & carried:
+    for body in sorted(riders & carried):
         message = (
-            f"a belt by a formula between bodies, or beside a base, carries {body}, on which a rotor turns; "
-            "that is not supported, nor by way of other frictions and rigid stops"
+            "a belt by a formula between bodies, or beside a base, may not carry a body with a rotor: "
+            f"it carries {body}, by itself or through other frictions and rigid stops"
         )
         yield FoundDefault(place.path, message)
 
