@@ -7,7 +7,7 @@ import numpy as np
 
 from vibsim.engine.columns import flags_of_parts, part_columns, state_columns, stored_columns
 from vibsim.engine.errors import State
-from vibsim.engine.events.departures import DerivativeSigns, derivative_flow, released_parts
+from vibsim.engine.events.departures import DerivativeSigns, derivative_flow, released_parts, zeros_of_touch
 from vibsim.engine.events.impacts.simultaneous import coincident_stops_of
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.relative_motion import RelativeMotion, meets
@@ -174,9 +174,7 @@ def _zeros_of_parted(scene: Scene, rows: Sequence[Row], state: State, status: St
         stop = dict(scene.elastic_stops)[i]
         P, Q = _places(scene, stop, state)
         if meets(Doubles, stop, -(stop.sense * (P - Q)) - stop.gap, (P, Q), stop.gap):
-            known[GAP, i] = order
-            if stop.force is None or ("push", i) not in maker.rows(status).outputs:
-                known[PUSH, i] = order - 1
+            known |= zeros_of_touch(maker, status, i, order)
     for i in clearances:
         one = scene.clearances[i]
         P, Q = _places(scene, one, state)

@@ -205,6 +205,7 @@ class Automaton(Generic[N]):
         """
         switches, base = self.departures.switches, self.maker.n + 1
         assert switches is not None
+        switches.step_behind_kink(state, after)
         happened: Happened = [("switch", switches.part_of[event.part])]
         senses = switches.jumping_belts(state, status, after, base=True)
         behind = after.with_frictions(senses)
@@ -380,7 +381,7 @@ class InitialMode(Generic[N]):
         if not stop.lets_go:
             return False
         rows = self.departures.enter(state, status)
-        if rows.outputs.get(("push", i)) == -1:
+        if rows.lets_go_with_depth(i):
             return False
         event = self.departures.event(rows, (PUSH, i))
         values = self.flow.derivatives(event, self.departures.jet)

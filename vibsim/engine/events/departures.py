@@ -255,9 +255,7 @@ class TouchingParts(Generic[N]):
         for i in parts[0]:
             closes = self.departures.departure(state, after.with_stop(i, OPEN), (GAP, i), order)[0] < 0
             after = after.with_stop(i, CONTACT if closes else OPEN)
-            known[GAP, i] = order
-            if self.elastic[i].force is None or ("push", i) not in self.maker.rows(after).outputs:
-                known[PUSH, i] = order - 1
+            known |= zeros_of_touch(self.maker, after, i, order)
             if status.stops[i] != after.stops[i]:
                 happened.append(("contact_begin" if closes else "contact_end", i))
         for i in parts[1]:
@@ -284,6 +282,16 @@ class TouchingParts(Generic[N]):
                 if self.relative.met(one, self.relative.excess(one, state), state, one.distance)
             ],
         )
+
+
+def zeros_of_touch(maker: RowMaker[N], status: Status, i: int, order: int) -> Known:
+    """Orders of the zeros of elastic stop number i where its ends just touch: of its depth, and one less of
+    its force, but where a formula has the sign of that by what is left of it without the depth.
+    """
+    known: Known = {(GAP, i): order}
+    if not maker.scene.has_formulas or ("push", i) not in maker.rows(status).outputs:
+        known[PUSH, i] = order - 1
+    return known
 
 
 def released_parts(maker: RowMaker[N], before: Status, behind: Status) -> tuple[list[int], list[int]]:

@@ -5,7 +5,13 @@ from __future__ import annotations
 from typing import Generic
 
 from vibsim.engine.errors import State
-from vibsim.engine.flows.base_motion import base_motion, base_rounding, course_velocity, fastest_base
+from vibsim.engine.flows.base_motion import (
+    base_motion,
+    base_rounding,
+    belt_velocity,
+    course_velocity,
+    fastest_base,
+)
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import Joined
 from vibsim.engine.modes.status import Status
@@ -78,8 +84,7 @@ class RelativeMotion(Generic[N]):
 
     def slip(self, friction: Friction[N], state: State[N]) -> N:
         vP, vQ = self.ends(friction, state, "v")
-        slip = (vP - vQ) - friction.belt
-        return slip if friction.course is None else slip - course_velocity(friction.course, self.kit, state.t)
+        return (vP - vQ) - belt_velocity(friction, self.kit, state.t)
 
     def drift(self, status: Status, state: State[N]) -> list[N]:
         """Velocity of each column against its group, with those of belts by formulas [m/s]."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Mapping, Sequence
 from math import inf
-from typing import TYPE_CHECKING, Generic
+from typing import TYPE_CHECKING, Generic, cast
 
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.relative_motion import RelativeMotion
@@ -155,25 +155,29 @@ class SwitchSides(Generic[N]):
 
     def base_jumps(self, state: State[N], before: Status, after: Status, i: int) -> bool:
         """Whether the velocity of the base jumps at the turn of switch `i`, and something sticks to it, or
-        may rest on it. The time is moved on by its rounding, to where the base has the velocity behind.
+        may rest on it.
         """
-        formula = self.scene.base_formula
-        if formula is None or i not in self.rows.of_courses:
+        if self.scene.base_formula is None or i not in self.rows.of_courses:
             return False
         sides = [self.rows.sides(one) for one in (before, after)]
-        velocities = [resolved(formula, each) for each in sides]
-        if not self.scene.base_is_rate:
-            velocities = [derivative(one, TIME) for one in velocities]
-        if not self._jumps(velocities, sides, self.inputs(state, before)):
-            return False
-        maker = TapeMaker(self.kit, sides[1], self.maker.columns)
-        k = maker.output(velocities[1])
+        velocities = [self._base_velocity(each) for each in sides]
+        return self._jumps(velocities, sides, self.inputs(state, before))
+
+    def step_behind_kink(self, state: State[N], after: Status) -> None:
+        """Move the time on by its rounding, to where the base has the velocity that it has behind a kink."""
+        sides = self.rows.sides(after)
+        maker = TapeMaker(self.kit, sides, self.maker.columns)
+        k = maker.output(self._base_velocity(sides))
         for _ in range(LATE):
             behind = TapeValues(self.kit, maker.tape, *self.inputs(state)).output(k)[0]
             if abs(self.relative.base(state, "v") - behind) <= NO_JUMP * abs(behind):
                 break
             state.t = self.kit.next_after(state.t, inf)
-        return True
+
+    def _base_velocity(self, sides: Mapping[Node, int]) -> Node:
+        """Formula of the velocity of the base on these sides of its switches."""
+        formula = resolved(cast("Node", self.scene.base_formula), sides)
+        return formula if self.scene.base_is_rate else derivative(formula, TIME)
 
     def jumping_belts(
         self, state: State[N], before: Status, after: Status, base: bool = False

@@ -26,7 +26,7 @@ def accelerations(
     n, zero, leader = len(scene.bodies), kit.number(0), rows.leader
     X, V = base_motion(scene, kit, state.t)
     x, v = (*state.x, zero, X), (*state.v, zero, V)
-    F, torque, own = [zero] * (n + 2), zero, [zero] * (n + 2)
+    F, torque, own = [zero] * (n + 2), zero, dict[int, N]()
     for force in scene.forces:
         value, _ = value_and_rate(kit, force.terms, state.t)
         F[leader[force.on]] = F[leader[force.on]] + (value + force.constant)
@@ -61,7 +61,7 @@ def accelerations(
         F[on] = F[on] + motor.unbalance * (state.w * state.w * kit.cos(state.phase))
         torque = motor.torque(state.w)
     a, rotor = response(scene, kit, rows, state, F, torque, base_acceleration(scene, kit, state.t))
-    return [a[c] + own[c] if c in rows.follow else a[c] for c in range(n + 2)], rotor
+    return [a[c] + own[c] if c in own else a[c] for c in range(n + 2)], rotor
 
 
 def response(

@@ -9,7 +9,7 @@ from vibsim.engine.flows.motion import ROUNDING, series_rounding, sine_and_cosin
 from vibsim.engine.flows.tape import Inputs, Tape, TapeMaker, TapeSeries, TapeValues
 from vibsim.physics.formulas import SWITCHES, TIME, Node, derivative, resolved, walk
 from vibsim.physics.numbers import Kit, N, abs
-from vibsim.physics.parts import Scene
+from vibsim.physics.parts import Friction, Scene
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Sequence
@@ -129,10 +129,15 @@ def base_rounding(scene: Scene[N], kit: Kit[N], t: N, count: int) -> list[N]:
     return bounds
 
 
-def course_velocity(course: Node | None, kit: Kit[N], t: N) -> N:
-    """Velocity at t [s] of a belt that moves by a formula [m/s]; 0 where there is none."""
-    if course is None:
-        return kit.number(0)
+def belt_velocity(friction: Friction[N], kit: Kit[N], t: N) -> N:
+    """Velocity at t [s] of the belt of a friction, be it a number, a formula or both [m/s]."""
+    if friction.course is None:
+        return friction.belt
+    return friction.belt + course_velocity(friction.course, kit, t)
+
+
+def course_velocity(course: Node, kit: Kit[N], t: N) -> N:
+    """Velocity at t [s] of a belt that moves by a formula [m/s]."""
     velocity: N = _kept(course, cast("Hashable", kit), True).values(t)[1][0]
     return velocity
 

@@ -69,13 +69,14 @@ class TapeMaker(Generic[N]):
 
     def output(self, node: Node, text: str = "") -> int:
         """The number of an output that is a formula."""
-        self.tape.outputs.append(self.place(node))
-        self.tape.texts.append(text)
-        return len(self.tape.outputs) - 1
+        return self._output(self.place(node), text)
 
     def scaled_output(self, node: Node, factor: N, text: str) -> int:
         """The same of factor times a formula."""
-        self.tape.outputs.append(self._scaled(factor, self.place(node)))
+        return self._output(self._scaled(factor, self.place(node)), text)
+
+    def _output(self, place: int, text: str) -> int:
+        self.tape.outputs.append(place)
         self.tape.texts.append(text)
         return len(self.tape.outputs) - 1
 

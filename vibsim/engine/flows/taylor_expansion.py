@@ -47,9 +47,8 @@ class TaylorExpansion(Generic[N]):
             self._expand_base(state.t)
         for c in range(self.n):
             leader = self.rows.leader[c]
-            if (
-                leader >= self.n and c not in self.rows.follow
-            ):  # moves as the ground or the base, and its belts, say
+            # moves as the ground or the base, and its belts, say; belts by formulas are in its velocity
+            if leader >= self.n and c not in self.rows.follow:
                 self.v[c][0] = self.v[leader][0] + self.rows.drift[c]
         self._expand_loads(state.t)
         self.arguments: list[list[N]] = [[] for _ in self.rows.falls]

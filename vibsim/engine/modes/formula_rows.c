@@ -139,9 +139,10 @@ int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops)
         return 0;
     for (i = 0; i < m->follower_count && !in->short_of; i++) {
         Follower *one = &m->followers[i];
+        int output;
         one->column = read_index(in, 0, r->bodies - 1);
-        one->output = read_index(in, 0, m->tape.output_count - 1);
-        one->place = in->short_of ? 0 : m->tape.outputs[one->output];
+        output = read_index(in, 0, m->tape.output_count - 1);
+        one->place = in->short_of ? 0 : m->tape.outputs[output];
     }
     if (base_ops > 0 && !read_tape(r, in, &m->base_tape, base_ops, 1))
         return 0;

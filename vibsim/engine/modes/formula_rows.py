@@ -15,6 +15,7 @@ from vibsim.engine.flows.tape import INPUTS, Inputs, Tape, TapeMaker, TapeValues
 from vibsim.engine.modes.rows import (
     DOMAIN,
     FORMULA,
+    NO_ZERO,
     SWITCH,
     Event,
     FormulaForce,
@@ -274,14 +275,14 @@ class FormulaRows(Generic[N]):
         self, rows: ModeRows[N], maker: TapeMaker[N], outputs: dict[tuple[object, ...], int], sides: Any
     ) -> None:
         """For stops that let go at zero force: what is left of it without powers of the depth, which
-        tells its sign up to depth 0 and goes through the zeros that it has; -1 for what has none.
+        tells its sign up to depth 0 and goes through the zeros that it has.
         """
         for i, stop in self.scene.elastic_stops:
             if stop.force is not None and stop.lets_go and rows.status.stops[i] != OPEN:
                 rest = self._less_depth(maker, stop.force, stop, sides)
                 value = value_of(rest)
                 if value is not None and value > 0:
-                    outputs["push", i] = -1
+                    outputs["push", i] = NO_ZERO
                 elif value is None and rest != stop.force:
                     outputs["push", i] = k = maker.output(rest, stop.name)
                     rows.nodes[k] = rest

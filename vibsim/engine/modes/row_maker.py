@@ -318,7 +318,7 @@ class RowMaker(Generic[N]):
         if stop.force is None:
             return [push(1)]
         # a formula may come to zero with the depth, and not go through it; or with that alone
-        return [depth(1)] if rows.outputs.get(("push", i)) == -1 else [push(1), depth(1)]
+        return [depth(1)] if rows.lets_go_with_depth(i) else [push(1), depth(1)]
 
     def _strike_event(self, i: int, stop: RigidStop[N]) -> Event[N]:
         P, Q = self.ends(stop)

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 # under a root in one.
 GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE, SWITCH, DOMAIN = range(8)
 DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL, FORMULA = range(7)  # kinds of terms
+NO_ZERO = -1  # in place of an output: what is left of a force without powers of the depth is never 0
 
 EventKey = tuple[int | tuple[int, ...], ...]  # kind of an event function and what it watches
 Known = dict[EventKey, int]  # event functions that are zero at an instant, and to which order
@@ -181,6 +182,10 @@ class ModeRows(Generic[N]):
     def by_formulas(self) -> bool:
         """Whether formulas move it, or the base under it."""
         return bool(self.tape and self.tape.ops) or self.base_tape is not None
+
+    def lets_go_with_depth(self, i: int) -> bool:
+        """Whether the force of elastic stop number i, by a formula, is zero with the depth alone."""
+        return self.outputs.get(("push", i)) == NO_ZERO
 
     def own_mass(self, leader: int) -> N:
         """Mass of a group that moves on its own [kg]."""

@@ -19,7 +19,7 @@ from vibsim.engine.events.impacts.newton_moreau import rate_of, size_of
 from vibsim.engine.events.impacts.simultaneous import RestProjection, SimultaneousImpacts
 from vibsim.engine.events.records import NEXT, ROUNDING, Happened, Taken, changes
 from vibsim.engine.events.settling import StickSlipResolution
-from vibsim.engine.flows.base_motion import course_velocity
+from vibsim.engine.flows.base_motion import belt_velocity
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import PUSH, SLIDE, STRIKE, Event, Known
 from vibsim.engine.modes.status import BACKWARD, CONTACT, FORWARD, LIFTED, OPEN, RESTING, STICK, Status
@@ -145,9 +145,7 @@ class RigidStops(Generic[N]):
         for i, friction in enumerate(self.scene.frictions):
             P, Q = self.maker.ends(friction)
             if touch.moved & {P, Q}:
-                slip = (v[P] - v[Q]) - friction.belt
-                if friction.course is not None:
-                    slip = slip - course_velocity(friction.course, self.kit, state.t)
+                slip = (v[P] - v[Q]) - belt_velocity(friction, self.kit, state.t)
                 own = abs(v[P]) + abs(v[Q]) + abs(friction.belt)
                 noise = ROUNDING * self.kit.eps * (own if own > size else size)
                 turned[i] = STICK if abs(slip) <= noise else FORWARD if slip > 0 else BACKWARD

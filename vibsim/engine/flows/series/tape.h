@@ -62,9 +62,9 @@ typedef struct {
     int output, place, newest, P, Q, to_P, to_Q; /* newest: whether that operation is the last on the tape */
 } FormulaForce;
 
-/* A body that a belt by a formula carries along with its group: output of the acceleration that it has more than that, at `place`. */
+/* A body that a belt by a formula carries along with its group: the acceleration that it has more than that is at `place`. */
 typedef struct {
-    int column, output, place;
+    int column, place;
 } Follower;
 
 /* Kinds of what a formula is derived by: displacement or velocity of a column, angle or speed of the motor's rotor. */

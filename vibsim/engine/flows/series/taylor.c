@@ -31,7 +31,7 @@ static void bounds_of(const Real *a, int step, int order, int power, long *most,
 static long slack_of(Taylor *f, int power, const int *bound, int *found)
 {
     const Real *series[BLOCKS] = {f->cosine, f->sine, f->w_back + f->order, f->a1_back + f->order};
-    long above[BLOCKS], most, leading;
+    long above[BLOCKS], most, leading, of_speeds, of_thrusts;
     int s;
     for (s = 0; s < BLOCKS; s++) {
         bounds_of(series[s], s < SPEEDS ? 1 : -1, f->order, power, &most, &leading);
@@ -41,10 +41,9 @@ static long slack_of(Taylor *f, int power, const int *bound, int *found)
             found[s] = (int)most + MARGIN;
         above[s] = (bound ? bound[s] : found[s]) - leading;
     }
-    most = above[COSINES] > above[SINES] ? above[COSINES] : above[SINES];
-    leading = above[SINES] + above[THRUSTS];
-    most += above[SPEEDS];
-    return most > leading ? most : leading;
+    of_speeds = (above[COSINES] > above[SINES] ? above[COSINES] : above[SINES]) + above[SPEEDS];
+    of_thrusts = above[SINES] + above[THRUSTS];
+    return of_speeds > of_thrusts ? of_speeds : of_thrusts;
 }
 
 /* Whether the sums of products in digits were as right as the round-off asks for. */
