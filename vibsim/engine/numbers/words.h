@@ -7,7 +7,9 @@
 /* The number of `count` words that need not begin with a 1, its highest bit 2^(exponent - 1), cut off behind LIMBS words. */
 Real normal(uint64_t *w, int count, long exponent, int sign);
 
-/* total += part in words from the lowest on; returns what is carried beyond them. */
+/* total += part in words from the lowest on; returns what is carried beyond them. gcc 12 makes twice as many instructions
+ * of the loop as by hand, for three and four words, here and below.
+ */
 template <int COUNT> STEP uint64_t add_words(uint64_t *total, const uint64_t *part)
 {
 #if defined(__x86_64__)
