@@ -158,10 +158,24 @@ def test_a_run_that_was_not_started_tells_nothing():
         fresh.advance,
         fresh.pending,
         fresh.tally,
-        lambda: fresh.state_at(1.0),
+        lambda: fresh.states_at(b"", np.empty(0), np.empty(0, dtype="i1"), 0),
     ):
         with pytest.raises(ValueError, match="not been started"):
             call()
+
+
+def test_no_state_is_written_where_there_is_no_room():
+    run, times = packed(PAPER)[2].run, np.array([0.1, 0.2])
+    states, codes = np.empty((7, 2)), np.empty((2, 2), dtype="i1")
+    assert run.states_at(times.tobytes(), states, codes, 0) == (2, 0)
+    for args in (
+        (states[:, :1].copy(), codes, 0),
+        (states, codes[:1], 0),
+        (states, codes, 3),
+        (states, codes, -1),
+    ):
+        with pytest.raises(ValueError, match="no room"):
+            run.states_at(times.tobytes(), *args)
 
 
 def test_no_rule_leads_out_of_the_table_of_modes():

@@ -66,6 +66,20 @@ def test_states_between_events_are_those_of_the_run(name, engine):
             assert same_bits(values, whole.samples[name_of_column][between])
 
 
+@pytest.mark.parametrize(
+    "name", ("gallery/percussive-drill", "gallery/impact-pair", "gallery/block-on-belt", "II-B")
+)
+def test_states_behind_events_on_the_way_are_those_of_the_other_engine(name):
+    scene = load_case(name, {"run.t_end": "4 s"}).scene()
+    events = run(scene).events
+    row = {column: values[0] for column, values in events.items()}
+    t = events["t"][1 : min(len(events["t"]), 40)]
+    times = np.unique(np.concatenate([t, 0.5 * (t[1:] + t[:-1])]))
+    c, python = (state_at(scene, row, times.tolist(), engine) for engine in ("c", "python"))
+    for column, values in python.items():
+        assert same_bits(c[column], values), column
+
+
 @pytest.mark.parametrize("engine", ("c", "python"))
 @pytest.mark.parametrize(
     ("column", "value", "sentence"),

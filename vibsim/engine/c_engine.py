@@ -28,13 +28,12 @@ from vibsim.engine.ledger_integrals import jumps_of, pack_extremes, pack_impacts
 from vibsim.engine.modes.mode_table import ModeTable, bytes_of, mode_table
 from vibsim.engine.modes.packing import pack_scene, pack_state
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import SWITCH, Event, Known, ModeRows, Rule
+from vibsim.engine.modes.rows import Event, Known, ModeRows, Rule
 from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.engine.resume import Point
 from vibsim.engine.tangent.tangent_space import length
-from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import EVENT_KINDS, Scene
 from vibsim.physics.rates import common_period, turning_rotor
 
@@ -310,24 +309,22 @@ class CRun:
             (self.form.taken(tally["state"][0]), self.form.taken(tally["worked_to"])),
         )
 
-    def state_at(self, t: float) -> tuple[float, ...] | None:
-        """(time, x and v of each body, rotor angle, its speed) at t [s] before the next event, None behind
-        it; t ascending from call to call.
+    def states_at(self, times: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+        """Columns at ascending times [s]: time, x and v of each body, rotor angle, its speed; and what each
+        part does. Events on the way are taken. Raises EngineError.
         """
-        while not (state := self.run.state_at(t)):
-            if state is False and not self._set_rule_of_pending():
-                return None
-            # here a signal is heard
-        t, x, v, phase, turns, w = state
-        moving = (value for pair in zip(x, v, strict=True) for value in pair)
-        return (t, *moving, Doubles.unwind(phase, turns), w)
-
-    def _set_rule_of_pending(self) -> bool:
-        """Whether C, which met a switch of a formula on its way to a state, is told anew what follows it."""
-        number, event, *_ = self.run.pending()
-        if event < 0 or self.rows_of(number).events[event].kind != SWITCH:
-            return False
-        return self._set_rule(number, event)
+        states = self.form.empty(3 + 2 * self.n, len(times))
+        codes = np.empty((len(part_columns(self.scene)), len(times)), dtype="i1")
+        packed, made = self.form.packed(times), 0
+        while made < len(times):
+            made, status = self.run.states_at(packed, states, codes, made)  # here a signal is heard
+            if status == UNDECIDED:
+                number, event, order, values = self.run.pending()
+                if not self._set_rule(number, event):
+                    self._decide(number, event, self.form.state(values), order)
+            elif status in REASONS and status != DIVERGED:
+                raise self._failure(status)
+        return states, codes
 
     def _decide(self, number: int, event: int, state: State, order: int) -> _engine.Progress:
         """Let the automaton of the Python engine decide the pending event; order: as of `Automaton.take`."""

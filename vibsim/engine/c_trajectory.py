@@ -11,7 +11,6 @@ import numpy as np
 from vibsim.engine.blocks import Block, Trajectory, Wishes
 from vibsim.engine.errors import State
 from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
-from vibsim.engine.modes.status import LIFTED
 from vibsim.engine.resume import Point
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
@@ -76,27 +75,5 @@ class CTrajectory(Trajectory[float]):
         return totals
 
     def state_at(self, times: Iterable[float]) -> dict[str, np.ndarray]:
-        """States at ascending times before the next event, as columns.
-
-        A lifted stop opens without a record, and where a row does not tell every zero of its instant an event
-        may come once more: what follows an event is Python's.
-        """
-        times = list(times)
-        rows = [] if self.point is not None and LIFTED in self.point[1].stops else self._rows_at(times)
-        if len(rows) < len(times):
-            from vibsim.engine.python_trajectory import PythonTrajectory
-
-            return PythonTrajectory(self.scene, Doubles, self.point).state_at(times)
-        width = 3 + 2 * len(self.scene.bodies)
-        table = np.array(rows, dtype="f8").reshape(-1, width).T
-        return self.columns_of(table, self.run.statuses[self.run.tally["mode"]].codes)
-
-    def _rows_at(self, times: Iterable[float]) -> list[tuple[float, ...]]:
-        """(time, states) at ascending times, up to the first event."""
-        rows: list[tuple[float, ...]] = []
-        for t in times:
-            row = self.run.state_at(t)
-            if row is None:
-                break
-            rows.append(row)
-        return rows
+        """States at ascending times [s] as columns; events on the way are taken."""
+        return self.columns_of(*self.run.states_at(list(times)))

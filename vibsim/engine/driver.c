@@ -317,18 +317,30 @@ static void carry_on(Run *r, Buffers *b)
         finish(r, b);
 }
 
+/* Take the pending event by a rule that came meanwhile; 0 where it is still undecided. */
+static int ruled_meanwhile(Run *r, Buffers *b)
+{
+    if (r->status != UNDECIDED)
+        return 1;
+    r->status = OK;
+    if (rule_take(r, b))
+        return 1;
+    r->status = UNDECIDED;
+    return 0;
+}
+
+static int room_for_events(const Run *r, const Buffers *b)
+{
+    return b->event_count + 3 + 3 * r->parts < b->event_room;
+}
+
 void run_advance(Run *r, Buffers *b)
 {
     r->spent = 0;
-    if (r->status == UNDECIDED) { /* the rule came meanwhile */
-        r->status = OK;
-        if (!rule_take(r, b)) {
-            r->status = UNDECIDED;
-            return;
-        }
-    }
+    if (!ruled_meanwhile(r, b))
+        return;
     while (!r->finished && r->status == OK && r->spent < r->work_at_once) {
-        if (b->event_count + 3 + 3 * r->parts >= b->event_room)
+        if (!room_for_events(r, b))
             return;
         if (r->stage == ADVANCE && stands_still(r)) {
             r->status = STANDSTILL;
@@ -352,36 +364,31 @@ Real run_worked_to(const Run *r)
     return r->stage == LEDGER && r->ledger.wanted ? r->t0 + r->ledger.tau : r->state.t;
 }
 
-/* Whether C takes the pending event by itself, and nobody is told of it: a kink of a formula. */
-static int is_untold(const Run *r)
-{
-    const Event *e = &r->mode->events[r->pending_event];
-    return e->kind == SWITCH && e->rule == CROSS && e->event == NOTHING;
-}
-
-/* State at t before the next event that is told; 0 where it has to be called again, -1 where an event comes before t by more than
- * its rounding.
+/* State at t, events on the way taken; 0 where it has to be called again, -1 where Python decides the pending event or no step
+ * moves time.
  */
-int run_state_at(Run *r, Real t, State *out)
+int run_state_at(Run *r, Buffers *b, Real t, State *out)
 {
-    r->spent = 0;
+    if (!ruled_meanwhile(r, b))
+        return -1;
     while (!r->finished && r->status == OK) {
         double steps = r->steps;
         r->pending_end = flow_advance(r, r->t_end, &r->pending_event);
         r->arrived = 0;
-        if (r->pending_end >= t || r->pending_end >= r->t_end || (r->pending_event != NOTHING && !is_untold(r)) || !arrive(r))
+        if (r->pending_end >= t || r->pending_end >= r->t_end || (r->pending_event != NOTHING && t - r->pending_end <= MEETING * t) ||
+            !arrive(r))
             break;
         if (r->pending_event == NOTHING) {
             carry_on(r, NULL);
-        } else if (!rule_take(r, NULL)) {
-            enter(r, &r->state);
-            break;
+        } else if (!rule_take(r, b)) {
+            r->status = UNDECIDED;
+            return -1;
         }
         r->spent += r->steps - steps + 1;
-        if (r->spent > r->work_at_once)
+        if (r->spent > r->work_at_once || !room_for_events(r, b))
             return 0;
     }
-    if (r->status == SINGULAR || (r->pending_event != NOTHING && t - r->pending_end > MEETING * t))
+    if (r->status == SINGULAR)
         return -1;
     flow_state(r, t, out);
     return 1;

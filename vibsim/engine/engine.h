@@ -501,6 +501,7 @@ typedef struct {
 
 long long sample_index(const Run *r, Real t);
 void write_state(const Run *r, Real *row, long room, const State *s);
+void write_codes(const Run *r, signed char *row, long room, int count);
 void record_event(Run *r, Buffers *b, int kind, int part, const Real *v, Real w);
 int record_samples(Run *r, Buffers *b);
 
@@ -512,7 +513,7 @@ void run_advance(Run *r, Buffers *b);
 void run_arrive(Run *r);
 void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, const int *parts);
 Real run_worked_to(const Run *r);
-int run_state_at(Run *r, Real t, State *out);
+int run_state_at(Run *r, Buffers *b, Real t, State *out);
 
 void base_motion_at(const Run *r, Real t, Real *X, Real *V); /* accelerations.c */
 

@@ -273,23 +273,40 @@ static PyObject *doubt_here(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
-static PyObject *state_at(RunObject *self, PyObject *args)
+/* States at ascending times and what each part does then, into their columns, from the time with the index `made` on. Events on
+ * the way are recorded nowhere.
+ */
+static PyObject *states_at(RunObject *self, PyObject *args)
 {
     Run *r = &self->run;
-    Real t;
-    int done;
-    if (!PyArg_ParseTuple(args, "O&", number_from, &t) || !run_is_ready(self))
+    Py_buffer v[3];
+    PyObject *answer = NULL;
+    Py_ssize_t made, count;
+    if (!PyArg_ParseTuple(args, "y*w*w*n", &v[0], &v[1], &v[2], &made))
         return NULL;
-    self->busy = 1;
-    Py_BEGIN_ALLOW_THREADS
-    done = run_state_at(r, t, &r->scratch);
-    Py_END_ALLOW_THREADS
-    self->busy = 0;
-    if (!done)
-        Py_RETURN_NONE;
-    if (done < 0)
-        Py_RETURN_FALSE;
-    return state_tuple(r, &r->scratch);
+    count = v[0].len / (Py_ssize_t)sizeof(Real);
+    if (made < 0 || made > count || v[1].len != (3 + 2 * r->bodies) * count * (Py_ssize_t)sizeof(Real) || v[2].len != count * r->parts) {
+        PyErr_SetString(PyExc_ValueError, "no room for the states at these times");
+    } else if (run_is_ready(self)) {
+        const Real *times = (const Real *)v[0].buf;
+        Real *states = (Real *)v[1].buf;
+        signed char *codes = (signed char *)v[2].buf;
+        self->busy = 1;
+        Py_BEGIN_ALLOW_THREADS
+        r->spent = 0;
+        self->buffers.event_count = 0;
+        while (made < count && r->spent <= r->work_at_once && run_state_at(r, &self->buffers, times[made], &r->scratch) > 0) {
+            write_state(r, states + made, (long)count, &r->scratch);
+            write_codes(r, codes + made, (long)count, 1);
+            made += 1;
+            r->spent += 1;
+        }
+        Py_END_ALLOW_THREADS
+        self->busy = 0;
+        answer = Py_BuildValue("ni", made, r->status);
+    }
+    release(v, 3);
+    return answer;
 }
 
 /* Without the GIL two threads may call one Run: each call holds it, and while it computes `busy` turns others away. */
@@ -327,7 +344,7 @@ ALONE(pending)
 ALONE(take)
 ALONE(add_entry)
 ALONE(doubt_here)
-ALONE(state_at)
+ALONE(states_at)
 ALONE(run_extremes)
 ALONE(run_disturbances)
 ALONE(run_outcome)
@@ -367,9 +384,8 @@ static PyMethodDef methods[] = {
      "Go on behind the pending event; known: order by key, -1 where nothing is said."},
     {"add_entry", (PyCFunction)add_entry_alone, METH_VARARGS, "add_entry(entry, value): to the ledger, what an event adds"},
     {"doubt", (PyCFunction)doubt_here_alone, METH_VARARGS, "doubt(t): count what happened at t as not proved"},
-    {"state_at", (PyCFunction)state_at_alone, METH_VARARGS,
-     "state_at(t) -> state before the next event, None where more work is to do, False where an event comes before t; "
-     "t ascending from call to call"},
+    {"states_at", (PyCFunction)states_at_alone, METH_VARARGS,
+     "states_at(times, states, codes, made) -> how many there are now: call again for more; what became of the run"},
     {"extremes", (PyCFunction)run_extremes_alone, METH_NOARGS, "extremes() -> lists of the least, the greatest, the smallest gaps"},
     {"disturbances", (PyCFunction)run_disturbances_alone, METH_NOARGS, "disturbances() -> dict of what a TangentBundle tells"},
     {"outcome", (PyCFunction)run_outcome_alone, METH_VARARGS,

@@ -33,7 +33,8 @@ void write_state(const Run *r, Real *row, long room, const State *s)
     row[room] = s->w;
 }
 
-static void write_codes(const Run *r, signed char *row, long room, int count)
+/* What each part does in the mode of now, `count` times. */
+void write_codes(const Run *r, signed char *row, long room, int count)
 {
     int i;
     for (i = 0; i < r->parts; i++)

@@ -202,10 +202,9 @@ def _instants_between(time: np.ndarray, span: Span, step: float | None) -> np.nd
     pieces = np.maximum(np.ceil(np.diff(knots) / step), 1)
     if pieces.sum() > AT_MOST:
         pieces = np.maximum(np.floor(pieces * (AT_MOST / pieces.sum())), 1)
-    parts = [
-        np.linspace(a, b, int(n) + 1)[1:-1] for a, b, n in zip(knots[:-1], knots[1:], pieces, strict=True)
-    ]
-    return np.concatenate([np.empty(0), *parts])
+    within = (pieces - 1).astype(int)
+    nth = np.arange(within.sum()) - np.repeat(np.cumsum(within) - within, within) + 1
+    return np.repeat(knots[:-1], within) + nth * np.repeat(np.diff(knots) / pieces, within)
 
 
 # Cubic Hermite interpolation between samples of a function and its derivative.
