@@ -2,7 +2,7 @@
 
 from array import array
 from dataclasses import replace
-from math import exp
+from math import exp, pi
 
 import numpy as np
 import pytest
@@ -33,6 +33,7 @@ from vibsim.physics.formulas import (
     sub,
 )
 from vibsim.physics.parts import (
+    BASE,
     COMPRESSION,
     GROUND,
     ROTOR,
@@ -252,7 +253,7 @@ def test_random_scenes_are_those_of_python(first):
     compared = 0
     for seed in range(first, first + 10):
         scene = replace(formula_scene(seed), t_end=0.1)
-        if scene.base_formula is not None or (scene.rotors and scene.rigid_stops):
+        if scene.rotors and scene.rigid_stops:
             continue
         told = carried_alike(scene)
         compared += not isinstance(told, str)
@@ -281,13 +282,49 @@ def test_a_volume_shrinks_as_liouville_says():
         assert np.linalg.det(matrix) == pytest.approx(factor, rel=1e-13)
 
 
-def test_a_base_by_a_formula_is_left_to_python():
-    scene = oscillator(
-        mul(num(9), sub(X, ("x", -2))), base_formula=mul(num("1/10"), call("sin", mul(PI, TIME)))
-    )
-    assert Carrier(scene).engine == "python"
-    assert open_trajectory(scene, "c", tangent=1).engine == "python"
-    assert open_trajectory(scene, "c").engine == "c"
+KINKED = mul(num("1/30"), absolute(call("sin", mul(num(11), TIME)), "abs(sin(11 t))"))
+ON_KINKED_BASES = {
+    "struck": oscillator(
+        mul(num(90), sub(X, ("x", BASE))),
+        stops=(Stop("s", 0, BASE, 0.004, COMPRESSION, 900.0, 2.0, "force"),),
+        base_formula=KINKED,
+        t_end=2.0,
+    ),
+    "rubbed, of a base whose velocity is given": Scene(
+        (Body("a", 1.0, 0.0, 0.0),),
+        links=(Link("spring", 0, GROUND, 90.0, 0.0), Link("damper", 0, BASE, 0.0, 2.0)),
+        frictions=(Friction("f", 0, BASE, 0.4, 0.4, 0.0),),
+        base_formula=mul(num(10), KINKED),
+        base_is_rate=True,
+        t_end=2.0,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ON_KINKED_BASES)
+def test_a_base_by_a_formula_is_that_of_python(name):
+    scene = ON_KINKED_BASES[name]
+    assert len(carried_alike(scene).events) > 5
+    grown_alike(scene)
+    pairs = [(0, GROUND if scene.base_is_rate else BASE)], 0.5
+    fast, slow = (open_trajectory(scene, engine, ledger=True, extremes=pairs) for engine in ("c", "python"))
+    for one in (fast, slow):
+        assert len(list(one.blocks())) > 0
+    assert fast.extremes == slow.extremes
+    assert fast.totals == slow.totals
+    assert abs(fast.totals["energy_residual"]) < 1e-14
+
+
+def test_disturbances_over_a_base_by_a_formula_are_those_of_harmonics():
+    """The same motion of the base, said in two ways."""
+    wave = Harmonic(0.01, 2 * pi, 1.0, 0.0, 0.0)
+    wall = Stop("s", 0, BASE, 0.004, COMPRESSION, 900.0, 2.0)
+    bodies, links = (Body("m", 1.0, 0.002, 0.1),), (Link("k", 0, BASE, 90.0, 0.5),)
+    said = {"base": (wave,)}, {"base_formula": mul(num("1/100"), call("sin", mul(mul(num(2), PI), TIME)))}
+    one, other = (Scene(bodies, links, stops=(wall,), t_end=3.0, **base) for base in said)
+    one, other = (Carrier(scene, "c").carry(start_of(scene), 3.0) for scene in (one, other))
+    assert len(one.events) == len(other.events) > 5
+    assert other.matrix == pytest.approx(one.matrix, abs=1e-12)
 
 
 def derivatives():

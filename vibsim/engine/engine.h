@@ -179,6 +179,7 @@ typedef struct {
     LedgerIntegrals integrals;
     Modal *modal; /* NULL where only Taylor series will do */
     Tape tape, base_tape;      /* formulas of the mode; of the motion of the base */
+    Tape base_values;          /* of that motion with its first two derivatives */
     FormulaForce *formulas;
     Follower *followers;
     FormulaSlopes formula_slopes; /* where disturbances are carried */
@@ -515,7 +516,9 @@ void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, cons
 Real run_worked_to(const Run *r);
 int run_state_at(Run *r, Buffers *b, Real t, State *out);
 
-void base_motion_at(const Run *r, Real t, Real *X, Real *V); /* accelerations.c */
+/* accelerations.c: displacement, velocity and acceleration of the base in the mode m */
+void base_motion_at(const Run *r, const Mode *m, Real t, Real *X, Real *V);
+Real base_acceleration_at(const Run *r, const Mode *m, Real t);
 
 /* impacts.c; take returns 0 where Python has to decide */
 int impact_take(Run *r, const Event *event, Impact *done);

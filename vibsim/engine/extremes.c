@@ -30,7 +30,7 @@ static void measure(Run *r, Real t, int only, Real *values, Real *rates)
     int q;
     flow_state(r, t, &r->scratch);
     if (e->based)
-        base_motion_at(r, t, &X, &V);
+        base_motion_at(r, r->mode, t, &X, &V);
     for (q = only < 0 ? 0 : only; q < (only < 0 ? e->count : only + 1); q++) {
         if (q < e->pairs) {
             values[q] = column(r, r->scratch.x, e->P[q], X) - column(r, r->scratch.x, e->Q[q], X);

@@ -98,7 +98,7 @@ class Extremes(Generic[N]):
     def measure(self, t: N) -> list[tuple[N, N]]:
         """Displacements and their rates at t, by pair; then the speed of the rotor and its rate."""
         state, zero = self.flow.state_at(t), self.kit.number(0)
-        X, V = base_motion(self.scene, self.kit, t) if self.based else (zero, zero)
+        X, V = base_motion(self.scene, self.kit, t, self.flow.rows) if self.based else (zero, zero)
         x, v = (*state.x, zero, X), (*state.v, zero, V)
         motions = [(x[P] - x[Q], v[P] - v[Q]) for P, Q in self.pairs]
         if self.spins:

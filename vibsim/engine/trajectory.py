@@ -8,7 +8,6 @@ trajectory.totals
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -75,26 +74,11 @@ def open_trajectory(
         "dither": dither,
     }
     point = None if resume is None else resume_point(scene, resume)
-    if engine_name(engine) == "python" or not in_c(scene, wishes):
+    if engine_name(engine) == "python":
         from vibsim.engine.python_trajectory import PythonTrajectory
 
         return PythonTrajectory(scene, Doubles, point, **wishes)
     return CTrajectory(scene, point, **wishes)
-
-
-def in_c(scene: Scene[Any], wishes: Wishes) -> bool:
-    """Whether the C engine has all that a run asks for: with a base that moves by a formula no disturbances,
-    no extremes against it, and no ledgers of stops that let go by force.
-    """
-    if scene.base_formula is None:
-        return True
-    extremes = wishes.get("extremes")
-    pairs = extremes[0] if extremes else ()
-    on_base = any(len(scene.bodies) + 1 in pair for pair in pairs)
-    lets_go = (wishes["ledger"] or wishes["momentum"]) and any(
-        stop.lets_go for _, stop in scene.elastic_stops
-    )
-    return not (wishes.get("tangent", (0, 0.0))[0] or on_base or lets_go)
 
 
 def extremes_of(scene: Scene, ends: Sequence[Edge], since: float) -> tuple[list[Edge], list[Gap], float]:

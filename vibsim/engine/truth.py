@@ -21,7 +21,6 @@ from vibsim.engine.errors import EngineError, State
 from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.number_forms import WordsForm, words_form
 from vibsim.engine.python_trajectory import PythonTrajectory
-from vibsim.engine.trajectory import in_c
 from vibsim.physics.numbers import Number, text_width
 from vibsim.physics.parts import Scene
 from vibsim.physics.precision import DigitsKit, number_kit, one_precision
@@ -215,11 +214,11 @@ def open_truth(
         scene = exact_scene(kit.number, kit.pi)
         scene = bare(scene, kit)
         form = None if engine == "python" else words_form(kit)
-        if form is not None and in_c(scene, {"ledger": ledger, "momentum": momentum}):
+        if form is not None:
             kit.activate()
             return WordsTrajectory(scene, form, ledger=ledger, momentum=momentum)
         if engine == "c":
-            raise ValueError(f"the C engine has no {digits} digits of this scene; use engine python")
+            raise ValueError(f"the C engine has no {digits} digits; use engine python")
         return TruthTrajectory(scene, kit, ledger=ledger, momentum=momentum)
 
 

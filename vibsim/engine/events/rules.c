@@ -29,7 +29,7 @@ static Real direct_rate(const Run *r, const Event *e)
     Real total = 0.0, X = 0.0, V = 0.0;
     int i;
     if (r->base_count > 0)
-        base_motion_at(r, r->next.t, &X, &V);
+        base_motion_at(r, r->mode, r->next.t, &X, &V);
     for (i = 0; i < e->terms; i++) {
         Real P = column_value(r, r->next.v, t[i].P, V), Q = column_value(r, r->next.v, t[i].Q, V);
         Real part = t[i].coefficient * (P - Q);
@@ -159,7 +159,7 @@ static int stands(Run *r, const Mode *m, int hold)
     if (r->base_count > 0 && r->next.t == 0) /* of a start Python knows more, as that the base turns round */
         return 0;
     if (r->base_count > 0)
-        base_motion_at(r, r->next.t, &X, &V);
+        base_motion_at(r, r->mode, r->next.t, &X, &V);
     forces = forces_of(r, m, X, V);
     for (i = 0; i < m->event_count; i++) {
         Real value;
@@ -188,7 +188,7 @@ static int slips(Run *r, const Mode *m, int key)
         return 1;
     if (e == NULL || stands(r, m, NOTHING) <= 0)
         return 0;
-    base_motion_at(r, r->next.t, &X, &V);
+    base_motion_at(r, r->mode, r->next.t, &X, &V);
     for (c = 0; c < r->bodies; c++)
         lightest = r->masses[c] < lightest ? r->masses[c] : lightest;
     return flow_derivative(r, m, e, 1) > NEAR_LIMIT * forces_of(r, m, X, V) / lightest;
@@ -243,7 +243,7 @@ static void join(Run *r, const Mode *m, int column)
     int leader = m->leader[column], c;
     Real common = 0.0, momentum = 0.0, X;
     if (leader > r->bodies) {
-        base_motion_at(r, r->next.t, &X, &common);
+        base_motion_at(r, r->mode, r->next.t, &X, &common);
     } else if (leader < r->bodies) {
         int first = 1;
         for (c = 0; c < r->bodies; c++)
@@ -266,7 +266,7 @@ static int touches(const Run *r)
     const Mode *m = r->mode;
     Real X, V;
     int i, j;
-    base_motion_at(r, r->next.t, &X, &V);
+    base_motion_at(r, r->mode, r->next.t, &X, &V);
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
         Real value = e->constant, size = e->size;

@@ -16,15 +16,39 @@ static void value_and_rate(const Harmonic *terms, int count, Real t, Real *value
     }
 }
 
-void base_motion_at(const Run *r, Real t, Real *X, Real *V)
+/* Derivative number `order` of the motion of the base by a formula; `known`: the values along its tape. */
+static Real base_output(const Run *r, const Mode *m, const Real *known, int order)
 {
-    value_and_rate(r->base, r->base_count, t, X, V);
+    const int output = r->has_base == 2 ? order - 1 : order; /* 2: the formula is that of the velocity */
+    return output < 0 ? 0.0 : known[m->base_values.outputs[output]];
 }
 
-static Real base_acceleration(const Run *r, Real t)
+static const Real *base_values_at(const Run *r, const Mode *m, Real t)
+{
+    const TapeRoom *room = &r->taylor.tapes;
+    TapeInputs at = room->at;
+    at.t = t;
+    tape_evaluate(&m->base_values, &at, &at, room->base, room->base + room->ops); /* bounds are of no use here */
+    return room->base;
+}
+
+void base_motion_at(const Run *r, const Mode *m, Real t, Real *X, Real *V)
+{
+    if (m->base_values.op_count > 0) {
+        const Real *known = base_values_at(r, m, t);
+        *X = base_output(r, m, known, 0);
+        *V = base_output(r, m, known, 1);
+    } else {
+        value_and_rate(r->base, r->base_count, t, X, V);
+    }
+}
+
+Real base_acceleration_at(const Run *r, const Mode *m, Real t)
 {
     Real total = 0.0;
     int i;
+    if (m->base_values.op_count > 0)
+        return base_output(r, m, base_values_at(r, m, t), 2);
     for (i = 0; i < r->base_count; i++) {
         const Harmonic *term = &r->base[i];
         Real sine, cosine;
@@ -82,7 +106,7 @@ Real accelerations(const Run *r, const Mode *m, const State *state, Real *out)
 {
     Real X, V, value, rate, torque = 0.0, rotor, *F = r->tangent->force;
     int i;
-    base_motion_at(r, state->t, &X, &V);
+    base_motion_at(r, m, state->t, &X, &V);
     for (i = 0; i < r->columns; i++)
         F[i] = 0.0;
     for (i = 0; i < r->force_count; i++) {
@@ -120,7 +144,7 @@ Real accelerations(const Run *r, const Mode *m, const State *state, Real *out)
         F[on] = F[on] + r->unbalance * (state->w * state->w * cosine_of(state->phase));
         torque = r->M0 - r->drag * state->w;
     }
-    rotor = response(r, m, state, F, torque, base_acceleration(r, state->t), out);
+    rotor = response(r, m, state, F, torque, base_acceleration_at(r, m, state->t), out);
     for (i = 0; i < m->follower_count; i++) {
         const Follower *one = &m->followers[i];
         out[one->column] = out[one->column] + r->taylor.tapes.values[one->place];

@@ -24,7 +24,7 @@ def accelerations(
     zero
     """
     n, zero, leader = len(scene.bodies), kit.number(0), rows.leader
-    X, V = base_motion(scene, kit, state.t)
+    X, V = base_motion(scene, kit, state.t, rows)
     x, v = (*state.x, zero, X), (*state.v, zero, V)
     F, torque, own = [zero] * (n + 2), zero, dict[int, N]()
     for force in scene.forces:
@@ -60,7 +60,7 @@ def accelerations(
         on = leader[motor.on]
         F[on] = F[on] + motor.unbalance * (state.w * state.w * kit.cos(state.phase))
         torque = motor.torque(state.w)
-    a, rotor = response(scene, kit, rows, state, F, torque, base_acceleration(scene, kit, state.t))
+    a, rotor = response(scene, kit, rows, state, F, torque, base_acceleration(scene, kit, state.t, rows))
     return [a[c] + own[c] if c in own else a[c] for c in range(n + 2)], rotor
 
 

@@ -14,6 +14,8 @@ from vibsim.physics.parts import Friction, Scene
 if TYPE_CHECKING:
     from collections.abc import Hashable, Sequence
 
+    from vibsim.engine.modes.rows import ModeRows
+
 KEPT = 16  # formulas of bases that are kept
 
 
@@ -44,21 +46,16 @@ class BaseFormula:
     def _side(self, node: Node, t: Any, sides: dict[Node, int]) -> int:
         maker = TapeMaker(self.kit, sides, {})
         places = [maker.output(one) for one in node[1 : 3 if node[0] == "mod" else 2]]
-        values = [self._values(maker.tape, t).output(k)[0] for k in places]
+        values = [_values(self.kit, maker.tape, t).output(k)[0] for k in places]
         if node[0] == "choose":
             return 1 if values[0] >= 0 else -1
         if node[0] == "mod":
             return int(float(values[0] / values[1]) // 1)
         return sum(1 for knot in node[2] if values[0] >= self.kit.number(knot)) - 1
 
-    def _values(self, tape: Tape, t: Any) -> TapeValues[Any]:
-        zero = self.kit.number(0)
-        at = Inputs(t, (), (), zero, zero)
-        return TapeValues(self.kit, tape, at, Inputs(self.kit.eps * abs(t), (), (), zero, zero))
-
-    def values(self, t: Any) -> list[tuple[Any, Any]]:
-        """X, X' and X'' at t [s], each with a bound of its rounding."""
-        values = self._values(self.tape(t), t)
+    def values(self, t: Any, tape: Tape | None = None) -> list[tuple[Any, Any]]:
+        """X, X' and X'' at t [s], each with a bound of its rounding; tape: of the piece that is meant."""
+        values = _values(self.kit, tape or self.tape(t), t)
         if self.is_rate:
             return [(self.kit.number(0), self.kit.number(0)), values.output(0), values.output(1)]
         return [values.output(k) for k in range(3)]
@@ -69,6 +66,12 @@ class BaseFormula:
         if self.is_rate:
             return [self.kit.number(0), *(value * inverse[n + 1] for n, value in enumerate(series[:-1]))]
         return series
+
+
+def _values(kit: Kit[N], tape: Tape, t: N) -> TapeValues[N]:
+    """Values along a tape that reads nothing but the time t [s]."""
+    zero = kit.number(0)
+    return TapeValues(kit, tape, Inputs(t, (), (), zero, zero), Inputs(kit.eps * abs(t), (), (), zero, zero))
 
 
 def series_in_time(kit: Kit[N], tape: Tape, t: N, count: int, inverse: Sequence[N]) -> list[N]:
@@ -93,18 +96,22 @@ def base_formula(scene: Scene[Any], kit: Kit[Any]) -> BaseFormula:
     return _kept(scene.base_formula, cast("Hashable", kit), scene.base_is_rate)
 
 
-def base_motion(scene: Scene[N], kit: Kit[N], t: N) -> tuple[N, N]:
-    """Displacement [m] and velocity [m/s] of the base at t [s]."""
+def base_motion(scene: Scene[N], kit: Kit[N], t: N, rows: ModeRows[N] | None = None) -> tuple[N, N]:
+    """Displacement [m] and velocity [m/s] of the base at t [s].
+
+    rows : of the mode that t is in, or ends; without them a formula is in the piece that begins where two
+    meet
+    """
     if scene.base_formula is None:
         return value_and_rate(kit, scene.base, t)
-    (X, _), (V, _), _ = base_formula(scene, kit).values(t)
+    (X, _), (V, _), _ = base_formula(scene, kit).values(t, rows.base_values if rows else None)
     return X, V
 
 
-def base_acceleration(scene: Scene[N], kit: Kit[N], t: N) -> N:
-    """Second derivative of the motion of the base [m/s^2]."""
+def base_acceleration(scene: Scene[N], kit: Kit[N], t: N, rows: ModeRows[N] | None = None) -> N:
+    """Second derivative of the motion of the base [m/s^2]; rows: as of `base_motion`."""
     if scene.base_formula is not None:
-        A: N = base_formula(scene, kit).values(t)[2][0]
+        A: N = base_formula(scene, kit).values(t, rows.base_values if rows else None)[2][0]
         return A
     total = kit.number(0)
     for term in scene.base:

@@ -212,19 +212,6 @@ static Real place(const Run *r, const State *state, int column, Real X)
     return column < r->bodies ? state->x[column] : column == r->bodies ? 0.0 : X;
 }
 
-static Real base_place(const Run *r, Real t)
-{
-    Real X = 0.0;
-    int i;
-    for (i = 0; i < r->base_count; i++) {
-        const Harmonic *term = &r->base[i];
-        Real sine, cosine;
-        rounded_sine_cosine(turn_angle(term->cycles, term->cycles_lo, t) + term->phase, &sine, &cosine);
-        X = X + term->amplitude * sine;
-    }
-    return X;
-}
-
 /* Longest stretch from tau that one quadrature rule integrates to round-off. */
 Real longest_piece(const Run *r, Real tau)
 {
@@ -288,10 +275,11 @@ void ledger_cross(Run *r, const State *state, const int *before, const int *afte
     for (i = 0; i < l->jump_count; i++) {
         const Jump *j = &l->jumps[i];
         int pressed = before[j->stop] == IN_CONTACT;
-        Real X, depth, held;
+        Real X = 0.0, V, depth, held;
         if (pressed == (after[j->stop] == IN_CONTACT))
             continue;
-        X = r->base_count > 0 ? base_place(r, state->t) : 0.0;
+        if (r->has_base)
+            base_motion_at(r, r->mode, state->t, &X, &V);
         depth = -(j->sense * (place(r, state, j->P, X) - place(r, state, j->Q, X))) - j->gap;
         held = j->k * (depth * depth) / 2;
         l->entries[j->entry] = pressed ? l->entries[j->entry] + held : l->entries[j->entry] - held;

@@ -110,11 +110,12 @@ int alloc_tapes(TapeRoom *tapes, int ops)
         return 1;
     series = regrown(tapes->series, sizeof *series * (size_t)ops);
     tapes->series = series ? series : tapes->series;
-    values = regrown(tapes->values, 4 * sizeof *values * (size_t)ops);
+    values = regrown(tapes->values, 6 * sizeof *values * (size_t)ops);
     tapes->values = values ? values : tapes->values;
     if (!series || !values)
         return 0;
     tapes->bounds = values + ops;
+    tapes->base = values + 4 * ops;
     tapes->ops = ops;
     return 1;
 }
@@ -146,8 +147,11 @@ int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops)
     }
     if (base_ops > 0 && !read_tape(r, in, &m->base_tape, base_ops, 1))
         return 0;
-    if (base_ops > 0 && m->base_tape.output_count < 1)
+    if (base_ops > 0 && !read_tape(r, in, &m->base_values, read_index(in, 1, MOST), 1))
+        return 0;
+    if (base_ops > 0 && (m->base_tape.output_count < 1 || m->base_values.output_count < 3))
         in->short_of = 1;
+    base_ops = m->base_values.op_count > base_ops ? m->base_values.op_count : base_ops;
     if (in->short_of || !alloc_tapes(&r->taylor.tapes, ops > base_ops ? ops : base_ops))
         return 0;
     return !r->tangent || tangent_alloc_formulas(r, r->tangent);

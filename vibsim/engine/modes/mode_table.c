@@ -39,6 +39,8 @@ void mode_free(Mode *m)
     free(m->tape.outputs);
     free(m->base_tape.ops);
     free(m->base_tape.outputs);
+    free(m->base_values.ops);
+    free(m->base_values.outputs);
     free(m->formulas);
     free(m->followers);
     slopes_free(&m->formula_slopes);

@@ -157,8 +157,10 @@ def packed_mode(rows: ModeRows, keys: dict[EventKey, int], form: NumberForm[Any]
         pack.put((len(rows.follow),))
         for follower in rows.follow.items():
             pack.put(follower)
-        if base_tape:
+        if base_tape and rows.base_values:
             pack_tape(pack, base_tape)
+            pack.put((len(rows.base_values.ops),))
+            pack_tape(pack, rows.base_values)
     pack.put((), slope_constants)
     for term in terms:
         kind, paired = term.kind, term.kind in (DIFFERENCE, RATE)

@@ -172,6 +172,7 @@ class ModeRows(Generic[N]):
     columns: dict[int, int] = field(default_factory=dict)  # of ground and base, by their ends
     slopes: Any = None  # their partial derivatives, `tangent.formula_tangent.Slopes`, once they are asked for
     base_tape: Tape | None = None  # of the motion of the base by a formula
+    base_values: Tape | None = None  # of that motion with its first two derivatives
     outputs: dict[tuple[Any, ...], int] = field(default_factory=dict)  # of the tape, by what they are for
     formulas: list[FormulaForce] = field(default_factory=list)
     follow: dict[int, int] = field(default_factory=dict)  # by column that a belt by a formula carries along

@@ -84,7 +84,7 @@ class TangentBundle(Disturbances[N]):
 
     def open(self, state: State[N], rows: ModeRows[N]) -> None:
         """Disturbances at the start: a general one, then one component each."""
-        self.tangencies.pass_by(state)
+        self.tangencies.pass_by(state, rows)
         zero, one, size = self.kit.number(0), self.kit.number(1), length(self.scene)
         present = components(self.scene)
         general = [one if k in present else zero for k in range(size)]

@@ -45,7 +45,7 @@ class Disturbances(Generic[N]):
 
     def open(self, state: State[N], rows: ModeRows[N]) -> None:
         """At the start: what the ties of the mode allow of the disturbances."""
-        self.tangencies.pass_by(state)
+        self.tangencies.pass_by(state, rows)
         self._join(state, rows)
 
     def gather(self, start: State[N], end: N, tau: N, state: State[N], at_event: bool) -> Iterator[N]:
@@ -74,7 +74,7 @@ class Disturbances(Generic[N]):
             self._moved(t, ahead)
             t = ahead
             yield t
-        self.tangencies.pass_by(state)
+        self.tangencies.pass_by(state, self.flow.rows)
 
     def cross(
         self,
@@ -92,7 +92,7 @@ class Disturbances(Generic[N]):
         jump = saltation(self.scene, self.kit, state, before, after, event, touch)
         self.tangencies.judge(event, state, before, after, jump)
         if isinstance(jump, ImpactSaltation):
-            self.tangencies.struck_at(event.part, state)
+            self.tangencies.struck_at(event.part, state, before)
         jump = None if isinstance(jump, Undefined) else jump
         if jump is not None:
             for i in range(self.possible):

@@ -76,8 +76,7 @@ class Carrier:
 
     def __init__(self, scene: Scene, engine: str = "auto") -> None:
         self.scene, self._origin = _free(scene), scene
-        # C carries nothing over a base that moves by a formula
-        self.engine = engine_name(engine) if scene.base_formula is None else "python"
+        self.engine = engine_name(engine)
         self.size, self._shared = length(scene), _Shared(self.scene)
         self._doubles = self._shared.doubles
         self._numbers: Numbers = {}

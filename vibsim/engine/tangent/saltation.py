@@ -269,7 +269,7 @@ def forced(
 def event_rate(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
     """Rate of an event function along the motion in the mode of `rows`, n^T f- + dh/dt."""
     if event.terms[0].kind == DIFFERENCE:
-        values = [*state.v, kit.number(0), base_motion(scene, kit, state.t)[1]]
+        values = [*state.v, kit.number(0), base_motion(scene, kit, state.t, rows)[1]]
     else:
         values, _ = accelerations(scene, kit, rows, state)
     rate = total_of(
@@ -320,7 +320,7 @@ def jump_of(
 def _left_open(scene: Scene[N], kit: Kit[N], state: State[N], before: ModeRows[N]) -> Inputs[N]:
     """What rounding leaves open of a state at an event, the time of which is rounded too."""
     lost, zero = ROUNDING * kit.eps, kit.number(0)
-    X, V = base_motion(scene, kit, state.t)
+    X, V = base_motion(scene, kit, state.t, before)
     x, v, late = (*state.x, zero, X), (*state.v, zero, V), lost * abs(state.t)
     a, alpha = accelerations(scene, kit, before, state)
     return Inputs(

@@ -71,23 +71,23 @@ class Tangencies(Generic[N]):
             self.undefined_time = t
         self.undefined += 1
 
-    def pass_by(self, state: State[N]) -> None:
-        """Learn how fast the ends of the stops move against each other."""
+    def pass_by(self, state: State[N], rows: ModeRows[N]) -> None:
+        """Learn how fast the ends of the stops move against each other in the mode of `rows`."""
         for i, stop in enumerate(self.scene.stops):
-            distance, rate = self._between(stop, state)
+            distance, rate = self._between(stop, state, rows)
             speed = abs(rate) + self.rate * abs(distance)
             self.fastest[i] = speed if speed > self.fastest[i] else self.fastest[i]
             speed = abs(rate) + self.rate * abs(distance - self.struck[i])
             self.since[i] = speed if speed > self.since[i] else self.since[i]
 
-    def struck_at(self, i: int, state: State[N]) -> None:
-        """Learn of an impact on stop number i that led to `state`."""
-        self.struck[i], rate = self._between(self.scene.stops[i], state)
+    def struck_at(self, i: int, state: State[N], rows: ModeRows[N]) -> None:
+        """Learn of an impact on stop number i that led from the mode of `rows` to `state`."""
+        self.struck[i], rate = self._between(self.scene.stops[i], state, rows)
         self.since[i] = abs(rate)
 
-    def _between(self, stop: Joined, state: State[N]) -> tuple[N, N]:
+    def _between(self, stop: Joined, state: State[N], rows: ModeRows[N]) -> tuple[N, N]:
         """x_P - x_Q and v_P - v_Q."""
-        X, V = base_motion(self.scene, self.kit, state.t)
+        X, V = base_motion(self.scene, self.kit, state.t, rows)
         zero = self.kit.number(0)
         x, v = (*state.x, X, zero), (*state.v, V, zero)  # BASE is -2, GROUND -1
         return x[stop.P] - x[stop.Q], v[stop.P] - v[stop.Q]
@@ -106,7 +106,7 @@ class Tangencies(Generic[N]):
             self.refuse(state.t)
             return
         if event.kind == GAP and self.fastest[i] > 0 and before.status.stops[i] != after.status.stops[i]:
-            _, rate = self._between(self.scene.stops[i], state)
+            _, rate = self._between(self.scene.stops[i], state, before)
             share = rate / self.fastest[i]
         elif isinstance(jump, ImpactSaltation) and self.fastest[i] > 0 and jump.drive <= 0:
             share = jump.approach / self.fastest[i]

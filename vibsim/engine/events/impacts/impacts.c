@@ -331,7 +331,7 @@ int impact_take(Run *r, const Event *event, Impact *done)
     const RigidStop *s = done->stop = stop_of(&r->impacts, event->part);
     if (s == NULL || s->e == 0 || r->next.t == 0)
         return 0;
-    base_motion_at(r, r->next.t, &done->X, &done->V);
+    base_motion_at(r, r->mode, r->next.t, &done->X, &done->V);
     if (!is_clear(r, event, done)) {
         undo(r);
         return 0;

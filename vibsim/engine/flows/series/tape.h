@@ -112,12 +112,13 @@ typedef struct {
     Real t, phi, w, *x, *v;
 } TapeInputs;
 
-/* By operation: series; values and bounds of their rounding, and room for as many more. at, blur: what a tape reads, and bounds of that;
+/* By operation: series; values and bounds of their rounding, and room for as many more; `base`: the same of the motion of the base.
+ * at, blur: what a tape reads, and bounds of that;
  * between: what it reads between two instants.
  */
 typedef struct {
     TapeSeries *series;
-    Real *values, *bounds;
+    Real *values, *bounds, *base;
     TapeInputs at, blur, between;
     Real least; /* time [s] nearer than which a zero of the base of a power is one here */
     int ops;

@@ -29,7 +29,7 @@ Real event_rate_at(const Run *r, const State *state, const Mode *m, const Event 
         for (i = 0; i < r->bodies; i++)
             values[i] = state->v[i];
         values[r->bodies] = 0.0;
-        base_motion_at(r, state->t, &X, &values[r->bodies + 1]);
+        base_motion_at(r, m, state->t, &X, &values[r->bodies + 1]);
     } else {
         accelerations(r, m, state, values);
     }

@@ -26,10 +26,10 @@ static Real column(const Run *r, const Real *values, int c, Real base)
 }
 
 /* x_P - x_Q and v_P - v_Q of a stop. */
-static void between(const Run *r, const StopEnds *stop, const State *state, Real *distance, Real *rate)
+static void between(const Run *r, const Mode *m, const StopEnds *stop, const State *state, Real *distance, Real *rate)
 {
     Real X, V;
-    base_motion_at(r, state->t, &X, &V);
+    base_motion_at(r, m, state->t, &X, &V);
     *distance = column(r, state->x, stop->P, X) - column(r, state->x, stop->Q, X);
     *rate = column(r, state->v, stop->P, V) - column(r, state->v, stop->Q, V);
 }
@@ -41,7 +41,7 @@ void tangencies_pass_by(Run *r, const State *state)
     int i;
     for (i = 0; i < r->tangent->stop_count; i++) {
         Real distance, rate, speed;
-        between(r, &r->tangent->stops[i], state, &distance, &rate);
+        between(r, r->mode, &r->tangent->stops[i], state, &distance, &rate);
         speed = fabs(rate) + near->rate * fabs(distance);
         near->fastest[i] = speed > near->fastest[i] ? speed : near->fastest[i];
         speed = fabs(rate) + near->rate * fabs(distance - near->struck[i]);
@@ -54,7 +54,7 @@ void tangencies_struck_at(Run *r, int i, const State *state)
 {
     Tangencies *near = &r->tangent->tangencies;
     Real rate;
-    between(r, &r->tangent->stops[i], state, &near->struck[i], &rate);
+    between(r, r->mode, &r->tangent->stops[i], state, &near->struck[i], &rate);
     near->since[i] = fabs(rate);
 }
 
@@ -80,7 +80,7 @@ void tangencies_judge(Run *r, const Event *event, const State *state, const Mode
     int i = event->part;
     Real share, distance;
     if (event->kind == GAP && near->fastest[i] > 0 && before->codes[i] != after->codes[i]) {
-        between(r, &b->stops[i], state, &distance, &share);
+        between(r, before, &b->stops[i], state, &distance, &share);
         share = share / near->fastest[i];
     } else if (event->kind == SLIDE && after->codes[b->stop_count + i] == 0) {
         share = stopping_share(r, event, state, before);
