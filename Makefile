@@ -10,7 +10,7 @@ endif
 STAMP := $(VENV)/installed
 ENGINE := $(wildcard $(foreach end,*.[ch] *.cpp,vibsim/engine/$(end) vibsim/engine/*/$(end) vibsim/engine/*/*/$(end)))
 BELTS := 0.95,1.025,1.1,1.175,1.25,1.325,1.4,1.475,1.5,1.55,1.625,1.7,1.775,1.83,1.84,1.85,1.925,2
-KERNELS := Haswell Zen SkylakeX Prescott
+EVERYWHERE := new:Haswell:1:all new:Zen:2:least old:SkylakeX:2:all old:Prescott:1:least
 PAPER := I-A I-B I-C I-A-eq211 I-B-eq211 I-C-eq211 II-A II-B II-C
 BUILD_ENGINE := $(BIN)/python setup.py -q build_ext --inplace --force
 BRANCHES := results/branches
@@ -67,21 +67,17 @@ wheels: $(STAMP) ## build and try wheels for all Pythons of this system with cib
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check "cibuildwheel>=4,<5"
 	$(BIN)/python -m cibuildwheel --output-dir wheelhouse
 
-everywhere: $(STAMP) ## run the tests under four kernels of OpenBLAS, one thread and two, without numpy's vector units, numpy new and old (TESTS=)
+everywhere: $(STAMP) ## run the tests under four kernels of OpenBLAS; every two of its threads, of numpy new and old and of its vector units meet (TESTS=)
 	test -x build/oldest/bin/python || $(PYTHON) -m venv build/oldest
 	build/oldest/bin/python -m pip install --quiet --disable-pip-version-check \
 	  --constraint tests/packaging/oldest.txt --editable '.[dev]'
-	for python in $(BIN)/python build/oldest/bin/python; do \
-	  units="$$($$python -m tests.digests units)" && \
-	  NPY_DISABLE_CPU_FEATURES="$$units" $$python -m pytest -n auto -q $(TESTS) || exit 1; \
-	  for kernel in $(KERNELS); do \
-	    OPENBLAS_CORETYPE=$$kernel $$python -c "import numpy as np; a = np.eye(50); np.linalg.svd(a @ a)" || \
-	      { echo "left out: this processor cannot run the kernels for $$kernel"; continue; }; \
-	    for threads in 1 2; do \
-	      echo "$$python, OPENBLAS_CORETYPE=$$kernel OPENBLAS_NUM_THREADS=$$threads"; \
-	      OPENBLAS_CORETYPE=$$kernel OPENBLAS_NUM_THREADS=$$threads $$python -m pytest -n auto -q $(TESTS) || exit 1; \
-	    done; \
-	  done; \
+	for run in $(EVERYWHERE); do \
+	  set -- $$(echo $$run | tr : ' '); echo "numpy $$1, OpenBLAS for $$2, threads $$3, vector units $$4"; \
+	  python=$(BIN)/python; test $$1 = new || python=build/oldest/bin/python; \
+	  units=; test $$4 = all || units="$$($$python -m tests.digests units)"; \
+	  kernel=OPENBLAS_CORETYPE=$$2; env $$kernel $$python -c "import numpy as np; a = np.eye(50); np.linalg.svd(a @ a)" || \
+	    { echo "this processor cannot run the kernels for $$2: its own are taken"; kernel=; }; \
+	  env $$kernel OPENBLAS_NUM_THREADS=$$3 NPY_DISABLE_CPU_FEATURES="$$units" $$python -m pytest -n auto -q $(TESTS) || exit 1; \
 	done
 
 oldest: ## run the tests with the oldest dependencies, in an environment of their own (PYTHON=python3.10)

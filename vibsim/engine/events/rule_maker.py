@@ -63,8 +63,6 @@ class RuleMaker:
             kind = "contact_end" if pulled == LIFTED else "contact_begin"
             return self._cross(status.with_stop(i, pulled), kind, i, key, 1)
         if event.kind == CLEARANCE:
-            if self._against_formula(self.scene.clearances[i]):
-                return None
             turned = 1 - status.clearances[i]
             kind = "violation_begin" if turned else "violation_end"
             return self._cross(status.with_clearance(i, turned), kind, i, key, 1)
@@ -115,7 +113,7 @@ class RuleMaker:
     def _contact_rule(self, status: Status, event: Event, key: EventKey) -> Rule | None:
         i = event.part
         stop, before = dict(self.scene.elastic_stops)[i], status.stops[i]
-        if before == LIFTED or self._against_formula(stop):
+        if before == LIFTED:
             return None
         after = CONTACT if before == OPEN else OPEN
         kind = "contact_begin" if after == CONTACT else "contact_end"
@@ -127,10 +125,6 @@ class RuleMaker:
         ):
             return None
         return self._cross(behind, kind, i, key, 1, CROSS_IF_TIES_HOLD)
-
-    def _against_formula(self, part: Joined) -> bool:
-        """Whether an end of a part is at a base that moves by a formula: rules do not know its velocity."""
-        return self.scene.base_formula is not None and self.maker.n + 1 in self.maker.ends(part)
 
     def _stand_rule(self, status: Status, event: Event, key: EventKey) -> Rule | None:
         i = event.part

@@ -28,7 +28,7 @@ static Real direct_rate(const Run *r, const Event *e)
     const Term *t = r->mode->terms + e->first;
     Real total = 0.0, X = 0.0, V = 0.0;
     int i;
-    if (r->base_count > 0)
+    if (r->has_base)
         base_motion_at(r, r->mode, r->next.t, &X, &V);
     for (i = 0; i < e->terms; i++) {
         Real P = column_value(r, r->next.v, t[i].P, V), Q = column_value(r, r->next.v, t[i].Q, V);
