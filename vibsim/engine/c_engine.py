@@ -333,7 +333,7 @@ class CRun:
         target, touch = self._mode(status), self.automaton.touch(rows.events[event])
         if self.moving:
             after = self.rows_of(target)
-            if not self.jumps.in_c(rows, after, rows.events[event]):
+            if not self.jumps.in_c(rows, after, rows.events[event], touch):
                 self.jumps.hand(rows.events[event], state, rows, after, touch)
         kinds = array("i", (EVENT_KINDS[kind] for kind, _ in happened)).tobytes()
         parts = array("i", (part for _, part in happened)).tobytes()

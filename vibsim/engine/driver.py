@@ -249,7 +249,7 @@ class Driver(Generic[N]):
             self.events_at_instant = 0
         self.state, self.status, self.known, self.known_since = state, status, known, state.t
         if self.ledger:
-            self.ledger.cross(state, before, status)
+            self.ledger.cross(state, before, self.maker.rows(status))
             self.ledger.strike(state, self.automaton.touch(event))
         for kind, part in happened:
             self._record(kind, part, before_velocities)

@@ -108,18 +108,18 @@ class Ledger(Generic[N]):
             for entry, value in struck_entries(self.scene, self.names, touch, V):
                 self.entries[entry] = self.entries[entry] + value
 
-    def _places(self, state: State[N]) -> tuple[N, ...]:
-        """Displacements of all columns."""
+    def _places(self, state: State[N], rows: ModeRows[N]) -> tuple[N, ...]:
+        """Displacements of all columns in the mode of `rows`."""
         zero = self.kit.number(0)
-        X = base_motion(self.scene, self.kit, state.t)[0] if self.scene.has_base else zero
+        X = base_motion(self.scene, self.kit, state.t, rows)[0] if self.scene.has_base else zero
         return (*state.x, zero, X)
 
-    def cross(self, state: State[N], before: Status, after: Status) -> None:
+    def cross(self, state: State[N], before: Status, after: ModeRows[N]) -> None:
         """Count what the springs of stops hold where those let go, or push again, though pressed."""
         for jump in self.jumps:
-            pressed = before.stops[jump.stop] == CONTACT, after.stops[jump.stop] == CONTACT
+            pressed = before.stops[jump.stop] == CONTACT, after.status.stops[jump.stop] == CONTACT
             if pressed[0] != pressed[1]:
-                held = stop_energy(self.elastic[jump.stop], self._places(state), self.ground)
+                held = stop_energy(self.elastic[jump.stop], self._places(state, after), self.ground)
                 entry = self.entries[jump.entry]
                 self.entries[jump.entry] = entry + held if pressed[0] else entry - held
 

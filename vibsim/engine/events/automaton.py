@@ -405,7 +405,7 @@ class UnambiguousStart:
 
     def __init__(self, scene: Scene, ends: Callable[[Joined], Edge]) -> None:
         self.known = not (
-            scene.base
+            scene.has_base
             or scene.clearances
             or scene.has_courses
             or any(isinstance(stop, RigidStop) or stop.lets_go for stop in scene.stops)

@@ -51,8 +51,7 @@ class RuleMaker:
         status, i, key = rows.status, event.part, event.key
         if event.kind in (SWITCH, DOMAIN):
             return self._turn_rule(status, event)
-        by_formula = self.scene.base_formula is not None or self.scene.has_courses
-        if by_formula and event.kind in (STRIKE, SLIDE, HOLD):
+        if self.scene.has_courses and event.kind in (STRIKE, SLIDE, HOLD):
             return None
         if event.kind == STRIKE:
             return self._impact_rule(status, event)
@@ -120,9 +119,7 @@ class RuleMaker:
         behind = status.with_stop(i, after)
         if not stop.jumps or not status.tied:
             return self._cross(behind, kind, i, key, 1)
-        if self.scene.base_formula is not None or not self.automaton.settling.possible(
-            self.maker.rows(behind)
-        ):
+        if not self.automaton.settling.possible(self.maker.rows(behind)):
             return None
         return self._cross(behind, kind, i, key, 1, CROSS_IF_TIES_HOLD)
 

@@ -146,6 +146,8 @@ Real forces_of(const Run *r, const Mode *m, Real X, Real V)
         inertia += r->masses[i];
     for (i = 0; i < r->base_count; i++)
         total += inertia * fabs(r->base[i].amplitude * r->base[i].omega * r->base[i].omega);
+    if (m->base_values.op_count > 0)
+        total += inertia * fabs(base_acceleration_at(r, m, r->next.t));
     if (r->has_motor)
         total += r->unbalance * (r->next.w * r->next.w) + (fabs(r->M0) + r->drag * fabs(r->next.w)) / r->e;
     return total;
@@ -156,9 +158,9 @@ static int stands(Run *r, const Mode *m, int hold)
 {
     Real X = 0.0, V = 0.0, forces;
     int i, answer = 1;
-    if (r->base_count > 0 && r->next.t == 0) /* of a start Python knows more, as that the base turns round */
+    if (r->has_base && r->next.t == 0) /* of a start Python knows more, as that the base turns round */
         return 0;
-    if (r->base_count > 0)
+    if (r->has_base)
         base_motion_at(r, r->mode, r->next.t, &X, &V);
     forces = forces_of(r, m, X, V);
     for (i = 0; i < m->event_count; i++) {

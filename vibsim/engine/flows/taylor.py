@@ -82,7 +82,7 @@ class Taylor(TaylorExpansion[N]):
         self.reach(self.order)
         self.steps += 1
         self.h = self.step_length()
-        if self.tape:
+        if self.tape and self.tape.tape.ops:
             self.h = self._sound_step(self.tape)
 
     def _sound_step(self, tape: TapeSeries[N]) -> N:

@@ -177,11 +177,13 @@ class Jumps:
         self.scene, self.run, self.rows = scene, run, rows
         self.tangencies = Tangencies(scene, Doubles)
 
-    def in_c(self, before: ModeRows, after: ModeRows, event: Event) -> bool:
+    def in_c(
+        self, before: ModeRows, after: ModeRows, event: Event, touch: SimultaneousImpacts | None = None
+    ) -> bool:
         """Whether C knows what `event` does to disturbances between the modes of two rows: saltation.c and
-        tangencies.c, against `saltation.py` and `tangencies.py`.
+        tangencies.c, against `saltation.py` and `tangencies.py`. touch : what rigid stops did
         """
-        if event.kind == STRIKE:
+        if event.kind == STRIKE or touch is not None:
             return False
         if before.tape is not None and self._by_formulas(before, after, event):
             return False
