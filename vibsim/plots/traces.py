@@ -204,7 +204,8 @@ def _instants_between(time: np.ndarray, span: Span, step: float | None) -> np.nd
         pieces = np.maximum(np.floor(pieces * (AT_MOST / pieces.sum())), 1)
     within = (pieces - 1).astype(int)
     nth = np.arange(within.sum()) - np.repeat(np.cumsum(within) - within, within) + 1
-    return np.repeat(knots[:-1], within) + nth * np.repeat(np.diff(knots) / pieces, within)
+    instants: np.ndarray = np.repeat(knots[:-1], within) + nth * np.repeat(np.diff(knots) / pieces, within)
+    return instants
 
 
 # Cubic Hermite interpolation between samples of a function and its derivative.
