@@ -27,7 +27,7 @@ from vibsim.physics.parts import AT_FORCE, Friction, RigidStop, Scene
 # A scene at one instant: depths and rates of its parts, forces of ties and accelerations in any mode.
 
 
-AHEAD = (1e-11, 1e-10, 1e-9, 1e-8)  # s: steps behind an instant at which guards are looked at
+AHEAD = (1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6)  # s: steps behind an instant at which guards are looked at
 CLEAR = 100.0  # times what a guard is from 0: a change that is no rounding
 
 
@@ -98,20 +98,21 @@ class Instant:
         return True
 
     def _sides_behind(self, parameters: Sequence[float]) -> list[int]:
-        """The sides of the guards a little later: as soon as each has changed by far more than it is from 0
-        here, where rounding has left it beside it, or by less than half of that.
+        """The sides of the guards a little later: of one that keeps more than half of what it is from 0 here
+        over the longest step, that it has; of any other, that when it has first changed by far more.
         """
         turning, sides = self.compiled.turning, list(self.sides)
         here = self.compiled.guards(self.t, self.state, parameters)
+        rest = [abs(switch.from_zero(guard)) for switch, guard in zip(turning, here, strict=True)]
         left = set(range(len(turning)))
-        for step in AHEAD:
+        for step in (AHEAD[-1], *AHEAD):
             later = rk4_step(self.compiled.motion, self.t, self.state, step, parameters)
             guards = self.compiled.guards(self.t + step, later, parameters)
             for i in tuple(left):
-                sides[i] = turning[i].side(guards[i], self.sides[i])
-                rest, change = abs(turning[i].from_zero(here[i])), abs(guards[i] - here[i])
-                if change <= rest / 2 or change >= CLEAR * rest:
+                change = abs(guards[i] - here[i])
+                if (change <= rest[i] / 2) if step == AHEAD[-1] else (change >= CLEAR * rest[i]):
                     left.remove(i)
+                sides[i] = turning[i].side(guards[i], self.sides[i])
             if not left:
                 break
         return sides

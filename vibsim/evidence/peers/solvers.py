@@ -271,7 +271,8 @@ class _Steps:
 # is met in it is passed through. So steps are at most a share of the shortest period of the motion.
 
 
-INSIDE = 1e-300  # stands for an event function that is exactly 0: solve_ivp takes 0 after 0 for an event
+INSIDE = 1e-300  # stands for an event function that is exactly 0: solve_ivp takes 0 after 0 for an event, and
+# LSODA interpolates some of the zeros that a mode begins with to below 0
 LONGEST = 0.25  # of the shortest period with all stops closed: a step; a contact lasts half of it
 INTERVALS = 5  # of samples: a step beside a stop whose law is a formula, which has no period to go by
 FIRST = 0.25  # of a hop that has just begun: its first step, so that the next ones see it end
@@ -371,9 +372,12 @@ class _EventRun:
         return list(ends), list(ends.values())
 
     def _end(self, function: Callable[..., Any]) -> Callable[..., float]:
-        parameters = self.mode.parameters
+        parameters, start = self.mode.parameters, self.t
+        touches = function(start, self.state, parameters)[0] == 0
 
         def end(t: float, state: np.ndarray) -> float:
+            if touches and t == start:
+                return INSIDE
             return function(t, state.tolist(), parameters)[0] or INSIDE
 
         end.terminal, end.direction = True, -1  # type: ignore[attr-defined]
