@@ -29,6 +29,7 @@ from vibsim.physics.parts import AT_FORCE, Friction, RigidStop, Scene
 
 AHEAD = (1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6)  # s: steps behind an instant at which guards are looked at
 CLEAR = 100.0  # times what a guard is from 0: a change that is no rounding
+QUIET = 1e-16  # nearer to 0, and over the longest step to what it is, a guard may be rounding alone
 
 
 def rk4_step(
@@ -100,19 +101,26 @@ class Instant:
     def _sides_behind(self, parameters: Sequence[float]) -> list[int]:
         """The sides of the guards a little later: of one that keeps more than half of what it is from 0 here
         over the longest step, that it has; of any other, that when it has first changed by far more.
+
+        The first look is along the rates, which is enough where neither they nor the guard are rounding.
         """
-        turning, sides = self.compiled.turning, list(self.sides)
+        turning, sides, step = self.compiled.turning, list(self.sides), AHEAD[-1]
         here = self.compiled.guards(self.t, self.state, parameters)
         rest = [abs(switch.from_zero(guard)) for switch, guard in zip(turning, here, strict=True)]
-        left = set(range(len(turning)))
-        for step in (AHEAD[-1], *AHEAD):
+        rates = self.compiled.motion(self.t, self.state, parameters)
+        later = [value + step * rate for value, rate in zip(self.state, rates, strict=True)]
+        left = []
+        for i, guard in enumerate(self.compiled.guards(self.t + step, later, parameters)):
+            sides[i], change = turning[i].side(guard, self.sides[i]), abs(guard - here[i])
+            if (rest[i] < QUIET or change > rest[i] / 2) and change < CLEAR * max(rest[i], QUIET):
+                left.append(i)
+        for step in AHEAD if left else ():
             later = rk4_step(self.compiled.motion, self.t, self.state, step, parameters)
             guards = self.compiled.guards(self.t + step, later, parameters)
             for i in tuple(left):
-                change = abs(guards[i] - here[i])
-                if (change <= rest[i] / 2) if step == AHEAD[-1] else (change >= CLEAR * rest[i]):
-                    left.remove(i)
                 sides[i] = turning[i].side(guards[i], self.sides[i])
+                if abs(guards[i] - here[i]) >= CLEAR * rest[i]:
+                    left.remove(i)
             if not left:
                 break
         return sides
@@ -441,8 +449,9 @@ class Mode:
         formulas follow from what the guards are behind here.
         """
         at.turn(self.states)
+        before = list(self.states), list(at.state)
         self._choose(at, undecided, last)
-        if at.turn(self.states):
+        if before != (self.states, at.state) and at.turn(self.states):
             self._choose(at, [i for i, state in enumerate(self.states) if state in TIES], last)
         self.sides = at.sides
         self.parameters = self.compiled.parameters(self.states, self.sides)

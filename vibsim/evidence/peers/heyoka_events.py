@@ -50,6 +50,7 @@ class HeyokaEvents:
 
     def __init__(self, scene: Scene, tol: float):
         hy.llvm_state.set_diskcache_enabled(False)  # so that compiling is compiling
+        hy.set_logger_level_error()  # it warns of zeros that it loses on the output: here they are counted
         self.scene, self.tol = scene, tol
         self.compiled = Compiled(scene, SKIN)
         system, functions = expressions(scene)

@@ -19,9 +19,8 @@ from vibsim.physics.connections import formulas_of
 from vibsim.physics.formulas import SWITCHES, TIME, ZERO, Node, derivative, mul, num, reads, walk
 from vibsim.physics.parts import AT_FORCE, BASE, Friction, RigidStop, Scene
 
-FUNCTIONS = ("sin", "cos", "exp", "log", "sinh", "cosh", "tanh", "atan", "asin", "acos")
 NAMES: dict[str, Any] = {
-    **{name: getattr(math, name) for name in (*FUNCTIONS, "floor")},
+    **{name: value for name, value in vars(math).items() if not name.startswith("_")},
     "sgn": lambda v: math.copysign(1.0, v) if v else 0.0,
     "power": lambda a, p: a**p if a > 0 else 0.0**p,  # a base that rounding has made negative counts as 0
 }
