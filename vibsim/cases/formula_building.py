@@ -59,7 +59,7 @@ def _of_formula(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefau
         return
     try:
         if place.section == "friction" and place.key == "belt":
-            yield from _belt_carries_no_rotor(scene, place)
+            yield from _belt_carries_no_motor(scene, place)
         yield from _clashes(scene, place)
         scene.node(place)
         if place.key == "mu":
@@ -70,19 +70,17 @@ def _of_formula(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefau
         return
 
 
-def _belt_carries_no_rotor(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]:
-    """A belt by a formula that is not one base of all carries bodies without a rotor."""
-    if FormulaParts(dict(scene.values)).belts_are_base:
+def _belt_carries_no_motor(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]:
+    """A belt by a formula that is not one base of all carries bodies without the motor of the paper."""
+    if not scene.motor or scene.motor_is_rotor or FormulaParts(dict(scene.values)).belts_are_base:
         return
-    riders = {str(part.get("on")) for part in _section(scene.values, "rotors").values()}
-    if scene.motor:
-        motor = scene._part("motor", "") if "motor" in scene.values else {"on": "1"}
-        riders.add(str(motor.get("on")))
-    carried = _tied_to(scene, place)
-    for body in sorted(riders & carried):
+    motor = scene._part("motor", "") if "motor" in scene.values else {"on": "1"}
+    body = str(motor.get("on"))
+    if body in _tied_to(scene, place):
         message = (
-            "a belt by a formula between bodies, or beside a base, may not carry a body with a rotor: "
-            f"it carries {body}, by itself or through other frictions and rigid stops"
+            "a belt by a formula between bodies, or beside a base, may not carry a body with a motor by M0 and "
+            f"Omega0 alone: it carries {body}, by itself or through other frictions and rigid stops; "
+            'write torque: "M0*(1 - w/Omega0)" for the motor'
         )
         yield FoundDefault(place.path, message)
 

@@ -433,7 +433,13 @@ class Mode:
         before = [at.rate(j) for j in range(len(self.switches))]
         at.sides[i] = self.compiled.turning[i].behind(at.sides[i], place)
         at.look_again()
-        jumped = [j for j, rate in enumerate(before) if at.rate(j) != rate]
+        fastest = max(map(abs, at.state[1 : 2 * len(self.compiled.masses) : 2]))
+        after = [at.rate(j) for j in range(len(self.switches))]
+        jumped = [
+            j
+            for j, (old, new) in enumerate(zip(before, after, strict=True))
+            if abs(new - old) > STILL * max(fastest, abs(old), abs(new))
+        ]
         for j in jumped:
             if isinstance(self.switches[j].part, Friction) and at.rate(j):
                 self.states[j] = FORWARD if at.rate(j) > 0 else BACKWARD
