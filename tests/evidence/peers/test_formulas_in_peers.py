@@ -7,6 +7,7 @@ import pytest
 
 from tests.evidence.peers.test_scenes_of_parts import PEERS, solved
 from tests.formulas.drawn_models import Drawn
+from vibsim import simulate
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 from vibsim.engine.trajectory import open_trajectory
@@ -188,3 +189,31 @@ def test_powers_without_a_series_on_either_side_are_none_for_heyoka():
 def test_all_peers_take_part():
     plan = make_plan(load_case("gallery/coupled-clutches"))
     assert [family.name for family in plan.families if family.refusal(plan.case.scene())] == ["closed-form"]
+
+
+CARRIED = """
+bodies: {a: 1 kg, b: 0.5 kg}
+links: {l: {between: [a, base], k: 100 N/m, c: 0.5 N s/m}, m: {between: [b, a], k: 60 N/m}}
+friction:
+  f: {between: [a, ground], N: "N0*(1 + 0.5*sin(w1*t))", mu: 0.5, static: 1.2, belt: "u*sin(w*t)", N0: 4 N,
+    w1: 0.7 Hz, u: 0.1 m/s, w: 1 Hz}
+  h: {between: [b, a], N: 2 N, mu: 0.3, belt: "q*min(t/T, 1)", q: 0.05 m/s, T: 0.8 s}
+stops: {w: {between: [b, ground], gap: 4 mm, acts: compression, force: "K*p**1.5", K: 3e4 N/m^1.5}}
+rotors:
+  r: {on: a, m: 0.1 kg, e: 0.1 m, J: 0.001 kg m^2, torque: "-m*g*e*cos(phi)", g: 9.81 m/s^2}
+  s: {on: b, m: 0.1 kg, e: 0.02 m, J: 0.0001 kg m^2, M0: 0.01 N m, Omega0: 3 Hz}
+base: {x: "A*sin(w*t)", A: 2 mm, w: 2 Hz}
+initial: {r: {phi: -40 deg}}
+"""
+
+
+@pytest.mark.parametrize(("peer", "allowed"), PEERS)
+def test_belts_by_formulas_under_bodies_with_rotors(peer, allowed):
+    """They stick three times: on a belt on the ground, and on one that a body carries along."""
+    run = simulate(load_case_text(f"{CARRIED}run: {{t_end: 1 s, every: 0.1 s}}", name="carried"), trust=False)
+    _, states, events = motion_of(peer, CARRIED, "1 s")
+    kinds = [kind for kind in run.events.words("kind") if kind not in ("start", "switch", "end")]
+    assert [kind for _, kind in events] == kinds and kinds.count("stick_begin") == 3
+    columns = ("x_a", "v_a", "x_b", "v_b", "phi_r", "w_r", "phi_s", "w_s")
+    assert np.abs(states - np.column_stack([run[name] for name in columns])).max() < 20 * allowed
+    assert abs(run.attrs["energy_residual_relative"]) < 1e-14

@@ -81,12 +81,14 @@ def slopes_of(kit: Kit[N], rows: ModeRows[N]) -> Slopes:
         n = len(rows.leader) - 2
         maker = TapeMaker(kit, {}, rows.columns)
         found: dict[int, list[Slope]] = {}
-        one = kit.number(1)
         for k, node in rows.nodes.items():
-            node = resolved(node, rows.sides)
+            node, factor = resolved(node, rows.sides), rows.factors.get(k, kit.number(1))
             found[k] = [
                 Slope(
-                    k, of[0], of[1] if len(of) > 1 else -1, maker.scaled_output(slope, rows.factors.get(k, one), "")
+                    k,
+                    of[0],
+                    of[1] if len(of) > 1 else -1,
+                    maker.scaled_output(slope, factor, ""),
                 )
                 for of in _inputs(node, n)
                 if (slope := derivative(node, of))[:2] != ("num", 0)
