@@ -171,6 +171,18 @@ def test_what_has_no_value_is_not_read_where_it_does_not_count(peer, allowed):
     assert states[:, 1] == pytest.approx(np.clip(times - 1, 0, 1) ** 1.5 / 1.5, abs=2e-9)
 
 
+@pytest.mark.parametrize(("peer", "allowed"), PEERS)
+@pytest.mark.parametrize("law", ["K*(max(d, 0)/d0)**1.5", "where(d > 0 m, K*(d/d0)**1.5, 0)"])
+def test_powers_that_begin_where_a_switch_turns(law, peer, allowed):
+    text = f"""
+    bodies: {{a: 1 kg}}
+    links: {{l: {{between: [a, ground], force: "{law} + k*d", K: 5 N, d0: 10 mm, k: 50 N/m}}}}
+    initial: {{a: {{x: -10 mm}}}}
+    """
+    run = simulate(load_case_text(f"{dedent(text)}run: {{t_end: 2 s, every: 0.1 s}}", name="a"), trust=False)
+    assert motion_of(peer, text)[1][:, 0] == pytest.approx(run["x_a"], abs=allowed)
+
+
 def test_powers_without_a_series_on_either_side_are_none_for_heyoka():
     text = """
     bodies: {a: 1 kg}

@@ -73,6 +73,10 @@ class HeyokaEvents:
                 steps += taken
                 if self.problem is not None:
                     raise self.problem
+                if outcome == hy.taylor_outcome.err_nf_state:
+                    raise ArithmeticError(
+                        "no longer finite, as a power whose base comes to 0 has no Taylor series"
+                    )
                 if outcome != hy.taylor_outcome.time_limit:
                     raise ArithmeticError(f"heyoka: {outcome} at {self.integrator.time:g} s")
                 pieces.append(states[1:])

@@ -249,9 +249,9 @@ class FormulaReader:
             return self._chosen(node, node[2], node[3], acting)
         if kind in ("mod", "table"):
             return self._remainder(node, acting) if kind == "mod" else self._of_table(node, acting)
-        if kind == "pow" and node[1][0] == "choose":  # (a or b)**p as a**p or b**p, so that neither kinks
-            base, (above, below) = node[1], (self._power(a, node[2]) for a in node[1][2:4])
-            return self._chosen(base, above, below, acting)
+        choice, above, below = powers_of_choice(node)
+        if choice is not None:
+            return self._chosen(choice, above, below, acting)
         if kind in ("add", "sub", "mul"):
             a, b = (self.value(child, *acting) for child in node[1:])
             return a + b if kind == "add" else a - b if kind == "sub" else a * b
@@ -261,10 +261,6 @@ class FormulaReader:
         if isinstance(argument, float):
             return NAMES["power"](argument, float(node[2])) if kind == "pow" else NAMES[kind](argument)
         return self.kit.power(argument, float(node[2])) if kind == "pow" else self.kit.call(kind, argument)
-
-    @staticmethod
-    def _power(base: Node, p: Any) -> Node:
-        return ZERO if base == ZERO and p > 0 else ("pow", base, p)
 
     def _defined(self, kind: str, argument: Any, acting: tuple[Label, ...]) -> Any:
         """The argument of a function, or one at which it is defined where the formula is not in use."""
@@ -300,6 +296,23 @@ class FormulaReader:
         switch_numbers = self.sides[switch_key(node)]
         own = switch_numbers[-1][node]
         return _in_piece(u, *own) if degree else own[1]
+
+
+def powers_of_choice(node: Node) -> tuple[Node | None, Node, Node]:
+    """(a or b)**p as a**p or b**p, so that neither kinks: the choice, its sides; (None, ...) of other nodes.
+    A number may stand before the choice.
+    """
+    factor, base = num(1), node[1] if node[0] == "pow" else ZERO
+    if base[0] == "mul" and base[1][0] == "num":
+        factor, base = base[1:]
+    if base[0] != "choose":
+        return None, ZERO, ZERO
+    above, below = (mul(factor, side) for side in base[2:4])
+    return base, _power(above, node[2]), _power(below, node[2])
+
+
+def _power(base: Node, p: Any) -> Node:
+    return ZERO if base == ZERO and p > 0 else ("pow", base, p)
 
 
 @lru_cache(maxsize=4096)
@@ -429,34 +442,30 @@ def formula_switches(scene: Scene) -> tuple[FormulaSwitch, ...]:
     powers: dict[Node, int] = {}
     formulas = [one.formula for one in formulas_of(scene)] if scene.has_formulas else []
     for node in walk([*formulas, *base_formulas(scene), *course_rates(scene)]):
-        base = node[1] if node[0] == "pow" else node
-        if base[0] in SWITCHES:
-            key = switch_key(base)
+        choice, *sides = powers_of_choice(node) if node[0] == "pow" else (node, *node[2:4])
+        if choice is not None and choice[0] in SWITCHES:
+            key = switch_key(choice)
             tables.setdefault(key, {})
             if node[0] == "table":
                 tables[key][node] = None
-            if base[0] == "choose":
-                powers[key] = powers.get(key) or sum(_roots(node, base))
+            if choice[0] == "choose":
+                powers[key] = powers.get(key) or sum(_roots(choice, sides))
     return tuple(FormulaSwitch(key, tuple(own), powers.get(key, 0)) for key, own in tables.items())
 
 
-def _roots(node: Node, choice: Node) -> tuple[int, int]:
-    """1 where the upper side of a choice, or of a power of it, has a power of the guard; -1 where the lower
+def _roots(choice: Node, sides: Sequence[Node]) -> tuple[int, int]:
+    """1 where the upper side of a choice, or what becomes of it, has a power of the guard; -1 where the lower
     side has one; 0 else.
     """
-    sides = [[("pow", side, node[2])] if node[0] == "pow" else [side] for side in choice[2:4]]
-    bases = [{one[1] for one in walk(side) if one[0] == "pow"} for side in sides]
+    bases = [{one[1] for one in walk([side]) if one[0] == "pow"} for side in sides]
     above, below = (any(_is_multiple(base, choice[1]) for base in side) for side in bases)
     return int(above), -int(below)
 
 
 def _is_multiple(base: Node, guard: Node) -> bool:
     """Whether a base is the guard, but for a number."""
-    return (
-        base == guard
-        or base == mul(num(-1), guard)
-        or (base[0] == "mul" and base[1][0] == "num" and base[2] == guard)
-    )
+    base, guard = (one[2] if one[0] == "mul" and one[1][0] == "num" else one for one in (base, guard))
+    return base == guard
 
 
 def two_sided_power(scene: Scene) -> str | None:
@@ -465,8 +474,8 @@ def two_sided_power(scene: Scene) -> str | None:
     """
     for one in formulas_of(scene) if scene.has_formulas else ():
         for node in walk([one.formula]):
-            choice = node[1] if node[0] == "pow" else node
-            if choice[0] == "choose" and all(_roots(node, choice)):
+            choice, *sides = powers_of_choice(node) if node[0] == "pow" else (node, *node[2:4])
+            if choice is not None and choice[0] == "choose" and all(_roots(choice, sides)):
                 return f"{choice[4]}**{float(node[2]):g}" if node[0] == "pow" else str(choice[4])
     return None
 
