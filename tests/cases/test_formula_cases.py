@@ -549,3 +549,15 @@ def test_some_bodies_may_turn_and_others_move_along_a_line():
 def test_parts_of_turning_bodies_and_of_others_are_told_apart(text, message):
     with pytest.raises(CaseError, match=re.escape(message)):
         load_case_text(f"name: x\n{MIXED}{text}\n")
+
+
+def test_a_belt_between_bodies_carries_rotors_but_no_plain_motor():
+    text = """
+bodies: {a: 1 kg, b: 1 kg}
+friction: {f: {between: [a, b], N: 1 N, mu: 0.3, belt: "u*t", u: 0.1 m/s^2}}
+motor: {on: a, m3: 0.03 kg, e: 0.11 m, J: 0.001 kg m^2, %s}
+"""
+    with pytest.raises(CaseError, match="body with a motor by M0 and Omega0 alone: it carries a"):
+        load_case_text(text % "M0: 0.005 N m, Omega0: 3 Hz", name="case")
+    torque = 'torque: "M0*(1 - w/Omega0)", M0: 0.005 N m, Omega0: 3 Hz'
+    assert len(load_case_text(text % torque, name="case").scene().rotors) == 1

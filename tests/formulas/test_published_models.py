@@ -93,6 +93,26 @@ def test_disturbances_follow_difference_quotients(name, duration, bound):
     assert (np.abs(own - other) <= bound * np.abs(other).max(axis=1, keepdims=True)).all()
 
 
+@pytest.mark.parametrize("belt", ["0.05 m/s", '"u*sin(w*t)", u: 0.1 m/s, w: 1 Hz'])
+@pytest.mark.parametrize("engine", ["c", "python"])
+def test_disturbances_of_a_rotor_whose_body_begins_to_stick(engine, belt):
+    """The friction that stops a disturbed body a little earlier or later turns its rotor too."""
+    text = f"""
+bodies: {{a: 1 kg, c: 1 kg}}
+links: {{l: {{between: [a, ground], k: 100 N/m, c: 0.5 N s/m}}, n: {{between: [c, base], k: 50 N/m}}}}
+friction: {{f: {{between: [a, ground], N: 8 N, mu: 0.5, belt: {belt}}}}}
+rotors: {{r: {{on: a, m: 0.1 kg, e: 0.1 m, J: 0.001 kg m^2, torque: "-m*g*e*cos(phi)", g: 9.81 m/s^2}}}}
+base: {{x: "A*sin(w*t)", A: 2 mm, w: 2 Hz}}
+initial: {{r: {{phi: -40 deg}}, a: {{v: 0.2 m/s}}}}
+run: {{t_end: 0.15 s, every: 10 ms}}
+"""
+    scene = load_case_text(text, name="stuck").scene()
+    start = [float(body.x) for body in scene.bodies] + [float(body.v) for body in scene.bodies]
+    own = np.array(Carrier(scene, engine).carry(start, 0.15).vectors).T
+    other = difference_quotients(Carrier(scene), start, 0.15)
+    assert np.abs(own - other).max() < 1e-6 * np.abs(other).max() and np.abs(own[5, 0]) > 0.5
+
+
 @pytest.mark.parametrize(
     ("base", "time"), [("where(t < T, 0, h)", 1.0), ("h*mod(t, T)/T", 1.0), ("h*step(t - 2*T)", 2.0)]
 )

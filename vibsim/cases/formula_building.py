@@ -59,7 +59,7 @@ def _of_formula(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefau
         return
     try:
         if place.section == "friction" and place.key == "belt":
-            yield from _belt_carries_no_rotor(scene, place)
+            yield from _belt_carries_no_motor(scene, place)
         yield from _clashes(scene, place)
         scene.node(place)
         if place.key == "mu":
@@ -70,24 +70,34 @@ def _of_formula(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefau
         return
 
 
-def _belt_carries_no_rotor(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]:
-    """A belt by a formula that is not one base of all carries bodies without a rotor."""
-    if FormulaParts(dict(scene.values)).belts_are_base:
+def _belt_carries_no_motor(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]:
+    """A belt by a formula that is not one base of all carries bodies without the motor of the paper."""
+    if not scene.motor or scene.motor_is_rotor or FormulaParts(dict(scene.values)).belts_are_base:
         return
-    riders = {str(part.get("on")) for part in _section(scene.values, "rotors").values()}
-    if scene.motor:
-        motor = scene._part("motor", "") if "motor" in scene.values else {"on": "1"}
-        riders.add(str(motor.get("on")))
-    carried = _tied_to(scene, place)
-    for body in sorted(riders & carried):
+    body = motor_body(scene)
+    if body in _tied_to(scene, place.name):
         message = (
-            "a belt by a formula between bodies, or beside a base, may not carry a body with a rotor: "
-            f"it carries {body}, by itself or through other frictions and rigid stops"
+            "a belt by a formula between bodies, or beside a base, may not carry a body with a motor by M0 "
+            f"and Omega0 alone: it carries {body}, by itself or through other frictions and rigid stops; "
+            'write torque: "M0*(1 - w/Omega0)" for the motor'
         )
         yield FoundDefault(place.path, message)
 
 
-def _tied_to(scene: FormulaScene, place: FormulaPlace) -> set[str]:
+def motor_body(scene: FormulaScene) -> str:
+    """Name of the body that the motor is on."""
+    motor = scene._part("motor", "") if "motor" in scene.values else {"on": "1"}
+    return str(motor.get("on"))
+
+
+def belt_carries(scene: FormulaScene, body: str) -> bool:
+    """Whether a belt by a formula may carry a body, by itself or through other frictions and rigid stops."""
+    frictions = _section(scene.values, "friction").items()
+    belts = [name for name, part in frictions if has_formula("friction", part, "belt")]
+    return any(body in _tied_to(scene, name) for name in belts)
+
+
+def _tied_to(scene: FormulaScene, friction: str) -> set[str]:
     """The bodies that frictions and rigid stops may tie to the ends of a friction, and these."""
     pairs = []
     for section in ("friction", "stops"):
@@ -95,7 +105,7 @@ def _tied_to(scene: FormulaScene, place: FormulaPlace) -> set[str]:
             ends = Ends.read(part.get("between"))
             if ends is not None and (section == "friction" or str(part.get("law")) == "rigid"):
                 pairs.append((section, name, {ends.P, ends.Q} - {GROUND_END, BASE_END}))
-    tied = next(ends for section, name, ends in pairs if (section, name) == ("friction", place.name))
+    tied = next(ends for section, name, ends in pairs if (section, name) == ("friction", friction))
     while True:
         more = set().union(*(ends for _, _, ends in pairs if ends & tied)) - tied
         if not more:

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from vibsim.cases.formula_building import FormulaParts
+from vibsim.cases.formula_building import FormulaParts, belt_carries, motor_body
 from vibsim.cases.formula_places import MOTOR
 from vibsim.cases.formula_text import names_in
 from vibsim.cases.quantities import Quantity
@@ -256,6 +256,9 @@ class _Rewriting:
         found = linear(torque) if torque is not None else None
         if found is None or found.keys() != {ONE, speed} or "rotors" in values or _reads_rotor(values):
             return None
+        scene = self.formulas.scene
+        if belt_carries(scene, motor_body(scene)) and not self.formulas.belts_are_base:
+            return None  # a belt turns a rotor on what it carries, and no motor
         stall, drag = found[ONE], Coefficient(-found[speed].value, found[speed].power)
         M0, Omega0 = stall.quantity(), stall.times(drag, -1).quantity()
         if M0 is None or Omega0 is None or M0.per_turn or M0.value <= 0 or Omega0.value <= 0:

@@ -74,6 +74,8 @@ class SwitchSides(Generic[N]):
         open_ones : is given the numbers of those within rounding; before : the mode that led there
         """
         rows, old = self.rows, status.switches or self.none
+        if not rows.switches:
+            return status._replace(switches=())
         at, blur = self.inputs(state, before)
         decided: dict[int, int] = {}
         sides: dict[Node, int] = {}

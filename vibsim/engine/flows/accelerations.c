@@ -213,12 +213,21 @@ Real response(const Run *r, const Mode *m, const State *state, const Real *F, Re
     return rotor;
 }
 
+/* Whether a body is in a group with others, or with the ground or the base. */
+static int is_tied(const Run *r, const Mode *m, int body)
+{
+    int tied = m->leader[body] != body, d;
+    for (d = 0; d < r->bodies; d++)
+        tied = tied || (d != body && m->leader[d] == m->leader[body]);
+    return tied;
+}
+
 /* `vector`, one entry after the other, after the ties of a mode have given tied bodies one velocity. */
 static void join_disturbance(const Run *r, const Mode *m, const State *state, Real *vector)
 {
     Tangent *b = r->tangent;
     Real *P = b->force, *velocities = b->accelerations, *dv = vector + r->bodies, turning = 0.0, rotor;
-    int n = r->bodies, c, d, on = r->motor_on;
+    int n = r->bodies, c, i, on = r->motor_on;
     for (c = 0; c < r->columns; c++)
         P[c] = 0.0;
     for (c = 0; c < n; c++)
@@ -228,17 +237,22 @@ static void join_disturbance(const Run *r, const Mode *m, const State *state, Re
         P[m->leader[on]] = P[m->leader[on]] + (r->m3 * dv[on] - coupling * dw);
         turning = inertia * dw - coupling * dv[on];
     }
-    rotor = response(r, m, state, P, turning, 0.0, velocities);
-    for (c = 0; c < n; c++) {
-        int tied = m->leader[c] != c;
-        for (d = 0; d < n; d++)
-            tied = tied || (d != c && m->leader[d] == m->leader[c]);
-        if (!tied)
-            continue;
-        dv[c] = velocities[c];
-        if (r->has_motor && c == on)
-            vector[2 * n + 1] = rotor;
+    for (i = 0; i < r->rotors.count; i++) {
+        const RotorOn *one = &r->rotors.of[i];
+        int leader = m->leader[one->on];
+        Real coupling = coupling_of(one, state);
+        P[leader] = P[leader] - coupling * dv[one->column];
+        P[one->column] = P[one->column] - coupling * dv[one->on];
     }
+    rotor = response(r, m, state, P, turning, 0.0, velocities);
+    for (c = 0; c < n; c++)
+        if (is_tied(r, m, c))
+            dv[c] = velocities[c];
+    for (i = 0; i < r->rotors.count; i++)
+        if (is_tied(r, m, r->rotors.of[i].on))
+            dv[r->rotors.of[i].column] = velocities[r->rotors.of[i].column];
+    if (r->has_motor && is_tied(r, m, on))
+        vector[2 * n + 1] = rotor;
 }
 
 /* `vector` after rigid stops have come to rest: their ends have one displacement, the centre of mass stays where they

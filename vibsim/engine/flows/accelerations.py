@@ -121,11 +121,18 @@ def joined(scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[N], vec
         dv, dw, on = vector[n + motor.on], vector[-1], leader[motor.on]
         P[on] = P[on] + (motor.m3 * dv - coupling * dw)
         turning = inertia * dw - coupling * dv
+    for one in rows.rotors:
+        coupling = one.unbalance * kit.sin(state.x[one.column])
+        P[leader[one.on]] = P[leader[one.on]] - coupling * vector[n + one.column]
+        P[one.column] = P[one.column] - coupling * vector[n + one.on]
     velocities, rotor = response(scene, kit, rows, state, P, turning, zero)
     after = list(vector)
     for c in range(n):
         if leader[c] in tied:
             after[n + c] = velocities[c]
+    for one in rows.rotors:
+        if leader[one.on] in tied:
+            after[n + one.column] = velocities[one.column]
     if motor is not None and leader[motor.on] in tied:
         after[-1] = rotor
     return after

@@ -264,8 +264,8 @@ class FormulaRows(Generic[N]):
         maker: TapeMaker[N],
         sides: Mapping[Node, int],
     ) -> None:
-        """What belts by formulas do to those who stick on them: the acceleration of each beside that of its
-        group, and the force that this takes.
+        """What belts by formulas do to those who stick on them: the acceleration r of each beside that of its
+        group, the force m r that this takes, and the torque u sin(phi) r on each rotor that it has.
         """
         names = {one.course: one.name for one in self.scene.frictions if one.course is not None}
         for c, signs in enumerate(courses[: self.n]):
@@ -280,6 +280,12 @@ class FormulaRows(Generic[N]):
             inertia = maker.scaled_output(rate, self.scene.bodies[c].m, text)
             rows.nodes[inertia] = rate
             rows.formulas.append(FormulaForce(inertia, c, -1, -1))
+            for rotor in self.scene.rotors:
+                if rotor.on == c and rotor.unbalance:
+                    node = mul(("sin", ("x", rotor.column)), rate)
+                    torque = maker.scaled_output(node, rotor.unbalance, text)
+                    rows.nodes[torque], rows.factors[torque] = node, rotor.unbalance
+                    rows.formulas.append(FormulaForce(torque, rotor.column, -1, 1))
 
     def _write_pushes(
         self, rows: ModeRows[N], maker: TapeMaker[N], outputs: dict[tuple[object, ...], int], sides: Any

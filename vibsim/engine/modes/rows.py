@@ -168,6 +168,7 @@ class ModeRows(Generic[N]):
     tied: list[int] = field(default_factory=list)  # bodies that are tied to another column
     tape: Tape | None = None  # formulas of the mode, where it has some
     nodes: dict[int, Node] = field(default_factory=dict)  # the formulas of the outputs
+    factors: dict[int, N] = field(default_factory=dict)  # of outputs that are a factor times their formula
     sides: dict[Node, int] = field(default_factory=dict)  # of their switches
     columns: dict[int, int] = field(default_factory=dict)  # of ground and base, by their ends
     slopes: Any = None  # their partial derivatives, `tangent.formula_tangent.Slopes`, once they are asked for

@@ -82,9 +82,14 @@ def slopes_of(kit: Kit[N], rows: ModeRows[N]) -> Slopes:
         maker = TapeMaker(kit, {}, rows.columns)
         found: dict[int, list[Slope]] = {}
         for k, node in rows.nodes.items():
-            node = resolved(node, rows.sides)
+            node, factor = resolved(node, rows.sides), rows.factors.get(k, kit.number(1))
             found[k] = [
-                Slope(k, of[0], of[1] if len(of) > 1 else -1, maker.output(slope))
+                Slope(
+                    k,
+                    of[0],
+                    of[1] if len(of) > 1 else -1,
+                    maker.scaled_output(slope, factor, ""),
+                )
                 for of in _inputs(node, n)
                 if (slope := derivative(node, of))[:2] != ("num", 0)
             ]

@@ -15,6 +15,7 @@ from vibsim.cases.quantities import decimal_text
 from vibsim.cases.validation import fingerprint
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.evidence.peers.solvers import SHARE, TIGHTEST, Attempt, OutOfTime, TimeLimit, kinds_of
+from vibsim.evidence.peers.straight_line import two_sided_power
 from vibsim.lazy import named
 from vibsim.physics.parts import EVENT_KINDS, Scene
 from vibsim.results.columns import tables_of
@@ -49,6 +50,7 @@ class SolverFamily:
     ladder : what varies from row to row
     needs : module that has to be installed, or None; remedy : what to do where it is not
     motor, rigid_stops : whether it can take a motor, and rigid stops
+    powers : whether it can take powers that have no series at 0 wherever they are 0
     own : whether it is vibsim itself
     """
 
@@ -62,6 +64,7 @@ class SolverFamily:
     remedy: str = ""
     motor: bool = True
     rigid_stops: bool = True
+    powers: bool = True
     own: bool = False
 
     def refusal(self, scene: Scene) -> str | None:
@@ -70,8 +73,9 @@ class SolverFamily:
             return "left out: it needs an ideal source, and the case has a motor"
         if scene.has_formulas and not self.motor:
             return "left out: it needs laws that are linear, and the case has formulas"
-        if scene.has_formulas and not self.own:
-            return "left out: it is not given laws that are formulas, rotors and states yet"
+        power = None if self.powers else two_sided_power(scene)
+        if power is not None:
+            return f"left out: {power} has no Taylor series where it is 0, on neither side"
         if scene.rigid_stops and not self.rigid_stops:
             return "left out: the case has rigid stops, which need located events"
         return None
@@ -129,7 +133,7 @@ FAMILIES = (
     SolverFamily(
         "heyoka", "heyoka.py with events", "heyoka",
         "vibsim.evidence.peers.heyoka_events:HeyokaEvents", {}, _tols(1e-6, 1e-9, 1e-12, 2.0**-52),
-        needs="heyoka", remedy="not installed: pip install 'vibsim[bench]'",
+        needs="heyoka", remedy="not installed: pip install 'vibsim[bench]'", powers=False,
     ),
     SolverFamily(
         "dop853", "DOP853 with events", "DOP853",

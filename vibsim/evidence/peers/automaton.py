@@ -1,13 +1,14 @@
 """The modes of a scene around a solver that finds events: which follows, and what an impact does."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations, product
 from math import inf, prod, sin
+from typing import Any
 
 import numpy as np
 
-from vibsim.evidence.peers.equations import Compiled
+from vibsim.evidence.peers.equations import Compiled, first_sides, has_power, shafts_of
 from vibsim.evidence.peers.straight_line import (
     BACKWARD,
     CONTACT,
@@ -26,34 +27,107 @@ from vibsim.physics.parts import AT_FORCE, Friction, RigidStop, Scene
 # A scene at one instant: depths and rates of its parts, forces of ties and accelerations in any mode.
 
 
-class Instant:
-    """The parts of a scene at the time t [s] and in `state`, whose velocities may be changed."""
+AHEAD = (1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6)  # s: steps behind an instant at which guards are looked at
+CLEAR = 100.0  # times what a guard is from 0: a change that is no rounding
+QUIET = 1e-16  # nearer to 0, and over the longest step to what it is, a guard may be rounding alone
 
-    def __init__(self, compiled: Compiled, t: float, state: list[float]):
+
+def rk4_step(
+    motion: Callable[..., Sequence[float]], t: float, state: list[float], h: float, *more: Any
+) -> list[float]:
+    """The state a step h [s] after `state`: Kutta (1901). motion : d state/dt at (t, state, *more)"""
+    a = motion(t, state, *more)
+    b = motion(t + h / 2, [x + h / 2 * rate for x, rate in zip(state, a, strict=True)], *more)
+    c = motion(t + h / 2, [x + h / 2 * rate for x, rate in zip(state, b, strict=True)], *more)
+    d = motion(t + h, [x + h * rate for x, rate in zip(state, c, strict=True)], *more)
+    stages = zip(state, a, b, c, d, strict=True)
+    return [x + h / 6 * (p + 2 * (q + r) + s) for x, p, q, r, s in stages]
+
+
+class Instant:
+    """The parts of a scene at the time t [s] and in `state`, whose velocities may be changed.
+
+    sides : of the switches of formulas
+    """
+
+    def __init__(self, compiled: Compiled, t: float, state: list[float], sides: Sequence[int] | None = None):
         self.compiled, self.t, self.state = compiled, t, state
         self.switches = compiled.switches
-        self._parts = compiled.parts(t, state)
+        self.sides = first_sides(compiled.scene) if sides is None else list(sides)
+        self.look_again()
 
     def look_again(self) -> None:
-        """Take note of changed velocities."""
-        self._parts = self.compiled.parts(self.t, self.state)
+        """Take note of changed velocities, or sides."""
+        states = [switch.states[0] for switch in self.switches]
+        self._loose = self.compiled.parameters(states, self.sides)
+        self._parts = self.compiled.parts(self.t, self.state, self._loose)
 
     def depth(self, i: int) -> float:
         """Depth of stop i [m]."""
-        return self._parts[2 * i]
+        return float(self._parts[2 * i])
 
     def rate(self, i: int) -> float:
         """Its rate [m/s]; of a friction the velocity of slip."""
-        return self._parts[2 * i + 1]
+        return float(self._parts[2 * i + 1])
 
     def contact_force(self, i: int) -> float:
-        """k g + c g' of elastic stop i [N]."""
+        """Force of elastic stop i in contact [N]."""
+        return float(self.compiled.law(i)(self.t, self.state, self._loose)[0])
+
+    def limits(self, i: int) -> tuple[float, float]:
+        """The most that friction i holds against slip forwards and backwards [N]."""
         part = self.switches[i].part
-        return float(part.k * self.depth(i) + part.c * self.rate(i))
+        if part.holds is None:
+            forwards, backwards = part.limits
+        else:
+            forwards, backwards = self.compiled.law(i)(self.t, self.state, self._loose)
+        return float(forwards), float(backwards)
+
+    def turn(self, states: Sequence[str]) -> bool:
+        """Bring the sides of the switches of formulas up to what they are just behind here, with the parts in
+        `states`; whether any has changed.
+        """
+        before = list(self.sides)
+        for _ in self.compiled.turning:  # a guard may read another switch
+            sides = self._sides_behind(self.compiled.parameters(states, self.sides))
+            if sides == self.sides:
+                break
+            self.sides = sides
+        if self.sides == before:
+            return False
+        self.look_again()
+        return True
+
+    def _sides_behind(self, parameters: Sequence[float]) -> list[int]:
+        """The sides of the guards a little later: of one that keeps more than half of what it is from 0 here
+        over the longest step, that it has; of any other, that when it has first changed by far more.
+
+        The first look is along the rates, which is enough where neither they nor the guard are rounding.
+        """
+        turning, sides, step = self.compiled.turning, list(self.sides), AHEAD[-1]
+        here = self.compiled.guards(self.t, self.state, parameters)
+        rest = [abs(switch.from_zero(guard)) for switch, guard in zip(turning, here, strict=True)]
+        rates = self.compiled.motion(self.t, self.state, parameters)
+        later = [value + step * rate for value, rate in zip(self.state, rates, strict=True)]
+        left = []
+        for i, guard in enumerate(self.compiled.guards(self.t + step, later, parameters)):
+            sides[i], change = turning[i].side(guard, self.sides[i]), abs(guard - here[i])
+            if (rest[i] < QUIET or change > rest[i] / 2) and change < CLEAR * max(rest[i], QUIET):
+                left.append(i)
+        for step in AHEAD if left else ():
+            later = rk4_step(self.compiled.motion, self.t, self.state, step, parameters)
+            guards = self.compiled.guards(self.t + step, later, parameters)
+            for i in tuple(left):
+                sides[i] = turning[i].side(guards[i], self.sides[i])
+                if abs(guards[i] - here[i]) >= CLEAR * rest[i]:
+                    left.remove(i)
+            if not left:
+                break
+        return sides
 
     def balance(self, states: Sequence[str]) -> tuple[float, ...]:
         """d state/dt, and behind it the force in each part that can tie [N], were the parts in `states`."""
-        parameters = self.compiled.parameters(states)
+        parameters = self.compiled.parameters(states, self.sides)
         rates: tuple[float, ...] = self.compiled.balance(self.t, self.state, parameters)
         return rates
 
@@ -63,7 +137,8 @@ class Instant:
 
     def second_rate(self, i: int, values: Sequence[float]) -> float:
         """Second rate of the depth of a rigid stop, of x_P - x_Q of a friction, from a `balance` [m/s^2]."""
-        total = self.compiled.of_base[i] * self.compiled.base_acceleration(self.t)
+        driven = self.compiled.driven(self.t, self.state, self._loose)
+        total = sum(share * a for share, a in zip(self.compiled.of_driven[i], driven, strict=True))
         for body, sign in self.compiled.rows[i]:
             total += sign * values[2 * body + 1]
         return float(-total if isinstance(self.switches[i].part, RigidStop) else total)
@@ -110,7 +185,7 @@ def _of_one_friction(at: Instant, states: States, i: int) -> States:
     """It sticks if it holds, else it slips the way it is pulled."""
     chosen = list(states)
     chosen[i] = STICK
-    force, (forwards, backwards) = at.tie_force(i, at.balance(chosen)), at.switches[i].part.limits
+    force, (forwards, backwards) = at.tie_force(i, at.balance(chosen)), at.limits(i)
     if force < -HELD * forwards:
         chosen[i] = FORWARD
     elif force > HELD * backwards:
@@ -143,7 +218,7 @@ def _agrees(at: Instant, i: int, state: str, values: Sequence[float], scale: flo
     if state == REST:
         return at.tie_force(i, values) >= -ZERO * scale
     if state == STICK:
-        forwards, backwards = at.switches[i].part.limits
+        forwards, backwards = at.limits(i)
         return bool(-HELD * forwards <= at.tie_force(i, values) <= HELD * backwards)
     force = min(at.compiled.masses) * at.second_rate(i, values)
     if state == OPEN:
@@ -269,18 +344,20 @@ class Mode:
     def __init__(self, compiled: Compiled, shortest: Shortest):
         self.compiled, self.switches, self.shortest = compiled, compiled.switches, shortest
         self.states = [switch.states[0] for switch in self.switches]
+        self.sides = first_sides(compiled.scene)
         self.parameters: list[float] = []
         self.hop_ends = NEVER
         self._damped = [i for i, switch in enumerate(self.switches) if LIFTED in switch.states]
         self._without_jump = {
             i
             for i, switch in enumerate(self.switches)
-            if switch.states == (FREE, CONTACT) and not switch.part.c
+            if switch.states == (FREE, CONTACT) and not switch.part.jumps
         }
 
     def begin(self, state: list[float]) -> Events:
         """Take the mode of the state at t = 0, in which an impact may fall; kinds of the events."""
         at = Instant(self.compiled, 0.0, state)
+        at.turn(self.states)
         undecided, striking = [], []
         for i, switch in enumerate(self.switches):
             if isinstance(switch.part, Friction):
@@ -299,8 +376,9 @@ class Mode:
         self._settle(at, undecided)
         return events
 
-    def switch(self, i: int, t: float, state: list[float]) -> Events:
-        """Enter the mode behind the zero of an event function of part i; kinds of the events.
+    def switch(self, i: int, place: int, t: float, state: list[float]) -> Events:
+        """Enter the mode behind the zero of an event function of part i, at its `place` in `ends`; kinds of
+        the events.
 
         Sets the velocities in `state` to those behind it. No kind where nothing changes, as rounding makes
         zeros beside a release. Raises ArithmeticError where no mode is consistent.
@@ -310,11 +388,13 @@ class Mode:
         self.hop_ends = NEVER
         if i in self._without_jump:  # of any force: nothing else changes
             self.states[i] = CONTACT if before[i] == FREE else FREE
-            self.parameters = self.compiled.parameters(self.states)
+            self.parameters = self.compiled.parameters(self.states, self.sides)
             return [KINDS[before[i], self.states[i]]]
-        at = Instant(self.compiled, t, state)
+        at = Instant(self.compiled, t, state, self.sides)
         undecided = [j for j, each in enumerate(before) if each in TIES and j != i]
-        match before[i]:
+        match before[i] if i < len(before) else None:
+            case None:
+                impacts, undecided = self._turn(at, i - len(before), place, undecided)
             case "open":
                 impacts, undecided = self._strike(at, [i], undecided)
             case "rest":
@@ -324,7 +404,7 @@ class Mode:
             case "forward" | "backward":
                 undecided += [i, *self._still(at, i)]
             case _:
-                self.states[i] = _elastic_behind(at, i, before[i])
+                self.states[i] = _elastic_behind(at, i, before[i], place)
         self._settle(at, undecided, i)
         steps = zip(before, self.states, strict=True)
         return impacts + [KINDS[step] for step in steps if step in KINDS]
@@ -342,20 +422,55 @@ class Mode:
 
     def _torn(self, at: Instant, i: int) -> str:
         """The way a stick that ends begins to slip."""
-        forwards, backwards = self.switches[i].part.limits
+        forwards, backwards = at.limits(i)
         force = at.tie_force(i, at.balance(self.states))
         return FORWARD if forwards + force < backwards - force else BACKWARD
 
+    def _turn(self, at: Instant, i: int, place: int, undecided: list[int]) -> tuple[Events, list[int]]:
+        """Take switch i of the formulas to its other side. Where that makes the velocity of base or belts
+        jump, frictions slip, which give no impulse, and rigid stops are struck or left behind.
+        """
+        before = [at.rate(j) for j in range(len(self.switches))]
+        at.sides[i] = self.compiled.turning[i].behind(at.sides[i], place)
+        at.look_again()
+        fastest = max(map(abs, at.state[1 : 2 * len(self.compiled.masses) : 2]))
+        after = [at.rate(j) for j in range(len(self.switches))]
+        jumped = [
+            j
+            for j, (old, new) in enumerate(zip(before, after, strict=True))
+            if abs(new - old) > STILL * max(fastest, abs(old), abs(new))
+        ]
+        for j in jumped:
+            if isinstance(self.switches[j].part, Friction) and at.rate(j):
+                self.states[j] = FORWARD if at.rate(j) > 0 else BACKWARD
+        rested = [j for j in jumped if self.states[j] == REST and at.rate(j)]
+        for j in rested:
+            self.states[j] = OPEN
+        striking = [j for j in rested if at.rate(j) > 0]
+        undecided = [j for j in undecided if self.states[j] in TIES]
+        return self._strike(at, striking, undecided) if striking else ([], undecided)
+
     def _settle(self, at: Instant, undecided: list[int], last: int | None = None) -> None:
-        """Choose the states of the parts `undecided`; where that cannot be done, of part `last` too."""
+        """Choose the states of the parts `undecided`; where that cannot be done, of part `last` too. Sides of
+        formulas follow from what the guards are behind here.
+        """
+        at.turn(self.states)
+        before = list(self.states), list(at.state)
+        self._choose(at, undecided, last)
+        if before != (self.states, at.state) and at.turn(self.states):
+            self._choose(at, [i for i, state in enumerate(self.states) if state in TIES], last)
+        self.sides = at.sides
+        self.parameters = self.compiled.parameters(self.states, self.sides)
+
+    def _choose(self, at: Instant, undecided: list[int], last: int | None) -> None:
         self._mend_lifts(at)
         states = consistent_states(at, self.states, undecided)
-        if states is None and last is not None and self.switches[last].tie:
+        if states is None and last is not None and last < len(self.switches) and self.switches[last].tie:
             undecided = [*undecided, last]
             states = consistent_states(at, self.states, undecided)
         if states is None:
             raise ArithmeticError(f"no mode is consistent at {at.t:.9g} s")
-        self.states, self.parameters = states, self.compiled.parameters(states)
+        self.states = states
         tied = [i for i in dict.fromkeys(undecided) if states[i] in TIES]
         if tied:
             at.halt(tied)
@@ -364,28 +479,32 @@ class Mode:
         """Where an impact has turned the force of a damped stop round, it lets go, or takes hold again."""
         for i in self._damped:
             if self.states[i] != FREE and at.depth(i) > self.shortest.height:
-                force = at.contact_force(i)
-                if abs(force) > SLACK * self.switches[i].part.k * at.depth(i):
+                force, part = at.contact_force(i), self.switches[i].part
+                if abs(force) > SLACK * part.k * at.depth(i):
                     self.states[i] = CONTACT if force > 0 else LIFTED
 
 
 def _elastic_at_start(at: Instant, i: int) -> str:
     """The state of an elastic stop at t = 0: deep, or touching on its way in."""
     part = at.switches[i].part
-    depth = 0.0 if part.at_start else at.depth(i)
-    if depth < 0 or (depth == 0 and at.rate(i) < 0):
+    depth = at.depth(i)
+    if part.at_start:
+        depth = -at.compiled.skin if has_power(part) else 0.0
+    resting = at.rate(i) == 0 and has_power(part)  # a power of the depth does not press yet
+    if depth < 0 or (depth == 0 and (at.rate(i) < 0 or resting)):
         return FREE
     return LIFTED if part.release == AT_FORCE and at.contact_force(i) < 0 else CONTACT
 
 
-def _elastic_behind(at: Instant, i: int, state: str) -> str:
-    """The state of an elastic stop behind the end of one."""
+def _elastic_behind(at: Instant, i: int, state: str, place: int) -> str:
+    """The state of an elastic stop behind the end of one: of several ends, that at `place`."""
     part, depth = at.switches[i].part, at.depth(i)
     if state == FREE:
         return CONTACT
     if state == CONTACT:
-        return LIFTED if part.release == AT_FORCE and part.c and depth > 0 else FREE
-    return FREE if part.k * depth < abs(at.contact_force(i)) else CONTACT
+        by_depth = part.force is not None and place == 0
+        return LIFTED if part.lets_go and depth > 0 and not by_depth else FREE
+    return FREE if place == 0 else CONTACT
 
 
 # Impacts of rigid stops by the Newton-Moreau law, by trying which of them pass on an impulse.
@@ -402,7 +521,7 @@ def impact(at: Instant, touching: Sequence[int], rates: Sequence[float]) -> list
     """Change the velocities of `at` by an impact of the rigid stops `touching`, whose depths change by
     `rates` [m/s]; the impulse of each [N s]. Raises ArithmeticError where no impulses obey the law.
     """
-    if len(touching) == 1 and at.compiled.scene.motor is None:
+    if len(touching) == 1 and at.compiled.scene.motor is None and not at.compiled.scene.rotors:
         impulses = _of_one_stop(at, touching[0], rates[0])
     else:
         impulses = _of_several(at, touching, rates)
@@ -421,28 +540,29 @@ def _of_one_stop(at: Instant, i: int, rate: float) -> list[float]:
 
 def _of_several(at: Instant, touching: Sequence[int], rates: Sequence[float]) -> list[float]:
     scene, switches = at.compiled.scene, [at.switches[i] for i in touching]
-    rotor = [0.0] * scene.has_motor
-    rows = np.array([[*row, *rotor] for row in -rows_of(scene, switches)[0]])
-    mobility = np.linalg.inv(_mass_matrix(scene, at.state))
+    matrix, places = _mass_matrix(scene, at.state)
+    rows = np.zeros((len(touching), len(places)))
+    rows[:, : len(scene.line)] = -rows_of(scene, switches)[0]
+    mobility = np.linalg.inv(matrix)
     e = np.array([float(switch.part.e) for switch in switches])
     impulses = _impulses(rows @ mobility @ rows.T, np.array(rates), e)
-    velocities = [*range(1, 2 * len(scene.bodies), 2), *([2 * len(scene.bodies) + 1] if rotor else [])]
-    for place, step in zip(velocities, (-mobility @ rows.T @ impulses).tolist(), strict=True):
+    for place, step in zip(places, (-mobility @ rows.T @ impulses).tolist(), strict=True):
         at.state[place] += step
     passed: list[float] = impulses.tolist()
     return passed
 
 
-def _mass_matrix(scene: Scene, state: Sequence[float]) -> np.ndarray:
-    """Of the bodies, and of the rotor behind them, whose unbalance ties it to its body."""
-    matrix = np.diag(masses(scene))
-    if scene.motor is None:
-        return matrix
-    p, n = scene.motor, len(scene.bodies)
-    matrix = np.pad(matrix, ((0, 1), (0, 1)))
-    matrix[n, n] = p.J + p.m3 * p.e**2
-    matrix[p.on, n] = matrix[n, p.on] = -p.m3 * p.e * sin(state[2 * n])
-    return matrix
+def _mass_matrix(scene: Scene, state: Sequence[float]) -> tuple[np.ndarray, list[int]]:
+    """Of the bodies, and of the rotors behind them, whose unbalance ties each to its body; places of their
+    velocities in the state.
+    """
+    shafts = [shaft for shaft in shafts_of(scene, range(len(state))) if shaft.unbalance]
+    n = len(scene.line)
+    matrix = np.diag([*masses(scene), *(shaft.inertia for shaft in shafts)])
+    for k, shaft in enumerate(shafts):
+        coupling = -shaft.unbalance * sin(state[shaft.angle])
+        matrix[shaft.on, n + k] = matrix[n + k, shaft.on] = coupling
+    return matrix, [*range(1, 2 * n, 2), *(shaft.speed for shaft in shafts)]
 
 
 def _impulses(A: np.ndarray, rates: np.ndarray, e: np.ndarray) -> np.ndarray:

@@ -14,7 +14,14 @@ import heyoka as hy
 import numpy as np
 
 from vibsim.evidence.peers.automaton import Mode, Shortest
-from vibsim.evidence.peers.equations import Compiled, ModeEquations, parameter_count, start_of, state_count
+from vibsim.evidence.peers.equations import (
+    Compiled,
+    ModeEquations,
+    parameter_count,
+    start_of,
+    state_count,
+    sum_of,
+)
 from vibsim.evidence.peers.solvers import SHARE, Attempt, OutOfTime, SolverProgress, TimeLimit, kinds_of
 from vibsim.physics.parts import EVENT_KINDS, Scene
 
@@ -23,7 +30,19 @@ from vibsim.physics.parts import EVENT_KINDS, Scene
 COOLDOWN = 1e-9  # s
 SHORTEST_HOP = 10 * COOLDOWN  # s: the end of a shorter one lies in the cooldown
 PIECE = 100  # samples between two looks at the clock
-KIT = SimpleNamespace(sin=hy.sin, cos=hy.cos, exp=hy.exp)
+SKIN = 1e-12  # m: no power of a depth but a whole one has a series at 0, so such contacts begin and end here
+
+
+def _choose(flag: Any, yes: Any, no: Any) -> Any:
+    """flag yes + (1 - flag) no."""
+    terms = [(flag, yes), (1.0 - flag, no)]
+    return sum_of(share * value for share, value in terms if not (isinstance(value, float) and value == 0.0))
+
+
+KIT = SimpleNamespace(
+    sin=hy.sin, cos=hy.cos, exp=hy.exp, call=lambda name, a: getattr(hy, name)(a),
+    power=lambda a, p: hy.sqrt(a) if p == 0.5 else a**p, choose=_choose, skin=SKIN,
+)  # fmt: skip
 
 
 class HeyokaEvents:
@@ -31,11 +50,14 @@ class HeyokaEvents:
 
     def __init__(self, scene: Scene, tol: float):
         hy.llvm_state.set_diskcache_enabled(False)  # so that compiling is compiling
+        hy.set_logger_level_error()  # it warns of zeros that it loses on the output: here they are counted
         self.scene, self.tol = scene, tol
-        self.compiled = Compiled(scene)
+        self.compiled = Compiled(scene, SKIN)
         system, functions = expressions(scene)
         options = {"direction": hy.event_direction.negative, "cooldown": COOLDOWN}
-        events = [hy.t_event(function, callback=self._callback(i), **options) for i, function in functions]
+        events = [
+            hy.t_event(function, callback=self._callback(*place), **options) for place, function in functions
+        ]
         self.integrator = hy.taylor_adaptive(system, start_of(scene), t_events=events, tol=tol)
         self.restart()
 
@@ -51,6 +73,10 @@ class HeyokaEvents:
                 steps += taken
                 if self.problem is not None:
                     raise self.problem
+                if outcome == hy.taylor_outcome.err_nf_state:
+                    raise ArithmeticError(
+                        "no longer finite, as a power whose base comes to 0 has no Taylor series"
+                    )
                 if outcome != hy.taylor_outcome.time_limit:
                     raise ArithmeticError(f"heyoka: {outcome} at {self.integrator.time:g} s")
                 pieces.append(states[1:])
@@ -79,16 +105,17 @@ class HeyokaEvents:
     def _set_parameters(self, integrator: Any) -> None:
         integrator.pars[:] = self.mode.parameters[: len(integrator.pars)]  # the last may be in no equation
 
-    def _callback(self, i: int) -> Callable[[Any, int], bool]:
-        """Function that heyoka calls at a zero of an event function of part i; a plain function, for heyoka
-        deep-copies what it is given. An error cannot pass through heyoka: it is kept, and the run ended.
+    def _callback(self, i: int, place: int) -> Callable[[Any, int], bool]:
+        """Function that heyoka calls at a zero of an event function of part i at its place; a plain function,
+        for heyoka deep-copies what it is given. An error cannot pass through heyoka: it is kept, and the run
+        ended.
         """
 
         def taken(integrator: Any, _sign: int) -> bool:
             state = integrator.state.tolist()
             before = list(state)
             try:
-                kinds = self.mode.switch(i, integrator.time, state)
+                kinds = self.mode.switch(i, place, integrator.time, state)
                 self.progress.event(integrator.time)
             except ArithmeticError as error:
                 self.problem = error
@@ -102,15 +129,19 @@ class HeyokaEvents:
         return taken
 
 
-def expressions(scene: Scene) -> tuple[list[tuple[Any, Any]], list[tuple[int, Any]]]:
-    """The equations of motion with the modes as parameters; (part, event function) of all parts."""
+def expressions(scene: Scene) -> tuple[list[tuple[Any, Any]], list[tuple[tuple[int, int], Any]]]:
+    """The equations of motion with the modes as parameters; ((part, place), event function) of all parts."""
     names = [f"s{i}" for i in range(state_count(scene))]
     states = hy.make_vars(*names)
     parameters = [hy.par[i] for i in range(parameter_count(scene))]
     equations = ModeEquations(scene, KIT, hy.time, states, parameters)
     system = [(state, _expression(rate)) for state, rate in zip(states, equations.rates, strict=True)]
-    parts = range(len(equations.switches))
-    ends = [(i, _expression(end)) for i in parts for end in equations.ends_in_any_state(i)]
+    parts = range(len(equations.switches) + len(equations.turning))
+    ends = [
+        ((i, place), _expression(end))
+        for i in parts
+        for place, end in enumerate(equations.ends_in_any_state(i))
+    ]
     return system, ends
 
 

@@ -12,15 +12,15 @@ import numpy as np
 import scipy.integrate
 from scipy.integrate import solve_ivp
 
-from vibsim.evidence.peers.automaton import NEVER, Mode, Shortest
+from vibsim.evidence.peers.automaton import NEVER, Mode, Shortest, rk4_step
 from vibsim.evidence.peers.equations import (
     Compiled,
     Equations,
     ModeEquations,
     Number,
-    parameters_of,
     start_of,
     state_count,
+    tie_parameters,
 )
 from vibsim.evidence.peers.straight_line import OperationLog, switches_of
 from vibsim.physics.parts import AT_FORCE, EVENT_KINDS, Friction, Scene, Stop
@@ -41,13 +41,15 @@ def eventless_motion(scene: Scene, width: float | None = None) -> Motion:
     tape = OperationLog(state_count(scene))
     at = Equations(scene, tape, tape.t, tape.states)
     switches = switches_of(scene)
-    flags: list[Number] = []
+    weights: list[Number] = []
+    acting: list[Number] = []
     for switch in switches:
-        slides = isinstance(switch.part, Friction)
-        flags += _slipping(tape, at, switch.part, width) if slides else _in_contact(tape, at, switch.part)
-        flags += [0.0] * (len(switch.states) - 2)
-    untied = parameters_of(scene, [switch.states[0] for switch in switches])[len(flags) :]
-    return tape.function(ModeEquations(scene, tape, tape.t, tape.states, [*flags, *untied]).rates)
+        slides, idle = isinstance(switch.part, Friction), [0.0] * (len(switch.states) - 2)
+        weights += _slipping(tape, at, switch.part, width) if slides else _in_contact(tape, at, switch.part)
+        acting += _ways(tape, at, switch.part) if slides else weights[-2:]
+        weights, acting = weights + idle, acting + idle
+    untied = tie_parameters(scene, [switch.states[0] for switch in switches])
+    return tape.function(ModeEquations(scene, tape, tape.t, tape.states, [*weights, *untied], acting).rates)
 
 
 def _slipping(tape: OperationLog, at: Equations, part: Friction, width: float | None) -> list[Number]:
@@ -57,12 +59,20 @@ def _slipping(tape: OperationLog, at: Equations, part: Friction, width: float | 
     return [tape.where(slip, sign, 0.0), tape.where(slip, 0.0, -sign)]
 
 
+def _ways(tape: OperationLog, at: Equations, part: Friction) -> list[Number]:
+    """1 or 0: whether it slips forwards, and backwards."""
+    slip = at.slip_velocity(part)
+    return [tape.where(slip, 1.0, 0.0), tape.where(slip, 0.0, 1.0)]
+
+
 def _in_contact(tape: OperationLog, at: Equations, part: Stop) -> list[Number]:
     """0 for free, and whether it acts."""
-    acts: Any = 1.0
-    if part.release == AT_FORCE:
-        acts = tape.where(at.contact_force(part), 1.0, 0.0)
-    return [0.0, tape.where(at.depth(part), acts, 0.0)]
+    deep = tape.where(at.depth(part), 1.0, 0.0)
+    if part.release != AT_FORCE:
+        return [0.0, deep]
+    label = ("deep", part.name)
+    at.formulas.flags[label] = deep
+    return [0.0, tape.choose(deep, tape.where(at.contact_force(part, label), 1.0, 0.0), 0.0)]
 
 
 # What a peer's run comes to.
@@ -159,18 +169,6 @@ class RungeKutta4:
         t_reached = grid[len(samples) - 1]
         evaluations = STAGES * steps
         return Attempt(np.array(samples), t_reached, steps, evaluations, changes.events, CONTACTS, stopped)
-
-
-def rk4_step(
-    motion: Callable[[float, Sequence[float]], Sequence[float]], t: float, state: list[float], h: float
-) -> list[float]:
-    """The state a step h [s] after `state`: Kutta (1901)."""
-    a = motion(t, state)
-    b = motion(t + h / 2, [x + h / 2 * rate for x, rate in zip(state, a, strict=True)])
-    c = motion(t + h / 2, [x + h / 2 * rate for x, rate in zip(state, b, strict=True)])
-    d = motion(t + h, [x + h * rate for x, rate in zip(state, c, strict=True)])
-    stages = zip(state, a, b, c, d, strict=True)
-    return [x + h / 6 * (p + 2 * (q + r) + s) for x, p, q, r, s in stages]
 
 
 # Contacts read off a run without events: where the depth of a stop changes sign between two steps.
@@ -273,8 +271,10 @@ class _Steps:
 # is met in it is passed through. So steps are at most a share of the shortest period of the motion.
 
 
-INSIDE = 1e-300  # stands for an event function that is exactly 0: solve_ivp takes 0 after 0 for an event
+INSIDE = 1e-300  # stands for an event function that is exactly 0: solve_ivp takes 0 after 0 for an event, and
+# LSODA interpolates some of the zeros that a mode begins with to below 0
 LONGEST = 0.25  # of the shortest period with all stops closed: a step; a contact lasts half of it
+INTERVALS = 5  # of samples: a step beside a stop whose law is a formula, which has no period to go by
 FIRST = 0.25  # of a hop that has just begun: its first step, so that the next ones see it end
 BEHIND_A_IMPACT = 0.01  # of the longest step, where the hop has no end in sight yet
 
@@ -286,6 +286,8 @@ class EventSolver:
         self.scene, self.method = scene, method
         rate = fastest_rate(scene)
         longest = LONGEST * 2 * pi / rate if rate else inf
+        if any(stop.force is not None for _, stop in scene.elastic_stops):
+            longest = min(longest, INTERVALS * scene.every_num / scene.every_den)
         self.settings = {"rtol": rtol, "atol": SHARE * rtol, "max_step": longest}
         self.compiled = Compiled(scene)
 
@@ -341,7 +343,7 @@ class _EventRun:
         happened = next(i for i, times in enumerate(answer.t_events) if len(times))
         self.t = float(answer.t_events[happened][0])
         self.state = answer.y_events[happened][0].tolist()
-        self.events += self._named(self.mode.switch(owners[happened], self.t, self.state))
+        self.events += self._named(self.mode.switch(*owners[happened], self.t, self.state))
         self.progress.event(self.t)
 
     def _first_step(self) -> float | None:
@@ -359,16 +361,23 @@ class _EventRun:
         rates: tuple[float, ...] = self.compiled.motion(t, state.tolist(), self.mode.parameters)
         return rates
 
-    def _ends(self) -> tuple[list[int], list[Callable[..., float]]]:
-        """The event functions of the mode, terminal and falling, and the part of each."""
-        states = enumerate(self.mode.states)
-        pairs = [(i, self._end(end)) for i, state in states for end in self.compiled.ends(i, state)]
-        return [i for i, _ in pairs], [end for _, end in pairs]
+    def _ends(self) -> tuple[list[tuple[int, int]], list[Callable[..., float]]]:
+        """The event functions of the mode, terminal and falling, and part and place of each."""
+        states = [*self.mode.states, *[""] * len(self.mode.sides)]
+        ends = {
+            (i, place): self._end(end)
+            for i, state in enumerate(states)
+            for place, end in enumerate(self.compiled.ends(i, state))
+        }
+        return list(ends), list(ends.values())
 
     def _end(self, function: Callable[..., Any]) -> Callable[..., float]:
-        parameters = self.mode.parameters
+        parameters, start = self.mode.parameters, self.t
+        touches = function(start, self.state, parameters)[0] == 0
 
         def end(t: float, state: np.ndarray) -> float:
+            if touches and t == start:
+                return INSIDE
             return function(t, state.tolist(), parameters)[0] or INSIDE
 
         end.terminal, end.direction = True, -1  # type: ignore[attr-defined]
