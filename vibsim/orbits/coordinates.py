@@ -272,9 +272,14 @@ def start_by_column(scene: Scene) -> dict[str, float]:
     return {name: float(value) for name, value in named if name is not None}
 
 
-def case_on_orbit(case: Case, state: Mapping[str, float], period: float) -> Case:
-    """The case from a state by name of the column over one period [s]; every number as the double it is."""
-    return case.with_values({**_initial(case, state), **_span(period), **_freely(case)})
+def case_on_orbit(
+    case: Case, state: Mapping[str, float], period: float, values: Mapping[str, str] | None = None
+) -> Case:
+    """The case from a state by name of the column over one period [s]; every number as the double it is.
+
+    values : other values of its keys, which may be ones that its own start does not allow
+    """
+    return case.with_values({**(values or {}), **_initial(case, state), **_span(period), **_freely(case)})
 
 
 def _initial(case: Case, state: Mapping[str, float]) -> dict[str, str]:

@@ -269,12 +269,15 @@ class Family:
 
     def at(self, parameter: float) -> Case:
         """The case at a value of the parameter. Raises CaseError where it does not allow it."""
-        return self.case.with_values(dict.fromkeys(self.keys, f"{float(parameter)!r} {self.unit}".strip()))
+        return self.case.with_values(self._values(parameter))
+
+    def _values(self, parameter: float) -> dict[str, str]:
+        return dict.fromkeys(self.keys, f"{float(parameter)!r} {self.unit}".strip())
 
     def case_on(self, orbit: Any) -> Case:
         """The case that runs one period on a recorded orbit (`OrbitRecord` of `tracing`)."""
         state = self.map(orbit.parameter).coordinates.state(np.array(orbit.state))
-        return case_on_orbit(self.at(orbit.parameter), state, orbit.period)
+        return case_on_orbit(self.case, state, orbit.period, self._values(orbit.parameter))
 
     def unknowns(self, X: np.ndarray, T: float, parameter: float) -> np.ndarray:
         """Scaled unknowns of an orbit."""

@@ -223,10 +223,14 @@ def windows_of(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> Ite
 def _about(return_map: ReturnMap, X: np.ndarray, T: float, stop: int, touch: float) -> Window:
     """The window about a touch at a time [s]. Raises ContinuationError."""
     middle, end = touch / T, return_map(X, None if return_map.section.timed else T)
+    turning = frictions_between(return_map.scene, stop)
     shares = [
         t / T
         for (kind, part), t in zip(end.carried.events, end.carried.times, strict=True)
-        if not (part == stop and kind in CONTACTS and abs(t / T - middle) < SAME)
+        if not (
+            abs(t / T - middle) < SAME
+            and (part == stop if kind in CONTACTS else kind == "reversal" and part in turning)
+        )
     ]
     others = min((abs(share - middle) for share in shares), default=1.0)
     nearest = min(middle, 1 - middle, others)
@@ -235,6 +239,14 @@ def _about(return_map: ReturnMap, X: np.ndarray, T: float, stop: int, touch: flo
     return Window(
         stop, round(middle * 2**20) / 2**20, ldexp(0.5, frexp(min(WIDEST, TOUCHING_SHARE * nearest))[1])
     )
+
+
+def frictions_between(scene: Scene, stop: int) -> list[int]:
+    """Numbers of the frictions that act between the ends of a stop, without a belt: the gap turns where they
+    reverse.
+    """
+    ends = {scene.stops[stop].P, scene.stops[stop].Q}
+    return [i for i, one in enumerate(scene.frictions) if {one.P, one.Q} == ends and not one.runs]
 
 
 def touches(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> list[float]:
@@ -343,19 +355,27 @@ def _impacts(word: Word, stop: int) -> int:
 def _with(point: FamilyPoint, middle: float, stop: int) -> Word:
     """The word with the touch in its place, at a share of the period."""
     end = point.end
-    before = int(np.count_nonzero(end.carried.times < middle * end.T))
+    turning = frictions_between(end.coordinates.scene, stop)
+    reversals = [
+        i
+        for i, ((kind, part), t) in enumerate(zip(end.carried.events, end.carried.times, strict=True))
+        if kind == "reversal" and part in turning and abs(t / end.T - middle) < SAME
+    ]
+    before = reversals[0] if reversals else int(np.count_nonzero(end.carried.times < middle * end.T))
     return circle((*end.events[:before], ("impact", stop), *end.events[before:]))
 
 
-# Where a branch turns back because a sliding velocity touches zero.
+# Where a branch turns back at a change of order, as where a sliding velocity touches zero.
 #
 # Some orbits slide all the time at a friction, others stick on it for a while: as both come to the touch they
 # become one, and beyond it there is neither. The return map has a kink there, and no step of the branch gets
 # across. It goes on among the orbits of the other kind, back in the parameter: a fold without a multiplier 1
-# (Leine and van Campen 2006).
+# (Leine and van Campen 2006). So it is where a stick begins just before an impact, at which it ends: then
+# det(P' - I) has one sign on either side and the other on the other, and the place is where the orbits meet.
 
 
-BACK = (1e-4, 1e-3, 1e-2)  # scaled: how far back in the parameter orbits of the other kind are looked for
+BACK = (1e-4, 1e-3, 1e-2, 1e-5, 1e-6)  # scaled: how far back in the parameter orbits of the other kind are
+# looked for; the last where these have a fold of their own near by
 ASIDE = (0.25, 1.0, 4.0, 16.0)  # times that: how far a state is moved to be of the other kind
 NEAR_CORNER = 200.0  # times that: how far such an orbit may be
 CORNER_SAMPLES = 256  # of a period, among which the touch is looked for
@@ -365,9 +385,13 @@ TOUCHED = 1e-12  # of the first slip that is left: the touch
 TRIES = 40
 
 
-def sliding_corner(family: Family, node: Node, risen: float) -> tuple[Special, Node] | None:
-    """The touch near the last node of a branch at which it turns back, and the node behind it; None where
-    there is none.
+TENTHS = 6  # of the way to a change of order that orbits behind it are followed
+MET = 1e-13  # scaled distance of two orbits that are one: Newton's method leaves as much
+
+
+def corner_near(family: Family, node: Node, risen: float) -> tuple[Special, Node] | None:
+    """The change of order near the last node of a branch at which it turns back, and the node behind it; None
+    where there is none.
 
     risen : above 0 where the parameter has risen to the node
     """
@@ -376,11 +400,9 @@ def sliding_corner(family: Family, node: Node, risen: float) -> tuple[Special, N
         for start in _beside(family, node, -change, back):
             try:
                 behind = node_at(family, start, None, None, NEAR_CORNER * back)
-                friction = _sticks_apart(node.word, behind.word)
-                if friction is None or length_of(behind.z - node.z) > NEAR_CORNER * back:
+                if length_of(behind.z - node.z) > NEAR_CORNER * back:
                     continue
-                slipping = min((node, behind), key=lambda one: len(one.word))
-                at = _touch(family, _near(family, slipping, start[-1]), friction, change)
+                at = _corner_of(family, node, behind, change)
             except ContinuationError:
                 continue
             away = Node(behind.point, behind.z - at.z, behind.iterations)
@@ -388,9 +410,86 @@ def sliding_corner(family: Family, node: Node, risen: float) -> tuple[Special, N
     return None
 
 
+def beyond_the_change(family: Family, node: Node) -> Node | None:
+    """The node just behind a change of order near the last node of a branch, at which the slope of the branch
+    jumps so much that no step along its tangent gets across; None where there is none.
+    """
+    if node.ahead == 0:
+        return None
+    for beyond in sorted(BACK):
+        for start in _beside(family, node, float(np.copysign(beyond, node.ahead)), beyond):
+            try:
+                behind = node_at(family, start, None, None, NEAR_CORNER * beyond)
+            except ContinuationError:
+                continue
+            if node.fold * behind.fold > 0 and _slips_apart(node.word, behind.word):
+                behind.go_like((node,))
+                nearest = _nearest_of_kind(family, node, behind)
+                away = abs(nearest.z[-1] - node.z[-1])
+                if away <= min(BACK) and length_of(nearest.z - node.z) <= NEAR_CORNER * away:
+                    return behind
+    return None
+
+
+def _nearest_of_kind(family: Family, node: Node, behind: Node) -> Node:
+    """The orbit of the kind of a second node that is nearest to the first, in steps to a tenth of the way."""
+    for _ in range(TENTHS):
+        try:
+            parameter = node.z[-1] + CORNER_SHARE * (behind.z[-1] - node.z[-1])
+            behind = _near(family, behind, parameter)
+        except ContinuationError:
+            break
+    return behind
+
+
+def _corner_of(family: Family, node: Node, behind: Node, change: float) -> Node:
+    """The orbit that the orbits of both kinds become, one of each known; `change` of the scaled parameter
+    leads there from the second. Raises ContinuationError where they do not, or det(P' - I) has one sign on
+    both sides.
+    """
+    if not node.fold * behind.fold < 0:
+        raise ContinuationError("the orbits of two kinds do not end each other")
+    friction = _sticks_apart(node.word, behind.word)
+    if friction is not None:
+        slipping = min((node, behind), key=lambda one: len(one.word))
+        try:
+            return _touch(family, _near(family, slipping, behind.z[-1]), friction, change)
+        except ContinuationError:
+            pass
+    return _meeting(family, node, behind)
+
+
+def _meeting(family: Family, node: Node, behind: Node) -> Node:
+    """The orbit at which those of two kinds meet, from one of each: their distance is proportional to that in
+    the parameter. Raises ContinuationError where they do not.
+    """
+    if not _slips_apart(node.word, behind.word):
+        raise ContinuationError("the orbits are of one kind")
+    words, one, other = (node.word, behind.word), _near(family, node, behind.z[-1]), behind
+    places, gaps = [], []
+    for _ in range(TRIES):
+        if (one.word, other.word) != words:
+            raise ContinuationError("the way to the corner leads elsewhere")
+        difference = one.z - other.z
+        if not gaps:
+            widest = int(np.argmax(np.abs(difference)))
+        places.append(one.z[-1])
+        gaps.append(difference[widest])
+        if abs(gaps[-1]) <= MET:
+            return one
+        share = 1 - CORNER_SHARE
+        if len(gaps) > 1:
+            slope = (places[-1] - places[-2]) / (gaps[-1] - gaps[-2])
+            parameter = places[-1] - share * gaps[-1] * slope
+        else:
+            parameter = places[-1] + share * (node.z[-1] - places[-1])
+        one, other = (_near(family, each, parameter) for each in (one, other))
+    raise ContinuationError("the orbits of two kinds do not meet")
+
+
 def _beside(family: Family, node: Node, change: float, size: float) -> Iterator[np.ndarray]:
-    """Scaled unknowns about the size beside those of a node, at a parameter changed, with sticks or without
-    where it has none or has them.
+    """Scaled unknowns about the size beside those of a node, at a parameter changed, with another order of
+    events.
     """
     count = len(node.point.end.X)
     for times in ASIDE:
@@ -399,10 +498,16 @@ def _beside(family: Family, node: Node, change: float, size: float) -> Iterator[
             z[:count] += times * size * shift
             z[-1] += change
             try:
-                if _sticks_apart(node.word, family(z).word) is not None:
+                if _slips_apart(node.word, family(z).word):
                     yield z
             except ContinuationError:
                 continue
+
+
+def _slips_apart(one: Word, other: Word) -> bool:
+    """Whether two words differ, and have the same contacts and impacts, each as often."""
+    gone, come = changes(one, other)
+    return one != other and not set(kinds_of(gone + come)) & set(CONTACTS)
 
 
 def _sticks_apart(one: Word, other: Word) -> int | None:

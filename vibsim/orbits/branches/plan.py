@@ -277,9 +277,9 @@ class EnergyFamily(Family):
         """One map: the energy is none of its numbers."""
         return self._map
 
-    def at(self, parameter: float) -> Case:
-        """The case."""
-        return self.case
+    def _values(self, parameter: float) -> dict[str, str]:
+        """None: the energy is none of its numbers."""
+        return {}
 
     def __call__(self, z: np.ndarray) -> "EnergyPoint":
         """The motion over one return from scaled unknowns. Raises ContinuationError where it fails."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from vibsim.orbits.branches.correction import SHARP, ContinuationError, NoCase, Pace, turn
 from vibsim.orbits.branches.family import Family
-from vibsim.orbits.branches.grazing import grazing_end, sliding_corner
+from vibsim.orbits.branches.grazing import beyond_the_change, corner_near, grazing_end
 from vibsim.orbits.branches.inspection import NEAR, detect, inspect
 from vibsim.orbits.branches.interpolant import JOINS, beyond_the_impact, from_section, joining, repetition
 from vibsim.orbits.branches.node import (
@@ -38,9 +38,11 @@ ROUNDING = "Newton's method goes to and fro across a graze"
 AT_REST = "shrinks to a state of rest"
 FAMILY = "orbits come in a family at this value, in which more than one number is free"
 BLOCKED = "an impact on a rigid stop comes to the section: shift the phase of the source to go on"
+STUCK = "stuck"
 LOOSE = 1e-10  # residual, scaled, of what is no orbit where the branch turns back
 POLISH = 3  # Newton steps of a time of return that is known to 1e-9
 KINKS = (1e-7, 1e-6, 1e-5, 1e-4)  # scaled lengths of steps across a kink
+IN_A_ROW = 8  # such steps: where nothing else leads on the branch is stuck
 SHORTER, TRIES = 8, 3  # times shorter a step is that is taken again, and how often
 SAME = 1e-8  # scaled distance of a closed branch from its start
 
@@ -72,6 +74,7 @@ class Walk:
         self.before: Node | None = None
         self.step, self.count, self.bend = pace.first, 0, 0.0
         self.crosses, self.tries = True, 0  # impacts that come to the section; steps taken again in a row
+        self.kinks = 0  # steps across one in a row
 
     def go_on(self, before: Node, node: Node, step: float, count: int) -> None:
         """Go on from a node that a walk came to after `count` steps; before: the one before that."""
@@ -102,8 +105,15 @@ class Walk:
                 if corner is not None:
                     yield self._around(*corner)
                     continue
+                stuck = self._stuck(error)
+                behind = beyond_the_change(self.family, self.node) if stuck.startswith(STUCK) else None
+                if behind is not None:
+                    specials = inspect(self.family, self.node, behind)
+                    self.go_on(self.node, behind, self.pace.first * KINKS[-1], self.count + 1)
+                    yield Step(behind, specials, self.step)
+                    continue
                 graze = grazing_end(self.family, self.node)
-                ended = self._stuck(error) if graze is None else TOUCHED
+                ended = stuck if graze is None else TOUCHED
                 yield Step(self.node, () if graze is None else (graze,), self.step, ended)
                 return
             if shrunk is not None:
@@ -151,7 +161,7 @@ class Walk:
         before = self.before if node is self.node else self.node
         if before is None or before.z[-1] == node.z[-1]:
             return None
-        return sliding_corner(self.family, node, node.z[-1] - before.z[-1])
+        return corner_near(self.family, node, node.z[-1] - before.z[-1])
 
     def _around(self, special: Special, node: Node) -> Step:
         """The step around a corner."""
@@ -171,7 +181,7 @@ class Walk:
         if str(error).startswith((JOINS, END)):
             return str(error)
         sense = 1.0 if self.node.ahead > 0 else -1.0
-        return carried_off(self.family, self.node, sense) or f"stuck: {error}"
+        return carried_off(self.family, self.node, sense) or f"{STUCK}: {error}"
 
     def _next(self) -> tuple[Node, float]:
         """The next node, and the length of the step behind it. Raises ContinuationError."""
@@ -186,6 +196,7 @@ class Walk:
                 if turned <= SHARP and straight and not turned_over(self.node, node):
                     again = ROUNDING if self._beside_a_graze(node) else repetition(self.family, node)
                     if again is None:
+                        self.kinks = 0
                         return node, self.pace.following(length, turned, node.iterations, length_of(node.z))
                     reason = again
             except NoCase as error:
@@ -237,6 +248,9 @@ class Walk:
         a sliding velocity comes to touch zero, and a stick is born. Raises ContinuationError where nothing is
         near, or the branch turns back.
         """
+        self.kinks += 1
+        if self.kinks > IN_A_ROW:
+            raise ContinuationError(reason)
         for length in KINKS:
             try:
                 node = node_at(
