@@ -7,6 +7,7 @@ from tests.analysis import known_maps
 from vibsim.analysis.sections import (
     Exponent,
     approached_period,
+    bands_of,
     find_period,
     judge_points,
     prediction_error,
@@ -115,11 +116,30 @@ def test_too_few_points():
     ],
 )
 def test_an_exponent_must_not_contradict(value, between, chaotic, regular):
-    bands = known_maps.logistic(3.6, 500)  # K is between
+    bands = known_maps.logistic(3.6, 390)  # two, of too few points each: K is between
     assert judge_points(bands).verdict == "undecided"
     orbits = [bands, known_maps.henon(500), known_maps.torus(500)]
     found = [judge_points(orbit, Exponent(value, 0.05)).verdict for orbit in orbits]
     assert found == [between, chaotic, regular]
+
+
+@pytest.mark.parametrize(("r", "count"), [(3.66, 2), (3.59, 4), (3.5735, 8)])
+def test_chaos_in_bands_is_chaos(r, count):
+    """Bands of the logistic map merge at r = 3.678573 (2 to 1), 3.592572 and 3.574804."""
+    points = known_maps.logistic(r, 400 * count)
+    found = judge_points(points, Exponent(0.1, 0.05))
+    assert (found.verdict, bands_of(points)) == ("chaotic", count)
+    assert judge_points(points, Exponent(-0.1, 0.05)).verdict != "chaotic"
+
+
+def test_what_alternates_and_is_not_chaotic_is_not_called_so():
+    """Curves gone through in turn, and places with noise about them."""
+    n = np.arange(1000)
+    noise = np.random.default_rng(5).normal(size=(1000, 2))
+    for k in (2, 3, 5):
+        places = np.stack([np.cos(2 * np.pi * n / k), np.sin(2 * np.pi * n / k)], axis=1)
+        assert judge_points(places + 0.1 * known_maps.torus(1000)).verdict != "chaotic"
+        assert judge_points(places + 0.01 * noise).verdict != "chaotic"
 
 
 def test_the_0_1_test_against_the_figures_of_its_authors():

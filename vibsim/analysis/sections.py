@@ -400,6 +400,7 @@ def _turned(result: Result, span: Span, times: np.ndarray) -> tuple[np.ndarray, 
 REGULAR, CHAOTIC = 0.1, 0.9  # |K| of the 0-1 test below, K above
 FEWEST = 200  # points that the 0-1 test needs: with fewer, K of a regular motion strays up to 0.5
 FOLLOWS = 0.3  # prediction error of a deterministic motion, at most; that of noise is 1
+MOST_BANDS = 16  # of a chaotic motion that are looked for
 CURVE = 10.0  # prediction error times number of points on a curve, at most
 
 
@@ -477,8 +478,43 @@ def _irregular(points: np.ndarray, exponent: Exponent | None) -> JudgedPoints:
         return JudgedPoints(
             "undecided", "too many points are the same to tell how they follow", chaos_number=k
         )
-    verdict, reason = _weighed(k, prediction, len(points), exponent.sign if exponent else None)
+    sign = exponent.sign if exponent else None
+    verdict, reason = _weighed(k, prediction, len(points), sign)
+    if verdict == "undecided" and prediction <= FOLLOWS and sign in (1, None):
+        bands = bands_of(points)
+        if bands > 1:
+            k, prediction = _within_bands(points, bands)
+            if k >= CHAOTIC and prediction <= FOLLOWS:
+                verdict, known = "chaotic", ", exponent positive" if sign else ""
+                reason = f"{bands} bands, gone through in turn, 0-1 test K = {k:.2f} in each or more{known}"
     return JudgedPoints(verdict, reason, chaos_number=k, prediction=prediction)
+
+
+def bands_of(points: np.ndarray) -> int:
+    """Number of bands that points (n, d) go through in turn: the most, up to MOST_BANDS of FEWEST points each,
+    that lie apart from each other by one of the coordinates; 1 where they do not.
+    """
+    for count in range(min(MOST_BANDS, len(points) // FEWEST), 1, -1):
+        lows, highs = (
+            np.array([side(points[i::count], axis=0) for i in range(count)]) for side in (np.min, np.max)
+        )
+        order = np.argsort(lows, axis=0)
+        lows, highs = (np.take_along_axis(each, order, axis=0) for each in (lows, highs))
+        if (highs[:-1] < lows[1:]).all(axis=0).any():
+            return count
+    return 1
+
+
+def _within_bands(points: np.ndarray, count: int) -> tuple[float, float]:
+    """The least K of the 0-1 test in one of the bands, each seen by itself, and the greatest prediction error.
+
+    Which band comes next is no chaos, but the greater part of the motion: over all points it hides what is.
+    """
+    bands = [points[i::count] for i in range(count)]
+    numbers = [
+        np.nanmedian([zero_one(column) for column in band.T if np.ptp(column) > EXACT]) for band in bands
+    ]
+    return float(min(numbers)), float(max(prediction_error(band) for band in bands))
 
 
 def _weighed(k: float, prediction: float, count: int, sign: int | None) -> tuple[str, str]:
