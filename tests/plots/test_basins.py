@@ -40,6 +40,18 @@ def test_undecided_points_are_marked(tmp_path):
     assert patch.get_gid() == "hatch undecided" and patch.get_hatch() == UNDECIDED.hatch
 
 
+def test_two_parameters_are_coloured_by_period(tmp_path):
+    """One impact in one, two and three periods (Shaw and Holmes 1983), at two restitutions each."""
+    case = load_case("gallery/impact-oscillator", {"run.t_end": "100 s"})
+    ranges = {"drive.omega": "2, 4, 6 rad/s", "wall.e": "0.5, 0.6"}
+    sweep(case, ranges, section=0, compute="attractor", out=tmp_path / "a.h5", jobs=1)
+    figure = draw(tmp_path / "a.h5")
+    (mesh,) = [each for each in figure.axes[0].collections if each.get_gid() == "attractor"]
+    assert set(np.ma.masked_invalid(mesh.get_array()).compressed()) == {0, 1, 2}
+    texts = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert texts == ["period 1", "period 2", "period 3"]
+
+
 def test_starts_of_an_ensemble(tmp_path):
     result = sweep(
         "gallery/belt-oscillator",

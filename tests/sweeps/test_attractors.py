@@ -214,6 +214,24 @@ def test_means_of_a_set_have_honest_errors():
     assert 0.02 < np.mean(np.array(off) > 2.26) < 0.09  # Student's t with 9 degrees: 0.05
 
 
+EARLY_OR_NOT = "attractor", ["attractor", "end-state"]
+
+
+def test_a_limit_cycle_without_events():
+    """Van der Pol's oscillator: every start but rest itself ends on its cycle. Known early by where a run
+    meets the section, or at its end, at which the peaks of its speed between samples are no fall of energy.
+    """
+    starts = {"mass.x": "-2:2/7 m", "mass.v": "-2:2/5 m/s"}
+    settings = {"overrides": {"run.t_end": "250 s"}, "discard": "60 %", "section": 0, "jobs": 1}
+    found = [vibsim.sweep("gallery/van-der-pol", starts, compute=each, **settings) for each in EARLY_OR_NOT]
+    for result in found:
+        rests = result["attractor_kind"][..., 0] == KINDS["rest"]
+        assert np.argwhere(rests).tolist() == [[3, 2]]
+        assert result.attractors["period"].tolist() == [1, 0]
+    early = [np.isfinite(result["attractor_time"]).sum() for result in found]
+    assert early[0] > 3 and early[1] == 0
+
+
 def test_what_nothing_moves_rests():
     """A force below what the friction holds."""
     text = """

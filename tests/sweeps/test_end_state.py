@@ -71,3 +71,13 @@ def test_a_source_leaves_it_to_the_regime():
     )
     with pytest.raises(PlanError, match=wanted):
         sweep(load_case("gallery/impact-pair"), {"base.a": "1, 2 mm"}, compute=["end-state"])
+
+
+def test_a_limit_cycle_with_sharp_peaks_is_no_rest():
+    """Van der Pol's oscillator swings for ever at the same amplitude; its period of 6.6633 s is 20 samples but
+    for 0.05 %, which come to the peak of its speed in one half of the time and miss it in the other.
+    """
+    found = ends(
+        "gallery/van-der-pol", {"mass.x": "-3, 3 m"}, overrides={"run.t_end": "2000 s"}, discard="90 %"
+    )
+    assert found == ["undecided"] * 2

@@ -225,8 +225,8 @@ class KnownOrbit:
     """A stable orbit, and what tells that a run comes to it.
 
     label : of a run that ends on it
-    around : its neighbourhood on a section in time, or where a rotor turns; None where nothing drives the
-        scene: then states at events are compared
+    around : its neighbourhood on the section; None where nothing drives the scene and the orbit has events:
+        then states at events are compared
     orbit : itself
     """
 
@@ -237,7 +237,8 @@ class KnownOrbit:
     @staticmethod
     def of(orbit: Orbit) -> KnownOrbit:
         """A stable orbit with its neighbourhood. Raises EngineError."""
-        around = None if orbit.return_map.section.turning else neighbourhood_of(orbit)
+        by_events = orbit.return_map.section.turning and len(orbit.events) > 0
+        around = None if by_events else neighbourhood_of(orbit)
         return KnownOrbit(label_of(orbit), around, orbit)
 
 

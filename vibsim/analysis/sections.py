@@ -491,8 +491,8 @@ def _irregular(points: np.ndarray, exponent: Exponent | None) -> JudgedPoints:
 
 
 def bands_of(points: np.ndarray) -> int:
-    """Number of bands that points (n, d) go through in turn: the most, up to MOST_BANDS of FEWEST points each,
-    that lie apart from each other by one of the coordinates; 1 where they do not.
+    """Number of bands that points (n, d) go through in turn: the most, up to MOST_BANDS of FEWEST points
+    each, that lie apart from each other by one of the coordinates; 1 where they do not.
     """
     for count in range(min(MOST_BANDS, len(points) // FEWEST), 1, -1):
         lows, highs = (
@@ -506,7 +506,8 @@ def bands_of(points: np.ndarray) -> int:
 
 
 def _within_bands(points: np.ndarray, count: int) -> tuple[float, float]:
-    """The least K of the 0-1 test in one of the bands, each seen by itself, and the greatest prediction error.
+    """The least K of the 0-1 test in one of the bands, each seen by itself, and the greatest prediction
+    error.
 
     Which band comes next is no chaos, but the greater part of the motion: over all points it hides what is.
     """

@@ -287,8 +287,8 @@ def basins_picture(subjects: Sequence[Subject], view: View) -> Figure:
     """A map, shares or starts, as suits the sweep.
 
     A parameter and starts at each of its values: the share of every attractor against it, a line for every
-    branch. Two ranges: the attractor of every point, as colours. An ensemble alone over two start values: its
-    starts, coloured by the attractor.
+    branch. Two ranges: the attractor of every point, as colours, over two parameters its kind and period. An
+    ensemble alone over two start values: its starts, coloured by the attractor.
     """
     (subject,) = subjects
     if shows_shares(subject):
@@ -311,13 +311,18 @@ class _Classes:
     """The branches of the attractors of a sweep and their mirror images, those of the largest shares first,
     each with its colour.
 
-    An attractor of a single combination of parameters is a branch of its own.
+    An attractor of a single combination of parameters is a branch of its own; over several parameters those
+    of one kind and period have one colour.
     """
 
-    def __init__(self, attractors: Attractors):
-        self._attractors = attractors
+    def __init__(self, result: Any):
+        attractors: Attractors = result.attractors
+        self._attractors, self._branches = attractors, attractors["branch"]
+        if sum(len(result.axes[i]) > 1 for i in parameter_axes(result.plan)) > 1:
+            alike = np.column_stack([attractors["kind"], attractors["period"]])
+            self._branches = np.unique(alike, axis=0, return_inverse=True)[1].ravel()
         counts: dict[Side, int] = {}
-        for i, branch in enumerate(attractors["branch"].tolist()):
+        for i, branch in enumerate(self._branches.tolist()):
             mirrored = round(attractors["share_mirror"][i] / attractors["share"][i] * attractors["count"][i])
             for side, count in ((0, int(attractors["count"][i]) - mirrored), (1, mirrored)):
                 if count:
@@ -335,7 +340,7 @@ class _Classes:
     def shares(self, branch: int, mirrored: int) -> tuple[np.ndarray, np.ndarray]:
         """Rows of the attractors of a branch, and the shares of their orbits or of the mirror images."""
         attractors = self._attractors
-        rows = np.flatnonzero(attractors["branch"] == branch)
+        rows = np.flatnonzero(self._branches == branch)
         images = attractors["share_mirror"][rows]
         shares = images if mirrored else attractors["share"][rows] - images
         return rows[shares > 0], shares[shares > 0]
@@ -350,7 +355,7 @@ class _Classes:
 
     def of(self, labels: np.ndarray, mirrored: np.ndarray, status: np.ndarray) -> np.ndarray:
         """Index into the shades of each point; NaN where it was not computed."""
-        branches = self._attractors["branch"].tolist() or [NONE]
+        branches = self._branches.tolist() or [NONE]
         codes = np.array([[self._code((branch, side)) for side in (0, 1)] for branch in branches], float)
         classes = np.where(labels == NONE, len(self.shades) - 1.0, codes[np.maximum(labels, 0), mirrored])
         return np.where(status == DONE, classes, np.nan)
@@ -373,7 +378,7 @@ class _Classes:
 
 def _draw_map(subject: Subject, view: View) -> Figure:
     plane, result = plane_of(subject), subject.result
-    classes = _Classes(result.attractors)
+    classes = _Classes(result)
     codes = classes.of(result["attractor"], result["attractor_mirrored"], result["status"])
     figure, panels = map_sheet(plane, 1, view)
     for d, axes in enumerate(panels):
@@ -385,7 +390,7 @@ def _draw_map(subject: Subject, view: View) -> Figure:
 def _draw_starts(subject: Subject, view: View) -> Figure:
     """Two start values of the members; of one alone, against the number of the attractor."""
     result = subject.result
-    spreads, classes = result.members.spreads, _Classes(result.attractors)
+    spreads, classes = result.members.spreads, _Classes(result)
     drawn = [result.members.drawn[spread.key] for spread in spreads]
     labels = [label_of(spread) for spread in spreads]
     if len(spreads) == 1:
@@ -405,7 +410,7 @@ def _draw_starts(subject: Subject, view: View) -> Figure:
 def _draw_shares(subject: Subject, view: View) -> Figure:
     """Shares with their standard errors, a line for every branch."""
     result = subject.result
-    attractors, classes = result.attractors, _Classes(result.attractors)
+    attractors, classes = result.attractors, _Classes(result)
     (position,) = (i for i in parameter_axes(result.plan) if len(result.axes[i]) > 1)
     axis = result.axes[position]
     figure = sheet(view, HEIGHT_CM + classes.legend_cm)

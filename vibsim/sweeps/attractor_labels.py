@@ -42,7 +42,7 @@ from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits.coordinates import OF_FRICTION, Coordinates, OrbitError, coordinates_of_rest
 from vibsim.orbits.newton import EVEN, solve
 from vibsim.orbits.orbit import Orbit
-from vibsim.orbits.return_map import ReturnMap, slowest_period
+from vibsim.orbits.return_map import ReturnMap, returns, slowest_period
 from vibsim.orbits.search import least
 from vibsim.physics.connections import whole_turn_angles
 from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES, Scene
@@ -276,12 +276,28 @@ def early_label(
             if len(happened):
                 rows = rows_of_instant(block.events, int(happened[-1]), rows)
             reached = block.t_reached
-        label = known.reached(times, points) if driven else met(known, scene, at, rows[-1])
+        if driven:
+            label = known.reached(times, points)
+        else:
+            label = met(known, scene, at, rows[-1]) or _reached_at_returns(stage, at, engine, known)
         if label is not None:
             return label, end
         if reached < end:
             return None
     return None
+
+
+def _reached_at_returns(scene: Scene, at: Coordinates, engine: str, known: KnownOrbits) -> Label | None:
+    """Label of a run that nothing drives, by where it meets the section, where an orbit without events is
+    known; None where it comes to none.
+    """
+    if not any(one.around for one in known.orbits):
+        return None
+    try:
+        times, states = returns(scene, at, engine)
+    except OrbitError:
+        return None
+    return known.reached(times, at.of(states)) if len(times) else None
 
 
 def _stages(scene: Scene, begin: float) -> Iterator[float]:

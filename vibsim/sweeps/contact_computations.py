@@ -3,6 +3,8 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -397,7 +399,13 @@ END_STATE = "end_state"
 VERDICTS = {"undecided": 0, "rest": 1, "vibration": 2}
 OF_FRICTION = ("reversal", "stick_begin", "stick_end")
 CHANGES = (*OF_FRICTION, *IMPACTS, "contact_end", "rest_begin", "rest_end")
-FALLS = 0.99  # of the greatest kinetic energy in the first half: samples meet its peaks to a hundredth
+FALLS = 0.99  # of the greatest kinetic energy in the first half
+CLEARLY = 0.5  # the same of a fall that samples which miss the peaks by much do not make up
+FINER = Fraction(
+    55, 16 * 89
+)  # of the sampling interval: near the golden ratio of a sixteenth, so that samples
+# do not meet each cycle of a vibration at the same phases
+MOST_FINER = 10**7  # samples
 
 
 def end_state_columns(of: Quantities) -> Columns:
@@ -409,7 +417,7 @@ class EndState:
     """End state of one run. Memory grows with its samples and events after the transient."""
 
     def __init__(self, task: Task):
-        self._begin, bodies = task.begin, task.scene.line
+        self._scene, bodies = task.scene, task.scene.line
         self._half_masses = {columns_of(body.name)[1]: float(body.m) / 2 for body in bodies}
         self._codes = [EVENT_KINDS[kind] for kind in CHANGES]
         self._changes: list[np.ndarray] = []
@@ -421,10 +429,14 @@ class EndState:
         events, samples = block.events, block.samples
         self._changes.append(events["t"][np.isin(events["kind"], self._codes)])
         self._times.append(samples["time"])
-        energy = np.zeros(len(samples["time"]))
+        self._energies.append(self._energies_of(block))
+
+    def _energies_of(self, block: Block) -> np.ndarray:
+        """Kinetic energies of the bodies at the samples of a block [J]."""
+        energy = np.zeros(len(block.samples["time"]))
         for v, half in self._half_masses.items():
-            energy = energy + half * samples[v] ** 2
-        self._energies.append(energy)
+            energy = energy + half * block.samples[v] ** 2
+        return energy
 
     def values(
         self, window: tuple[float, float], run: MeasuredRun, measured: dict[str, Any]
@@ -436,5 +448,26 @@ class EndState:
         if any(np.any(changes >= middle) for changes in self._changes):
             return {END_STATE: float(VERDICTS["vibration"])}
         known = late.any() and early.any()
-        falls = known and energies[late].max() <= FALLS * energies[early].max()
+        greatest = (energies[early].max(), energies[late].max()) if known else (0.0, inf)
+        if CLEARLY * greatest[0] < greatest[1] <= FALLS * greatest[0]:
+            greatest = self._by_finer_samples(window, run) or greatest
+        falls = greatest[1] <= FALLS * greatest[0]
         return {END_STATE: float(VERDICTS["rest" if falls else "undecided"])}
+
+    def _by_finer_samples(self, window: tuple[float, float], run: MeasuredRun) -> tuple[float, float] | None:
+        """The greatest kinetic energies of both halves of the window [J], from samples that meet sharp peaks,
+        as of a relaxation oscillation, too; None where these would be too many.
+        """
+        scene, middle = self._scene, (window[0] + window[1]) / 2
+        every = Fraction(scene.every_num, scene.every_den) * FINER
+        if window[1] > MOST_FINER * every:
+            return None
+        finer = replace(scene, every_num=every.numerator, every_den=every.denominator)
+        greatest = [0.0, 0.0]
+        for block in open_trajectory(finer, run.engine, run.rows).blocks():
+            run.ask()
+            times, energies = block.samples["time"], self._energies_of(block)
+            for half, (begin, end) in enumerate(((window[0], middle), (middle, inf))):
+                within = (times >= begin) & (times < end)
+                greatest[half] = max(greatest[half], float(energies[within].max(initial=0.0)))
+        return greatest[0], greatest[1]
