@@ -74,7 +74,7 @@ def test_a_source_leaves_it_to_the_regime():
 
 
 def test_a_limit_cycle_with_sharp_peaks_is_no_rest():
-    """Van der Pol's oscillator swings for ever at the same amplitude; its period of 6.6633 s is 20 samples but
+    """Van der Pol's oscillator swings for ever at one amplitude; its period of 6.6633 s is 20 samples but
     for 0.05 %, which come to the peak of its speed in one half of the time and miss it in the other.
     """
     found = ends(
