@@ -180,6 +180,9 @@ basins: $(STAMP) ## basins of the belt oscillator, 5,000 starts at each of 18 sp
 	  --compute attractor -o results/basin-cantilever.h5
 	$(BIN)/vibsim sweep II-B -s Omega0=5.5Hz -s c='0.03 N s/m' --param phi=0:330/12deg --param phidot=0:6/13Hz \
 	  --t-end 600s --section 0 --compute attractor -o results/basin-capture.h5
+	$(BIN)/vibsim sweep gallery/impact-oscillator --param drive.omega=1.6:6.4/97rad/s --param wall.e=0.5:0.95/10 \
+	  --t-end 3000s --section 0 --compute attractor -o results/impact-map.h5
+	$(BIN)/vibsim plot results/impact-map.h5 --kind basins -o docs/impact-map.png --force
 	for name in cantilever capture; do \
 	  $(BIN)/vibsim plot results/basin-$$name.h5 --kind basins -o docs/basin-$$name.png --force || exit 1; done
 

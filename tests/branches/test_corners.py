@@ -39,6 +39,17 @@ forces: {d: {on: m, A: 1 N, omega: 1.3 rad/s}}
 run: {t_end: 400 s, every: 50 ms}
 """
 
+MOTOR = """
+name: motor
+bodies: {f: 2 kg}
+links: {s: {between: [f, ground], k: 3 kN/m, c: 4 N s/m}}
+stops: {w: {between: [f, ground], law: rigid, gap: 3 mm, acts: compression, e: 0.5}}
+friction: {g: {between: [f, ground], N: 10 N, mu: 0.36}}
+rotors: {r: {on: f, m: 0.1 kg, e: 30 mm, J: 1e-3 kg m^2, M0: 0.5 N m, Omega0: 8 Hz}}
+initial: {r: {w: 6 Hz}}
+run: {t_end: 60 s, every: 5 ms}
+"""
+
 
 def case_of(text, tmp_path):
     path = tmp_path / "case.yaml"
@@ -123,3 +134,16 @@ def test_a_rigid_stop_is_grazed_where_friction_reverses(tmp_path):
     nearest = turns[np.argmin(np.abs(turns - graze.parameter))]
     assert nearest == pytest.approx(graze.parameter, abs=1e-6)
     assert run.case.values["stops.w.gap"].value < 0
+
+
+def test_no_step_goes_over_a_fold_to_another_branch(tmp_path):
+    """Orbits that strike the stop end in a fold; others beyond it stay clear of the stop. Multipliers tell a
+    wrong step, though not where a rigid stop is grazed: here they came to the orbits that stay clear.
+    """
+    case = case_of(MOTOR, tmp_path)
+    branch = continue_branch(case, "friction.g.mu", "0.3:0.41")
+    fold = branch.specials[0]
+    assert fold.kind == "fold" and abs(fold.multipliers - 1).min() < 1e-6
+    assert not [one for one in branch.specials if one.kind == "unresolved"]
+    near = branch["parameter"] > fold.parameter - 2e-3
+    assert set(branch["word"][near]) == {"irr"} and branch["parameter"].max() <= fold.parameter

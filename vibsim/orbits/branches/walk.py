@@ -43,6 +43,7 @@ LOOSE = 1e-10  # residual, scaled, of what is no orbit where the branch turns ba
 POLISH = 3  # Newton steps of a time of return that is known to 1e-9
 KINKS = (1e-7, 1e-6, 1e-5, 1e-4)  # scaled lengths of steps across a kink
 IN_A_ROW = 8  # such steps: where nothing else leads on the branch is stuck
+AHEAD = 0.97  # cosine of the angle between a step and the tangent before it, below which it goes aside
 SHORTER, TRIES = 8, 3  # times shorter a step is that is taken again, and how often
 SAME = 1e-8  # scaled distance of a closed branch from its start
 
@@ -121,7 +122,7 @@ class Walk:
                 return
             if corner is None:
                 specials = with_pitchfork(self.family, self.node, node, inspect(self.family, self.node, node))
-                if self._left(specials):
+                if self._left(node, specials):
                     self.step, self.tries = self.step / SHORTER, self.tries + 1
                     continue
                 self.tries = 0
@@ -140,12 +141,14 @@ class Walk:
             if ended:
                 return
 
-    def _left(self, specials: tuple[Special, ...]) -> bool:
-        """Whether a step may have led to another branch near by. Multipliers tell it, but not where a rigid
-        stop is grazed between: they go beyond all bounds there.
+    def _left(self, node: Node, specials: tuple[Special, ...]) -> bool:
+        """Whether a step to a node may have led to another branch near by. Multipliers tell it, but not where
+        a rigid stop is grazed between, beyond all bounds there: unless the step goes aside.
         """
         torn = [each for each in specials if each.kind == UNRESOLVED]
-        if self.node.point.end.coordinates.scene.rigid_stops:
+        chord = node.z - self.node.z
+        aside = dot(self.node.tangent, chord) < AHEAD * length_of(chord)
+        if self.node.point.end.coordinates.scene.rigid_stops and not aside:
             torn = [each for each in torn if each.before.word == each.after.word]
         return bool(torn) and self.tries < TRIES and self.step > SHORTER * self.pace.least
 
