@@ -24,7 +24,7 @@ from vibsim.orbits.branches.node import (
     trend,
 )
 from vibsim.orbits.branches.order_change import carried_off, hopf_point, with_pitchfork
-from vibsim.orbits.branches.special_points import BRANCHING, CORNER, FOLD, UNRESOLVED, Special
+from vibsim.orbits.branches.special_points import BRANCHING, CORNER, FOLD, GRAZING, UNRESOLVED, Special
 from vibsim.orbits.newton import EPS
 from vibsim.orbits.stability import dot, length_of, moduli
 
@@ -43,6 +43,7 @@ LOOSE = 1e-10  # residual, scaled, of what is no orbit where the branch turns ba
 POLISH = 3  # Newton steps of a time of return that is known to 1e-9
 KINKS = (1e-7, 1e-6, 1e-5, 1e-4)  # scaled lengths of steps across a kink
 IN_A_ROW = 8  # such steps: where nothing else leads on the branch is stuck
+ONE_ORBIT = 1e-4  # scaled distance of the orbits on both sides of a graze: beside it a root of the bracket
 AHEAD = 0.97  # cosine of the angle between a step and the tangent before it, below which it goes aside
 SHORTER, TRIES = 8, 3  # times shorter a step is that is taken again, and how often
 SAME = 1e-8  # scaled distance of a closed branch from its start
@@ -143,13 +144,19 @@ class Walk:
 
     def _left(self, node: Node, specials: tuple[Special, ...]) -> bool:
         """Whether a step to a node may have led to another branch near by. Multipliers tell it, but not where
-        a rigid stop is grazed between, beyond all bounds there: unless the step goes aside.
+        a rigid stop is grazed between, beyond all bounds there: unless the step goes aside, or the orbits on
+        both sides of a graze are not one where it was located, as it ends both of them further on.
         """
         torn = [each for each in specials if each.kind == UNRESOLVED]
         chord = node.z - self.node.z
         aside = dot(self.node.tangent, chord) < AHEAD * length_of(chord)
         if self.node.point.end.coordinates.scene.rigid_stops and not aside:
             torn = [each for each in torn if each.before.word == each.after.word]
+        torn += [
+            each
+            for each in specials
+            if each.kind == GRAZING and length_of(each.after.z - each.before.z) > ONE_ORBIT
+        ]
         return bool(torn) and self.tries < TRIES and self.step > SHORTER * self.pace.least
 
     def _across(self, node: Node) -> Step:
