@@ -466,7 +466,8 @@ def _meeting(family: Family, node: Node, behind: Node) -> Node:
     if not _slips_apart(node.word, behind.word):
         raise ContinuationError("the orbits are of one kind")
     words, one, other = (node.word, behind.word), _near(family, node, behind.z[-1]), behind
-    places, gaps = [], []
+    places: list[float] = []
+    gaps: list[float] = []
     for _ in range(TRIES):
         if (one.word, other.word) != words:
             raise ContinuationError("the way to the corner leads elsewhere")

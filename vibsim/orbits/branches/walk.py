@@ -110,7 +110,7 @@ class Walk:
                 stuck = self._stuck(error)
                 behind = beyond_the_change(self.family, self.node) if stuck.startswith(STUCK) else None
                 if behind is not None:
-                    specials = inspect(self.family, self.node, behind)
+                    specials = tuple(inspect(self.family, self.node, behind))
                     self.go_on(self.node, behind, self.pace.first * KINKS[-1], self.count + 1)
                     yield Step(behind, specials, self.step)
                     continue
