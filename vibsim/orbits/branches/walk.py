@@ -10,7 +10,7 @@ import numpy as np
 
 from vibsim.orbits.branches.correction import SHARP, ContinuationError, NoCase, Pace, turn
 from vibsim.orbits.branches.family import Family
-from vibsim.orbits.branches.grazing import beyond_the_change, corner_near, grazing_end
+from vibsim.orbits.branches.grazing import grazing_end
 from vibsim.orbits.branches.inspection import NEAR, detect, inspect
 from vibsim.orbits.branches.interpolant import JOINS, beyond_the_impact, from_section, joining, repetition
 from vibsim.orbits.branches.node import (
@@ -24,7 +24,16 @@ from vibsim.orbits.branches.node import (
     trend,
 )
 from vibsim.orbits.branches.order_change import carried_off, hopf_point, with_pitchfork
-from vibsim.orbits.branches.special_points import BRANCHING, CORNER, FOLD, GRAZING, UNRESOLVED, Special
+from vibsim.orbits.branches.special_points import (
+    BRANCHING,
+    CORNER,
+    FOLD,
+    GRAZING,
+    UNRESOLVED,
+    Special,
+    beyond_the_change,
+    corner_near,
+)
 from vibsim.orbits.newton import EPS
 from vibsim.orbits.stability import dot, length_of, moduli
 
