@@ -177,5 +177,5 @@ def test_the_vibration_of_named_bodies_is_that_of_their_columns():
     name = pendulum[0].scene().line[0].columns[0]
     assert parse_statement(f"vibration of {name} below 90 deg", pendulum).bounds.high == pytest.approx(pi / 2)
     for text in ("vibration of x1 below 1 m", "vibration of x_ball - x_boby below 1 m"):
-        with pytest.raises(FitError, match="no displacement of impact-damper.*; there are x_"):
+        with pytest.raises(FitError, match=r"no displacement of impact-damper.*; there are x_"):
             parse_statement(text, damper)

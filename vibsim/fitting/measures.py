@@ -247,7 +247,6 @@ _BLOCKS = ("blocks", "source")
 VIBRATION = "vibration of "  # before displacements
 
 
-
 def _vibration_of(name: str, needs: tuple[str, ...], dimension: str = "length") -> Observable:
     definition = f"half the peak-to-peak of {name} in one cycle, mean over the cycles {_LATE}"
     return Observable(definition, dimension, vibration(name), needs, True)

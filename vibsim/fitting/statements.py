@@ -197,7 +197,7 @@ def _share(claim: str) -> tuple[str, float]:
 
 
 def _vibration_phrase(claim: str, case: Case) -> tuple[Phrase, str] | None:
-    """The phrase "vibration of x_ram" or "vibration of x_ram - x_tool" with the dimension of both; None of others.
+    """The phrase "vibration of x_ram" or "... x_ram - x_tool" with the dimension of both; None of others.
 
     Raises FitError with the displacements of the scene for another name.
     """
