@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from math import prod
 from typing import Any
 
+from vibsim.cases.formula_text import FUNCTIONS
 from vibsim.cases.part_laws import (
     COULOMB,
     coefficients_fit_the_law,
@@ -384,6 +385,10 @@ def names_are_names(draft: Draft) -> Iterator[FoundDefault]:
                 message = (
                     f"the name is taken by an end or a part; so are {_others(name, WORDS)}; choose another"
                 )
+                yield FoundDefault(key, message, of_the_name=True)
+            elif section == "states" and (name in FUNCTIONS or name == "pi"):
+                what = "the number pi" if name == "pi" else "a function"
+                message = f"the name is taken in formulas: {name} is {what}; choose another"
                 yield FoundDefault(key, message, of_the_name=True)
             elif section != "bodies" and name in COLUMNS + GROUPS:
                 others = _others(name, COLUMNS + GROUPS)

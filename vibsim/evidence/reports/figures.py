@@ -221,7 +221,7 @@ def write_load_curves(branches: Mapping[str, Branch], folder: Path, formats: Seq
         "6.5 Hz. Solid: stable orbits, dashed: unstable ones; crosses, squares and diamonds: folds, period "
         "doublings and Neimark-Sacker points, with the labels of their list. Dots: the motor stays there; "
         "half dots: it stays near, though that orbit is unstable; rings: it leaves. The inset enlarges the "
-        "curves about half the bilinear frequency (dashed), where they turn back.",
+        "dotted frame: the curves about half the bilinear frequency (dashed), where they turn back.",
         "Two curves that rise steeply near 3.7 Hz and turn back. That of the printed motor turns back far "
         "below the lines of 5.5 and 6.5 Hz; that of the reading reaches just above the line of 5.5 Hz.",
     )
