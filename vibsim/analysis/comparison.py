@@ -322,8 +322,8 @@ def _distances(a: Result, b: Result) -> Iterator[Distances]:
         return
     names = list(dict.fromkeys(name for run in (a, b) for name in displacements(run)))
     if not set(displacements(a)) & set(displacements(b)):
-        ours, theirs = (", ".join(displacements(run)) for run in (a, b))
-        raise ValueError(f"the two runs have no displacement in common: {ours} and {theirs}")
+        of_each = " and ".join(", ".join(displacements(run)) for run in (a, b))
+        raise ValueError(f"the two runs have no displacement in common: {of_each}")
     count = instants_per_sample(coarse.case.scene())
     if count > 1:
         yield from _between_samples(coarse, fine, names, count)

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 from vibsim.cases.problems import one_line
 from vibsim.cases.quantities import Quantity, number
 from vibsim.command_line.terminal import say, style
+from vibsim.physics.connections import reads_time
 from vibsim.physics.parts import ROTOR, STATE, Harmonic, Motor, Scene
-from vibsim.physics.rates import reads_time, turning_rotor
+from vibsim.physics.rates import turning_rotor
 from vibsim.results import Result
 from vibsim.results.hdf5_reading import plain
 from vibsim.results.result import unknown_text

@@ -466,7 +466,8 @@ def printed_units(units: str) -> str:
     >>> printed_units("m s-1"), printed_units("kg m2 s-2"), printed_units("s-1")
     ('m/s', 'kg m²/s²', '1/s')
     """
-    above, below = [], []
+    above: list[str] = []
+    below: list[str] = []
     for unit in units.split():
         name, power = unit.rstrip("-0123456789"), unit[len(unit.rstrip("-0123456789")) :]
         raised = name + power.lstrip("-").replace("1", "").translate(SUPERSCRIPTS)

@@ -133,7 +133,7 @@ def draw_regimes(numbers: claims_Numbers) -> Figure:
     )  # fmt: skip
     for kind, hatch in KIND_HATCHES.items():
         for j, i in np.argwhere(classes == kinds.index(kind)):
-            look = {"facecolor": "none", "edgecolor": "0.2", "linewidth": 0, "hatch": hatch}
+            look: dict[str, Any] = {"facecolor": "none", "edgecolor": "0.2", "linewidth": 0, "hatch": hatch}
             axes.add_patch(Rectangle((edges[i], j), 2 * half, 1, gid=f"hatch {kind}", **look))
     for row in numbers["nearby"]:
         if len({str(each["regime"]) for each in row["starts"]}) > 1:

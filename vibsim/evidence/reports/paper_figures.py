@@ -563,7 +563,13 @@ def _enlarge(axes: Axes, subjects: Sequence[Subject]) -> None:
     inset.set_title(f"about ½ bilinear, {half:.2f} Hz", fontsize=6.5, pad=2)
     inset.tick_params(labelsize=6)
     x, y = inset.get_xlim(), inset.get_ylim()
-    frame = {"edgecolor": "0.2", "linewidth": 0.7, "linestyle": ":", "zorder": 4, "gid": "inset-frame"}
+    frame: dict[str, Any] = {
+        "edgecolor": "0.2",
+        "linewidth": 0.7,
+        "linestyle": ":",
+        "zorder": 4,
+        "gid": "inset-frame",
+    }
     axes.add_patch(Rectangle((x[0], y[0]), x[1] - x[0], y[1] - y[0], fill=False, **frame))
 
 
