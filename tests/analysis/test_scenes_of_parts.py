@@ -248,3 +248,14 @@ run: {t_end: 60 s, every: 5 ms}
     own = compare(run, vibsim.simulate(load_case_text(text.replace("0.8", "0.5"))), 1e-9).statistics
     rates = [statistic for statistic in own if statistic.name == "impact rate"]
     assert rates[0].a.mean == pytest.approx(2.0, rel=1e-2)  # of whole impacts in blocks of time
+
+
+def test_runs_without_a_displacement_in_common_are_not_compared():
+    from vibsim import simulate
+    from vibsim.analysis.comparison import compare
+
+    ram, tool = (
+        simulate(f"bodies: {{{name}: 1 kg}}\nrun: {{t_end: 1 s, every: 0.1 s}}") for name in ("ram", "tool")
+    )
+    with pytest.raises(ValueError, match="no displacement in common: x_ram and x_tool"):
+        compare(ram, tool, 1e-6)

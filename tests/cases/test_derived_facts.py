@@ -72,3 +72,13 @@ def test_the_long_form_of_the_papers_machine_is_known_as_such(name):
     case = load_case(name)
     assert derived_facts(load_case_text(case.long_text()).scene()) == derived_facts(case.scene())
     assert "block 1 on its spring" in {fact.name for fact in derived_facts(case.scene())}
+
+
+def test_friction_of_bodies_that_turn_is_a_torque():
+    text = """
+bodies: {bit: 374 kg m^2}
+friction: {rock: {between: [bit, ground], N: 1 kN m, mu: 1, static: 2.2}}
+run: {t_end: 1 s, every: 0.1 s}
+"""
+    facts = [(fact.value, fact.unit, fact.meaning) for fact in derived_facts(load_case_text(text).scene())]
+    assert facts == [(2200, "N m", "limit friction torque"), (1000, "N m", "friction torque while slipping")]

@@ -3,6 +3,7 @@
 import re
 from math import inf, pi
 
+import numpy as np
 import pytest
 
 from vibsim.cases import load_case
@@ -153,7 +154,6 @@ def test_statements_on_named_parts_are_those_that_need_no_numbered_blocks():
     for text in ("impacts per cycle 1 to 2", "impact velocity above 1 mm/s", "periodic", "period at most 2"):
         assert parse_statement(text, drill).bounds is not None
     for text, needs in {
-        "vibration of x1 below 1 m": "blocks 1 and 2",
         "drifts above 0 m/s": "a moving block 2",
         "frequency 1 to 2 Hz": "blocks 1 and 2",
         "captured": "a motor",
@@ -161,3 +161,21 @@ def test_statements_on_named_parts_are_those_that_need_no_numbered_blocks():
     }.items():
         with pytest.raises(FitError, match=f"needs {needs}.*; impact-damper lacks it"):
             parse_statement(text, drill)
+
+
+def test_the_vibration_of_named_bodies_is_that_of_their_columns():
+    damper = [load_case("gallery/impact-damper")]
+    asked = parse_statement("vibration of x_ball - x_body at least 2 mm", damper).asked
+    run = damper[0].with_values({"run.t_end": "40 s"})
+    from vibsim import simulate
+
+    result = simulate(run, {"initial.ball.v": "0.1 m/s"})
+    whole = result["x_ball"] - result["x_body"]
+    measured = asked.observable.measure(result, None, 0.0)
+    assert 0.5 < measured / (np.ptp(whole[len(whole) // 2 :]) / 2) <= 1
+    pendulum = [load_case("gallery/driven-pendulum")]
+    name = pendulum[0].scene().line[0].columns[0]
+    assert parse_statement(f"vibration of {name} below 90 deg", pendulum).bounds.high == pytest.approx(pi / 2)
+    for text in ("vibration of x1 below 1 m", "vibration of x_ball - x_boby below 1 m"):
+        with pytest.raises(FitError, match=r"no displacement of impact-damper.*; there are x_"):
+            parse_statement(text, damper)

@@ -79,7 +79,7 @@ def test_any_column_goes_against_any(run):
     figure = figure_of_columns(run, "phi_left", "w_left")
     x, y = points(lines(figure, "columns")[0])
     assert y**2 == pytest.approx(25 + 10 * (x - np.pi / 2), rel=1e-12)  # w^2 = w0^2 + 2 alpha (phi - phi0)
-    assert labels(figure) == ["phi_left (rad)", "w_left (rad s-1)"]
+    assert labels(figure) == ["phi_left (rad)", "w_left (rad/s)"]
     assert labels(figure_of_columns(run, "time", "i")) == ["time (s)", "i (A)"]
 
 

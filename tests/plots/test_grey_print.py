@@ -59,3 +59,11 @@ def test_hatches_lie_on_the_cells_of_their_class(tmp_path):
             for k, i in np.argwhere(classes == code)
         ]
         assert np.allclose(sorted(boxes), sorted(cells), rtol=1e-12)
+
+
+def test_points_whose_cells_are_hatched_have_shapes_of_their_own():
+    shades = [capture_pictures.Shade("", *look) for look in sweep_responses.COLOURS]
+    shades += [sweep_responses.OTHERS, sweep_responses.UNDECIDED]
+    markers = [shade.marker for shade in shades if shade.hatch]
+    assert len({*markers}) == len(markers)
+    assert all(shade.marker == "o" for shade in shades if not shade.hatch)

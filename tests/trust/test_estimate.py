@@ -193,3 +193,10 @@ def test_where_nothing_grows_no_third_run_is_asked():
     ours, _ = growing()
     estimate = ErrorEstimate(SCENE, 1e-10)
     estimate.update(TIME, ours, ours + 100 * ULP, third=lambda *_: pytest.fail("asked"))
+
+
+def test_ages_beyond_all_measure_leave_the_estimate_as_it_is():
+    """Fading at 1e152 1/s, of a spring of 1e300 N/m, gave a RuntimeWarning of numpy."""
+    values = held(np.array([0.0, 0.5, 1.0]), np.array([1e-9, 1e-12, 1e-10]), 1e152)
+    assert values.tolist() == pytest.approx([1e-9, 1e-12, 1e-10], rel=0.1)
+    assert np.isfinite(held(np.array([0.0, 1.0]), np.array([1e-9, 0.0]), 1e308)).all()

@@ -236,7 +236,7 @@ class Comparison:
 def compare(a: Result, b: Result, tolerance: float) -> Comparison:
     """Compare two trajectories; displacements agree when they are within `tolerance` [m].
 
-    Raises ValueError where the runs have no instant in common.
+    Raises ValueError where the runs have no instant or no displacement in common.
     """
     differences = list(differing(a, b))
     if identical(a, b):
@@ -321,6 +321,9 @@ def _distances(a: Result, b: Result) -> Iterator[Distances]:
     if not len(times):
         return
     names = list(dict.fromkeys(name for run in (a, b) for name in displacements(run)))
+    if not set(displacements(a)) & set(displacements(b)):
+        of_each = " and ".join(", ".join(displacements(run)) for run in (a, b))
+        raise ValueError(f"the two runs have no displacement in common: {of_each}")
     count = instants_per_sample(coarse.case.scene())
     if count > 1:
         yield from _between_samples(coarse, fine, names, count)

@@ -215,4 +215,4 @@ def displacement(result: Result, rows: slice, of: str) -> np.ndarray:
     motions = motions_of(scene)
     motion = PairMotion(scene, next(iter(motions.values())) if of == RELATIVE else motions[of])
     columns = {name: np.asarray(result.column(name)[rows]) for name in ("time", *motion.columns)}
-    return np.asarray(motion(columns, "time")[1])
+    return np.asarray(motion.above_rounding(columns, "time")[1])

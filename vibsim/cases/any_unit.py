@@ -402,6 +402,8 @@ def _no_unit(rest: str, left: str) -> str:
         return f"{shown(rest)} is no unit; a unit is written like N s^2/m^2"
     near = nearest(word[0], [*SYMBOLS, "kg", "mm", "kN", "mH", "uF"])
     hint = f" (did you mean {near}?)" if near else ""
+    if rest.startswith("*"):
+        hint += "; this is a number, formulas stand where it is read"
     return f"unknown unit {shown(word[0])}{hint}; a unit is a product of powers of kg m s A K rad N J V ..."
 
 

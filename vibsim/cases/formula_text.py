@@ -131,6 +131,11 @@ _WRONG = {
     ".": "a name has no parts; numbers begin with a digit",
     "\u00b7": "write a product with *",
     "\u00d7": "write a product with *",
+    "\u00b2": "write a power with **, such as x**2",
+    "\u00b3": "write a power with **, such as x**3",
+    "\u03c0": "write pi",
+    "|": "write abs(...)",
+    "%": "write a remainder as mod(a, b)",
 }
 
 

@@ -385,10 +385,20 @@ def names_are_names(draft: Draft) -> Iterator[FoundDefault]:
                     f"the name is taken by an end or a part; so are {_others(name, WORDS)}; choose another"
                 )
                 yield FoundDefault(key, message, of_the_name=True)
+            elif section == "states" and _is_in_formulas(name):
+                what = "the number pi" if name == "pi" else "a function"
+                message = f"the name is taken in formulas: {name} is {what}; choose another"
+                yield FoundDefault(key, message, of_the_name=True)
             elif section != "bodies" and name in COLUMNS + GROUPS:
                 others = _others(name, COLUMNS + GROUPS)
                 message = f"the name is taken by a column or group of files; so are {others}; choose another"
                 yield FoundDefault(key, message, of_the_name=True)
+
+
+def _is_in_formulas(name: str) -> bool:
+    from vibsim.cases.formula_text import FUNCTIONS
+
+    return name == "pi" or name in FUNCTIONS
 
 
 def _others(name: str, names: Iterable[str]) -> str:

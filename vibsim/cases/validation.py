@@ -158,7 +158,7 @@ def derived_facts(scene: Scene) -> list[Fact]:
     if is_papers(scene):
         return [*_of_blocks(scene, scene.links[0]), *_of_motor(scene.motor)]
     plain = [friction for friction in scene.frictions if friction.slips is None]
-    frictions = [fact for friction in plain for fact in _friction_forces(friction)]
+    frictions = [fact for friction in plain for fact in _friction_forces(friction, scene)]
     return [*([] if _is_by_formulas(scene) else _frequencies(scene)), *frictions, *_of_motor(scene.motor)]
 
 
@@ -181,17 +181,19 @@ def _frequencies(scene: Scene) -> Iterator[Fact]:
         yield Fact(f"bilinear {i}", hertz, "Hz", "2 f1 f2/(f1 + f2), large vibration")
 
 
-def _friction_forces(friction: Friction) -> list[Fact]:
+def _friction_forces(friction: Friction, scene: Scene) -> list[Fact]:
     """Limits while sticking, and the forces while slipping where these are lower."""
+    turns = scene.unit_of(scene.bodies[max(friction.P, friction.Q)]) == "rad"
+    unit, word = ("N m", "torque") if turns else ("N", "force")
     limits, forces = friction.limits, (friction.forward, friction.backward)
     falls = friction.fall_forward, friction.fall_backward
     alike = limits[0] == limits[1] and forces[0] == forces[1] and falls[0] == falls[1]
     facts = []
     for i, side in enumerate(("",) if alike else (" plus", " minus")):
-        facts.append(Fact(friction.name + side, limits[i], "N", "limit friction force"))
+        facts.append(Fact(friction.name + side, limits[i], unit, f"limit friction {word}"))
         if forces[i] != limits[i]:
             words = "at high speed" if falls[i] else "while slipping"
-            facts.append(Fact(f"{friction.name}{side}", forces[i], "N", f"friction force {words}"))
+            facts.append(Fact(f"{friction.name}{side}", forces[i], unit, f"friction {word} {words}"))
     return facts
 
 

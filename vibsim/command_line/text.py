@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from vibsim.cases.problems import one_line
 from vibsim.cases.quantities import Quantity, number
 from vibsim.command_line.terminal import say, style
+from vibsim.physics.connections import reads_time
 from vibsim.physics.parts import ROTOR, STATE, Harmonic, Motor, Scene
 from vibsim.physics.rates import turning_rotor
 from vibsim.results import Result
@@ -233,7 +234,8 @@ def scene_lines(scene: Scene, case: Case) -> Lines:
     parts = [f"{word} {part.name}" for word, section in KINDS for part in getattr(scene, section)]
     if parts:
         yield "parts", listed(parts)
-    for i, text in enumerate(shortened(list(source_texts(scene)) or ["none"])):
+    none = "formulas of the time" if reads_time(scene) else "none"
+    for i, text in enumerate(shortened(list(source_texts(scene)) or [none])):
         yield ("" if i else "source"), text
     for i, text in enumerate(shortened(formula_texts(case) if scene.has_formulas else [])):
         yield ("" if i else "formulas"), text

@@ -166,9 +166,9 @@ def vibration(name: str) -> Measure:
 
 
 def _displacement(result: Result, name: str) -> np.ndarray:
-    if name == "x1 - x2":
-        return result["x1"] - result["x2"] if "x2" in result else result["x1"]
-    return result[name]
+    """Of one column, or of the difference of two; a fixed block 2 has none, and stays at 0."""
+    one, minus, other = name.partition(" - ")
+    return result[one] - result[other] if minus and other in result else result[one]
 
 
 def of_course(part: Callable[[np.ndarray, np.ndarray], float]) -> Measure:
@@ -244,6 +244,13 @@ _LATE = "in the second half unless a span is named"
 _MEAN_X2 = f"x2, averaged over {CYCLES} cycles,"
 _MOTOR, _SOURCE, _STOP, _DRIVEN = ("motor",), ("source",), ("stop",), ("block2", "source")
 _BLOCKS = ("blocks", "source")
+VIBRATION = "vibration of "  # before displacements
+
+
+def _vibration_of(name: str, needs: tuple[str, ...], dimension: str = "length") -> Observable:
+    definition = f"half the peak-to-peak of {name} in one cycle, mean over the cycles {_LATE}"
+    return Observable(definition, dimension, vibration(name), needs, True)
+
 
 OBSERVABLES: dict[str, Observable] = {
     "capture": Observable(
@@ -295,10 +302,7 @@ OBSERVABLES: dict[str, Observable] = {
         f"strongest line of x1 - x2, {_LATE}", "angular rate", strongest_frequency, _BLOCKS, True
     ),
     **{
-        f"vibration of {name}": Observable(
-            f"half the peak-to-peak of {name} in one cycle, mean over the cycles {_LATE}", "length",
-            vibration(name), needs, True,
-        )
+        VIBRATION + name: _vibration_of(name, needs)
         for name, needs in (("x1", _BLOCKS), ("x2", _DRIVEN), ("x1 - x2", _BLOCKS))
     },
     "x2 peaks": Observable(
@@ -316,6 +320,15 @@ OBSERVABLES: dict[str, Observable] = {
         "rest distance needed, max(x1 - x2)", "length", rest_distance, ("block2",)
     ),
 }  # fmt: skip
+
+
+def observable_of(name: str, dimension: str = "length") -> Observable:
+    """The observable of that name: of OBSERVABLES, or the vibration of displacements of named bodies.
+
+    Those are in the unit of a `dimension`: "length", or "angle" of bodies that turn.
+    """
+    known = OBSERVABLES.get(name)
+    return known or _vibration_of(name.removeprefix(VIBRATION), _SOURCE, dimension)
 
 
 def missing_of(observable: Observable, case: Case) -> list[str]:

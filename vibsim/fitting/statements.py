@@ -11,8 +11,17 @@ from typing import TYPE_CHECKING
 from vibsim.cases.problems import CaseError, did_you_mean, shown
 from vibsim.cases.quantities import NUMBER, UNITS, Quantity, QuantityError, parse_quantity
 from vibsim.cases.schema_keys import UnknownKeyError
-from vibsim.fitting.measures import OBSERVABLES, Bounds, FitError, Observable, missing_of
+from vibsim.fitting.measures import (
+    OBSERVABLES,
+    VIBRATION,
+    Bounds,
+    FitError,
+    Observable,
+    missing_of,
+    observable_of,
+)
 from vibsim.physics.elementary import exp, log, log10
+from vibsim.physics.parts import columns_of
 from vibsim.results.result import Window
 from vibsim.sweeps.axes import read_axis, scale_name
 
@@ -35,7 +44,7 @@ class Asked:
     @property
     def observable(self) -> Observable:
         """The observable, and how it is measured."""
-        return OBSERVABLES[self.name]
+        return observable_of(self.name)
 
     def window_in(self, t_end: float) -> Window | None:
         """The window [s] in a run of this length."""
@@ -111,6 +120,7 @@ PHRASES = (
       if name not in ("capture", "regime", "released", "passes")),
 )  # fmt: skip
 
+_VIBRATION = re.compile(rf"(?i:{VIBRATION})(?P<names>\w+(?: - \w+)?)")
 _SHARE = re.compile(
     rf"\s+from\s+(?:at\s+least\s+)?(?:(?P<every>every)\s+start|(?P<share>{NUMBER})\s*%(?:\s+of\s+the\s+starts)?)$"
 )
@@ -141,8 +151,9 @@ def _parsed(text: str, cases: Sequence[Case]) -> Statement:
     claim = rest
     claim, weight = _weight(claim)
     claim, share = _share(claim)
-    phrase = _phrase_of(claim)
-    observable = OBSERVABLES[phrase.name]
+    named = _vibration_phrase(claim, cases[position]) if cases[position].is_long else None
+    phrase, dimension = named or (_phrase_of(claim), "length")
+    observable = observable_of(phrase.name, dimension)
     missing = missing_of(observable, cases[position])
     if missing:
         raise FitError(f"{phrase.name} needs {' and '.join(missing)}; {cases[position].name} lacks it")
@@ -183,6 +194,27 @@ def _share(claim: str) -> tuple[str, float]:
     if not 0 < share <= 1:
         raise FitError(f"the share of the starts must be above 0 and at most 100 %, got {match['share']} %")
     return claim[: match.start()], share
+
+
+def _vibration_phrase(claim: str, case: Case) -> tuple[Phrase, str] | None:
+    """The phrase "vibration of x_ram" or "... x_ram - x_tool" with the dimension of both; None of others.
+
+    Raises FitError with the displacements of the scene for another name.
+    """
+    match = _VIBRATION.match(claim)
+    if match is None:
+        return None
+    scene = case.scene()
+    units = {columns_of(body.name)[0]: scene.unit_of(body) for body in scene.line}
+    names = match["names"].split(" - ")
+    for name in names:
+        if name not in units:
+            hint = did_you_mean(name, list(units))
+            raise FitError(f"{name} is no displacement of {case.name}{hint}; there are {', '.join(units)}")
+    if len({units[name] for name in names}) > 1:
+        raise FitError(f"{match['names']}: one is a length and one an angle")
+    phrase = Phrase(match[0], VIBRATION + match["names"])
+    return phrase, "angle" if units[names[0]] == "rad" else "length"
 
 
 def _phrase_of(claim: str) -> Phrase:

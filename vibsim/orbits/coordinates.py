@@ -610,7 +610,9 @@ def section_of(scene: Scene) -> PoincareSection:
     if reads_time(scene):
         raise NoSection(
             "a formula reads the time otherwise than in sin, cos and mod of a multiple of it, or their "
-            "frequencies have no exact ratio: the scene has no period"
+            "frequencies have no exact ratio: the scene has no period; where it drives a body on evenly "
+            "(k*(d - W*t)), measure displacements from what moves on, and give the frictions of the ground "
+            "a belt that runs the other way"
         )
     if any(term.amplitude != 0 and term.cycles != 0 for term in scene.harmonics):
         raise NoSection(

@@ -205,8 +205,9 @@ def _nowhere(failure: OrbitError | EngineError, distances: list[float] | None) -
     if distances is None or min(distances) < FAR:
         return failure
     n = int(np.argmin(distances)) + 1
+    after = "1 period" if n == 1 else f"{n} periods"
     return OrbitError(
-        f"the run does not come near itself: nearest after {n} periods, to {number(min(distances), 2)} of "
+        f"the run does not come near itself: nearest after {after}, to {number(min(distances), 2)} of "
         "its spread; look for orbits that it leaves (search_orbits), or give period=N"
     )
 

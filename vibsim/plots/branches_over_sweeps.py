@@ -115,6 +115,10 @@ class OrbitValues:
         points = {name: np.concatenate([b.section[name] for b in blocks]) for name in blocks[0].section}
         rows = np.concatenate([block.extremes for block in blocks], axis=1)
         behind = np.flatnonzero(points["time"] > BEYOND * orbit.period / self.periods)[: self.periods]
+        if not len(behind):  # without a source the orbit itself is what a sweep measures
+            least, greatest, _ = trajectory.extremes
+            rows, behind = np.array([*least, *greatest])[:, None], np.array([0])
+            points = {name: np.full(1, np.nan) for name in points}
         low, high = np.split(rows[:, behind], 2)
         return OrbitCourse(low, high, {name: column[behind] for name, column in points.items()})
 

@@ -154,6 +154,11 @@ def grey_of(colour: str) -> float:
     return float(np.dot(to_rgb(colour), (0.299, 0.587, 0.114)))
 
 
+MARKERS = {  # of points, by the hatches of a cell of their class
+    "": "o", "////": "^", "....": "s", "\\\\\\\\": "v", "----": "D", "xxxx": "P", "||||": "X", "++++": "*",
+}  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Shade:
     """One class of a verdict: its name, its colour, and hatches where its grey is that of another class."""
@@ -166,6 +171,11 @@ class Shade:
     def edge(self) -> str:
         """The colour of the edge of a point: light ones have one."""
         return "0.3" if grey_of(self.colour) > LIGHT else "none"
+
+    @property
+    def marker(self) -> str:
+        """The shape of a point, another one where a cell has hatches."""
+        return MARKERS[self.hatch]
 
 
 def lay_classes(axes: Axes, plane: AxesPlane, classes: np.ndarray, shades: Sequence[Shade], gid: str) -> None:
@@ -201,7 +211,7 @@ def scatter_classes(
     for code, shade in enumerate(shades):
         of = classes == code
         axes.plot(
-            x[of], y[of], linestyle="none", marker="o", markersize=size, color=shade.colour,
+            x[of], y[of], linestyle="none", marker=shade.marker, markersize=size, color=shade.colour,
             markeredgecolor=shade.edge, markeredgewidth=min(0.3, size / 10), gid=shade.name,
         )  # fmt: skip
     axes.margins(x=0.03, y=0.06)

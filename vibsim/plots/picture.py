@@ -294,7 +294,7 @@ def plot(
     >>> vibsim.plot(result, "relative", ax=left) is left
     True
     >>> vibsim.plot(result, x="x1", y="v1", ax=right, style=False).get_ylabel()
-    'v1 (m s-1)'
+    'v1 (m/s)'
     """
     _check(kind, width, size, font_size)
     subjects, canvas = _subjects(result), _canvas(ax)
@@ -426,6 +426,7 @@ def _table(subject: Subject, names: tuple[str, str]) -> tuple[Tidy, list[str]]:
     """The table that has both columns, and their names in it. Raises PlotError."""
     arrays = _arrays(subject, names)
     inner = [name.removeprefix(EVENTS) for name in names]
+    inner = ["t" if name == EVENTS + "time" else short for name, short in zip(names, inner, strict=True)]
     for name in inner:
         if name not in arrays.datasets:
             near = did_you_mean(name, arrays.datasets)
@@ -453,10 +454,28 @@ def _arrays(subject: Subject, names: tuple[str, str]) -> Arrays:
 def _label(axes: Axes, table: Tidy, names: Sequence[str]) -> None:
     for name, axis in zip(names, (axes.xaxis, axes.yaxis), strict=True):
         column = table.arrays.column(name)
-        unit = f" ({column.units})" if column.units and column.units != "1" else ""
+        unit = f" ({printed_units(column.units)})" if column.units and column.units != "1" else ""
         axis.set_label_text(as_text(name) + unit)
         if column.flags:
             axis.set_ticks(list(column.flags.values()), list(column.flags))
+
+
+def printed_units(units: str) -> str:
+    """Units of a file as axes print them.
+
+    >>> printed_units("m s-1"), printed_units("kg m2 s-2"), printed_units("s-1")
+    ('m/s', 'kg m²/s²', '1/s')
+    """
+    above: list[str] = []
+    below: list[str] = []
+    for unit in units.split():
+        name, power = unit.rstrip("-0123456789"), unit[len(unit.rstrip("-0123456789")) :]
+        raised = name + power.lstrip("-").replace("1", "").translate(SUPERSCRIPTS)
+        (below if power.startswith("-") else above).append(raised)
+    return "/".join(filter(None, [" ".join(above) or "1", " ".join(below)]))
+
+
+SUPERSCRIPTS = str.maketrans("23456789", "²³⁴⁵⁶⁷⁸⁹")
 
 
 # Axes of the user's, in the place of a figure that a kind of picture would make for itself.

@@ -361,6 +361,7 @@ SOMMERFELD_HEIGHT_CM = 7.0
 SOMMERFELD_PANEL_CM = 4.8
 DASHED = (0, (4, 2))
 STEADY_SPEED = r"Steady motor speed $\langle\dot\varphi\rangle/2\pi$ (Hz)"
+VISIBLE = 0.005  # of the height of the axes: speeds up and down that are further apart are told apart
 SHORT = r"Steady speed $\langle\dot\varphi\rangle/2\pi$ (Hz)"  # beside a low panel
 
 
@@ -430,7 +431,8 @@ def _sommerfeld_panel(axes: Axes, drawn: Sequence[Curve], titled: bool) -> None:
         up, down = (curve.values(speed_column(curve.subject)) for curve in drawn)
         apart = np.union1d(leaps(up), leaps(down))
         look = {"color": ORANGE, "alpha": 0.3, "linewidth": 0, "gid": "hysteresis", "label": "hysteresis"}
-        fill(axes, drawn[0].x, up, down, apart, **look)
+        if np.abs(up - down).max(initial=0, where=np.isfinite(up - down)) > VISIBLE * np.ptp(axes.get_ylim()):
+            fill(axes, drawn[0].x, up, down, apart, **look)
     if titled:
         axes.set_title(drawn[0].title, loc="left", pad=3)
 

@@ -11,8 +11,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from vibsim.physics.parts import GROUND
@@ -273,6 +275,7 @@ def _orbit_panel(axes: Axes, curve: Curve, name: str, scale: Scale) -> None:
 
 
 HEIGHT_CM = 6.8
+STARTS_CM = 7.4  # as high as "Velocity at the start v(0) of mass (m/s)" is long
 LINE_CM = 0.4  # of a legend
 EDGE = 0.02  # of the range, beside the first and last mark
 COLOURS = (  # of attractors or branches, those of the largest shares first; what prints alike is hatched
@@ -364,12 +367,17 @@ class _Classes:
         place = self.sides.index(side) if side in self.sides else len(self.sides)
         return min(place, len(self.shades) - 2)
 
-    def legend(self, figure: Figure, classes: np.ndarray) -> None:
-        """The legend of the classes that occur, with how many are undecided."""
+    def legend(self, figure: Figure, classes: np.ndarray, points: bool = False) -> None:
+        """The legend of the classes that occur, as cells or as points, with how many are undecided."""
         known = classes[~np.isnan(classes)].astype(int)
         edge: dict[str, Any] = {"edgecolor": HATCHES, "linewidth": 0.4}
         shown = [shade for code, shade in enumerate(self.shades) if (known == code).any()]
-        patches = [Patch(facecolor=shade.colour, hatch=shade.hatch, **edge) for shade in shown]
+        patches: list[Artist] = [Patch(facecolor=shade.colour, hatch=shade.hatch, **edge) for shade in shown]
+        if points:
+            patches = [
+                Line2D([], [], linestyle="none", marker=shade.marker, markersize=4.5, color=shade.colour,
+                       markeredgecolor=shade.edge, markeredgewidth=0.4) for shade in shown
+            ]  # fmt: skip
         undecided = int((known == len(self.shades) - 1).sum())
         names = [f"undecided ({undecided})" if shade is UNDECIDED else shade.name for shade in shown]
         if shown:
@@ -396,14 +404,14 @@ def _draw_starts(subject: Subject, view: View) -> Figure:
     if len(spreads) == 1:
         drawn.append(result["attractor"][..., 0].ravel())
         labels.append("Number of the attractor")
-    figure = sheet(view, HEIGHT_CM + classes.legend_cm)
+    figure = sheet(view, STARTS_CM + classes.legend_cm)
     axes = figure.subplots()
     codes = classes.of(result["attractor"], result["attractor_mirrored"], result["status"])[..., 0].ravel()
     scatter_classes(axes, drawn[0], drawn[1], codes, classes.shades, view)
     axes.set_xlabel(labels[0])
     axes.set_ylabel(labels[1])
     note(axes, missing_note(subject))
-    classes.legend(figure, codes)
+    classes.legend(figure, codes, points=True)
     return figure
 
 

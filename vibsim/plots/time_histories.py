@@ -354,8 +354,10 @@ def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
         draw_stop_line(axes, position, scales[0], text if len(subjects) == 1 else "")
     axes.margins(0.05)
     label_relative(axes, pairs[0], scales)
+    rest_said = "" if any(each.x.any() or each.y.any() for each in traces) else "no relative motion"
     turns_said = UP_TO_TURNS if pairs[0].whole_turns else ""
-    remarks = [*dict.fromkeys(map(seconds, spans)), points_said, turns_said, trust_remark(subjects, spans)]
+    said = (rest_said, *dict.fromkeys(map(seconds, spans)), points_said, turns_said)
+    remarks = [*said, trust_remark(subjects, spans)]
     text = "; ".join(filter(None, remarks))
     crowded = len(text) > BESIDE_STOP or any(not name.startswith("$") for _, name in stops)
     note(axes, text, above=1 if len(subjects) == 1 and stops and crowded else 0)

@@ -327,7 +327,7 @@ def pair_of(subject: Subject) -> PlottedPair:
     motion = PairMotion(scene, part)
 
     def plane(block: Any) -> tuple[np.ndarray, np.ndarray]:
-        _, x, v = motion(block, "time")
+        _, x, v = motion.above_rounding(block, "time")
         return x, v
 
     x, v = (difference(scene, part, letter) for letter in "xv")

@@ -287,6 +287,9 @@ def _in_order(pieces: list[np.ndarray], order: np.ndarray, shape: tuple[int, ...
 # The motion of one end of a part against the other, from the columns of a run.
 
 
+ROUNDING = 1e-12  # of displacements and velocities: what two that are equal may differ by after 1e4 turns
+
+
 class PairMotion:
     """x_P - x_Q [m] and v_P - v_Q [m/s] of a part of `scene` with the ends P and Q."""
 
@@ -298,6 +301,17 @@ class PairMotion:
         time = np.asarray(rows[clock])
         (x, v), (other_x, other_v) = (self._motion(end, rows, time) for end in self._ends)
         return np.stack([time, x - other_x, v - other_v])
+
+    def above_rounding(self, rows: Mapping[str, np.ndarray], clock: str) -> np.ndarray:
+        """The same with zeros where a difference is all within ROUNDING of what it is the difference of: ends
+        that rest on each other move together, and what the subtraction leaves of that is no motion.
+        """
+        motion, time = self(rows, clock), np.asarray(rows[clock])
+        ends = zip(*(self._motion(end, rows, time) for end in self._ends), strict=True)
+        for values, both in zip(motion[1:], ends, strict=True):
+            if np.abs(values).max(initial=0) <= ROUNDING * np.abs(both).max(initial=0):
+                values[:] = 0
+        return motion
 
     @property
     def columns(self) -> tuple[str, ...]:

@@ -314,12 +314,16 @@ class ErrorEstimate:
         self._passed = len(beyond) > 0
 
 
+FASTEST = 1e290  # ticks per second; more would overflow
+OLDEST = 2.0**53  # ticks, from which on ages are no longer told apart
+
+
 def held(time: np.ndarray, values: np.ndarray, fading: float) -> np.ndarray:
     """At each time [s] the largest of the values up to then, each faded by e in 1/fading [s] of its age.
 
     Ages are differences of whole numbers, the same wherever a block of samples begins.
     """
-    ticks = np.rint(time * (fading * UNIT / log(2)))
+    ticks = np.minimum(np.rint(time * min(fading * UNIT / log(2), FASTEST)), OLDEST)
     age = (ticks - ticks[0]).astype("i8")
     faded = np.maximum.accumulate(logarithm(values) + age) - age
     return np.asarray((faded << BITS_BELOW).view("f8"))

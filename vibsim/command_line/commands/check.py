@@ -83,7 +83,7 @@ def _summary(case: Case) -> str:
     steady = {"none": "no excitation", "constant": "constant forces", "formula": "forces by formulas"}
     source = steady.get(kind) or f"{kind} {frequency or ''}".strip()
     if kind == "none" and reads_time(case.scene()):
-        source = "formulas of time"
+        source = "formulas of the time"
     return f"{source}, {t_end} every {every}"
 
 

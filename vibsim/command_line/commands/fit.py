@@ -27,9 +27,9 @@ from vibsim.command_line.terminal import Progress, print_json, say
 from vibsim.command_line.text import goes_on, print_lines, size
 from vibsim.fitting.fit_result import FitResult, Table, facts, fit_lines, ranking_table
 from vibsim.fitting.fitting import make_plan, run_fit
-from vibsim.fitting.measures import OBSERVABLES, FitError
+from vibsim.fitting.measures import VIBRATION, FitError, observable_of
 from vibsim.fitting.plan import FitPlan, Search
-from vibsim.fitting.statements import PHRASES
+from vibsim.fitting.statements import PHRASES, Phrase
 from vibsim.signals import Interruption, interrupted_with
 
 FREE = PairType("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
@@ -239,8 +239,9 @@ def print_table(table: Table) -> None:
 def words_listed(settings: Settings) -> int:
     """Print what a statement can be about."""
     table: dict[str, dict[str, Any]] = {}
-    for phrase in PHRASES:
-        observable = OBSERVABLES[phrase.name]
+    named = Phrase(f"{VIBRATION}x_P - x_Q", f"{VIBRATION}x_P - x_Q, or of x_P, of named bodies,")
+    for phrase in (*PHRASES, named):
+        observable = observable_of(phrase.name)
         table[phrase.words] = {
             "takes": "nothing" if observable.words else f"a range of {observable.dimension}",
             "span": observable.windowed,

@@ -337,7 +337,8 @@ def orbit_lines(orbit: Orbit, digits: Any = None) -> Lines:
         ("energy", energy_text(orbit.energy)),
         (
             "residual",
-            f"{number(orbit.residual, 2)} m/s after {counted(orbit.solution.steps, 'Newton step')}",
+            f"{number(orbit.residual, 2)} {orbit.return_map.scene.length_unit}/s after "
+            f"{counted(orbit.solution.steps, 'Newton step')}",
         ),
         ("certificate", certificate_text(orbit)),
     ]

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.image import imread
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, Rectangle
 
 from vibsim.cases import load_case
 from vibsim.cases.quantities import parse_quantity
@@ -50,9 +50,16 @@ SIDEWAYS = 0.28  # half width of a cloud of points, in the distance of two cases
 KINDS = {
     "periodic": "0.85", "transient": SKY, "quasi-periodic": ORANGE, "chaotic": VERMILLION, "undecided": BLACK,
 }  # fmt: skip
+KIND_HATCHES = {"quasi-periodic": "////", "chaotic": "xxxx"}  # what prints like another colour
 CAPTURED = ("II-B", "II-C", *SHIPPED_READINGS)
 COLOURS = dict(zip(CAPTURED, (BLUE, ORANGE, GREEN, VERMILLION), strict=True))
 RING: dict[str, Any] = {"color": BLACK, "markersize": 5, "markerfacecolor": "none", "markeredgewidth": 1.0}
+DISAGREE: dict[str, Any] = {
+    "color": "white",
+    "markersize": 2,
+    "markeredgecolor": "0.3",
+    "markeredgewidth": 0.3,
+}
 CROSS: dict[str, Any] = {"color": BLACK, "markersize": 5, "markeredgecolor": "white", "markeredgewidth": 0.6}
 SOURCES = ((BLUE, "ideal, Table 1"), (SKY, "ideal, equal force"), (ORANGE, "motor"))
 MARKS = dict(zip(CAPTURED, "osD^", strict=True))
@@ -124,17 +131,22 @@ def draw_regimes(numbers: claims_Numbers) -> Figure:
         edges, range(len(rows) + 1), classes, cmap=colours, vmin=-0.5, vmax=len(kinds) - 0.5,
         edgecolors="white", linewidth=0.4, gid="regimes",
     )  # fmt: skip
+    for kind, hatch in KIND_HATCHES.items():
+        for j, i in np.argwhere(classes == kinds.index(kind)):
+            look: dict[str, Any] = {"facecolor": "none", "edgecolor": "0.2", "linewidth": 0, "hatch": hatch}
+            axes.add_patch(Rectangle((edges[i], j), 2 * half, 1, gid=f"hatch {kind}", **look))
     for row in numbers["nearby"]:
         if len({str(each["regime"]) for each in row["starts"]}) > 1:
             place = rows.index((row["law"], row["c"])) + 0.5
-            axes.plot(row["hz"], place, "o", color="white", markersize=1.8, markeredgewidth=0, gid="disagree")
+            axes.plot(row["hz"], place, "o", gid="disagree", **DISAGREE)
     for hz in (3.5, 5.5, 6.5):
         for law in LAWS:
             axes.plot(hz, rows.index((law, DAMPINGS[1])) + 0.75, "X", **CROSS)
     axes.set_yticks(np.arange(len(rows)) + 0.5, [f"{law}, c = {c:g}" for law, c in rows])
     axes.tick_params(length=0)
     axes.set_xlabel(r"Frequency of the ideal source $\omega/2\pi$ (Hz)")
-    handles = [Patch(facecolor=colour, edgecolor="0.3", linewidth=0.4) for colour in KINDS.values()]
+    edge: dict[str, Any] = {"edgecolor": "0.3", "linewidth": 0.4}
+    handles = [Patch(facecolor=KINDS[kind], hatch=KIND_HATCHES.get(kind), **edge) for kind in kinds]
     legend_below(figure, handles, kinds, handlelength=1.2)
     return figure
 
@@ -221,7 +233,7 @@ def write_load_curves(branches: Mapping[str, Branch], folder: Path, formats: Seq
         "6.5 Hz. Solid: stable orbits, dashed: unstable ones; crosses, squares and diamonds: folds, period "
         "doublings and Neimark-Sacker points, with the labels of their list. Dots: the motor stays there; "
         "half dots: it stays near, though that orbit is unstable; rings: it leaves. The inset enlarges the "
-        "curves about half the bilinear frequency (dashed), where they turn back.",
+        "dotted frame: the curves about half the bilinear frequency (dashed), where they turn back.",
         "Two curves that rise steeply near 3.7 Hz and turn back. That of the printed motor turns back far "
         "below the lines of 5.5 and 6.5 Hz; that of the reading reaches just above the line of 5.5 Hz.",
     )

@@ -260,7 +260,11 @@ def chaotic_somewhere(numbers: Numbers) -> Finding:
     rest = bool(runs) or any(row["starts"][0]["regime"] == "chaotic" for row in rows)
     over = bool(mostly_so) or any(row["regime"] == "chaotic" for row in rows)
     remark = "Case II is chaotic on its way to where it settles: neighbouring starts part." if rest else ""
-    return Finding((holds(rest), holds(over)), tuple(lines), tuple(runs), remark=remark)
+    basis = (
+        f"runs of 300 s over frequency, amplitude and damping, {len(REGIMES_NEARBY_STARTS)} starts each; "
+        "chaotic ones are known by their statistics"
+    )
+    return Finding((holds(rest), holds(over)), tuple(lines), tuple(runs), remark, basis)
 
 
 def _neighbours(rows: Sequence[Numbers], law: str, c: float) -> str:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from vibsim import __version__
@@ -561,7 +562,15 @@ def _enlarge(axes: Axes, subjects: Sequence[Subject]) -> None:
     inset.axvline(half, color=GREY, linewidth=0.6, linestyle=(0, (4, 2)), zorder=1, gid="half bilinear")
     inset.set_title(f"about ½ bilinear, {half:.2f} Hz", fontsize=6.5, pad=2)
     inset.tick_params(labelsize=6)
-    axes.indicate_inset_zoom(inset, edgecolor="0.4", linewidth=0.6)
+    x, y = inset.get_xlim(), inset.get_ylim()
+    frame: dict[str, Any] = {
+        "edgecolor": "0.2",
+        "linewidth": 0.7,
+        "linestyle": ":",
+        "zorder": 4,
+        "gid": "inset-frame",
+    }
+    axes.add_patch(Rectangle((x[0], y[0]), x[1] - x[0], y[1] - y[0], fill=False, **frame))
 
 
 def no_load_speeds() -> list[float]:
