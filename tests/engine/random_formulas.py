@@ -245,7 +245,7 @@ class RandomScene:
             slips.append(mul(mul(scaled(SIZE), load), mu))
             holds.append(mul(mul(scaled(SIZE), load), mul(static, num("3/20"))))
         return Friction(
-            f"f{i}", P, Q, 0.0, 0.0, belt, slips=tuple(slips), holds=tuple(holds), rises=static != ONE
+            f"f{i}", P, Q, 0.0, 0.0, belt, slips=tuple(slips), holds=tuple(holds), rises=(static != ONE,) * 2
         )
 
     def force(self, i):

@@ -173,7 +173,7 @@ def friction(static, load, mu):
     """A friction of body 0 on the ground with a load and a law of the speed, by direction."""
     slips = tuple(mul(load, mu(mul(num(sense), V))) for sense in (1, -1))
     holds = tuple(mul(load, mul(static, mu(ZERO))) for _ in (1, -1))
-    return Friction("f", 0, GROUND, 0.0, 0.0, 0.0, slips=slips, holds=holds, rises=static != ONE)
+    return Friction("f", 0, GROUND, 0.0, 0.0, 0.0, slips=slips, holds=holds, rises=(static != ONE,) * 2)
 
 
 @pytest.mark.parametrize("static", (ONE, num("3/2")), ids=("plain", "static"))

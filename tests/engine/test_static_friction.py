@@ -6,6 +6,7 @@ from math import atan, pi
 import numpy as np
 import pytest
 
+import vibsim
 from tests.engine.bundles import totals
 from tests.engine.many_digits import exact_parts, truth
 from tests.engine.runs import differences, run
@@ -153,6 +154,35 @@ def test_limits_of_the_two_directions():
 
     assert drift(Friction("f", 0, BASE, 3.0, 3.0, 0.0, 8.0, 20.0)) > 0.05
     assert drift(Friction("f", 0, BASE, 3.0, 3.0, 0.0, 20.0, 8.0)) < -0.05
+
+
+LIMITS_OF_TWO_DIRECTIONS = """
+name: limits
+bodies: {{a: 1 kg}}
+links: {{s: {{between: [a, ground], k: 100 N/m}}}}
+friction: {{f: {{between: [a, ground], N: {load}, {sides}}}}}
+forces: {{d: {{on: a, A: 5 N, omega: 3 rad/s}}}}
+run: {{t_end: 12 s, every: 50 ms}}
+"""
+
+
+@pytest.mark.parametrize(
+    "sides",
+    ("plus: {mu: 0.1, static: 1.5}, minus: {mu: 0.2}", "plus: {mu: 0.2}, minus: {mu: 0.1, static: 1.5}"),
+)
+def test_a_load_by_a_formula_keeps_the_limits_of_the_two_directions(sides):
+    """The force drops where slip begins in the direction that has a static limit, and in that one alone: as
+    with a load that is a number. The other direction took its slip for one that begins with a jump of the
+    acceleration, and rounding let it stick again at once.
+    """
+    formula = "'N0*max(1, t/T)', N0: 10 N, T: 100 s"  # 10 N until 100 s
+    plain, by_formula = (
+        vibsim.simulate(LIMITS_OF_TWO_DIRECTIONS.format(load=load, sides=sides)) for load in ("10 N", formula)
+    )
+    assert by_formula.attrs["sticks"] == plain.attrs["sticks"] > 8
+    assert list(by_formula.events.words("kind")) == list(plain.events.words("kind"))
+    np.testing.assert_allclose(by_formula.events["t"], plain.events["t"], rtol=0, atol=1e-12)
+    assert by_formula.attrs["uncertified"] == 0
 
 
 def struck_and_torn():

@@ -291,7 +291,7 @@ class FormulaParts:
 
     def friction(
         self, name: str, part: Values, weight: Any
-    ) -> tuple[tuple[Node, Node], tuple[Node, Node], bool] | None:
+    ) -> tuple[tuple[Node, Node], tuple[Node, Node], tuple[bool, bool]] | None:
         """Forces while slipping, and the most that it holds, forwards and backwards, and whether that is
         above what slip begins with; None without formulas.
 
@@ -312,13 +312,13 @@ class FormulaParts:
         else:
             slip = nodes.sub(difference("v", P, Q), meaning_of_number(part["belt"]).node)
         speeds = (slip, nodes.neg(slip))
-        slips, holds, rises = [], [], False
+        slips, holds, rises = [], [], []
         for i, speed in enumerate(speeds):
             coefficient = self._coefficient(name, part, i)
             slips.append(nodes.mul(coefficient.slip(speed), load))
             holds.append(nodes.mul(coefficient.hold, load))
-            rises = rises or coefficient.rises
-        return (slips[0], slips[1]), (holds[0], holds[1]), rises
+            rises.append(coefficient.rises)
+        return (slips[0], slips[1]), (holds[0], holds[1]), (rises[0], rises[1])
 
     @cached_property
     def belts_are_base(self) -> bool:

@@ -200,7 +200,7 @@ class Friction(Generic[N]):
     and
         what falls with speed are 0 and None then
     holds : formulas of the most that it can hold against the start of slip in either direction [N]
-    rises : whether these are above the forces with which slip begins
+    rises : whether these are above the forces with which slip begins, forwards and backwards
     course : formula of the time alone of what the belt has in velocity beside `belt` [m/s], or None; its
         forces are formulas then
     """
@@ -217,7 +217,7 @@ class Friction(Generic[N]):
     fall_backward: Fall[N] | None = None
     slips: tuple[Node, Node] | None = None
     holds: tuple[Node, Node] | None = None
-    rises: bool = False
+    rises: tuple[bool, bool] = (False, False)
     course: Node | None = None
 
     @property
@@ -250,7 +250,7 @@ class Friction(Generic[N]):
     def drops(self, sense: int) -> bool:
         """Whether its force jumps where it begins to slip."""
         if self.slips is not None:
-            return self.rises
+            return self.rises[0 if sense > 0 else 1]
         limits, starts = self.limits, self.starts
         return bool(limits[0] > starts[0] if sense > 0 else limits[1] > starts[1])
 
