@@ -281,3 +281,23 @@ def test_a_kink_of_the_base_is_a_blow_to_what_rests_on_it(parts, speed, told, ve
     assert float(run.at(1.15)["v_a"]) == pytest.approx(
         float(simulate(case_of(text.replace("every: 0.5", "every: 0.05")))["v_a"][23]), abs=1e-14
     )
+
+
+@pytest.mark.parametrize(
+    ("belt", "engine", "told"),
+    (
+        # it sticks at 0.25 m/s, and the base takes the belt 0.2 m/s away from it
+        (0.25, "c", [(0.5, "stick_begin"), (1, "switch"), (1, "stick_end"), (1.4, "stick_begin")]),
+        (0.25, "python", [(0.5, "stick_begin"), (1, "switch"), (1, "stick_end"), (1.4, "stick_begin")]),
+        # it slips on, towards what the belt and the base come to
+        (0.9, "c", [(1, "switch"), (2.2, "stick_begin")]),
+        (-0.9, "c", [(1, "switch"), (1.4, "stick_begin")]),
+    ),
+)
+def test_a_kink_of_the_base_beneath_a_belt_of_constant_speed(belt, engine, told):
+    """Slip there was read without the belt: it turned round, and the energy ledger did not close."""
+    text = KINK.replace("PARTS", STICKS.replace("mu: 0.1", f"mu: 0.1, belt: {belt} m/s"))
+    run = simulate(case_of(text.replace("SPEED", "0.2 m/s")), engine=engine, trust=False)
+    assert [(round(t, 12), kind) for t, kind in events_of(run)][1:-1] == told
+    assert run["v_a"][-1] == pytest.approx(belt + 0.2, abs=1e-14)
+    assert abs(run.attrs["energy_residual"]) < 1e-15

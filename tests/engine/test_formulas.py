@@ -241,6 +241,65 @@ run: {t_end: 0.2 s, every: 1 ms}
         assert abs(samples["v_a"][-1] + 0.2) < 1e-14
 
 
+@pytest.mark.parametrize("gap", [0, 1])
+def test_a_stop_lets_go_where_what_all_terms_beside_the_depth_say(gap):
+    """K p^2 + c p p' is p (K p + c p'): contact ends at K p + c p' = 0, and not at depth 0 a second time."""
+    text = """
+name: sum
+bodies: {a: 1 kg}
+stops: {s: {between: [a, ground], gap: GAP mm, acts: compression, release: force, force: "FORCE",
+  K: 1.5e6 N/m^2, c: 60 N s/m^2}}
+forces: {f: {on: a, A: 20 N, omega: 4 Hz, F0: 6 N}}
+run: {t_end: 2 s, every: 10 ms}
+""".replace("GAP", str(gap))
+    told, product = (
+        vibsim.simulate(text.replace("FORCE", force), trust=False)
+        for force in ("K*p**2 + c*p*pv", "p*(K*p + c*pv)")
+    )
+    assert list(told.events.words("kind")) == list(product.events.words("kind"))
+    np.testing.assert_allclose(told.events["t"], product.events["t"], rtol=0, atol=1e-12)
+    assert told.attrs["uncertified"] == 0 < (told.events.words("kind") == "contact_end").sum()
+
+
+@pytest.mark.parametrize("engine", ["c", "python"])
+def test_a_contact_that_begins_at_rest_and_fits_into_one_step_is_felt(engine):
+    """A body at rest at Hertz's wall is pressed against it: neither end of the first step shows it."""
+    run = vibsim.simulate(
+        """
+name: hertz
+bodies: {a: 1 kg}
+stops: {s: {between: [a, ground], gap: 0 mm, acts: compression, force: "K*p**1.5", K: 3e4 N/m^1.5}}
+forces: {f: {on: a, force: "A - B*t", A: 1 mN, B: 50 mN/s}}
+run: {t_end: 100 ms, every: 5 ms}
+""",
+        engine=engine,
+    )
+
+    def rates(t, y):
+        return [y[1], 1e-3 - 0.05 * t - 3e4 * max(y[0], 0.0) ** 1.5]
+
+    one = solve_ivp(rates, (0, 0.1), [0, 0], "DOP853", t_eval=run.time, rtol=1e-12, atol=1e-18, max_step=2e-4)
+    assert np.abs(run["x_a"] - one.y[0]).max() < 1e-13
+    assert run.attrs["uncertified"] == 0
+
+
+@pytest.mark.parametrize("engine", ["c", "python"])
+def test_a_contact_begins_nearer_to_zero_than_series_of_its_power_can_be_written(engine):
+    """Soon after t = 0 time is resolved more finely than the depth is known: it began 1e-20 s late."""
+    text = """
+name: soon
+bodies: {a: 1.703 kg, b: 0.3055 kg}
+links: {la: {between: [a, ground], k: 4.085 N/m}, lb: {between: [b, a], k: 10.18 N/m, c: 0.0176 N s/m}}
+stops: {s: {between: [b, ground], gap: GAP m, acts: extension, force: "K*p**1.5", K: 3630 N/m^1.5}}
+forces: {f: {on: b, A: 0.0323 N, omega: 11.98831756609865 rad/s, F0: 0.0113 N}}
+initial: {a: {x: -1.6 mm}}
+run: {t_end: 0.2 s, every: 10 ms}
+"""
+    begun, touching = (vibsim.simulate(text.replace("GAP", gap), engine=engine) for gap in ("1e-12", "0"))
+    assert list(begun.events.words("kind")) == ["start", "contact_begin", "contact_end", "end"]
+    assert np.abs(begun["x_b"] - touching["x_b"]).max() < 1e-11
+
+
 BASE = """
 bodies: {a: 1 kg}
 base: {x: "a0*sin(w0*t)*min(t/rise, 1)", a0: 2 mm, w0: 5 Hz, rise: 0.73 s}

@@ -218,6 +218,7 @@ typedef struct {
     Real (*arguments)[SERIES], (*falls)[SERIES]; /* of falling frictions: what the recurrence takes of s, and f */
     Real inverse[SERIES + 1], sine[SERIES], cosine[SERIES], w_back[SERIES], a1_back[SERIES]; /* w_back[order - n]: order n */
     Real h, turns, longest; /* longest: piece of a step that one quadrature rule takes [s] */
+    Real nearest; /* time [s] within which zeros of bases of powers are zeros in any case */
     Real *checked, checked_at; /* columns at the end of the step and before it, where formulas are compared; the former [s], or 0 */
     int order, rates, stride, *loaded, loaded_count, few_nodes;
     Real *acceleration; /* by leading column, where a mode has formulas or rotors */
@@ -452,6 +453,7 @@ Real taylor_magnitude(const Run *r, const Event *e);
 void tape_values(const Run *r, Real tau);
 void tape_values_at(const Run *r, const Mode *m, Real X, Real V, const Real *rates);
 void sound_step(Run *r);
+Real overflowing_zero(const Run *r);
 
 /* rotors_on_bodies.c */
 void rotors_expand(Run *r);

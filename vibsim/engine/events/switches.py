@@ -198,6 +198,7 @@ class SwitchSides(Generic[N]):
                 maker = TapeMaker(self.kit, sides[1], self.maker.columns)
                 k_slip = maker.output(slip)
                 value, bound = TapeValues(self.kit, maker.tape, *inputs).output(k_slip)
+                value, bound = value - friction.belt, bound + self.kit.eps * abs(friction.belt)
                 found[k] = STICK if abs(value) <= bound else FORWARD if value > 0 else BACKWARD
         return found
 

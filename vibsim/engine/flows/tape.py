@@ -391,10 +391,14 @@ class TapeSeries(Generic[N]):
         x: Sequence[list[N]],
         v: Sequence[list[N]],
         rotor: tuple[list[N], list[N]] | None = None,
+        nearest: N | int = 0,
     ) -> None:
-        """Begin at the time t [s]; `order` of coefficients at most."""
+        """Begin at the time t [s]; `order` of coefficients at most. nearest: time [s] within which a zero of
+        the base of a power is one here in any case.
+        """
         zero = self.kit.number(0)
-        self.least = SINGULAR * (self.kit.next_after(t, inf) - t)
+        resolved = SINGULAR * (self.kit.next_after(t, inf) - t)
+        self.least = self.kit.number(nearest) if nearest > resolved else resolved
         self.series = []
         for op in self.tape.ops:
             if op.code in (PLACE, SPEED):

@@ -7,7 +7,7 @@ output and carries the event search.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import inf
 from typing import Generic
 
@@ -78,11 +78,22 @@ class Taylor(TaylorExpansion[N]):
 
     def enter(self, state: State[N], rows: ModeRows[N], known: Known) -> None:
         """Expand the motion at `state` in the mode of `rows`; known: {event key: order of its zero here}."""
+        self.nearest = 0
         self._expand_in(state, rows, known)
         self.reach(self.order)
         self.steps += 1
         self.h = self.step_length()
-        if self.tape and self.tape.tape.ops:
+        if self.tape is None or not self.tape.tape.ops:
+            return
+        try:
+            self.h = self._sound_step(self.tape)
+        except EngineError:
+            self.nearest = overflowing_zero(self.kit, self.tape, self.order)
+            if not self.nearest:
+                raise
+            self._expand_in(state, rows, known)
+            self.reach(self.order)
+            self.h = self.step_length()
             self.h = self._sound_step(self.tape)
 
     def _sound_step(self, tape: TapeSeries[N]) -> N:
@@ -117,6 +128,7 @@ class Taylor(TaylorExpansion[N]):
         """
         place = (state.t, *state.x, *state.v, state.phase, state.w)
         if self.looked_at is None or self.looked_at[0] is not rows or self.looked_at[1] != place:
+            self.nearest = 0
             self._expand_in(state, rows, {})
             self.looked_at = rows, place
 
@@ -350,6 +362,21 @@ def shortened(kit: Kit[N], h: N, excess: float, order: int) -> N:
     return h * kit.power_of_two(-max((excess + 1) / order, LEAST_SHORTENING))
 
 
+def overflowing_zero(kit: Kit[N], tape: TapeSeries[N], order: int) -> N | int:
+    """The time [s] within which the base of a power is at its zero, of powers whose series overflow so near
+    it; 0 where none does.
+    """
+    nearest: N | int = 0
+    for op, series in zip(tape.tape.ops, tape.series, strict=True):
+        if op.code != POWER or not tape.series[op.a][0] > 0:
+            continue
+        base = tape.series[op.a]
+        if base[1] != 0 and not all(kit.finite(value) for value in series[:order]):
+            time = 2 * (base[0] / abs(base[1]))
+            nearest = time if time > nearest and kit.finite(time) else nearest
+    return nearest
+
+
 class StepChecks(Generic[N]):
     """Compares series of formulas at the end of a step with their values there."""
 
@@ -386,8 +413,7 @@ class StepChecks(Generic[N]):
         for op in self.tape.tape.ops:
             if op.code == POWER:  # begun at a zero of its base, which must not be over before the step is
                 base, there = self.tape.series[op.a], values.values[op.a]
-                begins = base[1] > 0 and not base[0] > self.tape.least * base[1]
-                if begins and there < -values.bounds[op.a]:
+                if there < -values.bounds[op.a] and self._begins(base):
                     worst = SHORT_CONTACT
         for k, text in enumerate(self.tape.tape.texts):
             value, bound = values.output(k)
@@ -398,6 +424,14 @@ class StepChecks(Generic[N]):
             if beyond > worst:
                 worst, self.worst = beyond, text
         return worst
+
+    def _begins(self, base: Sequence[N]) -> bool:
+        """Whether the base of a power begins at its zero: it rises from there, of whatever order the zero
+        is.
+        """
+        if base[0] > self.tape.least * abs(base[1]):
+            return False
+        return next((value > 0 for value in base[1 : self.flow.order] if value != 0), False)
 
     def _share(self, k: int, h: N, value: N) -> N:
         """How wrong a force may be so that velocities are not wrong beyond the tolerance of the step; of

@@ -36,6 +36,7 @@ class TaylorExpansion(Generic[N]):
         ]  # of units of their own
         self.tape: TapeSeries[N] | None = None
         self.reached = 0  # order of the coefficients so far
+        self.nearest: N | int = 0  # time [s] within which zeros of bases of powers are zeros in any case
 
     def expand(self, state: State[N], rows: ModeRows[N]) -> None:
         """Coefficients of order 0 of all columns at `state` in a mode, and what they are driven by."""
@@ -61,7 +62,7 @@ class TaylorExpansion(Generic[N]):
         if rows.tape:
             self.tape = TapeSeries(self.kit, rows.tape, self.inverse)
             turning = (self.rotor.phi, self.rotor.w) if self.rotor else None
-            self.tape.start(state.t, p, self.x, self.v, turning)
+            self.tape.start(state.t, p, self.x, self.v, turning, self.nearest)
 
     def reach(self, order: int) -> None:
         """Coefficients up to `order`, of those expanded last."""

@@ -9,6 +9,7 @@ without a side.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
 from typing import Any, Generic, NamedTuple
 
 from vibsim.engine.flows.tape import INPUTS, Inputs, Tape, TapeMaker, TapeValues, chosen, quotient
@@ -40,6 +41,7 @@ from vibsim.physics.formulas import (
     is_continuous,
     mul,
     num,
+    power,
     resolved,
     sub,
     value_of,
@@ -60,6 +62,16 @@ class Root(NamedTuple):
     node: Node
     role: tuple[Any, ...]
     text: str
+
+
+class _LessDepth(NamedTuple):
+    """What is left of a formula without a power of the depth of a stop; depth: that power is of this node,
+    None where it is of a multiple.
+    """
+
+    exponent: Fraction
+    rest: Node
+    depth: Node | None = None
 
 
 def watched_by(node: Node) -> tuple[Node, int]:
@@ -295,7 +307,7 @@ class FormulaRows(Generic[N]):
         """
         for i, stop in self.scene.elastic_stops:
             if stop.force is not None and stop.lets_go and rows.status.stops[i] != OPEN:
-                rest = self._less_depth(maker, stop.force, stop, sides)
+                rest = self._less_depth(maker, stop.force, stop, sides).rest
                 value = value_of(rest)
                 if value is not None and value > 0:
                     outputs["push", i] = NO_ZERO
@@ -303,17 +315,37 @@ class FormulaRows(Generic[N]):
                     outputs["push", i] = k = maker.output(rest, stop.name)
                     rows.nodes[k] = rest
 
-    def _less_depth(self, maker: TapeMaker[N], node: Node, stop: Stop[N], sides: Mapping[Node, int]) -> Node:
-        """A formula without its factors that are powers of the depth of a stop."""
-        if node[0] == "choose" and node in sides:
+    def _less_depth(
+        self, maker: TapeMaker[N], node: Node, stop: Stop[N], sides: Mapping[Node, int]
+    ) -> _LessDepth:
+        """A formula without its factors that are powers of the depth of a stop; of a sum those that all its
+        terms have.
+        """
+        kind = node[0]
+        if kind == "choose" and node in sides:
             return self._less_depth(maker, chosen(node, sides), stop, sides)
-        if node[0] == "mul":
-            return mul(*(self._less_depth(maker, one, stop, sides) for one in node[1:3]))
-        if node[0] == "div":
-            return div(self._less_depth(maker, node[1], stop, sides), node[2])
-        base = node[1] if node[0] == "pow" and node[2] > 0 else node
-        is_depth = value_of(base) is None and self._proportional(maker.tape, maker.place(base), stop)
-        return ONE if is_depth else node
+        if kind in ("mul", "add", "sub"):
+            a, b = (self._less_depth(maker, one, stop, sides) for one in node[1:3])
+            if kind == "mul":
+                depth = a.depth if b.exponent == 0 else b.depth if a.exponent == 0 else a.depth and b.depth
+                if a.exponent + b.exponent > 0:
+                    return _LessDepth(a.exponent + b.exponent, mul(a.rest, b.rest), depth)
+            common, depth = min(a.exponent, b.exponent), a.depth and b.depth
+            if kind != "mul" and common > 0 and depth:
+                a_rest, b_rest = (mul(one.rest, power(depth, num(one.exponent - common))) for one in (a, b))
+                return _LessDepth(common, (add if kind == "add" else sub)(a_rest, b_rest), depth)
+        if kind == "div":
+            a = self._less_depth(maker, node[1], stop, sides)
+            return a._replace(rest=div(a.rest, node[2]))
+        base, exponent = (node[1], node[2]) if kind == "pow" and node[2] > 0 else (node, Fraction(1))
+        ratio = 0.0 if value_of(base) else self._ratio(maker.tape, maker.place(base), stop)
+        if not ratio:
+            return _LessDepth(Fraction(0), node)
+        if base[0] == "mul" and base[1][0] == "num" and base is node:  # c p, which a gap of 0 makes one
+            c = abs(base[1][1])
+            if abs(ratio - float(c)) <= SAME * float(c):
+                return _LessDepth(exponent, num(c), mul(num(1 / c), base))
+        return _LessDepth(exponent, ONE, base if abs(ratio - 1) <= SAME else None)
 
     def _ends(self, role: tuple[Any, ...], status: Status) -> tuple[int, int, int]:
         """Columns of P and Q of a force, -1 for none, and the sign with which it acts on P; 0 where it does
@@ -376,6 +408,10 @@ class FormulaRows(Generic[N]):
         return any(self._proportional(maker.tape, place, stop) for stop in depths)
 
     def _proportional(self, tape: Tape, place: int, stop: Stop[N]) -> bool:
+        return self._ratio(tape, place, stop) > 0
+
+    def _ratio(self, tape: Tape, place: int, stop: Stop[N]) -> float:
+        """A function on the tape over the depth of a stop, where that is one positive number; else 0."""
         P, Q = (end if end >= 0 else self.columns[end] for end in (stop.P, stop.Q))
         ratios = []
         for i, depth in enumerate(PROBES):
@@ -388,7 +424,7 @@ class FormulaRows(Generic[N]):
                 x[Q] = x[P] + stop.sense * (gap + depth)
             depth = -(stop.sense * (x[P] - x[Q])) - gap
             ratios.append(self._probed(tape, at._replace(x=x))[place] / depth)
-        return _is_one_ratio(ratios)
+        return ratios[0] if _is_one_ratio(ratios) else 0.0
 
     def _kept(self, tape: Tape, place: int, guards: Sequence[tuple[int, int]]) -> bool:
         """Whether a function on the tape is what a switch keeps positive, but for a positive factor: abs(z),

@@ -137,7 +137,7 @@ class FormulaTangent(Generic[N]):
         tape = self.slopes.tape
         self.series = TapeSeries(kit, tape, flow.inverse)
         turning = (flow.rotor.phi, flow.rotor.w) if flow.rotor else None
-        self.series.start(flow.t0, flow.order, flow.x, flow.v, turning)
+        self.series.start(flow.t0, flow.order, flow.x, flow.v, turning, flow.nearest)
         for n in range(flow.order):
             self.series.advance(n)
 

@@ -41,10 +41,11 @@ static Real start_value(const Op *op, Real a, Real b)
     }
 }
 
-void tape_start(TapeRoom *room, Real t)
+void tape_start(TapeRoom *room, Real t, Real nearest)
 {
+    const Real resolved = NEAR_ZERO * (nextafter(t, INFINITY) - t);
     room->at.t = t;
-    room->least = NEAR_ZERO * (nextafter(t, INFINITY) - t);
+    room->least = nearest > resolved ? nearest : resolved;
 }
 
 void tape_begin(const Tape *tape, const TapeRoom *room, const Real *row)
@@ -318,6 +319,17 @@ static double digits_beyond(Real off, Real allowed)
     return beyond > 1.0 ? beyond : 1.0;
 }
 
+/* Whether the base of a power begins at its zero: it rises from there, of whatever order the zero is. */
+static int begins(const Real *base, int count, Real least)
+{
+    int n;
+    if (base[0] > least * fabs(base[1]))
+        return 0;
+    for (n = 1; n < count - 1 && base[n] == 0; n++)
+        ;
+    return base[n] > 0;
+}
+
 /* Whether the base of a power begins at its zero and is over before the time of `values`. */
 static int ends_early(const Run *r, const Real *values, const Real *bounds)
 {
@@ -327,7 +339,7 @@ static int ends_early(const Run *r, const Real *values, const Real *bounds)
     for (k = 0; k < tape->op_count; k++) {
         const Op *op = &tape->ops[k];
         const Real *base = room->series[op->a < 0 ? 0 : op->a];
-        if (op->code == OP_POWER && base[1] > 0 && !(base[0] > room->least * base[1]) && values[op->a] < -bounds[op->a])
+        if (op->code == OP_POWER && values[op->a] < -bounds[op->a] && begins(base, r->taylor.order, room->least))
             return 1;
     }
     return 0;
@@ -393,6 +405,26 @@ static Real on_grid(const Run *r, Real h)
 {
     const Real tau = (r->t0 + h) - r->t0;
     return tau > 0 ? tau : h;
+}
+
+/* The time [s] within which the base of a power is at its zero, of powers whose series overflow so near it; 0 where none does. */
+Real overflowing_zero(const Run *r)
+{
+    const Taylor *f = &r->taylor;
+    const Tape *tape = &r->mode->tape;
+    Real nearest = 0.0;
+    int k, n;
+    for (k = 0; tape->powers && k < tape->op_count; k++) {
+        const Real *base = f->tapes.series[tape->ops[k].a < 0 ? 0 : tape->ops[k].a], *series = f->tapes.series[k];
+        Real time;
+        if (tape->ops[k].code != OP_POWER || !(base[0] > 0))
+            continue;
+        for (n = 0; n < f->order && isfinite(series[n]); n++)
+            ;
+        time = n < f->order && base[1] != 0 ? 2 * (base[0] / fabs(base[1])) : 0.0;
+        nearest = time > nearest && isfinite(time) ? time : nearest;
+    }
+    return nearest;
 }
 
 /* The step, or a shorter one, at the end of which the formulas have the values that their series say. */

@@ -124,8 +124,8 @@ typedef struct {
     int ops;
 } TapeRoom;
 
-/* Begin series at the time t. */
-void tape_start(TapeRoom *room, Real t);
+/* Begin series at the time t; nearest: time [s] within which a zero of the base of a power is one here in any case. */
+void tape_start(TapeRoom *room, Real t, Real nearest);
 
 /* Values along a tape, which are order 0; row: of that order in the table of Taylor series. */
 void tape_begin(const Tape *tape, const TapeRoom *room, const Real *row);

@@ -272,15 +272,27 @@ INLINE void expand_at(Run *r, const State *state)
 
 void taylor_look(Run *r, const State *state)
 {
+    r->taylor.nearest = 0.0;
     expand_at(r, state);
 }
 
 void taylor_enter(Run *r, const State *state)
 {
+    Taylor *f = &r->taylor;
+    f->nearest = 0.0;
     expand_at(r, state);
     r->steps += 1;
-    if (r->mode->tape.op_count > 0)
+    if (r->mode->tape.op_count == 0)
+        return;
+    sound_step(r);
+    if (r->status != SINGULAR)
+        return;
+    f->nearest = overflowing_zero(r);
+    if (f->nearest > 0) {
+        r->status = OK;
+        expand_at(r, state);
         sound_step(r);
+    }
 }
 
 static int near_zero(const Run *r, const Event *e, Real tau, Real *value, Real *slope, Real *noise)

@@ -421,7 +421,7 @@ INLINE void expand_formulas(Run *r, const State *state, const int few, const int
     int n, c;
     if (motor)
         o = rotor_of(r, state);
-    tape_start(&f->tapes, r->t0);
+    tape_start(&f->tapes, r->t0, f->nearest);
     if (!alone && r->rotors.count > 0)
         rotors_expand(r);
     for (n = 0; n <= p; n++, row += stride) {

@@ -19,7 +19,7 @@ static void expand_base_formula(Run *r, const Tape *tape, Real t)
     const Real *X = f->tapes.series[tape->outputs[0]];
     Real *row = f->table;
     int at = base_column(r), n;
-    tape_start(&f->tapes, t);
+    tape_start(&f->tapes, t, 0.0);
     for (n = 0; n <= f->order + 2; n++)
         tape_advance(tape, &f->tapes, NULL, n, f->inverse[n]);
     for (n = 0; n < f->order + 2; n++, row += f->stride) {

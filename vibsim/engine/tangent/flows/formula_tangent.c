@@ -23,7 +23,7 @@ void formula_slopes_expand(const Run *r, TapeRoom *room)
     const Taylor *f = &r->taylor;
     const Tape *tape = &r->mode->formula_slopes.tape;
     int n, i;
-    tape_start(room, r->t0);
+    tape_start(room, r->t0, f->nearest);
     for (n = 0; n < f->order; n++)
         tape_advance(tape, room, f->table + n * f->stride, n, f->inverse[n]);
     for (i = 0; i < tape->op_count; i++) {
