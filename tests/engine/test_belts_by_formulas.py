@@ -301,3 +301,77 @@ def test_a_kink_of_the_base_beneath_a_belt_of_constant_speed(belt, engine, told)
     assert [(round(t, 12), kind) for t, kind in events_of(run)][1:-1] == told
     assert run["v_a"][-1] == pytest.approx(belt + 0.2, abs=1e-14)
     assert abs(run.attrs["energy_residual"]) < 1e-15
+
+
+DAMPED = """\
+name: damped
+bodies: {a: 1 kg}
+links: {d: {between: [a, ON], k: 1 N/m, c: 20 N s/m}}
+friction: {f: {between: [a, ground], N: 10 N, mu: 0.1}}
+DRIVE
+run: {t_end: 2 s, every: 0.1 s}
+"""
+NUMBERS = "V: 0.2 m/s, t1: 1 s, A: 0.1 m/s^2"
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_a_kink_of_the_base_tears_off_what_a_damper_holds_to_it(engine):
+    """The damper's force jumps to 4 N and then falls, on friction that holds 1 N: as the same force from the
+    ground does. It stayed stuck, as if the force had come from beyond.
+    """
+    base = f'base: {{x: "V*max(t - t1, 0) - A*max(t - t1, 0)**2", {NUMBERS}}}'
+    force = "where(t < t1, 0, k*(V*(t - t1) - A*(t - t1)**2) + c*(V - 2*A*(t - t1)))"
+    pull = f'forces: {{g: {{on: a, force: "{force}", k: 1 N/m, c: 20 N s/m, {NUMBERS}}}}}'
+    kinked, pulled = (
+        simulate(case_of(DAMPED.replace("ON", on).replace("DRIVE", drive)), engine=engine, trust=False)
+        for on, drive in (("base", base), ("ground", pull))
+    )
+    assert [kind for _, kind in events_of(kinked)][1:-1] == ["switch", "stick_end", "stick_begin"]
+    assert kinked.events["t"].tolist() == pytest.approx(pulled.events["t"].tolist(), abs=1e-14)
+    assert kinked["x_a"].tolist() == pytest.approx(pulled["x_a"].tolist(), abs=1e-15)
+    assert kinked.attrs["uncertified"] == 0
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_a_kink_of_the_base_closes_a_stop_that_had_let_go(engine):
+    """The base comes after a body faster than it goes: the damper pushes at once, less and less."""
+    text = """\
+name: behind
+bodies: {a: 1 kg}
+stops: {s: {between: [a, base], gap: -10 mm, acts: extension, k: 50 N/m, c: 20 N s/m, release: force}}
+base: {x: "V*max(t - t1, 0)", V: 0.4 m/s, t1: 20 ms}
+initial: {a: {v: 0.3 m/s}}
+run: {t_end: 60 ms, every: 10 ms}
+"""
+    run = simulate(case_of(text), engine=engine, trust=False)
+    assert [(round(t, 12), kind) for t, kind in events_of(run)][1:3] == [
+        (0.02, "switch"),
+        (0.02, "contact_begin"),
+    ]
+    # depth g: g'' = -20 g' - 50 g from 4 mm at 0.1 m/s
+    w, tau = 50**0.5, 0.04
+    g = np.exp(-10 * tau) * (0.004 * np.cosh(w * tau) + (0.1 + 0.04) / w * np.sinh(w * tau))
+    assert run["x_a"][-1] == pytest.approx(0.4 * 0.04 + 0.01 - g, abs=1e-15)
+    again = run.at(np.array([0.03, 0.05]))["x_a"]
+    assert again.tolist() == pytest.approx(run["x_a"][[3, 5]].tolist(), abs=1e-16)
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_an_impact_opens_a_stop_by_a_formula_as_one_by_numbers(engine):
+    """A ball knocks a body out of a damped stop, which would have to pull."""
+    text = """\
+name: knocked
+bodies: {a: 1 kg, b: 1 kg}
+stops:
+  s: {between: [a, ground], gap: 0 mm, acts: compression, release: force, LAW}
+  r: {between: [a, b], gap: 0 mm, acts: compression, law: rigid, e: 0.5}
+initial: {a: {x: 10 mm, v: 0 m/s}, b: {x: 11 mm, v: -1 m/s}}
+run: {t_end: 0.2 s, every: 10 ms}
+"""
+    laws = ("k: 500 N/m, c: 20 N s/m", 'force: "K*p*max(1, t/T) + C*pv", K: 500 N/m, C: 20 N s/m, T: 9 s')
+    numbers, formula = (
+        simulate(case_of(text.replace("LAW", law)), engine=engine, trust=False) for law in laws
+    )
+    assert "contact_end" in [kind for _, kind in events_of(numbers)]
+    assert [kind for _, kind in events_of(formula)] == [kind for _, kind in events_of(numbers)]
+    assert formula["x_a"].tolist() == pytest.approx(numbers["x_a"].tolist(), abs=1e-14)

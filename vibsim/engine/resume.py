@@ -11,7 +11,7 @@ from vibsim.engine.events.departures import DerivativeSigns, derivative_flow, re
 from vibsim.engine.events.impacts.simultaneous import coincident_stops_of
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.relative_motion import RelativeMotion, meets
-from vibsim.engine.flows.base_motion import base_motion
+from vibsim.engine.flows.base_motion import base_motion, belt_velocity
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known
 from vibsim.engine.modes.status import LIFTED, OPEN, STICK, Status
@@ -24,7 +24,7 @@ Row = Mapping[str, float]  # of a table of events, by column
 Ends = tuple[float, float]  # a value at each end of a part
 
 IMPACTS = ("impact", "transmitted", "chatter")
-JUMPS = (*IMPACTS, "stick_begin", "reversal")
+JUMPS = (*IMPACTS, "stick_begin", "reversal", "switch")
 ROUNDING = 2.0**-40  # of a velocity, above which its change is a jump [-]
 
 
@@ -41,9 +41,10 @@ def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
         _check(scene, one)
     jumps = any(_makes_forces_jump(scene, one) for one in rows)
     struck = any(EVENT_NAMES[int(one["kind"])] in IMPACTS for one in rows)
+    forced = struck or any(EVENT_NAMES[int(one["kind"])] == "switch" for one in rows)
     for one in rows:
         state, status = _state(scene, one), _status(scene, one)
-        known |= _zeros(scene, one, state, status, jumps, struck)
+        known |= _zeros(scene, one, state, status, jumps, struck, forced)
     known |= _zeros_of_parted(scene, rows, state, status, 2 if jumps else 3)
     return (
         (state, *_with_switches(scene, state, status, known))
@@ -129,9 +130,12 @@ def _status(scene: Scene, row: Row) -> Status:
     return Status(tuple(codes[:first]), tuple(codes[first:second]), tuple(codes[second:]))
 
 
-def _zeros(scene: Scene, row: Row, state: State, status: Status, jumps: bool, struck: bool) -> Known:
+def _zeros(
+    scene: Scene, row: Row, state: State, status: Status, jumps: bool, struck: bool, forced: bool
+) -> Known:
     """Orders of the zeros that the event of a row leaves, by key; jumps: whether forces jump at its instant;
-    struck: whether a rigid stop is struck then.
+    struck: whether a rigid stop is struck then; forced: whether that, or the turn of a switch, may have made
+    a force jump through zero.
 
     What a tie held for long enough parts with a zero of one order more where no force jumps.
     """
@@ -139,6 +143,8 @@ def _zeros(scene: Scene, row: Row, state: State, status: Status, jumps: bool, st
     friction = part - len(scene.stops)
     clearance = friction - len(scene.frictions)
     if kind in ("contact_begin", "contact_end"):
+        if forced and _deep(scene, dict(scene.elastic_stops)[part], state):
+            return {}
         return {(_watched(scene, kind, part, state, status), part): 1}
     if kind in ("violation_begin", "violation_end"):
         return {(CLEARANCE, clearance): 1}
@@ -151,12 +157,20 @@ def _zeros(scene: Scene, row: Row, state: State, status: Status, jumps: bool, st
                 rate = 0.0 if parted else _closing(scene, scene.stops[one], state)
                 known[STRIKE, one] = released if rate == 0 else 1
         return known
-    if kind in ("reversal", "stick_end") and _struck(scene, scene.frictions[friction], row):
-        return {}
+    if kind in ("reversal", "stick_end"):
+        one = scene.frictions[friction]
+        if _struck(scene, one, row) or (forced and _slips(scene, one, state)):
+            return {}
     released = 1 if jumps else 2
     if kind in ("reversal", "stick_end"):
         return {(SLIDE, friction): 1 if kind == "reversal" else released}
     return {}
+
+
+def _deep(scene: Scene, stop: Stop, state: State) -> bool:
+    """Whether a stop that lets go by force is pressed to a depth, where no zero of that ends contact."""
+    P, Q = _places(scene, stop, state)
+    return stop.lets_go and not meets(Doubles, stop, -(stop.sense * (P - Q)) - stop.gap, (P, Q), stop.gap)
 
 
 def _zeros_of_parted(scene: Scene, rows: Sequence[Row], state: State, status: Status, order: int) -> Known:
@@ -188,7 +202,7 @@ def _places(scene: Scene, part: Stop | Clearance, state: State) -> Ends:
     return _at_ends(part, state.x, base_motion(scene, Doubles, state.t)[0])
 
 
-def _at_ends(part: Stop | RigidStop | Clearance, values: Sequence[float], of_base: float) -> Ends:
+def _at_ends(part: Stop | RigidStop | Clearance | Friction, values: Sequence[float], of_base: float) -> Ends:
     """Values at the ends of a part: of `values` by body, of the base, and 0 on the ground."""
     P, Q = (values[end] if end >= 0 else of_base if end == BASE else 0.0 for end in (part.P, part.Q))
     return P, Q
@@ -200,6 +214,13 @@ def _struck(scene: Scene, friction: Friction, row: Row) -> bool:
     jumps = [abs(row[name] - row.get(f"before_{name}", row[name])) for name in ends]
     sizes = [abs(row[name]) for name in ends]
     return any(jump > ROUNDING * (max(sizes) + abs(friction.belt)) for jump in jumps)
+
+
+def _slips(scene: Scene, friction: Friction, state: State) -> bool:
+    """Whether the ends of a friction slip by more than rounding: the base or its belt has jumped."""
+    vP, vQ = _at_ends(friction, state.v, base_motion(scene, Doubles, state.t)[1])
+    belt = belt_velocity(friction, Doubles, state.t)
+    return abs(vP - vQ - belt) > ROUNDING * (abs(vP) + abs(vQ) + abs(belt))
 
 
 def _watched(scene: Scene, kind: str, part: int, state: State, status: Status) -> int:

@@ -188,7 +188,8 @@ class Automaton(Generic[N]):
         sense, behind = self.departures.departure(state, after, event.key)
         if sense < 0:
             raise EngineError("held", state, switches.rows.owners[i])
-        happened: Happened = [("switch", switches.part_of[i])]
+        after, pressed = self._pressed(state, after)
+        happened: Happened = [("switch", switches.part_of[i]), *pressed]
         tied, belts = after, switches.jumping_belts(state, status, after)
         after = after.with_frictions(belts)
         if after.tied:
@@ -196,6 +197,22 @@ class Automaton(Generic[N]):
         happened += changes(tied, after, known)
         known |= {(SLIDE, k): 0 for k, sense in belts.items() if sense != STICK}
         return after, happened, {**known, event.key: behind}
+
+    def _pressed(self, state: State[N], status: Status, base: bool = False) -> tuple[Status, Happened]:
+        """The status with the stops that let go by force as their forces say where these jump: those by
+        formulas, and with `base` those on it, whose velocity does; what happened to them.
+        """
+        happened: Happened = []
+        for i, stop in self.scene.elastic_stops:
+            moved = base and self.maker.n + 1 in self.maker.ends(stop)
+            before = status.stops[i]
+            if not stop.lets_go or before == OPEN or not (moved or stop.force is not None):
+                continue
+            pulls = self.departures.pulls(state, status.with_stop(i, CONTACT), stop, i)
+            status = status.with_stop(i, LIFTED if pulls else CONTACT)
+            if status.stops[i] != before:
+                happened.append(("contact_end" if pulls else "contact_begin", i))
+        return status, happened
 
     def _base_turns(
         self, state: State[N], status: Status, after: Status, event: Event[N], order: int
@@ -208,6 +225,8 @@ class Automaton(Generic[N]):
         switches.step_behind_kink(state, after)
         happened: Happened = [("switch", switches.part_of[event.part])]
         senses = switches.jumping_belts(state, status, after, base=True)
+        after, pressed = self._pressed(state, after, base=True)
+        happened += pressed
         behind = after.with_frictions(senses)
         velocities = self.rigid.impacts.velocities(state)
         struck: list[int] = []
@@ -371,23 +390,9 @@ class InitialMode(Generic[N]):
             if met[i] and isinstance(stop, Stop):
                 vP, vQ = self.relative.ends(stop, state, "v")
                 status = status.with_stop(i, CONTACT if -(stop.sense * (vP - vQ)) > 0 else OPEN)
-            elif status.stops[i] == CONTACT and self._pulls(state, status, i):
+            elif status.stops[i] == CONTACT and self.departures.pulls(state, status, self.elastic[i], i):
                 status = status.with_stop(i, LIFTED)
         return status
-
-    def _pulls(self, state: State[N], status: Status, i: int) -> bool:
-        """Whether the damper of stop `i`, in contact, would have to pull."""
-        stop = self.elastic[i]
-        if not stop.lets_go:
-            return False
-        rows = self.departures.enter(state, status)
-        if rows.lets_go_with_depth(i):
-            return False
-        event = self.departures.event(rows, (PUSH, i))
-        values = self.flow.derivatives(event, self.departures.jet)
-        if self.departures.is_open(state, event, values, 0):
-            self.departures.doubt(state)
-        return values[0] < 0
 
 
 # The mode of a start that leaves no doubt: no depth, no sliding velocity anywhere near zero.

@@ -190,6 +190,19 @@ class DerivativeSigns(Generic[N]):
         direct = {0: self._direct_hold(state, rows, event)} if event.is_made_of(COUPLING) else {}
         return self.as_far_as_needed(event, 0, direct)
 
+    def pulls(self, state: State[N], status: Status, stop: Stop[N], i: int) -> bool:
+        """Whether elastic stop number `i`, in contact, would have to pull, where it lets go by force."""
+        if not stop.lets_go:
+            return False
+        rows = self.enter(state, status)
+        if rows.lets_go_with_depth(i):
+            return False
+        event = self.event(rows, (PUSH, i))
+        values = self.flow.derivatives(event, self.jet)
+        if self.is_open(state, event, values, 0):
+            self.doubt(state)
+        return values[0] < 0
+
     def _direct_hold(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
         x = (*state.x, self.kit.number(0), self.relative.base(state, "x"))
         v = (*state.v, self.kit.number(0), self.relative.base(state, "v"))

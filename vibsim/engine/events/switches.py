@@ -156,8 +156,8 @@ class SwitchSides(Generic[N]):
         return bool(abs(one - other) > lost + blurred + NO_JUMP * (abs(one) + abs(other)))
 
     def base_jumps(self, state: State[N], before: Status, after: Status, i: int) -> bool:
-        """Whether the velocity of the base jumps at the turn of switch `i`, and something sticks to it, or
-        may rest on it.
+        """Whether the velocity of the base jumps at the turn of switch `i`, and something sticks to it, may
+        rest on it, or is damped by it.
         """
         if self.scene.base_formula is None or i not in self.rows.of_courses:
             return False

@@ -114,8 +114,13 @@ class FormulaRows(Generic[N]):
                         self.owners.append(root.text)
                     number, first = known[watched]
                     self.same[node] = number, sign * first
-        rigid_or_dry: list[Joined] = [*self.scene.frictions, *(stop for _, stop in self.scene.rigid_stops)]
-        on_base = any(BASE in (part.P, part.Q) for part in rigid_or_dry)
+        by_speed: list[Joined] = [*self.scene.frictions, *(stop for _, stop in self.scene.rigid_stops)]
+        by_speed += [
+            one
+            for one in (*self.scene.links, *(stop for _, stop in self.scene.elastic_stops))
+            if one.c != 0 or one.force is not None
+        ]
+        on_base = any(BASE in (part.P, part.Q) for part in by_speed)
         moving = ("course", "base") if on_base else ("course",)
         of_courses = walk([root.node for root in self.all_roots if root.role[0] in moving])
         self.of_courses = {self.same[node][0] for node in of_courses if node[0] in SWITCHES}
@@ -159,7 +164,8 @@ class FormulaRows(Generic[N]):
 
     def only_bends(self, i: int) -> bool:
         """Whether switch `i` is one of continuous formulas alone, as |a|: where it turns nothing jumps, nor
-        does the acceleration of a belt, or the velocity of a base that something sticks to or rests on.
+        does the acceleration of a belt, or the velocity of a base that something sticks to, rests on or is
+        damped by.
         """
         if i in self.of_courses:
             return False

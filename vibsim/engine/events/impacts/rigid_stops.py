@@ -24,7 +24,7 @@ from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import PUSH, SLIDE, STRIKE, Event, Known
 from vibsim.engine.modes.status import BACKWARD, CONTACT, FORWARD, LIFTED, OPEN, RESTING, STICK, Status
 from vibsim.physics.numbers import N, abs
-from vibsim.physics.parts import Scene
+from vibsim.physics.parts import Scene, Stop
 
 LATEST = 6  # derivative of a depth that is consulted where rounding hides those before it
 
@@ -178,13 +178,19 @@ class RigidStops(Generic[N]):
                 vP, vQ = self.relative.ends(stop, state, "v")
                 status = status.with_stop(i, CONTACT if -(stop.sense * (vP - vQ)) > 0 else OPEN)
             elif pressed and touch.moved & set(self.maker.ends(stop)):
-                (vP, vQ), depth = self.relative.ends(stop, state, "v"), self.relative.depth(stop, state)
-                pushes = stop.k * depth - stop.c * (stop.sense * (vP - vQ)) >= 0
+                pushes = self._pushes(state, status, i, stop)
                 after = CONTACT if pushes else LIFTED
                 if after != status.stops[i]:
                     happened.append(("contact_begin" if pushes else "contact_end", i))
                 status = status.with_stop(i, after)
         return status, happened
+
+    def _pushes(self, state: State[N], status: Status, i: int, stop: Stop[N]) -> bool:
+        """Whether elastic stop number `i`, which lets go by force, pushes at its depth."""
+        if stop.force is not None:
+            return not self.departures.pulls(state, status.with_stop(i, CONTACT), stop, i)
+        (vP, vQ), depth = self.relative.ends(stop, state, "v"), self.relative.depth(stop, state)
+        return bool(stop.k * depth - stop.c * (stop.sense * (vP - vQ)) >= 0)
 
     def _settled(self, state: State[N], status: Status, touch: SimultaneousImpacts[N]) -> Status:
         """The status in which all that stands sticks, rests or parts consistently; tied bodies get their
