@@ -22,7 +22,7 @@ from vibsim.evidence.peers.equations import (
     state_count,
     tie_parameters,
 )
-from vibsim.evidence.peers.straight_line import OperationLog, switches_of
+from vibsim.evidence.peers.straight_line import REST, STICK, OperationLog, switches_of
 from vibsim.physics.parts import AT_FORCE, EVENT_KINDS, Friction, Scene, Stop
 from vibsim.physics.rates import fastest_rate
 
@@ -279,11 +279,30 @@ FIRST = 0.25  # of a hop that has just begun: its first step, so that the next o
 BEHIND_A_IMPACT = 0.01  # of the longest step, where the hop has no end in sight yet
 
 
-class EventSolver:
-    """A scene for solve_ivp with `method` ("DOP853", "Radau", "LSODA", ...) at the tolerance rtol."""
+BETWEEN = 32  # looks within a period of the fastest source at what ties carry
+BELOW = 1e-12  # of what is seen in a step, beyond which it is below zero
 
-    def __init__(self, scene: Scene, method: str, rtol: float):
+
+class SteppedOver(Exception):
+    """A tie is overloaded inside a step and not at its end; step: that shows it [s]."""
+
+    def __init__(self, step: float):
+        super().__init__(step)
+        self.step = step
+
+
+class EventSolver:
+    """A scene for solve_ivp with `method` ("DOP853", "Radau", "LSODA", ...) at the tolerance rtol.
+
+    looks : whether what sticks and rests is looked at between the ends of steps as well, and a mode begun
+        anew with shorter steps where one has stepped over an end of it. All that moves may be at rest while a
+        source pulls at it: then no step is too long for the motion.
+    """
+
+    def __init__(self, scene: Scene, method: str, rtol: float, looks: bool = False):
         self.scene, self.method = scene, method
+        sources = [float(term.omega) for term in scene.harmonics if term.amplitude != 0]
+        self.look_rate = BETWEEN * max(sources, default=0.0) / (2 * pi) if looks else 0.0
         rate = fastest_rate(scene)
         longest = LONGEST * 2 * pi / rate if rate else inf
         if any(stop.force is not None for _, stop in scene.elastic_stops):
@@ -304,7 +323,8 @@ class _EventRun:
 
     def __init__(self, peer: EventSolver, times: np.ndarray, limit: TimeLimit):
         self.times, self.limit, self.settings = times, limit, peer.settings
-        self.compiled, self.scene = peer.compiled, peer.scene
+        self.compiled, self.scene, self.look_rate = peer.compiled, peer.scene, peer.look_rate
+        self.ties: list[Callable[..., float]] = []  # event functions of what sticks and rests
         self.solver = watched(peer.method, self._taken)
         self.t, self.state = 0.0, start_of(peer.scene)
         self.mode = Mode(self.compiled, Shortest(peer.settings["atol"]))
@@ -327,11 +347,15 @@ class _EventRun:
 
     def _call(self) -> None:
         """One call of solve_ivp, to the end of the mode."""
-        (owners, ends), span = self._ends(), (self.t, self.times[-1])
-        answer = solve_ivp(
-            self._motion, span, np.array(self.state), self.solver, self.times[self.sampled :],
-            events=ends or None, first_step=self._first_step(), **self.settings,
-        )  # fmt: skip
+        owners, ends = self._ends()
+        self.ties = [end for i, end in zip(owners, ends, strict=True) if self.mode.states[i] in (STICK, REST)]
+        settings = dict(self.settings)
+        while True:
+            try:
+                answer = self._solved(ends, settings)
+                break
+            except SteppedOver as over:
+                settings["max_step"] = over.step
         if answer.status < 0:
             raise ArithmeticError(answer.message)
         if len(answer.t):
@@ -345,6 +369,14 @@ class _EventRun:
         self.state = answer.y_events[happened][0].tolist()
         self.events += self._named(self.mode.switch(*owners[happened], self.t, self.state))
         self.progress.event(self.t)
+
+    def _solved(self, ends: Sequence[Callable[..., float]], settings: dict[str, float]) -> Any:
+        """What solve_ivp answers from here on. Raises SteppedOver."""
+        span, times = (self.t, self.times[-1]), self.times[self.sampled :]
+        return solve_ivp(
+            self._motion, span, np.array(self.state), self.solver, times,
+            events=ends or None, first_step=self._first_step(), **settings,
+        )  # fmt: skip
 
     def _first_step(self) -> float | None:
         """Of a call behind an impact; None leaves it to solve_ivp, which would step over the whole hop."""
@@ -386,6 +418,15 @@ class _EventRun:
     def _taken(self, solver: Any) -> None:
         self.steps += 1
         self.limit.check()
+        length = solver.t - solver.t_old
+        count = ceil(length * self.look_rate)
+        if count > 1 and self.ties:
+            inside = solver.dense_output()
+            looks = [(t, inside(t)) for t in np.linspace(solver.t_old, solver.t, count + 1)[1:]]
+            for end in self.ties:
+                values = [end(*look) for look in looks]
+                if values[-1] > 0 and min(values) < -BELOW * max(abs(value) for value in values):
+                    raise SteppedOver(length / (2 * count))
 
 
 # The solvers of scipy, counted and timed step by step under solve_ivp.
