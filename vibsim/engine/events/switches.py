@@ -166,15 +166,19 @@ class SwitchSides(Generic[N]):
         return self._jumps(velocities, sides, self.inputs(state, before))
 
     def step_behind_kink(self, state: State[N], after: Status) -> None:
-        """Move the time on by its rounding, to where the base has the velocity that it has behind a kink."""
+        """Move the time on by its rounding, to where the base has the velocity that it has behind a kink; not
+        where another switch turns at the same instant, which it still has to.
+        """
+        start = state.t
         sides = self.rows.sides(after)
         maker = TapeMaker(self.kit, sides, self.maker.columns)
         k = maker.output(self._base_velocity(sides))
         for _ in range(LATE):
             behind = TapeValues(self.kit, maker.tape, *self.inputs(state)).output(k)[0]
             if abs(self.relative.base(state, "v") - behind) <= NO_JUMP * abs(behind):
-                break
+                return
             state.t = self.kit.next_after(state.t, inf)
+        state.t = start
 
     def _base_velocity(self, sides: Mapping[Node, int]) -> Node:
         """Formula of the velocity of the base on these sides of its switches."""
