@@ -375,3 +375,21 @@ run: {t_end: 0.2 s, every: 10 ms}
     assert "contact_end" in [kind for _, kind in events_of(numbers)]
     assert [kind for _, kind in events_of(formula)] == [kind for _, kind in events_of(numbers)]
     assert formula["x_a"].tolist() == pytest.approx(numbers["x_a"].tolist(), abs=1e-14)
+
+
+def test_two_switches_of_a_base_that_turn_at_one_instant_turn_in_many_digits_too():
+    """Where mod goes back the table inside it does, and the velocity of the base is neither's alone: the time
+    went on by 40 units of its last digit, past the second of them, and the base stood from there on.
+    """
+    text = """\
+name: two
+bodies: {a: 1 kg}
+links: {d: {between: [a, base], k: 50 N/m, c: 2 N s/m}}
+base: {x: "a0*table(mod(t, T), [[0 s, 0], [0.4046 s, 1], [0.7418 s, -0.5], [1.3487 s, 0]], 'linear')",
+  a0: 1 mm, T: 1.3487 s}
+run: {t_end: 8 s, every: 1 s}
+"""
+    case = case_of(text)
+    *_, last = open_truth(case.exact_scene, 40).blocks()
+    there = float(last.event_digits["x_a"][-1].decode())
+    assert simulate(case, trust=False)["x_a"][-1] == pytest.approx(there, abs=1e-16)

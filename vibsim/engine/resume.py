@@ -158,8 +158,8 @@ def _zeros(
                 known[STRIKE, one] = released if rate == 0 else 1
         return known
     if kind in ("reversal", "stick_end"):
-        one = scene.frictions[friction]
-        if _struck(scene, one, row) or (forced and _slips(scene, one, state)):
+        dry = scene.frictions[friction]
+        if _struck(scene, dry, row) or (forced and _slips(scene, dry, state)):
             return {}
     released = 1 if jumps else 2
     if kind in ("reversal", "stick_end"):

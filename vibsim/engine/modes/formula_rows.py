@@ -115,11 +115,8 @@ class FormulaRows(Generic[N]):
                     number, first = known[watched]
                     self.same[node] = number, sign * first
         by_speed: list[Joined] = [*self.scene.frictions, *(stop for _, stop in self.scene.rigid_stops)]
-        by_speed += [
-            one
-            for one in (*self.scene.links, *(stop for _, stop in self.scene.elastic_stops))
-            if one.c != 0 or one.force is not None
-        ]
+        by_speed += [stop for _, stop in self.scene.elastic_stops if stop.c != 0 or stop.force is not None]
+        by_speed += [link for link in self.scene.links if link.c != 0 or link.force is not None]
         on_base = any(BASE in (part.P, part.Q) for part in by_speed)
         moving = ("course", "base") if on_base else ("course",)
         of_courses = walk([root.node for root in self.all_roots if root.role[0] in moving])
