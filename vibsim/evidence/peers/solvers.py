@@ -348,7 +348,8 @@ class _EventRun:
     def _call(self) -> None:
         """One call of solve_ivp, to the end of the mode."""
         owners, ends = self._ends()
-        self.ties = [end for i, end in zip(owners, ends, strict=True) if self.mode.states[i] in (STICK, REST)]
+        tied = {i for i, state in enumerate(self.mode.states) if state in (STICK, REST)}
+        self.ties = [end for (i, _), end in zip(owners, ends, strict=True) if i in tied]
         settings = dict(self.settings)
         while True:
             try:
