@@ -95,11 +95,11 @@ def test_an_orbit_by_turns_of_a_rotor_is_told(tmp_path):
     assert held["orbit"][0].startswith("1 turn, 0.10529671")
 
 
-def test_peers_say_that_they_do_not_take_formulas():
+def test_of_the_peers_only_the_closed_form_takes_no_formulas():
     scene = case_of(MACHINE).scene()
     refusals = {family.name: family.refusal(scene) for family in FAMILIES}
-    assert refusals["taylor"] is None and "needs laws that are linear" in refusals["closed-form"]
-    assert "formulas, rotors and states" in refusals["heyoka"]
+    assert "needs laws that are linear" in refusals.pop("closed-form")
+    assert set(refusals.values()) == {None}
     plain = vibsim.load_case("gallery/impact-oscillator").scene()
     assert all(family.refusal(plain) is None for family in FAMILIES if family.rigid_stops)
 

@@ -286,9 +286,10 @@ BELOW = 1e-12  # of what is seen in a step, beyond which it is below zero
 class SteppedOver(Exception):
     """A tie is overloaded inside a step and not at its end; step: that shows it [s]."""
 
-    def __init__(self, step: float):
-        super().__init__(step)
-        self.step = step
+    @property
+    def step(self) -> float:
+        """Its argument [s]."""
+        return float(self.args[0])
 
 
 class EventSolver:
