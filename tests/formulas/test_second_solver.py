@@ -29,6 +29,11 @@ def test_a_scene_with_formulas(seed):
     agreement(seed)
 
 
+def test_no_stick_follows_a_release_at_once():
+    """A damper has its kink where the friction beside it lets go: the sliding velocity is zero at both."""
+    agreement(1187)
+
+
 @pytest.mark.slow
 @pytest.mark.timeout(7200)
 def test_many_scenes_with_formulas():
