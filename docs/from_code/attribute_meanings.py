@@ -20,7 +20,7 @@ RUN = {
     "t_end_s": "end of the run as the case says [s]",
     "t_reached_s": "end of the run as it was reached [s]",
     "events": "number of events, without start and end",
-    "impacts": "beginnings of contact with elastic stops, and blows of rigid stops that close",
+    "impacts": "beginnings of contact with elastic stops, and impacts on rigid stops that close",
     "sticks": "beginnings of sticking",
     "reversals": "reversals of a sliding velocity",
     "steps": "steps of the Taylor series",
