@@ -114,3 +114,13 @@ def test_parquet_without_pyarrow_names_the_extra(sweep, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     done = call("export", str(sweep), "-o", str(tmp_path / "a.parquet"))
     assert done.exit_code == 2 and "pip install 'vibsim[parquet]'" in done.stderr
+
+
+def test_a_pyarrow_that_cannot_be_imported_is_told_in_one_line(sweep, tmp_path, monkeypatch):
+    """As with an older numpy, of which it says so only then."""
+    (tmp_path / "pyarrow.py").write_text('raise ImportError("pyarrow requires NumPy 2.0\\nor newer")')
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "pyarrow", raising=False)
+    done = call("export", str(sweep), "-o", str(tmp_path / "a.parquet"))
+    assert done.exit_code == 2
+    assert "pyarrow, which cannot be imported: pyarrow requires NumPy 2.0 or newer\n" in done.stderr

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.cases.problems import one_line
 from vibsim.lazy import FRONT, named
 from vibsim.results.file_contents import Column, Dataset
 from vibsim.results.hdf5_reading import plain
@@ -447,12 +448,15 @@ class MissingExtra(ImportError):
 
 
 def extra(package: str, name: str) -> Any:
-    """The package, imported. Raises MissingExtra that names the extra `name`, which brings it."""
+    """The package, imported. Raises MissingExtra that names the extra `name`, which brings it, or says why
+    what is installed cannot be imported.
+    """
     try:
         return import_module(package)
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] != package.partition(".")[0]:
-            raise  # the package is there, and one that it needs is not
-        raise MissingExtra(
-            f"this needs {package}, which is not installed: pip install 'vibsim[{name}]'"
-        ) from None
+    except ImportError as error:
+        missing = (error.name or "").partition(".")[0] == package.partition(".")[0]
+        if missing and isinstance(error, ModuleNotFoundError):
+            message = f"this needs {package}, which is not installed: pip install 'vibsim[{name}]'"
+        else:  # what it needs itself is not there, or too old
+            message = f"this needs {package}, which cannot be imported: {one_line(str(error))}"
+        raise MissingExtra(message) from None
