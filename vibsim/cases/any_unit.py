@@ -403,7 +403,7 @@ def _no_unit(rest: str, left: str) -> str:
     near = nearest(word[0], [*SYMBOLS, "kg", "mm", "kN", "mH", "uF"])
     hint = f" (did you mean {near}?)" if near else ""
     if rest.startswith("*"):
-        hint += "; this is a number, formulas stand where it is read"
+        hint += "; the value here is a number: write the formula where it is used"
     return f"unknown unit {shown(word[0])}{hint}; a unit is a product of powers of kg m s A K rad N J V ..."
 
 

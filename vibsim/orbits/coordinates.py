@@ -23,9 +23,9 @@ from vibsim.engine.errors import start_of
 from vibsim.engine.tangent.carried import Carried
 from vibsim.engine.tangent.tangent_space import length, plainly_weighed_alike, weights
 from vibsim.lazy import once
-from vibsim.physics.connections import body_sets, felt_angles, reads_time, whole_turn_angles
+from vibsim.physics.connections import base_formulas, body_sets, felt_angles, reads_time, whole_turn_angles
 from vibsim.physics.elementary import sine_cosine_of_arrays
-from vibsim.physics.formulas import TIME, ZERO, derivative, reads
+from vibsim.physics.formulas import TIME, derivative, reads
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import BASE, BODY, ROTOR, STATE, Body, Scene, columns_of
 from vibsim.physics.rates import Period, common_period, is_driven, springs_of, turning_rotor
@@ -346,11 +346,7 @@ def motion_of_base(scene: Any, t: Any) -> tuple[Any, Any, Any]:
     if scene.base_formula is not None:
         from vibsim.physics.formula_values import values_of
 
-        rate = derivative(scene.base_formula, TIME)
-        formulas = (scene.base_formula, rate, derivative(rate, TIME))
-        if scene.base_is_rate:
-            formulas = (ZERO, scene.base_formula, rate)
-        values = [values_of(one, {TIME: t}) for one in formulas]
+        values = [values_of(one, {TIME: t}) for one in base_formulas(scene)]
         return values[0], values[1], values[2]
     x = v = a = 0.0
     for term in scene.base:
@@ -610,9 +606,9 @@ def section_of(scene: Scene) -> PoincareSection:
     if reads_time(scene):
         raise NoSection(
             "a formula reads the time otherwise than in sin, cos and mod of a multiple of it, or their "
-            "frequencies have no exact ratio: the scene has no period; where it drives a body on evenly "
-            "(k*(d - W*t)), measure displacements from what moves on, and give the frictions of the ground "
-            "a belt that runs the other way"
+            "frequencies have no exact ratio: the scene has no period; if it pulls a body at a constant "
+            "velocity W (k*(d - W*t)), write the case in the frame that moves with W: leave W*t out, and "
+            "give each friction on the ground a belt of velocity -W"
         )
     if any(term.amplitude != 0 and term.cycles != 0 for term in scene.harmonics):
         raise NoSection(

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 from vibsim.physics.formulas import (
     SWITCHES,
     TIME,
+    ZERO,
     Node,
     children,
     derivative,
@@ -206,6 +207,17 @@ def formulas_of(scene: Scene[Any]) -> Iterator[PartFormula]:
             yield PartFormula("forces", i, force.name, force.formula)
     if scene.base_formula is not None:
         yield PartFormula("base", 0, "base", scene.base_formula)
+
+
+def base_formulas(scene: Scene) -> tuple[Node, ...]:
+    """Displacement, velocity and acceleration of a base that moves by a formula; none of any other. Where the
+    formula is that of the velocity the displacement is 0.
+    """
+    if scene.base_formula is None:
+        return ()
+    first = scene.base_formula
+    rate = first if scene.base_is_rate else derivative(first, TIME)
+    return (ZERO if scene.base_is_rate else first, rate, derivative(rate, TIME))
 
 
 # Where formulas have several sides.

@@ -16,8 +16,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vibsim.physics import elementary
+from vibsim.physics.connections import base_formulas
 from vibsim.physics.elementary import mean
-from vibsim.physics.formulas import TIME, ZERO, Node, children, derivative, walk
+from vibsim.physics.formulas import TIME, Node, children, derivative, walk
 from vibsim.physics.parts import BASE, GROUND, ROTOR, STATE, Link, Scene
 
 Inputs = Mapping[Node, np.ndarray | float]  # what formulas read: node -> values [SI]
@@ -135,9 +136,7 @@ def base_motion_of(scene: Scene[Any], times: np.ndarray) -> tuple[np.ndarray, np
     """Displacement [m] and velocity [m/s] of a base that moves by a formula of time, at times [s]; of a belt
     the displacement is told as 0.
     """
-    assert scene.base_formula is not None
-    both = (scene.base_formula, derivative(scene.base_formula, TIME))
-    x, v = (values_of(node, {TIME: times}) for node in ((ZERO, both[0]) if scene.base_is_rate else both))
+    x, v = (values_of(node, {TIME: times}) for node in base_formulas(scene)[:2])
     return np.broadcast_to(x, np.shape(times)).copy(), np.broadcast_to(v, np.shape(times)).copy()
 
 

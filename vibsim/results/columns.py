@@ -298,20 +298,27 @@ class PairMotion:
 
     def __call__(self, rows: Mapping[str, np.ndarray], clock: str) -> np.ndarray:
         """Rows t, x_P - x_Q, v_P - v_Q (shape 3 x n); `clock` : name of the column of times [s]."""
-        time = np.asarray(rows[clock])
-        (x, v), (other_x, other_v) = (self._motion(end, rows, time) for end in self._ends)
-        return np.stack([time, x - other_x, v - other_v])
+        motion, _ = self._with_ends(rows, clock)
+        return motion
 
     def above_rounding(self, rows: Mapping[str, np.ndarray], clock: str) -> np.ndarray:
         """The same with zeros where a difference is all within ROUNDING of what it is the difference of: ends
         that rest on each other move together, and what the subtraction leaves of that is no motion.
         """
-        motion, time = self(rows, clock), np.asarray(rows[clock])
-        ends = zip(*(self._motion(end, rows, time) for end in self._ends), strict=True)
-        for values, both in zip(motion[1:], ends, strict=True):
+        motion, ends = self._with_ends(rows, clock)
+        for values, both in zip(motion[1:], zip(*ends, strict=True), strict=True):
             if np.abs(values).max(initial=0) <= ROUNDING * np.abs(both).max(initial=0):
                 values[:] = 0
         return motion
+
+    def _with_ends(
+        self, rows: Mapping[str, np.ndarray], clock: str
+    ) -> tuple[np.ndarray, list[tuple[np.ndarray, np.ndarray]]]:
+        """Rows t, x_P - x_Q, v_P - v_Q, and (x, v) of both ends."""
+        time = np.asarray(rows[clock])
+        ends = [self._motion(end, rows, time) for end in self._ends]
+        (x, v), (other_x, other_v) = ends
+        return np.stack([time, x - other_x, v - other_v]), ends
 
     @property
     def columns(self) -> tuple[str, ...]:

@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -401,10 +400,9 @@ OF_FRICTION = ("reversal", "stick_begin", "stick_end")
 CHANGES = (*OF_FRICTION, *IMPACTS, "contact_end", "rest_begin", "rest_end")
 FALLS = 0.99  # of the greatest kinetic energy in the first half
 CLEARLY = 0.5  # the same of a fall that samples which miss the peaks by much do not make up
-FINER = Fraction(
-    55, 16 * 89
-)  # of the sampling interval: near the golden ratio of a sixteenth, so that samples
-# do not meet each cycle of a vibration at the same phases
+# of the sampling interval: near the golden ratio of a sixteenth, so that samples do not meet each cycle of a
+# vibration at the same phases
+FINER = Fraction(55, 16 * 89)
 MOST_FINER = 10**7  # samples
 
 
@@ -448,7 +446,7 @@ class EndState:
         if any(np.any(changes >= middle) for changes in self._changes):
             return {END_STATE: float(VERDICTS["vibration"])}
         known = late.any() and early.any()
-        greatest = (energies[early].max(), energies[late].max()) if known else (0.0, inf)
+        greatest = (energies[early].max(), energies[late].max()) if known else (0.0, math.inf)
         if CLEARLY * greatest[0] < greatest[1] <= FALLS * greatest[0]:
             greatest = self._by_finer_samples(window, run) or greatest
         falls = greatest[1] <= FALLS * greatest[0]
@@ -467,7 +465,7 @@ class EndState:
         for block in open_trajectory(finer, run.engine, run.rows).blocks():
             run.ask()
             times, energies = block.samples["time"], self._energies_of(block)
-            for half, (begin, end) in enumerate(((window[0], middle), (middle, inf))):
+            for half, (begin, end) in enumerate(((window[0], middle), (middle, math.inf))):
                 within = (times >= begin) & (times < end)
                 greatest[half] = max(greatest[half], float(energies[within].max(initial=0.0)))
         return greatest[0], greatest[1]

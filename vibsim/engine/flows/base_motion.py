@@ -6,8 +6,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, cast
 
 from vibsim.engine.flows.motion import ROUNDING, series_rounding, sine_and_cosine, value_and_rate
-from vibsim.engine.flows.tape import Inputs, Tape, TapeMaker, TapeSeries, TapeValues
-from vibsim.physics.formulas import SWITCHES, TIME, Node, derivative, resolved, walk
+from vibsim.engine.flows.tape import Inputs, Tape, TapeMaker, TapeSeries, TapeValues, motion_tape
+from vibsim.physics.formulas import SWITCHES, Node, walk
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Friction, Scene
 
@@ -35,12 +35,7 @@ class BaseFormula:
             sides[node] = self._side(node, t, sides)
         key = tuple(sides.values())
         if key not in self.tapes:
-            maker = TapeMaker(self.kit, {}, {})
-            node = resolved(self.formula, sides)
-            for _ in range(3):
-                maker.output(node, "base")
-                node = derivative(node, TIME)
-            self.tapes[key] = maker.tape
+            self.tapes[key] = motion_tape(self.kit, self.formula, sides, "base")
         return self.tapes[key]
 
     def _side(self, node: Node, t: Any, sides: dict[Node, int]) -> int:

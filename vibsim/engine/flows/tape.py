@@ -14,7 +14,8 @@ from fractions import Fraction
 from math import inf
 from typing import Any, Generic, NamedTuple, cast
 
-from vibsim.physics.formulas import Node, children
+from vibsim.physics.formulas import TIME as TIME_NODE
+from vibsim.physics.formulas import Node, children, derivative, resolved
 from vibsim.physics.numbers import TWO_PI, Doubles, Kit, N, abs
 
 # Operations, the same numbers in tape.h.
@@ -292,6 +293,15 @@ def start_value(kit: Kit[N], op: Op, values: Mapping[int, N] | Sequence[N]) -> N
     if code in names:
         return names[code](a)
     return {TANH: kit.tanh, ATAN: kit.atan, ASIN: kit.asin, ACOS: kit.acos}[code](a)
+
+
+def motion_tape(kit: Kit[N], formula: Node, sides: Mapping[Node, int], text: str) -> Tape:
+    """A formula in the time alone, on these sides of its switches, and its first two derivatives."""
+    maker, node = TapeMaker(kit, {}, {}), resolved(formula, sides)
+    for _ in range(3):
+        maker.output(node, text)
+        node = derivative(node, TIME_NODE)
+    return maker.tape
 
 
 def quotient(kit: Kit[N], a: N, b: N) -> N:

@@ -12,7 +12,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, Generic, NamedTuple
 
-from vibsim.engine.flows.tape import INPUTS, Inputs, Tape, TapeMaker, TapeValues, chosen, quotient
+from vibsim.engine.flows.tape import (
+    INPUTS,
+    Inputs,
+    Tape,
+    TapeMaker,
+    TapeValues,
+    chosen,
+    motion_tape,
+    quotient,
+)
 from vibsim.engine.modes.rows import (
     DOMAIN,
     FORMULA,
@@ -227,7 +236,7 @@ class FormulaRows(Generic[N]):
                 of_base = TapeMaker(self.kit, sides, self.columns)
                 of_base.output(node, text)
                 rows.base_tape = of_base.tape
-                rows.base_values = self._motion(node, text, sides)
+                rows.base_values = motion_tape(self.kit, node, sides, text)
                 continue
             outputs[role] = k = maker.output(node, text)
             rows.nodes[k] = node
@@ -262,15 +271,6 @@ class FormulaRows(Generic[N]):
                 maker.tape.outputs.append(place)
         rows.tape, rows.outputs, rows.sides = maker.tape, outputs, sides
         rows.columns = dict(self.columns)
-
-    def _motion(self, node: Node, text: str, sides: Mapping[Node, int]) -> Tape:
-        """A formula in the time and its first two derivatives."""
-        maker = TapeMaker(self.kit, {}, {})
-        node = resolved(node, sides)
-        for _ in range(3):
-            maker.output(node, text)
-            node = derivative(node, TIME)
-        return maker.tape
 
     def _carry(
         self,

@@ -18,7 +18,6 @@ from vibsim.evidence.peers.straight_line import (
     FormulaReader,
     Label,
     OperationLog,
-    base_formulas,
     course_rates,
     driven_count,
     formula_switches,
@@ -27,6 +26,7 @@ from vibsim.evidence.peers.straight_line import (
     switches_of,
     tied_bodies,
 )
+from vibsim.physics.connections import base_formulas
 from vibsim.physics.formulas import Node, reads
 from vibsim.physics.parts import (
     AT_FORCE,

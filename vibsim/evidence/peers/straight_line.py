@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.physics.connections import formulas_of
+from vibsim.physics.connections import base_formulas, formulas_of
 from vibsim.physics.formulas import SWITCHES, TIME, ZERO, Node, derivative, mul, num, reads, walk
 from vibsim.physics.parts import AT_FORCE, BASE, Friction, RigidStop, Scene
 
@@ -478,15 +478,6 @@ def two_sided_power(scene: Scene) -> str | None:
             if choice is not None and choice[0] == "choose" and all(_roots(choice, sides)):
                 return f"{choice[4]}**{float(node[2]):g}" if node[0] == "pow" else str(choice[4])
     return None
-
-
-def base_formulas(scene: Scene) -> tuple[Node, ...]:
-    """Displacement, velocity and acceleration of a base that moves by a formula; none of any other."""
-    if scene.base_formula is None:
-        return ()
-    first = scene.base_formula
-    rate = first if scene.base_is_rate else derivative(first, TIME)
-    return (ZERO if scene.base_is_rate else first, rate, derivative(rate, TIME))
 
 
 def course_rates(scene: Scene) -> list[Node]:

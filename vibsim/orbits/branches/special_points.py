@@ -176,8 +176,9 @@ def _apart(one: float, other: float) -> float:
 # det(P' - I) has one sign on either side and the other on the other, and the place is where the orbits meet.
 
 
-BACK = (1e-4, 1e-3, 1e-2, 1e-5, 1e-6)  # scaled: how far back in the parameter orbits of the other kind are
-# looked for; the last where these have a fold of their own near by
+# scaled: how far back in the parameter orbits of the other kind are looked for; the last two where these have
+# a fold of their own near by
+BACK = (1e-4, 1e-3, 1e-2, 1e-5, 1e-6)
 ASIDE = (0.25, 1.0, 4.0, 16.0)  # times that: how far a state is moved to be of the other kind
 NEAR_CORNER = 200.0  # times that: how far such an orbit may be
 CORNER_SAMPLES = 256  # of a period, among which the touch is looked for
@@ -185,8 +186,6 @@ FIRST = 1e-9  # of it: a motion takes some time
 CORNER_SHARE = 0.1  # of the slip that is left, at the next orbit on the way to the touch
 TOUCHED = 1e-12  # of the first slip that is left: the touch
 TRIES = 40
-
-
 TENTHS = 6  # of the way to a change of order that orbits behind it are followed
 MET = 1e-13  # scaled distance of two orbits that are one: Newton's method leaves as much
 
