@@ -1,8 +1,12 @@
 """Scenes for tests: the paper's values, and any of them overridden."""
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 
+from vibsim.cases.formula_places import difference
+from vibsim.physics import formulas
+from vibsim.physics.parts import HYPERBOLIC
 from vibsim.physics.two_blocks import TwoBlocks
 
 LIMIT_FRICTION = float(Fraction("0.001") * Fraction("2.94") * Fraction("9.81"))  # mu m2 g [N]
@@ -75,3 +79,31 @@ def paper(name, **changes):
 def fixed_block(source=None, **changes):
     """Block 1 alone on its spring before a wall: block 2 fixed, no friction, no stop unless given."""
     return scene(source, **{"m2": None, "N": None, "k2": None, "x2": None, "v2": None, **changes})
+
+
+def falling(friction, *laws, load=1):
+    """`friction` with more force that falls with the speed of slip: for both directions, or for each, a law
+    with its drop [N] and its rate [s/m], or None. All forces are times `load`. Numbers are decimals, exact.
+    """
+    forces = [exact(friction.forward), exact(friction.backward)]
+    slip = formulas.sub(difference("v", friction.P, friction.Q), formulas.num(exact(friction.belt)))
+    sides = list(zip(forces, laws * 2 if len(laws) == 1 else laws, (slip, formulas.neg(slip)), strict=True))
+    forward, backward = (float(load * (force + exact(law[1] if law else 0))) for force, law, _ in sides)
+    slips = tuple(formulas.mul(_slip_force(*side), formulas.num(load)) for side in sides)
+    return replace(friction, forward=forward, backward=backward, slips=slips)
+
+
+def exact(decimal):
+    """The number that a double is written as."""
+    return Fraction(repr(decimal))
+
+
+def _slip_force(force, law, speed):
+    """Node of a force, and of what falls with speed beside it."""
+    if law is None:
+        return formulas.num(force)
+    name, drop, rate = law
+    s = formulas.mul(formulas.num(exact(rate)), speed)
+    hyperbola = formulas.div(formulas.ONE, formulas.add(formulas.ONE, s))
+    fall = hyperbola if name == HYPERBOLIC else formulas.call("exp", formulas.neg(s))
+    return formulas.add(formulas.num(force), formulas.mul(formulas.num(exact(drop)), fall))

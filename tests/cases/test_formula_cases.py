@@ -83,13 +83,13 @@ def test_friction_falls_and_holds_as_its_formula_says():
         return mul(num(10), add(num(Fraction(1, 5)), mul(num(Fraction(1, 10)), falls)))
 
     assert friction.slips == (force(forward), force(mul(num(-1), forward)))
-    assert friction.holds == (num(Fraction(36, 10)), num(Fraction(36, 10)))
-    assert friction.limits == (0, 0) and friction.belt == 0.5
+    assert friction.holds is None and (friction.forward, friction.backward) == (3.0, 3.0)
+    assert friction.limits == (3.6, 3.6) and friction.drops(1) and friction.belt == 0.5
 
 
 def test_friction_has_its_weight_where_no_load_is_given():
     (friction,) = scene_of(FRICTION % "mu: m0*(1 + s/v1), m0: 0.2, v1: 1 m/s, g: 10 m/s^2").frictions
-    assert friction.holds == (num(2), num(2))
+    assert friction.limits == (2, 2) and friction.holds is None and not friction.drops(1)
 
 
 def test_a_load_may_be_a_formula_of_every_law():
@@ -111,10 +111,11 @@ def test_one_direction_of_friction_may_have_a_formula():
     keys = "N: 2 N, plus: {mu: m0 + s/v1, m0: 0.2, v1: 1 m/s}, minus: {mu: 0.5, static: 2}"
     (friction,) = scene_of(FRICTION % keys).frictions
     assert friction.slips == (mul(num(2), add(num(Fraction(1, 5)), V)), num(1))
-    assert friction.holds == (num(Fraction(2, 5)), num(2))
+    assert (friction.holds, friction.limits) == (None, (0.4, 2.0))
+    assert friction.drops(-1) and not friction.drops(1)
     case = load_case_text(FRICTION % keys)
     assert case.number("friction.f.plus.m0") == 0.2
-    assert case.with_values({"friction.f.plus.m0": 0.4}).scene().frictions[0].holds[0] == num(Fraction(4, 5))
+    assert case.with_values({"friction.f.plus.m0": 0.4}).scene().frictions[0].limits[0] == 0.8
 
 
 def test_forces_rates_and_torques_are_forces_on_what_they_drive():

@@ -36,17 +36,6 @@ PAIRS = {
         "friction: {f: {between: [a, ground], N: 2 N, mu: 'm0*2', m0: 0.1, static: 1.5}}",
         "friction: {f: {between: [a, ground], N: 2 N, mu: 0.2, static: 1.5}}",
     ),
-    "a coefficient that falls exponentially": (
-        "friction: {f: {between: [a, ground], N: 2 N,"
-        " mu: 'm2 + (m1 - m2)*exp(-s/v)', m1: 0.4, m2: 0.3, v: 2 m/s}}",
-        "friction: {f: {between: [a, ground], N: 2 N,"
-        " law: stribeck exponential, mu_s: 0.4, mu_d: 0.3, v0: 2 m/s}}",
-    ),
-    "a coefficient that falls hyperbolically": (
-        "friction: {f: {between: [a, ground], N: 2 N, mu: '0.3 + 0.2/(2 + 3*s/v)', v: 1 m/s, static: 1}}",
-        "friction: {f: {between: [a, ground], N: 2 N,"
-        " law: stribeck hyperbolic, mu_s: 0.4, mu_d: 0.3, d: 1.5 s/m}}",
-    ),
     "a harmonic force": (
         "forces: {f: {on: a, force: 'F*sin(w*t + p)', F: 2 N, w: 3 Hz, p: 30 deg}}",
         "forces: {f: {on: a, A: 2 N, omega: 3 Hz, phase: 30 deg}}",

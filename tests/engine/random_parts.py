@@ -8,16 +8,17 @@ from dataclasses import replace
 from hypothesis import strategies as st
 
 from tests.random_scenes import between, decades, signed
-from vibsim.engine.flows.friction_laws import LAWS
+from tests.scenes import falling
 from vibsim.physics.parts import (
     AT_FORCE,
     AT_GAP,
     BASE,
     COMPRESSION,
+    EXPONENTIAL,
     EXTENSION,
     GROUND,
+    HYPERBOLIC,
     Body,
-    Fall,
     Force,
     Friction,
     Harmonic,
@@ -52,10 +53,10 @@ def falls(draw, slipping):
     """Laws that fall with speed, in one direction or both; their drops beside the forces `slipping`."""
     laws = []
     for force in slipping:
-        law = draw(st.sampled_from((None, *LAWS)))
+        law = draw(st.sampled_from((None, HYPERBOLIC, EXPONENTIAL)))
         drop, rate = force * draw(decades(-1, 0.5)), draw(decades(-0.5, 1.5)) / (RATE * LENGTH)
-        laws.append(law and Fall(law, drop, rate))
-    return (None, None, *laws)
+        laws.append(law and (law, drop, rate))
+    return laws
 
 
 @st.composite
@@ -108,8 +109,10 @@ def friction(draw, name, ends):
     N = draw(decades(-1.5, 0)) * RATE**2 * LENGTH
     belt = draw(st.sampled_from((0.0, 0.0, 0.2))) * RATE * LENGTH
     slip = N, N * draw(st.sampled_from((1.0, 0.5)))
-    laws = draw(falls(slip)) if draw(st.booleans()) else tuple(draw(holds(limit)) for limit in slip)
-    return Friction(name, *ends(), *slip, belt, *laws)
+    laws = draw(falls(slip)) if draw(st.booleans()) else None
+    limits = (None, None) if laws else tuple(draw(holds(limit)) for limit in slip)
+    one = Friction(name, *ends(), *slip, belt, *limits)
+    return falling(one, *laws) if laws and any(laws) else one
 
 
 def force(draw, name, n):

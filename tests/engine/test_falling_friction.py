@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.engine.runs import run
+from tests.scenes import falling
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import (
@@ -15,7 +16,6 @@ from vibsim.physics.parts import (
     GROUND,
     HYPERBOLIC,
     Body,
-    Fall,
     Friction,
     Link,
     Scene,
@@ -78,8 +78,8 @@ def test_rest_on_the_belt_loses_its_stability_at_half_the_logarithm_of_ten(belt)
 
 
 FALLS = {
-    HYPERBOLIC: (Fall(HYPERBOLIC, 3.0, 2.5), lambda v: (v + 2.5 * v * v / 2) / 3.0),
-    EXPONENTIAL: (Fall(EXPONENTIAL, 3.0, 2.5), lambda v: (exp(2.5 * v) - 1) / 2.5 / 3.0),
+    HYPERBOLIC: ((HYPERBOLIC, 3.0, 2.5), lambda v: (v + 2.5 * v * v / 2) / 3.0),
+    EXPONENTIAL: ((EXPONENTIAL, 3.0, 2.5), lambda v: (exp(2.5 * v) - 1) / 2.5 / 3.0),
 }
 
 
@@ -90,7 +90,7 @@ def test_a_sliding_block_stops_when_it_should_and_stays(law, sign, engine):
     """m v' = -D f(rate v): the time left is m/D (v + rate v^2 / 2), and m/D (exp(rate v) - 1) / rate."""
     fall, left = FALLS[law]
     mass, start = 2.0, 1.3
-    friction = Friction("floor", 0, GROUND, 0.0, 0.0, 0.0, None, None, fall, fall)
+    friction = falling(Friction("floor", 0, GROUND, 0.0, 0.0, 0.0), fall)
     scene = Scene((Body("m", mass, 0.0, sign * start),), frictions=(friction,), t_end=12.0, every_den=50)
     result = run(scene, engine, ledger=True)
     assert times(result, "stick_begin") == pytest.approx([mass * left(start)], rel=1e-14)
@@ -105,13 +105,13 @@ def test_a_sliding_block_stops_when_it_should_and_stays(law, sign, engine):
 
 @pytest.mark.parametrize("law", FALLS)
 def test_the_mirrored_scene_moves_mirrored_bit_for_bit(law):
-    one, other = Fall(law, 1.2, 3.0), Fall(law, 0.7, 9.0)
+    one, other = (law, 1.2, 3.0), (law, 0.7, 9.0)
     plain = Scene(
         (Body("a", 1.0, 0.0, 0.3), Body("b", 0.5, 0.1, 0.0)),
         links=(Link("k", 0, GROUND, 30.0, 0.1), Link("l", 1, 0, 20.0, 0.0)),
         frictions=(
-            Friction("f", 0, GROUND, 0.5, 0.6, 0.3, None, None, one, other),
-            Friction("g", 1, 0, 0.1, 0.0, 0.0, None, None, None, other),
+            falling(Friction("f", 0, GROUND, 0.5, 0.6, 0.3), one, other),
+            falling(Friction("g", 1, 0, 0.1, 0.0, 0.0), None, other),
         ),
         t_end=10.0,
         every_den=20,
@@ -120,8 +120,8 @@ def test_the_mirrored_scene_moves_mirrored_bit_for_bit(law):
         plain,
         bodies=tuple(replace(body, x=-body.x, v=-body.v) for body in plain.bodies),
         frictions=(
-            Friction("f", 0, GROUND, 0.6, 0.5, -0.3, None, None, other, one),
-            Friction("g", 1, 0, 0.0, 0.1, 0.0, None, None, other, None),
+            falling(Friction("f", 0, GROUND, 0.6, 0.5, -0.3), other, one),
+            falling(Friction("g", 1, 0, 0.0, 0.1, 0.0), other, None),
         ),
     )
     left, right = run(plain), run(mirrored)
@@ -132,14 +132,13 @@ def test_the_mirrored_scene_moves_mirrored_bit_for_bit(law):
 
 def test_a_fall_at_no_rate_is_a_constant():
     """f(0) = 1 throughout: the drop is as good as force."""
-    fall = Fall(HYPERBOLIC, 0.5, 0.0)
     constant = Friction("f", 0, GROUND, 1.0, 1.0, 0.2)
     scene = Scene(
         (Body("m", 1.0, 0.0, 0.0),), (Link("k", 0, GROUND, 9.0, 0.0),), frictions=(constant,),
         t_end=20.0, every_den=20, method="taylor",
     )  # fmt: skip
-    falling = replace(constant, forward=0.5, backward=0.5, fall_forward=fall, fall_backward=fall)
-    one, other = run(scene), run(replace(scene, frictions=(falling,)))
+    falls = falling(replace(constant, forward=0.5, backward=0.5), (HYPERBOLIC, 0.5, 0.0))
+    one, other = run(scene), run(replace(scene, frictions=(falls,)))
     assert one.events["kind"].tolist() == other.events["kind"].tolist()
     assert np.abs(one.samples["x_m"] - other.samples["x_m"]).max() < 1e-15
 
@@ -153,8 +152,7 @@ def test_equal_coefficients_are_coulombs_law():
 @pytest.mark.parametrize("law", FALLS)
 def test_steep_laws_are_followed(law):
     """A law that has fallen at 1 um/s: every stretch is proved, and slip is that of what is left."""
-    fall = Fall(law, 1.0, 1e6)
-    friction = Friction("belt", 0, GROUND, 1.0, 1.0, 0.2, None, None, fall, fall)
+    friction = falling(Friction("belt", 0, GROUND, 1.0, 1.0, 0.2), (law, 1.0, 1e6))
     scene = Scene(
         (Body("m", 1.0, 0.0, 0.2),), (Link("k", 0, GROUND, 1.0, 0.0),), frictions=(friction,), t_end=60.0,
         every_den=1,
@@ -174,8 +172,7 @@ def test_a_fast_block_feels_in_time_what_it_has_left_far_behind(many, engine):
     At its start the falling part is as small as exp(-many), and its series says nothing of how it will grow.
     """
     v0, a, b = 0.05, 1.0, 3.5
-    fall = Fall(EXPONENTIAL, b, 1 / v0)
-    friction = Friction("floor", 0, GROUND, a, a, 0.0, a + b, a + b, fall, fall)
+    friction = falling(Friction("floor", 0, GROUND, a, a, 0.0), (EXPONENTIAL, b, 1 / v0))
     start = many * v0
     left = (start + v0 * log((a + b * exp(-many)) / (a + b))) / a
     result = run(

@@ -1,6 +1,7 @@
 """Disturbances carried as they are: closed forms, both engines, and difference quotients in 40 digits."""
 
 from dataclasses import replace
+from fractions import Fraction
 from math import cos, exp, pi, sin, sqrt
 
 import numpy as np
@@ -19,6 +20,7 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.tangent.tangent_space import TangentSpace, length
+from vibsim.physics.formulas import mul, num
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, Friction, Link, RigidStop, Stop
 from vibsim.physics.precision import Balls
 
@@ -183,11 +185,8 @@ def renumbered(of, factor):
         return replace(part, **{name: factor * one for name, one in numbers.items() if one is not None})
 
     def friction(part):
-        falls = {
-            name: getattr(part, name) and times(getattr(part, name), "drop", "rate")
-            for name in ("fall_forward", "fall_backward")
-        }
-        return replace(times(part, "forward", "backward", "hold_forward", "hold_backward"), **falls)
+        slips = part.slips and tuple(mul(num(Fraction(factor)), one) for one in part.slips)
+        return replace(times(part, "forward", "backward", "hold_forward", "hold_backward"), slips=slips)
 
     def force(part):
         return replace(times(part, "constant"), terms=tuple(times(one, "amplitude") for one in part.terms))

@@ -109,7 +109,8 @@ def belted(scene, speed):
 @pytest.mark.parametrize("name", ["gallery/belt-oscillator", "gallery/block-on-belt"])
 def test_scenes_over_the_speed_of_a_belt_share_one_run(name):
     """Through sticks and slips, with the bits of runs of their own."""
-    of = load_case(name).scene()
+    plain = {"law": "coulomb", "mu": "0.8", "static": "1.25"}
+    of = load_case(name, {f"friction.belt.{key}": value for key, value in plain.items()}).scene()
     speed = of.frictions[0].belt
     shared = Carrier(of, "c")
     for factor in (0.8, 1.3, 0.5):

@@ -7,6 +7,7 @@ same ends put together to one.
 import math
 from collections import Counter
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from hypothesis import strategies as st
 
 from tests.engine.random_parts import LENGTH, part_scenes, rigid_scenes
 from tests.engine.runs import differences, outcome, run
+from vibsim.physics.formulas import mul, num
 from vibsim.physics.parts import (
     BASE,
     EVENT_KINDS,
@@ -69,15 +71,11 @@ def halved(friction, number):
     def half(force):
         return None if force is None else force / 2
 
-    falls = {
-        way: fall and replace(fall, drop=fall.drop / 2)
-        for way in ("fall_forward", "fall_backward")
-        for fall in [getattr(friction, way)]
-    }
+    slips = friction.slips and tuple(mul(num(Fraction(1, 2)), one) for one in friction.slips)
     forces = {
         way: half(getattr(friction, way)) for way in ("forward", "backward", "hold_forward", "hold_backward")
     }
-    one = replace(friction, name=f"{friction.name}{number}", **falls, **forces)
+    one = replace(friction, name=f"{friction.name}{number}", slips=slips, **forces)
     return moved(one, GROUND, BASE) if number else one
 
 

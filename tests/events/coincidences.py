@@ -6,15 +6,15 @@ import math
 from dataclasses import replace
 from fractions import Fraction
 
-from tests.scenes import NO_SOURCE, scene
-from vibsim.engine.flows.friction_laws import LAWS
+from tests.scenes import NO_SOURCE, falling, scene
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,
+    EXPONENTIAL,
     EXTENSION,
     GROUND,
+    HYPERBOLIC,
     Body,
-    Fall,
     Force,
     Friction,
     Harmonic,
@@ -128,13 +128,10 @@ def driven(draw):
 def static(pick, friction, centrifugal):
     """`friction` with limits that the force of the unbalance may reach, laws that fall, or both."""
     slipping = pick([friction.forward, centrifugal or friction.forward])
-    law = pick([None, None, *LAWS])
-    falls = None if law is None else Fall(law, 0.5 * slipping, 10.0)
+    law = pick([None, None, HYPERBOLIC, EXPONENTIAL])
     holding = pick([None, 1.5 * slipping, 2.0 * slipping])
-    return replace(
-        friction, forward=slipping, backward=slipping, hold_forward=holding, hold_backward=holding,
-        fall_forward=falls, fall_backward=falls,
-    )  # fmt: skip
+    one = replace(friction, forward=slipping, backward=slipping, hold_forward=holding, hold_backward=holding)
+    return falling(one, (law, 0.5 * slipping, 10.0)) if law else one
 
 
 def exactly_met(bodies, base, ends, gap, sense):

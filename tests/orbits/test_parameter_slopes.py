@@ -101,7 +101,11 @@ def test_derivatives_by_numbers(label):
     base = finished(placed(case, components, T), KIT)
     for key in keys:
         exact, row = quotient(case, key, components, T, base), told.by_parameter[key]
-        assert not told.error[key].any()  # exact, and no quotient
+        error = told.error[key]
+        assert bool(error.any()) == case.scene().has_formulas  # else exact, and no quotient
+        if error.any():
+            assert (abs(row - exact) <= 3 * error).all() and error.max() < 1e-7 * np.abs(exact).max()
+            continue
         # what rounding of the motion itself is multiplied by on its way is below 1e4 here
         np.testing.assert_allclose(row, exact, rtol=1e-10, atol=1e-11 * np.abs(exact).max(), err_msg=key)
 

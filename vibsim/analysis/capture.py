@@ -289,10 +289,7 @@ def averaged_load(scene: Scene, speeds: np.ndarray) -> np.ndarray:
 
 
 def _is_linear(scene: Scene) -> bool:
-    plain = all(
-        one.forward == one.backward and not one.belt and one.fall_forward is None is one.fall_backward
-        for one in scene.frictions
-    )
+    plain = all(one.forward == one.backward and not one.belt for one in scene.frictions)
     return plain and not (
         scene.has_formulas or scene.base or scene.forces or len(scene.line) < len(scene.bodies)
     )

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from vibsim.cases.formula_places import (
     MOTOR,
@@ -17,7 +17,7 @@ from vibsim.cases.formula_places import (
 )
 from vibsim.cases.formula_text import FUNCTIONS, FormulaError, names_in
 from vibsim.cases.formula_values import meaning_of_number, number_node
-from vibsim.cases.part_laws import SIDES, Direction, directions
+from vibsim.cases.part_laws import SIDES, Direction, directions, falls
 from vibsim.cases.problems import did_you_mean, shown
 from vibsim.cases.quantities import Quantity, QuantityError
 from vibsim.cases.schema_keys import all_keys
@@ -289,20 +289,16 @@ class FormulaParts:
 
     # Friction.
 
-    def friction(
-        self, name: str, part: Values, weight: Any
-    ) -> tuple[tuple[Node, Node], tuple[Node, Node], tuple[bool, bool]] | None:
-        """Forces while slipping, and the most that it holds, forwards and backwards, and whether that is
-        above what slip begins with; None without formulas.
+    def friction(self, name: str, part: Values, weight: Any) -> "tuple[SlipForces, SlipForces] | None":
+        """The forces of a friction forwards and backwards; None where they are numbers.
 
         weight : () -> m g of the first end [N], exact
         """
-        sides = sides_of("friction", part)
         on_its_own = isinstance(part["belt"], Formula) and not self.belts_are_base
         by_formulas = on_its_own or self.has("friction", name, "mu") or self.has("friction", name, "N")
-        if not (sides or by_formulas):
-            return None
         load = self._load(name, part, weight)
+        if not (sides_of("friction", part) or by_formulas or (falls(part) and load != ZERO)):
+            return None
         P, Q = self.scene.ends(FormulaPlace("friction", name, "", "mu", ""))
         if on_its_own:
             slip = nodes.sub(difference("v", P, Q), self.node("friction", name, "belt"))
@@ -311,14 +307,8 @@ class FormulaParts:
             slip = difference("v", P, Q)
         else:
             slip = nodes.sub(difference("v", P, Q), meaning_of_number(part["belt"]).node)
-        speeds = (slip, nodes.neg(slip))
-        slips, holds, rises = [], [], []
-        for i, speed in enumerate(speeds):
-            coefficient = self._coefficient(name, part, i)
-            slips.append(nodes.mul(coefficient.slip(speed), load))
-            holds.append(nodes.mul(coefficient.hold, load))
-            rises.append(coefficient.rises)
-        return (slips[0], slips[1]), (holds[0], holds[1]), (rises[0], rises[1])
+        forward, backward = (self._coefficient(name, part, i) for i in (0, 1))
+        return forward.forces(slip, load), backward.forces(nodes.neg(slip), load)
 
     @cached_property
     def belts_are_base(self) -> bool:
@@ -391,6 +381,17 @@ class FormulaParts:
         return sum(masses, Fraction(0))
 
 
+class SlipForces(NamedTuple):
+    """Forces of a friction in one direction [N]: while slipping, where slip begins and ends, and the most
+    that it holds; rises : whether that is above what slip begins with.
+    """
+
+    slip: Node
+    start: Node
+    hold: Node
+    rises: bool
+
+
 class _Coefficient:
     """A coefficient of friction in one direction: while slipping at a speed, the most that it holds, and
     whether that is above what slip begins with.
@@ -401,6 +402,11 @@ class _Coefficient:
 
     def slip(self, speed: Node) -> Node:
         raise NotImplementedError
+
+    def forces(self, speed: Node, load: Node) -> SlipForces:
+        """The coefficient times a load [N], at a speed of slip."""
+        slip, start, hold = (nodes.mul(one, load) for one in (self.slip(speed), self.slip(ZERO), self.hold))
+        return SlipForces(slip, start, hold, self.rises)
 
 
 class _OfFormula(_Coefficient):
@@ -419,19 +425,19 @@ class _OfLaw(_Coefficient):
     def __init__(self, part: Values, side: Direction):
         self.law, self.side = part.get("law"), side
         self.hold = nodes.num(side.hold)
-        self.rises = side.hold != side.slip + side.drop
+        self.rises = side.hold != side.start
 
     def slip(self, speed: Node) -> Node:
         side = self.side
         if not side.drop:
             return nodes.num(side.slip)
         share = nodes.mul(number_node(side.rate, 0), speed)
-        falls = (
+        fall = (
             nodes.div(ONE, nodes.add(ONE, share))
             if self.law == HYPERBOLIC
             else nodes.call("exp", nodes.neg(share))
         )
-        return nodes.add(nodes.num(side.slip), nodes.mul(nodes.num(side.drop), falls))
+        return nodes.add(nodes.num(side.slip), nodes.mul(nodes.num(side.drop), fall))
 
 
 def _of_side(values: Mapping[str, Any]) -> Direction:

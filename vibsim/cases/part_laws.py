@@ -45,12 +45,22 @@ class Direction(NamedTuple):
     drop: Fraction = Fraction(0)
     rate: Fraction = Fraction(0)
 
+    @property
+    def start(self) -> Fraction:
+        """What slip begins with."""
+        return self.slip + self.drop
+
 
 def directions(part: dict[str, Any]) -> tuple[Direction, Direction]:
     """Friction coefficients of a part for slip forwards and backwards."""
     of_law = DIRECTIONS[part.get("law", COULOMB)]
     forwards, backwards = (of_law(part.get(side) or part) for side in SIDES)
     return forwards, backwards
+
+
+def falls(part: dict[str, Any]) -> bool:
+    """Whether a friction falls with the speed of slip by a built-in law, in one direction at least."""
+    return part.get("law", COULOMB) != COULOMB and any(side.drop for side in directions(part))
 
 
 def _coulomb(values: dict[str, Any]) -> Direction:

@@ -15,8 +15,7 @@ from vibsim.cases.formula_places import MOTOR
 from vibsim.cases.formula_text import names_in
 from vibsim.cases.quantities import Quantity
 from vibsim.cases.schema_kinds import Formula, sides_of
-from vibsim.physics.formulas import ONE, TIME, Node, walk
-from vibsim.physics.parts import EXPONENTIAL, HYPERBOLIC
+from vibsim.physics.formulas import ONE, TIME, Node
 
 Values = dict[str, Any]
 PLACE: Node = ("x", "own")  # d of a link, p of a stop
@@ -43,11 +42,9 @@ class Coefficient(NamedTuple):
 Linear = dict[Node, Coefficient]  # an input, or ONE for a constant -> its coefficient, none of them 0
 
 
-def linear(node: Node, unknown: Node = ("own",)) -> Linear | None:
-    """A formula as a sum of inputs times constants; None where it is none; unknown: taken for an input."""
+def linear(node: Node) -> Linear | None:
+    """A formula as a sum of inputs times constants; None where it is none."""
     kind = node[0]
-    if node == unknown:
-        return {node: Coefficient(Fraction(1))}
     if kind == "num":
         return {ONE: Coefficient(node[1])} if node[1] else {}
     if kind == "pi":
@@ -56,7 +53,7 @@ def linear(node: Node, unknown: Node = ("own",)) -> Linear | None:
         return {node: Coefficient(Fraction(1))}
     if kind not in ("add", "sub", "mul", "div"):
         return None
-    one, other = linear(node[1], unknown), linear(node[2], unknown)
+    one, other = linear(node[1]), linear(node[2])
     if one is None or other is None:
         return None
     return _sum(one, other, kind) if kind in ("add", "sub") else _product(one, other, kind)
@@ -210,7 +207,7 @@ class _Rewriting:
         return kept | {"law": "elastic"} | self._constants(found)
 
     def _friction(self, name: str, part: Values) -> Values | None:
-        """A load that is a constant, with a coefficient that is one or falls as a built-in law does."""
+        """A load and a coefficient that are constants."""
         if sides_of("friction", part) or isinstance(part["belt"], Formula):
             return None
         result = dict(part)
@@ -222,11 +219,9 @@ class _Rewriting:
         if self.formulas.has("friction", name, "mu"):
             node = self.formulas.node("friction", name, "mu", "", s=RATE)
             mu = _constant(node)
-            law = {"mu": mu} if mu is not None else _falling(node) if _static(part) == 1 else None
-            if law is None:
+            if mu is None:
                 return None
-            del result["mu"]
-            result |= law
+            result["mu"] = mu
         return result
 
     def _forces(self, name: str, part: Values) -> Values | None:
@@ -274,42 +269,6 @@ def _constant(node: Node) -> Quantity | None:
         return None
     value, power = found.get(ONE, Coefficient(Fraction(0)))
     return None if power or value < 0 else Quantity("", value)
-
-
-def _static(part: Values) -> Fraction:
-    return part["static"].value if "static" in part else Fraction(1)
-
-
-def _falling(node: Node) -> Values | None:
-    """mu_d + (mu_s - mu_d) f(s), f = exp(-s/v0) or 1/(1 + d s), as the keys of that law."""
-    for one in walk([node]):
-        rate = linear(one[1 if one[0] == "exp" else 2]) if one[0] in ("exp", "div") else None
-        found = linear(node, one) if rate is not None else None
-        if rate is None or found is None or found.keys() - {ONE, one} or one not in found:
-            continue
-        drop, least, at_rest = found[one], found.get(ONE, Coefficient(Fraction(0))), Coefficient(Fraction(1))
-        if one[0] == "div":  # drop c / (p + q s) = (drop c / p) / (1 + (q / p) s)
-            numerator, at_rest = linear(one[1]) or {}, rate.pop(ONE, Coefficient(Fraction(0)))
-            if numerator.keys() != {ONE} or not at_rest.value:
-                return None
-            drop = drop.times(numerator[ONE]).times(at_rest, -1)
-        if rate.keys() != {RATE}:
-            return None
-        fall = rate[RATE].times(at_rest, -1 if one[0] == "div" else 1)
-        return _law_of(one[0], least, drop, fall)
-    return None
-
-
-def _law_of(kind: str, least: Coefficient, drop: Coefficient, fall: Coefficient) -> Values | None:
-    """The keys of a law; fall: d, or -1/v0."""
-    falls = fall.value > 0 if kind == "div" else fall.value < 0
-    has_pi = any(one.power for one in (least, drop, fall))
-    if has_pi or least.value < 0 or drop.value <= 0 or not falls:
-        return None
-    mu = {"mu_s": Quantity("", least.value + drop.value), "mu_d": Quantity("", least.value)}
-    if kind == "div":
-        return {"law": HYPERBOLIC, "d": Quantity("", fall.value)} | mu
-    return {"law": EXPONENTIAL, "v0": Quantity("", -1 / fall.value)} | mu
 
 
 def _reads_rotor(values: Mapping[str, Any]) -> bool:

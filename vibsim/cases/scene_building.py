@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from vibsim.cases.part_laws import Direction, directions
+from vibsim.cases.part_laws import directions, falls
 from vibsim.cases.quantities import Quantity, is_inertia, times_two_pi, two_pi_fraction
 from vibsim.cases.schema import AmplitudeRule, CaseFile, HarmonicKeys, MotorKeys
 from vibsim.cases.schema_keys import form_of
@@ -20,7 +20,6 @@ from vibsim.physics.parts import (
     STATE,
     Body,
     Clearance,
-    Fall,
     Force,
     Friction,
     Harmonic,
@@ -351,40 +350,36 @@ class _SceneBuilder:
 
     def friction(self, name: str, part: Values) -> Friction | None:
         """Forces coefficient times N or m g, multiplied exactly and rounded once; None where all are 0."""
-        forces = self.formulas.friction(name, part, self.weight) if self.formulas else None
         P, Q = self.ends(part)
+        sides = self.formulas.friction(name, part, self.weight) if self.formulas else None
         by_formula, course = isinstance(part["belt"], Formula), None
         if by_formula and self.formulas:
             if self.formulas.belts_are_base:
                 P, Q = (BASE if end == GROUND else end for end in (P, Q))
             else:
                 course = self.formulas.node("friction", name, "belt")
-        belt = self.exact(Fraction(0)) if by_formula else self.numbers.of(part["belt"])
-        if forces is not None:
-            zero = self.exact(Fraction(0))
-            rises = forces[2]
-            return Friction(
-                name, P, Q, zero, zero, belt, slips=forces[0], holds=forces[1], rises=rises, course=course
-            )
-        load = part["N"].value if "N" in part else self.weight(part)
-        sides = directions(part)
-        if not (load and any(side.hold for side in sides)):
-            return None
-        forward, backward = (self.numbers.convert(side.slip * load, 0) for side in sides)
-        holds = [self.hold(side, load) for side in sides]
-        falls = [self.fall(part, side, load) for side in sides]
-        return Friction(name, P, Q, forward, backward, belt, holds[0], holds[1], falls[0], falls[1])
+        zero = self.exact(Fraction(0))
+        belt = zero if by_formula else self.numbers.of(part["belt"])
+        slips = None if sides is None else (sides[0].slip, sides[1].slip)
+        if sides is None:
+            limits = self.limits(part)
+            if not any(limits):
+                return None
+        else:
+            nodes = [*(side.start for side in sides), *(side.hold for side in sides)]
+            if course is not None or any(node[0] != "num" for node in nodes):
+                by_side, rises = (sides[0].hold, sides[1].hold), (sides[0].rises, sides[1].rises)
+                return Friction(name, P, Q, zero, zero, belt, None, None, slips, by_side, rises, course)
+            limits = [node[1] for node in nodes]
+        forward, backward, *holds = map(self.exact, limits)
+        hold_forward = None if holds[0] == forward else holds[0]
+        hold_backward = None if holds[1] == backward else holds[1]
+        return Friction(name, P, Q, forward, backward, belt, hold_forward, hold_backward, slips)
 
-    def hold(self, side: Direction, load: Any) -> Number | None:
-        """The most that a friction holds in one direction; None where that is what slip begins with."""
-        return None if side.hold == side.slip + side.drop else self.numbers.convert(side.hold * load, 0)
-
-    def fall(self, part: Values, side: Direction, load: Any) -> Fall | None:
-        """The force of a friction that falls with speed in one direction."""
-        if not side.drop:
-            return None
-        drop, rate = self.numbers.convert(side.drop * load, 0), self.numbers.convert(side.rate, 0)
-        return Fall(part["law"], drop, rate)
+    def limits(self, part: Values) -> list[Fraction]:
+        """Forces with which slip begins forwards and backwards, and the most that a friction holds [N]."""
+        load, sides = part["N"].value if "N" in part else self.weight(part), directions(part)
+        return [*(side.start * load for side in sides), *(side.hold * load for side in sides)]
 
     def weight(self, part: Values) -> Any:
         """m g [N] of the first-named end, as an exact fraction."""
@@ -459,8 +454,10 @@ def _with_plain_laws(values: Values) -> Values:
 
 
 def _formulas_of(values: Values) -> "FormulaParts | None":
-    """The formulas of a case of parts; None of one without them."""
-    if not has_formulas(values):
+    """The formulas of a case of parts, those of frictions that fall with speed among them; None of one
+    without them.
+    """
+    if not (has_formulas(values) or any(map(falls, values.get("friction", {}).values()))):
         return None
     from vibsim.cases.formula_building import FormulaParts
 

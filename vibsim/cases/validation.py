@@ -3,7 +3,7 @@
 import json
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
-from math import pi, prod, sqrt
+from math import inf, isfinite, pi, prod, sqrt
 from typing import Any, NamedTuple
 
 from vibsim.cases.problems import CaseError, Problem, did_you_mean, shown, unsupported
@@ -157,7 +157,7 @@ def derived_facts(scene: Scene) -> list[Fact]:
     """
     if is_papers(scene):
         return [*_of_blocks(scene, scene.links[0]), *_of_motor(scene.motor)]
-    plain = [friction for friction in scene.frictions if friction.slips is None]
+    plain = [friction for friction in scene.frictions if friction.holds is None]
     frictions = [fact for friction in plain for fact in _friction_forces(friction, scene)]
     return [*([] if _is_by_formulas(scene) else _frequencies(scene)), *frictions, *_of_motor(scene.motor)]
 
@@ -185,16 +185,34 @@ def _friction_forces(friction: Friction, scene: Scene) -> list[Fact]:
     """Limits while sticking, and the forces while slipping where these are lower."""
     turns = scene.unit_of(scene.bodies[max(friction.P, friction.Q)]) == "rad"
     unit, word = ("N m", "torque") if turns else ("N", "force")
-    limits, forces = friction.limits, (friction.forward, friction.backward)
-    falls = friction.fall_forward, friction.fall_backward
-    alike = limits[0] == limits[1] and forces[0] == forces[1] and falls[0] == falls[1]
+    limits, forces = friction.limits, _at_high_speed(friction)
+    alike = limits[0] == limits[1] and forces[0] == forces[1]
+    words = "at high speed" if friction.slips else "while slipping"
     facts = []
     for i, side in enumerate(("",) if alike else (" plus", " minus")):
         facts.append(Fact(friction.name + side, limits[i], unit, f"limit friction {word}"))
-        if forces[i] != limits[i]:
-            words = "at high speed" if falls[i] else "while slipping"
+        if isfinite(forces[i]) and forces[i] != limits[i]:
             facts.append(Fact(f"{friction.name}{side}", forces[i], unit, f"friction {word} {words}"))
     return facts
+
+
+def _at_high_speed(friction: Friction) -> tuple[float, float]:
+    """Forces while slipping forwards and backwards beyond all speeds [N]; infinite or NaN where there are
+    none.
+    """
+    if friction.slips is None:
+        return friction.forward, friction.backward
+    import numpy as np
+
+    from vibsim.physics.formula_values import values_of
+
+    end, sense = (friction.P, 1) if friction.P >= 0 else (friction.Q, -1)
+    with np.errstate(all="ignore"):
+        forward, backward = (
+            float(values_of(slip, {("v", end): side * sense * inf}))
+            for slip, side in zip(friction.slips, (1, -1), strict=True)
+        )
+    return forward, backward
 
 
 def _of_blocks(scene: Scene, coupling: Link) -> Iterator[Fact]:

@@ -30,7 +30,7 @@
 #define MARCH_LIMIT 1000 /* evaluations of an event function in one march */
 
 enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE, SWITCH, DOMAIN_EDGE }; /* kinds of event functions */
-enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL, FORMULA }; /* kinds of terms */
+enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FORMULA }; /* kinds of terms */
 enum { SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB };    /* kinds of integrals, see ledger_integrals.py */
 enum { IN_CONTACT = 1, AT_REST = 3 };                           /* codes of a stop */
 enum { ADVANCE, SAMPLE, SECTION, ARRIVE, EXTREMES, LEDGER, TANGENT, STAGES }; /* of a stretch */
@@ -44,12 +44,6 @@ typedef struct {
     Real k, c, offset;
     int P, Q, pair, to_P, to_Q, from, to; /* ends; their difference in the closed form; leading columns; places in the table */
 } Coupling;
-
-/* Friction that falls with speed: force on_P f(s) on P, s = rate (v_P - v_Q - drift). */
-typedef struct {
-    Real on_P, rate, drift;
-    int law, P, Q, to_P, to_Q, from, to; /* ...; leading columns; places of the rates in the table, -1 for the ground */
-} Falling;
 
 typedef struct {
     Real coefficient;
@@ -167,13 +161,12 @@ typedef struct {
 
 typedef struct {
     Coupling *couplings;
-    Falling *falls;
     Event *events;
     Term *terms;
     Slope *slopes;
     Real *mobility, *group_mass, *drift, *constants, *slope_constants, carried;
     int *leader, *constant_columns, *codes, *tied; /* tied: bodies under forces that are tied to another column */
-    int tied_count, coupling_count, fall_count, event_count, constant_count, untied, shape;
+    int tied_count, coupling_count, event_count, constant_count, untied, shape;
     Coupling small;            /* the one coupling of a small scene; zero without one */
     Real small_constants[2]; /* forces of slipping frictions by column */
     LedgerIntegrals integrals;
@@ -215,7 +208,6 @@ typedef struct {
 typedef struct {
     Real *table, *values;
     Real *load, **loaded_on; /* series of the forces, by column; NULL where there is none */
-    Real (*arguments)[SERIES], (*falls)[SERIES]; /* of falling frictions: what the recurrence takes of s, and f */
     Real inverse[SERIES + 1], sine[SERIES], cosine[SERIES], w_back[SERIES], a1_back[SERIES]; /* w_back[order - n]: order n */
     Real h, turns, longest; /* longest: piece of a step that one quadrature rule takes [s] */
     Real nearest; /* time [s] within which zeros of bases of powers are zeros in any case */
@@ -370,7 +362,7 @@ typedef struct {
 typedef struct Run {
     int bodies, columns, parts, clearances, harmonic_count, key_count, mode_count, force_count, base_count;
     int slope_ops, slope_entries; /* most of a mode's derivatives of formulas */
-    int fall_room, has_motor, motor_on, rest_columns, force_taylor, stop_on_violation, closed; /* closed: the flow in use */
+    int has_motor, motor_on, rest_columns, force_taylor, stop_on_violation, closed; /* closed: the flow in use */
     int has_base, *alone, alone_count; /* has_base: be it by a formula; alone: columns of units of their own, of rotors and states */
     Real m3, e, M0, unbalance, inertia, drag, t_end, every_num, every_den;
     double tolerance_exponent;

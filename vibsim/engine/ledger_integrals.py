@@ -21,11 +21,9 @@ from vibsim.engine.modes.packing import Packer
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import (
     COUPLING,
-    FALL,
     FORMULA,
     HOLD,
     Event,
-    Falling,
     Joined,
     ModeRows,
     Term,
@@ -159,8 +157,6 @@ class IntegralMaker(Generic[N]):
         for i, friction in enumerate(self.scene.frictions):
             if rows.status.frictions[i] != STICK and friction.slips is None:
                 self._slipping(i, friction, rows.status.frictions[i])
-        for k, fall in enumerate(rows.falls):
-            self._falling(k, fall)
         for role, output in rows.outputs.items():
             self._by_formula(rows, role, output)
         for k, function, orientation in self._ties(rows):
@@ -247,14 +243,6 @@ class IntegralMaker(Generic[N]):
         on_P = -friction.forward if sign > 0 else friction.backward
         self._add(SLIP, ("loss", "friction", friction.name), -on_P, P=P, Q=Q, drift=friction.belt)
         self._driven((P, Q), on_P, friction.belt, friction.name, SLIP, NOTHING)
-
-    def _falling(self, k: int, fall: Falling[N]) -> None:
-        """Loss and work of what falls with speed, beside those of the constant part."""
-        zero, name = self.kit.number(0), self.scene.frictions[fall.part].name
-        source = self._function([Term(FALL, 1, k)], zero)
-        loss = ("loss", "friction", name)
-        self._add(RUB, loss, -fall.on_P, P=fall.P, Q=fall.Q, source=source, drift=fall.drift)
-        self._driven((fall.P, fall.Q), fall.on_P, fall.drift, name, FUNCTION, source)
 
     def _by_formula(self, rows: ModeRows[N], role: tuple[Any, ...], output: int) -> None:
         """Work of a force by a formula, and what a link, a stop or a friction by one takes up: stored in a

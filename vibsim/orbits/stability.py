@@ -155,8 +155,8 @@ def excess(
 
 def _forces_of(scene: Scene, friction: Any, state: State) -> tuple[Sequence[float], Sequence[float]]:
     """The forces [N] with which slip begins forwards and backwards, and the most that it holds against it."""
-    if friction.slips is None:
-        return friction.starts, friction.limits
+    if friction.holds is None:
+        return (friction.forward, friction.backward), friction.limits
     from vibsim.physics.formula_values import inputs_at, values_of
 
     at = inputs_at(scene, state.t, state.x, state.v, (state.phase, state.w))

@@ -4,8 +4,9 @@ A formula is a tree of nodes; a node is a tuple whose first entry says what it i
 
     ("num", value)         a number, an exact Fraction in SI units
     ("pi",)  ("t",)        pi; the time [s]
-    ("x", end)  ("v", end) displacement [m] and velocity [m/s] of an end of a part: number of a body, GROUND,
-    BASE ("phi",)  ("w",)       angle [rad] and speed [rad/s] of the rotor of `Scene.motor`
+    ("x", end)  ("v", end) displacement [m] and velocity [m/s] of an end of a part: number of a body, GROUND
+                           or BASE
+    ("phi",)  ("w",)       angle [rad] and speed [rad/s] of the rotor of `Scene.motor`
     ("add", a, b)  ("sub", a, b)  ("mul", a, b)  ("div", a, b)
     ("pow", a, p)          a**p, p a Fraction that is no whole number: a >= 0
     ("sin", a)             and cos, exp, log, sinh, cosh, tanh, atan, asin, acos
@@ -31,6 +32,10 @@ ONE: Node = ("num", Fraction(1))
 PI: Node = ("pi",)
 TIME: Node = ("t",)
 SWITCHES = ("choose", "mod", "table")  # nodes of several sides, of which a mode says which holds
+# functions of 0
+AT_ZERO = dict.fromkeys(("sin", "sinh", "tanh", "asin", "atan"), ZERO) | dict.fromkeys(
+    ("cos", "cosh", "exp"), ONE
+)
 MOST_EXACT = 64  # largest whole power that is written as products
 
 
@@ -112,8 +117,8 @@ def call(name: str, a: Node) -> Node:
     if name == "sqrt":
         return ("pow", a, Fraction(1, 2))
     if name == "tan":
-        return ("div", ("sin", a), ("cos", a))
-    return (name, a)
+        return div(call("sin", a), call("cos", a))
+    return AT_ZERO.get(name, (name, a)) if a == ZERO else (name, a)
 
 
 def choose(g: Node, a: Node, b: Node, text: str) -> Node:

@@ -159,18 +159,6 @@ class Stop(Generic[N]):
 
 
 @dataclass(frozen=True)
-class Fall(Generic[N]):
-    """Fall of a friction force with the speed of slip: drop f(s) [N], s = rate |v_rel|, rate in s/m.
-
-    law : of vibsim.engine.flows.friction_laws, f(0) = 1
-    """
-
-    law: str
-    drop: N
-    rate: N
-
-
-@dataclass(frozen=True)
 class RigidStop(Generic[N]):
     """Rigid stop between P and Q: depth g = sense (x_Q - x_P) - gap <= 0 always [m]; restitution e, 0 to 1.
 
@@ -191,18 +179,18 @@ class RigidStop(Generic[N]):
 class Friction(Generic[N]):
     """Dry friction of P on Q, v_rel = v_P - v_Q - belt - course(t).
 
-    forward, backward : force while slipping [N], -forward on P where v_rel > 0, +backward where v_rel < 0;
-        more of it that falls with speed is in fall_forward and fall_backward
+    forward, backward : force with which slip begins and ends [N], -forward on P where v_rel > 0, +backward
+        where v_rel < 0; at all speeds, where there are no `slips`
     belt : velocity of the surface of Q against Q [m/s]
     hold_forward, hold_backward : the most that it can hold against the start of slip in either direction [N],
         not below the force with which slip begins; None: as much as that
-    slips : formulas of the forces while slipping forwards and backwards [N], not below 0; forward, backward
-    and
-        what falls with speed are 0 and None then
-    holds : formulas of the most that it can hold against the start of slip in either direction [N]
-    rises : whether these are above the forces with which slip begins, forwards and backwards
-    course : formula of the time alone of what the belt has in velocity beside `belt` [m/s], or None; its
-        forces are formulas then
+    slips : formulas of the forces while slipping forwards and backwards [N], not below 0, as of a friction
+        that falls with speed
+    holds : formulas of the most that it can hold against the start of slip in either direction [N], where
+        that or the force with which slip begins is no number; forward and backward are 0 then
+    rises : of `holds`, whether these are above the forces with which slip begins, forwards and backwards
+    course : formula of the time alone of what the belt has in velocity beside `belt` [m/s], or None; slips
+        and holds are formulas then
     """
 
     name: str
@@ -213,8 +201,6 @@ class Friction(Generic[N]):
     belt: N
     hold_forward: N | None = None
     hold_backward: N | None = None
-    fall_forward: Fall[N] | None = None
-    fall_backward: Fall[N] | None = None
     slips: tuple[Node, Node] | None = None
     holds: tuple[Node, Node] | None = None
     rises: tuple[bool, bool] = (False, False)
@@ -228,31 +214,17 @@ class Friction(Generic[N]):
     @property
     def limits(self) -> tuple[N, N]:
         """The most that it holds against slip forwards and backwards [N]."""
-        forward, backward = self.starts
         return (
-            forward if self.hold_forward is None else self.hold_forward,
-            backward if self.hold_backward is None else self.hold_backward,
+            self.forward if self.hold_forward is None else self.hold_forward,
+            self.backward if self.hold_backward is None else self.hold_backward,
         )
-
-    @property
-    def starts(self) -> tuple[N, N]:
-        """The force with which slip begins and ends forwards and backwards [N]."""
-        forward, backward = self.fall_forward, self.fall_backward
-        return (
-            self.forward if forward is None else self.forward + forward.drop,
-            self.backward if backward is None else self.backward + backward.drop,
-        )
-
-    def fall(self, sense: int) -> Fall[N] | None:
-        """Force that falls with speed while it slips: sense > 0 forwards, < 0 backwards."""
-        return self.fall_forward if sense > 0 else self.fall_backward
 
     def drops(self, sense: int) -> bool:
         """Whether its force jumps where it begins to slip."""
-        if self.slips is not None:
+        if self.holds is not None:
             return self.rises[0 if sense > 0 else 1]
-        limits, starts = self.limits, self.starts
-        return bool(limits[0] > starts[0] if sense > 0 else limits[1] > starts[1])
+        limits = self.limits
+        return bool(limits[0] > self.forward if sense > 0 else limits[1] > self.backward)
 
 
 @dataclass(frozen=True)
@@ -489,5 +461,5 @@ IMPACTS = ("contact_begin", "impact")  # of elastic stops, and of rigid ones
 RIGID_KINDS = ("impact", "transmitted", "chatter", "rest_begin", "rest_end")  # of rigid stops alone
 SWITCH = "switch"  # kind of the events at which a formula jumps; of formulas alone
 EVENT_NAMES = {code: name for name, code in EVENT_KINDS.items()}
-# laws by which a friction falls with the speed of slip, see vibsim.engine.flows.friction_laws
+# laws by which a friction falls with the speed of slip, see vibsim.cases.formula_building
 HYPERBOLIC, EXPONENTIAL = "stribeck hyperbolic", "stribeck exponential"

@@ -6,9 +6,10 @@ import h5py
 import pytest
 
 from tests.command_line.made import call
+from tests.scenes import falling
 from vibsim.cases import CaseError, gallery_case_names, load_case
 from vibsim.cases.case import load_case_text
-from vibsim.physics.parts import EXPONENTIAL, HYPERBOLIC, Fall
+from vibsim.physics.parts import EXPONENTIAL, GROUND, HYPERBOLIC, Friction
 
 NAMES = gallery_case_names()
 
@@ -53,13 +54,11 @@ def test_blocks_on_belts_have_the_parameters_of_their_sources():
     scene = load_case("gallery/block-on-belt").scene()
     link, friction = only(scene.links), only(scene.frictions)
     assert (scene.bodies[0].m, link.k, link.c, friction.belt) == (1.0, 1.0, 0.0, 0.2)
-    assert friction.limits == (1.0, 1.0) and friction.forward == friction.backward == 0.0
-    assert friction.fall_forward == friction.fall_backward == Fall(HYPERBOLIC, 1.0, 3.0)
+    assert friction == falling(Friction("belt", 0, GROUND, 0.0, 0.0, 0.2), (HYPERBOLIC, 1.0, 3.0))
     scene = load_case("gallery/belt-oscillator").scene()
     friction = only(scene.frictions)
     assert (scene.bodies[0].m, only(scene.links).k, only(scene.links).c) == (1.0, 1.0, 2 * 0.05)
-    assert friction.limits == (1.0, 1.0) and friction.forward == friction.backward == 0.5
-    assert friction.fall_forward == friction.fall_backward == Fall(EXPONENTIAL, 1.0 - 0.5, 1 / 0.5)
+    assert friction == falling(Friction("belt", 0, GROUND, 0.5, 0.5, 1.5), (EXPONENTIAL, 0.5, 2.0))
 
 
 def test_two_masses_have_the_parameters_of_their_source():

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.scenes import falling
 from vibsim.cases import CaseError, hard_case_names, load_case, shipped_case_names
 from vibsim.cases.schema import CaseFile
 from vibsim.physics.parts import (
@@ -20,7 +21,6 @@ from vibsim.physics.parts import (
     HYPERBOLIC,
     Body,
     Clearance,
-    Fall,
     Force,
     Friction,
     Harmonic,
@@ -37,8 +37,6 @@ VALID = Path(__file__).parent / "valid"
 HAMMER = VALID / "hammer.yaml"
 RPM = 2 * pi * 3.5  # 210 rpm
 
-RAIL = Fall(HYPERBOLIC, 0.36, 18.0)
-
 
 def test_every_part_of_the_long_form():
     assert load_case(HAMMER).scene() == Scene(
@@ -52,8 +50,8 @@ def test_every_part_of_the_long_form():
             Friction("guide", 1, GROUND, 0.6, 0.6, 0.0, 0.78, 0.78),
             Friction("weight", 0, 1, 1.962, 1.962, 0.0),
             Friction("moon", 0, BASE, 0.5508, 1.0368, -0.2, 0.66096, None),
-            Friction("rail", 0, GROUND, 0.38, 0.38, 0.0, None, None, RAIL, RAIL),
-            Friction("seal", 1, GROUND, 0.38, 0.8, 0.0, None, None, Fall(EXPONENTIAL, 0.28, 4.0)),
+            falling(Friction("rail", 0, GROUND, 0.19, 0.19, 0.0), (HYPERBOLIC, 0.18, 18.0), load=2),
+            falling(Friction("seal", 1, GROUND, 0.19, 0.4, 0.0), (EXPONENTIAL, 0.14, 4.0), None, load=2),
         ),
         forces=(
             Force("drive", 0, -2.0, (Harmonic(10.0, 50 * pi, 25.0, 0.0, pi / 2),)),
@@ -91,8 +89,7 @@ def test_a_child_replaces_what_it_names_and_what_stands_in_its_place():
     assert scene.motor is None
     guide, weight, moon, rail, seal = scene.frictions
     assert rail == Friction("rail", 0, GROUND, 0.6, 0.6, 0.0)
-    assert (seal.forward, seal.fall_forward) == (0.5, Fall(HYPERBOLIC, 0.5, 2.0))
-    assert seal.fall_backward == seal.fall_forward
+    assert seal == falling(Friction("seal", 1, GROUND, 0.25, 0.25, 0.0), (HYPERBOLIC, 0.25, 2.0), load=2)
     assert (guide.forward, guide.backward) == (0.05, 0.15)
     assert (moon.forward, moon.backward, weight.forward) == (2.0, 2.0, 1.962)
     drive, _, _, chord = scene.forces

@@ -136,8 +136,6 @@ Real forces_of(const Run *r, const Mode *m, Real X, Real V)
     }
     for (i = 0; i < m->constant_count; i++)
         total += fabs(m->constants[i]);
-    for (i = 0; i < m->fall_count; i++)
-        total += fabs(m->falls[i].on_P);
     if (m->formula_count > 0)
         tape_values_at(r, m, X, V, NULL);
     for (i = 0; i < m->formula_count; i++)

@@ -245,8 +245,6 @@ class StickSlipResolution(Generic[N]):
             total = total + abs(term.amplitude)
         for _, value in rows.constants:
             total = total + abs(value)
-        for fall in rows.falls:
-            total = total + abs(fall.on_P)
         if rows.tape:
             values = flow.tape_values(self.kit.number(0))
             for law in rows.formulas:

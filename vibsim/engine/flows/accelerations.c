@@ -1,5 +1,4 @@
 /* The vector field of a mode at a state; twin of vibsim/engine/flows/accelerations.py. */
-#include "friction_laws.h"
 #include "numbers.h"
 #include "tangent.h"
 
@@ -73,14 +72,6 @@ static Real coupling_force(const Run *r, const Coupling *q, const State *state, 
     return q->k * (xP - xQ) + q->c * (vP - vQ) + q->offset;
 }
 
-static Real fall_force(const Run *r, const Falling *one, const State *state, Real X, Real V)
-{
-    Real xP, xQ, vP, vQ;
-    motion_of(r, state, one->P, X, V, &xP, &vP);
-    motion_of(r, state, one->Q, X, V, &xQ, &vQ);
-    return one->on_P * law_start(one->law, one->rate * ((vP - vQ) - one->drift));
-}
-
 /* Add the forces by formulas. */
 static void add_formulas(const Run *r, const Mode *m, const State *state, Real X, Real V, Real *F)
 {
@@ -124,12 +115,6 @@ Real accelerations(const Run *r, const Mode *m, const State *state, Real *out)
     for (i = 0; i < m->constant_count; i++) {
         int leader = m->leader[m->constant_columns[i]];
         F[leader] = F[leader] + m->constants[i];
-    }
-    for (i = 0; i < m->fall_count; i++) {
-        const Falling *one = &m->falls[i];
-        Real force = fall_force(r, one, state, X, V);
-        F[one->to_P] = F[one->to_P] + force;
-        F[one->to_Q] = F[one->to_Q] - force;
     }
     if (m->formula_count > 0)
         add_formulas(r, m, state, X, V, F);

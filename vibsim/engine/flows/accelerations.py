@@ -36,10 +36,6 @@ def accelerations(
         F[leader[q.Q]] = F[leader[q.Q]] + value
     for column, value in rows.constants:
         F[leader[column]] = F[leader[column]] + value
-    for fall in rows.falls:
-        drop = fall.on_P * fall.law.start(kit, fall.rate * ((v[fall.P] - v[fall.Q]) - fall.drift))
-        F[leader[fall.P]] = F[leader[fall.P]] + drop
-        F[leader[fall.Q]] = F[leader[fall.Q]] - drop
     if rows.tape:
         phi, quiet = kit.unwind(state.phase, state.turns), [zero] * (n + 2)
         sharp = Inputs(zero, quiet, quiet, zero, zero)

@@ -22,7 +22,6 @@ from vibsim.engine.modes.rows import (
     ACCELERATION,
     COUPLING,
     DIFFERENCE,
-    FALL,
     FORMULA,
     HOLD,
     RATE,
@@ -160,8 +159,6 @@ class Taylor(TaylorExpansion[N]):
             return [factor * self.coupling_force(self.rows.couplings[P], n) for n in range(p + 1)]
         if term.kind == ACCELERATION:
             return [factor * ((n + 1) * self.v[P][n + 1]) for n in range(p)]
-        if term.kind == FALL:
-            return [factor * value for value in self.falls[P]]
         if term.kind == FORMULA:
             assert self.tape is not None
             return [factor * value for value in self.tape.output(P)[:p]]
@@ -266,17 +263,9 @@ class Taylor(TaylorExpansion[N]):
             return one.k * places + one.c * speeds + abs(one.offset)
         if term.kind == ACCELERATION:
             return abs(self.v[term.P][1])
-        if term.kind == FALL:
-            return self._magnitude_of_fall(term.P)
         if term.kind == FORMULA:
             return self.tape_values(self.kit.number(0)).output(term.P)[1] / self.kit.eps
         return abs(self._load_on(term.P)[0])
-
-    def _magnitude_of_fall(self, k: int) -> N:
-        """f, and what its argument, a difference, may be wrong by in units of the rounding of one."""
-        one, f = self.rows.falls[k], self.falls[k][0]
-        speeds = abs(self.v[one.P][0]) + abs(self.v[one.Q][0]) + abs(one.drift)
-        return abs(f) + abs(one.law.slope(f)) * (abs(one.rate) * speeds)
 
     def tape_values(self, tau: N) -> TapeValues[N]:
         """Values of the formulas a time tau after the expansion point, from the state there."""

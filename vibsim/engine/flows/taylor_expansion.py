@@ -52,8 +52,6 @@ class TaylorExpansion(Generic[N]):
             if leader >= self.n and c not in self.rows.follow:
                 self.v[c][0] = self.v[leader][0] + self.rows.drift[c]
         self._expand_loads(state.t)
-        self.arguments: list[list[N]] = [[] for _ in self.rows.falls]
-        self.falls: list[list[N]] = [[] for _ in self.rows.falls]
         if self.rotor:
             self.rotor.expand(state, self.rows)
         if self.rotors:
@@ -119,22 +117,6 @@ class TaylorExpansion(Generic[N]):
         force = coupling.k * (self.x[P][n] - self.x[Q][n]) + coupling.c * (self.v[P][n] - self.v[Q][n])
         return force + coupling.offset if n == 0 else force
 
-    def _fall(self, k: int, n: int) -> N:
-        """Coefficient n of the force of falling friction k on its P."""
-        one, arguments, f = self.rows.falls[k], self.arguments[k], self.falls[k]
-        difference = self.v[one.P][n] - self.v[one.Q][n]
-        if n == 0:
-            s = one.rate * (difference - one.drift)
-            arguments.append(s)
-            f.append(one.law.start(self.kit, s))
-        else:
-            arguments.append(one.law.argument(n, one.rate * difference))
-            sums = [self.kit.number(0), self.kit.number(0)]
-            for i in range(1, n + 1):  # two chains that a processor takes side by side
-                sums[i % 2] = sums[i % 2] + arguments[i] * f[n - i]
-            f.append(one.law.following(sums[1] + sums[0], f, self.inverse[n]))
-        return one.on_P * f[n]
-
     def _advance(self, n: int) -> None:
         """Coefficients n + 1 of displacements and velocities from those of order n."""
         rows, zero, inverse = self.rows, self.kit.number(0), self.inverse[n + 1]
@@ -152,10 +134,6 @@ class TaylorExpansion(Generic[N]):
         if n == 0:
             for column, value in rows.constants:
                 F[leader[column]] = F[leader[column]] + value
-        for k, fall in enumerate(rows.falls):
-            force, P, Q = self._fall(k, n), leader[fall.P], leader[fall.Q]
-            F[P] = F[P] + force
-            F[Q] = F[Q] - force
         if self.tape:
             self._apply_formulas(self.tape, n, F)
         acceleration = [force * mobility for force, mobility in zip(F, rows.mobility, strict=True)]
@@ -188,7 +166,7 @@ class TaylorExpansion(Generic[N]):
 
     def step_length(self) -> N:
         """Longest step whose last two terms stay below tol times the largest leading one (after Jorba &
-        Zou 2005), of velocities, rotor, what ties must carry, which moves nothing, and falling friction.
+        Zou 2005), of velocities, rotor, and what ties must carry, which moves nothing.
         """
         self.reach(self.order)
         blocks: list[tuple[list[list[N]], int]] = [(self.v[: self.n], self.order)]
@@ -217,13 +195,6 @@ class TaylorExpansion(Generic[N]):
                         if sizes[m] > self.kit.no_exponent
                     ]
                     longest = min(longest, max(candidates, default=longest))
-        for f in self.falls:  # compared with f(0) = 1, of which they are a part
-            for last in (self.order - 2, self.order - 1):
-                size = self.kit.exponent(abs(f[last]))
-                if size > self.kit.no_exponent:
-                    longest = min(longest, (self.tolerance_exponent + (1 - size)) / last)
-        for k, fall in enumerate(self.rows.falls):
-            longest = fall.law.reach(self.arguments[k], self.tolerance_exponent, longest)
         return self.kit.power_of_two(longest) if longest < 1000.0 else self.kit.inf
 
     def _size(self, block: Sequence[Sequence[N]], n: int) -> int:

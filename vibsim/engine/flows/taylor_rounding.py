@@ -19,7 +19,6 @@ from vibsim.engine.modes.rows import (
     ACCELERATION,
     COUPLING,
     DIFFERENCE,
-    FALL,
     FORMULA,
     HOLD,
     PUSH,
@@ -48,8 +47,6 @@ class TaylorRounding(Generic[N]):
         self.x = [[zero] * (highest + 1) for _ in columns]
         self.v = [[zero] * (highest + 1) for _ in columns]
         self.w = [zero] * (highest + 1)
-        self.arguments: list[list[N]] = [[] for _ in self.rows.falls]
-        self.falls: list[list[N]] = [[] for _ in self.rows.falls]
         self.load = [[zero] * highest for _ in columns]
         self.angle = zero  # of the rotor [rad]
         flow.reach(highest if span == 0 else flow.order)
@@ -102,11 +99,6 @@ class TaylorRounding(Generic[N]):
             self._push(leader[one.Q], value, lost)
         for column, value in rows.constants if n == 0 else ():
             self._push(leader[column], value, self.kit.number(0))
-        for k, fall in enumerate(rows.falls):
-            value = fall.on_P * flow.falls[k][n]
-            lost = abs(fall.on_P) * self._of_fall(k, n) + self.product * abs(value)
-            self._push(leader[fall.P], value, lost)
-            self._push(leader[fall.Q], -value, lost)
         if flow.tape:
             self.tape.advance(n, self.x, self.v, self.w)
             for law in rows.formulas:
@@ -193,19 +185,6 @@ class TaylorRounding(Generic[N]):
         size = one.k * abs(x[P][n] - x[Q][n]) + one.c * abs(v[P][n] - v[Q][n])
         return lost + self.product * (size + abs(one.offset) if n == 0 else size)
 
-    def _of_fall(self, k: int, n: int) -> N:
-        """Of coefficient n of the falling friction k: f' is f s' or f^2 s', and f at most 1."""
-        fall, f, v = self.rows.falls[k], self.flow.falls[k], self.flow.v
-        P, Q = fall.P, fall.Q
-        size = abs(v[P][n] - v[Q][n]) + (abs(fall.drift) if n == 0 else 0)
-        argument = abs(fall.rate) * (self._of_difference(P, Q, n, True) + self.product * size)
-        self.arguments[k].append(argument)
-        lost = self.product * abs(f[n])
-        for i in range(n + 1):
-            lost = lost + self.arguments[k][i] * abs(f[n - i])
-        self.falls[k].append(lost)
-        return lost
-
     def derivatives(self, event: Event[N], count: int) -> list[N]:
         """Bounds of the rounding of `Taylor.derivatives`."""
         series = [self.flow._term(term) for term in event.terms]
@@ -242,8 +221,6 @@ class TaylorRounding(Generic[N]):
             return size * self._of_coupling(self.rows.couplings[P], n)
         if term.kind == ACCELERATION:
             return size * (n + 1) * self.v[P][n + 1] + self.product * abs(value)
-        if term.kind == FALL:
-            return size * self.falls[P][n] + self.product * abs(value)
         if term.kind == FORMULA:
             return size * self.tape.output(P)[n] + self.product * abs(value)
         return size * self.load[P][n] + self._of_thrust(P, n)

@@ -58,8 +58,6 @@ static int count_of_kind(const Run *r, const Mode *m, int kind)
     switch (kind) {
     case COUPLING:
         return m->coupling_count;
-    case FALL:
-        return m->fall_count;
     case FORMULA:
         return m->tape.output_count;
     default:

@@ -45,7 +45,6 @@ void mode_free(Mode *m)
     free(m->followers);
     slopes_free(&m->formula_slopes);
     free(m->couplings);
-    free(m->falls);
     free(m->events);
     free(m->terms);
     free(m->slopes);
@@ -150,8 +149,6 @@ void run_free(Run *r)
     }
 #endif
     free(r->taylor.load);
-    free(r->taylor.arguments);
-    free(r->taylor.falls);
     free(r->taylor.loaded_on);
     free(r->taylor.loaded);
     free(r->taylor.acceleration);

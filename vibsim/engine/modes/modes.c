@@ -1,7 +1,6 @@
 /* The rows of a mode from packed numbers, in the order in which vibsim/engine/modes/packing.py writes them. */
 #include <stdlib.h>
 
-#include "friction_laws.h"
 #include "modes.h"
 #include "zalloc.h"
 
@@ -23,7 +22,6 @@ static int named_by(const Run *r, const Mode *m, int kind)
 {
     switch (kind) {
     case COUPLING: return m->coupling_count;
-    case FALL: return m->fall_count;
     case FORMULA: return m->tape.output_count;
     default: return r->columns;
     }
@@ -49,7 +47,7 @@ static void read_terms(Reader *in, Term *terms, int count, const Run *r, const M
 /* The shape of the recurrences that suits a mode: at most one coupling, of body 0 and one other column. */
 static void take_shape(const Run *r, Mode *m)
 {
-    int small = !r->has_base && m->coupling_count < 2 && m->fall_count == 0 && m->leader[0] == 0, i;
+    int small = !r->has_base && m->coupling_count < 2 && m->leader[0] == 0, i;
     m->untied = 1;
     for (i = 0; i < r->bodies; i++)
         m->untied = m->untied && m->leader[i] == i;
@@ -69,42 +67,6 @@ static void take_shape(const Run *r, Mode *m)
             m->small_constants[m->constant_columns[i]] = m->constants[i];
 }
 
-int alloc_series(Real (**series)[SERIES], int count)
-{
-    Real(*more)[SERIES] = regrown(*series, sizeof *more * (size_t)count);
-    *series = more ? more : *series;
-    return more != NULL;
-}
-
-/* Memory for the series of so many falling frictions. */
-static int alloc_falls(Run *r, int count)
-{
-    if (count <= r->fall_room)
-        return 1;
-    if (!alloc_series(&r->taylor.arguments, count) || !alloc_series(&r->taylor.falls, count))
-        return 0;
-    if (r->tangent && !tangent_alloc_falls(r->tangent, count))
-        return 0;
-    r->fall_room = count;
-    return 1;
-}
-
-static void read_fall(Reader *in, const Run *r, const Mode *m, Falling *one)
-{
-    one->law = read_index(in, 0, LAWS - 1);
-    one->P = read_index(in, 0, r->columns - 1);
-    one->Q = read_index(in, 0, r->columns - 1);
-    one->on_P = read_double(in);
-    one->rate = read_double(in);
-    one->drift = read_double(in);
-    one->to_P = m->leader[one->P];
-    one->to_Q = m->leader[one->Q];
-    one->from = one->P == r->bodies ? -1 : column_in_table(r, one->P) + r->taylor.rates;
-    one->to = one->Q == r->bodies ? -1 : column_in_table(r, one->Q) + r->taylor.rates;
-    if (one->from >= r->taylor.stride || one->to >= r->taylor.stride)
-        in->short_of = 1;
-}
-
 Mode *mode_read(Run *r, Reader *in)
 {
     Mode *m = zalloc(1, sizeof *m);
@@ -112,7 +74,6 @@ Mode *mode_read(Run *r, Reader *in)
     if (!m)
         return NULL;
     m->coupling_count = read_index(in, 0, MOST);
-    m->fall_count = read_index(in, 0, r->parts);
     m->event_count = read_index(in, 0, MOST);
     m->constant_count = read_index(in, 0, MOST);
     terms = read_index(in, 0, MOST);
@@ -124,14 +85,13 @@ Mode *mode_read(Run *r, Reader *in)
     if (in->short_of)
         return m;
     m->couplings = zalloc((size_t)m->coupling_count, sizeof(Coupling));
-    m->falls = zalloc((size_t)m->fall_count, sizeof(Falling));
     m->events = zalloc((size_t)m->event_count, sizeof(Event));
     m->terms = zalloc((size_t)terms, sizeof(Term));
     m->slopes = zalloc((size_t)slopes, sizeof(Slope));
     m->mobility = zalloc((size_t)(3 * r->columns), sizeof(Real));
     m->constants = zalloc((size_t)(m->constant_count + slope_constants), sizeof(Real));
     m->leader = zalloc((size_t)(r->columns + m->constant_count + r->parts + r->bodies), sizeof(int));
-    if (!m->couplings || !m->falls || !alloc_falls(r, m->fall_count) || !m->events || !m->terms || !m->slopes || !m->mobility || !m->constants || !m->leader) {
+    if (!m->couplings || !m->events || !m->terms || !m->slopes || !m->mobility || !m->constants || !m->leader) {
         in->short_of = 1;
         return m;
     }
@@ -172,8 +132,6 @@ Mode *mode_read(Run *r, Reader *in)
         if (c->from >= r->taylor.rates || c->to >= r->taylor.rates)
             in->short_of = 1;
     }
-    for (i = 0; i < m->fall_count; i++)
-        read_fall(in, r, m, &m->falls[i]);
     for (i = 0; i < m->constant_count; i++) {
         m->constant_columns[i] = read_index(in, 0, r->bodies - 1);
         m->constants[i] = read_double(in);
@@ -212,7 +170,7 @@ Mode *mode_read(Run *r, Reader *in)
     }
     if (!in->short_of && read_index(in, 0, 1)) {
         m->modal = modal_read(r, in, pairs, m->event_count);
-        if (!m->modal || m->fall_count + m->tape.op_count > 0)
+        if (!m->modal || m->tape.op_count > 0)
             in->short_of = 1;
         if (!in->short_of)
             modal_prepare(m);

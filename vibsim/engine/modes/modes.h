@@ -24,12 +24,10 @@ int slopes_read(Run *r, Reader *in, Mode *m); /* their derivatives; 0 without me
 int alloc_tapes(TapeRoom *tapes, int ops);
 void slopes_free(FormulaSlopes *s);
 
-int alloc_series(Real (**series)[SERIES], int count);
 void mode_free(Mode *m);
 void run_free(Run *r);
 
 /* reading_tangent.c */
-int tangent_alloc_falls(struct Tangent *b, int count);
 int tangent_alloc_formulas(const Run *r, struct Tangent *b);
 
 /* ledger_integrals.c; 0 without memory, or where the numbers are not what they should be (look at the reader) */

@@ -130,7 +130,6 @@ def packed_mode(rows: ModeRows, keys: dict[EventKey, int], form: NumberForm[Any]
     pack.put(
         (
             len(rows.couplings),
-            len(rows.falls),
             len(events),
             len(rows.constants),
             len(terms),
@@ -145,8 +144,6 @@ def packed_mode(rows: ModeRows, keys: dict[EventKey, int], form: NumberForm[Any]
         pack.put((leader,), (mobility, 0.0 if mass is None else mass, drift))
     for q in rows.couplings:
         pack.put((q.P, q.Q, pairs.get((q.P, q.Q), -1)), (q.k, q.c, q.offset))
-    for fall in rows.falls:
-        pack.put((fall.law.NUMBER, fall.P, fall.Q), (fall.on_P, fall.rate, fall.drift))
     for column, value in rows.constants:
         pack.put((column,), (value,))
     if tape and (tape.ops or base_tape):

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Generic
 
-from vibsim.engine.flows.friction_laws import LAWS
 from vibsim.engine.modes.formula_rows import FormulaRows
 from vibsim.engine.modes.rows import (
     ACCELERATION,
     CLEARANCE,
     COUPLING,
     DIFFERENCE,
-    FALL,
     FORMULA,
     GAP,
     HOLD,
@@ -24,7 +22,6 @@ from vibsim.engine.modes.rows import (
     Acceleration,
     Coupling,
     Event,
-    Falling,
     Joined,
     ModeRows,
     RotorOn,
@@ -189,7 +186,6 @@ class RowMaker(Generic[N]):
         rows = ModeRows(
             status, groups, groups.leader, mass, mobility, self._couplings(status), self._constants(status)
         )
-        rows.falls = self._falls(status)
         rows.drift = self._drifts(groups, stuck)
         rows.rotors = [
             RotorOn(one.column, one.on, one.unbalance, scene.bodies[one.column].m) for one in scene.rotors
@@ -275,18 +271,6 @@ class RowMaker(Generic[N]):
                     if column < self.n:
                         constants[column] = value if column not in constants else constants[column] + value
         return sorted(constants.items())
-
-    def _falls(self, status: Status) -> list[Falling[N]]:
-        """Forces of the slipping frictions that fall with speed, in their order."""
-        falls: list[Falling[N]] = []
-        for i, friction in enumerate(self.scene.frictions):
-            sense = status.frictions[i]
-            fall = friction.fall(sense)
-            if sense != STICK and fall is not None:
-                on_P, rate = (-fall.drop, fall.rate) if sense > 0 else (fall.drop, -fall.rate)
-                P, Q = self.ends(friction)
-                falls.append(Falling(LAWS[fall.law], P, Q, on_P, rate, friction.belt, i))
-        return falls
 
     def _stop_events(
         self, rows: ModeRows[N], i: int, stop: Stop[N] | RigidStop[N], state: int
@@ -381,9 +365,6 @@ class RowMaker(Generic[N]):
         for one in rows.formulas:
             if (one.P in inside) != (one.Q in inside):
                 terms.append(Term(FORMULA, one.sign if one.P in inside else -one.sign, one.output))
-        for k, fall in enumerate(rows.falls):
-            if (fall.P in inside) != (fall.Q in inside):
-                terms.append(Term(FALL, fall.on_P if fall.P in inside else -fall.on_P, k))
         return tuple(terms), tuple(value for column, value in rows.constants if column in inside)
 
     def _loaded(self, column: int) -> bool:

@@ -1,14 +1,12 @@
 """Mode rows: what a mode is to the engine, made once when it is met.
 
-    couplings    links, and stops in contact, merged per pair of columns: S = k d + c d' + offset of the
-    difference
+    couplings    links, and stops in contact, merged per pair of columns: S = k d + c d' + offset of
                  d = x_P - x_Q; -S on P, +S on Q
     constants    forces of slipping frictions
-    falls        what of these falls with speed
+    formulas     forces that are outputs of the tape, those of frictions that fall with speed among them
     ties         frictions that stick and rigid stops at rest, numbered in this order: frictions, stops
     events       functions that are positive inside the mode and end it at zero: sums of differences, their
-    rates,
-                 couplings, loads and accelerations
+                 rates, couplings, loads, accelerations and formulas
 
 Columns are the bodies in order, then ground and base. A base that rests is one with the ground, so that what
 bodies hold on both is decided at once.
@@ -19,7 +17,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol
 
-from vibsim.engine.flows.friction_laws import Law
 from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Cut, Groups
 from vibsim.physics.formulas import Node
@@ -33,7 +30,7 @@ if TYPE_CHECKING:
 # Kinds of event functions; STRIKE: of a rigid stop; SWITCH: of a switch of a formula; DOMAIN: of what stands
 # under a root in one.
 GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE, SWITCH, DOMAIN = range(8)
-DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FALL, FORMULA = range(7)  # kinds of terms
+DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FORMULA = range(6)  # kinds of terms
 NO_ZERO = -1  # in place of an output: what is left of a force without powers of the depth is never 0
 
 EventKey = tuple[int | tuple[int, ...], ...]  # kind of an event function and what it watches
@@ -58,21 +55,6 @@ class Coupling(Generic[N]):
     k: N
     c: N
     offset: N
-
-
-@dataclass(frozen=True)
-class Falling(Generic[N]):
-    """Friction that falls with speed: the force on_P f(s) on P [N], the opposite on Q, s = rate (v_P - v_Q -
-    drift), which is positive while it slips; law: module of vibsim.engine.flows.friction_laws.
-    """
-
-    law: Law
-    P: int
-    Q: int
-    on_P: N
-    rate: N
-    drift: N
-    part: int
 
 
 class FormulaForce(NamedTuple):
@@ -100,7 +82,7 @@ class RotorOn(NamedTuple, Generic[N]):
 @dataclass(frozen=True)
 class Term(Generic[N]):
     """coefficient times what `kind` names: the difference of columns (P, Q), its rate, coupling number P, the
-    load on column P, its acceleration, f of falling friction number P, or output number P of the tape.
+    load on column P, its acceleration, or output number P of the tape.
     """
 
     kind: int
@@ -159,7 +141,6 @@ class ModeRows(Generic[N]):
     mobility: list[N]  # 1 / mass, 0 where it does not move on its own; by column
     couplings: list[Coupling[N]]
     constants: list[tuple[int, N]]
-    falls: list[Falling[N]] = field(default_factory=list)
     events: list[Event[N]] = field(default_factory=list)
     cuts: list[Cut[N]] = field(default_factory=list)
     drift: list[N] = field(default_factory=list)  # velocity of a column against its leader [m/s]

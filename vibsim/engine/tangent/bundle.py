@@ -1,6 +1,6 @@
 """The tangent bundle of a run: disturbances kept apart, how fast they grow, and its check by volume."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from math import inf, nan
 from typing import Any
 
@@ -10,7 +10,7 @@ from vibsim.engine.errors import State
 from vibsim.engine.flows.closed.closed_form import ClosedForm
 from vibsim.engine.flows.flow import Flow
 from vibsim.engine.flows.taylor import Taylor
-from vibsim.engine.modes.rows import Falling, ModeRows
+from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.tangent.disturbances import Disturbances
 from vibsim.engine.tangent.formula_tangent import FormulaTangent
 from vibsim.engine.tangent.saltation import Jump
@@ -26,7 +26,7 @@ from vibsim.engine.tangent.tangent_space import (
 )
 from vibsim.engine.tangent.tangent_taylor import TaylorTangent
 from vibsim.physics.elementary import TWELVE
-from vibsim.physics.numbers import Kit, N, abs, horner
+from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Motor, Scene
 
 # The tangent bundle of a run: K disturbances carried through modes and events, and how fast they grow.
@@ -344,11 +344,9 @@ def log_volume(
             else:
                 rate = rate + q.c * rows.mobility[end_column]
     fixed = -(rate * tau)
-    if isinstance(flow, Taylor) and rows.falls:
-        series = flow
-        fixed = fixed - tau * _mean(kit, lambda at: _slowed(series, (t - series.t0) + at, on), tau)
     if formulas is not None:
-        fixed = fixed + tau * _mean(kit, formulas.divergence, tau)
+        by_formulas = formulas
+        fixed = fixed + tau * _mean(kit, lambda at: by_formulas.divergence(at, on)[0], tau)
     if motor is None or on is None:
         return fixed
     assert isinstance(flow, Taylor)  # no closed form moves a rotor
@@ -356,7 +354,8 @@ def log_volume(
     carried = rows.mass[on]
     if carried is None:
         return fixed - drag / inertia * tau
-    return fixed + _with_rotor(kit, flow, motor, (carried + motor.m3, inertia, damping, drag), t, tau)
+    numbers = carried + motor.m3, inertia, damping, drag
+    return fixed + _with_rotor(kit, flow, motor, numbers, t, tau, formulas)
 
 
 def _mean(kit: Kit[N], value: Callable[[N], N], tau: N) -> N:
@@ -367,24 +366,15 @@ def _mean(kit: Kit[N], value: Callable[[N], N], tau: N) -> N:
     return total
 
 
-def _dampings(flow: Taylor[N], at: N) -> Iterator[tuple[Falling[N], N]]:
-    """(falling friction, its force by the rate v_P' - v_Q' [N s/m], negative) at a time within the step."""
-    for one, f in zip(flow.rows.falls, flow.falls, strict=True):
-        if flow.rows.leader[one.P] != flow.rows.leader[one.Q]:
-            yield one, -(one.on_P * one.rate * one.law.slope(horner(f, at)))
-
-
-def _slowed(flow: Taylor[N], at: N, on: int | None) -> N:
-    """Sum of falling frictions' damping by mass, of all groups but `on` [1/s]."""
-    total = 0 * at
-    for one, damping in _dampings(flow, at):
-        for column in (flow.rows.leader[one.P], flow.rows.leader[one.Q]):
-            if column != on:
-                total = total + damping * flow.rows.mobility[column]
-    return total
-
-
-def _with_rotor(kit: Kit[N], flow: Taylor[N], motor: Motor[N], numbers: tuple[N, N, N, N], t: N, tau: N) -> N:
+def _with_rotor(
+    kit: Kit[N],
+    flow: Taylor[N],
+    motor: Motor[N],
+    numbers: tuple[N, N, N, N],
+    t: N,
+    tau: N,
+    formulas: FormulaTangent[N] | None,
+) -> N:
     """The share of the motor's group and its rotor; numbers: mass, inertia, damping, drag."""
     mass, inertia, damping, drag = numbers
 
@@ -393,18 +383,12 @@ def _with_rotor(kit: Kit[N], flow: Taylor[N], motor: Motor[N], numbers: tuple[N,
         coupling = motor.unbalance * kit.sin(flow.state_after((t - flow.t0) + at).phase)
         return mass * inertia - coupling * coupling
 
-    def falling(at: N) -> N:
-        """Damping that falling frictions on the motor's group add to its own, by det M."""
-        total, on = kit.number(0), flow.rows.leader[motor.on]
-        for one, extra in _dampings(flow, (t - flow.t0) + at):
-            if on in (flow.rows.leader[one.P], flow.rows.leader[one.Q]):
-                total = total + extra
-        return total / determinant(at)
-
     share = kit.number(0)
     for node, weight in zip(*TWELVE, strict=True):
         share = share + weight / determinant(node * tau)
     damped = (damping * inertia + drag * mass) * (tau * share)
-    if flow.rows.falls:
-        damped = damped + inertia * (tau * _mean(kit, falling, tau))
+    if formulas is not None:
+        by_formulas, on = formulas, flow.rows.leader[motor.on]
+        driven = _mean(kit, lambda at: by_formulas.divergence(at, on)[1] / determinant(at), tau)
+        damped = damped - inertia * (tau * driven)
     return -damped - kit.log(determinant(tau) / determinant(kit.number(0)))

@@ -299,14 +299,18 @@ class FormulaTangent(Generic[N]):
             row[one.column] = row.get(one.column, zero) + share
         return found
 
-    def divergence(self, tau: N) -> N:
-        """Trace of the derivatives of accelerations with respect to velocities, rotors on bodies left out
-        [1/s].
+    def divergence(self, tau: N, on: int | None) -> tuple[N, N]:
+        """Trace of the derivatives of accelerations with respect to velocities, rotors on bodies and the
+        group `on` of a motor left out [1/s]; derivative of the force on that group by its velocity [N s/m].
         """
-        total = 0 * tau
+        total, own = 0 * tau, 0 * tau
         for i, row in self._rows("v", tau).items():
-            total = total + row.get(i, 0 * tau)
-        return total
+            value = row.get(i, 0 * tau)
+            if i == on:
+                own = value / self.flow.rows.mobility[i]
+            else:
+                total = total + value
+        return total, own
 
 
 def _between(start: Inputs[N], end: Inputs[N], before: N, after: N) -> Inputs[N]:

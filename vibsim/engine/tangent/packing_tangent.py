@@ -102,7 +102,7 @@ def _numbers(scene: Scene, begin: float) -> bytes:
     pack = Packer()
     pack.put((), (0.0 if isinstance(stop, RigidStop) else stop.c for stop in scene.stops))
     for friction in scene.frictions:
-        pack.put((), friction.starts)
+        pack.put((), (friction.forward, friction.backward))
     farthest = reach(Doubles, scene.order, exponent_of(scene.tol))
     rate = natural_rate(scene, Doubles)
     pack.put((), (begin, farthest, rate, *weights(scene, Doubles, rate)))

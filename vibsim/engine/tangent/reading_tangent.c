@@ -20,7 +20,6 @@ static int alloc_spare(const Run *r, TaylorTangent *of)
     size_t row = 2 * ((size_t)r->bodies + 3), columns = (size_t)r->columns, i;
     Taylor *f = &of->spare;
     *f = r->taylor;
-    f->arguments = f->falls = NULL;
     f->tapes.series = NULL;
     f->tapes.values = NULL;
     f->tapes.ops = 0;
@@ -94,8 +93,7 @@ static int alloc_all(const Run *r, Tangent *b)
     b->other_accelerations = b->accelerations + columns;
     b->force = b->other_accelerations + columns;
     b->jump = b->force + columns;
-    return alloc_spare(r, &b->taylor) && alloc_rotors(r, &b->taylor) && (r->fall_room == 0 || tangent_alloc_falls(b, r->fall_room)) &&
-           tangent_alloc_formulas(r, b);
+    return alloc_spare(r, &b->taylor) && alloc_rotors(r, &b->taylor) && tangent_alloc_formulas(r, b);
 }
 
 /* Ends and laws of stops and frictions. */
@@ -155,13 +153,6 @@ static int read_bundle(Run *r, Tangent *b, Reader *in)
     return read_through(in);
 }
 
-/* Memory for the series of so many falling frictions; 0 without memory. */
-int tangent_alloc_falls(Tangent *b, int count)
-{
-    TaylorTangent *of = &b->taylor;
-    return alloc_series(&of->slopes, count) && alloc_series(&of->spare.arguments, count) && alloc_series(&of->spare.falls, count);
-}
-
 /* Memory for the series along the tapes of the modes met so far; 0 without memory. */
 int tangent_alloc_formulas(const Run *r, Tangent *b)
 {
@@ -207,8 +198,6 @@ void tangent_free(Tangent *b)
     free(b->taylor.force);
     free(b->taylor.spare.table);
     free(b->taylor.spare.load);
-    free(b->taylor.spare.arguments);
-    free(b->taylor.spare.falls);
     free(b->taylor.spare.tapes.series);
     free(b->taylor.spare.tapes.values);
     free(b->taylor.step.series);
@@ -221,7 +210,6 @@ void tangent_free(Tangent *b)
     free(b->taylor.spare_rotors.leaders);
     free(b->taylor.pushed);
     free(b->taylor.torques);
-    free(b->taylor.slopes);
     free(b->taylor.spare.loaded_on);
     free(b->seat);
     free(b->tangencies.fastest);

@@ -188,11 +188,11 @@ def turns_forces(before: ModeRows[N], after: ModeRows[N]) -> bool:
 
 
 def _by_formulas(scene: Scene[N], event: Event[N], turned: Sequence[int], changed: bool) -> bool:
-    """Whether the force that jumps at an event is one of a stop or a friction by a formula."""
+    """Whether the force that jumps at an event is one of a stop or a friction that a formula has to tell."""
     if event.kind == GAP and changed:
         stop = scene.stops[event.part]
         return isinstance(stop, Stop) and stop.force is not None
-    return event.kind == SLIDE and any(scene.frictions[i].slips is not None for i in turned)
+    return event.kind == SLIDE and any(scene.frictions[i].holds is not None for i in turned)
 
 
 def resting(status: Status) -> list[int]:
@@ -225,14 +225,12 @@ def _friction(friction: Friction[N], status: int) -> N | int:
     """Force of a slipping friction on P at v_rel = 0; one that sticks acts within a group, where it does not
     count.
     """
-    forward, backward = friction.starts
-    return 0 if status == STICK else -forward if status == FORWARD else backward
+    return 0 if status == STICK else -friction.forward if status == FORWARD else friction.backward
 
 
 def reversal(friction: Friction[N], status: int) -> Forces[N]:
     """Forces [(P, Q, force)] that a friction gains where it turns round from `status`."""
-    forward, backward = friction.starts
-    total = forward + backward
+    total = friction.forward + friction.backward
     return [(friction.P, friction.Q, total if status == FORWARD else -total)]
 
 

@@ -153,7 +153,7 @@ class Tangencies(Generic[N]):
         """
         scene, kit, i = self.scene, self.kit, event.part
         n = len(scene.bodies)
-        if scene.frictions[i].slips is not None:
+        if scene.frictions[i].holds is not None:
             turned = before.status.with_frictions({i: -before.status.frictions[i]})
             other = RowMaker(scene, kit).rows(turned)
             gained, _ = jump_of(scene, kit, state, before, other)
@@ -190,7 +190,9 @@ class Jumps:
         return event.kind != HOLD or not released_frictions(self.scene, before, after)
 
     def _by_formulas(self, before: ModeRows, after: ModeRows, event: Event) -> bool:
-        """Whether a formula jumps, or a stop or friction by a formula begins or ends to act, at an event."""
+        """Whether a formula jumps, or a stop or friction begins or ends to act of which a formula has to tell
+        the force, at an event.
+        """
         if event.kind == SWITCH:
             return turns_forces(before, after)
         if event.kind == GAP:
@@ -198,7 +200,7 @@ class Jumps:
             return isinstance(stop, Stop) and stop.force is not None
         pairs = zip(before.status.frictions, after.status.frictions, strict=True)
         turned = [event.part, *(i for i, (one, other) in enumerate(pairs) if one != other)]
-        return event.kind == SLIDE and any(self.scene.frictions[i].slips is not None for i in turned)
+        return event.kind == SLIDE and any(self.scene.frictions[i].holds is not None for i in turned)
 
     def of_rule_in_c(self, rows: ModeRows, rule: Rule, event: Event) -> bool:
         """The same for all that a rule may lead to."""

@@ -65,7 +65,7 @@ typedef struct {
     Joint joint[SERIES];
     Real first_turning[2];
     Real to_a1, to_w, cross, tau, reach;
-    Real (*series)[2], (*force)[2], (*slopes)[SERIES]; /* slopes: series of df/ds by falling friction */
+    Real (*series)[2], (*force)[2];
     Taylor spare; /* for an expansion within the step */
     Real *spare_values;
     TapeRoom step, here; /* series of the derivatives of formulas: along the step, and along an expansion within it */
@@ -153,7 +153,7 @@ Real formula_sound_stretch(Run *r, Real t, Real tau);
 Zeros formula_zeros(Run *r, Real t, Real end); /* of the piece from t to `end` */
 int formula_take_means(Run *r, const Zeros *zeros, Real t, Real tau); /* 0 where there are none: nothing is replaced then */
 void formula_rates(const Run *r, Real tau, Real *stiffness, Real *damping);
-Real formula_divergence(const Run *r, Real tau);
+Real formula_divergence(const Run *r, Real tau, int on, Real *own);
 
 /* rotor_tangent.c; pushed: of the pair of disturbances */
 void rotor_tangent_prepare(Run *r);

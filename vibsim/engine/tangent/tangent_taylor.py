@@ -1,8 +1,8 @@
 """How small disturbances move along one step of the Taylor flow.
 
 The recurrences of the flow, linearised: loads and constants drop out, couplings pass dS = k dd + c dd',
-falling frictions df = f' ds. With s = sin phi, c = cos phi, a1 the acceleration of the motor's group,
-b = m3 e and dS the sum of these forces on the group,
+formulas enter by their partial derivatives. With s = sin phi, c = cos phi, a1 the acceleration of the
+motor's group, b = m3 e and dS the sum of these forces on the group,
     (m + m3) A1 - b s dw' = b (q' - s dw') - dS,            q = c w dphi + s dw
     (J + m3 e^2) dw' - b s A1 = b c a1 dphi - (M0 / Omega0) dw
 with s dw' on the left at the expansion point. The series of a disturbance end one order below the flow's,
@@ -20,7 +20,6 @@ from vibsim.engine.modes.rows import (
     ACCELERATION,
     COUPLING,
     DIFFERENCE,
-    FALL,
     FORMULA,
     LOAD,
     Coupling,
@@ -63,8 +62,6 @@ class TaylorTangent(Generic[N]):
     def piece_end(self, t: N, end: N, _mark: N) -> N:
         """End [s] of the piece from t that is moved at once: as a rule the whole step."""
         rates = [self.kit.sqrt(self._fastest(lambda q: q.k)) / REACH, self._fastest(lambda q: q.c)]
-        for k in range(len(self.flow.falls)):
-            rates[1] = rates[1] + self._rising(k, end)
         if self.flow.tape:
             own = FormulaTangent(self.kit, self._base_at(t))
             at_zero = self._piece_at_zero(own, t, end)
@@ -137,15 +134,6 @@ class TaylorTangent(Generic[N]):
                 largest = row if row > largest else largest
         return largest
 
-    def _rising(self, k: int, end: N) -> N:
-        """Rate at which falling friction k makes disturbances grow, at the start or the end of the stretch
-        [1/s].
-        """
-        one, f, rows = self.flow.rows.falls[k], self.flow.falls[k], self.flow.rows
-        ends = abs(one.law.slope(f[0])), abs(one.law.slope(horner(f, end - self.flow.t0)))
-        mobility = rows.mobility[rows.leader[one.P]] + rows.mobility[rows.leader[one.Q]]
-        return abs(one.on_P * one.rate) * (ends[0] if ends[0] > ends[1] else ends[1]) * mobility
-
     def _dragging(self, rotor: RotorSeries[N]) -> N:
         """Rate at which the motor's drag damps the rotor, at most [1/s]."""
         if rotor.carried is None:
@@ -159,9 +147,6 @@ class TaylorTangent(Generic[N]):
         """
         self.tau, self.base = (end - t) + late, self._base_at(t)
         self.is_too_long = self.is_undefined = False
-        self.slopes = [
-            one.law.slopes(f) for one, f in zip(self.flow.rows.falls, self.base.falls, strict=True)
-        ]
         if self.base.rotor:
             self._prepare_motor(self.base.rotor)
         self.formulas = FormulaTangent(self.kit, self.base) if self.base.tape else None
@@ -173,7 +158,7 @@ class TaylorTangent(Generic[N]):
 
     def _base_at(self, t: N) -> Taylor[N]:
         """The flow expanded at t [s], where that matters."""
-        varies = self.flow.rotor or self.flow.falls or self.flow.tape or self.flow.rotors
+        varies = self.flow.rotor or self.flow.tape or self.flow.rotors
         return self._expanded_at(t) if t != self.flow.t0 and varies else self.flow
 
     def _expanded_at(self, t: N) -> Taylor[N]:
@@ -196,7 +181,6 @@ class TaylorTangent(Generic[N]):
         n, zero = self.n, self.kit.number(0)
         self.x = [[value] for value in (*vector[:n], zero, zero)]
         self.v = [[value] for value in (*vector[n : 2 * n], zero, zero)]
-        self.sliding: list[list[N]] = [[] for _ in self.slopes]
         self.a1: list[N] = []
         self.phi, self.w = [zero], [zero]
         if self.base.rotor:
@@ -242,8 +226,6 @@ class TaylorTangent(Generic[N]):
         if term.kind == LOAD:
             rotor = self.base.rotor
             return self._thrust(rotor) if rotor and rotor.motor.on == P else self.kit.number(0)
-        if term.kind == FALL:
-            return self.slopes[P][0] * self.sliding[P][0]
         if term.kind == COUPLING:
             one = self.flow.rows.couplings[P]
             P, Q, k, c = one.P, one.Q, one.k, one.c
@@ -270,10 +252,6 @@ class TaylorTangent(Generic[N]):
             force = q.k * (self.x[q.P][n] - self.x[q.Q][n]) + q.c * (self.v[q.P][n] - self.v[q.Q][n])
             F[leader[q.P]] = F[leader[q.P]] - force
             F[leader[q.Q]] = F[leader[q.Q]] + force
-        for k, one in enumerate(rows.falls):
-            force = one.on_P * self._fall(k, n)
-            F[leader[one.P]] = F[leader[one.P]] + force
-            F[leader[one.Q]] = F[leader[one.Q]] - force
         if self.formulas:
             read = self._read()
             for law in rows.formulas:
@@ -290,12 +268,6 @@ class TaylorTangent(Generic[N]):
         for c in range(self.n + 2):
             self.x[c].append(self.v[c][n] * inverse)
             self.v[c].append(acceleration[leader[c]] * inverse)
-
-    def _fall(self, k: int, n: int) -> N:
-        """Coefficient n of the disturbed f of falling friction k, f' ds."""
-        one, sliding = self.flow.rows.falls[k], self.sliding[k]
-        sliding.append(one.rate * (self.v[one.P][n] - self.v[one.Q][n]))
-        return chained(self.kit.number(0), self.slopes[k], sliding, n)
 
     def _turn(self, rotor: RotorSeries[N], n: int, force: N) -> N:
         """Disturbed acceleration of the motor's group; advances the rotor."""

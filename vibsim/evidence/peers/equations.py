@@ -31,11 +31,9 @@ from vibsim.physics.formulas import Node, reads
 from vibsim.physics.parts import (
     AT_FORCE,
     BASE,
-    EXPONENTIAL,
     GROUND,
     ROTOR,
     STATE,
-    Fall,
     Friction,
     Harmonic,
     RigidStop,
@@ -179,13 +177,6 @@ class Equations:
         forwards, backwards = (self.formulas.value(hold, *acting) for hold in friction.holds)
         return forwards, backwards
 
-    def slip_force(self, constant: Number, fall: Fall | None, speed: Number) -> Number:
-        """Friction force at the speed of slip |v_rel| [N]."""
-        if fall is None:
-            return constant
-        s = fall.rate * speed
-        return constant + fall.drop * (self.kit.exp(-s) if fall.law == EXPONENTIAL else 1.0 / (1.0 + s))
-
     def harmonic(self, term: Harmonic) -> Number:
         """amplitude sin(omega t + phase)."""
         angle = term.omega * self.t
@@ -312,17 +303,19 @@ class ModeEquations:
 
     def _friction(self, i: int, part: Friction, forward: Number, backward: Number) -> Number:
         """Force on P while slipping [N]: against v_rel."""
-        if part.slips is not None:
-            forwards, backwards = part.slips
-            value = self.equations.formulas.value
-            return backward * value(backwards, (i, BACKWARD)) - forward * value(forwards, (i, FORWARD))
-        slip_force, sign = self.equations.slip_force, forward - backward
-        falls = part.fall_forward is not None or part.fall_backward is not None
-        speed = sign * self.equations.slip_velocity(part) if falls else 0.0
-        if (part.forward, part.fall_forward) == (part.backward, part.fall_backward):
-            return -sign * slip_force(part.forward, part.fall_forward, speed)
-        return backward * slip_force(part.backward, part.fall_backward, speed) - forward * slip_force(
-            part.forward, part.fall_forward, speed
+        if part.slips is None and part.forward == part.backward:
+            return (backward - forward) * part.forward
+        forwards, backwards = part.slips or (part.forward, part.backward)
+        return self._share(backward, backwards, (i, BACKWARD)) - self._share(forward, forwards, (i, FORWARD))
+
+    def _share(self, share: Number, force: Any, acting: Label) -> Number:
+        """A share of a force, a number or a formula, which need not have a value where none of it acts."""
+        if not isinstance(force, tuple):
+            return share * force
+        return (
+            0.0
+            if isinstance(share, float) and share == 0
+            else share * self.equations.formulas.value(force, acting)
         )
 
     def _turn_shafts(self, forces: list[Number]) -> dict[int | None, Number]:

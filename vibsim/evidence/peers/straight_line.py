@@ -186,7 +186,11 @@ def switches_of(scene: Scene) -> tuple[Switch, ...]:
 
 
 def _is_idle(part: Any) -> bool:
-    return isinstance(part, Friction) and part.slips is None and not any((*part.limits, *part.starts))
+    return (
+        isinstance(part, Friction)
+        and part.slips is None
+        and not any((*part.limits, part.forward, part.backward))
+    )
 
 
 def _states(part: Any) -> tuple[str, ...]:

@@ -365,17 +365,19 @@ def what_is_not_conservative(scene: Scene) -> list[str]:
     parts += [f"the damper of link {one.name}" for one in scene.links if one.c != 0]
     parts += [f"the damper of stop {one.name}" for _, one in scene.elastic_stops if one.c != 0]
     parts += [f"the restitution of stop {one.name}" for _, one in scene.rigid_stops if one.e != 1]
-    return parts + [f"the friction {one.name}" for one in scene.frictions if any(one.limits)]
+    rubbing = [one for one in scene.frictions if any(one.limits) or one.slips is not None]
+    return parts + [f"the friction {one.name}" for one in rubbing]
 
 
 def _unknown_formulas(scene: Scene) -> list[str]:
-    """Names of the parts whose formulas may give or take energy."""
+    """Names of the parts whose formulas may give or take energy, but for frictions."""
     if not scene.has_formulas:
         return []
     unknown = [
         one.name
         for one in formulas_of(scene)
-        if one.section != "links" or not reads_own_distance(scene.links[one.number])
+        if one.section not in ("links", "frictions")
+        or (one.section == "links" and not reads_own_distance(scene.links[one.number]))
     ]
     return list(dict.fromkeys(unknown))
 

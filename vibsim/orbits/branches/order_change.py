@@ -352,7 +352,7 @@ def _overcome(scene: Scene) -> BodySet | None:
     for bodies in body_sets(scene, [*scene.links, *scene.stops]):
         motor = scene.motor is not None and scene.motor.on in bodies.bodies
         unknown = any(each.formula is not None for each in scene.forces if each.on in bodies.bodies)
-        unknown = unknown or any(friction.slips is not None for friction in scene.frictions)
+        unknown = unknown or any(friction.holds is not None for friction in scene.frictions)
         if not (bodies.held or motor or unknown) and _excess(scene, bodies) > 0:
             return bodies
     return None

@@ -51,7 +51,7 @@ def modal_of(
 
     harmonics: the distinct (omega, cycles, cycles_lo, phase) of forces and base.
     """
-    if scene.motor is not None or rows.falls or rows.by_formulas or rows.rotors:
+    if scene.motor is not None or rows.by_formulas or rows.rotors:
         return None
     return _Builder(scene, kit, rows, harmonics).build()
 

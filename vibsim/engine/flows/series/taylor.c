@@ -1,7 +1,6 @@
 /* The Taylor flow; twin of vibsim/engine/flows/taylor.py. */
 #include "certificate.h"
 #include "engine.h"
-#include "friction_laws.h"
 #include "inlining.h"
 #include "numbers.h"
 #include "pair.h"
@@ -180,20 +179,6 @@ INLINE double longest_step(const Run *r, int (*size)(const Run *, int, int), int
     return longest;
 }
 
-/* Step that the last terms of a falling friction allow, compared with f(0) = 1. */
-static double step_of_fall(const Run *r, const Real *f, double longest)
-{
-    int last;
-    for (last = r->taylor.order - 2; last < r->taylor.order; last++) {
-        int size = binary_exponent(fabs(f[last]));
-        if (size > NO_EXPONENT) {
-            double step = (r->tolerance_exponent + (1 - size)) / last;
-            longest = step < longest ? step : longest;
-        }
-    }
-    return longest;
-}
-
 /* Step that the velocities of bodies allow, each column of units of its own, and the turning of rotors on what does not move on its
  * own. APART, so that scenes without such columns keep their registers.
  */
@@ -224,10 +209,6 @@ static Real step_length(const Run *r)
     }
     for (i = 0; i < r->mode->tied_count; i++)
         longest = longest_step(r, size_of_load, r->mode->tied[i], r->taylor.order - 1, longest);
-    for (i = 0; i < r->mode->fall_count; i++)
-        longest = step_of_fall(r, r->taylor.falls[i], longest);
-    for (i = 0; i < r->mode->fall_count; i++)
-        longest = law_reach(r->mode->falls[i].law, r->taylor.arguments[i], r->taylor.order, r->tolerance_exponent, longest);
     return longest < 1000.0 ? power_of_two(longest) : (Real)INFINITY;
 }
 

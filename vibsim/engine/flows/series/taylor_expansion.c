@@ -4,7 +4,6 @@
  * the rates of all of them in the same places. Small scenes run in shapes whose columns are known at compile time.
  */
 #include "engine.h"
-#include "friction_laws.h"
 #include "inlining.h"
 #include "numbers.h"
 #include "pair.h"
@@ -268,34 +267,6 @@ SHAPE two_held_with_motor(Run *r, const State *s) { expand_small(r, s, 2, 1, 1, 
 SHAPE one(Run *r, const State *s) { expand_small(r, s, 1, 1, 2, 0); }
 SHAPE one_with_motor(Run *r, const State *s) { expand_small(r, s, 1, 1, 2, 1); }
 
-static Real rate_at(const Real *row, int place)
-{
-    return place < 0 ? 0.0 : row[place];
-}
-
-/* Coefficient n of the force of falling friction k on its P. */
-static Real fall(const Run *r, int k, const Real *row, int n)
-{
-    const Falling *one = &r->mode->falls[k];
-    Real *arguments = r->taylor.arguments[k], *f = r->taylor.falls[k], even = 0.0, odd = 0.0;
-    Real difference = rate_at(row, one->from) - rate_at(row, one->to);
-    int i;
-    if (n == 0) {
-        arguments[0] = one->rate * (difference - one->drift);
-        f[0] = law_start(one->law, arguments[0]);
-        return one->on_P * f[0];
-    }
-    arguments[n] = law_argument(one->law, n, one->rate * difference);
-    for (i = 1; i < n; i += 2) {
-        odd = odd + arguments[i] * f[n - i];
-        even = even + arguments[i + 1] * f[n - i - 1];
-    }
-    if (i == n)
-        odd = odd + arguments[i] * f[0];
-    f[n] = law_following(one->law, odd + even, f, r->taylor.inverse[n]);
-    return one->on_P * f[n];
-}
-
 /* Add a force on a group; alone: there is but one body, number 0, and no force on anything else counts. */
 INLINE void act(Real *F, const int alone, int leader, Real force)
 {
@@ -327,11 +298,6 @@ INLINE void add_forces(const Run *r, Real *F, const int alone, const Real *row, 
     }
     for (i = 0; n == 0 && i < m->constant_count; i++)
         act(F, alone, m->leader[m->constant_columns[i]], m->constants[i]);
-    for (i = 0; i < m->fall_count; i++) {
-        Real force = fall(r, i, row, n);
-        act(F, alone, m->falls[i].to_P, force);
-        act(F, alone, m->falls[i].to_Q, -force);
-    }
 }
 
 /* Order n of the forces on the groups. */

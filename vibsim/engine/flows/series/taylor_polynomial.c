@@ -2,7 +2,6 @@
 #include <string.h>
 
 #include "engine.h"
-#include "friction_laws.h"
 
 /* Series of the load on a column: its forces, and what a motor on it exerts while it is tied to the ground or the base. */
 static void load_on(const Run *r, int column, Real *out)
@@ -80,10 +79,6 @@ static int term_series(const Run *r, const Term *t, Real *out)
         for (n = 0; n < p; n++)
             out[n] = t->coefficient * ((n + 1) * row[(n + 1) * f->stride]);
         return p;
-    case FALL:
-        for (n = 0; n < p; n++)
-            out[n] = t->coefficient * f->falls[t->P][n];
-        return p;
     case FORMULA:
         row = f->tapes.series[r->mode->tape.outputs[t->P]];
         for (n = 0; n < p; n++)
@@ -135,12 +130,6 @@ static Real magnitude_of(const Run *r, const Term *t)
     }
     case ACCELERATION:
         return fabs(row[f->stride + f->rates + column_in_table(r, t->P)]);
-    case FALL: {
-        const Falling *one = &r->mode->falls[t->P];
-        Real value = f->falls[t->P][0];
-        Real speeds = (one->from < 0 ? 0.0 : fabs(row[one->from])) + (one->to < 0 ? 0.0 : fabs(row[one->to])) + fabs(one->drift);
-        return fabs(value) + fabs(law_slope(one->law, value)) * (fabs(one->rate) * speeds);
-    }
     case FORMULA:
         tape_values(r, 0.0);
         return f->tapes.bounds[r->mode->tape.outputs[t->P]] / EPS;

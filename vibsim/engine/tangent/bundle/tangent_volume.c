@@ -1,6 +1,6 @@
 /* How a volume of disturbances grows within a mode; twin of vibsim/engine/tangent/bundle.py. */
-#include "friction_laws.h"
 #include "gauss_nodes.h"
+#include "numbers.h"
 #include "tangent.h"
 
 #define POINTS (NODE_COUNT + 2) /* the nodes, then end and start */
@@ -40,44 +40,6 @@ static void determinants(const Run *r, Real mass, Real inertia, const Real *tau,
     }
 }
 
-/* Force of falling friction k by the rate v_P' - v_Q', negative, a time `at` after the expansion point; 0 within a group. */
-static Real damping_of_fall(const Run *r, int k, Real at)
-{
-    const Falling *one = &r->mode->falls[k];
-    return one->to_P == one->to_Q ? 0.0 : -(one->on_P * one->rate * law_slope(one->law, horner(r->taylor.falls[k], r->taylor.order, at)));
-}
-
-/* Sum of falling frictions' damping by mass, of all groups but `on`. */
-static Real slowed(const Run *r, Real at, int on)
-{
-    const Mode *m = r->mode;
-    Real total = 0.0;
-    int k;
-    for (k = 0; k < m->fall_count; k++) {
-        const Falling *one = &m->falls[k];
-        Real damping = damping_of_fall(r, k, at);
-        if (one->to_P == one->to_Q)
-            continue;
-        if (one->to_P != on)
-            total = total + damping * m->mobility[one->to_P];
-        if (one->to_Q != on)
-            total = total + damping * m->mobility[one->to_Q];
-    }
-    return total;
-}
-
-/* Sum of falling frictions' damping of the group `on`. */
-static Real slowed_with_rotor(const Run *r, Real at, int on)
-{
-    const Mode *m = r->mode;
-    Real total = 0.0;
-    int k;
-    for (k = 0; k < m->fall_count; k++)
-        if (m->falls[k].to_P != m->falls[k].to_Q && (m->falls[k].to_P == on || m->falls[k].to_Q == on))
-            total = total + damping_of_fall(r, k, at);
-    return total;
-}
-
 static Real with_rotor(const Run *r, Real mass, Real inertia, Real damping, Real drag, Real t, Real tau)
 {
     Real share = 0.0, damped, start = t - r->t0, points[POINTS], values[POINTS];
@@ -90,11 +52,13 @@ static Real with_rotor(const Run *r, Real mass, Real inertia, Real damping, Real
     for (i = 0; i < NODE_COUNT; i++)
         share = share + TWELVE.weights[i] / values[i];
     damped = (damping * inertia + drag * mass) * (tau * share);
-    if (r->mode->fall_count > 0) {
-        Real mean = 0.0;
-        for (i = 0; i < NODE_COUNT; i++)
-            mean = mean + TWELVE.weights[i] * (slowed_with_rotor(r, points[i], r->mode->leader[r->motor_on]) / values[i]);
-        damped = damped + inertia * (tau * mean);
+    if (r->mode->formula_slopes.known) {
+        Real mean = 0.0, own;
+        for (i = 0; i < NODE_COUNT; i++) {
+            formula_divergence(r, TWELVE.nodes[i] * tau, r->mode->leader[r->motor_on], &own);
+            mean = mean + TWELVE.weights[i] * (own / values[i]);
+        }
+        damped = damped - inertia * (tau * mean);
     }
     return -damped - logarithm(values[NODE_COUNT] / values[NODE_COUNT + 1]);
 }
@@ -117,16 +81,10 @@ Real log_volume(const Run *r, Real t, Real end)
         }
     }
     fixed = -(rate * tau);
-    if (m->fall_count > 0) {
-        Real mean = 0.0;
-        for (i = 0; i < NODE_COUNT; i++)
-            mean = mean + TWELVE.weights[i] * slowed(r, (t - r->t0) + TWELVE.nodes[i] * tau, on);
-        fixed = fixed - tau * mean;
-    }
     if (m->formula_slopes.known && !r->closed) {
-        Real mean = 0.0;
+        Real mean = 0.0, own;
         for (i = 0; i < NODE_COUNT; i++)
-            mean = mean + TWELVE.weights[i] * formula_divergence(r, TWELVE.nodes[i] * tau);
+            mean = mean + TWELVE.weights[i] * formula_divergence(r, TWELVE.nodes[i] * tau, on, &own);
         fixed = fixed + tau * mean;
     }
     if (!r->has_motor)

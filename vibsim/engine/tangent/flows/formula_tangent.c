@@ -346,15 +346,22 @@ void formula_rates(const Run *r, Real tau, Real *stiffness, Real *damping)
     *damping = later > start ? later : start;
 }
 
-/* Trace of the derivatives of accelerations with respect to velocities. */
-Real formula_divergence(const Run *r, Real tau)
+/* Trace of the derivatives of accelerations with respect to velocities, without the group `on` of a motor; own: derivative of the
+ * force on that group by its velocity.
+ */
+Real formula_divergence(const Run *r, Real tau, int on, Real *own)
 {
     const SlopeRows *rows = &r->mode->formula_slopes.rows[1];
     const Real *values = fill(r, rows, tau);
     Real total = 0.0;
     int i;
-    for (i = 0; i < rows->entry_count; i++)
-        if (rows->entries[i].column == rows->entries[i].row)
+    *own = 0.0;
+    for (i = 0; i < rows->entry_count; i++) {
+        int row = rows->entries[i].row;
+        if (rows->entries[i].column == row && row == on)
+            *own = values[i] / r->mode->mobility[row];
+        else if (rows->entries[i].column == row)
             total = total + values[i];
+    }
     return total;
 }

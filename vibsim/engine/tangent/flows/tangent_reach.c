@@ -1,7 +1,6 @@
 /* How far one expansion of disturbances reaches along a step of the Taylor flow; twin of that in
  * vibsim/engine/tangent/tangent_taylor.py.
  */
-#include "friction_laws.h"
 #include "tangent.h"
 
 #define REACH 1.25
@@ -41,18 +40,6 @@ static Real dragging(const Run *r)
         return r->drag / r->inertia;
     mass = r->mode->carried + r->m3;
     return r->drag * mass / (mass * r->inertia - r->unbalance * r->unbalance);
-}
-
-/* Rate at which falling friction k makes disturbances grow, at the start or the end of the stretch. */
-static Real rising(const Run *r, int k, Real end)
-{
-    const Mode *m = r->mode;
-    const Falling *one = &m->falls[k];
-    const Real *f = r->taylor.falls[k];
-    Real start = fabs(law_slope(one->law, f[0]));
-    Real last = fabs(law_slope(one->law, horner(f, r->taylor.order, end - r->t0)));
-    Real mobility = m->mobility[one->to_P] + m->mobility[one->to_Q];
-    return fabs(one->on_P * one->rate) * (start > last ? start : last) * mobility;
 }
 
 /* Whether disturbances feel nothing but means over the stretch tau. */
@@ -97,8 +84,6 @@ Real taylor_piece_end(Run *r, Real t, Real end)
     }
     rates[0] = sqrt(fastest(r, 1)) / REACH;
     rates[1] = fastest(r, 0);
-    for (i = 0; i < r->mode->fall_count; i++)
-        rates[1] = rates[1] + rising(r, i, end);
     if (r->mode->formula_slopes.known) {
         Real tau = formula_sound_stretch(r, t, end - t), sound = tau < end - t ? t + tau : end, stiffness, damping;
         end = t < sound ? sound : end;

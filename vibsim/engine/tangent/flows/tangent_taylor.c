@@ -2,7 +2,6 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "friction_laws.h"
 #include "inlining.h"
 #include "tangent.h"
 
@@ -40,14 +39,10 @@ static void prepare_motor(Run *r)
 
 static void prepare_here(Run *r)
 {
-    const Mode *m = r->mode;
-    int k;
     if (r->has_motor)
         prepare_motor(r);
     if (r->rotors.count > 0)
         rotor_tangent_prepare(r);
-    for (k = 0; k < m->fall_count; k++)
-        law_slopes(m->falls[k].law, r->taylor.falls[k], r->taylor.order, r->tangent->taylor.slopes[k]);
 }
 
 /* The same with the flow expanded anew at t, within its step. */
@@ -112,7 +107,7 @@ static void prepare(Run *r, Real t, Real end, Real tau)
         taylor_prepare(r, t);
         return;
     }
-    if (!r->has_motor && r->mode->fall_count == 0)
+    if (!r->has_motor)
         return;
     if (t != r->t0)
         prepare_at(r, t);
@@ -210,23 +205,6 @@ INLINE Pair turn(const TaylorTangent *of, const Law *law, Lane *series, int bodi
     return pushed;
 }
 
-/* Coefficient n of the disturbed force of falling friction k on its P. */
-static Pair fall(const Run *r, Lane *series, int k, int n)
-{
-    const Falling *one = &r->mode->falls[k];
-    const Real *slopes = r->tangent->taylor.slopes[k];
-    const int bodies = r->bodies, zero = bodies + 1, rates = bodies + 2;
-    const Lane *P = component(series, rates + (one->P < bodies ? one->P : zero)) + n;
-    const Lane *Q = component(series, rates + (one->Q < bodies ? one->Q : zero)) + n;
-    Pair sums[2] = {make_pair(0, 0), make_pair(0, 0)};
-    int i;
-    for (i = 0; i <= n; i++) {
-        Pair s = multiply_pair(twice(one->rate), subtract_pair(load_pair(P[-i]), load_pair(Q[-i])));
-        sums[i % 2] = add_product(sums[i % 2], twice(slopes[i]), s);
-    }
-    return multiply_pair(twice(one->on_P), add_pair(sums[0], sums[1]));
-}
-
 /* Coefficient n of the disturbance of output k of the tape of the mode. */
 static Pair disturbed(const Run *r, Lane *series, int k, int n)
 {
@@ -281,12 +259,6 @@ INLINE void advance(const Run *r, const Law *law, Lane *series, Lane *pushed, in
         force = add_product(force, twice(q->c), subtract_pair(load_pair(P[rates * SERIES]), load_pair(Q[rates * SERIES])));
         store_pair(F[q->to_P], subtract_pair(load_pair(F[q->to_P]), force));
         store_pair(F[q->to_Q], add_pair(load_pair(F[q->to_Q]), force));
-    }
-    for (i = 0; i < m->fall_count; i++) {
-        const Falling *one = &m->falls[i];
-        Pair force = fall(r, series, i, n);
-        store_pair(F[one->to_P], add_pair(load_pair(F[one->to_P]), force));
-        store_pair(F[one->to_Q], subtract_pair(load_pair(F[one->to_Q]), force));
     }
     if (formulas)
         disturb_forces(r, series, n, F);
