@@ -12,7 +12,7 @@ from vibsim.engine.events.impacts.simultaneous import coincident_stops_of
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.relative_motion import RelativeMotion, meets
 from vibsim.engine.flows.base_motion import base_motion, belt_velocity
-from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.mode_table import mode_table
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known
 from vibsim.engine.modes.status import LIFTED, OPEN, STICK, Status
 from vibsim.physics.connections import event_parts
@@ -57,11 +57,12 @@ def _with_switches(scene: Scene, state: State, status: Status, known: Known) -> 
     """The mode with the sides of the switches of its formulas, which no row holds: their values tell them,
     and where these are zero the direction in which they leave it.
     """
-    maker = RowMaker(scene, Doubles)
+    maker = mode_table(scene).maker
+    if maker.formulas is None or not maker.formulas.switches:
+        return status, known
     flow = derivative_flow(scene, Doubles, Certificate(Doubles))
     departures = DerivativeSigns(RelativeMotion(scene, maker, Doubles), maker, flow, Doubles)
-    if departures.switches is None:
-        return status, known
+    assert departures.switches is not None
     status, zeros = departures.switches.initial(state, departures, status)
     return status, known | zeros
 
@@ -181,7 +182,7 @@ def _zeros_of_parted(scene: Scene, rows: Sequence[Row], state: State, status: St
     ties += [len(scene.frictions) + part for kind, part in names if kind == "rest_end"]
     if not ties:
         return {}
-    maker = RowMaker(scene, Doubles)
+    maker = mode_table(scene).maker
     stops, clearances = released_parts(maker, status.with_ties(dict.fromkeys(ties, STICK)), status)
     known: Known = {}
     for i in stops:
