@@ -40,7 +40,7 @@ kind = os.environ.get("VIBSIM_BUILD", "")
 headers = sorted(glob(f"{ROOM}/**/*.h", recursive=True))
 
 sources = sorted(glob(f"{ROOM}/**/*.c", recursive=True))
-ONLY_DOUBLES = {f"{ROOM}/matrices.c", f"{ROOM}/memory.c", *glob(f"{ROOM}/tangent/**/*.c", recursive=True)}
+ONLY_DOUBLES = {f"{ROOM}/matrices.c", f"{ROOM}/memory.c"}
 
 
 def engine(name, files, flags, **more):

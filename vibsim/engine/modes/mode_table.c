@@ -142,11 +142,7 @@ void run_free(Run *r)
     free(r->taylor.table);
 #ifdef LIMBS
     free(r->taylor.rotor);
-    if (r->taylor.fixed) {
-        free(r->taylor.fixed->word);
-        free(r->taylor.fixed->bound);
-        free(r->taylor.fixed);
-    }
+    fixed_table_free(r->taylor.fixed);
 #endif
     free(r->taylor.load);
     free(r->taylor.loaded_on);

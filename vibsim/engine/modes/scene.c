@@ -37,13 +37,9 @@ static int alloc_flows(Run *r)
     f->values = f->table + SERIES * row;
     f->checked = f->values + row;
 #ifdef LIMBS
-    f->fixed = zalloc(1, sizeof(FixedTable));
+    f->fixed = fixed_table_new(SERIES, row);
     f->rotor = zalloc(BLOCKS, sizeof *f->rotor);
     if (!f->fixed || !f->rotor)
-        return 0;
-    f->fixed->word = zalloc(SERIES * row, LIMBS * sizeof(uint64_t));
-    f->fixed->bound = zalloc(row, sizeof(long));
-    if (!f->fixed->word || !f->fixed->bound)
         return 0;
 #endif
     r->state.v = r->state.x + n;

@@ -4,6 +4,7 @@
 #endif
 #include "fixed_series.h"
 
+#include "zalloc.h"
 #include "words.h"
 
 typedef __int128 Signed;
@@ -124,6 +125,28 @@ STEP void fraction_of(const Real &x, long shift, uint64_t *out)
     for (int i = 0; i < LIMBS; i++) { /* from the highest word on */
         const uint64_t high = i - words >= 0 ? w[i - words] : 0, low = i + 1 - words >= 0 ? w[i + 1 - words] : 0;
         out[LIMBS - 1 - i] = low >> bits | high << 1 << (WORD - 1 - bits);
+    }
+}
+
+FixedTable *fixed_table_new(int rows, size_t columns)
+{
+    FixedTable *f = zalloc(1, sizeof(FixedTable));
+    if (!f)
+        return NULL;
+    f->word = zalloc((size_t)rows * columns, LIMBS * sizeof(uint64_t));
+    f->bound = zalloc(columns, sizeof(long));
+    if (f->word && f->bound)
+        return f;
+    fixed_table_free(f);
+    return NULL;
+}
+
+void fixed_table_free(FixedTable *f)
+{
+    if (f) {
+        free(f->word);
+        free(f->bound);
+        free(f);
     }
 }
 

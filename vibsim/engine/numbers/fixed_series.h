@@ -4,6 +4,8 @@
 #ifndef VIBSIM_FIXED_SERIES_H
 #define VIBSIM_FIXED_SERIES_H
 
+#include <stddef.h>
+
 #include "limbs_functions.h"
 
 enum { DIGIT = 60, MOST_DIGITS = LIMBS + 1 };
@@ -37,6 +39,9 @@ typedef struct {
     long power;  /* H is 2^power */
     int made;
 } FixedTable;
+
+FixedTable *fixed_table_new(int rows, size_t columns); /* room for so many coefficients; NULL without memory */
+void fixed_table_free(FixedTable *f);
 
 /* Makes it of `rows` rows of `columns` coefficients for values up to h. */
 void fixed_table_make(FixedTable *f, const Real *table, int rows, int columns, const Real &h);

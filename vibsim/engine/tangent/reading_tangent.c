@@ -26,6 +26,11 @@ static int alloc_spare(const Run *r, TaylorTangent *of)
     f->table = zalloc((SERIES + 1) * row, sizeof(Real));
     f->load = zalloc(columns * SERIES, sizeof(Real));
     f->loaded_on = zalloc(columns, sizeof(Real *));
+#ifdef LIMBS
+    f->fixed = fixed_table_new(SERIES, row); /* the digits of the rotor are of one expansion after the other */
+    if (!f->fixed)
+        return 0;
+#endif
     if (!f->table || !f->load || !f->loaded_on)
         return 0;
     f->values = f->table + SERIES * row;
@@ -197,6 +202,9 @@ void tangent_free(Tangent *b)
     free(b->taylor.series);
     free(b->taylor.force);
     free(b->taylor.spare.table);
+#ifdef LIMBS
+    fixed_table_free(b->taylor.spare.fixed);
+#endif
     free(b->taylor.spare.load);
     free(b->taylor.spare.tapes.series);
     free(b->taylor.spare.tapes.values);

@@ -98,7 +98,8 @@ typedef struct Tangent {
     int *seat, *components, *shift_from, *shift_to, *references, *columns, *lost, *over_columns;
     StopEnds *stops;
     FrictionEnds *frictions;
-    Real begin, pieces, residual, shortest, t; /* shortest: length that the last orthogonalisation left; t: how far the stretch in hand is carried */
+    double pieces;
+    Real begin, residual, shortest, t; /* shortest: length that the last orthogonalisation left; t: how far the stretch in hand is carried */
     Real *weights, *vectors, *moved, *sums, *over, *rows;
     Real *fitted, *candidates, *vector; /* of one vector after the other */
     Real *q, *u, *line, *zeros;         /* of modal coordinates; one entry of all */

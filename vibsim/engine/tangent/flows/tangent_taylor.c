@@ -52,10 +52,16 @@ static void prepare_at(Run *r, Real t)
     Taylor flow = r->taylor;
     Rotors rotors = r->rotors;
     Real t0 = r->t0;
+#ifdef LIMBS
+    const Scales<SERIES> scales = r->mode->scales;
+#endif
     flow_state(r, t, &r->scratch);
     r->taylor = of->spare;
     r->rotors = of->spare_rotors;
     taylor_look(r, &r->scratch);
+#ifdef LIMBS
+    r->mode->scales = scales; /* the motion is that without disturbances */
+#endif
     prepare_here(r);
     if (r->mode->formula_slopes.known)
         formula_slopes_expand(r, &of->here);
@@ -277,6 +283,7 @@ INLINE void advance(const Run *r, const Law *law, Lane *series, Lane *pushed, in
     }
 }
 
+#ifndef LIMBS /* operations on words take so long that those of a small scene gain nothing by functions of their own */
 /* The same of a body that moves and a second column, as in taylor_expansion.c. */
 INLINE void advance_small(const TaylorTangent *of, const Law *law, Lane *series, int n, const int bodies, const int moving, const int motor)
 {
@@ -313,6 +320,7 @@ SHAPE two_held(const Run *r, int pairs) { expand_small(r, pairs, 2, 1, 0); }
 SHAPE two_held_with_motor(const Run *r, int pairs) { expand_small(r, pairs, 2, 1, 1); }
 SHAPE one(const Run *r, int pairs) { expand_small(r, pairs, 1, 1, 0); }
 SHAPE one_with_motor(const Run *r, int pairs) { expand_small(r, pairs, 1, 1, 1); }
+#endif
 
 INLINE void expand_any(const Run *r, int pairs, const int formulas)
 {
@@ -324,16 +332,22 @@ INLINE void expand_any(const Run *r, int pairs, const int formulas)
                     r->tangent->taylor.pushed + i * r->rotors.count * SERIES, n, formulas);
 }
 
+#ifndef LIMBS
 SHAPE any(const Run *r, int pairs) { expand_any(r, pairs, 0); }
 SHAPE formulas(const Run *r, int pairs) { expand_any(r, pairs, 1); }
+#endif
 
 /* Series of so many pairs of disturbances, one's chains of operations in the waits of another's. */
 static void expand(const Run *r, int pairs)
 {
+#ifdef LIMBS
+    expand_any(r, pairs, r->mode->shape == FORMULAS);
+#else
     static void (*const shapes[])(const Run *, int) = {
         any, any, two_free, two_free_with_motor, two_held, two_held_with_motor, one, one_with_motor, formulas, formulas,
     };
     shapes[2 * r->mode->shape + r->has_motor](r, pairs);
+#endif
 }
 
 /* `horner` of both; the coefficients are `step` apart. */
