@@ -55,17 +55,17 @@ class Disturbances(Generic[N]):
 
         A generator, which yields how far it is [s] after every piece.
         """
-        t, tangent = start.t, self.tangents[self.flow.now.method]
+        t, tangent, exact = start.t, self.tangents[self.flow.now.method], self.kit.all_exact
         tangent.event_at = end if at_event else None
         late: N | int = tau - (end - self.flow.t0)
         while t < end or late != 0:
             ahead = tangent.piece_end(t, end, self._mark(end)) if t < end else end
             tangent.prepare(t, ahead, late if ahead >= end else 0)
-            moved = [tangent.moved(self.vectors[i]) for i in range(self.possible)]
+            moved = [exact(tangent.moved(self.vectors[i])) for i in range(self.possible)]
             while tangent.is_too_long and t < (half := self.kit.exact(t + (ahead - t) / 2)) < ahead:
                 ahead = half
                 tangent.prepare(t, ahead)
-                moved = [tangent.moved(self.vectors[i]) for i in range(self.possible)]
+                moved = [exact(tangent.moved(self.vectors[i])) for i in range(self.possible)]
             if tangent.is_undefined:
                 self.tangencies.refuse(t)
             late = 0 if ahead >= end else late
