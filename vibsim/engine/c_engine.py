@@ -164,7 +164,7 @@ class CRun:
         """Takes disturbances through events that Python decides."""
         from vibsim.engine.tangent.tangencies import Jumps
 
-        return Jumps(self.scene, self.run, self.maker.rows)
+        return Jumps(self.scene, self.run, self.maker.rows, self.form)
 
     def rows_of(self, number: int) -> ModeRows:
         """The rows of a mode by its number in C."""

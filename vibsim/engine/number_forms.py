@@ -21,7 +21,7 @@ import numpy as np
 
 from vibsim.engine.errors import State
 from vibsim.physics import elementary
-from vibsim.physics.numbers import Doubles, Kit, N, Number, nearest_double, text_width
+from vibsim.physics.numbers import Doubles, Kit, N, nearest_double, text_width
 from vibsim.physics.precision import BITS_PER_DIGIT, DigitsKit
 
 if TYPE_CHECKING:
@@ -48,12 +48,20 @@ class NumberForm(Protocol[N]):
         """Numbers as C takes them."""
         ...
 
+    def packed_rows(self, rows: Any) -> bytes:
+        """A table of numbers, row by row; of doubles an array."""
+        ...
+
     def handed(self, value: N) -> Any:
         """One number as an argument of a call."""
         ...
 
     def taken(self, value: Any) -> N:
         """One number that a call gave."""
+        ...
+
+    def all_taken(self, values: np.ndarray) -> np.ndarray:
+        """Numbers that C filled an array of one row with."""
         ...
 
     def state(self, values: tuple[Any, ...]) -> State[N]:
@@ -92,12 +100,20 @@ class DoubleForm:
         return array("d", values).tobytes()
 
     @staticmethod
+    def packed_rows(rows: np.ndarray) -> bytes:
+        return rows.tobytes()
+
+    @staticmethod
     def handed(value: float) -> float:
         return value
 
     @staticmethod
     def taken(value: float) -> float:
         return value
+
+    @staticmethod
+    def all_taken(values: np.ndarray) -> np.ndarray:
+        return np.array(values)
 
     @staticmethod
     def state(values: tuple[Any, ...]) -> State:
@@ -149,6 +165,9 @@ class WordsForm(Generic[N]):
     def packed(self, values: Iterable[N | float]) -> bytes:
         return b"".join(map(self.handed, values))
 
+    def packed_rows(self, rows: Iterable[Iterable[N | float]]) -> bytes:
+        return b"".join(map(self.packed, rows))
+
     def parts(self, value: bytes) -> tuple[int, int]:
         """Whole numbers m, e with value = m 2**e, of a finite number of words."""
         mantissa = int.from_bytes(value[: 8 * self.words], "little")
@@ -160,6 +179,12 @@ class WordsForm(Generic[N]):
         if exponent == ENDLESS:
             return self.kit.inf * self.kit.number(sign)
         return self.kit.of_parts(*self.parts(value))
+
+    def all_taken(self, values: np.ndarray) -> np.ndarray:
+        """As objects."""
+        numbers = np.empty(len(values), dtype=object)
+        numbers[:] = [self.taken(one) for one in self._each(values)]
+        return numbers
 
     def double(self, value: bytes) -> float:
         """The double nearest to a number that a call gave."""
@@ -212,7 +237,7 @@ def digits_in_c() -> list[int]:
     return [ceil((WORD * words - SPARE_BITS) / BITS_PER_DIGIT) - 1 for words in WORDS if is_built(words)]
 
 
-def words_form(kit: DigitsKit[Number]) -> WordsForm[Number] | None:
+def words_form(kit: DigitsKit[N]) -> WordsForm[N] | None:
     """The cheapest form of C that suffices for runs on the numbers of `kit`; None where none does, or where
     the engine was not built on it.
     """

@@ -7,29 +7,27 @@ the same digits, so the multipliers are as right as the orbit, but for their con
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from math import isfinite, log10, pi
 from typing import Any
 
 from vibsim.cases.quantities import number
-from vibsim.engine.driver import Driver
-from vibsim.engine.errors import State
-from vibsim.engine.flows.accelerations import accelerations
+from vibsim.engine.tangent.carried_digits import DigitsCarrier
 from vibsim.engine.truth import bare
 from vibsim.orbits.coordinates import OrbitError, Word, spelled, word_of
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.stability import characteristic_polynomial, refined_roots, solved
 from vibsim.physics.connections import paces_of
 from vibsim.physics.numbers import Number, decimal_text
-from vibsim.physics.parts import EVENT_NAMES, IMPACTS
+from vibsim.physics.parts import IMPACTS
 from vibsim.physics.precision import MOST_DIGITS, DigitsKit, number_kit, one_precision
 
 GUARD = 15  # digits beyond those asked for: what components much smaller than the largest need
-PIECES = 4096
 LONGEST = 40  # events of a word that is spelled
 STEPS = 14  # 15 digits doubled so often are more than there can be
 DOUBLES_ONLY = "orbits that chatter or graze are known in doubles only"
+NO_DERIVATIVE = f"in many digits the motion has no derivative; {DOUBLES_ONLY}"
 
 
 @dataclass(frozen=True)
@@ -87,7 +85,7 @@ def _refined(orbit: Orbit, digits: int) -> OrbitDigits:
     for _ in range(STEPS):
         step, longer, derivative = exact.step(X, T)
         if not all(isfinite(float(dx)) for dx in step):
-            raise OrbitError(f"in many digits the motion has no derivative; {DOUBLES_ONLY}")
+            raise OrbitError(NO_DERIVATIVE)
         X = [kit.exact(x + dx) for x, dx in zip(X, step, strict=True)]
         T = kit.exact(T + longer)
         correction = max(abs(float(dx)) for dx in step) / size
@@ -134,9 +132,9 @@ class _ExactMap:
         self.kit, self.at, self.n = kit, orbit.end.coordinates, orbit.n
         self.section = orbit.return_map.section
         self.word: Word = ()
-        scene = bare(orbit.case.exact_scene(kit.number, kit.pi), kit)
-        stops = tuple(replace(stop, at_start=False) for stop in scene.stops)
-        self.scene = replace(scene, stops=stops, stop_on_violation=False, every_num=10**9, every_den=1)
+        self.scene = bare(orbit.case.exact_scene(kit.number, kit.pi), kit)
+        self.carrier = DigitsCarrier(self.scene, kit, orbit.return_map.carrier.engine)
+        self.vectors = [[kit.number(value) for value in row] for row in self.at.disturbances.tolist()]
 
     def start_time(self, orbit: Orbit) -> Number:
         """Period [s]: exact where the source tells it, else the double."""
@@ -160,17 +158,19 @@ class _ExactMap:
     def step(self, X: list[Number], T: Number) -> tuple[list[Number], Number, list[list[Number]]]:
         """Newton's step (change of X, change of T), and the derivative of the map at X."""
         kit, m, p = self.kit, self.at.count, self.section.pinned
-        driver = self._driven(X, T)
-        assert driver.tangent is not None
-        end = self._components(driver.state)
-        image, vectors = self._unknowns(end), [self._unknowns(one) for one in driver.tangent.vectors]
+        moved = self.carrier.carry(self.lifted(X), T, self.vectors)
+        if moved.undefined:
+            raise OrbitError(NO_DERIVATIVE)
+        self.word = word_of(moved.events)
+        end = moved.state
+        image, vectors = self._unknowns(end), [self._unknowns(one) for one in moved.vectors]
         matrix = [[vectors[j][i] for j in range(m)] for i in range(m)]
         right = [a - b for a, b in zip(image, X, strict=True)]
         for i in self.at.angles.tolist():
             right[i] = right[i] - kit.number(round(float(right[i]) / (2 * pi))) * kit.two_pi
         if p is not None:
-            rate = self._rate(driver)
-            rates, slopes = self._unknowns(rate), [one[p] / rate[p] for one in driver.tangent.vectors]
+            rate = moved.rate
+            rates, slopes = self._unknowns(rate), [one[p] / rate[p] for one in moved.vectors]
             ahead = (end[p] if self.section.turning else end[p] - self.n * kit.two_pi) / rate[p]
             matrix = [[matrix[i][j] - rates[i] * slopes[j] for j in range(m)] for i in range(m)]
             right = [value - rates[i] * ahead for i, value in enumerate(right)]
@@ -181,23 +181,6 @@ class _ExactMap:
             longer = -ahead - sum((s * dx for s, dx in zip(slopes, change, strict=True)), longer)
         return change, longer, matrix
 
-    def _driven(self, X: list[Number], T: Number) -> Driver[Number]:
-        """The driver at the end of a motion of the duration T from X."""
-        kit, n = self.kit, len(self.scene.bodies)
-        state = self.lifted(X)
-        starts = zip(self.scene.bodies, state[:n], state[n : 2 * n], strict=True)
-        bodies = tuple(replace(body, x=x, v=v) for body, x, v in starts)
-        motor = self.scene.motor
-        if motor is not None:
-            motor = replace(motor, phi=state[2 * n], phidot=state[2 * n + 1])
-        scene = replace(self.scene, bodies=bodies, motor=motor, t_end=T)
-        vectors = [[kit.number(value) for value in row] for row in self.at.disturbances.tolist()]
-        driver = Driver(scene, kit, carry=vectors)
-        while not driver.finished:
-            driver.run(PIECES)
-        self.word = word_of((EVENT_NAMES[kind], part) for kind, part, *_ in driver.events[1:-1])
-        return driver
-
     def lifted(self, X: list[Number]) -> list[Number]:
         """State components on the section."""
         rows = self.at.put.tolist()
@@ -206,17 +189,6 @@ class _ExactMap:
     def _unknowns(self, state: list[Number]) -> list[Number]:
         rows, zero = self.at.take.tolist(), self.kit.number(0)
         return [sum((int(a) * s for a, s in zip(row, state, strict=True) if a), zero) for row in rows]
-
-    def _components(self, state: State[Number]) -> list[Number]:
-        motor = self.scene.motor is not None
-        rotor = (self.kit.unwind(state.phase, state.turns), state.w) if motor else ()
-        return [*state.x, *state.v, *rotor]
-
-    def _rate(self, driver: Driver[Number]) -> list[Number]:
-        state, n = driver.state, len(self.scene.bodies)
-        a, alpha = accelerations(self.scene, self.kit, driver.maker.rows(driver.status), state)
-        rotor = (state.w, alpha) if self.scene.motor is not None else ()
-        return [*state.v, *a[:n], *rotor]
 
 
 def _multipliers(

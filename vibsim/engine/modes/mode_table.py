@@ -128,7 +128,7 @@ class ModeTable:
         with self._lock:
             packed = self._slopes.get(status)
             if packed is None:
-                made = pack_slopes(self.maker.rows(status))
+                made = pack_slopes(self.maker.rows(status), self.form)
                 packed = self._slopes.keep(status, made, bytes_of(made))
         return packed
 

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import nan
+from typing import Any
 
 import numpy as np
 
+from vibsim.engine.errors import State
+from vibsim.engine.flows.accelerations import accelerations
+from vibsim.engine.modes.rows import ModeRows
 from vibsim.lazy import once
-from vibsim.physics.parts import EVENT_NAMES
+from vibsim.physics.numbers import Kit, N
+from vibsim.physics.parts import EVENT_NAMES, Scene
 
 
 @dataclass(eq=False)
@@ -81,3 +86,47 @@ def _named(happened: bytes) -> tuple[tuple[str, int], ...]:
     """(kind, part) of events by two signed bytes each: branches meet few orders of them."""
     numbers = np.frombuffer(happened, dtype="i1").reshape(-1, 2)
     return tuple((EVENT_NAMES[kind], part) for kind, part in numbers.tolist())
+
+
+# States as components: x of each body, v of each body, phi and w with a motor.
+
+
+def started(scene: Scene[N], components: Sequence[N], end: N) -> Scene[N]:
+    """The scene from the components of a state to `end` [s]."""
+    n, motor = len(scene.bodies), scene.motor
+    starts = zip(scene.bodies, components[:n], components[n : 2 * n], strict=True)
+    bodies = tuple(replace(body, x=x, v=v) for body, x, v in starts)
+    if motor is not None:
+        motor = replace(motor, phi=components[-2], phidot=components[-1])
+    return replace(scene, bodies=bodies, motor=motor, t_end=end)
+
+
+def components_of(scene: Scene[N], kit: Kit[N], state: State[N]) -> list[N]:
+    """The components of a state."""
+    rotor = (kit.unwind(state.phase, state.turns), state.w) if scene.motor is not None else ()
+    return [*state.x, *state.v, *rotor]
+
+
+def rates_of(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N]) -> list[N]:
+    """Rates of change of the components of a state in the mode of `rows`."""
+    a, alpha = accelerations(scene, kit, rows, state)
+    rotor = (state.w, alpha) if scene.motor is not None else ()
+    return [*state.v, *a[: len(scene.bodies)], *rotor]
+
+
+def free_scene(scene: Scene[N]) -> Scene[N]:
+    """The scene without samples and what only its own start and end have a say in."""
+    return scene.but(
+        stops=scene.stops and _not_at_start(scene.stops),
+        clearances=scene.clearances and _not_at_start(scene.clearances),
+        stop_on_violation=False,
+        every_num=10**9,
+        every_den=1,
+    )
+
+
+def _not_at_start(parts: Any) -> Any:
+    """Stops or clearances that no start is exactly at; the same object where none is."""
+    if not any(part.at_start for part in parts):
+        return parts
+    return tuple(replace(part, at_start=False) if part.at_start else part for part in parts)

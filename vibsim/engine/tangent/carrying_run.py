@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property, partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from vibsim.engine.events.automaton import UnambiguousStart
 from vibsim.engine.ledger_integrals import pack_impacts
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.rows import ModeRows
+from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.engine.tangent.packing_tangent import DisturbancePacker
 from vibsim.engine.tangent.tangent_space import plainly_weighed_alike
 from vibsim.physics.parts import Scene
@@ -28,9 +29,11 @@ class Outcome(NamedTuple):
     state : t, x and v of each body, phase, turns, w
     rates : of change of the components; empty where no disturbances were carried
     vectors : disturbances (count, components)
+
+    All are arrays of doubles, or of objects where the run is on other numbers.
     """
 
-    told: list[float]
+    told: list[Any]
     state: np.ndarray
     rates: np.ndarray
     vectors: np.ndarray
@@ -39,10 +42,10 @@ class Outcome(NamedTuple):
 class CarryingRun(CRun):
     """A run of a scene made of parts, each motion of which begins with `restart`."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene[Any], form: NumberForm[Any] = DOUBLES) -> None:
         self.packer: DisturbancePacker | None = None
         self.plain: UnambiguousStart | None = None
-        super().__init__(scene, carries=True)
+        super().__init__(scene, carries=True, form=form)
 
     def rates_of(self, number: int) -> Callable[[], ModeRows]:
         """Maker of the rows of a mode for its vector field, in which no closed form and so no frequency has a
@@ -79,14 +82,14 @@ class CarryingRun(CRun):
         if touching and scene.rigid_stops:
             self.run.keep_impacts(*pack_impacts(scene, [], self.maker.ends, self.early))
 
-    def restart(self, state: State, end: float, vectors: np.ndarray) -> None:
+    def restart(self, state: State[Any], end: Any, vectors: Any) -> None:
         """Begin anew from `state` at t = 0 and run to `end` [s], with disturbances to be carried as they are:
-        an array of one per row.
+        one per row, an array where they are doubles.
         """
-        self.run.rewind(end)
+        self.run.rewind(self.form.handed(end))
         self.moving = len(vectors) > 0
         if self.moving:
-            self.packer = self.packer or DisturbancePacker(self.scene, self.maker.ends)
+            self.packer = self.packer or DisturbancePacker(self.scene, self.maker.ends, self.form)
             self.run.keep_tangent(*self.packer.packed(vectors))
         self.plain = self.plain or UnambiguousStart(self.scene, self.maker.ends)
         formulas = self.maker.formulas
@@ -112,13 +115,17 @@ class CarryingRun(CRun):
     @cached_property
     def _room(self) -> np.ndarray:
         """Room for what a motion with all disturbances comes to."""
-        return np.empty(9 + 2 * self.n + self.size * (1 + self.size))
+        return self._room_for(self.size)
+
+    def _room_for(self, count: int) -> np.ndarray:
+        room: np.ndarray = self.form.empty(1, 9 + 2 * self.n + self.size * (1 + count))[0]
+        return room
 
     def outcome(self, count: int) -> Outcome:
         """End of the motion with `count` disturbances."""
         if count > self.size:
-            self._room = np.empty(9 + 2 * self.n + self.size * (1 + count))
-        numbers = self._room[: self.run.outcome(self._room)].copy()
+            self._room = self._room_for(count)
+        numbers = self.form.all_taken(self._room[: self.run.outcome(self._room)])
         told, state = OF_OUTCOME, 9 + 2 * self.n
         rates = state + self.size
         return Outcome(

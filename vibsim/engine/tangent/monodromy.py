@@ -10,10 +10,9 @@ rigid stop, or strikes several at one instant, has no such derivative: that is t
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from math import isfinite, nan
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,13 +20,12 @@ from numpy.typing import ArrayLike
 from vibsim.engine.choice import engine_name
 from vibsim.engine.driver import Driver
 from vibsim.engine.errors import State
-from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.packing import harmonic_indices, scene_doubles
 from vibsim.engine.modes.parametric_rows import Numbers, differences
 from vibsim.engine.modes.rows import ModeRows
-from vibsim.engine.tangent.carried import Carried
+from vibsim.engine.tangent.carried import Carried, components_of, free_scene, rates_of, started
 from vibsim.engine.tangent.tangent_space import length
 from vibsim.lazy import once
 from vibsim.physics.numbers import Doubles
@@ -75,7 +73,7 @@ class Carrier:
     """
 
     def __init__(self, scene: Scene, engine: str = "auto") -> None:
-        self.scene, self._origin = _free(scene), scene
+        self.scene, self._origin = free_scene(scene), scene
         self.engine = engine_name(engine)
         self.size, self._shared = length(scene), _Shared(self.scene)
         self._doubles = self._shared.doubles
@@ -170,7 +168,7 @@ class Carrier:
         shared = self._shared
         if self.engine != "c":
             return None
-        free, first, sounds = _free(scene), shared.first, shared.pitches
+        free, first, sounds = free_scene(scene), shared.first, shared.pitches
         numbers = differences(first, free)
         if numbers is None:
             return None
@@ -196,7 +194,8 @@ class Carrier:
         if driver.tangent:
             near = driver.tangent.tangencies
             moved, undefined = driver.tangent.vectors, (near.undefined, near.undefined_time)
-        table = np.array([(one.t, *self._components(one)) for _, _, one, *_ in driver.events[1:-1]])
+        behind = [one for _, _, one, *_ in driver.events[1:-1]]
+        table = np.array([(one.t, *components_of(self.scene, Doubles, one)) for one in behind])
         table = table.reshape(-1, 1 + self.size)
         happened = np.array(codes, dtype="i1").reshape(-1, width)
         certificate = flow_certificate.uncertified, flow_certificate.margin
@@ -205,23 +204,11 @@ class Carrier:
 
     def started(self, components: list[float], end: float) -> Scene:
         """The scene from the components of a state to `end` [s]."""
-        n, motor = len(self.scene.bodies), self.scene.motor
-        starts = zip(self.scene.bodies, components[:n], components[n : 2 * n], strict=True)
-        bodies = tuple(replace(body, x=x, v=v) for body, x, v in starts)
-        if motor is not None:
-            motor = replace(motor, phi=components[-2], phidot=components[-1])
-        return replace(self.scene, bodies=bodies, motor=motor, t_end=end)
-
-    def _components(self, state: State) -> list[float]:
-        motor = self.scene.motor is not None
-        rotor = (Doubles.unwind(state.phase, state.turns), state.w) if motor else ()
-        return [*state.x, *state.v, *rotor]
+        return started(self.scene, components, end)
 
     def _rate(self, state: State, rows: ModeRows) -> np.ndarray:
         """Rates of change of the components of a state in the mode of `rows`."""
-        a, alpha = accelerations(self.scene, Doubles, rows, state)
-        rotor = (state.w, alpha) if self.scene.motor is not None else ()
-        return np.array([*state.v, *a[: len(self.scene.bodies)], *rotor])
+        return np.array(rates_of(self.scene, Doubles, state, rows))
 
     def _told(
         self,
@@ -236,7 +223,7 @@ class Carrier:
         vectors = np.asarray(moved, dtype="f8").reshape(-1, self.size)
         count, undefined_time = undefined
         return Carried(
-            np.array(self._components(state)),
+            np.array(components_of(self.scene, Doubles, state)),
             rate_there,
             np.full_like(vectors, nan) if count else vectors,
             happened,
@@ -250,21 +237,3 @@ class Carrier:
 def _finite(values: np.ndarray) -> bool:
     """Whether all values are finite: their sum says it at once, but for an overflow."""
     return isfinite(values.sum()) or bool(np.isfinite(values).all())
-
-
-def _free(scene: Scene) -> Scene:
-    """The scene without samples and what only its own start and end have a say in."""
-    return scene.but(
-        stops=scene.stops and _not_at_start(scene.stops),
-        clearances=scene.clearances and _not_at_start(scene.clearances),
-        stop_on_violation=False,
-        every_num=10**9,
-        every_den=1,
-    )
-
-
-def _not_at_start(parts: Any) -> Any:
-    """Stops or clearances that no start is exactly at; the same object where none is."""
-    if not any(part.at_start for part in parts):
-        return parts
-    return tuple(replace(part, at_start=False) if part.at_start else part for part in parts)

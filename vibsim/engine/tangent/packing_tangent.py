@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import accumulate, chain
-
-import numpy as np
+from typing import Any
 
 from vibsim.engine.modes.packing import Packed, Packer, pack_tape
 from vibsim.engine.modes.rows import Joined, ModeRows
 from vibsim.engine.modes.ties import Edge
-from vibsim.engine.number_forms import exponent_of
+from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.engine.tangent.formula_tangent import READ, SlopeShare, shares_of, slopes_of
 from vibsim.engine.tangent.tangent_space import Gauge, components, natural_rate, weights
 from vibsim.engine.tangent.tangent_taylor import reach
 from vibsim.lazy import once
-from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import RigidStop, Scene
 
 Ends = Callable[[Joined], Edge]  # columns of the ends of a part
@@ -25,13 +23,13 @@ def pack_bundle(scene: Scene, count: int, begin: float, ends: Ends) -> Packed:
     """A bundle of `count` disturbances whose growth counts from `begin` [s]. ends: columns of the ends of a
     part.
     """
-    return _form(scene, False, count, ends), _numbers(scene, begin)
+    return _form(scene, False, count, ends), _numbers(scene, begin, DOUBLES)
 
 
-def pack_slopes(rows: ModeRows) -> Packed:
+def pack_slopes(rows: ModeRows[Any], form: NumberForm[Any] = DOUBLES) -> Packed:
     """The partial derivatives of the formulas of a mode."""
     assert rows.tape is not None
-    slopes, pack = slopes_of(Doubles, rows), Packer()
+    slopes, pack = slopes_of(form.kit, rows), Packer(form)
     pack.put((len(slopes.tape.ops),))
     pack_tape(pack, slopes.tape)
     of = [slopes.of.get(k, []) for k in range(len(rows.tape.outputs))]
@@ -64,26 +62,26 @@ class DisturbancePacker:
     packed once.
     """
 
-    def __init__(self, scene: Scene, ends: Ends) -> None:
-        self.scene, self.ends = scene, ends
+    def __init__(self, scene: Scene[Any], ends: Ends, form: NumberForm[Any] = DOUBLES) -> None:
+        self.scene, self.ends, self.form = scene, ends, form
         self.forms: dict[int, bytes] = {}  # by number of disturbances
 
     @once
     def numbers(self) -> bytes:
-        return _numbers(self.scene, 0.0)
+        return _numbers(self.scene, 0.0, self.form)
 
-    def of(self, scene: Scene) -> DisturbancePacker:
+    def of(self, scene: Scene[Any]) -> DisturbancePacker:
         """That of a scene whose modes have the same form."""
-        other = DisturbancePacker(scene, self.ends)
+        other = DisturbancePacker(scene, self.ends, self.form)
         other.forms = self.forms
         return other
 
-    def packed(self, vectors: np.ndarray) -> Packed:
-        """vectors: an array of one disturbance per row."""
+    def packed(self, vectors: Any) -> Packed:
+        """vectors: one disturbance per row; of doubles an array."""
         count = len(vectors)
         if count not in self.forms:
             self.forms[count] = _form(self.scene, True, count, self.ends)
-        return self.forms[count], self.numbers + vectors.tobytes()
+        return self.forms[count], self.numbers + self.form.packed_rows(vectors)
 
 
 def _form(scene: Scene, carried: bool, count: int, ends: Ends) -> bytes:
@@ -97,13 +95,13 @@ def _form(scene: Scene, carried: bool, count: int, ends: Ends) -> bytes:
     return pack.packed[0]
 
 
-def _numbers(scene: Scene, begin: float) -> bytes:
+def _numbers(scene: Scene[Any], begin: float, form: NumberForm[Any]) -> bytes:
     """Dampers of the stops, forces with which slip begins, and what disturbances are measured by."""
-    pack = Packer()
+    pack = Packer(form)
     pack.put((), (0.0 if isinstance(stop, RigidStop) else stop.c for stop in scene.stops))
     for friction in scene.frictions:
         pack.put((), (friction.forward, friction.backward))
-    farthest = reach(Doubles, scene.order, exponent_of(scene.tol))
-    rate = natural_rate(scene, Doubles)
-    pack.put((), (begin, farthest, rate, *weights(scene, Doubles, rate)))
+    farthest = reach(form.kit, form.order(scene), form.tolerance_exponent(scene))
+    rate = natural_rate(scene, form.kit)
+    pack.put((), (begin, farthest, rate, *weights(scene, form.kit, rate)))
     return pack.packed[1]

@@ -12,7 +12,6 @@ stop was struck before: hops of a sequence of impacts shrink, and their approach
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Callable
 from typing import Any, Generic
 
@@ -22,6 +21,7 @@ from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import FORMULA, GAP, HOLD, SLIDE, STRIKE, SWITCH, Event, Joined, ModeRows, Rule
 from vibsim.engine.modes.status import STICK, Status
+from vibsim.engine.number_forms import NumberForm
 from vibsim.engine.tangent.impact_saltation import ImpactSaltation, Undefined
 from vibsim.engine.tangent.saltation import (
     Jump,
@@ -37,7 +37,7 @@ from vibsim.engine.tangent.saltation import (
     turns_forces,
 )
 from vibsim.engine.tangent.tangent_space import natural_rate
-from vibsim.physics.numbers import Doubles, Kit, N, abs
+from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene, Stop
 
 CLOSE = 1e-6  # a rate of 1/1000 of the largest
@@ -167,18 +167,24 @@ class Tangencies(Generic[N]):
 # Jumps of disturbances at events, where the C engine leaves them to Python.
 
 
-class Jumps:
+class Jumps(Generic[N]):
     """Effect of the events of a scene on disturbances that a run in C carries.
 
-    run : that run, an `_engine.Run`; rows : the rows of a mode, by its status
+    run : that run, an `_engine.Run`; rows : the rows of a mode, by its status; form : of its numbers
     """
 
-    def __init__(self, scene: Scene, run: Any, rows: Callable[[Status], ModeRows]) -> None:
-        self.scene, self.run, self.rows = scene, run, rows
-        self.tangencies = Tangencies(scene, Doubles)
+    def __init__(
+        self, scene: Scene[N], run: Any, rows: Callable[[Status], ModeRows[N]], form: NumberForm[N]
+    ) -> None:
+        self.scene, self.run, self.rows, self.form = scene, run, rows, form
+        self.tangencies = Tangencies(scene, form.kit)
 
     def in_c(
-        self, before: ModeRows, after: ModeRows, event: Event, touch: SimultaneousImpacts | None = None
+        self,
+        before: ModeRows[N],
+        after: ModeRows[N],
+        event: Event[N],
+        touch: SimultaneousImpacts[N] | None = None,
     ) -> bool:
         """Whether C knows what `event` does to disturbances between the modes of two rows: saltation.c and
         tangencies.c, against `saltation.py` and `tangencies.py`. touch : what rigid stops did
@@ -189,7 +195,7 @@ class Jumps:
             return False
         return event.kind != HOLD or not released_frictions(self.scene, before, after)
 
-    def _by_formulas(self, before: ModeRows, after: ModeRows, event: Event) -> bool:
+    def _by_formulas(self, before: ModeRows[N], after: ModeRows[N], event: Event[N]) -> bool:
         """Whether a formula jumps, or a stop or friction begins or ends to act of which a formula has to tell
         the force, at an event.
         """
@@ -202,26 +208,31 @@ class Jumps:
         turned = [event.part, *(i for i, (one, other) in enumerate(pairs) if one != other)]
         return event.kind == SLIDE and any(self.scene.frictions[i].holds is not None for i in turned)
 
-    def of_rule_in_c(self, rows: ModeRows, rule: Rule, event: Event) -> bool:
+    def of_rule_in_c(self, rows: ModeRows[N], rule: Rule, event: Event[N]) -> bool:
         """The same for all that a rule may lead to."""
         behind = [rule.target] if rule.other is None or rule.hold < 0 else [rule.target, rule.other]
         return all(self.in_c(rows, self.rows(status), event) for status in behind)
 
     def hand(
-        self, event: Event, state: State, before: ModeRows, after: ModeRows, touch: SimultaneousImpacts | None
+        self,
+        event: Event[N],
+        state: State[N],
+        before: ModeRows[N],
+        after: ModeRows[N],
+        touch: SimultaneousImpacts[N] | None,
     ) -> None:
         """Take disturbances from C through `event`, as `TangentBundle.cross` does, and give them back.
 
         touch : what rigid stops did
         """
-        entries, near = self.run.disturbances(), self.tangencies
-        vectors = entries["vectors"]
+        entries, near, form = self.run.disturbances(), self.tangencies, self.form
+        vectors = [list(map(form.taken, one)) for one in entries["vectors"]]
         near.forget()
-        near.fastest, near.since = entries["fastest"], entries["since"]
-        jump = saltation(self.scene, Doubles, state, before, after, event, touch)
+        near.fastest, near.since = ([form.taken(one) for one in entries[key]] for key in ("fastest", "since"))
+        jump = saltation(self.scene, form.kit, state, before, after, event, touch)
         near.judge(event, state, before, after, jump)
         jump = None if isinstance(jump, Undefined) else jump
-        determinant = jump.determinant if jump and before.leader == after.leader else 1.0
-        moved = array("d", (value for one in vectors for value in (jump.applied(one) if jump else one)))
-        lost = near.undefined > 0
-        self.run.hand_jump(jump is not None, determinant, near.count, near.closest, lost, moved.tobytes())
+        determinant = jump.determinant if jump and before.leader == after.leader else form.kit.number(1)
+        moved = form.packed([value for one in vectors for value in (jump.applied(one) if jump else one)])
+        told = form.handed(determinant), near.count, form.handed(near.closest), near.undefined > 0
+        self.run.hand_jump(jump is not None, *told, moved)

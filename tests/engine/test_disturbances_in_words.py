@@ -1,0 +1,165 @@
+"""Disturbances in C on numbers of words: against the Python engine on python-flint's numbers, and closed
+forms.
+"""
+
+from itertools import chain
+
+import pytest
+from hypothesis import given, settings
+
+from tests.engine.many_digits import exact_parts
+from tests.engine.random_formulas import formula_scene
+from tests.engine.random_parts import part_scenes, rigid_scenes
+from tests.engine.test_tangent_jacobian import SCENES
+from vibsim.cases import load_case
+from vibsim.engine.errors import EngineError, start_of
+from vibsim.engine.number_forms import WORDS, is_built
+from vibsim.engine.tangent.carried import components_of
+from vibsim.engine.tangent.carried_digits import DigitsCarrier
+from vibsim.engine.truth import bare
+from vibsim.orbits import orbit_digits
+from vibsim.orbits.search import orbit
+from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, RigidStop, Scene
+from vibsim.physics.precision import number_kit
+
+pytest.importorskip("flint")
+pytestmark = pytest.mark.skipif(not all(map(is_built, WORDS)), reason="the engine in C is not built")
+
+DIGITS = (25, 45, 65)  # on 2, 3 and 4 words
+LOST = 9  # digits that scenes may lose by their own growth of errors
+
+
+def carried(make, digits, engine, end=None):
+    """The motion of a scene with all unit disturbances, or the reason of its failure."""
+    kit = number_kit(digits)
+    scene = bare(make(kit.number, kit.pi), kit)
+    start = components_of(scene, kit, start_of(scene, kit))
+    unit = [[kit.number(int(i == j)) for j in range(len(start))] for i in range(len(start))]
+    carrier = DigitsCarrier(scene, kit, engine)
+    assert (carrier.run is None) == (engine == "python")
+    try:
+        return carrier.carry(start, scene.t_end if end is None else kit.number(end), unit)
+    except EngineError as error:
+        return error.reason
+
+
+def assert_same(make, digits, end=None, lost=LOST):
+    """The same events, and the same state, rate and disturbances but for the last digits; the former."""
+    here, there = (carried(make, digits, engine, end) for engine in ("auto", "python"))
+    if isinstance(here, str) or isinstance(there, str):
+        assert here == there
+        return ()
+    assert here.events == there.events and here.undefined == there.undefined
+    rows = [(here.state, there.state), (here.rate, there.rate)]
+    if not here.undefined:
+        rows.append(([*chain(*here.vectors)], [*chain(*there.vectors)]))
+    for ours, theirs in rows:
+        size = max(max(abs(float(value)) for value in theirs), 1e-6)
+        off = max(abs(float((a - b).mid())) for a, b in zip(ours, theirs, strict=True))
+        assert off <= size * 10.0 ** (lost - digits)
+    return {kind for kind, _ in here.events}
+
+
+@pytest.mark.parametrize("label", SCENES)
+def test_chosen_scenes(label):
+    """Damped stops, friction that drops, a motor, a base."""
+    scene, expected = SCENES[label]
+    digits = 25 if scene.motor else DIGITS[list(SCENES).index(label) % 3]
+    assert assert_same(exact_parts(scene), digits) >= expected
+
+
+@settings(max_examples=4)
+@given(scene=part_scenes(radians=6.0, bodies=3))
+def test_random_scenes(scene):
+    assert_same(exact_parts(scene), 45)
+
+
+@settings(max_examples=3)
+@given(scene=rigid_scenes(bodies=3))
+def test_random_scenes_with_rigid_stops(scene):
+    assert_same(exact_parts(scene), 30)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(7200)
+@pytest.mark.parametrize("digits", DIGITS)
+@settings(max_examples=150)
+@given(scene=rigid_scenes(radians=6.0))
+def test_many_random_scenes(digits, scene):
+    assert_same(exact_parts(scene), digits)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(7200)
+@pytest.mark.parametrize("seed", range(30))
+def test_many_random_formulas(seed):
+    assert_same(exact_parts(formula_scene(seed)), 30)
+
+
+@pytest.mark.parametrize(
+    ("name", "end"),
+    [("gallery/captured-motor", 0.01), ("gallery/two-exciters", 0.01), ("gallery/driven-pendulum", 0.3)],
+)
+def test_formulas_and_rotors(name, end):
+    """In Python disturbances of a motor with a current lost all digits: radii of balls had grown, by which
+    pieces that were too long passed for short enough.
+    """
+    assert_same(load_case(name).exact_scene, 25, end, lost=5)
+    kit = number_kit(25)
+    few, many = (carried(load_case(name).exact_scene, digits, "auto", end) for digits in (25, 45))
+    for one, other in zip(chain(*few.vectors), chain(*many.vectors), strict=True):
+        assert abs(float(kit.number(one) - other)) < 1e-20 * max(1.0, abs(float(other)))
+
+
+def impacts(v, *more):
+    """A body thrown at a wall 1 m ahead against a force that stops it there where v is 2 m/s."""
+    wall = RigidStop("wall", 0, GROUND, 1.0, COMPRESSION, 0.5)
+    body = Body("m", 1.0, 0.0, v)
+    return Scene((body, *more), stops=(wall,), forces=(Force("g", 0, -2.0, ()),), t_end=1.5)
+
+
+@pytest.mark.parametrize("digits", DIGITS)
+def test_an_impact_in_closed_form(digits):
+    """v^2 = v0^2 - 4 at the wall, S = [[-e, 0], [(1 + e) a / v, -e]]."""
+    kit = number_kit(digits)
+    end = carried(exact_parts(impacts(2.5)), digits, "auto")
+    v, e, a = kit.sqrt(kit.number(2.25)), kit.number(0.5), kit.number(-2)
+    first = (kit.number(2.5) - v) / 2
+    left = kit.number(1.5) - first
+    jump = (1 + e) * a / v
+    S = [[-e, kit.number(0)], [jump, -e]]
+    before, after = [[1, first], [0, 1]], [[1, left], [0, 1]]
+    expected = product(after, product(S, before))
+    assert end.events == (("impact", 0),) and not end.undefined
+    for i in (0, 1):
+        for j in (0, 1):
+            assert abs(float(end.vectors[j][i] - expected[i][j])) < 10.0 ** (3 - digits)
+
+
+def product(one, other):
+    return [[sum(one[i][k] * other[k][j] for k in (0, 1)) for j in (0, 1)] for i in (0, 1)]
+
+
+def test_what_has_no_derivative_is_told():
+    grazed = carried(exact_parts(impacts(2.0)), 30, "auto")
+    assert grazed.undefined and not carried(exact_parts(impacts(1.9)), 30, "auto").undefined
+
+
+def test_disturbances_leave_the_motion_as_it_is():
+    """To the last of all bits."""
+    case, kit = load_case("II-B", {"run.t_end": "0.3 s"}), number_kit(40)
+    scene = bare(case.exact_scene(kit.number, kit.pi), kit)
+    start, carrier = components_of(scene, kit, start_of(scene, kit)), DigitsCarrier(scene, kit)
+    unit = [[kit.number(int(i == j)) for j in range(6)] for i in range(6)]
+    with_all, with_one = carrier.carry(start, scene.t_end, unit), carrier.carry(start, scene.t_end, [unit[2]])
+    assert [kit.parts(x) for x in with_all.state] == [kit.parts(x) for x in with_one.state]
+    assert [kit.parts(x) for x in with_all.vectors[2]] == [kit.parts(x) for x in with_one.vectors[0]]
+    none = carrier.carry(start, scene.t_end, [])
+    assert [kit.parts(x) for x in with_all.state] == [kit.parts(x) for x in none.state]
+
+
+def test_an_orbit_has_the_same_digits_on_either_engine():
+    found = orbit(load_case("gallery/block-on-belt"))
+    told = orbit_digits.refine(found, 30)
+    found.return_map.carrier.engine = "python"
+    assert orbit_digits.refine(found, 30).lines() == told.lines()
