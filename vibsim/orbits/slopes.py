@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.cases.quantities import any_unit_named, in_own_unit, number, si_unit
-from vibsim.engine.driver import Driver
+from vibsim.engine.blocks import part_offsets
 from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.newton_moreau import Contact, impact, masses
 from vibsim.engine.events.records import Certificate
@@ -18,10 +18,11 @@ from vibsim.engine.flows.motion import value_and_rate
 from vibsim.engine.flows.taylor import Taylor
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import GAP, HOLD, PUSH, SLIDE, STRIKE
+from vibsim.engine.resume import Row, state_and_status
 from vibsim.engine.tangent.monodromy import Carrier
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits.coordinates import OrbitError, component_names, components_of
 from vibsim.orbits.stability import eigenvalues, modulus
-from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import EVENT_NAMES, Scene
 from vibsim.physics.rates import fastest_rate
 from vibsim.physics.traced_numbers import Sloped, SlopedNumbers, slope_of
@@ -44,7 +45,6 @@ if TYPE_CHECKING:
 # which is the saltation matrix with what the numbers add to it (Aizerman & Gantmakher 1958; Mueller 1995).
 
 
-PIECES = 4096  # of the run at once
 STEP_SHARE = 0.5  # of the step that the flow itself would take: derivatives ask for more terms than values
 OF_EVENTS = {
     "contact_begin": (GAP, PUSH),
@@ -61,28 +61,38 @@ class NotFollowed(Exception):
     """An event, or a mode, whose derivative by the numbers is not known in closed form."""
 
 
-def parameter_slopes(started: Any, sloped: Any, count: int) -> np.ndarray:
+def parameter_slopes(started: "Scene", sloped: Any, count: int, engine: str = "auto") -> np.ndarray:
     """Derivatives of the components at the end of a motion by `count` numbers, (count, components).
 
     started : the scene in doubles, from its start to its end; sloped : the same with derivatives
+    engine : that finds the motion, as of `open_trajectory`
 
     Raises NotFollowed for several rigid stops at one instant, rest on a rigid stop, impacts on what sticks,
     and what holds on ground and base at once while the derivative is by an amplitude of 0; OrbitError at a
     tangency; EngineError where the run fails.
     """
-    driver = Driver(started, Doubles)
-    while not driver.finished:
-        driver.run(PIECES)
-    followed = _Followed(sloped, started, count)
-    _, _, start, status, _ = driver.events[0]
-    state = start.copy()
-    for code, part, there, behind, _ in driver.events[1:]:
-        kind = EVENT_NAMES[code]
-        state = followed.carried(state, status, float(there.t))
+    followed, first_part = _Followed(sloped, started, count), part_offsets(started)
+    start, *rows = _event_rows(started, engine)
+    state, status = state_and_status(started, start)
+    for row in rows:
+        there, behind = state_and_status(started, row)
+        code = int(row["kind"])
+        kind, part = EVENT_NAMES[code], int(row["part"]) - int(first_part[code])
+        state = followed.carried(state, status, there.t)
         if behind != status or kind == "impact":
             state = followed.crossed(state, status, behind, kind, part)
         state, status = _with_slopes(there, state, count), behind
     return _components(state, count, started.motor is not None)
+
+
+def _event_rows(scene: "Scene", engine: str) -> list[Row]:
+    """Start, events and end of the run of a scene by column."""
+    tables = [block.events for block in open_trajectory(scene, engine).blocks()]
+    return [
+        dict(zip(table, values, strict=True))
+        for table in tables
+        for values in zip(*(column.tolist() for column in table.values()), strict=True)
+    ]
 
 
 class _Followed:
@@ -381,7 +391,7 @@ def monodromy(
             " instant, or the derivative of a formula is infinite there and has no integral: it has no"
             " derivative"
         )
-    slopes = _slopes(case, parameters, carrier.started(start, T))
+    slopes = _slopes(case, parameters, carrier.started(start, T), engine)
     if slopes is None:
         quotients = {key: _quotient(case, key, start, T, engine) for key in parameters}
     else:
@@ -408,7 +418,7 @@ def time_after_start(T: Any) -> float:
     return time
 
 
-def _slopes(case: "Case", parameters: Sequence[str], started: "Scene") -> np.ndarray | None:
+def _slopes(case: "Case", parameters: Sequence[str], started: "Scene", engine: str) -> np.ndarray | None:
     """d state(T) / d number of each of the numbers, one per row; None where they cannot be followed, as in
     formulas.
     """
@@ -417,7 +427,7 @@ def _slopes(case: "Case", parameters: Sequence[str], started: "Scene") -> np.nda
     if started.has_formulas:
         return None
     try:
-        return parameter_slopes(started, sloped_scene(case, parameters), len(parameters))
+        return parameter_slopes(started, sloped_scene(case, parameters), len(parameters), engine)
     except NotFollowed:
         return None
 
