@@ -10,8 +10,11 @@
 #include <stdint.h>
 #include <string.h>
 
+/* Numbers may be copied as bytes, and all bytes zero are 0. */
 #if !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wclass-memaccess" /* numbers may be copied as bytes, and all bytes zero are 0 */
+#pragma GCC diagnostic ignored "-Wclass-memaccess"
+#elif __has_warning("-Wnontrivial-memcall")
+#pragma clang diagnostic ignored "-Wnontrivial-memcall"
 #endif
 
 typedef unsigned __int128 Wide;
