@@ -1,4 +1,7 @@
 /* Disturbances along a step of the Taylor flow, two at a time; twin of vibsim/engine/tangent/tangent_taylor.py. */
+#if defined(LIMBS) && !defined(__clang__)
+#pragma GCC optimize("O2") /* most of the time of disturbances goes into their recurrences */
+#endif
 #include <stddef.h>
 #include <string.h>
 
