@@ -407,9 +407,11 @@ class StepChecks(Generic[N]):
         for k, text in enumerate(self.tape.tape.texts):
             value, bound = values.output(k)
             series = self.tape.output(k)[: flow.order]
-            rounding = 2 * self.kit.eps * sizes_at(series, h)
-            allowed = 2 * bound + rounding + self._share(k, tau, value)
-            beyond = digits_beyond(self.kit, abs(value - horner(series, tau)), allowed)
+            off, bound, share = abs(value - horner(series, tau)), 2 * bound, self._share(k, tau, value)
+            beyond = digits_beyond(self.kit, off, bound + share)
+            if beyond > 0:  # the rounding of the series is seldom needed
+                rounding = 2 * self.kit.eps * sizes_at(series, h)
+                beyond = digits_beyond(self.kit, off, bound + rounding + share)
             if beyond > worst:
                 worst, self.worst = beyond, text
         return worst

@@ -54,6 +54,37 @@ static void read_op(const Run *r, Reader *in, Op *op, int i, int count, int time
     place_input(r, in, op);
 }
 
+/* Which operations have values that are asked for. Not: a number that became a factor, a cosine that only its sine needs. */
+static void take_used(Tape *tape)
+{
+    int i;
+    for (i = 0; i < tape->output_count; i++)
+        tape->ops[tape->outputs[i]].used = 1;
+    for (i = tape->op_count - 1; i >= 0; i--) {
+        const Op *op = &tape->ops[i];
+        const int asked = op->used || op->code == OP_POWER; /* the base of a power is looked at in any case */
+        if (op->code <= OP_SPIN)
+            continue;
+        if (asked || tape->ops[op->a].code == OP_CONSTANT)
+            tape->ops[op->a].used = 1;
+        if (op->b >= 0 && ((asked && op->b < i) || tape->ops[op->b].code == OP_CONSTANT))
+            tape->ops[op->b].used = 1;
+    }
+}
+
+/* Have what the first operation reads be read last. */
+static void read_last(Tape *tape, const Op *first)
+{
+    int i;
+    for (i = 0; i < tape->read_count; i++)
+        if (tape->moving[i].at == first->first || tape->moving[i].at == first->second) {
+            Op other = tape->moving[i];
+            tape->moving[i] = tape->moving[tape->read_count - 1];
+            tape->moving[tape->read_count - 1] = other;
+            return;
+        }
+}
+
 /* The operations that move: those that read come first. */
 static void take_moving(Tape *tape)
 {
@@ -68,7 +99,9 @@ static void take_moving(Tape *tape)
             Op *op = &tape->moving[tape->moving_count++];
             *op = tape->ops[i];
             tape->powers = tape->powers || op->code == OP_POWER;
-            if (tape->moving_count > tape->read_count + 1)
+            if (tape->moving_count == tape->read_count + 1)
+                read_last(tape, op);
+            if (tape->moving_count > 1)
                 op->after = op->first == op[-1].at ? FIRST_IS_NEWEST : op->second == op[-1].at ? SECOND_IS_NEWEST : 0;
         }
 }
@@ -86,8 +119,10 @@ static int read_tape(const Run *r, Reader *in, Tape *tape, int count, int timely
     for (i = 0; i < tape->output_count; i++)
         tape->outputs[i] = read_index(in, 0, count - 1);
     tape->op_count = count;
-    if (!in->short_of)
+    if (!in->short_of) {
+        take_used(tape);
         take_moving(tape);
+    }
     return 1;
 }
 

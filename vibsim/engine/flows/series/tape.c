@@ -51,18 +51,25 @@ void tape_start(TapeRoom *room, Real t, Real nearest)
 void tape_begin(const Tape *tape, const TapeRoom *room, const Real *row)
 {
     TapeSeries *series = room->series;
+    Real cosine = 0.0;
     int i;
     for (i = 0; i < tape->op_count; i++) {
         const Op *op = &tape->ops[i];
         Real value;
+        if (op->code == OP_CONSTANT && !op->used)
+            continue;
         if (op->code <= OP_SPIN && op->from < 0)
-            memset(series[i], 0, sizeof series[i]);
+            memset(series[i], 0, 2 * TAPE_ORDERS * sizeof(Real));
         if (op->code == OP_CONSTANT)
             value = op->value;
         else if (op->code == OP_TIME)
             value = room->at.t;
         else if (op->code <= OP_SPIN)
             value = op->from < 0 ? 0.0 : row[op->from];
+        else if (op->code == OP_SIN) /* its cosine comes next */
+            sine_cosine(series[op->a][0], &value, &cosine);
+        else if (op->code == OP_COS)
+            value = cosine;
         else
             value = start_value(op, series[op->a][0], op->b < 0 ? 0.0 : series[op->b][0]);
         put(series[i], 0, value);
@@ -76,7 +83,7 @@ void tape_advance(const Tape *tape, const TapeRoom *room, const Real *row, int n
     if (n == 0)
         tape_begin(tape, room, row);
     else
-        advance_along(tape, room, row, n, inverse);
+        advance_along(tape, room, row, n, inverse, 0, 0, 0.0, 0.0);
 }
 
 static Real input_value(const Op *op, const TapeInputs *at)
@@ -139,6 +146,8 @@ void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blu
     int i;
     for (i = 0; i < tape->op_count; i++) {
         const Op *op = &tape->ops[i];
+        if (!op->used)
+            continue;
         values[i] = tape_value(tape, at, i, values);
         if (op->code == OP_CONSTANT)
             bounds[i] = 0.0;
@@ -288,16 +297,12 @@ static Real share_of(const Run *r, int k, Real h, Real value, Real tolerance)
     return f->order * tolerance * (mobile ? share : held_by(r, k, h, value));
 }
 
-/* A series at two times, as `horner` has it, and the rounding of it at the first, the later one. */
-static Pair twice_horner(const Real *series, int count, const Real *tau, Real *rounding)
+/* A series at two times, as `horner` has it. */
+static Pair twice_horner(const Real *series, int count, Pair time)
 {
-    const Pair time = load_pair(tau), square = multiply_pair(time, time);
+    const Pair square = multiply_pair(time, time);
     Pair high = twice(series[count - 1]), low = twice(series[count - 2]);
-    Real sizes = fabs(series[count - 1]);
     int n;
-    for (n = count - 2; n >= 0; n--)
-        sizes = sizes * tau[0] + fabs(series[n]);
-    *rounding = 2 * EPS * sizes;
     for (n = count - 3; n > 0; n -= 2) {
         high = add_product(twice(series[n]), high, square);
         low = add_product(twice(series[n - 1]), low, square);
@@ -305,6 +310,16 @@ static Pair twice_horner(const Real *series, int count, const Real *tau, Real *r
     if (count % 2 == 0)
         return add_product(low, time, high);
     return add_product(add_product(twice(series[0]), high, square), time, low);
+}
+
+/* Bound of the rounding of a series at a time. */
+static Real rounding_of(const Real *series, int count, Real tau)
+{
+    Real sizes = fabs(series[count - 1]);
+    int n;
+    for (n = count - 2; n >= 0; n--)
+        sizes = sizes * tau + fabs(series[n]);
+    return 2 * EPS * sizes;
 }
 
 /* By how many binary digits one at least, a value that is off by so much is beyond what it may be; 0 where it is not. */
@@ -352,7 +367,7 @@ static double excess(Run *r, Real h, Real tolerance)
 {
     Taylor *f = &r->taylor;
     const Tape *tape = &r->mode->tape;
-    Real tau[2], *values[2], *bounds[2], rounding, at[2];
+    Real tau[2], *values[2], *bounds[2], at[2];
     double worst[2];
     int singular[2] = {NOTHING, NOTHING}, i, k;
     tau[0] = h;
@@ -368,10 +383,13 @@ static double excess(Run *r, Real h, Real tolerance)
     for (k = 0; k < tape->output_count; k++) {
         int place = tape->outputs[k];
         const Real *series = f->tapes.series[place];
-        store_pair(at, twice_horner(series, f->order, tau, &rounding));
+        store_pair(at, twice_horner(series, f->order, load_pair(tau)));
         for (i = 0; i < 2; i++) {
-            Real allowed = 2 * bounds[i][place] + rounding + share_of(r, k, tau[i], values[i][place], tolerance);
-            double beyond = digits_beyond(fabs(values[i][place] - at[i]), allowed);
+            const Real off = fabs(values[i][place] - at[i]), bound = 2 * bounds[i][place];
+            const Real share = share_of(r, k, tau[i], values[i][place], tolerance);
+            double beyond = digits_beyond(off, bound + share);
+            if (beyond > 0) /* the rounding of the series is seldom needed */
+                beyond = digits_beyond(off, bound + rounding_of(series, f->order, h) + share);
             if (beyond > worst[i]) {
                 worst[i] = beyond;
                 singular[i] = k;

@@ -2,11 +2,16 @@
 #ifndef VIBSIM_TAPE_H
 #define VIBSIM_TAPE_H
 
+#include <stddef.h>
+
 #include "real.h"
 
 #define TAPE_ORDERS (MAX_ORDER + 3) /* coefficients of a series along a tape; that of the base has three beyond the order */
-#define TAPE_WIDTH (2 * TAPE_ORDERS)
-typedef Real TapeSeries[TAPE_WIDTH]; /* coefficients from the front, and once more from the back: of order n at TAPE_WIDTH - 1 - n */
+#define TAPE_WIDTH (3 * TAPE_ORDERS)
+/* Coefficients from the front, once more from the back, that of order n at 2 TAPE_ORDERS - 1 - n; behind them n times coefficient n,
+ * where a recurrence asks for it.
+ */
+typedef Real TapeSeries[TAPE_WIDTH];
 
 /* Operations, the same numbers in tape.py. */
 enum {
@@ -40,12 +45,13 @@ enum { FIRST_IS_NEWEST = 1, SECOND_IS_NEWEST };
 
 /* value: of a constant; factor of OP_SCALE; exponent of OP_POWER. a, b: places of the operands; a is the column of what OP_PLACE and
  * OP_SPEED read, `from` the place in the table of Taylor series of what an operation reads, -1 for the ground. at, first, second: where
- * its own series and those that a recurrence reads begin, of what has none its own: TAPE_WIDTH times places; after: which of these the operation just before
- * writes, see tape_series.h.
+ * its own series and those that a recurrence reads begin, of what has none its own: TAPE_WIDTH times places; after: which of these the
+ * operation just before writes, see tape_series.h. used: whether its value is asked for, by an output or on the way to one.
  */
 typedef struct {
     Real value;
-    int code, a, b, from, at, first, second, after;
+    ptrdiff_t at, first, second;
+    int code, a, b, from, after, used;
 } Op;
 
 /* outputs: places by number of the output; moving: operations whose series has more than a value, and the time 1,

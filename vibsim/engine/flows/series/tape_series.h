@@ -8,9 +8,10 @@
 #include "pair.h"
 #include "tape.h"
 
-#define BACK(series, n) ((series) + (TAPE_WIDTH - 1 - (n))) /* where coefficient n - i of a series is number i */
+#define BACK(series, n) ((series) + (2 * TAPE_ORDERS - 1 - (n))) /* where coefficient n - i of a series is number i */
+#define WEIGHTED(series) ((series) + 2 * TAPE_ORDERS)           /* where n times coefficient n is */
 
-#define NEWEST(series, which) (op->after == which##_IS_NEWEST ? last : (series)[n]) /* coefficient n of what is read */
+#define NEWEST(which, place) (op->after == which##_IS_NEWEST ? last : now[op->place]) /* coefficient n of what is read */
 
 /* Coefficient n of a series, forwards and backwards. */
 INLINE void put(Real *series, int n, Real value)
@@ -39,26 +40,10 @@ INLINE Real middle(const Real *a, const Real *back, int last)
     return odd + second_of_pair(sums);
 }
 
-/* The same of i a_i b_(n-i). */
-INLINE Real weighted(const Real *a, const Real *back, int last)
-{
-    Pair sums = twice(0.0), weights = make_pair(1.0, 2.0);
-    Real odd;
-    int i;
-    for (i = 1; i < last; i += 2) {
-        sums = add_product(sums, multiply_pair(weights, load_pair(a + i)), load_pair(back + i));
-        weights = add_pair(weights, twice(2.0));
-    }
-    odd = first_of_pair(sums);
-    if (i == last)
-        odd = odd + (i * a[i]) * back[i];
-    return odd + second_of_pair(sums);
-}
-
 /* Of a^p: n a_0 y_n = sum (p (n - i) - i) a_(n-i) y_i over i < n; at a zero of a, or one nearer than `least` [s], nothing but the
  * value.
  */
-INLINE Real power_coefficient(const Real *a, const Real *back, const Real *y, Real p, int n, Real inverse, Real least)
+APART Real power_coefficient(const Real *a, const Real *back, const Real *y, Real p, int n, Real inverse, Real least)
 {
     Real odd = 0.0, even = 0.0;
     int i;
@@ -73,55 +58,74 @@ INLINE Real power_coefficient(const Real *a, const Real *back, const Real *y, Re
     return ((odd + even) + (p * n) * (a[n] * y[0])) * inverse / a[0];
 }
 
-/* Coefficient n > 0 of an operation; last: of that just before. What is known of a sum before order n comes first, and what has just
- * been computed is not read back, so that little waits for it.
- */
-INLINE Real following(const Op *op, const Real *series, Real last, int n, Real inverse, Real least)
+/* Of y with b y' = a': n b_0 y_n = n a_n - sum i y_i b_(n-i); newest: a_n, y: where the series is. */
+INLINE Real quotient_coefficient(Real newest, const Real *b, const Real *back, Real *y, int n, Real inverse)
 {
-    const Real *a = series + op->first, *b = series + op->second, *s = series + op->at;
-    Real known, newest;
+    const Real value = quotient(newest - middle(WEIGHTED(y), back, n - 1) * inverse, b[0]);
+    WEIGHTED(y)[n] = n * value;
+    return value;
+}
+
+/* Coefficient n > 0 of an operation; now, back: series + n, and where coefficient n - i of the first of them is number i; last:
+ * coefficient n of the operation just before. What is known of a sum before order n comes first, and what has just been computed is not
+ * read back, so that little waits for it.
+ */
+INLINE Real following(const Op *op, Real *series, const Real *now, const Real *back, Real last, int n, Real inverse, Real least)
+{
+    const Real *a = series + op->first;
+    Real known, newest, *weights;
     switch (op->code) {
-    case OP_ADD: return NEWEST(a, FIRST) + NEWEST(b, SECOND);
-    case OP_SUB: return NEWEST(a, FIRST) - NEWEST(b, SECOND);
-    case OP_SCALE: return op->value * NEWEST(a, FIRST);
+    case OP_ADD: return NEWEST(FIRST, first) + NEWEST(SECOND, second);
+    case OP_SUB: return NEWEST(FIRST, first) - NEWEST(SECOND, second);
+    case OP_SCALE: return op->value * NEWEST(FIRST, first);
     case OP_MUL:
-        known = middle(a, BACK(b, n), n - 1);
-        return known + (a[0] * NEWEST(b, SECOND) + NEWEST(a, FIRST) * b[0]);
+        known = middle(a, back + op->second, n - 1);
+        return known + (a[0] * NEWEST(SECOND, second) + NEWEST(FIRST, first) * series[op->second]);
     case OP_SQUARE:
-        known = middle(a, BACK(a, n), (n - 1) / 2);
+        known = middle(a, back + op->first, (n - 1) / 2);
         known = known + known;
         if (n % 2 == 0)
             known = known + a[n / 2] * a[n / 2];
-        newest = a[0] * NEWEST(a, FIRST);
+        newest = a[0] * NEWEST(FIRST, first);
         return known + (newest + newest);
     case OP_DIV:
-        known = middle(b, BACK(s, n), n - 1);
-        return quotient(NEWEST(a, FIRST) - (known + NEWEST(b, SECOND) * s[0]), b[0]);
+        known = middle(series + op->second, back + op->at, n - 1);
+        return quotient(NEWEST(FIRST, first) - (known + NEWEST(SECOND, second) * series[op->at]), series[op->second]);
     case OP_SIN:
     case OP_SINH:
     case OP_COSH:
     case OP_TANH:
-    case OP_EXP: return (weighted(a, BACK(b, n), n - 1) + (n * NEWEST(a, FIRST)) * b[0]) * inverse;
-    case OP_COS: return -((weighted(a, BACK(b, n), n - 1) + (n * a[n]) * b[0]) * inverse);
-    case OP_LOG: return quotient(a[n] - weighted(s, BACK(a, n), n - 1) * inverse, a[0]);
+    case OP_EXP:
+        weights = WEIGHTED(series + op->at);
+        weights[n] = newest = n * NEWEST(FIRST, first);
+        return (middle(weights, back + op->second, n - 1) + newest * series[op->second]) * inverse;
+    case OP_COS: /* its sine comes just before it and has the weights */
+        weights = WEIGHTED(series + op->second);
+        return -((middle(weights, back + op->second, n - 1) + weights[n] * series[op->second]) * inverse);
+    case OP_LOG: return quotient_coefficient(now[op->first], a, back + op->first, series + op->at, n, inverse);
     case OP_ATAN:
-    case OP_ASIN: return quotient(a[n] - weighted(s, BACK(b, n), n - 1) * inverse, b[0]);
-    case OP_ACOS: return quotient(-a[n] - weighted(s, BACK(b, n), n - 1) * inverse, b[0]);
-    default: return power_coefficient(a, BACK(a, n), s, op->value, n, inverse, least);
+    case OP_ASIN: return quotient_coefficient(now[op->first], series + op->second, back + op->second, series + op->at, n, inverse);
+    case OP_ACOS: return quotient_coefficient(-now[op->first], series + op->second, back + op->second, series + op->at, n, inverse);
+    default: return power_coefficient(a, back + op->first, series + op->at, op->value, n, inverse, least);
     }
 }
 
-/* Order n > 0 of all that moves along a tape; returns that of its last operation. */
-INLINE Real advance_along(const Tape *tape, const TapeRoom *room, const Real *row, int n, Real inverse)
+/* Order n > 0 of all that moves along a tape; returns that of its last operation. alone: there is but one body, whose displacement x
+ * and velocity v of this order are at hand, so that nothing waits until they are in the table; that of its velocity is at `rates`.
+ */
+INLINE Real advance_along(const Tape *tape, const TapeRoom *room, const Real *row, int n, Real inverse, const int alone, int rates, Real x,
+                          Real v)
 {
-    Real *series = (Real *)room->series, last = 0.0;
+    Real *series = (Real *)room->series, *now = series + n, *back = BACK(series, n), last = 0.0;
     const Op *op = tape->moving, *reading = op + tape->read_count, *end = op + tape->moving_count;
     const Real least = room->least;
-    for (; op < reading; op++)
-        put(series + op->at, n, row[op->from]);
+    for (; op < reading; op++) {
+        last = alone && op->from == 0 ? x : alone && op->from == rates ? v : row[op->from];
+        now[op->at] = back[op->at] = last;
+    }
     for (; op < end; op++) {
-        last = following(op, series, last, n, inverse, least);
-        put(series + op->at, n, last);
+        last = following(op, series, now, back, last, n, inverse, least);
+        now[op->at] = back[op->at] = last;
     }
     return last;
 }

@@ -354,20 +354,14 @@ INLINE void expand_any(Run *r, const State *state, const int motor)
         row[stride + rates + c] = 0.0;
 }
 
-/* Add order n of the forces by formulas to those on the groups. */
-INLINE void apply_formulas(const Run *r, Real *F, const int alone, const Real *row, int n)
+/* Add order n of the forces by formulas to those on the groups; last: that of the last operation of the tape. */
+INLINE void add_formulas(const Run *r, Real *F, const int alone, int n, Real last)
 {
-    const Taylor *f = &r->taylor;
     const Mode *m = r->mode;
-    Real last = 0.0;
     int i;
-    if (n == 0)
-        tape_begin(&m->tape, &f->tapes, row);
-    else
-        last = advance_along(&m->tape, &f->tapes, row, n, f->inverse[n]);
     for (i = 0; i < m->formula_count; i++) {
         const FormulaForce *one = &m->formulas[i];
-        Real force = one->sign * (n > 0 && one->newest ? last : f->tapes.series[one->place][n]);
+        Real force = one->sign * (n > 0 && one->newest ? last : r->taylor.tapes.series[one->place][n]);
         act(F, alone, one->to_P, force);
         if (one->to_Q >= 0)
             act(F, alone, one->to_Q, -force);
@@ -379,16 +373,16 @@ INLINE void expand_formulas(Run *r, const State *state, const int few, const int
 {
     Taylor *f = &r->taylor;
     const Mode *m = r->mode;
-    const int alone = few == 1, bodies = few ? few : r->bodies, columns = alone ? 1 : bodies + 2;
+    const int bodies = few ? few : r->bodies, columns = bodies + 2;
     const int p = f->order, rates = f->rates, stride = f->stride, base = bodies + 2;
     const int on = motor ? m->leader[r->motor_on] : 0;
-    Real *row = f->table, one[1], *F = alone ? one : r->force, *acceleration = alone ? one : f->acceleration;
+    Real *row = f->table, *F = r->force, *acceleration = f->acceleration, last = 0.0;
     Rotor o;
     int n, c;
     if (motor)
         o = rotor_of(r, state);
     tape_start(&f->tapes, r->t0, f->nearest);
-    if (!alone && r->rotors.count > 0)
+    if (r->rotors.count > 0)
         rotors_expand(r);
     for (n = 0; n <= p; n++, row += stride) {
         Real *next = row + stride, inverse = f->inverse[n + 1];
@@ -398,11 +392,15 @@ INLINE void expand_formulas(Run *r, const State *state, const int few, const int
             break;
         for (c = 0; c < columns; c++)
             F[c] = 0.0;
-        add_forces(r, F, alone, row, n);
-        apply_formulas(r, F, alone, row, n);
+        add_forces(r, F, 0, row, n);
+        if (n == 0)
+            tape_begin(&m->tape, &f->tapes, row);
+        else
+            last = advance_along(&m->tape, &f->tapes, row, n, f->inverse[n], 0, rates, 0.0, 0.0);
+        add_formulas(r, F, 0, n, last);
         for (c = 0; c < columns; c++)
             acceleration[c] = F[c] * m->mobility[c];
-        if (!alone && r->rotors.count > 0)
+        if (r->rotors.count > 0)
             rotors_turn(r, n);
         next[rates + bodies] = 0.0;
         if (motor) {
@@ -424,11 +422,48 @@ INLINE void expand_formulas(Run *r, const State *state, const int few, const int
         row[stride + rates + c] = 0.0;
 }
 
+/* The same as above of one body without rotor. What is computed of one order for the next stays at hand, since most of the time goes
+ * into waiting for it.
+ */
+SHAPE formulas_on_one(Run *r, const State *state)
+{
+    Taylor *f = &r->taylor;
+    const Mode *m = r->mode;
+    const int p = f->order, rates = f->rates, stride = f->stride, leader = m->leader[0];
+    const int single = m->formula_count == 1 && m->formulas[0].newest && m->formulas[0].to_P == 0 && m->formulas[0].to_Q != 0;
+    const Real mobility = leader == 0 ? m->mobility[0] : 0.0, sign = single ? m->formulas[0].sign : 0.0;
+    Real *row = f->table, x = row[0], v = row[rates], last = 0.0;
+    int n;
+    (void)state;
+    tape_start(&f->tapes, r->t0, f->nearest);
+    tape_begin(&m->tape, &f->tapes, row);
+    for (n = 0; n < p; n++, row += stride) {
+        Real *next = row + stride, inverse = f->inverse[n + 1], F = 0.0;
+        add_forces(r, &F, 1, row, n);
+        if (n > 0)
+            last = advance_along(&m->tape, &f->tapes, row, n, f->inverse[n], 1, rates, x, v);
+        if (single && n > 0)
+            F = F + sign * last;
+        else
+            add_formulas(r, &F, 1, n, last);
+        x = v * inverse;
+        v = leader == 0 ? F * mobility * inverse : leader == 1 ? 0.0 : next[rates + 3];
+        if (m->follower_count > 0)
+            v = v + f->tapes.series[m->followers[0].place][n] * inverse;
+        next[0] = x;
+        next[1] = row[rates + 1] * inverse;
+        next[rates] = v;
+        next[rates + 1] = 0.0;
+    }
+    row[stride] = v * f->inverse[p + 1];
+    row[stride + 1] = row[rates + 1] * f->inverse[p + 1];
+    row[stride + rates] = row[stride + rates + 1] = 0.0;
+}
+
 SHAPE any(Run *r, const State *s) { expand_any(r, s, 0); }
 SHAPE any_with_motor(Run *r, const State *s) { expand_any(r, s, 1); }
 SHAPE formulas(Run *r, const State *s) { expand_formulas(r, s, 0, 0); }
 SHAPE formulas_with_motor(Run *r, const State *s) { expand_formulas(r, s, 0, 1); }
-SHAPE formulas_on_one(Run *r, const State *s) { expand_formulas(r, s, 1, 0); }
 SHAPE formulas_on_two(Run *r, const State *s) { expand_formulas(r, s, 2, 0); }
 
 void taylor_expand(Run *r, const State *state)
