@@ -416,7 +416,9 @@ class _OfFormula(_Coefficient):
         self.rises = static != 1
 
     def slip(self, speed: Node) -> Node:
-        return self.parts.node("friction", self.name, "mu", self.side, s=speed)
+        """The coefficient at a slip speed, which is never negative: |s| is s, and no switch."""
+        node = self.parts.node("friction", self.name, "mu", self.side, s=speed)
+        return nodes.where_positive(node, speed)
 
 
 class _OfLaw(_Coefficient):

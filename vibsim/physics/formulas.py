@@ -90,6 +90,9 @@ def div(a: Node, b: Node) -> Node:
     return ZERO if a == ZERO else ("div", a, b)
 
 
+SUMS_AND_PRODUCTS = {"add": add, "sub": sub, "mul": mul, "div": div}
+
+
 def power(a: Node, b: Node) -> Node:
     """a**b: products of a where b is a whole number, exp(b log a) where it is no number."""
     p = value_of(b)
@@ -132,6 +135,43 @@ def choose(g: Node, a: Node, b: Node, text: str) -> Node:
 def absolute(a: Node, text: str) -> Node:
     """|a|."""
     return choose(a, a, neg(a), text)
+
+
+def where_positive(node: Node, known: Node) -> Node:
+    """A formula where `known` is never negative: |known| is known, and so each switch that watches a multiple
+    of it by a number.
+    """
+    base = known[2] if known[0] == "mul" and known[1][0] == "num" else known
+    return _with_sign(node, base, _sense(known, base), {})
+
+
+def _with_sign(node: Node, base: Node, sign: int, made: dict[Node, Node]) -> Node:
+    if node not in made:
+        sense = sign * _sense(node[1], base) if node[0] == "choose" else 0
+        if sense:
+            made[node] = _with_sign(node[2 if sense > 0 else 3], base, sign, made)
+        else:
+            below = tuple(_with_sign(child, base, sign, made) for child in children(node))
+            made[node] = node if below == children(node) else _of_parts(node, below)
+    return made[node]
+
+
+def _of_parts(node: Node, below: tuple[Node, ...]) -> Node:
+    """A node of that kind whose children are others."""
+    if node[0] in SUMS_AND_PRODUCTS:
+        return SUMS_AND_PRODUCTS[node[0]](*below)
+    return (node[0], *below, *node[1 + len(below) :])
+
+
+def _sense(node: Node, base: Node) -> int:
+    """1 or -1 where a formula is a positive or negative number times another one, else 0."""
+    if node == base:
+        return 1
+    if node[0] not in ("mul", "div"):
+        return 0
+    number = value_of(node[1] if node[0] == "mul" else node[2])
+    sign = 0 if number is None or number == 0 else 1 if number > 0 else -1
+    return sign * _sense(node[2] if node[0] == "mul" else node[1], base)
 
 
 def largest(a: Node, b: Node, text: str) -> Node:
@@ -231,9 +271,7 @@ def resolved(node: Node, sides: Mapping[Node, int]) -> Node:
         return _piece(node, below[0], sides.get(node, 0))
     if below == children(node):
         return node
-    if kind in ("add", "sub", "mul", "div"):
-        return {"add": add, "sub": sub, "mul": mul, "div": div}[kind](*below)
-    return (kind, below[0], *node[2:])
+    return _of_parts(node, below)
 
 
 def _piece(node: Node, u: Node, side: int) -> Node:
