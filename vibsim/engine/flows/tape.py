@@ -8,7 +8,7 @@ recurrences (Jorba & Zou 2005); C repeats them one by one (`tape.c`).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import inf
@@ -82,10 +82,21 @@ class TapeMaker(Generic[N]):
         return len(self.tape.outputs) - 1
 
     def place(self, node: Node) -> int:
-        """The place of a formula on the tape."""
-        for one in _unwritten(node, self._places, self.sides):
-            self._places[one] = self._write(one)
-        return self._places[node]
+        """The place of a formula on the tape: what it is made of is written first, where it is not there."""
+        places, ahead = self._places, [node]
+        while ahead:
+            one = ahead[-1]
+            if one in places:
+                ahead.pop()
+                continue
+            below = (chosen(one, self.sides),) if one[0] == "choose" else children(one)
+            missing = [child for child in below if child not in places]
+            if missing:
+                ahead += reversed(missing)
+            else:
+                places[one] = self._write(one)
+                ahead.pop()
+        return places[node]
 
     def _write(self, node: Node) -> int:
         kind = node[0]
@@ -201,23 +212,6 @@ class TapeMaker(Generic[N]):
     def _append(self, op: Op) -> int:
         self.tape.ops.append(op)
         return len(self.tape.ops) - 1
-
-
-def _unwritten(node: Node, written: Mapping[Node, int], sides: Mapping[Node, int]) -> Iterable[Node]:
-    """The nodes below a formula, and itself, that are not on a tape yet, operands first."""
-    seen: set[Node] = set()
-    ahead: list[tuple[Node, bool]] = [(node, False)]
-    while ahead:
-        one, opened = ahead.pop()
-        if one in written or one in seen:
-            continue
-        if opened:
-            seen.add(one)
-            yield one
-            continue
-        ahead.append((one, True))
-        below = (chosen(one, sides),) if one[0] == "choose" else children(one)
-        ahead += [(child, False) for child in reversed(below)]
 
 
 def chosen(node: Node, sides: Mapping[Node, int]) -> Node:

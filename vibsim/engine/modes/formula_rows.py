@@ -131,6 +131,11 @@ class FormulaRows(Generic[N]):
         of_courses = walk([root.node for root in self.all_roots if root.role[0] in moving])
         self.of_courses = {self.same[node][0] for node in of_courses if node[0] in SWITCHES}
         self._above = Kept[tuple[Node, tuple[int, ...]], bool](MOST_SIDES)
+        self._guard_tapes = Kept[tuple[Node, tuple[int | None, ...]], Tape](MOST_SIDES)
+        self._turning: set[Node] = set()  # nodes with a switch in them
+        for node in walk([root.node for root in self.all_roots]):
+            if node[0] in SWITCHES or not self._turning.isdisjoint(children(node)):
+                self._turning.add(node)
         self.behind = {node: [one for one in walk([node[1]]) if one[0] in SWITCHES] for node in self.same}
 
     def _all_roots(self) -> Iterator[Root]:
@@ -188,7 +193,7 @@ class FormulaRows(Generic[N]):
         seen: set[Node] = set()
         while ahead:
             node = ahead.pop()
-            if node in seen:
+            if node in seen or node not in self._turning:
                 continue
             seen.add(node)
             if node[0] in SWITCHES:
@@ -218,10 +223,23 @@ class FormulaRows(Generic[N]):
         """Values, each followed by the bound of its rounding, of the argument of a switch; of `mod` that of
         its step behind it.
         """
-        maker = TapeMaker(self.kit, sides, self.columns)
-        places = [maker.output(one) for one in node[1 : 3 if node[0] == "mod" else 2]]
-        values = TapeValues(self.kit, maker.tape, at, blur)
-        return [value for k in places for value in values.output(k)]
+        read = node[1 : 3 if node[0] == "mod" else 2]
+        key = node, tuple(sides.get(one) for one in self._read_by(node))
+        tape = self._guard_tapes.get(key)
+        if tape is None:
+            maker = TapeMaker(self.kit, sides, self.columns)
+            for one in read:
+                maker.output(one)
+            tape = self._guard_tapes.keep(key, maker.tape)
+        values = TapeValues(self.kit, tape, at, blur)
+        return [value for k in range(len(read)) for value in values.output(k)]
+
+    def _read_by(self, node: Node) -> list[Node]:
+        """The switches in what `guard_values` computes of a switch."""
+        known = self.behind[node]
+        return (
+            known if node[0] != "mod" else [*known, *(one for one in walk([node[2]]) if one[0] in SWITCHES)]
+        )
 
     def write(self, rows: ModeRows[N], courses: Sequence[Mapping[Node, int]] = ()) -> None:
         """Write the tape of a mode and its forces into its rows.
