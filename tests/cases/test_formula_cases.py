@@ -87,6 +87,51 @@ def test_friction_falls_and_holds_as_its_formula_says():
     assert friction.limits == (3.6, 3.6) and friction.drops(1) and friction.belt == 0.5
 
 
+def untold(node):
+    """A formula without the texts of its switches."""
+    parts = node[:4] if node and node[0] == "choose" else node
+    return tuple(untold(part) if isinstance(part, tuple) else part for part in parts)
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("mu_d + m*exp(-(abs(s)/v0)**2)", "mu_d + m*exp(-(s/v0)**2)"),
+        ("mu_d + m*abs(-3*s/v0)", "mu_d + m*3*s/v0"),
+        ("mu_d + m*max(s, 0 m/s)/v0", "mu_d + m*s/v0"),
+        ("where(abs(s) < v0, m, mu_d)", "where(s < v0, m, mu_d)"),
+        ("mu_d + m*min(-2*s, 0 m/s)/v0", "mu_d + m*(-2*s)/v0"),
+    ],
+)
+def test_a_slip_speed_is_its_own_size(written, meant):
+    keys = "mu: '%s', mu_d: 0.2, m: 0.1, v0: 0.1 m/s, N: 10 N, belt: 0.5 m/s"
+    (one,), (other,) = (scene_of(FRICTION % (keys % text)).frictions for text in (written, meant))
+    assert untold(one.slips) == untold(other.slips) and one.holds == other.holds
+    kept = scene_of(FRICTION % (keys % "mu_d + m*abs(s - v0)/v0")).frictions[0].slips
+    assert kept != scene_of(FRICTION % (keys % "mu_d + m*(s - v0)/v0")).frictions[0].slips
+
+
+@pytest.mark.parametrize(
+    ("text", "order"),
+    [
+        (LINK % ("k*d + k3*d**3", "k: 200 N/m, k3: 2 kN/m^3"), 32),
+        (ROTOR_R % "m: 0.1 kg, e: 0.1 m, J: 0 kg m^2", 32),
+        (ONE + "forces: {f: {on: a, force: A*sin(w*t**2), A: 1 N, w: 1 rad/s^2}}", 32),
+        (LINK % ("k*d + c*v", "k: 200 N/m, c: 2 N s/m"), 20),  # which is no formula
+        (LINK % ("k*d + c*v*abs(v)", "k: 200 N/m, c: 2 N s^2/m^2"), 20),
+        (LINK % ("k*d + k3*d**3", "k: 200 N/m, k3: 2 kN/m^3") + "run: {order: 24}", 24),
+        (STATE_I % ("-k*i + x_a*q", "start: 0 A, k: 1/s, q: 1 A/m/s"), 20),
+        (FRICTION % "mu: 0.3*(1 + s/v0), v0: 1 m/s, N: 1 N", 20),
+        (ONE + "links: {s: {between: [a, ground], k: 1 N/m}}", 20),
+    ],
+)
+def test_the_order_of_the_series_is_higher_where_all_is_smooth(text, order):
+    case = load_case_text(text)
+    assert scene_of(text).order == order == json.loads(case.resolved_json())["run"]["order"]
+    keys = list(case.values)
+    assert keys.index("run.order") == keys.index("run.method") + 1
+
+
 def test_friction_has_its_weight_where_no_load_is_given():
     (friction,) = scene_of(FRICTION % "mu: m0*(1 + s/v1), m0: 0.2, v1: 1 m/s, g: 10 m/s^2").frictions
     assert friction.limits == (2, 2) and friction.holds is None and not friction.drops(1)

@@ -27,7 +27,7 @@ from vibsim.cases.schema import (
     key,
     optional,
 )
-from vibsim.cases.schema_kinds import FORMULA_KEYS, Formula, Json, Measured, kind_of_value
+from vibsim.cases.schema_kinds import FORMULA_KEYS, Formula, Json, Measured, WholeNumber, kind_of_value
 from vibsim.cases.short_form import Ends
 
 
@@ -315,6 +315,11 @@ class ClearanceKeys(Section):
 class PartsRun(RunKeys):
     """How long, how often and how."""
 
+    order: Annotated[int, WholeNumber(4, 40)] | None = key(
+        default=None,
+        description="order of the Taylor series; left out: 32 where formulas or rotors are smooth and nothing"
+        " else ends a step (stops, friction, clearances, states), else 20",
+    )
     on_violation: Literal["warn", "stop"] = key(
         default="warn", description="of a clearance: count and warn, or end the run"
     )

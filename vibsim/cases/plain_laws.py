@@ -6,6 +6,7 @@ keys of the built-in law. Only what is equal for every number type is rewritten:
 fractions times a power of pi.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -14,6 +15,7 @@ from vibsim.cases.formula_building import FormulaParts, belt_carries, motor_body
 from vibsim.cases.formula_places import MOTOR
 from vibsim.cases.formula_text import names_in
 from vibsim.cases.quantities import Quantity
+from vibsim.cases.schema import USUAL_ORDER
 from vibsim.cases.schema_kinds import Formula, sides_of
 from vibsim.physics.formulas import ONE, TIME, Node
 
@@ -286,3 +288,30 @@ def _formulas_in(value: Any) -> Iterator[str]:
     elif isinstance(value, list):
         for one in value:
             yield from _formulas_in(one)
+
+
+# What is left of formulas says which order of the Taylor series is best.
+
+
+ORDER_OF_SMOOTH = 32
+ENDING_STEPS = (
+    "stops",
+    "friction",
+    "clearances",
+    "states",
+)  # sections of parts that end steps, or shorten them
+WITH_CORNERS = re.compile(r"\b(?:abs|sign|step|min|max|mod|where|table)\s*\(")
+
+
+def default_order(values: Values) -> int:
+    """Order of the Taylor series of a case that does not say it, by its nested values; see docs/laws.md.
+
+    With a higher order steps are longer and cost more. It wins where formulas and rotors are smooth and
+    nothing else ends a step; not where events or corners of formulas do, or a stiff state keeps it short.
+    """
+    if any(values.get(section) for section in ENDING_STEPS):
+        return USUAL_ORDER
+    left = with_plain_laws(values)
+    texts = list(_formulas_in(left))
+    smooth = not any(WITH_CORNERS.search(text) for text in texts)
+    return ORDER_OF_SMOOTH if smooth and (texts or left.get("rotors")) else USUAL_ORDER

@@ -406,6 +406,9 @@ class RestDistance(Section):
     on_violation: Literal["warn", "stop"] = key(default="warn", description="count and warn, or end the run")
 
 
+USUAL_ORDER = 20  # of Taylor series
+
+
 class RunKeys(Section):
     """How long, how often and how."""
 
@@ -416,7 +419,9 @@ class RunKeys(Section):
         description="auto: the closed form in modes that have one (none with a motor or falling friction), "
         "else Taylor series; closed_form: the same, but refused with a motor; taylor: series in every mode",
     )
-    order: Annotated[int, WholeNumber(4, 40)] = key(default=20, description="order of the Taylor series")
+    order: Annotated[int, WholeNumber(4, 40)] = key(
+        default=USUAL_ORDER, description="order of the Taylor series"
+    )
     tol: Annotated[Quantity, Measured("number", least="1e-30", most="1e-3")] = optional(
         "1.1102230246251565e-16",
         "relative tolerance of the Taylor series; 2^-53 by default, and less helps only beyond doubles",

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from vibsim.cases.problems import CaseError, Problem, did_you_mean, shown, unsupported
 from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity, QuantityError
-from vibsim.cases.schema import CaseFile, CaseHead, MotorKeys, Section
+from vibsim.cases.schema import USUAL_ORDER, CaseFile, CaseHead, MotorKeys, Section
 from vibsim.cases.schema_keys import (
     SHORT,
     Form,
@@ -260,10 +260,23 @@ def nested_values(case: CaseHead) -> dict[str, Any]:
     """Sections as dicts of quantities, words and whole numbers; missing sections are left out."""
     values = _section_values(case)
     if not isinstance(case, CaseFile):
-        return with_defaults(values, form_of(values).torsional)
+        values = with_defaults(values, form_of(values).torsional)
+        return values if "order" in values["run"] else values | {"run": _with_order(values)}
     for name in _absent_states(case):
         del values["initial"][name]
     return values
+
+
+def _with_order(values: dict[str, Any]) -> dict[str, Any]:
+    """The section run of a case that does not say the order of its series, with that order."""
+    order = USUAL_ORDER
+    if has_formulas(values):
+        from vibsim.cases.plain_laws import default_order
+
+        order = default_order(values)
+    items = list(values["run"].items())
+    place = list(values["run"]).index("method") + 1
+    return dict([*items[:place], ("order", order), *items[place:]])
 
 
 def flat_values(case: CaseHead) -> dict[str, Any]:
