@@ -239,17 +239,17 @@ def begun_later(node: Node, t: Fraction) -> Node:
 
 def walk(nodes: Iterable[Node]) -> Iterator[Node]:
     """Each distinct node of formulas once, children before what is made of them."""
-    seen: set[Node] = set()
+    found: dict[Node, None] = {}
     for node in nodes:
-        yield from _below(node, seen)
+        _find_below(node, found)
+    return iter(found)
 
 
-def _below(node: Node, seen: set[Node]) -> Iterator[Node]:
-    if node not in seen:
+def _find_below(node: Node, found: dict[Node, None]) -> None:
+    if node not in found:
         for child in children(node):
-            yield from _below(child, seen)
-        seen.add(node)
-        yield node
+            _find_below(child, found)
+        found[node] = None
 
 
 def reads(nodes: Iterable[Node], kinds: Sequence[str]) -> bool:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
+from functools import cached_property
 from typing import Any, Generic, NamedTuple
 
 from vibsim.engine.flows.tape import (
@@ -19,8 +20,10 @@ from vibsim.engine.flows.tape import (
     TapeMaker,
     TapeValues,
     chosen,
+    input_value,
     motion_tape,
     quotient,
+    start_value,
 )
 from vibsim.engine.modes.rows import (
     DOMAIN,
@@ -113,8 +116,11 @@ class FormulaRows(Generic[N]):
         known: dict[Node, tuple[int, int]] = {}
         nodes: dict[Node, Node] = {}
         self.all_roots = [root._replace(node=hashed(root.node, nodes)) for root in self._all_roots()]
+        self._turning: set[Node] = set()  # nodes with a switch in them
         for root in self.all_roots:
             for node in walk([root.node]):
+                if node[0] in SWITCHES or not self._turning.isdisjoint(children(node)):
+                    self._turning.add(node)
                 if node[0] in SWITCHES and node not in self.same:
                     watched, sign = watched_by(node)
                     if watched not in known:
@@ -132,10 +138,6 @@ class FormulaRows(Generic[N]):
         self.of_courses = {self.same[node][0] for node in of_courses if node[0] in SWITCHES}
         self._above = Kept[tuple[Node, tuple[int, ...]], bool](MOST_SIDES)
         self._guard_tapes = Kept[tuple[Node, tuple[int | None, ...]], Tape](MOST_SIDES)
-        self._turning: set[Node] = set()  # nodes with a switch in them
-        for node in walk([root.node for root in self.all_roots]):
-            if node[0] in SWITCHES or not self._turning.isdisjoint(children(node)):
-                self._turning.add(node)
         self.behind = {node: [one for one in walk([node[1]]) if one[0] in SWITCHES] for node in self.same}
 
     def _all_roots(self) -> Iterator[Root]:
@@ -283,7 +285,7 @@ class FormulaRows(Generic[N]):
                     rows.nodes[k] = node
         kept = [(maker.place(node), sign) for guards in watched.values() for _, node, sign in guards]
         for place in maker.bases:
-            if not (self._kept(maker.tape, place, kept) or self._implied(maker, place, status)):
+            if not (self._kept(maker, place, kept) or self._implied(maker, place, status)):
                 outputs["base", place] = len(maker.tape.outputs)
                 maker.tape.texts.append(self._owner(maker.tape, place, roots))
                 maker.tape.outputs.append(place)
@@ -359,7 +361,7 @@ class FormulaRows(Generic[N]):
             a = self._less_depth(maker, node[1], stop, sides)
             return a._replace(rest=div(a.rest, node[2]))
         base, exponent = (node[1], node[2]) if kind == "pow" and node[2] > 0 else (node, Fraction(1))
-        ratio = 0.0 if value_of(base) else self._ratio(maker.tape, maker.place(base), stop)
+        ratio = 0.0 if value_of(base) else self._ratio(maker, maker.place(base), stop)
         if not ratio:
             return _LessDepth(Fraction(0), node)
         if base[0] == "mul" and base[1][0] == "num" and base is node:  # c p, which a gap of 0 makes one
@@ -426,38 +428,39 @@ class FormulaRows(Generic[N]):
     def _implied(self, maker: TapeMaker[N], place: int, status: Status) -> bool:
         """Whether a function on the tape is the depth of a stop in contact but for a positive factor."""
         depths = [stop for i, stop in self.scene.elastic_stops if status.stops[i] != OPEN]
-        return any(self._proportional(maker.tape, place, stop) for stop in depths)
+        return any(self._ratio(maker, place, stop) > 0 for stop in depths)
 
-    def _proportional(self, tape: Tape, place: int, stop: Stop[N]) -> bool:
-        return self._ratio(tape, place, stop) > 0
-
-    def _ratio(self, tape: Tape, place: int, stop: Stop[N]) -> float:
+    def _ratio(self, maker: TapeMaker[N], place: int, stop: Stop[N]) -> float:
         """A function on the tape over the depth of a stop, where that is one positive number; else 0."""
         P, Q = (end if end >= 0 else self.columns[end] for end in (stop.P, stop.Q))
         ratios = []
         for i, depth in enumerate(PROBES):
-            at = self._probe(i)
+            at, gap = self.probes[i], float(stop.gap)
             x = [*at.x]
-            gap = float(stop.gap)
             if self.n > P:
                 x[P] = x[Q] - stop.sense * (gap + depth)
             else:
                 x[Q] = x[P] + stop.sense * (gap + depth)
             depth = -(stop.sense * (x[P] - x[Q])) - gap
-            ratios.append(self._probed(tape, at._replace(x=x))[place] / depth)
+            ratios.append(self._probed(maker, (i, stop.name), at._replace(x=x))[place] / depth)
         return ratios[0] if _is_one_ratio(ratios) else 0.0
 
-    def _kept(self, tape: Tape, place: int, guards: Sequence[tuple[int, int]]) -> bool:
+    def _kept(self, maker: TapeMaker[N], place: int, guards: Sequence[tuple[int, int]]) -> bool:
         """Whether a function on the tape is what a switch keeps positive, but for a positive factor: abs(z),
         or d - g within `where(d > g, ...)`. guards : place of each guard, and the sign with which it is
         positive
         """
         if not guards:
             return False
-        values = [self._probed(tape, self._probe(i)) for i in range(len(PROBES))]
+        values = [self._probed(maker, (i, None), at) for i, at in enumerate(self.probes)]
         return any(
             _is_one_ratio([quotient(Doubles, sign * of[place], of[k]) for of in values]) for k, sign in guards
         )
+
+    @cached_property
+    def probes(self) -> list[Inputs[float]]:
+        """What formulas read where functions are compared."""
+        return [self._probe(i) for i in range(len(PROBES))]
 
     def _probe(self, i: int) -> Inputs[float]:
         """Numbers of no special meaning for all that formulas read; the ground is at rest."""
@@ -467,10 +470,15 @@ class FormulaRows(Generic[N]):
         return Inputs(t, x, v, phi, w)
 
     @staticmethod
-    def _probed(tape: Tape, at: Inputs[float]) -> list[float]:
-        """The values along a tape, in doubles."""
-        none = Inputs(0.0, [0.0] * len(at.x), [0.0] * len(at.v), 0.0, 0.0)
-        return TapeValues(Doubles, in_doubles(tape), at, none).values
+    def _probed(maker: TapeMaker[N], probe: tuple[int, str | None], at: Inputs[float]) -> Sequence[float]:
+        """The values along a tape where it reads those of a probe, in doubles."""
+        values = maker.probed.setdefault(probe, [])
+        for op in maker.tape.ops[len(values) :]:
+            plain = op._replace(value=float(op.value))
+            values.append(
+                input_value(plain, at) if op.code in INPUTS else start_value(Doubles, plain, values)
+            )
+        return values
 
     def is_above(self, node: Node, status: Status) -> bool:
         """Whether a stop in contact keeps a switch on its upper side: where that watches its depth."""
@@ -514,8 +522,3 @@ class FormulaRows(Generic[N]):
 def _is_one_ratio(ratios: Sequence[float]) -> bool:
     """Whether ratios of two functions at several places are one positive number."""
     return bool(ratios[0] > 0 and all(abs(one - ratios[0]) <= SAME * ratios[0] for one in ratios))
-
-
-def in_doubles(tape: Tape) -> Tape:
-    """The tape with its numbers as doubles."""
-    return Tape([op._replace(value=float(op.value)) for op in tape.ops], tape.outputs, tape.texts)
