@@ -116,7 +116,7 @@ FAMILIES = (
         motor=False, own=True, **COMPILED,
     ),
     SolverFamily(
-        "taylor", "vibsim, Taylor series of order 20", "vibsim, Taylor",
+        "taylor", "vibsim, Taylor series", "vibsim, Taylor",
         OWN, {"engine": "c", "method": "taylor"}, _tols(1e-3, 1e-6, 1e-9, 1e-12, FULL),
         own=True, **COMPILED,
     ),
@@ -281,10 +281,15 @@ class BenchError(ValueError):
 
 
 class OwnEngine:
-    """A scene for the engine "c" or "python" by `method`; order and tolerance of a Taylor series."""
+    """A scene for the engine "c" or "python" by `method`; order, that of the scene where it is None, and
+    tolerance of a Taylor series.
+    """
 
-    def __init__(self, scene: Scene, engine: str, method: str, order: int = 20, tol: float = 2.0**-53):
-        self.scene, self.engine = replace(scene, method=method, order=order, tol=tol), engine
+    def __init__(
+        self, scene: Scene, engine: str, method: str, order: int | None = None, tol: float = 2.0**-53
+    ):
+        self.scene = replace(scene, method=method, order=order or scene.order, tol=tol)
+        self.engine = engine
 
     def run(self, times: np.ndarray, limit: TimeLimit) -> Attempt:
         """States at `times` [s], which are the instants that the scene is sampled at. Raises EngineError."""
