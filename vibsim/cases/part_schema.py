@@ -315,7 +315,7 @@ class ClearanceKeys(Section):
 class PartsRun(RunKeys):
     """How long, how often and how."""
 
-    order: Annotated[int, WholeNumber(4, 40)] | None = key(
+    order: Annotated[int, WholeNumber(4, 40)] | None = key(  # type: ignore[assignment]
         default=None,
         description="order of the Taylor series; left out: 32 where formulas or rotors are smooth and nothing"
         " else ends a step (stops, friction, clearances, states), else 20",
