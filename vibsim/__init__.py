@@ -72,8 +72,8 @@ FRONT |= {
     "plot": "vibsim.plots.picture:plot",
     "open sweep": "vibsim.sweeps:open_sweep",
     "open fit": "vibsim.fitting:open_fit",
-    "open branch": "vibsim.orbits.branches.branch_file:read_branch",
-    "open locus": "vibsim.orbits.branches.branch_file:read_locus",
+    "open branch": "vibsim.orbits.branches.branch:read_branch",
+    "open locus": "vibsim.orbits.branches.locus_result:read_locus",
     "open bench": "vibsim.evidence.benchmark:open_bench",
 }
 

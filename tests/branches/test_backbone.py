@@ -10,7 +10,7 @@ import vibsim
 from tests.command_line.made import call
 from vibsim.cases import load_case
 from vibsim.orbits import ReturnMap
-from vibsim.orbits.branches.branch_file import read_branch
+from vibsim.orbits.branches.branch import read_branch
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.branches.node import Conserved
 from vibsim.orbits.branches.plan import BranchError, read_energy_span

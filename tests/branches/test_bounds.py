@@ -8,8 +8,8 @@ import pytest
 import vibsim
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
-from vibsim.orbits.branches.branch_file import LocusStore, complete
-from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.curve import complete
+from vibsim.orbits.branches.locus_result import LocusStore, locus_plan
 from vibsim.orbits.branches.plan import read_span
 
 COCO, PERIOD = "gallery/impact-oscillator-coco", 2 * pi  # [s]; damping 0.1 N s/m of 1 kg, restitution 0.8

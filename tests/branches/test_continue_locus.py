@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import vibsim
-from vibsim.orbits.branches.branch_file import read_locus
+from vibsim.orbits.branches.locus_result import read_locus
 
 AT = {"omega": "4.2 Hz"}
 

@@ -7,9 +7,10 @@ import pytest
 
 from tests.branches.made import CAPTURED, branch_of, orbit_of
 from vibsim.cases import load_case
-from vibsim.orbits.branches.branch_file import BranchStore, LocusStore, complete
+from vibsim.orbits.branches.branch import BranchStore
 from vibsim.orbits.branches.correction import Pace
-from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.curve import complete
+from vibsim.orbits.branches.locus_result import LocusStore, locus_plan
 from vibsim.orbits.branches.plan import plan_from, read_span
 from vibsim.orbits.branches.tracing import FINE, Arc, curve_of, drawn, stretches
 from vibsim.orbits.search import orbit

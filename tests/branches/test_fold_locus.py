@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from vibsim.orbits.branches.branch_file import LocusStore, complete
 from vibsim.orbits.branches.continuing import continue_branch
-from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.curve import complete
+from vibsim.orbits.branches.locus_result import LocusStore, locus_plan
 from vibsim.orbits.branches.plan import read_span
 
 

@@ -10,9 +10,9 @@ from tests.branches.test_closed_forms import BILINEAR, GRAZING
 from tests.command_line.made import call
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.orbits.branches.branch_file import LocusStore, complete, read_locus
 from vibsim.orbits.branches.continuing import continue_branch
-from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.curve import complete
+from vibsim.orbits.branches.locus_result import LocusStore, locus_plan, read_locus
 from vibsim.orbits.branches.plan import read_span
 from vibsim.physics.parts import GROUND
 

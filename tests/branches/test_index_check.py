@@ -9,8 +9,7 @@ import pytest
 from tests.command_line.made import call
 from vibsim.cases import load_case
 from vibsim.orbits import search_orbits
-from vibsim.orbits.branches.branch import Branch, branch_lines, facts
-from vibsim.orbits.branches.branch_file import read_branch
+from vibsim.orbits.branches.branch import Branch, branch_lines, facts, read_branch
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.branches.special_points import UNRESOLVED
 

@@ -9,7 +9,7 @@ import vibsim
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 from vibsim.orbits import find_orbit
-from vibsim.orbits.branches.branch_file import BranchStore
+from vibsim.orbits.branches.branch import BranchStore
 from vibsim.orbits.branches.interpolant import shift
 from vibsim.orbits.branches.node import Node
 from vibsim.orbits.branches.tracing import trace

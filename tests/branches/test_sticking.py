@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from vibsim.cases import load_case
-from vibsim.orbits.branches.branch_file import LocusStore, complete, read_locus
 from vibsim.orbits.branches.continuing import continue_branch
+from vibsim.orbits.branches.curve import complete
 from vibsim.orbits.branches.family import Family
-from vibsim.orbits.branches.locus_result import Locus, locus_plan
+from vibsim.orbits.branches.locus_result import Locus, LocusStore, locus_plan, read_locus
 from vibsim.orbits.branches.plan import BranchError, read_span
 from vibsim.orbits.branches.special_points import held
 from vibsim.orbits.search import orbit

@@ -11,9 +11,10 @@ import pytest
 from tests.branches.made import CAPTURED, KEYS, orbit_of
 from vibsim.cases import UnknownKeyError
 from vibsim.orbits import find_orbit
-from vibsim.orbits.branches.branch_file import BranchStore, LocusStore, complete, read_branch
+from vibsim.orbits.branches.branch import BranchStore, read_branch
 from vibsim.orbits.branches.continuing import continue_branch
-from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.curve import complete
+from vibsim.orbits.branches.locus_result import LocusStore, locus_plan
 from vibsim.orbits.branches.plan import plan_from, read_span
 from vibsim.orbits.branches.tracing import BranchStep
 from vibsim.results.hdf5_reading import ResultFileError

@@ -83,6 +83,6 @@ def test_what_is_not_found_is_a_branch_error(branch, monkeypatch):
     def lost(*_):
         raise ContinuationError("Newton's method came to no end")
 
-    monkeypatch.setattr("vibsim.orbits.branches.branch_file.trace", lost)
+    monkeypatch.setattr("vibsim.orbits.branches.branch.trace", lost)
     with pytest.raises(BranchError, match="Newton's method came to no end"):
         continue_branch(orbit(CASE), "drive.A", "1.4:1.6 N")

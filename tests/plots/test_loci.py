@@ -11,8 +11,8 @@ from tests.branches.made import CAPTURED, branch_of
 from tests.command_line.made import call
 from tests.plots.artists import clipped_texts, lines, points
 from vibsim.cases import load_case
-from vibsim.orbits.branches.branch_file import LocusStore, complete
-from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.curve import complete
+from vibsim.orbits.branches.locus_result import LocusStore, locus_plan
 from vibsim.orbits.branches.plan import read_span
 from vibsim.orbits.branches.tracing import curve_of
 from vibsim.plots.registry import kind_named

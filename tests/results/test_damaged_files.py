@@ -15,9 +15,10 @@ from vibsim.evidence.benchmark.bench_result import ATTRIBUTES as OF_BENCH
 from vibsim.fitting import fit
 from vibsim.fitting.fitting import FitStore
 from vibsim.fitting.plan import ATTRIBUTES as OF_FIT
-from vibsim.orbits.branches.branch_file import BranchStore, LocusStore
+from vibsim.orbits.branches.branch import BranchStore
 from vibsim.orbits.branches.curve import ATTRIBUTES as OF_BRANCH
 from vibsim.orbits.branches.curve import LOCUS_ATTRIBUTES as OF_LOCUS
+from vibsim.orbits.branches.locus_result import LocusStore
 from vibsim.results import ResultFileError
 from vibsim.results.hdf5_reading import damage_named
 from vibsim.results.trajectory_file import ATTRIBUTES as OF_TRAJECTORY

@@ -10,9 +10,10 @@ import vibsim
 from tests.command_line.made import call
 from tests.fitting.made import small_plan
 from vibsim.fitting.fitting import run_fit
-from vibsim.orbits.branches.branch_file import BranchStore, LocusStore, complete
+from vibsim.orbits.branches.branch import BranchStore
 from vibsim.orbits.branches.continuing import orbit_from
-from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.curve import complete
+from vibsim.orbits.branches.locus_result import LocusStore, locus_plan
 from vibsim.orbits.branches.plan import plan_from, read_span
 from vibsim.results.simulation import open_result
 from vibsim.sweeps.sweep_file import SweepStore

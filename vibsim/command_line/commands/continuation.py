@@ -24,11 +24,18 @@ from vibsim.command_line.options import (
 )
 from vibsim.command_line.terminal import PROGRESS_AFTER, Progress, print_json, say
 from vibsim.command_line.text import completed_file, goes_on, print_lines
-from vibsim.orbits.branches.branch import Branch, branch_lines, facts, special_table
-from vibsim.orbits.branches.branch_file import BranchStore, LocusStore, complete
+from vibsim.orbits.branches.branch import Branch, BranchStore, branch_lines, facts, special_table
 from vibsim.orbits.branches.continuing import orbit_from, switched
+from vibsim.orbits.branches.curve import complete
 from vibsim.orbits.branches.locus_result import MOST_POINTS as locus_result_MOST_POINTS
-from vibsim.orbits.branches.locus_result import Locus, LocusPlan, locus_facts, locus_lines, locus_plan
+from vibsim.orbits.branches.locus_result import (
+    Locus,
+    LocusPlan,
+    LocusStore,
+    locus_facts,
+    locus_lines,
+    locus_plan,
+)
 from vibsim.orbits.branches.plan import (
     BranchError,
     BranchPlan,

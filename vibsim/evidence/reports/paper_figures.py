@@ -29,9 +29,9 @@ from vibsim.evidence.reports.measurements import (
     MeasurementInterrupted,
 )
 from vibsim.evidence.reports.pages import PageTable
-from vibsim.orbits.branches.branch import Branch
-from vibsim.orbits.branches.branch_file import BranchStore, complete, read_branch
+from vibsim.orbits.branches.branch import Branch, BranchStore, read_branch
 from vibsim.orbits.branches.continuing import orbit_from
+from vibsim.orbits.branches.curve import complete
 from vibsim.orbits.branches.plan import plan_from, read_span
 from vibsim.orbits.branches.tracing import MOST_POINTS
 from vibsim.plots.branch_curves import (

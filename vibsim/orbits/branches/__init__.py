@@ -13,7 +13,7 @@ from vibsim.lazy import lazy_names
 
 if TYPE_CHECKING:
     from vibsim.orbits.branches.branch import Branch as Branch
-    from vibsim.orbits.branches.branch_file import read_branch as read_branch
+    from vibsim.orbits.branches.branch import read_branch as read_branch
     from vibsim.orbits.branches.continuing import continue_branch as continue_branch
     from vibsim.orbits.branches.continuing import continue_locus as continue_locus
     from vibsim.orbits.branches.locus_result import Locus as Locus

@@ -1,23 +1,46 @@
-"""A branch of periodic orbits: arrays by name along it, and its special points."""
+"""A branch of periodic orbits: arrays by name along it, its special points, its file and its store."""
 
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from vibsim.cases.quantities import number
-from vibsim.orbits.branches.curve import POINT, SPECIAL, OrbitCurve, columns_of, datasets_of
+from vibsim.orbits.branches.curve import (
+    ATTRIBUTES,
+    POINT,
+    SPECIAL,
+    CurveStore,
+    OrbitCurve,
+    attributes_and_plan,
+    columns_of,
+    datasets_of,
+    in_order,
+    points_on_file,
+    record_of,
+)
 from vibsim.orbits.branches.node import ENERGY
 from vibsim.orbits.branches.plan import BranchPlan
 from vibsim.orbits.branches.special_points import BIFURCATIONS, LABELS, UNRESOLVED
-from vibsim.orbits.branches.tracing import CLOSED, OrbitRecord, PointRecord, SpecialRecord
+from vibsim.orbits.branches.tracing import (
+    CLOSED,
+    MOST_POINTS,
+    BranchStep,
+    OrbitRecord,
+    PointRecord,
+    SpecialRecord,
+    Watch,
+    trace,
+)
 from vibsim.orbits.coordinates import Word
 from vibsim.orbits.stability import length_of
 from vibsim.results.file_contents import Column, Dataset
+from vibsim.results.hdf5_reading import opened, read_datasets, understood
 from vibsim.results.labelled import Arrays, few
 
 # told of every point beside what its file holds
@@ -349,3 +372,61 @@ def special_facts(branch: Branch, one: SpecialPoint) -> dict[str, Any]:
         "state": dict(zip(branch.names, one.orbit.state, strict=True)),
         "multipliers": [[mu.real, mu.imag] for mu in one.orbit.multipliers],
     }
+
+
+# A branch in its file, and its store while it is followed.
+
+
+def read_branch(path: str | Path) -> Branch:
+    """The branch in a file, in which everything has been checked, with the points that wait in its journal.
+
+    Raises ResultFileError.
+    """
+    return BranchStore.read(path)
+
+
+def stored_branch(path: str | Path) -> Branch:
+    """The branch in a file as it stands there. Raises ResultFileError."""
+    path = Path(path)
+    with opened(path, "branch") as file:
+        attrs, plan = attributes_and_plan(path, file, ATTRIBUTES, BranchPlan)
+        lengths = {POINT: attrs["points"], SPECIAL: attrs["special_points"]}
+        values = read_datasets(path, file, datasets_of(plan.unit), lengths)
+    with understood(path, "its points make no sense"):
+        points = points_on_file(PointRecord, values, attrs["points"])
+        specials = [record_of(SpecialRecord, values, i, "special_") for i in range(attrs["special_points"])]
+        branch = Branch(plan, points, in_order(specials), attrs)
+        len(branch.specials)
+    return branch
+
+
+class BranchStore(CurveStore[BranchStep, Branch]):
+    """Points of a branch, and its special points."""
+
+    what, record, most = "branch", BranchStep, MOST_POINTS
+    stored = staticmethod(stored_branch)
+
+    def make_memory(self) -> None:
+        super().make_memory()
+        self.specials: list[SpecialRecord] = []
+
+    def take(self, record: BranchStep) -> None:
+        self.points.append(record.point)
+        self.specials += record.specials
+
+    def take_curve(self, there: Branch) -> None:
+        super().take_curve(there)
+        self.specials = there.records[1]
+
+    def difference(self, there: Branch) -> str:
+        ours, theirs = self.plan.settings, there.plan.settings
+        named = [name for name in ours if ours[name] != theirs[name]]
+        named += ["case"] if there.case.sha256 != self.plan.case.sha256 else []
+        return f". It differs in {', '.join(named)}"
+
+    @property
+    def curve(self) -> Branch:
+        return Branch(self.plan, self.points, self.specials, self.attrs)
+
+    def trace(self, most: int, watch: Watch | None) -> bool:
+        return trace(self.plan, self, most, self.engine, watch)

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.orbits.branches.branch import Branch, SpecialPoint
-from vibsim.orbits.branches.branch_file import BranchStore, C, CurveStore, LocusStore, complete, read_branch
+from vibsim.orbits.branches.branch import Branch, BranchStore, SpecialPoint, read_branch
 from vibsim.orbits.branches.correction import ContinuationError
+from vibsim.orbits.branches.curve import C, CurveStore, complete
 from vibsim.orbits.branches.family import Family
 from vibsim.orbits.branches.interpolant import shift
 from vibsim.orbits.branches.locus_result import MOST_POINTS as MOST_LOCUS_POINTS
-from vibsim.orbits.branches.locus_result import Locus, locus_plan
+from vibsim.orbits.branches.locus_result import Locus, LocusStore, locus_plan
 from vibsim.orbits.branches.node import Node, node_at
 from vibsim.orbits.branches.plan import (
     BranchError,

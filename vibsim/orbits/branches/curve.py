@@ -1,20 +1,20 @@
-"""A curve of periodic orbits, a branch or a locus: points along it, and arrays by name."""
+"""A curve of periodic orbits, a branch or a locus: points along it, arrays by name, its file, its store."""
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
 from functools import cached_property
 from itertools import starmap
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
 from vibsim.engine.choice import engine_name
 from vibsim.orbits.branches.plan import CurvePlan
 from vibsim.orbits.branches.special_points import LABELS
-from vibsim.orbits.branches.tracing import OrbitRecord
+from vibsim.orbits.branches.tracing import OrbitRecord, Watch
 from vibsim.orbits.coordinates import LETTERS, Word, spelled
 from vibsim.results.file_contents import (
     ENGINE,
@@ -26,9 +26,11 @@ from vibsim.results.file_contents import (
     Dataset,
     provenance,
 )
+from vibsim.results.hdf5_reading import ResultFileError, read_attributes, stored_case, understood
 from vibsim.results.hdf5_writing import write_hdf5
 from vibsim.results.labelled import Arrays, Labelled
 from vibsim.results.output_files import check_result_output
+from vibsim.results.store import R, Store, Waiting, from_plain
 
 
 class OrbitCurve(Labelled):
@@ -129,11 +131,6 @@ def write_curve(path: Path, curve: OrbitCurve, attrs: Mapping[str, Any], complet
     """Write a curve to `path`, replacing what is there in one instant. Raises ResultFileError."""
     known = {**attrs, **curve._file_attributes(complete)}
     write_hdf5(path, known, curve._declared(), curve._file_values())
-
-
-def counts_of(curve: OrbitCurve) -> dict[str, int]:
-    """Attributes of the file of a curve that count what there is."""
-    return curve._counts()
 
 
 # What files of branches and loci hold: attributes, datasets, and records as their rows.
@@ -304,3 +301,124 @@ def read_spelled(text: str) -> Word:
     """The word of its letters, as `vibsim.orbits.coordinates.spelled` writes it."""
     letters = text.split() if " " in text or text[1:].isdigit() else list(text)
     return tuple((EVENTS[one[0]], int(one[1:] or 1) - 1) for one in letters)
+
+
+# A curve read from its file, to the bit.
+
+
+def attributes_and_plan(
+    path: Path, file: Any, declared: Sequence[Attribute], kind: Any
+) -> tuple[dict[str, Any], Any]:
+    """Attributes and plan of a file, checked."""
+    attrs = read_attributes(path, file, declared)
+    case, name = stored_case(path, attrs), f"{kind.noun}_settings_json"
+    with understood(path, f"the attribute {name} makes no sense"):
+        return attrs, from_plain(kind, json.loads(attrs[name]), case=case)
+
+
+def points_on_file(kind: Any, values: Mapping[str, Any], count: int) -> list[Any]:
+    """The points on file. Raises ValueError where the start is not among them."""
+    points = [record_of(kind, values, i) for i in range(count)]
+    if not any(point.number == 0 for point in points):
+        raise ValueError("no start")
+    return points
+
+
+Walked = TypeVar("Walked", bound=Any)  # a point with its way and its number on it
+Other = TypeVar("Other", bound=Any)  # the same, as it waits in a journal
+C = TypeVar("C", bound=OrbitCurve)
+
+
+def in_order(points: Iterable[Walked]) -> list[Walked]:
+    """Points of a file, where they stand along the branch, in the order in which they were made."""
+    return sorted(points, key=lambda point: (-point.way, point.number))
+
+
+def follow_up(points: Iterable[Walked], waiting: Iterable[Other]) -> list[Other]:
+    """Waiting records, as far as each is the next one of its path behind the points that are known: none that
+    is known, nor what stands behind a damaged record.
+    """
+    last: dict[int, int] = {}
+    for point in points:
+        last[point.way] = max(point.number, last.get(point.way, 0))
+    follows = []
+    for record in waiting:
+        if record.number == last.get(record.way, 0 if last else -1) + 1:
+            last[record.way] = record.number
+            follows.append(record)
+    return follows
+
+
+# Where the points of a curve go while it is followed.
+
+
+class CurveStore(Store[R], Generic[R, C]):
+    """Points of a curve in the order in which they come."""
+
+    most: int  # points, unless told otherwise
+    stored: Callable[[Any], C]  # the curve in a file as it stands there
+
+    @classmethod
+    def read(cls, path: str | Path) -> C:
+        """The curve in a file, with the points that wait in its journal. Raises ResultFileError."""
+        waiting, there = Waiting(path), cls.stored(path)
+        follows: list[Any] = follow_up(there.points, waiting.records(there.plan.fingerprint, cls.record))
+        if not follows:
+            return there
+        store = cls(there.plan)
+        store.take_curve(there)
+        for record in follows:
+            store.take(record)
+        whole = store.curve
+        whole.attrs = {**there.attrs, **whole._counts()}
+        return whole
+
+    def origin(self) -> dict[str, Any]:
+        return curve_origin(self.plan, self.engine)
+
+    def write(self, path: Path) -> None:
+        write_curve(path, self.curve, self.attrs, self.complete)
+
+    def make_memory(self) -> None:
+        self.points: list[Any] = []
+
+    @property
+    def curve(self) -> C:
+        """The curve as far as it is known."""
+        raise NotImplementedError
+
+    def trace(self, most: int, watch: Watch | None) -> bool:
+        """Follow what is missing, up to so many points; whether that came to an end."""
+        raise NotImplementedError
+
+    def take_stored(self) -> dict[str, Any]:
+        there = type(self).stored(self.shown)
+        if there.plan.fingerprint != self.plan.fingerprint:
+            kept = f"holds another {self.what}; kept (force=True replaces it)"
+            raise ResultFileError(f"{self.shown}: {kept}{self.difference(there)}")
+        self.take_curve(there)
+        return there.attrs
+
+    def take_curve(self, there: C) -> None:
+        """Take over the points of the curve on file."""
+        self.points = in_order(there.points)
+
+    def difference(self, there: C) -> str:
+        """In what the curve on file differs, as the end of a message."""
+        return ""
+
+    def following(self, waiting: Iterable[R]) -> Iterable[R]:
+        return follow_up(self.points, waiting)
+
+    @property
+    def has_file(self) -> bool:
+        return bool(self.points)
+
+
+def complete(
+    store: CurveStore[Any, C], most: int | None = None, watch: Watch | None = None
+) -> tuple[C, bool]:
+    """Follow what a store lacks of its branch or locus; that, and whether it came to an end."""
+    with store:
+        store.complete = store.trace(most or store.most, watch)
+    return store.curve, store.complete

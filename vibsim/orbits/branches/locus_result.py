@@ -1,8 +1,9 @@
-"""A locus: a bifurcation along two parameters, arrays by name."""
+"""A locus: a bifurcation along two parameters, its plan, arrays by name, its file and its store."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,15 +11,24 @@ import numpy as np
 from vibsim.cases.quantities import number
 from vibsim.orbits.branches.branch import Branch, SpecialPoint
 from vibsim.orbits.branches.correction import correct, tangent
-from vibsim.orbits.branches.curve import OrbitCurve, locus_datasets
+from vibsim.orbits.branches.curve import (
+    LOCUS_ATTRIBUTES,
+    POINT,
+    CurveStore,
+    OrbitCurve,
+    attributes_and_plan,
+    locus_datasets,
+    points_on_file,
+)
 from vibsim.orbits.branches.locus import KINDS, WATCHED, ParameterPlane, PlanePoint, follow_pair, walk
 from vibsim.orbits.branches.node import Node
 from vibsim.orbits.branches.plan import FIRST_STEP, BranchError, BranchPlan, CurvePlan, must_matter, value_in
 from vibsim.orbits.branches.special_points import BRANCHING, CONTACTS, GRAZING, NAMES, STICKING, TORUS, held
-from vibsim.orbits.branches.tracing import OrbitRecord, orbit_record
+from vibsim.orbits.branches.tracing import OrbitRecord, Watch, orbit_record
 from vibsim.orbits.coordinates import changes
 from vibsim.orbits.stability import nearest_to_circle
 from vibsim.results.file_contents import Dataset
+from vibsim.results.hdf5_reading import opened, read_datasets, understood
 from vibsim.results.labelled import few
 from vibsim.results.store import stored
 
@@ -336,3 +346,42 @@ def _record(
     orbit = orbit_record(Node(point.point, along[:-1], 0))
     places = tuple(point.z.tolist()), tuple(along.tolist())
     return LocusRecord(way, number, orbit, point.second, point.index, *places, step, ended)
+
+
+# A locus in its file, and its store while it is followed.
+
+
+def read_locus(path: str | Path) -> Locus:
+    """The locus in a file, in which everything has been checked, with the points that wait in its journal.
+
+    Raises ResultFileError.
+    """
+    return LocusStore.read(path)
+
+
+def stored_locus(path: str | Path) -> Locus:
+    """The locus in a file as it stands there. Raises ResultFileError."""
+    path = Path(path)
+    with opened(path, "locus") as file:
+        attrs, plan = attributes_and_plan(path, file, LOCUS_ATTRIBUTES, LocusPlan)
+        declared = locus_datasets(plan.branch.unit, plan.unit)
+        values = read_datasets(path, file, declared, {POINT: attrs["points"]})
+    with understood(path, "its points make no sense"):
+        return Locus(plan, points_on_file(LocusRecord, values, attrs["points"]), attrs)
+
+
+class LocusStore(CurveStore[LocusRecord, Locus]):
+    """Points of a locus."""
+
+    what, record, most = "locus", LocusRecord, MOST_POINTS
+    stored = staticmethod(stored_locus)
+
+    def take(self, record: LocusRecord) -> None:
+        self.points.append(record)
+
+    @property
+    def curve(self) -> Locus:
+        return Locus(self.plan, self.points, self.attrs)
+
+    def trace(self, most: int, watch: Watch | None) -> bool:
+        return trace_locus(self.plan, self, most, self.engine, watch)
