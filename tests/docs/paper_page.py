@@ -18,8 +18,8 @@ from vibsim.evidence.reports.claims import EXAMPLE, FAILS, HOLDS, IN_KIND, ONLY_
 from vibsim.evidence.reports.measurements import EQUAL_FORCE, MOTORS, PRINTED, SHIPPED_READINGS
 from vibsim.evidence.reports.model_claims import one_impact
 from vibsim.evidence.reports.motor_claims import is_captured, is_settled, near_natural, peaks_late
+from vibsim.evidence.reports.paper import table_of
 from vibsim.evidence.reports.paper_document import judge_claims, named, price_of
-from vibsim.evidence.reports.paper_numbers import table_of
 
 PAGE, STORED = DOCS / "paper.md", DOCS / "paper-numbers.json"
 DIGITS = 6  # of a stored number

@@ -6,9 +6,8 @@ import pytest
 
 from tests.docs.paper_page import PAGE, PHRASES, numbers_left, rewritten, stored_numbers
 from vibsim.cases import load_case
-from vibsim.evidence.reports.measurements import PAPER_RUNS, measure_run, member_outcome
+from vibsim.evidence.reports.measurements import PAPER_RUNS, measure_facts, measure_run, member_outcome
 from vibsim.evidence.reports.paper import read_motion, true_motion
-from vibsim.evidence.reports.paper_numbers import measure_facts
 
 AGAIN = "make paper, then make paper-page"
 

@@ -11,7 +11,10 @@ from vibsim.evidence.reports.measurements import (
     EQUAL_FORCE,
     PAPER_RUNS,
     PRINTED,
+    changes_of,
     displacement_peak,
+    least_hold,
+    measure_facts,
     measure_run,
     member_outcome,
     overall_rate,
@@ -21,7 +24,6 @@ from vibsim.evidence.reports.measurements import (
     steady_amplitudes,
 )
 from vibsim.evidence.reports.paper_figures import reach_by_second
-from vibsim.evidence.reports.paper_numbers import changes_of, least_hold, measure_facts
 from vibsim.evidence.reports.readings import LAWS, at_point, followed, measure_without_stop, most_common
 
 TIME = np.linspace(0, 300, 6001)

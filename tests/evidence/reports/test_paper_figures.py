@@ -17,13 +17,12 @@ from vibsim.evidence.reports.pages import Picture
 from vibsim.evidence.reports.paper_figures import (
     PAGE_ROWS,
     draw_load_curves,
-    followed_cases,
     growth_figure,
     load_words,
-    measure_ends,
     paper_figures,
     powers_figure,
 )
+from vibsim.evidence.reports.readings import followed_cases, measure_ends
 from vibsim.physics.rates import bilinear_frequencies
 from vibsim.plots.style import BLUE
 from vibsim.plots.subject import Subject

@@ -25,11 +25,11 @@ from vibsim.evidence.reports.measurements import (
     SHIPPED_READINGS,
     MeasurementInterrupted,
     Numbers,
+    Tell,
 )
 from vibsim.evidence.reports.motor_claims import ABOUT_100, JUMPED_HZ, NATURAL_HZ
 from vibsim.evidence.reports.pages import Picture
 from vibsim.evidence.reports.paper_figures import PAGE_CM, PAGE_ROWS, PaperFigure, draw_load_curves
-from vibsim.evidence.reports.paper_numbers import Tell
 from vibsim.evidence.reports.readings import DAMPINGS, FREQUENCIES, LAWS, REGIMES_NEARBY_STARTS
 from vibsim.orbits.branches.branch import Branch
 from vibsim.plots.fit_and_bench import scatter_shares

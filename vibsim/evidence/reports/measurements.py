@@ -1,4 +1,4 @@
-"""Measurements of a run: a table of plain numbers that JSON can hold, and the claims are judged by."""
+"""Measurements of runs and cases: plain numbers that JSON can hold, and the claims are judged by."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from concurrent.futures import Future, wait
 from dataclasses import asdict, is_dataclass, replace
 from functools import partial
 from hashlib import sha256
+from math import pi
 from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Any
@@ -23,11 +24,17 @@ from vibsim.analysis import (
     find_frequencies,
     judge_capture,
     judge_regime,
+    largest_exponent,
     measure_drift,
 )
+from vibsim.analysis.capture import CAPTURE
+from vibsim.analysis.cycles import BAND, run_up_time
 from vibsim.analysis.drift import STILL
+from vibsim.cases import load_case
+from vibsim.cases.validation import derived_facts
 from vibsim.engine.blocks_ahead import available_cores
 from vibsim.engine.errors import EngineError
+from vibsim.physics import elementary
 from vibsim.physics.elementary import mean
 from vibsim.results import Result, ResultFileError, open_trajectory_file, simulate, simulate_to_file
 from vibsim.results.output_files import output_file
@@ -39,6 +46,7 @@ if TYPE_CHECKING:
 
 
 Numbers = dict[str, Any]
+Tell = Callable[[str, int, int], bool]  # given what is done, how much of it, and of how much; False to stop
 
 SMOOTHED = 5.0  # [s] many periods of every source: what a displacement is averaged over to find its peak
 STATES = ("x1", "x2", "v1", "v2")
@@ -249,7 +257,7 @@ def _work_off(waiting: deque[tuple[Callable[[], Numbers], Future[Numbers]]]) -> 
 def outcome_of(result: Result) -> Numbers:
     """Capture verdict with its hold and the final speed [Hz], drift rate [m/s], and peak of x2."""
     capture, drift = capture_of(result), measure_drift(result)
-    outcome: dict[str, Any] = {
+    return {
         "verdict": capture.verdict,
         "since": capture.since,
         "until": capture.until,
@@ -258,7 +266,6 @@ def outcome_of(result: Result) -> Numbers:
         "drift": drift.rate,
         "peak": displacement_peak(result.time, result["x2"]),
     }
-    return outcome
 
 
 # The table of measured numbers on file, section by section, so that nothing is measured twice.
@@ -361,3 +368,104 @@ def stored_run(case: Case, path: Path) -> Result | None:
         return None
     same = (attrs.get("case_sha256"), attrs.get("vibsim_version")) == (case.sha256, __version__)
     return result if same and attrs.get("complete") and "trust_horizon_s" in attrs else None
+
+
+# Runs of the paper's cases, and what follows from the numbers of the cases alone.
+
+
+LONG = {"run.t_end": "3000 s", "run.every": "10 ms"}  # ten times the paper's span: where motions settle
+INERTIAS = (0.001, 0.0085)  # [kg m^2] as printed, and of the readings
+HELD_HZ = 3.69
+
+
+def measure_runs(results: Mapping[str, Result], advance: Advance) -> Numbers:
+    """Numbers of every run, its regime among them; of a reading also what it changes."""
+    measured = run_all([partial(_measured, result) for result in results.values()], advance)
+    return dict(zip(results, measured, strict=True))
+
+
+def _measured(result: Result) -> Numbers:
+    case = result.case
+    changes = changes_of(case) if case.name in SHIPPED_READINGS else {}
+    return {**measure_run(result), "regime": regime_of(result), "changes": changes}
+
+
+def changes_of(case: Case) -> dict[str, list[str]]:
+    """Changes of a reading against the case that it is a reading of: key -> [now, as printed]."""
+    printed = load_case(case.name[:4])
+    changed = [key for key in case.numeric_keys() if case.quantity(key) != printed.quantity(key)]
+    return {key.split(".")[-1]: [str(each.quantity(key)) for each in (case, printed)] for key in changed}
+
+
+def measure_long_runs(cases: Mapping[str, Case], advance: Advance) -> Numbers:
+    """The regime that each motion settles in."""
+    runs = run_all([partial(_long_run, case) for case in cases.values()], advance)
+    return dict(zip(cases, runs, strict=True))
+
+
+def _long_run(case: Case) -> Numbers:
+    result = simulate(case.with_values(LONG), trust=False)
+    return {"regime": regime_of(result)}
+
+
+def regime_of(result: Result) -> Numbers:
+    """The verdict on the regime, the largest Lyapunov exponent among its evidence."""
+    regime: Numbers = plain(judge_regime(result, exponent=largest_exponent(result)))
+    return regime
+
+
+def measure_facts(cases: Mapping[str, Case]) -> Numbers:
+    """Consequences of the numbers of the cases alone: natural frequencies [Hz] and amplitudes [N]."""
+    facts = {kind: {fact.name: fact.value for fact in derived_facts(cases[name].scene())}
+             for kind, name in (("I", "I-A"), ("II", "II-A"))}  # fmt: skip
+    return {
+        "held_hz": facts["I"]["block 1 on its spring"],
+        **{f"free_hz_{kind}": facts[kind]["free"] for kind in facts},
+        **{f"bilinear_hz_{kind}": facts[kind]["bilinear"] for kind in facts},
+        "least_hold_s": {f"{J:g}": least_hold(cases[MOTORS[2]], J) for J in INERTIAS},
+        "characteristics": [_characteristic(cases[name]) for name in MOTORS],
+        "amplitudes": [
+            _amplitudes(*names, cases) for names in zip(PRINTED, EQUAL_FORCE, MOTORS, strict=True)
+        ],
+    }
+
+
+def _characteristic(case: Case) -> Numbers:
+    """No-load speed [Hz], torque at standstill [N m] and slope [N m s] of a motor's line."""
+    scene = case.two_blocks()
+    return {"no_load_hz": scene.Omega0 / (2 * pi), "M0": scene.M0, "slope": scene.M0 / scene.Omega0}
+
+
+def at_voltage(case: Case, motor: Case) -> dict[str, str]:
+    """Changes that make of a case the motor of another, at the voltage of the no-load speed of the case.
+
+    On a DC motor with a constant field M0 = kt V / R and Omega0 = V / ke are both proportional to V.
+    """
+    one, other = (_characteristic(each) for each in (case, motor))
+    return {"excitation.M0": f"{other['slope'] * one['M0'] / one['slope']!r} N m"}
+
+
+def least_hold(case: Case, inertia: float) -> float:
+    """Shortest hold near half the bilinear frequency that counts as capture [s], at an inertia [kg m^2]."""
+    scene = case.with_values({"excitation.J": inertia}).scene()
+    motor = scene.motor
+    assert motor is not None
+    no_load = motor.Omega0 / (2 * pi)
+    slow, fast = (HELD_HZ * (1 + sign * BAND) for sign in (-1, 1))
+    return CAPTURE * run_up_time(motor) * elementary.log((no_load - slow) / (no_load - fast))
+
+
+def unbalance(cases: Mapping[str, Case]) -> float:
+    """m3 e of the motor as printed [kg m]."""
+    scene = cases[MOTORS[0]].two_blocks()
+    return float(scene.m3 * scene.e)
+
+
+def _amplitudes(printed: str, equal: str, motor: str, cases: Mapping[str, Case]) -> Numbers:
+    ideal, by_rule, scene = (cases[name].two_blocks() for name in (printed, equal, motor))
+    return {
+        "omega_hz": ideal.omega / (2 * pi),
+        "printed": ideal.A,
+        "eq211": by_rule.A,
+        "m3_e_omega": scene.m3 * scene.e * ideal.omega,
+    }

@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Context, Decimal
 from functools import cache, partial
@@ -48,17 +48,51 @@ from vibsim.evidence.reports.figures import (
     write_sommerfeld,
 )
 from vibsim.evidence.reports.measurements import (
+    EQUAL_FORCE,
+    INERTIAS,
+    LONG,
+    MOTORS,
     PAPER_RUNS,
     PRINTED,
+    PRINTED_MOTOR,
+    SHIPPED_READINGS,
+    Advance,
     MeasurementInterrupted,
     NumbersFile,
+    Tell,
+    at_voltage,
+    measure_ensemble,
+    measure_facts,
+    measure_long_runs,
+    measure_runs,
     obtain_run,
+    starts,
     stored_run,
+    unbalance,
 )
 from vibsim.evidence.reports.pages import Picture, render_html, render_text
 from vibsim.evidence.reports.paper_document import judge_claims, paper_document
-from vibsim.evidence.reports.paper_figures import growth_figure, obtain_branches, paper_figures, powers_figure
-from vibsim.evidence.reports.paper_numbers import Tell, measure_paper
+from vibsim.evidence.reports.paper_figures import growth_figure, paper_figures, powers_figure
+from vibsim.evidence.reports.readings import (
+    DAMPINGS,
+    FOLLOWED,
+    FREQUENCIES,
+    GAPS_MM,
+    LAWS,
+    LONGER,
+    REGIMES_NEARBY_STARTS,
+    SOLVERS,
+    followed_cases,
+    made_of,
+    measure_ends,
+    measure_gaps,
+    measure_nearby,
+    measure_solvers,
+    measure_without_stop,
+    obtain_branches,
+    search_plane,
+    search_readings,
+)
 from vibsim.orbits.branches.branch import Branch
 from vibsim.physics.parts import EVENT_KINDS
 from vibsim.plots import style
@@ -72,6 +106,7 @@ from vibsim.results.recording import Watch
 from vibsim.signals import held_back
 from vibsim.sweeps import SweepResult
 
+SEARCHED = ("II-B", "II-C")
 EVERY = 2.0  # [s] between the rows that are kept: errors grow a hundredfold in that time, seldom more
 ALONE = 1e-3  # [s] on either side of a row that is kept nothing else happens
 BEYOND = 1e-4  # [s] by which a piece runs past the row that the next one begins with
@@ -367,6 +402,66 @@ def obtain_runs(folder: Path, tell: Tell, fresh: bool = False) -> tuple[dict[str
 
 def _still_at(tell: Tell, done: int, total: int, t_reached: float) -> bool:
     return tell("simulating", done, total)
+
+
+def measure_paper(
+    results: Mapping[str, Result], follow: Callable[[], Mapping[str, Branch]], file: NumbersFile, tell: Tell
+) -> Numbers:
+    """All sections, measured or taken from the file; raises Interrupted when `tell` returns False.
+
+    follow : gives the branches of `readings.obtain_branches`
+    """
+    cases = {name: result.case for name, result in results.items()}
+    prints = {name: case.sha256 for name, case in cases.items()}
+    motors = [cases[name] for name in SEARCHED]
+    keys = [prints[name] for name in SEARCHED]
+
+    def told(step: str) -> Advance:
+        return lambda done, total: tell(step, done, total)
+
+    file.section("facts", [prints, INERTIAS], lambda: measure_facts(cases))
+    files = {name: [prints[name], result.attrs["date_created"]] for name, result in results.items()}
+    file.section("runs", files, lambda: measure_runs(results, told("measuring")))
+    followed = {name: case.sha256 for name, case in followed_cases().items()}
+    file.section("ends", followed, lambda: measure_ends(follow()))
+    file.section("long_runs", [prints, LONG], lambda: measure_long_runs(cases, told("following for longer")))
+    for name in cases:
+        measure = partial(measure_ensemble, cases[name], told(f"perturbing {name}"))
+        file.section(f"ensemble {name}", [prints[name], starts()], measure)
+    shown = [case for name, case in cases.items() if name not in SHIPPED_READINGS]
+    file.section("without_stop", prints, lambda: measure_without_stop(shown, told("taking the stop away")))
+    m3e = unbalance(cases)
+    by_law = {
+        law: [cases[name] for name in names] for law, names in zip(LAWS, (PRINTED, EQUAL_FORCE), strict=True)
+    }
+    beside = [prints, m3e, FREQUENCIES, DAMPINGS, LAWS, REGIMES_NEARBY_STARTS, FOLLOWED, LONGER]
+    file.section("nearby", beside, lambda: measure_nearby(by_law, m3e, told("looking beside")))
+    gapped = cases[PRINTED_MOTOR]
+    file.section("gaps", [gapped.sha256, GAPS_MM], lambda: measure_gaps(gapped, told("widening the gap")))
+    for case in motors:
+        changed = case.with_values(at_voltage(case, cases[MOTORS[0]]))
+        measure = partial(measure_ensemble, changed, told(f"raising the voltage to {case.name}"))
+        file.section(f"voltage {case.name}", [changed.sha256, starts()], measure)
+    sought = [keys, made_of()]
+    file.section("readings", sought, lambda: search_readings(motors, told("judging readings")))
+    file.section("plane", sought, lambda: search_plane(motors, told("searching over J and c")))
+    file.section("solvers", [keys, SOLVERS], lambda: measure_solvers(motors, told("trying other solvers")))
+    return table_of(file.sections)
+
+
+def table_of(sections: Mapping[str, Any]) -> Numbers:
+    """The sections as the claims read them."""
+    ensembles, voltages = (_of_cases(sections, kind) for kind in ("ensemble", "voltage"))
+    search = {name: sections[name] for name in ("readings", "plane")}
+    names = ("facts", "ends", "runs", "long_runs", "without_stop", "nearby", "gaps", "solvers")
+    whole = {name: sections[name] for name in names}
+    return {**whole, "ensembles": ensembles, "voltages": voltages, "search": search}
+
+
+def _of_cases(sections: Mapping[str, Any], kind: str) -> Numbers:
+    """The sections "KIND CASE" by case."""
+    parted = {name: name.partition(" ") for name in sections}
+    return {case: sections[name] for name, (head, _, case) in parted.items() if head == kind}
 
 
 def draw_pictures(

@@ -6,10 +6,9 @@ a second time, from the readings of the parameters under which the paper's accou
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,32 +17,21 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from vibsim import __version__
 from vibsim.analysis import judge_capture
-from vibsim.cases import Case, load_case
-from vibsim.evidence.reports.claims import Numbers, hz, words_of
+from vibsim.cases import load_case
+from vibsim.evidence.reports.claims import hz, words_of
 from vibsim.evidence.reports.measurements import (
     MOTORS,
-    PRINTED_MOTOR,
-    SHIPPED_READINGS,
-    MeasurementInterrupted,
 )
 from vibsim.evidence.reports.pages import PageTable
-from vibsim.orbits.branches.branch import Branch, BranchStore, read_branch
-from vibsim.orbits.branches.continuing import orbit_from
-from vibsim.orbits.branches.curve import complete
-from vibsim.orbits.branches.plan import plan_from, read_span
-from vibsim.orbits.branches.tracing import MOST_POINTS
+from vibsim.orbits.branches.branch import Branch
 from vibsim.plots.branch_curves import (
     LOAD_CURVE_MARKED,
     LoadCurve,
     MotorLine,
-    dead_ends,
     draw_branches,
     load_curve_panel,
-    torque_of,
 )
-from vibsim.plots.branch_values import amplitude_of
 from vibsim.plots.frequency_pictures import displacement_frequency_panels
 from vibsim.plots.machine import machine_panel, machine_size
 from vibsim.plots.overview import motor_panel, stiffness_panel
@@ -63,7 +51,6 @@ from vibsim.plots.time_histories import (
     relative_panel,
 )
 from vibsim.plots.traces import mark_detail
-from vibsim.results.hdf5_reading import ResultFileError
 
 LETTERS = "ABC"
 HERTZ = {"A": "3.5", "B": "5.5", "C": "6.5"}
@@ -117,15 +104,96 @@ def paper_figures() -> list[PaperFigure]:
     """All of them, in the order of the paper."""
     return [
         _sketch("fig-01", "I-A", "ideal"),
-        _stiffness(),
+        PaperFigure(
+            "fig-02",
+            "Fig. 2",
+            "Stiffness: force of the two springs against the relative displacement (solid); dashed: where "
+            "the stop is met.",
+            "A line of slope k1 that turns steeper, to slope k1 + k2, where x1 - x2 falls below -G = -1 mm.",
+            ("I-A",),
+            6.0,
+            draw_stiffness,
+        ),
         _sketch("fig-03", "II-A", "non-ideal"),
-        _motors(),
-        *(_displacements_ideal(letter) for letter in LETTERS),
-        *(_displacements_motor(letter) for letter in LETTERS),
-        *(_displacements_reading(letter) for letter in READINGS),
-        *(_portraits(letter) for letter in LETTERS),
-        *(_passage(letter) for letter in LETTERS),
-        *(_passage_reading(letter) for letter in READINGS),
+        PaperFigure(
+            "fig-04",
+            "Fig. 4",
+            "Characteristics of the motor: torque against speed, for the three motor constants. Filled "
+            "points: where each motor runs in the end; square: where it is held on the way; open circles: "
+            "no load.",
+            "Three straight lines that fall from 5 mN m at standstill to zero at 3.5, 5.5 and 6.5 Hz, each "
+            "with an operating point near its lower end; the line of 5.5 Hz has a square at 3.7 Hz as well.",
+            ("II-A", "II-B", "II-C"),
+            6.0,
+            draw_motors,
+        ),
+        *_of_letters(
+            5,
+            "Case I-{letter}, ideal source at {hz} Hz: (a) displacements over 300 s, (b) a detail with each "
+            "impact as a ring and contact shaded grey. The frame in (a) is what (b) enlarges, the ticks at "
+            "its foot are impacts. Above with the amplitude of Table 1, below with that of Eq. (2.11).",
+            "Four panels. Left: x1 and x2 against time over 300 s, x1 a band that vibrates about the "
+            "drifting x2; right: about ten periods with each impact marked. Ideal source, {hz} Hz.",
+            ("I-{letter}", "I-{letter}-eq211"),
+            11.0,
+            draw_displacements,
+        ),
+        *_of_letters(
+            8,
+            "Case II-{letter}, motor constant {hz} Hz: (a) displacements over 300 s, (b) a detail "
+            "with each impact as a ring and contact shaded grey. The frame in (a) is what (b) enlarges, the "
+            "ticks at its foot are impacts.",
+            "Two panels: x1 and x2 against time over 300 s, and about ten turns of the motor with each "
+            "impact marked. Motor constant {hz} Hz, printed parameters.",
+            ("II-{letter}",),
+            5.6,
+            draw_displacements,
+        ),
+        *_of_letters(
+            8,
+            "The same from {reading}, the reading under which the account of II-{letter} holds; rings, "
+            "shades, frame and ticks as there.",
+            "Two panels: x1 and x2 against time over 300 s, and a detail with impacts, for the case "
+            "{reading}.",
+            ("{reading}",),
+            5.6,
+            draw_displacements,
+            letters=READINGS,
+        ),
+        *_of_letters(
+            11,
+            "Phase portraits at {hz} Hz, the last periods: (a) ideal source, with the amplitude of "
+            "Table 1 and with that of Eq. (2.11); (b) motor. Blocks 1 and 2, and at the right their relative "
+            "motion, which no drift smears. Black dots or rings: impacts; dashed: where the stop is met.",
+            "Nine panels of velocity against displacement: rows for I as printed, I with equal force, and "
+            "II; columns for blocks 1 and 2 and for x1 − x2.",
+            ("I-{letter}", "I-{letter}-eq211", "II-{letter}"),
+            14.5,
+            draw_portraits,
+        ),
+        *_of_letters(
+            14,
+            "Case II-{letter}: (a) motor speed against time, pale at every instant, dark the mean of 12 "
+            "turns; solid level: no-load speed, dashed levels: natural frequencies, the bilinear one and "
+            "its half; (b) displacements against motor frequency, pale, and on them the least and the "
+            "greatest of every turn as dots, coloured by time.",
+            "Left: motor speed over 300 s with the levels of the natural frequencies; right: x1 and x2 "
+            "against the speed of the motor. Motor constant {hz} Hz, printed parameters.",
+            ("II-{letter}",),
+            7.8,
+            draw_passage,
+        ),
+        *_of_letters(
+            14,
+            "The same from {reading}, the reading under which the account of II-{letter} holds; lines, "
+            "levels and colours as there.",
+            "Left: motor speed over 300 s with the levels of the natural frequencies; right: x1 and x2 "
+            "against the speed of the motor. Case {reading}.",
+            ("{reading}",),
+            7.8,
+            draw_passage,
+            letters=READINGS,
+        ),
     ]
 
 
@@ -140,6 +208,23 @@ def growth_figure() -> PaperFigure:
         tuple(READINGS.values()),
         5.6,
         draw_growth,
+    )
+
+
+def powers_figure() -> PaperFigure:
+    """Where the power of the motors goes; no figure of the paper."""
+    return PaperFigure(
+        "powers",
+        "Powers",
+        "Power over time in the two readings, each point the mean of whole turns: what the motor gives "
+        "(black), what damper and friction take (dashed, as the legend has them), and what goes into motion "
+        "and springs (pale; below 0 it comes back). What is given is what is taken and stored.",
+        "Two panels of power over time. In both the motor first sets itself and the blocks in motion; then "
+        "damper and friction take more and more. In that of II-C-escape they take less again behind its "
+        "escape.",
+        tuple(READINGS.values()),
+        6.4,
+        draw_powers,
     )
 
 
@@ -161,143 +246,32 @@ def _sketch(key: str, name: str, source: str) -> PaperFigure:
     )
 
 
-def powers_figure() -> PaperFigure:
-    """Where the power of the motors goes; no figure of the paper."""
-    return PaperFigure(
-        "powers",
-        "Powers",
-        "Power over time in the two readings, each point the mean of whole turns: what the motor gives "
-        "(black), what damper and friction take (dashed, as the legend has them), and what goes into motion "
-        "and springs (pale; below 0 it comes back). What is given is what is taken and stored.",
-        "Two panels of power over time. In both the motor first sets itself and the blocks in motion; then "
-        "damper and friction take more and more. In that of II-C-escape they take less again behind its "
-        "escape.",
-        tuple(READINGS.values()),
-        6.4,
-        draw_powers,
-    )
+def _of_letters(
+    number: int,
+    caption: str,
+    alt: str,
+    runs: Sequence[str],
+    height_cm: float,
+    draw: Callable[[Figure, Sequence[Subject]], None],
+    letters: Iterable[str] = LETTERS,
+) -> Iterator[PaperFigure]:
+    """A figure of each of the cases A, B and C, that of A with a number; or of those that have a reading.
 
-
-def _stiffness() -> PaperFigure:
-    return PaperFigure(
-        "fig-02",
-        "Fig. 2",
-        "Stiffness: force of the two springs against the relative displacement (solid); dashed: where the "
-        "stop is met.",
-        "A line of slope k1 that turns steeper, to slope k1 + k2, where x1 - x2 falls below -G = -1 mm.",
-        ("I-A",),
-        6.0,
-        draw_stiffness,
-    )
-
-
-def _motors() -> PaperFigure:
-    return PaperFigure(
-        "fig-04",
-        "Fig. 4",
-        "Characteristics of the motor: torque against speed, for the three motor constants. Filled points: "
-        "where each motor runs in the end; square: where it is held on the way; open circles: no load.",
-        "Three straight lines that fall from 5 mN m at standstill to zero at 3.5, 5.5 and 6.5 Hz, each with "
-        "an operating point near its lower end; the line of 5.5 Hz has a square at 3.7 Hz as well.",
-        ("II-A", "II-B", "II-C"),
-        6.0,
-        draw_motors,
-    )
-
-
-def _displacements_ideal(letter: str) -> PaperFigure:
-    number = 5 + LETTERS.index(letter)
-    return PaperFigure(
-        f"fig-{number:02}",
-        f"Fig. {number}",
-        f"Case I-{letter}, ideal source at {HERTZ[letter]} Hz: (a) displacements over 300 s, (b) a detail "
-        "with each impact as a ring and contact shaded grey. The frame in (a) is what (b) enlarges, the "
-        "ticks at its foot are impacts. Above with the amplitude of Table 1, below with that of Eq. (2.11).",
-        "Four panels. Left: x1 and x2 against time over 300 s, x1 a band that vibrates about the drifting "
-        f"x2; right: about ten periods with each impact marked. Ideal source, {HERTZ[letter]} Hz.",
-        (f"I-{letter}", f"I-{letter}-eq211"),
-        11.0,
-        draw_displacements,
-    )
-
-
-def _displacements_motor(letter: str) -> PaperFigure:
-    number = 8 + LETTERS.index(letter)
-    return PaperFigure(
-        f"fig-{number:02}",
-        f"Fig. {number}",
-        f"Case II-{letter}, motor constant {HERTZ[letter]} Hz: (a) displacements over 300 s, (b) a detail "
-        "with each impact as a ring and contact shaded grey. The frame in (a) is what (b) enlarges, the "
-        "ticks at its foot are impacts.",
-        "Two panels: x1 and x2 against time over 300 s, and about ten turns of the motor with each impact "
-        f"marked. Motor constant {HERTZ[letter]} Hz, printed parameters.",
-        (f"II-{letter}",),
-        5.6,
-        draw_displacements,
-    )
-
-
-def _displacements_reading(letter: str) -> PaperFigure:
-    number = 8 + LETTERS.index(letter)
-    return PaperFigure(
-        f"fig-{number:02}-reading",
-        f"Fig. {number}, reading",
-        f"The same from {READINGS[letter]}, the reading under which the account of II-{letter} holds; rings, "
-        "shades, frame and ticks as there.",
-        "Two panels: x1 and x2 against time over 300 s, and a detail with impacts, for the case "
-        f"{READINGS[letter]}.",
-        (READINGS[letter],),
-        5.6,
-        draw_displacements,
-    )
-
-
-def _portraits(letter: str) -> PaperFigure:
-    number = 11 + LETTERS.index(letter)
-    return PaperFigure(
-        f"fig-{number}",
-        f"Fig. {number}",
-        f"Phase portraits at {HERTZ[letter]} Hz, the last periods: (a) ideal source, with the amplitude of "
-        "Table 1 and with that of Eq. (2.11); (b) motor. Blocks 1 and 2, and at the right their relative "
-        "motion, which no drift smears. Black dots or rings: impacts; dashed: where the stop is met.",
-        "Nine panels of velocity against displacement: rows for I as printed, I with equal force, and II; "
-        "columns for blocks 1 and 2 and for x1 − x2.",
-        (f"I-{letter}", f"I-{letter}-eq211", f"II-{letter}"),
-        14.5,
-        draw_portraits,
-    )
-
-
-def _passage(letter: str) -> PaperFigure:
-    number = 14 + LETTERS.index(letter)
-    return PaperFigure(
-        f"fig-{number}",
-        f"Fig. {number}",
-        f"Case II-{letter}: (a) motor speed against time, pale at every instant, dark the mean of 12 turns; "
-        "solid level: no-load speed, dashed levels: natural frequencies, the bilinear one and its half; "
-        "(b) displacements against motor frequency, pale, and on them the least and the greatest of every "
-        "turn as dots, coloured by time.",
-        "Left: motor speed over 300 s with the levels of the natural frequencies; right: x1 and x2 against "
-        f"the speed of the motor. Motor constant {HERTZ[letter]} Hz, printed parameters.",
-        (f"II-{letter}",),
-        7.8,
-        draw_passage,
-    )
-
-
-def _passage_reading(letter: str) -> PaperFigure:
-    number = 14 + LETTERS.index(letter)
-    return PaperFigure(
-        f"fig-{number}-reading",
-        f"Fig. {number}, reading",
-        f"The same from {READINGS[letter]}, the reading under which the account of II-{letter} holds; lines, "
-        "levels and colours as there.",
-        "Left: motor speed over 300 s with the levels of the natural frequencies; right: x1 and x2 against "
-        f"the speed of the motor. Case {READINGS[letter]}.",
-        (READINGS[letter],),
-        7.8,
-        draw_passage,
-    )
+    caption, alt, runs : with {letter}, {hz} and {reading} where that of the case belongs
+    """
+    key, heading = ("-reading", ", reading") if letters is READINGS else ("", "")
+    for letter in letters:
+        own = {"letter": letter, "hz": HERTZ[letter], "reading": READINGS.get(letter)}
+        place = number + LETTERS.index(letter)
+        yield PaperFigure(
+            f"fig-{place:02}{key}",
+            f"Fig. {place}{heading}",
+            caption.format(**own),
+            alt.format(**own),
+            tuple(run.format(**own) for run in runs),
+            height_cm,
+            draw,
+        )
 
 
 # How the paper lays out its figures, from the panels of `vibsim.plots`.
@@ -431,106 +405,11 @@ def _title(sheet: Figure | SubFigure, subject: Subject) -> None:
     sheet.suptitle(f"{subject.name}: {subject.title}{known}", x=0.01, ha="left", fontsize=8)
 
 
-# Load curves of the motors: up to which no-load speed orbits are held, as printed and in the readings.
-#
-# The branch of orbits of one turn is followed from below the resonance, over all no-load speeds. Where the
-# motor's line meets it the motor can run; beyond its fold no line does, and no such orbit holds the motor.
+# Load curves of the motors, as printed and in the readings.
 
 
-KEY, SPAN = "excitation.Omega0", "3:9 Hz"
-BEGIN = {KEY: "3.8 Hz"}  # below the resonance, where a run from rest comes to an orbit of the branch
-CHANGED = {  # name: what is changed of the motor as printed, to the value of the reading
-    "as printed": (),
-    "c alone": ("coupling.c",),
-    "J alone": ("excitation.J",),
-    "the reading": ("coupling.c", "excitation.J"),
-}
 DRAWN = ("as printed", "the reading")
 HEIGHT_CM = 8.0
-Tell = Callable[[str, int, int], bool]
-
-
-def followed_cases() -> dict[str, Case]:
-    """The motors whose branches are followed, by what is changed."""
-    printed, reading = load_case(PRINTED_MOTOR), load_case(SHIPPED_READINGS[0])
-    return {
-        name: printed.with_values({**{key: str(reading.quantity(key)) for key in keys}, **BEGIN})
-        for name, keys in CHANGED.items()
-    }
-
-
-def obtain_branches(folder: Path, tell: Tell, fresh: bool = False) -> dict[str, Branch]:
-    """The branches by name, from FOLDER or followed now. Raises Interrupted when `tell` returns False."""
-    branches, cases = {}, followed_cases()
-    for done, (name, case) in enumerate(cases.items()):
-
-        def watch(*_: object, done: int = done) -> bool:
-            return tell("following orbits", done, len(cases))
-
-        branches[name] = _branch(case, folder / f"{name.replace(' ', '-')}.h5", watch, fresh)
-        if not tell("following orbits", done + 1, len(cases)):
-            raise MeasurementInterrupted
-    return branches
-
-
-def _branch(case: Case, path: Path, watch: Callable[..., bool], fresh: bool) -> Branch:
-    stored = None if fresh else _stored(case, path)
-    if stored is not None:
-        return stored
-    plan = plan_from(orbit_from(case), *read_span(case, KEY, SPAN))
-    branch, finished = complete(BranchStore(plan, path, force=True), MOST_POINTS, watch=watch)
-    if not finished:
-        raise MeasurementInterrupted
-    return branch
-
-
-def _stored(case: Case, path: Path) -> Branch | None:
-    """The branch on file, if it is whole and of this very case and version."""
-    try:
-        branch = read_branch(path) if path.is_file() else None
-    except ResultFileError:
-        return None
-    if branch is None or not branch.attrs.get("complete"):
-        return None
-    same = (branch.case.sha256, branch.attrs.get("vibsim_version")) == (case.sha256, __version__)
-    return branch if same else None
-
-
-def measure_ends(branches: Mapping[str, Branch]) -> Numbers:
-    """Of each branch: up to which no-load speed orbits are held, mean speed [Hz], torque [N m], power [W] and
-    amplitude [m] there and, as `half`, at the last orbit before that takes at most half the power,
-    None where the branch has none.
-    """
-    return {name: _end(branch) for name, branch in branches.items()}
-
-
-def _end(branch: Branch) -> Numbers:
-    last = max(dead_ends(branch), key=lambda orbit: orbit.parameter)
-    (special,) = (one for one in branch.specials if one.orbit is last)
-    end = _load_curves_point(branch, last)
-    before = [point.orbit for point in branch.points[: special.between[0] + 1]]
-    powers = [_load_curves_point(branch, orbit)["power"] for orbit in before]
-    lower = [orbit for orbit, power in zip(before, powers, strict=True) if power <= end["power"] / 2]
-    amplitude = amplitude_of(branch)
-    return {
-        **end,
-        "kind": special.kind,
-        "amplitude": amplitude(last),
-        "half": {**_load_curves_point(branch, lower[-1]), "amplitude": amplitude(lower[-1])}
-        if lower
-        else None,
-    }
-
-
-def _load_curves_point(branch: Branch, orbit: Any) -> Numbers:
-    """No-load speed, mean speed [Hz], mean torque [N m] and their power [W] of an orbit."""
-    speed, torque = branch.plan.n / orbit.period, torque_of(branch)(orbit)
-    return {
-        "no_load_hz": orbit.parameter,
-        "speed_hz": speed,
-        "torque": torque,
-        "power": 2 * pi * speed * torque,
-    }
 
 
 def draw_load_curves(branches: Mapping[str, Branch]) -> Figure:

@@ -8,26 +8,32 @@ from __future__ import annotations
 
 import signal
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, wait
 from dataclasses import dataclass
 from functools import partial
 from math import isclose, pi
 from multiprocessing import get_context
+from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibsim import __version__
 from vibsim.analysis import count_impacts, judge_capture, judge_regime, largest_exponent, measure_drift
+from vibsim.cases import load_case
 from vibsim.engine.blocks_ahead import available_cores
 from vibsim.engine.errors import EngineError
 from vibsim.evidence.reports.measurements import EVERY as measurements_EVERY
 from vibsim.evidence.reports.measurements import (
     PRINTED,
+    PRINTED_MOTOR,
+    SHIPPED_READINGS,
     Advance,
     MeasurementInterrupted,
     Numbers,
+    Tell,
     drifts,
     from_starts,
     outcome_of,
@@ -38,8 +44,15 @@ from vibsim.evidence.reports.measurements import (
 from vibsim.fitting.fit_result import facts
 from vibsim.fitting.fitting import make_plan, run_fit
 from vibsim.fitting.plan import Search
+from vibsim.orbits.branches.branch import Branch, BranchStore, read_branch
+from vibsim.orbits.branches.continuing import orbit_from
+from vibsim.orbits.branches.curve import complete
+from vibsim.orbits.branches.plan import plan_from, read_span
+from vibsim.orbits.branches.tracing import MOST_POINTS
 from vibsim.physics.parts import EVENT_KINDS
-from vibsim.results import Result, simulate
+from vibsim.plots.branch_curves import dead_ends, torque_of
+from vibsim.plots.branch_values import amplitude_of
+from vibsim.results import Result, ResultFileError, simulate
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -388,3 +401,100 @@ def _as_result(case: Case, times: np.ndarray, attempt: Any) -> Result:
     struck = np.array([t for t, kind in attempt.events if kind == EVENT_KINDS["contact_begin"]])
     events = {"t": struck, "kind": np.full(len(struck), EVENT_KINDS["contact_begin"])}
     return Result({"complete": 1, "t_reached_s": float(times[-1])}, samples, events, case=case)
+
+
+# Load curves of the motors: up to which no-load speed orbits are held, as printed and in the readings.
+#
+# The branch of orbits of one turn is followed from below the resonance, over all no-load speeds. Where the
+# motor's line meets it the motor can run; beyond its fold no line does, and no such orbit holds the motor.
+
+
+NO_LOAD, SPAN = "excitation.Omega0", "3:9 Hz"
+BEGIN = {NO_LOAD: "3.8 Hz"}  # below the resonance, where a run from rest comes to an orbit of the branch
+CHANGED = {  # name: what is changed of the motor as printed, to the value of the reading
+    "as printed": (),
+    "c alone": ("coupling.c",),
+    "J alone": ("excitation.J",),
+    "the reading": ("coupling.c", "excitation.J"),
+}
+
+
+def followed_cases() -> dict[str, Case]:
+    """The motors whose branches are followed, by what is changed."""
+    printed, reading = load_case(PRINTED_MOTOR), load_case(SHIPPED_READINGS[0])
+    return {
+        name: printed.with_values({**{key: str(reading.quantity(key)) for key in keys}, **BEGIN})
+        for name, keys in CHANGED.items()
+    }
+
+
+def obtain_branches(folder: Path, tell: Tell, fresh: bool = False) -> dict[str, Branch]:
+    """The branches by name, from FOLDER or followed now. Raises Interrupted when `tell` returns False."""
+    branches, cases = {}, followed_cases()
+    for done, (name, case) in enumerate(cases.items()):
+
+        def watch(*_: object, done: int = done) -> bool:
+            return tell("following orbits", done, len(cases))
+
+        branches[name] = _followed(case, folder / f"{name.replace(' ', '-')}.h5", watch, fresh)
+        if not tell("following orbits", done + 1, len(cases)):
+            raise MeasurementInterrupted
+    return branches
+
+
+def _followed(case: Case, path: Path, watch: Callable[..., bool], fresh: bool) -> Branch:
+    stored = None if fresh else _branch_on_file(case, path)
+    if stored is not None:
+        return stored
+    plan = plan_from(orbit_from(case), *read_span(case, NO_LOAD, SPAN))
+    branch, finished = complete(BranchStore(plan, path, force=True), MOST_POINTS, watch=watch)
+    if not finished:
+        raise MeasurementInterrupted
+    return branch
+
+
+def _branch_on_file(case: Case, path: Path) -> Branch | None:
+    """The branch on file, if it is whole and of this very case and version."""
+    try:
+        branch = read_branch(path) if path.is_file() else None
+    except ResultFileError:
+        return None
+    if branch is None or not branch.attrs.get("complete"):
+        return None
+    same = (branch.case.sha256, branch.attrs.get("vibsim_version")) == (case.sha256, __version__)
+    return branch if same else None
+
+
+def measure_ends(branches: Mapping[str, Branch]) -> Numbers:
+    """Of each branch: up to which no-load speed orbits are held, mean speed [Hz], torque [N m], power [W] and
+    amplitude [m] there and, as `half`, at the last orbit before that takes at most half the power,
+    None where the branch has none.
+    """
+    return {name: _end(branch) for name, branch in branches.items()}
+
+
+def _end(branch: Branch) -> Numbers:
+    last = max(dead_ends(branch), key=lambda orbit: orbit.parameter)
+    (special,) = (one for one in branch.specials if one.orbit is last)
+    end = _held_point(branch, last)
+    before = [point.orbit for point in branch.points[: special.between[0] + 1]]
+    powers = [_held_point(branch, orbit)["power"] for orbit in before]
+    lower = [orbit for orbit, power in zip(before, powers, strict=True) if power <= end["power"] / 2]
+    amplitude = amplitude_of(branch)
+    return {
+        **end,
+        "kind": special.kind,
+        "amplitude": amplitude(last),
+        "half": {**_held_point(branch, lower[-1]), "amplitude": amplitude(lower[-1])} if lower else None,
+    }
+
+
+def _held_point(branch: Branch, orbit: Any) -> Numbers:
+    """No-load speed, mean speed [Hz], mean torque [N m] and their power [W] of an orbit."""
+    speed, torque = branch.plan.n / orbit.period, torque_of(branch)(orbit)
+    return {
+        "no_load_hz": orbit.parameter,
+        "speed_hz": speed,
+        "torque": torque,
+        "power": 2 * pi * speed * torque,
+    }
