@@ -43,7 +43,7 @@ ROUNDED = {  # what becomes whole digits; products one by one; the functions of 
 }
 LIBRARIES = {  # libraries whose arithmetic a result takes, each with the reason why it may
     "analysis/comparison.py": {"scipy.special"},  # stdtrit: half widths, 2e-11 apart between releases
-    "analysis/dominant_frequencies.py": {
+    "analysis/analysis.py": {
         "scipy.fft",
         "scipy.signal",
     },  # one code for all processors; a search

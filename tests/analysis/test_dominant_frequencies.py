@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.results.made import short_run
-from vibsim.analysis.dominant_frequencies import find_frequencies, lines_of, order_of
+from vibsim.analysis.analysis import find_frequencies, lines_of, order_of
 
 T = np.arange(0, 30_001) * 5e-3
 

@@ -19,7 +19,9 @@ from vibsim.lazy import lazy_names
 
 if TYPE_CHECKING:
     from vibsim.analysis.analysis import Analysis as Analysis
+    from vibsim.analysis.analysis import DominantFrequencies as DominantFrequencies
     from vibsim.analysis.analysis import analyse as analyse
+    from vibsim.analysis.analysis import find_frequencies as find_frequencies
     from vibsim.analysis.capture import Capture as Capture
     from vibsim.analysis.capture import judge_capture as judge_capture
     from vibsim.analysis.comparison import Comparison as Comparison
@@ -31,8 +33,6 @@ if TYPE_CHECKING:
     from vibsim.analysis.cycles import ImpactsVerdict as ImpactsVerdict
     from vibsim.analysis.cycles import RegimeVerdict as RegimeVerdict
     from vibsim.analysis.cycles import Span as Span
-    from vibsim.analysis.dominant_frequencies import DominantFrequencies as DominantFrequencies
-    from vibsim.analysis.dominant_frequencies import find_frequencies as find_frequencies
     from vibsim.analysis.drift import Drift as Drift
     from vibsim.analysis.drift import ImpactsPerCycle as ImpactsPerCycle
     from vibsim.analysis.drift import count_impacts as count_impacts

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibsim.analysis.analysis import find_frequencies
 from vibsim.analysis.capture import FAR, NEAR, all_resonances, judge_capture
 from vibsim.analysis.cycles import (
     BAND,
@@ -28,7 +29,6 @@ from vibsim.analysis.cycles import (
     span_of,
     steady_span,
 )
-from vibsim.analysis.dominant_frequencies import find_frequencies
 from vibsim.analysis.drift import CYCLES, count_impacts, measure_drift
 from vibsim.analysis.regime import judge_regime
 from vibsim.engine.section import has_section

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize, to_rgb
 from matplotlib.figure import Figure
 
-from vibsim.analysis.dominant_frequencies import motions_of
+from vibsim.analysis.analysis import motions_of
 from vibsim.physics.rates import motor_columns
 from vibsim.plots.portraits import moving
 from vibsim.plots.samples import (

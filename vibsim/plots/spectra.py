@@ -9,14 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.analysis.dominant_frequencies import (
-    displacement,
-    fastest,
-    is_still,
-    motions_of,
-    spectrum_of,
-    without_line,
-)
+from vibsim.analysis.analysis import displacement, fastest, is_still, motions_of, spectrum_of, without_line
 from vibsim.cases.ramps import drive_turns
 from vibsim.physics.parts import columns_of
 from vibsim.physics.rates import common_period, motor_columns, source_rates, turning_columns
