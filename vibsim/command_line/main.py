@@ -193,14 +193,13 @@ def _discard_stdout() -> None:
     os.close(nowhere)
 
 
-# heading -> name -> (module of commands/, with a name where it is not its `command`, one line); the list is
-# printed without importing any of them
+# heading -> name -> (module of commands/, one line); the list is printed without importing any of them
 LISTED = {
     "Cases": {
         "cases": ("cases", "List the shipped cases, or print one."),
-        "new": ("cases:new_command", "Begin a case file of your own."),
+        "new": ("new", "Begin a case file of your own."),
         "check": ("check", "Check case files."),
-        "schema": ("check:schema_command", "Print the JSON Schema of a case file."),
+        "schema": ("schema", "Print the JSON Schema of a case file."),
     },
     "Motions": {
         "run": ("run", "Run cases and write their trajectories."),
@@ -212,7 +211,7 @@ LISTED = {
     },
     "Results": {
         "plot": ("plot", "Draw pictures of runs, cases and sweeps."),
-        "animate": ("plot:animate_command", "Show the machine of a run, moving."),
+        "animate": ("animate", "Show the machine of a run, moving."),
         "info": ("info", "Say what a result file holds."),
         "analyse": ("analyse", "Judge runs: capture, drift, impacts, regime, frequencies."),
         "compare": ("compare", "Compare two runs."),
@@ -250,8 +249,7 @@ class LazyGroup(click.Group):
             return None
         if self.owns_the_process:
             signals.of_the_command = True
-        module, _, name = COMMANDS[cmd_name][0].partition(":")
-        command: click.Command = named(f"vibsim.command_line.commands.{module}:{name or 'command'}")
+        command: click.Command = named(f"vibsim.command_line.commands.{COMMANDS[cmd_name][0]}:command")
         add_global_options(command)
         refuse_repeated(command)
         return command

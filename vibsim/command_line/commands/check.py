@@ -1,6 +1,4 @@
-"""vibsim check: are these case files right, and if not, what is wrong with them? And vibsim schema, by which
-editors ask the same.
-"""
+"""vibsim check: are these case files right, and if not, what is wrong with them?"""
 
 from __future__ import annotations
 
@@ -106,25 +104,3 @@ def _described(report: Report) -> dict[str, Any]:
         facts |= {"name": case.name, "sha256": case.sha256, "resolved": json.loads(case.resolved_json())}
         facts["facts"] = {fact.name: {"value": fact.value, "unit": fact.unit} for fact in _facts(case)}
     return facts
-
-
-# The JSON Schema of a case file.
-
-
-@click.command(
-    "schema",
-    short_help="Print the JSON Schema of a case file.",
-    epilog=examples(
-        "vibsim schema > vibsim-case.json",
-        "# then, as the first line of a case file, for editors that know the YAML language server:",
-        "# yaml-language-server: $schema=vibsim-case.json",
-    ),
-)
-def schema_command() -> None:
-    """Print the JSON Schema of a case file: keys, units, ranges, defaults.
-
-    Editors that know JSON Schema use it to complete keys and to mark mistakes while you type.
-    """
-    from vibsim.cases import case_schema
-
-    print_json(case_schema(), indent=2)
