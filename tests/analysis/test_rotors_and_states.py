@@ -9,7 +9,7 @@ from vibsim.analysis.comparison import block_values, compare, unit_of
 from vibsim.analysis.cycles import cycle_ends
 from vibsim.analysis.drift import displacement, drifting
 from vibsim.analysis.sections import SectionCoordinates
-from vibsim.plots.spectra import turn_times
+from vibsim.plots.poincare_sections import turn_times
 
 
 @pytest.fixture(scope="module")

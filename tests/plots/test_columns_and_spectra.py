@@ -6,7 +6,7 @@ import pytest
 import vibsim
 from tests.command_line.made import call
 from vibsim.plots import frequency_pictures, picture
-from vibsim.plots.spectra import pieces, spectra
+from vibsim.plots.frequency_pictures import pieces, spectra
 from vibsim.plots.subject import PlotError, View, open_subject, subject_of
 
 # x = A sin(omega t) / (k / m - omega^2) once the free vibration is set off rightly: v(0) makes it a pure sine

@@ -9,7 +9,7 @@ import vibsim
 from tests.plots.artists import lines, points
 from vibsim.physics.parts import EVENT_KINDS, columns_of
 from vibsim.plots import samples, traces
-from vibsim.plots.portraits import _bins
+from vibsim.plots.poincare_sections import _bins
 from vibsim.plots.registry import kind_named
 from vibsim.plots.subject import PlotError, View
 from vibsim.plots.traces import dense

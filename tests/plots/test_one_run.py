@@ -9,10 +9,9 @@ import vibsim
 from tests.plots.artists import lines, patches, points
 from vibsim.cases import load_case
 from vibsim.physics.parts import EVENT_KINDS
+from vibsim.plots.poincare_sections import drift_rate, turn_times
 from vibsim.plots.registry import kind_named
-from vibsim.plots.spectra import turn_times
 from vibsim.plots.subject import Subject, View, open_subject
-from vibsim.plots.time_histories import drift_rate
 
 
 def figure_of(kind, subjects, **view):

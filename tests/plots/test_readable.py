@@ -10,7 +10,8 @@ from tests.plots.artists import lines, points
 from vibsim.cases.case import load_case_text
 from vibsim.cases.ramps import Ramp, ramped
 from vibsim.plots.overview import stiffness_panel
-from vibsim.plots.portraits import impact_velocity_picture, phase_picture, stroboscopic_picture
+from vibsim.plots.poincare_sections import impact_velocity_picture, stroboscopic_picture
+from vibsim.plots.portraits import phase_picture, relative_picture
 from vibsim.plots.registry import choose
 from vibsim.plots.samples import Frequency
 from vibsim.plots.sheet import FewTicks, Scale, columns_of, scale_for, seconds, signed
@@ -18,7 +19,7 @@ from vibsim.plots.slow_passages import run_up_picture
 from vibsim.plots.subject import View, subject_of
 from vibsim.plots.sweep_curves import fill, leaps
 from vibsim.plots.sweep_pictures import sommerfeld_picture
-from vibsim.plots.time_histories import displacement_picture, relative_picture
+from vibsim.plots.time_histories import displacement_picture
 from vibsim.plots.traces import Trace, draw_trace, folded
 from vibsim.results.simulation import simulate
 from vibsim.sweeps import sweep

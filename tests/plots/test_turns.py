@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vibsim.plots import samples
-from vibsim.plots.spectra import states_at, turn_times
+from vibsim.plots.poincare_sections import states_at, turn_times
 
 
 def test_harmonic_turns_are_multiples_of_the_period(subject):
@@ -31,7 +31,7 @@ def test_no_turn_is_lost_between_blocks(subject, monkeypatch):
 
 
 def test_several_turns_between_samples():
-    from vibsim.plots.spectra import _turns
+    from vibsim.plots.poincare_sections import _turns
 
     t = np.array([0.0, 1.0, 2.0])
     phi, phidot = 2 * math.pi * 3.5 * t - 1, np.full(3, 2 * math.pi * 3.5)

@@ -20,6 +20,7 @@ from vibsim.physics.formulas import Node
 from vibsim.physics.parts import GROUND, Link, Motor, RigidStop, Scene, Stop
 from vibsim.physics.rates import motor_columns
 from vibsim.plots.machine import machine_panel, machine_size
+from vibsim.plots.portraits import relative_panel
 from vibsim.plots.samples import (
     common_window,
     detail_span,
@@ -61,7 +62,6 @@ from vibsim.plots.time_histories import (
     histories,
     is_short,
     motor_speed_panel,
-    relative_panel,
     rotor_speed_panel,
     rotor_speeds,
 )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,19 +9,14 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from vibsim.physics.parts import columns_of
-from vibsim.physics.rates import common_period, turning_columns
+from vibsim.physics.rates import turning_columns
+from vibsim.plots.poincare_sections import draw_poincare, drift_rate, states_at
 from vibsim.plots.samples import (
-    PERIODS_AT_MOST,
-    common_window,
     draw_stop_line,
-    events_within,
-    last_half,
     shown,
     steady_span,
-    window_of,
 )
 from vibsim.plots.sheet import (
     Scale,
@@ -30,18 +24,14 @@ from vibsim.plots.sheet import (
     legend_above,
     letter_panels,
     note,
-    say_inside,
     scale_for,
     seconds,
     sheet,
     signed,
     symbol,
-    time_axis,
 )
-from vibsim.plots.spectra import states_at, turn_times
-from vibsim.plots.style import BLUE, GREY, MARKERS, SHADE, dot_size, overlay
+from vibsim.plots.style import BLUE, GREY, SHADE, overlay
 from vibsim.plots.subject import Span, Subject, View
-from vibsim.plots.time_histories import draw_poincare, drift_rate
 from vibsim.plots.traces import (
     RINGS_UP_TO,
     UP_TO_TURNS,
@@ -50,6 +40,7 @@ from vibsim.plots.traces import (
     PlottedPair,
     Trace,
     common_pairs,
+    draw_belts,
     draw_impacts,
     draw_trace,
     folded,
@@ -58,11 +49,9 @@ from vibsim.plots.traces import (
     label_relative,
     relative_traces,
     trace,
-    trust_marks,
     trust_remark,
     within_a_turn,
 )
-from vibsim.results.columns import closing_velocities
 
 
 @dataclass(frozen=True)
@@ -309,238 +298,68 @@ def _circle(axes: Axes, subjects: Sequence[Subject]) -> None:
     note(axes, ", ".join(stable))
 
 
-# Stroboscopic section of the relative motion: the state once per period of the source.
+# Phase portrait of the relative motion.
 
 
-LEAST = 1e-2  # of the extent of the motion: the least that is shown
+BESIDE_STOP = 20  # characters of a remark that has room beside the name of the stop
 
 
-def stroboscopic_picture(subjects: Sequence[Subject], view: View) -> Figure:
-    """Relative velocity against relative displacement (`pair_of`) at the end of each period of the source.
+def relative_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Relative velocity against relative displacement, and the stop.
 
-    The last half of the run by default.
+    The last 50 periods unless the view has a window.
     """
     figure = sheet(view, 7.2)
     axes = figure.subplots()
-    spans = [shown(subject, view.window, last_half) for subject in subjects]
+    relative_panel(axes, subjects, view)
+    if len(subjects) > 1:
+        legend_above(axes)
+    return figure
+
+
+def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
+    """The portrait in given axes."""
+    spans = [shown(subject, view.window, steady_span) for subject in subjects]
     pairs = common_pairs(subjects)
-    drawn = [section(*each) for each in zip(subjects, pairs, spans, strict=True)]
-    units = subjects[0].unit("m"), subjects[0].unit("m/s")
-    scales = scale_for(units[0], *(y for y, _ in drawn)), scale_for(units[1], *(u for _, u in drawn))
-    for i, (subject, (y, u)) in enumerate(zip(subjects, drawn, strict=True)):
-        colour = overlay(i)["color"] if len(subjects) > 1 else BLUE
-        axes.plot(
-            scales[0](y), scales[1](u), linestyle="none", marker=MARKERS[i % len(MARKERS)],
-            markersize=dot_size(len(y)),
-            markeredgewidth=0.3, markerfacecolor="none" if len(subjects) > 1 else colour, color=colour,
-            label=subject.name, gid="section", rasterized=len(y) > 20_000,
-        )  # fmt: skip
-    axes.margins(0.06)
-    _no_narrower_than_rounding(axes, subjects, pairs, spans, scales)
-    label_relative(axes, pairs[0], scales)
-    count = sum(len(y) for y, _ in drawn)
-    if not count:
-        say_inside(axes, "no period of the source ends here")
-        axes.set(xticks=[], yticks=[])
-    remarks = [f"{count} point{'' if count == 1 else 's'}", *dict.fromkeys(map(seconds, spans))]
-    remarks += [UP_TO_TURNS] if pairs[0].whole_turns else []
-    named = count > 0 and len(subjects) == 1 and _stops_if_near(axes, pairs[0], scales[0])
-    note(axes, "; ".join(filter(None, [*remarks, trust_remark(subjects, spans)])), above=1 if named else 0)
-    if len(subjects) > 1:
-        legend_above(axes, markerscale=2)
-    return figure
-
-
-def _no_narrower_than_rounding(
-    axes: Axes,
-    subjects: Sequence[Subject],
-    pairs: Sequence[PlottedPair],
-    spans: Sequence[Span],
-    scales: tuple[Scale, Scale],
-) -> None:
-    """Widen axes to a share of the motion: a periodic motion is a point, whose scatter is rounding."""
     traces = relative_traces(subjects, pairs, spans)
-    motions = [each.x for each in traces], [each.y for each in traces]
-    for axis, scale, values in zip((axes.xaxis, axes.yaxis), scales, motions, strict=True):
-        low, high = axis.get_view_interval()
-        every = scale(np.concatenate(values))
-        least = LEAST * float(np.nanmax(every) - np.nanmin(every))
-        if high - low < least:
-            middle = (low + high) / 2
-            axis.set_view_interval(middle - least / 2, middle + least / 2, ignore=True)
-
-
-def section(subject: Subject, pair: PlottedPair, span: Span) -> tuple[np.ndarray, np.ndarray]:
-    """Relative displacement [m] and velocity [m/s] (n) at each turn of the source within the span."""
-    times = turn_times(subject.result, span)
-    names = tuple(name for name in pair.names if name != "time")
-    states = states_at(subject.result, names, times, PERIODS_AT_MOST + 1)
-    y, u = pair.plane({**states, "time": times[times <= subject.result.t_reached]})
-    return (within_a_turn(y) if pair.whole_turns else y), u
-
-
-def _stops_if_near(axes: Axes, pair: PlottedPair, scale: Scale) -> bool:
-    """The stops, but for those so far off that they would squeeze the section; whether any is drawn."""
-    low, high = axes.get_xlim()
-    near = [(at, text) for at, text in pair.stops if low <= float(scale(at)) <= high]
-    for at, text in near:
-        draw_stop_line(axes, at, scale, text)
-    return bool(near)
-
-
-# Velocity at which the blocks meet the stop: over time, over the source's phase, and its histogram.
-
-
-BINS = 40  # at most
-BINS_OF_ROOT = 4  # bins per cube root of the number of impacts: twice the rule of Rice, for narrow peaks
-THINNEST = 0.012  # of the greatest velocity: a bar that can be seen
-LONGEST_NOTE = 10  # characters above the narrow histogram
-HEADROOM = 1.1  # beyond the longest bar of the histogram, and above the fastest impact
-CLOSING = "Closing velocity"
-NO_IMPACTS = "no impacts"
-
-
-@dataclass(frozen=True)
-class Impacts:
-    """Instants [s], closing velocities [m/s] (into the stop: > 0), phases of the source [turns]; (n)."""
-
-    t: np.ndarray
-    closing: np.ndarray
-    phase: np.ndarray | None
-
-    def within(self, span: Span) -> Impacts:
-        """Those within a span [s]."""
-        inside = (self.t >= span[0]) & (self.t <= span[1])
-        return Impacts(
-            self.t[inside], self.closing[inside], self.phase[inside] if self.phase is not None else None
+    units = subjects[0].unit("m"), subjects[0].unit("m/s")
+    scales = (
+        scale_for(units[0], *(each.x for each in traces)),
+        scale_for(units[1], *(each.y for each in traces)),
+    )
+    for i, (subject, each) in enumerate(zip(subjects, traces, strict=True)):
+        look = {**overlay(i), "alpha": 0.7} if len(subjects) > 1 else {"color": BLUE}
+        draw_trace(axes, each, scales, label=subject.name, gid="relative", **look)
+    points_said = ""
+    if view.poincare:
+        listed = zip(subjects, pairs, spans, strict=True)
+        points_said = draw_poincare(
+            axes,
+            [(s, pair.names, pair.plane, span) for s, pair, span in listed],
+            scales,
+            pairs[0].whole_turns,
         )
+    draw_belts(axes, pairs[0], scales[1])
+    every = dict.fromkeys(stop for pair in pairs for stop in pair.stops)
+    stops = [stop for stop in every if _is_near(stop[0], traces)]
+    for position, text in stops:
+        draw_stop_line(axes, position, scales[0], text if len(subjects) == 1 else "")
+    axes.margins(0.05)
+    label_relative(axes, pairs[0], scales)
+    rest_said = "" if any(each.x.any() or each.y.any() for each in traces) else "no relative motion"
+    turns_said = UP_TO_TURNS if pairs[0].whole_turns else ""
+    said = (rest_said, *dict.fromkeys(map(seconds, spans)), points_said, turns_said)
+    remarks = [*said, trust_remark(subjects, spans)]
+    text = "; ".join(filter(None, remarks))
+    crowded = len(text) > BESIDE_STOP or any(not name.startswith("$") for _, name in stops)
+    note(axes, text, above=1 if len(subjects) == 1 and stops and crowded else 0)
 
 
-def impact_velocity_picture(subjects: Sequence[Subject], view: View) -> Figure:
-    """Closing velocity of each impact against time; of a settled motion its histogram and phase.
-
-    Histogram and phases are those of the last half of the run, unless the view has a window.
-    """
-    window = common_window(subjects, view.window)
-    of_subjects = [impacts_of(subject, window_of(subject, window)) for subject in subjects]
-    spans = [_settled(subject, view, impacts) for subject, impacts in zip(subjects, of_subjects, strict=True)]
-    settled = [impacts.within(span) for impacts, span in zip(of_subjects, spans, strict=True)]
-    scale = scale_for(subjects[0].unit("m/s"), *(impacts.closing for impacts in of_subjects))
-    with_phase = any(impacts.phase is not None for impacts in of_subjects)
-    figure = sheet(view, 8.8 if with_phase else 5.0)
-    grid = figure.add_gridspec(2 if with_phase else 1, 2, width_ratios=(4, 1))
-    over_time = figure.add_subplot(grid[0, 0])
-    histogram = figure.add_subplot(grid[0, 1], sharey=over_time)
-    over_phase = figure.add_subplot(grid[1, :]) if with_phase else None
-    colours = [overlay(i)["color"] for i in range(len(subjects))] if len(subjects) > 1 else [BLUE]
-    for subject, impacts, late, colour in zip(subjects, of_subjects, settled, colours, strict=True):
-        _dots(over_time, impacts.t, scale(impacts.closing), colour, subject.name)
-        _histogram(histogram, scale(late.closing), colour, filled=len(subjects) == 1)
-        if over_phase is not None and late.phase is not None:
-            _dots(over_phase, 360 * late.phase, scale(late.closing), colour, subject.name)
-    _finish(over_time, histogram, over_phase, scale, window)
-    _say(subjects, (over_time, histogram, over_phase), (window, spans), settled, colours)
-    if not any(len(impacts.t) for impacts in of_subjects):
-        _say_none(over_time, histogram, over_phase)
-    if len(subjects) > 1:
-        legend_above(over_time, markerscale=5)
-    letter_panels([axes for axes in (over_time, histogram, over_phase) if axes is not None])
-    return figure
+def _is_near(position: float, traces: Sequence[Trace]) -> bool:
+    """Whether a stop [m] is so near what motions reach that these are not squeezed where it is drawn."""
+    x = np.concatenate([trace.x for trace in traces])
+    low, high = float(np.nanmin(x)), float(np.nanmax(x))
+    return max(low - position, position - high) <= FARTHEST * (high - low)
 
 
-def _settled(subject: Subject, view: View, impacts: Impacts) -> Span:
-    """The part of the run of which phases and frequencies are shown: the last half, or the view's window.
-
-    All of the run where the last half has no impacts.
-    """
-    span = shown(subject, view.window, last_half)
-    return span if len(impacts.within(span).t) else window_of(subject, view.window)
-
-
-def _say(
-    subjects: Sequence[Subject],
-    panels: tuple[Axes, Axes, Axes | None],
-    spans: tuple[Span, Sequence[Span]],
-    settled: Sequence[Impacts],
-    colours: Sequence[Any],
-) -> None:
-    """Marks of the trust horizons, and above each panel what it shows."""
-    over_time, histogram, over_phase = panels
-    lines = colours if len(subjects) > 1 else [GREY]
-    trust = trust_marks(over_time, subjects, spans[0], lines)
-    count = sum(len(impacts.t) for impacts in settled)
-    words = f"{count} impact{'' if count == 1 else 's'}"
-    listed = "; ".join(dict.fromkeys(map(seconds, spans[1])))
-    if over_phase is None:
-        note(over_time, "; ".join(filter(None, [trust, f"histogram: {words}, {listed}"])))
-        return
-    note(over_time, trust)
-    note(over_phase, f"{words}, {listed}")
-    if len(listed) <= LONGEST_NOTE:
-        note(histogram, listed)
-
-
-def impacts_of(subject: Subject, span: Span) -> Impacts:
-    """The impacts of a run within the span, at all its stops; the phase is that of the common period of the
-    forces and the base, or the angle of the rotor.
-    """
-    scene = subject.scene
-    events = events_within(subject.result, None, span)
-    t, closing = events["t"], closing_velocities(scene, events)
-    rows, period = ~np.isnan(closing), common_period(scene)
-    t, closing = t[rows], closing[rows]
-    turning = turning_columns(scene)
-    if turning is not None:
-        return Impacts(t, closing, np.mod(events[turning[0]][rows] / (2 * math.pi), 1.0))
-    if period is not None:
-        turns = t * period.cycles + t * period.cycles_lo
-        return Impacts(t, closing, np.mod(turns / period.turns, 1.0))
-    return Impacts(t, closing, None)
-
-
-def _say_none(over_time: Axes, histogram: Axes, over_phase: Axes | None) -> None:
-    """Empty panels without a scale of velocities, which nothing has given them."""
-    say_inside(over_time, NO_IMPACTS)
-    for axes in filter(None, (over_time, histogram, over_phase)):
-        axes.set_yticks([])
-    histogram.set_xticks([0])
-
-
-def _dots(axes: Axes, x: np.ndarray, y: np.ndarray, colour: str, label: str) -> None:
-    axes.plot(
-        x, y, linestyle="none", marker="o", markersize=dot_size(len(x)), markeredgewidth=0, color=colour,
-        label=label, gid="impacts", rasterized=len(x) > 5_000, clip_on=not len(x),
-        zorder=2.6,
-    )  # fmt: skip
-
-
-def _histogram(axes: Axes, values: np.ndarray, colour: str, filled: bool) -> None:
-    if len(values):
-        counts, edges = np.histogram(values, *_bins(values))
-        axes.stairs(counts, edges, orientation="horizontal", fill=filled, color=colour, linewidth=0.7)
-
-
-def _bins(values: np.ndarray) -> tuple[int, tuple[float, float]]:
-    """Number and range of the bins, of which none is too thin to be seen."""
-    low, high = float(values.min()), float(values.max())
-    thinnest = THINNEST * high
-    most = min(BINS, math.ceil(BINS_OF_ROOT * len(values) ** (1 / 3)))
-    bins = max(1, min(most, int((high - low) / thinnest))) if thinnest > 0 else most
-    room = max(0.0, bins * thinnest - (high - low)) / 2
-    return bins, (low - room, high + room)
-
-
-def _finish(over_time: Axes, histogram: Axes, over_phase: Axes | None, scale: Scale, window: Span) -> None:
-    over_time.set_ylabel(scale.label(CLOSING))
-    time_axis(over_time, window)
-    histogram.tick_params(labelleft=False)
-    histogram.set_xlabel("Count")
-    histogram.set_xlim(0, HEADROOM * max(histogram.get_xlim()[1], 1))
-    histogram.xaxis.set_major_locator(MaxNLocator(2, integer=True))
-    over_time.set_ylim(0, max(over_time.get_ylim()[1], HEADROOM * over_time.dataLim.y1))
-    if over_phase is not None:
-        over_phase.set_xlim(0, 360)
-        over_phase.set_xticks(range(0, 361, 60))
-        over_phase.set_ylim(over_time.get_ylim())
-        over_phase.set_xlabel("Phase of the source at impact (°)")
-        over_phase.set_ylabel(scale.label(CLOSING))
+FARTHEST = 10.0  # from a motion to a stop that is drawn, in extents of the motion

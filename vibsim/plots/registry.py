@@ -27,11 +27,12 @@ DRAWN_IN: dict[str, tuple[str, ...]] = {
     "frequency_pictures": ("displacement-frequency", "spectrum", "spectrogram", "waterfall"),
     "overview": ("overview", "stiffness", "motor"),
     "picture": ("columns",),
-    "portraits": ("phase", "phase-drift-free", "impact-velocity", "stroboscopic", "orbit-portrait"),
+    "poincare_sections": ("impact-velocity", "stroboscopic"),
+    "portraits": ("phase", "phase-drift-free", "relative", "orbit-portrait"),
     "slow_passages": ("run-up",),
     "sweep_pictures": ("sommerfeld", "lyapunov", "power", "end-state"),
     "sweep_responses": ("amplitude", "orbit", "basins"),
-    "time_histories": ("displacement", "velocity", "relative", "motor-speed", "rotor-speed", "states"),
+    "time_histories": ("displacement", "velocity", "motor-speed", "rotor-speed", "states"),
 }
 MODULES = {kind: module for module, kinds in DRAWN_IN.items() for kind in kinds}
 

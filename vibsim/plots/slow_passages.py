@@ -20,6 +20,7 @@ from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import EVENT_KINDS, Scene
 from vibsim.physics.rates import motor_columns
+from vibsim.plots.poincare_sections import TURNS, TurnExtremes, extremes_by_turn, turn_times
 from vibsim.plots.samples import events_within, natural_frequencies, window_of
 from vibsim.plots.sheet import (
     LEGEND_LINE_CM,
@@ -35,7 +36,6 @@ from vibsim.plots.sheet import (
     sheet,
     time_axis,
 )
-from vibsim.plots.spectra import TURNS, TurnExtremes, extremes_by_turn, turn_times
 from vibsim.plots.style import BLACK, BLUE, GREY, PINK, VERMILLION, dashed, overlay
 from vibsim.plots.subject import PlotError, Span, Subject, View, as_text
 from vibsim.plots.sweep_axes import along, is_speed, sets_no_load_speed

@@ -13,8 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vibsim.cases.ramps import no_load_speed
-from vibsim.physics.connections import Pair, drifting_sets
-from vibsim.physics.parts import BASE, ROTOR, STATE, Scene, columns_of
+from vibsim.physics.connections import Pair
+from vibsim.physics.parts import BASE, ROTOR, STATE, Scene
+from vibsim.plots.poincare_sections import TURNS, turn_times
 from vibsim.plots.samples import (
     DETAIL_PERIODS,
     POINTS_PER_COLUMN,
@@ -23,15 +24,12 @@ from vibsim.plots.samples import (
     common_window,
     contact_spans,
     detail_span,
-    draw_stop_line,
     impact_events,
     impacts_of,
     motor_of,
     natural_frequencies,
     period_of,
     series,
-    shown,
-    steady_span,
     stop_label,
     stop_position,
     window_of,
@@ -50,30 +48,18 @@ from vibsim.plots.sheet import (
     note,
     pixel_columns,
     scale_for,
-    seconds,
     sheet,
     symbol,
     time_axis,
 )
-from vibsim.plots.spectra import TURNS, states_at, turn_times
-from vibsim.plots.style import BLUE, GREY, SHADE, SKY, THIN, VERMILLION, dashed, nested, overlay, points
+from vibsim.plots.style import BLUE, GREY, SHADE, SKY, THIN, dashed, nested, overlay, points
 from vibsim.plots.subject import Span, Subject, View, as_text
 from vibsim.plots.traces import (
-    UP_TO_TURNS,
-    Plane,
-    Trace,
     annotate_runs,
-    common_pairs,
     dense,
-    draw_belts,
-    draw_trace,
-    label_relative,
     mark_detail,
-    relative_traces,
     samples_are_sparse,
     trust_marks,
-    trust_remark,
-    within_a_turn,
 )
 from vibsim.results.columns import base_motion
 
@@ -304,126 +290,6 @@ def displacement_picture(subjects: Sequence[Subject], view: View) -> Figure:
 def velocity_picture(subjects: Sequence[Subject], view: View) -> Figure:
     """v of each body against time [s], impacts marked, with a detail."""
     return draw_history(subjects, view, VELOCITY)
-
-
-# Phase portrait of the relative motion.
-
-
-BESIDE_STOP = 20  # characters of a remark that has room beside the name of the stop
-
-
-def relative_picture(subjects: Sequence[Subject], view: View) -> Figure:
-    """Relative velocity against relative displacement, and the stop.
-
-    The last 50 periods unless the view has a window.
-    """
-    figure = sheet(view, 7.2)
-    axes = figure.subplots()
-    relative_panel(axes, subjects, view)
-    if len(subjects) > 1:
-        legend_above(axes)
-    return figure
-
-
-def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
-    """The portrait in given axes."""
-    spans = [shown(subject, view.window, steady_span) for subject in subjects]
-    pairs = common_pairs(subjects)
-    traces = relative_traces(subjects, pairs, spans)
-    units = subjects[0].unit("m"), subjects[0].unit("m/s")
-    scales = (
-        scale_for(units[0], *(each.x for each in traces)),
-        scale_for(units[1], *(each.y for each in traces)),
-    )
-    for i, (subject, each) in enumerate(zip(subjects, traces, strict=True)):
-        look = {**overlay(i), "alpha": 0.7} if len(subjects) > 1 else {"color": BLUE}
-        draw_trace(axes, each, scales, label=subject.name, gid="relative", **look)
-    points_said = ""
-    if view.poincare:
-        listed = zip(subjects, pairs, spans, strict=True)
-        points_said = draw_poincare(
-            axes,
-            [(s, pair.names, pair.plane, span) for s, pair, span in listed],
-            scales,
-            pairs[0].whole_turns,
-        )
-    draw_belts(axes, pairs[0], scales[1])
-    every = dict.fromkeys(stop for pair in pairs for stop in pair.stops)
-    stops = [stop for stop in every if _is_near(stop[0], traces)]
-    for position, text in stops:
-        draw_stop_line(axes, position, scales[0], text if len(subjects) == 1 else "")
-    axes.margins(0.05)
-    label_relative(axes, pairs[0], scales)
-    rest_said = "" if any(each.x.any() or each.y.any() for each in traces) else "no relative motion"
-    turns_said = UP_TO_TURNS if pairs[0].whole_turns else ""
-    said = (rest_said, *dict.fromkeys(map(seconds, spans)), points_said, turns_said)
-    remarks = [*said, trust_remark(subjects, spans)]
-    text = "; ".join(filter(None, remarks))
-    crowded = len(text) > BESIDE_STOP or any(not name.startswith("$") for _, name in stops)
-    note(axes, text, above=1 if len(subjects) == 1 and stops and crowded else 0)
-
-
-def _is_near(position: float, traces: Sequence[Trace]) -> bool:
-    """Whether a stop [m] is so near what motions reach that these are not squeezed where it is drawn."""
-    x = np.concatenate([trace.x for trace in traces])
-    low, high = float(np.nanmin(x)), float(np.nanmax(x))
-    return max(low - position, position - high) <= FARTHEST * (high - low)
-
-
-FARTHEST = 10.0  # from a motion to a stop that is drawn, in extents of the motion
-POINT_PT = 2.6  # of a point of the Poincare section
-Section = tuple[Subject, tuple[str, ...], Plane, Span]  # columns, and what makes the plane of them
-
-
-def draw_poincare(
-    axes: Axes, sections: Sequence[Section], scales: tuple[Scale, Scale], whole_turns: bool = False
-) -> str:
-    """Where in a phase portrait the periods of the source end (forces and base: phase 0; motor: phi = 0), as
-    points, angles up to whole turns if wanted; what they are, in words, empty for runs without a period.
-    """
-    drawn = 0
-    for subject, names, plane, span in sections:
-        times = turn_times(subject.result, span)
-        columns = tuple(name for name in names if name != "time")
-        x, y = plane({**states_at(subject.result, columns, times, EXACT_UP_TO), "time": times})
-        x = within_a_turn(x) if whole_turns else x
-        drawn += len(x)
-        axes.plot(
-            scales[0](x), scales[1](y), linestyle="none", marker="o", markersize=POINT_PT, color=VERMILLION,
-            markeredgecolor="white", markeredgewidth=0.3, zorder=3.5, gid="poincare",
-        )  # fmt: skip
-    return "dots: once per period" if drawn else ""
-
-
-# The slow drift of a block, by which friction and impacts carry it along while it vibrates.
-
-
-ROUNDING = 1e-9  # of the greatest displacement: what points of a settled motion scatter by
-EXACT_UP_TO = 5000  # stroboscopic points that the engine evaluates; more are interpolated
-
-
-def drift_rate(result: Any, column: str, span: Span) -> float:
-    """Velocity at which a block travels over the span while it vibrates [m/s]; x is its `column`.
-
-    From points a multiple of the source's period apart, the median of (x(t + nT) - x(t)) / nT: exact for a
-    motion whose period divides n = 12, as those of 1, 2, 3, 4 and 6 turns do, whatever transient leads to it.
-    With fewer turns in the span, n is half of them; with fewer than two there is no drift to tell from the
-    vibration, and it is 0. So it is where nothing but rounding moves the points, and of a block that springs
-    or stops hold.
-    """
-    times = turn_times(result, span)
-    apart = min(TURNS, len(times) // 2)
-    if apart < 1 or column not in free_columns(result.case.scene()):
-        return 0.0
-    x = states_at(result, (column, f"v{column[1:]}"), times, EXACT_UP_TO)[column]
-    times = times[: len(x)]
-    rate = float(np.median((x[apart:] - x[:-apart]) / (times[apart:] - times[:-apart])))
-    return rate if abs(rate) * (span[1] - span[0]) > ROUNDING * np.abs(x).max() else 0.0
-
-
-def free_columns(scene: Scene) -> set[str]:
-    """Columns of the displacements of the blocks that nothing holds at the ground or the base."""
-    return {columns_of(scene.bodies[body].name)[0] for one in drifting_sets(scene) for body in one.bodies}
 
 
 # Speed of the motor against time, with the frequencies at which it may be captured.

@@ -35,21 +35,13 @@ from vibsim.plots.branch_curves import (
 from vibsim.plots.frequency_pictures import displacement_frequency_panels
 from vibsim.plots.machine import machine_panel, machine_size
 from vibsim.plots.overview import motor_panel, stiffness_panel
-from vibsim.plots.portraits import moving, phase_panels
+from vibsim.plots.portraits import moving, phase_panels, relative_panel
 from vibsim.plots.samples import common_window, detail_span, motor_of, natural_frequencies, window_of
 from vibsim.plots.sheet import Scale, legend_above, legend_below, letter_panels, sheet, time_axis
 from vibsim.plots.slow_passages import power_panels
 from vibsim.plots.style import GREY, overlay
 from vibsim.plots.subject import Subject, View
-from vibsim.plots.time_histories import (
-    DISPLACEMENT,
-    SPEED,
-    Panel,
-    curve_groups,
-    histories,
-    motor_speed_panel,
-    relative_panel,
-)
+from vibsim.plots.time_histories import DISPLACEMENT, SPEED, Panel, curve_groups, histories, motor_speed_panel
 from vibsim.plots.traces import mark_detail
 
 LETTERS = "ABC"
