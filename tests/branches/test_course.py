@@ -14,9 +14,9 @@ from vibsim.orbits.branches.locus_result import LocusStore, locus_plan
 from vibsim.orbits.branches.plan import plan_from, read_span
 from vibsim.orbits.branches.tracing import FINE, Arc, curve_of, drawn, stretches
 from vibsim.orbits.search import orbit
-from vibsim.plots.branch_curves import torque_of
-from vibsim.plots.branch_values import amplitude_of, mean_speed_of, parameter_of, pieces, ranges
+from vibsim.plots.branch_curves import amplitude_of, mean_speed_of, parameter_of, pieces, ranges
 from vibsim.plots.branches_over_sweeps import magnitudes_along
+from vibsim.plots.load_curves import torque_of
 
 SHORT = Pace(first=0.006, most=0.006)
 

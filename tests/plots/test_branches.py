@@ -13,9 +13,11 @@ from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.coordinates import case_on_orbit
-from vibsim.plots.branch_curves import (
+from vibsim.plots.branch_curves import MARKS, amplitude_of, mean_speed_of, parameter_of, pieces
+from vibsim.plots.branches_over_sweeps import belongs
+from vibsim.plots.load_curves import (
     LEAVES,
-    LOAD_CURVE_NEAR,
+    NEAR,
     STAYS,
     LoadCurve,
     crossings,
@@ -23,8 +25,6 @@ from vibsim.plots.branch_curves import (
     leaps_of,
     torque_of,
 )
-from vibsim.plots.branch_values import MARKS, amplitude_of, mean_speed_of, parameter_of, pieces
-from vibsim.plots.branches_over_sweeps import belongs
 from vibsim.plots.registry import choose, kind_named
 from vibsim.plots.sheet import Scale
 from vibsim.plots.subject import PlotError, Subject, View
@@ -124,7 +124,7 @@ def test_marks_are_told_apart_in_black_and_white(captured):
     looks = [(marker, filled) for marker, _, filled, _ in MARKS.values()]
     ours = {(one.get_marker(), one.get_markerfacecolor() != "white") for one in places}
     assert ours == {("o", True), ("o", False)}
-    assert len({(mark.fill, mark.face) for mark in (STAYS, LOAD_CURVE_NEAR, LEAVES)}) == 3
+    assert len({(mark.fill, mark.face) for mark in (STAYS, NEAR, LEAVES)}) == 3
     assert len({*looks, *ours}) == len(MARKS) + 2 and len({marker for marker, _ in looks}) == len(MARKS)
     (fold,) = lines(figure, "fold")
     assert fold.get_marker() == MARKS["fold"][0]
@@ -256,7 +256,7 @@ def test_a_motor_stays_where_its_orbit_is_only_doubled(slow):
     assert capture.final_speed_hz == pytest.approx(place.speed, rel=1e-3)
     figure = kind_named("load-curve").draw([Subject("s.h5", "s", "branch", slow.case, slow)], View())
     looks = [one.get_fillstyle() for one in lines(figure, "operating point")]
-    assert set(looks) <= {STAYS.fill, LOAD_CURVE_NEAR.fill} and LOAD_CURVE_NEAR.fill in looks
+    assert set(looks) <= {STAYS.fill, NEAR.fill} and NEAR.fill in looks
     assert LEAVES.face not in {one.get_markerfacecolor() for one in lines(figure, "operating point")}
 
 

@@ -12,7 +12,7 @@ from vibsim import orbit
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 from vibsim.orbits.branches.continuing import continue_branch
-from vibsim.plots.branch_values import LabelledPoint, label_points
+from vibsim.plots.branch_curves import LabelledPoint, label_points
 from vibsim.plots.registry import choose, kind_named
 from vibsim.plots.subject import PlotError, Subject, View, subject_of
 from vibsim.plots.sweep_curves import leaps

@@ -1,481 +1,318 @@
-"""Branches of periodic orbits over their parameter: mean speed of the motor, or amplitude."""
+"""Branches as curves: solid where their orbits are stable, dashed where not, with marks at bifurcations."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, NamedTuple
+from functools import cache
+from itertools import groupby
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
-from scipy.optimize import brentq
+from matplotlib.transforms import Bbox
 
-from vibsim.analysis.capture import averaged_load
-from vibsim.analysis.cycles import BAND, TURN
-from vibsim.engine.trajectory import open_trajectory
-from vibsim.orbits.branches.tracing import Stretch, stretches
-from vibsim.orbits.coordinates import placed
+from vibsim.cases.quantities import UNITS
+from vibsim.orbits.branches.node import ENERGY
+from vibsim.orbits.branches.tracing import drawn, half_range, stretches
 from vibsim.physics.rates import turning_columns
-from vibsim.plots.branch_values import (
-    MARKS,
-    LabelledPoint,
-    Value,
-    amplitude_of,
-    amplitude_words,
-    draw_branch,
-    keys_to_marks,
-    label_points,
-    mean_speed_of,
-    parameter_label,
-    parameter_of,
-    scaled,
-    special_labels,
-)
-from vibsim.plots.samples import motor_of
 from vibsim.plots.sheet import (
     NamedQuantity,
     Scale,
+    inside,
     lay_out,
     legend_above,
     legend_below,
+    overlaps,
     scale_for,
     sheet,
+    sheet_of,
+    symbol,
     write_names,
 )
-from vibsim.plots.style import BLACK, GREEN, GREY, VERMILLION, overlay, points
-from vibsim.plots.subject import Subject, View
-from vibsim.plots.sweep_axes import is_motor_speed
+from vibsim.plots.style import BLACK, GREY, overlay, points
+from vibsim.plots.subject import PlotError, Subject, View
+from vibsim.plots.sweep_axes import is_motor_speed, is_speed, label_of
 
-BRANCH_HEIGHT_CM = 7.0
-ROTOR_SPEED = "Mean rotor speed (Hz)"
-SPEED = r"Mean motor speed $\langle\dot\varphi\rangle/2\pi$ (Hz)"
-
-
-def branch_picture(subjects: Sequence[Subject], view: View) -> Figure:
-    """Solid where orbits are stable, dashed where not, marks at bifurcations; several are numbered.
-
-    Under a motor, or by turns of a rotor, its mean speed against the parameter, of a motor with the line of
-    the no-load speed; else the amplitude of the first displacement.
-    """
-    figure = sheet(view, BRANCH_HEIGHT_CM)
-    axes = figure.subplots()
-    branches = [subject.result for subject in subjects]
-    motor = all(turning_columns(subject.scene) is not None for subject in subjects)
-    values = [mean_speed_of(branch) if motor else amplitude_of(branch) for branch in branches]
-    every = [[value(p.orbit) for p in b.points] for b, value in zip(branches, values, strict=True)]
-    unit = Scale(1.0, "Hz") if motor else scale_for(subjects[0].unit("m"), *every)
-    drawn = draw_branches(
-        axes,
-        subjects,
-        [(parameter_of(branch), scaled(value, unit)) for branch, value in zip(branches, values, strict=True)],
-    )
-    axes.margins(x=0.02)
-    if view.window is not None:
-        axes.set_xlim(*view.window)
-    if motor and is_motor_speed(branches[0].key):
-        span = axes.get_xlim()
-        axes.plot(span, span, color=GREY, linewidth=0.5, scalex=False, scaley=False, zorder=1, gid="no-load")
-    axes.set_xlabel(parameter_label(subjects))
-    speed = SPEED if subjects[0].scene.has_motor else ROTOR_SPEED
-    axes.set_ylabel(speed if motor else unit.label(amplitude_words(branches[0])))
-    if len(subjects) > 1:
-        legend_above(axes)
-    keys = keys_to_marks(branches)
-    legend_below(figure, keys, [str(key.get_label()) for key in keys])
-    write_numbers(axes, drawn)
-    return figure
+WIDTH, DASHES = 1.0, (0, (3, 1.5))
+LINE = 0.9  # width of the strokes of marks without an area, and at others 0.2 less [pt]
+MARKS = {  # kind: marker, size [pt], filled, name: each tells itself by its shape, in black and white too
+    "fold": ("x", 3.4, False, "fold"),
+    "doubling": ("s", 3.2, False, "period doubling"),
+    "neimark-sacker": ("D", 4.0, False, "Neimark–Sacker"),
+    "branch point": ("P", 4.2, True, "branch point"),
+    "corner": ("v", 3.8, True, "corner"),
+    "hopf": ("*", 6.0, True, "Hopf point"),
+    "grazing": ("^", 3.6, False, "grazing"),
+    "sticking": ("1", 5.5, False, "stick begins or ends"),
+}
+STROKES = ("x", "1")  # markers without an area
 
 
-# The load curve: the mean torque that the vibration takes against the mean speed, and what the motor gives.
-#
-# Over a periodic orbit the rotor comes back to its speed, so the mean torque of the motor is the mean torque
-# that the vibration takes; and as the motor's torque falls linearly with its speed, Eq. (2.8), that is
-# M0 (1 - <phi'> / Omega0) with the mean speed <phi'> = 2 pi n / T. Where the line of a no-load speed meets
-# the curve, the motor can run. On a solid part it stays. On a dashed one the orbit is unstable, and a run
-# from beside it tells what the motor does: behind a doubling it mostly stays near, on the orbit of twice the
-# period; behind a fold it leaves. Where the curve turns back, the motor has to leave along its line.
+@dataclass(frozen=True)
+class CurvePiece:
+    """A piece of a branch whose orbits are all stable, or all not: x and y (n)."""
+
+    x: np.ndarray
+    y: np.ndarray
+    stable: bool
 
 
-LOAD_CURVE_HEIGHT_CM = 8.0
-LINES = 6  # of the motor, about
-AVERAGED_POINTS = 1001
+def pieces(branch: Any, x: Value, y: Value) -> list[CurvePiece]:
+    """The pieces of a branch between changes of stability, which lie on its special points; smooth."""
+
+    def value(orbit: Any) -> tuple[float, float]:
+        return x(orbit), y(orbit)
+
+    sizes = ranges([value(point.orbit) for point in branch.points])
+    lines = []
+    for stable, members in groupby(stretches(branch), key=lambda stretch: stretch.stable):
+        parts = [drawn(each.at, (each.one, each.other), value, sizes) for each in members]
+        line = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
+        lines.append(CurvePiece(line[:, 0], line[:, 1], stable))
+    return lines
 
 
-class OperatingMark(NamedTuple):
-    """How a place at which the motor can run is drawn, by what the motor does there."""
-
-    label: str
-    size: float
-    fill: str
-    face: str
-
-    @property
-    def look(self) -> dict[str, Any]:
-        """Keywords of a line of matplotlib."""
-        return {
-            "color": BLACK, "linestyle": "none", "marker": "o", "markersize": self.size,
-            "fillstyle": self.fill, "markerfacecolor": self.face, "markerfacecoloralt": "white",
-            "markeredgecolor": BLACK, "markeredgewidth": 0.6,
-        }  # fmt: skip
+def ranges(places: Sequence[tuple[float, ...]]) -> np.ndarray:
+    """Extent of what is drawn in each direction, 1 where it has none."""
+    spans = np.ptp(np.array(places), axis=0)
+    return np.where(spans > 0, spans, 1.0)
 
 
-STAYS = OperatingMark("motor stays", 2.6, "full", BLACK)
-LOAD_CURVE_NEAR = OperatingMark("motor stays near", 4.4, "left", BLACK)
-LEAVES = OperatingMark("motor leaves", 4.2, "full", "white")
-LOAD_CURVE_MARKED = ("fold", "doubling", "neimark-sacker", "branch point", "corner")
-
-
-def load_curve_picture(subjects: Sequence[Subject], view: View) -> Figure:
-    """Branches over the no-load speed as load curves; lines of the motor; operating points; leaps."""
-    figure = sheet(view, LOAD_CURVE_HEIGHT_CM)
-    load_curve_panel(figure, figure.subplots(), subjects, view)
-    return figure
-
-
-def load_curve_panel(
-    figure: Figure,
+def draw_branch(
     axes: Axes,
-    subjects: Sequence[Subject],
-    view: View,
-    no_load: Sequence[float] | None = None,
-) -> None:
-    """The load curve in given axes, its legend below the figure.
-
-    no_load : no-load speeds [Hz] whose lines are drawn, without leaps; None: round ones, and leaps
+    branch: Any,
+    x: Value,
+    y: Value,
+    colour: Any = BLACK,
+    label: str = "",
+    kinds: Sequence[str] = tuple(MARKS),
+    size: float = 1.0,
+) -> np.ndarray:
+    """One branch with its bifurcations; `kinds` are marked, all of it larger or smaller by `size`. The places
+    along it (n, 2).
     """
-    branches = [subject.result for subject in subjects]
-    torques = [[torque_of(branch)(point.orbit) for point in branch.points] for branch in branches]
-    scale = scale_for("N m", *torques)
-    curves = [LoadCurve(branch, scale) for branch in branches]
-    drawn = draw_branches(
-        axes, subjects, [(curve.speed, curve.torque) for curve in curves], LOAD_CURVE_MARKED
-    )
-    _limit(axes, curves, view)
-    averaged = _draw_averaged(axes, subjects[0].scene, scale)
-    speeds = no_load or _round_speeds(curves)
-    leaps = leaps_of(curves, axes.get_xlim()) if no_load is None else []
-    avoided = [place for curve in curves for place in curve.places()]
-    avoided += [place for leap in leaps for place in leap.places()]
-    stall = float(scale(motor_of(subjects[0].scene).M0))
-    draw_motor_lines(axes, [MotorLine(speed, stall) for speed in speeds], avoided)
-    for curve in curves:
-        for speed in speeds:
-            for place in crossings(curve, speed):
-                _mark(axes, place)
-    for leap in leaps:
-        draw_leap(axes, leap)
-    axes.set_xlabel(r"Mean motor speed $\langle\dot\varphi\rangle/2\pi$ (Hz)")
-    axes.set_ylabel(scale.label("Mean torque"))
-    if len(subjects) > 1:
-        legend_above(axes)
-    keys = [*keys_to_marks(branches, LOAD_CURVE_MARKED), *_keys(bool(leaps)), *averaged]
-    legend_below(figure, keys, [str(key.get_label()) for key in keys])
-    write_numbers(axes, drawn)
-
-
-def _limit(axes: Axes, curves: Sequence[LoadCurve], view: View) -> None:
-    """All of the branches, from no torque up."""
-    speeds, torques = zip(*(place for curve in curves for place in curve.places()), strict=True)
-    low, high = min(speeds), max(speeds)
-    axes.set_xlim(*(view.window or (low - 0.03 * (high - low), high + 0.05 * (high - low))))
-    axes.set_ylim(min(0.0, *torques), 1.08 * max(torques))
-
-
-def _draw_averaged(axes: Axes, scene: Any, scale: Scale) -> list[Line2D]:
-    """The load by averaging (Kononenko) where it is known, over all speeds shown; its key, or none."""
-    speeds = np.linspace(*axes.get_xlim(), AVERAGED_POINTS)
-    load = scale(averaged_load(scene, TURN * speeds))
-    if np.isnan(load).all():
-        return []
-    look: dict[str, Any] = {"color": GREEN, "linewidth": 1.1, "linestyle": (0, (1, 1.6))}
-    axes.plot(speeds, load, scalex=False, scaley=False, zorder=5, gid="averaged", **look)
-    return [Line2D([], [], label="averaged (Kononenko)", **look)]
-
-
-def _round_speeds(curves: Sequence[LoadCurve]) -> list[float]:
-    """Round no-load speeds [Hz] that branches have."""
-    values = [parameter_of(curve.branch)(point.orbit) for curve in curves for point in curve.branch.points]
-    low, high = min(values), max(values)
-    ticks = MaxNLocator(LINES, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
-    return [float(tick) for tick in ticks if low <= tick <= high]
-
-
-def _mark(axes: Axes, place: Crossing) -> None:
-    """Mark an operating point by what the motor does there; a dot and a ring nearly meet at a fold."""
-    mark = STAYS if place.stable else LOAD_CURVE_NEAR if place.stays else LEAVES
-    axes.plot(
-        place.speed, place.torque, zorder=6.5 if place.stable else 6, gid="operating point", **mark.look
-    )
-
-
-def _keys(leaps: bool) -> list[Line2D]:
-    keys = [Line2D([], [], color=GREY, linewidth=0.5, label="motor (no-load Hz)")]
-    keys += [Line2D([], [], label=mark.label, **mark.look) for mark in (STAYS, LOAD_CURVE_NEAR, LEAVES)]
-    if leaps:
-        keys.append(Line2D([], [], color=VERMILLION, linewidth=1.2, label="held no longer"))
-    return keys
-
-
-# Lines of the motor over load curves: torque against speed for given no-load speeds, and what they meet.
-
-
-RUN = 3000  # periods of an orbit that a motor has to stay or leave
-ASIDE = 1e-3  # by which share the velocities are off the orbit at the start of that run
-MULTIPLIER = 1e-6  # rounding of a multiplier
-MOTOR_LINES_FONT_SIZE = 6.5
-MOTOR_LINES_PLACES = 120  # on a line that are tried for its name
-CLEAR_PT, LEAST_PT = 14.0, 5.0  # between a name and a curve or the frame: enough, and the least
-HEIGHT = 0.62  # of the axes where names stand if they can
-
-
-def torque_of(branch: Any) -> Value:
-    """Mean torque [N m] of an orbit of a branch over the no-load speed."""
-    stall, speed, no_load = motor_of(branch.map.scene).M0, mean_speed_of(branch), parameter_of(branch)
-    return lambda orbit: float(stall * (1 - speed(orbit) / no_load(orbit)))
-
-
-@dataclass(frozen=True)
-class LoadCurve:
-    """A branch over the no-load speed; torques are drawn in the unit of `scale`."""
-
-    branch: Any
-    scale: Scale
-
-    def speed(self, orbit: Any) -> float:
-        """Mean speed of an orbit [Hz]."""
-        return mean_speed_of(self.branch)(orbit)
-
-    def torque(self, orbit: Any) -> float:
-        """Mean torque of an orbit, as drawn."""
-        return float(self.scale(torque_of(self.branch)(orbit)))
-
-    @cached_property
-    def stretches(self) -> list[Stretch]:
-        """The curve from one computed orbit to the next."""
-        return stretches(self.branch)
-
-    def places(self) -> list[tuple[float, float]]:
-        """Mean speed and torque of every orbit."""
-        return [(self.speed(point.orbit), self.torque(point.orbit)) for point in self.branch.points]
-
-
-@dataclass(frozen=True)
-class Crossing:
-    """Where a line of the motor meets a load curve: mean speed [Hz], torque as drawn, the orbit there."""
-
-    curve: LoadCurve
-    stretch: Stretch
-    orbit: Any
-
-    @property
-    def speed(self) -> float:
-        return self.curve.speed(self.orbit)
-
-    @property
-    def torque(self) -> float:
-        return self.curve.torque(self.orbit)
-
-    @property
-    def stable(self) -> bool:
-        """Whether the orbit is."""
-        return self.stretch.stable
-
-    @cached_property
-    def stays(self) -> bool:
-        """Whether the motor keeps its mean speed: on the orbit where that is stable; on a motion near it, as
-        on one of twice the period, where a run from beside the orbit ends within 3 % of its speed. Where
-        disturbances grow without turning round (a real multiplier above 1: behind a fold) it leaves.
-        """
-        return self.stable or not (self._is_saddle() or self._departs())
-
-    def _is_saddle(self) -> bool:
-        ends = (self.stretch.one, self.stretch.other)
-        multipliers = [mu for end in ends for mu in end.multipliers]
-        return any(mu.imag == 0 and mu.real > 1 + MULTIPLIER for mu in multipliers)
-
-    def _departs(self) -> bool:
-        """Whether a run that starts beside the orbit ends with another mean speed."""
-        family = self.curve.branch.plan.family()
-        state = family.map(self.orbit.parameter).coordinates.state(np.array(self.orbit.state))
-        beside = {name: x * (1 + ASIDE) if name[0] == "v" else x for name, x in state.items()}
-        scene = placed(family.at(self.orbit.parameter).scene(), beside, RUN * self.orbit.period)
-        trajectory = open_trajectory(scene.without_samples(), section=True)
-        times = np.concatenate([block.section["time"] for block in trajectory.blocks()])
-        late = times[len(times) // 2 :]
-        return len(late) < 2 or abs((len(late) - 1) / (late[-1] - late[0]) / self.speed - 1) > BAND
-
-
-def crossings(curve: LoadCurve, no_load: float) -> list[Crossing]:
-    """Where the line of a no-load speed [Hz] meets a curve: its orbits at that speed."""
-    met = []
-    for stretch in curve.stretches:
-        share = _share(parameter_of(curve.branch), stretch, no_load)
-        if share is not None:
-            met.append(Crossing(curve, stretch, stretch.at(share)))
-    return met
-
-
-def _share(parameter: Value, stretch: Stretch, value: float) -> float | None:
-    """Share of a stretch at which its parameter has a value; None where it has not."""
-    ends = {0.0: parameter(stretch.one) - value, 1.0: parameter(stretch.other) - value}
-    if ends[0.0] * ends[1.0] > 0 or ends[0.0] == ends[1.0]:
-        return None
-
-    def beyond(share: float) -> float:
-        return ends[share] if share in ends else parameter(stretch.at(share)) - value
-
-    return float(brentq(beyond, 0.0, 1.0))
-
-
-@dataclass(frozen=True)
-class MotorLine:
-    """Torque stall (1 - speed / no_load), the speeds in Hz, the torques as drawn."""
-
-    no_load: float
-    stall: float
-
-    def at(self, speed: Any) -> Any:
-        """Torque at speeds [Hz]."""
-        return self.stall * (1 - speed / self.no_load)
-
-    def draw(self, axes: Axes) -> None:
-        """Through the axes, whose limits must be final."""
-        x = np.array(axes.get_xlim())
-        axes.plot(
-            x, self.at(x), color=GREY, linewidth=0.5, scalex=False, scaley=False, zorder=1, gid="motor line"
-        )
-
-    def write(self, axes: Axes, speed: float, text: str, **look: Any) -> None:
-        """A text on the line, in its direction."""
-        slope = np.degrees(np.arctan2(-self.stall / self.no_load, 1.0))
-        axes.text(
-            speed, float(self.at(speed)), text, rotation=slope, rotation_mode="anchor",
-            transform_rotates_text=True, ha="center", **look,
-        )  # fmt: skip
-
-
-def draw_motor_lines(axes: Axes, lines: Sequence[MotorLine], avoided: Sequence[tuple[float, float]]) -> None:
-    """Draw lines, and write each one's no-load speed where it keeps clear of places in data coordinates."""
-    for line in lines:
-        line.draw(axes)
-        speed = _free_place(axes, line, np.array(avoided))
-        if speed is not None:
-            line.write(
-                axes, speed, f"{line.no_load:g}", va="center",
-                fontsize=points(MOTOR_LINES_FONT_SIZE), color="0.3",
-                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8}, zorder=2, gid="no-load speed",
+    parts = pieces(branch, x, y)
+    for piece in parts:
+        style = "-" if piece.stable else DASHES
+        gid = "stable" if piece.stable else "unstable"
+        axes.plot(piece.x, piece.y, color=colour, linestyle=style, linewidth=size * WIDTH, zorder=4, gid=gid)
+    if label:
+        axes.plot([], [], color=colour, linewidth=WIDTH, label=label)
+    for kind in kinds:
+        marker, pt, filled, _ = MARKS[kind]
+        orbits = [special.orbit for special in branch.specials if special.kind == kind]
+        if orbits:
+            axes.plot(
+                [x(o) for o in orbits], [y(o) for o in orbits], marker, color=colour, markersize=size * pt,
+                markerfacecolor=colour if filled else "white", markeredgewidth=_stroke(marker) * size,
+                gid=kind, zorder=6 if filled or marker in STROKES else 5,
             )  # fmt: skip
+    return np.concatenate([np.column_stack([piece.x, piece.y]) for piece in parts])
 
 
-def _free_place(axes: Axes, line: MotorLine, avoided: np.ndarray) -> float | None:
-    """Speed at which a name is clear of everything, nearest to the usual height; None where none is."""
-    speeds = np.linspace(*axes.get_xlim(), MOTOR_LINES_PLACES)
-    places = axes.transData.transform(np.column_stack([speeds, line.at(speeds)]))
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    pt, box = 72 / figure.dpi, axes.bbox
-    gaps = np.linalg.norm(places[:, None] - axes.transData.transform(avoided), axis=2).min(axis=1)
-    edges = [places[:, 0] - box.x0, box.x1 - places[:, 0], places[:, 1] - box.y0, box.y1 - places[:, 1]]
-    clearance = pt * np.minimum(gaps, np.min(edges, axis=0))
-    if clearance.max() < LEAST_PT:
-        return None
-    free = np.flatnonzero(clearance >= min(CLEAR_PT, clearance.max()))
-    heights = (places[free, 1] - box.y0) / box.height
-    return float(speeds[free[np.abs(heights - HEIGHT).argmin()]])
+def special_labels(
+    branch: Any, x: Value, y: Value, kinds: Sequence[str] = tuple(MARKS), colour: Any = BLACK
+) -> list[LabelledPoint]:
+    """The labels of the printed list (PD1, NS1, GR1, ...) at the special points that are marked."""
+    return [
+        LabelledPoint(x(special.orbit), y(special.orbit), special.label, colour)
+        for special in branch.specials
+        if special.kind in kinds
+    ]
 
 
-# Leaps of a motor: where stable orbits end as its no-load speed rises, it has to leave along its line.
+def keys_to_marks(branches: Sequence[Any], kinds: Sequence[str] = tuple(MARKS)) -> list[Line2D]:
+    """Legend entries of lines and marks that are drawn."""
+    there = {special.kind for branch in branches for special in branch.specials}
+    stable = any(branch["stable"].any() for branch in branches if branch.key != ENERGY)
+    unstable = any(not branch["stable"].all() for branch in branches)
+    keys = [Line2D([], [], color=BLACK, linewidth=WIDTH, label="stable")] * stable
+    keys += [Line2D([], [], color=BLACK, linewidth=WIDTH, linestyle=DASHES, label="unstable")] * unstable
+    return [*keys, *(_mark(kind) for kind in kinds if kind in there)]
 
 
-LEAPS_NEAR = 0.01  # of the parameter's range: how far the branch may go on unstable before it turns back
-FAR = 0.05  # of the speeds drawn: a leap that can be seen
-ARROW = 0.6  # of the way to the last place on the line: where on it the motor comes to stay is not told
-LEAPS_FONT_SIZE = 7
+def _mark(kind: str) -> Line2D:
+    marker, size, filled, name = MARKS[kind]
+    key = Line2D([], [], color=BLACK, marker=marker, markersize=size, linestyle="none", label=name)
+    key.set_markerfacecolor(BLACK if filled else "white")
+    key.set_markeredgewidth(_stroke(marker))
+    return key
+
+
+def _stroke(marker: str) -> float:
+    return LINE if marker in STROKES else LINE - 0.2
+
+
+# What is drawn of the orbits of a branch: parameter, mean speed of a motor, amplitude.
+
+
+Value = Callable[[Any], float]  # of an orbit record
+
+
+class ParameterAxis:
+    """A parameter as the axis of a picture, with what `sweep_axes.label_of` asks of one."""
+
+    def __init__(self, key: str, unit: str):
+        self.key, self.unit, self.name = key, unit, key.rpartition(".")[2]
+
+
+def parameter_of(branch: Any) -> Value:
+    """The parameter of an orbit: in Hz for the speed of a source, else in its unit; of a backbone curve the
+    frequency in place of the energy.
+    """
+    if branch.key == ENERGY:
+        return mean_speed_of(branch)
+    factor = parameter_factor(branch.key, branch.unit)
+    return lambda orbit: float(orbit.parameter) * factor
+
+
+def parameter_factor(key: str, unit: str) -> float:
+    """Factor from a value in its unit to the number that is drawn: Hz for the speed of a source."""
+    if not is_speed(key):
+        return 1.0
+    return float(UNITS[unit].factor) / (1.0 if UNITS[unit].per_turn else 2 * math.pi)
+
+
+def parameter_label(subjects: Sequence[Subject]) -> str:
+    """Label of the axis of the parameter; PlotError where branches are over different ones."""
+    axes = [ParameterAxis(subject.result.key, subject.result.unit) for subject in subjects]
+    if len({axis.key for axis in axes}) > 1:
+        listed = ", ".join(f"{s.path} over {axis.key}" for s, axis in zip(subjects, axes, strict=True))
+        raise PlotError(f"branches over different things do not go into one picture: {listed}")
+    return "Frequency (Hz)" if axes[0].key == ENERGY else label_of(axes[0])
+
+
+def scaled(value: Value, scale: Scale) -> Value:
+    """The same in the unit of a scale."""
+    return lambda orbit: float(scale(value(orbit)))
+
+
+def mean_speed_of(branch: Any) -> Value:
+    """Mean speed of the motor over an orbit [Hz]: its turns over their time."""
+    turns = branch.plan.n
+    return lambda orbit: turns / float(orbit.period)
+
+
+def amplitude_of(branch: Any) -> Value:
+    """Half the range of the first displacement of an orbit [m], from its extremes over a period."""
+
+    family = branch.plan.family()
+    return cache(lambda orbit: half_range(family.map(orbit.parameter), orbit))
+
+
+def amplitude_words(branch: Any) -> str:
+    """Label of the quantity whose half range `amplitude_of` is."""
+    first, *rest = branch.names[0].split("-")
+    return f"Amplitude of {symbol(first)}" + "".join(f" − {symbol(name)}" for name in rest)
+
+
+# Labels of points, each near its point and upon no other.
+
+
+LABEL_PT = 6.0  # size
+RINGS_PT = (5.0, 9.0, 14.0, 20.0, 28.0, 38.0, 50.0, 64.0)  # distances of a label from its point, in turn
+DIRECTIONS = np.radians([45, 135, -45, -135, 90, -90, 0, 180, 20, 160, -20, -160, 68, 112, -68, -112])
+LEADER_PT = 11.0  # distance from which a thin line leads from the point to its label
 
 
 @dataclass(frozen=True)
-class Leap:
-    """A leap along the line of a no-load speed, from a speed to the greatest at which it can run [Hz]."""
+class LabelledPoint:
+    """A point in data coordinates, its label and colour."""
 
-    line: MotorLine
-    start: float
-    last: float
-
-    def places(self) -> list[tuple[float, float]]:
-        """Places along it, as drawn."""
-        return [(speed, self.line.at(speed)) for speed in np.linspace(self.start, self.last, 50).tolist()]
+    x: float
+    y: float
+    text: str
+    colour: Any = "0"
 
 
-def leaps_of(curves: Sequence[LoadCurve], span: tuple[float, float]) -> list[Leap]:
-    """From each dead end, where the motor's line meets a curve of the same machine much further right."""
-    leaps = []
-    for curve in curves:
-        ours = [other for other in curves if _machine(other) == _machine(curve)]
-        for orbit in dead_ends(curve.branch):
-            no_load, start = parameter_of(curve.branch)(orbit), curve.speed(orbit)
-            last = max((place.speed for other in ours for place in crossings(other, no_load)), default=start)
-            if last - start > FAR * (span[1] - span[0]):
-                stall = curve.torque(orbit) / (1 - start / no_load)
-                leaps.append(Leap(MotorLine(no_load, stall), start, last))
-    return leaps
+def label_points(axes: Axes, points_labelled: Sequence[LabelledPoint]) -> int:
+    """Write labels beside their points, clear of each other, of what is written on the axes and, where there
+    is room, of the lines there; how many had no room and are left out. Limits and scales must be final.
+    """
+    figure = sheet_of(axes)
+    lay_out(figure)
+    pt = figure.dpi / 72
+    covered = [text.get_window_extent() for text in axes.texts if text.get_text()]
+    places = _pixels_of_lines(axes)
+    shown = [one for one in dict.fromkeys(points_labelled) if _is_within(axes, one)]
+    left_out = 0
+    for one in shown:
+        own = axes.transData.transform((one.x, one.y))
+        text = axes.annotate(
+            one.text, (one.x, one.y), (0, 0), textcoords="offset points", ha="center", va="center",
+            fontsize=points(LABEL_PT), color=one.colour, gid="special label", zorder=7,
+        )  # fmt: skip
+        box = text.get_window_extent()
+        size = np.array([box.width, box.height]) / 2
+        offset = _free_offset(own, size, pt, (places, covered, axes.bbox))
+        if offset is None:
+            text.remove()
+            left_out += 1
+            continue
+        text.xyann = tuple(offset / pt)
+        if np.hypot(*offset) - np.hypot(*size) > LEADER_PT * pt:
+            _lead(axes, own, own + offset, size, one.colour)
+        covered.append(text.get_window_extent())
+    return left_out
 
 
-def _machine(curve: LoadCurve) -> tuple[object, ...]:
-    """Everything that acts, but for the no-load speed and the start."""
-    scene = curve.branch.map.scene
-    motor = motor_of(scene)
-    masses = tuple(body.m for body in scene.bodies)
-    acting = scene.links, scene.stops, scene.frictions, scene.forces, scene.base
-    return (masses, *acting, motor.on, motor.m3, motor.e, motor.J, motor.M0)
+def _is_within(axes: Axes, one: LabelledPoint) -> bool:
+    """Whether a point lies within the limits of its axes."""
+    across, up = sorted(axes.get_xlim()), sorted(axes.get_ylim())
+    return across[0] <= one.x <= across[1] and up[0] <= one.y <= up[1]
 
 
-def dead_ends(branch: Any) -> list[Any]:
-    """The orbits of a branch at which stability ends, as its parameter rises, a hair before or at a fold."""
-    ends, between, outside = [], (-1, -1), 0
-    for special in branch.specials:
-        if special.between != between:
-            between = special.between
-            outside = branch.points[between[0]].orbit.index
-        before, outside = outside, outside + special.jump
-        ends_here = special.jump and 0 in (before, outside)
-        if ends_here and _turns_back(branch, special, 1 if special.jump > 0 else -1):
-            ends.append(special.orbit)
-    return ends
+def _pixels_of_lines(axes: Axes) -> np.ndarray:
+    """Places along all lines of axes that carry data, in pixels (n, 2)."""
+    parts = [np.empty((0, 2))]
+    for line in axes.get_lines():
+        if line.get_transform() is axes.transData or line.get_transform() == axes.transData:
+            corners = axes.transData.transform(np.column_stack(line.get_data()).astype(float))
+            corners = corners[np.isfinite(corners).all(axis=1)]
+            parts.append(corners)
+            if line.get_linestyle() != "None" and len(corners) > 1:
+                shares = np.linspace(0, 1, 12)[1:-1, None, None]
+                parts.append((corners[:-1] + shares * np.diff(corners, axis=0)).reshape(-1, 2))
+    return np.concatenate(parts)
 
 
-def _turns_back(branch: Any, special: Any, way: int) -> bool:
-    """Whether the branch rises up to a special point, and followed `way` soon comes to lower values again."""
-    values = np.array([parameter_of(branch)(point.orbit) for point in branch.points])
-    here = parameter_of(branch)(special.orbit)
-    behind, ahead = special.between[::way]
-    risen = values[ahead::way] - here
-    back = np.flatnonzero(risen < 0)
-    if values[behind] > here or not len(back):
-        return False
-    return bool(risen[: back[0]].max(initial=0.0) <= LEAPS_NEAR * np.ptp(values))
+def _free_offset(
+    own: np.ndarray, size: np.ndarray, pt: float, taken: tuple[np.ndarray, Sequence[Bbox], Bbox]
+) -> np.ndarray | None:
+    """Where the middle of a label of half a size stands from its point [px]: the nearest place that is free,
+    else the one that covers the least of lines; None where it would lie upon another label everywhere.
+    """
+    places, covered, frame = taken
+    best: np.ndarray | None = None
+    least = math.inf
+    for ring in RINGS_PT:
+        for angle in DIRECTIONS:
+            way = np.array([math.cos(angle), math.sin(angle)])
+            offset: np.ndarray = way * (ring * pt + float(np.abs(way) @ size))
+            box = Bbox(np.array([own + offset - size - pt, own + offset + size + pt]))
+            if not inside(box, frame) or overlaps(box, covered):
+                continue
+            upon = (places > box.min).all(axis=1) & (places < box.max).all(axis=1)
+            crossed = int(np.count_nonzero(upon))
+            if crossed == 0:
+                return offset
+            if crossed < least:
+                best, least = offset, crossed
+    return best
 
 
-def draw_leap(axes: Axes, leap: Leap) -> None:
-    """An arrow on the line of the motor, which is dashed on to the last place; its no-load speed."""
-    ends = np.array([leap.start, leap.last])
-    tip = leap.start + ARROW * (leap.last - leap.start)
+def _lead(axes: Axes, own: np.ndarray, middle: np.ndarray, size: np.ndarray, colour: Any) -> None:
+    """A thin line from a point to the edge of its label."""
+    way = own - middle
+    share = min((s / abs(w) for s, w in zip(size, way, strict=True) if w), default=1.0)
+    ends = axes.transData.inverted().transform([own, middle + min(share, 1.0) * way])
     axes.plot(
-        ends, leap.line.at(ends), color=VERMILLION, linewidth=0.8, linestyle=(0, (2, 1.5)), zorder=3,
-        gid="line of the leap",
-    )  # fmt: skip
-    axes.annotate(
-        "", (tip, leap.line.at(tip)), (leap.start, leap.line.at(leap.start)), zorder=5,
-        arrowprops={"arrowstyle": "-|>,head_width=0.18,head_length=0.4", "color": VERMILLION,
-                    "linewidth": 1.2, "shrinkA": 5, "shrinkB": 0},
-    )  # fmt: skip
-    leap.line.write(
-        axes, (leap.start + tip) / 2, f"{leap.line.no_load:.4g}", va="bottom",
-        fontsize=points(LEAPS_FONT_SIZE),
-        color=VERMILLION, gid="leap",
+        *ends.T, color=colour, linewidth=0.35, alpha=0.7, scalex=False, scaley=False, zorder=6.5,
+        gid="leader",
     )  # fmt: skip
 
 
@@ -553,3 +390,46 @@ def _dense(line: np.ndarray) -> np.ndarray:
     count = np.arange(len(line))
     shares = np.linspace(0, len(line) - 1, PARTS * (len(line) - 1) + 1)
     return np.column_stack([np.interp(shares, count, column) for column in line.T])
+
+
+# The picture of branches over their parameter.
+
+
+HEIGHT_CM = 7.0
+ROTOR_SPEED = "Mean rotor speed (Hz)"
+SPEED = r"Mean motor speed $\langle\dot\varphi\rangle/2\pi$ (Hz)"
+
+
+def branch_picture(subjects: Sequence[Subject], view: View) -> Figure:
+    """Solid where orbits are stable, dashed where not, marks at bifurcations; several are numbered.
+
+    Under a motor, or by turns of a rotor, its mean speed against the parameter, of a motor with the line of
+    the no-load speed; else the amplitude of the first displacement.
+    """
+    figure = sheet(view, HEIGHT_CM)
+    axes = figure.subplots()
+    branches = [subject.result for subject in subjects]
+    motor = all(turning_columns(subject.scene) is not None for subject in subjects)
+    values = [mean_speed_of(branch) if motor else amplitude_of(branch) for branch in branches]
+    every = [[value(p.orbit) for p in b.points] for b, value in zip(branches, values, strict=True)]
+    unit = Scale(1.0, "Hz") if motor else scale_for(subjects[0].unit("m"), *every)
+    drawn = draw_branches(
+        axes,
+        subjects,
+        [(parameter_of(branch), scaled(value, unit)) for branch, value in zip(branches, values, strict=True)],
+    )
+    axes.margins(x=0.02)
+    if view.window is not None:
+        axes.set_xlim(*view.window)
+    if motor and is_motor_speed(branches[0].key):
+        span = axes.get_xlim()
+        axes.plot(span, span, color=GREY, linewidth=0.5, scalex=False, scaley=False, zorder=1, gid="no-load")
+    axes.set_xlabel(parameter_label(subjects))
+    speed = SPEED if subjects[0].scene.has_motor else ROTOR_SPEED
+    axes.set_ylabel(speed if motor else unit.label(amplitude_words(branches[0])))
+    if len(subjects) > 1:
+        legend_above(axes)
+    keys = keys_to_marks(branches)
+    legend_below(figure, keys, [str(key.get_label()) for key in keys])
+    write_numbers(axes, drawn)
+    return figure

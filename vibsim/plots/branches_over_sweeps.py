@@ -24,7 +24,7 @@ from vibsim.orbits.branches.node import ENERGY
 from vibsim.orbits.branches.tracing import OrbitRecord, curve_of, drawn, stretches
 from vibsim.orbits.coordinates import placed
 from vibsim.physics.connections import drifting_sets
-from vibsim.plots.branch_values import (
+from vibsim.plots.branch_curves import (
     LabelledPoint,
     ParameterAxis,
     Value,

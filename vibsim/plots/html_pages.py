@@ -24,7 +24,7 @@ from vibsim.cases.problems import one_line
 from vibsim.orbits.branches.tracing import curve_of, drawn, stretches
 from vibsim.physics.connections import event_parts
 from vibsim.physics.parts import EVENT_KINDS, IMPACTS, ROTOR, STATE, SWITCH
-from vibsim.plots.branch_values import MARKS, ParameterAxis, ranges
+from vibsim.plots.branch_curves import MARKS, ParameterAxis, ranges
 from vibsim.plots.branches_over_sweeps import NAMES
 from vibsim.plots.registry import fitting
 from vibsim.plots.samples import shortest_period

@@ -1,5 +1,5 @@
 """One page about a run, or a few: machine, displacements, detail, relative portrait, speed; and the
-characteristics of springs and motor, before anything moves.
+characteristics of springs and stops, before anything moves.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from vibsim.physics.connections import Pair, joined_pairs
 from vibsim.physics.formulas import Node
-from vibsim.physics.parts import GROUND, Link, Motor, RigidStop, Scene, Stop
+from vibsim.physics.parts import GROUND, Link, RigidStop, Scene, Stop
 from vibsim.physics.rates import motor_columns
 from vibsim.plots.machine import machine_panel, machine_size
 from vibsim.plots.portraits import relative_panel
@@ -26,7 +26,6 @@ from vibsim.plots.samples import (
     detail_span,
     difference,
     draw_stop_line,
-    motor_of,
     stop_label,
     stop_position,
     stops_between,
@@ -54,7 +53,6 @@ from vibsim.plots.style import BLUE, SHADE, nested, points
 from vibsim.plots.subject import Subject, View
 from vibsim.plots.time_histories import (
     DISPLACEMENT,
-    SPEED,
     VELOCITY,
     HistoryCurve,
     Panel,
@@ -527,40 +525,3 @@ def _named(
     behind = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}  # lines of the axes end there
     look = {"fontsize": points(7), "gid": "slope", "bbox": behind}
     return NamedQuantity(text, scales[0](y), scales[1](spring_force(scene, pair, y)), look)
-
-
-# Characteristic of the limited-power motor: torque against speed.
-
-
-def motor_picture(subjects: Sequence[Subject], view: View) -> Figure:
-    """Motor torque M0 (1 - w / Omega0), Eq. (2.8), against the speed w, from standstill to no load."""
-    figure = sheet(view, 5.4)
-    motor_panel(figure.subplots(), subjects)
-    return figure
-
-
-def motor_panel(axes: Axes, subjects: Sequence[Subject]) -> None:
-    """The characteristic in given axes."""
-    motors = [motor_of(subject.scene) for subject in subjects]
-    fastest = 1.1 * max(abs(motor.Omega0) for motor in motors)
-    curves = [motor_characteristic(motor, fastest) for motor in motors]
-    scale = scale_for("N m", *(torque for _, torque in curves))
-    for i, (subject, (speed, torque)) in enumerate(zip(subjects, curves, strict=True)):
-        look = nested(i, len(subjects), 1.0) if len(subjects) > 1 else {"color": BLUE, "linewidth": 1.0}
-        no_load = motors[i].Omega0 / (2 * math.pi)
-        label = rf"{subject.name}: $\Omega_0$ = {no_load:.4g} Hz"
-        axes.plot(speed / (2 * math.pi), scale(torque), label=label, gid="motor", **look)
-        axes.plot(
-            no_load, 0, "o", markersize=3, markerfacecolor="white", markeredgewidth=0.8, color=look["color"]
-        )
-    axes.axhline(0, color="0.8", linewidth=0.4, zorder=0)
-    axes.set_xlabel(f"Motor speed {SPEED} (Hz)")
-    axes.set_ylabel(scale.label("Motor torque"))
-    note(axes, "ring: no load")
-    legend_above(axes)
-
-
-def motor_characteristic(motor: Motor, fastest: float) -> tuple[np.ndarray, np.ndarray]:
-    """Two points of the line: speeds 0 and `fastest` with the sign of Omega0 [rad/s], torques [N m]."""
-    speed = np.array([0.0, math.copysign(fastest, motor.Omega0)])
-    return speed, motor.M0 * (1 - speed / motor.Omega0)

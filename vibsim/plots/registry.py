@@ -20,12 +20,13 @@ if TYPE_CHECKING:
 
 # module of vibsim.plots -> the kinds that it draws, each by a function `<kind>_picture(subjects, view)`
 DRAWN_IN: dict[str, tuple[str, ...]] = {
-    "branch_curves": ("branch", "load-curve"),
+    "branch_curves": ("branch",),
     "branches_over_sweeps": ("multipliers", "locus"),
     "capture_pictures": ("regime", "capture"),
     "fit_and_bench": ("fit", "work-precision"),
     "frequency_pictures": ("displacement-frequency", "spectrum", "spectrogram", "waterfall"),
-    "overview": ("overview", "stiffness", "motor"),
+    "load_curves": ("load-curve", "motor"),
+    "overview": ("overview", "stiffness"),
     "picture": ("columns",),
     "poincare_sections": ("impact-velocity", "stroboscopic"),
     "portraits": ("phase", "phase-drift-free", "relative", "orbit-portrait"),

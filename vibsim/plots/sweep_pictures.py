@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibsim.plots.branch_values import LabelledPoint, label_points
+from vibsim.plots.branch_curves import LabelledPoint, label_points
 from vibsim.plots.branches_over_sweeps import (
     OVER_SPEEDS,
     check_branches,

@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from vibsim.physics.parts import GROUND
-from vibsim.plots.branch_values import label_points
+from vibsim.plots.branch_curves import label_points
 from vibsim.plots.branches_over_sweeps import (
     amplitudes,
     check_branches,

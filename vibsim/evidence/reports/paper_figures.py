@@ -25,16 +25,11 @@ from vibsim.evidence.reports.measurements import (
 )
 from vibsim.evidence.reports.pages import PageTable
 from vibsim.orbits.branches.branch import Branch
-from vibsim.plots.branch_curves import (
-    LOAD_CURVE_MARKED,
-    LoadCurve,
-    MotorLine,
-    draw_branches,
-    load_curve_panel,
-)
+from vibsim.plots.branch_curves import draw_branches
 from vibsim.plots.frequency_pictures import displacement_frequency_panels
+from vibsim.plots.load_curves import LOAD_CURVE_MARKED, LoadCurve, MotorLine, load_curve_panel, motor_panel
 from vibsim.plots.machine import machine_panel, machine_size
-from vibsim.plots.overview import motor_panel, stiffness_panel
+from vibsim.plots.overview import stiffness_panel
 from vibsim.plots.portraits import moving, phase_panels, relative_panel
 from vibsim.plots.samples import common_window, detail_span, motor_of, natural_frequencies, window_of
 from vibsim.plots.sheet import Scale, legend_above, legend_below, letter_panels, sheet, time_axis

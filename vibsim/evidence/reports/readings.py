@@ -50,8 +50,8 @@ from vibsim.orbits.branches.curve import complete
 from vibsim.orbits.branches.plan import plan_from, read_span
 from vibsim.orbits.branches.tracing import MOST_POINTS
 from vibsim.physics.parts import EVENT_KINDS
-from vibsim.plots.branch_curves import dead_ends, torque_of
-from vibsim.plots.branch_values import amplitude_of
+from vibsim.plots.branch_curves import amplitude_of
+from vibsim.plots.load_curves import dead_ends, torque_of
 from vibsim.results import Result, ResultFileError, simulate
 
 if TYPE_CHECKING:
