@@ -7,8 +7,8 @@ from from_code.markdown import code, plain, table
 from vibsim.cases import load_case
 from vibsim.evidence.benchmark import bench_result
 from vibsim.fitting import plan as fit_plan
-from vibsim.fitting.fitting import make_plan as make_fit_plan
 from vibsim.fitting.plan import Search
+from vibsim.fitting.plan import make_plan as make_fit_plan
 from vibsim.orbits.branches import curve as branch_structure
 from vibsim.results import trajectory_file
 from vibsim.results.columns import JUDGEMENTS, tables_of

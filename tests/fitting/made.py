@@ -5,8 +5,8 @@ from math import log
 import numpy as np
 
 from vibsim.cases import load_case
-from vibsim.fitting.fitting import make_plan, run_fit
-from vibsim.fitting.plan import Search
+from vibsim.fitting.fit_result import run_fit
+from vibsim.fitting.plan import Search, make_plan
 
 LIGHT = {"excitation.m3": "1e-9 kg", "run.t_end": "30 s", "run.every": "20 ms"}  # next to no vibration
 

@@ -13,7 +13,7 @@ import xarray
 
 from tests.command_line.made import call
 from tests.fitting.made import done, numbers_of, small_plan
-from vibsim.fitting.fitting import FitStore, run_fit
+from vibsim.fitting.fit_result import FitStore, run_fit
 from vibsim.results import ResultFileError
 from vibsim.results.simulation import open_result
 from vibsim.results.store import journal_path

@@ -92,7 +92,7 @@ def preload():
         "sweeps.sweeping",
         "sweeps.sweep_result",
         "orbits.branches.continuing",
-        "fitting.fitting",
+        "fitting.fit_result",
         "plots.picture",
     ):
         __import__(f"vibsim.{name}")

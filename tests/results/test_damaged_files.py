@@ -13,7 +13,7 @@ from tests.results.damages import OF_ATTRIBUTES, OF_DATASETS, damage_attribute, 
 from tests.results.made import short_case
 from vibsim.evidence.benchmark.bench_result import ATTRIBUTES as OF_BENCH
 from vibsim.fitting import fit
-from vibsim.fitting.fitting import FitStore
+from vibsim.fitting.fit_result import FitStore
 from vibsim.fitting.plan import ATTRIBUTES as OF_FIT
 from vibsim.orbits.branches.branch import BranchStore
 from vibsim.orbits.branches.curve import ATTRIBUTES as OF_BRANCH

@@ -9,7 +9,7 @@ import pytest
 import vibsim
 from tests.command_line.made import call
 from tests.fitting.made import small_plan
-from vibsim.fitting.fitting import run_fit
+from vibsim.fitting.fit_result import run_fit
 from vibsim.orbits.branches.branch import BranchStore
 from vibsim.orbits.branches.continuing import orbit_from
 from vibsim.orbits.branches.curve import complete

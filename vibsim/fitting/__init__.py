@@ -13,8 +13,8 @@ from vibsim.lazy import lazy_names
 if TYPE_CHECKING:
     from vibsim.fitting.fit_result import FitResult as FitResult
     from vibsim.fitting.fit_result import describe as describe
+    from vibsim.fitting.fit_result import fit as fit
     from vibsim.fitting.fit_result import open_fit as open_fit
-    from vibsim.fitting.fitting import fit as fit
     from vibsim.fitting.measures import FitError as FitError
 
 __getattr__, __dir__, __all__ = lazy_names(__name__)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
@@ -22,7 +22,16 @@ from vibsim.cases import Case
 from vibsim.cases.quantities import UNITS, exact_number
 from vibsim.engine.choice import engine_name
 from vibsim.fitting.measures import FitError
-from vibsim.fitting.statements import PRINTED, Asked, Candidate, FreeParameter, Statement, parse_statement
+from vibsim.fitting.statements import (
+    PRINTED,
+    Asked,
+    Candidate,
+    FreeParameter,
+    Statement,
+    parse_statement,
+    read_free,
+    read_reading,
+)
 from vibsim.results.file_contents import (
     ENGINE,
     PROVENANCE,
@@ -42,15 +51,13 @@ from vibsim.results.hdf5_reading import (
 )
 from vibsim.results.hdf5_writing import write_hdf5
 from vibsim.results.store import BESIDE, from_plain, plain_data, stored
-from vibsim.sweeps.axes import Members
+from vibsim.sweeps.axes import Members, read_members, rotor_angles
 from vibsim.sweeps.points import SweepPoint
 from vibsim.sweeps.quantities import DONE, MISSING, STATUS_FLAGS
+from vibsim.sweeps.sweep_plan import PlanError
+from vibsim.sweeps.sweeping import read_ensemble
 
 if TYPE_CHECKING:
-    from vibsim.cases import Case
-
-if TYPE_CHECKING:
-    from vibsim.cases import Case
     from vibsim.fitting.fit_result import FitResult
 
 
@@ -206,6 +213,68 @@ def fingerprint_of(cases: Sequence[Case], settings: Mapping[str, Any]) -> str:
 
 
 __all__ = ["EVOLUTION", "METHODS", "PRINTED", "QUASI_RANDOM", "FitPlan", "Search"]
+
+
+# The plan that a call or a command line describes.
+
+
+def make_plan(
+    cases: list[Case],
+    free: Mapping[str, str],
+    statements: Iterable[str],
+    readings: Iterable[str],
+    leave: Mapping[str, float],
+    ensemble: int,
+    spread: Mapping[str, str],
+    settings: Search,
+) -> FitPlan:
+    """The plan of `fit`, everything checked."""
+    _check(settings)
+    if not cases:
+        raise FitError("a fit needs a case")
+    prices = dict(leave)
+    read = tuple(read_free(cases, key, text, prices.pop(key, None)) for key, text in free.items())
+    if prices:
+        raise FitError(f"leave {next(iter(prices))}: must name a free parameter: {', '.join(free)}")
+    plan = FitPlan(
+        tuple(cases),
+        read,
+        tuple(read_reading(cases, text) for text in readings),
+        tuple(parse_statement(text, cases) for text in statements),
+        _members(cases, ensemble, settings.seed, spread),
+        settings,
+    )
+    plan.check()
+    return plan
+
+
+def _check(settings: Search) -> None:
+    if settings.method not in METHODS:
+        raise FitError(f"the method must be {' or '.join(METHODS)}, got {settings.method}")
+    least = {"candidates": 0, "seed": 0, "screen": 1, "confirm": 0, "fresh": 0}
+    for name, low in least.items():
+        if getattr(settings, name) < low:
+            raise FitError(f"{name} must be at least {low}, got {getattr(settings, name)}")
+    if settings.at_most is not None and settings.at_most < 1:
+        raise FitError(f"at least one parameter must be changed at a time, got {settings.at_most}")
+
+
+def _members(cases: list[Case], ensemble: int, seed: int, spread: Mapping[str, str]) -> Members | None:
+    if ensemble < 0:
+        raise FitError(f"the number of starts must not be negative, got {ensemble}")
+    if not ensemble and not spread:
+        return None
+    if not spread and not rotor_angles(cases[0]):
+        raise FitError(
+            'say what varies over the starts, such as spread={"x1": "1 mm"}, or ask for none: ensemble=0'
+        )
+    try:
+        (members,) = read_ensemble(cases[0], ensemble, seed, spread)
+        for case in cases[1:]:
+            read_members(case, ensemble, seed, spread)
+    except (PlanError, ValueError) as error:
+        raise FitError(str(error)) from None
+    return members
 
 
 # One run of a fit; how it is simulated and measured stands in `vibsim.fitting.search`.

@@ -25,10 +25,9 @@ from vibsim.command_line.options import (
 )
 from vibsim.command_line.terminal import Progress, print_json, say
 from vibsim.command_line.text import goes_on, print_lines, size
-from vibsim.fitting.fit_result import FitResult, Table, facts, fit_lines, ranking_table
-from vibsim.fitting.fitting import make_plan, run_fit
+from vibsim.fitting.fit_result import FitResult, Table, facts, fit_lines, ranking_table, run_fit
 from vibsim.fitting.measures import VIBRATION, FitError, observable_of
-from vibsim.fitting.plan import FitPlan, Search
+from vibsim.fitting.plan import FitPlan, Search, make_plan
 from vibsim.fitting.statements import PHRASES, Phrase
 from vibsim.signals import Interruption, interrupted_with
 

@@ -41,9 +41,8 @@ from vibsim.evidence.reports.measurements import (
     plain,
     run_all,
 )
-from vibsim.fitting.fit_result import facts
-from vibsim.fitting.fitting import make_plan, run_fit
-from vibsim.fitting.plan import Search
+from vibsim.fitting.fit_result import facts, run_fit
+from vibsim.fitting.plan import Search, make_plan
 from vibsim.orbits.branches.branch import Branch, BranchStore, read_branch
 from vibsim.orbits.branches.continuing import orbit_from
 from vibsim.orbits.branches.curve import complete
