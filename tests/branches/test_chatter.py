@@ -6,8 +6,8 @@ import pytest
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
 from vibsim.orbits.branches.continuing import continue_branch
-from vibsim.orbits.coordinates import LETTERS, circle
 from vibsim.orbits.search import orbit
+from vibsim.orbits.words import LETTERS, circle
 
 OMEGA = 99.045444115315068  # [rad/s]
 KINDS = {letter: kind for kind, letter in LETTERS.items()}

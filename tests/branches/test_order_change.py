@@ -10,7 +10,7 @@ from vibsim.orbits.branches.inspection import _gathered
 from vibsim.orbits.branches.interpolant import _newton
 from vibsim.orbits.branches.order_change import _zero
 from vibsim.orbits.branches.special_points import STICKING, Special
-from vibsim.orbits.coordinates import LETTERS
+from vibsim.orbits.words import LETTERS
 
 KINDS = {letter: kind for kind, letter in LETTERS.items()}
 

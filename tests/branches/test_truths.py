@@ -7,7 +7,7 @@ from tests.branches.made import CAPTURED, PERIOD_5, RESONANT, branch_of, nearest
 from tests.orbits.truths import TRUTHS
 from vibsim.orbits.branches.inspection import inspect
 from vibsim.orbits.branches.node import Node
-from vibsim.orbits.coordinates import cyclic
+from vibsim.orbits.words import cyclic
 
 LOWER = "3.47:3.53 Hz"
 # truth, branch, its span, kind

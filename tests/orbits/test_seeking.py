@@ -9,10 +9,11 @@ import vibsim
 from tests.orbits.truths import TRUTHS
 from vibsim.cases import load_case
 from vibsim.orbits.branches.plan import BranchError
-from vibsim.orbits.coordinates import NoSection, OrbitError, cyclic
+from vibsim.orbits.coordinates import NoSection, OrbitError
 from vibsim.orbits.newton import likely_periods
 from vibsim.orbits.orbit import save_orbit
 from vibsim.orbits.search import orbit, same, search_attempts, search_orbits, time_of_returns
+from vibsim.orbits.words import cyclic
 from vibsim.results import simulate
 from vibsim.results.hdf5_reading import ResultFileError
 

@@ -5,8 +5,8 @@ import pytest
 
 from tests.orbits.truths import TRUTHS
 from vibsim.orbits import find_orbit
-from vibsim.orbits.coordinates import LETTERS, cyclic, spelled
 from vibsim.orbits.newton import newton_step, tolerance
+from vibsim.orbits.words import LETTERS, cyclic, spelled
 
 GRAZING = "I-A n=5 grazing rsurrbrerrrrrbrerr>rsurberbrerrrrrbrerr"
 FOLDS = ("I-A n=5 isola fold", "II-B c=0.03 captured branch fold")

@@ -35,7 +35,7 @@ from vibsim.analysis.cycles import (
     name_verdict,
     span_of,
 )
-from vibsim.orbits.coordinates import apart
+from vibsim.physics.formula_values import apart
 from vibsim.physics.linear_algebra import solved
 from vibsim.physics.parts import Friction, Link, Motor, Scene
 from vibsim.physics.rates import bilinear_frequencies, natural_rates

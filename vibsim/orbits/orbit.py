@@ -15,9 +15,10 @@ import numpy as np
 from vibsim.cases.quantities import number
 from vibsim.engine.blocks import Trajectory
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.orbits.coordinates import Word, case_on_orbit, circle, placed, spelled
+from vibsim.orbits.coordinates import case_on_orbit, placed
 from vibsim.orbits.return_map import returns
 from vibsim.orbits.stability import exponents_of, multipliers_of, sides_of_circle, sliding_margin
+from vibsim.orbits.words import Word, circle, spelled
 from vibsim.results.labelled import Arrays, Labelled, few
 from vibsim.results.recording import Recording, TrajectoryWriter
 from vibsim.results.result import Result

@@ -15,9 +15,10 @@ from typing import Any
 from vibsim.cases.quantities import number
 from vibsim.engine.tangent.carried_digits import DigitsCarrier
 from vibsim.engine.truth import bare
-from vibsim.orbits.coordinates import OrbitError, Word, spelled, word_of
+from vibsim.orbits.coordinates import OrbitError
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.stability import characteristic_polynomial, refined_roots, solved
+from vibsim.orbits.words import Word, spelled, word_of
 from vibsim.physics.connections import paces_of
 from vibsim.physics.numbers import Number, decimal_text
 from vibsim.physics.parts import IMPACTS

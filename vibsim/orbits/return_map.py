@@ -22,17 +22,8 @@ from vibsim.engine.tangent.carried import Carried
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.lazy import once
-from vibsim.orbits.coordinates import (
-    Coordinates,
-    OrbitError,
-    PoincareSection,
-    Word,
-    at_once,
-    in_order,
-    placed,
-    section_of,
-    word_of,
-)
+from vibsim.orbits.coordinates import Coordinates, OrbitError, PoincareSection, placed, section_of
+from vibsim.orbits.words import Word, at_once, in_order, word_of
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import natural_rates
 

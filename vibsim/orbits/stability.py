@@ -17,9 +17,10 @@ from vibsim.engine.flows.closed.matrices import Matrix
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.status import BACKWARD, FORWARD, Status
 from vibsim.engine.tangent.carried import Carried
-from vibsim.orbits.coordinates import OF_FRICTION
+from vibsim.orbits.words import OF_FRICTION
 from vibsim.physics import linear_algebra
 from vibsim.physics.elementary import log
+from vibsim.physics.formula_values import inputs_at, values_of
 from vibsim.physics.numbers import Doubles, Kit, N
 from vibsim.physics.parts import Scene
 
@@ -157,8 +158,6 @@ def _forces_of(scene: Scene, friction: Any, state: State) -> tuple[Sequence[floa
     """The forces [N] with which slip begins forwards and backwards, and the most that it holds against it."""
     if friction.holds is None:
         return (friction.forward, friction.backward), friction.limits
-    from vibsim.physics.formula_values import inputs_at, values_of
-
     at = inputs_at(scene, state.t, state.x, state.v, (state.phase, state.w))
     starts, limits = (
         [float(values_of(one, at)) for one in each] for each in (friction.slips, friction.holds)

@@ -17,7 +17,7 @@ import numpy as np
 
 from vibsim.physics import elementary
 from vibsim.physics.connections import base_formulas
-from vibsim.physics.elementary import mean
+from vibsim.physics.elementary import mean, sine_cosine_of_arrays
 from vibsim.physics.formulas import TIME, Node, children, derivative, walk
 from vibsim.physics.parts import BASE, GROUND, ROTOR, STATE, Link, Scene
 
@@ -366,3 +366,48 @@ def _in_table(node: Node, u: float) -> float:
     k = max(0, min(len(pieces) - 1, sum(1 for knot in knots if knot <= place) - 1))
     beyond = place - float(knots[k])
     return sum(float(c) * beyond**n for n, c in enumerate(pieces[k]))
+
+
+# Gaps of stops and differences of ends on a motion that is known.
+
+
+def gap_of(
+    scene: Any, number: int, t: Any, state: np.ndarray, rates: np.ndarray | None = None
+) -> tuple[Any, Any, Any]:
+    """Gap of a stop [m], its rate and acceleration at states (N, ...), with their rates of change."""
+    stop, n = scene.stops[number], len(scene.bodies)
+    base = motion_of_base(scene, t)
+    values = state, state[n:], None if rates is None else rates[n:]
+    gap, rate, bend = (
+        0.0 if of is None else stop.sense * apart(stop, of, base[order]) for order, of in enumerate(values)
+    )
+    return stop.gap + gap, rate, bend
+
+
+def apart(part: Any, values: Any, of_base: Any) -> Any:
+    """P - Q of the ends of a part: `values` by body, that of the base, and 0 of the ground."""
+    P, Q = (values[end] if end >= 0 else of_base if end == BASE else 0.0 for end in (part.P, part.Q))
+    return P - Q
+
+
+def motion_of_base(scene: Any, t: Any) -> tuple[Any, Any, Any]:
+    """Displacement, velocity and acceleration of the base at the times t."""
+    if scene.base_formula is not None:
+        values = [values_of(one, {TIME: t}) for one in base_formulas(scene)]
+        return values[0], values[1], values[2]
+    x = v = a = 0.0
+    for term in scene.base:
+        sine, cosine = sine_cosine_of_arrays(term.omega * t + term.phase)
+        x = x + term.amplitude * sine
+        v = v + term.amplitude * term.omega * cosine
+        a = a - term.amplitude * term.omega**2 * sine
+    return x, v, a
+
+
+def motion_of_belt(friction: Any, t: Any) -> tuple[Any, Any]:
+    """Velocity and acceleration of the belt of a friction against its Q at the times t."""
+    if friction.course is None:
+        return friction.belt, 0.0
+    formulas = friction.course, derivative(friction.course, TIME)
+    velocity, acceleration = (values_of(one, {TIME: t}) for one in formulas)
+    return friction.belt + velocity, acceleration

@@ -39,11 +39,12 @@ from vibsim.engine.modes.status import STICK
 from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.tangent.lyapunov import lyapunov_exponents
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.orbits.coordinates import OF_FRICTION, Coordinates, OrbitError, coordinates_of_rest
+from vibsim.orbits.coordinates import Coordinates, OrbitError, coordinates_of_rest
 from vibsim.orbits.newton import EVEN, solve
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import ReturnMap, returns, slowest_period
 from vibsim.orbits.search import least
+from vibsim.orbits.words import OF_FRICTION
 from vibsim.physics.connections import whole_turn_angles
 from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES, Scene
 from vibsim.physics.rates import is_driven, source_period

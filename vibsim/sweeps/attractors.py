@@ -23,11 +23,12 @@ import numpy as np
 from vibsim.analysis.attractor import is_mirrored, lies_on
 from vibsim.engine.errors import EngineError
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.orbits.coordinates import OrbitError, placed, spelled
+from vibsim.orbits.coordinates import OrbitError, placed
 from vibsim.orbits.newton import solve
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.return_map import ReturnMap
 from vibsim.orbits.search import least
+from vibsim.orbits.words import spelled
 from vibsim.physics.parts import GROUND
 from vibsim.results.file_contents import Column, Dataset
 from vibsim.sweeps.attractor_labels import coordinates_of, orbit_of_label

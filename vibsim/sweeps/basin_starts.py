@@ -19,10 +19,11 @@ import numpy as np
 from vibsim.analysis.attractor import KnownOrbits, Label, lies_on
 from vibsim.cases.quantities import number
 from vibsim.engine.errors import EngineError
-from vibsim.orbits.coordinates import OrbitError, component_names, gap_of, placed, start_by_column
+from vibsim.orbits.coordinates import OrbitError, component_names, placed, start_by_column
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.search import opened
 from vibsim.orbits.search import start_of as state_of_start
+from vibsim.physics.formula_values import gap_of
 from vibsim.physics.parts import RigidStop, Scene
 from vibsim.results.simulation import kind_of, names_a_result
 from vibsim.sweeps.attractor_labels import coordinates_of, label_of_failure, orbit_of_label, run_label

@@ -25,10 +25,10 @@ from vibsim.command_line.options import (
 from vibsim.command_line.terminal import Progress, print_json, say, style
 from vibsim.command_line.text import counted, heading, metres, multiplier_text, print_lines, size
 from vibsim.engine.columns import state_columns
-from vibsim.orbits.coordinates import LETTERS
 from vibsim.orbits.orbit import Orbit, save_orbit
 from vibsim.orbits.search import INITIAL, SearchTally, orbit, search_attempts
 from vibsim.orbits.stability import neighbours, sides_of_circle
+from vibsim.orbits.words import LETTERS
 from vibsim.physics.parts import IMPACTS
 from vibsim.results import Result, kind_of, names_a_result
 from vibsim.results.hdf5_reading import ResultFileError

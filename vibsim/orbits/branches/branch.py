@@ -37,8 +37,8 @@ from vibsim.orbits.branches.tracing import (
     Watch,
     trace,
 )
-from vibsim.orbits.coordinates import Word
 from vibsim.orbits.stability import length_of
+from vibsim.orbits.words import Word
 from vibsim.results.file_contents import Column, Dataset
 from vibsim.results.hdf5_reading import opened, read_datasets, understood
 from vibsim.results.labelled import Arrays, few

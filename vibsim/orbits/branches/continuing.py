@@ -27,10 +27,11 @@ from vibsim.orbits.branches.plan import (
 )
 from vibsim.orbits.branches.special_points import BRANCHING, DOUBLING, NAMES
 from vibsim.orbits.branches.tracing import MOST_POINTS
-from vibsim.orbits.coordinates import check_count, cyclic
+from vibsim.orbits.coordinates import check_count
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.search import opened, orbit
 from vibsim.orbits.stability import directions, length_of, product
+from vibsim.orbits.words import cyclic
 
 Span = tuple[float, float] | tuple[tuple[float, float], str]
 

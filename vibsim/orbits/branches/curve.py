@@ -15,7 +15,7 @@ from vibsim.engine.choice import engine_name
 from vibsim.orbits.branches.plan import CurvePlan
 from vibsim.orbits.branches.special_points import LABELS
 from vibsim.orbits.branches.tracing import OrbitRecord, Watch
-from vibsim.orbits.coordinates import LETTERS, Word, spelled
+from vibsim.orbits.words import LETTERS, Word, spelled
 from vibsim.results.file_contents import (
     ENGINE,
     PROVENANCE,
@@ -298,7 +298,7 @@ def record_of(kind: Any, columns: Mapping[str, Any], i: int, prefix: str = "") -
 
 
 def read_spelled(text: str) -> Word:
-    """The word of its letters, as `vibsim.orbits.coordinates.spelled` writes it."""
+    """The word of its letters, as `vibsim.orbits.words.spelled` writes it."""
     letters = text.split() if " " in text or text[1:].isdigit() else list(text)
     return tuple((EVENTS[one[0]], int(one[1:] or 1) - 1) for one in letters)
 

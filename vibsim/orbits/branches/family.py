@@ -26,7 +26,7 @@ from vibsim.engine.errors import EngineError
 from vibsim.lazy import once
 from vibsim.orbits import OrbitError, ReturnMap
 from vibsim.orbits.branches.correction import ContinuationError, NoCase
-from vibsim.orbits.coordinates import case_on_orbit, circle
+from vibsim.orbits.coordinates import case_on_orbit
 from vibsim.orbits.newton import tolerance
 from vibsim.orbits.stability import (
     NoEigenvalues,
@@ -40,6 +40,7 @@ from vibsim.orbits.stability import (
     product,
     square_root,
 )
+from vibsim.orbits.words import circle
 from vibsim.physics.parts import Scene
 
 # The scenes of a case over one of its numbers, made fast.

@@ -25,9 +25,11 @@ from vibsim.orbits.branches.correction import ContinuationError
 from vibsim.orbits.branches.family import Family, FamilyPoint
 from vibsim.orbits.branches.node import Node
 from vibsim.orbits.branches.special_points import CONTACTS, GRAZING, Special
-from vibsim.orbits.coordinates import Word, circle, gap_of, placed
+from vibsim.orbits.coordinates import placed
 from vibsim.orbits.return_map import Return
 from vibsim.orbits.stability import least_squares, length_of
+from vibsim.orbits.words import Word, circle
+from vibsim.physics.formula_values import gap_of
 from vibsim.physics.formulas import begun_later
 from vibsim.physics.parts import EVENT_KINDS, RIGID_KINDS, Scene
 

@@ -35,8 +35,8 @@ from vibsim.orbits.branches.special_points import (
     Special,
     kind_of_change,
 )
-from vibsim.orbits.coordinates import changes, without_landings
 from vibsim.orbits.stability import length_of, moduli, modulus, singular_values
+from vibsim.orbits.words import changes, without_landings
 
 LONGEST_PART = 0.9  # of a stretch that is halved
 TRIES = 100  # nodes while locating

@@ -17,9 +17,9 @@ from vibsim.orbits.branches.correction import ContinuationError
 from vibsim.orbits.branches.family import Family
 from vibsim.orbits.branches.grazing import later
 from vibsim.orbits.branches.node import Node, between, chord_of, node_at, start_between
-from vibsim.orbits.coordinates import Word
 from vibsim.orbits.return_map import Return
 from vibsim.orbits.stability import dot, length_of
+from vibsim.orbits.words import Word
 from vibsim.physics.parts import Scene
 
 THROUGH = 3  # nodes that the polynomial goes through, the tangents at ends beside them

@@ -25,8 +25,8 @@ from vibsim.orbits.branches.node import Node
 from vibsim.orbits.branches.plan import FIRST_STEP, BranchError, BranchPlan, CurvePlan, must_matter, value_in
 from vibsim.orbits.branches.special_points import BRANCHING, CONTACTS, GRAZING, NAMES, STICKING, TORUS, held
 from vibsim.orbits.branches.tracing import OrbitRecord, Watch, orbit_record
-from vibsim.orbits.coordinates import changes
 from vibsim.orbits.stability import nearest_to_circle
+from vibsim.orbits.words import changes
 from vibsim.results.file_contents import Dataset
 from vibsim.results.hdf5_reading import opened, read_datasets, understood
 from vibsim.results.labelled import few

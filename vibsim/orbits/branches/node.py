@@ -12,6 +12,7 @@ from vibsim.orbits.branches.correction import correct, kernel, tangent
 from vibsim.orbits.branches.family import Family, FamilyPoint
 from vibsim.orbits.stability import ON_CIRCLE, dot, length_of, modulus, product
 from vibsim.physics.connections import body_sets, formulas_of, reads_own_distance
+from vibsim.physics.formula_values import potential_of, values_of
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import masses
 
@@ -430,14 +431,10 @@ class Conserved:
 
     def _potential(self, x: np.ndarray, link: Any) -> float:
         """Energy of a link with a formula [J]."""
-        from vibsim.physics.formula_values import potential_of
-
         return potential_of(link, self._apart(x, link))
 
     def _pull(self, x: np.ndarray, link: Any) -> float:
         """Force of a link with a formula that draws its ends together [N]."""
-        from vibsim.physics.formula_values import values_of
-
         return float(values_of(link.force, {("x", end): x[end] for end in (link.P, link.Q) if end >= 0}))
 
     def momenta(self, X: np.ndarray) -> np.ndarray:

@@ -19,9 +19,10 @@ from vibsim.orbits.branches.family import Family, FamilyPoint
 from vibsim.orbits.branches.interpolant import BranchInterpolant, at_zero, regula_falsi
 from vibsim.orbits.branches.node import Node
 from vibsim.orbits.branches.special_points import BRANCHING, CORNER, FOLD, HOPF, UNRESOLVED, Special
-from vibsim.orbits.coordinates import LETTERS, Word, counted, gap_of
 from vibsim.orbits.stability import dot, least_squares, length_of, moduli
+from vibsim.orbits.words import LETTERS, Word, counted
 from vibsim.physics.connections import BodySet, body_sets
+from vibsim.physics.formula_values import gap_of
 from vibsim.physics.parts import Scene
 
 NARROW = 4e-14  # length, over that of the unknowns, of the last bracket: Newton's method leaves as much open

@@ -13,17 +13,11 @@ from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits.branches.correction import ContinuationError
 from vibsim.orbits.branches.family import Family
 from vibsim.orbits.branches.node import Node, node_at
-from vibsim.orbits.coordinates import (
-    Word,
-    apart,
-    changes,
-    motion_of_base,
-    motion_of_belt,
-    placed,
-    without_sequences,
-)
+from vibsim.orbits.coordinates import placed
 from vibsim.orbits.return_map import Return, ReturnMap
 from vibsim.orbits.stability import excess, length_of
+from vibsim.orbits.words import Word, changes, without_sequences
+from vibsim.physics.formula_values import apart, motion_of_base, motion_of_belt
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 

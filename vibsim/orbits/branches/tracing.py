@@ -20,8 +20,9 @@ from vibsim.orbits.branches.node import Node
 from vibsim.orbits.branches.plan import BranchPlan
 from vibsim.orbits.branches.special_points import DOUBLING, FOLD, NAMES, TORUS, Special
 from vibsim.orbits.branches.walk import Step, Walk
-from vibsim.orbits.coordinates import Word, placed
+from vibsim.orbits.coordinates import placed
 from vibsim.orbits.stability import dot, length_of, sides_of_circle
+from vibsim.orbits.words import Word
 from vibsim.physics.parts import GROUND
 
 # What is kept of a branch: its points and special points, as plain numbers.
