@@ -7,7 +7,8 @@ import pytest
 import vibsim
 from tests.command_line.made import call
 from vibsim.cases import gallery_case_names, hard_case_names, shipped_case_names
-from vibsim.cases.case import commented_text, load_case_text
+from vibsim.cases.case import load_case_text
+from vibsim.command_line.commands.new import commented_text
 
 NAMES = [*shipped_case_names(), *gallery_case_names(), *hard_case_names()]
 

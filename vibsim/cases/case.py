@@ -1,7 +1,6 @@
 """A case: one system and one run of it, validated and exact."""
 
-import textwrap
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -13,18 +12,16 @@ from typing import Any, TypeGuard, Union
 from vibsim.cases.problems import CaseError, Problem
 from vibsim.cases.quantities import Quantity, number
 from vibsim.cases.scene_building import DOUBLES, amplitude_value, build_parts, build_two_blocks, exact_numbers
-from vibsim.cases.schema import CaseFile, CaseHead, HarmonicKeys, Section
+from vibsim.cases.schema import CaseFile, CaseHead, HarmonicKeys
 from vibsim.cases.schema_keys import (
     UnknownKeyError,
     form_of,
     full_key,
-    holds_names,
     keys_of,
     measured_in_case,
-    section_models,
 )
 from vibsim.cases.schema_kinds import Measured, has_formulas
-from vibsim.cases.short_form import HEAD, flow, long_text, long_values, scalar, sections_text
+from vibsim.cases.short_form import long_text, long_values, sections_text
 from vibsim.cases.sources import (
     PathText,
     SourceText,
@@ -398,91 +395,6 @@ def texts(name: str, values: Any) -> list[str]:
         if not isinstance(value, str):
             raise TypeError(f"{name} must be a text or a list of texts, got {value!r:.60}")
     return listed
-
-
-# A case as YAML text in which every key says what it is: a file to start one's own from.
-#
-# The comments are the descriptions of the schema. Keys that may be left out and are stand in comments, with
-# an example.
-
-
-COLUMN = 34  # where comments begin
-LONGEST = 96  # characters of a line of a comment
-
-
-def commented_text(case: Case, name: str) -> str:
-    """The text, to be a file called `name`; reads back to the same motion."""
-    return "\n".join([*_head(case, name), *_sections(case)]) + "\n"
-
-
-def _head(case: Case, name: str) -> Iterator[str]:
-    yield f"# A case of vibsim, begun from {case.name}."
-    yield "#"
-    yield f"#   vibsim check {name}            is everything right?"
-    yield f"#   vibsim cases {name} --draw     what the machine looks like"
-    yield f"#   vibsim run {name}"
-    yield "#"
-    yield "# Numbers without a unit are SI; angular rates need one (Hz, rpm, rad/s)."
-    yield ""
-    yield _line("", f"title: {scalar(case.title or case.name)}", "one line on what the case shows")
-
-
-def _sections(case: Case) -> Iterator[str]:
-    values, model = nested_values(case.model), case.model
-    for section, field in type(model).keys.items():
-        if section in (*HEAD, "extends"):
-            continue
-        yield ""
-        if not values.get(section):
-            yield "\n#   ".join(textwrap.wrap(f"# {section}: {field.description}", COLUMN + LONGEST))
-        elif holds_names(field.annotation):
-            yield _line("", f"{section}:", field.description)
-            yield from _parts(field.annotation, values[section])
-        else:
-            content = type(getattr(model, section))
-            yield _line("", f"{section}:", _summary(content))
-            yield from _keys(content, "  ", values[section], suggest=False)
-
-
-def _parts(annotation: Any, parts: dict[str, Any]) -> Iterator[str]:
-    """Parts by name; what the keys mean, and which more there are, is said at the first."""
-    models = [model for _, model in section_models(annotation)]
-    for place, (name, part) in enumerate(parts.items()):
-        if not models:
-            yield f"  {scalar(name)}: {flow(part)}"
-            continue
-        yield f"  {scalar(name)}:"
-        yield from _keys(models[0], "    ", part, say=place == 0, suggest=place == 0)
-
-
-def _keys(
-    model: type[Section], indent: str, values: dict[str, Any], say: bool = True, suggest: bool = True
-) -> Iterator[str]:
-    """The keys of a section, those that it may have too.
-
-    say : whether to tell what the keys mean; suggest : whether to name those that it has not, with an example
-    """
-    free = [key for key in values if key not in model.keys]
-    for key, field in model.keys.items():
-        if key in values:
-            yield _line(indent, f"{key}: {flow(values[key], key)}", field.description if say else "")
-        elif suggest and field.examples and not free:
-            yield _line(indent, f"# {key}: {field.examples[0]}", field.description)
-    for key in free:
-        yield _line(indent, f"{key}: {flow(values[key], key)}", "number of the formula" if say else "")
-
-
-def _line(indent: str, text: str, comment: str | None) -> str:
-    """A key and what it means; a meaning that is longer than a line goes on below, in the same column."""
-    line = f"{indent}{text}"
-    if not comment:
-        return line
-    first, *more = textwrap.wrap(comment, LONGEST)
-    return "\n".join([f"{line:{COLUMN}}  # {first}", *(f"{'':{COLUMN}}  #   {rest}" for rest in more)])
-
-
-def _summary(model: type[Section]) -> str:
-    return (model.__doc__ or "").strip().splitlines()[0]
 
 
 # What a notebook shows of a case: what it is, what follows from its numbers, and its text when opened.

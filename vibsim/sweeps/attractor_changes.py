@@ -34,8 +34,8 @@ from vibsim.orbits.stability import eigenvalues
 from vibsim.sweeps.attractor_labels import coordinates_of, orbit_of_label
 from vibsim.sweeps.attractors import parameter_axes
 from vibsim.sweeps.axes import Axis
-from vibsim.sweeps.basin_edges import BasinEdge, Stepping, edge_between, rest_near, stretched
-from vibsim.sweeps.basin_starts import NOWHERE, Basins
+from vibsim.sweeps.basin_edges import BasinEdge, edge_between, rest_near, stretched
+from vibsim.sweeps.basin_starts import NOWHERE, Basins, Stepping
 from vibsim.sweeps.quantities import KINDS
 from vibsim.sweeps.sweep_plan import PlanError
 

@@ -23,8 +23,8 @@ import numpy as np
 from vibsim.orbits.stability import dot, length_of
 from vibsim.physics.elementary import sine_cosine_of_arrays
 from vibsim.results.columns import starts_of
-from vibsim.sweeps.basin_edges import EdgeError, Stepping, rest_near
-from vibsim.sweeps.basin_starts import LONGER, NOWHERE, BasinEnd, Basins, basins_and_starts
+from vibsim.sweeps.basin_edges import EdgeError, rest_near
+from vibsim.sweeps.basin_starts import LONGER, NOWHERE, BasinEnd, Basins, Stepping, basins_and_starts
 from vibsim.sweeps.sweep_plan import PlanError
 
 if TYPE_CHECKING:

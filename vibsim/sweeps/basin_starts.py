@@ -1,4 +1,4 @@
-"""Starts, the attractors on which they end, and the names by which both are asked for.
+"""Starts, the attractors on which they end, the names by which both are asked for, and steps from a start.
 
 A start is a state on the section, or anywhere where nothing drives the scene. Attractors are numbered here as
 starts come to them; mirror images of an orbit are two.
@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf, isfinite
+from math import inf, isfinite, nan
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,10 +19,13 @@ import numpy as np
 from vibsim.analysis.attractor import KnownOrbits, Label, lies_on
 from vibsim.cases.quantities import number
 from vibsim.engine.errors import EngineError
-from vibsim.orbits.coordinates import OrbitError, component_names, placed, start_by_column
+from vibsim.orbits.coordinates import Coordinates, OrbitError, component_names, placed, start_by_column
+from vibsim.orbits.newton import first_point
 from vibsim.orbits.orbit import Orbit
+from vibsim.orbits.return_map import ReturnMap, returns, slowest_period
 from vibsim.orbits.search import opened
 from vibsim.orbits.search import start_of as state_of_start
+from vibsim.physics.connections import whole_turn_angles
 from vibsim.physics.formula_values import gap_of
 from vibsim.physics.parts import RigidStop, Scene
 from vibsim.results.simulation import kind_of, names_a_result
@@ -165,6 +168,89 @@ class Basins:
         if orbit is not None and orbit.stable:
             self.known.add(orbit)
         return len(self.ends) - 1
+
+
+# States on the section and between its returns. Where nothing drives the scene there is no section that every
+# motion meets, and motions are looked at after equal times.
+
+
+SWINGS = 8  # slowest periods that a free motion is followed to see it turn round
+STRETCH = 0.25  # of the slowest period between two looks at a free motion
+
+
+class Stepping:
+    """From a state to the next, along motions of a scene.
+
+    A state has all components; bodies of a set that may be shifted count from its reference.
+    """
+
+    def __init__(self, scene: Scene, engine: str) -> None:
+        self.scene, self.map = scene, ReturnMap(scene, 1, engine)
+        self.at: Coordinates = self.map.coordinates
+        section = self.map.section
+        self.free = section.turning
+        self.stretch = STRETCH * slowest_period(scene) if self.free else nan
+        self._weights = np.zeros(len(self.at.components))
+        self._weights[self.at.free] = self.at.weights
+        if self.free:
+            self._weights[section.component] = 1.0
+        self._turning = whole_turn_angles(self.at.scene)
+        self.moving = np.flatnonzero(self._weights)  # components that are no shifts
+
+    def of_state(self, state: Mapping[str, float]) -> np.ndarray:
+        """The components of a state by name of the column, where its run first meets the section."""
+        components = [0.0 if name is None else state[name] for name in self.at.components]
+        if self.free:
+            return self.plain(np.array(components))
+        scene = placed(self.scene, state, self.scene.t_end)
+        return self.at.lifted(first_point(scene, self.at, self.map.carrier.engine))
+
+    def plain(self, components: np.ndarray) -> np.ndarray:
+        """The same without shifts of sets that are held nowhere."""
+        state = self.at.lifted(self.at.of(components))
+        if self.free:
+            state[self.map.section.component] = components[self.map.section.component]
+        return state
+
+    def by_column(self, components: np.ndarray) -> dict[str, float]:
+        """By name of the column."""
+        return self.at.by_column(components)
+
+    def size(self, components: np.ndarray) -> float:
+        """The largest component, as weighed [m/s]."""
+        return float(np.abs(components * self._weights).max())
+
+    def weighed(self, change: np.ndarray) -> np.ndarray:
+        """A change of the components as unknowns that are all velocities [m/s], and back by `changed`."""
+        return np.asarray(change * self._weights)
+
+    def changed(self, weighed: np.ndarray) -> np.ndarray:
+        """The change of components whose weighed one it is."""
+        back = np.zeros_like(weighed)
+        back[self.moving] = weighed[self.moving] / self._weights[self.moving]
+        return back
+
+    def near(self, components: np.ndarray, other: np.ndarray) -> np.ndarray:
+        """The same state with angles of rotors less than half a turn from those of another. Bodies that turn,
+        as a pendulum, stay where they are: to fall over is to leave a basin.
+        """
+        moved = self.at.lifted(self.at.in_turn_of(self.at.of(components), self.at.of(other)))
+        moved[self._turning] = components[self._turning]
+        if self.free:
+            moved[self.map.section.component] = components[self.map.section.component]
+        return moved
+
+    def after(self, components: np.ndarray) -> np.ndarray:
+        """The state at the next return, or after the next stretch. Raises EngineError, OrbitError."""
+        if self.free:
+            return self.plain(self.map.carrier.carry(components, self.stretch, []).state)
+        return self.at.lifted(self.map.plain(self.at.of(components)).image)
+
+    def turns(self, components: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Times [s] and unknowns (k, m) of the next returns of a free motion."""
+        scene = placed(self.scene, self.by_column(components), SWINGS * 4 * self.stretch)
+        times, states = returns(scene, self.at, self.map.carrier.engine)
+        return times, self.at.of(states)
 
 
 # From a case or a sweep, and names of attractors, to starts that end on them.
