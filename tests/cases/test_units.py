@@ -8,16 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibsim.cases.quantities import (
-    UNITS,
-    QuantityError,
-    decimal_text,
-    parse_quantity,
-    radians_to_turns,
-    times_two_pi,
-    two_pi_bounds,
-    unit_names,
-)
+from vibsim.cases.quantities import UNITS, QuantityError, decimal_text, parse_quantity, unit_names
+from vibsim.physics.elementary import radians_to_turns, times_two_pi, two_pi_bounds
 
 # dimension, text, value in SI units
 EXACT = [

@@ -25,10 +25,8 @@ from vibsim.cases.short_form import long_text, long_values, sections_text
 from vibsim.cases.sources import (
     PathText,
     SourceText,
-    Tree,
     apply_overrides,
     case_name_from,
-    decoded,
     find_source,
     read_tree,
     with_leaf,
@@ -43,7 +41,7 @@ from vibsim.cases.validation import (
     resolved_values,
     validated,
 )
-from vibsim.cases.yaml_nodes import Place
+from vibsim.cases.yaml_nodes import Place, Tree, decoded
 from vibsim.physics.parts import BODY, Scene
 from vibsim.physics.two_blocks import TwoBlocks
 

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from vibsim.cases.quantities import Quantity, two_pi_fraction
+from vibsim.cases.quantities import Quantity
 from vibsim.cases.schema_kinds import has_formula, sides_of
 from vibsim.cases.short_form import BASE, NO_BODIES, Draft, Ends, FoundDefault
 from vibsim.physics import elementary
+from vibsim.physics.elementary import two_pi_fraction
 from vibsim.physics.parts import EXPONENTIAL, HYPERBOLIC
 
 COULOMB = "coulomb"

@@ -5,12 +5,13 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vibsim.cases.part_laws import directions, falls
-from vibsim.cases.quantities import Quantity, is_inertia, times_two_pi, two_pi_fraction
+from vibsim.cases.quantities import Quantity, is_inertia
 from vibsim.cases.schema import AmplitudeRule, CaseFile, HarmonicKeys, MotorKeys
 from vibsim.cases.schema_keys import form_of
 from vibsim.cases.schema_kinds import Formula, has_formulas
 from vibsim.cases.short_form import BASE as BASE_END
 from vibsim.cases.short_form import GROUND as GROUND_END
+from vibsim.physics.elementary import times_two_pi, two_pi_fraction
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,

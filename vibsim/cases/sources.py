@@ -3,7 +3,6 @@
 import re
 import sys
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from os.path import exists, isdir, isfile, normpath
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -22,13 +21,19 @@ from vibsim.cases.schema_keys import (
     keys_of,
 )
 from vibsim.cases.schema_kinds import ALWAYS, FORMULA_KEYS, Formula, has_formulas, is_formula
-from vibsim.cases.yaml_nodes import Broken, Node, Place, Text, place_inside, read_yaml
+from vibsim.cases.yaml_nodes import (
+    HDF5_SIGNATURE,
+    LARGEST_FILE,
+    Broken,
+    Node,
+    Place,
+    Text,
+    Tree,
+    decoded,
+    read_yaml,
+)
 from vibsim.cases.yaml_nodes import Mapping as yaml_nodes_Mapping
 
-LARGEST_FILE = 1_000_000  # bytes
-HDF5_SIGNATURE = b"\x89HDF"
-ASCII_TEXT = re.compile("[\t\n\r -~]*")
-CONTROL = "[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"  # what YAML forbids
 SUFFIXES = (".yaml", ".yml")
 RESULTS = (".h5", ".hdf5", ".partial")
 HARD, GALLERY = "hard/", "gallery/"  # folders of shipped cases, and how their names begin
@@ -189,31 +194,6 @@ def _unreadable(path: Path, error: Exception) -> str:
     return f"cannot be read: {getattr(error, 'strerror', None) or error}"
 
 
-def decoded(raw: bytes, name: str) -> str:
-    """Bytes of a case file as text. Raises CaseError for large, binary and non-UTF-8 files."""
-    if raw.startswith(HDF5_SIGNATURE):
-        raise CaseError([Problem(name, None, None, "", "is an HDF5 file, not a YAML case file")])
-    if len(raw) > LARGEST_FILE:
-        raise CaseError([Problem(name, None, None, "", "is larger than 1 MB; a case file has about 2 kB")])
-    try:
-        text = raw.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        what = f"is not UTF-8 text (byte 0x{raw[error.start]:02x}); save the file as UTF-8"
-        raise CaseError([_at(name, raw[: error.start].decode("utf-8", "replace"), what)]) from None
-    control = None if ASCII_TEXT.fullmatch(text) else re.search(CONTROL, text)
-    if control:
-        what = f"holds the control character 0x{ord(control[0]):02x}; is it a binary file?"
-        raise CaseError([_at(name, text[: control.start()], what)])
-    return text
-
-
-def _at(name: str, before: str, message: str) -> Problem:
-    """A problem right behind the text `before`."""
-    line = before.count("\n") + 1
-    column = len(before) - (before.rfind("\n") + 1) + 1
-    return Problem(name, line, column, "", message)
-
-
 def case_name_from(stem: str) -> str:
     """A case's name from its file's name: what a name may not hold becomes "_"."""
     name = re.sub(r"[^A-Za-z0-9._+ -]", "_", stem).strip()[:80]
@@ -227,58 +207,6 @@ LONGEST_CHAIN = 8  # files that extend one another
 FEW_KEYS = 3  # that may all be misspelt
 OWN_KEYS = ("name", "title", "extends")  # not inherited: they speak of one file
 BROKEN = object()  # a value that has been reported already
-
-
-@dataclass
-class Tree:
-    """A case before validation.
-
-    Attributes
-    ----------
-    values : nested dict of texts
-    places : dotted key -> place of its value
-    key_places : dotted key -> place of the key itself
-    spelt : dotted key -> its value as it stands in the file, where that is in quotes
-    texts, tables : dotted key -> a formula as it was before tables of files were put in; of each of them the
-        place, the length of its name and its own length
-    root : where the case begins, the place of what is missing
-    problems : what reading found
-    complete : False where a file could not be read, so that keys may be missing for that reason
-    """
-
-    values: dict[str, Any]
-    root: Place
-    places: dict[str, Place] = field(default_factory=dict)
-    key_places: dict[str, Place] = field(default_factory=dict)
-    problems: list[Problem] = field(default_factory=list)
-    complete: bool = True
-    spelt: dict[str, str] = field(default_factory=dict)
-    texts: dict[str, str] = field(default_factory=dict)
-    tables: dict[str, list[tuple[int, int, int]]] = field(default_factory=dict)
-
-    def place(self, key: str) -> Place:
-        """Place of a key's value, or of the section around it where it is missing."""
-        return self.places[key] if key in self.places else self.key_place(key.rpartition(".")[0])
-
-    def place_inside(self, key: str, at: int) -> Place:
-        """Place of a character of a key's value."""
-        text = self.texts.get(key)
-        if text is None:
-            value: Any = self.values
-            for name in key.split("."):
-                value = value.get(name) if isinstance(value, dict) else None
-            text = str(value)
-        for start, before, after in self.tables.get(key, ()):
-            at = at if at <= start else at - after + before if at >= start + after else start
-        return place_inside(self.place(key), text, self.spelt.get(key, ""), at)
-
-    def key_place(self, key: str) -> Place:
-        """Place of a key itself, or of the section around it where it is missing."""
-        while key:
-            if key in self.key_places:
-                return self.key_places[key]
-            key = key.rpartition(".")[0]
-        return self.root
 
 
 def read_tree(source: SourceText) -> Tree:

@@ -22,8 +22,8 @@ from vibsim.cases.schema_keys import (
 )
 from vibsim.cases.schema_kinds import Fault, Location, has_formulas
 from vibsim.cases.short_form import Draft, FoundDefault, with_defaults
-from vibsim.cases.sources import BROKEN, Tree, put_tables_in
-from vibsim.cases.yaml_nodes import Place
+from vibsim.cases.sources import BROKEN, put_tables_in
+from vibsim.cases.yaml_nodes import Place, Tree
 from vibsim.physics.formulas import reads
 from vibsim.physics.parts import GROUND, Friction, Link, Motor, Scene
 from vibsim.physics.rates import bilinear_frequencies, frequency, masses, natural_rates, reduced_mass

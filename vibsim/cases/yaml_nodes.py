@@ -1,4 +1,4 @@
-"""YAML text to a tree of mappings and texts in which every key and value knows its place.
+"""YAML text to a tree of mappings and texts in which every key and value knows its place; and a case as such.
 
 Built from the parser's events, not from loaded objects: values stay the text that the user wrote (3:7:0.05,
 1e-8, 010, no). What a case file has no use for (repeated keys, nulls, tags, anchors, aliases, merge keys,
@@ -24,7 +24,7 @@ from yaml.events import (
     SequenceStartEvent,
 )
 
-from vibsim.cases.problems import Problem, did_you_mean, shown, unstorable
+from vibsim.cases.problems import CaseError, Problem, did_you_mean, shown, unstorable
 
 DEEPEST = 8  # nesting; a case needs 5
 MOST_VALUES = 10_000  # a case needs about 40, a chain of a hundred bodies 2,000
@@ -302,3 +302,92 @@ def _syntax_problem(error: yaml.YAMLError, file: str) -> Problem:
     hints = [f"; {hint}" for words, hint in SYNTAX_HINTS.items() if words in what]
     message = f"not valid YAML: {what}{f', {context}' if context else ''}{''.join(hints)}"
     return Problem(file, line, column, "", message)
+
+
+# Bytes of a case file.
+
+
+LARGEST_FILE = 1_000_000  # bytes
+HDF5_SIGNATURE = b"\x89HDF"
+ASCII_TEXT = re.compile("[\t\n\r -~]*")
+CONTROL = "[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"  # what YAML forbids
+
+
+def decoded(raw: bytes, name: str) -> str:
+    """Bytes of a case file as text. Raises CaseError for large, binary and non-UTF-8 files."""
+    if raw.startswith(HDF5_SIGNATURE):
+        raise CaseError([Problem(name, None, None, "", "is an HDF5 file, not a YAML case file")])
+    if len(raw) > LARGEST_FILE:
+        raise CaseError([Problem(name, None, None, "", "is larger than 1 MB; a case file has about 2 kB")])
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        what = f"is not UTF-8 text (byte 0x{raw[error.start]:02x}); save the file as UTF-8"
+        raise CaseError([_at(name, raw[: error.start].decode("utf-8", "replace"), what)]) from None
+    control = None if ASCII_TEXT.fullmatch(text) else re.search(CONTROL, text)
+    if control:
+        what = f"holds the control character 0x{ord(control[0]):02x}; is it a binary file?"
+        raise CaseError([_at(name, text[: control.start()], what)])
+    return text
+
+
+def _at(name: str, before: str, message: str) -> Problem:
+    """A problem right behind the text `before`."""
+    line = before.count("\n") + 1
+    column = len(before) - (before.rfind("\n") + 1) + 1
+    return Problem(name, line, column, "", message)
+
+
+# Case files as one plain tree of texts, every place kept.
+
+
+@dataclass
+class Tree:
+    """A case before validation.
+
+    Attributes
+    ----------
+    values : nested dict of texts
+    places : dotted key -> place of its value
+    key_places : dotted key -> place of the key itself
+    spelt : dotted key -> its value as it stands in the file, where that is in quotes
+    texts, tables : dotted key -> a formula as it was before tables of files were put in; of each of them the
+        place, the length of its name and its own length
+    root : where the case begins, the place of what is missing
+    problems : what reading found
+    complete : False where a file could not be read, so that keys may be missing for that reason
+    """
+
+    values: dict[str, Any]
+    root: Place
+    places: dict[str, Place] = field(default_factory=dict)
+    key_places: dict[str, Place] = field(default_factory=dict)
+    problems: list[Problem] = field(default_factory=list)
+    complete: bool = True
+    spelt: dict[str, str] = field(default_factory=dict)
+    texts: dict[str, str] = field(default_factory=dict)
+    tables: dict[str, list[tuple[int, int, int]]] = field(default_factory=dict)
+
+    def place(self, key: str) -> Place:
+        """Place of a key's value, or of the section around it where it is missing."""
+        return self.places[key] if key in self.places else self.key_place(key.rpartition(".")[0])
+
+    def place_inside(self, key: str, at: int) -> Place:
+        """Place of a character of a key's value."""
+        text = self.texts.get(key)
+        if text is None:
+            value: Any = self.values
+            for name in key.split("."):
+                value = value.get(name) if isinstance(value, dict) else None
+            text = str(value)
+        for start, before, after in self.tables.get(key, ()):
+            at = at if at <= start else at - after + before if at >= start + after else start
+        return place_inside(self.place(key), text, self.spelt.get(key, ""), at)
+
+    def key_place(self, key: str) -> Place:
+        """Place of a key itself, or of the section around it where it is missing."""
+        while key:
+            if key in self.key_places:
+                return self.key_places[key]
+            key = key.rpartition(".")[0]
+        return self.root

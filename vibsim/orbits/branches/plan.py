@@ -13,7 +13,7 @@ import numpy as np
 
 from vibsim.cases import Case, UnknownKeyError
 from vibsim.cases.problems import shown
-from vibsim.cases.quantities import UNITS, number, parse_range, si_unit, times_two_pi, without_log
+from vibsim.cases.quantities import UNITS, number, parse_range, si_unit, without_log
 from vibsim.engine.errors import EngineError
 from vibsim.lazy import once
 from vibsim.orbits import OrbitError, ReturnMap
@@ -31,7 +31,7 @@ from vibsim.orbits.newton import course_of
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.search import opened, start_of, unknowns
 from vibsim.orbits.stability import largest_first
-from vibsim.physics.elementary import total
+from vibsim.physics.elementary import times_two_pi, total
 from vibsim.results.store import BESIDE, plain_data, stored
 
 PACE = Pace()
