@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from importlib.util import find_spec
 from threading import RLock
@@ -21,10 +21,15 @@ FEWEST_DIGITS, MOST_DIGITS = 20, 1000
 class WorkingPrecision(Generic[N]):
     """A precision of `digits` decimal digits; `bits` say the same, arithmetic goes GUARD_BITS beyond.
 
-    A kit adds its arithmetic and `parts(x)`: whole numbers m, e with x = m 2**e.
+    A kit adds its arithmetic, `parts(x)`: whole numbers m, e with x = m 2**e, and `nearest(x)`.
     """
 
     no_exponent = -(10**6)
+    eps: N
+    two_pi: N
+    number: Callable[[Any], N]
+    nearest: Callable[[Any], N]
+    sine_cosine: Callable[[Any], tuple[N, N]]
 
     def __init__(self, digits: int) -> None:
         self.digits = digits
@@ -67,6 +72,24 @@ class WorkingPrecision(Generic[N]):
     def texts_of(self, parts: Iterable[tuple[int, int]]) -> list[str]:
         """The same of whole numbers m, e that stand for m 2**e."""
         return [decimal_text(one, self.digits) for one in parts]
+
+    def rounded_sine_cosine(self, angle: Any) -> tuple[N, N]:
+        """Sine and cosine of an angle [rad] that is rounded: 0 where rounding hides them."""
+        return beyond(self.eps * abs(angle), self.sine_cosine(angle), self.number(0))
+
+    def turn_angle(self, cycles: N, cycles_lo: N, t: N) -> N:
+        """2 pi (cycles + cycles_lo) t reduced to [-pi, pi] [rad]."""
+        turns = (self.number(cycles) + cycles_lo) * t
+        return self.two_pi * (turns - self.nearest(turns))
+
+    def reduce_angle(self, angle: N) -> tuple[N, N]:
+        """`angle` [rad] moved into [-pi, pi], and the whole turns taken out."""
+        turns = self.nearest(angle / self.two_pi)
+        return angle - turns * self.two_pi, turns
+
+    def unwind(self, angle: N, turns: N) -> N:
+        """angle + 2 pi turns [rad]."""
+        return angle + turns * self.two_pi
 
 
 Ball = Any  # flint.arb
@@ -132,10 +155,6 @@ class Balls(WorkingPrecision[Ball]):
     atan = staticmethod(lambda x: x.atan())
     finite = staticmethod(lambda x: x.is_finite())
 
-    def rounded_sine_cosine(self, angle: Ball) -> tuple[Ball, Ball]:
-        """Sine and cosine of an angle [rad] that is rounded: 0 where rounding hides them."""
-        return beyond(self.eps * abs(angle), angle.sin_cos(), self.number(0))
-
     @staticmethod
     def sqrt(x: Ball) -> Ball:
         """Square root; of the non-negative part where x is zero but for its radius."""
@@ -171,26 +190,12 @@ class Balls(WorkingPrecision[Ball]):
         """2**y for a float y."""
         return self.arb(2) ** self.arb(y)
 
-    def turn_angle(self, cycles: Ball, cycles_lo: Ball, t: Ball) -> Ball:
-        """2 pi (cycles + cycles_lo) t reduced to [-pi, pi] [rad]."""
-        turns = (self.number(cycles) + cycles_lo) * t
-        return self.two_pi * (turns - nearest(turns))
-
-    def reduce_angle(self, angle: Ball) -> tuple[Ball, Ball]:
-        """`angle` [rad] moved into [-pi, pi], and the whole turns taken out."""
-        turns = nearest(angle / self.two_pi)
-        return angle - turns * self.two_pi, turns
-
-    def unwind(self, angle: Ball, turns: Ball) -> Ball:
-        """angle + 2 pi turns [rad]."""
-        return angle + turns * self.two_pi
-
-
-def nearest(turns: Ball) -> Ball:
-    """The whole number nearest to the middle of `turns`. Rounding is taken off before the floor: that of a
-    ball which holds a whole number is two numbers.
-    """
-    return (turns.mid() + 0.5).mid().floor()
+    @staticmethod
+    def nearest(turns: Ball) -> Ball:
+        """The whole number nearest to the middle of `turns`. Rounding is taken off before the floor: that of
+        a ball which holds a whole number is two numbers.
+        """
+        return (turns.mid() + 0.5).mid().floor()
 
 
 class BigFloats(WorkingPrecision[BigFloat]):
@@ -223,10 +228,6 @@ class BigFloats(WorkingPrecision[BigFloat]):
         """Sine and cosine of an angle [rad]."""
         cosine, sine = self.context.cos_sin(x)
         return sine, cosine
-
-    def rounded_sine_cosine(self, angle: BigFloat) -> tuple[BigFloat, BigFloat]:
-        """Sine and cosine of an angle [rad] that is rounded: 0 where rounding hides them."""
-        return beyond(self.eps * abs(angle), self.sine_cosine(angle), self.number(0))
 
     def activate(self) -> None:
         """Nothing to do: the precision belongs to the numbers' context."""
@@ -285,19 +286,9 @@ class BigFloats(WorkingPrecision[BigFloat]):
         """2**y for a float y."""
         return self.context.mpf(2) ** y
 
-    def turn_angle(self, cycles: BigFloat, cycles_lo: BigFloat, t: BigFloat) -> BigFloat:
-        """2 pi (cycles + cycles_lo) t reduced to [-pi, pi] [rad]."""
-        turns = (self.number(cycles) + cycles_lo) * t
-        return self.two_pi * (turns - self.context.floor(turns + 0.5))
-
-    def reduce_angle(self, angle: BigFloat) -> tuple[BigFloat, BigFloat]:
-        """`angle` [rad] moved into [-pi, pi], and the whole turns taken out."""
-        turns = self.context.floor(angle / self.two_pi + 0.5)
-        return angle - turns * self.two_pi, turns
-
-    def unwind(self, angle: BigFloat, turns: BigFloat) -> BigFloat:
-        """angle + 2 pi turns [rad]."""
-        return angle + turns * self.two_pi
+    def nearest(self, turns: BigFloat) -> BigFloat:
+        """The whole number nearest to `turns`."""
+        return self.context.floor(turns + 0.5)
 
 
 # Which number kit a run of many digits gets: python-flint's balls, or mpmath's floats without it.

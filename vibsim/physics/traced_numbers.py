@@ -77,6 +77,22 @@ class Record:
         return values
 
 
+Method = Callable[["Recorded", Any], "Recorded"]
+
+
+def _both_ways(operation: Operation) -> tuple[Method, Method]:
+    """An operation that is recorded, with a recorded number on the left and on the right."""
+    return (
+        lambda self, other: self.record.result(operation, self, other),
+        lambda self, other: self.record.result(operation, other, self),
+    )
+
+
+def _compared(comparison: Operation) -> Callable[[Recorded, Any], bool]:
+    """A comparison that is recorded."""
+    return lambda self, other: self.record.outcome(comparison, self, other)
+
+
 class Recorded:
     """A double in a place of a record."""
 
@@ -90,53 +106,22 @@ class Recorded:
         """The double that it was at first."""
         return self.record.values[self.place]
 
-    def __add__(self, other: Any) -> Recorded:
-        return self.record.result(operator.add, self, other)
-
-    def __radd__(self, other: Any) -> Recorded:
-        return self.record.result(operator.add, other, self)
-
-    def __sub__(self, other: Any) -> Recorded:
-        return self.record.result(operator.sub, self, other)
-
-    def __rsub__(self, other: Any) -> Recorded:
-        return self.record.result(operator.sub, other, self)
-
-    def __mul__(self, other: Any) -> Recorded:
-        return self.record.result(operator.mul, self, other)
-
-    def __rmul__(self, other: Any) -> Recorded:
-        return self.record.result(operator.mul, other, self)
-
-    def __truediv__(self, other: Any) -> Recorded:
-        return self.record.result(operator.truediv, self, other)
-
-    def __rtruediv__(self, other: Any) -> Recorded:
-        return self.record.result(operator.truediv, other, self)
+    __add__, __radd__ = _both_ways(operator.add)
+    __sub__, __rsub__ = _both_ways(operator.sub)
+    __mul__, __rmul__ = _both_ways(operator.mul)
+    __truediv__, __rtruediv__ = _both_ways(operator.truediv)
+    __lt__ = _compared(operator.lt)
+    __le__ = _compared(operator.le)
+    __gt__ = _compared(operator.gt)
+    __ge__ = _compared(operator.ge)
+    __eq__ = _compared(operator.eq)
+    __ne__ = _compared(operator.ne)
 
     def __neg__(self) -> Recorded:
         return self.record.result(_negative, self, self)
 
     def __abs__(self) -> Recorded:
         return self.record.result(_size, self, self)
-
-    def __lt__(self, other: Any) -> bool:
-        return self.record.outcome(operator.lt, self, other)
-
-    def __le__(self, other: Any) -> bool:
-        return self.record.outcome(operator.le, self, other)
-
-    def __gt__(self, other: Any) -> bool:
-        return self.record.outcome(operator.gt, self, other)
-
-    def __ge__(self, other: Any) -> bool:
-        return self.record.outcome(operator.ge, self, other)
-
-    def __eq__(self, other: object) -> bool:
-        return self.record.outcome(operator.eq, self, other)
-
-    def __ne__(self, other: object) -> bool:
-        return self.record.outcome(operator.ne, self, other)
 
     def __bool__(self) -> bool:
         return self.record.outcome(operator.ne, self, 0.0)
