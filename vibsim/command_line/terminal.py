@@ -27,7 +27,7 @@ WIDTH = 28  # characters of the name of a step, so that bars below each other ar
 
 
 class Progress:
-    """A bar for each step of the work; the time still to wait counts from the step's beginning.
+    """A bar for each step of the work, to be entered; the time still to wait counts from where a step begins.
 
     patience : seconds that a step may take before its bar appears
     listed : whether there are several steps, which are said line by line where there is no terminal
@@ -38,6 +38,12 @@ class Progress:
         self._step, self._done = "", 0.0
         self._began = time.time()
         self._bar: Any = None
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def show(self, step: str, done: float, total: float, item: str = "") -> None:
         """Say how far a step is: of a whole number of things, or of so many seconds of motion.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -198,6 +198,17 @@ def print_lines(lines: Iterable[tuple[str, str]]) -> None:
     """Print labelled lines, the texts in one column."""
     for label, text in lines:
         say(f"  {style(f'{label:{LABEL_WIDTH}}', dim=True)}{text}")
+
+
+def print_columns(rows: Sequence[Sequence[str]], right: Collection[int] = (), indent: str = "  ") -> None:
+    """Print rows of texts in columns as wide as they need be; right : columns with texts at the right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = (
+            text.rjust(width) if i in right else text.ljust(width)
+            for i, (text, width) in enumerate(zip(row, widths, strict=True))
+        )
+        say(f"{indent}{'  '.join(cells)}".rstrip())
 
 
 def summary_object(result: Result, path: str | Path) -> dict[str, Any]:

@@ -51,14 +51,13 @@ def command(
     from vibsim.results.output_files import check_output
 
     check_output(output, force)
-    progress = Progress(not ctx.obj.quiet, PROGRESS_AFTER)
-    try:
-        with interrupted_with(lambda: f"{output} is not written"):
-            written = animate(
-                file, output, FilmWish(window, speed), force, lambda n, of: progress.show(output, n, of)
-            )
-    finally:
-        progress.close()
+    with (
+        Progress(not ctx.obj.quiet, PROGRESS_AFTER) as progress,
+        interrupted_with(lambda: f"{output} is not written"),
+    ):
+        written = animate(
+            file, output, FilmWish(window, speed), force, lambda n, of: progress.show(output, n, of)
+        )
     if ctx.obj.json:
         print_json({"written": [output], "frames": written.frames, "speed": written.speed})
     elif not ctx.obj.quiet:

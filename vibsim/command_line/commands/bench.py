@@ -154,9 +154,8 @@ def run_jobs(
     check_output(path, force)
     check_picture(picture, 1, force)
     truth = _truth(plan, path, truth_file)
-    began, rows_begun = time.perf_counter(), False
-    with Interruption() as interruption, interrupted_with(lambda: _kept(path, rows_begun)):
-        progress = Progress(not settings.quiet)
+    began, rows_begun, progress = time.perf_counter(), False, Progress(not settings.quiet)
+    with Interruption() as interruption, interrupted_with(lambda: _kept(path, rows_begun)), progress:
 
         def watch(what: str, share: float) -> bool:
             nonlocal rows_begun
@@ -167,10 +166,7 @@ def run_jobs(
                 progress.show("methods", share, 1.0, what)
             return interruption.signum is None
 
-        try:
-            bench = run_bench(plan, path, truth, force, watch)
-        finally:
-            progress.close()
+        bench = run_bench(plan, path, truth, force, watch)
     if bench is None:
         return told(f"interrupted: {_kept(path, False)}", interruption.exit_code, settings.json)
     if settings.json:

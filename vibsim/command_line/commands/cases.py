@@ -12,6 +12,7 @@ from vibsim.cases.problems import one_line
 from vibsim.cases.quantities import number
 from vibsim.command_line.options import CASE, FILE, Settings, examples
 from vibsim.command_line.terminal import print_json, say
+from vibsim.command_line.text import print_columns
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
@@ -134,7 +135,4 @@ def _print_table(cases: Iterable[Case]) -> None:
         (_shipped_name(case), case.source_kind, _short_frequency(case), one_line(case.title))
         for case in cases
     ]
-    widths = [max(len(row[column]) for row in rows) for column in range(3)]
-    for row in rows:
-        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=False)]
-        say("  ".join([*cells, row[3]]).rstrip())
+    print_columns(rows, indent="")

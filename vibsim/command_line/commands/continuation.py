@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,11 +23,11 @@ from vibsim.command_line.options import (
     stored_force_option,
 )
 from vibsim.command_line.terminal import PROGRESS_AFTER, Progress, print_json, say
-from vibsim.command_line.text import completed_file, goes_on, print_lines
+from vibsim.command_line.text import completed_file, goes_on, print_columns, print_lines
 from vibsim.orbits.branches.branch import Branch, BranchStore, branch_lines, facts, special_table
 from vibsim.orbits.branches.continuing import orbit_from, switched
 from vibsim.orbits.branches.curve import complete
-from vibsim.orbits.branches.locus_result import MOST_POINTS as locus_result_MOST_POINTS
+from vibsim.orbits.branches.locus_result import MOST_POINTS as MOST_LOCUS_POINTS
 from vibsim.orbits.branches.locus_result import (
     Locus,
     LocusPlan,
@@ -236,22 +236,15 @@ def run_continuation(
     plan: BranchPlan, output: str, most: int | None, engine: str, force: bool, settings: Settings
 ) -> int:
     """Follow a branch, or complete one; returns the exit code."""
-    path, most = Path(output), most or MOST_POINTS
-    return Following(
-        lambda: BranchStore(plan, path, engine, force),
-        facts,
-        print_branch,
-    ).run(path, most, settings)
+    path = Path(output)
+    store = partial(BranchStore, plan, path, engine, force)
+    return follow(store, facts, print_branch, path, most or MOST_POINTS, settings)
 
 
 def print_branch(branch: Branch, file: str, more: Iterable[tuple[str, str]] = ()) -> None:
     """Lines about a branch, a line per special point, more lines and the file."""
     print_lines(branch_lines(branch))
-    rows = special_table(branch)
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        cells = (text.ljust(width) for text, width in zip(row, widths, strict=True))
-        say(f"  {'  '.join(cells)}".rstrip())
+    print_columns(special_table(branch))
     print_lines([*more, ("file", file)])
 
 
@@ -276,12 +269,9 @@ def run_locus(
     plan: LocusPlan, output: str, most: int | None, engine: str, force: bool, settings: Settings
 ) -> int:
     """Follow a locus, or complete one; returns the exit code."""
-    path, most = Path(output), most or locus_result_MOST_POINTS
-    return Following(
-        lambda: LocusStore(plan, path, engine, force),
-        locus_facts,
-        print_locus,
-    ).run(path, most, settings)
+    path = Path(output)
+    store = partial(LocusStore, plan, path, engine, force)
+    return follow(store, locus_facts, print_locus, path, most or MOST_LOCUS_POINTS, settings)
 
 
 def print_locus(locus: Locus, file: str, more: Iterable[tuple[str, str]] = ()) -> None:
@@ -292,43 +282,40 @@ def print_locus(locus: Locus, file: str, more: Iterable[tuple[str, str]] = ()) -
 # What is followed point by point into a file, a branch or a locus: progress, interruption, what is said.
 
 
-@dataclass(frozen=True)
-class Following:
-    """How one kind of thing is followed.
+def follow(
+    open_store: Callable[[], Any],
+    facts_of: Callable[[Any], dict[str, Any]],
+    show: Callable[[Any, str], None],
+    path: Path,
+    most: int,
+    settings: Settings,
+) -> int:
+    """Follow a branch or a locus into a file, or complete that; returns the exit code.
 
     open_store : opens what takes the points, which has `points` and `notes`
-    facts, show : it as plain data, and printed with a text about its file
+    facts_of, show : it as plain data, and printed with a text about its file
     """
-
-    open_store: Callable[[], Any]
-    facts: Callable[[Any], dict[str, Any]]
-    show: Callable[[Any, str], None]
-
-    def run(self, path: Path, most: int, settings: Settings) -> int:
-        """Follow it into a file, or complete that; returns the exit code."""
-        began, store = time.perf_counter(), None
-        with Interruption() as interruption, interrupted_with(lambda: _kept(path, store)):
-            store = self.open_store()
-            for note in store.notes:
-                say(f"Warning: {note}", err=True)
-            had, progress = len(store.points), Progress(not settings.quiet, PROGRESS_AFTER)
+    began, store = time.perf_counter(), None
+    with Interruption() as interruption, interrupted_with(lambda: _kept(path, store)):
+        store = open_store()
+        for note in store.notes:
+            say(f"Warning: {note}", err=True)
+        had = len(store.points)
+        with Progress(not settings.quiet, PROGRESS_AFTER) as progress:
 
             def watch(count: int, *_: object) -> bool:
                 progress.show("points", count, most)
                 return interruption.signum is None
 
-            try:
-                followed, finished = complete(store, most, watch)
-            finally:
-                progress.close()
-        if settings.json:
-            print_json({"file": str(path), **self.facts(followed)})
-        elif not settings.quiet:
-            self.show(followed, completed_file(path, len(followed), had, time.perf_counter() - began))
-        if not finished:
-            say(f"interrupted: {_kept(path, store)}", err=True)
-            return interruption.exit_code
-        return 0
+            followed, finished = complete(store, most, watch)
+    if settings.json:
+        print_json({"file": str(path), **facts_of(followed)})
+    elif not settings.quiet:
+        show(followed, completed_file(path, len(followed), had, time.perf_counter() - began))
+    if not finished:
+        say(f"interrupted: {_kept(path, store)}", err=True)
+        return interruption.exit_code
+    return 0
 
 
 def _kept(path: Path, store: Any) -> str:

@@ -24,8 +24,8 @@ from vibsim.command_line.options import (
     stored_force_option,
 )
 from vibsim.command_line.terminal import Progress, print_json, say
-from vibsim.command_line.text import goes_on, print_lines, size
-from vibsim.fitting.fit_result import FitResult, Table, facts, fit_lines, ranking_table, run_fit
+from vibsim.command_line.text import goes_on, print_columns, print_lines, size
+from vibsim.fitting.fit_result import FitResult, facts, fit_lines, ranking_table, run_fit
 from vibsim.fitting.measures import VIBRATION, FitError, observable_of
 from vibsim.fitting.plan import FitPlan, Search, make_plan
 from vibsim.fitting.statements import PHRASES, Phrase
@@ -192,18 +192,15 @@ def run_job(
     plan: FitPlan, output: str, jobs: int | None, engine: str, force: bool, settings: Settings
 ) -> int:
     """Run or complete a fit; returns the exit code."""
-    began, steps = time.perf_counter(), Progress(not settings.quiet, listed=True)
-    remedy = goes_on(output)
-    with Interruption() as interruption, interrupted_with(lambda: remedy):
+    began, remedy = time.perf_counter(), goes_on(output)
+    steps = Progress(not settings.quiet, listed=True)
+    with Interruption() as interruption, interrupted_with(lambda: remedy), steps:
 
         def watch(step: str, done: int, total: int) -> bool:
             steps.show(step, done, total)
             return interruption.signum is None
 
-        try:
-            fit, complete = run_fit(plan, output, jobs, engine, force, watch)
-        finally:
-            steps.close()
+        fit, complete = run_fit(plan, output, jobs, engine, force, watch)
     if settings.json:
         print_json({"file": output, **facts(fit)})
     elif not settings.quiet:
@@ -216,23 +213,12 @@ def run_job(
 
 def print_fit(fit: FitResult, file: str, more: Iterable[tuple[str, str]] = ()) -> None:
     """Lines, then the ranking as a table, then more lines and the file."""
+    heads, rows = ranking_table(fit)
     print_lines(fit_lines(fit))
-    print_table(ranking_table(fit))
+    print_columns([heads, *rows], right=[i for i in range(len(heads)) if i != 1])
     if fit.plan.free and fit.plan.fresh_starts:
         say("  from fresh starts; * from those by which it was chosen; - does not hold")
     print_lines([*more, ("file", file)])
-
-
-def print_table(table: Table) -> None:
-    """Columns as wide as they need be, texts left, numbers right."""
-    heads, rows = table
-    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
-    for row in (heads, *rows):
-        cells = [
-            text.ljust(width) if i == 1 else text.rjust(width)
-            for i, (text, width) in enumerate(zip(row, widths, strict=True))
-        ]
-        say(f"  {'  '.join(cells)}".rstrip())
 
 
 def words_listed(settings: Settings) -> int:

@@ -1,7 +1,7 @@
 """vibsim orbit: the periodic motions of a case, stable or not."""
 
 from collections.abc import Iterable
-from contextlib import closing, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
@@ -257,7 +257,7 @@ def search_all(wish: OrbitWish, count: int, seed: int, settings: Settings) -> in
     case = case.with_values(wish.changes) if wish.changes else case
     rows, done, tally = list[OrbitRow](), 0, SearchTally()
     steps = Progress(not settings.quiet)
-    with Interruption() as interruption, closing(steps), suppress(KeyboardInterrupt):  # of a start given up
+    with Interruption() as interruption, steps, suppress(KeyboardInterrupt):  # of a start given up
         for attempt in search_attempts(case, count, seed, wish.period, wish.engine):
             for each in attempt.orbits:
                 rows.append(_kept(each, wish, _numbered(wish, len(rows) + 1)))

@@ -74,10 +74,9 @@ def command(ctx: click.Context, folder: str, formats: tuple[str, ...], fresh: bo
 
 def write_report(folder: str, formats: tuple[str, ...], fresh: bool, settings: Settings) -> int:
     """Write the report into the folder; returns the exit code."""
-    began = time.perf_counter()
+    began, remedy = time.perf_counter(), goes_on(folder)
     steps = Progress(not settings.quiet, listed=True)
-    remedy = goes_on(folder)
-    with Interruption() as interruption, interrupted_with(lambda: remedy):
+    with Interruption() as interruption, interrupted_with(lambda: remedy), steps:
 
         def tell(step: str, done: int, total: int) -> bool:
             steps.show(step, done, total)
@@ -87,8 +86,6 @@ def write_report(folder: str, formats: tuple[str, ...], fresh: bool, settings: S
             report = write_paper(folder, formats, tell, fresh)
         except MeasurementInterrupted:
             return told(f"interrupted: {remedy}", interruption.exit_code, settings.json)
-        finally:
-            steps.close()
     _print_report(report, folder, time.perf_counter() - began, settings)
     return 0
 

@@ -454,11 +454,8 @@ def _run_one(
         slow.note(t)
         return interruption.signum is None
 
-    try:
-        with interrupted_with(partial(_left, job)):
-            result = simulate_to_file(job.case, job.output, engine, force, watch, trust, digits, job.tangent)
-    finally:
-        progress.close()
+    with progress, interrupted_with(partial(_left, job)):
+        result = simulate_to_file(job.case, job.output, engine, force, watch, trust, digits, job.tangent)
     if not result.complete:
         say(f"interrupted: {job.output} holds the run until {result.t_reached:g} s", err=True)
     if settings.json:

@@ -289,16 +289,13 @@ def run_sweep(
         for note in store.notes:
             say(f"Warning: {note}", err=True)
         had, missing = store.table.count(DONE), store.table.count(MISSING)
-        progress = Progress(not settings.quiet, PROGRESS_AFTER)
+        with Progress(not settings.quiet, PROGRESS_AFTER) as progress:
 
-        def watch(table: Table) -> bool:
-            progress.show("points", missing - table.count(MISSING), missing)
-            return interruption.signum is None
+            def watch(table: Table) -> bool:
+                progress.show("points", missing - table.count(MISSING), missing)
+                return interruption.signum is None
 
-        try:
             result, _ = complete(store, workers, watch)
-        finally:
-            progress.close()
     took = time.perf_counter() - began
     if settings.json:
         print_json({"file": str(path), **facts(result)})

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import closing, suppress
+from contextlib import suppress
 from itertools import groupby
 from math import isfinite
 from typing import Any
@@ -112,7 +112,7 @@ def _computed(
     checks: Sequence[Check], engine: str, interruption: Interruption, progress: Progress
 ) -> Iterator[CheckRow]:
     """The rows of the checks, with a bar, until an interruption; a check that is under way is given up."""
-    with suppress(KeyboardInterrupt), closing(progress):
+    with suppress(KeyboardInterrupt), progress:
         for done, check in enumerate(checks):
             progress.show("verifying", done, len(checks))
             if interruption.signum is not None:
