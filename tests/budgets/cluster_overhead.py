@@ -28,7 +28,7 @@ PROFILE = {"DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False"} if "--no-profi
 TICK = os.sysconf("SC_CLK_TCK")
 
 
-def sleep_there(recipe, pieces, engine, expected):
+def sleep_there(settings, pieces, engine, expected):
     """In place of `compute_there`: points as large as real ones that take their time without computing."""
     found = []
     for piece in pieces:
@@ -59,7 +59,7 @@ class CountedWorkers(sweep_workers.ClusterWorkers):
 def measured(running, plan: SweepPlan, folder: Path, batch_seconds: float):
     """Run a plan; CPU times of client, scheduler and workers [s], batches and wall time."""
     sweep_workers.ClusterWorkers.batch_seconds = batch_seconds
-    with CountedWorkers(plan.recipe, running.address) as workers:
+    with CountedWorkers(plan.point_settings, running.address) as workers:
         pids = [running.scheduler.pid, *(worker.pid for worker in running.workers)]
         before, began, own = [cpu_seconds(pid) for pid in pids], time.perf_counter(), time.process_time()
         complete(SweepStore(plan, folder / f"{plan.count}-{batch_seconds}.h5"), workers)

@@ -57,12 +57,12 @@ def computing():
     def engine():
         for index in indices:
             scene = sampled_for_statistics(plan.point_case(index).scene())
-            for _ in MeasuredRun(scene, plan.recipe.of, scene.t_end / 2, "c").blocks():
+            for _ in MeasuredRun(scene, plan.point_settings.of, scene.t_end / 2, "c").blocks():
                 pass
 
     def points(names):
-        recipe = grid(200, compute=names).recipe
-        return lambda: [compute_point(recipe, i, plan.changes(i), None, "c") for i in indices]
+        settings = grid(200, compute=names).point_settings
+        return lambda: [compute_point(settings, i, plan.changes(i), None, "c") for i in indices]
 
     alone = cpu(engine) / len(indices)
     whole = cpu(points([])) / len(indices)
@@ -85,7 +85,7 @@ def unlike(plan: SweepPlan, made: SweepPoint, points: int):
 
 
 def a_point(plan: SweepPlan, index) -> SweepPoint:
-    return compute_point(plan.recipe, index, plan.changes(index), None, "c")
+    return compute_point(plan.point_settings, index, plan.changes(index), None, "c")
 
 
 def keeping(points: int, section: int):
@@ -170,10 +170,10 @@ def large(points: int, section: int):
 
 def sending_the_recipe():
     """What goes along with every batch."""
-    recipe = grid(1000).recipe
-    packed = pickle.dumps(recipe)
-    took = cpu(lambda: pickle.loads(pickle.dumps(recipe)), 100)
-    print(f"recipe, once per batch         {took * MICRO:8.1f} us, {len(packed)} bytes")
+    settings = grid(1000).point_settings
+    packed = pickle.dumps(settings)
+    took = cpu(lambda: pickle.loads(pickle.dumps(settings)), 100)
+    print(f"settings, once per batch         {took * MICRO:8.1f} us, {len(packed)} bytes")
     print(f"settings in the file           {len(json.dumps(grid(1000).settings))} bytes for 1000 points")
 
 

@@ -36,7 +36,7 @@ def assert_same_points(got, expected):
 
 def run_stored(store, jobs, engine="auto", watch=None):
     """Complete a store on this machine; the result, and whether every point was reached."""
-    with LocalWorkers(store.plan.recipe, jobs, engine) as workers:
+    with LocalWorkers(store.plan.point_settings, jobs, engine) as workers:
         return sweeping.complete(store, workers, watch)
 
 

@@ -20,7 +20,7 @@ class ImmediateWorkers:
     batch_seconds = 1.0
 
     def __init__(self, plan, seconds, count=2):
-        self.recipe, self.seconds, self.count = plan.recipe, seconds, count
+        self.point_settings, self.seconds, self.count = plan.point_settings, seconds, count
         self.lengths, self.most_in_flight, self.waiting = [], 0, []
 
     def submit(self, pieces):
@@ -96,13 +96,13 @@ def test_a_carried_batch_is_the_points_one_by_one():
     while handed := backlog.batch(1):
         (_, piece), *_ = handed
         assert len(piece) == 1
-        points = compute_batch(plan.recipe, (piece,), "c")
+        points = compute_batch(plan.point_settings, (piece,), "c")
         one_by_one.add(points)
         backlog.take(handed, points)
     together = SweepStore(plan)
     piece = Chain(plan, together.table, indices).piece(len(indices))
     assert len(piece) == len(indices)
-    together.add(compute_batch(plan.recipe, (piece,), "c"))
+    together.add(compute_batch(plan.point_settings, (piece,), "c"))
     assert_same_points(together.table, one_by_one.table)
 
 
@@ -112,7 +112,7 @@ def test_a_failed_point_is_retried_alone_when_those_behind_it_hold():
     store, indices = SweepStore(plan), next(plan.chains())
     for index in indices:
         piece = Chain(plan, store.table, indices).piece(1)
-        (point,) = compute_batch(plan.recipe, (piece,), "c")
+        (point,) = compute_batch(plan.point_settings, (piece,), "c")
         failing = replace(point, status=FAILED, error="so it is", values={}, arrays={})
         store.add([failing if index == (1, 0) else point])
         if index == (1, 0):
@@ -121,7 +121,7 @@ def test_a_failed_point_is_retried_alone_when_those_behind_it_hold():
     assert [index for index, _ in retried.piece(10).points] == indices[1:]
     retried.take([store.table.point((1, 0))])  # it failed again
     rest = retried.piece(10)
-    store.add(compute_batch(plan.recipe, (rest,), "c"))
+    store.add(compute_batch(plan.point_settings, (rest,), "c"))
     again = Chain(plan, store.table, indices)
     assert [index for index, _ in again.piece(10).points] == [(1, 0)]
     again.take([store.table.point((1, 0))])

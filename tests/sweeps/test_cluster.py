@@ -30,7 +30,7 @@ def cluster(tmp_path_factory):
 
 
 def on(cluster, store, watch=None, **options):
-    with ClusterWorkers(store.plan.recipe, cluster.address, **options) as workers:
+    with ClusterWorkers(store.plan.point_settings, cluster.address, **options) as workers:
         return complete(store, workers, watch)
 
 
@@ -53,7 +53,10 @@ def test_a_killed_worker_costs_nothing_but_time(tmp_path):
             os.kill(killed[0].pid, signal.SIGKILL)
         return True
 
-    with loopback_cluster(tmp_path) as cluster, ClusterWorkers(plan.recipe, cluster.address) as workers:
+    with (
+        loopback_cluster(tmp_path) as cluster,
+        ClusterWorkers(plan.point_settings, cluster.address) as workers,
+    ):
         workers._client.wait_for_workers(2, timeout=60)
         assert workers.count == 2
         result, finished = complete(SweepStore(plan, tmp_path / "s.h5"), workers, watch)
@@ -74,7 +77,7 @@ def test_an_interrupted_cluster_sweep_goes_on_here(cluster, tmp_path):
 def test_batches_in_flight_are_bounded(cluster):
     plan = short_plan({OMEGA0: "3:5:0.005 Hz"}, short_case(t_end="1 s"))
     store, most = SweepStore(plan), 0
-    with ClusterWorkers(plan.recipe, cluster.address) as workers:
+    with ClusterWorkers(plan.point_settings, cluster.address) as workers:
 
         def watch(table):
             nonlocal most
@@ -92,11 +95,11 @@ def test_a_worker_that_computes_other_bits_is_refused(cluster, monkeypatch):
         ("statistics", "99", f"has version {STATISTICS} of the statistics, and 99 asks"),
         ("bits", "0", "computes other last digits than this machine"),
     ]:
-        workers = ClusterWorkers(plan.recipe, cluster.address)
+        workers = ClusterWorkers(plan.point_settings, cluster.address)
         workers._signature = {**workers._signature, key: value}
         with pytest.raises(ClusterError, match=f"worker tcp://.* {message}"), workers:
             pass
-        workers = ClusterWorkers(plan.recipe, cluster.address)
+        workers = ClusterWorkers(plan.point_settings, cluster.address)
         with pytest.raises(ClusterError, match=rf"worker .*, process \d+, {message}"), workers:
             workers._signature = {**workers._signature, key: value}  # as a worker finds it that joins later
             complete(SweepStore(plan), workers)
@@ -119,7 +122,7 @@ def test_points_that_kill_every_worker_fail_and_the_others_do_not(cluster, monke
     from distributed.scheduler import KilledWorker
 
     plan = short_plan({OMEGA0: "3, 4 Hz"}, short_case(t_end="1 s"))
-    with ClusterWorkers(plan.recipe, cluster.address) as workers:
+    with ClusterWorkers(plan.point_settings, cluster.address) as workers:
         result = workers.result
 
         def deadly(future):

@@ -21,15 +21,15 @@ from vibsim.sweeps.points import measure
 from vibsim.sweeps.quantities import of_two_blocks
 from vibsim.sweeps.statistics import sampled_for_statistics
 from vibsim.sweeps.sweep_file import SweepStore
-from vibsim.sweeps.sweep_plan import PlanError, PointRecipe
+from vibsim.sweeps.sweep_plan import PlanError, PointSettings
 
 
 def computed(scene, *names, discard="50 %", section=10):
     """Values and arrays of one run by name."""
-    recipe = PointRecipe(None, False, parse_discard(discard), section, None, names)
+    settings = PointSettings(None, False, parse_discard(discard), section, None, names)
     parts = scene.as_parts()
-    vars(recipe)["of"] = of_two_blocks(parts)
-    return measure(sampled_for_statistics(parts), recipe, "auto", None)
+    vars(settings)["of"] = of_two_blocks(parts)
+    return measure(sampled_for_statistics(parts), settings, "auto", None)
 
 
 def contact_begins(scene, begin):

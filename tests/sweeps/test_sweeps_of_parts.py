@@ -18,7 +18,7 @@ from vibsim.sweeps.points import measure
 from vibsim.sweeps.quantities import FAILED
 from vibsim.sweeps.statistics import sampled_for_statistics
 from vibsim.sweeps.sweep_file import SweepStore
-from vibsim.sweeps.sweep_plan import PlanError, PointRecipe
+from vibsim.sweeps.sweep_plan import PlanError, PointSettings
 from vibsim.sweeps.sweeping import sweep
 
 SIEVE = """
@@ -60,8 +60,8 @@ def case_named(name):
 
 def measured(case, *names, discard="50 %", section=10, engine="auto"):
     """Values and arrays of one run by name."""
-    recipe = PointRecipe(case, False, parse_discard(discard), section, None, names)
-    return measure(sampled_for_statistics(case.scene()), recipe, engine, None)
+    settings = PointSettings(case, False, parse_discard(discard), section, None, names)
+    return measure(sampled_for_statistics(case.scene()), settings, engine, None)
 
 
 def fine_run(case):

@@ -1,4 +1,4 @@
-"""Which attractor a run ends on: rest, a stable orbit, a quasi-periodic or chaotic set; or why none is known.
+"""The attractor that a run ends on: rest, a stable orbit, a quasi-periodic or chaotic set; or why none is.
 
 A run whose points on the section come into the tested neighbourhood of a stable orbit ends on that orbit, and
 need not be followed further. At the end of a run one Newton solve from its last point finds the orbit, where
@@ -75,7 +75,7 @@ class Neighbourhood:
         return np.sqrt(np.maximum(square, 0.0))
 
     def holds(self, points: np.ndarray) -> np.ndarray:
-        """Which of the points (k, m) lie inside, by half of the radius (k)."""
+        """Points (k, m) that lie inside, by half of the radius (k)."""
         return np.asarray(self.sizes(points) < WITHIN * self.radius)
 
 

@@ -54,7 +54,7 @@ class Resonance:
 
 
 def resonances(scene: Scene, impacting: bool) -> tuple[Resonance, ...]:
-    """Where the vibration answers most, ascending; numbered where there are several of a kind.
+    """Resonances of the vibration, ascending; numbered where there are several of a kind.
 
     Without impacts, and with those on rigid stops alone, its natural frequencies f1, all stops open. With
     impacts on elastic stops, in the limit of large amplitudes, the bilinear frequencies 2 f1 f2/(f1 + f2), f2

@@ -181,7 +181,7 @@ class CaptureVerdict(Verdict):
 
 
 class DriftVerdict(Verdict):
-    """Which way a body drifts; undecided where the interval of the rate contains 0 and more."""
+    """Direction of the drift of a body; undecided where the interval of the rate contains 0 and more."""
 
     FORWARD = "forward"
     BACKWARD = "backward"
@@ -385,7 +385,7 @@ def period_ends(scene: Scene, window: Window) -> np.ndarray:
 
 
 def _turn_ends(result: Result, window: Window, angle: str) -> np.ndarray:
-    """Where the furthest angle so far passes a whole turn, on the line between two samples."""
+    """Instants at which the furthest angle so far passes a whole turn, on the line between two samples."""
     rows = rows_within(result.column("time"), window)
     ends, reached = [np.empty(0)], -np.inf
     for piece in pieces(rows, ROWS):

@@ -1,4 +1,4 @@
-"""How fast bodies drift, with a confidence interval.
+"""Drift rates of bodies, with a confidence interval.
 
 The span is cut into blocks of a whole number of cycles; the mean displacements of neighbouring blocks differ
 by the drift over one block and by what the motion does besides. The mean of these differences is the

@@ -158,7 +158,7 @@ def _shifts(result: Result, period: float) -> dict[str, float]:
 
 
 def _since(result: Result, times: np.ndarray, judged: JudgedPoints) -> tuple[float | None, int | None]:
-    """When a periodic motion began to be so [s], and after how many cycles its events repeat themselves."""
+    """Onset of a periodic motion [s], and the number of cycles after which its events repeat themselves."""
     if judged.onset is None:
         return None, None
     later = times[(judged.onset + len(times)) // 2 :]

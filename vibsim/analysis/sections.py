@@ -179,7 +179,7 @@ def onset_of(points: np.ndarray, period: int) -> int:
 
 
 def recurrence(points: np.ndarray, period: int, onset: int) -> Recurrence:
-    """How far points from the onset on and a period apart are from each other, and whether less and less."""
+    """Distances of points a period apart from the onset on, and whether they shrink."""
     stretch = points[onset:]
     steps = np.abs(stretch[period:] - stretch[:-period]).max(axis=1)
     quarters = [float(np.quantile(part, MOSTLY)) for part in np.array_split(steps, 4) if len(part)]

@@ -1,4 +1,4 @@
-"""Where in a scene formulas stand: what they must come to there, and what each name in them stands for.
+"""The places of a scene in which formulas stand: their dimension there, and the meaning of each name in them.
 
 A formula reads the numbers beside it, those of `parameters`, names of its own place (d and v of a link), the
 time t, pi, further states, and x_NAME, v_NAME, phi_NAME, w_NAME of bodies and rotors.

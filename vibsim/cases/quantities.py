@@ -190,7 +190,7 @@ def parse_quantity(text: str, dimension: str, alternative: str = "") -> Quantity
 
 
 def quantity_unit(text: str) -> str:
-    """What stands behind the number of a quantity; empty without one."""
+    """The unit of a quantity as it is written behind the number; empty without one."""
     match = _NUMBER_AND_UNIT.fullmatch(text.strip())
     return match["unit"].strip() if match else ""
 

@@ -198,7 +198,7 @@ def _takes_formula(values: Mapping[str, object], key: str) -> bool:
 
 
 def _instead(case: Case, key: str) -> str:
-    """Which keys of a case can have a ramp."""
+    """Keys of a case that can have a ramp."""
     values = case._nested
     every = keys_of(form_of(values), values)
     taking = [one for one in every if one in case.values and _takes_formula(values, one)]

@@ -41,7 +41,7 @@ PI_DIGITS = 1100  # of the fraction that stands for pi where a number type bring
 
 
 class NumberType(NamedTuple):
-    """How exact values become numbers.
+    """The number type that exact values are rounded to.
 
     Attributes
     ----------

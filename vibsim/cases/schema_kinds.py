@@ -186,7 +186,7 @@ class Tag(NamedTuple):
 
 
 class ChosenBy(NamedTuple):
-    """How the tag of a variant follows from a value as it is written."""
+    """Function that finds the tag of a variant from a value as it is written."""
 
     tag_of: Callable[[object], str]
 

@@ -159,7 +159,7 @@ def told(text: str | list[str], code: int, as_json: bool, **more: Any) -> int:
 
 
 def _say_usage(error: click.ClickException) -> None:
-    """How the command is called, and where its help is."""
+    """The usage line of the command, and where its help is."""
 
     ctx = getattr(error, "ctx", None)
     if ctx is not None:

@@ -92,7 +92,7 @@ def result_lines(result: Result) -> list[tuple[str, str]]:
 
 
 def counts_of(result: Result) -> dict[str, dict[str, int]]:
-    """How often what happened to each part; nothing of the short form, which has one of each."""
+    """Counts of events of each part; nothing of the short form, which has one of each."""
     if not result.case.is_long:
         return {}
     from vibsim.results.columns import part_counts
@@ -164,7 +164,7 @@ def engine_text(attrs: dict[str, Any]) -> str:
 
 
 def digits_text(attrs: dict[str, Any]) -> str:
-    """How many digits a run carried, and how many are right at its end."""
+    """Digits that a run carried, and those that are right at its end."""
     carried = f"{attrs['digits']} carried"
     if "digits_right" not in attrs:
         return carried
@@ -172,7 +172,7 @@ def digits_text(attrs: dict[str, Any]) -> str:
 
 
 def motion_text(attrs: dict[str, Any]) -> str:
-    """How often what happened; impacts passed on, ends of infinite sequences of impacts and rests, if any."""
+    """Counts of events; impacts passed on, ends of infinite sequences of impacts and rests, if any."""
     texts = [counted(attrs["impacts"], "impact")]
     if attrs.get("transmitted"):
         texts.append(f"{attrs['transmitted']} transmitted")
@@ -436,7 +436,7 @@ def size(path: str | Path) -> str:
 
 
 def goes_on(path: str | Path) -> str:
-    """Where an interrupted command has left what it did, and how that is completed."""
+    """Sentence on where an interrupted command has left what it did, and how that is completed."""
     return f"{path} holds what was done; the same command resumes it"
 
 

@@ -239,7 +239,7 @@ def _statement_line(fit: FitResult, position: int) -> str:
 
 
 def starts_text(fit: FitResult) -> str:
-    """Which starts runs are judged from."""
+    """Starts from which runs are judged, in words."""
     members = fit.plan.members
     if members is None:
         return "that of the case alone"
@@ -248,7 +248,7 @@ def starts_text(fit: FitResult) -> str:
 
 
 def search_text(fit: FitResult) -> str:
-    """How it was searched, and how much of it was done."""
+    """Method of the search, and how much of it was done."""
     search, searched = fit.plan.search, sum(one.origin == "search" for one in fit.candidates)
     readings = f"{len(fit.plan.readings)} reading{'' if len(fit.plan.readings) == 1 else 's'}"
     how = [f"{searched} candidates, {search.method}, seed {search.seed}"] if fit.plan.free else []

@@ -1,4 +1,4 @@
-"""How the quantities that statements are about are measured, each from a run, a window and an argument.
+"""The quantities that statements are about, each measured from a run, a window and an argument.
 
 Times are in s, speeds and frequencies in Hz, lengths in m, velocities in m/s. A quantity that a run has not
 got (a release that does not happen, a rate without enough cycles) is NaN. See `observables` for definitions.
@@ -90,7 +90,7 @@ def of_hold(part: Callable[[Hold], float]) -> Measure:
 
 
 def passage(result: Result, window: Window | None, argument: float) -> float:
-    """When the mean speed last rose through `argument` [Hz]; NaN where it ends below, or was never below."""
+    """Time [s] at which the mean speed last rose through `argument` [Hz]; NaN if it ends or stays below."""
     times, speeds = _speeds(result)
     times, speeds = np.append(result.time[0], times), np.append(result["phidot"][0] / TURN, speeds)
     below = np.flatnonzero(speeds < argument)
@@ -195,7 +195,7 @@ def averaged(result: Result) -> tuple[np.ndarray, np.ndarray]:
 
 
 def fall(times: np.ndarray, x2: np.ndarray) -> float:
-    """How much lower the last value is than the greatest, as a share of that; NaN where none is above 0."""
+    """Fall from the greatest value to the last, as a share of the greatest; NaN where none is above 0."""
     highest = float(x2.max())
     return 1 - float(x2[-1]) / highest if highest > 0 else NONE
 

@@ -69,7 +69,7 @@ FITTING = 1  # raised when a measure or the search is computed differently: runs
 
 @dataclass(frozen=True)
 class Search:
-    """How a fit searches.
+    """Settings of the search of a fit.
 
     Attributes
     ----------

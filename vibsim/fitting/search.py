@@ -265,7 +265,7 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class StatementResult:
-    """How many of the starts one statement holds from.
+    """Number of starts from which one statement holds.
 
     Attributes
     ----------

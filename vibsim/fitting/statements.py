@@ -98,7 +98,7 @@ class Statement:
 
 @dataclass(frozen=True)
 class Phrase:
-    """How a statement begins: the words, the observable they stand for, and the verdict they name."""
+    """Beginning of a statement: the words, the observable they stand for, and the verdict they name."""
 
     words: str
     name: str

@@ -306,7 +306,7 @@ def _freely(case: Case) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class PoincareSection:
-    """Where an orbit begins and ends.
+    """The section on which an orbit begins and ends.
 
     period : the common period of ideal sources, or None
     pinned : number of the component of the state that the section fixes at 0, or None; such a section is met
@@ -344,7 +344,7 @@ class PoincareSection:
 
     @property
     def place(self) -> str:
-        """Where it is, in words."""
+        """Its place, in words."""
         if self.body:
             side = "least" if self.sense > 0 else "greatest"
             return f"{columns_of(self.body)[1]} = 0, at the {side} displacement of {self.body}"

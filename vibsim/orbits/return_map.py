@@ -89,7 +89,7 @@ class Return:
 
     @once
     def residual(self) -> float:
-        """How far the motion is from closing, as weighed [m/s]: difference, and what is left of the turn."""
+        """Weighed distance by which the motion fails to close [m/s]: difference, and the rest of the turn."""
         return max(self.coordinates.size(self.difference), self._missing)
 
     @property

@@ -238,7 +238,7 @@ class NewtonAttempt:
 
 @dataclass
 class SearchTally:
-    """How often each orbit of a search was found, and what that tells of those not found.
+    """Counts of how often each orbit of a search was found, and estimates of those not found.
 
     counts : starts that led to each orbit
     starts : all of them
@@ -255,7 +255,7 @@ class SearchTally:
             self.counts[i] += 1
 
     def found(self, times: int) -> int:
-        """How many orbits were found from so many starts."""
+        """Number of orbits found from so many starts."""
         return self.counts.count(times)
 
     @property

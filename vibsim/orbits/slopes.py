@@ -155,7 +155,7 @@ class _Followed:
         return min(events, key=lambda pair: pair[0])[1]
 
     def _later(self, flow: Any, event: Any) -> np.ndarray:
-        """By how much later the event comes, per unit of each number [s]."""
+        """Delay of the event per unit of each number [s]."""
         h, rate = flow.derivatives(event, 1)
         if float(rate) == 0:
             raise OrbitError(f"at {float(flow.t0):.6g} s the motion is tangent to an event: no derivative")

@@ -99,7 +99,7 @@ def nearest_to_circle(multipliers: Iterable[complex]) -> complex:
 
 
 def sides_of_circle(multipliers: np.ndarray) -> tuple[int, int, int]:
-    """How many multipliers are inside the unit circle, on it but for rounding, and outside."""
+    """Numbers of multipliers inside the unit circle, on it but for rounding, and outside."""
     beyond = moduli(multipliers) - 1
     outside = int(np.count_nonzero(beyond > ON_CIRCLE))
     inside = int(np.count_nonzero(beyond < -ON_CIRCLE))

@@ -62,7 +62,7 @@ def in_order(
 
 
 def counted(events: Sequence[tuple[str, int]]) -> list[bool]:
-    """Which events of a circle its word has: all but the impacts that a chatter brings to an end, and the
+    """For each event of a circle, whether its word has it: all but the impacts that a chatter ends, and the
     slips that each of them begins and that end before the next.
 
     There are infinitely many of them; how many are told one by one depends on rounding alone, and that number

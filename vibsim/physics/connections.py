@@ -1,5 +1,5 @@
-"""Which bodies of a scene hang together, the pairs of ends whose motion against each other matters, and which
-places, angles and times the formulas of its parts read.
+"""Bodies that parts join to sets, the pairs of ends whose motion against each other matters, and the places,
+angles and times that the formulas of parts read.
 
 Parts join their ends to sets of bodies. A set that springs hold at the ground or the base vibrates about a
 place; any other may drift. Coordinates of a motion without its drift are those of the pairs. A formula joins

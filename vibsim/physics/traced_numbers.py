@@ -43,7 +43,7 @@ class Record:
         return [Recorded(self, place) for place in range(self.count)]
 
     def place(self, number: Any) -> int:
-        """Where a number is, a constant in a place of its own."""
+        """Place of a number; a constant gets a place of its own."""
         if isinstance(number, Recorded):
             return number.place
         self.values.append(number)
@@ -57,7 +57,7 @@ class Record:
         return Recorded(self, place)
 
     def outcome(self, comparison: Operation, one: Any, other: Any) -> bool:
-        """How a comparison falls out."""
+        """Outcome of a comparison, which is recorded."""
         step = comparison, self.place(one), self.place(other)
         outcome = bool(comparison(self.values[step[1]], self.values[step[2]]))
         self.comparisons.append((step, outcome))

@@ -1,4 +1,4 @@
-"""Where the moving machine stands: slots wide enough for the motion, gaps of stops to the scale of it."""
+"""Layout of the moving machine: slots wide enough for the motion, gaps of stops to the scale of it."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def stage_for(values: dict[str, Any], motion: Ends, gaps: dict[str, float]) -> S
 
 
 def _relative(slot: list[Element], number: int, names: list[str], motion: Ends) -> np.ndarray:
-    """How much further apart than at rest the ends of a slot are over the frames [m]."""
+    """Elongation of a slot at each frame: distance of its ends beyond that at rest [m]."""
     still = np.zeros(1)
     if number == 0:
         left = motion[BASE] if any(element.left == BASE for element in slot) else still
@@ -137,7 +137,7 @@ def _needed(element: Element, gap: float, closing: float) -> float:
 
 
 def attached(stage: Stage, element: Element, slot: int, side: int) -> float:
-    """Where an element's left (side -1) or right (1) end is at rest [cm]."""
+    """Position of an element's left (side -1) or right (1) end at rest [cm]."""
     if slot >= 0:
         return stage.plan.edges[slot][0 if side < 0 else 1]
     name = element.left if side < 0 else element.right
@@ -260,7 +260,7 @@ def plates(stage: Stage, moved: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def _lit(subject: Subject, times: np.ndarray, states: dict[str, np.ndarray], length: float) -> np.ndarray:
-    """Which stops are in contact at each frame, or were struck within `length` [s] before it."""
+    """Stops in contact at each frame, or struck within `length` [s] before it."""
     stops = subject.scene.stops
     columns = part_columns(subject.scene)[: len(stops)]
     lit = np.zeros((len(times), len(stops)), dtype=bool)
@@ -278,7 +278,7 @@ def _lit(subject: Subject, times: np.ndarray, states: dict[str, np.ndarray], len
 
 
 def speed_text(speed: float) -> str:
-    """How fast a film runs, in words."""
+    """Speed of a film, in words."""
     if speed == 1:
         return "real time"
     return f"{1 / speed:g} times slower" if speed < 1 else f"{speed:g} times faster"

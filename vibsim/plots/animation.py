@@ -261,7 +261,7 @@ def comfortable(length: float) -> float:
 
 
 def slower_advice(window: Span) -> str:
-    """How to have a film of a span [s] that is long enough to be looked at."""
+    """Advice on how to get a film of a span [s] that is long enough to be looked at."""
     return f"--speed {(window[1] - window[0]) / COMFORTABLE:.1g} makes it some {COMFORTABLE:g} s long"
 
 

@@ -283,7 +283,7 @@ def _pixels_of_lines(axes: Axes) -> np.ndarray:
 def _free_offset(
     own: np.ndarray, size: np.ndarray, pt: float, taken: tuple[np.ndarray, Sequence[Bbox], Bbox]
 ) -> np.ndarray | None:
-    """Where the middle of a label of half a size stands from its point [px]: the nearest place that is free,
+    """Offset of the middle of a label of half a size from its point [px]: the nearest place that is free,
     else the one that covers the least of lines; None where it would lie upon another label everywhere.
     """
     places, covered, frame = taken

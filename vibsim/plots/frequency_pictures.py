@@ -337,7 +337,7 @@ def spectrogram_picture(subjects: Sequence[Subject], view: View) -> Figure:
 
 
 def _edges(middles: np.ndarray, span: Span) -> np.ndarray:
-    """Where the cell of each value (n) ends, (n + 1): half-way to the next one, and at the ends of a span.
+    """Edges (n + 1) of the cells of values (n): half-way to the next one, and at the ends of a span.
 
     The first and the last piece of a run reach that far: nobody else tells of their halves.
     """

@@ -511,7 +511,7 @@ def _panels_of_rotors_and_states(subject: Subject) -> Iterator[dict[str, Any]]:
 
 
 def _interpolated(name: str) -> dict[str, Any]:
-    """How a column is read between rows: a displacement by its velocity, this as the rate of that cubic."""
+    """Interpolation of a column between rows: a displacement by its velocity, this by the rate of that."""
     if name.startswith("x"):
         return {"rate": f"v{name[1:]}"}
     return {"rate": None, "of": f"x{name[1:]}"}

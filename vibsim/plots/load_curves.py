@@ -58,7 +58,7 @@ AVERAGED_POINTS = 1001
 
 
 class OperatingMark(NamedTuple):
-    """How a place at which the motor can run is drawn, by what the motor does there."""
+    """Mark of an operating point of the motor, by what the motor does there."""
 
     label: str
     size: float
@@ -217,7 +217,7 @@ class LoadCurve:
 
 @dataclass(frozen=True)
 class Crossing:
-    """Where a line of the motor meets a load curve: mean speed [Hz], torque as drawn, the orbit there."""
+    """Intersection of a motor line and a load curve: mean speed [Hz], torque as drawn, the orbit there."""
 
     curve: LoadCurve
     stretch: Stretch
@@ -262,7 +262,7 @@ class Crossing:
 
 
 def crossings(curve: LoadCurve, no_load: float) -> list[Crossing]:
-    """Where the line of a no-load speed [Hz] meets a curve: its orbits at that speed."""
+    """Intersections of the line of a no-load speed [Hz] with a curve: its orbits at that speed."""
     met = []
     for stretch in curve.stretches:
         share = _share(parameter_of(curve.branch), stretch, no_load)

@@ -221,7 +221,7 @@ def _stem(axes: Axes, element: Element, plan: Layout, y: float, side: int) -> fl
 
 
 def _end(element: Element, plan: Layout, side: int) -> float:
-    """Where an element above the bodies ends: at a stem on a body, or at a wall of its own [cm]."""
+    """End of an element above the bodies: at a stem on a body, or at a wall of its own [cm]."""
     end = element.left if side < 0 else element.right
     if end in FIXED:
         return _end(element, plan, -side) + side * element.width

@@ -325,7 +325,7 @@ def stiffness_panel(axes: Axes, subjects: Sequence[Subject], motion: str | None 
 
 
 def _reach(shown: Sequence[tuple[Subject, Pair]], of_gaps: float) -> float:
-    """How far from the rest position a characteristic is shown [m]: some gaps; of a run so far as it goes at
+    """Reach of a characteristic from the rest position [m]: some gaps; of a run so far as it goes at
     the least; without either, as far as the greatest force would bend the springs, or the start is from it.
     """
     if any(pair.Q == GROUND and pair.P in folded_angles(s.scene) for s, pair in shown):
@@ -348,7 +348,7 @@ def _moved(subject: Subject, pair: Pair) -> float:
 
 
 def _bent(scene: Scene, pair: Pair) -> float:
-    """How far the forces on an end bend the linear springs between the ends, without dynamics [m]."""
+    """Static deflection of the linear springs between the ends under the forces on an end [m]."""
     k = sum(link.k for link in _links_between(scene, pair) if link.force is None)
     forces = [
         abs(float(force.constant)) + sum(abs(float(term.amplitude)) for term in force.terms)
@@ -461,7 +461,7 @@ def _of_formula(scene: Scene, pair: Pair, formula: Node, y: np.ndarray) -> np.nd
 
 
 def _start(scene: Scene, pair: Pair) -> float:
-    """How far apart the ends of a pair with a formula are at the start [m]; 0 of others."""
+    """Distance of the ends of a pair with a formula at the start [m]; 0 of others."""
     if not _has_formula(scene, pair):
         return 0.0
     P, Q = (float(scene.bodies[end].x) if end >= 0 else 0.0 for end in (pair.P, pair.Q))

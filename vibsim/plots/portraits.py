@@ -238,7 +238,7 @@ def _orbit_portrait(axes: Axes, subjects: Sequence[Subject]) -> None:
 
 
 def _said(subject: Subject) -> str:
-    """How long an orbit is."""
+    """Length of an orbit, in periods or turns and in seconds."""
     n, of = subject.result.attrs["orbit_periods"], "turn" if turning_columns(subject.scene) else "period"
     return f"{n} {of}{'s' * (n > 1)}, {seconds((0.0, subject.result.t_reached))}"
 
@@ -255,7 +255,7 @@ def _curve(subject: Subject, pair: PlottedPair) -> Curve:
 def _returns(
     axes: Axes, subject: Subject, pair: PlottedPair, scales: tuple[Scale, Scale], colour: str
 ) -> None:
-    """Where the orbit meets the section: the start, and each return that a timed section has."""
+    """Points of the orbit on the section: the start, and each return that a timed section has."""
     result, n = subject.result, subject.result.attrs["orbit_periods"]
     share = np.arange(1 if turning_columns(subject.scene) else n) / n
     x, y = _plane(subject, pair, share * result.t_reached)

@@ -432,7 +432,7 @@ def _shows_basins(subject: Subject) -> bool:
 
 
 def misfit(kind: PictureKind, subject: Subject) -> str | None:
-    """Why `kind` cannot show `subject`, or None when it can."""
+    """Reason why `kind` cannot show `subject`; None when it can."""
     if subject.reads in kind.besides:
         return None
     if kind.reads not in ("case", subject.reads) and subject.reads not in kind.also:
@@ -453,7 +453,7 @@ def fitting(subjects: Sequence[Subject]) -> list[PictureKind]:
 
 
 def own(kind: PictureKind, subjects: Sequence[Subject]) -> int:
-    """How many of the subjects are what `kind` shows, and not laid over that."""
+    """Number of the subjects that `kind` shows by itself, not laid over others."""
     return sum(subject.reads not in kind.besides for subject in subjects)
 
 

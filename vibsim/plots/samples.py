@@ -329,7 +329,7 @@ def _symbol(scene: Scene, end: int, letter: str) -> str:
 
 
 def stop_position(stop: Stop | RigidStop, part: Any) -> float:
-    """Where x_P - x_Q of a part between the same ends meets the stop [m]."""
+    """x_P - x_Q of a part between the same ends at which the stop is met [m]."""
     position = -stop.sense * stop.gap
     return float(position if stop.P == part.P else -position)
 

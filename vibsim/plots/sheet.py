@@ -66,12 +66,12 @@ def lay_out(figure: Figure) -> None:
 
 
 def characters(inches: float) -> float:
-    """How many characters of a legend or a note go into a width [inch]."""
+    """Number of characters of a legend or a note that fit into a width [inch]."""
     return inches * CHARACTERS_PER_INCH / points(1)
 
 
 def pixel_columns(axes: Axes) -> int:
-    """How many columns an envelope on these axes needs: those of the whole sheet, at 600 per inch."""
+    """Number of columns of an envelope on these axes: those of the whole sheet, at 600 per inch."""
     return int(sheet_of(axes).get_figwidth() * COLUMNS_PER_INCH)
 
 

@@ -59,7 +59,7 @@ LEVEL_PT = 110  # about the height of the lower panel
 
 
 @dataclass(frozen=True)
-class Way:
+class SlowPassage:
     """The turns of one run in which the no-load speed goes in one direction, or all where it does not change.
 
     direction : UP or DOWN; 0 over time
@@ -99,8 +99,9 @@ def running_mean(values: np.ndarray) -> np.ndarray:
 
 def run_up_picture(subjects: Sequence[Subject], view: View) -> Figure:
     """Half the peak-to-peak of the relative motion in a turn of the motor, and below it its mean speed,
-    against the no-load speed of that instant; ways up and down in two colours, single turns pale. Of a force
-    or base whose frequency has a ramp the amplitude alone, in a period of the drive, against its frequency.
+    against the no-load speed of that instant; passages up and down in two colours, single turns pale. Of a
+    force or base whose frequency has a ramp the amplitude alone, in a period of the drive, against its
+    frequency.
 
     Where the no-load speed does not change, over time. A sweep over Omega0 lies under the runs in grey: what
     they would come to if they were given time.
@@ -109,38 +110,44 @@ def run_up_picture(subjects: Sequence[Subject], view: View) -> Figure:
     runs = [subject for subject in subjects if subject.reads != "sweep"]
     spans = [window_of(subject, view.window) for subject in runs]
     pairs = common_pairs(runs)
-    ways = ways_of(runs, pairs, spans)
-    over_time = any(way.direction == 0 for way in ways)
+    passages = passages_of(runs, pairs, spans)
+    over_time = any(passage.direction == 0 for passage in passages)
     driven = all(motor_columns(run.scene) is None for run in runs)
     under = _curves_under(sweeps, over_time, driven)
-    of_legend = LEGEND_LINE_CM * max(len(ways) + len(under) - 2, 0)
+    of_legend = LEGEND_LINE_CM * max(len(passages) + len(under) - 2, 0)
     figure = sheet(view, (0.6 * HEIGHT_CM if driven else HEIGHT_CM) + of_legend)
     beside = {} if driven else beside_levels(view)
     panels = list(
         figure.subplots(1 if driven else 2, 1, sharex=True, squeeze=False, gridspec_kw=beside)[:, 0]
     )
     upper, lower = panels[0], panels[-1]
-    if not any(len(way.x) for way in ways):
+    if not any(len(passage.x) for passage in passages):
         say_inside(
             upper, "the drive makes no whole period here" if driven else "the motor makes no whole turn here"
         )
-    _amplitudes(upper, ways, under, pairs[0])
+    _amplitudes(upper, passages, under, pairs[0])
     if not driven:
         if not over_time:
-            ends = np.array([min(way.x.min() for way in ways), max(way.x.max() for way in ways)])
+            ends = np.array(
+                [min(passage.x.min() for passage in passages), max(passage.x.max() for passage in passages)]
+            )
             lower.plot(ends, ends, color=GREY, linewidth=0.5, zorder=1, gid="no-load")
             note(lower, "thin line: no-load speed")
-        _speeds(lower, ways, under)
+        _speeds(lower, passages, under)
     if over_time:
         time_axis(lower, (min(first for first, _ in spans), max(last for _, last in spans)))
     else:
         lower.set_xlabel(DRIVE if driven else NO_LOAD)
         lower.margins(x=0.02)
     of = "period" if driven else "turn"
-    meant = f"line: mean of {TURNS} {of}s; pale: each {of}" if any(len(way.x) > TURNS for way in ways) else ""
+    meant = (
+        f"line: mean of {TURNS} {of}s; pale: each {of}"
+        if any(len(passage.x) > TURNS for passage in passages)
+        else ""
+    )
     remarks = [*dict.fromkeys(map(seconds, spans)), meant, trust_remark(runs, spans)]
     note(upper, "; ".join(filter(None, remarks)))
-    if len(ways) + len(under) > 1:
+    if len(passages) + len(under) > 1:
         legend_above(upper)
     if not driven:
         letter_panels(panels)
@@ -148,20 +155,22 @@ def run_up_picture(subjects: Sequence[Subject], view: View) -> Figure:
     return figure
 
 
-# Ways: the turns of a run, by the direction of its no-load speed.
+# Passages: the turns of a run, by the direction of its no-load speed.
 
 
-def ways_of(runs: Sequence[Subject], pairs: Sequence[PlottedPair], spans: Sequence[Span]) -> list[Way]:
-    """The ways of all runs; over time where the speed of the source of one of them does not change."""
+def passages_of(
+    runs: Sequence[Subject], pairs: Sequence[PlottedPair], spans: Sequence[Span]
+) -> list[SlowPassage]:
+    """The passages of all runs; over time where the speed of the source of one of them does not change."""
     turned = [_turns(*one) for one in zip(runs, pairs, spans, strict=True)]
     loads = [_speed_of_source(run, turns.t) for run, turns in zip(runs, turned, strict=True)]
     if any(load is None or len(load) < 2 or np.ptp(load) == 0 for load in loads):
-        return [Way(run, 0, turns.t, turns) for run, turns in zip(runs, turned, strict=True)]
-    ways: list[Way] = []
+        return [SlowPassage(run, 0, turns.t, turns) for run, turns in zip(runs, turned, strict=True)]
+    passages: list[SlowPassage] = []
     for run, turns, load in zip(runs, turned, loads, strict=True):
         assert load is not None
-        ways += _ways(run, turns, load)
-    return ways
+        passages += _passages(run, turns, load)
+    return passages
 
 
 def _speed_of_source(run: Subject, times: np.ndarray) -> np.ndarray | None:
@@ -174,7 +183,7 @@ def _turns(run: Subject, pair: PlottedPair, span: Span) -> TurnExtremes:
     return extremes_by_turn(run.result, pair.names, lambda block: pair.plane(block)[0], span)
 
 
-def _ways(run: Subject, turns: TurnExtremes, load: np.ndarray) -> Iterator[Way]:
+def _passages(run: Subject, turns: TurnExtremes, load: np.ndarray) -> Iterator[SlowPassage]:
     """Those of one run; turns in which the no-load speed is held belong to the way before, the first ones to
     that behind.
     """
@@ -187,57 +196,70 @@ def _ways(run: Subject, turns: TurnExtremes, load: np.ndarray) -> Iterator[Way]:
     for first, last in pairwise(edges):
         part = slice(int(first), int(last))
         kept = TurnExtremes(turns.t[part], turns.hertz[part], turns.least[part], turns.greatest[part])
-        yield Way(run, int(directions[part][0]), load[part], kept)
+        yield SlowPassage(run, int(directions[part][0]), load[part], kept)
 
 
-def _look(ways: Sequence[Way], i: int) -> dict[str, Any]:
-    """Colour and label of a way: by direction where there is one of each, else by run and direction too."""
-    way = ways[i]
-    names = [DIRECTION_NAMES.get(one.direction, "") for one in ways]
-    several = len({one.subject.path for one in ways}) > 1
-    if len(set(names)) == len(names) and way.direction:
-        return {"color": COLOURS[way.direction], "label": f"run {names[i]}"}
-    label = ", ".join(filter(None, [way.subject.name if several else "", names[i]]))
+def _look(passages: Sequence[SlowPassage], i: int) -> dict[str, Any]:
+    """Colour and label of a passage: by direction where there is one of each, else by run and direction."""
+    passage = passages[i]
+    names = [DIRECTION_NAMES.get(one.direction, "") for one in passages]
+    several = len({one.subject.path for one in passages}) > 1
+    if len(set(names)) == len(names) and passage.direction:
+        return {"color": COLOURS[passage.direction], "label": f"run {names[i]}"}
+    label = ", ".join(filter(None, [passage.subject.name if several else "", names[i]]))
     return {**overlay(i), "label": label or "run"}
 
 
-def _amplitudes(axes: Axes, ways: Sequence[Way], under: Sequence[Curve], pair: PlottedPair) -> None:
-    known = [(curve, name) for curve in under if (name := _column_of(curve, ways[0].subject))]
+def _amplitudes(
+    axes: Axes, passages: Sequence[SlowPassage], under: Sequence[Curve], pair: PlottedPair
+) -> None:
+    known = [(curve, name) for curve in under if (name := _column_of(curve, passages[0].subject))]
     scale = scale_for(
-        ways[0].subject.unit("m"), *(w.amplitude for w in ways), *(c.values(name) for c, name in known)
+        passages[0].subject.unit("m"),
+        *(w.amplitude for w in passages),
+        *(c.values(name) for c, name in known),
     )
     for curve in under:
         axes.plot([], [], label=_name(curve), gid="legend", **_look_under(curve))
     for curve, name in known:
         _under(axes, curve, scale(curve.values(name)), "sweep-amplitude")
-    for i, way in enumerate(ways):
-        _line(axes, way, scale(way.amplitude), scale(way.mean_amplitude), "amplitude", _look(ways, i))
+    for i, passage in enumerate(passages):
+        _line(
+            axes,
+            passage,
+            scale(passage.amplitude),
+            scale(passage.mean_amplitude),
+            "amplitude",
+            _look(passages, i),
+        )
     axes.set_ylim(bottom=0)
     axes.set_ylabel(f"Amplitude\nof {scale.label(pair.displacement)}")
 
 
-def _speeds(axes: Axes, ways: Sequence[Way], under: Sequence[Curve]) -> None:
+def _speeds(axes: Axes, passages: Sequence[SlowPassage], under: Sequence[Curve]) -> None:
     for curve in under:
         _under(axes, curve, curve.values("mean_speed"), "sweep-speed")
-    for i, way in enumerate(ways):
-        _line(axes, way, way.turns.hertz, way.mean_speed, "speed", _look(ways, i))
+    for i, passage in enumerate(passages):
+        _line(axes, passage, passage.turns.hertz, passage.mean_speed, "speed", _look(passages, i))
     low, high = axes.get_ylim()
     levels = [
         Level(f.hz, f.text, {"linestyle": (0, (4, 2))})
-        for f in natural_frequencies(ways[0].subject.scene)
+        for f in natural_frequencies(passages[0].subject.scene)
         if low <= f.hz <= high
     ]
     draw_levels(axes, levels, LEVEL_PT)
     axes.set_ylabel(SPEED)
 
 
-def _line(axes: Axes, way: Way, values: np.ndarray, mean: np.ndarray, gid: str, look: dict[str, Any]) -> None:
+def _line(
+    axes: Axes, passage: SlowPassage, values: np.ndarray, mean: np.ndarray, gid: str, look: dict[str, Any]
+) -> None:
     """Single turns in pale colour, and the mean of TURNS turns as a line."""
     rasterized = len(values) > VECTOR_UP_TO
     pale = {"color": look["color"], "alpha": 0.3, "linewidth": 0.4}
-    axes.plot(way.x, values, gid=f"{gid}-of-turn", zorder=2.0, rasterized=rasterized, **pale)
+    axes.plot(passage.x, values, gid=f"{gid}-of-turn", zorder=2.0, rasterized=rasterized, **pale)
     first = (len(values) - len(mean)) // 2
-    x = way.x[first : first + len(mean)]
+    x = passage.x[first : first + len(mean)]
     axes.plot(x, mean, linewidth=0.9, gid=gid, zorder=2.8, rasterized=rasterized, **look)
 
 
@@ -284,7 +306,7 @@ def _name(curve: Curve) -> str:
 def _column_of(curve: Curve, run: Subject) -> str | None:
     """The column of a sweep with the amplitudes of the motion that is drawn of a run."""
     part = shown_part(run)
-    for motion in curve.subject.result.plan.recipe.of.motions:
+    for motion in curve.subject.result.plan.point_settings.of.motions:
         name = f"amplitude_{motion.name}"
         if {motion.P, motion.Q} == {part.P, part.Q} and name in curve.subject.result:
             return name

@@ -1,4 +1,4 @@
-"""How every picture looks: 8 pt, thin lines, colours that survive colour blindness and grey print."""
+"""The look of every picture: 8 pt, thin lines, colours that survive colour blindness and grey print."""
 
 from __future__ import annotations
 

@@ -135,8 +135,8 @@ def told_apart(subjects: Sequence[Subject], paths: Sequence[str]) -> list[Subjec
     """The subjects under different names."""
     subjects = list(subjects)
     names = [subject.name for subject in subjects]
-    twins = [i for i, name in enumerate(names) if names.count(name) > 1]
-    for i, name in zip(twins, distinct_names([paths[i] for i in twins]), strict=True):
+    repeated = [i for i, name in enumerate(names) if names.count(name) > 1]
+    for i, name in zip(repeated, distinct_names([paths[i] for i in repeated]), strict=True):
         subjects[i] = replace(subjects[i], name=as_text(name))
     return subjects
 

@@ -136,7 +136,7 @@ def _owner(key: str) -> str:
 
 
 def _of_part(key: str) -> str:
-    """Which part a key of the long form belongs to, behind other words; empty for one without a name."""
+    """Part that a key of the long form belongs to, behind other words; empty for one without a name."""
     section, *names = key.split(".")
     if section == "base":
         return " of the base"
@@ -273,7 +273,7 @@ class AxesPlane:
 
     @property
     def by_ratio(self) -> str:
-        """Which of its axes x and y are logarithmic, their values spaced by ratio: x, y, xy or none."""
+        """Logarithmic ones of its axes x and y, their values spaced by ratio: x, y, xy or none."""
         axes = self.subject.result.axes
         return "".join(which for which, i in (("x", self.across), ("y", self.up)) if draws_by_ratio(axes[i]))
 
@@ -293,7 +293,7 @@ def plane_of(subject: Subject) -> AxesPlane:
 
 
 def missing_note(subject: Subject) -> str:
-    """How many points are left blank, and why; empty for none."""
+    """Number of points that are left blank, and the reasons; empty for none."""
     status = subject.result["status"]
     counts = {"not computed yet": (status == MISSING).sum(), "failed": (status == FAILED).sum()}
     return ", ".join(f"{count} {words}" for words, count in counts.items() if count)

@@ -337,7 +337,7 @@ FOOT_CM = 2.0  # axis label and legend below the panels
 
 
 def in_columns(count: int, view: View, panel_cm: float = PANEL_WIDTH_CM) -> int:
-    """How many of `count` panels, so wide at least, go into a row."""
+    """Number of panels in a row, out of `count` of at least this width."""
     return min(count, max(1, int(view.width_cm // panel_cm)))
 
 

@@ -442,7 +442,7 @@ def _is_banded(drawn: Sequence[Curve]) -> bool:
 
 
 def no_load_line(curve: Curve, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Where the motor would turn without load: values along the axis within a span, and speeds [Hz].
+    """Line of the no-load speed: values along the axis within a span, and speeds [Hz].
 
     Over Omega0 the diagonal of the whole span, else through the points of the curve.
     """

@@ -118,7 +118,7 @@ def motions_of(subjects: Sequence[Subject]) -> dict[str, str]:
     """
     by_word: dict[str, str] = {}
     for subject in subjects:
-        motions = subject.result.plan.recipe.of.motions
+        motions = subject.result.plan.point_settings.of.motions
         for motion in sorted(motions, key=lambda motion: motion.Q == GROUND):
             by_word.setdefault(motion.name, difference(subject.scene, motion, "x"))
     return by_word
@@ -227,7 +227,7 @@ def quantities_of(subjects: Sequence[Subject]) -> list[PictureQuantity]:
 
 def _sections(subject: Subject) -> list[PictureQuantity]:
     """The sections of a sweep: of pairs where there are any, else of bodies."""
-    of = subject.result.plan.recipe.of
+    of = subject.result.plan.point_settings.of
     pairs = {name: each for name, each in of.sections.items() if each[0].Q != GROUND}
     rows = [
         PictureQuantity(
@@ -454,5 +454,5 @@ def _draw_shares(subject: Subject, view: View) -> Figure:
 
 
 def _starts(attractors: Attractors, rows: np.ndarray) -> np.ndarray:
-    """How many starts the shares of attractors are of."""
+    """Number of starts that the shares of attractors refer to."""
     return np.asarray(attractors["count"][rows] / attractors["share"][rows])

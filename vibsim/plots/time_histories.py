@@ -243,7 +243,7 @@ def _long_series(curve: HistoryCurve, span: Span, columns: int) -> Series:
 
 
 def _draw_walls(panel: Panel, scale: Scale) -> None:
-    """Where a body strikes a stop of the ground or the base within the span: the displacement at which it
+    """Stops of the ground or the base that a body strikes within the span: the displacement at which it
     does, dashed, and named at the right; of the base it moves along.
     """
     subject, (begin, end) = panel.curves[0].subject, panel.span
@@ -349,7 +349,7 @@ def _draw_course(
 
 
 def _looks(subject: Subject, index: int, count: int) -> tuple[dict[str, Any], dict[str, Any]]:
-    """How the band and the line of a subject look; in a picture of one, both are named."""
+    """Looks of the band and the line of a subject; in a picture of one, both are named."""
     if count == 1:
         return {"color": SKY, "label": "instantaneous"}, {"color": BLUE, "label": f"mean of {TURNS} turns"}
     look = overlay(index)

@@ -362,7 +362,7 @@ def _locked(descriptor: int) -> bool | None:
 
 
 def partial_path(target: Path) -> Path:
-    """Where a run is written before it is whole: NAME.partial beside the target."""
+    """Path that a run is written to before it is whole: NAME.partial beside the target."""
     return target.with_name(target.name + ".partial")
 
 

@@ -398,7 +398,7 @@ class ThirdRunFactor:
 
 
 def compared(window: Window, theirs: np.ndarray) -> float:
-    """How much further away the third run is than the companion, at least 1; 1 where it has failed."""
+    """Ratio of the distance of the third run to that of the companion, at least 1; 1 where it has failed."""
     ours, apart = (np.concatenate(parts, axis=-1) for parts in zip(*window, strict=True))
     share = float(np.abs(ours - theirs).max() / apart.max())
     return min(share, MOST) if share > 1 else 1.0
@@ -423,8 +423,8 @@ def third_scene(companion: Scene, scene: Scene) -> Scene:
 
 
 class PerturbationSigns:
-    """On which sides the data of a third run lie: + - - + - + + - ..., so that no two sums of them cancel
-    because of a period (the sequence of Thue and Morse).
+    """Signs of the one-ulp perturbations of a third run: + - - + - + + - ..., so that no two sums of
+    them cancel because of a period (the sequence of Thue and Morse).
     """
 
     def __init__(self) -> None:
@@ -509,7 +509,7 @@ class ThirdRun:
 
     @property
     def failure(self) -> str:
-        """Why nothing is known of it, in words; empty where something is."""
+        """Reason why nothing is known of it, in words; empty where something is."""
         return GIVEN_UP if self._run is not None and self._run.failure == GIVEN_UP else ""
 
     def displacements(self, go_on: GoOn, count: int, last: int, until: float, most: int) -> np.ndarray | None:

@@ -373,7 +373,7 @@ class TrajectoryWriter:
         raise ResultFileError(self._ended_by("disk full"))
 
     def _ended_by(self, cause: str) -> str:
-        """Why the closed file is not finished, and what it holds; it is removed where that is nothing."""
+        """Reason why the closed file is unfinished, and what it holds; it is removed if that is nothing."""
         reached = held_until(self.partial)
         if reached > 0.0:
             return f"{self.shown}: {cause}; it holds the run until {reached:g} s"

@@ -43,7 +43,7 @@ from vibsim.signals import held_back
 
 
 class StoredField(NamedTuple):
-    """How a field of a dataclass is stored.
+    """Rules by which a field of a dataclass is stored.
 
     name : under which; empty: its own; None: it is not stored, and whoever reads brings it
     write, read : of its value and its plain data, where they do not follow from its type

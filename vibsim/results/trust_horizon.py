@@ -1,4 +1,4 @@
-"""Until when a run is right: its error at every sample, and the trust horizon."""
+"""The trust horizon of a run, until which it is right, and its error at every sample."""
 
 import time
 from collections import deque

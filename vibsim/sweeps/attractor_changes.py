@@ -1,4 +1,4 @@
-"""Where the attractors of a sweep over a parameter are born and die, and by what.
+"""Births and deaths of the attractors of a sweep over a parameter, and the bifurcations behind them.
 
 An attractor is followed from point to point of the parameter (`branch` of `vibsim.sweeps.attractors`).
 Between the last point that has it and the next that has not, the cause is located: of an orbit by the
@@ -216,7 +216,7 @@ class _Changes:
         return (low + high) / 2, cause
 
     def _crisis(self, value: float, states: tuple[np.ndarray, ...], goes_to: np.ndarray) -> str:
-        """How near the set comes to the saddle of its boundary; empty where none is found.
+        """Distance of the set from the saddle of its boundary, in words; empty where none is found.
 
         value : of the parameter, a little before the set goes; states : on the set
         """

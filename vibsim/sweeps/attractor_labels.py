@@ -327,22 +327,22 @@ _guard = threading.Lock()
 
 
 def known_orbits(
-    recipe: Any, changes: Mapping[str, str], engine: str, ask: Callable[[], None]
+    settings: Any, changes: Mapping[str, str], engine: str, ask: Callable[[], None]
 ) -> KnownOrbits:
     """The orbits that the probes of a sweep end on, at the parameters of a point.
 
-    recipe : a `PointRecipe`; changes : of a point. A worker finds them once for each scene.
+    settings : a `PointSettings`; changes : of a point. A worker finds them once for each scene.
     """
-    if not recipe.probes:
+    if not settings.probes:
         return KnownOrbits()
     parameters = tuple(sorted((k, v) for k, v in changes.items() if not k.startswith(INITIAL)))
-    probes = tuple(tuple(sorted(probe.items())) for probe in recipe.probes)
-    key = recipe.case.sha256, parameters, probes, str(recipe.discard), recipe.every, engine
+    probes = tuple(tuple(sorted(probe.items())) for probe in settings.probes)
+    key = settings.case.sha256, parameters, probes, str(settings.discard), settings.every, engine
     with _guard:
         lock = _locks.setdefault(key, threading.Lock())
     with lock:
         if key not in _orbits:
-            known = _of_probes(recipe, dict(parameters), engine, ask)
+            known = _of_probes(settings, dict(parameters), engine, ask)
             with _guard:
                 _orbits[key] = known
                 while len(_orbits) > KEPT:
@@ -350,14 +350,16 @@ def known_orbits(
         return _orbits.get(key, KnownOrbits())
 
 
-def _of_probes(recipe: Any, parameters: dict[str, str], engine: str, ask: Callable[[], None]) -> KnownOrbits:
+def _of_probes(
+    settings: Any, parameters: dict[str, str], engine: str, ask: Callable[[], None]
+) -> KnownOrbits:
     known = KnownOrbits()
-    for probe in recipe.probes:
+    for probe in settings.probes:
         try:
-            case = recipe.case.with_values({**parameters, **probe})
-            scene = sampled_for_statistics(case.scene(), recipe.every)
-            begin = recipe.discard.time(scene.t_end)
-            label = run_label(scene, recipe.of, begin, engine, ask, known)
+            case = settings.case.with_values({**parameters, **probe})
+            scene = sampled_for_statistics(case.scene(), settings.every)
+            begin = settings.discard.time(scene.t_end)
+            label = run_label(scene, settings.of, begin, engine, ask, known)
             if isfinite(label.time):  # it ends on an orbit that is known
                 continue
             orbit = orbit_of_label(scene, label.state, label.period, engine)

@@ -76,7 +76,7 @@ class Axis:
 
     @property
     def way(self) -> int:
-        """Which way the values run: 1 ascending (one value too), -1 descending, 0 neither."""
+        """Direction of the values: 1 ascending (one value too), -1 descending, 0 neither."""
         if all(low < high for low, high in pairwise(self.values)):
             return 1
         return -1 if all(high > low for high, low in pairwise(self.values)) else 0

@@ -78,7 +78,7 @@ class UnstableRest:
 
 @dataclass(frozen=True, eq=False)
 class BasinEdge:
-    """What lies on the boundary between two basins.
+    """The saddle, or the states, on the boundary between two basins.
 
     case : theirs
     orbit : the saddle orbit, or None; rest : the unstable state of rest, where it is that
@@ -364,7 +364,7 @@ def _likely(at: Coordinates, points: np.ndarray) -> list[int]:
 
 
 def _distance(orbit: Orbit, X: np.ndarray) -> float:
-    """How far X is from the nearest point of an orbit [m/s, as weighed]."""
+    """Distance of X from the nearest point of an orbit [m/s, as weighed]."""
     at = orbit.end.coordinates
     return min(at.size(at.in_turn_of(point.copy(), X) - X) for point in orbit.points)
 

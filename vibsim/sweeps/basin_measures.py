@@ -400,7 +400,7 @@ def _place(result: SweepResult, point: int) -> str:
 
 
 def _undecided(result: SweepResult) -> dict[str, int]:
-    """How many points are undecided, by the reason."""
+    """Number of undecided points, by the reason."""
     flags = result.plan.columns["attractor_reason"].flags
     of_kind = result["attractor_kind"] == result.plan.columns["attractor_kind"].flags["undecided"]
     counts = {

@@ -119,7 +119,7 @@ def _column(basins: Basins, along: str) -> tuple[str, str]:
 
 @dataclass(frozen=True, eq=False)
 class _Exit:
-    """Where a ray leaves the basin: direction of length 1 (weighed), distance [m/s], where it leads."""
+    """Exit of a ray from the basin: direction of length 1 (weighed), distance [m/s], where it leads."""
 
     point: int
     direction: np.ndarray
@@ -212,7 +212,7 @@ class _Search:
         return self.end.number if end == NOWHERE else end
 
     def _first_exit(self, point: int, direction: np.ndarray) -> _Exit | None:
-        """Where a ray leaves the basin first, as far as steps by WIDER see."""
+        """First exit of a ray from the basin, as far as steps by WIDER see."""
         inside, outside = 0.0, FIRST * self.size
         while outside <= LARGEST * self.size:
             if self._end_at(point, direction, outside) != self.end.number:

@@ -67,7 +67,7 @@ class BasinEnd:
 
     @property
     def words(self) -> str:
-        """What it is and where it meets the section, in words."""
+        """Its kind and its points on the section, in words."""
         shown = list(zip(self.names, self.label.state.tolist(), strict=False))[:SHOWN]
         place = ", ".join(f"{name} {number(value, 4)}" for name, value in shown if isfinite(value))
         where = f" (at {place})" if place and self.label.kind in ("periodic", "rest") else ""

@@ -111,7 +111,7 @@ def orbit_columns(of: Quantities) -> Columns:
 
 
 def multipliers(scene: Scene) -> int:
-    """How many multipliers the orbits of a scene have; 0 without a section."""
+    """Number of multipliers of the orbits of a scene; 0 without a section."""
     from vibsim.orbits.coordinates import OrbitError, section_of, unknown_count
 
     try:

@@ -29,7 +29,7 @@ from vibsim.sweeps.statistics import (
     TooFineError,
     sampled_for_statistics,
 )
-from vibsim.sweeps.sweep_plan import Index, PointRecipe, Start, SweepPlan
+from vibsim.sweeps.sweep_plan import Index, PointSettings, Start, SweepPlan
 
 if TYPE_CHECKING:
     from vibsim.analysis.attractor import KnownOrbits
@@ -75,7 +75,7 @@ class SweepPoint:
 
 
 def compute_point(
-    recipe: PointRecipe,
+    settings: PointSettings,
     index: Index,
     changes: Mapping[str, str],
     start: Start | None,
@@ -86,7 +86,7 @@ def compute_point(
 
     Parameters
     ----------
-    changes : what the point replaces in the case of the recipe
+    changes : what the point replaces in the case of the settings
     start : where a state is carried, the end of the point before
     go_on : asked every few milliseconds; the point is given up (None) when it says False
 
@@ -94,17 +94,17 @@ def compute_point(
     """
     began = time.perf_counter()
     try:
-        case = recipe.point_case(changes, start)
+        case = settings.point_case(changes, start)
     except CaseError as error:
         return SweepPoint(index, FAILED, "", str(error))
     try:
-        scene = sampled_for_statistics(case.scene(), recipe.every)
-        known = _known(recipe, changes, engine, go_on)
-        values, arrays = _early(scene, recipe, engine, go_on, known) or measure(
-            scene, recipe, engine, go_on, known
+        scene = sampled_for_statistics(case.scene(), settings.every)
+        known = _known(settings, changes, engine, go_on)
+        values, arrays = _early(scene, settings, engine, go_on, known) or measure(
+            scene, settings, engine, go_on, known
         )
     except (EngineError, TooFineError) as error:
-        label = _run_away(recipe, error)
+        label = _run_away(settings, error)
         if label is None:
             return SweepPoint(index, FAILED, case.sha256, str(error))
         values, arrays = label
@@ -112,7 +112,7 @@ def compute_point(
         return None
     except Exception as error:  # a bug that shows at one point must not cost all the others
         return SweepPoint(index, FAILED, case.sha256, described_bug(error))
-    if recipe.carry and not any(name.startswith("end_") for name in values):
+    if settings.carry and not any(name.startswith("end_") for name in values):
         return SweepPoint(index, FAILED, case.sha256, NOTHING_TO_CARRY if has_section(scene) else NO_PERIOD)
     values["wall_time"] = time.perf_counter() - began
     return SweepPoint(index, DONE, case.sha256, "", values, arrays)
@@ -126,14 +126,14 @@ def described_bug(error: Exception) -> str:
 
 
 def _known(
-    recipe: PointRecipe, changes: Mapping[str, str], engine: str, go_on: Callable[[], bool] | None
+    settings: PointSettings, changes: Mapping[str, str], engine: str, go_on: Callable[[], bool] | None
 ) -> "KnownOrbits | None":
     """Orbits of the point's scene that are known beforehand; none unless attractors are asked for."""
-    if NAME not in recipe.compute:
+    if NAME not in settings.compute:
         return None
     from vibsim.sweeps.attractor_labels import known_orbits
 
-    return known_orbits(recipe, changes, engine, partial(_ask, go_on))
+    return known_orbits(settings, changes, engine, partial(_ask, go_on))
 
 
 def _ask(go_on: Callable[[], bool] | None) -> None:
@@ -143,7 +143,7 @@ def _ask(go_on: Callable[[], bool] | None) -> None:
 
 def _early(
     scene: Scene,
-    recipe: PointRecipe,
+    settings: PointSettings,
     engine: str,
     go_on: Callable[[], bool] | None,
     known: "KnownOrbits | None",
@@ -151,26 +151,26 @@ def _early(
     """The attractor of a point of which nothing else is asked, where it is sure before the transient ends;
     the statistics, which count from there on, are missing.
     """
-    if recipe.compute != (NAME,) or recipe.carry or not known:
+    if settings.compute != (NAME,) or settings.carry or not known:
         return None
     from vibsim.sweeps.attractor_labels import early_label, values_of
 
-    early = early_label(scene, recipe.discard.time(scene.t_end), engine, partial(_ask, go_on), known)
+    early = early_label(scene, settings.discard.time(scene.t_end), engine, partial(_ask, go_on), known)
     return None if early is None else _of_label(values_of(early[0]), early[1])
 
 
 def _of_label(stored: dict[str, Any], t_reached: float) -> Measured:
-    """What is measured of a run of which its attractor alone is known."""
+    """Values of a run of which its attractor alone is known."""
     numbers = {name: value for name, value in stored.items() if isinstance(value, float)}
     arrays = {name: value for name, value in stored.items() if not isinstance(value, float)}
     return {"t_reached": t_reached, **numbers}, arrays
 
 
-def _run_away(recipe: PointRecipe, error: EngineError | TooFineError) -> Measured | None:
-    """What is measured of a run that went to infinity in a finite time, where attractors are asked for and
+def _run_away(settings: PointSettings, error: EngineError | TooFineError) -> Measured | None:
+    """Values of a run that went to infinity in a finite time, where attractors are asked for and
     nothing else: its label. None of any other failure.
     """
-    if recipe.compute != (NAME,) or recipe.carry or not isinstance(error, EngineError):
+    if settings.compute != (NAME,) or settings.carry or not isinstance(error, EngineError):
         return None
     from vibsim.sweeps.attractor_labels import label_of_failure, values_of
 
@@ -180,7 +180,7 @@ def _run_away(recipe: PointRecipe, error: EngineError | TooFineError) -> Measure
 
 def measure(
     scene: Scene,
-    recipe: PointRecipe,
+    settings: PointSettings,
     engine: str,
     go_on: Callable[[], bool] | None,
     known: "KnownOrbits | None" = None,
@@ -189,14 +189,14 @@ def measure(
 
     known : orbits of the scene with which the run is compared
     """
-    begin = recipe.discard.time(scene.t_end)
-    kinds = [COMPUTATIONS[name] for name in recipe.compute]
+    begin = settings.discard.time(scene.t_end)
+    kinds = [COMPUTATIONS[name] for name in settings.compute]
     if not any(kind.samples for kind in kinds):
         scene = scene.without_samples()
-    statistics = Statistics(scene, recipe.of, begin)
-    computed = [kind.make(Task(scene, recipe.of, begin, recipe.section, known)) for kind in kinds]
+    statistics = Statistics(scene, settings.of, begin)
+    computed = [kind.make(Task(scene, settings.of, begin, settings.section, known)) for kind in kinds]
     run = MeasuredRun(
-        scene, recipe.of, begin, engine, go_on, any(kind.ledger for kind in kinds), _watchers(computed)
+        scene, settings.of, begin, engine, go_on, any(kind.ledger for kind in kinds), _watchers(computed)
     )
     end: dict[str, float] = {}
     for block in run.blocks():
@@ -205,7 +205,7 @@ def measure(
             computation.update(block)
         end = _end_state(scene, block) or end
     values = {**statistics.values(run), **run.totals, "t_reached": run.t_reached, **end}
-    measured: dict[str, Any] = dict(statistics.section(recipe.section))
+    measured: dict[str, Any] = dict(statistics.section(settings.section))
     if run.late:
         for computation in computed:
             measured |= computation.values(statistics.window(run), run, measured)
@@ -228,7 +228,7 @@ def _watchers(computed: list[Computation]) -> Callable[[Block], None] | None:
 
 
 def _end_state(scene: Scene, block: Block) -> dict[str, float]:
-    """Where a carried sweep goes on, as far as this block tells.
+    """State from which a carried sweep is continued, as far as this block has it.
 
     Forces and the base begin the next point as they began this one, so the last stroboscopic point is the end
     whose motion they continue.
@@ -265,12 +265,12 @@ Pieces = tuple[BatchPiece, ...]
 
 
 def compute_batch(
-    recipe: PointRecipe, pieces: Pieces, engine: str, go_on: Callable[[], bool] | None = None
+    settings: PointSettings, pieces: Pieces, engine: str, go_on: Callable[[], bool] | None = None
 ) -> list[SweepPoint]:
     """The points of all pieces, in their order; those that were done before `go_on` said False."""
     points: list[SweepPoint] = []
     for piece in pieces:
-        done = list(compute_piece(recipe, piece, engine, go_on))
+        done = list(compute_piece(settings, piece, engine, go_on))
         points += done
         if len(done) < len(piece):
             break
@@ -278,16 +278,16 @@ def compute_batch(
 
 
 def compute_piece(
-    recipe: PointRecipe, piece: BatchPiece, engine: str, go_on: Callable[[], bool] | None
+    settings: PointSettings, piece: BatchPiece, engine: str, go_on: Callable[[], bool] | None
 ) -> Iterator[SweepPoint]:
     """The points of a piece, up to one that was given up. After a failed one the next begins where it did."""
     start = piece.start
     for index, changes in piece.points:
-        point = compute_point(recipe, index, changes, start, engine, go_on)
+        point = compute_point(settings, index, changes, start, engine, go_on)
         if point is None:
             return
-        if recipe.carry and point.done:
-            start = recipe.start_after(point.values)
+        if settings.carry and point.done:
+            start = settings.start_after(point.values)
         yield point
 
 

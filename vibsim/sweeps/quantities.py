@@ -399,7 +399,7 @@ def attractor_columns(of: Quantities) -> Columns:
 
 
 def unknowns(scene: Scene) -> int:
-    """How many unknowns the orbits of a scene have; 0 without a section."""
+    """Number of unknowns of the orbits of a scene; 0 without a section."""
     from vibsim.orbits.coordinates import OrbitError, coordinates_of_rest
 
     try:
@@ -409,5 +409,5 @@ def unknowns(scene: Scene) -> int:
 
 
 def observed(scene: Scene) -> int:
-    """How many observables tell sets apart, see `vibsim.analysis.attractor.observables`."""
+    """Number of observables that tell sets apart, see `vibsim.analysis.attractor.observables`."""
     return 3 * unknowns(scene)

@@ -45,8 +45,8 @@ KEPT = 64  # cases of points that differ in their starts alone
 
 
 @dataclass(frozen=True)
-class PointRecipe:
-    """How a point is computed, whichever it is; the attributes are those of `Plan`."""
+class PointSettings:
+    """Settings by which every point is computed; the attributes are those of `SweepPlan`."""
 
     case: "Case"
     carry: bool
@@ -176,7 +176,7 @@ class SweepPlan:
         self._check_carry()
         for name in self.compute:
             kind = COMPUTATIONS[name]
-            if not kind.columns(self.recipe.of):
+            if not kind.columns(self.point_settings.of):
                 raise PlanError(f"{name} is for cases {kind.suits}; {self.case.name} is another kind of case")
         if not self.discard.relative and self.discard.value >= self.case.quantity("run.t_end").value:
             raise PlanError(
@@ -247,19 +247,19 @@ class SweepPlan:
 
     def point_case(self, index: Index, start: Start | None = None) -> "Case":
         """The case of one point, begun from `start` where a state is carried. Raises CaseError."""
-        return self.recipe.point_case(self.changes(index), start)
+        return self.point_settings.point_case(self.changes(index), start)
 
     @cached_property
-    def recipe(self) -> PointRecipe:
+    def point_settings(self) -> PointSettings:
         """Data common to all points; with a point's `changes` all that computing it takes."""
-        return PointRecipe(
+        return PointSettings(
             self.case, self.carry, self.discard, self.section, self.every, self.compute, self.probes
         )
 
     @cached_property
     def columns(self) -> dict[str, Column]:
         """Columns stored of each point, by name."""
-        of = self.recipe.of
+        of = self.point_settings.of
         computed = (COMPUTATIONS[name].columns(of) for name in self.compute)
         return distinct(always(of).items(), *(columns.items() for columns in computed))
 

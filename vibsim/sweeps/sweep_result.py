@@ -201,7 +201,7 @@ class SweepResult(Labelled):
             chain = next(chain for chain in self.plan.chains() if index in chain)
             for before in chain[: chain.index(index)]:
                 point = self.table.point(before)
-                start = self.plan.recipe.start_after(point.values) if point.done else start
+                start = self.plan.point_settings.start_after(point.values) if point.done else start
         return start
 
     def save(self, path: str | Path, force: bool = False) -> Path:
@@ -300,7 +300,7 @@ def sweep_lines(result: SweepResult) -> Lines:
 
 
 def _ends(plan: SweepPlan) -> str:
-    """How long the runs are: 300 s, or the values of an axis."""
+    """Duration of the runs: 300 s, or the values of an axis."""
     for axis in plan.axes:
         if isinstance(axis, Axis) and "run.t_end" in (axis.key, *axis.also):
             return axis_text(axis)
@@ -340,7 +340,7 @@ def axis_text(axis: Axis | Members) -> str:
 
 
 def points_text(attrs: dict[str, Any]) -> str:
-    """How many were computed, failed and are missing."""
+    """Numbers of points computed, failed and missing."""
     total, done, failed = attrs["points"], attrs["points_done"], attrs["points_failed"]
     parts = [f"{done} of {total} done"]
     parts += [f"{failed} failed"] if failed else []
@@ -349,7 +349,7 @@ def points_text(attrs: dict[str, Any]) -> str:
 
 
 def start_text(result: SweepResult) -> str:
-    """How the points begin."""
+    """Starts of the points, in words."""
     plan = result.plan
     if not plan.carry:
         return "every point from the state of its case"
@@ -362,7 +362,7 @@ def start_text(result: SweepResult) -> str:
 
 
 def place_text(result: SweepResult, index: tuple[int, ...]) -> str:
-    """Where a point is: omega0 = 3.05 Hz, down."""
+    """Place of a point: omega0 = 3.05 Hz, down."""
     places = [f"{axis.name} = {axis.text(i)}" for axis, i in zip(result.axes, index, strict=False)]
     direction = [DIRECTION_NAMES[result.directions[index[-1]]]] if result.plan.carry else []
     return ", ".join([*places, *direction])
@@ -441,7 +441,7 @@ def _whole(files: Sequence[Path], parts: Sequence[SweepResult], along: int) -> S
 
 
 def _way(axes: Sequence[AnyAxis]) -> int:
-    """Which way the values of all parts run: 1 up, -1 down, 0 neither."""
+    """Direction of the values of all parts: 1 up, -1 down, 0 neither."""
     ways = {axis.way for axis in axes if len(axis) > 1} or {1}
     return ways.pop() if len(ways) == 1 else 0
 

@@ -167,10 +167,10 @@ def open_workers(plan: SweepPlan, jobs: int | None, scheduler: str | None, engin
     if scheduler is not None and jobs is not None:
         raise PlanError("jobs are the workers of this machine; with a scheduler its workers compute")
     if scheduler is not None:
-        return ClusterWorkers(plan.recipe, scheduler, engine)
+        return ClusterWorkers(plan.point_settings, scheduler, engine)
     if jobs is not None and jobs < 1:
         raise PlanError(f"jobs must be at least 1, got {jobs}")
-    return LocalWorkers(plan.recipe, jobs or available_cores(), engine)
+    return LocalWorkers(plan.point_settings, jobs or available_cores(), engine)
 
 
 def complete(store: SweepStore, workers: Workers, watch: Watch | None = None) -> tuple[SweepResult, bool]:

@@ -30,7 +30,7 @@ from vibsim.sweeps.computations import fitting
 from vibsim.sweeps.points import BatchPiece, Pieces, SweepPoint, Table, compute_batch, compute_point
 from vibsim.sweeps.quantities import DONE, FAILED, MISSING, NOT_REPRODUCIBLE, quantities_of
 from vibsim.sweeps.sweep_file import SweepStore
-from vibsim.sweeps.sweep_plan import STATISTICS, Index, PointRecipe, Start, SweepPlan
+from vibsim.sweeps.sweep_plan import STATISTICS, Index, PointSettings, Start, SweepPlan
 
 
 class Workers(Protocol):
@@ -62,19 +62,19 @@ class Workers(Protocol):
 class LocalWorkers:
     """A pool of `jobs` workers on this machine; what is unfinished at its end is given up.
 
-    recipe : what all points have in common; compute : computes a batch of pieces by it, in a worker
+    settings : what all points have in common; compute : computes a batch of pieces by it, in a worker
     """
 
     batch_seconds = 0.1  # handing a batch out takes less than 1 ms; and as much may be lost to a kill
 
     def __init__(
         self,
-        recipe: Any,
+        settings: Any,
         jobs: int,
         engine: str = "auto",
         compute: Callable[..., list[SweepPoint]] = compute_batch,
     ):
-        self.recipe, self.count, self.engine = recipe, jobs, engine_name(engine)
+        self.point_settings, self.count, self.engine = settings, jobs, engine_name(engine)
         self._stop: Any
         self._pool: Executor
         self._compute: Callable[..., list[SweepPoint]]
@@ -95,7 +95,7 @@ class LocalWorkers:
 
     def submit(self, pieces: Any) -> "Future[list[SweepPoint]]":
         """The points of a batch, some time; fewer when it was given up."""
-        return self._pool.submit(self._compute, self.recipe, pieces, self.engine)
+        return self._pool.submit(self._compute, self.point_settings, pieces, self.engine)
 
     def result(self, future: "Future[list[SweepPoint]]") -> list[SweepPoint]:
         """The points of a future that is done."""
@@ -127,9 +127,9 @@ def _prepare_process(stop: Any) -> None:
 
 
 def _compute_in_process(
-    compute: Callable[..., list[SweepPoint]], recipe: Any, pieces: Any, engine: str
+    compute: Callable[..., list[SweepPoint]], settings: Any, pieces: Any, engine: str
 ) -> list[SweepPoint]:
-    return compute(recipe, pieces, engine, lambda: not _told_to_stop.is_set())
+    return compute(settings, pieces, engine, lambda: not _told_to_stop.is_set())
 
 
 # One chain of a sweep: the points that are computed one after another, as far as they are still to do.
@@ -169,7 +169,7 @@ class Chain:
     def _pass(self, point: SweepPoint) -> None:
         self._at += 1
         if self._plan.carry and point.done:
-            self._start = self._plan.recipe.start_after(point.values)
+            self._start = self._plan.point_settings.start_after(point.values)
 
     def _missing(self, most: int) -> BatchPiece:
         """From here up to the next stored point: whether that counts, only what comes before it can tell."""
@@ -334,8 +334,8 @@ def signature(engine: str, compute: tuple[str, ...]) -> dict[str, str]:
 def _bits(name: str, engine: str, compute: tuple[str, ...]) -> str:
     """All numbers of a short run of a shipped case."""
     case = load_case(name, {"run.t_end": LENGTH})
-    recipe = PointRecipe(case, False, HALF, 10, None, fitting(compute, quantities_of(case)))
-    point = compute_point(recipe, (), {}, None, engine)
+    settings = PointSettings(case, False, HALF, 10, None, fitting(compute, quantities_of(case)))
+    point = compute_point(settings, (), {}, None, engine)
     assert point is not None  # nobody gave it up
     values = {key: value for key, value in point.values.items() if key not in NOT_REPRODUCIBLE}
     arrays = {name: array.tolist() for name, array in point.arrays.items()}
@@ -371,9 +371,9 @@ class ClusterWorkers:
 
     batch_seconds = 1.0  # handing a batch out takes 12 ms of client, scheduler and worker together
 
-    def __init__(self, recipe: PointRecipe, address: str, engine: str = "auto"):
-        self.recipe, self.address, self.engine = recipe, address, engine_name(engine)
-        self._signature = signature(self.engine, recipe.compute)
+    def __init__(self, settings: PointSettings, address: str, engine: str = "auto"):
+        self.point_settings, self.address, self.engine = settings, address, engine_name(engine)
+        self._signature = signature(self.engine, settings.compute)
         self._handed: dict[Future[list[SweepPoint]], Pieces] = {}
         self._threads = 1
         self._counted = self._deserted = -math.inf  # when; and when there last was a worker
@@ -394,7 +394,7 @@ class ClusterWorkers:
     def _check_workers(self) -> None:
         """Refuse a cluster one of whose workers would not compute the same bits."""
         checked = self._client.run(
-            differing, self.engine, self.recipe.compute, self._signature, on_error="return"
+            differing, self.engine, self.point_settings.compute, self._signature, on_error="return"
         )
         for worker, difference in checked.items():
             if isinstance(difference, Exception):
@@ -435,7 +435,7 @@ class ClusterWorkers:
     def submit(self, pieces: Pieces) -> "Future[list[SweepPoint]]":
         """The points of a batch, some time."""
         future: Future[list[SweepPoint]] = self._executor.submit(
-            compute_there, self.recipe, pieces, self.engine, self._signature
+            compute_there, self.point_settings, pieces, self.engine, self._signature
         )
         self._handed[future] = pieces
         return future
@@ -464,13 +464,13 @@ class ClusterWorkers:
 
 
 def compute_there(
-    recipe: PointRecipe, pieces: Pieces, engine: str, expected: dict[str, str]
+    settings: PointSettings, pieces: Pieces, engine: str, expected: dict[str, str]
 ) -> list[SweepPoint]:
     """On a worker: the points of a batch. Raises WorkerMismatch where they would have other bits."""
-    difference = differing(engine, recipe.compute, expected)
+    difference = differing(engine, settings.compute, expected)
     if difference:
         raise WorkerMismatch(f"worker {socket.gethostname()}, process {os.getpid()}, {difference}")
-    return compute_batch(recipe, pieces, engine)
+    return compute_batch(settings, pieces, engine)
 
 
 def differing(engine: str, compute: tuple[str, ...], expected: dict[str, str]) -> str:

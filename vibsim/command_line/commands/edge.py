@@ -90,7 +90,7 @@ def command(
 
 @dataclass(frozen=True)
 class EdgeWish:
-    """What a command line asks for, whatever it looks for."""
+    """Options of a command line that every search of `vibsim edge` takes."""
 
     source: str
     changes: dict[str, str]
@@ -190,7 +190,7 @@ def edge_lines(found: BasinEdge) -> Lines:
 
 
 def _pair_text(found: BasinEdge) -> str:
-    """Where the boundary was met first."""
+    """Point at which the boundary was met first, in words."""
     inside = found.pair[0]
     return "met at " + ", ".join(f"{name} {number(value, 10)}" for name, value in inside.items())
 

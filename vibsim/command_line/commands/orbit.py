@@ -308,7 +308,7 @@ def _print_list(case: Case, rows: list[OrbitRow], done: int, tally: SearchTally)
 
 
 def _completeness(tally: SearchTally) -> str:
-    """How many orbits were found once and twice, and the estimates that follow."""
+    """Numbers of orbits found once and twice, and the estimates that follow."""
     return (
         f"{tally.found(1)} found from one start, {tally.found(2)} from two: about {tally.unseen:.1f} more "
         f"are there to be found; the next start finds a new one with probability {tally.next_is_new:.2g}"
@@ -370,7 +370,7 @@ def period_text(orbit: Orbit) -> str:
 
 
 def section_text(orbit: Orbit) -> str:
-    """Where the state is taken."""
+    """The section on which the state is taken."""
     return str(orbit.return_map.section.place)
 
 

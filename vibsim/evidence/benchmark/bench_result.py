@@ -316,7 +316,7 @@ def impacts_per_second(bench: BenchResult, row: BenchRow) -> float | None:
 
 
 def faster(bench: BenchResult, row: BenchRow) -> float | None:
-    """How many times as long as vibsim a row takes, at an error that vibsim does not exceed.
+    """Time of a row over that of vibsim, at an error that vibsim does not exceed.
 
     Beside it stands the fastest row of vibsim's own that is at least as accurate; None where there is none.
     """
@@ -352,7 +352,7 @@ def facts(bench: BenchResult) -> dict[str, Any]:
 
 
 def refusals(bench: BenchResult) -> dict[str, str]:
-    """Why families that were asked for cannot take the case, by name."""
+    """Reasons why families that were asked for cannot take the case, by name."""
     scene = bench.case.scene()
     sentences = {name: family_of(name).refusal(scene) for name in json.loads(bench.attrs["methods"])}
     return {name: sentence for name, sentence in sentences.items() if sentence is not None}

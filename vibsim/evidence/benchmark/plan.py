@@ -68,7 +68,7 @@ class SolverFamily:
     own: bool = False
 
     def refusal(self, scene: Scene) -> str | None:
-        """Why the family cannot run the scene; None where it can."""
+        """Reason why the family cannot run the scene; None where it can."""
         if scene.has_motor and not self.motor:
             return "left out: it needs an ideal source, and the case has a motor"
         if scene.has_formulas and not self.motor:

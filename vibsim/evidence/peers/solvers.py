@@ -53,7 +53,7 @@ def eventless_motion(scene: Scene, width: float | None = None) -> Motion:
 
 
 def _slipping(tape: OperationLog, at: Equations, part: Friction, width: float | None) -> list[Number]:
-    """How much it slips forwards and backwards, 0 to 1."""
+    """Shares of slip forwards and backwards, 0 to 1."""
     slip = at.slip_velocity(part)
     sign = tape.sgn(slip) if width is None else tape.tanh(slip / width)
     return [tape.where(slip, sign, 0.0), tape.where(slip, 0.0, -sign)]
@@ -373,7 +373,7 @@ class _EventRun:
         self.progress.event(self.t)
 
     def _solved(self, ends: Sequence[Callable[..., float]], settings: dict[str, float]) -> Any:
-        """What solve_ivp answers from here on. Raises SteppedOver."""
+        """Solution of solve_ivp from here on. Raises SteppedOver."""
         span, times = (self.t, self.times[-1]), self.times[self.sampled :]
         return solve_ivp(
             self._motion, span, np.array(self.state), self.solver, times,

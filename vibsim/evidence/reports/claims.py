@@ -404,7 +404,7 @@ def between(least: float, greatest: float, unit: str) -> str:
 
 
 def of_all(count: int, total: int) -> str:
-    """How many of how many."""
+    """A count and its total, as "40 of 48"."""
     return f"{count} of {total}"
 
 

@@ -195,7 +195,7 @@ def write_figures(
 
 
 def known_from(subjects: Sequence[Subject]) -> str:
-    """How the motions shown were had, a sentence each, where they were not simply run."""
+    """Origin of the motions shown, a sentence each, where they were not simply run."""
     how = {subject.name: subject.result.attrs.get("comment") for subject in subjects}
     return "".join(f" {name}: {words}." for name, words in how.items() if words)
 
@@ -224,7 +224,7 @@ def write_search(numbers: Numbers, folder: Path, formats: Sequence[str]) -> Pict
 
 
 def write_load_curves(branches: Mapping[str, Branch], folder: Path, formats: Sequence[str]) -> Picture:
-    """Why motors are held or not, FOLDER/load-curves.FORMAT."""
+    """Load curves, by which motors are held or not, FOLDER/load-curves.FORMAT."""
     return Picture(
         save(draw_load_curves(branches), folder / "load-curves", formats),
         "Load curves",

@@ -133,7 +133,7 @@ def reach_at_end(result: Result, hold: Window) -> Numbers:
 
 
 def displacement_peak(time: np.ndarray, x: np.ndarray) -> Numbers:
-    """When x [m], averaged over SMOOTHED, is greatest; how high it is then, and at the end."""
+    """Time [s] of the greatest x [m], averaged over SMOOTHED; its height then, and at the end."""
     width = max(1, round(SMOOTHED / float(time[1] - time[0])))
     sums = np.cumsum(np.concatenate([[0.0], x]))  # one after the other, whatever the processor
     smooth = (sums[width:] - sums[:-width]) / width

@@ -159,7 +159,7 @@ def _settled_speeds(numbers: Numbers, name: str) -> list[float]:
 
 
 def one_speed(numbers: Numbers) -> Finding:
-    """How far the final speeds of one motor are apart."""
+    """Spread of the final speeds of each motor."""
     speeds = {name: _settled_speeds(numbers, name) for name in MOTORS}
     lines = [
         f"{name}: from rest {hz(numbers['runs'][name]['capture']['final_speed_hz'])}; from {len(each)} "

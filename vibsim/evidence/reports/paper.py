@@ -150,7 +150,7 @@ class TrueMotion:
 
 
 def motion_path(name: str) -> Path:
-    """Where the motion of a case is kept."""
+    """Path of the stored motion of a case."""
     return Path(str(resources.files("vibsim.evidence.reports"))) / "true_motions" / f"{name}.json"
 
 
@@ -209,7 +209,7 @@ def _joined(tables: Sequence[Table]) -> dict[str, np.ndarray]:
 
 
 def how_it_was_had(motion: TrueMotion) -> str:
-    """In a sentence: how a motion is known."""
+    """Origin of a motion, in a sentence."""
     made = motion.made
     return (
         f"restarted from {len(motion.times)} states of a run of {made['digits']} digits, "
@@ -330,7 +330,7 @@ def main(names: list[str], folder: Path = Path("results/true-motions")) -> None:
 
 @dataclass(frozen=True)
 class Report:
-    """What was written: the report's pages and the findings on the claims; how many runs were simulated."""
+    """A written report: its pages, the findings on the claims, and how many runs were simulated."""
 
     html: Path
     text: Path

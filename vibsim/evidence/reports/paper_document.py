@@ -159,7 +159,7 @@ def _summary(judged: Sequence[JudgedClaim]) -> tuple[Block, ...]:
 
 
 def _counted(verdicts: Iterable[ClaimVerdict | None]) -> str:
-    """How many verdicts there are of each kind, in words."""
+    """Numbers of verdicts of each kind, in words."""
     count = Counter(verdict.word for verdict in verdicts if verdict is not None)
     return ", ".join(f"{count[word]} × {word}" for word in VERDICTS if count[word])
 
@@ -210,7 +210,7 @@ def judge_claims(numbers: Numbers) -> list[tuple[Claim, Finding]]:
 
 
 def trust_of(numbers: Numbers, finding: Finding) -> str:
-    """Until when the runs that a finding rests on are right, in words."""
+    """Trust horizons of the runs that a finding rests on, in words."""
     if not finding.runs:
         return finding.basis or "exact: from the numbers of the cases"
     to_the_end, until = [], []
@@ -410,7 +410,7 @@ def price_of(row: Numbers) -> float:
 
 
 def captured_by(ranking: Sequence[Numbers]) -> str:
-    """Which single changes capture II-B for good, in a sentence."""
+    """Sentence on the single changes that capture II-B for good."""
     alone = [row for row in ranking if len(row["changes"]) == 1 and row["statements"][0]["holds"]]
     names = sorted(named(row["changes"]) for row in alone)
     return f"Of single changes, {', '.join(names) or 'none tried'} capture II-B for good."
@@ -451,7 +451,7 @@ def solver_table(rows: Sequence[Numbers]) -> PageTable:
 
 
 def capturing_solvers(rows: Sequence[Numbers]) -> str:
-    """Which solvers capture which motor, in a sentence each."""
+    """Sentences on which solvers capture which motor."""
     sentences = []
     for name in ("II-B", "II-C"):
         names = [row["solver"] for row in rows if is_captured(row[name])]

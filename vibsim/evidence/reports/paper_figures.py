@@ -185,7 +185,7 @@ def paper_figures() -> list[PaperFigure]:
 
 
 def growth_figure() -> PaperFigure:
-    """Why one motor stays and the other leaves; no figure of the paper."""
+    """Growth of the vibration, by which one motor stays and the other leaves; no figure of the paper."""
     return PaperFigure(
         "growth",
         "Growth",
@@ -199,7 +199,7 @@ def growth_figure() -> PaperFigure:
 
 
 def powers_figure() -> PaperFigure:
-    """Where the power of the motors goes; no figure of the paper."""
+    """Power of the motors and what takes it; no figure of the paper."""
     return PaperFigure(
         "powers",
         "Powers",
@@ -446,7 +446,7 @@ def no_load_speeds() -> list[float]:
 
 
 def ends_table(ends: Mapping[str, Any]) -> PageTable:
-    """How far orbits are held, for every combination of the two numbers."""
+    """Greatest no-load speeds of held orbits, for every combination of the two numbers."""
     kinds = {"fold": "fold", "neimark-sacker": "Neimark–Sacker point before the fold"}
     rows = tuple(
         (
@@ -477,7 +477,7 @@ def load_words(ends: Mapping[str, Any]) -> str:
 
 
 def _held(end: Mapping[str, Any]) -> str:
-    """Which of the two faster motors can be held."""
+    """Sentence on which of the two faster motors can be held."""
     faster = no_load_speeds()[1:]
     held = [f"{speed:g} Hz" for speed in faster if speed <= end["no_load_hz"]]
     lost = [f"{speed:g} Hz" for speed in faster if speed > end["no_load_hz"]]

@@ -307,7 +307,7 @@ def _regime_nearby(case: Case) -> Numbers:
 
 
 def counts_by_regime(rows: Sequence[Numbers], law: str, c: float) -> dict[str, int]:
-    """How many frequencies have each regime, the commonest first."""
+    """Number of frequencies with each regime, the commonest first."""
     return dict(Counter(row["regime"] for row in rows if (row["law"], row["c"]) == (law, c)).most_common())
 
 

@@ -268,7 +268,7 @@ REASON = "rounding: 4 units per number of the scene x conditioning, 16 per event
 
 
 def roundings(result: Result, memory: float = inf) -> float:
-    """How many states of the run were rounded: one at each event and Taylor step, and the one asked for.
+    """Number of rounded states of the run: one at each event and Taylor step, and the one asked for.
 
     memory : time [s] in which the motion forgets an error but for the part 1/e; older ones do not count
     """
@@ -415,7 +415,7 @@ def truths_folder() -> Path:
 
 
 def truth_path(case_name: str) -> Path:
-    """Where the truth of a case is stored: hard/stiff-stop in stiff-stop.json."""
+    """Path of the stored truth of a case: hard/stiff-stop in stiff-stop.json."""
     return truths_folder() / f"{case_name.rpartition('/')[2]}.json"
 
 

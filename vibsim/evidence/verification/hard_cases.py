@@ -119,7 +119,7 @@ def hard_state_points(truth: StoredTruth, result: Result, flow: str) -> Iterator
 
 
 def distance(value: float, expected: Decimal) -> float:
-    """How far a double is from a decimal, not rounded before the subtraction."""
+    """Distance of a double from a decimal, not rounded before the subtraction."""
     return float(abs(Decimal(value) - expected)) if isfinite(value) else value
 
 
@@ -366,7 +366,7 @@ def times(result: Result, kind: str) -> np.ndarray:
 
 
 def stays(result: Result, column: str, since: float, place: float) -> CheckPoint:
-    """How far the body is from `place` [m] after `since` [s]: not one bit."""
+    """Distance of the body from `place` [m] after `since` [s]: not one bit."""
     values = result[column][result.time > since]
     far = float(values[np.argmax(np.abs(values - place))])
     return compared("place after that", place, far, 0.0, "m")

@@ -135,7 +135,7 @@ def moved_by(number: Callable[..., float], **values: float) -> float:
     return total
 
 
-def blur_of(size: float) -> float:
+def rounding_bound(size: float) -> float:
     """Rounding bound of a derivative of some size (Frobenius norm).
 
     STATE_UNITS each of the flow before the impact, the impact and the flow behind, twice that for flows that
@@ -153,10 +153,10 @@ def multiplier_points(
     """
     first, second = orbit.multipliers
     size = float(np.linalg.norm(orbit.end.derivative))
-    total, both, blur = float((first + second).real), float((first * second).real), blur_of(size)
+    total, both, rounding = float((first + second).real), float((first * second).real), rounding_bound(size)
     return [
-        compared(f"sum of the multipliers {where}", trace, total, bound + 2 * blur),
-        compared(f"product of the multipliers {where}", product, both, size * blur),
+        compared(f"sum of the multipliers {where}", trace, total, bound + 2 * rounding),
+        compared(f"product of the multipliers {where}", product, both, size * rounding),
     ]
 
 
@@ -226,7 +226,7 @@ def fold(engine: str) -> Iterator[CheckRow]:
         product = float(multipliers.prod().real)
         what = f"product of the multipliers at sigma = {sigma:g} m"
         products.append(
-            compared(what, impact_oscillators_E * impact_oscillators_E, product, size * blur_of(size))
+            compared(what, impact_oscillators_E * impact_oscillators_E, product, size * rounding_bound(size))
         )
     yield worst_row("V13/fold", products, BOUND_OF_ORBITS)
 
@@ -423,16 +423,16 @@ def multipliers(engine: str) -> Iterator[CheckRow]:
     for sigma in (0.0, *SIGMAS):
         coarse, fine = (monodromy(sigma, step, engine) for step in (STEP, STEP / 2))
         best = fine + (fine - coarse) / 3  # the error of the fourth order in the step is left
-        blur = float(np.abs(fine - coarse).max()) / 3 + 4 * STATE_UNITS * UNIT / STEP
+        rounding = float(np.abs(fine - coarse).max()) / 3 + 4 * STATE_UNITS * UNIT / STEP
         multiplier = max(np.linalg.eigvals(best), key=lambda one: one.imag)
         if sigma == 0:
-            bound = 2 * blur / abs(2 * multiplier.imag) + last_digit(PLACES)
+            bound = 2 * rounding / abs(2 * multiplier.imag) + last_digit(PLACES)
             for what, expected, value in (
                 ("real part of the multipliers", PRINTED.real, multiplier.real),
                 ("imaginary part of the multipliers", PRINTED.imag, multiplier.imag),
             ):
                 points.append(compared(what, expected, float(value), bound))
-        bound = 4 * float(np.abs(best).max()) * blur
+        bound = 4 * float(np.abs(best).max()) * rounding
         what = f"product of the multipliers at sigma = {sigma:g} m"
         points.append(
             compared(what, impact_oscillators_E * impact_oscillators_E, float(np.linalg.det(best)), bound)

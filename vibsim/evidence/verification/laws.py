@@ -148,7 +148,7 @@ def mirrored(case: Case) -> Case:
 
 
 def mirror_symmetry_rows(name: str, flow: str, engine: str) -> Iterator[CheckRow]:
-    """How many numbers of samples and events are not the mirror images of the others."""
+    """Count of numbers of samples and events that are not the mirror images of the others."""
     case = mirrored_case(name)
     ours, theirs = (run(scene, engine, flow) for scene in (case, mirrored(case)))
     wrong = sum(
@@ -271,10 +271,10 @@ def determinant_rows(name: str, case: Case, flow: str, engine: str, span: float)
     row = {column: values[begins[-3]] for column, values in result.events.items()}
     begin, end = float(row["t"]), float(row["t"]) + span
     totals = carried(replace(scene, t_end=end), engine, row)
-    jumps, blur = jump_logarithms(scene, result, begin, end)
+    jumps, rounding = jump_logarithms(scene, result, begin, end)
     expected = exp(smooth_logarithm(scene, result, begin, end) + sum(jumps))
     obtained = exp(float(np.sum(totals["growth"][-1, 1:])))
-    bound = expected * (totals["tangent_pieces"] * PIECE_UNITS * UNIT + blur)
+    bound = expected * (totals["tangent_pieces"] * PIECE_UNITS * UNIT + rounding)
     what = f"determinant over {span:.4g} s, {len(jumps)} reversals"
     yield number_row(name, compared(what, expected, obtained, bound), BECAUSE)
 
@@ -290,7 +290,7 @@ def carried(scene: TwoBlocks, engine: str, resume: Mapping[str, float] | None = 
 
 def jump_logarithms(scene: TwoBlocks, result: Result, begin: float, end: float) -> tuple[list[float], float]:
     """log (|S| - N) / (|S| + N) of the reversals, and how much rounding of S may move their sum."""
-    jumps, blur = [], 0.0
+    jumps, rounding = [], 0.0
     events = result.events
     for i in np.flatnonzero(events["kind"] == EVENT_KINDS["reversal"]):
         if not begin < events["t"][i] <= end:
@@ -301,8 +301,8 @@ def jump_logarithms(scene: TwoBlocks, result: Result, begin: float, end: float) 
         stiffness = scene.k1 + (scene.k2 if contact else 0.0)
         terms = stiffness * (abs(x1) + abs(x2) + abs(scene.G)) + scene.c * (abs(v1) + abs(v2))
         jumps.append(log((force - scene.N) / (force + scene.N)))
-        blur += 2 * scene.N / (force**2 - scene.N**2) * STATE_UNITS * UNIT * terms
-    return jumps, blur
+        rounding += 2 * scene.N / (force**2 - scene.N**2) * STATE_UNITS * UNIT * terms
+    return jumps, rounding
 
 
 def smooth_logarithm(scene: TwoBlocks, result: Result, begin: float, end: float) -> float:

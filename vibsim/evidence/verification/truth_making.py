@@ -52,7 +52,7 @@ class TruthRun:
 
 @dataclass(frozen=True)
 class TruthPlan:
-    """How a truth is made: case to run, samples per instant kept, whether events are kept.
+    """Instructions for a truth: case to run, samples per instant kept, whether events are kept.
 
     settled, period : where only one period [s] after a settled start [s] is kept
     """

@@ -339,7 +339,7 @@ def relative_displacement(t: np.ndarray) -> np.ndarray:
 
 
 def contacts(t_end: float) -> int:
-    """How many contacts begin until t_end [s]: the first after a quarter of a free period."""
+    """Number of contacts that begin until t_end [s]: the first after a quarter of a free period."""
     return int((t_end - pi / (2 * FREE_RATE)) / BILINEAR_OSCILLATOR_PERIOD) + 1
 
 

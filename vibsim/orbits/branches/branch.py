@@ -152,7 +152,7 @@ class Branch(OrbitCurve):
 
     @property
     def ends(self) -> tuple[str, str]:
-        """Why it ends, at its first and its last point; empty where it was not followed further."""
+        """Reasons why it ends, at its first and its last point; empty where it was not followed further."""
         forwards = [p for p in self.points if p.way > 0]
         backwards = [p for p in self.points if p.way < 0]
         last = forwards[-1].ended if forwards else ""

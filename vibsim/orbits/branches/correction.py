@@ -25,7 +25,7 @@ ROUGH = 1e-8  # of the last Newton step, where rounding keeps it from growing sh
 BESIDE = 2.0**-23  # of a Newton step, over the size of the unknowns: both its ends have one derivative
 SLOW = 0.125  # of the last Newton step: a longer one is rounding, or the derivative by the parameter is rough
 CREEPS, STRAIGHT = 0.2, 0.1  # share of the last Newton step, and of it across the last, of those that creep
-PATIENCE = 3  # Newton steps that may grow no shorter while the residual is more than rounding: across a graze
+PATIENCE = 3  # Newton steps that may grow no shorter while the residual exceeds rounding: across a grazing
 TOLD, SHARE = 1e-6, 1e-3  # change of the parameter, scaled, and share of it in a step, that tell a derivative
 
 
@@ -217,7 +217,7 @@ def _creeps(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def _closes(point: Any, size: float) -> bool:
-    """Whether the residual is small too: beside a graze it is by orders larger than a Newton step."""
+    """Whether the residual is small too: beside a grazing it is by orders larger than a Newton step."""
     return bool(abs(point.residual).max() <= CLOSES * size)
 
 

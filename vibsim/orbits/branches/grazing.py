@@ -1,9 +1,9 @@
 """The return map past a touch: at an orbit that grazes a stop, as if the stop were not there just then.
 
-Beside a graze the return map has a root of the depth, at a rigid stop an infinite derivative, and the contact
-itself comes and goes. What a locus of grazings needs is smooth: the motion through a short window about the
-touch without that stop, and how far from the stop it turns there, below zero inside it. At the graze itself
-both are those of the motion.
+Beside a grazing the return map has a root of the depth, at a rigid stop an infinite derivative, and the
+contact itself comes and goes. What a locus of grazings needs is smooth: the motion through a short window
+about the touch without that stop, and how far from the stop it turns there, below zero inside it. At the
+grazing itself both are those of the motion.
 """
 
 from collections.abc import Iterator
@@ -40,7 +40,7 @@ SAME = 1e-4  # share of the period within which events of the stop belong to the
 WIDEST, TOUCHING_SHARE = 0.05, 0.5  # half of the window: of the period, and of the way to the nearest event
 AT_SECTION = 1e-4  # of the period: a touch so near to the section has no window
 AT_EVENT = 1e-5  # the same of another event: hops that an incomplete chatter ends with are short
-FEW = 3  # of a motion's touches, that may be the graze
+FEW = 3  # of a motion's touches, that may be the grazing
 TURNS = 12  # Newton steps to the turn
 CLOSE, ROUGH = (
     1e-12,
@@ -51,7 +51,7 @@ OF_STOPS = [EVENT_KINDS[kind] for kind in ("contact_begin", "contact_end", *RIGI
 
 @dataclass(frozen=True)
 class Window:
-    """Where a stop is left out: its number, and the window [s / period] about a middle."""
+    """Window in which a stop is left out: its number, and the span [s / period] about a middle."""
 
     stop: int
     middle: float
@@ -196,7 +196,7 @@ def joined(parts: list[tuple[float, Carried]], stop: int) -> Carried:
 
 
 def window_of(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> Window:
-    """The window about the touch of a stop on an orbit of the full map that is nearest to a graze.
+    """The window about the touch of a stop on an orbit of the full map that is nearest to grazing.
 
     Raises ContinuationError where there is none, or it lies on the section.
     """
@@ -204,7 +204,7 @@ def window_of(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> Wind
 
 
 def windows_of(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> Iterator[Window]:
-    """The windows about what is nearest to a graze of a stop, the nearest first."""
+    """The windows about what is nearest to grazing a stop, the nearest first."""
     for touch in touches(return_map, X, T, stop)[:FEW]:
         try:
             yield _about(return_map, X, T, stop, touch)
@@ -242,7 +242,7 @@ def frictions_between(scene: Scene, stop: int) -> list[int]:
 
 
 def touches(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> list[float]:
-    """When an orbit is near to graze a stop [s], the nearest first: turns of the gap by what is left of it,
+    """Instants [s] at which an orbit nearly grazes a stop, the nearest first: turns of the gap by the rest,
     impacts by how deep the motion would go if the stop were not there. Raises ContinuationError without any.
     """
     scene = placed(return_map.scene, return_map.coordinates.state(X), T)
@@ -272,10 +272,10 @@ def touches(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> list[f
     return [t for _, t in sorted(near)]
 
 
-# Where a branch ends because a rigid stop is grazed: the graze itself, past the touch.
+# Where a branch ends because a rigid stop is grazed: the grazing itself, past the touch.
 #
 # On the side with the impact multipliers grow without bound, on the other the motion meets the stop: no step
-# of the branch gets there. Past the touch the orbits go on smoothly, and the graze is where they reach the
+# of the branch gets there. Past the touch the orbits go on smoothly, and the grazing is where they reach the
 # stop.
 
 
@@ -286,7 +286,7 @@ NEAR_END = 0.1  # scaled distance from the last orbit of the branch
 
 
 def grazing_end(family: Family, node: Node) -> Special | None:
-    """The graze of a rigid stop near the last orbit of a branch; None where there is none."""
+    """The grazing of a rigid stop near the last orbit of a branch; None where there is none."""
     scene = node.point.end.coordinates.scene
     for stop, _ in scene.rigid_stops:
         found = _graze(family, node, stop)

@@ -180,10 +180,10 @@ def _unparted(
     if isinstance(special, Special):
         yield from _with_sides(family, special, one, other, parts)
         return
-    graze = _graze_between(family, one, other)
-    if graze is None and one.word != other.word and length_of(other.z - one.z) <= _told_within(one, other):
-        graze = _change_of(one, other)
-    yield graze or Special(UNRESOLVED, other, one, other)
+    grazing = _graze_between(family, one, other)
+    if grazing is None and one.word != other.word and length_of(other.z - one.z) <= _told_within(one, other):
+        grazing = _change_of(one, other)
+    yield grazing or Special(UNRESOLVED, other, one, other)
 
 
 def _told_within(one: Node, other: Node) -> float:
@@ -195,7 +195,7 @@ def _told_within(one: Node, other: Node) -> float:
 
 
 def _graze_between(family: Family, one: Node, other: Node) -> Special | None:
-    """The graze of a rigid stop between two nodes whose words differ by its impact, and the slip that it
+    """The grazing of a rigid stop between two nodes whose words differ by its impact, and the slip that it
     brings about; None where there is none.
 
     A multiplier is infinite there on one side, so that no bracket of orbits closes in on it.
@@ -205,10 +205,10 @@ def _graze_between(family: Family, one: Node, other: Node) -> Special | None:
     if kinds.count("impact") != 1 or not {"impact", "stick_begin", "stick_end"} >= set(kinds):
         return None
     for node in (one, other):
-        graze = grazing_end(family, node)
-        if graze is not None and _around_corner(one, graze.node, other):
+        grazing = grazing_end(family, node)
+        if grazing is not None and _around_corner(one, grazing.node, other):
             turns = one.fold * other.fold < 0
-            return Special(CORNER if turns else GRAZING, graze.node, one, other)
+            return Special(CORNER if turns else GRAZING, grazing.node, one, other)
     return None
 
 

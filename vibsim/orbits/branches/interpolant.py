@@ -225,7 +225,7 @@ def _arrived(family: Family, X: np.ndarray, node: Node) -> Node:
 
 
 def times_of(node: Node, kinds: tuple[str, ...]) -> list[float]:
-    """When events of some kinds happen, in shares of the period from the section."""
+    """Instants of events of some kinds, in shares of the period from the section."""
     carried, T = node.point.end.carried, node.point.period
     return [float(t / T) for t, (kind, _) in zip(carried.times, carried.events, strict=True) if kind in kinds]
 

@@ -155,7 +155,7 @@ class PlanePoint:
         steepness = length_of(gradient)
         if self.plane.kind in WATCHED or steepness <= STEEP:
             return gradient
-        return self._quotients(DIFFERENCE * STEEP / steepness)  # near a graze it is as bent as it is steep
+        return self._quotients(DIFFERENCE * STEEP / steepness)  # near grazing it is as bent as it is steep
 
     def _quotients(self, shift: float) -> np.ndarray:
         """Difference quotients of the test by the unknowns."""

@@ -233,7 +233,7 @@ class Locus(OrbitCurve):
 
     @property
     def ends(self) -> tuple[str, str]:
-        """Why it ends, at its first and its last point; empty where it was not followed further."""
+        """Reasons why it ends, at its first and its last point; empty where it was not followed further."""
         return (self.points[0].ended, self.points[-1].ended) if self.points else ("", "")
 
     def heading(self) -> str:

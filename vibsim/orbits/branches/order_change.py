@@ -1,4 +1,4 @@
-"""Where the order of events changes on a branch: between which two neighbours, located by what shrinks there.
+"""Changes of the order of events on a branch: the two neighbours between them, located by what shrinks there.
 
 On one side of such a change at least something goes to zero: the time between two events, as in a contact or
 a stick that comes or goes; the speed of an impact; the gap at a turn before a stop. It goes like the way to
@@ -72,7 +72,7 @@ def _zero(points: list[tuple[float, float]]) -> tuple[float, float]:
 
 
 def _bent(points: list[tuple[float, float]]) -> float:
-    """How much the slope of three (value, share) changes, over its size."""
+    """Relative change of the slope of three (value, share)."""
     one, other = ((b - a) / (t - s) for (a, s), (b, t) in pairwise(points))
     return abs(one - other) / (abs(one) + abs(other))
 

@@ -76,7 +76,7 @@ class Special:
 
     @property
     def jump(self) -> int:
-        """How many more multipliers are outside the unit circle behind it."""
+        """Number of multipliers that leave the unit circle there (negative: that enter it)."""
         return 0 if self.told else self.after.index - self.before.index
 
 
@@ -120,12 +120,12 @@ def held(before: Word, after: Word) -> int | None:
 
 
 def kinds_of(events: Counter[tuple[str, int]]) -> Counter[str]:
-    """How often each kind is among events."""
+    """Count of each kind among events."""
     return Counter(kind for kind, _ in events.elements())
 
 
 def stops_of(scene: Scene, end: Return, friction: int) -> list[tuple[float, float]]:
-    """When the sliding velocity of a friction comes to zero [s / period], and how far the force that would
+    """Zeros of the sliding velocity of a friction [s / period], and how far the force that would
     hold it there is beyond its limit [N], below 0 where it holds; scene: with the numbers of the motion.
 
     Raises ContinuationError where it never does.
@@ -143,12 +143,12 @@ def stops_of(scene: Scene, end: Return, friction: int) -> list[tuple[float, floa
 
 
 def critical_share(scene: Scene, end: Return, friction: int) -> float:
-    """When the force that would hold is nearest to its limit [s / period]. Raises ContinuationError."""
+    """Instant [s / period] at which the holding force is nearest to its limit. Raises ContinuationError."""
     return min(stops_of(scene, end, friction), key=lambda stop: abs(stop[1]))[0]
 
 
 def excess_at(scene: Scene, end: Return, friction: int, share: float) -> float:
-    """How far the force is beyond its limit [N] at the stop nearest to a share of the period.
+    """Excess of the force over its limit [N] at the stop nearest to a share of the period.
 
     Raises ContinuationError where there is none.
     """
@@ -377,7 +377,7 @@ def least_slip(family: Family, node: Node, friction: int) -> float:
 
 
 def _zero_of(rate: Callable[[float], float], low: float, high: float, fine: float) -> float:
-    """Where a rate changes its sign between two times, after Anderson and Bjorck as in `regula_falsi`."""
+    """Zero of a rate between two times [s], after Anderson and Bjorck as in `regula_falsi`."""
     r_low, r_high = rate(low), rate(high)
     for _ in range(TRIES):
         t = high - r_high * (high - low) / (r_high - r_low)

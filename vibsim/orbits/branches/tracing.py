@@ -169,7 +169,7 @@ Watch = Callable[..., bool]  # told the number of points, of a branch the specia
 
 
 class Keeper(Protocol):
-    """Where points of a branch are kept."""
+    """Store of the points of a branch."""
 
     points: list[PointRecord]
     specials: list[SpecialRecord]
@@ -398,7 +398,7 @@ def _knots(branch: Any, i: int) -> Iterator[_Knot]:
 
 
 def _passed(branch: Any, i: int) -> list[Any]:
-    """The special points between point i and the next; not a graze beyond the last one."""
+    """The special points between point i and the next; not a grazing beyond the last one."""
     one, other = (np.array(point.unknowns) for point in branch.points[i : i + 2])
     chord = other - one
     between = [special for special in branch.specials if special.between == (i, i + 1)]

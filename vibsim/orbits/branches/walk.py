@@ -52,7 +52,7 @@ LOOSE = 1e-10  # residual, scaled, of what is no orbit where the branch turns ba
 POLISH = 3  # Newton steps of a time of return that is known to 1e-9
 KINKS = (1e-7, 1e-6, 1e-5, 1e-4)  # scaled lengths of steps across a kink
 IN_A_ROW = 8  # such steps: where nothing else leads on the branch is stuck
-ONE_ORBIT = 1e-4  # scaled distance of the orbits on both sides of a graze: beside it a root of the bracket
+ONE_ORBIT = 1e-4  # scaled distance of the orbits on both sides of a grazing: beside it a root of the bracket
 AHEAD = 0.97  # cosine of the angle between a step and the tangent before it, below which it goes aside
 SHORTER, TRIES = 8, 3  # times shorter a step is that is taken again, and how often
 SAME = 1e-8  # scaled distance of a closed branch from its start
@@ -123,9 +123,9 @@ class Walk:
                     self.go_on(self.node, behind, self.pace.first * KINKS[-1], self.count + 1)
                     yield Step(behind, specials, self.step)
                     continue
-                graze = grazing_end(self.family, self.node)
-                ended = stuck if graze is None else TOUCHED
-                yield Step(self.node, () if graze is None else (graze,), self.step, ended)
+                grazing = grazing_end(self.family, self.node)
+                ended = stuck if grazing is None else TOUCHED
+                yield Step(self.node, () if grazing is None else (grazing,), self.step, ended)
                 return
             if shrunk is not None:
                 yield Step(self.node, (shrunk,), self.step, AT_REST)
@@ -144,17 +144,17 @@ class Walk:
             if ended.startswith(JOINS):  # the doubling there, which is told by the other branch
                 specials = tuple(each for each in specials if not is_joint(each))
             self.go_on(self.node, node, following, self.count + 1)
-            graze = grazing_end(self.family, node) if ended == GRAZED else None
-            if ended == GRAZED and graze is None:
+            grazing = grazing_end(self.family, node) if ended == GRAZED else None
+            if ended == GRAZED and grazing is None:
                 ended = ""
-            yield Step(node, specials if graze is None else (*specials, graze), following, ended)
+            yield Step(node, specials if grazing is None else (*specials, grazing), following, ended)
             if ended:
                 return
 
     def _left(self, node: Node, specials: tuple[Special, ...]) -> bool:
         """Whether a step to a node may have led to another branch near by. Multipliers tell it, but not where
         a rigid stop is grazed between, beyond all bounds there: unless the step goes aside, or the orbits on
-        both sides of a graze are not one where it was located, as it ends both of them further on.
+        both sides of a grazing are not one where it was located, as it ends both of them further on.
         """
         torn = [each for each in specials if each.kind == UNRESOLVED]
         chord = node.z - self.node.z
@@ -194,7 +194,7 @@ class Walk:
         return walk
 
     def _stuck(self, error: Exception) -> str:
-        """Why there is no next node."""
+        """Reason why there is no next node."""
         if from_section(self.node) < AT_SECTION:
             return BLOCKED
         if str(error).startswith((JOINS, END)):
@@ -230,7 +230,7 @@ class Walk:
                 return self._past_kink(reason)
 
     def _beside_a_graze(self, node: Node) -> bool:
-        """Whether Newton's method went to and fro across the graze of a rigid stop, and left no orbit."""
+        """Whether Newton's method went to and fro across the grazing of a rigid stop, and left no orbit."""
         scene = node.point.end.coordinates.scene
         return bool(scene.rigid_stops) and abs(node.point.residual).max() > LOOSE
 
@@ -304,7 +304,7 @@ class Walk:
         return node, GRAZED if self._may_graze(node) else ""
 
     def _may_graze(self, node: Node) -> bool:
-        """Whether a graze of a rigid stop is to be looked for at the next node: a multiplier has gone beyond
+        """Whether to look for a grazing of a rigid stop at the next node: a multiplier has gone beyond
         `INFINITE`, or another power of two there. Orbits within chaos have such too.
         """
         before, now = (float(moduli(each.multipliers).max()) for each in (self.node, node))
