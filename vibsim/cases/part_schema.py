@@ -25,6 +25,7 @@ from vibsim.cases.schema import (
     Velocity,
     WithFormulas,
     key,
+    left_out,
     optional,
 )
 from vibsim.cases.schema_kinds import FORMULA_KEYS, Formula, Json, Measured, WholeNumber, kind_of_value
@@ -52,38 +53,16 @@ MuOrFormula = Annotated[Quantity | Formula, Measured("number", least="0", formul
 AnyFormula = Annotated[Formula, FormulaText()]
 StaticRatio = Annotated[Quantity, Measured("number", least="1")]
 
-MU = key(
-    default=None,
-    description="law coulomb: friction coefficient while slipping; or a formula in the slip speed s",
-    examples=["0.2"],
+MU = left_out("law coulomb: friction coefficient while slipping; or a formula in the slip speed s", "0.2")
+MU_S = left_out("laws stribeck: friction coefficient at speed 0, and of the limit while sticking", "0.37")
+MU_D = left_out("laws stribeck: friction coefficient at high speed, at most mu_s", "0.19")
+D = left_out("law stribeck hyperbolic: mu = mu_d + (mu_s - mu_d) / (1 + d |v_rel|)", "18 s/m")
+V0 = left_out("law stribeck exponential: mu = mu_d + (mu_s - mu_d) exp(-|v_rel| / v0)", "0.26 m/s")
+STATIC = left_out(
+    "law coulomb: limit while sticking over the force while slipping, at least 1; left out: 1", "1.3"
 )
-MU_S = key(
-    default=None,
-    description="laws stribeck: friction coefficient at speed 0, and of the limit while sticking",
-    examples=["0.37"],
-)
-MU_D = key(
-    default=None,
-    description="laws stribeck: friction coefficient at high speed, at most mu_s",
-    examples=["0.19"],
-)
-D = key(
-    default=None,
-    description="law stribeck hyperbolic: mu = mu_d + (mu_s - mu_d) / (1 + d |v_rel|)",
-    examples=["18 s/m"],
-)
-V0 = key(
-    default=None,
-    description="law stribeck exponential: mu = mu_d + (mu_s - mu_d) exp(-|v_rel| / v0)",
-    examples=["0.26 m/s"],
-)
-STATIC = key(
-    default=None,
-    description="law coulomb: limit while sticking over the force while slipping, at least 1; left out: 1",
-    examples=["1.3"],
-)
-BETWEEN = key(description="the two ends: bodies, ground or base", examples=["[ram, ground]"])
-ON = key(description="the body that it acts on", examples=["ram"])
+BETWEEN = key("the two ends: bodies, ground or base", "[ram, ground]")
+ON = key("the body that it acts on", "ram")
 
 
 class LinkKeys(WithFormulas):
@@ -91,11 +70,10 @@ class LinkKeys(WithFormulas):
 
     formulas = FORMULA_KEYS["links"]
     between: Ends = BETWEEN
-    force: AnyFormula | None = key(
-        default=None,
-        description="formula of the force that drives the ends together, in d = x_P - x_Q and v = v_P - v_Q; "
+    force: AnyFormula | None = left_out(
+        "formula of the force that drives the ends together, in d = x_P - x_Q and v = v_P - v_Q; "
         "beside it k, c and others are numbers of the formula",
-        examples=['"k*d + k3*d**3"'],
+        '"k*d + k3*d**3"',
     )
     k: Stiffness = optional("0 N/m", "stiffness", "4 kN/m")
     c: Damping = optional("0 N s/m", "damping", "2 N s/m")
@@ -108,30 +86,24 @@ class AnyStop(WithFormulas):
 
     formulas = FORMULA_KEYS["stops"]
     between: Ends = BETWEEN
-    gap: Length = key(
-        description="free distance, 0 or negative too; measured from all displacements 0", examples=["1 mm"]
-    )
+    gap: Length = key("free distance, 0 or negative too; measured from all displacements 0", "1 mm")
     acts: Literal["extension", "compression"] = key(
-        description="extension: contact while x_Q - x_P >= gap; compression: while x_P - x_Q >= gap",
-        examples=["compression"],
+        "extension: contact while x_Q - x_P >= gap; compression: while x_P - x_Q >= gap", "compression"
     )
-    law: Literal["elastic", "rigid"] = key(default="elastic", description="law of contact")
-    k: Annotated[Quantity, Measured("stiffness", above="0")] | None = key(
-        default=None, description="stiffness in contact (elastic only)", examples=["1 MN/m"]
+    law: Literal["elastic", "rigid"] = key("law of contact", default="elastic")
+    k: Annotated[Quantity, Measured("stiffness", above="0")] | None = left_out(
+        "stiffness in contact (elastic only)", "1 MN/m"
     )
     c: Damping = optional("0 N s/m", "damping in contact (elastic only)", "20 N s/m")
     release: Literal["gap", "force"] = key(
+        "gap: in contact while the depth g >= 0; force: pushes max(0, k g + c g') while g > 0 (elastic only)",
         default="gap",
-        description="gap: in contact while the depth g >= 0; force: pushes max(0, k g + c g') while g > 0 "
-        "(elastic only)",
     )
-    e: Annotated[Quantity, Measured("number", least="0", most="1")] | None = key(
-        default=None, description="coefficient of restitution (rigid only)", examples=["0.8"]
+    e: Annotated[Quantity, Measured("number", least="0", most="1")] | None = left_out(
+        "coefficient of restitution (rigid only)", "0.8"
     )
-    force: AnyFormula | None = key(
-        default=None,
-        description="formula of the force in contact, in the depth p and its rate pv, in place of k and c",
-        examples=['"K*p**1.5"'],
+    force: AnyFormula | None = left_out(
+        "formula of the force in contact, in the depth p and its rate pv, in place of k and c", '"K*p**1.5"'
     )
 
 
@@ -153,7 +125,7 @@ class DryFriction(WithFormulas):
     formulas = FORMULA_KEYS["friction"]
     between: Ends = BETWEEN
     law: Literal["coulomb", "stribeck hyperbolic", "stribeck exponential"] = key(
-        default="coulomb", description="law of friction"
+        "law of friction", default="coulomb"
     )
     mu: MuOrFormula | None = MU
     static: StaticRatio | None = STATIC
@@ -161,21 +133,17 @@ class DryFriction(WithFormulas):
     mu_d: FrictionCoefficient | None = MU_D
     d: Annotated[Quantity, Measured("inverse velocity", least="0")] | None = D
     v0: Annotated[Quantity, Measured("velocity", above="0")] | None = V0
-    plus: OneWay | None = key(
-        default=None, description="where v_rel > 0; with minus, in place of coefficients for both directions"
+    plus: OneWay | None = left_out(
+        "where v_rel > 0; with minus, in place of coefficients for both directions"
     )
-    minus: OneWay | None = key(
-        default=None, description="where v_rel < 0; with plus, in place of coefficients for both directions"
+    minus: OneWay | None = left_out(
+        "where v_rel < 0; with plus, in place of coefficients for both directions"
     )
-    N: Annotated[Quantity | Formula, Measured("force", least="0", formula=True)] | None = key(
-        default=None,
-        description="normal load, or a formula of it; left out: m g of the first end",
-        examples=["3 N"],
+    N: Annotated[Quantity | Formula, Measured("force", least="0", formula=True)] | None = left_out(
+        "normal load, or a formula of it; left out: m g of the first end", "3 N"
     )
-    g: Annotated[Quantity, Measured("acceleration", above="0")] | None = key(
-        default=None,
-        description="gravity, where N is left out; 9.81 m/s^2 by default",
-        examples=["9.81 m/s^2"],
+    g: Annotated[Quantity, Measured("acceleration", above="0")] | None = left_out(
+        "gravity, where N is left out; 9.81 m/s^2 by default", "9.81 m/s^2"
     )
     belt: Annotated[Quantity | Formula, Measured("velocity", formula=True)] = optional(
         "0 m/s", "velocity of the surface of Q against Q", "0.2 m/s"
@@ -185,8 +153,8 @@ class DryFriction(WithFormulas):
 class ForceTerm(Section):
     """A sin(omega t + phase)."""
 
-    A: Amplitude = key(description="amplitude", examples=["10 N"])
-    omega: PositiveRate = key(description="frequency", examples=["25 Hz"])
+    A: Amplitude = key("amplitude", "10 N")
+    omega: PositiveRate = key("frequency", "25 Hz")
     phase: Angle = optional("0 rad", "phase at t = 0; 90 deg: a cosine", "90 deg")
 
 
@@ -195,27 +163,21 @@ class BodyForce(WithFormulas):
 
     formulas = FORMULA_KEYS["forces"]
     on: str = ON
-    force: AnyFormula | None = key(
-        default=None,
-        description="formula of the force, in place of A, omega, phase, terms and F0",
-        examples=['"A*sin(w*t + r*t**2/2)"'],
+    force: AnyFormula | None = left_out(
+        "formula of the force, in place of A, omega, phase, terms and F0", '"A*sin(w*t + r*t**2/2)"'
     )
-    A: Amplitude | None = key(default=None, description="amplitude", examples=["10 N"])
-    omega: PositiveRate | None = key(default=None, description="frequency", examples=["25 Hz"])
-    phase: Angle | None = key(
-        default=None, description="phase at t = 0, 0 by default; 90 deg: a cosine", examples=["90 deg"]
-    )
-    terms: dict[str, ForceTerm] | None = key(
-        default=None, description="several harmonics, in place of A, omega and phase"
-    )
+    A: Amplitude | None = left_out("amplitude", "10 N")
+    omega: PositiveRate | None = left_out("frequency", "25 Hz")
+    phase: Angle | None = left_out("phase at t = 0, 0 by default; 90 deg: a cosine", "90 deg")
+    terms: dict[str, ForceTerm] | None = left_out("several harmonics, in place of A, omega and phase")
     F0: Force = optional("0 N", "constant part", "-2 N")
 
 
 class BaseTerm(Section):
     """a sin(omega t + phase)."""
 
-    a: Length = key(description="amplitude", examples=["0.1 mm"])
-    omega: PositiveRate = key(description="frequency", examples=["50 Hz"])
+    a: Length = key("amplitude", "0.1 mm")
+    omega: PositiveRate = key("frequency", "50 Hz")
     phase: Angle = optional("0 rad", "phase at t = 0", "90 deg")
 
 
@@ -223,17 +185,14 @@ class BaseMotion(WithFormulas):
     """Displacement of base: sum of a sin(omega t + phase), or a formula."""
 
     formulas = FORMULA_KEYS["base"]
-    x: AnyFormula | None = key(
-        default=None,
-        description="formula of the displacement in t alone, in place of a, omega, phase and terms",
-        examples=['"a*sin(w*t)*min(t/rise, 1)"'],
+    x: AnyFormula | None = left_out(
+        "formula of the displacement in t alone, in place of a, omega, phase and terms",
+        '"a*sin(w*t)*min(t/rise, 1)"',
     )
-    a: Length | None = key(default=None, description="amplitude", examples=["0.1 mm"])
-    omega: PositiveRate | None = key(default=None, description="frequency", examples=["50 Hz"])
-    phase: Angle | None = key(default=None, description="phase at t = 0, 0 by default", examples=["90 deg"])
-    terms: dict[str, BaseTerm] | None = key(
-        default=None, description="several harmonics, in place of a, omega and phase"
-    )
+    a: Length | None = left_out("amplitude", "0.1 mm")
+    omega: PositiveRate | None = left_out("frequency", "50 Hz")
+    phase: Angle | None = left_out("phase at t = 0, 0 by default", "90 deg")
+    terms: dict[str, BaseTerm] | None = left_out("several harmonics, in place of a, omega and phase")
 
 
 class BodyMotor(WithFormulas):
@@ -241,21 +200,19 @@ class BodyMotor(WithFormulas):
 
     formulas = FORMULA_KEYS["motor"]
     on: str = ON
-    m3: Mass = key(description="unbalanced mass", examples=["0.03 kg"])
-    e: Eccentricity = key(description="eccentricity; negative: mirrored", examples=["0.11 m"])
+    m3: Mass = key("unbalanced mass", "0.03 kg")
+    e: Eccentricity = key("eccentricity; negative: mirrored", "0.11 m")
     J: Annotated[Quantity, Measured("inertia", least="0")] = key(
-        description="moment of inertia of the rotor without m3", examples=["0.001 kg m^2"]
+        "moment of inertia of the rotor without m3", "0.001 kg m^2"
     )
     M0: Annotated[Quantity | Formula, Measured("torque", least="0", formula=True)] = key(
-        description="torque at standstill, or a formula of it", examples=["0.005 N m"]
+        "torque at standstill, or a formula of it", "0.005 N m"
     )
     Omega0: Annotated[Quantity | Formula, Measured("angular rate", above="0", formula=True)] = key(
-        description="speed at which the torque vanishes, or a formula of it", examples=["5.5 Hz"]
+        "speed at which the torque vanishes, or a formula of it", "5.5 Hz"
     )
-    torque: AnyFormula | None = key(
-        default=None,
-        description="formula of the torque on the rotor, in phi and w, in place of M0 and Omega0",
-        examples=['"M0*(1 - w/Omega0)"'],
+    torque: AnyFormula | None = left_out(
+        "formula of the torque on the rotor, in phi and w, in place of M0 and Omega0", '"M0*(1 - w/Omega0)"'
     )
 
 
@@ -269,19 +226,17 @@ class RotorKeys(WithFormulas):
     J: Annotated[Quantity, Measured("inertia", least="0")] = optional(
         "0 kg m^2", "moment of inertia of the rotor without m", "0.001 kg m^2"
     )
-    torque: AnyFormula | None = key(
-        default=None,
-        description="formula of the torque on the rotor, in phi and w; without it and M0 there is none",
-        examples=['"-m*g*e*cos(phi)"'],
+    torque: AnyFormula | None = left_out(
+        "formula of the torque on the rotor, in phi and w; without it and M0 there is none",
+        '"-m*g*e*cos(phi)"',
     )
-    M0: Annotated[Quantity | Formula, Measured("torque", formula=True)] | None = key(
-        default=None, description="torque at standstill, or a formula of it", examples=["0.005 N m"]
+    M0: Annotated[Quantity | Formula, Measured("torque", formula=True)] | None = left_out(
+        "torque at standstill, or a formula of it", "0.005 N m"
     )
-    Omega0: Annotated[Quantity | Formula, Measured("angular rate", formula=True)] | None = key(
-        default=None,
-        description="speed at which the torque M0 (1 - w / Omega0) vanishes, or a formula of it; of a motor "
+    Omega0: Annotated[Quantity | Formula, Measured("angular rate", formula=True)] | None = left_out(
+        "speed at which the torque M0 (1 - w / Omega0) vanishes, or a formula of it; of a motor "
         "that turns backwards below 0, as M0",
-        examples=["5.5 Hz"],
+        "5.5 Hz",
     )
 
 
@@ -289,18 +244,18 @@ class StateKeys(WithFormulas):
     """A further state of first order, such as a current: its name stands for it in formulas."""
 
     formulas = FORMULA_KEYS["states"]
-    rate: AnyFormula = key(description="formula of its rate", examples=['"(U - R*i)/L"'])
+    rate: AnyFormula = key("formula of its rate", '"(U - R*i)/L"')
     start: AnyQuantity = optional("0", "value at t = 0, with the unit of the state", "0 A")
 
 
 class StartState(Section):
     """State of a body or a rotor, of that of the motor under the name motor, at t = 0; 0 unless given."""
 
-    x: Length | None = key(default=None, description="displacement of a body", examples=["1 mm"])
-    v: Velocity | None = key(default=None, description="velocity of a body", examples=["0 m/s"])
-    phi: Angle | None = key(default=None, description="angle of a rotor", examples=["90 deg"])
-    phidot: Rate | None = key(default=None, description="rotor speed (motor only)", examples=["0 Hz"])
-    w: Rate | None = key(default=None, description="speed of a rotor (not of motor)", examples=["0 Hz"])
+    x: Length | None = left_out("displacement of a body", "1 mm")
+    v: Velocity | None = left_out("velocity of a body", "0 m/s")
+    phi: Angle | None = left_out("angle of a rotor", "90 deg")
+    phidot: Rate | None = left_out("rotor speed (motor only)", "0 Hz")
+    w: Rate | None = left_out("speed of a rotor (not of motor)", "0 Hz")
 
 
 class ClearanceKeys(Section):
@@ -308,7 +263,7 @@ class ClearanceKeys(Section):
 
     between: Ends = BETWEEN
     distance: Annotated[Quantity, Measured("length", above="0")] = key(
-        description="distance of the ends at rest", examples=["80 mm"]
+        "distance of the ends at rest", "80 mm"
     )
 
 
@@ -321,7 +276,7 @@ class PartsRun(RunKeys):
         " else ends a step (stops, friction, clearances, states), else 20",
     )
     on_violation: Literal["warn", "stop"] = key(
-        default="warn", description="of a clearance: count and warn, or end the run"
+        "of a clearance: count and warn, or end the run", default="warn"
     )
 
 
@@ -329,23 +284,22 @@ class PartsFile(CaseHead):
     """A scene of bodies on a line, made of named parts, and one run of it."""
 
     parameters: dict[str, AnyQuantity] = key(
-        default={}, description="numbers that formulas read, by name", examples=["{g: 9.81 m/s^2}"]
+        "numbers that formulas read, by name", "{g: 9.81 m/s^2}", default={}
     )
-    bodies: dict[str, Mass] = key(description="name and mass of each body", examples=["{ram: 2 kg}"])
-    links: dict[str, LinkKeys] = key(default={}, description="springs and dampers, by name")
-    stops: dict[str, AnyStop] = key(default={}, description="stops, by name")
-    friction: dict[str, DryFriction] = key(default={}, description="dry frictions, by name")
-    forces: dict[str, BodyForce] = key(default={}, description="forces on bodies, by name")
-    states: dict[str, StateKeys] = key(default={}, description="further states of first order, by name")
-    rotors: dict[str, RotorKeys] = key(default={}, description="unbalanced rotors on bodies, by name")
-    base: BaseMotion | None = key(default=None, description="motion of base; left out: there is none")
-    motor: BodyMotor | None = key(default=None, description="the motor; left out: there is none")
+    bodies: dict[str, Mass] = key("name and mass of each body", "{ram: 2 kg}")
+    links: dict[str, LinkKeys] = key("springs and dampers, by name", default={})
+    stops: dict[str, AnyStop] = key("stops, by name", default={})
+    friction: dict[str, DryFriction] = key("dry frictions, by name", default={})
+    forces: dict[str, BodyForce] = key("forces on bodies, by name", default={})
+    states: dict[str, StateKeys] = key("further states of first order, by name", default={})
+    rotors: dict[str, RotorKeys] = key("unbalanced rotors on bodies, by name", default={})
+    base: BaseMotion | None = left_out("motion of base; left out: there is none")
+    motor: BodyMotor | None = left_out("the motor; left out: there is none")
     initial: dict[str, StartState] = key(
-        default={},
-        description="state at t = 0 by body and rotor, of that of the motor as motor; left out: at rest",
+        "state at t = 0 by body and rotor, of that of the motor as motor; left out: at rest", default={}
     )
-    clearances: dict[str, ClearanceKeys] = key(default={}, description="limits that are watched, by name")
-    run: PartsRun = key(default={}, description="left out: 300 s, every 5 ms")
+    clearances: dict[str, ClearanceKeys] = key("limits that are watched, by name", default={})
+    run: PartsRun = key("left out: 300 s, every 5 ms", default={})
 
 
 # The long form of a torsional scene: bodies turn, x is an angle [rad], forces are torques [N m]. Its sections

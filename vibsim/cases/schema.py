@@ -100,9 +100,14 @@ class Key:
         return dict(sorted(schema.items()))
 
 
-def key(description: str = "", default: Any = REQUIRED, examples: list[str] | None = None) -> Any:
-    """Description of a key beside its annotation in a class."""
-    return Key(None, default, description, examples or [])
+def key(description: str = "", *examples: str, default: Any = REQUIRED) -> Any:
+    """Description of a key beside its annotation in a class, and examples of values as in a file."""
+    return Key(None, default, description, [*examples])
+
+
+def left_out(description: str, *examples: str) -> Any:
+    """A key that may be left out, without a default."""
+    return key(description, *examples, default=None)
 
 
 class Section:
@@ -274,23 +279,21 @@ Eccentricity = Annotated[Quantity, Measured("length", nonzero=True)]
 
 def optional(default: str, description: str, *examples: str) -> Any:
     """A key with a default, written and checked as in a file; the default is an example too."""
-    return key(description, default, [*examples] or [default])
+    return key(description, *(examples or [default]), default=default)
 
 
 class Blocks(Section):
     """The two blocks."""
 
-    m1: Mass = key(description="mass of block 1, the excited one", examples=["0.297 kg"])
-    m2: MassOrFixed = key(
-        description="mass of block 2, which rubs on the surface; fixed: a wall", examples=["2.94 kg", "fixed"]
-    )
+    m1: Mass = key("mass of block 1, the excited one", "0.297 kg")
+    m2: MassOrFixed = key("mass of block 2, which rubs on the surface; fixed: a wall", "2.94 kg", "fixed")
 
 
 class CouplingKeys(Section):
     """Spring and damper between the blocks, Eqs. (2.4) and (2.6)."""
 
     k1: Annotated[Quantity, Measured("stiffness", least="0")] = key(
-        description="stiffness of the coupling spring", examples=["200 N/m"]
+        "stiffness of the coupling spring", "200 N/m"
     )
     c: Annotated[Quantity, Measured("damping", least="0")] = optional(
         "0 N s/m", "coefficient of the damper", "0.001 N s/m"
@@ -301,12 +304,12 @@ class StopKeys(Section):
     """The impact spring, Eq. (2.5); it acts only while the blocks are in contact."""
 
     k2: Annotated[Quantity, Measured("stiffness", above="0")] = key(
-        description="stiffness of the impact spring", examples=["12400 N/m"]
+        "stiffness of the impact spring", "12400 N/m"
     )
-    G: Length = key(description="gap; negative: the stop is preloaded", examples=["1 mm"])
+    G: Length = key("gap; negative: the stop is preloaded", "1 mm")
     acts: Literal["extension", "compression"] = key(
+        "extension: contact while x2 - x1 >= G (the paper); compression: while x1 - x2 >= G",
         default="extension",
-        description="extension: contact while x2 - x1 >= G (the paper); compression: while x1 - x2 >= G",
     )
 
 
@@ -314,7 +317,7 @@ class FrictionKeys(Section):
     """Coulomb friction between block 2 and the surface, Eq. (2.7)."""
 
     mu: Annotated[Quantity, Measured("number", least="0")] = key(
-        description="friction coefficient; 0: no friction", examples=["0.001"]
+        "friction coefficient; 0: no friction", "0.001"
     )
     g: Annotated[Quantity, Measured("acceleration", above="0")] = optional("9.81 m/s^2", "gravity")
 
@@ -322,9 +325,9 @@ class FrictionKeys(Section):
 class AmplitudeRule(Section):
     """The amplitude that an unbalanced mass of the same speed would give, Eq. (2.11)."""
 
-    rule: Literal["m3 e omega^2"] = key(description="A = m3 e omega^2; follows omega when that is swept")
-    m3: Mass = key(description="unbalanced mass", examples=["0.03 kg"])
-    e: Eccentricity = key(description="eccentricity", examples=["0.11 m"])
+    rule: Literal["m3 e omega^2"] = key("A = m3 e omega^2; follows omega when that is swept")
+    m3: Mass = key("unbalanced mass", "0.03 kg")
+    e: Eccentricity = key("eccentricity", "0.11 m")
 
 
 def _amplitude_tag(amplitude: object) -> str:
@@ -344,8 +347,8 @@ class HarmonicKeys(Section):
     """Ideal source: the force A sin(omega t) + F0 on block 1, Eqs. (2.1) to (2.3)."""
 
     kind: Literal["harmonic"]
-    A: Amplitude = key(description="amplitude of the force", examples=["0.0725 N"])
-    omega: PositiveRate = key(description="excitation frequency", examples=["3.5 Hz", "22 rad/s", "210 rpm"])
+    A: Amplitude = key("amplitude of the force", "0.0725 N")
+    omega: PositiveRate = key("excitation frequency", "3.5 Hz", "22 rad/s", "210 rpm")
     F0: Force = optional("0 N", "constant part of the force")
 
 
@@ -354,16 +357,16 @@ class MotorKeys(WithFormulas):
 
     formulas = FORMULA_KEYS["excitation"]
     kind: Literal["motor"]
-    m3: Mass = key(description="unbalanced mass", examples=["0.03 kg"])
-    e: Eccentricity = key(description="eccentricity; negative: mirrored", examples=["0.11 m"])
+    m3: Mass = key("unbalanced mass", "0.03 kg")
+    e: Eccentricity = key("eccentricity; negative: mirrored", "0.11 m")
     J: Annotated[Quantity, Measured("inertia", least="0")] = key(
-        description="moment of inertia of the rotor without m3", examples=["0.001 kg m^2"]
+        "moment of inertia of the rotor without m3", "0.001 kg m^2"
     )
     M0: Annotated[Quantity | Formula, Measured("torque", least="0", formula=True)] = key(
-        description="torque of the motor at standstill, or a formula of it", examples=["0.005 N m"]
+        "torque of the motor at standstill, or a formula of it", "0.005 N m"
     )
     Omega0: Annotated[Quantity | Formula, Measured("angular rate", above="0", formula=True)] = key(
-        description="speed at which the torque vanishes, or a formula of it", examples=["5.5 Hz", "330 rpm"]
+        "speed at which the torque vanishes, or a formula of it", "5.5 Hz", "330 rpm"
     )
 
 
@@ -400,10 +403,8 @@ class Initial(Section):
 class RestDistance(Section):
     """Distance of the blocks at rest; the model stops being valid when x1 - x2 exceeds it."""
 
-    value: Annotated[Quantity, Measured("length", above="0")] = key(
-        description="distance of the blocks at rest", examples=["80 mm"]
-    )
-    on_violation: Literal["warn", "stop"] = key(default="warn", description="count and warn, or end the run")
+    value: Annotated[Quantity, Measured("length", above="0")] = key("distance of the blocks at rest", "80 mm")
+    on_violation: Literal["warn", "stop"] = key("count and warn, or end the run", default="warn")
 
 
 USUAL_ORDER = 20  # of Taylor series
@@ -415,13 +416,11 @@ class RunKeys(Section):
     t_end: Duration = optional("300 s", "end of the run")
     every: Duration = optional("5 ms", "output interval; never changes the trajectory", "5 ms", "1/60 s")
     method: Literal["auto", "closed_form", "taylor"] = key(
-        default="auto",
-        description="auto: the closed form in modes that have one (none with a motor or falling friction), "
+        "auto: the closed form in modes that have one (none with a motor or falling friction), "
         "else Taylor series; closed_form: the same, but refused with a motor; taylor: series in every mode",
+        default="auto",
     )
-    order: Annotated[int, WholeNumber(4, 40)] = key(
-        default=USUAL_ORDER, description="order of the Taylor series"
-    )
+    order: Annotated[int, WholeNumber(4, 40)] = key("order of the Taylor series", default=USUAL_ORDER)
     tol: Annotated[Quantity, Measured("number", least="1e-30", most="1e-3")] = optional(
         "1.1102230246251565e-16",
         "relative tolerance of the Taylor series; 2^-53 by default, and less helps only beyond doubles",
@@ -434,26 +433,22 @@ class RunKeys(Section):
 class CaseHead(Section):
     """Head of every case file: the file that it extends, its name and its title."""
 
-    extends: str | None = key(
-        default=None, description="another case file, or a shipped case, that this one starts from"
-    )
-    name: Annotated[str, TextKind(80, NAME_PATTERN, NAMES)] = key(
-        default="case", description="default: the file's name"
-    )
-    title: Annotated[str, TextKind(300)] = key(default="", description="one line on what the case shows")
+    extends: str | None = left_out("another case file, or a shipped case, that this one starts from")
+    name: Annotated[str, TextKind(80, NAME_PATTERN, NAMES)] = key("default: the file's name", default="case")
+    title: Annotated[str, TextKind(300)] = key("one line on what the case shows", default="")
 
 
 class CaseFile(CaseHead):
     """A vibro-impact system of the paper's two blocks and one run of it: the short form of a case."""
 
     parameters: dict[str, AnyQuantity] = key(
-        default={}, description="numbers that formulas read, by name", examples=["{g: 9.81 m/s^2}"]
+        "numbers that formulas read, by name", "{g: 9.81 m/s^2}", default={}
     )
     blocks: Blocks
     coupling: CouplingKeys
-    stop: StopKeys | None = key(default=None, description="left out or none: no stop")
-    friction: FrictionKeys | None = key(default=None, description="left out or none: no friction")
-    excitation: Excitation = key(default={"kind": "none"}, description="left out or none: no excitation")
-    initial: Initial = key(default={}, description="left out: at rest")
-    rest_distance: RestDistance | None = key(default=None, description="left out or none: not watched")
-    run: RunKeys = key(default={}, description="left out: 300 s, every 5 ms")
+    stop: StopKeys | None = left_out("left out or none: no stop")
+    friction: FrictionKeys | None = left_out("left out or none: no friction")
+    excitation: Excitation = key("left out or none: no excitation", default={"kind": "none"})
+    initial: Initial = key("left out: at rest", default={})
+    rest_distance: RestDistance | None = left_out("left out or none: not watched")
+    run: RunKeys = key("left out: 300 s, every 5 ms", default={})

@@ -286,6 +286,14 @@ stored_force_option = click.option(
 )
 
 
+def count_option(
+    name: str, words: str, default: int | None = None, least: int = 0, metavar: str = "N"
+) -> Decorator:
+    """An option that takes a whole number, no less than `least`; words : its help, behind it a default."""
+    kind, shown = click.IntRange(min=least), default is not None
+    return click.option(name, type=kind, default=default, metavar=metavar, show_default=shown, help=words)
+
+
 def jobs_option(what: str) -> Decorator:
     """-j; what : what is computed at a time, "Runs" or "Points"."""
     return click.option(

@@ -15,6 +15,7 @@ from vibsim.command_line.options import (
     CASE,
     PairType,
     Settings,
+    count_option,
     engine_option,
     examples,
     output_option,
@@ -79,10 +80,7 @@ SPAN = PairType("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
 @click.option("--energy", metavar="FROM:TO", help="Energies of a conservative orbit [J]: its backbone curve.")
 @click.option("--switch", metavar="LABEL", help="Follow what leaves the branch ORBIT there: PD1, BP1, ...")
 @click.option("--locus", metavar="LABEL", help="Follow NS1, F1, PD1, GR1, ST1 of a branch in --param too.")
-@click.option(
-    "--max-points", type=click.IntRange(min=2), metavar="N",
-    help="Points, on both sides together. [default: 5000; 2000 of a locus]",
-)  # fmt: skip
+@count_option("--max-points", "Points, on both sides together. [default: 5000; 2000 of a locus]", least=2)
 @set_option
 @engine_option
 @output_option("CASE-KEY-branch.h5")

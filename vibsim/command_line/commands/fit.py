@@ -12,6 +12,7 @@ from vibsim.command_line.options import (
     OneOf,
     PairType,
     Settings,
+    count_option,
     engine_option,
     every_end_option,
     examples,
@@ -67,39 +68,28 @@ FREE = PairType("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
 @click.option(
     "--try", "readings", metavar="KEY=VALUE,...", multiple=True, help="Values to judge as well; repeatable."
 )
-@click.option(
-    "--ensemble", type=click.IntRange(min=0), default=8, metavar="N", show_default=True,
-    help="Starts that are drawn, besides each case's own.",
-)  # fmt: skip
+@count_option("--ensemble", "Starts that are drawn, besides each case's own.", default=8)
 @spread_option("the starts")
 @click.option(
     "--method", type=OneOf(["quasi-random", "evolution"]), default="quasi-random", show_default=True,
     help="Sobol points, or differential evolution.",
 )  # fmt: skip
-@click.option(
-    "--candidates", type=click.IntRange(min=0), default=256, metavar="N", show_default=True,
-    help="How many are tried.",
-)  # fmt: skip
-@click.option(
-    "--at-most", type=click.IntRange(min=1), metavar="K",
-    help="Change so many at a time, in every combination. [default: all together]",
-)  # fmt: skip
-@click.option(
-    "--screen", type=click.IntRange(min=1), default=2, metavar="N", show_default=True,
-    help="Starts that quasi-random candidates are judged from first; the best quarter is from all.",
-)  # fmt: skip
-@click.option(
-    "--confirm", type=click.IntRange(min=0), default=3, metavar="K", show_default=True,
-    help="Judge so many of the best again, from fresh starts.",
-)  # fmt: skip
-@click.option(
-    "--fresh", type=click.IntRange(min=0), default=24, metavar="N", show_default=True,
-    help="Number of the fresh starts.",
-)  # fmt: skip
-@click.option(
-    "--seed", type=click.IntRange(min=0), default=0, metavar="S", show_default=True,
-    help="Seed of all random draws.",
-)  # fmt: skip
+@count_option("--candidates", "How many are tried.", default=256)
+@count_option(
+    "--at-most",
+    "Change so many at a time, in every combination. [default: all together]",
+    least=1,
+    metavar="K",
+)
+@count_option(
+    "--screen",
+    "Starts that quasi-random candidates are judged from first; the best quarter is from all.",
+    default=2,
+    least=1,
+)
+@count_option("--confirm", "Judge so many of the best again, from fresh starts.", default=3, metavar="K")
+@count_option("--fresh", "Number of the fresh starts.", default=24)
+@count_option("--seed", "Seed of all random draws.", default=0, metavar="S")
 @click.option("--list", "list_words", is_flag=True, help="List what a statement can be about, and stop.")
 @set_option
 @every_end_option

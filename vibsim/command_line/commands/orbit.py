@@ -18,6 +18,7 @@ from vibsim.command_line.options import (
     FILE,
     OrbitDigitCount,
     Settings,
+    count_option,
     engine_option,
     examples,
     set_option,
@@ -61,17 +62,11 @@ from vibsim.signals import Interruption, interrupted_with
     is_flag=True,
     help="Look near the initial state of the case, not where its run leads.",
 )
-@click.option(
-    "--period", type=click.IntRange(min=1), metavar="N",
-    help="Periods of the source, or turns of the motor. [default: as the run repeats itself]",
-)  # fmt: skip
-@click.option(
-    "--search",
-    type=click.IntRange(min=1),
-    metavar="K",
-    help="Look from K random starts, and list all orbits.",
+@count_option(
+    "--period", "Periods of the source, or turns of the motor. [default: as the run repeats itself]", least=1
 )
-@click.option("--seed", type=click.IntRange(min=0), metavar="S", help="Of the random starts. [default: 0]")
+@count_option("--search", "Look from K random starts, and list all orbits.", least=1, metavar="K")
+@count_option("--seed", "Of the random starts. [default: 0]", metavar="S")
 @click.option(
     "--digits", type=OrbitDigitCount(), metavar="D", help="Refine orbit and multipliers to so many digits."
 )

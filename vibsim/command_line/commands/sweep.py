@@ -15,6 +15,7 @@ from vibsim.command_line.options import (
     KEY_RANGE,
     OneOf,
     Settings,
+    count_option,
     engine_option,
     every_end_option,
     examples,
@@ -74,14 +75,12 @@ DEFAULT_CASE = "II-B"
     type=KEY_RANGE,
     help="Any number; repeat for a grid. KEY=KEY=RANGE gives several keys the same values.",
 )
-@click.option(
-    "--ensemble", type=click.IntRange(min=1), metavar="N",
-    help="Run N members at every point, each with other start values.",
-)  # fmt: skip
-@click.option(
-    "--seed", type=click.IntRange(min=0), metavar="S",
-    help="Seed of the members' draws; member 7 is the same in an ensemble of any size. [default: 0]",
-)  # fmt: skip
+@count_option("--ensemble", "Run N members at every point, each with other start values.", least=1)
+@count_option(
+    "--seed",
+    "Seed of the members' draws; member 7 is the same in an ensemble of any size. [default: 0]",
+    metavar="S",
+)
 @spread_option("the ensemble")
 @click.option(
     "--direction", type=OneOf(["up", "down", "both"]),
@@ -95,10 +94,7 @@ DEFAULT_CASE = "II-B"
     "--discard", default="50%", metavar="TIME|SHARE", help="Transient left out, such as 100s or 0.5.",
     show_default=True,
 )  # fmt: skip
-@click.option(
-    "--section", type=click.IntRange(min=0), default=100, metavar="N", show_default=True,
-    help="Stroboscopic points kept per point.",
-)  # fmt: skip
+@count_option("--section", "Stroboscopic points kept per point.", default=100)
 @click.option(
     "--compute", "computed", metavar="NAME,...", default="",
     help="What to compute of each point besides: power, impact-velocity, contact-section, grazing, "
