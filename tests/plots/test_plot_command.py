@@ -88,7 +88,7 @@ def test_matplotlib_is_imported_only_to_draw():
 
 
 def test_completion():
-    from vibsim.command_line.commands.plot import KindNames
+    from vibsim.command_line.commands.plot import KIND_NAMES
 
-    items = KindNames().shell_complete(None, None, "phase,mot")
+    items = KIND_NAMES.shell_complete(None, None, "phase,mot")
     assert [item.value for item in items] == ["phase,motor-speed", "phase,motor"]

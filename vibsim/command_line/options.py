@@ -58,6 +58,37 @@ class CheckName(click.ParamType):
         return [CompletionItem(name) for name in spellings(all_checks()) if name.startswith(incomplete)]
 
 
+class NameList(click.ParamType):
+    """Names separated by commas, as a tuple, each completed by itself.
+
+    allowed : the names there are; check : takes the names and the text, and raises ValueError for others
+    """
+
+    def __init__(
+        self, name: str, allowed: Sequence[str], check: Callable[[Sequence[str], str], object] | None = None
+    ) -> None:
+        self.name, self.allowed, self.check = name, allowed, check
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, ...]:
+        if isinstance(value, tuple):
+            return value
+        names = tuple(name.strip() for name in value.split(",") if name.strip())
+        try:
+            if self.check is not None:
+                self.check(names, value)
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+        return names
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        done, comma, begun = incomplete.rpartition(",")
+        return [CompletionItem(done + comma + name) for name in self.allowed if name.startswith(begun)]
+
+
 class PairType(click.ParamType):
     """KEY=TEXT, as a pair.
 

@@ -16,6 +16,7 @@ import click
 
 if TYPE_CHECKING:
     from vibsim.cases.problems import Problem
+    from vibsim.command_line.options import Settings
 
 
 # A bar of how far the work is, on stderr where that is a terminal.
@@ -213,6 +214,15 @@ def print_json(value: Any, indent: int | None = None) -> None:
 
     text = json.dumps(plain(value), allow_nan=False, ensure_ascii=False, indent=indent)
     click.echo(_UNSAFE_IN_JSON.sub(_escaped, text))
+
+
+def print_written(settings: Settings, paths: Sequence[str]) -> None:
+    """Print the paths of files that a command has written."""
+    if settings.json:
+        print_json({"written": paths})
+    elif not settings.quiet:
+        for path in paths:
+            say(path)
 
 
 def _escaped(match: re.Match[str]) -> str:

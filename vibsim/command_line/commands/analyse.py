@@ -1,11 +1,10 @@
 """vibsim analyse: verdicts on runs."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from typing import Any, TypeVar
 
 import click
-from click.shell_completion import CompletionItem
 
 from vibsim.analysis import Analysis, Capture, DominantFrequencies, Drift, ImpactsPerCycle, Regime, analyse
 from vibsim.analysis.cycles import parse_discard
@@ -13,7 +12,7 @@ from vibsim.analysis.drift import RateSpread
 from vibsim.cases.problems import nearest
 from vibsim.cases.quantities import number
 from vibsim.command_line.commands.run import read_case
-from vibsim.command_line.options import CASE, WINDOW, Settings, examples, set_option
+from vibsim.command_line.options import CASE, WINDOW, NameList, Settings, examples, set_option
 from vibsim.command_line.terminal import print_json, say, style
 from vibsim.command_line.text import heading, metres, multiplier_text, print_lines, trust_text
 from vibsim.results import Result, ResultFileError, kind_of, names_a_result, simulate
@@ -23,32 +22,13 @@ from vibsim.results.simulation import open_result
 VERDICTS = ("capture", "drift", "impacts", "regime", "frequencies")
 
 
-class Verdicts(click.ParamType):
-    """Names of verdicts, separated by commas."""
-
-    name = "verdicts"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[str, ...]:
-        if isinstance(value, tuple):
-            return value
-        names = tuple(name.strip() for name in value.split(",") if name.strip())
-        for name in names or (value,):
-            if name not in VERDICTS:
-                self.fail(f"{name!r}{_hint(name)}", param, ctx)
-        return names
-
-    def shell_complete(
-        self, ctx: click.Context, param: click.Parameter, incomplete: str
-    ) -> list[CompletionItem]:
-        done, comma, begun = incomplete.rpartition(",")
-        return [CompletionItem(done + comma + name) for name in VERDICTS if name.startswith(begun)]
-
-
-def _hint(name: str) -> str:
-    near = nearest(name, VERDICTS)
-    return f": did you mean {near}?" if near else f"; allowed: {', '.join(VERDICTS)}"
+def _check_verdicts(names: Sequence[str], text: str) -> None:
+    """Raises ValueError for the first that is no verdict."""
+    for name in names or (text,):
+        if name not in VERDICTS:
+            near = nearest(name, VERDICTS)
+            hint = f": did you mean {near}?" if near else f"; allowed: {', '.join(VERDICTS)}"
+            raise ValueError(f"{name!r}{hint}")
 
 
 @click.command(
@@ -67,7 +47,7 @@ def _hint(name: str) -> str:
 @click.argument("sources", metavar="FILE...", nargs=-1, required=True, type=CASE)
 @click.option(
     "--what",
-    type=Verdicts(),
+    type=NameList("verdicts", VERDICTS, _check_verdicts),
     default=",".join(VERDICTS),
     metavar="NAME[,NAME..]",
     help=f"What to judge: {', '.join(VERDICTS)}. [default: all]",

@@ -6,15 +6,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 from math import isfinite
 from pathlib import Path
-from typing import Any
 
 import click
-from click.shell_completion import CompletionItem
 
 from vibsim.cases.quantities import number
 from vibsim.command_line.commands.run import check_digits, check_picture, hdf5_name, read_case
 from vibsim.command_line.main import told
-from vibsim.command_line.options import CASE, FILE, FiniteRange, Settings, examples, set_option
+from vibsim.command_line.options import CASE, FILE, FiniteRange, NameList, Settings, examples, set_option
 from vibsim.command_line.terminal import Progress, print_json, say, style
 from vibsim.command_line.text import heading, print_lines, seconds, size
 from vibsim.evidence.benchmark.bench_result import (
@@ -48,25 +46,7 @@ DEFAULT_CASE = "II-B"
 LIMIT = 20.0
 
 
-class Methods(click.ParamType):
-    """Names of families of methods, separated by commas."""
-
-    name = "methods"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[str]:
-        names = [name.strip() for name in value.split(",") if name.strip()]
-        try:
-            families_named(names)
-        except BenchError as error:
-            self.fail(str(error), param, ctx)
-        return names
-
-    def shell_complete(
-        self, ctx: click.Context, param: click.Parameter, incomplete: str
-    ) -> list[CompletionItem]:
-        done, comma, begun = incomplete.rpartition(",")
-        names = [family.name for family in FAMILIES if family.name.startswith(begun)]
-        return [CompletionItem(done + comma + name) for name in names]
+METHODS = NameList("methods", [family.name for family in FAMILIES], lambda names, _: families_named(names))
 
 
 @click.command(
@@ -86,7 +66,7 @@ class Methods(click.ParamType):
 @set_option
 @click.option("--t-end", metavar="TIME", help="End of the span. [default: that of the case, at most 100 s]")
 @click.option(
-    "--methods", type=Methods(), default="", metavar="NAME[,NAME..]",
+    "--methods", type=METHODS, default="", metavar="NAME[,NAME..]",
     help="Who takes part: closed-form, taylor, orders, python, heyoka, dop853, lsoda, radau, rk45, tanh, "
     "rk4. [default: all]",
 )  # fmt: skip

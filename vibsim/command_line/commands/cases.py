@@ -11,7 +11,7 @@ import click
 from vibsim.cases.problems import one_line
 from vibsim.cases.quantities import number
 from vibsim.command_line.options import CASE, FILE, Settings, examples
-from vibsim.command_line.terminal import print_json, say
+from vibsim.command_line.terminal import print_json, print_written, say
 from vibsim.command_line.text import print_columns
 
 if TYPE_CHECKING:
@@ -93,11 +93,7 @@ def _draw(settings: Settings, cases: dict[str, Case], output: str | None, force:
     written = [
         draw_machine_file(case, name, force) for case, name in zip(cases.values(), targets, strict=True)
     ]
-    if settings.json:
-        print_json({"written": written})
-    elif not settings.quiet:
-        for path in written:
-            say(path)
+    print_written(settings, written)
 
 
 def _described(case: Case) -> dict[str, Any]:

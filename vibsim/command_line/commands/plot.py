@@ -6,28 +6,13 @@ from dataclasses import asdict
 from typing import Any
 
 import click
-from click.shell_completion import CompletionItem
 
-from vibsim.command_line.options import FiniteRange, OneOf, Settings, examples
-from vibsim.command_line.terminal import in_shell, print_json, say
+from vibsim.command_line.options import FiniteRange, NameList, OneOf, Settings, examples
+from vibsim.command_line.terminal import in_shell, print_json, print_written, say
 from vibsim.plots.registry import ALIASES, KINDS, NEEDS, also_called, fitting
 from vibsim.plots.subject import WIDTHS_CM, PlotError, Span, View, open_subjects, parse_size, parse_span
 
-
-class KindNames(click.ParamType):
-    """Kinds, separated by commas, with shell completion."""
-
-    name = "kinds"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[str]:
-        return [name.strip() for name in value.split(",") if name.strip()]
-
-    def shell_complete(
-        self, ctx: click.Context, param: click.Parameter, incomplete: str
-    ) -> list[CompletionItem]:
-        done, comma, begun = incomplete.rpartition(",")
-        names = [*(kind.name for kind in KINDS), *ALIASES, "all"]
-        return [CompletionItem(done + comma + name) for name in names if name.startswith(begun)]
+KIND_NAMES = NameList("kinds", [*(kind.name for kind in KINDS), *ALIASES, "all"])
 
 
 class SpanOfTime(click.ParamType):
@@ -76,7 +61,7 @@ EXAMPLES = examples(
 @click.command(epilog=EXAMPLES)
 @click.argument("files", metavar="FILE...", nargs=-1)
 @click.option(
-    "--kind", "kinds", type=KindNames(), metavar="KIND[,KIND..]|all", help="What to draw (see --list)."
+    "--kind", "kinds", type=KIND_NAMES, metavar="KIND[,KIND..]|all", help="What to draw (see --list)."
 )
 @click.option(
     "--window",
@@ -111,7 +96,7 @@ EXAMPLES = examples(
 def command(
     ctx: click.Context,
     files: tuple[str, ...],
-    kinds: list[str] | None,
+    kinds: tuple[str, ...] | None,
     window: Span | None,
     detail: Span | None,
     out: str | None,
@@ -141,7 +126,7 @@ def command(
         raise click.UsageError("--size and --width say the same; choose one")
     view = View(window, detail, width, size, x, y, poincare=poincare)
     style = True if sheet is None else False if sheet == "none" else sheet
-    _report(ctx.obj, draw_files(files, kinds, view, out, force, style, font_size))
+    print_written(ctx.obj, draw_files(files, kinds, view, out, force, style, font_size))
 
 
 def _list(settings: Settings, files: tuple[str, ...]) -> None:
@@ -157,11 +142,3 @@ def _list(settings: Settings, files: tuple[str, ...]) -> None:
         others = also_called(kind)
         also = f" (also: {', '.join(others)})" if others else ""
         say(in_shell(f"{kind.name:{longest}}  {kind.summary}{needs}{also}"))
-
-
-def _report(settings: Settings, written: list[str]) -> None:
-    if settings.json:
-        print_json({"written": written})
-    elif not settings.quiet:
-        for path in written:
-            say(path)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import pairwise, product
 from statistics import median
 from typing import Any
 
@@ -368,6 +368,11 @@ def in_reading(numbers: Numbers, name: str) -> str:
 
 
 # Numbers as the report writes them.
+
+
+def grows(values: Iterable[float]) -> bool:
+    """Whether each value is greater than the one before it."""
+    return all(below < above for below, above in pairwise(values))
 
 
 def hz(value: float | None) -> str:

@@ -21,6 +21,7 @@ from vibsim.evidence.reports.claims import (
     Numbers,
     count_of,
     drift_rate,
+    grows,
     holds,
     in_reading,
     magnitudes,
@@ -105,7 +106,7 @@ def drift_claims() -> list[Claim]:
 def drift_grows(numbers: Numbers) -> Finding:
     """By the overall rate; and by the drift rate of the second half, as printed and with equal forces."""
     runs = numbers["runs"]
-    printed, equal = (_ends_grow(numbers, names) for names in (PRINTED, EQUAL_FORCE))
+    printed, equal = (grows(abs(runs[name]["overall"]) for name in names) for names in (PRINTED, EQUAL_FORCE))
     late = {names: _grows(numbers, names) for names in (PRINTED, EQUAL_FORCE)}
     lines = [_ends(numbers, names) for names in (PRINTED, EQUAL_FORCE)]
     lines += [f"second half: {_rates(numbers, names)}" for names in (PRINTED, EQUAL_FORCE)]
@@ -119,7 +120,7 @@ def drift_grows(numbers: Numbers) -> Finding:
         )
     lines.append(f"medians of the starts: {_medians(numbers, PRINTED)}; {_medians(numbers, EQUAL_FORCE)}")
     laws = ("the amplitudes are those of Table 1", "they follow Eq. (2.11)")
-    over = [_medians_grow(numbers, names) for names in (PRINTED, EQUAL_FORCE)]
+    over = [grows(middle(numbers, name, "overall") for name in names) for names in (PRINTED, EQUAL_FORCE)]
     return Finding(
         (
             only_if(dict(zip(laws, (printed, equal), strict=True))),
@@ -131,21 +132,11 @@ def drift_grows(numbers: Numbers) -> Finding:
     )
 
 
-def _medians_grow(numbers: Numbers, names: Sequence[str], key: str = "overall") -> bool:
-    medians = [middle(numbers, name, key) for name in names]
-    return all(below < above for below, above in pairwise(medians))
-
-
 def _medians(numbers: Numbers, names: Sequence[str]) -> str:
     """Median displacement at the end."""
     spans = [numbers["runs"][name]["t_end"] for name in names]
     ends = [middle(numbers, name, "overall") * span for name, span in zip(names, spans, strict=True)]
     return ", ".join(f"{name} {mm(end)}" for name, end in zip(names, ends, strict=True))
-
-
-def _ends_grow(numbers: Numbers, names: Sequence[str]) -> bool:
-    ends = [abs(numbers["runs"][name]["overall"]) for name in names]
-    return all(below < above for below, above in pairwise(ends))
 
 
 def _ends(numbers: Numbers, names: Sequence[str]) -> str:
@@ -230,9 +221,9 @@ def motor_drift_grows(numbers: Numbers) -> Finding:
     lines = []
     grow: list[list[bool]] = [[], []]
     for key, what in MEASURES.items():
-        for grows, words, value in zip(grow, WHENCE, (rest_value, middle), strict=True):
+        for growing, words, value in zip(grow, WHENCE, (rest_value, middle), strict=True):
             rates = [value(numbers, name, key) for name in MOTORS]
-            grows.append(all(below < above for below, above in pairwise(rates)))
+            growing.append(grows(rates))
             each = (f"{name} {mm_per_s(rate)}" for name, rate in zip(MOTORS, rates, strict=True))
             lines.append(f"{what}, {words}: {', '.join(each)}")
     lines += [_pair_line(numbers, above, below) for below, above in pairwise(MOTORS)]
@@ -363,20 +354,16 @@ def impacts_every_cycle(numbers: Numbers) -> Finding:
     starts = ", ".join(f"{name} {value:.0f}" for name, value in zip(PRINTED, medians, strict=True))
     each = count_of(numbers, "I-C", strikes_every_cycle)
     lines.append(f"perturbed starts: median impacts {starts}; I-C strikes in every cycle from {each}")
-    rest = holds(cycles["verdict"] == "every cycle" and _grow(counts))
+    rest = holds(cycles["verdict"] == "every cycle" and grows(counts))
     if cycles["verdict"] == "undecided":
         rest = ClaimVerdict(OPEN)
-    over = holds(mostly(numbers, "I-C", strikes_every_cycle) and _grow(medians))
+    over = holds(mostly(numbers, "I-C", strikes_every_cycle) and grows(medians))
     return Finding((rest, over), tuple(lines), PRINTED)
 
 
 def strikes_every_cycle(outcome: Numbers) -> bool:
     """Whether each cycle of the second half has at least one impact."""
     return outcome.get("cycles") == "every cycle"
-
-
-def _grow(values: Sequence[float]) -> bool:
-    return all(below < above for below, above in pairwise(values))
 
 
 def impacts_of_motor(numbers: Numbers) -> Finding:
