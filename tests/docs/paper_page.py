@@ -14,10 +14,21 @@ from itertools import pairwise
 from pathlib import Path
 
 from tests.docs.pages import DOCS
-from vibsim.evidence.reports.claims import EXAMPLE, FAILS, HOLDS, IN_KIND, ONLY_IF, how_many, share_above
+from vibsim.evidence.reports.claims import (
+    EXAMPLE,
+    FAILS,
+    HOLDS,
+    IN_KIND,
+    ONLY_IF,
+    how_many,
+    is_captured,
+    is_settled,
+    near_natural,
+    share_above,
+)
 from vibsim.evidence.reports.measurements import EQUAL_FORCE, MOTORS, PRINTED, SHIPPED_READINGS
 from vibsim.evidence.reports.model_claims import one_impact
-from vibsim.evidence.reports.motor_claims import is_captured, is_settled, near_natural, peaks_late
+from vibsim.evidence.reports.motor_claims import peaks_late
 from vibsim.evidence.reports.paper import table_of
 from vibsim.evidence.reports.paper_document import judge_claims, named, price_of
 

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from vibsim.cases.formula_places import FormulaPlace
 
 FEWEST, MOST = 2, 3  # values of a ramp: from, to, and the one that it goes back to
-EXAMPLE = "KEY=FROM:TO or KEY=FROM:TO:BACK, such as Omega0=3:7Hz"
 
 
 class Ramp(NamedTuple):

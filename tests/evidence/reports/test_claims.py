@@ -26,8 +26,10 @@ from vibsim.evidence.reports.claims import (
     OURS,
     PAPERS,
     ClaimVerdict,
+    is_brief_hold,
+    is_held_for_100,
+    is_released_at_100,
 )
-from vibsim.evidence.reports.motor_claims import is_brief_hold, is_held_for_100, is_released_at_100
 from vibsim.evidence.reports.paper_document import judge_claims, paper_claims, trust_of
 
 EXPECTED = {

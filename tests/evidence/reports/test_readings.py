@@ -9,8 +9,8 @@ import pytest
 from vibsim.analysis import judge_capture
 from vibsim.cases import load_case
 from vibsim.evidence.peers.solvers import RungeKutta4, TimeLimit
+from vibsim.evidence.reports.claims import is_brief_hold
 from vibsim.evidence.reports.measurements import member_outcome, run_all
-from vibsim.evidence.reports.motor_claims import is_brief_hold
 from vibsim.results import simulate
 
 

@@ -367,6 +367,59 @@ def in_reading(numbers: Numbers, name: str) -> str:
     )
 
 
+# Outcomes of a motor, from rest or from a perturbed start: settled, held, captured, let go.
+
+
+NATURAL_HZ, NEAR_HZ = 4.1, 0.1  # the frequency at which the paper has motors captured, and how near that is
+ABOUT_100 = (67.0, 150.0)  # [s] a factor 1.5 to either side
+NO_LOAD_HZ, NEARLY_ESCAPED = 6.5, 0.02  # no-load speed of II-C, relative distance of a final speed from it
+
+
+def is_settled(outcome: Numbers) -> bool:
+    """Whether the mean speed stays within the band up to the end."""
+    return outcome.get("verdict") not in (None, "undecided")
+
+
+def is_held(outcome: Numbers) -> bool:
+    """Whether the motor lingers below its no-load speed for a while."""
+    return outcome.get("since") is not None
+
+
+def is_captured(outcome: Numbers) -> bool:
+    """Whether the motor is held up to the end."""
+    return outcome.get("verdict") == "captured"
+
+
+def near_natural(speed: float | None) -> bool:
+    """Whether a motor is held at the paper's 4.1 Hz."""
+    return speed is not None and abs(speed - NATURAL_HZ) <= NEAR_HZ
+
+
+def is_brief_hold(capture: Numbers) -> bool:
+    """Held and let go after about 100 s, by either reading of the words; however long a free run-up takes."""
+    return is_released_at_100(capture) or is_held_for_100(capture)
+
+
+def is_released_at_100(capture: Numbers) -> bool:
+    """Let go about 100 s after the start."""
+    return _let_go(capture) and ABOUT_100[0] <= capture["until"] <= ABOUT_100[1]
+
+
+def is_held_for_100(capture: Numbers) -> bool:
+    """Let go after a hold of about 100 s."""
+    return _let_go(capture) and ABOUT_100[0] <= capture["until"] - capture["since"] <= ABOUT_100[1]
+
+
+def _let_go(capture: Numbers) -> bool:
+    """Whether a hold has ended; that the speed is still changing at the end does not undo it."""
+    return capture.get("until") is not None
+
+
+def is_near_no_load(speed_hz: float | None) -> bool:
+    """Whether a final speed is that of the motor's constant."""
+    return speed_hz is not None and abs(speed_hz / NO_LOAD_HZ - 1) <= NEARLY_ESCAPED
+
+
 # Numbers as the report writes them.
 
 

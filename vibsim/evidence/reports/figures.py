@@ -15,8 +15,8 @@ from matplotlib.patches import Patch, Rectangle
 
 from vibsim.cases import load_case
 from vibsim.cases.quantities import parse_quantity
+from vibsim.evidence.reports.claims import ABOUT_100, NATURAL_HZ, members
 from vibsim.evidence.reports.claims import Numbers as claims_Numbers
-from vibsim.evidence.reports.claims import members
 from vibsim.evidence.reports.measurements import (
     EQUAL_FORCE,
     MOTORS,
@@ -27,7 +27,7 @@ from vibsim.evidence.reports.measurements import (
     Numbers,
     Tell,
 )
-from vibsim.evidence.reports.motor_claims import ABOUT_100, JUMPED_HZ, NATURAL_HZ
+from vibsim.evidence.reports.motor_claims import JUMPED_HZ
 from vibsim.evidence.reports.pages import Picture
 from vibsim.evidence.reports.paper_figures import PAGE_CM, PAGE_ROWS, PaperFigure, draw_load_curves
 from vibsim.evidence.reports.readings import DAMPINGS, FREQUENCIES, LAWS, REGIMES_NEARBY_STARTS

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 from vibsim.evidence.reports.claims import (
     MOST,
+    NATURAL_HZ,
     ONLY_IF,
     OPEN,
     OUR_MARGIN,
@@ -22,6 +23,7 @@ from vibsim.evidence.reports.claims import (
     holds,
     how_many,
     hz,
+    is_captured,
     members,
     mostly,
     of_all,
@@ -30,7 +32,6 @@ from vibsim.evidence.reports.claims import (
     words_of,
 )
 from vibsim.evidence.reports.measurements import EQUAL_FORCE, MOTORS, PRINTED
-from vibsim.evidence.reports.motor_claims import is_captured
 from vibsim.evidence.reports.readings import (
     DAMPINGS,
     IRREGULAR,
@@ -40,7 +41,6 @@ from vibsim.evidence.reports.readings import (
     rows_of,
 )
 
-NATURAL_HZ = 4.1
 ROUNDS = 0.05  # a number with one decimal
 SAME_AMPLITUDE = SAME_SLOPE = 0.01  # relative
 

@@ -21,9 +21,17 @@ from vibsim.evidence.reports.claims import (
     holds,
     hz,
     in_reading,
+    is_brief_hold,
+    is_captured,
+    is_held,
+    is_held_for_100,
+    is_near_no_load,
+    is_released_at_100,
+    is_settled,
     members,
     mm,
     mostly,
+    near_natural,
     of_all,
     percent,
     said,
@@ -35,9 +43,6 @@ from vibsim.evidence.reports.claims import (
 from vibsim.evidence.reports.measurements import MOTORS
 
 NEARLY_CAPTURED = 0.02  # of Omega0
-NATURAL_HZ = 4.1
-NEAR_HZ = 0.1
-RESONANT_HZ = 4.5  # a hold below this is one near half the bilinear frequency
 TWICE = 0.02  # relative
 DISTINCT = 0.03  # relative difference of two operating points
 LITTLE = 5.0  # factor by which the amplitude must grow more than the speed
@@ -200,11 +205,6 @@ def _power(point: Numbers) -> str:
     return f"{1e3 * point['power']:.3g} mW"
 
 
-def is_settled(outcome: Numbers) -> bool:
-    """Whether the mean speed stays within the band up to the end."""
-    return outcome.get("verdict") not in (None, "undecided")
-
-
 def sommerfeld(numbers: Numbers) -> Finding:
     """Holds of any strength in II-B and II-C, and in the readings."""
     names = (*PRINTED, *READINGS)
@@ -224,11 +224,6 @@ def _of_both(numbers: Numbers, true: Mapping[str, bool]) -> ClaimVerdict:
     """The verdict on a claim about II-B and II-C: as printed, or in the readings."""
     both = [all(true[name] for name in pair) for pair in (PRINTED, READINGS)]
     return with_numbers(both, in_reading(numbers, READINGS[0]))
-
-
-def is_held(outcome: Numbers) -> bool:
-    """Whether the motor lingers below its no-load speed for a while."""
-    return outcome.get("since") is not None
 
 
 def _lingering(numbers: Numbers, name: str) -> str:
@@ -285,11 +280,6 @@ def _single_changes(numbers: Numbers) -> str:
     )
 
 
-def is_captured(outcome: Numbers) -> bool:
-    """Whether the motor is held up to the end."""
-    return outcome.get("verdict") == "captured"
-
-
 def capture_frequency(numbers: Numbers) -> Finding:
     """Speed during the holds, beside the relative vibration and half the bilinear frequency."""
     names = (*PRINTED, *READINGS)
@@ -335,11 +325,6 @@ def _with_gaps(numbers: Numbers) -> str:
     )
 
 
-def near_natural(speed: float | None) -> bool:
-    """Whether a motor is held at the paper's 4.1 Hz."""
-    return speed is not None and abs(speed - NATURAL_HZ) <= NEAR_HZ
-
-
 def _frequency_line(numbers: Numbers, name: str) -> str:
     run, ratio = numbers["runs"][name], _ratio(numbers, name)
     near = run["capture"]["resonance"]
@@ -377,12 +362,10 @@ def _without_stop(numbers: Numbers) -> str:
 # of many ends.
 
 
-ABOUT_100 = (67.0, 150.0)  # [s] a factor 1.5 to either side
 JUMPED_HZ = (6.0, 6.4)  # 6.2 to either side
 THROWN_BACK_HZ = 4.1  # a final speed below the resonance
 ABOUT_170 = (150.0, 190.0)  # [s]
 FALLEN = 0.1  # of the peak, at the end
-NO_LOAD_HZ, NEARLY_ESCAPED = 6.5, 0.02  # relative
 
 PRINTED_C, READING_C = "II-C", "II-C-escape"
 
@@ -462,26 +445,6 @@ def _has_jumped(speed_hz: float | None) -> bool:
     return speed_hz is not None and JUMPED_HZ[0] <= speed_hz <= JUMPED_HZ[1]
 
 
-def is_brief_hold(capture: Numbers) -> bool:
-    """Held and let go after about 100 s, by either reading of the words; however long a free run-up takes."""
-    return is_released_at_100(capture) or is_held_for_100(capture)
-
-
-def is_released_at_100(capture: Numbers) -> bool:
-    """Let go about 100 s after the start."""
-    return _let_go(capture) and ABOUT_100[0] <= capture["until"] <= ABOUT_100[1]
-
-
-def is_held_for_100(capture: Numbers) -> bool:
-    """Let go after a hold of about 100 s."""
-    return _let_go(capture) and ABOUT_100[0] <= capture["until"] - capture["since"] <= ABOUT_100[1]
-
-
-def _let_go(capture: Numbers) -> bool:
-    """Whether a hold has ended; that the speed is still changing at the end does not undo it."""
-    return capture.get("until") is not None
-
-
 def _final_speeds(numbers: Numbers, name: str) -> list[float]:
     """Final speeds of the perturbed starts that are held and let go after about 100 s [Hz]."""
     outcomes = numbers["ensembles"][name]["outcomes"]
@@ -527,11 +490,6 @@ def c_speed(numbers: Numbers) -> Finding:
 
 def _ends_at_no_load(outcome: Numbers) -> bool:
     return is_near_no_load(outcome.get("final_hz"))
-
-
-def is_near_no_load(speed_hz: float | None) -> bool:
-    """Whether a final speed is that of the motor's constant."""
-    return speed_hz is not None and abs(speed_hz / NO_LOAD_HZ - 1) <= NEARLY_ESCAPED
 
 
 def c_displacement(numbers: Numbers) -> Finding:
