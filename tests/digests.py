@@ -70,16 +70,35 @@ def monodromy():
     return at.matrix.tolist(), {key: row.tolist() for key, row in at.by_parameter.items()}, at.lines()
 
 
-def swept():
-    table = vibsim.sweep("II-B", {"Omega0": "5:6:0.5 Hz"}, overrides={"t_end": "30 s"}, jobs=1)
-    return [(name, np.asarray(table[name]).tolist()) for name in sorted(table.keys()) if name != "wall_time"]
-
-
 def fitted():
     statements = ["passes 3 Hz between 4 and 6 s", "impacts at most 0"]
     free = {"J": "0.2:5 g m^2", "M0": "2:10 mN m"}
     plan = plan_of([light_motor(run__t_end="6 s")], free, statements, candidates=4, fresh=1)
     return numbers_of(done(plan, jobs=1))
+
+
+def columns(table):
+    """Every column that can be reproduced."""
+    names = sorted(name for name in table if name != "wall_time")
+    return [(name, np.asarray(table[name]).tolist()) for name in names]
+
+
+def every_quantity(name, **axis):
+    """All that a sweep can compute of a point."""
+    case = vibsim.load_case(name, {"run.t_end": "60 s"})
+    return columns(vibsim.sweep(case, axis, compute="all", jobs=2))
+
+
+def long_point():
+    """A BLAS shares out products of more than 10,000 numbers."""
+    return columns(vibsim.sweep("II-B", {"Omega0": "6 Hz"}, overrides={"t_end": "4000 s"}, jobs=1))
+
+
+def judged():
+    """A run with its trust horizon, and what is judged of it."""
+    run = vibsim.simulate("II-B", overrides=WHOLE)
+    verdicts = vars(vibsim.analyse(run, exponent=False))
+    return columns(run), run.trust_horizon, run.attrs["error_estimate_max"], verdicts
 
 
 CASES = {
@@ -103,9 +122,12 @@ CASES = {
     ),
     "doubling in two parameters": doubling,
     "monodromy": monodromy,
-    "sweep": swept,
+    "sweep of the machine": lambda: every_quantity("II-B", Omega0="6 Hz"),
+    "sweep of a force": lambda: every_quantity("I-C-eq211", omega="6.5 Hz"),
+    "sweep over a long time": long_point,
     "fit": fitted,
     "verdicts on the machine": lambda: vars(vibsim.analyse(vibsim.load_case("II-B", WHOLE))),
+    "run with its trust horizon": judged,
     "verdicts on a chain": lambda: vars(vibsim.analyse(chain())),
 }
 

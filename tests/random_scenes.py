@@ -4,6 +4,7 @@ Every scale follows from a length L, a mass m and a rate w, so that each drawn f
 """
 
 import math
+from functools import cache
 
 from hypothesis import strategies as st
 
@@ -13,16 +14,19 @@ from vibsim.physics.two_blocks import TwoBlocks
 RADIANS = 40.0  # length of a run in radians of its fastest rate
 
 
+@cache
 def between(low, high):
     """A number of three digits: zeros are exact zeros, and no quantity is 1e-300 of the others."""
     return st.integers(round(low * 1000), round(high * 1000)).map(lambda n: n / 1000)
 
 
+@cache
 def decades(low, high):
     """10**u with u uniform."""
     return between(low, high).map(lambda u: 10.0**u)
 
 
+@cache
 def signed(scale):
     """Zero (often) or a number of the size of `scale`."""
     return st.one_of(st.just(0.0), between(-1.0, 1.0)).map(lambda u: u * scale)

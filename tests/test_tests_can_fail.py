@@ -38,9 +38,9 @@ def faults(source):
     return [(node.lineno, reason) for node in nodes if (reason := always_true(node.test))]
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(Path(__file__).parent)))
-def test_every_assertion_can_fail(path):
-    assert faults(path.read_text(encoding="utf-8")) == []
+def test_every_assertion_can_fail():
+    found = {path: faults(path.read_text(encoding="utf-8")) for path in FILES}
+    assert len(FILES) > 100 and {path: lines for path, lines in found.items() if lines} == {}
 
 
 @pytest.mark.parametrize(

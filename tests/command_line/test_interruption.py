@@ -102,10 +102,10 @@ def test_a_long_run_on_a_terminal_shows_its_progress(tmp_path):
 
 
 def test_no_progress_without_a_terminal_and_none_when_quiet(tmp_path):
-    assert "[-" not in on_a_terminal(tmp_path, [*ENDLESS, "-q"], seconds=3)
+    assert "[-" not in on_a_terminal(tmp_path, [*ENDLESS, "-q"], seconds=1.5)
     (tmp_path / "II-B.h5").unlink()
     run = running(tmp_path)
-    time.sleep(1.5)
+    time.sleep(1.0)
     run.send_signal(signal.SIGINT)
     assert b"[" not in run.communicate(timeout=60)[1]
 

@@ -253,7 +253,7 @@ FIRSTS = [pytest.param(first, marks=pytest.mark.slow if first >= 30 else ()) for
 def test_random_scenes_are_those_of_python(first):
     compared = 0
     for seed in range(first, first + 10):
-        scene = replace(formula_scene(seed), t_end=0.1)
+        scene = replace(formula_scene(seed), t_end=0.05)
         if scene.rotors and scene.rigid_stops:
             continue
         told = carried_alike(scene)

@@ -7,7 +7,7 @@ from platform import libc_ver
 
 import pytest
 
-RUNS = 3
+RUNS = 2
 SCRIPT = f"""
 import resource
 from vibsim import load_case, simulate

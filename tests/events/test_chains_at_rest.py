@@ -25,6 +25,7 @@ from vibsim.physics.parts import (
 )
 
 K, OMEGA = 87.3, 7.0
+SHORT = 0.5  # s, for the Python engine
 APART = (
     1e-13  # m; behind such a gap the same motion takes an impact or a contact more, and no start is special
 )
@@ -69,7 +70,8 @@ def test_a_chain_leaves_or_presses_the_stop_that_it_touches(count, law, sense, d
     assert abs(x - by_series).max() < 1e-15
     assert abs(x).max() > 1e-4 or rests or (law, sense) == ("rigid", COMPRESSION)
     if count == 3:
-        assert np.array_equal(run(scene, "python")[1], x)
+        _, by_python = run(replace(scene, t_end=SHORT), "python")
+        assert np.array_equal(by_python, x[: len(by_python)])
 
 
 def struck(count, law, sense, hit):
@@ -104,7 +106,8 @@ def test_a_chain_that_is_struck_leaves_or_presses_the_stop_that_it_touches(count
     assert abs(x - beside).max() < 50 * APART
     assert abs(x - x_by_series).max() < 3e-15
     if count == 3:
-        assert np.array_equal(run(scene, "python")[1], x)
+        _, by_python = run(replace(scene, t_end=SHORT), "python")
+        assert np.array_equal(by_python, x[: len(by_python)])
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ import sys
 import pytest
 
 import vibsim
+from tests.command_line.made import call
 
 DRAW = """
 import resource
@@ -38,13 +39,11 @@ def test_no_picture_and_one_line(tmp_path):
 
 
 @pytest.mark.parametrize("length", [249, 260])
-def test_a_name_that_is_too_long(tmp_path, length):
+def test_a_name_that_is_too_long(tmp_path, length, monkeypatch):
     """Longer than the system takes, and such that only NAME.partial is."""
-    vibsim.simulate(vibsim.load_case("II-B", {"t_end": "1 s"})).save(tmp_path / "a.h5")
-    run = ["run", "II-B", "--t-end", "1s", "-o"]
-    for words, suffix in ((["plot", "a.h5", "--kind", "motor", "-o"], ".png"), (run, ".hdf5")):
+    monkeypatch.chdir(tmp_path)
+    vibsim.simulate(vibsim.load_case("II-B", {"t_end": "1 s"})).save("a.h5")
+    for words, suffix in (("plot a.h5 --kind motor -o", ".png"), ("run II-B --t-end 1s -o", ".hdf5")):
         name = "x" * (length - len(suffix)) + suffix
-        done = subprocess.run(
-            [sys.executable, "-m", "vibsim", *words, name], cwd=tmp_path, capture_output=True, text=True
-        )
-        assert (done.returncode, done.stderr) == (6, f"Error: {name}: cannot write: File name too long\n")
+        done = call(*words.split(), name)
+        assert (done.exit_code, done.stderr) == (6, f"Error: {name}: cannot write: File name too long\n")
