@@ -1,7 +1,10 @@
 """The calls of `import vibsim`: what each accepts, and what it says of anything else."""
 
+import importlib
+import inspect
 import json
 import pickle
+import pkgutil
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +12,10 @@ import pytest
 
 import vibsim
 from vibsim.cases import RangeError
+from vibsim.cases.formula_text import FormulaError
+from vibsim.cases.problems import Problem
+from vibsim.engine.errors import State
+from vibsim.orbits.coordinates import NotConverged
 from vibsim.plots.subject import PlotError
 
 SHORT = {"run.t_end": "2 s"}
@@ -323,3 +330,47 @@ def test_an_orbit_without_a_turn_of_a_gap_has_no_margin_of_it():
     orbit = vibsim.orbit("gallery/impact-oscillator")
     assert orbit.margin == np.inf and "inf" not in repr(orbit)
     assert "margin          no turn of a gap" in repr(orbit)
+
+
+# Exceptions come through pickle, as from a process of a pool: one that does not makes the pool wait.
+
+
+STATE = State(t=0.5, x=[1.0], v=[2.0], phase=0.0, turns=0.0, w=0.0)
+RAISED = {
+    "EngineError": vibsim.EngineError("crushed", STATE, "left, right"),
+    "CaseError": vibsim.CaseError([Problem("file.yaml", 1, 2, "c", "must be positive")]),
+    "FormulaError": FormulaError("no name q", 3, 4),
+    "NotConverged": NotConverged("no orbit is near", 0.25),
+}
+
+
+def exceptions_of_vibsim():
+    """Exceptions that users may meet whose `__init__` is their own."""
+    for module in pkgutil.walk_packages(vibsim.__path__, "vibsim."):
+        if "command_line" not in module.name and "__main__" not in module.name:
+            try:
+                names = vars(importlib.import_module(module.name))
+            except ModuleNotFoundError as error:  # a peer that there is not for every machine
+                assert error.name == "heyoka"
+                continue
+            for name, each in names.items():
+                own = inspect.isclass(each) and each.__module__ == module.name and "__init__" in vars(each)
+                if own and issubclass(each, Exception) and not name.startswith("_"):
+                    yield name
+
+
+def test_all_that_need_care_are_tried():
+    assert set(exceptions_of_vibsim()) == set(RAISED)
+
+
+@pytest.mark.parametrize("name", RAISED)
+def test_it_comes_through_pickle(name):
+    raised = RAISED[name]
+    came = pickle.loads(pickle.dumps(raised))
+    assert type(came) is type(raised) and str(came) == str(raised)
+    assert vars(came).keys() == vars(raised).keys()
+
+
+@pytest.mark.parametrize("name", [name for name in vibsim.__all__ if name.endswith("Error")])
+def test_each_at_the_front_says_how_it_is_met(name):
+    assert ">>>" in getattr(vibsim, name).__doc__

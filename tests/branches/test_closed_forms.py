@@ -1,19 +1,23 @@
 """Branches of one mass before a stop, against closed forms: grazing, and how maps change there."""
 
+import re
 from dataclasses import replace
-from math import hypot, pi
+from functools import cache
+from math import acos, hypot, pi, sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import vibsim
 from vibsim.cases import load_case
-from vibsim.orbits.branches.branch import BranchStore
+from vibsim.orbits import find_orbit
+from vibsim.orbits.branches.branch_file import BranchStore, complete
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.branches.correction import Pace
-from vibsim.orbits.branches.curve import complete
 from vibsim.orbits.branches.interpolant import MovedFamily, quiet_share
 from vibsim.orbits.branches.plan import plan_from, read_span
+from vibsim.orbits.coordinates import case_on_orbit
 from vibsim.orbits.newton import solve
 
 BILINEAR = """
@@ -193,3 +197,161 @@ def test_orbits_on_a_section_at_another_phase(name):
     there = moved.start
     np.testing.assert_allclose(there.multipliers, node.multipliers, atol=1e-9)
     np.testing.assert_allclose(moved.given_back(there).z, node.z, atol=1e-11)
+
+
+# The impact pair: its symmetric motion, where that loses its symmetry, and the motions that leave there. A
+# ball strikes each wall of a box once in a period, with the speed u between them; X = A sin(w t) is the
+# box, b half of the play, e the restitution, tau = pi / w a flight. The linearised half period from behind
+# a blow (dt, dv) to behind the next one, mirrored, has the trace 2 e - X'' tau (1 + e)^2 / (2 u) and the
+# determinant e^2, with X'' = w^2 (pi u / (2 w) - b) at the blow. Symmetry is lost where one of its
+# multipliers is -1: there X'' = 2 u / tau, and A = b sqrt((2 / pi)^2 + ((1 - e) / (1 + e))^2) / (pi / 2 - 2
+# / pi).
+
+
+W, B, E = 10 * pi, 10.0, 0.7  # [rad/s], [mm]
+TAU, RATIO = pi / W, (1 - E) / (1 + E)
+BROKEN = B * sqrt((2 / pi) ** 2 + RATIO**2) / (pi / 2 - 2 / pi)  # [mm]
+
+
+@pytest.fixture(scope="module")
+def symmetric():
+    return vibsim.continue_branch("gallery/impact-pair", "base.a", "4:9 mm")
+
+
+@pytest.fixture(scope="module")
+def broken(symmetric):
+    return vibsim.continue_branch(symmetric, switch="BP1")
+
+
+def half_period(amplitude):
+    """Trace of the mirrored half period at an amplitude of the box [mm]."""
+    square = (pi / (2 * W)) ** 2 + (RATIO / W) ** 2
+    u = (pi * B / W + sqrt((pi * B / W) ** 2 - 4 * square * (B**2 - amplitude**2))) / (2 * square)
+    return 2 * E - W**2 * (pi * u / (2 * W) - B) * TAU * (1 + E) ** 2 / (2 * u)
+
+
+def test_it_loses_its_symmetry_where_mechanics_says(symmetric):
+    (special,) = symmetric.specials
+    assert special.kind == "branch point" and special.jump == 1
+    assert special.parameter == pytest.approx(BROKEN, rel=1e-12)
+
+
+def test_its_multipliers(symmetric):
+    """Those of the half period squared: trace t^2 - 2 e^2, product e^4."""
+    traces = np.array([half_period(amplitude) for amplitude in symmetric["parameter"]])
+    sums, products = (of(symmetric["multipliers"], axis=1).real for of in (np.sum, np.prod))
+    np.testing.assert_allclose(sums, traces**2 - 2 * E**2, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(products, E**4, rtol=1e-11)
+
+
+def test_beyond_it_one_flight_is_longer(broken):
+    """The branch begins at the special point, stable, towards larger amplitudes, and its flights part."""
+    assert broken["parameter"][0] == pytest.approx(BROKEN, rel=1e-4) and broken["parameter"][0] > BROKEN
+    assert broken["stable"].all() and broken["parameter"][-1] == pytest.approx(9.0, rel=1e-14)
+    np.testing.assert_allclose(np.prod(broken["multipliers"], axis=1).real, E**4, rtol=1e-10)
+    family, last = broken.plan.family(), broken.points[-1]
+    carried = family(np.array(last.unknowns)).end.carried
+    blows = [t for (kind, _), t in zip(carried.events, carried.times, strict=True) if kind == "impact"]
+    assert len(blows) == 2 and abs(blows[1] - blows[0] - TAU) > 0.1 * TAU
+
+
+def test_seen_from_a_prong_it_is_a_branch_point():
+    """The branch of unequal flights turns round there, among its own mirror images, with a multiplier that
+    touches 1: that was listed as a fold and a branch point side by side.
+    """
+    orbit = vibsim.orbit("gallery/impact-pair", {"base.a": "7.6 mm", "initial.ball.v": "0.25 m/s"})
+    branch = vibsim.continue_branch(orbit, "base.a", "7:8 mm")
+    (special,) = branch.specials
+    assert special.kind == "branch point" and special.jump == 0
+    assert special.parameter == pytest.approx(BROKEN, rel=1e-11)
+    assert dict(branch.lines())["index check"] == "holds everywhere"
+    assert dict(branch.lines())["ends"] == "end of the range"
+    np.testing.assert_allclose(branch["parameter"][[0, -1]], 8.0, rtol=1e-14)
+    back = vibsim.continue_branch(branch, switch=special.label)
+    (crossed,) = back.specials  # the branch goes through there, and is followed both ways
+    assert crossed.kind == "branch point" and abs(crossed.jump) == 1
+    assert crossed.parameter == pytest.approx(BROKEN, rel=1e-12)
+    np.testing.assert_allclose(back["parameter"][[0, -1]], [7.0, 8.0], rtol=1e-14)
+    sums = np.sum(back["multipliers"], axis=1).real
+    np.testing.assert_allclose(sums, [half_period(a) ** 2 - 2 * E**2 for a in back["parameter"]], atol=1e-9)
+
+
+# The table of docs/branches.md on the inertia of the rotor: every number of it, computed anew.
+
+
+PAGE = Path(__file__).parents[2] / "docs" / "branches.md"
+STARTS = {  # turns: x1, v1, v2, phidot near the stable orbit at c = 0.03 N s/m, whose x2 is 0
+    1: (0.0506539, 0.746678, -0.0819032, 22.164),
+    2: (0.0204283, 0.890209, -0.0985671, 32.192),
+    3: (0.0226424, -0.842419, 0.0946212, 38.0079),
+}
+NUMBER = r"(\d+\.?\d*)"
+ROW = re.compile(
+    rf"\| (\d) turns? \| {NUMBER} Hz \| {NUMBER} Hz, {NUMBER} % \| {NUMBER} Hz \| {NUMBER} Hz \({NUMBER} mm\)"
+    rf" \| (\d)/(\d): {NUMBER} Hz \|"
+)
+TABLE = [match.groups() for match in ROW.finditer(PAGE.read_text(encoding="utf-8"))]
+
+
+@cache
+def ends(turns, no_load):
+    """(inertia, speed [Hz], its swing over it, free amplitude [m]) at both ends of the branch over J."""
+    case = load_case("II-B", {"c": "0.03", "Omega0": f"{no_load} Hz"})
+    names = ("x1", "v1", "v2", "phidot")
+    state = dict(zip(names, STARTS[turns], strict=True)) | {"x2": 0.0, "phi": 0.0}
+    orbit = find_orbit(case.scene(), state, turns, case=case)
+    branch = vibsim.continue_branch(orbit, "J", "0.001:0.1 kg m^2")
+    return [_measured(branch, turns, i) for i in (0, -1)]
+
+
+def _measured(branch, turns, i):
+    """From samples 0.5 ms apart: extremes are off by (w h)^2 / 8 at most, 1e-4 of them at 60 rad/s."""
+    point = branch.points[i].orbit
+    state = branch.map.coordinates.state(np.array(point.state))
+    case = case_on_orbit(branch.plan.family().at(point.parameter), state, point.period)
+    run = vibsim.simulate(case.with_values({"run.every": "0.5 ms"}))
+    speed = turns / point.period
+    return point.parameter, speed, np.ptp(run["phidot"]) / (2 * pi * speed), np.max(run["x1"] - run["x2"])
+
+
+def machine():
+    """Natural rates without and with the stop [rad/s], and the gap, k1, k2 of II-B."""
+    m1, m2, k1, k2, gap = 0.297 + 0.03, 2.94, 200.0, 12400.0, 1e-3  # with the unbalanced mass
+    reduced = m1 * m2 / (m1 + m2)
+    return sqrt(k1 / reduced), sqrt((k1 + k2) / reduced), gap, k1, k2
+
+
+def free_frequency(a):
+    """f(a) = 1 / (2 (t1 + t2)) of docs/branches.md [Hz], a the amplitude on the free side [m]."""
+    w1, w2, gap, k1, k2 = machine()
+    d, V = gap * k1 / (k1 + k2), a * w1 * sqrt(1 - (gap / a) ** 2)
+    t1, t2 = acos(-gap / a) / w1, acos(d / sqrt(d * d + (V / w2) ** 2)) / w2
+    return 1 / (2 * (t1 + t2))
+
+
+def bilinear_frequency():
+    w1, w2, *_ = machine()
+    return w1 * w2 / (w1 + w2) / pi
+
+
+def rounded(text):
+    """The value of a number in the page, and half a unit of its last place."""
+    places = len(text.partition(".")[2])
+    return pytest.approx(float(text), abs=0.5001 * 10.0**-places)
+
+
+def test_all_rows_are_read():
+    assert [row[0] for row in TABLE] == ["1", "2", "3"]
+
+
+@pytest.mark.parametrize("row", TABLE, ids=lambda row: f"{row[0]} turns")
+def test_a_row(row):
+    turns, no_load, light, swing, heavy, free, amplitude, over, under, fraction = row
+    (first, speed, swings, _), (last, slow, steady, a) = ends(int(turns), no_load)
+    assert (first, last) == pytest.approx((0.001, 0.1), rel=1e-12)
+    assert speed == rounded(light) and 100 * swings == rounded(swing)
+    assert slow == rounded(heavy) and steady < 0.006
+    share = int(over) / int(under)
+    assert 1e3 * a == rounded(amplitude) and share * free_frequency(a) == rounded(free)
+    assert share * bilinear_frequency() == rounded(fraction)
+    assert share * free_frequency(a) < share * bilinear_frequency() < speed

@@ -1,8 +1,12 @@
 """A multiplier that is exactly 1 because orbits come in families: no fold is told of."""
 
+import math
+
 import numpy as np
 import pytest
 
+import vibsim
+from tests.command_line.made import call
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
 from vibsim.orbits.branches.continuing import continue_branch
@@ -74,8 +78,7 @@ def test_a_branch_ends_where_nothing_damps_a_resonance():
 
 
 @pytest.mark.parametrize(
-    ("begun", "span"),
-    [("0.956 N", "0.9545:0.956 N"), pytest.param("1 N", "0.9:1 N", marks=pytest.mark.slow)],
+    ("begun", "span"), [("0.956 N", "0.9545:0.956 N"), pytest.param("1 N", "0.9:1 N", marks=pytest.mark.slow)]
 )
 def test_a_slip_that_comes_up_slowly_is_told_once(begun, span):
     """The second mass begins to slip where k x1 = A / (2 - w^2) reaches the limit of 0.5 N, as a power of
@@ -86,3 +89,56 @@ def test_a_slip_that_comes_up_slowly_is_told_once(begun, span):
     (special,) = branch.specials
     assert special.parameter == pytest.approx(0.5 * (2 - 0.3**2), abs=1e-6)
     assert special.before == () and special.after != () and special.jump == 0 and special.kind == "sticking"
+
+
+# Where free vibrations shrink to a state of rest: Hopf points, against closed forms.
+
+
+KEY = "friction.belt.belt"
+
+
+EXPONENTIAL = "stribeck exponential, N: 1 N, mu_s: 1, mu_d: 0.5, v0: 0.5 m/s"
+HYPERBOLIC = "stribeck hyperbolic, N: 1 N, mu_s: 1, mu_d: 0.5, d: 2 s/m"
+TEXT = """
+bodies: {block: 1 kg}
+links: {spring: {between: [block, ground], k: 1 N/m, c: 0.1 N s/m}}
+friction: {belt: {between: [block, ground], belt: 1.3 m/s, law: LAW}}
+initial: {block: {v: 1.3 m/s}}
+run: {t_end: 200 s, every: 10 ms}
+"""
+
+
+def branch(law, folder):
+    path = folder / "belt.yaml"
+    path.write_text(TEXT.replace("LAW", law))
+    return vibsim.continue_branch(path, KEY, "0.9:1.9 m/s")
+
+
+@pytest.mark.parametrize(
+    ("law", "speed"),
+    [
+        # the damping c + N mu'(v_belt) of small vibrations about x = mu(v_belt) N / k is zero there
+        (EXPONENTIAL, math.log(10) / 2),
+        (HYPERBOLIC, (math.sqrt(10) - 1) / 2),
+    ],
+)
+def test_a_stick_slip_cycle_ends_in_a_state_of_rest(law, speed, tmp_path):
+    cycles = branch(law, tmp_path)
+    hopf = cycles.specials[-1]
+    assert [one.kind for one in cycles.specials] == ["corner", "hopf"]
+    assert hopf.label == "HO1" and hopf.parameter == pytest.approx(speed, rel=1e-11)
+    assert hopf.period == pytest.approx(2 * math.pi, rel=1e-11)  # sqrt(m / k) of the undamped block
+    assert cycles.ends == ("end of the range", "shrinks to a state of rest")
+    last = cycles.points[-1].orbit
+    assert speed < last.parameter < cycles.special("CO1").parameter and last.index == 1
+
+
+def test_the_command_goes_on_with_what_ended_there(tmp_path):
+    path = tmp_path / "b.h5"
+    words = ["continue", "gallery/belt-oscillator", "--param", f"{KEY}=1.1:1.9", "-o", path]
+    told = call(*words).stdout
+    assert "holds everywhere" in told and "HO1  hopf" in told
+    assert "HO1  hopf" in call(*words).stdout  # which has nothing to add
+    assert vibsim.open_result(path).specials[-1].kind == "hopf"
+    assert call("plot", path, "-o", tmp_path / "b.png").exit_code == 0
+    assert call("plot", path, "-o", tmp_path / "b.html").exit_code == 0

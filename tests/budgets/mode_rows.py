@@ -12,10 +12,7 @@ from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import GROUND, Body, Link, Scene, Stop
 
 CASES = ("I-A", "I-B", "I-C", "II-A", "II-B", "II-C")
-ROUNDS, PAIRS = (
-    5,
-    21,
-)  # processes differ by where their memory lies; hosts change their speed
+ROUNDS, PAIRS = (5, 21)  # processes differ by where their memory lies; hosts change their speed
 ENGINE_LIMIT, WHOLE_LIMIT = 0.97, 0.8  # of the pinned build
 CHAINS = (2, 5, 20, 100)  # bodies
 

@@ -5,11 +5,16 @@ import pickle
 import subprocess
 import sys
 from fractions import Fraction
+from math import pi, sqrt
 
 import mpmath
 import pytest
 
+import vibsim
 from vibsim.cases import Case, CaseError, load_case, shipped_case_names
+from vibsim.cases.case import load_case_text
+from vibsim.cases.validation import derived_facts
+from vibsim.plots.subject import PlotError
 
 
 @pytest.mark.parametrize("name", shipped_case_names())
@@ -196,3 +201,146 @@ def test_another_start_is_refused_as_any_value():
         with pytest.raises(CaseError) as whole:
             case.with_values(starts)
         assert str(quick.value) == str(whole.value)
+
+
+# Arguments of Python calls: what is wrong is named with what is allowed, before anything runs.
+
+
+AXES = {"Omega0": "3:4:1 Hz"}
+NO_NUMBER = "must be a whole number, got"
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: vibsim.sweep("II-B", "Omega0"), "axes must be a dict such as"),
+        (lambda: vibsim.sweep("II-B", {3: "3:4:1 Hz"}), "axes must be a dict such as"),
+        (lambda: vibsim.sweep("II-B", AXES, section="5"), f"section {NO_NUMBER} '5'"),
+        (lambda: vibsim.sweep("II-B", AXES, jobs=1.5), f"jobs {NO_NUMBER} 1.5"),
+        (lambda: vibsim.sweep("II-B", AXES, ensemble="2"), f"ensemble {NO_NUMBER} '2'"),
+        (lambda: vibsim.sweep("II-B", AXES, ensemble=2, seed=None), f"seed {NO_NUMBER} None"),
+        (lambda: vibsim.sweep("II-B", AXES, ensemble=2, spread="x1"), "spread must be a dict such as"),
+        (lambda: vibsim.sweep("II-B", AXES, compute=5), "compute must be a text or a list of texts, got 5"),
+        (lambda: vibsim.fit("II-B", "J"), "free must be a dict such as"),
+        (lambda: vibsim.fit("II-B", {"J": 5}, ["captured"]), "free J: a range is a text such as"),
+        (lambda: vibsim.fit("II-B", {}, [5]), "statements must be a text or a list of texts, got 5"),
+        (lambda: vibsim.lyapunov("I-C", count=1.5), f"count {NO_NUMBER} 1.5"),
+        (lambda: vibsim.analyse("I-C", what=5), "what must be a text or a list of texts, got 5"),
+    ],
+)
+def test_wrong_types(call, message):
+    with pytest.raises(TypeError) as caught:
+        call()
+    assert message in str(caught.value)
+
+
+def test_numbers_too_small():
+    with pytest.raises(ValueError, match="seed must be at least 0, got -1"):
+        vibsim.sweep("II-B", AXES, ensemble=2, seed=-1)
+    with pytest.raises(ValueError, match="jobs must be at least 1, got 0"):
+        vibsim.sweep("II-B", AXES, jobs=0)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"size": "12x8"}, "size must be (width, height) in cm"),
+        ({"size": (12,)}, "size must be (width, height) in cm"),
+        ({"width": 5}, "width must be one of column, page, got 5"),
+        ({"font_size": "8"}, "font_size must be a number of points"),
+    ],
+)
+def test_measures_of_a_picture(options, message):
+    with pytest.raises(PlotError) as caught:
+        vibsim.plot("II-B", "stiffness", **options)
+    assert message in str(caught.value)
+
+
+def test_instants_are_numbers():
+    run = vibsim.simulate("I-A", overrides={"run.t_end": "0.1 s"})
+    with pytest.raises(TypeError, match="times must be numbers"):
+        run.at("0.05 s")
+
+
+def test_all_exponents_by_name():
+    changes = {"run.t_end": "4 s"}
+    by_name, by_default = (vibsim.lyapunov("I-A", count=count, overrides=changes) for count in ("all", None))
+    assert by_name.exponents.tolist() == by_default.exponents.tolist() and len(by_name.exponents) == 3
+
+
+# Derived facts against numbers known from linear theory and from the published discussion of the cases.
+
+
+def facts(name, overrides=None):
+    return {fact.name: fact.value for fact in derived_facts(load_case(name, overrides).scene())}
+
+
+def test_case_one():
+    found = facts("I-A")
+    assert found["block 1 on its spring"] == pytest.approx(4.130, abs=5e-4)
+    assert found["free"] == pytest.approx(4.3337, abs=5e-5)
+    assert found["in contact"] == pytest.approx(34.397, abs=5e-4)
+    assert found["bilinear"] == pytest.approx(7.6975, abs=5e-5)
+    assert found["friction band"] == pytest.approx(0.001 * 2.94 * 9.81 / 200, rel=1e-14)
+    assert "run-up time constant" not in found
+
+
+def test_case_two():
+    found = facts("II-B")
+    assert found["free"] == pytest.approx(4.149, abs=5e-4)
+    assert found["bilinear"] == pytest.approx(7.37, abs=5e-3)
+    inertia = 0.001 + 0.03 * 0.11**2
+    assert found["run-up time constant"] == pytest.approx(11 * pi * inertia / 0.005, rel=1e-14)
+    assert found["full force"] == pytest.approx(load_case("I-B-eq211").two_blocks().A, rel=1e-14)
+
+
+def test_a_wall_without_stop_and_friction():
+    off = {"m2": "fixed", "stop": "none", "friction": "none", "excitation": "none", "c": "0.5 N s/m"}
+    assert facts("II-B", off) == {
+        "block 1 on its spring": pytest.approx(sqrt(200 / 0.297) / (2 * pi), rel=1e-14),
+        "damping ratio": pytest.approx(0.25 / sqrt(200 * 0.297), rel=1e-14),
+    }
+
+
+def test_no_coupling_spring():
+    found = facts("II-B", {"k1": "0 N/m", "M0": "0 N m"})
+    assert found["free"] == found["bilinear"] == 0.0
+    assert not {"damping ratio", "friction band", "run-up time constant"} & set(found)
+
+
+def test_scenes_of_parts():
+    """Two masses on springs in a row: w^2 = (3 +- sqrt(5))/2; bilinear: 1 and sqrt(30) rad/s."""
+    found = facts("gallery/two-masses-with-friction")
+    golden = sqrt((3 + sqrt(5)) / 2)
+    assert found["open 1"] == pytest.approx(1 / golden / (2 * pi), rel=1e-12)
+    assert found["open 2"] == pytest.approx(golden / (2 * pi), rel=1e-12)
+    assert found["floor"] == 0.5
+    bilinear = facts("gallery/bilinear-oscillator")
+    assert bilinear["closed 1"] == pytest.approx(sqrt(30) / (2 * pi), rel=1e-14)
+    assert bilinear["bilinear 1"] == pytest.approx(2 * sqrt(30) / (1 + sqrt(30)) / (2 * pi), rel=1e-14)
+
+
+def test_a_spring_called_coupling_makes_no_machine_of_the_paper():
+    """Three bodies in a row: the first link's name is a name."""
+    text = """
+    bodies: {a: 1 kg, b: 2 kg, c: 3 kg}
+    links: {coupling: {between: [a, b], k: 100 N/m}, other: {between: [b, c], k: 50 N/m}}
+    """
+    assert {fact.name for fact in derived_facts(load_case_text(text).scene())} == {"open 1", "open 2"}
+
+
+@pytest.mark.parametrize("name", shipped_case_names())
+def test_the_long_form_of_the_papers_machine_is_known_as_such(name):
+    case = load_case(name)
+    assert derived_facts(load_case_text(case.long_text()).scene()) == derived_facts(case.scene())
+    assert "block 1 on its spring" in {fact.name for fact in derived_facts(case.scene())}
+
+
+def test_friction_of_bodies_that_turn_is_a_torque():
+    text = """
+bodies: {bit: 374 kg m^2}
+friction: {rock: {between: [bit, ground], N: 1 kN m, mu: 1, static: 2.2}}
+run: {t_end: 1 s, every: 0.1 s}
+"""
+    facts = [(fact.value, fact.unit, fact.meaning) for fact in derived_facts(load_case_text(text).scene())]
+    assert facts == [(2200, "N m", "limit friction torque"), (1000, "N m", "friction torque while slipping")]

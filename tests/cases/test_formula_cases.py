@@ -442,10 +442,7 @@ def test_a_child_changes_numbers_and_formulas_of_its_parent(tmp_path):
             ["case:2:18: rotors.r.on: must be a body, got b; allowed: a"],
         ),
         (MOTOR % "M0: 1 N m", ["case:2:1: motor.Omega0: is missing, for example Omega0: 5.5 Hz"]),
-        (
-            BASED % "x: q*x_a, q: 1",
-            ['case:3:13: base.x: "q*x_a": unknown name x_a; known here: q, t, pi'],
-        ),
+        (BASED % "x: q*x_a, q: 1", ['case:3:13: base.x: "q*x_a": unknown name x_a; known here: q, t, pi']),
         (
             TURNING + "motor: {on: d1, m3: 1 kg, e: 1 m, J: 1 kg m^2, M0: 1 N m, Omega0: 1 Hz}",
             ["case:2:1: motor: an unbalanced rotor sits on a body that moves along a line"],
@@ -525,10 +522,7 @@ def test_stored_formulas_are_plain_texts():
 
 @pytest.mark.parametrize(
     ("mass", "stiffness", "every", "values"),
-    [
-        ("2 ug", "3 uN/um", "50 ns", (2e-9, 3, 50e-9)),
-        ("5 ng", "4 kg/s^2", "1e-3 ms", (5e-12, 4, 1e-6)),
-    ],
+    [("2 ug", "3 uN/um", "50 ns", (2e-9, 3, 50e-9)), ("5 ng", "4 kg/s^2", "1e-3 ms", (5e-12, 4, 1e-6))],
 )
 def test_every_key_takes_composed_units(mass, stiffness, every, values):
     case = load_case_text(

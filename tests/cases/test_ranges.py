@@ -81,16 +81,10 @@ def test_one_unit_may_stand_anywhere_in_a_range():
     [
         ("", "the range is empty"),
         ("a:b:c", f"a:b:c is no range; {HOW}"),
-        (
-            "1:2:3:4",
-            f"1:2:3:4 is no range; {HOW}",
-        ),
+        ("1:2:3:4", f"1:2:3:4 is no range; {HOW}"),
         ("1:2", "1:2 has no step; write it as FROM:TO:STEP or FROM:TO/COUNT"),
         ("1, 2/0", "division by zero in 1, 2/0"),
-        (
-            "1/2:2:1",
-            f"1/2:2:1 is no range; {HOW}",
-        ),
+        ("1/2:2:1", f"1/2:2:1 is no range; {HOW}"),
         ("1:2:0", "1:2:0: the step must not be 0"),
         ("1:2:-0.1", "1:2:-0.1: the step leads away from 2; leave its sign out"),
         ("1:2/1", "1:2/1: at least 2 values are needed, got 1"),

@@ -90,8 +90,7 @@ def test_what_is_not_installed_is_named(monkeypatch):
     from importlib.util import find_spec
 
     monkeypatch.setattr(
-        "vibsim.evidence.benchmark.plan.find_spec",
-        lambda name: None if name == "heyoka" else find_spec(name),
+        "vibsim.evidence.benchmark.plan.find_spec", lambda name: None if name == "heyoka" else find_spec(name)
     )
     done = call("bench", "--t-end", "1s", "--methods", "python,heyoka")
     assert done.exit_code == 0

@@ -70,10 +70,7 @@ def test_what_a_statement_can_be_about_is_listed():
             ["fit", "II-B", "--free", "J=1:2", "--free", "J=1:3", "--want", "captured"],
             "--free: J is given twice",
         ),
-        (
-            ["fit", "I-A", "--try", "c=1", "--want", "captured"],
-            "capture needs a motor; I-A lacks it",
-        ),
+        (["fit", "I-A", "--try", "c=1", "--want", "captured"], "capture needs a motor; I-A lacks it"),
     ],
 )
 def test_usage_errors_say_what_is_wrong(given, message):

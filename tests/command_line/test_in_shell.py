@@ -11,10 +11,7 @@ import vibsim
 from tests.command_line.made import call
 
 PACKAGE = Path(vibsim.__file__).parent
-COMMANDS = {
-    PACKAGE / "plots" / "picture.py",
-    PACKAGE / "plots" / "animated_machine.py",
-}  # of commands alone
+COMMANDS = {PACKAGE / "plots" / "picture.py", PACKAGE / "plots" / "animated_machine.py"}  # of commands alone
 
 
 def raised_texts():

@@ -1,6 +1,7 @@
 """The command itself: help, hints, global options, exit codes, start-up."""
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -12,8 +13,10 @@ import pytest
 
 import vibsim
 from tests.command_line.made import call, process
+from tests.results.made import short_run
 from vibsim.cases import CaseError, Problem
 from vibsim.command_line.main import COMMANDS, exit_code_of, group
+from vibsim.command_line.text import case_lines, metres, seconds
 from vibsim.engine.errors import EngineError, State
 from vibsim.plots.subject import PlotError
 from vibsim.results import ResultFileError
@@ -260,3 +263,76 @@ def test_shell_completion():
     assert "plain,II-A\nplain,II-B\nplain,II-B-captured\nplain,II-C\nplain,II-C-escape\n" in done.stdout
     source = process(env={"_VIBSIM_COMPLETE": "bash_source"})
     assert "complete -o nosort -F _vibsim_completion vibsim" in source.stdout
+
+
+# Commands whose standard streams the caller closed.
+
+
+RUN = ["run", "I-A", "--t-end", "0.1s", "-o", "a.h5"]
+
+
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
+def test_a_command_does_its_work_without_standard_streams(tmp_path, closed):
+    outcome = shell(tmp_path, RUN, closed)
+    assert (outcome.returncode, outcome.stderr) == (0, "")
+    assert vibsim.open_result(tmp_path / "a.h5").complete
+
+
+def test_a_case_from_a_closed_input_is_empty(tmp_path):
+    outcome = shell(tmp_path, ["check", "-"], "<&-")
+    assert outcome.returncode == 3
+    assert (outcome.stdout + outcome.stderr).startswith("stdin:1:1: is empty")
+
+
+def shell(folder, words, redirection):
+    command = f'exec "$0" -m vibsim {" ".join(words)} {redirection}'
+    return subprocess.run(["sh", "-c", command, sys.executable], cwd=folder, capture_output=True, text=True)
+
+
+# What is printed is what was meant: no empty output, no signed zero, no file that was not judged.
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    return short_run("II-B").save(tmp_path_factory.mktemp("answers") / "II-B.h5")
+
+
+def test_a_run_with_changes_is_not_said_to_be_the_file(file):
+    found = call("analyse", file, "-s", "c=0.03", "--what", "impacts")
+    assert f"{file} run with c=0.03, not saved" in found.stdout
+    assert "run with" not in call("analyse", file, "--what", "impacts").stdout
+    read = json.loads(call("analyse", file, "-s", "c=0.03", "--what", "impacts", "--json").stdout)
+    assert read["changes"] == {"c": "0.03"}
+
+
+@pytest.mark.parametrize("window", ["500:600", "2.001:2.002"])
+@pytest.mark.parametrize("name", ["out.csv", "out.mat"])
+def test_nothing_is_no_export(file, tmp_path, window, name):
+    found = call("export", file, "--window", window, "-o", tmp_path / name)
+    assert found.exit_code == 2 and f"--window {window}: nothing of" in found.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_stretch_without_events_has_none(file, tmp_path):
+    assert call("export", file, "--events", "--window", "0.1:0.2", "-o", tmp_path / "a.csv").exit_code == 0
+    assert len((tmp_path / "a.csv").read_text().splitlines()) == 1
+
+
+def test_nothing_is_no_picture(file, tmp_path):
+    found = call("plot", file, "--window", "2.001:2.0011", "-o", tmp_path / "a.png")
+    assert found.exit_code != 0 and "too short" in found.stderr
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("tolerance", ["nan", "inf", "-1"])
+def test_a_tolerance_is_a_number(file, tolerance):
+    found = call("compare", file, file, "--tolerance", tolerance)
+    assert found.exit_code == 2 and "--tolerance" in found.stderr
+
+
+def test_lengths_and_durations_in_words():
+    assert [metres(x) for x in (-0.0, 0.0, -2e-6, math.nan)] == ["0 m", "0 m", "-2 um", "nan nm"]
+    texts = [seconds(t) for t in (0.0, 1.0, 0.005, 2e-6, 3e-9, 1e-20)]
+    assert texts == ["0 s", "1 s", "5 ms", "2 us", "3 ns", "1e-20 s"]
+    (span,) = (text for label, text in case_lines(short_run("I-A", "1 ms").case) if label == "span")
+    assert span == "1 ms, a sample every 5 ms: 1 sample"

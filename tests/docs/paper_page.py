@@ -253,10 +253,7 @@ PHRASES = (
     ),
     (
         "in each of the {} turns of its second half; from {} of {} perturbed starts it does",
-        lambda n: (
-            sum(run(n, "II-C")["cycles"]["impact_counts"].values()),
-            *how_many(n, "II-C", one_impact),
-        ),
+        lambda n: (sum(run(n, "II-C")["cycles"]["impact_counts"].values()), *how_many(n, "II-C", one_impact)),
     ),
     (
         "as the paper says: {}, {} and {} mm in 300 s as printed, {}, {} and {} mm with equal forces",
@@ -265,10 +262,7 @@ PHRASES = (
             *(f"{abs(end_mm(n, name)):.0f}" for name in EQUAL_FORCE),
         ],
     ),
-    (
-        "than II-C: {} against {} mm",
-        lambda n: [f"{abs(end_mm(n, name)):.0f}" for name in ("II-B", "II-C")],
-    ),
+    ("than II-C: {} against {} mm", lambda n: [f"{abs(end_mm(n, name)):.0f}" for name in ("II-B", "II-C")]),
     ("faster than I in {}, {} and {} % of the pairs", lambda n: percents(n, PAIRS, "drift")),
     ("and in {}, {} and {} % over the whole run", lambda n: percents(n, PAIRS, "overall")),
     ("II-B is faster than II-C in {} % of them", lambda n: percents(n, [("II-B", "II-C")], "drift")),

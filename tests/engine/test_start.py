@@ -1,10 +1,25 @@
 """What rests at the start goes on under the forces that there are behind it, those of stops included."""
 
+import random
+from dataclasses import replace
 from math import pi, sin
 
 import pytest
+from hypothesis import given, settings
 
+from tests.engine.many_digits import exact_parts, truth
+from tests.engine.random_parts import part_scenes
+from tests.engine.runs import whole
+from tests.engine.test_closed_cases import scene
+from tests.events.coincidences import machine
+from vibsim.cases import load_case
+from vibsim.engine.errors import EngineError, start_of
+from vibsim.engine.events.automaton import Automaton, UnambiguousStart
+from vibsim.engine.events.departures import derivative_flow
+from vibsim.engine.events.records import Certificate
+from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,
@@ -74,3 +89,95 @@ def test_a_base_that_turns_round_at_the_start_strikes_nothing(phase, engine):
         assert sum(len(block.events["t"]) for block in blocks) == 2  # start and end
         assert all((block.samples[name] == (3 if name == "table" else 0)).all() for block in blocks)
         assert blocks[-1].samples["x_m"][-1] == pytest.approx(0.001 * sin(9.0 * 0.2 + phase), abs=1e-17)
+
+
+# Modes of plain starts against the automaton, which decides all of them.
+
+
+def decided(of):
+    """(mode, known zeros, doubts) of the start by the automaton; the mode by signs alone, or None."""
+    maker, certificate = RowMaker(of, Doubles), Certificate(Doubles)
+    automaton = Automaton(of, maker, derivative_flow(of, Doubles, certificate), Doubles)
+    plain = UnambiguousStart(of, maker.ends)
+    status = plain.status(start_of(of, Doubles)) if plain.known else None
+    return (*automaton.initial(start_of(of, Doubles)), certificate.uncertified), status
+
+
+@settings(max_examples=80)
+@given(part_scenes())
+def test_a_plain_start_is_what_the_automaton_says(of):
+    of = replace(of, stops=tuple(replace(stop, at_start=False) for stop in of.stops))
+    (status, known, doubts), plain = decided(of)
+    assert plain is None or (plain, {}, 0) == (status, known, doubts)
+
+
+@pytest.mark.parametrize(
+    ("x", "v", "plain"),
+    [
+        (0.1, 0.5, True),
+        (0.3, -0.5, True),
+        (0.2, 0.5, False),  # at the stop
+        (0.2 + 2.0**-54, 0.5, False),  # within its rounding
+        (0.1, 0.0, False),  # at rest
+        (0.1, 2.0**-60, True),
+    ],
+)
+def test_which_starts_are_plain(x, v, plain):
+    stop, rub = (
+        Stop("wall", 0, GROUND, 0.2, COMPRESSION, 50.0, 0.0),
+        Friction("rub", 0, GROUND, 1.0, 1.0, 0.0),
+    )
+    of = scene([Body("m", 1.0, x, v)], stops=(stop,), frictions=(rub,))
+    (status, _, _), by_signs = decided(of)
+    assert (by_signs is not None) == plain and by_signs in (None, status)
+
+
+# A run that steps within its rounding ends with an error: it would never come to its end.
+
+
+CRAWLING = """
+bodies: {m: 1 kg}
+links: {spring: {between: [m, ground], k: 1e8 N/m}}
+initial: {m: {x: 1 mm}}
+run: {t_end: 2e14 s, every: 1e14 s, method: taylor}
+"""
+
+
+@pytest.fixture
+def crawling(tmp_path):
+    """10,000 rad/s for 2e14 s: 1e17 steps."""
+    path = tmp_path / "crawling.yaml"
+    path.write_text(CRAWLING)
+    return load_case(path).scene()
+
+
+def standstill(scene, engine):
+    with pytest.raises(EngineError, match="steps brought the run no further") as caught:
+        for _ in open_trajectory(scene, engine).blocks():
+            pass
+    return caught.value
+
+
+def test_a_run_that_gets_nowhere_ends(crawling):
+    error = standstill(crawling, "c")
+    assert error.reason == "standstill" and 0 < error.state.t < 2**-30 * crawling.t_end
+
+
+@pytest.mark.slow
+def test_both_engines_end_it_at_one_step(crawling):
+    assert standstill(crawling, "c").state == standstill(crawling, "python").state
+
+
+@pytest.mark.slow
+def test_special_scenes_that_creep_end():
+    standstill(machine(random.Random(6241)), "c")
+
+
+def test_a_special_scene_that_crept_runs_as_in_many_digits():
+    """On a stop without restitution: it comes to rest in doubt now, where it crept."""
+    scene = machine(random.Random(4006))
+    found = whole([block.events for block in open_trajectory(scene, "c").blocks()])
+    _, true, _, _ = truth(exact_parts(scene), 40)
+    assert list(found["kind"]) == list(true["kind"]) and list(found["part"]) == list(true["part"])
+    for name in ("t", "x_a", "v_a", "x_b", "v_b"):
+        assert found[name] == pytest.approx(true[name], abs=1e-14)

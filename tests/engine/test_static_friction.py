@@ -10,7 +10,7 @@ import vibsim
 from tests.engine.bundles import totals
 from tests.engine.many_digits import exact_parts, truth
 from tests.engine.runs import differences, run
-from tests.engine.test_published_numbers import oscillator
+from tests.engine.test_closed_cases import oscillator
 from tests.engine.test_restart import assert_restarts
 from vibsim.engine.columns import part_columns, state_columns
 from vibsim.engine.driver import Driver

@@ -11,7 +11,7 @@ from tests.engine.runs import differences, outcome, run_both
 from tests.events.coincidences import driven, machine, two_blocks
 from tests.events.coincidences import harmonic as shaking
 from tests.events.test_certificate import assert_none_missed
-from tests.events.true_events import MOST_STEPS, Crawling
+from tests.events.whole_runs import MOST_STEPS, Crawling
 from tests.scenes import harmonic, scene
 from tests.trajectories import ENGINES, run
 from vibsim.engine.trajectory import open_trajectory

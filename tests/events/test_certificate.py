@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 from hypothesis import given, settings
 
-from tests.events.true_events import ExactFlow, stretches
+from tests.events.whole_runs import ExactFlow, stretches
 from tests.random_scenes import scenes
 from tests.scenes import fixed_block, harmonic, scene
 from tests.trajectories import ENGINES, run

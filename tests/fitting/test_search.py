@@ -225,10 +225,7 @@ MANY = {key: f"1:2 {unit}".strip() for unit, keys in UNITS.items() for key in ke
         ({"method": "magic"}, "the method must be quasi-random or evolution, got magic"),
         ({"candidates": -1}, "candidates must be at least 0"),
         ({"at_most": 0}, "at least one parameter"),
-        (
-            {"free": MANY, "at_most": 8},
-            "at most 8 of 17 parameters .* makes 65535 sets",
-        ),
+        ({"free": MANY, "at_most": 8}, "at most 8 of 17 parameters .* makes 65535 sets"),
         ({"jobs": 0}, "jobs must be at least 1"),
         ({"ensemble": -1}, "must not be negative"),
         ({"ensemble": 2, "spread": {"J": "1 g m^2"}}, "excitation.J is both changed and spread"),

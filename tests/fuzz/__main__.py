@@ -17,11 +17,7 @@ from tests.fuzz import case_mutants, file_mutants, option_mutants
 from tests.fuzz.running import PATIENCE, control_characters, preload, run
 
 INTERRUPTED = {130, -2}  # -2: by the signal itself, which a shell calls 130
-CODES = {
-    "case": {0, 3, 4},
-    "options": {0, 2, 3, 4, 5, 6},
-    "file": {0, 2, 3, 4, 6},
-}
+CODES = {"case": {0, 3, 4}, "options": {0, 2, 3, 4, 5, 6}, "file": {0, 2, 3, 4, 6}}
 ON_CASES = [["check", "case.yaml"], ["run", "case.yaml", "--t-end", "0.2s", "--force", "-o", "out.h5"]]
 ON_CASES += [["run", "case.yaml", "--force", "-o", "out.h5"], ["check", "case.yaml", "--json"]]
 ON_FILES = [

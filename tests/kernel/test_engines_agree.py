@@ -1,15 +1,19 @@
 """The C engine equals the Python engine in every bit: samples, events, totals, errors."""
 
+import os
 from dataclasses import replace
+from itertools import islice, pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 
 from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, MOTORS, TABLE_1, fixed_block, paper
 from tests.trajectories import Run, assert_same_bits, run
 from vibsim.engine.errors import EngineError
+from vibsim.engine.tangent.tangent_space import dimension
+from vibsim.engine.trajectory import open_trajectory, state_at
 from vibsim.physics.parts import EVENT_NAMES
 
 TAYLOR_SETTINGS = ((20, 2.0**-53), (12, 1e-9), (30, 2.0**-53), (8, 1e-6), (40, 1e-20))
@@ -106,3 +110,30 @@ def test_table_1_amplitudes():
     assert [paper(name).A for name in TABLE_1] == [0.0725, 0.1140, 0.1350]
     # m3 e omega^2: 1.596, 3.941, 5.504 N
     assert [round(paper(f"{name}-eq211").A, 3) for name in TABLE_1] == [1.596, 3.941, 5.504]
+
+
+# Random scenes through every part of the C engine; `make sanitize` runs a thousand under sanitizers.
+
+
+COUNT = int(os.environ.get("VIBSIM_SCENES", "25"))
+BLOCKS = 10  # a scene may run for ever
+
+
+@settings(max_examples=COUNT, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@given(scenes())
+def test_a_scene_runs_with_all_that_goes_with_it(scene):
+    scene = scene.as_parts()
+    trajectory = open_trajectory(scene, "c", section=True, ledger=True, tangent=dimension(scene))
+    t, rows = 0.0, []
+    try:
+        for block in islice(trajectory.blocks(), BLOCKS):
+            assert t <= block.t_reached <= scene.t_end
+            t = block.t_reached
+            rows += [
+                dict(zip(block.events, row, strict=True)) for row in zip(*block.events.values(), strict=True)
+            ]
+    except EngineError:
+        pass
+    for row, following in list(pairwise(rows))[:5]:
+        states = state_at(scene, row, np.linspace(row["t"], following["t"], 3), "c")
+        assert len(states["x1"]) == 3

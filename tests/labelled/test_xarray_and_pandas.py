@@ -87,8 +87,7 @@ def test_a_frame_along_a_further_dimension_has_a_row_per_position(sweep):
 
 
 @pytest.mark.parametrize(
-    ("package", "call", "extra"),
-    [("xarray", "to_xarray", "xarray"), ("pandas", "to_dataframe", "pandas")],
+    ("package", "call", "extra"), [("xarray", "to_xarray", "xarray"), ("pandas", "to_dataframe", "pandas")]
 )
 def test_a_missing_package_is_named_with_its_extra(package, call, extra, monkeypatch):
     monkeypatch.setitem(sys.modules, package, None)

@@ -1,12 +1,21 @@
-"""Files: formats, fonts, sizes, names, and what is refused."""
+"""Files: formats, fonts, sizes, names, pages of PDF, full disks, and what is refused."""
 
 import struct
+import subprocess
+import sys
 import xml.etree.ElementTree as ElementTree
+from io import BytesIO
 
+import numpy as np
 import pytest
+from matplotlib.backends.backend_pdf import PdfPages
+from matplotlib.figure import Figure
 
+import vibsim
+from tests.command_line.made import call
 from vibsim.plots import plot_run
 from vibsim.plots.picture import draw_files
+from vibsim.plots.sheet import LeanPages
 from vibsim.plots.subject import PlotError, View
 from vibsim.results import ResultFileError
 
@@ -146,3 +155,76 @@ def test_spans_that_no_picture_would_show_are_refused(runs, here, kind, view, me
     with pytest.raises(PlotError, match=message):
         draw_files([runs["quiet"]], [kind], view, "x.png")
     assert list(here.iterdir()) == []
+
+
+# PDF files let go of the sheets on which their bitmaps were drawn, and are byte for byte matplotlib's.
+
+
+METADATA = {"CreationDate": None}
+
+
+def panels():
+    figure = Figure(figsize=(4, 4))
+    for axes in figure.subplots(2, 2).flat:
+        axes.plot(np.sin(np.arange(50.0)), rasterized=True)
+    return figure
+
+
+def test_bitmaps_own_their_pixels():
+    with LeanPages(BytesIO(), metadata=METADATA) as pages:
+        pages.savefig(panels())
+        images = [image for image, *_ in pages._file._images.values()]
+        assert len(images) == 4 and all(image.base is None for image in images)
+
+
+def test_the_bytes_are_those_of_matplotlib():
+    files = []
+    for kind in (PdfPages, LeanPages):
+        files.append(BytesIO())
+        with kind(files[-1], metadata=METADATA) as pages:
+            pages.savefig(panels())
+    assert files[0].getvalue() == files[1].getvalue()
+
+
+# Pictures on a disk that fills up: one line, no picture, whatever the format and wherever the disk ends.
+
+
+DRAW = """
+import resource
+from vibsim.command_line.main import main
+for words in {commands}:
+    for limit in (0, {limit}):  # no file grows beyond that
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY))
+        sys.argv[1:] = words
+        try:
+            main()
+        except SystemExit as end:
+            assert end.code == 6, words
+"""
+COMMANDS = [
+    ["plot", "a.h5", "--kind", "motor", "-o", "p.pdf"],
+    ["plot", "a.h5", "--kind", "motor", "-o", "p.svg"],
+    ["plot", "a.h5", "--kind", "motor,stiffness", "-o", "p.pdf"],
+    ["cases", "II-B", "--draw", "-o", "p.pdf"],
+]
+
+
+def test_no_picture_and_one_line(tmp_path):
+    vibsim.simulate(vibsim.load_case("II-B", {"t_end": "2 s"})).save(tmp_path / "a.h5")
+    program = "import sys" + DRAW.format(commands=COMMANDS, limit=6_000)
+    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True)
+    lines = done.stderr.splitlines()
+    assert done.returncode == 0 and len(lines) == 2 * len(COMMANDS), done.stderr
+    assert all(line.startswith("Error: p.") and line.endswith(": disk full") for line in lines)
+    assert [path.name for path in tmp_path.iterdir()] == ["a.h5"]
+
+
+@pytest.mark.parametrize("length", [249, 260])
+def test_a_name_that_is_too_long(tmp_path, length, monkeypatch):
+    """Longer than the system takes, and such that only NAME.partial is."""
+    monkeypatch.chdir(tmp_path)
+    vibsim.simulate(vibsim.load_case("II-B", {"t_end": "1 s"})).save("a.h5")
+    for words, suffix in (("plot a.h5 --kind motor -o", ".png"), ("run II-B --t-end 1s -o", ".hdf5")):
+        name = "x" * (length - len(suffix)) + suffix
+        done = call(*words.split(), name)
+        assert (done.exit_code, done.stderr) == (6, f"Error: {name}: cannot write: File name too long\n")

@@ -9,15 +9,7 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.formula_cases import (
-    DRIVE,
-    MACHINE,
-    STATES,
-    case_of,
-    fading,
-    machine,
-    turned,
-)
+from tests.formula_cases import DRIVE, MACHINE, STATES, case_of, fading, machine, turned
 from vibsim.engine.blocks import part_offsets
 from vibsim.engine.resume import resume_point
 from vibsim.engine.trajectory import open_trajectory

@@ -1,11 +1,25 @@
 """How points are cut into batches: none twice, none left out, few in flight, short ones at the end."""
 
+import os
+import subprocess
+import sys
 from concurrent.futures import Future
 from dataclasses import replace
+from itertools import pairwise
 
+import numpy as np
 import pytest
 
-from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
+from tests.sweeps.made import (
+    OMEGA0,
+    assert_same_points,
+    complete,
+    in_memory,
+    run_stored,
+    short_case,
+    short_plan,
+)
+from vibsim.results.simulation import open_result
 from vibsim.sweeps.points import SweepPoint, compute_batch
 from vibsim.sweeps.quantities import DONE, FAILED
 from vibsim.sweeps.sweep_file import SweepStore
@@ -126,3 +140,173 @@ def test_a_failed_point_is_retried_alone_when_those_behind_it_hold():
     assert [index for index, _ in again.piece(10).points] == [(1, 0)]
     again.take([store.table.point((1, 0))])
     assert again.piece(10) is None
+
+
+# A point does not depend on when, where and beside which others it is computed.
+
+
+SETTINGS = {
+    "fresh": {},
+    "carried up and down": {"carry_state": True, "direction": "both"},
+    "carried down": {"carry_state": True, "direction": "down"},
+}
+
+
+def table(plan, jobs, engine="auto"):
+    result, finished = run_stored(SweepStore(plan, engine=engine), jobs, engine)
+    assert finished and result.complete
+    return result.table
+
+
+@pytest.mark.parametrize("settings", SETTINGS.values(), ids=SETTINGS)
+@pytest.mark.parametrize("case", ["II-B", "I-B"])
+def test_any_number_of_jobs_gives_the_same_bits(settings, case):
+    axis = {OMEGA0 if case == "II-B" else "omega": "3:5:0.5 Hz", "c": "0.001, 0.03"}
+    plan = short_plan(axis, short_case(case), **settings)
+    one = table(plan, 1)
+    assert one.count(DONE) == plan.count == 5 * 2 * len(plan.directions)
+    for jobs in (2, 5):
+        assert_same_points(table(plan, jobs), one)
+
+
+def test_processes_over_the_python_engine_give_the_same_bits():
+    plan = short_plan({OMEGA0: "3:5:1 Hz"}, short_case(t_end="1 s"), discard="0.2")
+    assert_same_points(table(plan, 2, "python"), table(plan, 1, "c"))
+
+
+def test_a_carried_point_begins_where_the_one_before_ended():
+    plan = short_plan({OMEGA0: "3, 4 Hz"}, carry_state=True, direction="both")
+    result, _ = run_stored(SweepStore(plan), 1)
+    order = [(0, 0), (1, 0), (1, 1), (0, 1)]  # up, then back down
+    assert result.case_at(order[0]).number("initial.x1") == 0.0
+    for before, after in pairwise(order):
+        case = result.case_at(after)
+        for name in ("x1", "v1", "x2", "v2", "phi", "phidot"):
+            assert case.number(f"initial.{name}") == result[f"end_{name}"][before]
+        assert case.sha256 == result["sha256"][after]
+
+
+def test_a_carried_harmonic_force_has_no_jump():
+    """4 s at 3.3 Hz end in a period; the state carried on is that at its last whole one, 13/3.3 s."""
+    plan = short_plan({"omega": "3.3, 3.4 Hz"}, short_case("I-B"), carry_state=True)
+    result, _ = run_stored(SweepStore(plan), 1)
+    import vibsim
+
+    state = vibsim.simulate(result.case_at((0, 0))).at(13 / 3.3)
+    for name in ("x1", "v1", "x2", "v2"):
+        # an instant is rounded to 1e-16 of 4 s, and the state changes at up to 100 units per second
+        assert result[f"end_{name}"][0, 0] == pytest.approx(float(state[name]), rel=1e-9, abs=1e-13)
+
+
+def test_fresh_points_do_not_depend_on_the_direction():
+    result, _ = run_stored(SweepStore(short_plan(direction="both")), 2)
+    for name in ("mean_speed", "amplitude_x1", "end_x2"):
+        assert (result[name][:, 0] == result[name][:, 1]).all()
+
+
+# Points that fail: kept with their reason, tried again, and no harm to the others.
+
+
+def test_a_failed_point_is_kept_with_its_reason_and_tried_again(tmp_path, monkeypatch):
+    from vibsim.engine.errors import EngineError, State
+    from vibsim.engine.trajectory import open_trajectory
+    from vibsim.sweeps import statistics
+
+    def failing(scene, *arguments, **options):
+        if abs(scene.motor.Omega0 / 2 / np.pi - 4) < 1e-9:
+            raise EngineError("diverged", State(1.5, [1.5], [1.5], 1.5, 1.5, 1.5))
+        return open_trajectory(scene, *arguments, **options)
+
+    plan, path = short_plan({OMEGA0: "3, 4, 5 Hz"}, carry_state=True), tmp_path / "sweep.h5"
+    monkeypatch.setattr(statistics, "open_trajectory", failing)
+    result, _ = complete(plan, path)
+    assert result["status"].ravel().tolist() == [DONE, FAILED, DONE]
+    assert "t = 1.5 s: the state is no longer finite" in result["error"][1, 0]
+    assert np.isnan(result["mean_speed"][1, 0]) and result.complete
+    assert result.case_at((2, 0)).number("initial.x1") == result["end_x1"][0, 0]  # passes over the failed one
+    monkeypatch.undo()
+    again, _ = complete(plan, path)
+    assert_same_points(again.table, in_memory(plan))
+
+
+def test_a_point_whose_case_is_not_allowed_fails_alone():
+    """Each value alone is allowed; together t_end and every make too many samples."""
+    plan = short_plan({"t_end": "1, 100 s", "every": "1e-9, 1 s"}, short_case(run__every="1 s"))
+    result, _ = run_stored(SweepStore(plan), 1)
+    assert result["status"][:, :, 0].tolist() == [[DONE, DONE], [FAILED, DONE]]
+    assert "samples" in result["error"][1, 0, 0]
+
+
+def test_a_bug_at_one_point_does_not_stop_the_others(monkeypatch):
+    from vibsim.sweeps import points
+
+    class Faulty(points.Statistics):
+        def update(self, block):
+            if abs(self.scene.motor.Omega0 / 2 / np.pi - 4) < 1e-9:
+                raise ZeroDivisionError("by nothing")
+            super().update(block)
+
+    monkeypatch.setattr(points, "Statistics", Faulty)
+    result, _ = run_stored(SweepStore(short_plan({OMEGA0: "3, 4, 5 Hz"})), 2)
+    assert result["status"].ravel().tolist() == [DONE, FAILED, DONE]
+    assert result["error"][1, 0].startswith(
+        "a bug in vibsim, please report it: ZeroDivisionError: by nothing (test_"
+    )
+
+
+def test_a_motion_too_fast_to_take_statistics_of_fails_alone():
+    """10^300 turns a second over 2 s are no 10^10 samples; nor are 2 s in steps of 10^-30 s."""
+    result, _ = run_stored(SweepStore(short_plan({OMEGA0: "1e300, 4 Hz"})), 1)
+    assert result["status"].ravel().tolist() == [FAILED, DONE]
+    assert "more than 1e10 samples" in result["error"][0, 0]
+    result, _ = run_stored(SweepStore(short_plan({OMEGA0: "4 Hz"}, every="1e-30 s")), 1)
+    assert "more than 1e10 samples" in result["error"][0, 0]
+
+
+# A disk that fills up during a sweep: a clear message, and no point that was computed is lost.
+
+
+SWEEP = """
+import os, resource, sys
+from vibsim.command_line.main import main
+limit, section = int(sys.argv[1]), sys.argv[2]
+resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))  # no file grows beyond that
+sys.argv[1:] = "sweep II-B --omega0 3:5:0.1 --t-end 2s -j 2 -o s.h5 --section".split() + [section]
+main()
+"""
+AXES = {"excitation.Omega0": "3:5:0.1 Hz"}
+
+
+def size_without_points(plan, path):
+    with SweepStore(plan, path):
+        size = os.path.getsize(path)
+    path.unlink()
+    return size
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs limits of a process")
+@pytest.mark.parametrize(
+    ("section", "further", "left"),
+    [
+        (100, 500, ["s.h5", "s.h5.journal"]),  # room for the journal, none for the file that takes it up
+        (1500, 600_000, ["s.h5"]),  # room for the file, none for the journal of all points
+    ],
+)
+def test_nothing_computed_is_lost(tmp_path, section, further, left):
+    plan, path = short_plan(AXES, short_case(t_end="2 s"), section=section), tmp_path / "s.h5"
+    limit = size_without_points(plan, path) + further
+    command = [sys.executable, "-c", SWEEP, str(limit), str(section)]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 6
+    assert "disk full; " in done.stderr and "and the same command resumes it" in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert sorted(os.listdir(tmp_path)) == left
+    open_result(path)
+    store = SweepStore(plan, path)
+    kept = store.table.count(DONE)
+    store._journal.close(remove=False)
+    assert kept > 0
+    result, computed = complete(plan, path)
+    assert len(computed) == plan.count - kept
+    assert_same_points(result.table, in_memory(plan))
+    assert os.listdir(tmp_path) == ["s.h5"]

@@ -5,15 +5,20 @@ import math
 import h5py
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import vibsim
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from vibsim.analysis import capture, judge_capture, judge_regime
 from vibsim.analysis.analysis import StreamedVerdicts
+from vibsim.cases import load_case
+from vibsim.cases.case import load_case_text
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import EVENT_KINDS
 from vibsim.results.simulation import open_result
-from vibsim.sweeps import computations
+from vibsim.sweeps import computations, sweep
+from vibsim.sweeps.contact_computations import VERDICTS
+from vibsim.sweeps.quantities import KINDS
 from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError
 
@@ -138,3 +143,124 @@ def test_verdicts_on_file(tmp_path):
 def test_capture_needs_a_motor():
     with pytest.raises(PlanError, match="capture is for cases with a motor; I-B is another kind of case"):
         short_plan({"c": "0.1"}, short_case("I-B"), compute=["capture"])
+
+
+# End states: rest and vibration where theory says so.
+
+
+NAMES = {code: name for name, code in VERDICTS.items()}
+OSCILLATOR = """
+bodies: {a: 1 kg}
+links: {s: {between: [a, ground], k: 4 N/m, c: 0.1 N s/m}}
+initial: {a: {x: 1 m}}
+run: {t_end: 40 s}
+"""
+
+
+def ends(case, axes, **settings):
+    """The verdicts of a sweep, in words."""
+    result = sweep(case, axes, compute=["end-state"], jobs=1, **settings)
+    return [NAMES[int(code)] for code in result["end_state"].ravel()]
+
+
+def test_a_damped_oscillator_rests_and_an_undamped_one_is_undecided():
+    case = load_case_text(OSCILLATOR, name="oscillator")
+    assert ends(case, {"s.c": "0, 0.01, 0.1, 5 N s/m"}) == ["undecided", "rest", "rest", "rest"]
+
+
+def test_what_friction_holds_rests():
+    case = load_case_text(OSCILLATOR + "friction: {f: {between: [a, ground], N: 1 N, mu: 0.5}}", name="held")
+    assert ends(case, {"f.mu": "0.3, 0.5"}) == ["rest", "rest"]
+
+
+def test_a_ball_that_chatters_to_rest_and_one_that_loses_nothing():
+    case = load_case("gallery/bouncing-ball", {"run.t_end": "20 s"})
+    (stop,) = case.scene().stops
+    assert ends(case, {f"{stop.name}.e": "0.5, 1"}) == ["rest", "vibration"]
+
+
+@pytest.mark.parametrize(
+    ("speed", "states"), [(1.1, {"vibration"}), (1.5, {"rest", "vibration"}), (1.85, {"rest"})]
+)
+def test_the_belt_oscillator_is_bistable_between_its_two_bounds(speed, states):
+    """Rest is stable above ln(10)/2 = 1.151 m/s, the stick-slip cycle lives up to 1.8366 m/s."""
+    spread = {"block.x": "-2:2 m", "block.v": "0:2 m/s"}
+    case = load_case("gallery/belt-oscillator", {"run.t_end": "300 s"})
+    axes = {"belt.belt": f"{speed} m/s"}
+    found = ends(case, axes, ensemble=12, spread=spread, discard="200 s")
+    assert set(found) == states
+
+
+def test_the_verdict_agrees_with_the_amplitude():
+    """Rest and cycle are far apart: the cycle swings by about the belt speed."""
+    case = load_case("gallery/belt-oscillator", {"run.t_end": "300 s"})
+    spread = {"block.x": "-2:2 m", "block.v": "0:2 m/s"}
+    result = sweep(
+        case, {"belt.belt": "1.4:1.8:0.2 m/s"}, compute=["end-state"], ensemble=8, spread=spread,
+        discard="200 s", jobs=1,
+    )  # fmt: skip
+    np.testing.assert_array_equal(
+        result["end_state"] == VERDICTS["vibration"], result["amplitude_x_block"] > 0.5
+    )
+
+
+def test_a_source_leaves_it_to_the_regime():
+    wanted = (
+        "end-state is for cases that move freely, under constant forces alone; impact-pair is another kind"
+    )
+    with pytest.raises(PlanError, match=wanted):
+        sweep(load_case("gallery/impact-pair"), {"base.a": "1, 2 mm"}, compute=["end-state"])
+
+
+def test_a_limit_cycle_with_sharp_peaks_is_no_rest():
+    """Van der Pol's oscillator swings for ever at one amplitude; its period of 6.6633 s is 20 samples but
+    for 0.05 %, which come to the peak of its speed in one half of the time and miss it in the other.
+    """
+    found = ends(
+        "gallery/van-der-pol", {"mass.x": "-3, 3 m"}, overrides={"run.t_end": "2000 s"}, discard="90 %"
+    )
+    assert found == ["undecided"] * 2
+
+
+# The map of Shaw and Holmes (1983): motions with one impact in n periods before a wall at x = 0.
+
+
+CASE = "gallery/impact-oscillator"
+
+
+def trace(w, e, n):
+    """Sum of both multipliers, whose product is e^2, of x'' + x = cos wt, x <= 0: one impact in n periods."""
+    c = np.cos(2 * np.pi * n / w)
+    return -2 * e * c + (1 + e) ** 2 * (1 - w * w) * (1 + c) / 2
+
+
+def doubling(w, e, n):
+    return 1 + trace(w, e, n) + e * e
+
+
+@pytest.mark.parametrize(("n", "low", "high"), [(1, 2.6, 2.7), (2, 4.6, 4.7), (3, 5.3, 5.4)])
+def test_labels_on_both_sides_of_a_doubling(n, low, high):
+    """Inside the motion has the closed form's multipliers; 0.02 rad/s outside it is another one."""
+    edge = brentq(doubling, low, high, args=(0.6, n), xtol=1e-14)
+    inside = float(np.sign(doubling(high, 0.6, n)))  # on which side it is stable
+    values = ", ".join(f"{edge + side * 0.02 * inside!r} rad/s" for side in (1, -1)).replace(" rad/s,", ",")
+    found = vibsim.sweep(
+        CASE, {"drive.omega": values}, overrides={"wall.e": "0.6", "run.t_end": "600 s"}, section=0,
+        compute="attractor", jobs=1,
+    )  # fmt: skip
+    kind, period, multiplier = (
+        found[f"attractor_{name}"].ravel() for name in ("kind", "period", "multiplier")
+    )
+    word = found.attractors["word"][found["attractor"].ravel()[0]]
+    assert (kind[0], period[0], word) == (KINDS["periodic"], n, "i")
+    t = trace(edge + 0.02 * inside, 0.6, n)
+    assert multiplier[0] == pytest.approx(np.abs(np.roots([1, -t, 0.36])).max(), rel=1e-11)
+    assert kind[1] != KINDS["periodic"] or period[1] != n
+
+
+def test_the_curve_of_doublings():
+    orbit = vibsim.orbit(CASE, {"drive.omega": "3.7 rad/s"})
+    branch = vibsim.continue_branch(orbit, "drive.omega", "3.34:3.7 rad/s")
+    locus = vibsim.continue_locus(branch, {"wall.e": "0.7:0.9"}, label="PD1")
+    exact = [brentq(doubling, 3.3, 3.4, args=(e, 2), xtol=1e-15) for e in locus["second"]]
+    np.testing.assert_allclose(locus["parameter"], exact, rtol=1e-12)

@@ -1,15 +1,18 @@
 """V10: a volume grows by the integral of the trace and by the determinants at the events."""
 
+import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 
 from tests.random_scenes import scenes
-from tests.scenes import CASE_NAMES, MOTORS, paper
-from tests.tangent.bundles import totals
-from tests.trajectories import run
+from tests.scenes import CASE_NAMES, MOTORS, fixed_block, harmonic, motor, paper, scene
+from tests.trajectories import opened, run
+from vibsim.engine.tangent.lyapunov import exponents_of
+from vibsim.engine.tangent.tangent_space import dimension
 
 # a series of order 20 is cut off at 1.65**20 / 20! = 9e-15 of the disturbance; rounding adds some eps times
 # the spread of the vectors, which free masses shear by the length of a piece
@@ -72,3 +75,165 @@ def test_impacts_and_reversals_by_hand():
     assert len(jumps) > 100 and np.count_nonzero(result.events["kind"] == 1) > 90
     # a jump is known to the rounding of S, eps |S|, over |S| - N > 0.01 N; there are 200 of them
     assert np.sum(growth[-1, 1:]) == pytest.approx(expected, abs=1e-10)
+
+
+# Runs with tangent bundles for tests.
+
+
+def totals(scene, engine="auto", count=None, begin=0.0, resume=None):
+    """Totals of the run of `scene` with `count` exponents (None: all) from the time `begin` [s]."""
+    count = dimension(scene.as_parts()) if count is None else count
+    trajectory = opened(scene, engine, resume, tangent=count, tangent_from=begin)
+    for _ in trajectory.blocks():
+        pass
+    return trajectory.totals
+
+
+def exponents(scene, engine="auto", count=None, begin=0.0):
+    """The exponents as `LyapunovExponents`."""
+    return exponents_of(totals(scene, engine, count, begin))
+
+
+def same_bits(one, other):
+    """Whether two dicts of totals agree in every bit."""
+    return list(one) == list(other) and all(bits(one[name]) == bits(other[name]) for name in one)
+
+
+def bits(value):
+    return np.asarray(value, dtype="f8").tobytes()
+
+
+# Exponents of linear scenes without events: known exactly.
+
+
+m1, m2, k1 = 0.297, 2.94, 200.0
+MOBILITY = 1 / m1 + 1 / m2
+METHODS = ("closed_form", "taylor")
+ROUNDING = 1e-12  # of some 100 pieces over some 10 s
+
+
+def turns(a, b, count):
+    """Time of `count` turns of y'' + 2 a y' + b y = 0 [s]: over it all (y, y') shrink by exp(-a t)."""
+    return count * 2 * math.pi / math.sqrt(b - a * a)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    "source", [None, harmonic(3.5, 0.07), harmonic(math.sqrt(k1 / m1) / 2 / math.pi, 0.1, 0.2)]
+)
+@pytest.mark.parametrize("c", [0.001, 0.5, 10.0])
+def test_a_damped_oscillator(method, source, c):
+    a = c / (2 * m1)
+    t_end = turns(a, k1 / m1, 30)
+    found = exponents(fixed_block(source, c=c, G=None, x1=0.01, t_end=t_end, method=method))
+    np.testing.assert_allclose(found.exponents, -a, rtol=0, atol=ROUNDING * (1 + a))
+    assert found.span == (0.0, t_end)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("c", [20.0, 100.0])
+def test_an_overdamped_oscillator(method, c):
+    a = c / (2 * m1)
+    kappa = math.sqrt(a * a - k1 / m1)
+    at_rest = fixed_block(None, c=c, G=None, t_end=8.0, method=method)
+    found = exponents(at_rest, begin=4.0)  # exp(-2 kappa 4) = 1e-57 at most: the directions have settled
+    slow = -(k1 / m1) / (a + kappa)
+    np.testing.assert_allclose(found.exponents, [slow, -(a + kappa)], rtol=1e-12)
+
+
+@pytest.mark.parametrize("c", [0.02, 2.0])
+def test_two_blocks_without_friction(c):
+    """(y, u) shrinks by exp(-a t) with a = c (1/m1 + 1/m2) / 2; the common velocity stays."""
+    a, b = c * MOBILITY / 2, k1 * MOBILITY
+    settled = 40.0 / a
+    t_end = settled + turns(a, b, 50)
+    two = scene(harmonic(3.5, 0.07), c=c, N=None, k2=None, G=None, t_end=t_end)
+    found = exponents(two, begin=settled)
+    np.testing.assert_allclose(found.exponents, [0.0, -a, -a], rtol=0, atol=ROUNDING * (1 + a))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_blocks_without_damping(method):
+    """Nothing grows or shrinks but by turning in an ellipse: the exponents vanish like 1 / t."""
+    free = scene(c=0.0, N=None, k2=None, G=None, x1=0.01, t_end=turns(0.0, k1 * MOBILITY, 40), method=method)
+    np.testing.assert_allclose(exponents(free).exponents, 0.0, atol=1e-12)
+
+
+def test_the_motor_alone():
+    """V9: 0 for the angle, -M0 / (Omega0 (J + m3 e^2)) for the speed; the heavy block swings undamped."""
+    rate = 0.005 / (2 * math.pi * 5.5 * (0.001 + 0.03 * 0.11**2))
+    heavy = fixed_block(motor(5.5), m1=1e30, k1=1e31, c=0.0, G=None, t_end=600.0)
+    found = exponents(heavy, begin=400.0)  # exp(-rate 400) = 6e-19
+    # the swing shakes the rotor: m3 e times its acceleration over J + m3 e^2 tilts the directions to and fro
+    np.testing.assert_allclose(found.exponents[3], -rate, rtol=1e-5)
+    np.testing.assert_allclose(found.exponents[:3], 0.0, atol=1e-5)
+    assert sum(found.exponents) == pytest.approx(-rate, rel=1e-12)
+
+
+def test_all_exponents_add_up_to_the_mean_contraction():
+    """Sum = -c (1/m1 + 1/m2), with or without the friction that never turns round here."""
+    sliding = scene(harmonic(3.5, 0.07), v1=5.0, v2=5.0, c=0.3, k2=None, G=None, t_end=30.0)
+    found = exponents(sliding, begin=5.0)
+    assert sum(found.exponents) == pytest.approx(-0.3 * MOBILITY, rel=1e-12)
+    assert found.rank_losses == 0
+
+
+# The largest exponent against the growth of the distance between two runs (Benettin et al. 1976). Every few
+# tenths of a second the second run is pulled back along the line to the first and starts afresh, so nothing
+# of the tangent flow is used. Both are followed along one and the same orbit.
+
+
+KICK = 1e-9  # of a velocity [m/s]: far above rounding, and its square far below
+RATE, ARM = 26.0, 0.11  # to compare displacements [1/s] and angles [m] with velocities
+SCALES = {"x1": RATE, "v1": 1.0, "x2": RATE, "v2": 1.0, "phi": ARM * RATE, "phidot": ARM}
+
+
+def orbit(scene, num, den):
+    """States every num / den [s]."""
+    samples = run(replace(scene, every_num=num, every_den=den)).samples
+    names = [name for name in SCALES if name in samples]
+    return [{name: float(samples[name][i]) for name in names} for i in range(len(samples["time"]))]
+
+
+def advanced(scene, state, length):
+    """The state `length` [s] after `state`, from which a run starts afresh at phase 0 of the source."""
+    ended = run(replace(scene, **state, t_end=length, every_num=1000, every_den=1)).events
+    return {name: float(ended[name][-1]) for name in state}
+
+
+def pulled_back(state, other):
+    """Difference of two states pulled back to the size KICK, and the logarithm of its size over KICK.
+
+    A shift of both blocks, which never fades, is taken out: the exponents are those of the rest.
+    """
+    apart = {name: other[name] - value for name, value in state.items()}
+    apart["x1"], apart["x2"] = apart["x1"] - apart["x2"], 0.0
+    size = np.sqrt(sum((apart[name] * SCALES[name]) ** 2 for name in apart)) / KICK
+    return {name: value / size for name, value in apart.items()}, float(np.log(size))
+
+
+def growth(scene, num, den):
+    """Logarithm of the distance's growth since the start, every num / den [s]."""
+    states = orbit(scene, num, den)
+    difference, _ = pulled_back(states[0], {name: value + KICK for name, value in states[0].items()})
+    sums = [0.0]
+    for state, after in pairwise(states):
+        kicked = {name: value + difference[name] for name, value in state.items()}
+        difference, grown = pulled_back(after, advanced(scene, kicked, num / den))
+        sums.append(sums[-1] + grown)
+    return np.array(sums)
+
+
+@pytest.mark.parametrize(
+    ("name", "num", "den"), [("I-A-eq211", 2, 7), ("I-B-eq211", 4, 11), ("I-C-eq211", 4, 13), ("II-B", 1, 4)]
+)
+def test_chaotic_motion(name, num, den):
+    """Over the later part of the run, when both have turned into the direction of fastest growth."""
+    scene = paper(name)
+    begin, end = 100 * num, 400 * num  # in units of 1 / den: before it settles
+    sums = growth(replace(scene, t_end=end / den), num, den)
+    theirs = (sums[-1] - sums[100]) / ((end - begin) / den)
+    found = exponents(replace(scene, t_end=end / den), count=1, begin=begin / den)
+    # the two begin their spans up to a step apart: a growth by a factor of two, over 75 s
+    assert found.exponents[0] == pytest.approx(theirs, abs=0.01)
+    assert theirs > 0.3

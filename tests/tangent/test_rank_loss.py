@@ -6,9 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.scenes import paper, scene
-from tests.tangent.bundles import exponents
+from tests.scenes import fixed_block, harmonic, paper, scene
+from tests.tangent.test_liouville import exponents
 from tests.trajectories import ENGINES, run
+from vibsim.engine.driver import Driver
+from vibsim.engine.tangent.tangent_space import plainly_weighed_alike, weights
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import EVENT_NAMES
+from vibsim.physics.two_blocks import motor_accelerations, transmitted_force
 
 m1, m2, k1 = 0.297, 2.94, 200.0
 
@@ -61,3 +66,125 @@ def test_a_span_that_begins_at_rest_counts_it():
     found = exponents(replace(case, t_end=float(until)), begin=float(since + until) / 2)
     assert since < found.span[0] < until
     assert found.rank_losses == 1 and found.exponents[2] == -math.inf
+
+
+# What disturbances are measured by, and which changes of a scene leave it as it is.
+
+
+SCENE = paper("II-B").as_parts()
+LINK, STOP, BODY, MOTOR = SCENE.links[0], SCENE.stops[0], SCENE.bodies[0], SCENE.motor
+CHANGES = {
+    "damping": ({"links": (replace(LINK, c=2 * LINK.c + 1),)}, True),
+    "no-load speed": ({"motor": replace(MOTOR, Omega0=2 * MOTOR.Omega0)}, True),
+    "spring": ({"links": (replace(LINK, k=2 * LINK.k),)}, False),
+    "mass": ({"bodies": (replace(BODY, m=2 * BODY.m), *SCENE.bodies[1:])}, False),
+    "arm of the motor": ({"motor": replace(MOTOR, e=2 * MOTOR.e)}, False),
+}
+
+
+@pytest.mark.parametrize(("parts", "alike"), CHANGES.values(), ids=CHANGES.keys())
+def test_weights_follow_springs_masses_and_the_arm(parts, alike):
+    other = SCENE.but(**parts)
+    assert plainly_weighed_alike(SCENE, other) is alike
+    assert (weights(SCENE, Doubles) == weights(other, Doubles)) is alike
+
+
+def test_a_stop_that_is_another_is_not_plainly_alike():
+    """Its stiffness weighs where no link has a spring."""
+    assert not plainly_weighed_alike(SCENE, SCENE.but(stops=(replace(STOP, k=2 * STOP.k),)))
+
+
+# Without an ideal source no time occurs: the motion's own direction is carried along, through all events.
+
+
+def direction(scene, state, status):
+    """Rate of change of (x1, v1, ...), from the equations as printed, where x1 is measured from block 2."""
+    (x1, x2), (v1, v2) = state.x, state.v
+    force = transmitted_force(scene, x1 - x2, v1 - v2, status.stops[0])
+    a1, rotor = -force / scene.m1, []
+    if scene.has_motor:
+        a1, dw = motor_accelerations(scene, force, np.sin(state.phase), np.cos(state.phase), state.w)
+        rotor = [state.w, dw]
+    slip = status.frictions[0]
+    a2 = (force - slip * scene.N) / scene.m2 if slip else 0.0
+    return [v1 - v2, 0.0, a1, a2, *rotor]
+
+
+def carried(scene, method):
+    """The direction at the start, carried to the end; the direction there; kinds of the events between."""
+    driver = Driver(replace(scene, method=method).as_parts(), Doubles, tangent=(1, 0.0))
+    driver.tangent.vectors = [direction(scene, driver.state, driver.status)]
+    while not driver.finished:
+        driver.run(10**9, 10**9, 10**6)
+    ours = np.exp(driver.tangent.sums[0]) * np.array(driver.tangent.vectors[0])
+    kinds = [EVENT_NAMES[code] for code, *_ in driver.events]
+    return ours, np.array(direction(scene, driver.state, driver.status)), kinds
+
+
+@pytest.mark.parametrize(("name", "t_end"), [("II-A", 15.0), ("II-B", 8.0), ("II-C", 6.0)])
+def test_the_motors_cases(name, t_end):
+    ours, theirs, kinds = carried(paper(name, t_end=t_end), "taylor")
+    # errors grow no faster than neighbours part; by less than 1e4 here
+    np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-10 * np.max(np.abs(theirs)))
+    assert kinds.count("contact_begin") > 10 and kinds.count("reversal") + kinds.count("stick_begin") > 10
+
+
+@pytest.mark.parametrize("method", ["closed_form", "taylor"])
+def test_a_free_vibration_with_impacts_and_friction(method):
+    released = scene(x1=0.02, v1=0.3, v2=-0.01, N=2.0, t_end=1.5, method=method)
+    ours, theirs, kinds = carried(released, method)
+    np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-10 * np.max(np.abs(theirs)))
+    assert {"contact_begin", "reversal", "stick_begin", "stick_end"} <= set(kinds)
+
+
+# Events crossed almost tangentially are told: first order holds for ever smaller disturbances there.
+
+
+M1, K1, c, FREQUENCY, GAP = 0.297, 200.0, 1.0, 3.0, 0.001
+OMEGA = 2 * math.pi * FREQUENCY
+IMPEDANCE = math.hypot(K1 - M1 * OMEGA**2, c * OMEGA)
+
+
+def grazing(ratio, periods=30):
+    """The steady vibration whose amplitude without the stop would be `ratio` times the gap (V5)."""
+    amplitude = ratio * GAP
+    lag = math.atan2(c * OMEGA, K1 - M1 * OMEGA**2)
+    start = {"x1": -amplitude * math.sin(lag), "v1": amplitude * OMEGA * math.cos(lag)}
+    source = harmonic(FREQUENCY, IMPEDANCE * amplitude)
+    return fixed_block(source, **start, c=c, k2=1000.0, stop_sign=-1, t_end=periods / FREQUENCY)
+
+
+def test_a_contact_that_just_happens():
+    found = exponents(grazing(1 + 1e-8))
+    assert found.tangencies >= 30  # one contact a period, begun and ended at sqrt(2e-8) of the top speed
+    assert found.closest_tangency < 1e-6
+    assert 0.0 < found.closest_tangency_time <= 10.0
+
+
+def test_a_contact_that_just_does_not_happen():
+    found = exponents(grazing(1 - 1e-8))
+    assert found.tangencies == 1  # the smallest gap of the run
+    assert 3e-9 < found.closest_tangency < 3e-8  # 1e-8 of the amplitude, twice, over one to three amplitudes
+
+
+@pytest.mark.parametrize("ratio", [0.5, 2.0])
+def test_no_contact_and_a_clear_one(ratio):
+    found = exponents(grazing(ratio))
+    assert found.tangencies == 0 and found.closest_tangency > 1e-3
+
+
+def test_a_block_that_all_but_passes_through_rest():
+    """From x2 = -N/k - r/2 it slides on a circle of radius r about -N/k to its stop, where S = N - k r."""
+    stiffness, friction, mass = 200.0, 1.0, 2.94
+    radius = 5e-4 * 2 * friction / stiffness  # (N - S) / (2 N) is 5e-4
+    start = {"x2": -friction / stiffness - radius / 2}
+    start["v2"] = math.sqrt(0.75 * stiffness / mass) * radius
+    stopped = scene(None, **start, m1=1e12, c=0.0, k2=None, G=None, N=friction, t_end=1.0)
+    found = exponents(stopped)
+    assert found.rank_losses == 1 and found.tangencies == 1
+    assert found.closest_tangency == pytest.approx(2.5e-7, rel=1e-6)
+
+
+def test_the_papers_cases_have_none():
+    for name in ("I-A", "I-B", "II-B"):
+        assert exponents(paper(name, t_end=60.0), begin=10.0).tangencies == 0

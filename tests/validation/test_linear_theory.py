@@ -1,11 +1,14 @@
-"""V2, V4 and V5: what linear theory says of the scenes without impacts, and of the first one."""
+"""Closed forms of linear, bilinear and rubbing oscillators; mirrored scenes."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
 
-from tests.scenes import fixed_block, harmonic, scene
+from tests.random_scenes import scenes
+from tests.scenes import CASE_NAMES, fixed_block, harmonic, paper, scene
 from tests.trajectories import ENGINES, run
 
 METHODS = ("closed_form", "taylor")
@@ -84,3 +87,128 @@ def test_engines_agree_at_grazing(method):
         fast, slow = run(touching, "c"), run(touching, "python")
         assert fast.kinds == slow.kinds
         assert fast.times.tolist() == slow.times.tolist()
+
+
+# V3: with the stop at the rest position the relative motion is the bilinear oscillator.
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("method", ("closed_form", "taylor"))
+def test_bilinear_frequency(engine, method):
+    mobility = 1 / 0.297 + 1 / 2.94
+    f1, f2 = (math.sqrt(k * mobility) / (2 * math.pi) for k in (200.0, 12600.0))
+    assert (f1, f2) == pytest.approx((4.3337, 34.397), rel=2e-5)
+    result = run(scene(x1=0.05, c=0.0, N=None, G=0.0, t_end=3.0, method=method), engine)
+    begins = result.times[0::2]
+    assert result.kinds[:2] == ["contact_begin", "contact_end"]
+    assert result.totals["impacts"] >= 22
+    # half a period of each oscillator; a time is off by its rounding (2^-52 s here) and by eps of the phases
+    np.testing.assert_allclose(np.diff(begins), (1 / f1 + 1 / f2) / 2, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(
+        result.times[1::2] - begins[: len(result.times[1::2])], 1 / (2 * f2), rtol=0, atol=1e-14
+    )
+    assert 1 / np.diff(begins).mean() == pytest.approx(7.6975, abs=5e-5)
+    assert result.times[0] == pytest.approx(1 / (4 * f1), abs=1e-15)
+
+
+# V6 and V7: Coulomb friction alone, with exact stops.
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("v0", (0.02, -0.02, 0.7))
+def test_a_sliding_block_stops_and_stays(engine, method, v0):
+    mu_g = 0.001 * 9.81
+    alone = scene(k1=0.0, c=0.0, k2=None, G=None, v2=v0, t_end=100.0, every_num=1, every_den=2, method=method)
+    result = run(alone, engine)
+    stop, distance = abs(v0) / mu_g, v0 * abs(v0) / (2 * mu_g)
+    assert result.kinds == ["stick_begin"]
+    assert result.times[0] == pytest.approx(stop, rel=1e-15 * 4)
+    after = result.samples["time"] >= stop
+    assert np.all(result.samples["v2"][after] == 0.0)
+    assert np.all(result.samples["friction"][after] == 0)
+    assert np.ptp(result.samples["x2"][after]) == 0.0
+    assert result.final("x2") == pytest.approx(distance, rel=1e-15 * 8)
+
+
+def scaled_friction_oscillator(m1, **changes):
+    """x'' + x + sgn(x') = 0 for block 2 on its spring to a block 1 that is practically a wall."""
+    numbers = {"m1": m1, "m2": 1.0, "k1": 1.0, "c": 0.0, "k2": None, "G": None, "N": 1.0}
+    return scene(**numbers, x2=12.0, v2=6.0, t_end=40.0, every_num=1, every_den=10, **changes)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(("m1", "tolerance"), [(1e30, 2e-13), (1e12, 2e-8)])
+def test_the_scaled_friction_oscillator(engine, method, m1, tolerance):
+    # Circles about -1 (x' > 0) and +1: from (12, 6) an arc of atan2(6, 13), then seven half turns.
+    # A block 1 of 1e12 moves by x t^2 / (2 m1) = 3e-9 meanwhile.
+    result = run(scaled_friction_oscillator(m1, method=method), engine)
+    assert result.kinds == ["reversal"] * 7 + ["stick_begin"]
+    first = math.atan2(6, 13)
+    np.testing.assert_allclose(result.times, first + math.pi * np.arange(8), rtol=0, atol=tolerance)
+    assert result.final("x2") == pytest.approx(15 - math.sqrt(205), abs=tolerance)
+    after = result.samples["time"] >= result.times[-1]
+    assert np.ptp(result.samples["x2"][after]) == 0.0
+    # turning points: the amplitude about the centre falls by 2 N / k1 at each
+    turns = result.events["x2"][1:-1]
+    radius = math.sqrt(205)
+    expected = [(-1) ** n * (radius - 1 - 2 * n) for n in range(8)]
+    np.testing.assert_allclose(turns, expected, rtol=0, atol=tolerance)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_amplitude_falls_by_4_mu_m2_g_over_k1_per_cycle(method):
+    mu_m2_g = 0.02 * 2.94 * 9.81
+    heavy = scene(m1=1e30, c=0.0, k2=None, G=None, N=mu_m2_g, x2=0.05, t_end=8.0, method=method)
+    result = run(heavy)
+    tops = result.events["x2"][1:-1][1::2]  # every second turning point is a maximum
+    assert len(tops) >= 3
+    np.testing.assert_allclose(np.diff(tops[:-1]), -4 * mu_m2_g / 200.0, rtol=1e-12)
+
+
+# V8: any scene mirrored gives the mirrored trajectory, bit for bit.
+
+
+ODD = ("x1", "v1", "x2", "v2", "friction")  # change sign; all else stays: time, phi, phidot, contact, kinds
+
+
+def mirrored(scene):
+    """The scene seen in a mirror: signs of state and of A, F0 or e, and the stop on the other side."""
+    names = ("A", "F0", "e", "x1", "v1", "x2", "v2")
+    flipped = {name: -getattr(scene, name) for name in names if getattr(scene, name) is not None}
+    return replace(scene, stop_sign=-scene.stop_sign, **flipped)
+
+
+def assert_mirror_image(scene, engine):
+    one, other = run(scene, engine), run(mirrored(scene), engine)
+    for table, image in ((one.samples, other.samples), (one.events, other.events)):
+        for name, column in table.items():
+            # without friction the flag means nothing and is absent; -0.0 == 0.0 holds
+            np.testing.assert_array_equal(-image[name] if name in ODD else image[name], column, err_msg=name)
+    assert one.totals == pytest.approx(other.totals, rel=0, abs=0, nan_ok=True)
+    return one
+
+
+@pytest.mark.parametrize("name", CASE_NAMES)
+def test_papers_cases_mirrored(name):
+    result = assert_mirror_image(paper(name, t_end=60.0), "c")
+    assert result.totals["impacts"] > 10
+
+
+@pytest.mark.parametrize("name", ("I-A", "II-B"))
+@pytest.mark.parametrize("engine", ENGINES)
+def test_both_engines_mirrored(name, engine):
+    assert_mirror_image(paper(name, t_end=5.0), engine)
+
+
+@settings(max_examples=150)
+@given(scenes(features=False))
+def test_random_scenes_mirrored(scene):
+    assert_mirror_image(scene, "c")
+
+
+@settings(max_examples=100)
+@given(scenes(sources=("none", "harmonic"), features=False))
+def test_random_scenes_mirrored_by_taylor(scene):
+    assert_mirror_image(replace(scene, method="taylor"), "c")

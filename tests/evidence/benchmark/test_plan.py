@@ -1,7 +1,27 @@
+"""Plans of benchmarks, and verdicts on their rows."""
+
+import math
+
+import numpy as np
 import pytest
 
-from tests.evidence.benchmark.made import plan
+from tests.evidence.benchmark.made import plan, planted
 from vibsim.cases import CaseError, load_case
+from vibsim.evidence.benchmark.bench_result import (
+    DONE,
+    FAILED,
+    SLOWER,
+    BenchResult,
+    BenchRow,
+    beside_reference,
+    error_at,
+    facts,
+    faster,
+    fastest,
+    impacts_per_second,
+    most_accurate,
+    reference,
+)
 from vibsim.evidence.benchmark.plan import FAMILIES, BenchError, family_of, make_plan
 
 
@@ -88,3 +108,83 @@ def test_what_is_not_installed_is_left_out(monkeypatch):
 def test_settings_of_a_family_are_told_apart(family):
     names = [setting for setting, _ in family.ladder]
     assert len(set(names)) == len(names)
+
+
+TIMES = np.array([0.0, 1.0, 2.0])
+
+
+def row(method, setting, cpu_time, errors, status=DONE, t_reached=2.0):
+    return BenchRow(method, setting, status, cpu_time=cpu_time, t_reached=t_reached, error=np.array(errors))
+
+
+ROWS = [
+    row("taylor", "tol 1e-3", 2e-3, [0, 1e-4, 1e-2]),
+    row("taylor", "tol 1.1e-16", 4e-3, [0, 1e-13, 1e-2]),
+    row("orders", "order 8", 9e-3, [0, 1e-14, 1e-2]),
+    row("dop853", "rtol 1e-3", 1.0, [0, 1e-3, 1e-2]),
+    row("dop853", "rtol 1e-9", 4.0, [0, 1e-9, 1e-2]),
+    row("rk45", "rtol 1e-9", 1e-4, [0, math.nan, math.nan], SLOWER, 0.5),
+    BenchRow("rk4", "step 2 ms", FAILED, "why", error=np.full(3, math.nan)),
+]
+TEXT = load_case("II-B").resolved_json()
+
+
+def bench(rows=ROWS, events=()):
+    attrs = {"check_times_s": [1.0, 2.0], "case_yaml": "", "case_resolved_json": TEXT}
+    truth = planted(TIMES, [0, 0, 0], events)
+    return BenchResult({**attrs, "methods": "[]", "not_installed": "[]"}, truth, rows)
+
+
+def test_errors_are_compared_before_chaos_parts_everybody():
+    assert bench().telling_time == 1.0
+    assert bench([row("rk4", "", 1.0, [0, 1e-3, 1e-2])]).telling_time == 1.0
+    assert bench([row("rk4", "", 1.0, [0, 1e-9, 1e-8])]).telling_time == 2.0
+
+
+def test_impacts_per_second_are_true_ones_until_the_time_reached():
+    events = [(0.3, 1), (0.4, 2), (0.6, 9), (1.5, 1)]  # contacts begin, end; an impact
+    assert impacts_per_second(bench(events=events), ROWS[0]) == pytest.approx(3 / 2e-3)
+    assert impacts_per_second(bench(events=events), ROWS[5]) == pytest.approx(1 / 1e-4)
+    assert impacts_per_second(bench(), ROWS[0]) is None and impacts_per_second(bench(), ROWS[6]) is None
+
+
+def test_who_is_left_out_is_told():
+    attrs = {**bench().attrs, "methods": '["closed-form", "taylor"]'}
+    left_out = facts(BenchResult(attrs, bench().truth, ROWS))["left_out"]
+    assert left_out == {"closed-form": "left out: it needs an ideal source, and the case has a motor"}
+
+
+def test_the_best():
+    assert fastest(bench()) is ROWS[0]
+    assert fastest(bench([row("rk4", "", 1e-6, [0, 2e-3, 0]), *ROWS])) is ROWS[0]  # fast, and wrong
+    assert most_accurate(bench()) is ROWS[2]
+    assert most_accurate(bench(), "dop853") is ROWS[4] and most_accurate(bench(), "rk4") is None
+
+
+def test_the_reference_is_vibsim_as_it_runs_by_default():
+    assert reference(bench()) is ROWS[1]
+    assert reference(bench(ROWS[3:])) is None and beside_reference(bench(ROWS[3:])) == []
+
+
+def test_peers_beside_it():
+    (found,) = beside_reference(bench())
+    assert found.row is ROWS[4]
+    assert found.times == pytest.approx(1000) and found.errors == pytest.approx(1e4)
+
+
+def test_how_much_faster_at_no_larger_error():
+    assert faster(bench(), ROWS[3]) == pytest.approx(500)  # beside the one of error 1e-4
+    assert faster(bench(), ROWS[4]) == pytest.approx(1000)
+    assert faster(bench(), row("heyoka", "", 1.0, [0, 1e-15, 0])) is None
+
+
+def test_no_error_is_below_what_doubles_tell():
+    assert error_at(bench(), row("rk4", "", 1.0, [0, 0, 0])) == 2.0**-60
+
+
+def test_facts_are_plain():
+    found = facts(bench())
+    assert found["telling_time_s"] == 1.0 and found["case"]["name"] == "II-B" and len(found["rows"]) == 7
+    assert found["rows"][5]["errors_m"] == [None, None] and found["rows"][5]["status"] == "slower"
+    assert found["rows"][6]["problem"] == "why" and found["rows"][6]["cpu_time"] is None
+    assert found["rows"][0]["evaluations"] is None

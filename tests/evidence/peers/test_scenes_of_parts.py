@@ -80,10 +80,7 @@ def heyoka(scene):
 
 
 INSTALLED = pytest.mark.skipif(find_spec("heyoka") is None, reason="needs heyoka")
-PEERS = [
-    pytest.param(dop853, 1e-8, id="dop853"),
-    pytest.param(heyoka, 1e-12, id="heyoka", marks=INSTALLED),
-]
+PEERS = [pytest.param(dop853, 1e-8, id="dop853"), pytest.param(heyoka, 1e-12, id="heyoka", marks=INSTALLED)]
 
 
 @pytest.mark.parametrize(("peer", "allowed"), PEERS)

@@ -1,13 +1,28 @@
 """What is shipped covers every validation case and every hard topic, by both flows where both exist."""
 
+from decimal import Decimal
+from functools import cache
+from math import inf, nan
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from vibsim.cases import hard_case_names, load_case
-from vibsim.evidence.verification.catalogue import UnknownCheckError, all_checks, selected, spellings
-from vibsim.evidence.verification.checks import flows_of
+from vibsim.engine.truth import open_truth
+from vibsim.evidence.verification import CheckPoint, CheckRow, verify
+from vibsim.evidence.verification.catalogue import (
+    PERIOD,
+    SPOOL,
+    TRUTH,
+    UnknownCheckError,
+    all_checks,
+    selected,
+    spellings,
+)
+from vibsim.evidence.verification.checks import compared, counted_row, flows_of, number_row, run, worst_row
 from vibsim.evidence.verification.hard_cases import REPORTED
+from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES
 
 NAMES = [check.name for check in all_checks()]
 
@@ -114,3 +129,173 @@ def test_an_unknown_check_gets_a_hint(name, hint):
 
 def test_spellings_name_groups_too():
     assert {"V1", "V1/I-A", "V1/I-A/taylor", "hard", "hard/chatter"} <= set(spellings(all_checks()))
+
+
+# The whole verification: every number within its bound.
+
+
+@pytest.mark.parametrize("name", [check.name for check in all_checks()])
+def test_all_numbers_are_within_their_bounds(name):
+    rows = list(verify([name], "c"))
+    assert rows
+    assert [(row.name, row.obtained, row.error, row.bound) for row in rows if not row.passed] == []
+
+
+# A row passes where its error is within its bound, and nothing else passes.
+
+
+def row(error, bound):
+    return CheckRow("V0", "x", "1", "1", error, bound, "m", "no reason")
+
+
+@pytest.mark.parametrize(("error", "bound"), [(0.0, 0.0), (1.0, 1.0), (1e-300, 1e-299), (3.0, inf)])
+def test_within(error, bound):
+    assert row(error, bound).passed
+
+
+@pytest.mark.parametrize(
+    ("error", "bound"), [(1.0, 0.999), (1e-320, 0.0), (nan, 1.0), (inf, 1.0), (1.0, nan)]
+)
+def test_beyond(error, bound):
+    assert not row(error, bound).passed
+
+
+def test_a_number_says_what_was_expected_and_obtained():
+    found = number_row("V0", compared("time", 2.0, 2.5, 1.0, "s"), "half")
+    assert (found.name, found.expected, found.obtained, found.error) == ("V0: time", "2 s", "2.5 s", 0.5)
+    assert found.passed
+
+
+def test_a_count_must_be_right():
+    assert counted_row("V0", "impacts", 7, 7, "exact").passed
+    assert not counted_row("V0", "impacts", 7, 8, "exact").passed
+
+
+@pytest.mark.parametrize(
+    ("points", "worst"),
+    [
+        ([(1.0, 10.0), (0.1, 0.2), (5.0, 100.0)], 1),  # half of its bound, where others use a tenth
+        ([(1.0, 10.0), (0.0, 0.0)], 0),  # no error is no part of no bound
+        ([(1.0, 10.0), (1e-9, 0.0)], 1),
+        ([(9.0, 10.0), (nan, 10.0), (1.0, 10.0)], 1),
+    ],
+)
+def test_the_worst_point_stands_for_all(points, worst):
+    made = [CheckPoint(f"x{i}", 0.0, 0.0, *pair) for i, pair in enumerate(points)]
+    assert worst_row("V0", made, "no reason").what == f"x{worst}"
+    assert worst_row("V0", made, "no reason").points == tuple(made)
+
+
+def test_nothing_compared_is_an_error():
+    with pytest.raises(ValueError, match="max"):
+        worst_row("V0", [], "no reason")
+
+
+# The hard cases move as their headers say.
+
+
+@cache
+def moved(name):
+    return run(load_case(f"hard/{name}"), "c")
+
+
+def events(name, kind):
+    """The rows of one kind of event."""
+    result = moved(name)
+    rows = result.events["kind"] == EVENT_KINDS[kind]
+    return {column: values[rows] for column, values in result.events.items()}
+
+
+def test_friction_holds_most_of_the_time():
+    assert np.mean(moved("mostly-stuck")["friction"] == 0) > 0.75
+    assert len(events("mostly-stuck", "stick_end")["t"]) >= 50
+
+
+def test_contact_is_lost_in_stick():
+    ends = events("contact-lost-while-stuck", "contact_end")
+    assert len(ends["t"]) >= 50 and np.all(ends["friction"] == 0)
+
+
+def test_contact_is_lost_in_the_moment_of_sticking():
+    (first,) = events("contact-lost-as-it-sticks", "contact_end")["t"][:1]
+    assert abs(events("contact-lost-as-it-sticks", "stick_begin")["t"] - first).min() < 1e-16
+
+
+def test_chatter_dies_out():
+    begins = events("chatter", "contact_begin")
+    ends = events("chatter", "contact_end")["t"]
+    count = len(ends)
+    flights = begins["t"][1:] - ends[: len(begins["t"]) - 1]
+    assert count > 100
+    assert flights[-1] < flights[0] / 100
+    assert moved("chatter")["contact"][-1] == 1
+
+
+def test_releases_at_the_peak_move_nothing():
+    # 64 touches, each rounding x2 beside an x1 of 5 mm
+    assert abs(moved("release-at-the-peak")["x2"]).max() < 64 * 2.0**-52 * 5e-3
+
+
+def test_slips_beside_the_peak_are_short():
+    ends, begins = (events("release-beside-the-peak", kind)["t"] for kind in ("stick_end", "stick_begin"))
+    assert len(ends) == len(begins) == 64
+    assert np.all((20 * (begins - ends) > 5e-5) & (20 * (begins - ends) < 2e-4))
+
+
+@pytest.mark.parametrize(("name", "low", "high"), [("capture", 3.4, 4.2), ("passage", 6.0, 6.5)])
+def test_the_separatrix_parts_capture_from_passage(name, low, high):
+    """Both follow the same motion to 1 % until 4 s."""
+    speed = moved(f"separatrix-{name}")["phidot"] / (2 * np.pi)
+    assert np.all((low < speed[-50:]) & (speed[-50:] < high))
+    other = moved("separatrix-capture")["phidot"] / (2 * np.pi)
+    assert np.allclose(speed[:80], other[:80], rtol=0.01)
+
+
+def test_many_turns_lie_between_two_impacts_of_the_fast_source():
+    gaps = np.diff(events("fast-source", "contact_begin")["t"])
+    assert gaps.max() * 1000 > 100
+
+
+def test_contacts_of_the_stiff_stop_are_short():
+    begins, ends = (events("stiff-stop", f"contact_{kind}")["t"] for kind in ("begin", "end"))
+    assert (ends - begins[: len(ends)]).max() < 60e-6
+
+
+def test_a_preloaded_run_starts_in_contact():
+    assert moved("preloaded-stop")["contact"][0] == 1
+    assert events("preloaded-stop", "contact_end")["t"][0] < 0.01
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "stiff-stop",
+        "critical-damping",
+        "overdamped",
+        "undamped-resonance",
+        "no-coupling-spring",
+        "slow-source",
+        "light-block-1",
+        "heavy-block-1",
+    ],
+)
+def test_there_are_impacts(name):
+    assert moved(name).attrs["impacts"] >= 5
+
+
+# The stored truth of the spool is what a fresh run of 40 digits gives, by either method.
+
+
+@pytest.mark.parametrize("method", ("auto", "taylor"))
+def test_the_truth_of_the_second_period(method):
+    case = load_case(SPOOL, {"run.t_end": "8 ms", "run.method": method})
+    blocks = list(open_truth(case.exact_scene, 40).blocks())
+    rows = [
+        (EVENT_NAMES[kind], Decimal(text.decode()) - PERIOD)
+        for block in blocks
+        for kind, text in zip(block.events["kind"], block.event_digits["t"], strict=True)
+    ]
+    found = [(kind, t) for kind, t in rows if t > 0 and kind != "end"]
+    assert [kind for kind, _ in found] == [kind for kind, _ in TRUTH]
+    for (_, t), (_, stored) in zip(found, TRUTH, strict=True):
+        assert abs(t - Decimal(stored)) <= Decimal("1e-24")

@@ -2,13 +2,27 @@
 
 import json
 from decimal import Decimal
+from math import inf
+from random import Random
 
 import pytest
 
+import vibsim
 from vibsim.cases import hard_case_names, load_case
+from vibsim.engine.errors import State
 from vibsim.evidence.verification.catalogue import judged_case
 from vibsim.evidence.verification.checks import (
+    NUMBERS,
+    SCENE_UNITS,
+    START,
+    STATE_UNITS,
+    UNIT,
     TruthError,
+    kicked_scene,
+    kicked_state,
+    match_events,
+    outside,
+    reach,
     read_truth,
     run,
     truth_path,
@@ -16,8 +30,17 @@ from vibsim.evidence.verification.checks import (
     write_truth,
 )
 from vibsim.evidence.verification.hard_cases import REPORTED, hard_state_points, judged_names
+from vibsim.evidence.verification.truth_making import (
+    TruthPlan,
+    confirm,
+    make_truth,
+    run_digits,
+    states_apart,
+    stored_names,
+    undecided_spans,
+)
 from vibsim.evidence.verification.truth_making import TruthRun as DigitsRun
-from vibsim.evidence.verification.truth_making import confirm, make_truth, stored_names, undecided_spans
+from vibsim.physics.precision import number_kit
 
 ZERO = Decimal("1e-39")  # what rounding may leave of a zero among 40 digits
 
@@ -132,3 +155,127 @@ def test_hard_cases_are_compared_to_their_end(name):
     for flow in truth.stray:
         points = list(hard_state_points(truth, run(case_of(name), "c", flow), flow))
         assert len(points) == len(truth.states) * len(truth.time)
+
+
+# Kicks have the size of the rounding that they stand for, and spare what is exact.
+
+
+@pytest.fixture
+def kit():
+    return number_kit(30)
+
+
+def relative(kit, kicked, value):
+    """Size of a kick in units of round-off, with its sign."""
+    return float((kicked - value) / (value * kit.number(UNIT)))
+
+
+@pytest.mark.parametrize("name", ["I-A", "II-B", "hard/contact-lost-as-it-sticks"])
+def test_every_number_of_a_scene_is_kicked(kit, name):
+    scene = vibsim.load_case(name).exact_two_blocks(kit.number, kit.pi)
+    kicked = kicked_scene(scene, kit, Random(1))
+    signs = []
+    for field in NUMBERS + START:
+        value, moved = getattr(scene, field), getattr(kicked, field)
+        if value is None or value == 0:
+            assert moved is None or moved == 0
+        else:
+            signs.append(relative(kit, moved, value))
+            assert abs(signs[-1]) == pytest.approx(SCENE_UNITS, rel=1e-9)
+    assert min(signs) < 0 < max(signs)
+    assert (kicked.cycles, kicked.t_end) == (scene.cycles, scene.t_end)
+
+
+def test_states_are_kicked_by_the_size_of_the_motion(kit):
+    t, x1, x2, v1, v2, phase, turns, w = (kit.number(value) for value in (1, 3, 2, -4, 0, 0.5, 7, 9))
+    state = State(t, [x1, x2], [v1, v2], phase, turns, w)
+    kicked = kicked_state(state, kit, Random(2))
+    size = STATE_UNITS * UNIT
+    pairs = [*zip(kicked.x, state.x, strict=True), (kicked.v[0], v1), (kicked.phase, phase), (kicked.w, w)]
+    for (moved, value), scale in zip(pairs, (3, 3, 4, 1, 9), strict=True):
+        assert abs(float(moved - value)) == pytest.approx(scale * size, rel=1e-9)
+    assert (kicked.t, kicked.turns, kicked.v[1]) == (t, turns, 0)
+
+
+def test_stray_is_what_conditioning_says(kit):
+    """A block that slides and stops: x2 at rest is v0^2 / (2 mu g), so it strays by 5 numbers of 4 units each
+    at most, and by the 16 of the state twice over.
+    """
+    case = vibsim.load_case(
+        "I-A",
+        {
+            "stop": "none",
+            "excitation": "none",
+            "coupling.k1": "0 N/m",
+            "coupling.c": "0 N s/m",
+            "initial.v2": "0.05 m/s",
+            "run.t_end": "10 s",
+            "run.every": "1 s",
+        },
+    )
+    how = TruthPlan(case, 1)
+    truth = run_digits(how, "closed_form", 40)
+    way = 0.05**2 / (2 * 0.001 * 9.81)
+    assert float(truth.states["x2"][-1]) == pytest.approx(way, rel=1e-15)
+    strays = [
+        states_apart(truth, [run_digits(how, "closed_form", 30, seed)])["x2"][-1] / (way * UNIT)
+        for seed in range(6)
+    ]
+    assert all(1 < stray <= 5 * SCENE_UNITS + 3 * STATE_UNITS for stray in strays)
+    assert len(set(strays)) > 1
+
+
+# Missed and spurious events are told from those that are only late.
+
+
+WITHIN = 0.1
+
+
+def events(text):
+    """ "a1 b2.5" -> [("a", 1), ("b", 2.5)]."""
+    return [(word[0], Decimal(word[1:])) for word in text.split()]
+
+
+def found(truth, run):
+    truth, run = events(truth), events(run)
+    matching = match_events(truth, [WITHIN] * len(truth), run)
+    return matching.pairs, matching.missed, matching.spurious
+
+
+def test_all_there():
+    assert found("a1 b2 a3", "a1.05 b1.95 a3") == ([(0, 0), (1, 1), (2, 2)], [], [])
+
+
+def test_one_missed():
+    assert found("a1 a2 a3", "a1 a3") == ([(0, 0), (2, 1)], [1], [])
+
+
+def test_one_spurious():
+    assert found("a1 a3", "a1 a2 a3") == ([(0, 0), (1, 2)], [], [1])
+
+
+def test_one_too_late_is_missed_and_spurious():
+    assert found("a1 a2", "a1 a2.2") == ([(0, 0)], [1], [1])
+
+
+def test_another_kind_at_the_same_time_is_not_it():
+    assert found("a1", "b1") == ([], [0], [0])
+
+
+def test_two_at_one_instant_have_no_order():
+    assert found("a1 b1", "b1.01 a1.02") == ([(0, 1), (1, 0)], [], [])
+
+
+def test_a_miss_does_not_shift_those_behind_it():
+    pairs, missed, spurious = found("a1 a2 a3 a4 a5", "a2 a3 a4 a5 a6")
+    assert (len(pairs), missed, spurious) == (4, [0], [4])
+
+
+def test_reach_is_half_way_to_the_next_of_a_kind():
+    assert reach(events("a1 b2 a5 a6 b9")) == [2.0, 3.5, 0.5, 0.5, 3.5]
+    assert reach(events("a1 b2")) == [inf, inf]
+
+
+def test_what_is_undecided_is_left_out():
+    windows = [(Decimal("1.5"), Decimal("2.5"))]
+    assert outside(events("a1 a2 b2.5 a3"), windows) == events("a1 a3")

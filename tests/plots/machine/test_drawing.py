@@ -3,13 +3,18 @@
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
+from matplotlib.patches import FancyBboxPatch
 
 from vibsim.cases import gallery_case_names, load_case, shipped_case_names
 from vibsim.cases.case import load_case_text
 from vibsim.plots import style
+from vibsim.plots.animated_machine import channels_of, display_list
 from vibsim.plots.machine import draw_machine_file, layout, machine_figure
-from vibsim.plots.machine_symbols import elements, short
+from vibsim.plots.machine_symbols import elements, short, ways_of
+from vibsim.plots.subject import subject_of
+from vibsim.results import simulate
 
 HAMMER = Path(__file__).parents[2] / "cases/parts/valid/hammer.yaml"
 RIGID = Path(__file__).with_name("rigid_stops.yaml")
@@ -149,3 +154,128 @@ def test_labels_have_no_more_digits_than_there_is_room_for():
     for text in as_written.values():
         assert short(text) == text
     assert short("-1234567.5 N") == "-1.23457e+06 N"
+
+
+# Nothing of a drawing, still or moving, runs through a body or over a word; arrows point as forces do.
+
+
+TOUCH = 1e-6  # cm
+PIXEL = 1.0
+STOPPED = ["gallery/impact-damper", "gallery/energy-sink", "gallery/captured-motor", "gallery/cantilever",
+           "gallery/drifting-capsule", "gallery/chain-with-gaps"]  # fmt: skip
+
+
+def inside(line, box):
+    """Whether a polygon (n, 2) has places within a box (x0, y0, x1, y1)."""
+    shares = np.linspace(0, 1, 41)[:, None, None]
+    places = (line[:-1] + shares * np.diff(line, axis=0)).reshape(-1, 2)
+    x0, y0, x1, y1 = box
+    x, y = places.T
+    return bool(((x > x0 + TOUCH) & (x < x1 - TOUCH) & (y > y0 + TOUCH) & (y < y1 - TOUCH)).any())
+
+
+def boxes_of(axes):
+    bodies = [patch for patch in axes.patches if isinstance(patch, FancyBboxPatch)]
+    return [(b.get_x(), b.get_y(), b.get_x() + b.get_width(), b.get_y() + b.get_height()) for b in bodies]
+
+
+@pytest.mark.parametrize("source", ALL, ids=lambda source: Path(source).stem)
+def test_no_line_runs_through_a_body(source):
+    _, axes = drawing(source)
+    boxes = boxes_of(axes)
+    assert boxes
+    for line in axes.get_lines():
+        polygon = np.column_stack(line.get_data()).astype(float)
+        assert not any(inside(polygon, box) for box in boxes), line.get_gid()
+
+
+@pytest.mark.parametrize("source", ALL, ids=lambda source: Path(source).stem)
+def test_no_word_lies_upon_another(source):
+    _, axes = drawing(source)
+    texts = [text for text in axes.texts if text.get_text()]
+    boxes = [text.get_window_extent() for text in texts]
+    for i, one in enumerate(boxes):
+        for text, other in zip(texts[:i], boxes[:i], strict=True):
+            wide = min(one.x1, other.x1) - max(one.x0, other.x0)
+            high = min(one.y1, other.y1) - max(one.y0, other.y0)
+            assert wide < PIXEL or high < PIXEL, (texts[i].get_text(), text.get_text())
+
+
+@pytest.mark.parametrize("source", ALL, ids=lambda source: Path(source).stem)
+def test_words_beside_a_body_do_not_lie_upon_it(source):
+    case, axes = drawing(source)
+    own = {word for name, mass in case.long_values()["bodies"].items() for word in (name, str(mass))}
+    bodies = [patch.get_window_extent() for patch in axes.patches if isinstance(patch, FancyBboxPatch)]
+    for text in axes.texts:
+        box = text.get_window_extent()
+        if not text.get_text() or text.get_text() in own or text.get_weight() == "bold":
+            continue
+        for body in bodies:
+            wide = min(box.x1, body.x1) - max(box.x0, body.x0)
+            high = min(box.y1, body.y1) - max(box.y0, body.y0)
+            if not (body.x0 < (box.x0 + box.x1) / 2 < body.x1):  # a mass written short stands in its body
+                assert wide < 3 * PIXEL or high < PIXEL, text.get_text()
+
+
+@pytest.mark.parametrize("source", STOPPED, ids=lambda source: Path(source).stem)
+def test_no_line_of_a_film_runs_through_a_body_at_any_instant(source):
+    """Stops are struck and open wide; their parts stay between the bodies that bear them."""
+    case = load_case(source, {"run.t_end": "0.03 s" if "chain" in source else "4 s"})
+    subject = subject_of(simulate(case))
+    end = float(subject.result.t_reached)
+    channels = channels_of(subject, (0.0, end), end / 150, 1.0)
+    shapes = display_list(channels)
+    bodies = [each for each in shapes if each.shape.key.startswith("bodies.")]
+    others = [each for each in shapes if each.shape.kind == "line"]
+    assert len(bodies) == len(case.long_values()["bodies"])
+    for values in channels.values:
+        boxes = [(*each.at(values).min(axis=0), *each.at(values).max(axis=0)) for each in bodies]
+        for each in others:
+            assert not any(inside(each.at(values), box) for box in boxes), (each.shape.key, each.at(values))
+
+
+def arrows(axes, gid):
+    """x of tail and tip of the arrows of a part, and whether they have two heads."""
+    return [
+        (text.xyann[0], text.xy[0], text.arrowprops["arrowstyle"].startswith("<"))
+        for text in axes.texts
+        if text.get_gid() == gid
+    ]
+
+
+def test_a_constant_force_points_as_it_acts():
+    [(tail, tip, both)] = arrows(drawn(load_case("gallery/bouncing-ball")), "forces.weight")
+    assert tip < tail and not both
+    [(tail, tip, both)] = arrows(drawn(load_case("gallery/pile-driver")), "forces.weight_of_ram")
+    assert tip > tail and not both
+
+
+@pytest.mark.parametrize(
+    ("force", "ways"),
+    [
+        ("F0: 2 N, A: 1 N, omega: 1 Hz", (False, True)),
+        ("F0: 2 N, A: 3 N, omega: 1 Hz", (True, True)),
+        ("F0: -2 N, A: 2 N, omega: 1 Hz", (True, False)),
+        ("A: 1 N, omega: 1 Hz", (True, True)),
+        ("F0: -1 N", (True, False)),
+        ("force: F*sin(w*t), F: 1 N, w: 1 rad/s", (True, True)),
+    ],
+)
+def test_which_ways_a_force_points(force, ways):
+    case = load_case_text(f"bodies: {{a: 1 kg}}\nforces: {{f: {{on: a, {force}}}}}\nrun: {{t_end: 1 s}}\n")
+    assert ways_of(case.long_values()["forces"]["f"]) == ways
+
+
+def test_a_law_by_a_formula_is_a_box_that_says_what_it_reads():
+    case = load_case("gallery/van-der-pol")
+    kinds = {element.title: (element.kind, element.law) for element in elements(case.long_values())}
+    assert kinds["damper"] == ("law", "f(v, d)") and kinds["spring"] == ("spring", "")
+    axes = drawn(case)
+    assert "f(v, d)" in {text.get_text() for text in axes.texts}
+
+
+@pytest.mark.parametrize("name", gallery_case_names())
+def test_every_formula_of_a_link_reads_something(name):
+    for element in elements(load_case(name).long_values()):
+        if element.kind == "law":
+            assert element.law.startswith("f(")

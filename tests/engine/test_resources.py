@@ -1,0 +1,418 @@
+"""Work, memory and threads: no call is without bound, none fails badly, runs at once have their bits."""
+
+import hashlib
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import replace
+from itertools import islice
+from math import pi
+from platform import libc_ver
+from threading import Barrier, Thread
+from time import sleep
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from scipy.optimize import linprog
+
+import vibsim
+from tests.engine.random_parts import rigid_scenes
+from tests.engine.runs import run
+from vibsim.cases import load_case
+from vibsim.engine.c_engine import CRun
+from vibsim.engine.errors import EngineError
+from vibsim.engine.flows.motion import value_and_rate
+from vibsim.engine.ledger_integrals import IntegralMaker
+from vibsim.engine.modes import mode_table
+from vibsim.engine.modes.status import CONTACT, OPEN, Status
+from vibsim.engine.number_forms import DOUBLES
+from vibsim.engine.resume import resume_point
+from vibsim.engine.trajectory import open_trajectory
+from vibsim.engine.truth import open_truth
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.parts import (
+    COMPRESSION,
+    EXTENSION,
+    GROUND,
+    Body,
+    Force,
+    Friction,
+    Harmonic,
+    Link,
+    RigidStop,
+    Scene,
+    Stop,
+)
+from vibsim.physics.precision import GUARD_BITS
+
+WORK_AT_ONCE = 100_000  # evaluations of the motion, as engine.h has it
+
+
+def one_body(frequency=0.0, c=0.0, amplitude=1.0, **parts):
+    """A body on a spring, under a force of so many hertz."""
+    harmonic = Harmonic(amplitude, 2 * pi * frequency, frequency, 0.0, 0.0)
+    forces = (Force("F", 0, 0.0, (harmonic,)),) if frequency else ()
+    link = Link("l", 0, GROUND, 1.0, c)
+    parts = {"every_num": 1, "every_den": 1, **parts}
+    return Scene((Body("m", 1.0, 1e-3, 0.0),), (link,), forces=forces, **parts)
+
+
+# one stretch without events of 1e10 pieces
+FAST = one_body(1e9, t_end=100.0)
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_the_ledger_of_one_long_stretch_is_kept_in_many_calls(engine):
+    trajectory = open_trajectory(FAST, engine, ledger=True, momentum=True)
+    evaluations, worked_to = 0, 0.0
+    for block in islice(trajectory.blocks(), 4):
+        totals = trajectory.totals
+        assert totals["evaluations"] - evaluations < 1.2 * WORK_AT_ONCE
+        assert block.worked_to > worked_to
+        assert block.t_reached == 0.0
+        # what is told belongs to whole stretches
+        assert totals["work_source"] == totals["energy_residual"] == totals["momentum_residual"] == 0.0
+        evaluations, worked_to = totals["evaluations"], block.worked_to
+
+
+@pytest.mark.parametrize("method", ("auto", "taylor"))
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_the_disturbances_of_one_long_stretch_are_carried_in_many_calls(engine, method):
+    """A damper that wants 1e9 pieces."""
+    overdamped = replace(one_body(c=1e8, t_end=100.0), method=method)
+    trajectory = open_trajectory(overdamped, engine, tangent=2)
+    pieces, worked_to = 0, 0.0
+    for block in islice(trajectory.blocks(), 4):
+        totals = trajectory.totals
+        assert totals["tangent_pieces"] - pieces < WORK_AT_ONCE
+        assert block.worked_to > worked_to
+        pieces, worked_to = totals["tangent_pieces"], block.worked_to
+    assert 0 < worked_to < 100.0
+
+
+def test_the_disturbances_of_many_calls_add_up_as_in_one():
+    long = one_body(150.0, c=2e4, t_end=16.0, every_num=10)
+    pieces, totals = {}, {}
+    for engine in ("c", "python"):
+        trajectory = open_trajectory(long, engine, tangent=2)
+        pieces[engine] = len(list(trajectory.blocks()))
+        totals[engine] = {name: np.asarray(value).tolist() for name, value in trajectory.totals.items()}
+    assert pieces["c"] > 1 and pieces["python"] > 2
+    assert str(totals["c"]) == str(totals["python"])
+
+
+def test_a_stretch_of_many_calls_adds_up_as_one():
+    """Bit for bit: the Python engine takes it in pieces of other lengths."""
+    scene = one_body(150.0, c=1e-3, t_end=20.0, every_num=10)
+    calls, totals = {}, {}
+    for engine in ("c", "python"):
+        trajectory = open_trajectory(scene, engine, ledger=True)
+        calls[engine] = len(list(trajectory.blocks()))
+        totals[engine] = {name: float(value).hex() for name, value in trajectory.totals.items()}
+    assert calls["c"] > 1 and calls["python"] > calls["c"]
+    assert totals["c"] == totals["python"]
+
+
+@pytest.mark.parametrize("method", ("auto", "taylor"))
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_samples_of_one_long_stretch_come_in_blocks(engine, method):
+    many = replace(one_body(t_end=1e5, every_den=1000), method=method)
+    for block in islice(open_trajectory(many, engine).blocks(), 4):
+        assert len(block.samples["time"]) <= 65_536
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+def test_section_points_of_one_long_stretch_come_in_blocks(engine):
+    for block in islice(open_trajectory(FAST, engine, section=True).blocks(), 4):
+        assert len(block.section["time"]) <= 65_536
+
+
+def test_steps_of_a_run_without_events_come_in_many_calls():
+    """A chain of twenty bodies whose stops are never reached; a call does a part of the work."""
+    stops = tuple(Stop(f"s{i}", i, i + 1, 1.0, COMPRESSION, 1.0, 0.0) for i in range(19))
+    bodies = tuple(Body(f"b{i}", 1.0, 1e-3 * i, 0.0) for i in range(20))
+    links = tuple(Link(f"l{i}", i, i + 1, 1.0, 0.0) for i in range(19))
+    chain = Scene(
+        bodies, links, stops, (Friction("f", 0, GROUND, 1.0, 1.0, 0.0),), t_end=1e9, every_num=10**8
+    )
+    trajectory, steps = open_trajectory(chain, "c"), 0
+    for _ in islice(trajectory.blocks(), 3):
+        assert trajectory.totals["steps"] - steps < WORK_AT_ONCE / 2
+        steps = trajectory.totals["steps"]
+
+
+def test_a_state_far_from_its_event_takes_many_calls():
+    stop = Stop("s", 0, GROUND, 1.0, COMPRESSION, 1.0, 0.0)
+    quiet = one_body(3.5, amplitude=1e-9, t_end=1e9, every_num=10**8, stops=(stop,))
+    row = {name: values[0] for name, values in next(open_trajectory(quiet, "c").blocks()).events.items()}
+    far = CRun(quiet, resume_point(quiet, row))
+    codes = np.empty((1, 1), dtype="i1")
+    assert far.run.states_at(DOUBLES.packed([1e8]), DOUBLES.empty(5, 1), codes, 0) == (0, 0)
+    near = open_trajectory(quiet, "c", resume=row).state_at([1e5])
+    there = open_trajectory(replace(quiet, t_end=1e5, every_num=10**5), "c").blocks()
+    assert near["x_m"][0] == np.concatenate([block.samples["x_m"] for block in there])[-1]
+
+
+@pytest.mark.parametrize("engine", ("c", "python"))
+@pytest.mark.parametrize("gap", ("1e-300 m", "1e-40 m"))
+def test_a_gap_that_opens_by_the_fourth_power_of_time_takes_few_steps(engine, gap):
+    """A motor that sets off from rest parts the blocks in proportion to t^4. Bounds that hold for a whole
+    Taylor step would allow steps of the root of the gap, and 1e9 of them or more.
+    """
+    case = load_case("II-B", {"x1": gap, "G": "0 m", "run.t_end": "0.05 s"})
+    trajectory = open_trajectory(case.scene(), engine)
+    samples = [block.samples["x1"] for block in islice(trajectory.blocks(), 40)]
+    assert len(np.concatenate(samples)) == 11
+    assert trajectory.totals["steps"] < 20
+
+
+# Bodies between rigid stops without room: they come to rest, or the run says that no motion is possible.
+
+
+TOUCHING = 1e-12  # m, of depths whose terms are some 0.01 m
+
+
+def between(bodies, e, other):
+    """Stops on both sides between the first body and the second, or the ground."""
+    partner = 1 if len(bodies) > 1 else GROUND
+    stops = (
+        RigidStop("left", 0, partner, 0.0, EXTENSION, e, True),
+        RigidStop("right", 0, partner, 0.0, COMPRESSION, other, True),
+    )
+    return Scene(tuple(bodies), stops=stops, t_end=0.5, every_den=20)
+
+
+@pytest.mark.parametrize("engine", ["c", "python"])
+@pytest.mark.parametrize(("e", "other"), [(0.5, 0.8), (0.8, 0.5), (0.0, 0.8), (0.3, 0.3)])
+@pytest.mark.parametrize("v", [1.0, -1.0])
+def test_body_without_room_stands(engine, e, other, v):
+    """Impacts at one instant take v, e v, e e' v, ... : nothing is left of the speed."""
+    result = run(between([Body("m", 2.0, 0.0, v)], e, other), engine, ledger=True, momentum=True)
+    assert not result.samples["x_m"].any()
+    assert not result.samples["v_m"][1:].any()
+    assert result.totals["impulse_ground"] == pytest.approx(-2.0 * v, rel=1e-14)
+    assert result.totals["loss_stops"] == pytest.approx(1.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("v", [1.0, -1.0])
+def test_bodies_without_room_go_on_together(v):
+    bodies = [Body("a", 2.0, 0.0, v), Body("b", 1.0, 0.0, 0.0)]
+    result = run(between(bodies, 0.5, 0.8), ledger=True, momentum=True)
+    for name in ("v_a", "v_b"):
+        assert result.samples[name][1:] == pytest.approx(2 / 3 * v, rel=1e-15)
+    assert abs(result.totals["momentum_residual"]) < 1e-15
+
+
+def is_jammed(scene, state):
+    """Whether no velocities of the bodies keep all stops that touch from closing, by linear programming."""
+    n = len(scene.bodies)
+    X, V = value_and_rate(Doubles, scene.base, state.t)
+    places, rates = [*state.x, X, 0.0], {-1: 0.0, -2: V}  # BASE is -2, GROUND -1
+    rows, limits = [], []
+    for _, stop in scene.rigid_stops:
+        if -(stop.sense * (places[stop.P] - places[stop.Q])) - stop.gap > -TOUCHING:
+            row, limit = np.zeros(n), 0.0
+            for end, sign in ((stop.P, -stop.sense), (stop.Q, stop.sense)):
+                if end >= 0:
+                    row[end] += sign
+                else:
+                    limit -= sign * rates[end] / abs(V or 1.0)
+            rows.append(row)
+            limits.append(limit)
+    slack = linprog(
+        [0.0] * n + [1.0],
+        A_ub=np.hstack([np.array(rows), -np.ones((len(rows), 1))]),
+        b_ub=limits,
+        bounds=[(None, None)] * n + [(0.0, None)],
+    )
+    return slack.fun > 1e-9  # shares of the base's speed
+
+
+def assert_solved_or_jammed(scene):
+    try:
+        run(scene, "auto", most=2000)
+    except EngineError as error:
+        assert error.reason == "crushed"
+        assert is_jammed(scene, error.state)
+        assert sum(stop.name in str(error) for _, stop in scene.rigid_stops) >= 2
+
+
+@settings(max_examples=40)
+@given(rigid_scenes())
+def test_errors_are_of_jammed_bodies(scene):
+    assert_solved_or_jammed(scene)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+@settings(max_examples=3000)
+@given(rigid_scenes())
+def test_many_errors_are_of_jammed_bodies(scene):
+    assert_solved_or_jammed(scene)
+
+
+# Arrays of one run are not faulted in anew by the next.
+
+
+RUNS = 2
+SCRIPT = f"""
+import resource
+from vibsim import load_case, simulate
+case = load_case("II-B")
+def faults():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+for _ in range({RUNS}):
+    simulate(case)
+before = faults()
+for _ in range({RUNS}):
+    simulate(case)
+print((faults() - before) / {RUNS})
+"""
+
+
+def faults_per_run(**environment):
+    told = {key: value for key, value in os.environ.items() if not key.startswith("MALLOC_")}
+    command = [sys.executable, "-c", SCRIPT]
+    done = subprocess.run(command, env=told | environment, capture_output=True, text=True, check=True)
+    return float(done.stdout)
+
+
+@pytest.mark.skipif(libc_ver()[0] != "glibc", reason="the C library of Linux")
+@pytest.mark.skipif("libasan" in os.environ.get("LD_PRELOAD", ""), reason="another malloc")
+def test_a_run_uses_the_memory_that_the_one_before_it_freed():
+    pytest.importorskip("vibsim.engine._engine")
+    assert faults_per_run() < 1000 < faults_per_run(MALLOC_TRIM_THRESHOLD_="1000000")
+
+
+# Runs in several threads at once have the bits of runs one after the other: what they share is safe.
+# Without the global lock of Python the threads are truly at once; with it they take turns in Python and
+# compute in C at once.
+
+
+THREADS = 4
+SPAN = {"run.t_end": "2 s", "run.every": "20 ms"}
+NAMES = ("I-B", "II-B", "gallery/stack-of-blocks")
+
+
+@contextmanager
+def frequent_switches():
+    """Threads take turns in Python every few microseconds."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-5)
+    yield
+    sys.setswitchinterval(before)
+
+
+def at_once(work: list[Callable[[], str]]) -> list[str]:
+    """What each piece of work returns, begun at one instant in threads of their own, on empty tables."""
+    mode_table._tables.clear()
+    gate = Barrier(len(work))
+
+    def go(one: Callable[[], str]) -> str:
+        gate.wait(timeout=60)
+        return one()
+
+    with frequent_switches(), ThreadPoolExecutor(len(work)) as pool:
+        return list(pool.map(go, work))
+
+
+def in_turn(work: list[Callable[[], str]]) -> list[str]:
+    """What each returns by itself, on empty tables."""
+    answers = []
+    for one in work:
+        mode_table._tables.clear()
+        answers.append(one())
+    return answers
+
+
+def bits(result: vibsim.Result) -> str:
+    """Of all samples, events and estimates."""
+    columns = [result[name] for name in sorted(result.keys())] + list(result.events.values())
+    return hashlib.sha256(b"".join(column.tobytes() for column in columns)).hexdigest()
+
+
+def run_of(name: str, engine: str = "auto", **changes: str) -> Callable[[], str]:
+    settings = SPAN | {key.replace("__", "."): value for key, value in changes.items()}
+    return lambda: bits(vibsim.simulate(vibsim.load_case(name, settings), engine=engine))
+
+
+def orbit_of(speed: str) -> Callable[[], str]:
+    def answer() -> str:
+        orbit = vibsim.orbit("I-A", overrides={"excitation.omega": speed})
+        return repr([*orbit.state.values(), *orbit.multipliers])
+
+    return answer
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_one_case_many_times_at_once(name):
+    """All share one table of modes, and fill it together."""
+    work = [run_of(name)] * THREADS
+    assert at_once(work) == in_turn(work)
+
+
+def test_meters_of_two_modes_at_once(monkeypatch):
+    """The maker of integrals works on one mode at a time."""
+    scene = vibsim.load_case("II-B").scene()
+    modes = [Status((stop,), (1,), ()) for stop in (OPEN, CONTACT)]
+
+    def packed(table):
+        with ThreadPoolExecutor(2) as pool:
+            return list(pool.map(lambda status: table.packed_integrals(status, False), modes))
+
+    alone = [mode_table.ModeTable(scene).packed_integrals(status, False) for status in modes]
+    sources = IntegralMaker._sources
+    monkeypatch.setattr(IntegralMaker, "_sources", lambda self: (sleep(0.05), sources(self)))
+    assert packed(mode_table.ModeTable(scene)) == alone
+
+
+def test_different_cases_at_once():
+    work = [run_of(name) for name in NAMES]
+    assert at_once(work) == in_turn(work)
+
+
+def test_values_of_one_case_at_once():
+    """Their tables are renewed from one another's."""
+    work = [run_of("II-B", Omega0=f"{5 + i / 4} Hz") for i in range(2)]
+    work += [run_of("I-B", c=f"0.0{i + 1} N s/m") for i in range(2)]
+    assert at_once(work) == in_turn(work)
+
+
+def test_both_engines_at_once():
+    work = [run_of("II-B", engine, run__t_end="50 ms", run__every="5 ms") for engine in ("c", "python") * 2]
+    answers = at_once(work)
+    assert answers == in_turn(work)
+    assert len(set(answers)) == 1
+
+
+def test_orbits_at_once():
+    work = [orbit_of(f"{3.5 + i / 50} Hz") for i in range(2)]
+    assert at_once(work) == in_turn(work)
+
+
+def test_runs_of_many_digits_take_turns(monkeypatch):
+    """python-flint has one working precision in a process: a run of 20 digits that begins while another
+    computes with 60 must wait for it.
+    """
+    flint = pytest.importorskip("flint")
+    case = vibsim.load_case("I-B", {"run.t_end": "1 ms", "run.every": "1 ms"})
+    trajectory = open_truth(case.exact_scene, 60, engine="python")
+    compute, bits_during = trajectory.driver.run, []
+
+    def run_beside_another(*limits):
+        bits_during.append(flint.ctx.prec)
+        other.start()
+        other.join(timeout=0.2)
+        bits_during.append(flint.ctx.prec)
+        return compute(*limits)
+
+    other = Thread(target=open_truth, args=(case.exact_scene, 20))
+    monkeypatch.setattr(trajectory.driver, "run", run_beside_another)
+    next(trajectory.blocks())
+    other.join(timeout=60)
+    assert bits_during == [trajectory.kit.bits + GUARD_BITS] * 2
+    assert flint.ctx.prec < bits_during[0]
