@@ -1,9 +1,8 @@
 """Formulas in the C engine: equal to the Python engine in every bit, whatever they are made of."""
 
 import pickle
+import re
 from array import array
-from dataclasses import replace
-from fractions import Fraction
 from functools import cache
 
 import numpy as np
@@ -11,6 +10,7 @@ import pytest
 
 from tests.engine.random_formulas import formula_scene
 from tests.engine.runs import Run, differences, run, whole
+from vibsim.cases.case import load_case_text
 from vibsim.engine import _engine
 from vibsim.engine.c_engine import CRun
 from vibsim.engine.errors import EngineError
@@ -21,50 +21,27 @@ from vibsim.engine.modes.mode_table import mode_table
 from vibsim.engine.modes.packing import pack_scene, packed_mode
 from vibsim.engine.modes.parametric_rows import recipe_of
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.formulas import (
-    ONE,
-    PI,
-    TIME,
-    ZERO,
-    absolute,
-    add,
-    call,
-    choose,
-    div,
-    largest,
-    mul,
-    num,
-    power,
-    smallest,
-    sub,
-)
-from vibsim.physics.parts import (
-    AT_FORCE,
-    BASE,
-    COMPRESSION,
-    GROUND,
-    ROTOR,
-    STATE,
-    Body,
-    Force,
-    Friction,
-    Link,
-    RigidStop,
-    Rotor,
-    Scene,
-    Stop,
-)
+from vibsim.physics.parts import GROUND
 
-X, V = ("x", 0), ("v", 0)
 MOST_EVENTS, MOST_STEPS = 150, 1500  # of a random scene, so that Python is done with it soon
+PURE = {"x": "(d/L)", "v": "(v/v0)", "t": "(t/T)"}
+NUMBERS = "{F: 1 N, L: 1 m, v0: 1 m/s, T: 1 s}"
 
 
-def oscillator(law, *parts, x=1.0, v=0.0, t_end=3.0, **more):
-    """A body of 1 kg on a link with a law."""
-    link = Link("spring", 0, GROUND, 0.0, 0.0, law)
-    return Scene(
-        (Body("a", 1.0, x, v), *parts), links=(link,), t_end=t_end, every_num=1, every_den=50, **more
-    )
+def law(text):
+    """A force [N] by a formula of pure numbers: displacement x, velocity v and time t in SI units."""
+    return "F*(" + re.sub(r"\b[xvt]\b", lambda name: PURE[name.group()], text) + ")"
+
+
+def oscillator(text, more="", x=1.0, t_end=3.0, end="ground"):
+    """A body of 1 kg on a link with a law of pure numbers."""
+    return load_case_text(f"""
+parameters: {NUMBERS}
+bodies: {{a: 1 kg}}
+links: {{spring: {{between: [a, {end}], force: "{law(text)}"}}}}
+initial: {{a: {{x: {x} m}}}}
+run: {{t_end: {t_end} s, every: 20 ms}}
+{more}""").scene()
 
 
 def bounded(scene, **options):
@@ -106,123 +83,113 @@ def agreed_random(seed):
 
 
 FUNCTIONS = {
-    "exp": call("exp", mul(num("-1/2"), X)),
-    "log": call("log", add(num(2), X)),
-    "sin": call("sin", mul(num(3), X)),
-    "cos": call("cos", mul(num(3), X)),
-    "tan": call("tan", mul(num("1/2"), X)),
-    "sinh": call("sinh", X),
-    "cosh": call("cosh", X),
-    "tanh": call("tanh", mul(num(5), V)),
-    "atan": call("atan", mul(num(5), X)),
-    "asin": call("asin", mul(num("1/2"), X)),
-    "acos": call("acos", mul(num("1/2"), X)),
-    "sqrt": call("sqrt", add(num(2), X)),
-    "power": power(add(num(2), X), num("7/5")),
-    "inverse power": power(add(num(2), X), num("-4/3")),
-    "variable power": power(add(num(2), X), X),
-    "quotient": div(X, add(ONE, mul(V, V))),
-    "reciprocal": div(ONE, add(num(3), X)),
-    "time": mul(X, call("sin", mul(num(4), TIME))),
-    "pi": mul(PI, X),
-    "velocity": mul(V, mul(V, V)),
-    "abs": absolute(V, "abs(v)"),
-    "max": largest(X, mul(num("1/3"), V), "max(x, v/3)"),
-    "min": smallest(X, num("1/4"), "min(x, 1/4)"),
-    "where": choose(X, mul(num("3/2"), X), mul(num("1/2"), V), "where(x > 0, 1.5 x, 0.5 v)"),
-    "step": choose(sub(TIME, num("1/3")), ONE, ZERO, "step(t - 1/3)"),
-    "mod": ("mod", mul(num(2), TIME), num("7/10"), "mod(2 t, 0.7)"),
-    "table": (
-        "table",
-        X,
-        (Fraction(-1, 2), Fraction(0), Fraction(1, 2)),
-        ((Fraction(-1), Fraction(2)), (Fraction(0), Fraction(3), Fraction(-1))),
-        "table(x)",
-    ),
+    "exp": "exp(-x/2)",
+    "log": "log(2 + x)",
+    "sin": "sin(3*x)",
+    "cos": "cos(3*x)",
+    "tan": "tan(x/2)",
+    "sinh": "sinh(x)",
+    "cosh": "cosh(x)",
+    "tanh": "tanh(5*v)",
+    "atan": "atan(5*x)",
+    "asin": "asin(x/2)",
+    "acos": "acos(x/2)",
+    "sqrt": "sqrt(2 + x)",
+    "power": "(2 + x)**(7/5)",
+    "inverse power": "(2 + x)**(-4/3)",
+    "variable power": "(2 + x)**x",
+    "quotient": "x/(1 + v*v)",
+    "reciprocal": "1/(3 + x)",
+    "time": "x*sin(4*t)",
+    "pi": "pi*x*x*x",
+    "velocity": "v*v*v",
+    "abs": "abs(v)",
+    "max": "max(x, v/3)",
+    "min": "min(x, 1/4)",
+    "where": "where(x > 0, 3/2*x, v/2)",
+    "step": "step(t - 1/3)",
+    "mod": "mod(2*t, 7/10)",
+    "table": "table(x, [[-0.5, -1], [0, 0], [0.5, 1]], 'cubic')",
 }
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_every_operation_is_that_of_python(name):
-    law = add(mul(num(20), X), mul(num(4), FUNCTIONS[name]))
-    fast = agreed(oscillator(law), section=True)
+    fast = agreed(oscillator(f"20*x + 4*({FUNCTIONS[name]})"), section=True)
     assert fast.totals["steps"] > 5 and fast.totals["uncertified"] == 0
 
 
 def test_every_operation_is_on_some_tape():
     codes = set()
-    for law in FUNCTIONS.values():
-        maker = CRun(oscillator(add(mul(num(20), X), law))).maker
+    for text in FUNCTIONS.values():
+        maker = CRun(oscillator(f"20*x + {text}")).maker
         for rows in maker.by_status.values():
             codes |= {op.code for op in rows.tape.ops}
     assert codes >= set(range(POWER + 1)) - {4, 5}  # those read a motor, as in random scenes
 
 
 def test_a_contact_by_a_power_is_that_of_python():
-    law = mul(num(10**6), power(sub(X, num("1/1000")), num("3/2")))
-    wall = Stop("wall", 0, GROUND, 0.001, COMPRESSION, 0.0, 0.0, force=law)
-    scene = Scene((Body("ball", 1.0, 0.0, 1.0),), stops=(wall,), t_end=0.03, every_num=1, every_den=10000)
-    fast = agreed(scene)
-    assert fast.events["t"][1:3] == pytest.approx(
-        [0.001, 0.013811349348247], rel=1e-12
-    )  # 2.94 (5 m / 4 K)^0.4
+    fast = agreed(
+        load_case_text("""
+bodies: {ball: 1 kg}
+stops: {wall: {between: [ball, ground], gap: 1 mm, acts: compression, force: "K*p**1.5", K: 1e6 N/m^1.5}}
+initial: {ball: {v: 1 m/s}}
+run: {t_end: 30 ms, every: 0.1 ms}
+""").scene()
+    )
+    duration = 0.012811349348247  # s: 2.94 (5 m / 4 K)^0.4 with v = 1 m/s
+    assert fast.events["t"][1:3] == pytest.approx([0.001, 0.001 + duration], rel=1e-12)
 
 
 def test_a_contact_that_may_not_pull_lets_go_where_it_does_in_python():
-    depth, rate = sub(X, num("1/100")), V
-    law = mul(mul(num(1000), depth), add(ONE, mul(num("1/2"), rate)))
-    wall = Stop("wall", 0, GROUND, 0.01, COMPRESSION, 0.0, 0.0, AT_FORCE, False, law)
-    fast = agreed(Scene((Body("a", 1.0, 0.0, 3.0),), stops=(wall,), t_end=0.5))
+    fast = agreed(
+        load_case_text("""
+bodies: {a: 1 kg}
+stops:
+  wall: {between: [a, ground], gap: 1 cm, acts: compression, release: force,
+         force: "k*p*(1 + lam*pv)", k: 1 kN/m, lam: 0.5 s/m}
+initial: {a: {v: 3 m/s}}
+run: {t_end: 0.5 s}
+""").scene()
+    )
     assert fast.totals["impacts"] == 1 and fast.events["t"][2] < fast.events["t"][3]
 
 
-def friction(static, load, mu):
-    """A friction of body 0 on the ground with a load and a law of the speed, by direction."""
-    slips = tuple(mul(load, mu(mul(num(sense), V))) for sense in (1, -1))
-    holds = tuple(mul(load, mul(static, mu(ZERO))) for _ in (1, -1))
-    return Friction("f", 0, GROUND, 0.0, 0.0, 0.0, slips=slips, holds=holds, rises=(static != ONE,) * 2)
-
-
-@pytest.mark.parametrize("static", (ONE, num("3/2")), ids=("plain", "static"))
+@pytest.mark.parametrize("static", (1, 1.5), ids=("plain", "static"))
 def test_sticking_under_a_load_that_varies_is_that_of_python(static):
-    def mu(s):
-        return add(num("1/5"), mul(num("1/10"), call("exp", mul(num(-1), mul(s, s)))))
-
-    load = largest(ZERO, add(num(10), mul(num(8), call("sin", mul(num(3), TIME)))), "max(0, N)")
-    drive = Force("F", 0, 0.0, (), mul(num(4), call("sin", mul(num(5), TIME))))
-    scene = oscillator(mul(num(4), X), frictions=(friction(static, load, mu),), forces=(drive,), t_end=6.0)
-    fast = agreed(scene)
+    rub = f"""
+friction:
+  f: {{between: [a, ground], N: "max(0*F, 10*F + 8*F*sin(3*t/T))", mu: "0.2 + 0.1*exp(-(s/v0)**2)",
+       static: {static}}}
+forces: {{drive: {{on: a, A: 4 N, omega: 5 rad/s}}}}
+"""
+    fast = agreed(oscillator("4*x", rub, t_end=6.0))
     assert fast.totals["sticks"] > 1
 
 
-@pytest.mark.parametrize("held", (False, True), ids=("free", "on a base that moves"))
-def test_rotors_on_bodies_and_states_are_those_of_python(held):
-    bodies = (
-        Body("frame", 3.0, 0.0, 0.0),
-        Body("left", 2e-3, 1.0, 0.0, ROTOR),
-        Body("right", 2e-3, 7.0, 30.0, ROTOR),
-        Body("i", 1.0, 0.0, 0.0, STATE),
-    )
-    rotors = (Rotor(1, 0, 0.01), Rotor(2, 0, 0.02))
-    current = mul(num(100), sub(sub(num(12), mul(num(2), ("v", 3))), mul(num("1/20"), ("v", 1))))
-    forces = (
-        Force("left", 1, 0.0, (), sub(mul(num("1/20"), ("v", 3)), mul(num("1/10000"), ("v", 1)))),
-        Force("right", 2, 0.0, (), mul(num("-1/50"), call("cos", ("x", 2)))),
-        Force("i", 3, 0.0, (), current),
-    )
-    P, Q = (0, BASE) if held else (0, GROUND)
-    tie = (Friction("tie", P, Q, 80.0, 80.0, 0.0),) if held else ()
-    base = {"base_formula": mul(num("1/100"), call("sin", mul(num(9), TIME)))} if held else {}
-    scene = Scene(
-        bodies, (Link("spring", P, Q, 900.0, 2.0),), (), tie, forces, rotors=rotors, t_end=1.0, **base
-    )
-    fast = agreed(scene, section=True)
+@pytest.mark.parametrize("end", ("ground", "base"))
+def test_rotors_on_bodies_and_states_are_those_of_python(end):
+    text = f"""
+bodies: {{frame: 3 kg}}
+links: {{spring: {{between: [frame, {end}], k: 900 N/m, c: 2 N s/m}}}}
+states: {{i: {{rate: "(U - R*i - Ke*w_left)/L", start: 0 A, U: 12 V, R: 2 ohm, Ke: 0.05 V s/rad, L: 10 mH}}}}
+rotors:
+  left: {{on: frame, m: 0.1 kg, e: 0.1 m, J: 1e-3 kg m^2,
+         torque: "Kt*i - b*w", Kt: 0.05 N m/A, b: 1e-4 N m s/rad}}
+  right: {{on: frame, m: 0.2 kg, e: 0.1 m, J: 0 kg m^2, torque: "-T0*cos(phi)", T0: 0.02 N m}}
+initial: {{left: {{phi: 1 rad}}, right: {{phi: 7 rad, w: 30 rad/s}}}}
+run: {{t_end: 1 s, every: 20 ms}}
+"""
+    if end == "base":
+        text += 'base: {x: "a*(sin(w0*t) + sin(w0*t)**2)", a: 1 cm, w0: 9 rad/s}\n'
+        text += "friction: {tie: {between: [frame, base], N: 80 N, mu: 1}}\n"
+    fast = agreed(load_case_text(text).scene(), section=True)
     assert fast.samples["w_left"][-1] > 10
 
 
 def test_a_kink_costs_no_call_of_python():
     """Only the first turns of each switch are decided by Python; nothing is told of any of them."""
-    scene = oscillator(add(mul(num(100), X), mul(V, absolute(V, "abs(v)"))), t_end=20.0)
+    scene = oscillator("100*x + v*abs(v)", t_end=20.0)
     of = CRun(scene)
     decided = []
     decide = of._decide
@@ -233,7 +200,7 @@ def test_a_kink_costs_no_call_of_python():
 
 
 def test_states_behind_kinks_are_read_in_c():
-    scene = oscillator(add(mul(num(100), X), mul(V, absolute(V, "abs(v)"))), t_end=5.0)
+    scene = oscillator("100*x + v*abs(v)", t_end=5.0)
     whole_run = run(scene, "c")
     start = {name: column[0] for name, column in whole_run.events.items()}
     trajectory = open_trajectory(scene, "c", resume=start)
@@ -257,24 +224,23 @@ def test_restarts_from_events_go_on_as_they_did():
 
 def test_a_singularity_is_told_with_its_part_by_both_engines():
     """x'' = -1/x falls into the centre."""
-    scene = oscillator(mul(num("1/2"), div(ONE, mul(X, X))))
+    scene = oscillator("1/(2*x*x)")
     told = agreed(scene)
     assert "singularity" in told and "spring" in told
 
 
 def test_a_singular_start_is_told_by_both_engines():
-    told = agreed(oscillator(div(ONE, sub(X, ONE))))
+    told = agreed(oscillator("1/(x - 1)"))
     assert "t = 0.0 s" in told and "spring" in told
 
 
 def test_what_becomes_negative_under_a_root_is_told_by_both_engines():
-    told = agreed(oscillator(mul(num(9), power(X, num("3/2")))))
+    told = agreed(oscillator("9*x**(3/2)"))
     assert "under a root" in told and "spring" in told
 
 
 def test_a_force_that_holds_the_motion_at_its_jump_is_told_by_both_engines():
-    sign = choose(V, ONE, num(-1), "sign(v)")
-    told = agreed(oscillator(add(X, mul(num(2), sign)), t_end=9.0))
+    told = agreed(oscillator("x + 2*sign(v)", t_end=9.0))
     assert "held" in told
 
 
@@ -288,30 +254,36 @@ def test_random_scenes_are_those_of_python(first):
     assert sum(one is not None for one in compared) > 5
 
 
+ROTOR = "rotors: {r: {on: a, m: 0.1 kg, e: 1 m, J: 0.9 kg m^2}}\n"
+
+
 def test_tables_of_modes_tell_formulas_apart():
-    one, other = oscillator(mul(num(9), X)), oscillator(mul(num(8), X))
-    rotor = replace(one, bodies=(*one.bodies, Body("r", 1.0, 0.0, 0.0, ROTOR)))
-    scenes = (one, other, rotor, replace(rotor, rotors=(Rotor(1, 0, 0.1),)), replace(one, base_formula=TIME))
+    one = oscillator("9*x + x**3")
+    scenes = [one, oscillator("8*x + x**3"), oscillator("9*x + x**3", ROTOR)]
+    scenes.append(oscillator("9*x + x**3", ROTOR.replace("0.1 kg", "0.2 kg")))
+    scenes.append(oscillator("9*x + x**3", 'base: {x: "q*t", q: 1 m/s}', end="base"))
     tables = {id(mode_table(scene)) for scene in scenes}
     assert len(tables) == len(scenes)
     assert mode_table(pickle.loads(pickle.dumps(one))) is mode_table(one)
 
 
+RIGID = "stops: {s: {between: [a, ground], gap: 2 m, acts: compression, law: rigid, e: 0.5}}\n"
+
+
 def test_modes_of_other_formulas_are_not_of_one_form():
-    one = oscillator(mul(num(9), X), stops=(RigidStop("s", 0, GROUND, 2.0, COMPRESSION, 0.5),))
-    assert parametric_rows.differences(one, replace(one, links=(replace(one.links[0], force=X),))) is None
-    stiff = replace(one, stops=(replace(one.stops[0], gap=3.0),))
-    assert parametric_rows.differences(one, stiff) == {("stops", 0, "gap"): 3.0}
+    one, other = oscillator("9*x + x**3", RIGID), oscillator("x + x**3", RIGID)
+    assert parametric_rows.differences(one, other) is None
+    wider = oscillator("9*x + x**3", RIGID.replace("2 m", "3 m"))
+    assert parametric_rows.differences(one, wider) == {("stops", 0, "gap"): 3.0}
     run_of = CRun(one)
     assert recipe_of(one, (("stops", 0, "gap"),), run_of.statuses[0], dict(run_of.keys)) is None
 
 
 def test_numbers_of_another_scene_in_the_parts_beside_formulas_are_those_of_that_scene():
     """Tables of scenes that differ in numbers alone share their rules."""
-    wall = Stop("wall", 0, GROUND, 0.5, COMPRESSION, 50.0, 1.0)
-    law = add(mul(num(9), X), absolute(V, "abs(v)"))
     for gap in (0.5, 0.25, 0.125):
-        assert agreed(oscillator(law, stops=(replace(wall, gap=gap),))).totals["impacts"] > 0
+        wall = f"wall: {{between: [a, ground], gap: {gap} m, acts: compression, k: 50 N/m, c: 1 N s/m}}"
+        assert agreed(oscillator("9*x + abs(v)", f"stops: {{{wall}}}")).totals["impacts"] > 0
 
 
 HUGE = (2**31 - 1, 10**6, -(10**6), -(2**31))
@@ -326,15 +298,9 @@ def with_int(ints, place, value):
 @pytest.mark.parametrize("which", (0, 1), ids=("scene", "mode"))
 def test_no_index_of_a_tape_reaches_beyond_its_table(which):
     """Each whole number in turn is far out: it is refused, or what it says does no harm."""
-    base = {"base_formula": mul(num("1/100"), call("sin", TIME))}
-    law = add(mul(num(20), sub(X, ("x", BASE))), add(*(FUNCTIONS[name] for name in ("atan", "tanh"))))
-    scene = replace(
-        oscillator(
-            add(law, FUNCTIONS["sin"]), Body("r", 1.0, 0.0, 0.0, ROTOR), Body("z", 1.0, 0.0, 0.0, STATE)
-        ),
-        rotors=(Rotor(1, 0, 0.1),),
-        **base,
-    )
+    parts = ROTOR + 'base: {x: "q*sin(t/T)", q: 1 cm}\nstates: {z: {rate: "0*z/T", start: 0 m}}\n'
+    parts += 'forces: {f: {on: a, force: "F*atan(x_a/L)"}}\n'
+    scene = oscillator("20*x + tanh(x) + sin(3*x)", parts, end="base")
     of = CRun(scene)
     packed = pack_scene(scene, pitches(scene)), packed_mode(of.rows_of(0), dict(of.keys)).packed
     refused = 0
@@ -351,7 +317,7 @@ def test_no_index_of_a_tape_reaches_beyond_its_table(which):
 
 @pytest.mark.parametrize("part", (0, 1), ids=("ints", "doubles"))
 def test_a_tape_cut_short_is_refused(part):
-    scene = oscillator(add(mul(num(20), X), FUNCTIONS["tanh"]))
+    scene = oscillator("20*x + tanh(5*v)")
     of = CRun(scene)
     mode = [*packed_mode(of.rows_of(0), dict(of.keys)).packed]
     mode[part] = mode[part][:-8]
@@ -360,7 +326,7 @@ def test_a_tape_cut_short_is_refused(part):
 
 
 def test_extremes_of_a_formula_are_those_of_python():
-    scene = oscillator(add(X, mul(X, mul(X, X))), t_end=10.0)
+    scene = oscillator("x + x*x*x", t_end=10.0)
     found = []
     for engine in ("c", "python"):
         trajectory = open_trajectory(scene, engine, extremes=([(0, GROUND)], 0.0))

@@ -56,7 +56,7 @@ def run(scene, engine="c"):
 @pytest.mark.parametrize("driven_by", ["base", "force"])
 @pytest.mark.parametrize("sense", [EXTENSION, COMPRESSION])
 @pytest.mark.parametrize("law", ["elastic", "rigid"])
-@pytest.mark.parametrize("count", [2, 3, 5, 8])
+@pytest.mark.parametrize("count", [2, 3, 5, pytest.param(8, marks=pytest.mark.slow)])
 def test_a_chain_leaves_or_presses_the_stop_that_it_touches(count, law, sense, driven_by):
     """By the closed form from order 6 on events of that stop were not looked for, in certified runs."""
     scene = chain(count, law, sense, driven_by)
