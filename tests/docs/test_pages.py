@@ -30,6 +30,8 @@ LONG = {
     "formulas",
     "motor",
     "sections-and-diagrams",
+    "sweeps",
+    "sweep-and-resume",
     "orbits-and-branches",
 }
 WITH_PYTHON = [path for path in PAGES if blocks(path, "python")]

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from tests.engine.random_parts import LENGTH, part_scenes, rigid_scenes
 from tests.engine.runs import Run, differences, outcome, run
-from tests.scenes import CASE_NAMES, MOTORS, paper
+from tests.scenes import paper
 from vibsim.engine.flows.closed.matrices import jacobi
 from vibsim.engine.tangent.tangencies import Jumps
 from vibsim.engine.tangent.tangent_space import dimension
@@ -61,10 +61,8 @@ def test_papers_cases_are_bit_for_bit_what_they_were(name, method):
     assert result.totals["impacts"] > 0 and result.totals["uncertified"] == 0
 
 
-@pytest.mark.parametrize("name", CASE_NAMES)
-@pytest.mark.parametrize("method", ("closed_form", "taylor"))
+@pytest.mark.parametrize(("name", "method"), PINNED)
 def test_engines_agree_on_the_papers_cases(name, method):
-    method = "taylor" if name in MOTORS else method
     scene = paper(name, method=method, t_end=4.0).as_parts()
     result = assert_engines_agree(scene, dimension(scene))
     assert result.totals["impacts"] > 2
