@@ -211,7 +211,9 @@ def test_carriers_that_take_turns(of, method, change):
     of = replace(of, method=method)
     scenes = [of, change(of, 1.25), change(of, 0.75)]
     first = Carrier(of, "c")
-    turns = [first, *(first.of(each) for each in scenes[1:])]
+    others = [first.of(each) for each in scenes[1:]]
+    assert all(others) or of.has_formulas  # of other numbers they are other modes
+    turns = [first, *(other or Carrier(each, "c") for other, each in zip(others, scenes[1:], strict=True))]
     alone = [
         [outcome(Carrier(each, engine), start_of(of), of.t_end, None) for engine in ENGINES]
         for each in scenes
