@@ -1,11 +1,17 @@
-"""Whole runs of scenes made of parts, for comparison."""
+"""Scenes made of parts from the text of a case, and whole runs of them, for comparison."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from vibsim.cases.case import load_case_text
 from vibsim.engine.errors import EngineError
 from vibsim.engine.trajectory import open_trajectory
+
+
+def scene_of(text, changes=None):
+    """The scene of a case as a user writes it."""
+    return load_case_text(text, changes).scene()
 
 
 @dataclass

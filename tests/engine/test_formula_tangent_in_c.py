@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.engine.random_formulas import formula_scene
-from vibsim.cases.case import load_case_text
+from tests.engine.runs import scene_of
 from vibsim.engine import _engine
 from vibsim.engine.c_engine import CRun
 from vibsim.engine.errors import EngineError
@@ -178,10 +178,6 @@ initial: {frame: {x: 1 cm}, r: {phi: 1 rad, w: 25 rad/s}}
 run: {t_end: 1 s, every: 20 ms}
 """,
 }
-
-
-def scene_of(text, changes=None):
-    return load_case_text(text, changes).scene()
 
 
 SCENES = {name: scene_of(text) for name, text in TEXTS.items()}

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from tests.engine.random_formulas import formula_scene
-from tests.engine.runs import Run, differences, run, whole
-from vibsim.cases.case import load_case_text
+from tests.engine.runs import Run, differences, run, scene_of, whole
 from vibsim.engine import _engine
 from vibsim.engine.c_engine import CRun
 from vibsim.engine.errors import EngineError
@@ -35,13 +34,13 @@ def law(text):
 
 def oscillator(text, more="", x=1.0, t_end=3.0, end="ground"):
     """A body of 1 kg on a link with a law of pure numbers."""
-    return load_case_text(f"""
+    return scene_of(f"""
 parameters: {NUMBERS}
 bodies: {{a: 1 kg}}
 links: {{spring: {{between: [a, {end}], force: "{law(text)}"}}}}
 initial: {{a: {{x: {x} m}}}}
 run: {{t_end: {t_end} s, every: 20 ms}}
-{more}""").scene()
+{more}""")
 
 
 def bounded(scene, **options):
@@ -130,12 +129,12 @@ def test_every_operation_is_on_some_tape():
 
 def test_a_contact_by_a_power_is_that_of_python():
     fast = agreed(
-        load_case_text("""
+        scene_of("""
 bodies: {ball: 1 kg}
 stops: {wall: {between: [ball, ground], gap: 1 mm, acts: compression, force: "K*p**1.5", K: 1e6 N/m^1.5}}
 initial: {ball: {v: 1 m/s}}
 run: {t_end: 30 ms, every: 0.1 ms}
-""").scene()
+""")
     )
     duration = 0.012811349348247  # s: 2.94 (5 m / 4 K)^0.4 with v = 1 m/s
     assert fast.events["t"][1:3] == pytest.approx([0.001, 0.001 + duration], rel=1e-12)
@@ -143,14 +142,14 @@ run: {t_end: 30 ms, every: 0.1 ms}
 
 def test_a_contact_that_may_not_pull_lets_go_where_it_does_in_python():
     fast = agreed(
-        load_case_text("""
+        scene_of("""
 bodies: {a: 1 kg}
 stops:
   wall: {between: [a, ground], gap: 1 cm, acts: compression, release: force,
          force: "k*p*(1 + lam*pv)", k: 1 kN/m, lam: 0.5 s/m}
 initial: {a: {v: 3 m/s}}
 run: {t_end: 0.5 s}
-""").scene()
+""")
     )
     assert fast.totals["impacts"] == 1 and fast.events["t"][2] < fast.events["t"][3]
 
@@ -183,7 +182,7 @@ run: {{t_end: 1 s, every: 20 ms}}
     if end == "base":
         text += 'base: {x: "a*(sin(w0*t) + sin(w0*t)**2)", a: 1 cm, w0: 9 rad/s}\n'
         text += "friction: {tie: {between: [frame, base], N: 80 N, mu: 1}}\n"
-    fast = agreed(load_case_text(text).scene(), section=True)
+    fast = agreed(scene_of(text), section=True)
     assert fast.samples["w_left"][-1] > 10
 
 

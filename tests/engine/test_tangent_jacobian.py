@@ -3,31 +3,16 @@ quotients in 40 digits.
 """
 
 from dataclasses import replace
-from math import pi
 
 import pytest
 from hypothesis import given, settings
 
 from tests.engine.bundles import course, finished, in_digits, started
 from tests.engine.random_parts import part_scenes
+from tests.engine.runs import scene_of
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.tangent.tangent_space import Gauge, TangentSpace
-from vibsim.physics.parts import (
-    AT_FORCE,
-    AT_GAP,
-    BASE,
-    COMPRESSION,
-    EVENT_NAMES,
-    EXTENSION,
-    GROUND,
-    Body,
-    Friction,
-    Harmonic,
-    Link,
-    Motor,
-    Scene,
-    Stop,
-)
+from vibsim.physics.parts import EVENT_NAMES
 from vibsim.physics.precision import Balls
 
 DIGITS = 40
@@ -74,72 +59,58 @@ def assert_derivative(scene):
     return columns, kinds
 
 
-def harmonic(amplitude, frequency, phase=0.0):
-    return Harmonic(amplitude, 2 * pi * frequency, frequency, 0.0, phase)
-
-
-def hammer(release, sense=COMPRESSION):
-    """A body on a damped stop of a second one, which rubs on the ground and is shaken."""
-    return Scene(
-        (Body("a", 1.0, 0.0, 0.3), Body("b", 2.0, 0.0, 0.01)),
-        links=(Link("l", 0, 1, 30.0, 0.1), Link("k", 1, BASE, 80.0, 0.5)),
-        stops=(Stop("s", 0, 1, 0.004, sense, 500.0, 12.0, release),),
-        frictions=(Friction("f", 1, GROUND, 0.6, 0.4, 0.0),),
-        base=(harmonic(0.01, 0.7, 0.2),),
-        t_end=1.2,
-    )
-
-
+HAMMER = """
+bodies: {a: 1 kg, b: 2 kg}
+links: {l: {between: [a, b], k: 30 N/m, c: 0.1 N s/m}, k: {between: [b, base], k: 80 N/m, c: 0.5 N s/m}}
+stops: {s: {between: [a, b], gap: 4 mm, acts: compression, k: 500 N/m, c: 12 N s/m, release: gap}}
+friction: {f: {between: [b, ground], N: 1 N, plus: {mu: 0.6}, minus: {mu: 0.4}}}
+base: {a: 1 cm, omega: 0.7 Hz, phase: 0.2 rad}
+initial: {a: {v: 0.3 m/s}, b: {v: 0.01 m/s}}
+run: {t_end: 1.2 s, every: 50 ms}
+"""
+ON_BASE = """
+bodies: {a: 1 kg, b: 0.5 kg}
+links: {l: {between: [a, b], k: 60 N/m, c: 0.2 N s/m}, k: {between: [a, ground], k: 20 N/m}}
+friction: {f: {between: [a, base], N: 0.3 N, mu: 1, belt: 0.02 m/s}}
+base: {a: 2 cm, omega: 1.1 Hz, phase: 0.5 rad}
+initial: {b: {x: 1 cm, v: 0.1 m/s}}
+run: {t_end: 1.5 s, every: 50 ms}
+"""
+STATIC = """
+bodies: {a: 1 kg, b: 0.5 kg}
+links: {k: {between: [a, ground], k: 50 N/m, c: 0.3 N s/m}, l: {between: [b, base], k: 30 N/m, c: 0.1 N s/m}}
+friction:
+  f: {between: [a, ground], N: 2 N, mu: 1, static: 1.75, belt: 0.3 m/s}
+  g: {between: [b, a], N: 0.4 N, mu: 1, static: 1.5}
+base: {a: 2 cm, omega: 1.1 Hz, phase: 0.5 rad}
+initial: {a: {v: 0.3 m/s}, b: {v: 0.1 m/s}}
+run: {t_end: 1.5 s, every: 50 ms}
+"""
+MOTOR = """
+bodies: {a: 0.9 kg, b: 2 kg}
+links: {k: {between: [b, ground], k: 90 N/m, c: 0.3 N s/m}}
+motor: {on: a, m3: 0.1 kg, e: 5 cm, J: 3e-4 kg m^2, M0: 0.02 N m, Omega0: 15 rad/s}
+initial: {a: {v: 0.1 m/s}, motor: {phi: 0.4 rad, phidot: 12 rad/s}}
+"""
+STICKING = """
+stops: {s: {between: [a, ground], gap: 1 cm, acts: extension, k: 400 N/m, c: 3 N s/m, release: force}}
+friction: {f: {between: [a, b], N: 1 N, plus: {mu: 0.9}, minus: {mu: 0.6}}}
+run: {t_end: 0.75 s, every: 50 ms}
+"""
+DROPPING = """
+friction:
+  f: {between: [a, b], N: 0.5 N, mu: 1, static: 1.4}
+  g: {between: [b, ground], N: 0.4 N, mu: 1, static: 1.5}
+run: {t_end: 0.6 s, every: 50 ms}
+"""
+STRUCK, STUCK = {"contact_begin", "contact_end", "stick_begin"}, {"stick_begin", "stick_end"}
 SCENES = {
-    "damped stop, to its gap": (hammer(AT_GAP), {"contact_begin", "contact_end", "stick_begin"}),
-    "damped stop, to its force": (hammer(AT_FORCE), {"contact_begin", "contact_end", "stick_begin"}),
-    "friction against the moving base": (
-        Scene(
-            (Body("a", 1.0, 0.0, 0.0), Body("b", 0.5, 0.01, 0.1)),
-            links=(Link("l", 0, 1, 60.0, 0.2), Link("k", 0, GROUND, 20.0, 0.0)),
-            frictions=(Friction("f", 0, BASE, 0.3, 0.3, 0.02),),
-            base=(harmonic(0.02, 1.1, 0.5),),
-            t_end=1.5,
-        ),
-        {"stick_begin", "stick_end"},
-    ),
-    "motor on a body that sticks to another": (
-        Scene(
-            (Body("a", 1.0, 0.0, 0.1), Body("b", 2.0, 0.0, 0.0)),
-            links=(Link("k", 1, GROUND, 90.0, 0.3),),
-            stops=(Stop("s", 0, GROUND, 0.01, EXTENSION, 400.0, 3.0, AT_FORCE),),
-            frictions=(Friction("f", 0, 1, 0.9, 0.6, 0.0),),
-            motor=Motor(0, 0.1, 0.05, 3e-4, 2e-2, 15.0, 0.4, 12.0),
-            t_end=0.75,
-        ),
-        {"stick_begin", "stick_end"},
-    ),
-    "friction that drops where it begins to slip": (
-        Scene(
-            (Body("a", 1.0, 0.0, 0.3), Body("b", 0.5, 0.0, 0.1)),
-            links=(Link("k", 0, GROUND, 50.0, 0.3), Link("l", 1, BASE, 30.0, 0.1)),
-            frictions=(
-                Friction("f", 0, GROUND, 2.0, 2.0, 0.3, 3.5, 3.5),
-                Friction("g", 1, 0, 0.4, 0.4, 0.0, 0.6, 0.6),
-            ),
-            base=(harmonic(0.02, 1.1, 0.5),),
-            t_end=1.5,
-        ),
-        {"stick_begin", "stick_end"},
-    ),
-    "motor on a body that drops": (
-        Scene(
-            (Body("a", 1.0, 0.0, 0.1), Body("b", 2.0, 0.0, 0.0)),
-            links=(Link("k", 1, GROUND, 90.0, 0.3),),
-            frictions=(
-                Friction("f", 0, 1, 0.5, 0.5, 0.0, 0.7, 0.7),
-                Friction("g", 1, GROUND, 0.4, 0.4, 0.0, 0.6, 0.6),
-            ),
-            motor=Motor(0, 0.1, 0.05, 3e-4, 2e-2, 15.0, 0.4, 12.0),
-            t_end=0.6,
-        ),
-        {"stick_begin", "stick_end"},
-    ),
+    "damped stop, to its gap": (scene_of(HAMMER), STRUCK),
+    "damped stop, to its force": (scene_of(HAMMER, {"s.release": "force"}), STRUCK),
+    "friction against the moving base": (scene_of(ON_BASE), STUCK),
+    "motor on a body that sticks to another": (scene_of(MOTOR + STICKING), STUCK),
+    "friction that drops where it begins to slip": (scene_of(STATIC), STUCK),
+    "motor on a body that drops": (scene_of(MOTOR + DROPPING), STUCK),
 }
 
 
