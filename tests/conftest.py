@@ -41,4 +41,3 @@ def pytest_collection():
     finally:
         gc.enable()
         gc.freeze()
-        gc.set_threshold(100_000)  # a twentieth of the time went into searches that find little

@@ -2,7 +2,8 @@
 
 `python -m tests.digests` prints them: every machine, every BLAS and every vector unit must print the same.
 `python -m tests.digests units` prints the vector units that numpy chooses code for on this machine: what
-NPY_DISABLE_CPU_FEATURES may name.
+NPY_DISABLE_CPU_FEATURES may name. `python -m tests.digests quick` leaves out
+what takes longer than half a second.
 """
 
 import hashlib
@@ -131,6 +132,15 @@ CASES = {
 }
 
 
+LONG = {
+    "branch of a ball that rests",
+    "branch with slips",
+    "branch of chatter",
+    "fit",
+    "sweep over a long time",
+}
+
+
 def digest(value):
     """Of numbers within records, written so that each double has its own text."""
     return hashlib.sha256(repr(value).encode()).hexdigest()
@@ -150,4 +160,6 @@ if __name__ == "__main__" and sys.argv[1:] == ["units"]:
 elif __name__ == "__main__":
     np.set_printoptions(floatmode="unique", threshold=2**31)
     for name, made in CASES.items():
+        if name in LONG and sys.argv[1:] == ["quick"]:
+            continue
         print(f"{name}: {digest(made())}", flush=True)

@@ -140,10 +140,10 @@ for name in ("I-C", "II-B", "gallery/impact-oscillator", "gallery/belt-oscillato
 """
 
 
-def digests_of_results(**switches):
+def digests_of_results(words, **switches):
     """What `tests.digests` prints under switches of the environment."""
     environment = {name: value for name, value in os.environ.items() if name not in SWITCHES} | switches
-    program = [sys.executable, "-m", "tests.digests"]
+    program = [sys.executable, "-m", "tests.digests", *words]
     root = PACKAGE.parent
     return subprocess.run(
         program, env=environment, cwd=root, capture_output=True, text=True, check=True
@@ -156,16 +156,19 @@ SWITCHES = ("OPENBLAS_CORETYPE", "OPENBLAS_NUM_THREADS", "NPY_DISABLE_CPU_FEATUR
 @pytest.mark.skipif(
     platform.machine() not in ("x86_64", "AMD64"), reason="kernels and vector units of x86-64"
 )
-@pytest.mark.timeout(600)  # of ten seconds each, where nothing else runs
-def test_all_results_have_the_same_bits_whatever_the_blas_and_the_vector_units():
+@pytest.mark.timeout(600)  # of some seconds each, where nothing else runs
+@pytest.mark.parametrize(
+    ("words", "count"), [(["quick"], 12), pytest.param([], 17, marks=pytest.mark.slow)], ids=("quick", "all")
+)
+def test_all_results_have_the_same_bits_whatever_the_blas_and_the_vector_units(words, count):
     """Orbits were right to rounding, which differed, and decided which special points a branch has."""
     units = " ".join(vector_units())
     off = {"NPY_DISABLE_CPU_FEATURES": units} if units else {}
     if platform.libc_ver()[0] == "glibc":
         off["GLIBC_TUNABLES"] = "glibc.cpu.hwcaps=-FMA,-AVX2,-FMA4"
-    plain = digests_of_results(OPENBLAS_CORETYPE="Haswell", OPENBLAS_NUM_THREADS="2")
-    assert plain.count("\n") == 17
-    assert digests_of_results(OPENBLAS_CORETYPE="Prescott", OPENBLAS_NUM_THREADS="1", **off) == plain
+    plain = digests_of_results(words, OPENBLAS_CORETYPE="Haswell", OPENBLAS_NUM_THREADS="2")
+    assert plain.count("\n") == count
+    assert digests_of_results(words, OPENBLAS_CORETYPE="Prescott", OPENBLAS_NUM_THREADS="1", **off) == plain
 
 
 @pytest.mark.skipif(
