@@ -144,6 +144,12 @@ links: {spring: {between: [a, ground], force: "k*d + F*tanh(d/L)", k: 1 N/m, F: 
 initial: {a: {x: 2 m, v: 0.5 m/s}}
 run: {t_end: 4 s, every: 20 ms}
 """,
+    "sawtooth": """
+bodies: {a: 1 kg}
+links: {spring: {between: [a, ground], force: "k*d + q*mod(d, L)", k: 9 N/m, q: 1 N/m, L: 0.5 m}}
+initial: {a: {x: 1.2 m}}
+run: {t_end: 2 s, every: 20 ms}
+""",
     "two bodies": """
 bodies: {a: 1 kg, b: 2 kg}
 links:
