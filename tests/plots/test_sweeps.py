@@ -18,7 +18,7 @@ KINDS = ("sommerfeld", "amplitude", "orbit")
 SWEEPS = {
     "motor": ({"Omega0": "3:4:0.25 Hz"}, {}),
     "carried": ({"Omega0": "3:4:0.5 Hz"}, {"carry_state": True, "direction": "both"}),
-    "family": ({"Omega0": "3, 4 Hz", "c": "0.01, 0.02"}, {"carry_state": True, "direction": "both"}),
+    "family": ({"Omega0": "3, 4 Hz", "c": "0.01:0.03/3"}, {"carry_state": True, "direction": "both"}),
     "grid": ({"c": "0.01:0.08/8", "Omega0": "3, 4 Hz"}, {}),
     "damping": ({"c": "0.01, 0.02"}, {"section": 0}),
     "ideal": ({"omega": "20, 25 rad/s"}, {}),
@@ -126,7 +126,7 @@ def test_up_and_down_of_several_have_panels_of_their_own(paths, width):
     result = open_subject(paths["family"]).result
     figure = kind_named("sommerfeld").draw([open_subject(paths["family"])], View(width=width))
     titles = [axes.get_title(loc="left") for axes in figure.axes]
-    assert titles == ["$c$ = 0.01 N s/m", "$c$ = 0.02 N s/m"]
+    assert titles == ["$c$ = 0.01 N s/m", "$c$ = 0.02 N s/m", "$c$ = 0.03 N s/m"]
     for i, axes in enumerate(figure.axes):
         for d, line in enumerate(lines(axes, "mean")):
             np.testing.assert_array_equal(line.get_ydata(), result["mean_speed"][:, i, d])
