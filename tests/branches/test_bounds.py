@@ -9,10 +9,10 @@ import vibsim
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
 from vibsim.orbits.branches.branch import SpecialPoint
-from vibsim.orbits.branches.branch_file import LocusStore, complete
 from vibsim.orbits.branches.continuing import continue_branch, continue_locus
 from vibsim.orbits.branches.correction import ContinuationError
-from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.curve import complete
+from vibsim.orbits.branches.locus_result import LocusStore, locus_plan
 from vibsim.orbits.branches.plan import BranchError, read_span
 from vibsim.orbits.branches.walk import landed
 from vibsim.orbits.search import orbit
@@ -129,7 +129,7 @@ def test_what_is_not_found_is_a_branch_error(branch, monkeypatch):
     def lost(*_):
         raise ContinuationError("Newton's method came to no end")
 
-    monkeypatch.setattr("vibsim.orbits.branches.branch_file.trace", lost)
+    monkeypatch.setattr("vibsim.orbits.branches.branch.trace", lost)
     with pytest.raises(BranchError, match="Newton's method came to no end"):
         continue_branch(orbit(CASE), "drive.A", "1.4:1.6 N")
 

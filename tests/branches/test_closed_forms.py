@@ -12,9 +12,10 @@ import pytest
 import vibsim
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
-from vibsim.orbits.branches.branch_file import BranchStore, complete
+from vibsim.orbits.branches.branch import BranchStore
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.branches.correction import Pace
+from vibsim.orbits.branches.curve import complete
 from vibsim.orbits.branches.interpolant import MovedFamily, quiet_share
 from vibsim.orbits.branches.plan import plan_from, read_span
 from vibsim.orbits.coordinates import case_on_orbit

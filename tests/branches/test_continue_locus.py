@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import vibsim
-from vibsim.orbits.branches.branch_file import LocusStore, complete, read_locus
 from vibsim.orbits.branches.continuing import continue_branch
-from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.curve import complete
+from vibsim.orbits.branches.locus_result import LocusStore, locus_plan, read_locus
 from vibsim.orbits.branches.plan import read_span
 
 AT = {"omega": "4.2 Hz"}

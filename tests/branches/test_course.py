@@ -10,17 +10,18 @@ from tests.branches.made import CAPTURED, branch_of, orbit_of
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 from vibsim.orbits import find_orbit
-from vibsim.orbits.branches.branch_file import BranchStore, LocusStore, complete
+from vibsim.orbits.branches.branch import BranchStore
 from vibsim.orbits.branches.correction import Pace
+from vibsim.orbits.branches.curve import complete
 from vibsim.orbits.branches.interpolant import shift
-from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.locus_result import LocusStore, locus_plan
 from vibsim.orbits.branches.node import Node
 from vibsim.orbits.branches.plan import plan_from, read_span
 from vibsim.orbits.branches.tracing import FINE, Arc, curve_of, drawn, stretches, trace
 from vibsim.orbits.search import orbit
-from vibsim.plots.branch_curves import torque_of
-from vibsim.plots.branch_values import amplitude_of, mean_speed_of, parameter_of, pieces, ranges
+from vibsim.plots.branch_curves import amplitude_of, mean_speed_of, parameter_of, pieces, ranges
 from vibsim.plots.branches_over_sweeps import magnitudes_along
+from vibsim.plots.load_curves import torque_of
 
 SHORT = Pace(first=0.006, most=0.006)
 

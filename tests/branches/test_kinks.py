@@ -13,14 +13,13 @@ import vibsim
 from tests.command_line.made import call
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit, search_orbits
-from vibsim.orbits.branches.branch import Branch, branch_lines, facts
-from vibsim.orbits.branches.branch_file import read_branch
+from vibsim.orbits.branches.branch import Branch, branch_lines, facts, read_branch
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.branches.inspection import _gathered
 from vibsim.orbits.branches.interpolant import _newton
 from vibsim.orbits.branches.order_change import _zero
 from vibsim.orbits.branches.special_points import STICKING, UNRESOLVED, Special
-from vibsim.orbits.coordinates import LETTERS
+from vibsim.orbits.words import LETTERS
 
 BELT = 0.7235  # [m/s]
 SCENE = """

@@ -10,7 +10,7 @@ from tests.orbits.truths import TRUTHS
 from vibsim.analysis.attractor import is_mirrored, lies_on, neighbourhood_of
 from vibsim.cases import load_case
 from vibsim.orbits.branches.plan import BranchError
-from vibsim.orbits.coordinates import NoSection, OrbitError, cyclic
+from vibsim.orbits.coordinates import NoSection, OrbitError
 from vibsim.orbits.newton import likely_periods
 from vibsim.orbits.orbit import save_orbit
 from vibsim.orbits.search import (
@@ -23,6 +23,7 @@ from vibsim.orbits.search import (
     time_of_returns,
 )
 from vibsim.orbits.stability import moduli
+from vibsim.orbits.words import cyclic
 from vibsim.results import simulate
 from vibsim.results.hdf5_reading import ResultFileError
 

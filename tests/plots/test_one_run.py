@@ -11,12 +11,11 @@ from vibsim.cases import load_case
 from vibsim.orbits.orbit import save_orbit
 from vibsim.physics.parts import EVENT_KINDS
 from vibsim.plots import style
+from vibsim.plots.poincare_sections import drift_rate, turn_times
 from vibsim.plots.portraits import POINTS, orbit_portrait_picture
 from vibsim.plots.registry import choose, kind_named
 from vibsim.plots.samples import last_half
-from vibsim.plots.spectra import turn_times
 from vibsim.plots.subject import PlotError, Subject, View, open_subject
-from vibsim.plots.time_histories import drift_rate
 
 
 def figure_of(kind, subjects, **view):

@@ -12,10 +12,11 @@ import pytest
 import vibsim
 from tests.command_line.made import call
 from tests.fitting.made import small_plan
-from vibsim.fitting.fitting import run_fit
-from vibsim.orbits.branches.branch_file import BranchStore, LocusStore, complete
+from vibsim.fitting.fit_result import run_fit
+from vibsim.orbits.branches.branch import BranchStore
 from vibsim.orbits.branches.continuing import orbit_from
-from vibsim.orbits.branches.locus_result import locus_plan
+from vibsim.orbits.branches.curve import complete
+from vibsim.orbits.branches.locus_result import LocusStore, locus_plan
 from vibsim.orbits.branches.plan import plan_from, read_span
 from vibsim.results.simulation import open_result
 from vibsim.sweeps.sweep_file import SweepStore
@@ -161,7 +162,7 @@ def test_a_killed_sweep(here, monkeypatch):
     case = vibsim.load_case("I-A", {"run.t_end": "5 s"})
     plan = make_plan(case, [("omega", "3:4:0.1", "Hz", "axes")], section=3)
     kill = Kill(here, 4)
-    with LocalWorkers(plan.recipe, 1, "auto") as workers:
+    with LocalWorkers(plan.point_settings, 1, "auto") as workers:
         whole, _ = complete_sweep(
             SweepStore(plan, here / "s.h5"), workers, lambda table: kill(int((table.status == 1).sum()))
         )

@@ -28,8 +28,7 @@ from vibsim.evidence.reports.readings import (
     search_plane,
     search_readings,
 )
-from vibsim.fitting.fitting import make_plan
-from vibsim.fitting.plan import Search
+from vibsim.fitting.plan import Search, make_plan
 from vibsim.plots import style
 
 ROOT = Path(__file__).resolve().parents[3]
