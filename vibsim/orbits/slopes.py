@@ -393,7 +393,7 @@ def monodromy(
         )
     slopes = _slopes(case, parameters, carrier.started(start, T), engine)
     if slopes is None:
-        quotients = {key: _quotient(case, key, start, T, engine) for key in parameters}
+        quotients = {key: _beside_motions(case, key, start, T, engine) for key in parameters}
     else:
         quotients = {key: (row, np.zeros(len(row))) for key, row in zip(parameters, slopes, strict=True)}
     return Monodromy(
@@ -430,6 +430,21 @@ def _slopes(case: "Case", parameters: Sequence[str], started: "Scene", engine: s
         return parameter_slopes(started, sloped_scene(case, parameters), len(parameters), engine)
     except NotFollowed:
         return None
+
+
+def _beside_motions(
+    case: "Case", key: str, start: Sequence[float], T: float, engine: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """d state(T) / d number of the case, and the estimate of its error: with formulas from motions in many
+    digits, where there are some.
+    """
+    from vibsim.orbits.orbit_digits import slope_in_digits
+
+    if case.scene().has_formulas:
+        slope = slope_in_digits(case, *_beside(case, key), start, T, engine)
+        if slope is not None:
+            return slope, np.zeros(len(slope))
+    return _quotient(case, key, start, T, engine)
 
 
 def _quotient(
