@@ -10,7 +10,10 @@ from itertools import product
 
 getcontext().prec = 120
 ZERO, HALF = Decimal(0), Decimal("0.5")
-STILL, SHUT = Decimal("1e-40"), Decimal("1e-95")  # speeds [m/s] and gaps [m] that are none
+STILL, SHUT = (
+    Decimal("1e-40"),
+    Decimal("1e-76"),
+)  # speeds [m/s] and gaps [m] that are none, such as these speeds make
 FAR = Decimal("1e9")  # of a force that has no limit [N]
 GROUND = -1
 
@@ -232,7 +235,9 @@ class Line:
 
 
 def _root(d, rate, a):
-    """The first time > 0 [s] at which d + rate t + a t^2 / 2 comes up to 0 from below; None without any."""
+    """The first time [s] at which d + rate t + a t^2 / 2 comes up to 0 from below; None without any."""
+    if d == 0 and rate > 0:  # another stop has just set it into motion
+        return ZERO
     if d == 0:
         return -2 * rate / a if rate < 0 < a else None
     if a == 0:
