@@ -130,8 +130,11 @@ def static(pick, friction, centrifugal):
     slipping = pick([friction.forward, centrifugal or friction.forward])
     law = pick([None, None, HYPERBOLIC, EXPONENTIAL])
     holding = pick([None, 1.5 * slipping, 2.0 * slipping])
-    one = replace(friction, forward=slipping, backward=slipping, hold_forward=holding, hold_backward=holding)
-    return falling(one, (law, 0.5 * slipping, 10.0)) if law else one
+    one = replace(friction, forward=slipping, backward=slipping)
+    if law:  # slip begins with half as much again then
+        one = falling(one, (law, 0.5 * slipping, 10.0))
+        holding = holding if holding == 2.0 * slipping else None
+    return replace(one, hold_forward=holding, hold_backward=holding)
 
 
 def exactly_met(bodies, base, ends, gap, sense):
