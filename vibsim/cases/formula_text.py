@@ -37,6 +37,7 @@ ARGUMENTS = {
     "table": (2, 3),
 }  # least and most number of arguments
 FUNCTIONS = tuple(ARGUMENTS)
+WITH_CORNERS = tuple(name for name in FUNCTIONS if name not in (*PLAIN_FUNCTIONS, "sqrt"))
 COMPARISONS = ("<=", ">=", "<", ">")
 
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from vibsim.cases.formula_building import FormulaParts, belt_carries, motor_body
 from vibsim.cases.formula_places import MOTOR
-from vibsim.cases.formula_text import names_in
+from vibsim.cases.formula_text import WITH_CORNERS, names_in
 from vibsim.cases.quantities import Quantity
 from vibsim.cases.schema import USUAL_ORDER
 from vibsim.cases.schema_kinds import Formula, sides_of
@@ -290,17 +290,12 @@ def _formulas_in(value: Any) -> Iterator[str]:
             yield from _formulas_in(one)
 
 
-# What is left of formulas says which order of the Taylor series is best.
+# The order of the Taylor series, which depends on the formulas that are left.
 
 
 ORDER_OF_SMOOTH = 32
-ENDING_STEPS = (
-    "stops",
-    "friction",
-    "clearances",
-    "states",
-)  # sections of parts that end steps, or shorten them
-WITH_CORNERS = re.compile(r"\b(?:abs|sign|step|min|max|mod|where|table)\s*\(")
+ENDING_STEPS = ("stops", "friction", "clearances", "states")  # sections of what ends or shortens steps
+CORNER = re.compile(rf"\b(?:{'|'.join(WITH_CORNERS)})\s*\(")
 
 
 def default_order(values: Values) -> int:
@@ -313,5 +308,5 @@ def default_order(values: Values) -> int:
         return USUAL_ORDER
     left = with_plain_laws(values)
     texts = list(_formulas_in(left))
-    smooth = not any(WITH_CORNERS.search(text) for text in texts)
+    smooth = not any(CORNER.search(text) for text in texts)
     return ORDER_OF_SMOOTH if smooth and (texts or left.get("rotors")) else USUAL_ORDER

@@ -19,6 +19,7 @@ from vibsim.engine.flows.taylor import Taylor
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import GAP, HOLD, PUSH, SLIDE, STRIKE
 from vibsim.engine.resume import Row, state_and_status
+from vibsim.engine.tangent.carried import started
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits.coordinates import OrbitError, component_names, components_of
@@ -391,7 +392,7 @@ def monodromy(
             " instant, or the derivative of a formula is infinite there and has no integral: it has no"
             " derivative"
         )
-    slopes = _slopes(case, parameters, carrier.started(start, T), engine)
+    slopes = _slopes(case, parameters, started(carrier.scene, start, T), engine)
     if slopes is None:
         quotients = {key: _beside_motions(case, key, start, T, engine) for key in parameters}
     else:
@@ -435,8 +436,8 @@ def _slopes(case: "Case", parameters: Sequence[str], started: "Scene", engine: s
 def _beside_motions(
     case: "Case", key: str, start: Sequence[float], T: float, engine: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """d state(T) / d number of the case, and the estimate of its error: with formulas from motions in many
-    digits, where there are some.
+    """d state(T) / d number of the case by motions beside it, and the estimate of its error. With formulas
+    the motions have many digits, where a library of many digits is installed.
     """
     from vibsim.orbits.orbit_digits import slope_in_digits
 

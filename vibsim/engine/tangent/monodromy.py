@@ -183,7 +183,7 @@ class Carrier:
         return other
 
     def _by_python(self, components: list[float], end: float, vectors: np.ndarray) -> Carried:
-        driver = Driver(self.started(components, end), Doubles, carry=vectors.tolist())
+        driver = Driver(started(self.scene, components, end), Doubles, carry=vectors.tolist())
         while not driver.finished:
             driver.run(PIECES)
         codes = [(kind, part, *status.codes) for kind, part, _, status, _ in driver.events[1:-1]]
@@ -201,10 +201,6 @@ class Carrier:
         certificate = flow_certificate.uncertified, flow_certificate.margin
         there = partial(self._rate, driver.state, rows)
         return self._told(driver.state, there, moved, happened, table, certificate, undefined)
-
-    def started(self, components: list[float], end: float) -> Scene:
-        """The scene from the components of a state to `end` [s]."""
-        return started(self.scene, components, end)
 
     def _rate(self, state: State, rows: ModeRows) -> np.ndarray:
         """Rates of change of the components of a state in the mode of `rows`."""
