@@ -145,7 +145,7 @@ def _motion(orbit: Orbit, X: np.ndarray) -> Return:
     if return_map.section.turning:
         at = return_map.coordinates
         scene = placed(return_map.scene, at.state(X), TURNS_WITHIN * orbit.period)
-        times, _ = returns(scene, at, return_map.carrier.engine, first=return_map.n)
+        times, _ = returns(scene, at, first=return_map.n)
         if len(times) < return_map.n:
             raise OrbitError("the motion does not turn round as often as the orbit does")
         return return_map.plain(X, float(times[return_map.n - 1]))
@@ -352,10 +352,10 @@ def _is_still(orbit: Orbit) -> bool:
     return max(moved) <= STILL and not any(orbit.drift.values())
 
 
-def label_of_points(scene: Scene, times: np.ndarray, points: np.ndarray, engine: str) -> Label | None:
+def label_of_points(scene: Scene, times: np.ndarray, points: np.ndarray) -> Label | None:
     """Label of a run by its last points on the section: an orbit or running away; None for anything else."""
     try:
-        return_map = ReturnMap(scene, 1, engine)
+        return_map = ReturnMap(scene, 1)
     except OrbitError:
         return Label("undecided", "no section")
     if len(points) < FEWEST:
@@ -401,16 +401,16 @@ def observables(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 # The end of a run that nothing drives: what it comes to from its last event on.
 
 
-def orbit_of_free(scene: Scene, state: Mapping[str, float], engine: str) -> Orbit | None:
+def orbit_of_free(scene: Scene, state: Mapping[str, float]) -> Orbit | None:
     """The stable orbit of a scene without a source that a run has come to, which goes on from a state (by
     name of the column); None where it finds none.
     """
     try:
-        return_map = ReturnMap(scene, 1, engine)
+        return_map = ReturnMap(scene, 1)
         if not return_map.section.turning:
             return None
         follow = placed(scene, state, SWINGS * slowest_period(scene))
-        times, states = returns(follow, return_map.coordinates, engine)
+        times, states = returns(follow, return_map.coordinates)
     except (OrbitError, EngineError):
         return None
     if len(times) < FEWEST:

@@ -303,7 +303,7 @@ EPS = 2.0**-52  # the rounding of each value of the growth, relative to what it 
 DOUBT = 0.05  # probability that the interval misses the exponent
 
 
-def largest_exponent(result: Result, window: Window | None = None, engine: str = "auto") -> Exponent | None:
+def largest_exponent(result: Result, window: Window | None = None) -> Exponent | None:
     """The largest Lyapunov exponent within `window` [s], by default the second half of the run.
 
     None where the span is too short for intervals, where sticking or rest wiped the disturbance out, and
@@ -312,7 +312,7 @@ def largest_exponent(result: Result, window: Window | None = None, engine: str =
     """
     span = steady_span(result, window)
     scene = replace(result.case.scene(), t_end=span.end)
-    growth = lyapunov_exponents(scene, 1, span.begin, engine).growth
+    growth = lyapunov_exponents(scene, 1, span.begin).growth
     return exponent_of(growth[:, 0], growth[:, 1]) if len(growth) else None
 
 
@@ -397,7 +397,6 @@ def lyapunov(
     *,
     count: int | str | None = None,
     discard: float | str | None = None,
-    engine: str = "auto",
 ) -> Lyapunov:
     """The largest `count` Lyapunov exponents of a case, "all" or None: all of them.
 
@@ -422,7 +421,7 @@ def lyapunov(
     begin = transient(discard, scene.t_end)
     if not 0 <= begin < scene.t_end:
         raise ValueError(f"a transient of {begin:g} s leaves nothing of {scene.t_end:g} s")
-    return judged(lyapunov_exponents(scene, number, begin, engine), scene.tol)
+    return judged(lyapunov_exponents(scene, number, begin), scene.tol)
 
 
 def stored_exponents(result: Result) -> Lyapunov | None:

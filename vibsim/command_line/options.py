@@ -306,11 +306,6 @@ def _wants_color(choice: str) -> bool | None:
 
 
 Decorator = Callable[[Any], Any]
-ENGINES = ("auto", "c", "python")
-
-engine_option = click.option(
-    "--engine", type=OneOf(ENGINES), default="auto", help="Engine that computes; results are the same."
-)
 every_end_option = click.option("--t-end", metavar="TIME", help="End of every run, such as 100s.")
 stored_force_option = click.option(
     "--force", is_flag=True, help="Replace an output file that holds something else."

@@ -13,18 +13,16 @@ import numpy as np
 
 from vibsim.engine.blocks import Trajectory, Wishes
 from vibsim.engine.c_trajectory import CTrajectory
-from vibsim.engine.choice import check_method, engine_name
+from vibsim.engine.choice import check_method
 from vibsim.engine.extremes import Gap
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.resume import Row, resume_point
 from vibsim.engine.tangent.tangent_space import dimension
-from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 
 
 def open_trajectory(
     scene: Scene,
-    engine: str = "auto",
     resume: Row | Sequence[Row] | None = None,
     section: bool = False,
     ledger: bool = False,
@@ -40,7 +38,6 @@ def open_trajectory(
     Parameters
     ----------
     scene : Scene
-    engine : "auto" (C where it was built, else Python), "c" or "python"
     resume : one stored event row (t, kind, part, states, phase, part states by name) to go on from, all rows
         of one instant in their order, or None
     section : whether the blocks carry the stroboscopic section, the state at the end of every period of what
@@ -74,10 +71,6 @@ def open_trajectory(
         "dither": dither,
     }
     point = None if resume is None else resume_point(scene, resume)
-    if engine_name(engine) == "python":
-        from vibsim.engine.python_trajectory import PythonTrajectory
-
-        return PythonTrajectory(scene, Doubles, point, **wishes)
     return CTrajectory(scene, point, **wishes)
 
 
@@ -94,15 +87,13 @@ def extremes_of(scene: Scene, ends: Sequence[Edge], since: float) -> tuple[list[
     return pairs, gaps, since
 
 
-def state_at(
-    scene: Scene, row: Row | Sequence[Row], times: Iterable[float], engine: str = "auto"
-) -> dict[str, np.ndarray]:
+def state_at(scene: Scene, row: Row | Sequence[Row], times: Iterable[float]) -> dict[str, np.ndarray]:
     """States at `times` [s], restarted from the stored event `row`.
 
     row: as `resume` of `open_trajectory`; times: ascending, from row["t"] to before the next event. Returns
     arrays by column name.
     """
-    return open_trajectory(scene, engine, resume=row).state_at(times)
+    return open_trajectory(scene, resume=row).state_at(times)
 
 
 def check_tangent(scene: Scene, tangent: int) -> None:

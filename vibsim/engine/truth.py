@@ -194,7 +194,6 @@ def open_truth(
     digits: int,
     ledger: bool = False,
     momentum: bool = False,
-    engine: str = "auto",
 ) -> TruthTrajectory | WordsTrajectory:
     """A run of `digits` decimal digits, not yet computed.
 
@@ -213,12 +212,10 @@ def open_truth(
         kit = number_kit(digits)
         scene = exact_scene(kit.number, kit.pi)
         scene = bare(scene, kit)
-        form = None if engine == "python" else words_form(kit)
+        form = words_form(kit)
         if form is not None:
             kit.activate()
             return WordsTrajectory(scene, form, ledger=ledger, momentum=momentum)
-        if engine == "c":
-            raise ValueError(f"the C engine has no {digits} digits; use engine python")
         return TruthTrajectory(scene, kit, ledger=ledger, momentum=momentum)
 
 

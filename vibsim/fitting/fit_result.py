@@ -369,7 +369,7 @@ class FitStore(Store[SweepPoint]):
         self.candidates: list[Candidate] = []
 
     def origin(self) -> dict[str, Any]:
-        return origin(self.plan, self.engine)
+        return origin(self.plan)
 
     def take(self, record: SweepPoint) -> None:
         self.runs[record.index] = record  # type: ignore[index]
@@ -427,7 +427,6 @@ def fit(
     fresh: int = 24,
     seed: int = 0,
     jobs: int | None = None,
-    engine: str = "auto",
     out: str | PathLike[str] | None = None,
     force: bool = False,
 ) -> FitResult:
@@ -450,7 +449,6 @@ def fit(
     confirm, fresh : so many of the best are judged again, from so many starts that the search has not seen
     seed : of the search and of the starts
     jobs : runs computed at a time; by default the available cores. The result is the same bit for bit
-    engine : "auto", "c" or "python"
     out : HDF5 file; one that holds a part of this very fit is completed, any other is an error unless `force`
 
     Raises CaseError, FitError and ResultFileError. A run that fails counts as one that fulfils no statement.
@@ -473,7 +471,7 @@ def fit(
         if not isinstance(text, str):
             raise TypeError(f"free {key}: a range is a text such as '0.5:20 g m^2', got {text!r:.60}")
     plan = make_plan(read, free, statements, readings, leave, ensemble, spread, settings)
-    result, _ = run_fit(plan, out, jobs, engine, force)
+    result, _ = run_fit(plan, out, jobs, force)
     return result
 
 
@@ -481,17 +479,16 @@ def run_fit(
     plan: FitPlan,
     out: str | PathLike[str] | None = None,
     jobs: int | None = None,
-    engine: str = "auto",
     force: bool = False,
     watch: Watch | None = None,
 ) -> tuple[FitResult, bool]:
     """Run a fit, or complete it; the result, and whether the search reached its end."""
     if jobs is not None and jobs < 1:
         raise FitError(f"jobs must be at least 1, got {jobs}")
-    store = FitStore(plan, None if out is None else str(out), engine, force)
+    store = FitStore(plan, None if out is None else str(out), force)
     for note in store.notes:
         warnings.warn(note, stacklevel=2)
-    with store, LocalWorkers(plan.work, jobs or available_cores(), engine, measure_all) as workers:
+    with store, LocalWorkers(plan.work, jobs or available_cores(), measure_all) as workers:
         evaluation = Evaluation(plan, store.runs, store.candidates, workers, store.add, watch)
         with suppress(FitInterrupted):
             search(evaluation)

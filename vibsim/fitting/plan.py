@@ -20,7 +20,6 @@ import scipy
 
 from vibsim.cases import Case
 from vibsim.cases.quantities import UNITS, exact_number
-from vibsim.engine.choice import engine_name
 from vibsim.fitting.measures import FitError
 from vibsim.fitting.statements import (
     PRINTED,
@@ -34,6 +33,7 @@ from vibsim.fitting.statements import (
 )
 from vibsim.results.file_contents import (
     ENGINE,
+    ENGINE_NAME,
     PROVENANCE,
     TEXT,
     WHOLE,
@@ -315,7 +315,7 @@ DEFINITIONS = (
 )
 
 
-def origin(plan: FitPlan, engine: str) -> dict[str, Any]:
+def origin(plan: FitPlan) -> dict[str, Any]:
     """Attributes that are known before the first run."""
     names = " and ".join(each.name for each in plan.cases)
     return {
@@ -325,7 +325,7 @@ def origin(plan: FitPlan, engine: str) -> dict[str, Any]:
         "fit_sha256": plan.fingerprint,
         "n_fresh": len(plan.fresh_starts),
         "definitions": DEFINITIONS,
-        "engine": engine_name(engine),
+        "engine": ENGINE_NAME,
     }
 
 

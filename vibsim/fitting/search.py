@@ -346,7 +346,7 @@ def _result_of(statement: Statement, values: np.ndarray) -> StatementResult:
 
 
 def measure_all(
-    work: Work, tasks: tuple[FitTask, ...], engine: str, go_on: Callable[[], bool] | None = None
+    work: Work, tasks: tuple[FitTask, ...], go_on: Callable[[], bool] | None = None
 ) -> list[SweepPoint]:
     """The outcomes of the tasks in their order; those that were done before `go_on` said False.
 
@@ -354,19 +354,19 @@ def measure_all(
     """
     points = []
     for task in tasks:
-        point = _measured(work, task, engine, go_on)
+        point = _measured(work, task, go_on)
         if point is None:
             break
         points.append(point)
     return points
 
 
-def _measured(work: Work, task: FitTask, engine: str, go_on: Callable[[], bool] | None) -> SweepPoint | None:
+def _measured(work: Work, task: FitTask, go_on: Callable[[], bool] | None) -> SweepPoint | None:
     began, sha256 = time.perf_counter(), ""
     try:
         case = work.cases[task.case].with_values(task.changes)
         sha256 = case.sha256
-        result = run(case, engine, go_on, task.trust)
+        result = run(case, go_on, task.trust)
         if result is None:
             return None
         if result.trust_horizon is not None:
@@ -380,9 +380,9 @@ def _measured(work: Work, task: FitTask, engine: str, go_on: Callable[[], bool] 
     return SweepPoint(task.index, DONE, sha256, "", values)
 
 
-def run(case: Case, engine: str, go_on: Callable[[], bool] | None, trust: bool = False) -> Result | None:
+def run(case: Case, go_on: Callable[[], bool] | None, trust: bool = False) -> Result | None:
     """The run; None where it was given up."""
-    recording = Recording(case, engine, trust)
+    recording = Recording(case, trust)
     sink = MemorySink(recording.tables)
     recording.into(sink, None if go_on is None else lambda t_reached: go_on())
     if not recording.complete:

@@ -228,7 +228,6 @@ class Course:
 def course_of(
     scene: Scene,
     coordinates: Coordinates,
-    engine: str = "auto",
     resume: Sequence[Row] | None = None,
     more: int = MORE,
 ) -> Course:
@@ -237,9 +236,9 @@ def course_of(
     resume : event rows to go on from, as of `open_trajectory`. Raises EngineError where the run fails.
     """
     if coordinates.section.turning:
-        return _course_of_turns(scene, coordinates, engine, resume, more)
+        return _course_of_turns(scene, coordinates, resume, more)
     beyond = replace(scene, t_end=scene.t_end + more * source_period(scene), stop_on_violation=False)
-    trajectory = open_trajectory(beyond.without_samples(), engine, resume, section=True)
+    trajectory = open_trajectory(beyond.without_samples(), resume, section=True)
     times, points = np.empty(0), np.empty((0, coordinates.count))
     low, high = np.full(coordinates.count, np.inf), np.full(coordinates.count, -np.inf)
     for block in trajectory.blocks():
@@ -252,11 +251,11 @@ def course_of(
 
 
 def _course_of_turns(
-    scene: Scene, coordinates: Coordinates, engine: str, resume: Sequence[Row] | None, more: int
+    scene: Scene, coordinates: Coordinates, resume: Sequence[Row] | None, more: int
 ) -> Course:
     """The same of a run that nothing drives."""
     beyond = replace(scene, t_end=scene.t_end + more * slowest_period(scene), stop_on_violation=False)
-    times, states = returns(beyond, coordinates, engine, resume)
+    times, states = returns(beyond, coordinates, resume)
     if not len(times):
         raise OrbitError(
             f"an orbit without a source is found where {coordinates.section.body} turns round; on this run "
@@ -266,7 +265,7 @@ def _course_of_turns(
     return Course(times[-KEPT:], X[-KEPT:], X.min(axis=0), X.max(axis=0))
 
 
-def first_point(scene: Scene, coordinates: Coordinates, engine: str = "auto") -> np.ndarray:
+def first_point(scene: Scene, coordinates: Coordinates) -> np.ndarray:
     """Unknowns where a run of `scene` first is on the section: at t = 0, but for a motor that starts at
     another angle and a body that nothing drives, which are followed until they come to it.
 
@@ -274,7 +273,7 @@ def first_point(scene: Scene, coordinates: Coordinates, engine: str = "auto") ->
     """
     section = coordinates.section
     if section.turning:
-        _, states = returns(scene, coordinates, engine, None)
+        _, states = returns(scene, coordinates, None)
         if len(states):
             return coordinates.of(states[0])
     elif section.timed or _starts_on(scene, section):
@@ -282,7 +281,7 @@ def first_point(scene: Scene, coordinates: Coordinates, engine: str = "auto") ->
         spin = [start.phase, start.w] if scene.motor is not None else []
         return coordinates.of([*start.x, *start.v, *spin])
     else:
-        for block in open_trajectory(scene.without_samples(), engine, section=True).blocks():
+        for block in open_trajectory(scene.without_samples(), section=True).blocks():
             if len(block.section["time"]):
                 return coordinates.of(coordinates.gathered(block.section)[0])
     raise OrbitError(f"the run of the case never comes to the section, {section.place}; give a longer one")
@@ -295,14 +294,12 @@ def _starts_on(scene: Scene, section: PoincareSection) -> bool:
     return bool(scene.bodies[section.component].x == 0)
 
 
-def course_of_result(
-    result: Result, coordinates: Coordinates, engine: str = "auto", more: int = MORE
-) -> Course:
+def course_of_result(result: Result, coordinates: Coordinates, more: int = MORE) -> Course:
     """The same of a stored run, from its last event on."""
     events = result.events
     last = int(np.flatnonzero(events["kind"] != EVENT_KINDS["end"])[-1])
     scene = replace(result.case.scene(), t_end=result.t_reached)
-    return course_of(scene, coordinates, engine, rows_of_instant(events, last), more)
+    return course_of(scene, coordinates, rows_of_instant(events, last), more)
 
 
 def likely_periods(points: np.ndarray) -> tuple[list[int], list[float]]:

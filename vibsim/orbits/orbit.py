@@ -221,9 +221,7 @@ def run_of_orbit(orbit: Orbit) -> Result:
     """
     if orbit.case is None:
         raise ValueError("the orbit of a scene alone has no case to be run")
-    run = simulate(
-        case_on_orbit(orbit.case, orbit.state, orbit.period), engine=orbit.return_map.carrier.engine
-    )
+    run = simulate(case_on_orbit(orbit.case, orbit.state, orbit.period))
     known = {name: value for name, value in _attributes(orbit).items() if value is not None}
     arrays = {
         name: np.asarray(values, dtype=object if isinstance(values[0], str) else None)
@@ -244,7 +242,7 @@ def save_orbit(
     if orbit.case is None:
         raise ValueError("an orbit of a scene alone has no case to be stored with")
     case = case_on_orbit(orbit.case, orbit.state, orbit.period)
-    recording = Recording(case, orbit.return_map.carrier.engine)
+    recording = Recording(case)
     start = {**recording.start, **_attributes(orbit, digits)}
     with ExitStack() as at_the_end:
         with held_back():
@@ -317,7 +315,7 @@ def points_of(orbit: Orbit) -> np.ndarray:
     if at.section.turning:
         if orbit.n > 1:
             scene = placed(orbit.scene, orbit.state, orbit.period)
-            rows += list(at.of(returns(scene, at, orbit.return_map.carrier.engine)[1]))
+            rows += list(at.of(returns(scene, at)[1]))
         return np.array(rows[: orbit.n])
     for block in _run(orbit, section=True).blocks():
         rows += list(at.of(at.gathered(block.section)))
@@ -326,5 +324,4 @@ def points_of(orbit: Orbit) -> np.ndarray:
 
 def _run(orbit: Orbit, section: bool = False, ledger: bool = False) -> Trajectory:
     scene = placed(orbit.scene, orbit.state, orbit.period)
-    engine = orbit.return_map.carrier.engine
-    return open_trajectory(scene.without_samples(), engine, section=section, ledger=ledger)
+    return open_trajectory(scene.without_samples(), section=section, ledger=ledger)

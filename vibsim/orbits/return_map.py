@@ -161,15 +161,15 @@ class ReturnMap:
     no section, OrbitError for no period.
     """
 
-    def __init__(self, scene: Scene, n: int = 1, engine: str = "auto") -> None:
+    def __init__(self, scene: Scene, n: int = 1) -> None:
         if n < 1:
             raise OrbitError(f"an orbit takes one period or more, got {n}")
         self.scene, self.n, self.section = scene, n, section_of(scene)
         self.coordinates = Coordinates(scene, self.section)
-        self.carrier = Carrier(scene, engine)
+        self.carrier = Carrier(scene)
 
     def of(self, n: int) -> ReturnMap:
-        """The map of the same scene after n returns, on the same engine."""
+        """The map of the same scene after n returns."""
         other = object.__new__(ReturnMap)
         vars(other).update(vars(self), n=n)
         return other
@@ -180,7 +180,7 @@ class ReturnMap:
         """
         carrier = self.carrier.of(scene)
         if carrier is None:
-            return ReturnMap(scene, self.n, self.carrier.engine)
+            return ReturnMap(scene, self.n)
         other = object.__new__(ReturnMap)
         vars(other).update(vars(self), scene=scene, carrier=carrier)
         own = self.scene
@@ -237,7 +237,7 @@ class ReturnMap:
 
     def _time_of_turns(self, X: np.ndarray) -> float:
         scene = placed(self.scene, self.coordinates.state(X), MANY * self.n * slowest_period(self.scene))
-        times, _ = returns(scene, self.coordinates, self.carrier.engine, first=self.n)
+        times, _ = returns(scene, self.coordinates, first=self.n)
         if len(times) < self.n:
             raise OrbitError(
                 f"{self.section.body} does not turn round {self.n} times within {scene.t_end:.4g} s"
@@ -282,7 +282,6 @@ def _rates(scene: Scene) -> list[float]:
 def returns(
     scene: Scene,
     at: Coordinates,
-    engine: str = "auto",
     resume: Sequence[Row] | None = None,
     first: int | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -293,9 +292,9 @@ def returns(
     """
     step = max(1, int(FINEST * 2 * pi / _rates(scene)[-1] / SAMPLES))
     sampled = replace(scene, every_num=step, every_den=FINEST, stop_on_violation=False)
-    carrier, p = Carrier(scene, engine), at.section.component
+    carrier, p = Carrier(scene), at.section.component
     times, states, last = [], [], np.empty((1 + len(at.components), 0))
-    for block in open_trajectory(sampled, engine, resume).blocks():
+    for block in open_trajectory(sampled, resume).blocks():
         rows = np.vstack([block.samples["time"], at.gathered(block.samples).T])
         rows = np.concatenate([last, rows], axis=1)
         rates = at.section.sense * rows[1 + p]

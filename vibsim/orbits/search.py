@@ -62,7 +62,6 @@ def orbit(
     overrides: Mapping[str, Any] | None = None,
     start: Any = None,
     period: int | None = None,
-    engine: str = "auto",
 ) -> Orbit:
     """The periodic orbit that a run goes to, or one near a start.
 
@@ -89,10 +88,10 @@ def orbit(
     case, result = opened(source, overrides)
     begin = start if start is not None else (result if _is_orbit(result) else None)
     if isinstance(begin, str):
-        return _from_initial(case, begin, period, engine)
+        return _from_initial(case, begin, period)
     if begin is not None:
-        return _from_start(case, begin, period, engine)
-    return _from_run(case, None if overrides else result, period, engine)
+        return _from_start(case, begin, period)
+    return _from_run(case, None if overrides else result, period)
 
 
 def opened(source: Any, changes: Mapping[str, Any] | None) -> tuple[Case, Result | None]:
@@ -109,21 +108,21 @@ def _is_orbit(result: Result | None) -> bool:
     return result is not None and "orbit_periods" in result.attrs
 
 
-def _from_start(case: Case, start: Any, period: int | None, engine: str) -> Orbit:
+def _from_start(case: Case, start: Any, period: int | None) -> Orbit:
     """The orbit near a start."""
     state, n, T = start_of(start)
-    return_map = ReturnMap(case.scene(), period or n, engine)
+    return_map = ReturnMap(case.scene(), period or n)
     X = unknowns(return_map.coordinates, state)
     T = T * return_map.n / n if T else None
     return least(Orbit(return_map, solve(return_map, X, T), case))
 
 
-def _from_initial(case: Case, start: str, period: int | None, engine: str) -> Orbit:
+def _from_initial(case: Case, start: str, period: int | None) -> Orbit:
     """The orbit near the initial state of a case."""
     if start != INITIAL:
         raise OrbitError(f"the start is an orbit, a state or {INITIAL!r}, got {start!r:.60}")
-    return_map = ReturnMap(case.scene(), period or 1, engine)
-    X = first_point(case.scene(), return_map.coordinates, return_map.carrier.engine)
+    return_map = ReturnMap(case.scene(), period or 1)
+    X = first_point(case.scene(), return_map.coordinates)
     return least(Orbit(return_map, solve(return_map, X), case))
 
 
@@ -139,9 +138,9 @@ def start_of(start: Any) -> tuple[Any, int, float | None]:
     return state, start.attrs["orbit_periods"], start.attrs["orbit_period_s"]
 
 
-def _from_run(case: Case, result: Result | None, period: int | None, engine: str) -> Orbit:
+def _from_run(case: Case, result: Result | None, period: int | None) -> Orbit:
     """The orbit that a run goes to."""
-    return_map = ReturnMap(case.scene(), period or 1, engine)
+    return_map = ReturnMap(case.scene(), period or 1)
     orbit_there = _after(MORE, case, result, return_map, period)
     if orbit_there.stable or period:
         return orbit_there
@@ -151,12 +150,8 @@ def _from_run(case: Case, result: Result | None, period: int | None, engine: str
 
 def _after(more: int, case: Case, result: Result | None, return_map: ReturnMap, period: int | None) -> Orbit:
     """The orbit near the point to which a run comes `more` periods of its source beyond its end."""
-    at, engine = return_map.coordinates, return_map.carrier.engine
-    course = (
-        course_of(case.scene(), at, engine, more=more)
-        if result is None
-        else course_of_result(result, at, engine, more)
-    )
+    at = return_map.coordinates
+    course = course_of(case.scene(), at, more=more) if result is None else course_of_result(result, at, more)
     if len(course.points) < 4:
         raise OrbitError(
             f"the run meets the section {len(course.points)} times only; give a longer one, or a start"
@@ -282,7 +277,7 @@ class SearchTally:
 
 
 def search_attempts(
-    case: Case, count: int, seed: int = 0, period: int | None = None, engine: str = "auto"
+    case: Case, count: int, seed: int = 0, period: int | None = None
 ) -> Iterator[NewtonAttempt]:
     """Look for orbits of a case from `count` random starts; a generator of `NewtonAttempt`s.
 
@@ -292,14 +287,14 @@ def search_attempts(
     Raises OrbitError, EngineError.
     """
     scene = case.scene()
-    return_map = ReturnMap(scene, period or 1, engine)
-    low, high = _box(scene, return_map, engine)
+    return_map = ReturnMap(scene, period or 1)
+    low, high = _box(scene, return_map)
     random = np.random.default_rng(seed)
     known: list[Orbit] = []
     for i in range(count):
         X = low + (high - low) * random.random(len(low))
         before, met = len(known), list[int]()
-        for one in _from(case, return_map, X, period, engine):
+        for one in _from(case, return_map, X, period):
             number = next((k for k, other in enumerate(known) if same(one, other)), len(known))
             if number == len(known):
                 known.append(one)
@@ -307,9 +302,9 @@ def search_attempts(
         yield NewtonAttempt(i, known[before:], tuple(sorted(set(met))))
 
 
-def _box(scene: Scene, return_map: ReturnMap, engine: str) -> tuple[np.ndarray, np.ndarray]:
+def _box(scene: Scene, return_map: ReturnMap) -> tuple[np.ndarray, np.ndarray]:
     """Least and greatest of the unknowns of the starts (m)."""
-    course = course_of(scene, return_map.coordinates, engine)
+    course = course_of(scene, return_map.coordinates)
     if not len(course.points):
         raise OrbitError(
             "the run of the case never meets the section, and starts are drawn from where it does"
@@ -321,16 +316,14 @@ def _box(scene: Scene, return_map: ReturnMap, engine: str) -> tuple[np.ndarray, 
     return low, high
 
 
-def _from(
-    case: Case, return_map: ReturnMap, X: np.ndarray, period: int | None, engine: str
-) -> Iterator[Orbit]:
+def _from(case: Case, return_map: ReturnMap, X: np.ndarray, period: int | None) -> Iterator[Orbit]:
     """The orbits from one start: the one that Newton's method finds, the one that the run goes to, and those
     that it passes by, where it comes near itself on its way.
     """
     yield from _solved(case, return_map, X, None)
     at, state = return_map.coordinates, return_map.coordinates.state(X)
     try:
-        course = course_of(placed(case.scene(), state, 0.0), at, engine, more=SETTLE)
+        course = course_of(placed(case.scene(), state, 0.0), at, more=SETTLE)
     except EngineError:
         return
     if len(course.points) < 4:
@@ -382,7 +375,6 @@ def search_orbits(
     count: int,
     seed: int = 0,
     period: int | None = None,
-    engine: str = "auto",
 ) -> list[Orbit]:
     """The distinct orbits that are found from `count` random starts.
 
@@ -403,7 +395,7 @@ def search_orbits(
     if period is not None:
         check_count("period", period)
     case = load_case(source, by_key("overrides", overrides, '{"Omega0": "6.5 Hz"}'))
-    attempts = search_attempts(case, count, seed, period, engine)
+    attempts = search_attempts(case, count, seed, period)
     return [one for attempt in attempts for one in attempt.orbits]
 
 
@@ -420,7 +412,6 @@ def find_orbit(
     state: State,
     n: int = 1,
     T: float | None = None,
-    engine: str = "auto",
     case: Case | None = None,
 ) -> Orbit:
     """The orbit of `scene` near `state`, which lies near the section.
@@ -434,7 +425,7 @@ def find_orbit(
 
     Returns an `Orbit`. Raises NoSection, NotConverged, OrbitError.
     """
-    return_map = ReturnMap(scene, n, engine)
+    return_map = ReturnMap(scene, n)
     X = unknowns(return_map.coordinates, state)
     return least(Orbit(return_map, solve(return_map, X, T), case))
 

@@ -62,7 +62,7 @@ class NotFollowed(Exception):
     """An event, or a mode, whose derivative by the numbers is not known in closed form."""
 
 
-def parameter_slopes(started: "Scene", sloped: Any, count: int, engine: str = "auto") -> np.ndarray:
+def parameter_slopes(started: "Scene", sloped: Any, count: int) -> np.ndarray:
     """Derivatives of the components at the end of a motion by `count` numbers, (count, components).
 
     started : the scene in doubles, from its start to its end; sloped : the same with derivatives
@@ -73,7 +73,7 @@ def parameter_slopes(started: "Scene", sloped: Any, count: int, engine: str = "a
     tangency; EngineError where the run fails.
     """
     followed, first_part = _Followed(sloped, started, count), part_offsets(started)
-    start, *rows = _event_rows(started, engine)
+    start, *rows = _event_rows(started)
     state, status = state_and_status(started, start)
     for row in rows:
         there, behind = state_and_status(started, row)
@@ -86,9 +86,9 @@ def parameter_slopes(started: "Scene", sloped: Any, count: int, engine: str = "a
     return _components(state, count, started.motor is not None)
 
 
-def _event_rows(scene: "Scene", engine: str) -> list[Row]:
+def _event_rows(scene: "Scene") -> list[Row]:
     """Start, events and end of the run of a scene by column."""
-    tables = [block.events for block in open_trajectory(scene, engine).blocks()]
+    tables = [block.events for block in open_trajectory(scene).blocks()]
     return [
         dict(zip(table, values, strict=True))
         for table in tables
@@ -355,7 +355,6 @@ def monodromy(
     state: Mapping[str, float] | Sequence[float],
     T: float,
     parameters: Sequence[str] = (),
-    engine: str = "auto",
 ) -> Monodromy:
     """The derivative of the motion of a case from `state` at t = 0 over the time `T` [s].
 
@@ -384,7 +383,7 @@ def monodromy(
     shown = [i for i, name in enumerate(components) if name is not None]
     columns = [name for name in components if name is not None]
     start, T = components_of(state, components, left_out=0.0), time_after_start(T)
-    carrier = Carrier(scene, engine)
+    carrier = Carrier(scene)
     carried = carrier.carry(start, T)
     if not np.isnan(carried.undefined_at):
         raise OrbitError(
@@ -392,9 +391,9 @@ def monodromy(
             " instant, or the derivative of a formula is infinite there and has no integral: it has no"
             " derivative"
         )
-    slopes = _slopes(case, parameters, started(carrier.scene, start, T), engine)
+    slopes = _slopes(case, parameters, started(carrier.scene, start, T))
     if slopes is None:
-        quotients = {key: _beside_motions(case, key, start, T, engine) for key in parameters}
+        quotients = {key: _beside_motions(case, key, start, T) for key in parameters}
     else:
         quotients = {key: (row, np.zeros(len(row))) for key, row in zip(parameters, slopes, strict=True)}
     return Monodromy(
@@ -419,7 +418,7 @@ def time_after_start(T: Any) -> float:
     return time
 
 
-def _slopes(case: "Case", parameters: Sequence[str], started: "Scene", engine: str) -> np.ndarray | None:
+def _slopes(case: "Case", parameters: Sequence[str], started: "Scene") -> np.ndarray | None:
     """d state(T) / d number of each of the numbers, one per row; None where they cannot be followed, as in
     formulas.
     """
@@ -428,13 +427,13 @@ def _slopes(case: "Case", parameters: Sequence[str], started: "Scene", engine: s
     if started.has_formulas:
         return None
     try:
-        return parameter_slopes(started, sloped_scene(case, parameters), len(parameters), engine)
+        return parameter_slopes(started, sloped_scene(case, parameters), len(parameters))
     except NotFollowed:
         return None
 
 
 def _beside_motions(
-    case: "Case", key: str, start: Sequence[float], T: float, engine: str
+    case: "Case", key: str, start: Sequence[float], T: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """d state(T) / d number of the case by motions beside it, and the estimate of its error. With formulas
     the motions have many digits, where a library of many digits is installed.
@@ -442,15 +441,13 @@ def _beside_motions(
     from vibsim.orbits.orbit_digits import slope_in_digits
 
     if case.scene().has_formulas:
-        slope = slope_in_digits(case, *_beside(case, key), start, T, engine)
+        slope = slope_in_digits(case, *_beside(case, key), start, T)
         if slope is not None:
             return slope, np.zeros(len(slope))
-    return _quotient(case, key, start, T, engine)
+    return _quotient(case, key, start, T)
 
 
-def _quotient(
-    case: "Case", key: str, start: Sequence[float], T: float, engine: str
-) -> tuple[np.ndarray, np.ndarray]:
+def _quotient(case: "Case", key: str, start: Sequence[float], T: float) -> tuple[np.ndarray, np.ndarray]:
     """d state(T) / d number of the case, and the estimate of its error: central where the case allows both
     sides of the number, one-sided where the range of the number ends at it.
     """
@@ -462,7 +459,7 @@ def _quotient(
         """The number changed by a share of it, of 1 where it is 0, and the state at the end."""
         number = value * (1 + share) if value else share
         changed = case.with_values({key: f"{number!r} {_si(case, key)}".strip()}) if share else case
-        return changed.number(key), Carrier(changed.scene(), engine).carry(start, T, []).state
+        return changed.number(key), Carrier(changed.scene()).carry(start, T, []).state
 
     sides = _sides(case, key, value)
     if len(sides) == 2:

@@ -142,7 +142,6 @@ UNDRAWN = {"orders"}  # they crowd where the curve of the Taylor series ends; th
 LOOKS: dict[str, dict[str, Any]] = {
     "closed-form": {**OWN, "marker": "*", "markersize": 9.0},
     "taylor": {**OWN, "marker": "o"},
-    "python": {**OWN, "marker": "o", "markerfacecolor": "white"},
     "heyoka": {**PEER, "color": BLUE, "marker": "D"},
     "dop853": {**PEER, "color": GREEN, "marker": "o"},
     "lsoda": {**PEER, "color": SKY, "marker": "^"},

@@ -113,7 +113,8 @@ FORMAT = 1  # raised when an older reader would misread a newer file
 CASE = ("case_name", "case_yaml", "case_resolved_json", "case_sha256")
 MACHINE = ("date_created", "platform", "python_version", "numpy_version")
 PROVENANCE = [Attribute(name, TEXT) for name in ("title", "vibsim_version", *CASE, *MACHINE)]
-ENGINE = Attribute("engine", TEXT, allowed=("c", "python"))  # that made it
+ENGINE_NAME = "c"  # the engine that makes files; one in Python, equal in every bit, made some of old
+ENGINE = Attribute("engine", TEXT, allowed=(ENGINE_NAME, "python"))
 
 
 def provenance(kind: str, case: "Case", title: str = "") -> dict[str, Any]:
@@ -175,12 +176,12 @@ TOTALS = (
 OF_A_PART = "."  # in the name of a total: loss.stops.anvil
 
 
-def origin(case: "Case", scene: Any, engine: str, method: str) -> dict[str, Any]:
+def origin(case: "Case", scene: Any, method: str) -> dict[str, Any]:
     """Attributes known before the first step: format, case, method, versions, platform."""
     attrs: dict[str, Any] = {
         **provenance("trajectory", case),
         "method": method,
-        "engine": engine,
+        "engine": ENGINE_NAME,
         "t_end_s": float(scene.t_end),
         "complete": 0,
     }

@@ -60,9 +60,9 @@ class DigitsPlan:
     digits : the digits, or "auto" for as many as leave WANTED right ones at the end
     """
 
-    def __init__(self, case: "Case", digits: int | str, watch: Watch | None = None, engine: str = "auto"):
-        self.case, self.watch, self.engine = case, watch, engine
-        self.in_c = digits_in_c() if engine != "python" else []
+    def __init__(self, case: "Case", digits: int | str, watch: Watch | None = None):
+        self.case, self.watch = case, watch
+        self.in_c = digits_in_c()
         self.automatic = digits == "auto"
         self.enough = not self.automatic
         self.scene = case.scene()
@@ -93,7 +93,7 @@ class DigitsPlan:
 
     def _compare_with(self, digits: int) -> None:
         self.coarse_digits = self._within_reach(digits)
-        self.coarse = end_in_digits(self.case, self.coarse_digits, self.watch, self.engine)
+        self.coarse = end_in_digits(self.case, self.coarse_digits, self.watch)
 
     def _within_reach(self, digits: float) -> int:
         if digits > MOST_DIGITS:
@@ -177,16 +177,14 @@ def end_in_doubles(scene: Scene) -> EndState | None:
     return {name: Decimal(float(table[name][-1])) for name in ("t", *state_columns(scene))}
 
 
-def end_in_digits(
-    case: "Case", digits: int, watch: Watch | None = None, engine: str = "auto"
-) -> EndState | None:
+def end_in_digits(case: "Case", digits: int, watch: Watch | None = None) -> EndState | None:
     """The same in so many digits; None where `watch` stopped the run."""
 
     def without_samples(number: Callable[[Fraction], Number], pi: Number) -> Scene[Number]:
         return case.exact_scene(number, pi).without_samples()
 
     end = None
-    for block in open_truth(without_samples, digits, engine=engine).blocks():
+    for block in open_truth(without_samples, digits).blocks():
         end = end_of(block.event_digits) or end
         if watch is not None and not watch(block.t_reached):
             return None
@@ -223,13 +221,13 @@ class TruthRecording:
     `end_state` is that of its last event, exactly as the digits have it; None before the end.
     """
 
-    def __init__(self, case: "Case", digits: int, engine: str = "auto"):
+    def __init__(self, case: "Case", digits: int):
         self.scene = case.scene()
         self.began = time.perf_counter()
-        self.trajectory = open_truth(case.exact_scene, digits, engine=engine)
+        self.trajectory = open_truth(case.exact_scene, digits)
         kit = self.trajectory.kit
         self.start = {
-            **origin(case, self.scene, self.trajectory.engine, flow_of(self.scene)),
+            **origin(case, self.scene, flow_of(self.scene)),
             "digits": digits,
             "precision_bits": kit.bits,
             "number_type": self.trajectory.number_type,
@@ -288,10 +286,9 @@ class TruthMemory(MemorySink):
         return Digits(samples, events)
 
 
-def truth(case: "Case", digits: int | str, engine: str = "auto") -> Result:
+def truth(case: "Case", digits: int | str) -> Result:
     """Run a case with so many digits ("auto": as many as leave ten right ones at its end), in memory."""
-    check_engine(digits, engine)
-    recording, sink, attrs = _run(case, digits, TruthMemory, engine=engine)
+    recording, sink, attrs = _run(case, digits, TruthMemory)
     samples, events = sink.tables()
     return Result({**recording.start, **attrs}, samples, events, case=case, digits=sink.digits())
 
@@ -300,29 +297,19 @@ def truth_to_file(
     case: "Case",
     path: str | Path,
     digits: int | str,
-    engine: str = "auto",
     force: bool = False,
     watch: Watch | None = None,
 ) -> Result:
     """The same straight into an HDF5 file; `watch`, errors and what is kept as with `simulate_to_file`."""
-
-    check_engine(digits, engine)
 
     def writer(recording: TruthRecording) -> TruthWriter:
         return TruthWriter(
             path, tables_of(recording.scene), recording.start, recording.start["digits"], force
         )
 
-    recording, sink, attrs = _run(case, digits, writer, watch, engine)
+    recording, sink, attrs = _run(case, digits, writer, watch)
     file = TrajectoryFile(sink.finish(attrs), tables_of(recording.scene))
     return Result({**recording.start, **attrs}, file.samples, file.events, case=case, digits=file.digits)
-
-
-def check_engine(digits: int | str, engine: str) -> None:
-    """ValueError where the C engine is asked for more digits than its numbers have."""
-    most = max(digits_in_c(), default=0)
-    if engine == "c" and (digits == "auto" or _whole(digits) > most):
-        raise ValueError(f"the C engine has at most {most} digits, got {digits}; use engine auto or python")
 
 
 def _run(
@@ -330,12 +317,11 @@ def _run(
     digits: int | str,
     open_sink: Callable[..., Any],
     watch: Watch | None = None,
-    engine: str = "auto",
 ) -> Any:
     """Recording, sink and last attributes of the run whose digits are enough."""
-    plan = DigitsPlan(case, digits, watch, engine)
+    plan = DigitsPlan(case, digits, watch)
     while True:
-        recording = TruthRecording(case, plan.digits, engine)
+        recording = TruthRecording(case, plan.digits)
         sink = None
         try:
             with held_back():

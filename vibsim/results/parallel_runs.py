@@ -156,11 +156,10 @@ class ParallelRun:
     def __init__(
         self,
         scene: Scene,
-        engine: str,
         tell_news: Callable[[], None] = lambda: None,
         cores: Cores | None = None,
     ):
-        self._scene, self._engine, self._tell_news = scene, engine, tell_news
+        self._scene, self._tell_news = scene, tell_news
         self._cores = cores or Cores(1)
         self._names = tables_of(scene).deciding
         self._closed = False
@@ -202,7 +201,7 @@ class ParallelRun:
 
     def _blocks(self) -> Iterator[Block]:
         with self._cores:
-            self._trajectory = open_trajectory(self._scene, self._engine, early=True, dither=self.dither)
+            self._trajectory = open_trajectory(self._scene, early=True, dither=self.dither)
             blocks = self._trajectory.blocks()
         while not self._closed:
             with self._cores:
@@ -233,11 +232,10 @@ class Companion(ParallelRun):
     def __init__(
         self,
         scene: Scene,
-        engine: str,
         tell_news: Callable[[], None] = lambda: None,
         cores: Cores | None = None,
     ):
-        super().__init__(scene, engine, tell_news, cores)
+        super().__init__(scene, tell_news, cores)
         self._queue: SimpleQueue[RunPiece | BaseException | None] = SimpleQueue()
         self._room = threading.Semaphore(BLOCKS_AHEAD)
         self._ended = False
@@ -451,14 +449,13 @@ class LastSamples(ParallelRun):
     def __init__(
         self,
         scene: Scene,
-        engine: str,
         count: int,
         last: int,
         most: int,
         tell_news: Callable[[], None] = lambda: None,
         cores: Cores | None = None,
     ):
-        super().__init__(scene, engine, tell_news, cores)
+        super().__init__(scene, tell_news, cores)
         self._first, self._last, self._seen, self._most = count - last, last, 0, most
         self._parts: list[np.ndarray] = []
         self._error: BaseException | None = None
@@ -495,10 +492,8 @@ class ThirdRun:
     tell_news, cores : as of `Beside`
     """
 
-    def __init__(
-        self, companion: Scene, scene: Scene, engine: str, tell_news: Callable[[], None], cores: Cores
-    ):
-        self._companion, self._scene, self._engine = companion, scene, engine
+    def __init__(self, companion: Scene, scene: Scene, tell_news: Callable[[], None], cores: Cores):
+        self._companion, self._scene = companion, scene
         self._tell_news, self._cores = tell_news, cores
         self._run: LastSamples | None = None
 
@@ -518,7 +513,7 @@ class ThirdRun:
         """
         if self._run is None:
             third = replace(third_scene(self._companion, self._scene), t_end=until)
-            self._run = LastSamples(third, self._engine, count, last, most, self._tell_news, self._cores)
+            self._run = LastSamples(third, count, last, most, self._tell_news, self._cores)
             self._run.start()
         while (told := self._run.told(PATIENCE if go_on() else 0.0)) is None and go_on():
             pass

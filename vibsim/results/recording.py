@@ -59,25 +59,22 @@ class Recording:
     that it takes along, and the time [s] from which they count.
     """
 
-    def __init__(
-        self, case: "Case", engine: str = "auto", trust: bool = True, tangent: tuple[int, float] = (0, 0.0)
-    ):
+    def __init__(self, case: "Case", trust: bool = True, tangent: tuple[int, float] = (0, 0.0)):
         self.scene = case.scene()
         self.began = time.perf_counter()
         instants = instants_per_sample(self.scene) if trust else 1
         judged = sampled_finer(self.scene, instants)
         self._thinning = Thinning(instants)
         count, begin = tangent
-        self.trajectory = open_trajectory(judged, engine, ledger=True, tangent=count, tangent_from=begin)
+        self.trajectory = open_trajectory(judged, ledger=True, tangent=count, tangent_from=begin)
         self._ahead = BlocksAhead(self.trajectory, partial(left_out, self.trajectory))
-        engine = self.trajectory.engine
-        self._origin = partial(origin, case, self.scene, engine, flow_of(self.scene))
+        self._origin = partial(origin, case, self.scene, flow_of(self.scene))
         self.t_reached = self._known_to = self._worked_to = 0.0
         self.complete = False
         self._distances = Distances(case, self.scene)
         self._trust: NoTrust[tuple[Rows, float]] = NoTrust()
         if trust:
-            self._trust = Trust(case, judged, engine, self._ahead.tell_news)
+            self._trust = Trust(case, judged, self._ahead.tell_news)
         self.tables = tables_of(self.scene).judged(self._trust.columns)
 
     @cached_property

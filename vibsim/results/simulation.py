@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 def simulate(
     case: "CaseLike",
     overrides: Mapping[str, object] | None = None,
-    engine: str = "auto",
     trust: bool = True,
     digits: int | str | None = None,
 ) -> Result:
@@ -32,7 +31,6 @@ def simulate(
     ----------
     case : whatever `load_case` reads: a Case, a file, a shipped name, a dict or YAML text
     overrides : values that are changed, as of `load_case`
-    engine : "auto" (C where it was built, else Python), "c" or "python"; they agree bit for bit
     trust : whether a second run beside the first tells until when it is right
     digits : decimal digits to carry (20 to 1000), or "auto" for as many as leave ten right ones at the end;
         they are in `result.digits`. None: doubles
@@ -51,8 +49,8 @@ def simulate(
     if digits is not None:
         from vibsim.results.many_digits import truth
 
-        return truth(case, digits, engine)
-    recording = Recording(case, engine, trust)
+        return truth(case, digits)
+    recording = Recording(case, trust)
     sink = MemorySink(recording.tables)
     recording.into(sink)
     samples, events = sink.tables()
@@ -62,7 +60,6 @@ def simulate(
 def simulate_to_file(
     case: "CaseLike",
     path: str | Path,
-    engine: str = "auto",
     force: bool = False,
     watch: Watch | None = None,
     trust: bool = True,
@@ -83,8 +80,8 @@ def simulate_to_file(
     if digits is not None:
         from vibsim.results.many_digits import truth_to_file
 
-        return truth_to_file(case, path, digits, engine, force, watch)
-    recording = Recording(case, engine, trust, tangent)
+        return truth_to_file(case, path, digits, force, watch)
+    recording = Recording(case, trust, tangent)
     with closing(recording):
         recording.set_off()  # HDF5 is loaded while the engine runs
 

@@ -189,8 +189,8 @@ class Store(Generic[R]):
     record: type  # of R, a dataclass
     patient = False  # whether it begins though the file cannot be written: the journal keeps what comes
 
-    def __init__(self, plan: Any, path: str | Path | None = None, engine: str = "auto", force: bool = False):
-        self.plan, self.engine = plan, engine
+    def __init__(self, plan: Any, path: str | Path | None = None, force: bool = False):
+        self.plan = plan
         self.make_memory()
         self.attrs: dict[str, Any] = self.origin()
         self.notes: list[str] = []

@@ -90,7 +90,7 @@ class NoTrust(Generic[Tag]):
 
 
 class Trust(NoTrust[Tag]):
-    """Judges a run of `case` while it is computed, by a companion on the same engine.
+    """Judges a run of `case` while it is computed, by a companion.
 
     case, scene : what is run. To be started, and closed at the end.
     tell_news : called, in another thread, whenever `ready` may have more
@@ -98,8 +98,8 @@ class Trust(NoTrust[Tag]):
 
     columns = (COLUMN,)
 
-    def __init__(self, case: "Case", scene: Scene, engine: str, tell_news: Callable[[], None]):
-        self._case, self._scene, self._engine, self._tell_news = case, scene, engine, tell_news
+    def __init__(self, case: "Case", scene: Scene, tell_news: Callable[[], None]):
+        self._case, self._scene, self._tell_news = case, scene, tell_news
         self._estimate = ErrorEstimate(scene, case.number("run.trust_tolerance"))
         self._names = tables_of(scene).deciding
         self._held: deque[Unjudged[Tag]] = deque()
@@ -113,11 +113,11 @@ class Trust(NoTrust[Tag]):
 
     @cached_property
     def _companion(self) -> Companion:
-        return Companion(self._other, self._engine, self._tell_news, self._cores)
+        return Companion(self._other, self._tell_news, self._cores)
 
     @cached_property
     def _third(self) -> ThirdRun:
-        return ThirdRun(self._other, self._scene, self._engine, self._tell_news, self._cores)
+        return ThirdRun(self._other, self._scene, self._tell_news, self._cores)
 
     def start(self) -> None:
         """Let the companion begin, where that has not been done."""

@@ -83,7 +83,7 @@ class AttractorChange:
         return facts | {"parameter": self.parameter if isfinite(self.parameter) else None}
 
 
-def attractor_changes(sweep: SweepResult, engine: str = "auto") -> list[AttractorChange]:
+def attractor_changes(sweep: SweepResult) -> list[AttractorChange]:
     """Births and deaths of the attractors of a sweep over one parameter, from its least value upwards.
 
     Raises PlanError for a sweep over anything else.
@@ -92,7 +92,7 @@ def attractor_changes(sweep: SweepResult, engine: str = "auto") -> list[Attracto
     axis = sweep.axes[parameters[0]] if len(parameters) == 1 else None
     if not isinstance(axis, Axis):
         raise PlanError("births and deaths of attractors are those of a sweep over one parameter")
-    changes = _Changes(sweep, axis, engine)
+    changes = _Changes(sweep, axis)
     found = [
         change for branch in sorted(set(sweep.attractors["branch"])) for change in changes.of(int(branch))
     ]
@@ -102,8 +102,8 @@ def attractor_changes(sweep: SweepResult, engine: str = "auto") -> list[Attracto
 class _Changes:
     """The changes of one sweep."""
 
-    def __init__(self, sweep: SweepResult, axis: Axis, engine: str) -> None:
-        self.sweep, self.axis, self.engine = sweep, axis, engine
+    def __init__(self, sweep: SweepResult, axis: Axis) -> None:
+        self.sweep, self.axis = sweep, axis
         self.attractors = sweep.attractors
         self.order = np.argsort(axis.numbers(), kind="stable").tolist()
 
@@ -146,11 +146,11 @@ class _Changes:
     def _of_orbit(self, i: int, present: int, absent: int) -> tuple[float, str]:
         case = self.sweep.case.with_values(self.axis.changes(present))
         state, period = self.attractors["state"][i], float(self.attractors["period"][i])
-        orbit = orbit_of_label(case.scene(), state, period, self.engine, case)
+        orbit = orbit_of_label(case.scene(), state, period, case)
         assert orbit is not None
         low, high = sorted(self.axis.values[k] for k in (present, absent))
         span = f"{decimal_text(low)}:{decimal_text(high)} {self.axis.unit}".strip()
-        branch = continue_branch(orbit, "=".join(self.axis.keys), span, engine=self.engine)
+        branch = continue_branch(orbit, "=".join(self.axis.keys), span)
         return _first_loss(branch, orbit)
 
     # Rest: the greatest growth rate.
@@ -181,7 +181,7 @@ class _Changes:
         """Greatest |multiplier| less 1 over a stretch, whether it oscillates, and where the state of rest
         near a state is, by the unknowns; None where there is none.
         """
-        stepping = Stepping(self._case(value).scene(), self.engine)
+        stepping = Stepping(self._case(value).scene())
         start = stepping.at.lifted(state)
         rest = rest_near(stepping, start, max(stepping.size(start), 1e-9), NEAR_REST)
         if rest is None:
@@ -200,7 +200,7 @@ class _Changes:
         goes_to: np.ndarray | None = None
         for _ in range(HALVINGS):
             middle = (low + high) / 2
-            basins = Basins(self._case(middle), self.engine)
+            basins = Basins(self._case(middle))
             end = basins.end_of(at.state(state))
             if end == NOWHERE or basins.ends[end].label.kind == kind:
                 low = middle
@@ -225,7 +225,7 @@ class _Changes:
         assert at is not None
         for state in states:
             try:
-                edge = edge_between(Basins(case, self.engine), at.state(state), at.state(goes_to))
+                edge = edge_between(Basins(case), at.state(state), at.state(goes_to))
             except (OrbitError, EngineError):
                 continue
             return self._met(case, at, state, edge)
@@ -236,7 +236,7 @@ class _Changes:
         saddle = edge.orbit
         if saddle is None:
             return "on its boundary is a state of rest"
-        course = course_of(placed(case.scene(), at.state(state), 0.0), at, self.engine, more=RETURNS)
+        course = course_of(placed(case.scene(), at.state(state), 0.0), at, more=RETURNS)
         apart = np.abs((course.points[:, None, :] - saddle.points[None, :, :]) * at.weights).max(axis=2).min()
         size = float((np.ptp(course.points, axis=0) * at.weights).max())
         share = float(apart) / size if size else nan

@@ -136,13 +136,13 @@ class AttractorComputation:
         section = self._verdicts.late_section()
         times, points = section["time"], unknowns_at(self._at, section)
         label = self._known.reached(times[-1:], points[-1:])
-        label = label or label_of_points(self._scene, times, points, run.engine)
+        label = label or label_of_points(self._scene, times, points)
         if label is not None:
             return label
         judged = self._verdicts.judged()
         if judged.verdict == "undecided" and len(points) >= FEWEST:
             scene = self._scene.without_samples()
-            growth = lyapunov_exponents(scene, 1, self._begin, run.engine, run.ask).growth
+            growth = lyapunov_exponents(scene, 1, self._begin, run.ask).growth
             exponent = exponent_of(growth[:, 0], growth[:, 1]) if len(growth) else None
             judged = self._verdicts.judged(exponent)
         return label_of_set(judged, self._at.in_turn_of(points.copy(), np.zeros(self._at.count)))
@@ -159,7 +159,7 @@ class AttractorComputation:
         if label is not None:
             return label
         there = dict(zip(self._columns, self._ranges[-1][3], strict=True))
-        orbit = orbit_of_free(self._scene, there, run.engine)
+        orbit = orbit_of_free(self._scene, there)
         if orbit is not None:
             return label_of_orbit(orbit)
         drifting = self._drifting(window)
@@ -254,7 +254,7 @@ FIRST_STAGE = 16  # periods until a run is first compared with the known orbits,
 
 
 def early_label(
-    scene: Scene, begin: float, engine: str, ask: Callable[[], None], known: KnownOrbits
+    scene: Scene, begin: float, ask: Callable[[], None], known: KnownOrbits
 ) -> tuple[Label, float] | None:
     """Label of a run that comes into the neighbourhood of a known orbit before `begin` [s], and the time [s]
     up to which it was run; None where it does not.
@@ -268,7 +268,7 @@ def early_label(
     for end in _stages(scene, begin):
         stage = replace(scene, t_end=end).without_samples()
         times, points = np.empty(0), np.empty((0, at.count))
-        for block in open_trajectory(stage, engine, rows or None, section=driven).blocks():
+        for block in open_trajectory(stage, rows or None, section=driven).blocks():
             ask()
             if driven:
                 times = np.concatenate([times, block.section["time"]])
@@ -280,7 +280,7 @@ def early_label(
         if driven:
             label = known.reached(times, points)
         else:
-            label = met(known, scene, at, rows[-1]) or _reached_at_returns(stage, at, engine, known)
+            label = met(known, scene, at, rows[-1]) or _reached_at_returns(stage, at, known)
         if label is not None:
             return label, end
         if reached < end:
@@ -288,14 +288,14 @@ def early_label(
     return None
 
 
-def _reached_at_returns(scene: Scene, at: Coordinates, engine: str, known: KnownOrbits) -> Label | None:
+def _reached_at_returns(scene: Scene, at: Coordinates, known: KnownOrbits) -> Label | None:
     """Label of a run that nothing drives, by where it meets the section, where an orbit without events is
     known; None where it comes to none.
     """
     if not any(one.around for one in known.orbits):
         return None
     try:
-        times, states = returns(scene, at, engine)
+        times, states = returns(scene, at)
     except OrbitError:
         return None
     return known.reached(times, at.of(states)) if len(times) else None
@@ -326,9 +326,7 @@ _locks: dict[tuple[Any, ...], threading.Lock] = {}
 _guard = threading.Lock()
 
 
-def known_orbits(
-    settings: Any, changes: Mapping[str, str], engine: str, ask: Callable[[], None]
-) -> KnownOrbits:
+def known_orbits(settings: Any, changes: Mapping[str, str], ask: Callable[[], None]) -> KnownOrbits:
     """The orbits that the probes of a sweep end on, at the parameters of a point.
 
     settings : a `PointSettings`; changes : of a point. A worker finds them once for each scene.
@@ -337,12 +335,12 @@ def known_orbits(
         return KnownOrbits()
     parameters = tuple(sorted((k, v) for k, v in changes.items() if not k.startswith(INITIAL)))
     probes = tuple(tuple(sorted(probe.items())) for probe in settings.probes)
-    key = settings.case.sha256, parameters, probes, str(settings.discard), settings.every, engine
+    key = settings.case.sha256, parameters, probes, str(settings.discard), settings.every
     with _guard:
         lock = _locks.setdefault(key, threading.Lock())
     with lock:
         if key not in _orbits:
-            known = _of_probes(settings, dict(parameters), engine, ask)
+            known = _of_probes(settings, dict(parameters), ask)
             with _guard:
                 _orbits[key] = known
                 while len(_orbits) > KEPT:
@@ -350,19 +348,17 @@ def known_orbits(
         return _orbits.get(key, KnownOrbits())
 
 
-def _of_probes(
-    settings: Any, parameters: dict[str, str], engine: str, ask: Callable[[], None]
-) -> KnownOrbits:
+def _of_probes(settings: Any, parameters: dict[str, str], ask: Callable[[], None]) -> KnownOrbits:
     known = KnownOrbits()
     for probe in settings.probes:
         try:
             case = settings.case.with_values({**parameters, **probe})
             scene = sampled_for_statistics(case.scene(), settings.every)
             begin = settings.discard.time(scene.t_end)
-            label = run_label(scene, settings.of, begin, engine, ask, known)
+            label = run_label(scene, settings.of, begin, ask, known)
             if isfinite(label.time):  # it ends on an orbit that is known
                 continue
-            orbit = orbit_of_label(scene, label.state, label.period, engine)
+            orbit = orbit_of_label(scene, label.state, label.period)
             if orbit is not None:
                 known.add(orbit)
         except (CaseError, EngineError, OrbitError, TooFineError):
@@ -371,25 +367,23 @@ def _of_probes(
 
 
 def run_label(
-    scene: Scene, of: Quantities, begin: float, engine: str, ask: Callable[[], None], known: KnownOrbits
+    scene: Scene, of: Quantities, begin: float, ask: Callable[[], None], known: KnownOrbits
 ) -> Label:
     """Label of a run: early where that is sure, else at its end. Raises EngineError where the run fails."""
-    early = early_label(scene, begin, engine, ask, known)
+    early = early_label(scene, begin, ask, known)
     if early is not None:
         return early[0]
     computation = AttractorComputation(Task(scene, of, begin, 0, known))
-    run = MeasuredRun(scene, of, begin, engine)
+    run = MeasuredRun(scene, of, begin)
     for block in run.blocks():
         ask()
         computation.update(block)
     return computation.label((begin, run.t_reached), run)
 
 
-def orbit_of_label(
-    scene: Scene, state: np.ndarray, period: float, engine: str, case: Case | None = None
-) -> Orbit | None:
+def orbit_of_label(scene: Scene, state: np.ndarray, period: float, case: Case | None = None) -> Orbit | None:
     """The orbit whose label has this state and period; None for what is no orbit. Raises OrbitError."""
     if not period > 0:
         return None
-    return_map = ReturnMap(scene, int(period), engine)
+    return_map = ReturnMap(scene, int(period))
     return least(Orbit(return_map, solve(return_map, state), case))

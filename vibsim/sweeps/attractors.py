@@ -139,8 +139,8 @@ class _Combination:
     scene : theirs, whatever its start; columns : of labels, by name (n, ...)
     """
 
-    def __init__(self, scene: Any, columns: Mapping[str, np.ndarray], engine: str) -> None:
-        self._scene, self._columns, self._engine = scene, columns, engine
+    def __init__(self, scene: Any, columns: Mapping[str, np.ndarray]) -> None:
+        self._scene, self._columns = scene, columns
         self._kinds = columns["attractor_kind"]
 
     def found(self) -> list[_Found]:
@@ -175,7 +175,7 @@ class _Combination:
                 one.mirrored += members
                 return
         try:
-            orbit = orbit_of_label(self._scene, state, period, self._engine)
+            orbit = orbit_of_label(self._scene, state, period)
         except (OrbitError, EngineError):
             orbit = None
         multiplier = float(self._columns["attractor_multiplier"][members[0]])
@@ -239,7 +239,7 @@ class _Combination:
 # All combinations, and what of them goes on from one value of a parameter to the next.
 
 
-def gather(plan: SweepPlan, table: Table, engine: str = "auto") -> Attractors:
+def gather(plan: SweepPlan, table: Table) -> Attractors:
     """The attractors of a sweep, from the labels of its points."""
     labels = np.full(plan.shape, NONE, dtype="i8")
     mirrored = np.zeros(plan.shape, dtype="i8")
@@ -250,14 +250,14 @@ def gather(plan: SweepPlan, table: Table, engine: str = "auto") -> Attractors:
         columns = {name: table.column(name)[where] for name in plan.columns if name.startswith(NAME)}
         done = int(np.count_nonzero(table.status[where] == DONE))
         following[number] = []
-        for one in _Combination(scene, columns, engine).found():
+        for one in _Combination(scene, columns).found():
             for members, side in ((one.rows, 0), (one.mirrored, 1)):
                 for member in members:
                     labels[indices[member]], mirrored[indices[member]] = len(rows), side
             following[number].append(len(rows))
             rows.append((number, one, done, scene))
-    branches = _branches(plan, following, rows, engine)
-    return Attractors(labels, mirrored, _columns(plan, rows, branches, engine))
+    branches = _branches(plan, following, rows)
+    return Attractors(labels, mirrored, _columns(plan, rows, branches))
 
 
 def parameter_axes(plan: SweepPlan) -> list[int]:
@@ -292,7 +292,6 @@ def _branches(
     plan: SweepPlan,
     following: Mapping[int, list[int]],
     rows: list[tuple[int, _Found, int, Any]],
-    engine: str,
 ) -> list[int]:
     """Number of the branch of every attractor; each its own where not exactly one parameter is swept."""
     parameters = parameter_axes(plan)
@@ -303,7 +302,7 @@ def _branches(
     for before, after in pairwise(order):
         free = list(following[after])
         for i in following[before]:
-            j = _continued(plan, (before, after), rows[i][1], [(k, rows[k][1]) for k in free], engine)
+            j = _continued(plan, (before, after), rows[i][1], [(k, rows[k][1]) for k in free])
             if j is not None:
                 branches[j] = branches[i]
                 free.remove(j)
@@ -311,14 +310,14 @@ def _branches(
 
 
 def _continued(
-    plan: SweepPlan, ends: tuple[int, int], one: _Found, others: list[tuple[int, _Found]], engine: str
+    plan: SweepPlan, ends: tuple[int, int], one: _Found, others: list[tuple[int, _Found]]
 ) -> int | None:
     """Number of the attractor behind a step of the parameter that goes on an attractor before it."""
     if one.orbit is None:
         alike = [k for k, other in others if other.kind == one.kind]
         return alike[0] if len(alike) == 1 and one.kind != "periodic" else None
     for steps in STEPS_BETWEEN:
-        orbit = _followed(plan, ends, one.orbit, steps, engine)
+        orbit = _followed(plan, ends, one.orbit, steps)
         found = next((k for k, other in others if orbit and _is_one(orbit, other.orbit)), None)
         if found is not None:
             return found
@@ -332,24 +331,24 @@ def _is_one(orbit: Orbit, other: Orbit | None) -> bool:
     return lies_on(other, orbit.X) or is_mirrored(other, orbit.X)
 
 
-def _followed(plan: SweepPlan, ends: tuple[int, int], orbit: Orbit, steps: int, engine: str) -> Orbit | None:
+def _followed(plan: SweepPlan, ends: tuple[int, int], orbit: Orbit, steps: int) -> Orbit | None:
     """An orbit at the next value of the parameter, by Newton's method in so many steps, as long as it stays
     stable; None where it does not get there.
     """
     there: Orbit | None = orbit
     for step in range(1, steps + 1):
-        there = _moved(plan, ends, step / steps, there, engine) if there and there.stable else None
+        there = _moved(plan, ends, step / steps, there) if there and there.stable else None
     return there
 
 
-def _moved(plan: SweepPlan, ends: tuple[int, int], share: float, orbit: Orbit, engine: str) -> Orbit | None:
+def _moved(plan: SweepPlan, ends: tuple[int, int], share: float, orbit: Orbit) -> Orbit | None:
     """The orbit near another at a share of the way between two values of the parameter."""
     axis = plan.axes[parameter_axes(plan)[0]]
     first, last = (axis.numbers()[end] for end in ends)
     value = f"{float(first + share * (last - first))!r} {axis.unit}".strip()
     changes = axis.changes(ends[1]) if share == 1.0 else dict.fromkeys(axis.keys, value)
     try:
-        return_map = ReturnMap(plan.case.with_values(changes).scene(), orbit.n, engine)
+        return_map = ReturnMap(plan.case.with_values(changes).scene(), orbit.n)
         T = None if return_map.section.timed else orbit.period
         return least(Orbit(return_map, solve(return_map, orbit.X, T)))
     except (ValueError, EngineError):
@@ -357,7 +356,7 @@ def _moved(plan: SweepPlan, ends: tuple[int, int], share: float, orbit: Orbit, e
 
 
 def _columns(
-    plan: SweepPlan, rows: list[tuple[int, _Found, int, Any]], branches: list[int], engine: str
+    plan: SweepPlan, rows: list[tuple[int, _Found, int, Any]], branches: list[int]
 ) -> dict[str, np.ndarray]:
     """The columns of the group."""
     unknowns, bodies = plan.length_of("unknown"), len(plan.case.scene().line)
@@ -376,7 +375,7 @@ def _columns(
             "branch": branch,
             "word": spelled(scene, one.orbit.word) if one.orbit else "",
             "state": one.state,
-            "amplitude": _amplitudes(one.orbit, bodies, engine),
+            "amplitude": _amplitudes(one.orbit, bodies),
         }
         for name, value in values.items():
             columns[name].append(value)
@@ -390,12 +389,12 @@ def _dtype(column: Column) -> Any:
     return object if column.dtype == "text" else column.dtype
 
 
-def _amplitudes(orbit: Orbit | None, bodies: int, engine: str) -> list[float]:
+def _amplitudes(orbit: Orbit | None, bodies: int) -> list[float]:
     """Half of the peak-to-peak displacement of each body over an orbit [m]; NaN of anything else."""
     if orbit is None:
         return [nan] * bodies
     scene = placed(orbit.scene, orbit.state, orbit.period).without_samples()
-    run = open_trajectory(scene, engine, extremes=([(i, GROUND) for i in range(bodies)], 0.0))
+    run = open_trajectory(scene, extremes=([(i, GROUND) for i in range(bodies)], 0.0))
     for _ in run.blocks():
         pass
     least_places, greatest, _ = run.extremes

@@ -109,7 +109,7 @@ def edge_between(basins: Basins, start_a: Mapping[str, float], start_b: Mapping[
     Raises EdgeError where the starts end on one attractor or on none, and where motions on the boundary come
     to no orbit; OrbitError, EngineError.
     """
-    stepping = Stepping(basins.scene, basins.engine)
+    stepping = Stepping(basins.scene)
     a, b = stepping.of_state(start_a), stepping.of_state(start_b)
     ends = _two_ends(basins, (start_a, start_b))
     return _Tracking(basins, stepping, BoundaryPair(a, stepping.near(b, a), ends)).edge()
@@ -447,7 +447,6 @@ def edge(
     one: Any,
     other: Any,
     overrides: Mapping[str, Any] | None = None,
-    engine: str = "auto",
     ask: Callable[[], None] = lambda: None,
 ) -> BasinEdge:
     """The saddle on the boundary between the basins of two attractors.
@@ -469,5 +468,5 @@ def edge(
     >>> saddle.spelled, saddle.multipliers.real.round(4).tolist()
     ('be', [2.1087, 0.3199])
     """
-    basins, starts = basins_and_starts(source, (one, other), overrides, engine, ask)
+    basins, starts = basins_and_starts(source, (one, other), overrides, ask)
     return edge_between(basins, *starts)

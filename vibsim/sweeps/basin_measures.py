@@ -322,7 +322,7 @@ def _points_in_plane(result: SweepResult, i: int, mirrored: bool, sides: list[_S
     at = coordinates_of(scene)
     if mirrored or at is None or not np.isfinite(state).all() or period < 0:
         return []
-    orbit = orbit_of_label(scene, state, period, result.attrs["engine"]) if period > 0 else None
+    orbit = orbit_of_label(scene, state, period) if period > 0 else None
     points = orbit.points if orbit is not None else state[np.newaxis]
     columns = [side.column for side in sides]
     shown = {name for name in at.components if name is not None}

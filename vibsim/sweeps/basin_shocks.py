@@ -76,7 +76,6 @@ def fatal_shock(
     motion: Any,
     along: str | None = None,
     overrides: Mapping[str, Any] | None = None,
-    engine: str = "auto",
     ask: Callable[[], None] = lambda: None,
 ) -> FatalShock:
     """The minimal fatal shock of the attractor on which a start ends.
@@ -93,7 +92,7 @@ def fatal_shock(
     >>> round(shock.change["v_tip"], 6), round(shock.other_way, 6)
     (0.089745, -0.252863)
     """
-    basins, (start,) = basins_and_starts(source, [motion], overrides, engine, ask)
+    basins, (start,) = basins_and_starts(source, [motion], overrides, ask)
     column, unit = (None, "m/s") if along is None else _column(basins, along)
     number = basins.end_of(start)
     if number == NOWHERE:
@@ -132,7 +131,7 @@ class _Search:
 
     def __init__(self, basins: Basins, end: BasinEnd, along: str | None, unit: str) -> None:
         self.basins, self.end, self.along, self.unit = basins, end, along, unit
-        self.stepping = Stepping(basins.scene, basins.engine)
+        self.stepping = Stepping(basins.scene)
         at = self.stepping.at
         self.states = [at.lifted(X) for X in end.points]
         self.size = max(map(self.stepping.size, self.states)) or 1.0

@@ -102,12 +102,11 @@ class BasinEnd:
 class Basins:
     """The attractors of a case as its starts meet them, whatever its own start is.
 
-    engine : of the runs; ask : called between blocks, what it raises ends the run
+    ask : called between blocks, what it raises ends the run
     runs : how many starts were run
     """
 
     case: Case
-    engine: str = "auto"
     ask: Callable[[], None] = lambda: None
     ends: list[BasinEnd] = field(default_factory=list)
     runs: int = 0
@@ -146,7 +145,7 @@ class Basins:
             scene = sampled_for_statistics(replace(scene, stop_on_violation=False))
             self.runs += 1
             try:
-                label = run_label(scene, self.of, scene.t_end / 2, self.engine, self.ask, self.known)
+                label = run_label(scene, self.of, scene.t_end / 2, self.ask, self.known)
             except EngineError as error:
                 return label_of_failure(error)
             except TooFineError:
@@ -160,7 +159,7 @@ class Basins:
         orbit = None
         if label.kind == "periodic":
             try:
-                orbit = orbit_of_label(self.scene, label.state, label.period, self.engine, self.case)
+                orbit = orbit_of_label(self.scene, label.state, label.period, self.case)
             except (OrbitError, EngineError):
                 return NOWHERE
         at = coordinates_of(self.scene)
@@ -184,8 +183,8 @@ class Stepping:
     A state has all components; bodies of a set that may be shifted count from its reference.
     """
 
-    def __init__(self, scene: Scene, engine: str) -> None:
-        self.scene, self.map = scene, ReturnMap(scene, 1, engine)
+    def __init__(self, scene: Scene) -> None:
+        self.scene, self.map = scene, ReturnMap(scene, 1)
         self.at: Coordinates = self.map.coordinates
         section = self.map.section
         self.free = section.turning
@@ -203,7 +202,7 @@ class Stepping:
         if self.free:
             return self.plain(np.array(components))
         scene = placed(self.scene, state, self.scene.t_end)
-        return self.at.lifted(first_point(scene, self.at, self.map.carrier.engine))
+        return self.at.lifted(first_point(scene, self.at))
 
     def plain(self, components: np.ndarray) -> np.ndarray:
         """The same without shifts of sets that are held nowhere."""
@@ -249,7 +248,7 @@ class Stepping:
     def turns(self, components: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Times [s] and unknowns (k, m) of the next returns of a free motion."""
         scene = placed(self.scene, self.by_column(components), SWINGS * 4 * self.stretch)
-        times, states = returns(scene, self.at, self.map.carrier.engine)
+        times, states = returns(scene, self.at)
         return times, self.at.of(states)
 
 
@@ -264,7 +263,6 @@ def basins_and_starts(
     source: Any,
     names: Sequence[Any],
     overrides: Mapping[str, Any] | None = None,
-    engine: str = "auto",
     ask: Callable[[], None] = lambda: None,
 ) -> tuple[Basins, list[StartState]]:
     """The basins of the case of a source, and a start that ends on each attractor that is named.
@@ -280,7 +278,7 @@ def basins_and_starts(
                 "numbers are those of the attractors at the parameters of the sweep; changes go with starts"
             )
         case, starts = _starts_of_sweep(sweep, [(int(m[1]), bool(m[2])) for m in numbers if m])
-        return Basins(case, engine, ask), starts
+        return Basins(case, ask), starts
     if any(numbers):
         name = next(name for name, match in zip(names, numbers, strict=True) if match)
         raise PlanError(
@@ -289,7 +287,7 @@ def basins_and_starts(
         )
     case = sweep.case if sweep is not None else opened(source, None)[0]
     case = case.with_values(overrides) if overrides else case
-    basins = Basins(case, engine, ask)
+    basins = Basins(case, ask)
     return basins, [_state_of(name, basins.scene) for name in names]
 
 

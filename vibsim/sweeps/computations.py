@@ -68,7 +68,7 @@ class LyapunovComputation:
         from vibsim.engine.tangent.lyapunov import lyapunov_exponents
 
         count = dimension(self._scene) if self._everything else 1
-        computed = lyapunov_exponents(self._scene, count, self._begin, run.engine, run.ask)
+        computed = lyapunov_exponents(self._scene, count, self._begin, run.ask)
         known = judged(computed, self._scene.tol)
         if not self._everything:
             return {

@@ -343,7 +343,7 @@ class Power:
     def _ledger(self, run: MeasuredRun, rows: Rows | None, t_end: float) -> dict[str, float]:
         """The ledger from an instant of events to a later time [s], which is as the run itself had it."""
         quiet = replace(self._scene, t_end=t_end).without_samples()
-        trajectory = open_trajectory(quiet, run.engine, resume=rows, ledger=True)
+        trajectory = open_trajectory(quiet, resume=rows, ledger=True)
         for _ in trajectory.blocks():
             run.ask()
         return self._energies(trajectory.totals)
@@ -462,7 +462,7 @@ class EndState:
             return None
         finer = replace(scene, every_num=every.numerator, every_den=every.denominator)
         greatest = [0.0, 0.0]
-        for block in open_trajectory(finer, run.engine, run.rows).blocks():
+        for block in open_trajectory(finer, run.rows).blocks():
             run.ask()
             times, energies = block.samples["time"], self._energies_of(block)
             for half, (begin, end) in enumerate(((window[0], middle), (middle, math.inf))):

@@ -79,7 +79,6 @@ def compute_point(
     index: Index,
     changes: Mapping[str, str],
     start: Start | None,
-    engine: str,
     go_on: Callable[[], bool] | None = None,
 ) -> SweepPoint | None:
     """Run one point and take its statistics.
@@ -99,10 +98,8 @@ def compute_point(
         return SweepPoint(index, FAILED, "", str(error))
     try:
         scene = sampled_for_statistics(case.scene(), settings.every)
-        known = _known(settings, changes, engine, go_on)
-        values, arrays = _early(scene, settings, engine, go_on, known) or measure(
-            scene, settings, engine, go_on, known
-        )
+        known = _known(settings, changes, go_on)
+        values, arrays = _early(scene, settings, go_on, known) or measure(scene, settings, go_on, known)
     except (EngineError, TooFineError) as error:
         label = _run_away(settings, error)
         if label is None:
@@ -126,14 +123,14 @@ def described_bug(error: Exception) -> str:
 
 
 def _known(
-    settings: PointSettings, changes: Mapping[str, str], engine: str, go_on: Callable[[], bool] | None
+    settings: PointSettings, changes: Mapping[str, str], go_on: Callable[[], bool] | None
 ) -> "KnownOrbits | None":
     """Orbits of the point's scene that are known beforehand; none unless attractors are asked for."""
     if NAME not in settings.compute:
         return None
     from vibsim.sweeps.attractor_labels import known_orbits
 
-    return known_orbits(settings, changes, engine, partial(_ask, go_on))
+    return known_orbits(settings, changes, partial(_ask, go_on))
 
 
 def _ask(go_on: Callable[[], bool] | None) -> None:
@@ -144,7 +141,6 @@ def _ask(go_on: Callable[[], bool] | None) -> None:
 def _early(
     scene: Scene,
     settings: PointSettings,
-    engine: str,
     go_on: Callable[[], bool] | None,
     known: "KnownOrbits | None",
 ) -> Measured | None:
@@ -155,7 +151,7 @@ def _early(
         return None
     from vibsim.sweeps.attractor_labels import early_label, values_of
 
-    early = early_label(scene, settings.discard.time(scene.t_end), engine, partial(_ask, go_on), known)
+    early = early_label(scene, settings.discard.time(scene.t_end), partial(_ask, go_on), known)
     return None if early is None else _of_label(values_of(early[0]), early[1])
 
 
@@ -181,7 +177,6 @@ def _run_away(settings: PointSettings, error: EngineError | TooFineError) -> Mea
 def measure(
     scene: Scene,
     settings: PointSettings,
-    engine: str,
     go_on: Callable[[], bool] | None,
     known: "KnownOrbits | None" = None,
 ) -> Measured:
@@ -196,7 +191,7 @@ def measure(
     statistics = Statistics(scene, settings.of, begin)
     computed = [kind.make(Task(scene, settings.of, begin, settings.section, known)) for kind in kinds]
     run = MeasuredRun(
-        scene, settings.of, begin, engine, go_on, any(kind.ledger for kind in kinds), _watchers(computed)
+        scene, settings.of, begin, go_on, any(kind.ledger for kind in kinds), _watchers(computed)
     )
     end: dict[str, float] = {}
     for block in run.blocks():
@@ -265,12 +260,12 @@ Pieces = tuple[BatchPiece, ...]
 
 
 def compute_batch(
-    settings: PointSettings, pieces: Pieces, engine: str, go_on: Callable[[], bool] | None = None
+    settings: PointSettings, pieces: Pieces, go_on: Callable[[], bool] | None = None
 ) -> list[SweepPoint]:
     """The points of all pieces, in their order; those that were done before `go_on` said False."""
     points: list[SweepPoint] = []
     for piece in pieces:
-        done = list(compute_piece(settings, piece, engine, go_on))
+        done = list(compute_piece(settings, piece, go_on))
         points += done
         if len(done) < len(piece):
             break
@@ -278,12 +273,12 @@ def compute_batch(
 
 
 def compute_piece(
-    settings: PointSettings, piece: BatchPiece, engine: str, go_on: Callable[[], bool] | None
+    settings: PointSettings, piece: BatchPiece, go_on: Callable[[], bool] | None
 ) -> Iterator[SweepPoint]:
     """The points of a piece, up to one that was given up. After a failed one the next begins where it did."""
     start = piece.start
     for index, changes in piece.points:
-        point = compute_point(settings, index, changes, start, engine, go_on)
+        point = compute_point(settings, index, changes, start, go_on)
         if point is None:
             return
         if settings.carry and point.done:

@@ -51,13 +51,12 @@ class MeasuredRun:
         scene: Scene,
         of: Quantities,
         begin: float,
-        engine: str,
         go_on: Callable[[], bool] | None = None,
         ledger: bool = False,
         watch_transient: Callable[[Block], None] | None = None,
     ):
         self.scene, self.of, self.begin = scene, of, begin
-        self.engine, self.ledger = engine, ledger
+        self.ledger = ledger
         self._go_on, self._watch_transient = go_on, watch_transient
         self.totals: dict[str, float] = dict.fromkeys(SUMMED, 0.0) | {"grazing_margin": math.nan}
         self.late: dict[str, Any] = {}
@@ -75,7 +74,6 @@ class MeasuredRun:
         ends = [(motion.P, motion.Q) for motion in self.of.motions]
         trajectory = open_trajectory(
             self.scene,
-            self.engine,
             self.rows,
             section=True,
             ledger=self.ledger,
@@ -90,14 +88,14 @@ class MeasuredRun:
         times = np.array([self.begin, self.t_reached])
         if not (self.of.drifting or self.of.rotors or self.scene.has_motor):  # nothing is asked of the states
             return {"time": times}
-        states = state_at(self.scene, self.rows or self._start, times[:1], self.engine)
+        states = state_at(self.scene, self.rows or self._start, times[:1])
         return {name: np.array([states[name][0], self._last[name]]) for name in section_columns(self.scene)}
 
     def _transient(self) -> list[Row] | None:
         """Run up to `begin`; the rows of the last instant of events."""
         scene = replace(self.scene, t_end=self.begin).without_samples()
         watch = self._watch_transient
-        trajectory = open_trajectory(scene, self.engine, section=watch is not None)
+        trajectory = open_trajectory(scene, section=watch is not None)
         rows: list[Row] | None = None
         for block in self._asked(trajectory):
             if watch is not None:

@@ -11,9 +11,10 @@ import h5py
 import numpy as np
 
 from vibsim.cases import Case
-from vibsim.engine.choice import engine_name, flow_of
+from vibsim.engine.choice import flow_of
 from vibsim.results.file_contents import (
     ENGINE,
+    ENGINE_NAME,
     NUMBER,
     PROVENANCE,
     TEXT,
@@ -61,7 +62,7 @@ def write_sweep(path: Path, plan: SweepPlan, table: Table, attrs: Mapping[str, A
     if NAME in plan.compute:
         from vibsim.sweeps.attractors import gather, values_of_group
 
-        found = gather(plan, table, attrs["engine"])
+        found = gather(plan, table)
         names = names_of_unknowns(plan)
         derived = {NAME: found.labels, MIRRORED: found.mirrored}
         derived |= values_of_group(found, names, len(plan.case.scene().line))
@@ -330,7 +331,7 @@ class SweepStore(Store[SweepPoint]):
         self._record_bytes = record_bytes(self.plan)
 
     def origin(self) -> dict[str, Any]:
-        return origin(self.plan, self.engine)
+        return origin(self.plan)
 
     def take(self, record: SweepPoint) -> None:
         self.table.put(record)
@@ -380,7 +381,7 @@ def record_bytes(plan: SweepPlan) -> int:
 # The root attributes of a sweep file: what was swept, how, by what, and what came of it.
 
 
-def origin(plan: SweepPlan, engine: str) -> dict[str, Any]:
+def origin(plan: SweepPlan) -> dict[str, Any]:
     """Attributes that are known before the first point."""
     case, scene = plan.case, plan.case.scene()
     attrs: dict[str, Any] = {
@@ -389,7 +390,7 @@ def origin(plan: SweepPlan, engine: str) -> dict[str, Any]:
         "sweep_sha256": plan.fingerprint,
         "definitions": DEFINITIONS,
         "method": flow_of(scene),
-        "engine": engine_name(engine),
+        "engine": ENGINE_NAME,
     }
     if attrs["method"] == "taylor":
         attrs |= {"taylor_order": scene.order, "taylor_tolerance": float(scene.tol)}

@@ -117,7 +117,7 @@ class SweepResult(Labelled):
             return found
         from vibsim.sweeps.attractors import gather
 
-        return gather(self.plan, self.table, self.attrs["engine"])
+        return gather(self.plan, self.table)
 
     @property
     def axes(self) -> tuple[Axis | Members, ...]:
@@ -372,8 +372,7 @@ def _written(attrs: dict[str, Any]) -> str:
     versions = (
         f"vibsim {attrs['vibsim_version']}, Python {attrs['python_version']}, numpy {attrs['numpy_version']}"
     )
-    engine = {"c": "C", "python": "Python"}[attrs["engine"]]
-    took = f"{attrs['wall_time_s']:.3g} s of {engine} engine"
+    took = f"{attrs['wall_time_s']:.3g} s"
     return f"{attrs['date_created']}, {took}; {versions}; {attrs['platform']}"
 
 
@@ -408,7 +407,7 @@ def join(paths: Iterable[str | PathLike[str]]) -> SweepResult:
     def read(name: str) -> np.ndarray:
         return np.concatenate([part[name] for part in parts], axis=along)
 
-    attrs = origin(plan, parts[0].attrs["engine"])
+    attrs = origin(plan)
     counted = ("points", "points_done", "points_failed", "wall_time_s")
     attrs |= {name: sum(part.attrs[name] for part in parts) for name in counted}
     attrs["complete"] = min(part.attrs["complete"] for part in parts)

@@ -38,7 +38,6 @@ def sweep(
     spread: Mapping[str, str] | None = None,
     jobs: int | None = None,
     scheduler: str | None = None,
-    engine: str = "auto",
     out: str | PathLike[str] | None = None,
     force: bool = False,
     overrides: Mapping[str, object] | None = None,
@@ -67,7 +66,6 @@ def sweep(
     jobs : points computed at a time; by default the available cores. The result is the same bit for bit
     scheduler : address of a dask.distributed scheduler whose workers compute the points, instead of this
         machine; the same bits
-    engine : "auto", "c" or "python"
     out : HDF5 file; one that holds a part of this very sweep is completed, any other is an error unless
         `force`
     overrides : values of the case that are changed, as of `load_case`
@@ -96,8 +94,8 @@ def sweep(
         read_ensemble(case, ensemble, seed, by_key("spread", spread, "{'x1': '1 mm'}")),
     )
     jobs = None if jobs is None else whole_number("jobs", jobs, 1)
-    with open_workers(plan, jobs, scheduler, engine) as workers:
-        store = SweepStore(plan, None if out is None else Path(out), engine, force)
+    with open_workers(plan, jobs, scheduler) as workers:
+        store = SweepStore(plan, None if out is None else Path(out), force)
         for note in store.notes:
             warnings.warn(note, stacklevel=2)
         return complete(store, workers)[0]
@@ -162,15 +160,15 @@ def read_ensemble(case: Case, count: int, seed: int, spread: Mapping[str, str]) 
         raise PlanError(str(error)) from None
 
 
-def open_workers(plan: SweepPlan, jobs: int | None, scheduler: str | None, engine: str) -> Workers:
+def open_workers(plan: SweepPlan, jobs: int | None, scheduler: str | None) -> Workers:
     """Workers here, or those of a scheduler; to be entered. Raises PlanError for wishes that do not fit."""
     if scheduler is not None and jobs is not None:
         raise PlanError("jobs are the workers of this machine; with a scheduler its workers compute")
     if scheduler is not None:
-        return ClusterWorkers(plan.point_settings, scheduler, engine)
+        return ClusterWorkers(plan.point_settings, scheduler)
     if jobs is not None and jobs < 1:
         raise PlanError(f"jobs must be at least 1, got {jobs}")
-    return LocalWorkers(plan.point_settings, jobs or available_cores(), engine)
+    return LocalWorkers(plan.point_settings, jobs or available_cores())
 
 
 def complete(store: SweepStore, workers: Workers, watch: Watch | None = None) -> tuple[SweepResult, bool]:

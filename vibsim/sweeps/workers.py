@@ -1,4 +1,4 @@
-"""Who computes the points: threads over the C engine, which lets go of the GIL, else processes.
+"""Who computes the points: threads over the C engine, which lets go of the GIL.
 
 `vibsim.sweeps.workers` has workers of the same kind on other machines.
 """
@@ -8,13 +8,12 @@ import json
 import logging
 import math
 import os
-import signal
 import socket
 import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
 from functools import cache, partial
 from itertools import takewhile
 from math import ceil
@@ -24,7 +23,6 @@ from typing import Any, Protocol
 from vibsim import __version__
 from vibsim.analysis.cycles import HALF
 from vibsim.cases import load_case
-from vibsim.engine.choice import engine_name
 from vibsim.results.hdf5_reading import ResultFileError
 from vibsim.sweeps.computations import fitting
 from vibsim.sweeps.points import BatchPiece, Pieces, SweepPoint, Table, compute_batch, compute_point
@@ -71,31 +69,16 @@ class LocalWorkers:
         self,
         settings: Any,
         jobs: int,
-        engine: str = "auto",
         compute: Callable[..., list[SweepPoint]] = compute_batch,
     ):
-        self.point_settings, self.count, self.engine = settings, jobs, engine_name(engine)
-        self._stop: Any
-        self._pool: Executor
-        self._compute: Callable[..., list[SweepPoint]]
-        if self.engine == "c":
-            self._stop = threading.Event()
-            self._pool = ThreadPoolExecutor(jobs)
-            self._compute = partial(compute, go_on=self._going_on)
-        else:
-            import multiprocessing
-            from concurrent.futures import ProcessPoolExecutor
-
-            spawning = multiprocessing.get_context("spawn")
-            self._stop = spawning.Event()
-            self._pool = ProcessPoolExecutor(
-                jobs, spawning, initializer=_prepare_process, initargs=(self._stop,)
-            )
-            self._compute = partial(_compute_in_process, compute)
+        self.point_settings, self.count = settings, jobs
+        self._stop = threading.Event()
+        self._pool = ThreadPoolExecutor(jobs)
+        self._compute = partial(compute, go_on=self._going_on)
 
     def submit(self, pieces: Any) -> "Future[list[SweepPoint]]":
         """The points of a batch, some time; fewer when it was given up."""
-        return self._pool.submit(self._compute, self.point_settings, pieces, self.engine)
+        return self._pool.submit(self._compute, self.point_settings, pieces)
 
     def result(self, future: "Future[list[SweepPoint]]") -> list[SweepPoint]:
         """The points of a future that is done."""
@@ -114,22 +97,6 @@ class LocalWorkers:
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.stop()
         self._pool.shutdown(wait=True, cancel_futures=True)
-
-
-_told_to_stop: Any = None  # in a worker process: the parent's event
-
-
-def _prepare_process(stop: Any) -> None:
-    """A worker process hears of an interruption from its parent, not from the terminal."""
-    global _told_to_stop
-    _told_to_stop = stop
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-def _compute_in_process(
-    compute: Callable[..., list[SweepPoint]], settings: Any, pieces: Any, engine: str
-) -> list[SweepPoint]:
-    return compute(settings, pieces, engine, lambda: not _told_to_stop.is_set())
 
 
 # One chain of a sweep: the points that are computed one after another, as far as they are still to do.
@@ -315,27 +282,22 @@ LENGTH = "2 s"  # with impacts, in a few milliseconds
 
 
 @cache
-def signature(engine: str, compute: tuple[str, ...]) -> dict[str, str]:
+def signature(compute: tuple[str, ...]) -> dict[str, str]:
     """Versions and settings that must be equal here and there, name -> text, for sweeps with these
     computations.
-
-    Raises RuntimeError where the engine is not there.
     """
     return {
         "vibsim": __version__,
         "statistics": str(STATISTICS),
-        "engine": engine_name(engine),
-        "bits": hashlib.sha256("".join(_bits(name, engine, compute) for name in RUNS).encode()).hexdigest()[
-            :16
-        ],
+        "bits": hashlib.sha256("".join(_bits(name, compute) for name in RUNS).encode()).hexdigest()[:16],
     }
 
 
-def _bits(name: str, engine: str, compute: tuple[str, ...]) -> str:
+def _bits(name: str, compute: tuple[str, ...]) -> str:
     """All numbers of a short run of a shipped case."""
     case = load_case(name, {"run.t_end": LENGTH})
     settings = PointSettings(case, False, HALF, 10, None, fitting(compute, quantities_of(case)))
-    point = compute_point(settings, (), {}, None, engine)
+    point = compute_point(settings, (), {}, None)
     assert point is not None  # nobody gave it up
     values = {key: value for key, value in point.values.items() if key not in NOT_REPRODUCIBLE}
     arrays = {name: array.tolist() for name, array in point.arrays.items()}
@@ -371,9 +333,9 @@ class ClusterWorkers:
 
     batch_seconds = 1.0  # handing a batch out takes 12 ms of client, scheduler and worker together
 
-    def __init__(self, settings: PointSettings, address: str, engine: str = "auto"):
-        self.point_settings, self.address, self.engine = settings, address, engine_name(engine)
-        self._signature = signature(self.engine, settings.compute)
+    def __init__(self, settings: PointSettings, address: str):
+        self.point_settings, self.address = settings, address
+        self._signature = signature(settings.compute)
         self._handed: dict[Future[list[SweepPoint]], Pieces] = {}
         self._threads = 1
         self._counted = self._deserted = -math.inf  # when; and when there last was a worker
@@ -393,9 +355,7 @@ class ClusterWorkers:
 
     def _check_workers(self) -> None:
         """Refuse a cluster one of whose workers would not compute the same bits."""
-        checked = self._client.run(
-            differing, self.engine, self.point_settings.compute, self._signature, on_error="return"
-        )
+        checked = self._client.run(differing, self.point_settings.compute, self._signature, on_error="return")
         for worker, difference in checked.items():
             if isinstance(difference, Exception):
                 raise ClusterError(f"worker {worker} cannot run vibsim: {difference}")
@@ -435,7 +395,7 @@ class ClusterWorkers:
     def submit(self, pieces: Pieces) -> "Future[list[SweepPoint]]":
         """The points of a batch, some time."""
         future: Future[list[SweepPoint]] = self._executor.submit(
-            compute_there, self.point_settings, pieces, self.engine, self._signature
+            compute_there, self.point_settings, pieces, self._signature
         )
         self._handed[future] = pieces
         return future
@@ -463,24 +423,19 @@ class ClusterWorkers:
         """Nothing: batches that wait are cancelled one by one, those that run end within a second or so."""
 
 
-def compute_there(
-    settings: PointSettings, pieces: Pieces, engine: str, expected: dict[str, str]
-) -> list[SweepPoint]:
+def compute_there(settings: PointSettings, pieces: Pieces, expected: dict[str, str]) -> list[SweepPoint]:
     """On a worker: the points of a batch. Raises WorkerMismatch where they would have other bits."""
-    difference = differing(engine, settings.compute, expected)
+    difference = differing(settings.compute, expected)
     if difference:
         raise WorkerMismatch(f"worker {socket.gethostname()}, process {os.getpid()}, {difference}")
-    return compute_batch(settings, pieces, engine)
+    return compute_batch(settings, pieces)
 
 
-def differing(engine: str, compute: tuple[str, ...], expected: dict[str, str]) -> str:
+def differing(compute: tuple[str, ...], expected: dict[str, str]) -> str:
     """In what a worker's installation differs from the one that asks; empty where it does not."""
     if __version__ != expected["vibsim"]:
         return f"has vibsim {__version__}, and {expected['vibsim']} asks"
-    try:
-        ours = signature(engine, compute)
-    except RuntimeError as error:
-        return f"has another engine: {error}"
+    ours = signature(compute)
     if ours["statistics"] != expected["statistics"]:
         return f"has version {ours['statistics']} of the statistics, and {expected['statistics']} asks"
     if ours["bits"] != expected["bits"]:

@@ -179,7 +179,7 @@ def _truth(plan: BenchPlan, path: Path, file: str | None) -> BenchTruth | None:
             raise click.UsageError(f"--truth: {error}") from None
     truth = truth_at_hand(plan, path)
     if truth is None:
-        check_digits("auto", "python")
+        check_digits("auto")
     return truth
 
 

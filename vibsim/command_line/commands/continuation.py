@@ -9,14 +9,13 @@ from typing import Any
 import click
 
 from vibsim.cases import Case, UnknownKeyError
-from vibsim.command_line.commands.run import check_engine, hdf5_name, read_case, to_be_completed
+from vibsim.command_line.commands.run import hdf5_name, read_case, to_be_completed
 from vibsim.command_line.commands.sweep import source_key
 from vibsim.command_line.options import (
     CASE,
     PairType,
     Settings,
     count_option,
-    engine_option,
     examples,
     output_option,
     set_option,
@@ -82,7 +81,6 @@ SPAN = PairType("KEY=FROM:TO, such as c=0.01:0.1", some_text, several=True)
 @click.option("--locus", metavar="LABEL", help="Follow NS1, F1, PD1, GR1, ST1 of a branch in --param too.")
 @count_option("--max-points", "Points, on both sides together. [default: 5000; 2000 of a locus]", least=2)
 @set_option
-@engine_option
 @output_option("CASE-KEY-branch.h5")
 @stored_force_option
 @click.pass_context
@@ -97,7 +95,6 @@ def command(
     locus: str | None,
     max_points: int | None,
     changes: tuple[tuple[str, str], ...],
-    engine: str,
     output: str | None,
     force: bool,
 ) -> int:
@@ -109,28 +106,27 @@ def command(
     Frequency responses with their unstable parts are branches over --omega, backbone curves over --energy.
     """
 
-    check_engine(engine)
     if not any((omega0, omega, param, energy, switch, locus)):
         stored = to_be_completed(source, ("branch", "locus"), ctx)
         if stored is not None:
             output = hdf5_name(output or source)
             if stored.attrs["vibsim_kind"] == "branch":
-                return run_continuation(stored.plan, output, max_points, engine, force, ctx.obj)
+                return run_continuation(stored.plan, output, max_points, force, ctx.obj)
 
-            return run_locus(stored.plan, output, max_points, engine, force, ctx.obj)
+            return run_locus(stored.plan, output, max_points, force, ctx.obj)
     if locus is not None:
         if omega0 or omega or energy or switch or changes:
             raise click.UsageError("--locus takes its second parameter from --param, and nothing else")
         locus_plan, output = read_locus_plan(source, locus, param, output)
-        return run_locus(locus_plan, output, max_points, engine, force, ctx.obj)
+        return run_locus(locus_plan, output, max_points, force, ctx.obj)
     if energy is not None:
         if omega0 or omega or param or switch:
             raise click.UsageError("--energy is a range of its own; leave other ranges and --switch out")
-        plan, output = read_energy_plan(source, dict(changes), energy, engine, output)
-        return run_continuation(plan, output, max_points, engine, force, ctx.obj)
+        plan, output = read_energy_plan(source, dict(changes), energy, output)
+        return run_continuation(plan, output, max_points, force, ctx.obj)
     ranges = {"--omega0": omega0, "--omega": omega}
-    plan, output = read_plan(source, dict(changes), ranges, param, switch, engine, output)
-    return run_continuation(plan, output, max_points, engine, force, ctx.obj)
+    plan, output = read_plan(source, dict(changes), ranges, param, switch, output)
+    return run_continuation(plan, output, max_points, force, ctx.obj)
 
 
 # What `vibsim continue` does: find the orbit, follow it with progress, list what was met.
@@ -142,7 +138,6 @@ def read_plan(
     options: Mapping[str, str | None],
     param: tuple[str, str] | None,
     switch: str | None,
-    engine: str,
     output: str | None,
 ) -> tuple[BranchPlan, str]:
     """The plan that the options describe, and its file.
@@ -165,14 +160,14 @@ def read_plan(
     try:
         keys, unit, span = read_span(case, key, text, bare_rate)
         parameter_within(case, keys, unit, span)
-        plan = plan_from(_orbit(source, case, changes, engine), keys, unit, span)
+        plan = plan_from(_orbit(source, case, changes), keys, unit, span)
     except (BranchError, UnknownKeyError) as error:
         raise click.UsageError(f"{option}: {error}") from None
     return plan, hdf5_name(output or f"{case.name}-{scale_name(keys[0])}-branch.h5")
 
 
 def read_energy_plan(
-    source: str, changes: dict[str, str], text: str, engine: str, output: str | None
+    source: str, changes: dict[str, str], text: str, output: str | None
 ) -> tuple[BranchPlan, str]:
     """The plan of a backbone curve, and its file.
 
@@ -183,7 +178,7 @@ def read_energy_plan(
     is_file = not changes and names_a_result(source)
     subject = open_result(source) if is_file else read_case(source, changes)
     try:
-        plan = energy_plan(subject, text, engine)
+        plan = energy_plan(subject, text)
     except BranchError as error:
         raise click.UsageError(f"--energy: {error}") from None
     return plan, hdf5_name(output or f"{plan.case.name}-energy-branch.h5")
@@ -223,19 +218,17 @@ def read_branch_for(option: str, source: str) -> Branch:
     return branch
 
 
-def _orbit(source: str, case: Case, changes: dict[str, str], engine: str) -> object:
+def _orbit(source: str, case: Case, changes: dict[str, str]) -> object:
     """The orbit in a file, or where the run of a case comes to."""
     if changes or not names_a_result(source):
-        return orbit_from(case, engine)
-    return orbit_from(open_result(source), engine)
+        return orbit_from(case)
+    return orbit_from(open_result(source))
 
 
-def run_continuation(
-    plan: BranchPlan, output: str, most: int | None, engine: str, force: bool, settings: Settings
-) -> int:
+def run_continuation(plan: BranchPlan, output: str, most: int | None, force: bool, settings: Settings) -> int:
     """Follow a branch, or complete one; returns the exit code."""
     path = Path(output)
-    store = partial(BranchStore, plan, path, engine, force)
+    store = partial(BranchStore, plan, path, force)
     return follow(store, facts, print_branch, path, most or MOST_POINTS, settings)
 
 
@@ -263,12 +256,10 @@ def read_locus_plan(
     return plan, hdf5_name(output or f"{Path(source).stem}-{label}-locus.h5")
 
 
-def run_locus(
-    plan: LocusPlan, output: str, most: int | None, engine: str, force: bool, settings: Settings
-) -> int:
+def run_locus(plan: LocusPlan, output: str, most: int | None, force: bool, settings: Settings) -> int:
     """Follow a locus, or complete one; returns the exit code."""
     path = Path(output)
-    store = partial(LocusStore, plan, path, engine, force)
+    store = partial(LocusStore, plan, path, force)
     return follow(store, locus_facts, print_locus, path, most or MOST_LOCUS_POINTS, settings)
 
 

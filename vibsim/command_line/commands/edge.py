@@ -9,9 +9,9 @@ import click
 
 from vibsim.cases.quantities import number
 from vibsim.command_line.commands.orbit import Lines, orbit_lines, orbit_object
-from vibsim.command_line.commands.run import check_engine, hdf5_name
+from vibsim.command_line.commands.run import hdf5_name
 from vibsim.command_line.main import FILE_TROUBLE, told
-from vibsim.command_line.options import CASE, FILE, Settings, engine_option, examples, set_option
+from vibsim.command_line.options import CASE, FILE, Settings, examples, set_option
 from vibsim.command_line.terminal import print_json, say
 from vibsim.command_line.text import counted, heading, print_lines, size
 from vibsim.orbits.orbit import save_orbit
@@ -46,7 +46,6 @@ if TYPE_CHECKING:
     "--changes", "births", is_flag=True, help="Births and deaths over SWEEP's parameter, and by what."
 )
 @set_option
-@engine_option
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="Store the saddle orbit.")
 @click.option("--force", is_flag=True, help="Replace an existing output file.")
 @click.pass_context
@@ -58,7 +57,6 @@ def command(
     along: str | None,
     births: bool,
     changes: tuple[tuple[str, str], ...],
-    engine: str,
     output: str | None,
     force: bool,
 ) -> int:
@@ -69,10 +67,9 @@ def command(
     bisection and followed along the boundary until they stay near an orbit, which Newton's method then finds.
     Its two sides are run to their ends. Where there is none, a sentence says what lies on the boundary.
     """
-    check_engine(engine)
     if sum((between is not None, shock is not None, births)) != 1:
         raise click.UsageError("give one of --between A,B, --shock A and --changes")
-    wish = EdgeWish(source, dict(changes), engine, output, force)
+    wish = EdgeWish(source, dict(changes), output, force)
     if shock is not None:
         if output is not None:
             raise click.UsageError("--shock finds no orbit, so -o has nothing to store")
@@ -94,7 +91,6 @@ class EdgeWish:
 
     source: str
     changes: dict[str, str]
-    engine: str
     output: str | None
     force: bool
 
@@ -114,7 +110,7 @@ def find_edge(wish: EdgeWish, names: tuple[str, str], settings: Settings) -> int
     from vibsim.sweeps.basin_edges import edge
 
     with interrupted_with(lambda: f"{wish.output} is not written" if wish.output else ""):
-        found = edge(wish.source, *names, wish.changes or None, wish.engine)
+        found = edge(wish.source, *names, wish.changes or None)
         trouble = _stored(found, wish)
     if settings.json:
         print_json({**({"file": wish.output} if wish.output and not trouble else {}), **edge_object(found)})
@@ -143,7 +139,7 @@ def find_shock(wish: EdgeWish, name: str, along: str | None, settings: Settings)
     """Find the smallest shock that takes a motion out of its basin, and print it; returns the exit code."""
     from vibsim.sweeps.basin_shocks import fatal_shock
 
-    shock = fatal_shock(wish.source, name, along, wish.changes or None, wish.engine)
+    shock = fatal_shock(wish.source, name, along, wish.changes or None)
     if settings.json:
         print_json(shock_object(shock))
     elif not settings.quiet:
@@ -158,7 +154,7 @@ def find_changes(wish: EdgeWish, settings: Settings) -> int:
     from vibsim.sweeps.sweep_result import open_sweep
 
     sweep = open_sweep(wish.source)
-    changes = attractor_changes(sweep, wish.engine)
+    changes = attractor_changes(sweep)
     if settings.json:
         print_json({"file": wish.source, "changes": [change.plain() for change in changes]})
     elif not settings.quiet:

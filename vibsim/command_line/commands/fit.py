@@ -6,14 +6,13 @@ from typing import Any
 
 import click
 
-from vibsim.command_line.commands.run import check_engine, read_case, to_be_completed
+from vibsim.command_line.commands.run import read_case, to_be_completed
 from vibsim.command_line.options import (
     CASE,
     OneOf,
     PairType,
     Settings,
     count_option,
-    engine_option,
     every_end_option,
     examples,
     jobs_option,
@@ -94,7 +93,6 @@ FREE = PairType("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
 @set_option
 @every_end_option
 @click.option("--every", metavar="TIME", help="Sampling of the runs; as the cases say unless given.")
-@engine_option
 @jobs_option("Runs")
 @output_option("CASE-fit.h5")
 @stored_force_option
@@ -113,7 +111,6 @@ def command(
     changes: tuple[tuple[str, str], ...],
     t_end: str | None,
     every: str | None,
-    engine: str,
     jobs: int | None,
     output: str | None,
     force: bool,
@@ -128,16 +125,15 @@ def command(
 
     if list_words:
         return words_listed(ctx.obj)
-    check_engine(engine)
     run_settings = {"run.t_end": t_end, "run.every": every}
     values = joined(changes, run_settings)
     if len(sources) == 1 and not statements:
         stored = to_be_completed(sources[0], ("fit",), ctx)
         if stored is not None:
-            return run_job(stored.plan, output or sources[0], jobs, engine, force, ctx.obj)
+            return run_job(stored.plan, output or sources[0], jobs, force, ctx.obj)
     plan = read_plan(sources, values, statements, free, prices, readings, ensemble, spreads, settings)
     name = "-".join(case.name for case in plan.cases)
-    return run_job(plan, output or f"{name}-fit.h5", jobs, engine, force, ctx.obj)
+    return run_job(plan, output or f"{name}-fit.h5", jobs, force, ctx.obj)
 
 
 # What `vibsim fit` does: make the plan, run it with progress and interruption, say what came of it.
@@ -178,9 +174,7 @@ def read_plan(
         raise click.UsageError(str(error)) from None
 
 
-def run_job(
-    plan: FitPlan, output: str, jobs: int | None, engine: str, force: bool, settings: Settings
-) -> int:
+def run_job(plan: FitPlan, output: str, jobs: int | None, force: bool, settings: Settings) -> int:
     """Run or complete a fit; returns the exit code."""
     began, remedy = time.perf_counter(), goes_on(output)
     steps = Progress(not settings.quiet, listed=True)
@@ -190,7 +184,7 @@ def run_job(
             steps.show(step, done, total)
             return interruption.signum is None
 
-        fit, complete = run_fit(plan, output, jobs, engine, force, watch)
+        fit, complete = run_fit(plan, output, jobs, force, watch)
     if settings.json:
         print_json({"file": output, **facts(fit)})
     elif not settings.quiet:

@@ -11,7 +11,7 @@ import click
 
 from vibsim.cases import Case
 from vibsim.cases.quantities import number
-from vibsim.command_line.commands.run import check_digits, check_engine, hdf5_name, read_case
+from vibsim.command_line.commands.run import check_digits, hdf5_name, read_case
 from vibsim.command_line.main import FILE_TROUBLE, told
 from vibsim.command_line.options import (
     CASE,
@@ -19,7 +19,6 @@ from vibsim.command_line.options import (
     OrbitDigitCount,
     Settings,
     count_option,
-    engine_option,
     examples,
     set_option,
 )
@@ -70,7 +69,6 @@ from vibsim.signals import Interruption, interrupted_with
 @click.option(
     "--digits", type=OrbitDigitCount(), metavar="D", help="Refine orbit and multipliers to so many digits."
 )
-@engine_option
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="Store the orbit; of several NAME-1.h5, ...")
 @click.option("--force", is_flag=True, help="Replace existing output files.")
 @click.pass_context
@@ -84,7 +82,6 @@ def command(
     search: int | None,
     seed: int | None,
     digits: int | None,
-    engine: str,
     output: str | None,
     force: bool,
 ) -> int:
@@ -95,7 +92,7 @@ def command(
     periodic up to a drift of bodies that nothing ties to ground or base.
     """
 
-    wish = OrbitWish(source, dict(changes), start, at_start, period, digits, engine, output, force)
+    wish = OrbitWish(source, dict(changes), start, at_start, period, digits, output, force)
     wish.check()
     if at_start and (start is not None or search is not None):
         raise click.UsageError(
@@ -123,14 +120,12 @@ class OrbitWish:
     at_start: bool
     period: int | None
     digits: int | None
-    engine: str
     output: str | None
     force: bool
 
     def check(self) -> None:
         """Raises UsageError and ResultFileError before anything is computed."""
-        check_engine(self.engine)
-        check_digits(self.digits, "auto")
+        check_digits(self.digits)
         if self.output is not None:
             check_output(hdf5_name(self.output), self.force)
 
@@ -194,7 +189,7 @@ def find_one(wish: OrbitWish, settings: Settings) -> int:
     wish.check_likeness(subject.case if isinstance(subject, Result) else subject, beginning)
     with interrupted_with(lambda: f"{wish.output} is not written" if wish.output else ""):
         start = INITIAL if wish.at_start else beginning
-        row = _kept(orbit(subject, wish.changes, start, wish.period, wish.engine), wish, wish.output)
+        row = _kept(orbit(subject, wish.changes, start, wish.period), wish, wish.output)
     if settings.json:
         print_json(row.object | _error_object(row.trouble))
     elif not settings.quiet:
@@ -253,7 +248,7 @@ def search_all(wish: OrbitWish, count: int, seed: int, settings: Settings) -> in
     rows, done, tally = list[OrbitRow](), 0, SearchTally()
     steps = Progress(not settings.quiet)
     with Interruption() as interruption, steps, suppress(KeyboardInterrupt):  # of a start given up
-        for attempt in search_attempts(case, count, seed, wish.period, wish.engine):
+        for attempt in search_attempts(case, count, seed, wish.period):
             for each in attempt.orbits:
                 rows.append(_kept(each, wish, _numbered(wish, len(rows) + 1)))
             tally.add(attempt)

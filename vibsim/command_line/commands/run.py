@@ -21,7 +21,6 @@ from vibsim.command_line.options import (
     RAMP,
     OneOf,
     Settings,
-    engine_option,
     examples,
     joined,
     once_each,
@@ -29,7 +28,6 @@ from vibsim.command_line.options import (
 )
 from vibsim.command_line.terminal import PROGRESS_AFTER, Progress, SlowRun, print_json, say
 from vibsim.command_line.text import case_lines, heading, print_lines, result_lines, size, summary_object
-from vibsim.engine.choice import compiled
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.physics.parts import STATE
@@ -91,7 +89,6 @@ METHODS = ["auto", "closed_form", "taylor"]
 @click.option("--t-end", metavar="TIME", help="End of the run, such as 20s.")
 @click.option("--every", metavar="TIME", help="Time between samples, such as 5ms.")
 @click.option("--method", type=OneOf(METHODS), help="How the motion between events is computed.")
-@engine_option
 @click.option(
     "--plot", "picture", type=FILE, metavar="FILE", help="Draw the run too: a .png, .pdf or .svg file."
 )
@@ -130,7 +127,6 @@ def command(
     t_end: str | None,
     every: str | None,
     method: str | None,
-    engine: str,
     picture: str | None,
     trust: bool,
     digits: int | str | None,
@@ -145,8 +141,7 @@ def command(
     file that vibsim wrote: its case is run again. --ramp runs a machine slowly through a resonance.
     """
 
-    check_engine(engine)
-    check_digits(digits, engine)
+    check_digits(digits)
     check_picture(picture, len(sources), force or dry_run)
     run_settings = {"run.t_end": t_end, "run.every": every, "run.method": method}
     values = joined(changes, run_settings)
@@ -156,7 +151,7 @@ def command(
         print_plan(jobs, ctx.obj)
         return 0
     check_outputs(jobs, force)
-    code = run_all(jobs, engine, force, ctx.obj, trust, digits)
+    code = run_all(jobs, force, ctx.obj, trust, digits)
     if picture and code == 0:
         from vibsim.plots import plot_run
 
@@ -269,7 +264,7 @@ def read_case(source: str, changes: dict[str, str]) -> "Case":
     return case.with_values(changes) if changes else case
 
 
-ASIDE = {"engine", "jobs", "scheduler", "max_points", "output", "force"}  # options that change no plan
+ASIDE = {"jobs", "scheduler", "max_points", "output", "force"}  # options that change no plan
 
 
 def to_be_completed(source: str, kinds: tuple[str, ...], ctx: click.Context) -> Any:
@@ -290,23 +285,10 @@ def to_be_completed(source: str, kinds: tuple[str, ...], ctx: click.Context) -> 
     return open_result(source)
 
 
-def check_engine(engine: str) -> None:
-    """Usage error where the C engine is asked for and was not built."""
-
-    if engine == "c" and not compiled():
-        raise click.UsageError("--engine c: this installation has no C engine; leave --engine out")
-
-
-def check_digits(digits: int | str | None, engine: str) -> None:
+def check_digits(digits: int | str | None) -> None:
     """Usage error where many digits are asked for and cannot be had."""
     if digits is None:
         return
-    from vibsim.results.many_digits import check_engine as check_truth_engine
-
-    try:
-        check_truth_engine(digits, engine)
-    except ValueError as error:
-        raise click.UsageError(f"--digits: {error}") from error
     try:
         installed_library()
     except MultiprecisionMissing as error:
@@ -407,7 +389,6 @@ def _outputs(names: list[str], output: str | None) -> tuple[Path | None, list[Pa
 
 def run_all(
     jobs: list[Job],
-    engine: str,
     force: bool,
     settings: Settings,
     trust: bool = True,
@@ -418,7 +399,7 @@ def run_all(
     with Interruption() as interruption:
         for job in jobs:
             try:
-                _run_one(job, engine, force, settings, interruption, trust, digits)
+                _run_one(job, force, settings, interruption, trust, digits)
             except EngineError as error:
                 what = f"Error: {job.case.name}: {error}; {_left(job)}"
                 code = told(what, RUN_FAILED, settings.json, case=job.case.name)
@@ -429,7 +410,6 @@ def run_all(
 
 def _run_one(
     job: Job,
-    engine: str,
     force: bool,
     settings: Settings,
     interruption: Interruption,
@@ -455,7 +435,7 @@ def _run_one(
         return interruption.signum is None
 
     with progress, interrupted_with(partial(_left, job)):
-        result = simulate_to_file(job.case, job.output, engine, force, watch, trust, digits, job.tangent)
+        result = simulate_to_file(job.case, job.output, force, watch, trust, digits, job.tangent)
     if not result.complete:
         say(f"interrupted: {job.output} holds the run until {result.t_reached:g} s", err=True)
     if settings.json:

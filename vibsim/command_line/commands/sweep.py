@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from vibsim.cases import Case, RangeError, UnknownKeyError, load_case
-from vibsim.command_line.commands.run import check_engine, hdf5_name, read_case, to_be_completed
+from vibsim.command_line.commands.run import hdf5_name, read_case, to_be_completed
 from vibsim.command_line.main import FAILED_POINTS
 from vibsim.command_line.options import (
     CASE,
@@ -16,7 +16,6 @@ from vibsim.command_line.options import (
     OneOf,
     Settings,
     count_option,
-    engine_option,
     every_end_option,
     examples,
     jobs_option,
@@ -108,7 +107,6 @@ DEFAULT_CASE = "II-B"
     "--every", metavar="TIME", help="Sampling behind verdicts on the regime. [default: what the motion needs]"
 )
 @click.option("--method", type=OneOf(["auto", "closed_form", "taylor"]), help="How the motion is computed.")
-@engine_option
 @jobs_option("Points")
 @click.option(
     "--scheduler",
@@ -134,7 +132,6 @@ def command(
     changes: tuple[tuple[str, str], ...],
     t_end: str | None,
     method: str | None,
-    engine: str,
     jobs: int | None,
     scheduler: str | None,
     shard: str | None,
@@ -152,7 +149,6 @@ def command(
     if list_computations:
         computations_listed(ctx.obj)
         return 0
-    check_engine(engine)
     if source is None:
         source = DEFAULT_CASE
         if not ctx.obj.quiet:
@@ -170,7 +166,7 @@ def command(
     else:
         plan = read_plan(source, values, axes, (ensemble or 0, seed or 0, spreads), settings)
         plan, output = sharded(plan, shard, output)
-    return run_sweep(plan, output, workers_for(plan, jobs, scheduler, engine), engine, force, ctx.obj)
+    return run_sweep(plan, output, workers_for(plan, jobs, scheduler), force, ctx.obj)
 
 
 # What `vibsim sweep` does: make the plan, run it with progress and interruption, say what came of it.
@@ -266,22 +262,20 @@ def sharded(plan: SweepPlan, text: str | None, output: str | None) -> tuple[Swee
         raise click.UsageError(f"--shard: {error}") from None
 
 
-def workers_for(plan: SweepPlan, jobs: int | None, scheduler: str | None, engine: str) -> Workers:
+def workers_for(plan: SweepPlan, jobs: int | None, scheduler: str | None) -> Workers:
     """The workers that the options name. Raises UsageError."""
     try:
-        return open_workers(plan, jobs, scheduler, engine)
+        return open_workers(plan, jobs, scheduler)
     except PlanError as error:
         raise click.UsageError(str(error)) from None
 
 
-def run_sweep(
-    plan: SweepPlan, output: str, workers: Workers, engine: str, force: bool, settings: Settings
-) -> int:
+def run_sweep(plan: SweepPlan, output: str, workers: Workers, force: bool, settings: Settings) -> int:
     """Run or complete a sweep; returns the exit code."""
     path = Path(output)
     began = time.perf_counter()
     with Interruption() as interruption, interrupted_with(lambda: goes_on(path)), workers:
-        store = SweepStore(plan, path, engine, force)
+        store = SweepStore(plan, path, force)
         for note in store.notes:
             say(f"Warning: {note}", err=True)
         had, missing = store.table.count(DONE), store.table.count(MISSING)

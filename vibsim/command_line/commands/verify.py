@@ -11,15 +11,12 @@ import click
 
 from vibsim.cases.quantities import number
 from vibsim.command_line.main import RUN_FAILED
-from vibsim.command_line.options import CHECK, OneOf, Settings, examples
+from vibsim.command_line.options import CHECK, Settings, examples
 from vibsim.command_line.terminal import Progress, print_json, say, style
 from vibsim.command_line.text import counted
-from vibsim.engine.choice import engine_name
-from vibsim.evidence.verification.catalogue import chosen_checks, rows_of
+from vibsim.evidence.verification.catalogue import all_checks, rows_of, selected
 from vibsim.evidence.verification.checks import Check, CheckPoint, CheckRow
 from vibsim.signals import Interruption
-
-ENGINE_CHOICES = ["auto", "c", "python"]
 
 
 @click.command(
@@ -39,40 +36,34 @@ ENGINE_CHOICES = ["auto", "c", "python"]
 )
 @click.argument("names", metavar="[NAME]...", nargs=-1, type=CHECK)
 @click.option("--list", "list_checks", is_flag=True, help="List the checks, or those named, and stop.")
-@click.option("--engine", type=OneOf(ENGINE_CHOICES), default="auto", help="The engine that is verified.")
 @click.pass_context
 def command(
     ctx: click.Context,
     names: tuple[str, ...],
     list_checks: bool,
-    engine: str,
 ) -> int:
     """Compute cases with known results, V1 to V32 and the hard ones, and print expected, obtained, error and
     bound of each.
 
-    NAME is a check or how it begins; without any, all are computed (on the Python engine, but for those
-    that would take it minutes). Exit code 4 where an error is not within its bound.
+    NAME is a check or how it begins; without any, all are computed. Exit code 4 where an error is not within
+    its bound.
     """
-    from vibsim.command_line.commands.run import check_engine
     from vibsim.evidence.verification import UnknownCheckError
 
-    check_engine(engine)
-    computed_by = engine_name(engine)
     try:
-        chosen, left_out = chosen_checks(names, computed_by)
+        chosen = selected(all_checks(), names)
     except UnknownCheckError as error:
         raise click.UsageError(str(error)) from error
     if list_checks:
-        print_list([*chosen, *left_out], ctx.obj)
+        print_list(chosen, ctx.obj)
         return 0
-    return print_verification(chosen, left_out, computed_by, ctx.obj)
+    return print_verification(chosen, ctx.obj)
 
 
 # The verification as a table for people, and as JSON for programs.
 
 
 HEADER = ("", "expected", "obtained", "error", "bound", "verdict")
-ENGINE_NAMES = {"c": "C engine", "python": "Python engine"}
 
 
 def print_list(checks: Sequence[Check], settings: Settings) -> None:
@@ -85,19 +76,17 @@ def print_list(checks: Sequence[Check], settings: Settings) -> None:
         say(f"{check.name:{width}}  {check.title}")
 
 
-def print_verification(
-    checks: Sequence[Check], left_out: Sequence[Check], engine: str, settings: Settings
-) -> int:
+def print_verification(checks: Sequence[Check], settings: Settings) -> int:
     """Compute the checks and print their rows; returns the exit code. Interrupted, it prints what it has."""
     began = time.perf_counter()
     with Interruption() as interruption:
-        rows = list(_computed(checks, engine, interruption, Progress(not settings.quiet)))
+        rows = list(_computed(checks, interruption, Progress(not settings.quiet)))
     took = time.perf_counter() - began
     if settings.json:
-        print_json(_described(rows, left_out, engine, took))
+        print_json(_described(rows, took))
     else:
         print_table(rows, {check.name: check.title for check in checks}, settings)
-        _print_verdict(rows, left_out, engine, took, settings)
+        _print_verdict(rows, took, settings)
     if interruption.signum is not None:
         done = len({row.check for row in rows})
         say(
@@ -108,16 +97,14 @@ def print_verification(
     return 0 if all(row.passed for row in rows) else RUN_FAILED
 
 
-def _computed(
-    checks: Sequence[Check], engine: str, interruption: Interruption, progress: Progress
-) -> Iterator[CheckRow]:
+def _computed(checks: Sequence[Check], interruption: Interruption, progress: Progress) -> Iterator[CheckRow]:
     """The rows of the checks, with a bar, until an interruption; a check that is under way is given up."""
     with suppress(KeyboardInterrupt), progress:
         for done, check in enumerate(checks):
             progress.show("verifying", done, len(checks))
             if interruption.signum is not None:
                 return
-            yield from rows_of([check], engine)
+            yield from rows_of([check])
         progress.show("verifying", len(checks), len(checks))
 
 
@@ -150,32 +137,22 @@ def _line(cells: Sequence[str], widths: Sequence[int], row: CheckRow | None = No
     return "  ".join(["", what.ljust(widths[0]), *aligned, verdict])
 
 
-def _print_verdict(
-    rows: Sequence[CheckRow], left_out: Sequence[Check], engine: str, took: float, settings: Settings
-) -> None:
+def _print_verdict(rows: Sequence[CheckRow], took: float, settings: Settings) -> None:
     wrong = sum(not row.passed for row in rows)
-    where = f"{ENGINE_NAMES[engine]}, {took:.1f} s"
-    if left_out:
-        names = ", ".join(dict.fromkeys(check.name.rpartition("/")[0] for check in left_out))
-        say(f"left out, minutes each on the Python engine; name them to have them: {names}", err=True)
     if wrong:
         text = f"{wrong} of {counted(len(rows), 'number')} fall short of their bounds"
-        say(f"{style(text, fg='red')} ({where})")
+        say(f"{style(text, fg='red')} ({took:.1f} s)")
     elif not settings.quiet:
         text = f"{counted(len(rows), 'number')}, all within their bounds"
-        say(f"{style(text, fg='green')} ({where})")
+        say(f"{style(text, fg='green')} ({took:.1f} s)")
 
 
-def _described(
-    rows: Sequence[CheckRow], left_out: Sequence[Check], engine: str, took: float
-) -> dict[str, Any]:
+def _described(rows: Sequence[CheckRow], took: float) -> dict[str, Any]:
     """The verification as JSON; what is no number is null."""
     return {
-        "engine": engine,
         "rows": [_described_row(row) for row in rows],
         "passed": sum(row.passed for row in rows),
         "fallen_short": [row.name for row in rows if not row.passed],
-        "left_out": [check.name for check in left_out],
         "seconds": took,
     }
 

@@ -46,10 +46,10 @@ class DigitsCarrier(Generic[N]):
         their rounding beyond the digits of the kit
     """
 
-    def __init__(self, scene: Scene[N], kit: DigitsKit[N], engine: str = "auto") -> None:
+    def __init__(self, scene: Scene[N], kit: DigitsKit[N]) -> None:
         self.scene, self.kit = free_scene(scene), kit
         self.run: CarryingRun | None = None
-        form = None if engine == "python" else words_form(kit)
+        form = words_form(kit)
         if form is not None:
             from vibsim.engine.tangent.carrying_run import CarryingRun
 

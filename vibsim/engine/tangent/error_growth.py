@@ -26,13 +26,13 @@ Table = Mapping[str, np.ndarray]
 Scale = dict[str, float]  # by column
 
 
-def error_growth(scene: Scene, engine: str = "auto", along: Table | None = None) -> float:
+def error_growth(scene: Scene, along: Table | None = None) -> float:
     """Logarithm (base 10) of the factor by which errors have grown at the end of the run of `scene`.
 
     along: event table of the motion to follow, where it is not that in doubles: chaos takes the two apart.
     """
     scene = replace(scene, stop_on_violation=False)
-    table = last_states(scene, engine) if along is None else along
+    table = last_states(scene) if along is None else along
     scale = {name: float(np.abs(table[name]).max()) for name in state_columns(scene)}
     if not any(scale[body.columns[1]] for body in scene.bodies):
         return 0.0
@@ -40,29 +40,27 @@ def error_growth(scene: Scene, engine: str = "auto", along: Table | None = None)
     grown, i = 0.0, 0
     while i < last:
         j = last
-        factor = _stretch(scene, engine, table, scale, i, j)
+        factor = _stretch(scene, table, scale, i, j)
         while factor * KICK > LARGEST and j > i + 1:
             j = (i + j) // 2
-            factor = _stretch(scene, engine, table, scale, i, j)
+            factor = _stretch(scene, table, scale, i, j)
         grown = max(grown + elementary.log10(max(factor, 1e-3)), 0.0)
         i = j
     return grown
 
 
-def last_states(scene: Scene, engine: str = "auto", resume: Sequence[Row] | None = None) -> Table:
+def last_states(scene: Scene, resume: Sequence[Row] | None = None) -> Table:
     """The event table of a run without samples, from its start or from the event rows of one instant."""
-    trajectory = open_trajectory(scene.without_samples(), engine, resume)
+    trajectory = open_trajectory(scene.without_samples(), resume)
     blocks = [block.events for block in trajectory.blocks()]
     return {name: np.concatenate([events[name] for events in blocks]) for name in blocks[0]}
 
 
-def _stretch(scene: Scene, engine: str, table: Table, scale: Scale, i: int, j: int) -> float:
+def _stretch(scene: Scene, table: Table, scale: Scale, i: int, j: int) -> float:
     """Factor of growth from event i to event j."""
     rows = rows_of_instant(table, i)
     kick = _kick(scene, rows[-1], scale)
-    kicked = last_states(
-        replace(scene, t_end=float(table["t"][j])), engine, [_moved(row, kick) for row in rows]
-    )
+    kicked = last_states(replace(scene, t_end=float(table["t"][j])), [_moved(row, kick) for row in rows])
     apart = [abs(kicked[name][-1] - table[name][j]) / size for name, size in scale.items() if size]
     return float(max(apart)) / KICK
 

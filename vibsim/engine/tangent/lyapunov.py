@@ -54,7 +54,6 @@ def lyapunov_exponents(
     scene: Scene,
     count: int | None = None,
     discard: float | None = None,
-    engine: str = "auto",
     between: Callable[[], None] = lambda: None,
 ) -> LyapunovExponents:
     """The largest `count` Lyapunov exponents of the motion from the start of `scene`; None: all of them.
@@ -68,7 +67,7 @@ def lyapunov_exponents(
     """
     count = dimension(scene) if count is None else count
     begin = scene.t_end / 2 if discard is None else discard
-    trajectory = open_trajectory(scene.without_samples(), engine, tangent=count, tangent_from=begin)
+    trajectory = open_trajectory(scene.without_samples(), tangent=count, tangent_from=begin)
     for _ in trajectory.blocks():
         between()
     return exponents_of(trajectory.totals)

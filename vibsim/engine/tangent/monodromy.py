@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibsim.engine.choice import engine_name
 from vibsim.engine.driver import Driver
 from vibsim.engine.errors import State
 from vibsim.engine.flows.closed.modal import pitches
@@ -69,12 +68,10 @@ class Carrier:
     modes it keeps from one to the next.
 
     scene : a `vibsim.physics.parts.Scene`, whose start and end do not matter
-    engine : "auto" (C where it was built, else Python), "c" or "python"; equal bit for bit
     """
 
-    def __init__(self, scene: Scene, engine: str = "auto") -> None:
+    def __init__(self, scene: Scene) -> None:
         self.scene, self._origin = free_scene(scene), scene
-        self.engine = engine_name(engine)
         self.size, self._shared = length(scene), _Shared(self.scene)
         self._doubles = self._shared.doubles
         self._numbers: Numbers = {}
@@ -85,7 +82,7 @@ class Carrier:
 
     def __reduce__(self) -> tuple[object, ...]:
         """For pickle: what the engine knows of modes is made anew."""
-        return Carrier, (self._origin, self.engine)
+        return Carrier, (self._origin,)
 
     def carry(self, state: ArrayLike, end: float, vectors: ArrayLike | None = None) -> Carried:
         """The motion from `state`, the components at t = 0, to `end` [s], as `Carried`.
@@ -109,8 +106,7 @@ class Carrier:
         """As `carry`, for those who know their arguments: a list of finite numbers, a time after the start
         and an array of one finite disturbance per row.
         """
-        carried = self._by_python if self.engine == "python" else self._by_c
-        return carried(components, end, vectors)
+        return self._by_c(components, end, vectors)
 
     def _start(self, components: list[float]) -> State:
         """The state of components at t = 0."""
@@ -163,11 +159,9 @@ class Carrier:
 
     def of(self, scene: Scene) -> Carrier | None:
         """A carrier of another scene on the same run of the C engine, by turns; None where the modes of the
-        two have not the same form, and for the Python engine.
+        two have not the same form.
         """
         shared = self._shared
-        if self.engine != "c":
-            return None
         free, first, sounds = free_scene(scene), shared.first, shared.pitches
         numbers = differences(first, free)
         if numbers is None:
@@ -177,7 +171,7 @@ class Carrier:
             if harmonic_indices(scene, sounds) != shared.harmonic_indices:
                 return None
         other = object.__new__(Carrier)
-        other.engine, other.size, other._shared, other._order = self.engine, self.size, shared, self._order
+        other.size, other._shared, other._order = self.size, shared, self._order
         other.scene, other._origin, other._numbers = free, scene, numbers
         other._doubles = scene_doubles(free, sounds)
         return other

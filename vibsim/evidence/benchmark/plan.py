@@ -31,10 +31,6 @@ Setting = tuple[str, Mapping[str, Any]]  # as shown, as given to the peer
 OWN = "vibsim.evidence.benchmark.plan:OwnEngine"
 EVENTS = "vibsim.evidence.peers.solvers:EventSolver"
 EVENTLESS = "vibsim.evidence.peers.solvers:EventlessSolver"
-COMPILED: Any = {
-    "needs": "vibsim.engine._engine",
-    "remedy": "not in this installation: install vibsim again where there is a C compiler",
-}
 FULL = 2.0**-53
 
 
@@ -112,22 +108,17 @@ def _plain(*values: float) -> list[Setting]:
 FAMILIES = (
     SolverFamily(
         "closed-form", "vibsim, closed form", "vibsim, closed form",
-        OWN, {"engine": "c", "method": "closed_form"}, [("C engine", {})],
-        motor=False, own=True, **COMPILED,
+        OWN, {"method": "closed_form"}, [("as by default", {})],
+        motor=False, own=True,
     ),
     SolverFamily(
         "taylor", "vibsim, Taylor series", "vibsim, Taylor",
-        OWN, {"engine": "c", "method": "taylor"}, _tols(1e-3, 1e-6, 1e-9, 1e-12, FULL),
-        own=True, **COMPILED,
+        OWN, {"method": "taylor"}, _tols(1e-3, 1e-6, 1e-9, 1e-12, FULL),
+        own=True,
     ),
     SolverFamily(
         "orders", "vibsim, Taylor series to round-off", "vibsim, other orders",
-        OWN, {"engine": "c", "method": "taylor"}, [(f"order {n}", {"order": n}) for n in (8, 12, 16, 24, 32)],
-        own=True, **COMPILED,
-    ),
-    SolverFamily(
-        "python", "vibsim, Python engine", "vibsim in Python",
-        OWN, {"engine": "python", "method": "auto"}, [("as by default", {})],
+        OWN, {"method": "taylor"}, [(f"order {n}", {"order": n}) for n in (8, 12, 16, 24, 32)],
         own=True,
     ),
     SolverFamily(
@@ -277,23 +268,18 @@ class BenchError(ValueError):
     """A wish that no bench can meet: an unknown method, a span too short, a truth of another case."""
 
 
-# vibsim itself as a contestant: its own engines, asked for the same states as its peers.
+# vibsim itself as a contestant, asked for the same states as its peers.
 
 
 class OwnEngine:
-    """A scene for the engine "c" or "python" by `method`; order, that of the scene where it is None, and
-    tolerance of a Taylor series.
-    """
+    """A scene by `method`; order, that of the scene where it is None, and tolerance of a Taylor series."""
 
-    def __init__(
-        self, scene: Scene, engine: str, method: str, order: int | None = None, tol: float = 2.0**-53
-    ):
+    def __init__(self, scene: Scene, method: str, order: int | None = None, tol: float = 2.0**-53):
         self.scene = replace(scene, method=method, order=order or scene.order, tol=tol)
-        self.engine = engine
 
     def run(self, times: np.ndarray, limit: TimeLimit) -> Attempt:
         """States at `times` [s], which are the instants that the scene is sampled at. Raises EngineError."""
-        trajectory = open_trajectory(self.scene, self.engine)
+        trajectory = open_trajectory(self.scene)
         blocks, stopped = [], False
         try:
             for block in trajectory.blocks():

@@ -34,7 +34,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases import Case, load_case
-from vibsim.engine.choice import engine_name, flow_of
+from vibsim.engine.choice import flow_of
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.evidence.reports.claims import Claim, Finding, Numbers
 from vibsim.evidence.reports.figures import (
@@ -193,7 +193,7 @@ def true_motion(case: Case, motion: TrueMotion) -> Result:
         "error_estimate_max": error,
     }
     attrs = {
-        **origin(case, scene, engine_name("auto"), flow_of(scene)),
+        **origin(case, scene, flow_of(scene)),
         **motion.totals,
         **right,
         "date_created": motion.made["date"],

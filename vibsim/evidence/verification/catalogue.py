@@ -12,7 +12,6 @@ from math import inf, pi, sin, ulp
 
 from vibsim.cases import Case, load_case
 from vibsim.cases.problems import did_you_mean
-from vibsim.engine.choice import engine_name
 from vibsim.engine.errors import EngineError
 from vibsim.evidence.verification.checks import (
     SCENE_UNITS,
@@ -128,10 +127,10 @@ def judged_case(name: str) -> Case:
     return named_case(name, **({"run__t_end": SPANS[name]} if name in SPANS else {}))
 
 
-def paper_case_rows(name: str, flow: str, engine: str) -> Iterator[CheckRow]:
+def paper_case_rows(name: str, flow: str) -> Iterator[CheckRow]:
     """States against the stored truth; Case I against its published figures too."""
     case = judged_case(name)
-    result = run(case, engine, flow)
+    result = run(case, flow)
     truth = read_truth(name, case.sha256)
     if name in CASE_I:
         published, counts = CASE_I[name]
@@ -156,11 +155,11 @@ def last_digit(text: str) -> float:
     return 10.0 ** -len(text.partition(".")[2])
 
 
-def checkpoints(engine: str) -> Iterator[CheckRow]:
+def checkpoints() -> Iterator[CheckRow]:
     """II-B before its chaos: rounding is 1e-13 there, so half a unit of the last digit is all."""
     name = "V1/II-B-checkpoints/taylor"
     for t, (drift, frequency, impacts) in II_B.items():
-        result = run(named_case("II-B", run__t_end=f"{t} s"), engine)
+        result = run(named_case("II-B", run__t_end=f"{t} s"))
         points = [
             compared(f"x2 at {t} s", float(drift), float(result["x2"][-1]), last_digit(drift) / 2, "m"),
             compared(
@@ -224,10 +223,10 @@ def spool_checks() -> list[Check]:
     return [Check(f"{SPOOL}/{how}", load_case(SPOOL).title, partial(rows, how)) for how in METHODS]
 
 
-def rows(method: str, engine: str) -> Iterator[CheckRow]:
+def rows(method: str) -> Iterator[CheckRow]:
     """Every event of nine periods, none missed and none invented, and the certificate."""
     name = f"{SPOOL}/{method}"
-    result = run(load_case(SPOOL), engine, method)
+    result = run(load_case(SPOOL), method)
     points: list[CheckPoint] = []
     wrong = 0
     for n in range(1, PERIODS):
@@ -341,32 +340,19 @@ def spellings(checks: Sequence[Check]) -> list[str]:
 # Run checks one by one and hand on their rows.
 
 
-def verify(names: Iterable[str] | None = None, engine: str = "auto") -> Iterator[CheckRow]:
+def verify(names: Iterable[str] | None = None) -> Iterator[CheckRow]:
     """Compute the checks named (names or how they begin; None: all) and yield their rows.
-
-    engine : "auto", "c" or "python". On the Python engine, checks that take it minutes are left out unless
-    they are named.
 
     Raises UnknownCheckError before the first row.
     """
-    computed_by = engine_name(engine)
-    chosen, _ = chosen_checks(list(names or ()), computed_by)
-    return rows_of(chosen, computed_by)
+    return rows_of(selected(all_checks(), list(names or ())))
 
 
-def chosen_checks(names: Sequence[str], engine: str) -> tuple[list[Check], list[Check]]:
-    """The checks to compute, and those left out because the Python engine would take minutes."""
-    chosen = selected(all_checks(), names)
-    if engine == "c" or names:
-        return chosen, []
-    return [check for check in chosen if not check.long], [check for check in chosen if check.long]
-
-
-def rows_of(checks: Sequence[Check], engine: str) -> Iterator[CheckRow]:
+def rows_of(checks: Sequence[Check]) -> Iterator[CheckRow]:
     """The rows of the checks; a run that fails is a row that falls short."""
     for check in checks:
         try:
-            yield from check.rows(engine)
+            yield from check.rows()
         except EngineError as error:
             yield CheckRow(
                 check.name, "run", "its end", f"failed: {error}", inf, 0.0, "", "every run reaches its end"

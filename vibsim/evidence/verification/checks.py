@@ -130,14 +130,12 @@ class Check:
     """One check.
 
     name : such as V3/closed_form or hard/stiff-stop/taylor; title : one line on what it shows
-    rows : given the engine ("c" or "python"), runs it and yields its rows
-    long : takes the Python engine minutes
+    rows : runs it and yields its rows
     """
 
     name: str
     title: str
-    rows: Callable[[str], Iterator[CheckRow]]
-    long: bool = False
+    rows: Callable[[], Iterator[CheckRow]]
 
 
 # The runs that are verified: through the Python interface, as a user has them.
@@ -146,15 +144,15 @@ class Check:
 BOTH = ("closed_form", "taylor")
 
 
-def run(case: Case, engine: str, flow: str | None = None) -> Result:
+def run(case: Case, flow: str | None = None) -> Result:
     """Run a case, by one flow where it is named."""
     own_case = case if flow is None else case.with_values({"run.method": flow})
-    return simulate(own_case, engine=engine, trust=False)
+    return simulate(own_case, trust=False)
 
 
-def bare_run(scene: TwoBlocks, engine: str, flow: str) -> Result:
+def bare_run(scene: TwoBlocks, flow: str) -> Result:
     """Run a scene by one flow, without energy ledger: a million seconds of it take longer than the run."""
-    trajectory = open_trajectory(replace(scene.as_parts(), method=flow), engine)
+    trajectory = open_trajectory(replace(scene.as_parts(), method=flow))
     blocks = list(trajectory.blocks())
     samples, events = (_joined([getattr(block, name) for block in blocks]) for name in ("samples", "events"))
     attrs = {**trajectory.totals, "method": flow, "t_reached_s": float(scene.t_end)}

@@ -48,7 +48,7 @@ def formula_checks() -> list[Check]:
         Check("V28/sweep", "An oscillator through whose resonance the frequency goes", swept_extremes),
         Check("V29/traces", "Mathieu's equation on the edges of stability", mathieu_traces),
         Check("V30/clutches", "Coupled clutches (Modelica)", clutch_events),
-        Check("V31/exponents", "Largest exponents of driven oscillators (Sprott)", exponents, long=True),
+        Check("V31/exponents", "Largest exponents of driven oscillators (Sprott)", exponents),
         Check("V32/current", "A motor with its current, L to 0", vanishing_inductance),
     ]
 
@@ -101,30 +101,28 @@ PENDULUM_PERIOD = 15.326967999136585
 PENDULUM_CONDITIONING = 6.0  # the angle by 4.4: dT = 22.9 s/rad there; M and the inertia by 1/2 each
 
 
-def period_point(
-    case_text: str, name: str, engine: str, T: float, a: float, c: float, **values: str
-) -> CheckPoint:
+def period_point(case_text: str, name: str, T: float, a: float, c: float, **values: str) -> CheckPoint:
     """The period of a free vibration; a: acceleration at the start; c: conditioning."""
-    result = run(made_case(case_text, name, **values, run__t_end=f"{T!r} s"), engine)
+    result = run(made_case(case_text, name, **values, run__t_end=f"{T!r} s"))
     column = next(key for key in result if key.startswith("v_"))
     obtained = T - at_end(result, column) / a
     return compared(f"period, {name}", T, obtained, T * rounding(result, c), "s")
 
 
-def duffing_periods(engine: str) -> Iterator[CheckRow]:
+def duffing_periods() -> Iterator[CheckRow]:
     """x'' + k x + x^3 = 0 from rest at A."""
     points = []
     for k, A, T in DUFFING_PERIODS:
         values = {"links__spring__k": f"{k} N/m", "initial__mass__x": f"{A} m"}
         name = f"k = {k:g} N/m, A = {A:g} m"
-        points.append(period_point(DUFFING, name, engine, T, -k * A - A**3, DUFFING_CONDITIONING, **values))
+        points.append(period_point(DUFFING, name, T, -k * A - A**3, DUFFING_CONDITIONING, **values))
     yield worst_row("V22/periods", points, ROUNDED)
 
 
-def pendulum_period(engine: str) -> Iterator[CheckRow]:
+def pendulum_period() -> Iterator[CheckRow]:
     """x'' + sin x = 0."""
     a = -sin(radians(170))
-    point = period_point(PENDULUM, "170 deg", engine, PENDULUM_PERIOD, a, PENDULUM_CONDITIONING)
+    point = period_point(PENDULUM, "170 deg", PENDULUM_PERIOD, a, PENDULUM_CONDITIONING)
     yield number_row("V23/period", point, ROUNDED)
 
 
@@ -141,15 +139,15 @@ HERTZ_DEPTH, HERTZ_DURATION, HERTZ_FORCE = 4.3527528164806e-3, 12.811349348247e-
 HERTZ_CONDITIONING = 2.0  # m, v and K move the depth by 2/5, 4/5 and 2/5 of it, the duration by less
 
 
-def hertz_contact(engine: str) -> Iterator[CheckRow]:
+def hertz_contact() -> Iterator[CheckRow]:
     """Duration from the events, depth in the middle of the contact, where the ball turns."""
-    result = run(made_case(HERTZ, "Hertz"), engine)
+    result = run(made_case(HERTZ, "Hertz"))
     begin, end = times_of(result, "contact_begin")[0], times_of(result, "contact_end")[0]
     share = rounding(result, HERTZ_CONDITIONING)
     point = compared("duration", HERTZ_DURATION, float(end - begin), last_digit(15) + end * share, "s")
     yield number_row("V24/contact", point, f"{PRINTED}; {ROUNDED}")
     middle = float(begin + HERTZ_DURATION / 2)
-    depth = at_end(run(made_case(HERTZ, "Hertz", run__t_end=f"{middle!r} s"), engine), "x_ball") - 1e-3
+    depth = at_end(run(made_case(HERTZ, "Hertz", run__t_end=f"{middle!r} s")), "x_ball") - 1e-3
     because = f"{PRINTED}; {ROUNDED}"
     bound = last_digit(16) + (HERTZ_DEPTH + 1e-3) * share
     yield number_row("V24/contact", compared("depth", HERTZ_DEPTH, depth, bound, "m"), because)
@@ -187,9 +185,9 @@ MOTOR_UNITS = {"i": "A", "v_shaft": "rad/s", "x_shaft": "rad"}
 MOTOR_CONDITIONING = 6.0  # V, k twice, J, L, R: each moves speed, angle and current by at most all of it
 
 
-def motor_start(engine: str) -> Iterator[CheckRow]:
+def motor_start() -> Iterator[CheckRow]:
     """Current, speed and angle at the end of the ramp, and under load."""
-    result = run(made_case(MOTOR, "motor start"), engine)
+    result = run(made_case(MOTOR, "motor start"))
     share = rounding(result, MOTOR_CONDITIONING)
     points = [
         compared(f"{name} at {t:g} s", value, state_at(result, name, t), share * value, MOTOR_UNITS[name])
@@ -258,9 +256,9 @@ run: {t_end: 100 s, every: 100 s}
 SWEEP_EXTREMES = (("0.01", 13.5325024, 120.0264411), ("0.001", -46.4239976, 1069.4090234))
 
 
-def lugre_places(engine: str) -> Iterator[CheckRow]:
+def lugre_places() -> Iterator[CheckRow]:
     """Places of the mass: it sticks, jumps, sticks."""
-    result = run(made_case(LUGRE, "LuGre"), engine)
+    result = run(made_case(LUGRE, "LuGre"))
     points = [
         compared(f"x at {t:g} s", x, state_at(result, "x_mass", t), last_digit(places), "m")
         for t, x, places in LUGRE_PLACES
@@ -268,9 +266,9 @@ def lugre_places(engine: str) -> Iterator[CheckRow]:
     yield worst_row("V26/stick_slip", points, PRINTED)
 
 
-def gear_states(engine: str) -> Iterator[CheckRow]:
+def gear_states() -> Iterator[CheckRow]:
     """Two states, and how often the teeth part or meet."""
-    result = run(made_case(GEARS, "gear pair"), engine)
+    result = run(made_case(GEARS, "gear pair"))
     points = [
         compared(f"{name} at {t:g} s", value, state_at(result, name, t), last_digit(places))
         for t, name, value, places in GEAR_STATES
@@ -283,12 +281,12 @@ def gear_states(engine: str) -> Iterator[CheckRow]:
     )
 
 
-def swept_extremes(engine: str) -> Iterator[CheckRow]:
+def swept_extremes() -> Iterator[CheckRow]:
     """x'' + x = cos(a t^2/2) from rest: the extreme, and when it is met, from x and v at the printed time."""
     values, times = [], []
     for a, extreme, t in SWEEP_EXTREMES:
         values_of = {"run__t_end": f"{t} s", "forces__drive__a": f"{a} 1/s^2"}
-        result = run(made_case(SWEEP, f"sweep {a}", **values_of), engine)
+        result = run(made_case(SWEEP, f"sweep {a}", **values_of))
         x, v = at_end(result, "x_mass"), at_end(result, "v_mass")
         turn = t - v / (cos(float(a) * t**2 / 2) - x)
         values.append(compared(f"extreme, a = {a}/s^2", extreme, x, last_digit(7), "m"))
@@ -309,7 +307,7 @@ MATHIEU_EDGES = ((-0.4551386041074136, 2.0), (3.91702477299847, 2.0), (-0.110248
 MATHIEU_STEPS = 20  # over pi, no more
 
 
-def mathieu_traces(engine: str) -> Iterator[CheckRow]:
+def mathieu_traces() -> Iterator[CheckRow]:
     """The trace of the monodromy matrix, along a motion and at rest; its entries tell how disturbances are
     amplified on the way.
     """
@@ -317,7 +315,7 @@ def mathieu_traces(engine: str) -> Iterator[CheckRow]:
         points = []
         for a, trace in MATHIEU_EDGES:
             case = made_case(MATHIEU, f"Mathieu {a}", links__spring__a=f"{a!r} N/m")
-            monodromy = Carrier(case.scene(), engine).carry(start, pi).vectors
+            monodromy = Carrier(case.scene()).carry(start, pi).vectors
             size = (1 + float(np.abs(monodromy).max())) ** 2
             bound = UNIT * size * (SCENE_UNITS + STATE_UNITS * MATHIEU_STEPS)
             what = f"trace {where}, a = {a:.9f}"
@@ -349,9 +347,9 @@ CLUTCH_EVENTS = (
 CLUTCH_SPEED = 3.24705827241879501
 
 
-def clutch_events(engine: str) -> Iterator[CheckRow]:
+def clutch_events() -> Iterator[CheckRow]:
     """The six changes from slip to stick and back, and the speed at the end."""
-    result = run(made_case(CLUTCHES, "coupled clutches"), engine)
+    result = run(made_case(CLUTCHES, "coupled clutches"))
     kinds = {EVENT_KINDS[kind]: kind for kind in ("stick_begin", "stick_end")}
     happened = [
         (kinds[int(kind)], float(t))
@@ -384,14 +382,14 @@ EXPONENT_SPAN = 50_000.0  # s
 WIDTHS = 2.0  # half widths of 95 % intervals: four standard errors
 
 
-def exponents(engine: str) -> Iterator[CheckRow]:
+def exponents() -> Iterator[CheckRow]:
     """The largest exponent, behind a transient of 1,000 s."""
     from vibsim.analysis.regime import lyapunov
 
     points = []
     for name, expected in CHAOTIC.items():
         case = named_case(name, run__t_end=f"{EXPONENT_SPAN} s", run__every="1000 s")
-        spectrum = lyapunov(case, count=1, discard=1000.0, engine=engine)
+        spectrum = lyapunov(case, count=1, discard=1000.0)
         bound = WIDTHS * float(spectrum.half_widths[0]) + last_digit(4)
         points.append(
             compared(f"exponent of {case.name}", expected, float(spectrum.exponents[0]), bound, "1/s")
@@ -408,11 +406,11 @@ INDUCTANCES = ("4 mH", "2 mH", "1 mH")
 CURRENT_END = "5 s"
 
 
-def vanishing_inductance(engine: str) -> Iterator[CheckRow]:
+def vanishing_inductance() -> Iterator[CheckRow]:
     """Rotor and blocks after 5 s."""
     ends = {"run__t_end": CURRENT_END, "run__every": CURRENT_END}
-    paper = run(named_case("II-B-captured", **ends), engine)
-    runs = [run(named_case("gallery/captured-motor", **ends, states__i__L=L), engine) for L in INDUCTANCES]
+    paper = run(named_case("II-B-captured", **ends))
+    runs = [run(named_case("gallery/captured-motor", **ends, states__i__L=L)) for L in INDUCTANCES]
     points, orders = [], []
     for name, unit in (("phi", "rad"), ("phidot", "rad/s"), ("x1", "m")):
         whole, half, quarter = (float(result[name][-1]) for result in runs)

@@ -85,11 +85,11 @@ def judged_names() -> list[str]:
     return [name for name in hard_case_names() if name not in (PERIODIC, *CLOSED_FORMS, *REPORTED)]
 
 
-def hard_case_rows(name: str, flow: str, engine: str) -> Iterator[CheckRow]:
+def hard_case_rows(name: str, flow: str) -> Iterator[CheckRow]:
     """States and events of a hard case against its truth."""
     case = load_case(name)
     truth = read_truth(name, case.sha256)
-    result = run(case, engine, flow)
+    result = run(case, flow)
     yield worst_row(f"{name}/{flow}", hard_state_points(truth, result, flow), BECAUSE)
     yield event_row(f"{name}/{flow}", truth, result, flow)
 
@@ -194,16 +194,14 @@ def closed_form_checks() -> list[Check]:
         (CONSERVATIVE, conservative, "Impacts without loss, 100,000 cycles"),
     )
     return [
-        Check(f"{name}/{flow}", title, partial(rows, flow), long=name != TINY)
-        for name, rows, title in makers
-        for flow in BOTH
+        Check(f"{name}/{flow}", title, partial(rows, flow)) for name, rows, title in makers for flow in BOTH
     ]
 
 
-def linear(flow: str, engine: str) -> Iterator[CheckRow]:
+def linear(flow: str) -> Iterator[CheckRow]:
     """The steady state, its phase taken from the exact fraction 5.3 t of turns."""
     case = load_case(LINEAR, {"run.t_end": SHORTER} if flow == "taylor" else {})
-    result = bare_run(case.two_blocks(), engine, flow)
+    result = bare_run(case.two_blocks(), flow)
     omega, c, force = 2 * pi * 5.3, 0.3, 0.5
     size, lag = force / impedance(omega, c), atan2(c * omega, K1 - M1 * omega**2)
     bound = size * relative_rounding(result, conditioning(omega, c), memory=2 * M1 / c)
@@ -218,11 +216,11 @@ def linear(flow: str, engine: str) -> Iterator[CheckRow]:
     yield worst_row(f"{LINEAR}/{flow}", points, REASON)
 
 
-def tiny(flow: str, engine: str) -> Iterator[CheckRow]:
+def tiny(flow: str) -> Iterator[CheckRow]:
     """The amplitude of the case, and a subnormal one, which no case file may have."""
     scene = load_case(TINY).two_blocks()
     for amplitude in (scene.x1, SUBNORMAL):
-        result = bare_run(replace(scene, x1=amplitude), engine, flow)
+        result = bare_run(replace(scene, x1=amplitude), flow)
         yield from tiny_rows(f"{TINY}/{flow}", result, amplitude)
 
 
@@ -246,10 +244,10 @@ def tiny_rows(name: str, result: Result, size: float) -> Iterator[CheckRow]:
     yield counted_row(name, f"impacts of {size:.2g} m", count, result.attrs["impacts"], "one in each period")
 
 
-def conservative(flow: str, engine: str) -> Iterator[CheckRow]:
+def conservative(flow: str) -> Iterator[CheckRow]:
     """Contacts, the time of the last one, and the energy."""
     name = f"{CONSERVATIVE}/{flow}"
-    result = bare_run(load_case(CONSERVATIVE).two_blocks(), engine, flow)
+    result = bare_run(load_case(CONSERVATIVE).two_blocks(), flow)
     count = contacts(result.t_reached)
     begins = result.events["t"][result.events["kind"] == 1]
     yield counted_row(name, "impacts", count, len(begins), "one in each period")
@@ -285,17 +283,15 @@ SETTLED = 1600.0  # errors fall by exp(-c 8 s / (2 m1)) = 0.2 in each period: to
 def million_seconds_checks() -> list[Check]:
     """The case by both flows."""
     case = load_case(PERIODIC)
-    return [
-        Check(f"{PERIODIC}/{flow}", case.title, partial(rows, flow), long=True) for flow in flows_of(case)
-    ]
+    return [Check(f"{PERIODIC}/{flow}", case.title, partial(rows, flow)) for flow in flows_of(case)]
 
 
-def rows(flow: str, engine: str) -> Iterator[CheckRow]:
+def rows(flow: str) -> Iterator[CheckRow]:
     """States and events of all settled periods."""
     name = f"{PERIODIC}/{flow}"
     case = load_case(PERIODIC)
     truth = read_truth(PERIODIC, case.sha256)
-    result = bare_run(case.two_blocks(), engine, flow)
+    result = bare_run(case.two_blocks(), flow)
     yield worst_row(name, million_state_points(truth, result, flow), BECAUSE)
     yield from event_rows(name, truth, result, flow)
 
@@ -372,10 +368,10 @@ def stays(result: Result, column: str, since: float, place: float) -> CheckPoint
     return compared("place after that", place, far, 0.0, "m")
 
 
-def zeno(method: str, engine: str) -> Iterator[CheckRow]:
+def zeno(method: str) -> Iterator[CheckRow]:
     """Rest after sqrt(2 h / g) (1 + e) / (1 - e), never below the floor, and on it for ever."""
     name, end = f"{ZENO}/{method}", sqrt(2 / 9.81) * 1.7 / 0.3
-    result = run(load_case(ZENO), engine, method)
+    result = run(load_case(ZENO), method)
     rested = times(result, "rest_begin")
     yield counted_row(name, "times that it comes to rest", 1, len(rested), "once, and for ever")
     fall, first = sqrt(2 / 9.81), float(times(result, "impact")[0])
@@ -389,10 +385,10 @@ def zeno(method: str, engine: str) -> Iterator[CheckRow]:
     yield number_row(name, below, "16 units of the height of 1 m")
 
 
-def pressed(method: str, engine: str) -> Iterator[CheckRow]:
+def pressed(method: str) -> Iterator[CheckRow]:
     """With (5 - 1) N on 1 kg it is at the stop after sqrt(2 / 4) s, where nothing more happens."""
     name, end = f"{PRESSED}/{method}", sqrt(0.5)
-    result = run(load_case(PRESSED), engine, method)
+    result = run(load_case(PRESSED), method)
     impact = float(times(result, "impact")[0])
     yield number_row(name, compared("impact", end, impact, time_rounding(result, end, 2), "s"), REASON)
     kinds = sorted(result.events["kind"][1:-1].tolist())
@@ -402,11 +398,11 @@ def pressed(method: str, engine: str) -> Iterator[CheckRow]:
     yield number_row(name, stays(result, "x_mass", end, 1.0), "it stays, to the last bit")
 
 
-def held(method: str, engine: str) -> Iterator[CheckRow]:
+def held(method: str) -> Iterator[CheckRow]:
     """Slip stops after v m / (2 mu N - W), on half of v times that; then it hangs."""
     name, load = f"{HELD}/{method}", 2 * 0.7 * 12 - 0.44145
     end = 0.1 * 0.045 / load
-    result = run(load_case(HELD), engine, method)
+    result = run(load_case(HELD), method)
     stuck = float(times(result, "stick_begin")[0])
     yield number_row(name, compared("stick", end, stuck, time_rounding(result, end, 4, 1 / end), "s"), REASON)
     way, last = -0.1 * end / 2, float(result["x_capsule"][-1])
@@ -418,12 +414,12 @@ def held(method: str, engine: str) -> Iterator[CheckRow]:
     yield counted_row(name, "slips after that", 0, slips, "the limit is 38 times the weight")
 
 
-def touch(method: str, engine: str) -> Iterator[CheckRow]:
+def touch(method: str) -> Iterator[CheckRow]:
     """Contacts by which the flight, 5 m high, goes too far by 10^-2 to 10^-12 m; begin and end of each."""
     name, missed = f"{TOUCH}/{method}", 0
     points: list[CheckPoint] = []
     for k in range(2, 13):
-        result = run(named_case(TOUCH, stops__spring__gap=5 - 10.0**-k), engine, method)
+        result = run(named_case(TOUCH, stops__spring__gap=5 - 10.0**-k), method)
         begins, ends = times(result, "contact_begin"), times(result, "contact_end")
         missed += int((len(begins), len(ends)) != (1, 1))
         points += touch_points(result, k, begins[:1], ends[:1])

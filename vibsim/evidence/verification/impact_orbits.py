@@ -160,7 +160,7 @@ def multiplier_points(
     ]
 
 
-def orbits(engine: str) -> Iterator[CheckRow]:
+def orbits() -> Iterator[CheckRow]:
     """Multipliers along the family, and those printed for sigma = 0."""
     points: list[CheckPoint] = []
     for sigma in (0.0, *SIGMAS):
@@ -175,7 +175,7 @@ def orbits(engine: str) -> Iterator[CheckRow]:
         bound = settled_bound(
             moved_by(trace_of, **values), impact_oscillators_PERIOD, 1, impact_oscillators_OMEGA
         )
-        computed = orbit_at(sigma, engine)
+        computed = orbit_at(sigma)
         points += multiplier_points(
             computed,
             trace_of(sigma=sigma),
@@ -184,7 +184,7 @@ def orbits(engine: str) -> Iterator[CheckRow]:
             f"at sigma = {sigma:g} m",
         )
     yield worst_row("V13/orbit", points, BOUND_OF_ORBITS)
-    upper = max(orbit_at(0.0, engine).multipliers, key=lambda one: float(one.imag))
+    upper = max(orbit_at(0.0).multipliers, key=lambda one: float(one.imag))
     printed = [
         compared("real part of a multiplier, printed", PRINTED.real, float(upper.real), last_digit(PLACES)),
         compared("imaginary part of it, printed", PRINTED.imag, float(upper.imag), last_digit(PLACES)),
@@ -192,18 +192,18 @@ def orbits(engine: str) -> Iterator[CheckRow]:
     yield worst_row("V13/orbit", printed, "the last digit printed")
 
 
-def orbit_at(sigma: float, engine: str) -> Orbit:
+def orbit_at(sigma: float) -> Orbit:
     """The orbit with the stop at sigma [m], which meets the section between its impacts."""
     case = made_case(CASE, "Budd and Dux", **between_impacts(sigma))
     start = {f"{name}_mass": case.number(f"initial.mass.{name}") for name in "xv"}
-    return orbit(case, start=start, period=2, engine=engine)
+    return orbit(case, start=start, period=2)
 
 
-def fold(engine: str) -> Iterator[CheckRow]:
+def fold() -> Iterator[CheckRow]:
     """The family followed from sigma = 0.3 m through its fold and back: where that is, and the product of the
     multipliers of every orbit on the way.
     """
-    family = continue_branch(orbit_at(SIGMAS[-1], engine), "stops.wall.gap", SPAN, engine=engine)
+    family = continue_branch(orbit_at(SIGMAS[-1]), "stops.wall.gap", SPAN)
     turn = float(family.special("F1").parameter)
     values = {"k": 1.0, "m": 1.0, "A": 1.0, "omega": impact_oscillators_OMEGA, "e": impact_oscillators_E}
     bound = (
@@ -231,9 +231,9 @@ def fold(engine: str) -> Iterator[CheckRow]:
     yield worst_row("V13/fold", products, BOUND_OF_ORBITS)
 
 
-def recipes_orbit(engine: str) -> Iterator[CheckRow]:
+def recipes_orbit() -> Iterator[CheckRow]:
     """Multipliers at A = 1 from the printed speed and phase of the impact, and their product as printed."""
-    computed = orbit(made_case(CASE, "example 15.2", **RECIPES), engine=engine)
+    computed = orbit(made_case(CASE, "example 15.2", **RECIPES))
     values = {
         "V": RECIPES_SPEED,
         "phase": RECIPES_PHASE,
@@ -293,12 +293,12 @@ def bouncing_ball_checks() -> list[Check]:
     ]
 
 
-def rest(engine: str) -> Iterator[CheckRow]:
+def rest() -> Iterator[CheckRow]:
     """Time of rest, speeds of the impacts on the way, and rest itself."""
     ends, speeds, moves = [], [], []
     for e in (0.2, 0.5, 0.8):
         end = sqrt(2 / GRAVITY) * (1 + e) / (1 - e)
-        result = run(made_case(DROPPED, "dropped ball", stops__floor__e=e), engine)
+        result = run(made_case(DROPPED, "dropped ball", stops__floor__e=e))
         rested = result.events["t"][result.events["kind"] == EVENT_KINDS["rest_begin"]]
         bound = rest_bound(result, end, e)
         ends.append(compared(f"rest with e = {e:g}", end, float(rested[0]), bound, "s"))
@@ -357,11 +357,11 @@ def intervals(result: Result) -> np.ndarray:
     return np.diff(result.events["t"][result.events["kind"] == EVENT_KINDS["impact"]])
 
 
-def bounces(engine: str) -> Iterator[CheckRow]:
+def bounces() -> Iterator[CheckRow]:
     """Between birth and doubling the ball meets the table with g T / 2 in each period."""
     points, counts = [], 0
     for strength in (0.5, 0.8, 1.0):
-        result = run(made_case(TABLE, "ball on a table", **start_on_orbit(strength)), engine)
+        result = run(made_case(TABLE, "ball on a table", **start_on_orbit(strength)))
         hits = result.events["before_v_ball"][result.events["kind"] == EVENT_KINDS["impact"]]
         counts += len(hits)
         speed, bound = GRAVITY * PERIOD / 2, orbit_bound(strength, result)
@@ -383,14 +383,14 @@ def orbit_bound(strength: float, result: Result) -> float:
     return settled_bound(conditioning, result.t_reached, 1, OMEGA)
 
 
-def doubling(engine: str) -> Iterator[CheckRow]:
+def doubling() -> Iterator[CheckRow]:
     """A small push dies out below the doubling, and grows above it as jumps to and fro."""
     wrong = 0
     for part in (0.03, 0.01):
         for sign in (-1, 1):
             settings = start_on_orbit(DOUBLED * (1 + sign * part), push=1e-4)
             settings["run__t_end"] = 200.5 * PERIOD
-            apart = intervals(run(made_case(TABLE, "ball on a table", **settings), engine)) - PERIOD
+            apart = intervals(run(made_case(TABLE, "ball on a table", **settings))) - PERIOD
             first, last = np.abs(apart[20:30]).max(), np.abs(apart[-10:]).max()
             wrong += int((last > first) != (sign > 0))
             wrong += int(sign > 0 and not np.all(apart[-10:-1] * apart[-9:] < 0))
@@ -417,11 +417,11 @@ def impact_multiplier_checks() -> list[Check]:
     return [Check("V13/multipliers", "Budd and Dux: multipliers", multipliers)]
 
 
-def multipliers(engine: str) -> Iterator[CheckRow]:
+def multipliers() -> Iterator[CheckRow]:
     """Both multipliers at sigma = 0, as printed, and their product along the family."""
     points = []
     for sigma in (0.0, *SIGMAS):
-        coarse, fine = (monodromy(sigma, step, engine) for step in (STEP, STEP / 2))
+        coarse, fine = (monodromy(sigma, step) for step in (STEP, STEP / 2))
         best = fine + (fine - coarse) / 3  # the error of the fourth order in the step is left
         rounding = float(np.abs(fine - coarse).max()) / 3 + 4 * STATE_UNITS * UNIT / STEP
         multiplier = max(np.linalg.eigvals(best), key=lambda one: one.imag)
@@ -440,18 +440,18 @@ def multipliers(engine: str) -> Iterator[CheckRow]:
     yield worst_row("V13/multipliers", points, BOUND_OF_MULTIPLIERS)
 
 
-def monodromy(sigma: float, step: float, engine: str) -> np.ndarray:
+def monodromy(sigma: float, step: float) -> np.ndarray:
     """d (x, v) two periods later / d (x, v), by central differences."""
     columns = []
     for direction in np.eye(2):
-        ahead, behind = (carried(sigma, sign * step * direction, engine) for sign in (1, -1))
+        ahead, behind = (carried(sigma, sign * step * direction) for sign in (1, -1))
         columns.append((ahead - behind) / (2 * step))
     return np.transpose(columns)
 
 
-def carried(sigma: float, push: np.ndarray, engine: str) -> np.ndarray:
+def carried(sigma: float, push: np.ndarray) -> np.ndarray:
     """x [m] and v [m/s] two periods after a start `push` beside the motion, AWAY behind an impact."""
-    result = run(made_case(CASE, "Budd and Dux", **between_impacts(sigma, *push.tolist())), engine)
+    result = run(made_case(CASE, "Budd and Dux", **between_impacts(sigma, *push.tolist())))
     return np.array([result.events["x_mass"][-1], result.events["v_mass"][-1]])
 
 

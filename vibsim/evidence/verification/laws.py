@@ -64,22 +64,20 @@ def energy_ledger_checks() -> list[Check]:
     for name in shipped_case_names():
         case = named_case(name)
         listed += [
-            Check(
-                f"V11/{name}/{flow}", f"Ledger of {name} over 300 s", partial(closure, name, flow), long=True
-            )
+            Check(f"V11/{name}/{flow}", f"Ledger of {name} over 300 s", partial(closure, name, flow))
             for flow in flows_of(case)
         ]
     return listed
 
 
-def closure(name: str, flow: str, engine: str) -> Iterator[CheckRow]:
+def closure(name: str, flow: str) -> Iterator[CheckRow]:
     """Error of the balance at the end, relative to the largest entry."""
-    residual = float(run(named_case(name), engine, flow).attrs["energy_residual_relative"])
+    residual = float(run(named_case(name), flow).attrs["energy_residual_relative"])
     point = compared("what is missing, relative", 0.0, residual, CLOSURE)
     yield number_row(f"V11/{name}/{flow}", point, "promised: 1e-12 of the largest entry")
 
 
-def entries(engine: str) -> Iterator[CheckRow]:
+def entries() -> Iterator[CheckRow]:
     """Friction, damper, ideal source and motor, each alone."""
     spin = OMEGA0 * -expm1(-20.0 / TAU)
     speed = 0.3 * (1 - cos(4 * pi * 0.7)) / (0.297 * 4 * pi)
@@ -96,7 +94,7 @@ def entries(engine: str) -> Iterator[CheckRow]:
         ),
     ):
         changes = {"initial__phi": "0 rad", "run__t_end": "20 s"} if text is HEAVY else {}
-        result = run(made_case(text, what, **changes), engine)
+        result = run(made_case(text, what, **changes))
         bound = 2 * expected * relative_rounding(result, conditioning)
         point = compared(what, expected, float(result.attrs[column]), bound, "J")
         yield number_row("V11/entries", point, f"{REASON}; energy is quadratic")
@@ -147,10 +145,10 @@ def mirrored(case: Case) -> Case:
     return case.with_values(changes)
 
 
-def mirror_symmetry_rows(name: str, flow: str, engine: str) -> Iterator[CheckRow]:
+def mirror_symmetry_rows(name: str, flow: str) -> Iterator[CheckRow]:
     """Count of numbers of samples and events that are not the mirror images of the others."""
     case = mirrored_case(name)
-    ours, theirs = (run(scene, engine, flow) for scene in (case, mirrored(case)))
+    ours, theirs = (run(scene, flow) for scene in (case, mirrored(case)))
     wrong = sum(
         differing(table[column], image[column], -1 if column in ODD else 1)
         for table, image in ((ours, theirs), (ours.events, theirs.events))
@@ -182,10 +180,10 @@ def momentum_ledger_checks() -> list[Check]:
     return [Check(f"V21/{name}", title.format(name), partial(momentum_ledger_rows, name)) for name in CASES]
 
 
-def momentum_ledger_rows(name: str, engine: str) -> Iterator[CheckRow]:
+def momentum_ledger_rows(name: str) -> Iterator[CheckRow]:
     """The closure; and momentum from the last state alone against what friction and source gave."""
     scene = named_case(name, **MOMENTUM_LEDGER_SPAN).scene()
-    trajectory = open_trajectory(scene, engine, momentum=True)
+    trajectory = open_trajectory(scene, momentum=True)
     blocks = list(trajectory.blocks())
     totals, last = trajectory.totals, blocks[-1].events
     point = compared("what is missing, relative", 0.0, float(totals["momentum_residual_relative"]), CLOSURE)
@@ -246,31 +244,31 @@ def monodromy_checks() -> list[Check]:
     for name in shipped_case_names():
         title = f"Liouville's identity over 300 s of {name}"
         listed += [
-            Check(f"V10/{name}/{flow}", title, partial(identity, name, flow), long=True)
+            Check(f"V10/{name}/{flow}", title, partial(identity, name, flow))
             for flow in flows_of(named_case(name))
         ]
     return listed
 
 
-def period(flow: str, engine: str) -> Iterator[CheckRow]:
+def period(flow: str) -> Iterator[CheckRow]:
     """From the last contact but two to a period later."""
     case = made_case(PERIODIC, "periodic motion")
-    yield from determinant_rows(f"V10/period/{flow}", case, flow, engine, PERIOD)
+    yield from determinant_rows(f"V10/period/{flow}", case, flow, PERIOD)
 
 
-def turn(engine: str) -> Iterator[CheckRow]:
+def turn() -> Iterator[CheckRow]:
     """About one turn of the rotor."""
-    yield from determinant_rows("V10/turn/taylor", named_case("II-B", **MOTOR), "taylor", engine, TURN)
+    yield from determinant_rows("V10/turn/taylor", named_case("II-B", **MOTOR), "taylor", TURN)
 
 
-def determinant_rows(name: str, case: Case, flow: str, engine: str, span: float) -> Iterator[CheckRow]:
+def determinant_rows(name: str, case: Case, flow: str, span: float) -> Iterator[CheckRow]:
     """The determinant over `span` [s] from a contact, by the tangent flow and by Liouville."""
-    result = run(case, engine, flow)
+    result = run(case, flow)
     scene = replace(case.two_blocks(), method=flow)
     begins = np.flatnonzero(result.events["kind"] == EVENT_KINDS["contact_begin"])
     row = {column: values[begins[-3]] for column, values in result.events.items()}
     begin, end = float(row["t"]), float(row["t"]) + span
-    totals = carried(replace(scene, t_end=end), engine, row)
+    totals = carried(replace(scene, t_end=end), row)
     jumps, rounding = jump_logarithms(scene, result, begin, end)
     expected = exp(smooth_logarithm(scene, result, begin, end) + sum(jumps))
     obtained = exp(float(np.sum(totals["growth"][-1, 1:])))
@@ -279,10 +277,10 @@ def determinant_rows(name: str, case: Case, flow: str, engine: str, span: float)
     yield number_row(name, compared(what, expected, obtained, bound), BECAUSE)
 
 
-def carried(scene: TwoBlocks, engine: str, resume: Mapping[str, float] | None = None) -> dict[str, Any]:
+def carried(scene: TwoBlocks, resume: Mapping[str, float] | None = None) -> dict[str, Any]:
     """Totals of a run that carries all directions, from its start or from an event row."""
     sparse = scene.as_parts().without_samples()
-    trajectory = open_trajectory(sparse, engine, resume, tangent=dimension(sparse))
+    trajectory = open_trajectory(sparse, resume, tangent=dimension(sparse))
     for _ in trajectory.blocks():
         pass
     return trajectory.totals
@@ -336,10 +334,10 @@ def damped(scene: TwoBlocks, result: Result, begin: float, end: float) -> float:
     return float(np.sum(half[:, None] * weights * trace))
 
 
-def identity(name: str, flow: str, engine: str) -> Iterator[CheckRow]:
+def identity(name: str, flow: str) -> Iterator[CheckRow]:
     """Error of the identity over a whole run, sticking left out on both sides."""
     scene = replace(named_case(name).two_blocks(), method=flow)
-    totals = carried(scene, engine)
+    totals = carried(scene)
     bound = totals["tangent_pieces"] * PIECE_UNITS * UNIT
     point = compared("what is missing", 0.0, float(totals["volume_residual"]), bound)
     yield number_row(f"V10/{name}/{flow}", point, BECAUSE)
@@ -367,11 +365,11 @@ def motor_run_up_checks() -> list[Check]:
     return [Check("V9/taylor", "Run-up of the motor alone", motor_run_up_rows)]
 
 
-def motor_run_up_rows(engine: str) -> Iterator[CheckRow]:
+def motor_run_up_rows() -> Iterator[CheckRow]:
     """Speed and angle from three speeds at the start."""
     speeds, angles = [], []
     for start in (0.0, -20.0, 50.0):
-        result = run(made_case(HEAVY, "motor alone", initial__phidot=f"{start} rad/s"), engine)
+        result = run(made_case(HEAVY, "motor alone", initial__phidot=f"{start} rad/s"))
         t = result.time
         decay = np.exp(-t / TAU)
         w = OMEGA0 + (start - OMEGA0) * decay

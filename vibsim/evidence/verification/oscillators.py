@@ -95,9 +95,9 @@ def speeds_of(result: Result) -> np.ndarray:
     return np.asarray(result.events["before_v_mass"][result.events["kind"] == EVENT_KINDS["impact"]])
 
 
-def settled(engine: str) -> Iterator[CheckRow]:
+def settled() -> Iterator[CheckRow]:
     """From rest at sigma = 0: the speed of the last ten impacts, printed and in closed form."""
-    result = run(made_case(CASE, "Budd and Dux"), engine)
+    result = run(made_case(CASE, "Budd and Dux"))
     bound = settled_bound(conditioning_of(0.0), result.t_reached, 1, OMEGA)
     for what, expected, more in (
         ("printed", SPEED, last_digit(IMPACT_OSCILLATORS_PLACES)),
@@ -110,11 +110,11 @@ def settled(engine: str) -> Iterator[CheckRow]:
         yield worst_row("V13/settled", points, BECAUSE)
 
 
-def family(engine: str) -> Iterator[CheckRow]:
+def family() -> Iterator[CheckRow]:
     """Started on the orbit, behind an impact, the mass strikes with the same speed each time."""
     points: list[CheckPoint] = []
     for sigma in SIGMAS:
-        result = run(made_case(CASE, "Budd and Dux", **start_on_orbit(sigma)), engine)
+        result = run(made_case(CASE, "Budd and Dux", **start_on_orbit(sigma)))
         bound = settled_bound(conditioning_of(sigma), result.t_reached, 1, OMEGA)
         points += [
             compared(f"impact speed at sigma = {sigma:g} m", speed_of(sigma=sigma), float(v), bound, "m/s")
@@ -144,9 +144,9 @@ def start_on_orbit(sigma: float) -> dict[str, object]:
     }
 
 
-def recipes_cycle(engine: str) -> Iterator[CheckRow]:
+def recipes_cycle() -> Iterator[CheckRow]:
     """Speed and phase of the last ten impacts at A = 1, from rest."""
-    result = run(made_case(CASE, "example 15.2", **RECIPES), engine)
+    result = run(made_case(CASE, "example 15.2", **RECIPES))
     fast, late = (settled_bound(one, result.t_reached, 1) for one in RECIPES_CONDITIONING)
     points = [
         compared("impact speed", RECIPES_SPEED, float(v), fast + last_digit(15), "m/s")
@@ -159,17 +159,17 @@ def recipes_cycle(engine: str) -> Iterator[CheckRow]:
     yield worst_row("V14/cycle", points, BECAUSE)
 
 
-def recipes_grazing(engine: str) -> Iterator[CheckRow]:
+def recipes_grazing() -> Iterator[CheckRow]:
     """The steady state without impact reaches the stop at 1 m where A = sqrt((1 - w^2)^2 + (c w)^2)."""
     for omega in GRAZING_AT:
         beside = [sign * 10.0**-k for k in range(2, 13) for sign in (-1, 1)]
-        wrong = sum(strikes(omega, 1 + each, engine) != (each > 0) for each in beside)
+        wrong = sum(strikes(omega, 1 + each) != (each > 0) for each in beside)
         what = f"runs with the wrong contacts at {omega:g} rad/s"
         because = "22 runs on the steady state, its amplitude 1 +- 10^-k m, k = 2 to 12"
         yield counted_row("V14/grazing", what, 0, wrong, because)
 
 
-def strikes(omega: float, amplitude: float, engine: str) -> bool:
+def strikes(omega: float, amplitude: float) -> bool:
     """Whether the steady state amplitude sin(w t) [m] meets the stop."""
     in_phase, out_of_phase = 1 - omega**2, 0.1 * omega  # of the force, for 1 m
     values = {
@@ -179,7 +179,7 @@ def strikes(omega: float, amplitude: float, engine: str) -> bool:
         "initial__mass__v": amplitude * omega,
     }
     span = {"run__t_end": 2.2 * pi / omega, "run__every": "100 s"}  # more than a period
-    result = run(made_case(CASE, "example 15.2", **{**RECIPES, **values, **span}), engine)
+    result = run(made_case(CASE, "example 15.2", **{**RECIPES, **values, **span}))
     return bool(result.attrs["impacts"] > 0)
 
 
@@ -216,10 +216,10 @@ def several_impact_checks() -> list[Check]:
     ]
 
 
-def three_balls(engine: str) -> Iterator[CheckRow]:
+def three_balls() -> Iterator[CheckRow]:
     """(1, 0, 0) becomes (-1/3, 2/3, 2/3), with one impact and one impact passed on."""
     name = "V19/three_balls"
-    result = run(made_case(BALLS, "three balls"), engine)
+    result = run(made_case(BALLS, "three balls"))
     points = [
         compared(f"velocity of {ball}", v, float(result[f"v_{ball}"][-1]), STATE_UNITS * UNIT * abs(v), "m/s")
         for ball, v in (("a", -1 / 3), ("b", 2 / 3), ("c", 2 / 3))
@@ -231,9 +231,9 @@ def three_balls(engine: str) -> Iterator[CheckRow]:
     yield counted_row(name, "events but one impact, one passed on", 0, wrong, "Newton-Moreau law")
 
 
-def two_balls(engine: str) -> Iterator[CheckRow]:
+def two_balls() -> Iterator[CheckRow]:
     """First and second bounce: nosnoc's example, by an independent solver."""
-    result = run(made_case(SPRING, "two balls on a spring"), engine)
+    result = run(made_case(SPRING, "two balls on a spring"))
     hits = result.events["t"][result.events["kind"] == EVENT_KINDS["impact"]]
     points = [
         compared(
@@ -276,10 +276,10 @@ def friction_oscillator_checks() -> list[Check]:
     return [Check("V17/amplitude", "Friction oscillator: symmetric orbit without sticking", amplitude)]
 
 
-def amplitude(engine: str) -> Iterator[CheckRow]:
+def amplitude() -> Iterator[CheckRow]:
     """Places of the last turns, and no stick."""
     name = "V17/amplitude"
-    result = run(made_case(FRICTION_OSCILLATOR, "friction oscillator"), engine)
+    result = run(made_case(FRICTION_OSCILLATOR, "friction oscillator"))
     turning = result.events["kind"] == EVENT_KINDS["reversal"]
     places = result.events["x_mass"][turning][-TURNS:]
     bound = settled_bound(FRICTION_CONDITIONING, result.t_reached, 2)
@@ -343,9 +343,9 @@ def stick_slip_checks() -> list[Check]:
     ]
 
 
-def cycle(engine: str) -> Iterator[CheckRow]:
+def cycle() -> Iterator[CheckRow]:
     """Period, stick and place of the release of four cycles."""
-    result = run(made_case(BLOCK, "block on a belt"), engine)
+    result = run(made_case(BLOCK, "block on a belt"))
     begins, ends = times(result, "stick_begin"), times(result, "stick_end")
     released = result.events["x_block"][result.events["kind"] == EVENT_KINDS["stick_end"]]
     steps = 1 + result.attrs["steps"] / len(ends)  # Taylor steps of a cycle
@@ -370,7 +370,7 @@ def mu(speed: float) -> float:
     return 0.5 + 0.5 * exp(-speed / 0.5)
 
 
-def unstable_rest(engine: str) -> Iterator[CheckRow]:
+def unstable_rest() -> Iterator[CheckRow]:
     """Small vibrations about rest grow as exp(-(0.1 - exp(-2 belt)) t / 2): not at all at ln(10) / 2.
 
     Left out are the cube of the amplitude, mu''' / 16 SMALL^2 t < 0.03 SMALL^2 t, and the square, which
@@ -379,7 +379,7 @@ def unstable_rest(engine: str) -> Iterator[CheckRow]:
     points = []
     for belt in (0.9 * UNSTABLE, UNSTABLE, 1.1 * UNSTABLE):
         settings = {"friction__belt__belt": belt, "initial__block__x": mu(belt) + SMALL}
-        result = run(made_case(OSCILLATOR, "belt oscillator", **settings), engine)
+        result = run(made_case(OSCILLATOR, "belt oscillator", **settings))
         rate = -(0.1 - exp(-2 * belt)) / 2
         growth_rate = (
             log(energy(result, belt, rate, -1) / energy(result, belt, rate, 0)) / 2 / result.t_reached
@@ -397,7 +397,7 @@ def energy(result: Result, belt: float, rate: float, at: int) -> float:
     return y * y + (speed - rate * y) ** 2 / (1 - rate * rate)
 
 
-def sticks_again(belt: float, engine: str) -> tuple[bool, Result]:
+def sticks_again(belt: float) -> tuple[bool, Result]:
     """Whether slip that begins on the belt comes back to its speed."""
     settings = {
         "friction__belt__belt": belt,
@@ -405,16 +405,16 @@ def sticks_again(belt: float, engine: str) -> tuple[bool, Result]:
         "initial__block__x": 0.9 - 0.1 * belt,
     }
     span = {"run__t_end": 10.0, "run__every": "10 s"}
-    result = run(made_case(OSCILLATOR, "belt oscillator", **settings, **span), engine)
+    result = run(made_case(OSCILLATOR, "belt oscillator", **settings, **span))
     return len(times(result, "stick_begin")) > 0, result
 
 
-def cycle_ends(engine: str) -> Iterator[CheckRow]:
+def cycle_ends() -> Iterator[CheckRow]:
     """The largest speed of the belt with a stick-slip cycle, by halving."""
     low, high = CYCLE_ENDS * (1 - 1e-3), CYCLE_ENDS * (1 + 1e-3)
     for _ in range(HALVINGS):
         middle = (low + high) / 2
-        again, result = sticks_again(middle, engine)
+        again, result = sticks_again(middle)
         low, high = (middle, high) if again else (low, middle)
     bound = settled_bound(END_CONDITIONING, result.t_reached, 1 + result.attrs["steps"])
     bound += last_digit(CYCLE_PLACES) + 2e-3 * CYCLE_ENDS / 2.0**HALVINGS

@@ -61,10 +61,10 @@ def free_vibration_checks() -> list[Check]:
     ]
 
 
-def free(flow: str, engine: str) -> Iterator[CheckRow]:
+def free(flow: str) -> Iterator[CheckRow]:
     """V2: frequency, displacement and energy."""
     name = f"V2/{flow}"
-    result = run(made_case(FREE, "free vibration"), engine, flow)
+    result = run(made_case(FREE, "free vibration"), flow)
     t, w, f = result.time, FREE_RATE, FREE_RATE / (2 * pi)
     # y vanishes at (2 k + 1) / (4 f); what is left of it there, over its slope, is how late that is
     last = (2 * int(2 * f * t[-1]) - 1) / (4 * f)
@@ -89,10 +89,10 @@ def energy_row(name: str, result: Result, values: np.ndarray) -> CheckRow:
     return number_row(name, point, f"{REASON}; energy is quadratic")
 
 
-def bilinear(flow: str, engine: str) -> Iterator[CheckRow]:
+def bilinear(flow: str) -> Iterator[CheckRow]:
     """V3: frequency, contacts and energy."""
     name = f"V3/{flow}"
-    result = run(made_case(BILINEAR, "bilinear oscillator"), engine, flow)
+    result = run(made_case(BILINEAR, "bilinear oscillator"), flow)
     begins = result.events["t"][result.events["kind"] == 1]
     expected = contacts(result.time[-1])
     yield counted_row(name, "impacts", expected, len(begins), "one in each period")
@@ -154,13 +154,13 @@ def conditioning(omega: float, c: float) -> float:
     return 1 + (stiffness + 3 * inertia + 2 * damping) / size
 
 
-def steady(flow: str, engine: str) -> Iterator[CheckRow]:
+def steady(flow: str) -> Iterator[CheckRow]:
     """V4: amplitude below, at and above resonance; the transient has fallen to exp(-50)."""
     points = []
     for frequency in (1.0, 4.13, 9.0):
         omega = 2 * pi * frequency
         case = made_case(STEADY, "steady state", excitation__omega=f"{frequency} Hz")
-        result = run(case, engine, flow)
+        result = run(case, flow)
         amplitudes = np.hypot(result["x1"], result["v1"] / omega)[-20:]
         expected = 0.3 / impedance(omega, 6.0)
         far = float(amplitudes[np.argmax(np.abs(amplitudes - expected))])
@@ -169,7 +169,7 @@ def steady(flow: str, engine: str) -> Iterator[CheckRow]:
     yield worst_row(f"V4/{flow}", points, REASON)
 
 
-def grazing_run(flow: str, engine: str, factor: float) -> Result:
+def grazing_run(flow: str, factor: float) -> Result:
     """Block 1 on the steady state that reaches `factor` G, from t = 0."""
     lag, size = atan2(C * OMEGA, K1 - M1 * OMEGA**2), factor * G
     case = made_case(
@@ -179,7 +179,7 @@ def grazing_run(flow: str, engine: str, factor: float) -> Result:
         initial__x1=-size * sin(lag),
         initial__v1=size * OMEGA * cos(lag),
     )
-    return run(case, engine, flow)
+    return run(case, flow)
 
 
 def level_rounding(result: Result) -> float:
@@ -187,13 +187,13 @@ def level_rounding(result: Result) -> float:
     return relative_rounding(result, conditioning(OMEGA, C)) + 8 * UNIT
 
 
-def linear_theory_grazing(flow: str, engine: str) -> Iterator[CheckRow]:
+def linear_theory_grazing(flow: str) -> Iterator[CheckRow]:
     """V5: the amplitude at which contact begins, the margin below it and the first contact above it."""
     name = f"V5/{flow}"
-    yield amplitude_row(name, flow, engine)
+    yield amplitude_row(name, flow)
     margins, begins, surprises = [], [], 0
     for k in DECADES:
-        below, above = (grazing_run(flow, engine, 1 + sign * 10.0**-k) for sign in (-1, 1))
+        below, above = (grazing_run(flow, 1 + sign * 10.0**-k) for sign in (-1, 1))
         surprises += int(below.attrs["impacts"] > 0) + int(above.attrs["impacts"] == 0)
         margins.append(margin_point(below, k))
         begins.append(contact_point(above, k))
@@ -204,7 +204,7 @@ def linear_theory_grazing(flow: str, engine: str) -> Iterator[CheckRow]:
     yield worst_row(name, begins, "rounding of the level over sin of the angle before the trough")
 
 
-def amplitude_row(name: str, flow: str, engine: str) -> CheckRow:
+def amplitude_row(name: str, flow: str) -> CheckRow:
     """The least force with contact, by halving.
 
     A gap within its rounding bound, eps (16 + w0 t) x terms, counts as none: closer than that to grazing
@@ -213,7 +213,7 @@ def amplitude_row(name: str, flow: str, engine: str) -> CheckRow:
     low, high = 1 - 1e-3, 1 + 1e-3
     for _ in range(HALVINGS_LINEAR):
         middle = (low + high) / 2
-        result = grazing_run(flow, engine, middle)
+        result = grazing_run(flow, middle)
         low, high = (low, middle) if result.attrs["impacts"] else (middle, high)
     force, phase = G * impedance(OMEGA, C), sqrt(K1 / M1) * result.t_reached
     blurred = UNIT * (STATE_UNITS + phase) * TERMS
@@ -272,10 +272,10 @@ def bilinear_cycle_checks() -> list[Check]:
     ]
 
 
-def cycle(engine: str) -> Iterator[CheckRow]:
+def cycle() -> Iterator[CheckRow]:
     """Velocities into and out of contact, and the time between contacts, over the last five cycles."""
     name = "V12/cycle"
-    result = run(made_case(CASE, "bilinear oscillator"), engine)
+    result = run(made_case(CASE, "bilinear oscillator"))
     bound = settled_bound(CONDITIONING, result.t_reached, 2) + last_digit(PLACES)
     for what, kind, expected in (("into", "contact_begin", ENTERS), ("out of", "contact_end", LEAVES)):
         chosen = result.events["kind"] == EVENT_KINDS[kind]
@@ -290,7 +290,7 @@ def cycle(engine: str) -> Iterator[CheckRow]:
     yield number_row(name, period, f"{BECAUSE}, over the acceleration")
 
 
-def on_linear_orbit(amplitude: float, engine: str) -> Result:
+def on_linear_orbit(amplitude: float) -> Result:
     """Ten periods from the start of the orbit without impacts, f = `amplitude` [N]."""
     response = amplitude / complex(1 - 0.64, 0.016)
     start = {"initial__mass__x": response.real, "initial__mass__v": -0.8 * response.imag}
@@ -299,15 +299,15 @@ def on_linear_orbit(amplitude: float, engine: str) -> Result:
         "run__t_end": 10 * BILINEAR_CYCLE_PERIOD / 2,
         "run__every": "10 s",
     }
-    return run(made_case(CASE, "bilinear oscillator", **settings, **start), engine)
+    return run(made_case(CASE, "bilinear oscillator", **settings, **start))
 
 
-def bilinear_cycle_grazing(engine: str) -> Iterator[CheckRow]:
+def bilinear_cycle_grazing() -> Iterator[CheckRow]:
     """The least force with an impact on the orbit of linear theory, by halving."""
     low, high = GRAZING_AMPLITUDE * (1 - 1e-3), GRAZING_AMPLITUDE * (1 + 1e-3)
     for _ in range(HALVINGS_BILINEAR):
         middle = (low + high) / 2
-        result = on_linear_orbit(middle, engine)
+        result = on_linear_orbit(middle)
         low, high = (low, middle) if result.attrs["impacts"] else (middle, high)
     t = result.t_reached
     blurred = UNIT * (STATE_UNITS + t) * 4 + ulp(t)  # terms of the closed form: two states, two of the drive
@@ -389,12 +389,12 @@ def coulomb_friction_checks() -> list[Check]:
     return listed
 
 
-def sliding(flow: str, engine: str) -> Iterator[CheckRow]:
+def sliding(flow: str) -> Iterator[CheckRow]:
     """V6: block 2 alone stops after v0 / (mu g) and v0^2 / (2 mu g), and stays."""
     name = f"V6/{flow}"
     times, ways, moves = [], [], []
     for v0 in (0.02, -0.02, 0.7):
-        result = run(made_case(SLIDING, "sliding block", initial__v2=v0), engine, flow)
+        result = run(made_case(SLIDING, "sliding block", initial__v2=v0), flow)
         stop, way = abs(v0) / MU_G, v0 * abs(v0) / (2 * MU_G)
         t = float(result.events["t"][1])
         after = result.time > stop
@@ -409,10 +409,10 @@ def sliding(flow: str, engine: str) -> Iterator[CheckRow]:
     yield worst_row(name, moves, "it stays: x2 does not change in one bit")
 
 
-def swinging(flow: str, engine: str) -> Iterator[CheckRow]:
+def swinging(flow: str) -> Iterator[CheckRow]:
     """V7: circles about -1 (x' > 0) and +1, and amplitudes that fall by 4 mu m2 g / k1 per cycle."""
     name = f"V7/{flow}"
-    result = run(made_case(SCALED, "scaled friction oscillator"), engine, flow)
+    result = run(made_case(SCALED, "scaled friction oscillator"), flow)
     radius, expected = sqrt(205), atan2(6, 13) + pi * np.arange(8)
     t = result.events["t"][1:-1]
     yield counted_row(name, "events", 8, len(t), "seven reversals and the stop")
@@ -429,12 +429,12 @@ def swinging(flow: str, engine: str) -> Iterator[CheckRow]:
     yield number_row(name, compared("stop", rest, end, way + size, "m"), because)
     after = result["x2"][result.time > t[-1]]
     yield number_row(name, compared("motion after the stop", 0.0, float(np.ptp(after)), 0.0, "m"), "it stays")
-    yield friction_amplitude_row(name, flow, engine)
+    yield friction_amplitude_row(name, flow)
 
 
-def friction_amplitude_row(name: str, flow: str, engine: str) -> CheckRow:
+def friction_amplitude_row(name: str, flow: str) -> CheckRow:
     """Fall of the maxima per cycle."""
-    result = run(made_case(DECAYING, "decaying vibration"), engine, flow)
+    result = run(made_case(DECAYING, "decaying vibration"), flow)
     tops = result.events["x2"][1:-1][1::2][:-1]  # every second turn is a maximum; the last event is the stop
     fall = 4 * 0.02 * 2.94 * 9.81 / 200
     way = 10 * 8**2 / (2 * 1e12)  # block 1 gives way under 10 N at most in 8 s

@@ -429,4 +429,4 @@ class BranchStore(CurveStore[BranchStep, Branch]):
         return Branch(self.plan, self.points, self.specials, self.attrs)
 
     def trace(self, most: int, watch: Watch | None) -> bool:
-        return trace(self.plan, self, most, self.engine, watch)
+        return trace(self.plan, self, most, watch)

@@ -44,7 +44,6 @@ def continue_branch(
     switch: str | None = None,
     energy: str | None = None,
     max_points: int = MOST_POINTS,
-    engine: str = "auto",
     out: str | PathLike[str] | None = None,
     force: bool = False,
 ) -> Branch:
@@ -80,13 +79,13 @@ def continue_branch(
     elif energy is not None:
         _leave_out("energy: it is what varies", ranges=key, span=span)
 
-        plan = energy_plan(orbit, _as_text(energy, "0.01:1 J"), engine)
+        plan = energy_plan(orbit, _as_text(energy, "0.01:1 J"))
     else:
         case, source = case_of(orbit)
         asked = read_span(case, key, _as_text(span))
         parameter_within(case, *asked)
-        plan = plan_from(orbit_from(source, engine), *asked)
-    return _followed(BranchStore(plan, None if out is None else Path(out), engine, force), max_points)
+        plan = plan_from(orbit_from(source), *asked)
+    return _followed(BranchStore(plan, None if out is None else Path(out), force), max_points)
 
 
 def continue_locus(
@@ -95,7 +94,6 @@ def continue_locus(
     *,
     label: str,
     max_points: int = MOST_LOCUS_POINTS,
-    engine: str = "auto",
     out: str | PathLike[str] | None = None,
     force: bool = False,
 ) -> Locus:
@@ -124,7 +122,7 @@ def continue_locus(
     start = _branch(branch, "a locus")
     key, span = _one_range(ranges, "")
     plan = locus_plan(start, label, *read_span(start.case, key, _as_text(span)))
-    return _followed(LocusStore(plan, None if out is None else Path(out), engine, force), max_points)
+    return _followed(LocusStore(plan, None if out is None else Path(out), force), max_points)
 
 
 def _one_range(ranges: Any, span: str | Span) -> tuple[str, str | Span]:
@@ -209,13 +207,13 @@ def case_of(source: Any) -> tuple[Any, Any]:
     return case, case if result is None else result
 
 
-def orbit_from(source: Any, engine: str = "auto") -> Any:
+def orbit_from(source: Any) -> Any:
     """An orbit with its case. Raises OrbitError, CaseError."""
 
     if isinstance(source, Orbit) and source.case is not None:
         return source
 
-    return orbit(source, engine=engine)
+    return orbit(source)
 
 
 # From a special point of a branch to the branch that leaves it there.

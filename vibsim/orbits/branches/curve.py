@@ -11,13 +11,13 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from vibsim.engine.choice import engine_name
 from vibsim.orbits.branches.plan import CurvePlan
 from vibsim.orbits.branches.special_points import LABELS
 from vibsim.orbits.branches.tracing import OrbitRecord, Watch
 from vibsim.orbits.words import LETTERS, Word, spelled
 from vibsim.results.file_contents import (
     ENGINE,
+    ENGINE_NAME,
     PROVENANCE,
     TEXT,
     WHOLE,
@@ -234,13 +234,13 @@ def _orbits(prefix: str, along: str, unit: str) -> list[Dataset]:
     ]
 
 
-def curve_origin(plan: CurvePlan, engine: str = "auto") -> dict[str, Any]:
+def curve_origin(plan: CurvePlan) -> dict[str, Any]:
     """Attributes that are known before the first point."""
     return {
         **provenance(plan.noun, plan.case, plan.title),
         f"{plan.noun}_settings_json": json.dumps(plan.settings),
         f"{plan.noun}_sha256": plan.fingerprint,
-        "engine": engine_name(engine),
+        "engine": ENGINE_NAME,
     }
 
 
@@ -374,7 +374,7 @@ class CurveStore(Store[R], Generic[R, C]):
         return whole
 
     def origin(self) -> dict[str, Any]:
-        return curve_origin(self.plan, self.engine)
+        return curve_origin(self.plan)
 
     def write(self, path: Path) -> None:
         write_curve(path, self.curve, self.attrs, self.complete)

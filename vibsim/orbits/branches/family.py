@@ -223,8 +223,8 @@ class Family:
 
     conservative = False
 
-    def __init__(self, case: Case, keys: Sequence[str], unit: str, n: int, engine: str = "auto"):
-        self.case, self.keys, self.unit, self.n, self.engine = case, tuple(keys), unit, n, engine
+    def __init__(self, case: Case, keys: Sequence[str], unit: str, n: int):
+        self.case, self.keys, self.unit, self.n = case, tuple(keys), unit, n
         self._maps: OrderedDict[float, ReturnMap] = OrderedDict()
         self.scale = np.ones(0)
 
@@ -255,11 +255,11 @@ class Family:
         """On the run of the maps that there are, where that can be."""
         for known in self._maps.values():
             return known.at(scene)
-        return ReturnMap(scene, self.n, self.engine)
+        return ReturnMap(scene, self.n)
 
     def over(self, case: Case) -> "Family":
         """The same of another case."""
-        other = Family(case, self.keys, self.unit, self.n, self.engine)
+        other = Family(case, self.keys, self.unit, self.n)
         other.scale = self.scale
         return other
 

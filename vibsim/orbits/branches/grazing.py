@@ -72,10 +72,10 @@ class Touching(Return):
 class MapPastTouch(ReturnMap):
     """From the section to itself, without a stop within a window of the motion."""
 
-    def __init__(self, scene: Any, n: int, engine: str, window: Window):
-        super().__init__(scene, n, engine)
+    def __init__(self, scene: Any, n: int, window: Window):
+        super().__init__(scene, n)
         self.window = window
-        self._engine, self._carriers = engine, dict[float, Carrier]()
+        self._carriers = dict[float, Carrier]()
         stops = tuple(stop for i, stop in enumerate(scene.stops) if i != window.stop)
         self._without = replace(scene, stops=stops)
 
@@ -99,7 +99,7 @@ class MapPastTouch(ReturnMap):
         """A carrier of motions that begin at the time t [s]."""
         key = -t if scene is self.scene else t
         if key not in self._carriers:
-            self._carriers[key] = Carrier(later(scene, t), self._engine)
+            self._carriers[key] = Carrier(later(scene, t))
         return self._carriers[key]
 
     def _clearance(self, past: Carrier, state: np.ndarray, window: tuple[float, float]) -> float:
@@ -125,11 +125,11 @@ class TouchFamily(Family):
     """The orbits of another family past the touch of a window."""
 
     def __init__(self, of: Family, window: Window):
-        super().__init__(of.case, of.keys, of.unit, of.n, of.engine)
+        super().__init__(of.case, of.keys, of.unit, of.n)
         self.scale, self.window, self.path = of.scale, window, of.path
 
     def _new_map(self, scene: Scene) -> ReturnMap:
-        return MapPastTouch(scene, self.n, self.engine, self.window)
+        return MapPastTouch(scene, self.n, self.window)
 
 
 def later(scene: Any, t: float) -> Any:
@@ -248,7 +248,7 @@ def touches(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> list[f
     scene = placed(return_map.scene, return_map.coordinates.state(X), T)
     step = Fraction(T / TOUCHING_SAMPLES).limit_denominator(10**9)
     sampled = replace(scene, every_num=step.numerator, every_den=step.denominator)
-    blocks = [block.samples for block in open_trajectory(sampled, return_map.carrier.engine).blocks()]
+    blocks = [block.samples for block in open_trajectory(sampled).blocks()]
     times = np.concatenate([block["time"] for block in blocks])
     states = np.concatenate([return_map.coordinates.gathered(block) for block in blocks]).T
     start = return_map.coordinates.lifted(X)

@@ -154,10 +154,10 @@ CORRECTION = 0.1  # scaled, that a point taken from one section to the other may
 class MovedMap(ReturnMap):
     """From a section behind that of a scene, by a share of the period or an angle of the motor, to itself."""
 
-    def __init__(self, scene: Scene, n: int, engine: str, share: float, angle: float):
-        super().__init__(scene, n, engine)
+    def __init__(self, scene: Scene, n: int, share: float, angle: float):
+        super().__init__(scene, n)
         if self.section.timed:
-            self.carrier = Carrier(later(scene, share * self.section.time(n)), engine)
+            self.carrier = Carrier(later(scene, share * self.section.time(n)))
         self.angle = angle
 
     def start(self, X: np.ndarray) -> np.ndarray:
@@ -180,7 +180,7 @@ class MovedFamily(Family):
     """
 
     def __init__(self, of: Family, node: Node, share: float):
-        super().__init__(of.case, of.keys, of.unit, of.n, of.engine)
+        super().__init__(of.case, of.keys, of.unit, of.n)
         self.of, self.scale, self.share, self.path = of, of.scale, share, of.path
         of_map = of.map(node.parameter)
         start = of_map.coordinates.lifted(node.point.end.X)
@@ -190,7 +190,7 @@ class MovedFamily(Family):
         self._from = node
 
     def _new_map(self, scene: Scene) -> ReturnMap:
-        return MovedMap(scene, self.n, self.engine, self.share, self.angle)
+        return MovedMap(scene, self.n, self.share, self.angle)
 
     @property
     def start(self) -> Node:

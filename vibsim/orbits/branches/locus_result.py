@@ -76,10 +76,10 @@ class LocusPlan(CurvePlan):
     def title(self) -> str:
         return f"{self.kind} {self.label} of {self.case.name} over {self.keys[0]}"
 
-    def plane(self, engine: str = "auto") -> ParameterPlane:
+    def plane(self) -> ParameterPlane:
         """The orbits over both parameters."""
         scale = max(abs(self.value), abs(self.span[1] - self.span[0]) / 4)
-        family = self.branch.family(engine)
+        family = self.branch.family()
         return ParameterPlane(family, self.keys, self.unit, scale, self.kind, self.pair, self.part)
 
     def start(self, plane: ParameterPlane) -> tuple[PlanePoint, np.ndarray]:
@@ -306,15 +306,13 @@ def locus_facts(locus: Locus) -> dict[str, Any]:
 # A locus followed both ways.
 
 
-def trace_locus(
-    plan: LocusPlan, keeper: Any, most: int = MOST_POINTS, engine: str = "auto", watch: Any = None
-) -> bool:
+def trace_locus(plan: LocusPlan, keeper: Any, most: int = MOST_POINTS, watch: Any = None) -> bool:
     """Follow a locus both ways from where the `points` of `keeper` know it; its `add` is given each new one.
 
     watch : told the number of points; whether to go on. Returns whether it came to its ends or `most`
     points. Raises ContinuationError where the bifurcation is not found again.
     """
-    plane = plan.plane(engine)
+    plane = plan.plane()
     start, along = plan.start(plane)
     known, pair = keeper.points, plane.pair
     if not known:
@@ -384,4 +382,4 @@ class LocusStore(CurveStore[LocusRecord, Locus]):
         return Locus(self.plan, self.points, self.attrs)
 
     def trace(self, most: int, watch: Watch | None) -> bool:
-        return trace_locus(self.plan, self, most, self.engine, watch)
+        return trace_locus(self.plan, self, most, watch)

@@ -102,18 +102,18 @@ class BranchPlan(CurvePlan):
     def title(self) -> str:
         return f"Periodic orbits of {self.case.name} over {self.keys[0]}"
 
-    def family(self, engine: str = "auto") -> Family:
+    def family(self) -> Family:
         """The orbits over the parameter, scaled by the first."""
-        family = self._family(engine)
+        family = self._family()
         span = abs(self.span[1] - self.span[0])
         family.scaled_by(np.array(self.state), self.period, self.parameter, span, self.travel)
         return family
 
-    def _family(self, engine: str) -> Family:
+    def _family(self) -> Family:
         if self.keys != (ENERGY,):
-            return Family(self.case, self.keys, self.unit, self.n, engine)
+            return Family(self.case, self.keys, self.unit, self.n)
 
-        return EnergyFamily(self.case, self.n, np.array(self.state), engine)
+        return EnergyFamily(self.case, self.n, np.array(self.state))
 
     def start(self, family: Family) -> Node:
         """The first node, its tangent along the heading, else towards larger parameters.
@@ -262,9 +262,9 @@ class EnergyFamily(Family):
 
     conservative = True
 
-    def __init__(self, case: Case, n: int, start: np.ndarray, engine: str = "auto"):
-        super().__init__(case, (ENERGY,), "J", n, engine)
-        self._map = ReturnMap(conservative_scene(case), n, engine)
+    def __init__(self, case: Case, n: int, start: np.ndarray):
+        super().__init__(case, (ENERGY,), "J", n)
+        self._map = ReturnMap(conservative_scene(case), n)
         self.conserved = Conserved(self._map.scene, self._map.coordinates)
         self.momenta = self.conserved.momenta(start)
 
@@ -384,13 +384,13 @@ def conservative_scene(case: Case) -> Any:
     return scene
 
 
-def energy_plan(source: Any, span: str, engine: str = "auto") -> BranchPlan:
+def energy_plan(source: Any, span: str) -> BranchPlan:
     """The plan of a backbone curve through an orbit (an `Orbit`, a stored one) or the start of a case or run.
 
     span : range of the energy, such as "1e-5:0.1 J". Raises BranchError, OrbitError.
     """
     low, high = read_energy_span(span)
-    case, return_map, X, T = _start(source, engine)
+    case, return_map, X, T = _start(source)
     conserved = Conserved(return_map.scene, return_map.coordinates)
     energy = conserved.energy(X)
     if not low <= energy <= high:
@@ -404,7 +404,7 @@ def energy_plan(source: Any, span: str, engine: str = "auto") -> BranchPlan:
     return BranchPlan(case, (ENERGY,), "J", (low, high), return_map.n, *start)
 
 
-def _start(source: Any, engine: str) -> tuple[Case, ReturnMap, np.ndarray, float]:
+def _start(source: Any) -> tuple[Case, ReturnMap, np.ndarray, float]:
     """Case, return map, unknowns and time of return of what to begin with."""
     case: Case | None
     orbit: Any
@@ -417,10 +417,10 @@ def _start(source: Any, engine: str) -> tuple[Case, ReturnMap, np.ndarray, float
         raise BranchError("an orbit of a scene alone has no case that a backbone curve could be of")
     if orbit is not None:
         state, n, T = start_of(orbit)
-        return_map = ReturnMap(conservative_scene(case), n, engine)
+        return_map = ReturnMap(conservative_scene(case), n)
         return case, return_map, unknowns(return_map.coordinates, state), float(T or 0)
-    return_map = ReturnMap(conservative_scene(case), 1, engine)
-    course = course_of(return_map.scene, return_map.coordinates, engine)
+    return_map = ReturnMap(conservative_scene(case), 1)
+    course = course_of(return_map.scene, return_map.coordinates)
     if len(course.times) < 2:
         raise OrbitError("the run of the case does not swing; give it an initial displacement")
     return case, return_map, course.points[0], float(course.times[1] - course.times[0])

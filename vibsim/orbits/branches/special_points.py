@@ -399,7 +399,7 @@ def _sampled_slip(of: ReturnMap, node: Node, part: Any) -> tuple[np.ndarray, np.
     scene = placed(of.scene, at.state(node.point.end.X), node.point.period)
     step = Fraction(node.point.period / CORNER_SAMPLES).limit_denominator(10**9)
     sampled = replace(scene, every_num=step.numerator, every_den=step.denominator)
-    blocks = [block.samples for block in open_trajectory(sampled, of.carrier.engine).blocks()]
+    blocks = [block.samples for block in open_trajectory(sampled).blocks()]
     n = len(scene.bodies)
     times = np.concatenate([block["time"] for block in blocks])
     v = list(np.concatenate([at.gathered(block)[:, n : 2 * n] for block in blocks]).T)

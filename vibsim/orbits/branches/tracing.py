@@ -182,7 +182,6 @@ def trace(
     plan: BranchPlan,
     keeper: Keeper,
     most: int = MOST_POINTS,
-    engine: str = "auto",
     watch: Watch | None = None,
 ) -> bool:
     """Trace a branch from where `keeper` knows it until it ends both ways, or has `most` points.
@@ -191,7 +190,7 @@ def trace(
     the branch has been followed to its ends, or `most` points. Raises ContinuationError where the start is
     no orbit.
     """
-    family = plan.family(engine)
+    family = plan.family()
     start = plan.start(family)
     if not keeper.points:
         keeper.add([BranchStep(point_record(start, 1, 0, plan.pace.first))])
