@@ -1,7 +1,6 @@
-"""Elementary functions: right to rounding, and the same bits in scalars, in arrays and in C."""
+"""Elementary functions: right to rounding, and the same bits in scalars and in arrays."""
 
 import math
-import struct
 from fractions import Fraction
 
 import mpmath
@@ -23,7 +22,7 @@ BOTH_SIGNS = np.concatenate(
 )
 BORDERS = [
     float(np.nextafter(sign * border, towards))
-    for border in (0.25, 0.5, elementary.ROOT_HALF, 0.75, 1.0, 1.5, 4.0)
+    for border in (0.25, 0.5, 0.7071067811865476, 0.75, 1.0, 1.5, 4.0)
     for sign in (1, -1)
     for towards in (-9, sign * border, 9)
 ]
@@ -108,15 +107,6 @@ def test_powers_are_right_to_rounding(name):
             assert abs(elementary.power(a, p) - truth) <= allowed * ULP * abs(truth), (a, p)
 
 
-def test_logarithms_of_powers_are_known_to_66_bits():
-    with mpmath.workdps(50):
-        close_to_1 = 1 + RANDOM.choice([-1, 1], 500) * 10 ** RANDOM.uniform(-15.9, -1, 500)
-        for a in map(float, [*10 ** RANDOM.uniform(-320, 308, 500), *close_to_1, 5e-324]):
-            high, low = elementary._long_log(a)
-            truth = mpmath.log(mpmath.mpf(a))
-            assert abs(mpmath.mpf(high) + low - truth) <= 2.0**-66 * abs(truth), a
-
-
 def test_powers_at_the_ends_of_their_range():
     inf, nan, power = math.inf, math.nan, elementary.power
     for p in (0.5, 1.5, 2.5, 0.3, 7.5, 1e300):
@@ -152,53 +142,6 @@ def test_tangents_and_angles_at_the_ends_of_their_ranges():
     for name in ("tanh", "asin", "atan"):
         of = getattr(elementary, name)
         assert all(of(-x) == -of(x) for x in map(float, RANDOM.uniform(0, 1, 100)))
-
-
-def bits(x):
-    """The bits of a double; one and the same for whatever is no number."""
-    return struct.pack("<d", x) if x == x else b"nan"
-
-
-FUNCTIONS = ["sin", "cos", "exp", "expm1", "log", "sinh", "cosh", "tanh", "asin", "acos", "atan"]
-SPECIAL = (
-    0.0,
-    -0.0,
-    1.0,
-    -1.0,
-    5e-324,
-    -5e-324,
-    1e-310,
-    2.3e-308,
-    1.7e308,
-    -1.7e308,
-    math.inf,
-    -math.inf,
-    math.nan,
-)
-EVERYWHERE = [*SPECIAL, *BORDERS, *RANDOM.uniform(-1, 1, 3000), *RANDOM.uniform(-30, 30, 3000)]
-EVERYWHERE += [
-    *RANDOM.choice([-1, 1], 2000) * 10 ** RANDOM.uniform(-307, 308, 2000),
-    *RANDOM.uniform(-760, 760, 1000),
-]
-
-
-@pytest.mark.parametrize("name", FUNCTIONS)
-def test_c_has_the_bits_of_python(name):
-    c = pytest.importorskip("vibsim.engine._engine").elementary
-    of = getattr(elementary, name)
-    assert [x for x in map(float, EVERYWHERE) if bits(c(name, x)) != bits(of(x))] == []
-
-
-def test_c_has_the_bits_of_python_in_powers():
-    c = pytest.importorskip("vibsim.engine._engine").power
-    pairs = [tuple(map(float, draw())) for draw, _ in POWERS.values() for _ in range(500)]
-    pairs += [(a, p) for a in SPECIAL for p in (*SPECIAL, *HALVES, 0.3, -0.3, 3.5, 700.5, -700.5)]
-    assert [pair for pair in pairs if bits(c(*pair)) != bits(elementary.power(*pair))] == []
-
-
-def test_c_knows_its_functions_by_name():
-    with pytest.raises(ValueError, match="no elementary function gamma"):
-        pytest.importorskip("vibsim.engine._engine").elementary("gamma", 1.0)
 
 
 def kits():

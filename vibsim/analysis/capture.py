@@ -35,8 +35,8 @@ from vibsim.analysis.cycles import (
     name_verdict,
     span_of,
 )
+from vibsim.orbits.stability import solved_by_pivots
 from vibsim.physics.formula_values import apart
-from vibsim.physics.linear_algebra import solved
 from vibsim.physics.parts import Friction, Link, Motor, Scene
 from vibsim.physics.rates import bilinear_frequencies, natural_rates
 from vibsim.results.columns import IMPACT_CODES
@@ -311,10 +311,10 @@ def _harmonic_response(scene: Scene, w: float, force: float) -> np.ndarray | Non
         matrix = sum((1j * w * c * shape for c, shape in zip(dampings, shapes, strict=True)), bare)
         rows = np.block([[matrix.real, -matrix.imag], [matrix.imag, matrix.real]])
         pushed = [force if i == motor.on else 0.0 for i in range(2 * n)]
-        solution, pivot = solved(rows.tolist(), pushed)
+        solution, pivot = solved_by_pivots(rows, np.array(pushed))
         if pivot == 0:
             return None
-        amplitudes = np.array(solution[:n]) + 1j * np.array(solution[n:])
+        amplitudes = solution[:n] + 1j * solution[n:]
         if np.abs(amplitudes - before).max() <= SETTLED * np.abs(amplitudes).max():
             return amplitudes
         sliding = [w * abs(apart(one, amplitudes, 0.0)) for one in scene.frictions]

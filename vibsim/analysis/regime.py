@@ -37,7 +37,6 @@ from vibsim.cases.case import by_key, load_case, whole_number
 from vibsim.cases.quantities import number
 from vibsim.engine.columns import state_columns
 from vibsim.engine.errors import EngineError
-from vibsim.engine.section import has_section
 from vibsim.engine.tangent.lyapunov import LyapunovExponents, lyapunov_exponents
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.orbits.coordinates import OrbitError
@@ -48,7 +47,7 @@ from vibsim.orbits.search import least
 from vibsim.orbits.stability import exponents_of
 from vibsim.physics.connections import drifting_sets
 from vibsim.physics.parts import Scene, columns_of
-from vibsim.physics.rates import is_driven
+from vibsim.physics.rates import has_section, is_driven
 from vibsim.results.labelled import Shown
 from vibsim.results.result import Result, Window, pieces, rows_within
 

@@ -1,4 +1,4 @@
-"""Results of a run on either engine: blocks of columns by name, totals, states between events."""
+"""Results of a run: blocks of columns by name, totals, states between events."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from vibsim.engine.columns import (
     stored_at_events,
     stored_columns,
 )
-from vibsim.engine.extremes import Gap
 from vibsim.engine.modes.ties import Edge
 from vibsim.physics.numbers import N
 from vibsim.physics.parts import EVENT_KINDS, RIGID_KINDS, SWITCH, Scene
 
+Gap = tuple[int, int, int, float]  # stop, its place among the pairs, sense, gap [m]
 OFFSETS = {
     "contact_begin": "stops",
     "contact_end": "stops",
@@ -66,9 +66,7 @@ class Wishes(TypedDict, total=False):
 
 
 class Trajectory(Generic[N]):
-    """Base of both engines' runs: makes columns by name of rows of numbers."""
-
-    engine = ""
+    """Base of runs in doubles and in words: makes columns by name of rows of numbers."""
 
     def __init__(self, scene: Scene[N]) -> None:
         self.scene = scene

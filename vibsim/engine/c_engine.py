@@ -13,13 +13,13 @@ from weakref import ref
 import numpy as np
 
 import vibsim.engine._engine as _engine
+from vibsim.engine.blocks import Gap
 from vibsim.engine.columns import part_columns
 from vibsim.engine.errors import EngineError, State, Stopped, start_of
 from vibsim.engine.events.automaton import Automaton
 from vibsim.engine.events.departures import derivative_flow
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.rule_maker import RuleMaker
-from vibsim.engine.extremes import Gap
 from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.flows.flow import Flow

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 class CTrajectory(Trajectory[float]):
     """A run on the C engine; wishes: section, ledger and others of `CRun`."""
 
-    engine = "c"
-
     def __init__(self, scene: Scene, point: Point | None = None, **wishes: Unpack[Wishes]) -> None:
         super().__init__(scene)
         from vibsim.engine.c_engine import CRun
@@ -68,7 +66,7 @@ class CTrajectory(Trajectory[float]):
             cut = self.run.automaton.rigid.chatter.cut_off
             totals |= rigid_totals(self.scene, tally["counts"], (cut.time, cut.speed, cut.distance))
         if self.run.moving:
-            from vibsim.engine.tangent.bundle import tangent_totals
+            from vibsim.engine.tangent.lyapunov import tangent_totals
 
             _, _, margin, margin_time = tally["certificate"]
             totals |= tangent_totals(self.scene, Doubles, self.run.disturbances, margin, margin_time)

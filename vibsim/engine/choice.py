@@ -1,56 +1,8 @@
-"""Which engine runs a scene, and by which flow."""
-
-import sys
-from types import ModuleType
+"""By which flow a scene is run."""
 
 from vibsim.physics.parts import Scene
 
-ENGINES = ("auto", "c", "python")
 METHODS = ("auto", "closed_form", "taylor")
-
-_noticed = False
-
-
-def _built() -> ModuleType | None:
-    try:
-        from vibsim.engine import _engine
-    except ImportError:
-        return None
-    return _engine
-
-
-_c_engine = _built()  # once, with this module: threads that ask for it later never meet a half-made one
-
-
-def compiled() -> bool:
-    """Whether the C engine was built with this installation."""
-    return _c_engine is not None
-
-
-def engine_name(engine: str = "auto") -> str:
-    """The engine that `engine` ("auto", "c", "python") stands for: "c" or "python".
-
-    "auto" falls back on Python with one notice on stderr. Raises ValueError for another name, RuntimeError
-    for "c" where it was not built.
-    """
-    global _noticed
-    if engine not in ENGINES:
-        raise ValueError(f"engine must be one of {', '.join(ENGINES)}, got {engine!r}")
-    if engine == "python" or compiled():
-        return "python" if engine == "python" else "c"
-    if engine == "c":
-        raise RuntimeError(
-            "the C engine was not built; install vibsim again where a compiler is, or use engine python"
-        )
-    if not _noticed:
-        print(
-            "vibsim: no C engine in this installation, running on the Python engine"
-            " (same results, some 100 times slower); install vibsim again where there is a C compiler,"
-            " or where pip finds the package ziglang",
-            file=sys.stderr,
-        )
-        _noticed = True
-    return "python"
 
 
 def check_method(scene: Scene) -> None:

@@ -10,118 +10,19 @@ that stored - stored(0) - work + losses is zero but for rounding: a check on eve
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import inf, nan
-from typing import Any, Generic
+from typing import Any
 
 from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.flows.base_motion import base_motion
-from vibsim.engine.flows.flow import Flow
 from vibsim.engine.ledger_integrals import (
-    IMPULSE,
-    NOTHING,
-    RUB,
-    SLIP,
-    SQUARE,
-    TORQUE,
-    WORK,
     Entry,
-    IntegralMaker,
-    LedgerIntegral,
-    LedgerIntegrals,
-    QuadratureNode,
-    jumps_of,
 )
-from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.modes.status import CONTACT, Status
 from vibsim.physics.numbers import Kit, N, abs, total_of
 from vibsim.physics.parts import BODY, EVENT_KINDS, STATE, Scene, Stop
-
-
-class Ledger(Generic[N]):
-    """Sums the entries of `names` over the stretches of a run."""
-
-    def __init__(
-        self, scene: Scene[N], kit: Kit[N], maker: RowMaker[N], flow: Flow[N], momentum: bool = False
-    ) -> None:
-        self.scene, self.kit, self.flow = scene, kit, flow
-        self.ground, self.base = maker.n, maker.n + 1
-        self.maker = IntegralMaker(scene, kit, maker, momentum)
-        self.names = self.maker.names
-        self.entries = [kit.number(0)] * len(self.names)
-        self.elastic, self.jumps = dict(scene.elastic_stops), jumps_of(scene, self.names)
-
-    def gather(self, start: State[N], last: N, rows: ModeRows[N]) -> Iterator[N]:
-        """Add the stretch from the state `start` in the mode of `rows` to `last` [s] after the flow's start.
-
-        A generator, which yields how far it is [s] after every piece; the entries change when all are done.
-        """
-        integrals, t0 = self.maker.integrals(rows), self.flow.t0
-        tau = start.t - t0
-        entries = list(self.entries)
-        self.flow.open_nodes(integrals)
-        while tau < last:
-            piece = self.flow.longest_piece(tau)
-            ahead = tau + piece if piece < last - tau else last
-            self._integrate(entries, integrals, tau, ahead - tau)
-            tau = ahead
-            yield t0 + tau
-        self.entries = entries
-
-    def _integrate(self, entries: list[N], integrals: LedgerIntegrals[N], tau: N, length: N) -> None:
-        """Add one piece. The nodes lie where they should, not on the time grid, whose rounding would show in
-        the sums.
-        """
-        totals = [self.kit.number(0)] * len(integrals.integrals)
-        for node, weight in zip(*self.flow.quadrature, strict=True):
-            point = self.flow.node(tau + node * length, integrals)
-            for i, integral in enumerate(integrals.integrals):
-                totals[i] = totals[i] + weight * self._rate(integral, point)
-        for integral, total in zip(integrals.integrals, totals, strict=True):
-            entries[integral.entry] = entries[integral.entry] + length * (integral.factor * total)
-
-    def _rate(self, integral: LedgerIntegral[N], point: QuadratureNode[N]) -> N:
-        """Integrand of a ledger integral at a node."""
-        v = point.v
-        if integral.kind == SQUARE:
-            u = v[integral.P] - v[integral.Q]
-            return u * u
-        if integral.kind == WORK:
-            return point.forces[integral.source] * v[integral.P]
-        if integral.kind == TORQUE:
-            return motor_power(self.scene, point.w)
-        if integral.kind == SLIP:
-            return (v[integral.P] - v[integral.Q]) - integral.drift
-        if integral.kind == IMPULSE:
-            return point.forces[integral.source]
-        value = point.functions[integral.source]
-        if integral.kind == RUB:
-            return value * ((v[integral.P] - v[integral.Q]) - integral.drift)
-        return value if integral.P == NOTHING else value * v[integral.P]
-
-    def strike(self, state: State[N], touch: SimultaneousImpacts[N] | None) -> None:
-        """Count the impacts and ends of rigid stops at `state`."""
-        if touch:
-            V = base_motion(self.scene, self.kit, state.t)[1]
-            for entry, value in struck_entries(self.scene, self.names, touch, V):
-                self.entries[entry] = self.entries[entry] + value
-
-    def _places(self, state: State[N], rows: ModeRows[N]) -> tuple[N, ...]:
-        """Displacements of all columns in the mode of `rows`."""
-        zero = self.kit.number(0)
-        X = base_motion(self.scene, self.kit, state.t, rows)[0] if self.scene.has_base else zero
-        return (*state.x, zero, X)
-
-    def cross(self, state: State[N], before: Status, after: ModeRows[N]) -> None:
-        """Count what the springs of stops hold where those let go, or push again, though pressed."""
-        for jump in self.jumps:
-            pressed = before.stops[jump.stop] == CONTACT, after.status.stops[jump.stop] == CONTACT
-            if pressed[0] != pressed[1]:
-                held = stop_energy(self.elastic[jump.stop], self._places(state, after), self.ground)
-                entry = self.entries[jump.entry]
-                self.entries[jump.entry] = entry + held if pressed[0] else entry - held
 
 
 def struck_entries(
@@ -153,13 +54,6 @@ def struck_entries(
         if ("impulse", place, "") in names:
             added.append((names.index(("impulse", place, "")), catch.impulse))
     return added
-
-
-def motor_power(scene: Scene[N], w: N) -> N:
-    """Power of the motor [W] at the speed w [rad/s] of its rotor: its torque, Eq. (2.8), times w."""
-    motor = scene.motor
-    assert motor is not None
-    return motor.torque(w) * w
 
 
 def stop_energy(stop: Stop[N], places: Sequence[N], ground: int) -> N:

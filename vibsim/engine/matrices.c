@@ -1,5 +1,11 @@
-/* Matrices of doubles in one order of operations: the copy of vibsim/physics/linear_algebra.py, which says
-what they are. They come and go as buffers of doubles in rows, of one or two dimensions. */
+/* Matrices of doubles in one order of operations: what follows from them has the same bits on every machine.
+ *
+ * A LAPACK or BLAS shares sums out by the vector units and threads of a machine, and fuses products where it can. Here sums go by
+ * ascending index, and each operation is rounded by itself. Linear equations by Gaussian elimination with partial pivoting; singular
+ * values by one-sided Jacobi rotations (Hestenes 1958; Golub and Van Loan, section 8.6.3); eigenvalues by balancing, Hessenberg form
+ * and the QR method with double shifts (Martin, Peters and Wilkinson 1970; `hqr` of EISPACK). Matrices come and go as buffers of
+ * doubles in rows, of one or two dimensions.
+ */
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
 

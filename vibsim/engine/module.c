@@ -441,27 +441,52 @@ static PyMethodDef functions[] = {
     {NULL, NULL, 0, NULL},
 };
 #else
-static const struct {
-    const char *name;
-    double (*of)(double);
-} elementary_functions[] = {
-    {"sin", sine_of}, {"cos", cosine_of}, {"exp", exponential}, {"expm1", exponential_less_1}, {"log", logarithm},
-    {"sinh", hyperbolic_sine}, {"cosh", hyperbolic_cosine}, {"tanh", hyperbolic_tangent}, {"asin", arcsine},
-    {"acos", arccosine}, {"atan", arctangent},
-};
+#define ELEMENTARY(name, of)                                                                              \
+    static PyObject *name##_value(PyObject *self, PyObject *x)                                            \
+    {                                                                                                     \
+        const double value = PyFloat_AsDouble(x);                                                         \
+        (void)self;                                                                                       \
+        return value == -1.0 && PyErr_Occurred() ? NULL : PyFloat_FromDouble(of(value));                  \
+    }
+ELEMENTARY(sin, sine_of)
+ELEMENTARY(cos, cosine_of)
+ELEMENTARY(exp, exponential)
+ELEMENTARY(expm1, exponential_less_1)
+ELEMENTARY(log, logarithm)
+ELEMENTARY(sinh, hyperbolic_sine)
+ELEMENTARY(cosh, hyperbolic_cosine)
+ELEMENTARY(tanh, hyperbolic_tangent)
+ELEMENTARY(asin, arcsine)
+ELEMENTARY(acos, arccosine)
+ELEMENTARY(atan, arctangent)
 
-static PyObject *elementary_value(PyObject *self, PyObject *args)
+static PyObject *sine_cosine_value(PyObject *self, PyObject *x)
 {
-    const char *name;
-    double x;
-    size_t k;
+    const double angle = PyFloat_AsDouble(x);
+    double sine, cosine;
     (void)self;
-    if (!PyArg_ParseTuple(args, "sd", &name, &x))
+    if (angle == -1.0 && PyErr_Occurred())
         return NULL;
-    for (k = 0; k < sizeof elementary_functions / sizeof *elementary_functions; k++)
-        if (strcmp(name, elementary_functions[k].name) == 0)
-            return PyFloat_FromDouble(elementary_functions[k].of(x));
-    return PyErr_Format(PyExc_ValueError, "no elementary function %s", name);
+    sine_cosine(angle, &sine, &cosine);
+    return Py_BuildValue("dd", sine, cosine);
+}
+
+static PyObject *sines_cosines(PyObject *self, PyObject *args)
+{
+    Py_buffer v[3];
+    Py_ssize_t i, count;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "y*w*w*", &v[0], &v[1], &v[2]))
+        return NULL;
+    count = v[0].len / (Py_ssize_t)sizeof(double);
+    for (i = 0; v[1].len == v[0].len && v[2].len == v[0].len && i < count; i++)
+        sine_cosine(((const double *)v[0].buf)[i], (double *)v[1].buf + i, (double *)v[2].buf + i);
+    for (i = 0; i < 3; i++)
+        PyBuffer_Release(&v[i]);
+    if (v[1].len == v[0].len && v[2].len == v[0].len)
+        Py_RETURN_NONE;
+    PyErr_SetString(PyExc_ValueError, "three arrays of one size are needed");
+    return NULL;
 }
 
 static PyObject *power_value(PyObject *self, PyObject *args)
@@ -472,8 +497,20 @@ static PyObject *power_value(PyObject *self, PyObject *args)
 }
 
 static PyMethodDef functions[] = {
-    {"elementary", elementary_value, METH_VARARGS, "elementary(name, x): an elementary function, to compare with those in Python"},
-    {"power", power_value, METH_VARARGS, "a**p of a >= 0, likewise"},
+    {"sin", sin_value, METH_O, "Sine of an angle [rad]."},
+    {"cos", cos_value, METH_O, "Cosine of an angle [rad]."},
+    {"sine_cosine", sine_cosine_value, METH_O, "Sine and cosine of an angle [rad]; beyond a million radians with the error that n eps in it makes."},
+    {"sines_cosines", sines_cosines, METH_VARARGS, "sines_cosines(angles, sines, cosines): of arrays of doubles, the last two to be filled."},
+    {"exp", exp_value, METH_O, "exp(x); 0 or infinite where that is what is nearest."},
+    {"expm1", expm1_value, METH_O, "exp(x) - 1."},
+    {"log", log_value, METH_O, "Natural logarithm; -infinity of 0, nan of what is below it."},
+    {"sinh", sinh_value, METH_O, "Hyperbolic sine."},
+    {"cosh", cosh_value, METH_O, "Hyperbolic cosine."},
+    {"tanh", tanh_value, METH_O, "Hyperbolic tangent."},
+    {"asin", asin_value, METH_O, "Angle [rad] from -pi/2 to pi/2 of a sine; nan beyond 1."},
+    {"acos", acos_value, METH_O, "Angle [rad] from 0 to pi of a cosine; nan beyond 1."},
+    {"atan", atan_value, METH_O, "Angle [rad] from -pi/2 to pi/2 of a tangent."},
+    {"power", power_value, METH_VARARGS, "power(a, p): a**p for a >= 0, nan of a below 0; 1 for p = 0."},
     {"product", matrix_product, METH_VARARGS, "product(a, b, out): matrix product; vectors are a row a, a column b"},
     {"dot", matrix_dot, METH_VARARGS, "dot(a, b) -> sum of the products of two vectors"},
     {"solved", matrix_solved, METH_VARARGS, "solved(a, b, x) -> smallest pivot, 0 where a is singular: x with a x = b"},

@@ -11,10 +11,9 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from vibsim.engine.blocks import Trajectory, Wishes
+from vibsim.engine.blocks import Gap, Trajectory, Wishes
 from vibsim.engine.c_trajectory import CTrajectory
 from vibsim.engine.choice import check_method
-from vibsim.engine.extremes import Gap
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.resume import Row, resume_point
 from vibsim.engine.tangent.tangent_space import dimension
@@ -75,7 +74,7 @@ def open_trajectory(
 
 
 def extremes_of(scene: Scene, ends: Sequence[Edge], since: float) -> tuple[list[Edge], list[Gap], float]:
-    """Arguments of `Extremes`: columns of the pairs, the stops whose gap is that of one of them, the time."""
+    """Columns of the pairs, the stops whose gap is that of one of them, the time."""
     pairs = [(scene.column(P), scene.column(Q)) for P, Q in ends]
     gaps: list[Gap] = []
     for i, stop in enumerate(scene.stops):

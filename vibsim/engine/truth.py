@@ -20,8 +20,7 @@ from vibsim.engine.columns import stored_before, stored_columns
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.number_forms import WordsForm, words_form
-from vibsim.engine.python_trajectory import PythonTrajectory
-from vibsim.physics.numbers import Number, text_width
+from vibsim.physics.numbers import Number
 from vibsim.physics.parts import Scene
 from vibsim.physics.precision import DigitsKit, number_kit, one_precision
 
@@ -36,57 +35,10 @@ class TruthBlock(Block):
     event_digits: dict[str, np.ndarray]
 
 
-class TruthTrajectory(PythonTrajectory[Number]):
-    """A run on the numbers of `kit`; see `open_truth`."""
-
-    kit: DigitsKit[Number]
-
-    @property
-    def number_type(self) -> str:
-        """What the motion is computed with."""
-        return self.kit.name
-
-    @property
-    def order(self) -> int:
-        """Order of the Taylor flow."""
-        return self.kit.order()
-
-    def blocks(self) -> Iterator[TruthBlock]:
-        """Yield `TruthBlock`s until the run ends; raises EngineError when it fails."""
-        finished = False
-        while not finished:
-            with one_precision:
-                block, finished = self._next_block(), self.driver.finished
-            yield block
-
-    def _next_block(self) -> TruthBlock:
-        self.kit.activate()
-        try:
-            self.driver.run(PIECES, SAMPLES, SECONDS)
-        except EngineError as error:
-            raise EngineError(error.reason, rounded(self.kit, error.state)) from error
-        samples, events, section, _ = self.driver.take()
-        block = self._block(samples, events, section, ())
-        names = stored_columns(self.scene)
-        at = self._texts(names, [self._row(state)[1:] for state, _ in samples])
-        after = self._texts(("t", *names), [self._row(one[2]) for one in events])
-        return TruthBlock(**vars(block), sample_digits=at, event_digits=after)
-
-    def _texts(self, names: Sequence[str | None], rows: Sequence[Sequence[Number]]) -> dict[str, np.ndarray]:
-        width = text_width(self.kit.digits)
-        return {
-            name: np.array(self.kit.texts([row[i] for row in rows]), dtype=f"S{width}")
-            for i, name in enumerate(names)
-            if name is not None
-        }
-
-
 class WordsTrajectory(Trajectory[Number]):
     """A run in C on numbers of words, of which Python decides the events without a clear rule on those of
     `form.kit`; see `open_truth`.
     """
-
-    engine = "c"
 
     def __init__(self, scene: Scene[Any], form: WordsForm[Any], ledger: bool, momentum: bool) -> None:
         super().__init__(scene)
@@ -194,7 +146,7 @@ def open_truth(
     digits: int,
     ledger: bool = False,
     momentum: bool = False,
-) -> TruthTrajectory | WordsTrajectory:
+) -> WordsTrajectory:
     """A run of `digits` decimal digits, not yet computed.
 
     Parameters
@@ -213,10 +165,10 @@ def open_truth(
         scene = exact_scene(kit.number, kit.pi)
         scene = bare(scene, kit)
         form = words_form(kit)
-        if form is not None:
-            kit.activate()
-            return WordsTrajectory(scene, form, ledger=ledger, momentum=momentum)
-        return TruthTrajectory(scene, kit, ledger=ledger, momentum=momentum)
+        if form is None:
+            raise ValueError(f"the engine has no {digits} digits here")
+        kit.activate()
+        return WordsTrajectory(scene, form, ledger=ledger, momentum=momentum)
 
 
 def bare(part: Any, kit: DigitsKit[Number]) -> Any:

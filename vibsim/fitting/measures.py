@@ -31,9 +31,9 @@ from vibsim.analysis.cycles import (
 )
 from vibsim.analysis.drift import CYCLES, count_impacts, measure_drift
 from vibsim.analysis.regime import judge_regime
-from vibsim.engine.section import has_section
 from vibsim.physics.elementary import mean
 from vibsim.physics.parts import Scene
+from vibsim.physics.rates import has_section
 from vibsim.results.columns import IMPACT_CODES
 from vibsim.results.result import Result, Window
 from vibsim.sweeps.computations import CAPTURE_VERDICTS as CAPTURES

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from vibsim.cases.quantities import number
+from vibsim.engine import _engine
 from vibsim.engine.errors import State
 from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.flows.closed import matrices
@@ -18,7 +19,6 @@ from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.status import BACKWARD, FORWARD, Status
 from vibsim.engine.tangent.carried import Carried
 from vibsim.orbits.words import OF_FRICTION
-from vibsim.physics import linear_algebra
 from vibsim.physics.elementary import log
 from vibsim.physics.formula_values import inputs_at, values_of
 from vibsim.physics.numbers import Doubles, Kit, N
@@ -182,14 +182,8 @@ def _status(scene: Scene, codes: Sequence[int]) -> Status:
 # Matrices and vectors of a few unknowns, as arrays, with the same bits on every machine.
 #
 # What numpy and scipy offer goes to a LAPACK and a BLAS, which round as the processor's vector units and
-# their threads have it: then rounding decides on which machine a special point is found. Here it is
-# `vibsim.physics.linear_algebra`, or its copy in C where the engine was built.
-
-
-try:
-    from vibsim.engine import _engine as in_c
-except ImportError:  # installed without a compiler: the definition itself
-    in_c = None  # type: ignore[assignment]
+# their threads have it: then rounding decides on which machine a special point is found. These are our own,
+# `vibsim/engine/matrices.c`.
 
 
 class NoEigenvalues(ArithmeticError):
@@ -220,20 +214,13 @@ def product(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     if not one.shape[-1]:
         return np.zeros(shape)
     out = np.empty(shape)
-    if in_c:
-        in_c.product(one, other, out)
-    else:
-        rows = np.atleast_2d(one).tolist()
-        columns = (other if other.ndim == 2 else other[:, None]).tolist()
-        out[...] = np.reshape(linear_algebra.product(rows, columns), shape)
+    _engine.product(one, other, out)
     return out
 
 
 def dot(one: np.ndarray, other: np.ndarray) -> float:
     """Sum of the products of two vectors."""
-    if in_c:
-        return in_c.dot(_plain(one), _plain(other))
-    return linear_algebra.dot(one.tolist(), other.tolist())
+    return _engine.dot(_plain(one), _plain(other))
 
 
 def length_of(values: np.ndarray) -> float:
@@ -271,32 +258,22 @@ def solved_by_pivots(matrix: np.ndarray, right: np.ndarray) -> tuple[np.ndarray,
     the bit, and x says nothing.
     """
     x = np.empty(len(right))
-    if in_c:
-        smallest = in_c.solved(_plain(matrix), _plain(right), x)
-    else:
-        x[:], smallest = linear_algebra.solved(matrix.tolist(), right.tolist())
+    smallest = _engine.solved(_plain(matrix), _plain(right), x)
     return x, smallest / length_of(matrix) if smallest > 0 else 0.0
 
 
 def determinant(matrix: np.ndarray) -> float:
     """By factors with pivots."""
-    if not len(matrix):
-        return 1.0
-    return in_c.determinant(_plain(matrix)) if in_c else linear_algebra.determinant(matrix.tolist())
+    return _engine.determinant(_plain(matrix)) if len(matrix) else 1.0
 
 
 def directions(matrix: np.ndarray) -> Directions:
     """Singular values and vectors. Raises NoEigenvalues for a matrix that is not finite."""
     m, n = matrix.shape
-    if in_c:
-        out = np.empty(n * (1 + n + m))
-        if in_c.singular(_plain(matrix), out):
-            return Directions(out[:n], out[n : n + n * n].reshape(n, n), out[n + n * n :].reshape(n, m))
+    out = np.empty(n * (1 + n + m))
+    if not _engine.singular(_plain(matrix), out):
         raise NoEigenvalues("the matrix is not finite")
-    answer = linear_algebra.singular(matrix.tolist()) if m else ([0.0] * n, np.eye(n), np.empty((n, 0)))
-    if answer is None:
-        raise NoEigenvalues("the matrix is not finite")
-    return Directions(*(np.array(each) for each in answer))
+    return Directions(out[:n], out[n : n + n * n].reshape(n, n), out[n + n * n :].reshape(n, m))
 
 
 def singular_values(matrix: np.ndarray) -> np.ndarray:
@@ -318,15 +295,10 @@ def least_squares(matrix: np.ndarray, right: np.ndarray, cut: float) -> np.ndarr
 
 def eigenvalues(matrix: np.ndarray) -> list[complex]:
     """Of a square matrix, with exact conjugates. Raises NoEigenvalues."""
-    if in_c:
-        out = np.empty((len(matrix), 2))
-        known = in_c.eigenvalues(_plain(matrix), out)
-        values = [complex(re, im) for re, im in out.tolist()] if known else None
-    else:
-        values = linear_algebra.eigenvalues(matrix.tolist())
-    if values is None:
+    out = np.empty((len(matrix), 2))
+    if not _engine.eigenvalues(_plain(matrix), out):
         raise NoEigenvalues("eigenvalues did not converge, or the matrix is not finite")
-    return values
+    return [complex(re, im) for re, im in out.tolist()]
 
 
 # Linear algebra of a few unknowns in numbers of any kit: what numpy does for doubles.

@@ -322,3 +322,10 @@ def _pitches(scene: Scene[Any]) -> list[tuple[float, float]] | None:
     if paces is None:
         return None
     return [pace.cycles for pace in paces]
+
+
+def has_section(scene: Scene[N]) -> bool:
+    """Whether the scene has a motor, sources with a common period, or a rotor that its torque drives: what
+    ends the periods at which a run is looked at stroboscopically.
+    """
+    return scene.motor is not None or common_period(scene) is not None or turning_rotor(scene) is not None

@@ -41,7 +41,7 @@ class MeasuredRun:
     shown, which begin with the events `rows` of one instant (None: with the run), with the energy ledger if
     that is wanted.
     `extremes` are least and greatest displacements and smallest gaps of the time from `begin` on, see
-    `vibsim.engine.extremes`, of the motions that are measured.
+    `extremes.c`, of the motions that are measured.
     `watch_transient` is shown the blocks of the transient, which have no samples. `go_on` is asked before
     every block, those of the transient too; where it says False, GivenUpError is raised.
     """
@@ -133,7 +133,7 @@ class MeasuredRun:
 # Everything is taken from the time `begin` on. A period is one of the excitation, from one stroboscopic point
 # to the next; only whole periods count. Where there is none (no source, a motor that stands), what is meant
 # per period is NaN, and amplitudes are half the peak-to-peak of the whole time. Extremes are the engine's,
-# see `vibsim.engine.extremes`.
+# see `vibsim/engine/extremes.c`.
 
 
 TURN = 2 * math.pi

@@ -7,18 +7,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Generic, NamedTuple
 
-from vibsim.engine.driver import Driver
 from vibsim.engine.errors import State, start_of
 from vibsim.engine.number_forms import words_form
-from vibsim.engine.tangent.carried import components_of, free_scene, rates_of, started
+from vibsim.engine.tangent.carried import components_of, free_scene, started
 from vibsim.physics.numbers import N
 from vibsim.physics.parts import EVENT_NAMES, Scene
 from vibsim.physics.precision import DigitsKit
 
 if TYPE_CHECKING:
     from vibsim.engine.tangent.carrying_run import CarryingRun
-
-PIECES = 4096  # of the Python engine at once
 
 
 class CarriedDigits(NamedTuple, Generic[N]):
@@ -60,7 +57,8 @@ class DigitsCarrier(Generic[N]):
         per row. Raises EngineError where the run fails.
         """
         scene = started(self.scene, components, end)
-        return self._by_c(self.run, scene, vectors) if self.run else self._by_python(scene, vectors)
+        assert self.run is not None
+        return self._by_c(self.run, scene, vectors)
 
     def _by_c(self, run: CarryingRun, scene: Scene[N], vectors: Sequence[Sequence[N]]) -> CarriedDigits[N]:
         run.restart(start_of(scene, self.kit), scene.t_end, vectors)
@@ -74,19 +72,6 @@ class DigitsCarrier(Generic[N]):
             there.vectors.tolist(),
             _named(codes[0].tolist(), codes[1].tolist()),
             int(float(there.told[-2])),
-        )
-
-    def _by_python(self, scene: Scene[N], vectors: Sequence[Sequence[N]]) -> CarriedDigits[N]:
-        driver = Driver(scene, self.kit, carry=vectors)
-        while not driver.finished:
-            driver.run(PIECES)
-        assert driver.tangent is not None
-        return CarriedDigits(
-            components_of(scene, self.kit, driver.state),
-            rates_of(scene, self.kit, driver.state, driver.maker.rows(driver.status)),
-            driver.tangent.vectors,
-            _named(*zip(*((kind, part) for kind, part, *_ in driver.events), strict=True)),
-            driver.tangent.tangencies.undefined,
         )
 
 

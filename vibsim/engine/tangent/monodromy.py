@@ -17,14 +17,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibsim.engine.driver import Driver
 from vibsim.engine.errors import State
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.packing import harmonic_indices, scene_doubles
 from vibsim.engine.modes.parametric_rows import Numbers, differences
 from vibsim.engine.modes.rows import ModeRows
-from vibsim.engine.tangent.carried import Carried, components_of, free_scene, rates_of, started
+from vibsim.engine.tangent.carried import Carried, free_scene, rates_of
 from vibsim.engine.tangent.tangent_space import length
 from vibsim.lazy import once
 from vibsim.physics.numbers import Doubles
@@ -32,8 +31,6 @@ from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
     from vibsim.engine.tangent.carrying_run import CarryingRun
-
-PIECES = 4096  # of the Python engine at once
 
 
 class _Shared:
@@ -176,52 +173,9 @@ class Carrier:
         other._doubles = scene_doubles(free, sounds)
         return other
 
-    def _by_python(self, components: list[float], end: float, vectors: np.ndarray) -> Carried:
-        driver = Driver(started(self.scene, components, end), Doubles, carry=vectors.tolist())
-        while not driver.finished:
-            driver.run(PIECES)
-        codes = [(kind, part, *status.codes) for kind, part, _, status, _ in driver.events[1:-1]]
-        width = 2 + len(driver.status.codes)
-        flow_certificate, rows = driver.flow.certificate, driver.maker.rows(driver.status)
-        moved: ArrayLike = []
-        undefined = 0, nan
-        if driver.tangent:
-            near = driver.tangent.tangencies
-            moved, undefined = driver.tangent.vectors, (near.undefined, near.undefined_time)
-        behind = [one for _, _, one, *_ in driver.events[1:-1]]
-        table = np.array([(one.t, *components_of(self.scene, Doubles, one)) for one in behind])
-        table = table.reshape(-1, 1 + self.size)
-        happened = np.array(codes, dtype="i1").reshape(-1, width)
-        certificate = flow_certificate.uncertified, flow_certificate.margin
-        there = partial(self._rate, driver.state, rows)
-        return self._told(driver.state, there, moved, happened, table, certificate, undefined)
-
     def _rate(self, state: State, rows: ModeRows) -> np.ndarray:
         """Rates of change of the components of a state in the mode of `rows`."""
         return np.array(rates_of(self.scene, Doubles, state, rows))
-
-    def _told(
-        self,
-        state: State,
-        rate_there: np.ndarray | Callable[[], np.ndarray],
-        moved: ArrayLike,
-        happened: np.ndarray,
-        table: np.ndarray,
-        certificate: tuple[float, float],
-        undefined: tuple[float, float],
-    ) -> Carried:
-        vectors = np.asarray(moved, dtype="f8").reshape(-1, self.size)
-        count, undefined_time = undefined
-        return Carried(
-            np.array(components_of(self.scene, Doubles, state)),
-            rate_there,
-            np.full_like(vectors, nan) if count else vectors,
-            happened,
-            table,
-            int(certificate[0]),
-            certificate[1],
-            undefined_time if count else nan,
-        )
 
 
 def _finite(values: np.ndarray) -> bool:

@@ -1,11 +1,27 @@
-/* The tangent bundle of a run: disturbances carried through modes and events; twin of vibsim/engine/tangent/bundle.py. */
+/* The tangent bundle of a run: K disturbances carried through modes and events, and how fast they grow.
+ *
+ * Disturbances are orthonormalised (modified Gram-Schmidt) at every step and every event that changes them; what they grow by there
+ * adds up to the exponents (Benettin et al. 1980), the largest first. Event times lie on the grid of doubles, while the saltation
+ * matrices are those of the exact event: the difference is of the size of rounding.
+ *
+ * Each tie takes a direction from the tangent space, a rigid stop at rest two, and an impact without restitution one: a rank loss,
+ * counted. Disturbances that do not fit into it any longer are replaced: by possible ones as far as there is room, by some that wait
+ * outside, unmoved, until ties let go. A direction that was replaced has the exponent minus infinity over the span.
+ *
+ * A complete bundle checks itself (Liouville): the logarithm of its volume must grow by the integral of the trace of the equations of
+ * motion and by the logarithms of the determinants at the events. Sticking, where the determinant is 0, reversals that all but stick
+ * and slow impacts, which press a volume flat, are left out on both sides.
+ */
 #include <string.h>
 
 #include "elementary.h"
 #include "tangent.h"
 
+/* Determinant of a jump, and share of the longest disturbance that it leaves of the flattest, below which their rounding, EPS / FLAT,
+ * would drown the check.
+ */
 #define FLAT 0x1p-7
-#define LOST 0x1p-40
+#define LOST 0x1p-40 /* of the length of a disturbance in a rank loss: what is left is rounding */
 
 static void start_to_count(Tangent *b)
 {

@@ -1,4 +1,8 @@
-/* How a volume of disturbances grows within a mode; twin of vibsim/engine/tangent/bundle.py. */
+/* How a volume of small disturbances grows within a mode: what Liouville's theorem says, for a check.
+ *
+ * With momenta p = M v only damping changes a volume of (x, p), by exp(-int tr(C M^-1) dt); one of (x, v) differs from it by det M,
+ * which depends on the angle of a rotor. The disturbances themselves are not used.
+ */
 #include "gauss_nodes.h"
 #include "numbers.h"
 #include "tangent.h"
