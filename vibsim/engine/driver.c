@@ -1,4 +1,7 @@
-/* The driver: one loop over segments, for either flow; twin of vibsim/engine/driver.py. */
+/* The driver: one loop over stretches of motion, for either flow.
+ *
+ * Output cadence never changes a trajectory: samples are read off the flow, states are not restarted there.
+ */
 #include <string.h>
 
 #include "certificate.h"
@@ -7,7 +10,10 @@
 #define EVENTS_AT_ONE_INSTANT 64
 #define MOST_STRETCHES 50000
 #define PROGRESS 0x1p-30 /* share of the run that so many stretches must bring it on: it would take 5e13 */
-#define AS_SOON 8 /* roundings of a time: what only bends so soon behind an event leaves its zeros known, see driver.py */
+/* Roundings of a time: what only bends so soon behind an event leaves its zeros known. A law that has a kink where a sliding velocity
+ * is zero bends there once the friction has let go: that velocity is still zero then.
+ */
+#define AS_SOON 8
 #define MEETING 0x1p-40 /* of a time: so near to an event its rounding may lie, and the motion before it goes on */
 
 static void flow_enter(Run *r, const State *state)
@@ -204,7 +210,10 @@ static Real meeting(Run *r, const Event *e)
     return fabs(step) <= nextafter(r->pending_end, INFINITY) - r->pending_end ? tau - step : tau;
 }
 
-/* The time of an event, on the grid of time; with `dither` the next one there. See driver.py. */
+/* The time of an event, which is rounded to the grid of time; with `dither` = k > 0 the next time on that grid. For the n-th event it
+ * is later where an even number of binary digits 1 of n stand k places before another (k = 1: Rudin and Shapiro), else earlier: as
+ * uncorrelated as random signs.
+ */
 static Real dithered(Run *r)
 {
     unsigned ones;

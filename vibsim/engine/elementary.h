@@ -1,4 +1,12 @@
-/* Elementary functions with the same bits on every machine; twin of vibsim/physics/elementary.py. */
+/* Elementary functions of doubles with the same bits on every machine.
+ *
+ * Additions, products, quotients and square roots only: the C library's functions differ in last bits between libraries, and
+ * between processors with and without fused products; a chaotic motion makes another motion of that. The operations stand in a
+ * fixed order. Each is right to one or two units in the last place.
+ *
+ * An argument is reduced by whole multiples of pi/2 or ln 2, which are split so that the products are exact, and the Taylor
+ * series of what is left is summed in pairs of pairs, which shortens the chain of operations.
+ */
 #ifndef VIBSIM_ELEMENTARY_H
 #define VIBSIM_ELEMENTARY_H
 

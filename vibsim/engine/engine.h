@@ -1,8 +1,8 @@
-/* The C engine: the fast copy of the Python engine on mode rows, bit for bit equal to it on doubles.
+/* The engine: motions of scenes made of parts, in doubles or, where LIMBS is defined, in numbers of so many words (real.h).
  *
- * Every expression repeats its Python twin operation by operation; compile with -ffp-contract=off and never with
- * -ffast-math. Each .c file and header has a twin of the same name beside it. The engine knows no part of a scene: it
- * reads modes, which Python makes when they are met, and asks Python for the mode behind an event where it has none.
+ * It knows no part of a scene: it reads the rows of modes, which Python makes when they are met, and asks Python what follows an
+ * event where it has no rule. Every expression has one order of operations: compile with -ffp-contract=off and never with -ffast-
+ * math, and the bits are the same everywhere.
  */
 #ifndef VIBSIM_ENGINE_H
 #define VIBSIM_ENGINE_H
@@ -58,7 +58,7 @@ typedef struct {
     int kind, m, other;
 } Single;
 
-/* place X + speed V + rest, see reaches.py. */
+/* place X + speed V + rest, see reaches.c. */
 typedef struct {
     Real place, speed, rest;
 } Reach;

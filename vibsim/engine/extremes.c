@@ -1,4 +1,12 @@
-/* Least and greatest displacements, period by period; twin of vibsim/engine/extremes.py. */
+/* Least and greatest displacements of a run, period by period, and the smallest gaps at turns without contact, read off the flow
+ * as it passes.
+ *
+ * Between two nodes a displacement d = x_P - x_Q is greatest or least where its rate turns. The nodes lie so close that a cubic
+ * through displacements and rates tells whether it turns; the turn itself is found on the flow, to the rounding of d. The speed
+ * of a rotor is taken like a displacement.
+ *
+ * Reading them changes no trajectory.
+ */
 #include <stdlib.h>
 #include <string.h>
 

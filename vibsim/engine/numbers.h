@@ -1,4 +1,4 @@
-/* Elementary operations in a fixed order; twin of vibsim/physics/numbers.py. */
+/* Elementary operations in a fixed order; those of doubles are repeated in vibsim/physics/numbers.py for what Python decides. */
 #ifndef VIBSIM_NUMBERS_H
 #define VIBSIM_NUMBERS_H
 

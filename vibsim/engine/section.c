@@ -1,4 +1,10 @@
-/* The stroboscopic section, and where the extremes of a period end; twin of vibsim/engine/section.py. */
+/* The stroboscopic section: the exact state at the end of every period of what drives a scene, read off the flow as it passes.
+ *
+ * A period ends at t = k T of forces and base, and where the angle of a motor, or of the rotor that turns a scene, passes 2 pi k
+ * forwards. Reading it changes no trajectory.
+ *
+ * The extremes of a period end there too.
+ */
 #include "engine.h"
 #include "numbers.h"
 

@@ -1,4 +1,4 @@
-/* Doubts of a run and its grazing margin; twin of vibsim/engine/events/records.py. */
+/* Doubts of a run and its grazing margin. */
 #ifndef VIBSIM_CERTIFICATE_H
 #define VIBSIM_CERTIFICATE_H
 

@@ -1,4 +1,4 @@
-/* Event functions of the closed-form flow; twin of vibsim/engine/events/event_functions.py. */
+/* Event functions of the closed-form flow; see event_functions.h. */
 #include "event_functions.h"
 
 static Real difference(const Run *r, int pair, int n)

@@ -1,5 +1,5 @@
-/* Event functions of the closed-form flow, at the point whose jets were taken last and to the orders that those were taken
- * for; twin of vibsim/engine/events/event_functions.py. Sums of one term are evaluated here, others term by term.
+/* Event functions of the closed-form flow, at the point whose jets were taken last and to the orders that those were taken for:
+ * derivatives, bounds of them ahead, and rounding bounds. Sums of one term are evaluated here, others term by term.
  */
 #ifndef VIBSIM_EVENT_FUNCTIONS_H
 #define VIBSIM_EVENT_FUNCTIONS_H

@@ -1,4 +1,4 @@
-/* The vector field of a mode at a state; twin of vibsim/engine/flows/accelerations.py. */
+/* The vector field of a mode at a state, as vibsim/engine/flows/accelerations.py has it for what Python decides. */
 #include "numbers.h"
 #include "tangent.h"
 

@@ -1,4 +1,4 @@
-/* Gauss-Legendre quadrature on [0, 1]; twin of vibsim/physics/elementary.py. */
+/* Gauss-Legendre quadrature on [0, 1]: n nodes integrate polynomials of degree 2 n - 1 exactly. */
 #ifndef VIBSIM_ENGINE_GAUSS_NODES_H
 #define VIBSIM_ENGINE_GAUSS_NODES_H
 

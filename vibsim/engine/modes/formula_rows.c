@@ -1,5 +1,5 @@
-/* The formulas of a mode from packed numbers: its tapes, and the forces on it; twin of what vibsim/engine/modes/packing.py writes of
- * vibsim/engine/modes/formula_rows.py.
+/* The formulas of a mode from packed numbers: its tapes, and the forces on it, in the order in which
+ * vibsim/engine/modes/packing.py writes them.
  */
 #include <stdlib.h>
 

@@ -1,4 +1,4 @@
-/* Numbers of words as decimal text, rounded once; twin of `decimal_text` in vibsim/physics/numbers.py but for its ties. */
+/* Numbers of words as decimal text, rounded once; as `decimal_text` in vibsim/physics/numbers.py but for its ties. */
 #ifndef __clang__
 #pragma GCC optimize("O2") /* of every number that a run writes */
 #endif

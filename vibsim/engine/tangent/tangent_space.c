@@ -1,4 +1,4 @@
-/* The disturbances that a mode allows, and those that it does not; twin of vibsim/engine/tangent/tangent_space.py. */
+/* The disturbances that a mode allows, and those that it does not; vibsim/engine/tangent/tangent_space.py says which these are. */
 #include <string.h>
 
 #include "tangent.h"

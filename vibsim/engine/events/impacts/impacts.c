@@ -1,4 +1,4 @@
-/* One impact on one rigid stop; twin of that case of vibsim/engine/events/impacts/impacts.py, chatter.py and newton_moreau.py.
+/* One impact on one rigid stop: that case of what impacts.py, chatter.py and newton_moreau.py decide in vibsim/engine/events/impacts.
  *
  * Frictions of the bodies that it moves slip behind it as the velocities say; what sticks elsewhere, rests or is pressed and
  * may let go has no rule. Whatever is not clear is left to Python: another stop that touches, an approach, a departure or a

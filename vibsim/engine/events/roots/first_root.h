@@ -1,4 +1,4 @@
-/* Steps that no root can hide in; twin of vibsim/engine/events/root_finding.py. */
+/* Steps that no root can hide in. */
 #ifndef VIBSIM_FIRST_ROOT_H
 #define VIBSIM_FIRST_ROOT_H
 

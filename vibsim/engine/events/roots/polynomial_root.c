@@ -1,4 +1,4 @@
-/* Certified first root of a polynomial event function; twin of vibsim/engine/events/root_finding.py. */
+/* Certified first root of an event function that is a polynomial over one step. */
 #include "certificate.h"
 #include "first_root.h"
 #include "engine.h"

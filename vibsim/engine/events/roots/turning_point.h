@@ -1,4 +1,4 @@
-/* The minimum of a function between two points; twin of vibsim/engine/events/root_finding.py. */
+/* The minimum of a function between two points. */
 #ifndef VIBSIM_TURNING_POINT_H
 #define VIBSIM_TURNING_POINT_H
 

@@ -1,4 +1,10 @@
-/* The closed-form flow; twin of vibsim/engine/flows/closed/closed_form.py. */
+/* The closed-form flow: one exact expression per modal coordinate from event to event.
+ *
+ * Inside a mode that has a closed form every modal coordinate is a damped oscillator, or a free mass, under a constant and
+ * harmonic loads. A trajectory costs a few evaluations per event, however long the stretches between them.
+ *
+ * Time is absolute, the anchor is the last event.
+ */
 #include "engine.h"
 #include "numbers.h"
 #include "responses.h"

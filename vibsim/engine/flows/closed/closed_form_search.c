@@ -1,4 +1,4 @@
-/* Certified first event on the closed-form flow; twin of vibsim/engine/flows/closed/closed_form_search.py. */
+/* Certified first event on the closed-form flow: safe steps from bounds of the event functions' curvature. */
 #include "certificate.h"
 #include "event_functions.h"
 #include "first_root.h"

@@ -1,4 +1,6 @@
-/* Zeros too flat for the closed form; twin of vibsim/engine/flows/closed/reaches.py. */
+/* Zeros too flat for the closed form: stretches at whose start more derivatives of an event function are zero than it takes, as
+ * at the end of a chain whose other end is shaken, go by Taylor series.
+ */
 #include <stddef.h>
 
 #include "engine.h"

@@ -1,4 +1,9 @@
-/* How far the close measure of rounding may be above the plain one; twin of vibsim/engine/flows/closed/reaches.py. */
+/* How far the close measure of rounding may at most be above a few times the plain one (see rounding.c).
+ *
+ * Whatever the time, a release C swings by 3 at the most, an impulse response S by 4 / w0 and a harmonic response by (5 + 4 omega
+ * / w0) / |Z|, and their rates by some times more, the sum of all rates. So the bound is a sum over what the segment starts from,
+ * of which each mode knows the weights.
+ */
 #include "engine.h"
 
 #define FASTER 4

@@ -1,4 +1,14 @@
-/* Responses of one damped oscillator; twin of vibsim/engine/flows/closed/responses.py. */
+/* Responses of one damped oscillator, accurate for every damping, stiffness, load frequency and time.
+ *
+ * The oscillator is y'' + 2 a y' + b y = load, with roots r1, r2 of r^2 + 2 a r + b = 0. Everything a mode of the ideal source
+ * needs is
+ *     S(t)   impulse response, S(0) = 0, S'(0) = 1            (first divided difference of exp at r1, r2)
+ *     C(t)   release from y = 1 at rest                        (C' = -b S, S' = C - 2 a S)
+ *     I(t)   response to the constant load 1, I' = S
+ *     H(t)   response to the load exp(i omega t), H' = S + i omega H
+ * I and H start at rest. Where the textbook quotients cancel (b -> 0, resonance, short times) they are taken as nested divided
+ * differences or as power series, so that each response keeps full relative accuracy.
+ */
 #include "engine.h"
 #include "numbers.h"
 #include "responses.h"

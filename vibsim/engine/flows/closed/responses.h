@@ -1,4 +1,4 @@
-/* Responses of one damped oscillator, where they are evaluated at every step; twin of vibsim/engine/flows/closed/responses.py. */
+/* Responses of one damped oscillator (see responses.c), where they are evaluated at every step. */
 #ifndef VIBSIM_RESPONSES_H
 #define VIBSIM_RESPONSES_H
 

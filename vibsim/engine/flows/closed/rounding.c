@@ -1,4 +1,13 @@
-/* What the rounding of modal coordinates is proportional to; twin of vibsim/engine/flows/closed/rounding.py. */
+/* Scales of the rounding of modal coordinates, at the point that the closed form evaluated last.
+ *
+ * A response is a difference of terms that may cancel while their rounding stays: 1 - cos of a motion from rest is zero after
+ * each period, cos - cos of two close frequencies after each beat. So there are two measures:
+ *
+ * plain : what each response adds to the coordinate; vanishes where that does
+ * close : the terms that responses, loads and starts are themselves sums of; right to the rounding everywhere
+ *
+ * Steps far from every zero need no more than the plain one; reaches.c tells how far that is.
+ */
 #include "engine.h"
 #include "responses.h"
 

@@ -1,5 +1,13 @@
-/* Unbalanced rotors on bodies: series of their pull on the bodies, and the mass matrix; twin of
- * vibsim/engine/flows/rotors_on_bodies.py.
+/* Unbalanced rotors on bodies: Taylor series of their pull on the bodies, and the mass matrix.
+ *
+ * A rotor i with the angle phi, the speed w, the unbalance u = m e and the inertia I = J + m e^2 on a body of a group of mass M,
+ * its own mass among it:
+ *
+ *     M a = F + sum u_i (s w)',       I_i w_i' = T_i + u_i s_i a,       s = sin phi, c = cos phi
+ *
+ * with (s w)' = s w' + w^2 c (Eqs. 2.9, 2.10 of the paper). Rotors meet in their bodies alone, so that the mass matrix is
+ * inverted by one division at the expansion point: by M - sum (u_i s_i)^2 / I_i. Of each sum the newest terms come last: little
+ * then waits for them.
  */
 #include "engine.h"
 #include "numbers.h"

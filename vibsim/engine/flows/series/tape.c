@@ -1,5 +1,7 @@
-/* What is computed along tapes: series, values with bounds, and steps at whose end the two agree; twin of vibsim/engine/flows/tape.py
- * and of what vibsim/engine/flows/taylor.py does with formulas.
+/* What is computed along tapes: series, values with bounds of their rounding, and steps at whose end the two agree.
+ *
+ * What a series leaves out may grow where its last terms do not show it: exp far from zero, roots near zero. So a step with
+ * formulas is shortened until, at its end and at a place before it, the formulas have the values that their series say.
  */
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* Tapes: the formulas of one mode as a list of operations; twin of vibsim/engine/flows/tape.py. */
+/* Tapes: the formulas of one mode as a list of operations, made by `TapeMaker` in vibsim/engine/flows/tape.py. */
 #ifndef VIBSIM_TAPE_H
 #define VIBSIM_TAPE_H
 

@@ -1,5 +1,5 @@
-/* The recurrences of series along tapes, made part of the loops over orders that use them; twin of `TapeSeries` in
- * vibsim/engine/flows/tape.py.
+/* The recurrences of Taylor coefficients along tapes (Jorba & Zou 2005), made part of the loops over orders that use them. What
+ * is known of a sum before the newest order comes first, so that little waits for its newest terms.
  */
 #ifndef VIBSIM_TAPE_SERIES_H
 #define VIBSIM_TAPE_SERIES_H

@@ -1,4 +1,8 @@
-/* The Taylor flow; twin of vibsim/engine/flows/taylor.py. */
+/* The Taylor flow: any mode, polynomials of high order from step to step.
+ *
+ * Inside a mode the motion is analytic and its Taylor coefficients follow by recurrence from the balance of forces of each group
+ * of bodies. One step gives the state to round-off and a polynomial that is the dense output and carries the event search.
+ */
 #include "certificate.h"
 #include "engine.h"
 #include "inlining.h"

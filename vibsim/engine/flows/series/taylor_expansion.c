@@ -1,7 +1,12 @@
-/* Taylor coefficients of the motion at a state: the recurrences of vibsim/engine/flows/taylor.py.
+/* Taylor coefficients of the motion at a state, by recurrence from the balance of forces of each group of bodies.
  *
- * A row of the table holds the coefficients of one order: displacements of the bodies, phi, ground and base; then
- * the rates of all of them in the same places. Small scenes run in shapes whose columns are known at compile time.
+ * A row of the table holds the coefficients of one order: displacements of the bodies, phi, ground and base; then the rates of
+ * all of them in the same places. Small scenes run in shapes whose columns are known at compile time.
+ *
+ * Taylor series of the rotor of a motor, beside those of its body.
+ *
+ * With s = sin phi, c = cos phi and w = dphi/dt three products of series are all, because
+ *     s dw/dt + w^2 c = d(s w)/dt,      s' = c w,      c' = -s w      (Eqs. 2.9, 2.10 of the paper).
  */
 #include "engine.h"
 #include "inlining.h"

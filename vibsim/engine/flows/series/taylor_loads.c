@@ -1,4 +1,4 @@
-/* Series of the forces and of the base's motion over a Taylor step; twin of vibsim/engine/flows/taylor.py. */
+/* Series of the forces and of the base's motion over a Taylor step. */
 #include <string.h>
 
 #include "engine.h"

@@ -1,4 +1,4 @@
-/* Event functions as polynomials over a Taylor step; twin of vibsim/engine/flows/taylor.py. */
+/* Event functions as polynomials over a Taylor step. */
 #include <string.h>
 
 #include "engine.h"

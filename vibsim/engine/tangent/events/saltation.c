@@ -1,4 +1,6 @@
-/* What an event does to small disturbances; twin of vibsim/engine/tangent/saltation.py. */
+/* What an event does to small disturbances, where no formula jumps and no rigid stop is struck;
+ * vibsim/engine/tangent/saltation.py says what it is, and has it for the others.
+ */
 #include <stddef.h>
 
 #include "tangent.h"

@@ -1,4 +1,6 @@
-/* Events that are crossed almost tangentially; twin of vibsim/engine/tangent/tangencies.py. */
+/* Events that are crossed almost tangentially; vibsim/engine/tangent/tangencies.py says what they are, and judges those that
+ * Python decides.
+ */
 #include "tangent.h"
 
 #define CLOSE 1e-6

@@ -1,4 +1,13 @@
-/* How small disturbances feel the formulas of a mode; twin of vibsim/engine/tangent/formula_tangent.py. */
+/* How small disturbances feel the formulas of a mode.
+ *
+ * A formula passes df = sum of its partial derivatives times the disturbances of what it reads; the derivatives are formulas
+ * themselves, made once for a mode, whose series along the motion come from a tape of their own.
+ *
+ * Where the base u of a power u^p comes to zero there is no series, and with p < 1 its derivative is infinite there, though its
+ * integral is not. The piece next to the zero is so short that u is linear in time in it, and disturbances feel nothing but the
+ * means of the derivatives over it, which are taken by quadrature from the zero itself on: the next pieces begin or end where
+ * there are series. So nothing of the integral is left out.
+ */
 #include "elementary.h"
 #include "numbers.h"
 #include "tangent.h"

@@ -1,4 +1,7 @@
-/* Disturbances of rotors on bodies; twin of the RotorTangent of vibsim/engine/tangent/formula_tangent.py. */
+/* Disturbances of rotors on bodies (rotors_on_bodies.c): with q = c w dphi + s dw
+ *
+ *     M A - sum u s dw' = dF + sum u (q' - s dw'),     I dw' - u s A = dT + u c a dphi
+ */
 #include "tangent.h"
 
 /* Number of the group that a rotor is on. */

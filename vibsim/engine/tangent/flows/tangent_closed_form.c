@@ -1,4 +1,8 @@
-/* Disturbances inside a mode of the closed-form flow; twin of vibsim/engine/tangent/tangent_closed_form.py. */
+/* How small disturbances move inside a mode of the closed-form flow.
+ *
+ * A mode with a closed form is linear with loads that depend on time alone, so a disturbance obeys the homogeneous equations of
+ * its modal coordinates. Where bodies are tied, the disturbed distance between them is a constant load on what holds them.
+ */
 #include <string.h>
 
 #include "responses.h"

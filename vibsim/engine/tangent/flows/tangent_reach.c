@@ -1,5 +1,5 @@
-/* How far one expansion of disturbances reaches along a step of the Taylor flow; twin of that in
- * vibsim/engine/tangent/tangent_taylor.py.
+/* How far one expansion of disturbances reaches along a step of the Taylor flow: rates of the mode are bounded by the largest sum
+ * over a row of stiffness and of damping (Gershgorin).
  */
 #include "tangent.h"
 

@@ -1,4 +1,16 @@
-/* Disturbances along a step of the Taylor flow, two at a time; twin of vibsim/engine/tangent/tangent_taylor.py. */
+/* How small disturbances move along one step of the Taylor flow.
+ *
+ * The recurrences of the flow, linearised: loads and constants drop out, couplings pass dS = k dd + c dd', formulas enter by
+ * their partial derivatives. With s = sin phi, c = cos phi, a1 the acceleration of the motor's group, b = m3 e and dS the sum of
+ * these forces on the group,
+ *     (m + m3) A1 - b s dw' = b (q' - s dw') - dS,            q = c w dphi + s dw
+ *     (J + m3 e^2) dw' - b s A1 = b c a1 dphi - (M0 / Omega0) dw
+ * with s dw' on the left at the expansion point. The series of a disturbance end one order below the flow's, whose steps keep its
+ * last two orders below the tolerance. A flow at rest, or on a slow path of strong damping, may take steps that are too long for
+ * its disturbances: then these go in pieces.
+ *
+ * Two disturbances go side by side.
+ */
 #if defined(LIMBS) && !defined(__clang__)
 #pragma GCC optimize("O2") /* most of the time of disturbances goes into their recurrences */
 #endif
