@@ -21,13 +21,14 @@ from typing import NamedTuple
 from vibsim.cases.any_unit import PURE, AnyUnit, Dimension, any_quantity, read_unit
 from vibsim.cases.problems import did_you_mean, shown
 from vibsim.cases.quantities import QuantityError, exact_number
+from vibsim.physics import formulas as nodes
 
 MOST_OPERATIONS = 2000  # of one formula: signs and functions
 DEEPEST = 40  # brackets, functions, signs and powers inside one another
 LONGEST_TEXT = 50_000  # characters, without those of tables
 MOST_PAIRS = 10_000  # of a table
 
-PLAIN_FUNCTIONS = ("sin", "cos", "tan", "exp", "log", "sinh", "cosh", "tanh", "atan", "asin", "acos")
+PLAIN_FUNCTIONS = tuple(nodes.FUNCTIONS)
 ARGUMENTS = {
     **dict.fromkeys((*PLAIN_FUNCTIONS, "sqrt", "abs", "sign", "step"), (1, 1)),
     "min": (2, 20),

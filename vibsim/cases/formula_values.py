@@ -287,11 +287,11 @@ class _Evaluation:
         value = self.of(part)
         self.pure(value, part, f"in {name}(...)")
         number = nodes.value_of(value.node)
-        domain = _outside(name, number) if number is not None else ""
-        if domain:
-            raise FormulaError(f"{self.said(term)}: {domain}", term.start, term.end)
-        if number == _KNOWN_AT.get(name, (None, ZERO))[0] and number is not None:
-            return WorkedOut(_KNOWN_AT[name][1], PURE)
+        function = nodes.FUNCTIONS[name]
+        if number is not None and not function.covers(number):
+            raise FormulaError(f"{self.said(term)}: {_outside(name)}", term.start, term.end)
+        if number is not None and number == function.known[0]:
+            return WorkedOut(function.known[1], PURE)
         size = 2 * value.size + 1 if name == "tan" else value.size + 1
         return WorkedOut(nodes.call(name, value.node), PURE, size, value.depth + 2)
 
@@ -440,14 +440,6 @@ def _joined(node: Node, a: WorkedOut, b: WorkedOut) -> WorkedOut:
     return WorkedOut(node, None, a.size + b.size + 1, max(a.depth, b.depth) + 1)
 
 
-_KNOWN_AT: dict[str, tuple[int, Node]] = {
-    **dict.fromkeys(("sin", "tan", "sinh", "tanh", "atan", "asin"), (0, ZERO)),
-    **dict.fromkeys(("cos", "cosh", "exp"), (0, ONE)),
-    "log": (1, ZERO),
-    "acos": (1, ZERO),
-}
-
-
 def _power_node(base: Node, exponent: Node) -> Node:
     """base**exponent. Raises ZeroDivisionError for 0**p with p < 0, ValueError for powers not taken."""
     p, b = nodes.value_of(exponent), nodes.value_of(base)
@@ -462,13 +454,12 @@ def _power_node(base: Node, exponent: Node) -> Node:
     return nodes.power(base, exponent)
 
 
-def _outside(name: str, x: Fraction) -> str:
-    """Message for a number outside the domain of a function; empty where it is inside."""
-    if name == "log" and x <= 0:
+def _outside(name: str) -> str:
+    """Message for a number outside the domain of a function."""
+    if name == "log":
         return "the logarithm of a number that is not above 0"
-    if name in ("asin", "acos") and abs(x) > 1:
-        return f"{name} of a number beyond -1 to 1"
-    return ""
+    of = nodes.FUNCTIONS[name]
+    return f"{name} of a number beyond {of.least} to {of.most}"
 
 
 def constant(node: Node) -> float | None:

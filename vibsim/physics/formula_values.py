@@ -18,7 +18,7 @@ import numpy as np
 from vibsim.physics import elementary
 from vibsim.physics.connections import base_formulas
 from vibsim.physics.elementary import mean, sine_cosine_of_arrays
-from vibsim.physics.formulas import TIME, Node, children, derivative, walk
+from vibsim.physics.formulas import FUNCTIONS, TIME, Node, children, derivative, walk
 from vibsim.physics.parts import BASE, GROUND, ROTOR, STATE, Link, Scene
 
 Inputs = Mapping[Node, np.ndarray | float]  # what formulas read: node -> values [SI]
@@ -355,8 +355,7 @@ _OPERATIONS: dict[str, Callable[..., float]] = {
     "mul": lambda a, b: a * b,
     "div": lambda a, b: a / b,
     "mod": lambda a, b: a - b * math.floor(a / b),
-    **{name: getattr(math, name) for name in ("sin", "cos", "exp", "log", "sinh", "cosh", "tanh")},
-    **{name: getattr(math, name) for name in ("atan", "asin", "acos")},
+    **{name: getattr(math, name) for name in FUNCTIONS},
 }
 
 

@@ -21,9 +21,9 @@ module, which compute what is made of numbers alone exactly.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 Node = tuple[Any, ...]
 
@@ -32,10 +32,6 @@ ONE: Node = ("num", Fraction(1))
 PI: Node = ("pi",)
 TIME: Node = ("t",)
 SWITCHES = ("choose", "mod", "table")  # nodes of several sides, of which a mode says which holds
-# functions of 0
-AT_ZERO = dict.fromkeys(("sin", "sinh", "tanh", "asin", "atan"), ZERO) | dict.fromkeys(
-    ("cos", "cosh", "exp"), ONE
-)
 MOST_EXACT = 64  # largest whole power that is written as products
 
 
@@ -114,14 +110,13 @@ def power(a: Node, b: Node) -> Node:
 
 
 def call(name: str, a: Node) -> Node:
-    """A function of one argument by its name in a formula: sin, cos, tan, exp, log, sqrt, sinh, cosh, tanh,
-    atan, asin, acos.
-    """
+    """A function of one argument by its name in a formula: one of FUNCTIONS, or sqrt."""
     if name == "sqrt":
         return ("pow", a, Fraction(1, 2))
     if name == "tan":
         return div(call("sin", a), call("cos", a))
-    return AT_ZERO.get(name, (name, a)) if a == ZERO else (name, a)
+    at, value = FUNCTIONS[name].known
+    return value if a == num(at) else (name, a)
 
 
 def choose(g: Node, a: Node, b: Node, text: str) -> Node:
@@ -342,18 +337,53 @@ class _Derivative:
 
     @staticmethod
     def _slope(node: Node, a: Node) -> Node:
-        kind = node[0]
-        if kind == "pow":
+        if node[0] == "pow":
             return mul(num(node[2]), ("pow", a, node[2] - 1))
-        if kind in ("asin", "acos"):
-            root = ("pow", sub(ONE, mul(a, a)), Fraction(1, 2))
-            return div(ONE if kind == "asin" else num(-1), root)
-        if kind in ("sin", "cos"):
-            return ("cos", a) if kind == "sin" else neg(("sin", a))
-        if kind in ("sinh", "cosh"):
-            return ("cosh" if kind == "sinh" else "sinh", a)
-        if kind == "tanh":
-            return sub(ONE, mul(node, node))
-        if kind == "exp":
-            return node
-        return div(ONE, a if kind == "log" else add(ONE, mul(a, a)))
+        return FUNCTIONS[node[0]].slope(node, a)
+
+
+# The functions of one argument, by name. Checks of cases, values in pictures and peers go by what is said of
+# them here; the engine has to know them too (`engine/flows/tape.py`, `series/tape.c`, `tape_series.h`).
+
+
+class Function(NamedTuple):
+    """A function.
+
+    slope : its derivative as a formula, from that of its value and that of its argument
+    known : an argument, and its value there, which is exact
+    least, most : ends of the numbers that it is of, None without; strictly : whether the least is none of
+        them
+    harmless : an argument of which its value is not large; None where that is so everywhere
+    """
+
+    slope: Callable[[Node, Node], Node]
+    known: tuple[int, Node]
+    least: int | None = None
+    most: int | None = None
+    strictly: bool = False
+    harmless: float | None = None
+
+    def covers(self, x: Fraction) -> bool:
+        """Whether it has a value at x."""
+        above = self.least is None or x > self.least or (x == self.least and not self.strictly)
+        return above and (self.most is None or x <= self.most)
+
+
+def _root_beside_one(a: Node) -> Node:
+    """sqrt(1 - a^2)"""
+    return ("pow", sub(ONE, mul(a, a)), Fraction(1, 2))
+
+
+FUNCTIONS = {
+    "sin": Function(lambda _, a: ("cos", a), (0, ZERO)),
+    "cos": Function(lambda _, a: neg(("sin", a)), (0, ONE)),
+    "tan": Function(lambda y, _: add(ONE, mul(y, y)), (0, ZERO)),  # written as sin over cos
+    "exp": Function(lambda y, _: y, (0, ONE), harmless=0.0),
+    "log": Function(lambda _, a: div(ONE, a), (1, ZERO), least=0, strictly=True, harmless=1.0),
+    "sinh": Function(lambda _, a: ("cosh", a), (0, ZERO), harmless=0.0),
+    "cosh": Function(lambda _, a: ("sinh", a), (0, ONE), harmless=0.0),
+    "tanh": Function(lambda y, _: sub(ONE, mul(y, y)), (0, ZERO)),
+    "atan": Function(lambda _, a: div(ONE, add(ONE, mul(a, a))), (0, ZERO)),
+    "asin": Function(lambda _, a: div(ONE, _root_beside_one(a)), (0, ZERO), -1, 1, harmless=0.0),
+    "acos": Function(lambda _, a: div(num(-1), _root_beside_one(a)), (1, ZERO), -1, 1, harmless=0.0),
+}

@@ -353,7 +353,7 @@ def _is_along_speed(subject: Subject) -> bool:
 
 
 def _is_periodic(scene: Any) -> bool:
-    from vibsim.engine.section import has_section
+    from vibsim.physics.rates import has_section
 
     return has_section(scene)
 

@@ -15,10 +15,9 @@ from vibsim.cases import CaseError
 from vibsim.engine.blocks import Block
 from vibsim.engine.columns import state_columns
 from vibsim.engine.errors import EngineError
-from vibsim.engine.section import has_section
 from vibsim.physics.elementary import total
 from vibsim.physics.parts import ROTOR, Scene
-from vibsim.physics.rates import source_rates, turning_columns
+from vibsim.physics.rates import has_section, source_rates, turning_columns
 from vibsim.sweeps.computations import COMPUTATIONS, Computation
 from vibsim.sweeps.contact_computations import Task
 from vibsim.sweeps.quantities import DONE, FAILED, MISSING, NAME

@@ -8,7 +8,7 @@ recurrences (Jorba & Zou 2005); C repeats them one by one (`tape.c`).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import inf
@@ -22,6 +22,7 @@ from vibsim.physics.numbers import TWO_PI, Doubles, Kit, N, abs
 CONSTANT, TIME, PLACE, SPEED, ANGLE, SPIN, ADD, SUB, SCALE, MUL, SQUARE, DIV = range(12)
 SIN, COS, SINH, COSH, EXP, LOG, TANH, ATAN, ASIN, ACOS, POWER = range(12, 23)
 INPUTS = (CONSTANT, TIME, PLACE, SPEED, ANGLE, SPIN)
+NAMES = dict(enumerate(("sin", "cos", "sinh", "cosh", "exp", "log", "tanh", "atan", "asin", "acos"), SIN))
 FUNCTIONS = {"exp": EXP, "log": LOG}
 PAIRS = {"sin": (SIN, "cos"), "cos": (COS, "sin"), "sinh": (SINH, "cosh"), "cosh": (COSH, "sinh")}
 SINGULAR = 16  # units in the last place of the time within which a zero of the base of a power is one here
@@ -284,10 +285,8 @@ def start_value(kit: Kit[N], op: Op, values: Mapping[int, N] | Sequence[N]) -> N
         return kit.power(a, op.value) if a > 0 else 0 * a if op.value < 0 else kit.power(0 * a, op.value)
     if code == LOG and not a > 0:
         return kit.inf * 0
-    names = {SIN: kit.sin, COS: kit.cos, SINH: kit.sinh, COSH: kit.cosh, EXP: kit.exp, LOG: kit.log}
-    if code in names:
-        return names[code](a)
-    return {TANH: kit.tanh, ATAN: kit.atan, ASIN: kit.asin, ACOS: kit.acos}[code](a)
+    of: Callable[[N], N] = getattr(kit, NAMES[code])
+    return of(a)
 
 
 def motion_tape(kit: Kit[N], formula: Node, sides: Mapping[Node, int], text: str) -> Tape:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.physics.connections import base_formulas, formulas_of
-from vibsim.physics.formulas import SWITCHES, TIME, ZERO, Node, derivative, mul, num, reads, walk
+from vibsim.physics.formulas import FUNCTIONS, SWITCHES, TIME, ZERO, Node, derivative, mul, num, reads, walk
 from vibsim.physics.parts import AT_FORCE, BASE, Friction, RigidStop, Scene
 
 NAMES: dict[str, Any] = {
@@ -208,15 +208,8 @@ def _states(part: Any) -> tuple[str, ...]:
 # below 0: there a function that is not defined everywhere is read at a place where it is.
 
 
-HARMLESS = {
-    "pow": 1.0,
-    "log": 1.0,
-    "div": 1.0,
-    "exp": 0.0,
-    "sinh": 0.0,
-    "cosh": 0.0,
-    "asin": 0.0,
-    "acos": 0.0,
+HARMLESS = {"pow": 1.0, "div": 1.0} | {
+    name: of.harmless for name, of in FUNCTIONS.items() if of.harmless is not None
 }
 Label = tuple[Any, ...]  # of a flag: of a state of a part, or of a side of a switch
 
