@@ -127,7 +127,7 @@ verify: $(STAMP) ## verify against known cases, then run the slow tests
 	$(BIN)/vibsim verify
 	$(BIN)/python -m pytest -n auto -q -m slow --timeout 1800
 
-truths: $(STAMP) ## compute the stored truths of `vibsim verify` anew (ten minutes)
+truths: $(STAMP) ## compute the stored truths of `vibsim verify` anew (half a minute)
 	$(BIN)/python -m vibsim.evidence.verification.truth_making
 
 paper-page: $(STAMP) ## bring the numbers of docs/paper.md up to date with results/paper

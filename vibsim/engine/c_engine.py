@@ -83,6 +83,7 @@ class CRun:
 
     carries : whether disturbances are carried as they are (`CarryingRun`); such a run is begun later
     early, dither : as of `open_trajectory`
+    kick : seed of the signs by which each state that the flow goes on from is moved as doubles round; 0: none
     """
 
     def __init__(
@@ -97,6 +98,7 @@ class CRun:
         extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None = None,
         early: bool = False,
         dither: int = 0,
+        kick: int = 0,
         form: NumberForm[Any] = DOUBLES,
     ) -> None:
         self.scene, self.n, self.size, self.early = scene, len(scene.bodies), length(scene), early
@@ -123,6 +125,7 @@ class CRun:
             names = self.integrals.names if self.integrals else []
             self.run.keep_impacts(*pack_impacts(scene, names, self.maker.ends, early, form))
         self.run.dither(dither)
+        self.run.kick(kick)
         count, begin = tangent
         self.moving = count > 0
         if self.moving:

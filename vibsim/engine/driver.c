@@ -14,6 +14,7 @@
  * is zero bends there once the friction has let go: that velocity is still zero then.
  */
 #define AS_SOON 8
+#define KICK 0x1p-49 /* 16 unit round-offs of doubles: so far off a computed state may be (tests/flows/test_responses.py) */
 #define MEETING 0x1p-40 /* of a time: so near to an event its rounding may lie, and the motion before it goes on */
 
 static void flow_enter(Run *r, const State *state)
@@ -43,8 +44,45 @@ static int hops(Run *r)
     return 0;
 }
 
-static void enter(Run *r, const State *state)
+/* `value`, up or down by KICK of `size` as splitmix64 (Steele, Lea & Flood 2014) draws; an exact zero, which is set and not
+ * computed, stays.
+ */
+static Real kicked(Run *r, Real value, Real size)
 {
+    unsigned long long z = r->kicks += 0x9E3779B97F4A7C15u;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    if (value == 0)
+        return value;
+    return (z ^ (z >> 31)) & 1 ? value + KICK * size : value - KICK * size;
+}
+
+/* Move the state that the flow goes on from as a run in doubles rounds it: displacements and velocities by the size of the
+ * largest, the phase by that of a radian. A run of many digits that is kicked so tells what rounding does to a motion.
+ */
+static void kick(Run *r)
+{
+    State *s = &r->state;
+    Real length = 0, speed = 0;
+    int c;
+    if (r->kicks == 0)
+        return;
+    for (c = 0; c < r->bodies; c++) {
+        length = fmax(length, fabs(s->x[c]));
+        speed = fmax(speed, fabs(s->v[c]));
+    }
+    for (c = 0; c < r->bodies; c++) {
+        s->x[c] = kicked(r, s->x[c], length);
+        s->v[c] = kicked(r, s->v[c], speed);
+    }
+    s->phase = kicked(r, s->phase, 1);
+    s->w = kicked(r, s->w, fabs(s->w));
+}
+
+static void enter(Run *r)
+{
+    const State *state = &r->state;
+    kick(r);
     if (leaves_flat(r, state)) {
         taylor_enter(r, state);
         return;
@@ -125,7 +163,7 @@ void run_start(Run *r, int mode, Buffers *b)
     if (violated(r))
         note_violation(r, b);
     tangent_open(r);
-    enter(r, &r->state); /* though it may be finished: a state is read there */
+    enter(r); /* though it may be finished: a state is read there */
 }
 
 /* As before the start, with another end; modes and what follows their events are kept. */
@@ -178,7 +216,7 @@ void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, cons
             note_violation(r, b);
     }
     if (!r->finished)
-        enter(r, &r->state);
+        enter(r);
     if (!r->finished && r->status == OK && r->pending_end >= r->t_end)
         finish(r, b);
 }
@@ -321,6 +359,7 @@ static void carry_on(Run *r, Buffers *b)
     copy_state(r, &r->next, &r->state);
     if (r->pending_end < r->t_end && !r->closed) {
         memset(r->known, 0, sizeof(int) * (size_t)r->key_count);
+        kick(r);
         taylor_enter(r, &r->state);
     }
     if (b && r->pending_end >= r->t_end)

@@ -378,6 +378,7 @@ typedef struct Run {
     Real progress_deadline; /* time up to which `stretches` are counted */
     int stretches, dither;
     unsigned dithered; /* events so far whose times were moved by `dither` */
+    unsigned long long kicks; /* state of the generator that the signs of kicks are drawn from; 0: none, see driver.c */
     Certificate certificate;
     long long next_sample;
     int events_at_instant, finished, status, violated_once, stage, pending_event; /* stage: of the stretch in hand, which may take many calls */

@@ -334,6 +334,7 @@ ALONE(run_keep_extremes)
 ALONE(run_keep_impacts)
 ALONE(run_keep_section)
 ALONE(run_dither)
+ALONE(run_kick)
 ALONE(run_set_rule)
 ALONE(fill)
 ALONE(start)
@@ -366,6 +367,8 @@ static PyMethodDef methods[] = {
     {"keep_section", (PyCFunction)run_keep_section_alone, METH_VARARGS,
      "keep_section(cycles, cycles_lo, turns, rotor): the period, or the rotor whose turns it is, else -1; before the start"},
     {"dither", (PyCFunction)run_dither_alone, METH_VARARGS, "dither(which): how the times of events are moved; before the start"},
+    {"kick", (PyCFunction)run_kick_alone, METH_VARARGS,
+     "kick(seed): have states moved as doubles round, from the next start on; 0: not"},
     {"set_rule", (PyCFunction)run_set_rule_alone, METH_VARARGS,
      "set_rule(mode, event, (rule, target, other, hold, kind, part, key, order)): what follows the event"},
     {"fill", (PyCFunction)fill_alone, METH_VARARGS,

@@ -66,6 +66,7 @@ PyObject *run_keep_extremes(RunObject *self, PyObject *args);
 PyObject *run_keep_impacts(RunObject *self, PyObject *args);
 PyObject *run_keep_section(RunObject *self, PyObject *args);
 PyObject *run_dither(RunObject *self, PyObject *args);
+PyObject *run_kick(RunObject *self, PyObject *args);
 PyObject *run_set_rule(RunObject *self, PyObject *args);
 PyObject *run_hand_jump(RunObject *self, PyObject *args);
 

@@ -204,6 +204,13 @@ PyObject *run_dither(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
+PyObject *run_kick(RunObject *self, PyObject *args)
+{
+    if (!PyArg_ParseTuple(args, "K", &self->run.kicks))
+        return NULL;
+    Py_RETURN_NONE;
+}
+
 PyObject *run_set_rule(RunObject *self, PyObject *args)
 {
     Run *r = &self->run;

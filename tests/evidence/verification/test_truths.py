@@ -4,12 +4,14 @@ import json
 from decimal import Decimal
 from math import inf
 from random import Random
+from statistics import median
 
 import pytest
 
 import vibsim
 from vibsim.cases import hard_case_names, load_case
-from vibsim.engine.errors import State
+from vibsim.engine.c_engine import CRun
+from vibsim.engine.truth import bare
 from vibsim.evidence.verification.catalogue import judged_case
 from vibsim.evidence.verification.checks import (
     NUMBERS,
@@ -19,7 +21,6 @@ from vibsim.evidence.verification.checks import (
     UNIT,
     TruthError,
     kicked_scene,
-    kicked_state,
     match_events,
     outside,
     reach,
@@ -33,6 +34,7 @@ from vibsim.evidence.verification.hard_cases import REPORTED, hard_state_points,
 from vibsim.evidence.verification.truth_making import (
     TruthPlan,
     confirm,
+    form_of,
     make_truth,
     run_digits,
     states_apart,
@@ -40,7 +42,7 @@ from vibsim.evidence.verification.truth_making import (
     undecided_spans,
 )
 from vibsim.evidence.verification.truth_making import TruthRun as DigitsRun
-from vibsim.physics.precision import number_kit
+from vibsim.physics.precision import number_kit, one_precision
 
 ZERO = Decimal("1e-39")  # what rounding may leave of a zero among 40 digits
 
@@ -117,8 +119,6 @@ def test_two_runs_that_differ_make_no_truth():
         confirm("case", truth, other, {"taylor": {"x1": [1e-14]}}, ([], {"taylor": []}))
 
 
-@pytest.mark.slow
-@pytest.mark.timeout(600)
 @pytest.mark.parametrize(
     "name",
     [
@@ -132,7 +132,7 @@ def test_two_runs_that_differ_make_no_truth():
     ],
 )
 def test_a_fresh_computation_gives_the_same_truth(name):
-    """State and event times to the digits stored; strays too: kicks are seeded."""
+    """State and event times to the digits stored; strays are of their size, though other signs are drawn."""
     stored, fresh = read_truth(name, case_of(name).sha256), make_truth(name)
     for column, values in stored.states.items():
         for value, again in zip(values, fresh.states[column], strict=True):
@@ -144,8 +144,9 @@ def test_a_fresh_computation_gives_the_same_truth(name):
     )
     assert len(stored.undecided) == len(fresh.undecided)
     for flow, strays in stored.stray.items():
-        for column, values in strays.items():
-            assert fresh.stray[flow][column] == pytest.approx(values, rel=0.2, abs=1e-25), (flow, column)
+        pairs = [zip(fresh.stray[flow][column], values, strict=True) for column, values in strays.items()]
+        ratios = [one / other for of_column in pairs for one, other in of_column if other > 1e-25]
+        assert 0.5 < median(ratios) < 2, flow
 
 
 @pytest.mark.parametrize("name", judged_names())
@@ -153,7 +154,7 @@ def test_hard_cases_are_compared_to_their_end(name):
     """No instant is left out for chaos."""
     truth = read_truth(name, case_of(name).sha256)
     for flow in truth.stray:
-        points = list(hard_state_points(truth, run(case_of(name), "c", flow), flow))
+        points = list(hard_state_points(truth, run(case_of(name), flow), flow))
         assert len(points) == len(truth.states) * len(truth.time)
 
 
@@ -186,15 +187,25 @@ def test_every_number_of_a_scene_is_kicked(kit, name):
     assert (kicked.cycles, kicked.t_end) == (scene.cycles, scene.t_end)
 
 
-def test_states_are_kicked_by_the_size_of_the_motion(kit):
-    t, x1, x2, v1, v2, phase, turns, w = (kit.number(value) for value in (1, 3, 2, -4, 0, 0.5, 7, 9))
-    state = State(t, [x1, x2], [v1, v2], phase, turns, w)
-    kicked = kicked_state(state, kit, Random(2))
-    size = STATE_UNITS * UNIT
-    pairs = [*zip(kicked.x, state.x, strict=True), (kicked.v[0], v1), (kicked.phase, phase), (kicked.w, w)]
-    for (moved, value), scale in zip(pairs, (3, 3, 4, 1, 9), strict=True):
-        assert abs(float(moved - value)) == pytest.approx(scale * size, rel=1e-9)
-    assert (kicked.t, kicked.turns, kicked.v[1]) == (t, turns, 0)
+def test_states_are_kicked_by_the_size_of_the_motion():
+    """Displacements by the size of the largest, velocities likewise, the phase by that of a radian; what is
+    exactly 0 stays. The first sample is of the state that the flow begins with.
+    """
+    start = {"x1": "3 m", "x2": "2 m", "v1": "-4 m/s", "phi": "0.5 rad", "phidot": "9 rad/s"}
+    case = vibsim.load_case("II-B", {f"initial.{name}": value for name, value in start.items()})
+    form, firsts = form_of(30), []
+    with one_precision:
+        form.kit.activate()
+        parts = bare(case.exact_two_blocks(form.kit.number, form.kit.pi).as_parts(), form.kit)
+        for seed in (0, *range(1, 9)):
+            samples, *_ = next(CRun(parts, form=form, kick=seed).blocks())
+            firsts.append([form.taken(one.tobytes()) for one in samples[1:, 0]])
+        plain, *kicked = firsts
+        for i, size in enumerate((3, 4, 3, 0, 1, 9)):  # x1, v1, x2, v2, phi, phidot
+            kicks = [float(one[i] - plain[i]) / (STATE_UNITS * UNIT) for one in kicked]
+            assert all(abs(kick) == pytest.approx(size, rel=1e-9) for kick in kicks)
+            assert not size or min(kicks) < 0 < max(kicks)
+    assert len(set(map(str, kicked))) > 4
 
 
 def test_stray_is_what_conditioning_says(kit):
@@ -221,7 +232,8 @@ def test_stray_is_what_conditioning_says(kit):
         states_apart(truth, [run_digits(how, "closed_form", 30, seed)])["x2"][-1] / (way * UNIT)
         for seed in range(6)
     ]
-    assert all(1 < stray <= 5 * SCENE_UNITS + 3 * STATE_UNITS for stray in strays)
+    assert max(strays) <= 5 * SCENE_UNITS + 3 * STATE_UNITS
+    assert sum(stray > 1 for stray in strays) >= 5  # of 6: all may cancel in one
     assert len(set(strays)) > 1
 
 

@@ -1,7 +1,7 @@
 """Make the stored truths: `make truths`, or python -m vibsim.evidence.verification.truth_making [CASE...].
 
 Each is a run of 40 digits, confirmed by one of 30 digits with the other flow where there is one, and judged
-by runs that are kicked as doubles round. Takes minutes; needs python-flint.
+by runs that are kicked as doubles round. Takes half a minute; needs python-flint or mpmath.
 """
 
 import sys
@@ -11,15 +11,16 @@ from decimal import Decimal
 from random import Random
 from typing import Any
 
+import numpy as np
+
 from vibsim.cases import Case, hard_case_names, load_case
+from vibsim.engine.c_engine import CRun
 from vibsim.engine.columns import state_columns
-from vibsim.engine.driver import Driver
-from vibsim.engine.errors import State
+from vibsim.engine.number_forms import WordsForm, words_form
 from vibsim.engine.truth import bare
 from vibsim.evidence.verification.catalogue import CASE_I, SPANS, judged_case
 from vibsim.evidence.verification.checks import (
     Event,
-    KickedFlow,
     StoredTruth,
     Window,
     flows_of,
@@ -33,7 +34,7 @@ from vibsim.evidence.verification.checks import (
 from vibsim.evidence.verification.hard_cases import CLOSED_FORMS, PERIOD, PERIODIC, REPORTED, SETTLED
 from vibsim.physics.numbers import Number
 from vibsim.physics.parts import EVENT_NAMES
-from vibsim.physics.precision import DigitsKit, number_kit, one_precision
+from vibsim.physics.precision import number_kit, one_precision
 
 # Runs of many digits for the stored truths, kicked or not.
 
@@ -74,6 +75,14 @@ def plan(name: str) -> TruthPlan:
     return TruthPlan(case, stride, name.startswith("hard/"))
 
 
+def form_of(digits: int) -> WordsForm[Any]:
+    """The numbers of the engine for so many digits."""
+    form = words_form(number_kit(digits))
+    if form is None:
+        raise ValueError(f"the engine was built without numbers of {digits} digits")
+    return form
+
+
 def run_digits(how: TruthPlan, flow: str, digits: int, seed: int | None = None) -> TruthRun:
     """A run of many digits, kicked where a seed is given."""
     with one_precision:
@@ -81,39 +90,29 @@ def run_digits(how: TruthPlan, flow: str, digits: int, seed: int | None = None) 
 
 
 def _run_digits(how: TruthPlan, flow: str, digits: int, seed: int | None) -> TruthRun:
-    kit: Any = number_kit(digits)
+    form = form_of(digits)
+    kit = form.kit
     kit.activate()
     doubles = how.case.two_blocks()
     scene = how.case.exact_two_blocks(kit.number, kit.pi)
     scene = replace(scene, t_end=kit.number(doubles.t_end), every_num=scene.every_num * how.stride)
-    rng = None if seed is None else Random(seed)
-    if rng:
-        scene = kicked_scene(scene, kit, rng)
+    if seed is not None:
+        scene = kicked_scene(scene, kit, Random(seed))
     parts = replace(bare(scene.as_parts(), kit), method=flow)
-    driver = Driver(parts, kit, flow=KickedFlow(parts, kit, rng) if rng else None)
-    while not driver.finished:
-        driver.run(10**9, 10**9, 10**9)
-    return _kept_part(_finished(kit, driver), how)
-
-
-def _finished(kit: DigitsKit[Number], driver: Driver[Number]) -> TruthRun:
-    samples, events, *_ = driver.take()
-    states = [state for state, _ in samples]
-    names = state_columns(driver.scene)
-    rows = [_values(kit, state) for state in states]
-    columns = {name: kit.texts([row[i] for row in rows]) for i, name in enumerate(names)}
-    times = kit.texts([state.t for _, _, state, *_ in events])
-    kinds = [EVENT_NAMES[code] for code, *_ in events]
-    return TruthRun(
-        [float(state.t) for state in states],
-        {name: [Decimal(text) for text in texts] for name, texts in columns.items()},
-        list(zip(kinds, map(Decimal, times), strict=True))[1:-1],
+    run = CRun(parts, form=form, kick=0 if seed is None else seed + 1)
+    blocks = zip(*(block[:4] for block in run.blocks()), strict=True)
+    samples, _, events, event_codes = (np.concatenate(rows, axis=1) for rows in blocks)
+    kinds = [EVENT_NAMES[code] for code in event_codes[0].tolist()]
+    finished = TruthRun(
+        form.doubles(samples[0]).tolist(),
+        {name: _decimals(form, row) for name, row in zip(state_columns(parts), samples[1:], strict=False)},
+        list(zip(kinds, _decimals(form, events[0]), strict=True))[1:-1],
     )
+    return _kept_part(finished, how)
 
 
-def _values(kit: DigitsKit[Number], state: State[Number]) -> list[Number]:
-    moving = [value for pair in zip(state.x, state.v, strict=True) for value in pair]
-    return [*moving, kit.unwind(state.phase, state.turns), state.w]
+def _decimals(form: WordsForm[Number], row: np.ndarray) -> list[Decimal]:
+    return [Decimal(text) for text in form.texts(row).astype(str).tolist()]
 
 
 def _kept_part(run: TruthRun, how: TruthPlan) -> TruthRun:
@@ -152,7 +151,7 @@ def make_truth(name: str) -> StoredTruth:
     confirm(name, truth, other, stray, (events, event_stray))
     provenance = {
         "digits": DIGITS,
-        "library": number_kit(DIGITS).library,
+        "numbers": f"{form_of(DIGITS).name} of the engine",
         "flow": flows[0],
         "confirmed_by": f"{flows[-1]}, {FEWER_DIGITS} digits",
         "kicked_runs": KICKED_RUNS,
