@@ -24,7 +24,6 @@ from vibsim.physics.parts import (
     Scene,
     Stop,
 )
-from vibsim.physics.traced_numbers import Sloped, SlopedNumbers
 
 OMEGA = 5.0
 
@@ -79,6 +78,3 @@ def test_of_quarter_turns_sine_and_cosine_are_whole(quarters):
     assert Doubles.rounded_sine_cosine(quarters * math.pi / 2) == exact
     beside = Doubles.rounded_sine_cosine(quarters * math.pi / 2 + 1e-14)
     assert beside == Doubles.sine_cosine(quarters * math.pi / 2 + 1e-14) and all(beside)
-    sloped = SlopedNumbers.rounded_sine_cosine(Sloped(quarters * math.pi / 2, np.array([1.0])))
-    assert tuple(each.value for each in sloped) == exact
-    assert [float(each.slope[0]) for each in sloped] == [exact[1], -exact[0]]

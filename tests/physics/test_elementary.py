@@ -13,7 +13,6 @@ from vibsim.physics import elementary
 from vibsim.physics.elementary import EIGHT, TWELVE, dot, mean, sine_cosine_of_arrays, total
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.precision import Balls, BigFloats
-from vibsim.physics.traced_numbers import Sloped, SlopedNumbers
 
 RANDOM = np.random.default_rng(7)
 ULP = 2.0**-52
@@ -196,18 +195,6 @@ def test_balls_around_zero_have_powers():
     assert root.is_finite() and root.contains(0) and root.contains(flint.arb("9e-31"))
     assert float(abs(root).upper()) == pytest.approx(1e-30)
     assert kit.power(ball, flint.arb(-1.5)) == kit.inf
-
-
-@pytest.mark.parametrize("name", ["tanh", "asin", "acos", "atan", "power"])
-def test_derivatives_of_them(name):
-    def of(function, x):
-        return function(x, 1.7) if name == "power" else function(x)
-
-    for x in (-0.9, -0.2, 0.3, 0.8)[2 * (name == "power") :]:
-        carried = of(getattr(SlopedNumbers, name), Sloped(x, np.array([1.0, -2.0])))
-        truth = float(mpmath.diff(lambda y: of(getattr(mpmath, name), y), x))
-        assert carried.value == of(getattr(elementary, name), x) == of(getattr(SlopedNumbers, name), x)
-        np.testing.assert_allclose(carried.slope, [truth, -2 * truth], rtol=1e-14)
 
 
 def test_arrays_have_the_bits_of_scalars():

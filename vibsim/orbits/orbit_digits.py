@@ -1,5 +1,4 @@
-"""An orbit and its multipliers in many digits, by Newton's method on the multi-digit engine; derivatives of
-motions by numbers of a case.
+"""An orbit and its multipliers in many digits, by Newton's method on the multi-digit engine.
 
 The start are doubles, right to some 15 digits; each step doubles their number. The matrix is carried along in
 the same digits, so the multipliers are as right as the orbit, but for their condition.
@@ -11,12 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import isfinite, log10, pi
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import Any
 
 from vibsim.cases.quantities import number
-from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.carried_digits import DigitsCarrier
 from vibsim.engine.truth import bare
 from vibsim.orbits.coordinates import OrbitError
@@ -26,16 +22,7 @@ from vibsim.orbits.words import Word, spelled, word_of
 from vibsim.physics.connections import paces_of
 from vibsim.physics.numbers import Number, decimal_text
 from vibsim.physics.parts import IMPACTS
-from vibsim.physics.precision import (
-    MOST_DIGITS,
-    DigitsKit,
-    MultiprecisionMissing,
-    number_kit,
-    one_precision,
-)
-
-if TYPE_CHECKING:
-    from vibsim.cases import Case
+from vibsim.physics.precision import MOST_DIGITS, DigitsKit, number_kit, one_precision
 
 GUARD = 15  # digits beyond those asked for: what components much smaller than the largest need
 LONGEST = 40  # events of a word that is spelled
@@ -220,34 +207,3 @@ def _multipliers(
 
 def _text(kit: DigitsKit[Number], value: Number, digits: int) -> str:
     return decimal_text(kit.parts(value), digits) if value != 0 else "0"
-
-
-# Derivatives of a motion by a number of its case.
-
-
-BESIDE_DIGITS = 70  # of two motions that are a share of 1e-40 apart: 30 are left of their difference
-
-
-def slope_in_digits(
-    case: Case, beside: Case, shift: Any, start: Sequence[float], T: float
-) -> np.ndarray | None:
-    """Derivative of the components at `T` [s] of a motion from `start`, by a number of a case that is changed
-    by `shift` in the case `beside`, right to the rounding of doubles (N); None where the two motions have not
-    the same events, one fails, or no library of many digits is installed.
-    """
-    try:
-        with one_precision:
-            kit = number_kit(BESIDE_DIGITS)
-            kit.activate()
-            components, end = [kit.number(value) for value in start], kit.number(T)
-            ends = []
-            for one in (case, beside):
-                scene = bare(one.exact_scene(kit.number, kit.pi), kit)
-                ends.append(DigitsCarrier(scene, kit).carry(components, end, []))
-            here, there = ends
-            if here.events != there.events:
-                return None
-            apart = kit.number(Fraction(shift))
-            return np.array([float((b - a) / apart) for a, b in zip(here.state, there.state, strict=True)])
-    except (EngineError, MultiprecisionMissing):
-        return None
