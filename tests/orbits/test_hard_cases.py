@@ -14,8 +14,6 @@ from vibsim.orbits import find_orbit
 from vibsim.orbits.stability import neighbours
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Clearance, Force, Friction, Link, Stop
 
-ENGINES = ("c", "python")
-
 
 def rubbing(ratio, friction, force=1.0):
     """x'' + x = force sin(ratio t) - friction sgn x'."""
@@ -51,13 +49,12 @@ def test_a_family_of_orbits_under_dry_friction(x):
     assert not orbit.stable and "undecided by first order: 1 multiplier on" in stability_text(orbit)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("ratio", [0.6, 0.7, 1.3])
-def test_den_hartogs_motion_without_stops(ratio, engine):
+def test_den_hartogs_motion_without_stops(ratio):
     """Amplitude x = sqrt(V^2 - (f U)^2) (Den Hartog 1930), and the determinant of the matrix."""
     friction = 0.15
     of = rubbing(ratio, friction)
-    orbit = find_orbit(of, {"x_m": 0.0, "v_m": ratio / (1 - ratio**2)}, 1, engine=engine)
+    orbit = find_orbit(of, {"x_m": 0.0, "v_m": ratio / (1 - ratio**2)}, 1)
     V = 1 / (1 - ratio**2)
     U = sin(pi / ratio) / (ratio * (1 + cos(pi / ratio)))
     turns = orbit.end.carried.states[:, 0]

@@ -30,11 +30,10 @@ def distance(multipliers, truths):
     return max(min(abs(multipliers - mu)) for mu in truths)
 
 
-@pytest.mark.parametrize("engine", ["c", "python"])
 @pytest.mark.parametrize("name", OTHERS)
-def test_orbits(name, engine):
+def test_orbits(name):
     of = TRUTHS[name]
-    orbit = find_orbit(of.scene, disturbed(of.state, 1e-4), of.n, engine=engine)
+    orbit = find_orbit(of.scene, disturbed(of.state, 1e-4), of.n)
     assert orbit.n == of.n and orbit.spelled == of.word and orbit.certified
     assert np.all(np.abs(orbit.X - of.unknowns) <= error_bound(orbit) + 2e-16 * np.abs(of.unknowns))
     assert orbit.period == pytest.approx(of.period, rel=1e-13)

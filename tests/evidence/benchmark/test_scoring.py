@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from tests.evidence.benchmark.made import plan, planted, truth
 from tests.scenes import paper, scene
-from vibsim.engine.choice import compiled
 from vibsim.engine.truth import open_truth
 from vibsim.evidence.benchmark import running
 from vibsim.evidence.benchmark.bench_result import DONE, FAILED, SLOWER, BenchRow, EventCount, faithful_error
@@ -243,9 +242,8 @@ def test_what_fails_says_so():
     assert found.runs == 0 and np.isnan(found.error).all() and found.counted() is None
 
 
-@pytest.mark.skipif(not compiled(), reason="needs the C engine")
 def test_vibsim_is_measured_like_its_peers():
-    found = row("closed-form", "C engine", name="I-A")
+    found = row("closed-form", "as by default", name="I-A")
     assert found.status == DONE and found.error[-1] < 1e-15 and found.evaluations == -1
     assert found.counted().missed == found.counted().spurious == 0
 
@@ -254,5 +252,5 @@ def test_states_are_those_of_the_bodies():
     from tests.scenes import fixed_block
 
     scene = fixed_block(x1=1e-3, t_end=1.0).as_parts()
-    attempt = OwnEngine(scene, "python", "auto").run(np.array([0.0]), TimeLimit())
+    attempt = OwnEngine(scene, "auto").run(np.array([0.0]), TimeLimit())
     assert attempt.states.shape == (201, 2) and abs(attempt.states[:, 1]).max() > 0.01

@@ -53,7 +53,7 @@ def test_random_scenes(seed, peer, allowed):
     """With every function and switch of the language; of these four two begin with guards at 0."""
     scene = load_case_text(Drawn(seed).case, name="drawn").scene()
     kinds, columns = kinds_of(scene), tables_of(scene).displacements
-    blocks = list(open_trajectory(scene, "c").blocks())
+    blocks = list(open_trajectory(scene).blocks())
     x = np.column_stack([np.concatenate([block.samples[column] for block in blocks]) for column in columns])
     events = [EVENT_NAMES[int(kind)] for block in blocks for kind in block.events["kind"]]
     times = np.array([scene.sample_time(i) for i in range(scene.sample_count)])
@@ -68,7 +68,7 @@ def test_the_same_formulas_without_events(name):
     """To what the tolerance is worth, over kinks that no step ends at."""
     scene = load_case(name, {"run.t_end": "2 s"}).scene()
     columns = tables_of(scene).displacements
-    blocks = list(open_trajectory(scene, "c").blocks())
+    blocks = list(open_trajectory(scene).blocks())
     x = np.column_stack([np.concatenate([block.samples[column] for block in blocks]) for column in columns])
     times = np.array([scene.sample_time(i) for i in range(scene.sample_count)])
     for peer, allowed in (
@@ -84,7 +84,7 @@ def test_the_error_goes_down_with_the_tolerance():
     """Over the corners of the gear pair, as fast as the tolerance: the switches are located."""
     scene = load_case("gallery/gear-pair", {"run.t_end": "20 s"}).scene()
     times = np.array([scene.sample_time(i) for i in range(scene.sample_count)])
-    blocks = list(open_trajectory(scene, "c").blocks())
+    blocks = list(open_trajectory(scene).blocks())
     x = np.concatenate([block.samples["x_gears"] for block in blocks])
     errors = []
     for rtol in (1e-6, 1e-9, 1e-12):

@@ -32,7 +32,7 @@ def assert_same_motion(scene):
     holds_more = any(one.drops(sense) for one in scene.frictions for sense in (1, -1))
     # of two frictions between the same ends at rest the solver lets one slip, with less than it would hold
     assume(len(set(rubbing)) == len(rubbing) or not holds_more)
-    trajectory = open_trajectory(scene, "c")
+    trajectory = open_trajectory(scene)
     try:
         blocks = list(trajectory.blocks())
     except EngineError:

@@ -43,7 +43,7 @@ NOT_COMPARED = ("start", "end", "transmitted", "chatter")
 def reference(name, t_end):
     """The scene, its instants, displacements (n, bodies) and names of the events by the engine."""
     scene = load_case(name, {"run.t_end": t_end}).scene()
-    blocks = list(open_trajectory(scene, "c").blocks())
+    blocks = list(open_trajectory(scene).blocks())
     columns = tables_of(scene).displacements
     x = np.column_stack([np.concatenate([block.samples[name] for block in blocks]) for name in columns])
     kinds = [EVENT_NAMES[int(kind)] for block in blocks for kind in block.events["kind"]]

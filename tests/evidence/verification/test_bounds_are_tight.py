@@ -58,7 +58,7 @@ def test_a_wrong_mass_is_noticed_in_orbits(name, monkeypatch):
             return other
 
     monkeypatch.setattr(return_map, "Carrier", Heavier)
-    assert not all(row.passed for row in verify([name], "c"))
+    assert not all(row.passed for row in verify([name]))
 
 
 def is_noticed(name, wrong, monkeypatch):
@@ -70,7 +70,7 @@ def is_noticed(name, wrong, monkeypatch):
 
     monkeypatch.setattr(recording, "open_trajectory", run)
     monkeypatch.setattr(checks, "open_trajectory", run)
-    return not all(row.passed for row in verify([name], "c"))
+    return not all(row.passed for row in verify([name]))
 
 
 def heavier(scene, wrong):

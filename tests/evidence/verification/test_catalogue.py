@@ -136,7 +136,7 @@ def test_spellings_name_groups_too():
 
 @pytest.mark.parametrize("name", [check.name for check in all_checks()])
 def test_all_numbers_are_within_their_bounds(name):
-    rows = list(verify([name], "c"))
+    rows = list(verify([name]))
     assert rows
     assert [(row.name, row.obtained, row.error, row.bound) for row in rows if not row.passed] == []
 
@@ -196,7 +196,7 @@ def test_nothing_compared_is_an_error():
 
 @cache
 def moved(name):
-    return run(load_case(f"hard/{name}"), "c")
+    return run(load_case(f"hard/{name}"))
 
 
 def events(name, kind):

@@ -5,7 +5,6 @@ import re
 import signal
 
 import numpy as np
-import pytest
 
 from tests.command_line.made import call
 from vibsim.engine.errors import EngineError, State
@@ -24,12 +23,12 @@ def test_a_table_of_numbers():
     assert re.search(r"\n  frequency +7.697518867 Hz +7.697518867 Hz ", done.stdout)
     assert "257 events, certified" in done.stdout
     assert all(line.endswith("  ok") for line in lines if line.startswith("  "))
-    assert verdict.startswith("11 numbers, all within their bounds (C engine, ")
+    assert verdict.startswith("11 numbers, all within their bounds (")
 
 
 def test_the_table_as_json():
     found = json.loads(call("verify", "V3/closed_form", "--json").stdout)
-    assert (found["engine"], found["passed"], found["fallen_short"], found["left_out"]) == ("c", 3, [], [])
+    assert (found["passed"], found["fallen_short"]) == (3, [])
     row = found["rows"][1]
     assert (row["check"], row["name"], row["verdict"]) == ("V3/closed_form", "frequency", "ok")
     assert row["expected"] == "7.697518867 Hz"
@@ -151,32 +150,10 @@ def test_a_run_that_fails_is_a_row(monkeypatch):
     assert "failed: " in done.stdout and "FALLS SHORT" in done.stdout
 
 
-def test_the_python_engine_is_verified_where_it_is_named():
-    found = json.loads(call("verify", "V3/closed_form", "--engine", "python", "--json").stdout)
-    assert found["engine"] == "python" and found["fallen_short"] == []
-
-
-def test_what_takes_the_python_engine_minutes_is_left_out():
-    from vibsim.evidence.verification.catalogue import chosen_checks
-
-    chosen, left_out = chosen_checks([], "python")
-    assert {"hard/conservative/taylor", "hard/a-million-seconds/closed_form"} <= {
-        check.name for check in left_out
-    }
-    assert len(chosen) + len(left_out) == len(all_checks())
-    assert chosen_checks([], "c")[1] == []
-    assert chosen_checks(["hard/conservative"], "python")[1] == []
-
-
 def test_verification_works_as_a_library():
     rows = list(verify(["V3/taylor"]))
     assert [row.check for row in rows] == ["V3/taylor"] * 3
     assert all(row.passed for row in rows)
-
-
-def test_an_engine_that_does_not_exist():
-    with pytest.raises(ValueError, match="engine must be"):
-        verify(["V3"], "fortran")
 
 
 def test_an_interrupted_verification_prints_what_it_has(monkeypatch):
