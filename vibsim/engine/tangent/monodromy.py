@@ -103,16 +103,6 @@ class Carrier:
         """As `carry`, for those who know their arguments: a list of finite numbers, a time after the start
         and an array of one finite disturbance per row.
         """
-        return self._by_c(components, end, vectors)
-
-    def _start(self, components: list[float]) -> State:
-        """The state of components at t = 0."""
-        n, zero = len(self.scene.bodies), 0.0
-        x, v, rotor = components[:n], components[n : 2 * n], components[2 * n :]
-        phase, turns = Doubles.reduce_angle(rotor[0]) if rotor else (zero, zero)
-        return State(zero, x, v, phase, turns, rotor[1] if rotor else zero)
-
-    def _by_c(self, components: list[float], end: float, vectors: np.ndarray) -> Carried:
         run = self._tuned()
         run.restart(self._start(components), end, vectors)
         states, codes = run.run_out()
@@ -129,6 +119,13 @@ class Carrier:
             undefined_time if undefined else nan,
         )
 
+    def _start(self, components: list[float]) -> State:
+        """The state of components at t = 0."""
+        n, zero = len(self.scene.bodies), 0.0
+        x, v, rotor = components[:n], components[n : 2 * n], components[2 * n :]
+        phase, turns = Doubles.reduce_angle(rotor[0]) if rotor else (zero, zero)
+        return State(zero, x, v, phase, turns, rotor[1] if rotor else zero)
+
     def _ends(self, numbers: np.ndarray) -> np.ndarray:
         """The components of a state: t, x and v of each body, phase, turns, w."""
         components = numbers[1:-3]
@@ -140,7 +137,8 @@ class Carrier:
     def _rate_of(self, numbers: np.ndarray, rows: Callable[[], ModeRows]) -> np.ndarray:
         """Rates of change of the components of such a state; rows: makes those of its mode."""
         n, (t, *values) = len(self.scene.bodies), numbers.tolist()
-        return self._rate(State(t, values[:n], values[n : 2 * n], *values[2 * n :]), rows())
+        state = State(t, values[:n], values[n : 2 * n], *values[2 * n :])
+        return np.array(rates_of(self.scene, Doubles, state, rows()))
 
     def _tuned(self) -> CarryingRun:
         """The run on the C engine, on the numbers of this scene."""
@@ -172,10 +170,6 @@ class Carrier:
         other.scene, other._origin, other._numbers = free, scene, numbers
         other._doubles = scene_doubles(free, sounds)
         return other
-
-    def _rate(self, state: State, rows: ModeRows) -> np.ndarray:
-        """Rates of change of the components of a state in the mode of `rows`."""
-        return np.array(rates_of(self.scene, Doubles, state, rows))
 
 
 def _finite(values: np.ndarray) -> bool:
