@@ -8,13 +8,14 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from math import inf
-from typing import Generic
+from typing import Any, Generic
 
 from vibsim.engine.errors import EngineError, State, Stopped, start_of
 from vibsim.engine.events.automaton import Automaton
-from vibsim.engine.events.departures import derivative_flow
 from vibsim.engine.extremes import Extremes, Gap
+from vibsim.engine.flows.expansion import highest_derivative
 from vibsim.engine.flows.flow import Flow
+from vibsim.engine.flows.taylor_rounding import PythonExpansion
 from vibsim.engine.ledger import Ledger
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import STRIKE, Event
@@ -63,7 +64,9 @@ class Driver(Generic[N]):
         self.scene, self.kit = scene, kit
         self.maker = RowMaker(scene, kit)
         self.flow = flow or Flow(scene, kit)
-        self.automaton = Automaton(scene, self.maker, derivative_flow(scene, kit, self.flow.certificate), kit)
+        certificate = self.flow.certificate
+        expansion: Any = PythonExpansion(scene, kit, certificate, highest_derivative(scene) + 1)
+        self.automaton = Automaton(scene, self.maker, expansion, certificate)
         self.automaton.rigid.chatter.early = early
         self.dither, self.dithered = dither, 0
         self.section = StroboscopicSection(scene, self.flow) if section else None

@@ -6,12 +6,14 @@ displacement of their ends.
 """
 
 from collections.abc import Iterator, Sequence
-from typing import Generic
+from typing import Any, Generic
 
 from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.flows.accelerations import joined
+from vibsim.engine.flows.expansion import highest_derivative
 from vibsim.engine.flows.flow import Flow
+from vibsim.engine.flows.taylor_rounding import PythonExpansion
 from vibsim.engine.modes.rows import Event, ModeRows
 from vibsim.engine.tangent.impact_saltation import ImpactSaltation, Undefined
 from vibsim.engine.tangent.saltation import Jump, resting, saltation
@@ -40,7 +42,9 @@ class Disturbances(Generic[N]):
             "taylor": TaylorTangent(scene, kit, flow.taylor),
             "closed_form": ClosedFormTangent(scene, kit, flow.closed),
         }
-        self.tangencies = Tangencies(scene, kit)
+        order = highest_derivative(scene) + 1
+        self.expansion: Any = PythonExpansion(scene, kit, flow.certificate, order)
+        self.tangencies = Tangencies(scene, kit, self.expansion)
         self.pieces = 0
 
     def open(self, state: State[N], rows: ModeRows[N]) -> None:
@@ -89,7 +93,7 @@ class Disturbances(Generic[N]):
         """
         if before is after and touch is None:
             return
-        jump = saltation(self.scene, self.kit, state, before, after, event, touch)
+        jump = saltation(self.scene, self.kit, state, before, after, event, self.expansion, touch)
         self.tangencies.judge(event, state, before, after, jump)
         if isinstance(jump, ImpactSaltation):
             self.tangencies.struck_at(event.part, state, before)
