@@ -17,11 +17,11 @@ from vibsim.engine import c_engine
 from vibsim.engine.columns import part_columns
 from vibsim.engine.errors import EngineError, start_of
 from vibsim.engine.events.automaton import Automaton
-from vibsim.engine.events.departures import derivative_flow
+from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.settling import StickSlipResolution
-from vibsim.engine.flows.flow import Flow
+from vibsim.engine.flows.expansion import Expansion
 from vibsim.engine.modes import mode_table, row_maker
-from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.status import STICK
 from vibsim.engine.modes.ties import TooManyCuts, connected_sides
 from vibsim.engine.trajectory import open_trajectory
@@ -124,8 +124,8 @@ def test_ties_obey_coulombs_law(monkeypatch):
     rng = random.Random(30)
     for _ in range(60):
         scene = scene_at_rest(rng)
-        maker, flow = RowMaker(scene, Doubles), Flow(scene, Doubles)
-        automaton = Automaton(scene, maker, derivative_flow(scene, Doubles, flow.certificate), Doubles)
+        table = ModeTable(scene)
+        automaton = Automaton(scene, table.maker, Expansion(scene, table), Certificate(Doubles))
         state = start_of(scene, Doubles)
         status, _ = automaton.initial(state)
         base = -sum(term.amplitude * term.omega**2 for term in scene.base)

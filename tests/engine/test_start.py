@@ -15,9 +15,9 @@ from tests.events.coincidences import machine
 from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError, start_of
 from vibsim.engine.events.automaton import Automaton, UnambiguousStart
-from vibsim.engine.events.departures import derivative_flow
 from vibsim.engine.events.records import Certificate
-from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.flows.expansion import Expansion
+from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import (
@@ -96,8 +96,8 @@ def test_a_base_that_turns_round_at_the_start_strikes_nothing(phase, engine):
 
 def decided(of):
     """(mode, known zeros, doubts) of the start by the automaton; the mode by signs alone, or None."""
-    maker, certificate = RowMaker(of, Doubles), Certificate(Doubles)
-    automaton = Automaton(of, maker, derivative_flow(of, Doubles, certificate), Doubles)
+    table, certificate = ModeTable(of), Certificate(Doubles)
+    maker, automaton = table.maker, Automaton(of, table.maker, Expansion(of, table), certificate)
     plain = UnambiguousStart(of, maker.ends)
     status = plain.status(start_of(of, Doubles)) if plain.known else None
     return (*automaton.initial(start_of(of, Doubles)), certificate.uncertified), status

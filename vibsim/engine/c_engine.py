@@ -17,12 +17,11 @@ from vibsim.engine.blocks import Gap
 from vibsim.engine.columns import part_columns
 from vibsim.engine.errors import EngineError, State, Stopped, start_of
 from vibsim.engine.events.automaton import Automaton
-from vibsim.engine.events.departures import derivative_flow
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.rule_maker import RuleMaker
 from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.flows.closed.modal import pitches
-from vibsim.engine.flows.flow import Flow
+from vibsim.engine.flows.expansion import Expansion
 from vibsim.engine.ledger import struck_entries
 from vibsim.engine.ledger_integrals import jumps_of, pack_extremes, pack_impacts, pack_ledger
 from vibsim.engine.modes.mode_table import ModeTable, bytes_of, mode_table
@@ -151,14 +150,14 @@ class CRun:
         return maker
 
     @cached_property
-    def derivative_flow(self) -> Flow:
+    def expansion(self) -> Expansion:
         """Looks ahead from an event that Python decides."""
-        return derivative_flow(self.scene, self.kit, self.doubts)
+        return Expansion(self.scene, self.table)
 
     @cached_property
     def automaton(self) -> Automaton:
         """Decides what C leaves open."""
-        automaton = Automaton(self.scene, self.maker, self.derivative_flow, self.kit)
+        automaton = Automaton(self.scene, self.maker, self.expansion, self.doubts)
         automaton.rigid.chatter.early, automaton.departures.stopped = self.early, self.stopped
         return automaton
 
@@ -167,7 +166,7 @@ class CRun:
         """Takes disturbances through events that Python decides."""
         from vibsim.engine.tangent.tangencies import Jumps
 
-        return Jumps(self.scene, self.run, self.maker.rows, self.form)
+        return Jumps(self.scene, self.run, self.maker.rows, self.expansion)
 
     def rows_of(self, number: int) -> ModeRows:
         """The rows of a mode by its number in C."""
@@ -223,7 +222,7 @@ class CRun:
         """Number of a mode in C; adds it where it is new."""
         number = self.numbers.get(status)
         if number is None:
-            packed = self.table.packed(status, lambda: self.derivative_flow)
+            packed = self.table.packed(status)
             number = self.run.add_mode(*packed)
             self.told += bytes_of(packed)
             if self.integrals:

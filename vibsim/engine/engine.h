@@ -435,12 +435,20 @@ void taylor_samples(Run *r, const Real *tau, int count, Real *row, long room);
 Real taylor_spin_rate(const Run *r, Real tau);
 void taylor_value_and_slope(const Run *r, const Event *e, Real tau, Real *value, Real *slope); /* but for known zeros */
 
-/* taylor_loads.c, taylor_expansion.c, taylor_polynomial.c */
+/* taylor_loads.c, taylor_expansion.c, taylor_polynomial.c; those of terms and event functions return how many coefficients there are */
 void taylor_expand_base(Run *r, Real t);
 void taylor_expand_loads(Run *r, Real t);
 void taylor_expand(Run *r, const State *state);
+int taylor_term(const Run *r, const Term *t, Real *out);
 int taylor_polynomial(const Run *r, const Event *e, Real *out);
 Real taylor_magnitude(const Run *r, const Event *e);
+
+/* taylor_rounding.c: bounds of the derivatives of order 0 to `count` of an event function where the motion was looked at; exact: whether
+ * the state there is a start, and not what a motion led to; summed: whether the constant of the function is rounded. span: time [s] before
+ * that state for which its series are taken to tell how large displacements and velocities were, whose rounding it has, however
+ * small it is itself; 0 for its own. 0 without memory.
+ */
+int taylor_bounds(const Run *r, const Event *e, int count, int exact, int summed, Real span, Real *out);
 
 /* tape.c; sound_step sets the status SINGULAR where no step is short enough */
 void tape_values(const Run *r, Real tau);

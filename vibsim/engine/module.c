@@ -104,7 +104,7 @@ static PyObject *progress(const RunObject *self)
 }
 
 /* Packed state: t, x of each body, v of each body, phase, turns, w. */
-static int read_state(const Run *r, const Py_buffer *view, State *s)
+int read_state(const Run *r, const Py_buffer *view, State *s)
 {
     const Real *row = (const Real *)view->buf;
     int c;
@@ -153,6 +153,7 @@ static PyObject *start(RunObject *self, PyObject *args)
         for (k = 0; k < r->key_count; k++)
             r->known[k] = r->known[k] < 0 ? 0 : r->known[k];
         self->started = 1;
+        self->looked = 0;
         self->buffers.sample_count = self->buffers.event_count = self->buffers.section_count = 0;
         run_start(r, mode, &self->buffers);
         result = progress(self);
@@ -182,7 +183,7 @@ static PyObject *retune(RunObject *self, PyObject *args)
         return NULL;
     if (run_is_idle(self) && reader_of(&v[0], &v[1], &in) == 0 && !(done = scene_retune(&self->run, &in)))
         PyErr_SetString(PyExc_ValueError, "not the numbers of a scene of that shape");
-    self->started = 0;
+    self->started = self->looked = 0;
     PyBuffer_Release(&v[1]);
     if (!done)
         return NULL;
@@ -351,6 +352,10 @@ ALONE(run_disturbances)
 ALONE(run_outcome)
 ALONE(run_hand_jump)
 ALONE(run_tally)
+ALONE(run_look)
+ALONE(run_derivatives)
+ALONE(run_bounds)
+ALONE(run_formulas)
 
 static PyMethodDef methods[] = {
     {"add_mode", (PyCFunction)run_add_mode_alone, METH_VARARGS, "add_mode(ints, doubles) -> its number"},
@@ -395,6 +400,13 @@ static PyMethodDef methods[] = {
      "outcome(out) -> how many numbers: fills `out` with what a motion that carries disturbances has come to"},
     {"hand_jump", (PyCFunction)run_hand_jump_alone, METH_VARARGS,
      "hand_jump(jumps, determinant, tangencies, closest, undefined, vectors): what the pending event, which Python takes, did to disturbances"},
+    {"look", (PyCFunction)run_look_alone, METH_VARARGS,
+     "look(mode, state) -> length of a step: expand the motion there; of a run that is not started"},
+    {"derivatives", (PyCFunction)run_derivatives_alone, METH_VARARGS,
+     "derivatives(event, count) -> those of order 0 to `count` of an event function where the motion was looked at"},
+    {"bounds", (PyCFunction)run_bounds_alone, METH_VARARGS,
+     "bounds(event, count, exact, summed, span) -> of the rounding of derivatives, see `taylor_bounds` in engine.h"},
+    {"formulas", (PyCFunction)run_formulas_alone, METH_NOARGS, "formulas() -> values of the outputs of the mode's tape there"},
     {"tally", (PyCFunction)run_tally_alone, METH_NOARGS, "tally() -> dict of state, counts and margins"},
     {NULL, NULL, 0, NULL},
 };

@@ -7,11 +7,12 @@ import numpy as np
 
 from vibsim.engine.columns import flags_of_parts, part_columns, state_columns, stored_columns
 from vibsim.engine.errors import State
-from vibsim.engine.events.departures import DerivativeSigns, derivative_flow, released_parts, zeros_of_touch
+from vibsim.engine.events.departures import DerivativeSigns, released_parts, zeros_of_touch
 from vibsim.engine.events.impacts.simultaneous import coincident_stops_of
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.relative_motion import RelativeMotion, meets
 from vibsim.engine.flows.base_motion import base_motion, belt_velocity
+from vibsim.engine.flows.expansion import Expansion
 from vibsim.engine.modes.mode_table import mode_table
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known
 from vibsim.engine.modes.status import LIFTED, OPEN, STICK, Status
@@ -57,11 +58,12 @@ def _with_switches(scene: Scene, state: State, status: Status, known: Known) -> 
     """The mode with the sides of the switches of its formulas, which no row holds: their values tell them,
     and where these are zero the direction in which they leave it.
     """
-    maker = mode_table(scene).maker
+    table = mode_table(scene)
+    maker = table.maker
     if maker.formulas is None or not maker.formulas.switches:
         return status, known
-    flow = derivative_flow(scene, Doubles, Certificate(Doubles))
-    departures = DerivativeSigns(RelativeMotion(scene, maker, Doubles), maker, flow, Doubles)
+    relative = RelativeMotion(scene, maker, Doubles)
+    departures = DerivativeSigns(relative, maker, Expansion(scene, table), Certificate(Doubles))
     assert departures.switches is not None
     status, zeros = departures.switches.initial(state, departures, status)
     return status, known | zeros

@@ -17,7 +17,7 @@ typedef struct {
     Run run;
     Buffers buffers; /* what is filled, of the arrays in `views` */
     Py_buffer views[BUFFERS];
-    int started, busy, view_count, bits; /* bits: of its numbers, where they are no doubles */
+    int started, busy, looked, view_count, bits; /* looked: whether a state was, see run_look.c; bits: of numbers that are no doubles */
 } RunObject;
 
 /* A number as an object of Python: a float, or the bytes of a number of words. */
@@ -51,6 +51,15 @@ static inline int number_from(PyObject *object, void *out)
 #endif
     return 1;
 }
+
+/* module.c: a packed state; 0, or -1 where an error is set */
+int read_state(const Run *r, const Py_buffer *view, State *s);
+
+/* run_look.c */
+PyObject *run_look(RunObject *self, PyObject *args);
+PyObject *run_derivatives(RunObject *self, PyObject *args);
+PyObject *run_bounds(RunObject *self, PyObject *args);
+PyObject *run_formulas(RunObject *self, PyObject *none);
 
 /* run_setup.c: what a run is told of before its start, modes as they are met, and jumps; 0 of run_is_idle: an error is set */
 int reader_of(const Py_buffer *ints, const Py_buffer *doubles, Reader *in);

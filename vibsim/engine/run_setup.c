@@ -76,7 +76,7 @@ PyObject *run_renew_mode(RunObject *self, PyObject *args)
             PyErr_SetString(PyExc_ValueError, "the packed numbers are none of that mode");
         }
     }
-    self->started = 0;
+    self->started = self->looked = 0;
     PyBuffer_Release(&v[0]);
     PyBuffer_Release(&v[1]);
     if (!renewed)

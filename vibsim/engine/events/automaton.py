@@ -18,10 +18,10 @@ from vibsim.engine.events.departures import DerivativeSigns, TouchingParts, lead
 from vibsim.engine.events.impacts.newton_moreau import rate_of
 from vibsim.engine.events.impacts.rigid_stops import RigidStops
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
-from vibsim.engine.events.records import Happened, Taken, changes
+from vibsim.engine.events.records import Certificate, Happened, Taken, changes
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.events.settling import StickSlipResolution
-from vibsim.engine.flows.flow import Flow
+from vibsim.engine.flows.expansion import Expansion
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import (
     CLEARANCE,
@@ -49,18 +49,26 @@ from vibsim.engine.modes.status import (
     Status,
 )
 from vibsim.engine.modes.ties import Edge, TooManyCuts
-from vibsim.physics.numbers import Kit, N
+from vibsim.physics.numbers import N
 from vibsim.physics.parts import Friction, RigidStop, Scene, Stop
 
 
 class Automaton(Generic[N]):
     """Decides the modes of a run: at its start, see `InitialMode`, and behind each event."""
 
-    def __init__(self, scene: Scene[N], maker: RowMaker[N], flow: Flow[N], kit: Kit[N]) -> None:
+    def __init__(
+        self,
+        scene: Scene[N],
+        maker: RowMaker[N],
+        expansion: Expansion[N],
+        certificate: Certificate[N],
+    ) -> None:
         self.scene, self.maker = scene, maker
         self.elastic = dict(scene.elastic_stops)
         self.struck = False  # whether the event taken last was a kink of the base that made impacts
-        self.departures = DerivativeSigns(RelativeMotion(scene, maker, kit), maker, flow, kit)
+        self.departures = DerivativeSigns(
+            RelativeMotion(scene, maker, expansion.kit), maker, expansion, certificate
+        )
         self.settling = StickSlipResolution(scene, maker, self.departures)
         self.parting = TouchingParts(scene, maker, self.departures)
         self.rigid = RigidStops(scene, maker, self.settling, self.parting)
@@ -298,7 +306,7 @@ class InitialMode(Generic[N]):
     ) -> None:
         self.scene, self.maker, self.settling, self.rigid = scene, maker, settling, rigid
         self.departures: DerivativeSigns[N] = settling.departures
-        self.relative, self.flow = settling.relative, settling.flow
+        self.relative = settling.relative
         self.elastic = dict(scene.elastic_stops)
 
     def initial(self, state: State[N]) -> tuple[Status, Known]:

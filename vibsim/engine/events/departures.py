@@ -17,8 +17,7 @@ from vibsim.engine.errors import State, Stopped
 from vibsim.engine.events.records import Certificate, Happened
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.events.switches import SwitchSides
-from vibsim.engine.flows.flow import Flow
-from vibsim.engine.flows.taylor_rounding import TaylorRounding
+from vibsim.engine.flows.expansion import Expansion, highest_derivative
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import (
     CLEARANCE,
@@ -33,45 +32,40 @@ from vibsim.engine.modes.rows import (
     Term,
 )
 from vibsim.engine.modes.status import CONTACT, KEPT, OPEN, VIOLATED, Status
-from vibsim.physics.numbers import Kit, N, abs, total_of
+from vibsim.physics.numbers import N, abs, total_of
 from vibsim.physics.parts import Clearance, Scene, Stop
 
 FEW = 2  # derivatives behind the first that is asked for: most often enough
-LEAST_JET, MOST_JET = 7, 21  # of bounds of `highest_derivative`
 # of what a rate changes by within a step: rounding may have left so little; rules.c asks for 256 times that
 GRAZING = 2.0**-28
-
-
-def highest_derivative(scene: Scene[N]) -> int:
-    """Order of the highest derivative consulted where lower ones vanish: two for each body that a change
-    passes on its way through a chain, and three for where it comes from. Beyond MOST_JET no double tells.
-    """
-    return min(max(LEAST_JET, 2 * len(scene.bodies) + 3), MOST_JET)
-
-
-def derivative_flow(scene: Scene[N], kit: Kit[N], certificate: Certificate[N]) -> Flow[N]:
-    """A flow that looks ahead from an event, with as many derivatives as are consulted there."""
-    return Flow(scene, kit, certificate, highest_derivative(scene) + 1)
 
 
 class DerivativeSigns(Generic[N]):
     """Decides on which side of zero event functions are just behind an instant."""
 
-    def __init__(self, relative: RelativeMotion[N], maker: RowMaker[N], flow: Flow[N], kit: Kit[N]) -> None:
-        self.relative, self.maker, self.flow, self.kit = relative, maker, flow.taylor, kit
+    def __init__(
+        self,
+        relative: RelativeMotion[N],
+        maker: RowMaker[N],
+        expansion: Expansion[N],
+        certificate: Certificate[N],
+    ) -> None:
+        self.relative, self.maker, self.expansion, self.kit = relative, maker, expansion, expansion.kit
+        self.certificate = certificate
         self.jet = highest_derivative(maker.scene)
-        self.switches = SwitchSides(maker.scene, maker, relative, kit) if maker.formulas else None
+        formulas = maker.formulas
+        self.switches = SwitchSides(maker.scene, maker, relative, self.kit) if formulas else None
         self.stopped = threading.Event()  # set from any thread: what is decided then is left undecided
 
     def doubt(self, state: State[N]) -> None:
-        self.flow.certificate.doubt(state.t)
+        self.certificate.doubt(state.t)
 
     def enter(self, state: State[N], status: Status) -> ModeRows[N]:
         """The rows of a mode, whose derivatives at a state are asked for next. Raises Stopped."""
         if self.stopped.is_set():
             raise Stopped
         rows = self.maker.rows(self.with_sides(state, status))
-        self.flow.look(state, rows)
+        self.expansion.look(state, rows)
         return rows
 
     def with_sides(self, state: State[N], status: Status) -> Status:
@@ -103,7 +97,7 @@ class DerivativeSigns(Generic[N]):
         open, or one before it. That of order 1 of displacements is one of velocities.
         """
         order = leading(values, first)
-        bounds = TaylorRounding(self.flow, order + 1, state.t == 0).derivatives(event, order)
+        bounds = self.expansion.bounds(event, order, state.t == 0)
         if order > 0 and event.is_made_of(DIFFERENCE):
             bounds[1] = self.kit.number(0)
             for term in event.terms:
@@ -128,7 +122,7 @@ class DerivativeSigns(Generic[N]):
         """
         values: list[N] = []
         for highest in (min(first + FEW, self.jet), self.jet):
-            values = self.flow.derivatives(event, highest)
+            values = self.expansion.derivatives(event, highest)
             for order, value in direct.items():
                 values[order] = value
             if any(value != 0 for value in values[first:]):
@@ -152,7 +146,7 @@ class DerivativeSigns(Generic[N]):
             rate = self._direct_rate(state, event)
             if rate != 0:
                 return -sign(rate), 1
-        self.flow.look(state, rows)
+        self.expansion.look(state, rows)
         values = self._derivatives(state, event, self.jet)
         first = leading(values, order + 1)
         if first == 1 and abs(values[1]) > GRAZING * self._span(state) * abs(values[2]):
@@ -170,12 +164,11 @@ class DerivativeSigns(Generic[N]):
         """Bounds of the rounding of the derivatives of an event function of the mode entered last: of what
         the state is made of, and of what the motion led through within a step before it, or since t = 0.
         """
-        rounding = TaylorRounding(self.flow, highest + 1, state.t == 0, self._span(state))
-        return rounding.derivatives(event, highest)
+        return self.expansion.bounds(event, highest, state.t == 0, self._span(state))
 
     def _span(self, state: State[N]) -> N:
         """A step of the mode entered last, as far as there is motion before `state` [s]."""
-        step = self.flow.step_length()
+        step = self.expansion.step_length()
         return step if step < state.t else state.t
 
     def _direct_rate(self, state: State[N], event: Event[N]) -> N:
@@ -198,7 +191,7 @@ class DerivativeSigns(Generic[N]):
         if rows.lets_go_with_depth(i):
             return False
         event = self.event(rows, (PUSH, i))
-        values = self.flow.derivatives(event, self.jet)
+        values = self.expansion.derivatives(event, self.jet)
         if self.is_open(state, event, values, 0):
             self.doubt(state)
         return values[0] < 0

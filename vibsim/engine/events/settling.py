@@ -27,7 +27,7 @@ class StickSlipResolution(Generic[N]):
     """Decides what sticks, rests, slips and parts where frictions and rigid stops stand."""
 
     def __init__(self, scene: Scene[N], maker: RowMaker[N], departures: DerivativeSigns[N]) -> None:
-        self.scene, self.maker, self.kit, self.flow = scene, maker, departures.kit, departures.flow
+        self.scene, self.maker, self.kit = scene, maker, departures.kit
         self.departures, self.relative = departures, departures.relative
 
     def standing(self, status: Status, more: Iterable[int] = ()) -> list[int]:
@@ -217,7 +217,7 @@ class StickSlipResolution(Generic[N]):
         """The HOLD event furthest below zero behind the instant, or None."""
         worst: Event[N] | None = None
         depth: N | None = None
-        forces = self._forces(rows)
+        forces = self._forces(state, rows)
         for event in rows.events:
             if event.kind == HOLD:
                 values = self.departures.hold_values(state, rows, event)
@@ -229,16 +229,18 @@ class StickSlipResolution(Generic[N]):
                     worst, depth = event, values[0]
         return worst
 
-    def _forces(self, rows: ModeRows[N]) -> N:
+    def _forces(self, state: State[N], rows: ModeRows[N]) -> N:
         """Sum of the magnitudes of all forces in the mode entered last [N], of couplings by what each of
         their ends has: what the rounding of any force is below some hundred eps of.
         """
-        flow, scene = self.flow, self.scene
-        total = inertia = self.kit.number(0)
+        scene, zero = self.scene, self.kit.number(0)
+        x = (*state.x, zero, self.relative.base(state, "x"))
+        v = (*state.v, zero, self.relative.base(state, "v"))
+        total = inertia = zero
         for one in rows.couplings:
-            places = abs(flow.x[one.P][0]) + abs(flow.x[one.Q][0])
+            places = abs(x[one.P]) + abs(x[one.Q])
             total = total + one.k * places + abs(one.offset)
-            total = total + one.c * (abs(flow.v[one.P][0]) + abs(flow.v[one.Q][0]))
+            total = total + one.c * (abs(v[one.P]) + abs(v[one.Q]))
         for force in scene.forces:
             total = total + abs(force.constant)
         for term in (term for force in scene.forces for term in force.terms):
@@ -246,23 +248,16 @@ class StickSlipResolution(Generic[N]):
         for _, value in rows.constants:
             total = total + abs(value)
         if rows.tape:
-            values = flow.tape_values(self.kit.number(0))
+            values = self.departures.expansion.formulas()
             for law in rows.formulas:
-                total = total + abs(values.output(law.output)[0])
+                total = total + abs(values[law.output])
         for body in scene.bodies:
             inertia = inertia + body.m
         for term in scene.base:
             total = total + inertia * abs(term.amplitude * term.omega * term.omega)
         if scene.base_formula is not None:
-            total = total + inertia * abs(base_acceleration(scene, self.kit, flow.t0))
-        return total if scene.motor is None else total + self._motor_forces(scene.motor)
-
-    def _motor_forces(self, motor: Motor[N]) -> N:
-        """The same of a motor: of its unbalance, and of its torque at the radius of that."""
-        rotor = self.flow.rotor
-        assert rotor is not None  # there is a motor
-        w = abs(rotor.w[0])
-        return motor.unbalance * (w * w) + (abs(motor.M0) + motor.drag * w) / motor.e
+            total = total + inertia * abs(base_acceleration(scene, self.kit, state.t))
+        return total if scene.motor is None else total + motor_forces(scene.motor, state.w)
 
     def _slips_as_said(self, state: State[N], status: Status, slipping: Sequence[int]) -> bool:
         """Whether the ties that let go do so in the direction of their status, and stops part."""
@@ -327,3 +322,9 @@ def combinations_of(standing: Sequence[int], frictions: int) -> Iterator[dict[in
         for chosen in combinations(standing, count):
             for senses in product(*((FORWARD, BACKWARD) if k < frictions else (FORWARD,) for k in chosen)):
                 yield dict.fromkeys(standing, STICK) | dict(zip(chosen, senses, strict=True))
+
+
+def motor_forces(motor: Motor[N], speed: N) -> N:
+    """Size of the forces of a motor [N]: of its unbalance, and of its torque at the radius of that."""
+    w = abs(speed)
+    return motor.unbalance * (w * w) + (abs(motor.M0) + motor.drag * w) / motor.e

@@ -246,3 +246,16 @@ def largest_term(series: Sequence[N], span: N | int) -> N:
         size = abs(coefficient * power)
         largest = size if size > largest else largest
     return largest
+
+
+class PythonExpansion(Taylor[N]):
+    """What `Expansion` is to the engine in C."""
+
+    def bounds(self, event: Event[N], count: int, exact: bool, span: N | int = 0) -> list[N]:
+        """Bounds of the rounding of derivatives."""
+        return TaylorRounding(self, count + 1, exact, span).derivatives(event, count)
+
+    def formulas(self) -> list[N]:
+        """Values of the outputs of the tape of the mode."""
+        values = self.tape_values(self.kit.number(0))
+        return [values.output(k)[0] for k in range(len(values.tape.outputs))]

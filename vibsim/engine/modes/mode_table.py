@@ -14,6 +14,7 @@ from threading import Lock, RLock
 from typing import TYPE_CHECKING, Any
 
 from vibsim.engine.flows.closed.modal import harmonic_key, pitches
+from vibsim.engine.flows.closed.modal_maker import may_have_closed_form, modal_of
 from vibsim.engine.ledger_integrals import IntegralMaker, pack_integrals, terms_of
 from vibsim.engine.modes.packing import Packed, packed_mode
 from vibsim.engine.modes.parametric_rows import Numbers, ParametricRows, Place, recipe_of, settings
@@ -25,7 +26,6 @@ from vibsim.lazy import once
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
-    from vibsim.engine.flows.flow import Flow
     from vibsim.physics.formulas import Node
 
 SCENES = 16  # whose tables are kept
@@ -61,20 +61,31 @@ class ModeTable:
             maker: RowMaker = vars(self).setdefault("maker", RowMaker(self.scene, self.form.kit))
         return maker
 
-    def packed(self, status: Status, flow: Callable[[], Flow]) -> Packed:
-        """The rows of a mode as bytes of ints and of doubles; flow: tells whether it has a closed form."""
+    def packed(self, status: Status) -> Packed:
+        """The rows of a mode as bytes of ints and of doubles, with its closed form where it moves by that."""
         packed = self._packed.get(status)
         if packed is None:
             with self._lock:
-                made = self._pack(status, flow)
+                made = self._pack(status)
                 packed = self._packed.keep(status, made, bytes_of(made))
         return packed
 
-    def _pack(self, status: Status, flow: Callable[[], Flow]) -> Packed:
+    def _pack(self, status: Status) -> Packed:
         rows = self.maker.rows(status)
-        if flow().suits(rows) is flow().taylor:
-            rows.modal, rows.modal_sought = None, True
-        return packed_mode(rows, self.keys, self.form).packed
+        modal = modal_of(self.scene, self.form.kit, rows, pitches(self.scene))
+        return packed_mode(rows, self.keys, self.form, modal).packed
+
+    def packed_without_closed_form(self, rows: ModeRows) -> Packed:
+        """The rows of a mode that is looked at, and may never be entered; with its closed form where they are
+        packed already.
+        """
+        packed = self._packed.get(rows.status)
+        if packed is None:
+            with self._lock:
+                packed = packed_mode(rows, self.keys, self.form).packed
+                if not may_have_closed_form(self.scene, rows):
+                    packed = self._packed.keep(rows.status, packed, bytes_of(packed))
+        return packed
 
     def retuned(self, scene: Scene, numbers: Numbers) -> ModeTable:
         """The table of a scene whose modes differ from those of this one in `numbers` alone, as
@@ -152,16 +163,16 @@ class ParametricModeTable(ModeTable):
         self._places, self._numbers = tuple(numbers), tuple(numbers.values())
         self._known = of.recipes(self._places)
 
-    def packed(self, status: Status, flow: Callable[[], Flow]) -> Packed:
+    def packed(self, status: Status) -> Packed:
         """As of any table: by a known recipe, which is as soon done as looked up."""
         recipe = self._known.get(status)
         packed = None if recipe is None else recipe.packed(self._numbers)
-        return super().packed(status, flow) if packed is None else packed
+        return super().packed(status) if packed is None else packed
 
-    def _pack(self, status: Status, flow: Callable[[], Flow]) -> Packed:
+    def _pack(self, status: Status) -> Packed:
         recipe = self.origin.recipe(self._places, status)
         packed = None if recipe is None else recipe.packed(self._numbers)
-        return super()._pack(status, flow) if packed is None else packed
+        return super()._pack(status) if packed is None else packed
 
 
 _tables: OrderedDict[bytes, ModeTable] = OrderedDict()

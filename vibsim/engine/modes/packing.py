@@ -14,8 +14,7 @@ from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.physics.parts import BASE, BODY, GROUND, Harmonic, Scene
 
 if TYPE_CHECKING:
-    from vibsim.engine.flows.closed.closed_form import ModalMotion
-    from vibsim.engine.flows.closed.modal import Source
+    from vibsim.engine.flows.closed.modal import Modal, Source
     from vibsim.engine.flows.tape import Tape
 
 
@@ -44,8 +43,13 @@ def harmonic(term: Harmonic) -> tuple[float, ...]:
     return term.amplitude, term.omega, term.cycles, term.cycles_lo, term.phase
 
 
-def pack_scene(scene: Scene, harmonics: Sequence[Pitch], form: NumberForm[Any] = DOUBLES) -> Packed:
-    """The scene as bytes of ints and of numbers. harmonics: distinct pitches, as `ClosedForm.harmonics`."""
+def pack_scene(
+    scene: Scene, harmonics: Sequence[Pitch], form: NumberForm[Any] = DOUBLES, order: int | None = None
+) -> Packed:
+    """The scene as bytes of ints and of numbers.
+
+    harmonics : distinct pitches, as `modal.pitches`; order: of Taylor series, where not that of a run
+    """
     motor = scene.motor
     parts = len(scene.stops) + len(scene.frictions) + len(scene.clearances)
     of_pitch = iter(harmonic_indices(scene, harmonics))
@@ -60,7 +64,7 @@ def pack_scene(scene: Scene, harmonics: Sequence[Pitch], form: NumberForm[Any] =
     ints += (motor is not None, motor.on if motor else 0, scene.has_base + scene.base_is_rate)
     ints += (rest_columns(scene),)
     alone = [c for c, body in enumerate(scene.bodies) if body.kind != BODY or body.turns]
-    ints += (scene.stop_on_violation, form.order(scene), len(scene.rotors), len(alone))
+    ints += (scene.stop_on_violation, order or form.order(scene), len(scene.rotors), len(alone))
     ints += islice(of_pitch, len(scene.base))
     for force in scene.forces:
         ints += (force.on, len(force.terms), *islice(of_pitch, len(force.terms)))
@@ -109,9 +113,16 @@ def pack_state(state: State, form: NumberForm[Any] = DOUBLES) -> bytes:
     return form.packed((state.t, *state.x, *state.v, state.phase, state.turns, state.w))
 
 
-def packed_mode(rows: ModeRows, keys: dict[EventKey, int], form: NumberForm[Any] = DOUBLES) -> Packer:
-    """The rows of a mode as ints and numbers. keys: {event key: number}, which grows."""
-    pack, modal = Packer(form), rows.modal
+def packed_mode(
+    rows: ModeRows,
+    keys: dict[EventKey, int],
+    form: NumberForm[Any] = DOUBLES,
+    modal: Modal | None = None,
+) -> Packer:
+    """The rows of a mode as ints and numbers. keys: {event key: number}, which grows; modal: its closed form,
+    where that is told of.
+    """
+    pack = Packer(form)
     terms: list[Term] = []
     slopes: list[tuple[int, int, int, int, float, int]] = []
     slope_constants: list[float] = []
@@ -182,7 +193,7 @@ def pack_tape(pack: Packer, tape: Tape) -> None:
     pack.put(tape.outputs)
 
 
-def pack_modal(pack: Packer, modal: ModalMotion) -> None:
+def pack_modal(pack: Packer, modal: Modal) -> None:
     sources: list[Source] = []
     shifts: list[tuple[int, int, float]] = []
     shares: list[tuple[int, float]] = []

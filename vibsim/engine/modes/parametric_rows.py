@@ -66,9 +66,7 @@ def recipe_of(
         recorded = with_number(recorded, place, number)
     try:
         rows = RowMaker(recorded, kit).rows(status)
-        if scene.method != "taylor":
-            rows.modal = modal_of(recorded, kit, rows, pitches(recorded))  # type: ignore[assignment]
-        pack = packed_mode(rows, keys)
+        pack = packed_mode(rows, keys, modal=modal_of(recorded, kit, rows, pitches(recorded)))
     except NotRecorded:
         return None
     numbers: list[Any] = [*pack.doubles]

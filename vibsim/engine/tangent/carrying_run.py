@@ -59,7 +59,7 @@ class CarryingRun(CRun):
 
         doubles : of the packed scene; table : of its modes
         """
-        for name in ("derivative_flow", "automaton", "jumps", "maker"):
+        for name in ("expansion", "automaton", "jumps", "maker"):
             self.__dict__.pop(name, None)
         before, self.scene = self.scene, scene
         if doubles != self._doubles:
@@ -68,7 +68,7 @@ class CarryingRun(CRun):
         if table is not self.table:
             self.table = table
             for number, status in enumerate(self.statuses):
-                self.run.renew_mode(number, *table.packed(status, lambda: self.derivative_flow))
+                self.run.renew_mode(number, *table.packed(status))
                 self._set_slopes(number, status)
         self._renew_starts(before, scene)
 

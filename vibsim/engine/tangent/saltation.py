@@ -24,16 +24,18 @@ from typing import Generic, Protocol
 
 from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
-from vibsim.engine.events.records import Certificate
 from vibsim.engine.flows.accelerations import accelerations, joined, response
 from vibsim.engine.flows.base_motion import base_motion, course_acceleration
-from vibsim.engine.flows.tape import Inputs
-from vibsim.engine.flows.taylor import Taylor
+from vibsim.engine.flows.expansion import Expansion
+from vibsim.engine.flows.tape import Inputs, TapeValues
 from vibsim.engine.modes.rows import (
+    ACCELERATION,
+    COUPLING,
     DIFFERENCE,
     FORMULA,
     GAP,
     HOLD,
+    LOAD,
     SLIDE,
     STRIKE,
     SWITCH,
@@ -42,8 +44,8 @@ from vibsim.engine.modes.rows import (
     Term,
 )
 from vibsim.engine.modes.status import CONTACT, FORWARD, RESTING, STICK, Status
+from vibsim.engine.tangent.formula_tangent import slopes_of
 from vibsim.engine.tangent.impact_saltation import UNDEFINED, Undefined, impact_saltation
-from vibsim.engine.tangent.tangent_taylor import TaylorTangent
 from vibsim.physics.formulas import is_continuous
 from vibsim.physics.numbers import Kit, N, abs, total_of
 from vibsim.physics.parts import Friction, Scene, Stop
@@ -91,13 +93,116 @@ class Saltation(Generic[N]):
 
 @dataclass
 class Release(Saltation[N]):
-    """S where ties begin to slip with less force; flow: Taylor's, at the event in the mode before."""
+    """S where ties begin to slip with less force; at `state`, in the mode of `rows` before."""
 
-    flow: Taylor[N]
+    scene: Scene[N]
+    rows: ModeRows[N]
+    state: State[N]
 
     def _along(self, vector: Sequence[N]) -> N:
-        tangent = TaylorTangent(self.flow.scene, self.flow.kit, self.flow)
-        return tangent.value(self.event, vector)
+        return DisturbedForces(self.scene, self.kit, self.rows, self.state, vector).of(self.event)
+
+
+class DisturbedForces(Generic[N]):
+    """Effect of a disturbance on the forces and accelerations of a mode at a state, to first order.
+
+    With s = sin phi, c = cos phi, w = phi' and u the unbalance of a rotor, its pull u d(s w)/dt on what it is
+    on changes by u ((c w' - s w^2) dphi + 2 c w dw + s dw'), its torque u s a by u (c a dphi + s da).
+    """
+
+    def __init__(
+        self, scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[N], vector: Sequence[N]
+    ) -> None:
+        self.scene, self.kit, self.rows, self.state, self.n = scene, kit, rows, state, len(scene.bodies)
+        zero = kit.number(0)
+        self.x = (*vector[: self.n], zero, zero)
+        self.v = (*vector[self.n : 2 * self.n], zero, zero)
+        self.phi, self.w = vector[-2:] if scene.motor else (zero, zero)
+        self.formulas = self._formulas()
+        turning = bool(scene.motor or rows.rotors)
+        self.steady, self.spin_rate = accelerations(scene, kit, rows, state) if turning else ([], zero)
+        self.a, self.turned = self._accelerations()
+
+    def _formulas(self) -> dict[int, N]:
+        """Changes of the outputs of the tape, by their partial derivatives."""
+        if self.rows.tape is None:
+            return {}
+        kit, state, zero, slopes = self.kit, self.state, self.kit.number(0), slopes_of(self.kit, self.rows)
+        X, V = base_motion(self.scene, kit, state.t, self.rows)
+        at = Inputs(state.t, (*state.x, zero, X), (*state.v, zero, V), state.phase, state.w)
+        quiet = [zero] * (self.n + 2)
+        values = TapeValues(kit, slopes.tape, at, Inputs(zero, quiet, quiet, zero, zero))
+        moved = {"x": self.x, "v": self.v, "phi": (self.phi,), "w": (self.w,)}
+        return {
+            k: total_of(kit, (values.output(one.output)[0] * moved[one.kind][one.column] for one in each))
+            for k, each in slopes.of.items()
+        }
+
+    def _coupling(self, i: int) -> N:
+        one = self.rows.couplings[i]
+        return one.k * (self.x[one.P] - self.x[one.Q]) + one.c * (self.v[one.P] - self.v[one.Q])
+
+    def _accelerations(self) -> Accelerations[N]:
+        """Changes of the accelerations of columns and motor's rotor."""
+        rows, motor, zero, leader = self.rows, self.scene.motor, self.kit.number(0), self.rows.leader
+        F, torque = [zero] * (self.n + 2), zero
+        for i, coupling in enumerate(rows.couplings):
+            force = self._coupling(i)
+            F[leader[coupling.P]] = F[leader[coupling.P]] - force
+            F[leader[coupling.Q]] = F[leader[coupling.Q]] + force
+        for law in rows.formulas:
+            force = law.sign * self.formulas[law.output]
+            F[leader[law.P]] = F[leader[law.P]] + force
+            if law.Q >= 0:
+                F[leader[law.Q]] = F[leader[law.Q]] - force
+        for one in rows.rotors:
+            c, on = self.kit.cos(self.state.x[one.column]), leader[one.on]
+            F[on] = F[on] + one.unbalance * self._pull(one.column)
+            twist = c * self.steady[on] * self.x[one.column]
+            F[one.column] = F[one.column] + one.unbalance * twist
+        if motor is not None:
+            c, on = self.kit.cos(self.state.phase), leader[motor.on]
+            F[on] = F[on] + motor.unbalance * self._pull(None)
+            torque = motor.unbalance * (c * self.steady[on] * self.phi) - motor.drag * self.w
+        return response(self.scene, self.kit, rows, self.state, F, torque, zero)
+
+    def _pull(self, column: int | None) -> N:
+        """Change of d(s w)/dt without that of w', of the rotor in a column or of the motor's."""
+        at, phi, w, speed, rate = self.state.phase, self.phi, self.w, self.state.w, self.spin_rate
+        if column is not None:
+            at, phi, w = self.state.x[column], self.x[column], self.v[column]
+            speed, rate = self.state.v[column], self.steady[column]
+        s, c = self.kit.sine_cosine(at)
+        return (c * rate - s * speed * speed) * phi + 2 * c * speed * w
+
+    def of(self, event: Event[N]) -> N:
+        """The change of an event function."""
+        return total_of(self.kit, (term.coefficient * self._term(term) for term in event.terms))
+
+    def _term(self, term: Term[N]) -> N:
+        P, Q = term.P, term.Q
+        if term.kind == ACCELERATION:
+            return self.a[P]
+        if term.kind == FORMULA:
+            return self.formulas[P]
+        if term.kind == COUPLING:
+            return self._coupling(P)
+        if term.kind == LOAD:
+            return self._thrust(P)
+        values = self.x if term.kind == DIFFERENCE else self.v
+        return values[P] - values[Q]
+
+    def _thrust(self, column: int) -> N:
+        """Change of the force of the rotors on a column."""
+        motor, total = self.scene.motor, self.kit.number(0)
+        for one in self.rows.rotors:
+            if one.on == column:
+                turned = self.kit.sin(self.state.x[one.column]) * self.a[one.column]
+                total = total + one.unbalance * (self._pull(one.column) + turned)
+        if motor is not None and motor.on == column:
+            pulled = self._pull(None) + self.kit.sin(self.state.phase) * self.turned
+            total = total + (motor.unbalance * pulled - motor.m3 * self.a[column])
+        return total
 
 
 @dataclass
@@ -141,6 +246,7 @@ def saltation(
     before: ModeRows[N],
     after: ModeRows[N],
     event: Event[N],
+    expansion: Expansion[N],
     touch: SimultaneousImpacts[N] | None = None,
 ) -> Jump[N] | Undefined | None:
     """The saltation of `event` at `state` between the modes of the rows `before` and `after`; None where it
@@ -152,7 +258,9 @@ def saltation(
     if event.kind == SWITCH and touch is not None:
         return UNDEFINED  # a kink of the base that strikes what rests on it
     if event.kind == SWITCH:
-        return _released(scene, kit, state, before, after, event) if turns_forces(before, after) else None
+        if not turns_forces(before, after):
+            return None
+        return _released(scene, kit, state, before, after, event, expansion)
     old, new = before.status, after.status
     pairs = zip(old.frictions, new.frictions, strict=True)
     turned = [i for i, (one, other) in enumerate(pairs) if one != other]
@@ -177,7 +285,7 @@ def saltation(
     if event.kind in (SLIDE, GAP):
         return _general(scene, kit, state, before, after, event)
     if event.kind == HOLD and released_frictions(scene, before, after):
-        return _released(scene, kit, state, before, after, event)
+        return _released(scene, kit, state, before, after, event, expansion)
     return None
 
 
@@ -331,25 +439,25 @@ def _left_open(scene: Scene[N], kit: Kit[N], state: State[N], before: ModeRows[N
 
 
 def _released(
-    scene: Scene[N], kit: Kit[N], state: State[N], before: ModeRows[N], after: ModeRows[N], event: Event[N]
+    scene: Scene[N],
+    kit: Kit[N],
+    state: State[N],
+    before: ModeRows[N],
+    after: ModeRows[N],
+    event: Event[N],
+    expansion: Expansion[N],
 ) -> Jump[N] | None:
     """S where ties begin to slip with less force than they held, or a formula jumps."""
-    flow, rate = expanded(scene, kit, state, before), tie_rate(scene, kit, state, before, event)
+    rate = tie_rate(expansion, state, before, event)
     jump = jump_of(scene, kit, state, before, after, event.kind == SWITCH)
     change = _change(scene, kit, jump, rate)
-    return None if change is None else Release(event, change, len(scene.bodies), kit, flow)
+    return None if change is None else Release(event, change, len(scene.bodies), kit, scene, before, state)
 
 
-def expanded(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N]) -> Taylor[N]:
-    """The Taylor flow at `state` in the mode of `rows`."""
-    flow = Taylor(scene, kit, Certificate(kit))
-    flow.enter(state, rows, {})
-    return flow
-
-
-def tie_rate(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
+def tie_rate(expansion: Expansion[N], state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
     """Rate of the event function of a tie along the motion in the mode of `rows` [N/s]."""
-    return expanded(scene, kit, state, rows).derivatives(event, 1)[1]
+    expansion.look(state, rows)
+    return expansion.derivatives(event, 1)[1]
 
 
 def _saltation(

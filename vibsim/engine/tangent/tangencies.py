@@ -18,15 +18,14 @@ from typing import Any, Generic
 from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.flows.base_motion import base_motion
+from vibsim.engine.flows.expansion import Expansion
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import FORMULA, GAP, HOLD, SLIDE, STRIKE, SWITCH, Event, Joined, ModeRows, Rule
 from vibsim.engine.modes.status import STICK, Status
-from vibsim.engine.number_forms import NumberForm
 from vibsim.engine.tangent.impact_saltation import ImpactSaltation, Undefined
 from vibsim.engine.tangent.saltation import (
     Jump,
     event_rate,
-    expanded,
     forced,
     gradient,
     jump_of,
@@ -52,8 +51,8 @@ class Tangencies(Generic[N]):
     undefined, undefined_time : events that have no derivative, the time of the first [s]
     """
 
-    def __init__(self, scene: Scene[N], kit: Kit[N]) -> None:
-        self.scene, self.kit, self.rate = scene, kit, natural_rate(scene, kit)
+    def __init__(self, scene: Scene[N], kit: Kit[N], expansion: Expansion[N]) -> None:
+        self.scene, self.kit, self.rate, self.expansion = scene, kit, natural_rate(scene, kit), expansion
         self.fastest = [kit.number(0)] * len(scene.stops)
         self.since, self.struck = list(self.fastest), list(self.fastest)
         self.nothing = kit.number(1), kit.number(0)
@@ -138,11 +137,11 @@ class Tangencies(Generic[N]):
         cut, held = before.cuts[event.part], self.kit.number(0)
         for limit in (cut.above, cut.below):  # a rigid stop at rest holds any force one way
             held = held if limit is None else held + limit
-        flow = expanded(self.scene, self.kit, state, before)
+        rate = tie_rate(self.expansion, state, before, event)
         for term in event.terms:
             if term.kind == FORMULA and term.coefficient == 1:
-                held = held + 2 * abs(flow.tape_values(self.kit.number(0)).output(term.P)[0])
-        return -tie_rate(self.scene, self.kit, state, before, event) / (held * self.rate)
+                held = held + 2 * abs(self.expansion.formulas()[term.P])
+        return -rate / (held * self.rate)
 
     def _stopping_share(self, event: Event[N], state: State[N], before: ModeRows[N]) -> N:
         """Deceleration of a sliding that ends, over the largest with which it can end in sticking [-]: with
@@ -170,14 +169,15 @@ class Tangencies(Generic[N]):
 class Jumps(Generic[N]):
     """Effect of the events of a scene on disturbances that a run in C carries.
 
-    run : that run, an `_engine.Run`; rows : the rows of a mode, by its status; form : of its numbers
+    run : that run, an `_engine.Run`; rows : the rows of a mode, by its status
     """
 
     def __init__(
-        self, scene: Scene[N], run: Any, rows: Callable[[Status], ModeRows[N]], form: NumberForm[N]
+        self, scene: Scene[N], run: Any, rows: Callable[[Status], ModeRows[N]], expansion: Expansion[N]
     ) -> None:
-        self.scene, self.run, self.rows, self.form = scene, run, rows, form
-        self.tangencies = Tangencies(scene, form.kit)
+        self.scene, self.run, self.rows = scene, run, rows
+        self.expansion, self.form = expansion, expansion.form
+        self.tangencies = Tangencies(scene, expansion.kit, expansion)
 
     def in_c(
         self,
@@ -229,7 +229,7 @@ class Jumps(Generic[N]):
         vectors = [list(map(form.taken, one)) for one in entries["vectors"]]
         near.forget()
         near.fastest, near.since = ([form.taken(one) for one in entries[key]] for key in ("fastest", "since"))
-        jump = saltation(self.scene, form.kit, state, before, after, event, touch)
+        jump = saltation(self.scene, form.kit, state, before, after, event, self.expansion, touch)
         near.judge(event, state, before, after, jump)
         jump = None if isinstance(jump, Undefined) else jump
         determinant = jump.determinant if jump and before.leader == after.leader else form.kit.number(1)

@@ -35,7 +35,7 @@ from functools import cached_property
 from typing import Generic
 
 from vibsim.engine.errors import State
-from vibsim.engine.events.departures import DerivativeSigns, derivative_flow
+from vibsim.engine.events.departures import DerivativeSigns
 from vibsim.engine.events.impacts.impacts import ImpactLaw
 from vibsim.engine.events.impacts.newton_moreau import Contact
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
@@ -104,8 +104,8 @@ class Chatter(Generic[N]):
     @cached_property
     def _beyond(self) -> StickSlipResolution[N]:
         """Settles what stands within hops that are only looked at: its doubts are none of the run."""
-        flow = derivative_flow(self.scene, self.kit, Certificate(self.kit))
-        departures = DerivativeSigns(self.relative, self.maker, flow, self.kit)
+        expansion, ours = self.departures.expansion, Certificate(self.kit)
+        departures = DerivativeSigns(self.relative, self.maker, expansion, ours)
         departures.stopped = self.departures.stopped
         return StickSlipResolution(self.scene, self.maker, departures)
 
@@ -300,14 +300,14 @@ class Chatter(Generic[N]):
     def _halt(self, state: State[N], status: Status, i: int) -> N:
         """When a friction that slips comes to rest [s]; 0 where it gathers speed."""
         rows = self.departures.enter(state, status)
-        slip, rate = self.departures.flow.derivatives(self.departures.event(rows, (SLIDE, i)), 1)[:2]
+        slip, rate = self.departures.expansion.derivatives(self.departures.event(rows, (SLIDE, i)), 1)[:2]
         return slip / -rate if rate < 0 else self.kit.number(0)
 
     def _drive(self, state: State[N], status: Status, j: int) -> N:
         """Acceleration that drives the ends of an open stop together [m/s^2]."""
         rows = self.departures.enter(state, status)
         event = self.departures.event(rows, (STRIKE, j))
-        return -self.departures.flow.derivatives(event, 2)[2]
+        return -self.departures.expansion.derivatives(event, 2)[2]
 
     def velocity_uncertainty(self, state: State[N], status: Status, j: int) -> N:
         """Speed that rounding of the forces may have given the ends of an open stop since t = 0 [m/s].

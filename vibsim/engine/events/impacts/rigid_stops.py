@@ -232,6 +232,6 @@ class RigidStops(Generic[N]):
         later derivative tells.
         """
         rows = self.departures.enter(state, status)
-        values = self.departures.flow.derivatives(self.departures.event(rows, (STRIKE, j)), LATEST)
+        values = self.departures.expansion.derivatives(self.departures.event(rows, (STRIKE, j)), LATEST)
         order = next((n for n in range(3, LATEST) if values[n] != 0), LATEST)
         return order if values[2] < 0 < values[order] else 2

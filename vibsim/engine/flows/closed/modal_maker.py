@@ -47,13 +47,18 @@ from vibsim.engine.flows.closed.modal import (
 def modal_of(
     scene: Scene[N], kit: Kit[N], rows: ModeRows[N], harmonics: Sequence[Pitch[N]]
 ) -> Modal[N] | None:
-    """The closed form of the mode `rows`, or None.
+    """The closed form that the mode `rows` moves by, or None.
 
     harmonics: the distinct (omega, cycles, cycles_lo, phase) of forces and base.
     """
-    if scene.motor is not None or rows.by_formulas or rows.rotors:
+    if not may_have_closed_form(scene, rows):
         return None
     return _Builder(scene, kit, rows, harmonics).build()
+
+
+def may_have_closed_form(scene: Scene[N], rows: ModeRows[N]) -> bool:
+    """Whether nothing that a mode is made of leaves it to Taylor series in any case."""
+    return scene.method != "taylor" and scene.motor is None and not rows.by_formulas and not rows.rotors
 
 
 class _Builder(Generic[N]):

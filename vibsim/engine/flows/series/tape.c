@@ -116,8 +116,7 @@ static Real slope_of(const Op *op, Real a, Real value, const Real *values)
     }
 }
 
-/* What the rounding of its operands and its own make of the result of an operation, to first order. */
-static Real bound_of(const Op *op, Real result, const Real *values, const Real *bounds)
+Real tape_bound(const Op *op, Real result, const Real *values, const Real *bounds)
 {
     Real value = fabs(result), a = fabs(values[op->a]), lost = bounds[op->a], b;
     switch (op->code) {
@@ -156,7 +155,7 @@ void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blu
         else if (op->code <= OP_SPIN)
             bounds[i] = fabs(input_value(op, blur));
         else
-            bounds[i] = bound_of(op, values[i], values, bounds);
+            bounds[i] = tape_bound(op, values[i], values, bounds);
     }
 }
 

@@ -142,6 +142,9 @@ void tape_advance(const Tape *tape, const TapeRoom *room, const Real *row, int n
 /* Values along a tape, each with a bound of its rounding. */
 void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blur, Real *values, Real *bounds);
 
+/* What the rounding of its operands and its own make of the result of an operation, to first order. */
+Real tape_bound(const Op *op, Real result, const Real *values, const Real *bounds);
+
 /* The value of operation i from those before it. */
 Real tape_value(const Tape *tape, const TapeInputs *at, int i, const Real *values);
 

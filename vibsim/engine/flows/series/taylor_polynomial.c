@@ -57,8 +57,7 @@ static void coupling_force(const Coupling *c, const Taylor *f, Real factor, int 
     }
 }
 
-/* Coefficients of a term over the step; returns their number. */
-static int term_series(const Run *r, const Term *t, Real *out)
+int taylor_term(const Run *r, const Term *t, Real *out)
 {
     const Taylor *f = &r->taylor;
     const int p = f->order;
@@ -102,9 +101,9 @@ int taylor_polynomial(const Run *r, const Event *e, Real *out)
         out[0] = e->constant;
         return r->taylor.order + 1;
     }
-    count = term_series(r, r->mode->terms + e->first, out);
+    count = taylor_term(r, r->mode->terms + e->first, out);
     for (i = 1; i < e->terms; i++) {
-        int other = term_series(r, r->mode->terms + e->first + i, more);
+        int other = taylor_term(r, r->mode->terms + e->first + i, more);
         count = other < count ? other : count;
         for (n = 0; n < count; n++)
             out[n] = out[n] + more[n];

@@ -1,0 +1,113 @@
+"""Derivatives of event functions at a state, from the Taylor coefficients of the motion there.
+
+C computes them, by the recurrences of every run, in any mode and in any of its number types; and bounds of
+their rounding, by which alone signs may be told.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Generic
+
+from vibsim.engine.errors import State
+from vibsim.engine.flows.closed.modal import pitches
+from vibsim.engine.modes.mode_table import ModeTable, bytes_of
+from vibsim.engine.modes.packing import pack_scene, pack_state
+from vibsim.engine.modes.rows import HOLD, PUSH, Event, ModeRows
+from vibsim.engine.modes.status import Status
+from vibsim.lazy import once
+from vibsim.physics.numbers import N
+from vibsim.physics.parts import Scene
+
+if TYPE_CHECKING:
+    from vibsim.engine._engine import Run
+
+LEAST_JET, MOST_JET = 7, 21  # of bounds of `highest_derivative`
+MOST_BYTES = 1 << 23  # of packed modes that are told of before all are forgotten
+
+
+def highest_derivative(scene: Scene[N]) -> int:
+    """Order of the highest derivative consulted where lower ones vanish: two for each body that a change
+    passes on its way through a chain, and three for where it comes from. Beyond MOST_JET no double tells.
+    """
+    return min(max(LEAST_JET, 2 * len(scene.bodies) + 3), MOST_JET)
+
+
+class Expansion(Generic[N]):
+    """The motion of a scene about one state at a time, in a mode of `table`, whose numbers it is on.
+
+    It serves one thread. The event functions that are asked for are those of the rows looked at last.
+    """
+
+    def __init__(self, scene: Scene[N], table: ModeTable) -> None:
+        self.scene, self.table, self.form, self.kit = scene, table, table.form, table.form.kit
+        self.order = highest_derivative(scene) + 1
+        self._numbers: dict[Status, int] = {}
+        self._told = 0  # bytes of the modes that C knows
+        self._place: tuple[ModeRows[N], bytes] | None = None  # rows and packed state looked at last
+
+    @once
+    def run(self) -> Run:
+        """The run in C, which is never started."""
+        scene = self.scene
+        return self.form.run(*pack_scene(scene, pitches(scene), self.form, self.order))
+
+    def look(self, state: State[N], rows: ModeRows[N]) -> None:
+        """Expand the motion at `state` in the mode of `rows`; what was looked at last is not
+        expanded anew.
+        """
+        packed = pack_state(state, self.form)
+        if self._place is None or self._place[0] is not rows or self._place[1] != packed:
+            self._place = None
+            number = self._number(rows)  # which may begin another run
+            self._step = self.run.look(number, packed)
+            self._place = rows, packed
+
+    def _number(self, rows: ModeRows[N]) -> int:
+        """Number of a mode in C; adds it where it is new."""
+        number = self._numbers.get(rows.status)
+        if number is None:
+            if self._told > MOST_BYTES:
+                self.__dict__.pop("run")
+                self._numbers, self._told = {}, 0
+            packed = self.table.packed_without_closed_form(rows)
+            number = self._numbers[rows.status] = self.run.add_mode(*packed)
+            self._told += bytes_of(packed)
+        return number
+
+    def _event(self, event: Event[N]) -> int:
+        """Number of an event function of the rows looked at last."""
+        assert self._place is not None  # else nothing was looked at
+        return next(i for i, one in enumerate(self._place[0].events) if one is event)
+
+    def derivatives(self, event: Event[N], count: int) -> list[N]:
+        """Those of order 0 to `count` of an event function, `highest_derivative` at most."""
+        return list(map(self.form.taken, self.run.derivatives(self._event(event), count)))
+
+    def bounds(self, event: Event[N], count: int, exact: bool, span: N | int = 0) -> list[N]:
+        """Bounds of the rounding of `derivatives`. exact: whether the state is a start, and not what a motion
+        led to.
+
+        span : time [s] before the state for which the series are taken to tell how large displacements and
+            velocities were, whose rounding it has, however small it is itself; 0 for its own
+        """
+        assert self._place is not None
+        handed = self.form.handed(self.kit.number(0) + span)
+        bounds = self.run.bounds(
+            self._event(event), count, exact, has_rounded_constant(self._place[0], event), handed
+        )
+        return list(map(self.form.taken, bounds))
+
+    def step_length(self) -> N:
+        """Longest step [s] of the series from there."""
+        return self.form.taken(self._step)
+
+    def formulas(self) -> list[N]:
+        """Values of the outputs of the tape of the mode."""
+        return list(map(self.form.taken, self.run.formulas()))
+
+
+def has_rounded_constant(rows: ModeRows[N], event: Event[N]) -> bool:
+    """Whether the constant of an event function is a sum, and no number of the scene itself."""
+    if event.kind == HOLD:
+        return bool(rows.constants) or len(rows.cuts[event.part].ties) > 1
+    return event.kind == PUSH

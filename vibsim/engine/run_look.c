@@ -1,0 +1,96 @@
+/* What a run that is only looked through tells of the motion at a state: derivatives of event functions, with bounds of their
+ * rounding, and values of formulas.
+ */
+#include "run_object.h"
+
+/* Expand the motion of a mode at a state; the longest step from there. */
+PyObject *run_look(RunObject *self, PyObject *args)
+{
+    Run *r = &self->run;
+    Py_buffer v;
+    int mode;
+    PyObject *answer = NULL;
+    if (!PyArg_ParseTuple(args, "iy*", &mode, &v))
+        return NULL;
+    self->looked = 0;
+    if (run_is_idle(self) && (self->started || mode < 0 || mode >= r->mode_count)) {
+        PyErr_SetString(PyExc_ValueError, "cannot look there");
+    } else if (!PyErr_Occurred() && read_state(r, &v, &r->scratch) == 0) {
+        r->mode = r->modes[mode];
+#ifdef LIMBS
+        r->mode->scales.most = 0; /* what was looked at before has no say */
+#endif
+        taylor_look(r, &r->scratch);
+        self->looked = 1;
+        answer = number_object(r->taylor.h);
+    }
+    PyBuffer_Release(&v);
+    return answer;
+}
+
+static PyObject *numbers(const Real *values, int count)
+{
+    PyObject *list = PyList_New(count);
+    int n;
+    for (n = 0; list && n < count; n++)
+        PyList_SET_ITEM(list, n, number_object(values[n]));
+    return list;
+}
+
+/* The event function that is asked for, where the motion was looked at and has so many derivatives. */
+static const Event *event_of(RunObject *self, int event, int count)
+{
+    const Run *r = &self->run;
+    if (!run_is_idle(self))
+        return NULL;
+    if (self->looked && event >= 0 && event < r->mode->event_count && count >= 0 && count < r->taylor.order)
+        return &r->mode->events[event];
+    PyErr_SetString(PyExc_ValueError, "no such derivatives of what was looked at");
+    return NULL;
+}
+
+PyObject *run_derivatives(RunObject *self, PyObject *args)
+{
+    Real series[SERIES], factorial = 1.0;
+    const Event *e;
+    int event, count, n;
+    if (!PyArg_ParseTuple(args, "ii", &event, &count) || (e = event_of(self, event, count)) == NULL)
+        return NULL;
+    taylor_polynomial(&self->run, e, series);
+    for (n = 0; n <= count; n++) {
+        factorial = n > 0 ? factorial * n : factorial;
+        series[n] = series[n] * factorial;
+    }
+    return numbers(series, count + 1);
+}
+
+PyObject *run_bounds(RunObject *self, PyObject *args)
+{
+    Real bounds[SERIES], span;
+    const Event *e;
+    int event, count, exact, summed;
+    if (!PyArg_ParseTuple(args, "iippO&", &event, &count, &exact, &summed, number_from, &span) || (e = event_of(self, event, count)) == NULL)
+        return NULL;
+    if (!taylor_bounds(&self->run, e, count, exact, summed, span, bounds))
+        return PyErr_NoMemory();
+    return numbers(bounds, count + 1);
+}
+
+PyObject *run_formulas(RunObject *self, PyObject *none)
+{
+    const Run *r = &self->run;
+    const Tape *tape;
+    PyObject *list;
+    int k;
+    (void)none;
+    if (!run_is_idle(self) || !self->looked) {
+        if (!PyErr_Occurred())
+            PyErr_SetString(PyExc_ValueError, "nothing was looked at");
+        return NULL;
+    }
+    tape = &r->mode->tape;
+    list = PyList_New(tape->output_count);
+    for (k = 0; list && k < tape->output_count; k++)
+        PyList_SET_ITEM(list, k, number_object(r->taylor.tapes.series[tape->outputs[k]][0]));
+    return list;
+}
