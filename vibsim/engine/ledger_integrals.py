@@ -80,18 +80,6 @@ class LedgerIntegrals(Generic[N]):
         return any(m.kind == TORQUE for m in self.integrals)
 
 
-@dataclass
-class QuadratureNode(Generic[N]):
-    """Values at a node of the quadrature: velocities by column [m/s], speed of the rotor
-    [rad/s], forces [N] and functions of the rows; 0 and empty where no integral reads them.
-    """
-
-    v: list[N]
-    w: N
-    forces: list[N]
-    functions: list[N]
-
-
 class LedgerJump(NamedTuple):
     """A stop that may let go while it is pressed: what its spring holds then, k g^2 / 2, is lost there, and
     counts against the loss where it pushes again.

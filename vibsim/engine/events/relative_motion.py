@@ -48,7 +48,7 @@ class RelativeMotion(Generic[N]):
         zero = self.kit.number(0)
         if not self.scene.has_base or self.maker.n + 1 not in columns:
             return zero, zero
-        place, rate = base_rounding(self.scene, self.kit, state.t, 2)
+        place, rate = base_rounding(self.scene, self.kit, state.t)
         return place, zero if state.t == 0 and self.base(state, "v") == 0 else rate
 
     def turned_by_base(self, part: Joined, rate: N, t: N) -> bool:

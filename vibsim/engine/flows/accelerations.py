@@ -6,8 +6,7 @@ It is written from the equations of motion and uses no flow.
 from collections.abc import Sequence
 
 from vibsim.engine.errors import State
-from vibsim.engine.flows.base_motion import base_acceleration, base_motion
-from vibsim.engine.flows.motion import value_and_rate
+from vibsim.engine.flows.base_motion import base_acceleration, base_motion, value_and_rate
 from vibsim.engine.flows.tape import Inputs, TapeValues
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.physics.numbers import Kit, N

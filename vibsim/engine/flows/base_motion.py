@@ -1,22 +1,38 @@
-"""The motion of the base: sums of harmonics, or a formula in the time."""
+"""The motion of the base and of belts in time: sums of harmonics, or formulas."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, cast
 
-from vibsim.engine.flows.motion import ROUNDING, series_rounding, sine_and_cosine, value_and_rate
-from vibsim.engine.flows.tape import Inputs, Tape, TapeMaker, TapeSeries, TapeValues, motion_tape
+from vibsim.engine.flows.tape import Inputs, Tape, TapeMaker, TapeValues, motion_tape
 from vibsim.physics.formulas import SWITCHES, Node, walk
 from vibsim.physics.numbers import Kit, N, abs
-from vibsim.physics.parts import Friction, Scene
+from vibsim.physics.parts import Friction, Harmonic, Scene
 
 if TYPE_CHECKING:
-    from collections.abc import Hashable, Sequence
+    from collections.abc import Hashable, Iterable
 
     from vibsim.engine.modes.rows import ModeRows
 
 KEPT = 16  # formulas of bases that are kept
+ROUNDING = 16  # of a product of an amplitude, powers of a rate and a sine, in units of eps
+
+
+def sine_and_cosine(kit: Kit[N], term: Harmonic[N], t: N) -> tuple[N, N]:
+    """sin and cos of omega t + phase, without forming a large product."""
+    angle = kit.turn_angle(term.cycles, term.cycles_lo, t) + term.phase
+    return kit.rounded_sine_cosine(angle)
+
+
+def value_and_rate(kit: Kit[N], terms: Iterable[Harmonic[N]], t: N) -> tuple[N, N]:
+    """Sum of harmonics at t and its rate of change."""
+    value = rate = kit.number(0)
+    for term in terms:
+        sine, cosine = sine_and_cosine(kit, term, t)
+        value = value + term.amplitude * sine
+        rate = rate + term.amplitude * term.omega * cosine
+    return value, rate
 
 
 class BaseFormula:
@@ -55,29 +71,11 @@ class BaseFormula:
             return [(self.kit.number(0), self.kit.number(0)), values.output(0), values.output(1)]
         return [values.output(k) for k in range(3)]
 
-    def series(self, t: Any, count: int, inverse: Sequence[Any]) -> list[Any]:
-        """The first `count` Taylor coefficients of X at t [s]."""
-        series = series_in_time(self.kit, self.tape(t), t, count, inverse)
-        if self.is_rate:
-            return [self.kit.number(0), *(value * inverse[n + 1] for n, value in enumerate(series[:-1]))]
-        return series
-
 
 def _values(kit: Kit[N], tape: Tape, t: N) -> TapeValues[N]:
     """Values along a tape that reads nothing but the time t [s]."""
     zero = kit.number(0)
     return TapeValues(kit, tape, Inputs(t, (), (), zero, zero), Inputs(kit.eps * abs(t), (), (), zero, zero))
-
-
-def series_in_time(kit: Kit[N], tape: Tape, t: N, count: int, inverse: Sequence[N]) -> list[N]:
-    """The first `count` Taylor coefficients at t [s] of output 0 of a tape that reads nothing but the
-    time.
-    """
-    series = TapeSeries(kit, tape, inverse)
-    series.start(t, count, (), ())
-    for n in range(count):
-        series.advance(n)
-    return list(series.output(0)[:count])
 
 
 @lru_cache(maxsize=KEPT)  # kits are compared by being the same
@@ -115,20 +113,25 @@ def base_acceleration(scene: Scene[N], kit: Kit[N], t: N, rows: ModeRows[N] | No
     return total
 
 
-def base_rounding(scene: Scene[N], kit: Kit[N], t: N, count: int) -> list[N]:
-    """Rounding bounds of the first coefficients of X at t [s]; those of a formula from the sizes of its
-    derivatives of order 0 to 2.
+def base_rounding(scene: Scene[N], kit: Kit[N], t: N) -> tuple[N, N]:
+    """Bounds of the rounding of displacement [m] and velocity [m/s] of the base at t [s].
+
+    A sine is as wrong as its angle times its cosine; at a quarter turn, where motions start, it is 0 or 1. A
+    formula is as wrong as its values, and as t is.
     """
-    if scene.base_formula is None:
-        return series_rounding(kit, scene.base, t, count)
-    formula = base_formula(scene, kit)
-    inverse = [kit.number(0)] + [1 / kit.number(n) for n in range(1, count + 2)]
-    series = formula.series(t, count + 1, inverse)
-    late = kit.eps * abs(t)
-    bounds = [ROUNDING * kit.eps * abs(series[n]) + late * (n + 1) * abs(series[n + 1]) for n in range(count)]
-    for n, (_, bound) in enumerate(formula.values(t)[:count]):
-        bounds[n] = bounds[n] + (bound if n < 2 else bound / 2)
-    return bounds
+    place = rate = kit.number(0)
+    if scene.base_formula is not None:
+        (X, lost), (V, lost_rate), (A, _) = base_formula(scene, kit).values(t)
+        unit, late = ROUNDING * kit.eps, kit.eps * abs(t)
+        return unit * abs(X) + late * abs(V) + lost, unit * abs(V) + late * abs(A) + lost_rate
+    for term in scene.base:
+        sine, cosine = (abs(value) for value in sine_and_cosine(kit, term, t))
+        angle = abs(kit.turn_angle(term.cycles, term.cycles_lo, t)) + abs(term.phase)
+        size = ROUNDING * kit.eps * abs(term.amplitude)
+        if sine != 1 or cosine != 0:
+            place = place + size * (sine + angle * cosine)
+        rate = rate + size * term.omega * (cosine + angle * sine)
+    return place, rate
 
 
 def belt_velocity(friction: Friction[N], kit: Kit[N], t: N) -> N:

@@ -15,11 +15,12 @@ from vibsim.engine.modes.packing import pack_scene, pack_state
 from vibsim.engine.modes.rows import HOLD, PUSH, Event, ModeRows
 from vibsim.engine.modes.status import Status
 from vibsim.lazy import once
-from vibsim.physics.numbers import N
+from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
     from vibsim.engine._engine import Run
+    from vibsim.engine.number_forms import NumberForm
 
 LEAST_JET, MOST_JET = 7, 21  # of bounds of `highest_derivative`
 MOST_BYTES = 1 << 23  # of packed modes that are told of before all are forgotten
@@ -39,7 +40,9 @@ class Expansion(Generic[N]):
     """
 
     def __init__(self, scene: Scene[N], table: ModeTable) -> None:
-        self.scene, self.table, self.form, self.kit = scene, table, table.form, table.form.kit
+        self.scene, self.table = scene, table
+        self.form: NumberForm[N] = table.form
+        self.kit: Kit[N] = self.form.kit
         self.order = highest_derivative(scene) + 1
         self._numbers: dict[Status, int] = {}
         self._told = 0  # bytes of the modes that C knows

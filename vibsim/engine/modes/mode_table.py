@@ -75,7 +75,7 @@ class ModeTable:
         modal = modal_of(self.scene, self.form.kit, rows, pitches(self.scene))
         return packed_mode(rows, self.keys, self.form, modal).packed
 
-    def packed_without_closed_form(self, rows: ModeRows) -> Packed:
+    def packed_without_closed_form(self, rows: ModeRows[Any]) -> Packed:
         """The rows of a mode that is looked at, and may never be entered; with its closed form where they are
         packed already.
         """

@@ -44,7 +44,10 @@ def harmonic(term: Harmonic) -> tuple[float, ...]:
 
 
 def pack_scene(
-    scene: Scene, harmonics: Sequence[Pitch], form: NumberForm[Any] = DOUBLES, order: int | None = None
+    scene: Scene[Any],
+    harmonics: Sequence[Pitch[Any]],
+    form: NumberForm[Any] = DOUBLES,
+    order: int | None = None,
 ) -> Packed:
     """The scene as bytes of ints and of numbers.
 
@@ -74,13 +77,15 @@ def pack_scene(
     return array("i", ints).tobytes(), scene_doubles(scene, harmonics, form)
 
 
-def harmonic_indices(scene: Scene, harmonics: Sequence[Pitch]) -> list[int]:
+def harmonic_indices(scene: Scene[Any], harmonics: Sequence[Pitch[Any]]) -> list[int]:
     """The number of the key of each harmonic of the base, then of the forces; -1 for amplitudes of 0."""
     terms = [*scene.base, *(term for force in scene.forces for term in force.terms)]
     return [harmonics.index(harmonic_key(term)) if term.amplitude != 0 else -1 for term in terms]
 
 
-def scene_doubles(scene: Scene, harmonics: Sequence[Pitch], form: NumberForm[Any] = DOUBLES) -> bytes:
+def scene_doubles(
+    scene: Scene[Any], harmonics: Sequence[Pitch[Any]], form: NumberForm[Any] = DOUBLES
+) -> bytes:
     """The doubles of `pack_scene`."""
     motor = scene.motor
     doubles = [0.0] * 6
@@ -101,7 +106,7 @@ def scene_doubles(scene: Scene, harmonics: Sequence[Pitch], form: NumberForm[Any
     return form.packed(doubles)
 
 
-def rest_columns(scene: Scene) -> int:
+def rest_columns(scene: Scene[Any]) -> int:
     """How many columns at rest the tables of Taylor series need: ground and base, the ground, or none."""
     coupled = (*scene.links, *scene.stops)
     if scene.has_base or any(BASE in (p.P, p.Q) for p in (*coupled, *scene.frictions, *scene.clearances)):
@@ -109,7 +114,7 @@ def rest_columns(scene: Scene) -> int:
     return int(any(GROUND in (part.P, part.Q) for part in coupled))
 
 
-def pack_state(state: State, form: NumberForm[Any] = DOUBLES) -> bytes:
+def pack_state(state: State[Any], form: NumberForm[Any] = DOUBLES) -> bytes:
     return form.packed((state.t, *state.x, *state.v, state.phase, state.turns, state.w))
 
 

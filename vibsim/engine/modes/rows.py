@@ -23,7 +23,6 @@ from vibsim.physics.formulas import Node
 from vibsim.physics.numbers import N
 
 if TYPE_CHECKING:
-    from vibsim.engine.flows.closed.closed_form import ModalMotion
     from vibsim.engine.flows.tape import Tape
 
 
@@ -144,8 +143,6 @@ class ModeRows(Generic[N]):
     events: list[Event[N]] = field(default_factory=list)
     cuts: list[Cut[N]] = field(default_factory=list)
     drift: list[N] = field(default_factory=list)  # velocity of a column against its leader [m/s]
-    modal: ModalMotion[N] | None = None  # closed form of the mode, where there is one
-    modal_sought: bool = False  # whether it has been looked for
     tied: list[int] = field(default_factory=list)  # bodies that are tied to another column
     tape: Tape | None = None  # formulas of the mode, where it has some
     nodes: dict[int, Node] = field(default_factory=dict)  # the formulas of the outputs

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from itertools import accumulate, chain
-from typing import Any
+from typing import Any, NamedTuple
 
+from vibsim.engine.flows.tape import Tape, TapeMaker
 from vibsim.engine.modes.packing import Packed, Packer, pack_tape
 from vibsim.engine.modes.rows import Joined, ModeRows
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.number_forms import DOUBLES, NumberForm
-from vibsim.engine.tangent.formula_tangent import READ, SlopeShare, shares_of, slopes_of
 from vibsim.engine.tangent.tangent_space import Gauge, components, natural_rate, weights
-from vibsim.engine.tangent.tangent_taylor import reach
 from vibsim.lazy import once
+from vibsim.physics import elementary
+from vibsim.physics.formulas import Node, derivative, resolved, walk
+from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import RigidStop, Scene
 
 Ends = Callable[[Joined], Edge]  # columns of the ends of a part
@@ -105,3 +108,96 @@ def _numbers(scene: Scene[Any], begin: float, form: NumberForm[Any]) -> bytes:
     rate = natural_rate(scene, form.kit)
     pack.put((), (begin, farthest, rate, *weights(scene, form.kit, rate)))
     return pack.packed[1]
+
+
+# Partial derivatives of the formulas of a mode: formulas themselves, made once for a mode, whose series along
+# the motion come from a tape of their own.
+
+
+READ = ("x", "v", "phi", "w")
+
+
+class Slope(NamedTuple):
+    """A partial derivative of output `of` of the tape of a mode: with respect to x or v of a column, or phi
+    or w of the motor; `output` is its number on the tape of derivatives.
+    """
+
+    of: int
+    kind: str
+    column: int
+    output: int
+
+
+class Slopes(NamedTuple):
+    """The partial derivatives of all outputs of a mode, by number of the output."""
+
+    tape: Tape
+    of: dict[int, list[Slope]]
+
+
+def slopes_of(kit: Kit[N], rows: ModeRows[N]) -> Slopes:
+    """The derivatives of the formulas of a mode, made when they are first asked for."""
+    if rows.slopes is None:
+        n = len(rows.leader) - 2
+        maker = TapeMaker(kit, {}, rows.columns)
+        found: dict[int, list[Slope]] = {}
+        for k, node in rows.nodes.items():
+            node, factor = resolved(node, rows.sides), rows.factors.get(k, kit.number(1))
+            found[k] = [
+                Slope(
+                    k,
+                    of[0],
+                    of[1] if len(of) > 1 else -1,
+                    maker.scaled_output(slope, factor, ""),
+                )
+                for of in _inputs(node, n)
+                if (slope := derivative(node, of))[:2] != ("num", 0)
+            ]
+        rows.slopes = Slopes(maker.tape, found)
+    slopes: Slopes = rows.slopes
+    return slopes
+
+
+def _inputs(node: Node, bodies: int) -> list[Node]:
+    """Parts of the state that a formula reads; ground and base are not disturbed."""
+    return [one for one in walk([node]) if one[0] in READ and (len(one) < 2 or 0 <= one[1] < bodies)]
+
+
+class SlopeShare(NamedTuple):
+    """Share of derivative number `output` of force number `force` in the derivative of the acceleration of
+    the column `row` with respect to x or v of `column`, both by their leaders; end: 0 for what acts on P, 1
+    on Q.
+    """
+
+    row: int
+    column: int
+    force: int
+    end: int
+    output: int
+
+
+def shares_of(rows: ModeRows[N], kind: str, slopes: Slopes) -> list[SlopeShare]:
+    """All shares of derivatives with respect to x or v, by `kind`."""
+    leader = rows.leader
+    return [
+        SlopeShare(leader[end], leader[one.column], force, place, one.output)
+        for force, law in enumerate(rows.formulas)
+        for one in slopes.of.get(law.output, ())
+        if one.kind == kind
+        for place, end in enumerate((law.P, law.Q))
+        if end >= 0 and rows.mobility[leader[end]] > 0
+    ]
+
+
+def reach(kit: Kit[N], order: int, tolerance_exponent: float) -> N:
+    """Longest step of exp(-t), by the tolerance on its last term."""
+    return kit.power_of_two((tolerance_exponent + _spread(order) * elementary.PER_LN_2) / order)
+
+
+@cache
+def _spread(order: int) -> float:
+    """ln order!, summed in its order."""
+    spread = 0.0
+    for n in range(2, order + 1):
+        spread = spread + elementary.log(n)
+    return spread

@@ -44,8 +44,8 @@ from vibsim.engine.modes.rows import (
     Term,
 )
 from vibsim.engine.modes.status import CONTACT, FORWARD, RESTING, STICK, Status
-from vibsim.engine.tangent.formula_tangent import slopes_of
 from vibsim.engine.tangent.impact_saltation import UNDEFINED, Undefined, impact_saltation
+from vibsim.engine.tangent.packing_tangent import slopes_of
 from vibsim.physics.formulas import is_continuous
 from vibsim.physics.numbers import Kit, N, abs, total_of
 from vibsim.physics.parts import Friction, Scene, Stop

@@ -20,11 +20,12 @@ from vibsim.engine.flows.closed.matrices import (
     cholesky,
     inverse_triangular,
     jacobi,
+    magnitudes,
     product,
+    size_of,
     transposed,
 )
 from vibsim.engine.flows.closed.modal import Component, Loads
-from vibsim.engine.flows.closed.rounding import magnitudes, size_of
 from vibsim.engine.modes.ties import Edge
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Scene
