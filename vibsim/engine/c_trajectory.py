@@ -66,7 +66,7 @@ class CTrajectory(Trajectory[float]):
             cut = self.run.automaton.rigid.chatter.cut_off
             totals |= rigid_totals(self.scene, tally["counts"], (cut.time, cut.speed, cut.distance))
         if self.run.moving:
-            from vibsim.engine.tangent.lyapunov import tangent_totals
+            from vibsim.engine.tangent.tangencies import tangent_totals
 
             _, _, margin, margin_time = tally["certificate"]
             totals |= tangent_totals(self.scene, Doubles, self.run.disturbances, margin, margin_time)

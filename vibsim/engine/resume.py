@@ -127,11 +127,6 @@ def _state(scene: Scene, row: Row) -> State:
     return State(float(row["t"]), values[0:n:2], values[1:n:2], phase, turns, w)
 
 
-def state_and_status(scene: Scene, row: Row) -> tuple[State, Status]:
-    """State and mode of an event row, the latter without the sides of switches, which no row holds."""
-    return _state(scene, row), _status(scene, row)
-
-
 def _status(scene: Scene, row: Row) -> Status:
     codes = [int(row[name]) for name in part_columns(scene)]
     first, second = len(scene.stops), len(scene.stops) + len(scene.frictions)

@@ -11,7 +11,7 @@ a type means doubles: `Scene` is `Scene[float]`.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from decimal import ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
 from functools import lru_cache
@@ -217,29 +217,6 @@ class Doubles:
     def unwind(angle: float, turns: float) -> float:
         """angle + 2 pi turns [rad]."""
         return angle + turns * TWO_PI
-
-
-def horner(coefficients: Sequence[N], t: N) -> N:
-    """Value at t of the polynomial with the given coefficients, lowest first.
-
-    Even and odd powers run in two chains of Horner's rule in t^2, which a processor takes side by side.
-    """
-    square = t * t
-    high, low = coefficients[-1], coefficients[-2]
-    for n in range(len(coefficients) - 3, 0, -2):
-        high = high * square + coefficients[n]
-        low = low * square + coefficients[n - 1]
-    if len(coefficients) % 2 == 0:
-        return low + t * high
-    return (high * square + coefficients[0]) + t * low
-
-
-def sizes_at(coefficients: Sequence[N], t: N) -> N:
-    """Sum of the sizes of the terms of a polynomial at t >= 0, coefficients lowest first."""
-    total = abs(coefficients[-1])
-    for coefficient in reversed(coefficients[:-1]):
-        total = total * t + abs(coefficient)
-    return total
 
 
 def total_of(kit: Kit[N], values: Iterable[N]) -> N:

@@ -83,17 +83,3 @@ def crosses(slope: N, bound: N, error: N) -> bool:
     bound: on its absolute second derivative ahead. A touch from above by less than `error` does not.
     """
     return slope < 0 and -slope > 2 * bound * (error / -slope)
-
-
-def latest_zero(kit: Kit[N], value: N, slope: N, noise: N, t: N) -> N:
-    """How long after time t [s] the zero of a falling function may lie, by its tangent: the rounding of its
-    value, and of the time that it is stored with, blur the place.
-
-    value, slope, noise : of the function at t, noise a bound of the rounding of its value; slope < 0
-    """
-    return (value + noise) / -slope + (kit.next_after(t, inf) - t)
-
-
-def may_vanish_by(value: N, slope: N, noise: N, latest: N) -> bool:
-    """Whether a falling function may be zero already `latest` [s] from here; see `latest_zero`."""
-    return slope < 0 and value - noise <= -slope * latest

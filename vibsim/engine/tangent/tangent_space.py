@@ -11,10 +11,8 @@ tied to the ground or the base have none. Bodies that rigid stops at rest tie ha
 the tangent space of the mode.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import Generic
+from collections.abc import Sequence
 
-from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.modes.status import RESTING, Status
 from vibsim.engine.modes.ties import Groups
 from vibsim.physics.connections import felt_angles, felt_pairs
@@ -115,41 +113,6 @@ def plainly_weighed_alike(one: Scene[N], other: Scene[N]) -> bool:
         return False
     springs = one.links is other.links or [link.k for link in one.links] == [link.k for link in other.links]
     return springs and (one.motor and one.motor.e) == (other.motor and other.motor.e)
-
-
-class TangentSpace(Generic[N]):
-    """The disturbances that are possible in a mode, and those that are not.
-
-    inside : vectors that span the tangent space
-    outside : vectors orthogonal to it (where all dv weigh the same) that span the rest
-    """
-
-    def __init__(self, scene: Scene[N], kit: Kit[N], rows: ModeRows[N]) -> None:
-        n, zero, one = len(scene.bodies), kit.number(0), kit.number(1)
-        size = length(scene)
-
-        def vector(entries: Mapping[int, N]) -> list[N]:
-            return [entries.get(k, zero) for k in range(size)]
-
-        self.inside: list[list[N]] = []
-        self.outside: list[list[N]] = []
-        reference = references(scene)
-        for leader, members in sorted(seats_of(scene, rows.status).members.items()):
-            bodies = [c for c in members if c < n]
-            moves = leader < n and not any(reference[c] == c for c in bodies)
-            if moves:
-                self.inside.append(vector(dict.fromkeys(bodies, one)))
-            for c in bodies[1:] if moves else (c for c in bodies if reference[c] != c):
-                share = one / len(bodies) if moves else zero
-                self.outside.append(vector({d: (one if d == c else zero) - share for d in bodies}))
-        self.inside += [vector({k: one}) for k in components(scene) if k >= 2 * n]
-        for leader, members in sorted(rows.groups.members.items()):
-            bodies = [c for c in members if c < n]
-            if leader < n:
-                self.inside.append(vector({n + c: one for c in bodies}))
-            for c in bodies[1 if leader < n else 0 :]:
-                share = one / len(bodies) if leader < n else zero
-                self.outside.append(vector({n + d: (one if d == c else zero) - share for d in bodies}))
 
 
 def seats_of(scene: Scene[N], status: Status) -> Groups:
