@@ -41,7 +41,7 @@ def whole(tables):
     return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
 
-def outcome(scene, engine, **options):
+def outcome(scene, engine="auto", **options):
     """The run, or the sentence with which it failed."""
     try:
         return run(scene, engine, **options)
