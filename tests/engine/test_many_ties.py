@@ -122,7 +122,7 @@ def test_ties_obey_coulombs_law(monkeypatch):
     descents, descend = [], StickSlipResolution._descend
     monkeypatch.setattr(StickSlipResolution, "_descend", lambda *args: descents.append(1) or descend(*args))
     rng = random.Random(30)
-    for _ in range(60):
+    for _ in range(40):
         scene = scene_at_rest(rng)
         ahead = derivative_flow(scene, Doubles, Certificate(Doubles))
         automaton = Automaton(scene, RowMaker(scene, Doubles), ahead, Doubles)

@@ -254,7 +254,7 @@ RUNS = 2
 SCRIPT = f"""
 import resource
 from vibsim import load_case, simulate
-case = load_case("II-B")
+case = load_case("II-B", {{"run.t_end": "150 s"}})
 def faults():
     return resource.getrusage(resource.RUSAGE_SELF).ru_minflt
 for _ in range({RUNS}):
