@@ -92,23 +92,3 @@ def assert_derivative(scene, doubles=None):
             assert apart < doubles * max(largest, 1.0)
         columns += 1
     return columns, kinds
-
-
-# Runs of the Python engine, for tests of orbits that still take them.
-
-
-def finished(scene, kit, disturbance=None):
-    """The driver at the end of a run, which may carry one disturbance along."""
-    from vibsim.engine.driver import Driver
-
-    driver = Driver(scene, kit, tangent=(int(disturbance is not None), 0.0))
-    if disturbance is not None:
-        driver.tangent.vectors = [disturbance]
-    while not driver.finished:
-        driver.run(10**6)
-    return driver
-
-
-def course(driver):
-    """What happened, without the times."""
-    return [(kind, part, status) for kind, part, _, status, *_ in driver.events]

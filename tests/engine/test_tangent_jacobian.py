@@ -89,9 +89,3 @@ def test_random_scenes(scene):
 def test_many_random_scenes(scene):
     assert_derivative(scene)
     assert_derivative(replace(scene, method="taylor"))
-
-
-def numbers(driver):
-    """(x, v, phi, w) at the end."""
-    rotor = (driver.state.phase, driver.state.w) if driver.scene.motor is not None else ()
-    return [*driver.state.x, *driver.state.v, *rotor]
