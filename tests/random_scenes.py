@@ -1,10 +1,11 @@
-"""Hypothesis strategies: scenes over all features, short enough for the Python engine.
+"""Random scenes of two blocks over all features, and what random scenes are drawn by: by hypothesis, which
+looks for the smallest scene that fails, or by a seed, which gives the same scene for ever.
 
 Every scale follows from a length L, a mass m and a rate w, so that each drawn feature matters in most scenes.
 """
 
 import math
-from functools import cache
+from random import Random
 
 from hypothesis import strategies as st
 
@@ -14,99 +15,145 @@ from vibsim.physics.two_blocks import TwoBlocks
 RADIANS = 40.0  # length of a run in radians of its fastest rate
 
 
-@cache
-def between(low, high):
-    """A number of three digits: zeros are exact zeros, and no quantity is 1e-300 of the others."""
-    return st.integers(round(low * 1000), round(high * 1000)).map(lambda n: n / 1000)
+class Draws:
+    """Draws of a seed: the same with every version of everything, on every machine."""
+
+    def __init__(self, seed):
+        self.random = Random(seed)
+
+    def integers(self, low, high):
+        return self.random.randint(low, high)
+
+    def sampled_from(self, options):
+        return self.random.choice(options)
+
+    def booleans(self):
+        return self.random.random() < 0.5
+
+    def either(self, *draws):
+        """What one of some functions draws."""
+        return self.sampled_from(draws)()
+
+    def between(self, low, high):
+        """A number of three digits: zeros are exact zeros, and no quantity is 1e-300 of the others."""
+        return self.integers(round(low * 1000), round(high * 1000)) / 1000
+
+    def decades(self, low, high):
+        """10**u with u uniform, to nine digits: the last ones of a power are not the same on all machines."""
+        return float(f"{10.0 ** self.between(low, high):.9g}")
+
+    def signed(self, scale):
+        """Zero (often) or a number of the size of `scale`."""
+        return self.either(lambda: 0.0, lambda: self.between(-1.0, 1.0)) * scale
 
 
-@cache
-def decades(low, high):
-    """10**u with u uniform."""
-    return between(low, high).map(lambda u: 10.0**u)
+class DrawsOfHypothesis(Draws):
+    """Draws that hypothesis makes, and makes smaller where a test fails."""
+
+    def __init__(self, draw):
+        self.draw = draw
+
+    def integers(self, low, high):
+        return self.draw(st.integers(low, high))
+
+    def sampled_from(self, options):
+        return self.draw(st.sampled_from(options))
+
+    def booleans(self):
+        return self.draw(st.booleans())
 
 
-@cache
-def signed(scale):
-    """Zero (often) or a number of the size of `scale`."""
-    return st.one_of(st.just(0.0), between(-1.0, 1.0)).map(lambda u: u * scale)
+def strategy(drawn):
+    """The strategy of hypothesis for what `drawn(draw, ...)` draws."""
+
+    @st.composite
+    def by_hypothesis(draw, *args, **options):
+        return drawn(DrawsOfHypothesis(draw), *args, **options)
+
+    return by_hypothesis
 
 
-@st.composite
-def scenes(draw, sources=("none", "harmonic", "motor"), radians=RADIANS, features=True):
+def two_blocks(draw, sources=("none", "harmonic", "motor"), radians=RADIANS, features=True):
     """A scene: blocks, coupling, stop, friction, source, initial state, rest distance.
 
     sources: kinds of source to draw from; radians: length of the run; features=False: no rest distance.
     """
-    source = draw(st.sampled_from(sources))
-    length, m1, rate = draw(decades(-4, -1)), draw(decades(-1, 1)), 2 * math.pi * draw(decades(-0.5, 1))
-    m2 = draw(st.one_of(st.none(), decades(-1, 1.5)))
+    source = draw.sampled_from(sources)
+    length, m1, rate = draw.decades(-4, -1), draw.decades(-1, 1), 2 * math.pi * draw.decades(-0.5, 1)
+    m2 = draw.either(lambda: None, lambda: draw.decades(-1, 1.5))
     stiffness = m1 * rate**2
-    k1 = draw(st.sampled_from((stiffness, stiffness, stiffness, 0.0)))
+    k1 = draw.sampled_from((stiffness, stiffness, stiffness, 0.0))
     mobility = 1 / m1 + (1 / m2 if m2 else 0.0)
     fields = {**NO_SOURCE, **RUN, **START, "m1": m1, "m2": m2, "k1": k1, "source": source}
-    fields["c"] = draw(damping(k1 or stiffness, mobility))
-    fields["k2"] = draw(st.one_of(st.none(), between(0.5, 100.0).map(lambda u: u * stiffness)))
-    fields["stop_sign"] = draw(st.sampled_from((1, -1)))
-    fields["G"] = None if fields["k2"] is None else draw(st.one_of(st.just(0.0), between(-0.3, 1.0))) * length
+    fields["c"] = damping(draw, k1 or stiffness, mobility)
+    fields["k2"] = draw.either(lambda: None, lambda: draw.between(0.5, 100.0) * stiffness)
+    fields["stop_sign"] = draw.sampled_from((1, -1))
+    if fields["k2"] is None:
+        fields["G"] = None
+    else:
+        fields["G"] = draw.either(lambda: 0.0, lambda: draw.between(-0.3, 1.0)) * length
     force = stiffness * length
     if m2 is None:
         fields.update(x2=None, v2=None, N=None)
     else:
-        fields["N"] = draw(st.one_of(st.none(), decades(-3, 0).map(lambda u: u * force)))
-        fields["x2"] = draw(signed(length))
-        fields["v2"] = draw(st.one_of(st.just(0.0), signed(rate * length)))
-    fields["x1"] = fields["x2"] or 0.0
-    fields["x1"] += draw(signed(length))
-    fields["v1"] = draw(signed(rate * length))
+        fields["N"] = draw.either(lambda: None, lambda: draw.decades(-3, 0) * force)
+        fields["x2"] = draw.signed(length)
+        fields["v2"] = draw.either(lambda: 0.0, lambda: draw.signed(rate * length))
+    fields["x1"] = (fields["x2"] or 0.0) + draw.signed(length)
+    fields["v1"] = draw.signed(rate * length)
     if source == "harmonic":
-        fields.update(draw(ideal_sources(force, rate, math.sqrt(k1 * mobility))))
+        fields.update(ideal_source(draw, force, rate, math.sqrt(k1 * mobility)))
     if source == "motor":
-        fields.update(draw(motors(m1, length, rate)))
+        fields.update(motor(draw, m1, length, rate))
     if features:
-        fields["rest_distance"] = draw(st.one_of(st.none(), between(0.1, 1.0).map(lambda u: u * length)))
-        fields["stop_on_violation"] = draw(st.booleans())
-    fastest = fastest_rate(fields, mobility)
-    fields["t_end"] = radians / fastest
-    fields["every_num"] = 1 + int(fields["t_end"] * 1e6 / draw(st.integers(3, 60)))
+        fields["rest_distance"] = draw.either(lambda: None, lambda: draw.between(0.1, 1.0) * length)
+        fields["stop_on_violation"] = draw.booleans()
+    fields["t_end"] = radians / fastest_rate(fields, mobility)
+    fields["every_num"] = 1 + int(fields["t_end"] * 1e6 / draw.integers(3, 60))
     fields["every_den"] = 10**6
     return TwoBlocks(**fields)
 
 
-def damping(stiffness, mobility):
+scenes = strategy(two_blocks)
+
+
+def damping(draw, stiffness, mobility):
     """c [N s/m]: none, about critical, or any share of it up to far above."""
     critical = 2 * math.sqrt(stiffness / mobility)
-    shares = st.one_of(
-        st.just(0.0), st.sampled_from((1.0, 1 - 1e-12, 1 + 1e-12)), decades(-4, -1), decades(-1, 1.5)
+    about = (1.0, 1 - 1e-12, 1 + 1e-12)
+    share = draw.either(
+        lambda: 0.0,
+        lambda: draw.sampled_from(about),
+        lambda: draw.decades(-4, -1),
+        lambda: draw.decades(-1, 1.5),
     )
-    return shares.map(lambda share: share * critical)
+    return share * critical
 
 
-@st.composite
-def ideal_sources(draw, force, rate, natural):
+def ideal_source(draw, force, rate, natural):
     """Harmonic source, often at the natural frequency, sometimes with a constant part or no amplitude."""
-    omega = draw(st.one_of(st.just(natural or rate), decades(-2, 1).map(lambda u: u * rate)))
+    omega = draw.either(lambda: natural or rate, lambda: draw.decades(-2, 1) * rate)
+    amplitude = draw.sampled_from((0.0, 1.0, 1.0)) and draw.between(-2.0, 2.0)
     return {
-        "A": draw(st.one_of(st.just(0.0), between(-2.0, 2.0), between(-2.0, 2.0))) * force,
-        "F0": draw(signed(force)),
+        "A": amplitude * force,
+        "F0": draw.signed(force),
         "omega": omega,
         "cycles": omega / (2 * math.pi),
-        "cycles_lo": draw(st.sampled_from((0.0, 1e-17))) * omega,
+        "cycles_lo": draw.sampled_from((0.0, 1e-17)) * omega,
     }
 
 
-@st.composite
-def motors(draw, m1, length, rate):
+def motor(draw, m1, length, rate):
     """A motor whose imbalance moves the blocks by about `length`."""
-    m3, e = m1 * draw(decades(-2, 0)), length * draw(decades(0, 1.5))
+    m3, e = m1 * draw.decades(-2, 0), length * draw.decades(0, 1.5)
     return {
         "m3": m3,
         "e": e,
-        "J": m3 * e * e * draw(decades(-1, 1)),
-        "M0": m3 * e * e * rate**2 * draw(decades(-2, 1)),
-        "Omega0": rate * draw(between(0.2, 2.0)),
-        "phi": draw(st.one_of(st.just(0.0), between(-100.0, 100.0))),
-        "phidot": draw(st.one_of(st.just(0.0), between(-1.5, 1.5).map(lambda u: u * rate))),
+        "J": m3 * e * e * draw.decades(-1, 1),
+        "M0": m3 * e * e * rate**2 * draw.decades(-2, 1),
+        "Omega0": rate * draw.between(0.2, 2.0),
+        "phi": draw.either(lambda: 0.0, lambda: draw.between(-100.0, 100.0)),
+        "phidot": draw.either(lambda: 0.0, lambda: draw.between(-1.5, 1.5) * rate),
     }
 
 

@@ -1,14 +1,12 @@
 """Whole runs for tests, and their comparison bit by bit."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import EVENT_NAMES
 from vibsim.physics.two_blocks import TwoBlocks
-
-ENGINES = ("c", "python")
 
 
 @dataclass(frozen=True)
@@ -38,15 +36,15 @@ class Run:
         return {name: column[i] for name, column in self.events.items()}
 
 
-def opened(scene, engine="auto", resume=None, **options):
+def opened(scene, resume=None, **options):
     """A run of `scene`, of two blocks or made of parts, not yet computed."""
     parts = scene.as_parts() if isinstance(scene, TwoBlocks) else scene
-    return open_trajectory(parts, engine, resume, **options)
+    return open_trajectory(parts, resume=resume, **options)
 
 
-def run(scene, engine="c", resume=None):
+def run(scene, resume=None):
     """Run `scene` to its end."""
-    return collect(opened(scene, engine, resume))
+    return collect(opened(scene, resume))
 
 
 def collect(trajectory):
@@ -66,12 +64,3 @@ def assert_same_columns(got, expected):
     assert list(got) == list(expected)
     for name in expected:
         np.testing.assert_array_equal(bits(got[name]), bits(expected[name]), err_msg=name)
-
-
-def assert_same_bits(got, expected):
-    """Two runs agree in every bit of samples, events and totals."""
-    for field in fields(Run)[:2]:
-        assert_same_columns(getattr(got, field.name), getattr(expected, field.name))
-    assert list(got.totals) == list(expected.totals)
-    for name, value in expected.totals.items():
-        assert np.float64(got.totals[name]).tobytes() == np.float64(value).tobytes(), name

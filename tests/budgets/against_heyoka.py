@@ -57,7 +57,7 @@ def case_rows(name):
 
 def vibsim_run(scene):
     """Samples and events of a run, as arrays."""
-    blocks = list(open_trajectory(scene, "c").blocks())
+    blocks = list(open_trajectory(scene).blocks())
     samples = np.column_stack([np.concatenate([block.samples[name] for block in blocks]) for name in STATES])
     events = np.column_stack(
         [np.concatenate([block.events[name] for block in blocks]) for name in ("t", "kind")]

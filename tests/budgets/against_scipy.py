@@ -20,9 +20,7 @@ REPETITIONS = 3
 def rows():
     for name in ("II-B", "I-C"):
         scene = without_samples(replace(load_case(name).scene(), t_end=float(SPAN)))
-        ours = median(
-            stopwatch(lambda scene=scene: run_through(open_trajectory(scene, "c"))) for _ in range(15)
-        )
+        ours = median(stopwatch(lambda scene=scene: run_through(open_trajectory(scene))) for _ in range(15))
         note = f"vibsim {ours * 1e3:.2f} ms, error {error_of(name, SPAN, final_state(scene)):.1e}"
         yield with_events(name, scene, ours, note)
         yield with_sgn(name, scene, ours, note)
@@ -71,6 +69,6 @@ def end_of(peer):
 
 def final_state(scene):
     """[x1, v1, x2, v2 (, phi, phidot)] at the end of the run."""
-    *_, last = open_trajectory(scene, "c").blocks()
+    *_, last = open_trajectory(scene).blocks()
     names = ("x1", "v1", "x2", "v2", "phi", "phidot")
     return [last.events[name][-1] for name in names if name in last.events]

@@ -28,7 +28,7 @@ PROFILE = {"DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False"} if "--no-profi
 TICK = os.sysconf("SC_CLK_TCK")
 
 
-def sleep_there(settings, pieces, engine, expected):
+def sleep_there(settings, pieces, expected):
     """In place of `compute_there`: points as large as real ones that take their time without computing."""
     found = []
     for piece in pieces:

@@ -1,4 +1,4 @@
-"""Time spent inside the C engine, apart from the copying of its blocks."""
+"""Time spent inside C, apart from the copying of its blocks."""
 
 import math
 import time
@@ -10,7 +10,7 @@ from vibsim.engine import _engine, c_engine
 
 
 class EngineClock:
-    """Within `with EngineClock() as clock:` every run on the C engine adds to clock.seconds."""
+    """Within `with EngineClock() as clock:` every run adds to clock.seconds."""
 
     def __enter__(self):
         self.seconds = 0.0

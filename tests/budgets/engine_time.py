@@ -1,4 +1,4 @@
-"""Budget: 300 s with 60,001 samples in the C engine; how near to the limit that the flop count sets."""
+"""Budget: 300 s with 60,001 samples in C; how near to the limit that the flop count sets."""
 
 from statistics import median
 
@@ -25,8 +25,8 @@ def _case_rows(name, floor, most_ms, most_us):
     in_engine, whole = [], []
     for _ in range(REPETITIONS):
         in_engine.append(engine_ms(scene))
-        whole.append(stopwatch(lambda: run_through(open_trajectory(scene, "c"))) * 1e3)
-    totals = run_through(open_trajectory(scene, "c"))
+        whole.append(stopwatch(lambda: run_through(open_trajectory(scene))) * 1e3)
+    totals = run_through(open_trajectory(scene))
     events = totals["events"]
     note = (
         f"{events} events, {totals['steps']} steps; by open_trajectory, blocks copied: {median(whole):.1f} ms"
@@ -44,7 +44,7 @@ def _case_rows(name, floor, most_ms, most_us):
 
 
 def engine_ms(scene):
-    """Time in the C engine [ms] of a run to its end."""
+    """Time in C [ms] of a run to its end."""
     with EngineClock() as clock:
-        run_through(open_trajectory(scene, "c"))
+        run_through(open_trajectory(scene))
     return clock.seconds * 1e3

@@ -30,7 +30,7 @@ def rows():
             scene, figures = replace(chain(bodies), method=method), []
             for _ in range(5):
                 with EngineClock() as clock:
-                    totals = run_through(open_trajectory(scene, "c"))
+                    totals = run_through(open_trajectory(scene))
                 steps = totals["steps" if method == "taylor" else "evaluations"]
                 figures.append(1e6 * clock.seconds / steps / bodies)
             work = "step" if method == "taylor" else "evaluation"

@@ -36,7 +36,10 @@ from vibsim.engine.trajectory import open_trajectory
 scene = load_case("{case}").scene()
 """,
 }
-RUN_ENGINE = "for _ in open_trajectory(scene, 'c').blocks(): pass"
+RUN_ENGINE = {
+    "pinned": "for _ in open_trajectory(scene, 'c').blocks(): pass",
+    "current": "for _ in open_trajectory(scene).blocks(): pass",
+}
 SIMULATE = """
 from vibsim import load_case, simulate
 case = load_case("{case}")
@@ -88,7 +91,9 @@ class Timed:
 def engines(case: str) -> tuple[Timed, Timed]:
     """Engine runs by this build and by the pinned one, on the same core: two cores are not equally fast."""
     core = random.choice(sorted(os.sched_getaffinity(0))) if hasattr(os, "sched_getaffinity") else None
-    ours, theirs = (Timed(which, ENGINE[which], RUN_ENGINE, case, core) for which in ("current", "pinned"))
+    ours, theirs = (
+        Timed(which, ENGINE[which], RUN_ENGINE[which], case, core) for which in ("current", "pinned")
+    )
     return ours, theirs
 
 

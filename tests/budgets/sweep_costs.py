@@ -57,12 +57,12 @@ def computing():
     def engine():
         for index in indices:
             scene = sampled_for_statistics(plan.point_case(index).scene())
-            for _ in MeasuredRun(scene, plan.point_settings.of, scene.t_end / 2, "c").blocks():
+            for _ in MeasuredRun(scene, plan.point_settings.of, scene.t_end / 2).blocks():
                 pass
 
     def points(names):
         settings = grid(200, compute=names).point_settings
-        return lambda: [compute_point(settings, i, plan.changes(i), None, "c") for i in indices]
+        return lambda: [compute_point(settings, i, plan.changes(i), None) for i in indices]
 
     alone = cpu(engine) / len(indices)
     whole = cpu(points([])) / len(indices)
@@ -85,7 +85,7 @@ def unlike(plan: SweepPlan, made: SweepPoint, points: int):
 
 
 def a_point(plan: SweepPlan, index) -> SweepPoint:
-    return compute_point(plan.point_settings, index, plan.changes(index), None, "c")
+    return compute_point(plan.point_settings, index, plan.changes(index), None)
 
 
 def keeping(points: int, section: int):

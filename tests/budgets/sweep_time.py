@@ -35,11 +35,11 @@ def rows():
 
 
 def engine_seconds(frequency):
-    """Time in the C engine [s] of II-B with the motor constant `frequency` [Hz], as a point of a sweep."""
+    """Time in C [s] of II-B with the motor constant `frequency` [Hz], as a point of a sweep."""
     case = load_case("II-B", {"excitation.Omega0": f"{frequency} Hz"})
     scene = sampled_for_statistics(case.scene())
     with EngineClock() as clock:
-        for _ in MeasuredRun(scene, quantities_of(case), scene.t_end / 2, "c").blocks():
+        for _ in MeasuredRun(scene, quantities_of(case), scene.t_end / 2).blocks():
             pass
     return clock.seconds
 

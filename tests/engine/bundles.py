@@ -1,63 +1,94 @@
-"""Runs of scenes made of parts with tangent bundles, and in many digits."""
+"""Disturbances of scenes made of parts: runs with exponents, and difference quotients in 40 digits."""
 
-from dataclasses import fields, is_dataclass, replace
+from fractions import Fraction
 
-from vibsim.engine.driver import Driver
-from vibsim.engine.tangent.tangent_space import dimension
+from tests.engine.many_digits import exact_parts
+from vibsim.engine.errors import start_of
+from vibsim.engine.tangent.carried import components_of
+from vibsim.engine.tangent.carried_digits import DigitsCarrier
+from vibsim.engine.tangent.monodromy import Carrier
+from vibsim.engine.tangent.tangent_space import TangentSpace, dimension
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.parts import Harmonic
+from vibsim.engine.truth import bare
+from vibsim.physics.precision import number_kit
 
 PER_PIECE = 400 * 2.0**-53  # of the volume: cut-off 1.65**20 / 20! = 9e-15, rounding of the vectors
+SHIFT = Fraction(
+    1, 10**18
+)  # the quotient is then wrong by 1e-18 times the second derivative, and by 1e-40 / 1e-18
+CLOSE = 1e-12  # numbers given as doubles, omega and omega / (2 pi) among them, agree to 1e-16
 
 
-def totals(scene, count=None, begin=0.0, engine="auto"):
+def totals(scene, count=None, begin=0.0):
     """Totals of the run of `scene` with `count` exponents (None: all) from the time `begin` [s]."""
     count = dimension(scene) if count is None else count
-    trajectory = open_trajectory(scene, engine, tangent=count, tangent_from=begin)
+    trajectory = open_trajectory(scene, tangent=count, tangent_from=begin)
     for _ in trajectory.blocks():
         pass
     return trajectory.totals
 
 
-def exact(value, kit):
-    """A scene, or a part of one, in numbers of the kit."""
-    if isinstance(value, float):
-        return kit.number(value)
-    if isinstance(value, tuple):
-        return tuple(exact(one, kit) for one in value)
-    if isinstance(value, Harmonic):  # both as doubles would be of two frequencies
-        cycles = kit.number(value.cycles) + value.cycles_lo
-        amplitude, phase = kit.number(value.amplitude), kit.number(value.phase)
-        return Harmonic(amplitude, kit.exact(2 * kit.pi * cycles), cycles, kit.number(0), phase)
-    if is_dataclass(value):
-        return replace(value, **{f.name: exact(getattr(value, f.name), kit) for f in fields(value)})
-    return value
+def start_components(scene):
+    """Components of the start of a scene: x and v of all bodies, angle and speed of a motor."""
+    rotor = (scene.motor.phi, scene.motor.phidot) if scene.motor is not None else ()
+    return [*(body.x for body in scene.bodies), *(body.v for body in scene.bodies), *rotor]
 
 
-def in_digits(scene, kit):
-    """The scene in numbers of the kit, without samples."""
-    return replace(exact(scene, kit), tol=scene.tol, every_num=1000, every_den=1)
+class InDigits:
+    """Motions of a scene of doubles in many digits, with disturbances of its start."""
+
+    def __init__(self, scene, digits=40):
+        self.kit = kit = number_kit(digits)
+        kit.activate()
+        exact = bare(exact_parts(scene)(kit.number, kit.pi), kit)
+        self.begin, self.end = start_of(exact, kit), exact.t_end
+        self.start = components_of(exact, kit, self.begin)
+        self.scene, self.carrier = exact, DigitsCarrier(exact, kit)
+
+    def possible(self):
+        """A basis of the disturbances that the mode of the start allows."""
+        run = self.carrier.run
+        status, _ = run.automaton.initial(self.begin)
+        return TangentSpace(self.scene, self.kit, run.maker.rows(status)).inside
+
+    def carry(self, shift=None, vectors=()):
+        """The motion from the start, shifted by SHIFT times a disturbance, with `vectors`."""
+        start = self.start
+        if shift is not None:
+            small = self.kit.number(SHIFT)
+            start = [value + small * by for value, by in zip(start, shift, strict=True)]
+        return self.carrier.carry(start, self.end, vectors)
+
+    def quotient(self, moved, base):
+        """Difference quotient of the ends of two motions, of which one is shifted."""
+        small = self.kit.number(SHIFT)
+        return [(after - before) / small for after, before in zip(moved.state, base.state, strict=True)]
 
 
-def started(scene, shift):
-    """The scene with its start shifted by (dx, dv, dphi, dw)."""
-    n, motor = len(scene.bodies), scene.motor
-    bodies = tuple(replace(b, x=b.x + shift[i], v=b.v + shift[n + i]) for i, b in enumerate(scene.bodies))
-    if motor is not None:
-        motor = replace(motor, phi=motor.phi + shift[-2], phidot=motor.phidot + shift[-1])
-    return replace(scene, bodies=bodies, motor=motor)
+def assert_derivative(scene, doubles=None):
+    """What becomes of disturbances in 40 digits are difference quotients there: all but those whose motion
+    takes another course. Returns their number and the kinds of the events.
 
-
-def finished(scene, kit, disturbance=None):
-    """The driver at the end of a run, which may carry one disturbance along."""
-    driver = Driver(scene, kit, tangent=(int(disturbance is not None), 0.0))
-    if disturbance is not None:
-        driver.tangent.vectors = [disturbance]
-    while not driver.finished:
-        driver.run(10**6)
-    return driver
-
-
-def course(driver):
-    """What happened, without the times."""
-    return [(kind, part, status) for kind, part, _, status, *_ in driver.events]
+    doubles : how near to the quotients those in doubles have to come [share of the largest, or of 1]
+    """
+    digits = InDigits(scene)
+    vectors, columns = digits.possible(), 0
+    base = digits.carry(vectors=vectors)
+    kinds = {kind for kind, _ in base.events}
+    if base.undefined:
+        return 0, kinds
+    for vector, ours in zip(vectors, base.vectors, strict=True):
+        moved = digits.carry(vector)
+        if moved.events != base.events:
+            continue
+        theirs = digits.quotient(moved, base)
+        largest = max(max(abs(float(value.mid())) for value in theirs), 1e-3)
+        for one, other in zip(ours, theirs, strict=True):
+            assert abs(float((one - other).mid())) < CLOSE * largest
+        if doubles is not None:
+            given = [[float(value.mid()) for value in vector]]
+            (found,) = Carrier(scene).carry(start_components(scene), scene.t_end, given).vectors
+            apart = max(abs(one - float(other.mid())) for one, other in zip(found, theirs, strict=True))
+            assert apart < doubles * max(largest, 1.0)
+        columns += 1
+    return columns, kinds

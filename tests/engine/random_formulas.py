@@ -1,6 +1,4 @@
-"""Random scenes with formulas: bodies, rotors and further states with every function, switch and power, short
-enough for the Python engine.
-"""
+"""Random scenes with formulas: bodies, rotors and further states with every function, switch and power."""
 
 import math
 from fractions import Fraction

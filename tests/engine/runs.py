@@ -22,11 +22,11 @@ class Run:
     totals: dict[str, float]
 
 
-def run(scene, engine="auto", most=None, **options):
+def run(scene, most=None, **options):
     """The run of a scene as whole columns, up to its end or to the block with event number `most`; options as
     of `open_trajectory`.
     """
-    trajectory, blocks, events = open_trajectory(scene, engine, **options), [], 0
+    trajectory, blocks, events = open_trajectory(scene, **options), [], 0
     for block in trajectory.blocks():
         blocks.append(block)
         events += len(block.events["t"])
@@ -41,19 +41,12 @@ def whole(tables):
     return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
 
-def outcome(scene, engine, **options):
+def outcome(scene, **options):
     """The run, or the sentence with which it failed."""
     try:
-        return run(scene, engine, **options)
+        return run(scene, **options)
     except EngineError as error:
         return str(error)
-
-
-def run_both(scene, **options):
-    """The run of a scene by C, equal in every bit to that by Python; options as of `run`."""
-    fast, slow = run(scene, "c", **options), run(scene, "python", **options)
-    assert differences(fast, slow) == []
-    return fast
 
 
 def same_bits(a, b):

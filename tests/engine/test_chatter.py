@@ -221,7 +221,7 @@ def test_chatter_under_friction_ends_and_tells_what_it_left_out(x, method):
         t_end=1.0,
         method=method,
     )
-    found = run(of, "c", most=1000)
+    found = run(of, most=1000)
     a, b = (F + N) / m, (F - N) / m
     expected = e * v * (1 / a + 1 / sqrt(a * b)) / (1 - e * sqrt(b / a))
     left_out = found.totals["chatter_time"]
@@ -252,7 +252,7 @@ def test_hops_that_a_friction_stops_on_their_way_end_without_loss_in_the_stop(me
     on each other after 2 w / 3, at the height 2 w^2 / 9, and fall with w / 3 and 1/2 m/s^2: they strike at
     w / sqrt 3, and the sequence ends after 1 + sqrt 3 of its first speed. With e = 1 it went on by rounding.
     """
-    found = run(carried(1.0, 1.0, 1.0, 0.5, 1.0, method), "c", most=500)
+    found = run(carried(1.0, 1.0, 1.0, 0.5, 1.0, method), most=500)
     left_out = found.totals["chatter_time"]
     assert left_out < 1e-5
     assert times(found, "rest_begin") + left_out == pytest.approx([1 + sqrt(3)], abs=0.02 * left_out)
@@ -262,5 +262,5 @@ def test_hops_that_a_friction_stops_on_their_way_end_without_loss_in_the_stop(me
 @pytest.mark.parametrize(("e", "m", "F"), ((0.05, 0.01, 0.05), (0.2, 0.1, 1.0), (0.2, 0.01, 1.0)))
 def test_hops_in_which_a_light_body_is_caught_end_certified(e, m, F):
     """It slips faster than four times the speed of the hop, and comes to rest on the other within it."""
-    found = run(carried(1.0, e, m, 0.5, F, "auto"), "c", most=500)
+    found = run(carried(1.0, e, m, 0.5, F, "auto"), most=500)
     assert (found.totals["uncertified"], found.totals["chatters"]) == (0, 1)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.engine.many_digits import exact_parts, truth
-from tests.engine.runs import run, run_both
+from tests.engine.runs import run
 from vibsim.physics.parts import (
     AT_FORCE,
     BASE,
@@ -36,8 +36,8 @@ def kinds(table):
 
 
 def worst(scene):
-    """(run, largest error of a displacement [m]) against 40 digits; both engines are equal."""
-    fast = run_both(scene)
+    """(run, largest error of a displacement [m]) against 40 digits."""
+    fast = run(scene)
     samples, *_ = truth(exact_parts(scene), 40)
     columns = [name for name in samples if name.startswith("x_")]
     return fast, max(float(np.abs(fast.samples[name] - samples[name]).max()) for name in columns)
@@ -79,8 +79,7 @@ def test_a_chatter_that_fades_below_the_rounding_of_velocities_is_one():
     assert error < len(found.events["t"]) * np.spacing(15.0)  # each impact rounds a displacement of 15 m
 
 
-@pytest.mark.parametrize("engine", ("c", "python"))
-def test_nothing_else_moves_where_a_stop_is_struck_at_the_start(engine):
+def test_nothing_else_moves_where_a_stop_is_struck_at_the_start():
     """The other bodies were given what rounding makes of zero, and one that stood at a wall struck it."""
     bodies = (Body("a", 1.3, 0.0, -0.0076), Body("b", 1.8, -0.00499, 0.0), Body("c", 1.26, 0.0, 0.0))
     links = (Link("ab", 1, 2, 76.4, 0.0), Link("ca", 2, 0, 94.0, 0.0))
@@ -88,7 +87,7 @@ def test_nothing_else_moves_where_a_stop_is_struck_at_the_start(engine):
         RigidStop("left", 0, GROUND, 0.0, EXTENSION, 0.3, True),
         RigidStop("right", GROUND, 1, 0.00499, COMPRESSION, 0.3, True),
     )
-    found = run(Scene(bodies, links, stops, t_end=0.1, every_num=1, every_den=50), engine)
+    found = run(Scene(bodies, links, stops, t_end=0.1, every_num=1, every_den=50))
     first = {name: column[found.events["t"] == 0][-1] for name, column in found.events.items()}
     assert first["kind"] == EVENT_KINDS["impact"] and first["part"] == 0
     assert first["v_a"] == 0.3 * 0.0076
@@ -137,7 +136,7 @@ def test_the_ledgers_have_what_the_end_of_a_chatter_gives_to_the_ground(moved):
         every_num=1,
         every_den=50,
     )
-    fast = run_both(scene, momentum=True)
+    fast = run(scene, momentum=True)
     assert fast.totals["chatter_speed"] > 1e-8
     assert abs(fast.totals["momentum_residual"]) < 1e-15 * len(fast.events["t"])
     assert abs(fast.totals["energy_residual"]) < 1e-17 * len(fast.events["t"])
@@ -163,7 +162,7 @@ def test_a_impact_is_in_doubt_where_the_order_of_two_makes_a_difference(restitut
     """Struck one after the other, the first wall tells the speed behind; both at once, the harder one. Walls
     at one place are struck at once, whatever rounding does.
     """
-    fast = run_both(walls(restitutions, beyond))
+    fast = run(walls(restitutions, beyond))
     assert (fast.totals["uncertified"] > 0) == doubted
 
 
@@ -179,7 +178,7 @@ def test_of_stops_at_one_place_the_hardest_decides(softer, first, friction):
     """
     restitutions = (0.7, *softer) if first else (*softer, 0.7)
     single = run(walls((0.7,), friction=friction), momentum=True)
-    fast = run_both(walls(restitutions, 0.0, friction), momentum=True)
+    fast = run(walls(restitutions, 0.0, friction), momentum=True)
     assert fast.totals["uncertified"] == 0
     assert {name: fast.totals[name] for name in CUT_OFF} == {name: single.totals[name] for name in CUT_OFF}
     assert np.array_equal(fast.samples["v_ball"], single.samples["v_ball"])
@@ -202,7 +201,7 @@ def test_two_stops_at_one_place_act_as_one(e):
     forces = (Force("left", 0, 2.0, ()), Force("right", 1, -1.5, ()))
     alone = Scene(bodies, (), (one,), (), forces, t_end=0.4, every_num=1, every_den=50)
     scene = replace(alone, stops=(one, twin))
-    fast = run_both(scene)
+    fast = run(scene)
     single = run(alone)
     for table in (single.events, fast.events, truth(exact_parts(scene), 40)[1]):
         assert table["t"][table["kind"] == EVENT_KINDS["chatter"]].size >= 1
@@ -223,7 +222,7 @@ def test_friction_on_a_body_that_rests_on_the_one_that_hops_ends_the_chatter_too
     )
     rubbing, push = Friction("f", 1, GROUND, 0.8, 0.8, 0.0), Force("F", 1, 3.0, ())
     scene = Scene(bodies, (), stops, (rubbing,), (push,), t_end=0.6, every_num=1, every_den=50)
-    fast = run_both(scene, most=1000)
+    fast = run(scene, most=1000)
     assert fast.totals["chatters"] == 1 and fast.totals["uncertified"] == 0
     _, exact, *_ = truth(exact_parts(scene), 40)
     ends = [table["t"][table["kind"] == EVENT_KINDS["chatter"]][-1] for table in (fast.events, exact)]
@@ -240,7 +239,7 @@ def test_friction_alone_ends_a_chatter_on_a_stop_that_loses_nothing():
     rubbing, push = Friction("f", 0, GROUND, 0.5, 0.5, 0.0), Force("F", 0, 1.5, ())
     body = Body("a", 1.0, 0.0, 0.0)
     scene = Scene((body,), (), stops, (rubbing,), (push,), t_end=1.0, every_num=1, every_den=50)
-    fast = run_both(scene, most=1000)
+    fast = run(scene, most=1000)
     assert fast.totals["chatters"] == 1 and fast.totals["uncertified"] == 0
     end = fast.events["t"][fast.events["kind"] == EVENT_KINDS["chatter"]][-1]
     share = np.sqrt((1.5 - 0.5) / (1.5 + 0.5))  # of the speed that a hop of 1 kg keeps
@@ -263,7 +262,7 @@ def test_a_chatter_ends_where_an_elastic_stop_lets_go(c):
         (Body("a", 1.0, 0.29, 0.1),), (), (wall, cushion), forces=(Force("F", 0, 1.5, ()),),
         t_end=2.0, every_num=1, every_den=50,
     )  # fmt: skip
-    fast = run_both(scene, most=1000)
+    fast = run(scene, most=1000)
     samples, exact, *_ = truth(exact_parts(scene), 40)
     assert fast.totals["chatters"] == 1 and fast.totals["uncertified"] == 0
     ends = [table["t"][table["kind"] == EVENT_KINDS["chatter"]][-1] for table in (fast.events, exact)]
@@ -282,7 +281,7 @@ def test_a_chatter_ends_that_begins_with_the_run_on_a_moving_base(e):
     base = (Harmonic(top, omega, 7.3, 0.0, np.pi / 2),)
     ball, stop = Body("ball", 0.01, top, -leap), RigidStop("table", 0, BASE, 0.0, COMPRESSION, e)
     scene = Scene((ball,), (), (stop,), base=base, t_end=1.0, every_num=1, every_den=50)
-    fast = run_both(scene, most=1000)
+    fast = run(scene, most=1000)
     assert fast.totals["uncertified"] == 0 and fast.totals["chatters"] >= 1
     end = fast.events["t"][fast.events["kind"] == EVENT_KINDS["chatter"]][0]
     assert end == pytest.approx(2 * leap / (top * omega**2) / (1 - e), rel=1e-6)

@@ -200,9 +200,8 @@ def test_stuck_block_breaks_loose_where_its_force_passes_friction(method):
     assert result.totals["uncertified"] == 0
 
 
-@pytest.mark.parametrize("engine", ("python", "c"))
 @pytest.mark.parametrize("method", METHODS)
-def test_body_between_ground_and_moving_base_follows_the_stronger_friction(method, engine):
+def test_body_between_ground_and_moving_base_follows_the_stronger_friction(method):
     """Where the base rests for an instant the body rests against both, but cannot stick to both: the weaker
     friction turns round. X = a sin(nu t), the body starts with the base.
     """
@@ -214,7 +213,7 @@ def test_body_between_ground_and_moving_base_follows_the_stronger_friction(metho
             Friction("g", 0, GROUND, on_ground, on_ground, 0.0),
         )
         body = [Body("m", 1.0, 0.0, a * nu)]
-        return run(scene(body, method, frictions=frictions, base=(harmonic(a, 0.5),), t_end=6.0), engine)
+        return run(scene(body, method, frictions=frictions, base=(harmonic(a, 0.5),), t_end=6.0))
 
     carried, braked = rubbing(strong, weak), rubbing(weak, strong)
     assert np.abs(carried.samples["x_m"] - a * np.sin(nu * carried.samples["time"])).max() < 1e-15
@@ -226,9 +225,8 @@ def test_body_between_ground_and_moving_base_follows_the_stronger_friction(metho
         assert result.totals["uncertified"] == 0
 
 
-@pytest.mark.parametrize("engine", ("c", "python"))
 @pytest.mark.parametrize("method", METHODS)
-def test_body_that_touches_a_stop_at_rest_is_in_contact_as_soon_as_it_is_pushed(method, engine):
+def test_body_that_touches_a_stop_at_rest_is_in_contact_as_soon_as_it_is_pushed(method):
     """The table turns round where friction on it then tears the body off the ground, into the stop."""
     limit = 0.01 * (2 * pi) ** 2
     rate = 7.264067453591843
@@ -244,7 +242,7 @@ def test_body_that_touches_a_stop_at_rest_is_in_contact_as_soon_as_it_is_pushed(
         t_end=0.4775,
         method=method,
     )
-    result = run(scene, engine, ledger=True)
+    result = run(scene, ledger=True)
     turn = (1.5 * pi - 2.0) / rate
     begins = result.events["t"][result.events["kind"] == 1]
     assert begins[0] == pytest.approx(turn, rel=1e-14)

@@ -1,10 +1,10 @@
-"""Events of scenes with dry friction that C takes by itself: few are left to Python, with the same bits."""
+"""Events of scenes with dry friction that C takes by itself: few are left to Python."""
 
 import pytest
 
 import vibsim.engine.c_engine as c_engine
 from tests.engine.random_parts import RATE
-from tests.engine.runs import run, run_both
+from tests.engine.runs import run
 from tests.engine.test_closed_cases import harmonic, scene
 from vibsim import load_case
 from vibsim.physics.parts import (
@@ -46,13 +46,13 @@ def asked(monkeypatch):
 )
 def test_cases(asked, name, t_end, most):
     of = load_case(name, {"run.t_end": t_end}).scene()
-    fast = run_both(of, ledger=True, momentum=True)
+    fast = run(of, ledger=True, momentum=True)
     assert len(fast.events["t"]) > 10 and asked() <= most
 
 
 def test_the_drifting_oscillator(asked):
     """1023 impacts and 40 ends of their sequences in 20 s: Python is asked at these and what follows them."""
-    run(load_case("gallery/drifting-oscillator").scene(), "c")
+    run(load_case("gallery/drifting-oscillator").scene())
     assert asked() < 110
 
 
@@ -64,7 +64,7 @@ def test_a_body_that_stands_on_what_moves(asked):
         frictions=(Friction("table", 0, BASE, 1.5, 1.5, 0.0), Friction("floor", 1, GROUND, 0.6, 0.6, 0.0)),
         base=(harmonic(0.05, 1.1),),
     )
-    fast = run_both(of, ledger=True)
+    fast = run(of, ledger=True)
     assert fast.totals["sticks"] > 10 and asked() <= 2
 
 
@@ -77,7 +77,7 @@ def test_ties_that_bear_a_damped_stop(asked):
         frictions=(Friction("floor", 1, GROUND, 400.0, 400.0, 0.0),),
         forces=(Force("drive", 0, 0.0, (harmonic(1.0, 1.3),)),),
     )
-    fast = run_both(of, ledger=True)
+    fast = run(of, ledger=True)
     assert fast.totals["impacts"] > 10 and asked() <= 1
 
 
@@ -89,4 +89,4 @@ def test_a_clearance_against_a_base_that_runs_away_is_violated():
         clearances=(Clearance("reach", 0, BASE, 0.03),),
         t_end=0.5,
     )
-    assert run_both(of).totals["violations"] > 0
+    assert run(of).totals["violations"] > 0

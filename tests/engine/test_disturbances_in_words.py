@@ -1,6 +1,4 @@
-"""Disturbances in C on numbers of words: against the Python engine on python-flint's numbers, and closed
-forms.
-"""
+"""Disturbances on numbers of words: each length against a longer one, and closed forms."""
 
 from itertools import chain
 
@@ -13,30 +11,26 @@ from tests.engine.random_parts import part_scenes, rigid_scenes
 from tests.engine.test_tangent_jacobian import SCENES
 from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError, start_of
-from vibsim.engine.number_forms import WORDS, is_built
 from vibsim.engine.tangent.carried import components_of
 from vibsim.engine.tangent.carried_digits import DigitsCarrier
 from vibsim.engine.truth import bare
-from vibsim.orbits import orbit_digits
-from vibsim.orbits.search import orbit
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, RigidStop, Scene
 from vibsim.physics.precision import number_kit
 
 pytest.importorskip("flint")
-pytestmark = pytest.mark.skipif(not all(map(is_built, WORDS)), reason="the engine in C is not built")
 
 DIGITS = (25, 45, 65)  # on 2, 3 and 4 words
+PAIRED = (25, 45)  # of which there are 20 more
 LOST = 9  # digits that scenes may lose by their own growth of errors
 
 
-def carried(make, digits, engine, end=None):
+def carried(make, digits, end=None):
     """The motion of a scene with all unit disturbances, or the reason of its failure."""
     kit = number_kit(digits)
     scene = bare(make(kit.number, kit.pi), kit)
     start = components_of(scene, kit, start_of(scene, kit))
     unit = [[kit.number(int(i == j)) for j in range(len(start))] for i in range(len(start))]
-    carrier = DigitsCarrier(scene, kit, engine)
-    assert (carrier.run is None) == (engine == "python")
+    carrier = DigitsCarrier(scene, kit)
     try:
         return carrier.carry(start, scene.t_end if end is None else kit.number(end), unit)
     except EngineError as error:
@@ -44,28 +38,32 @@ def carried(make, digits, engine, end=None):
 
 
 def assert_same(make, digits, end=None, lost=LOST):
-    """The same events, and the same state, rate and disturbances but for the last digits; the former."""
-    here, there = (carried(make, digits, engine, end) for engine in ("auto", "python"))
+    """In `digits` and in 20 more the same events, and the same state, rate and disturbances but for the last
+    digits; the former. Of an infinite sequence of impacts more digits have more.
+    """
+    here, there = (carried(make, each, end) for each in (digits, digits + 20))
     if isinstance(here, str) or isinstance(there, str):
         assert here == there
         return ()
+    kinds = {kind for kind, _ in here.events}
+    if "chatter" in kinds:
+        return kinds
     assert here.events == there.events and here.undefined == there.undefined
     rows = [(here.state, there.state), (here.rate, there.rate)]
     if not here.undefined:
         rows.append(([*chain(*here.vectors)], [*chain(*there.vectors)]))
     for ours, theirs in rows:
         size = max(max(abs(float(value)) for value in theirs), 1e-6)
-        off = max(abs(float((a - b).mid())) for a, b in zip(ours, theirs, strict=True))
+        off = max(abs(float(a - b)) for a, b in zip(ours, theirs, strict=True))
         assert off <= size * 10.0 ** (lost - digits)
-    return {kind for kind, _ in here.events}
+    return kinds
 
 
 @pytest.mark.parametrize("label", SCENES)
 def test_chosen_scenes(label):
     """Damped stops, friction that drops, a motor, a base."""
     scene, expected = SCENES[label]
-    digits = 25 if scene.motor else DIGITS[list(SCENES).index(label) % 3]
-    assert assert_same(exact_parts(scene), digits) >= expected
+    assert assert_same(exact_parts(scene), PAIRED[list(SCENES).index(label) % 2]) >= expected
 
 
 @settings(max_examples=4)
@@ -82,7 +80,7 @@ def test_random_scenes_with_rigid_stops(scene):
 
 @pytest.mark.slow
 @pytest.mark.timeout(7200)
-@pytest.mark.parametrize("digits", DIGITS)
+@pytest.mark.parametrize("digits", PAIRED)
 @settings(max_examples=150)
 @given(scene=rigid_scenes(radians=6.0))
 def test_many_random_scenes(digits, scene):
@@ -101,14 +99,7 @@ def test_many_random_formulas(seed):
     [("gallery/captured-motor", 0.01), ("gallery/two-exciters", 0.01), ("gallery/driven-pendulum", 0.3)],
 )
 def test_formulas_and_rotors(name, end):
-    """In Python disturbances of a motor with a current lost all digits: radii of balls had grown, by which
-    pieces that were too long passed for short enough.
-    """
     assert_same(load_case(name).exact_scene, 25, end, lost=5)
-    kit = number_kit(25)
-    few, many = (carried(load_case(name).exact_scene, digits, "auto", end) for digits in (25, 45))
-    for one, other in zip(chain(*few.vectors), chain(*many.vectors), strict=True):
-        assert abs(float(kit.number(one) - other)) < 1e-20 * max(1.0, abs(float(other)))
 
 
 def impacts(v, *more):
@@ -122,7 +113,7 @@ def impacts(v, *more):
 def test_an_impact_in_closed_form(digits):
     """v^2 = v0^2 - 4 at the wall, S = [[-e, 0], [(1 + e) a / v, -e]]."""
     kit = number_kit(digits)
-    end = carried(exact_parts(impacts(2.5)), digits, "auto")
+    end = carried(exact_parts(impacts(2.5)), digits)
     v, e, a = kit.sqrt(kit.number(2.25)), kit.number(0.5), kit.number(-2)
     first = (kit.number(2.5) - v) / 2
     left = kit.number(1.5) - first
@@ -141,8 +132,8 @@ def product(one, other):
 
 
 def test_what_has_no_derivative_is_told():
-    grazed = carried(exact_parts(impacts(2.0)), 30, "auto")
-    assert grazed.undefined and not carried(exact_parts(impacts(1.9)), 30, "auto").undefined
+    grazed = carried(exact_parts(impacts(2.0)), 30)
+    assert grazed.undefined and not carried(exact_parts(impacts(1.9)), 30).undefined
 
 
 def test_disturbances_leave_the_motion_as_it_is():
@@ -156,10 +147,3 @@ def test_disturbances_leave_the_motion_as_it_is():
     assert [kit.parts(x) for x in with_all.vectors[2]] == [kit.parts(x) for x in with_one.vectors[0]]
     none = carrier.carry(start, scene.t_end, [])
     assert [kit.parts(x) for x in with_all.state] == [kit.parts(x) for x in none.state]
-
-
-def test_an_orbit_has_the_same_digits_on_either_engine():
-    found = orbit(load_case("gallery/block-on-belt"))
-    told = orbit_digits.refine(found, 30)
-    found.return_map.carrier.engine = "python"
-    assert orbit_digits.refine(found, 30).lines() == told.lines()

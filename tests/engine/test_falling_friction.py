@@ -21,7 +21,6 @@ from vibsim.physics.parts import (
     Scene,
 )
 
-ENGINES = ("c", "python")
 DEATH = 1.836600972207926  # of the stick-slip cycle of the belt oscillator, by an independent solver [m/s]
 
 
@@ -35,10 +34,9 @@ def gallery(name, **changes):
     ).scene()
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-def test_block_on_a_belt_of_leine(engine):
+def test_block_on_a_belt_of_leine():
     """Period 12.001031294830, of which it sticks for 7.705031769350; release at x = 1."""
-    result = run(gallery("block-on-belt"), engine, ledger=True, momentum=True)
+    result = run(gallery("block-on-belt"), ledger=True, momentum=True)
     ends, begins = times(result, "stick_end"), times(result, "stick_begin")
     assert np.diff(ends) == pytest.approx([12.001031294830] * 7, abs=2e-12)
     assert ends[1:] - begins[:7] == pytest.approx([7.705031769350] * 7, abs=2e-12)
@@ -83,16 +81,15 @@ FALLS = {
 }
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("sign", (1, -1))
 @pytest.mark.parametrize("law", FALLS)
-def test_a_sliding_block_stops_when_it_should_and_stays(law, sign, engine):
+def test_a_sliding_block_stops_when_it_should_and_stays(law, sign):
     """m v' = -D f(rate v): the time left is m/D (v + rate v^2 / 2), and m/D (exp(rate v) - 1) / rate."""
     fall, left = FALLS[law]
     mass, start = 2.0, 1.3
     friction = falling(Friction("floor", 0, GROUND, 0.0, 0.0, 0.0), fall)
     scene = Scene((Body("m", mass, 0.0, sign * start),), frictions=(friction,), t_end=12.0, every_den=50)
-    result = run(scene, engine, ledger=True)
+    result = run(scene, ledger=True)
     assert times(result, "stick_begin") == pytest.approx([mass * left(start)], rel=1e-14)
     v, t = sign * result.samples["v_m"], result.samples["time"]
     for speed, time in zip(v[::20], t[::20], strict=True):
@@ -164,9 +161,8 @@ def test_steep_laws_are_followed(law):
     assert len(times(steep, "stick_end")) == len(times(jump, "stick_end")) >= 3
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("many", (20.0, 80.0, 2000.0))
-def test_a_fast_block_feels_in_time_what_it_has_left_far_behind(many, engine):
+def test_a_fast_block_feels_in_time_what_it_has_left_far_behind(many):
     """m v' = -a - b exp(-v / v0) stops after m (v + v0 ln((a + b exp(-v / v0)) / (a + b))) / a.
 
     At its start the falling part is as small as exp(-many), and its series says nothing of how it will grow.
@@ -175,9 +171,7 @@ def test_a_fast_block_feels_in_time_what_it_has_left_far_behind(many, engine):
     friction = falling(Friction("floor", 0, GROUND, a, a, 0.0), (EXPONENTIAL, b, 1 / v0))
     start = many * v0
     left = (start + v0 * log((a + b * exp(-many)) / (a + b))) / a
-    result = run(
-        Scene((Body("m", 1.0, 0.0, start),), frictions=(friction,), t_end=left + 1, every_den=1), engine
-    )
+    result = run(Scene((Body("m", 1.0, 0.0, start),), frictions=(friction,), t_end=left + 1, every_den=1))
     assert times(result, "stick_begin") == pytest.approx([left], rel=4e-15)
 
 

@@ -39,7 +39,7 @@ def harmonic(amplitude, frequency, phase=0.0):
 
 
 def assert_closed(scene):
-    result = outcome(scene, "auto", momentum=True)
+    result = outcome(scene, momentum=True)
     if isinstance(result, Run):
         assert abs(result.totals["energy_residual"]) < ENERGY
         assert abs(result.totals["momentum_residual"]) < MOMENTUM

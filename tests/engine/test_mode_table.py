@@ -29,10 +29,10 @@ def no_tables(monkeypatch):
 )
 def test_a_run_is_the_same_whatever_ran_before(no_tables, name, change):
     scene = replace(load_case(name).scene(), t_end=8.0)
-    alone = run(change(scene), "c", ledger=True)
+    alone = run(change(scene), ledger=True)
     tables._tables.clear()
-    run(scene, "c", ledger=True, momentum=True)
-    after = run(change(scene), "c", ledger=True)
+    run(scene, ledger=True, momentum=True)
+    after = run(change(scene), ledger=True)
     assert len(tables._tables) == 1
     assert differences(after, alone) == []
 
@@ -43,12 +43,12 @@ def test_scenes_of_other_modes_share_nothing(no_tables):
     louder = replace(scene, forces=(replace(scene.forces[0], constant=1e-3),))
     opposite = replace(scene, frictions=(replace(scene.frictions[0], belt=-0.0),))
     for one in (scene, softer, louder, opposite):
-        run(one, "c")
+        run(one)
     assert len(tables._tables) == 4
 
 
 def test_few_tables_are_kept(no_tables):
     scene = replace(load_case("I-A").scene(), t_end=0.1)
     for k in range(tables.SCENES + 5):
-        run(replace(scene, stops=(replace(scene.stops[0], k=1.0 + k),)), "c")
+        run(replace(scene, stops=(replace(scene.stops[0], k=1.0 + k),)))
     assert len(tables._tables) == tables.SCENES

@@ -1,4 +1,4 @@
-"""Disturbances carried as they are: closed forms, both engines, and difference quotients in 40 digits."""
+"""Disturbances carried as they are: closed forms, published multipliers, scenes that share one run."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -9,34 +9,24 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.engine.bundles import course, finished, in_digits, started
+from tests.engine.bundles import start_components
 from tests.engine.random_parts import part_scenes
 from tests.engine.runs import same_bits
 from tests.engine.test_closed_cases import harmonic, scene
-from tests.engine.test_tangent_jacobian import DIGITS, SCENES, SHIFT, numbers
+from tests.engine.test_tangent_jacobian import SCENES
 from tests.scenes import paper
 from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError
-from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.tangent.monodromy import Carrier
-from vibsim.engine.tangent.tangent_space import TangentSpace, length
 from vibsim.physics.formulas import mul, num
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, Friction, Link, RigidStop, Stop
-from vibsim.physics.precision import Balls
 
 OF_CARRIED = ("state", "rate", "vectors", "times", "states", "codes")
-ENGINES, METHODS = ("c", "python"), ("auto", "taylor")
+METHODS = ("auto", "taylor")
 
 
-def start_of(of):
-    """Components of the start of a scene."""
-    rotor = (of.motor.phi, of.motor.phidot) if of.motor is not None else ()
-    return [*(b.x for b in of.bodies), *(b.v for b in of.bodies), *rotor]
-
-
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("method", METHODS)
-def test_a_damped_oscillator(engine, method):
+def test_a_damped_oscillator(method):
     """y'' + 2 a y' + w^2 y = F(t): the load is none of the matrix's business."""
     m, k, c, T = 2.0, 50.0, 0.8, 3.0
     force = Force("F", 0, 0.2, (harmonic(0.3, 0.7),))
@@ -45,34 +35,32 @@ def test_a_damped_oscillator(engine, method):
     wd = sqrt(w * w - a * a)
     C, S = exp(-a * T) * cos(wd * T), exp(-a * T) * sin(wd * T) / wd
     expected = [[C + a * S, S], [-w * w * S, C - a * S]]
-    carried = Carrier(of, engine).carry([0.01, -0.02], T)
+    carried = Carrier(of).carry([0.01, -0.02], T)
     np.testing.assert_allclose(carried.matrix, expected, rtol=0, atol=1e-13)
     at_end = 0.2 / m + 0.3 / m * sin(2 * pi * 0.7 * T) - 2 * a * carried.state[1] - w * w * carried.state[0]
     np.testing.assert_allclose(carried.rate, [carried.state[1], at_end], rtol=0, atol=1e-13)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("method", METHODS)
-def test_a_throw_at_a_wall_turns_the_velocity_and_the_shift(engine, method):
+def test_a_throw_at_a_wall_turns_the_velocity_and_the_shift(method):
     """Half a wave of contact: x = d - v (t - t2) with t2 = d / v + pi / w."""
     d, v, k, m, T = 0.1, 0.7, 800.0, 2.0, 1.0
     stop = Stop("wall", 0, GROUND, d, COMPRESSION, k, 0.0)
-    carried = Carrier(scene([Body("m", m, 0.0, 0.0)], method, stops=(stop,)), engine).carry([0.0, v], T)
+    carried = Carrier(scene([Body("m", m, 0.0, 0.0)], method, stops=(stop,))).carry([0.0, v], T)
     expected = [[-1.0, -T + pi / sqrt(k / m)], [0.0, -1.0]]
     np.testing.assert_allclose(carried.matrix, expected, rtol=0, atol=1e-13)
     assert carried.events == (("contact_begin", 0), ("contact_end", 0)) and carried.uncertified == 0
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-def test_a_body_that_sticks_forgets_its_speed(engine):
+def test_a_body_that_sticks_forgets_its_speed():
     """It stops at x0 + v^2 m / (2 N): the column of v keeps where, that of x keeps all."""
     of = scene([Body("m", 2.0, 0.0, 0.0)], frictions=(Friction("f", 0, GROUND, 3.0, 3.0, 0.0),))
-    carried = Carrier(of, engine).carry([0.1, 0.6], 2.0)
+    carried = Carrier(of).carry([0.1, 0.6], 2.0)
     np.testing.assert_allclose(carried.matrix, [[1.0, 0.6 * 2.0 / 3.0], [0.0, 0.0]], rtol=0, atol=1e-15)
     assert carried.events == (("stick_begin", 0),) and carried.codes.tolist() == [[0]]
     stop = [0.1 + 0.6**2 * 2.0 / 6.0, 0.0]
     np.testing.assert_allclose([*carried.times, *carried.states[0]], [0.6 * 2.0 / 3.0, *stop], rtol=1e-14)
-    held = Carrier(of, engine).carry([0.1, 0.0], 2.0)  # from the start
+    held = Carrier(of).carry([0.1, 0.0], 2.0)  # from the start
     assert held.matrix.tolist() == [[1.0, 0.0], [0.0, 0.0]]
 
 
@@ -88,57 +76,9 @@ def outcome(carrier, *options):
         return str(error)
 
 
-@settings(max_examples=40)
-@given(part_scenes(), st.sampled_from(METHODS), st.data())
-def test_engines_agree(of, method, data):
-    """From one start, then from others on the same carrier, which keeps its modes."""
-    of = replace(of, method=method)
-    fast, slow = Carrier(of, "c"), Carrier(of, "python")
-    vectors = [data.draw(st.lists(st.floats(-1, 1), min_size=length(of), max_size=length(of)))]
-    for start, given_vectors in ((start_of(of), None), ([0.9 * one for one in start_of(of)], vectors)):
-        results = [outcome(carrier, start, of.t_end, given_vectors) for carrier in (fast, slow)]
-        if isinstance(results[0], str) or isinstance(results[1], str):
-            assert results[0] == results[1]
-        else:
-            assert_same(*results)
-
-
-@pytest.mark.parametrize("name", ["I-A", "I-B-eq211", "II-B", "II-C"])
-def test_engines_agree_on_the_papers_cases(name):
-    of = paper(name).as_parts()
-    one, other = (Carrier(of, engine).carry(start_of(of), 3.0) for engine in ENGINES)
-    assert_same(one, other)
-    assert len(one.events) > 3
-
-
-@pytest.mark.parametrize("label", SCENES)
-def test_difference_quotients(label):
-    """In 40 digits; without a gauge: all components."""
-    of, _ = SCENES[label]
-    kit = Balls(DIGITS)
-    exact, shift = in_digits(of, kit), kit.number(SHIFT)
-    base = finished(exact, kit)
-    rows, columns = RowMaker(exact, kit).rows(base.events[0][3]), 0
-    for vector in TangentSpace(exact, kit, rows).inside:
-        moved = finished(started(exact, [shift * value for value in vector]), kit)
-        if course(moved) != course(base):
-            continue
-        ends = zip(numbers(moved), numbers(base), strict=True)
-        quotients = np.array([float(((after - before) / shift).mid()) for after, before in ends])
-        floats = [[float(value.mid()) for value in vector]]
-        carried = Carrier(of).carry(start_of(of), of.t_end, floats)
-        # rounding of the state at an event counts by the jump of the field over the rate: here at most 1e3
-        np.testing.assert_allclose(
-            carried.vectors[0], quotients, rtol=0, atol=1e-11 * max(abs(quotients).max(), 1)
-        )
-        columns += 1
-    assert columns >= 3
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-def test_a_state_alone(engine):
+def test_a_state_alone():
     of = paper("II-B").as_parts()
-    plain, full = (Carrier(of, engine).carry(start_of(of), 2.0, vectors) for vectors in ([], None))
+    plain, full = (Carrier(of).carry(start_components(of), 2.0, vectors) for vectors in ([], None))
     assert plain.vectors.shape == (0, 6) and same_bits(plain.state, full.state)
 
 
@@ -146,9 +86,9 @@ def test_a_state_alone(engine):
 def test_disturbances_after_states_alone(label):
     """What a carrier learnt on the way without disturbances does not hide what events do to them."""
     of, _ = SCENES[label]
-    kept = Carrier(of, "c")
-    kept.carry(start_of(of), of.t_end, [])
-    assert_same(kept.carry(start_of(of), of.t_end), Carrier(of, "python").carry(start_of(of), of.t_end))
+    kept = Carrier(of)
+    kept.carry(start_components(of), of.t_end, [])
+    assert_same(kept.carry(start_components(of), of.t_end), Carrier(of).carry(start_components(of), of.t_end))
 
 
 @pytest.mark.parametrize(
@@ -207,45 +147,40 @@ def renumbered(of, factor):
 @settings(max_examples=15)
 @given(part_scenes(), st.sampled_from(METHODS), st.sampled_from((tuned, renumbered)))
 def test_carriers_that_take_turns(of, method, change):
-    """On one run for three scenes, there and back, as each on a run of its own; the Python engine says so."""
+    """On one run for three scenes, there and back, as each on a run of its own."""
     of = replace(of, method=method)
     scenes = [of, change(of, 1.25), change(of, 0.75)]
-    first = Carrier(of, "c")
+    first = Carrier(of)
     others = [first.of(each) for each in scenes[1:]]
     assert all(others) or of.has_formulas  # of other numbers they are other modes
-    turns = [first, *(other or Carrier(each, "c") for other, each in zip(others, scenes[1:], strict=True))]
-    alone = [
-        [outcome(Carrier(each, engine), start_of(of), of.t_end, None) for engine in ENGINES]
-        for each in scenes
-    ]
+    turns = [first, *(other or Carrier(each) for other, each in zip(others, scenes[1:], strict=True))]
+    alone = [outcome(Carrier(each), start_components(of), of.t_end, None) for each in scenes]
     for i in (0, 1, 2, 0, 1):
-        found = outcome(turns[i], start_of(of), of.t_end, None)
-        for other in alone[i]:
-            if isinstance(other, str) or isinstance(found, str):
-                assert found == other
-            else:
-                assert_same(found, other)
+        found = outcome(turns[i], start_components(of), of.t_end, None)
+        if isinstance(alone[i], str) or isinstance(found, str):
+            assert found == alone[i]
+        else:
+            assert_same(found, alone[i])
 
 
 @pytest.mark.parametrize("name", ["I-A", "II-B", "gallery/friction-oscillator", "gallery/impact-oscillator"])
 def test_they_take_turns_on_shipped_cases(name):
     of = load_case(name).scene()
-    first = Carrier(of, "c")
+    first = Carrier(of)
     for change, factor in ((tuned, 1.1), (renumbered, 1.01), (tuned, 0.9), (renumbered, 0.97), (tuned, 1.0)):
         scene_there = change(of, factor)
         one, other = (
-            carrier.carry(start_of(of), 3.0)
-            for carrier in (first.of(scene_there), Carrier(scene_there, "python"))
+            carrier.carry(start_components(of), 3.0)
+            for carrier in (first.of(scene_there), Carrier(scene_there))
         )
         assert_same(one, other)
 
 
 def test_scenes_of_other_modes_take_no_turns():
     of = load_case("I-A").scene()
-    first = Carrier(of, "c")
+    first = Carrier(of)
     louder = replace(of, forces=(replace(of.forces[0], constant=1e-3),))
     assert first.of(louder) is None and first.of(replace(of, tol=1e-12)) is None
-    assert Carrier(of, "python").of(of) is None
 
 
 # Floquet multipliers of periodic orbits of the paper's machine, against 16 digits of them from a Taylor
@@ -296,13 +231,12 @@ def without_shift(matrix, motor):
     return taken @ matrix @ put
 
 
-@pytest.mark.parametrize("engine", ("c", "python"))
 @pytest.mark.parametrize("label", ORBITS)
-def test_multipliers(label, engine):
+def test_multipliers(label):
     name, changes, period, (y, v1, v2, *speed), multipliers = ORBITS[label]
     of = paper(name, **changes)
     rotor = [0.0, *speed] if speed else []
-    carried = Carrier(of.as_parts(), engine).carry([y, 0.0, v1, v2, *rotor], period)
+    carried = Carrier(of.as_parts()).carry([y, 0.0, v1, v2, *rotor], period)
     x1, x2, *rest = carried.state
     np.testing.assert_allclose([x1 - x2, *rest[:2], *rest[3:]], [y, v1, v2, *speed], rtol=0, atol=3e-14)
     found = np.linalg.eigvals(without_shift(carried.matrix, bool(speed)))

@@ -69,7 +69,7 @@ def test_scenes_over_a_damping_share_one_run(monkeypatch):
         lambda self, *args, **how: (made.append(self), begin(self, *args, **how))[1],
     )
     of = load_case("I-A").scene()
-    first = Carrier(of, "c")
+    first = Carrier(of)
     for factor in (1.0, 1.1, 0.9):
         first.of(with_links(of, factor)).carry([0.0, 0.0, 0.2, 0.0], 1.0)
     assert len(made) == 1
@@ -81,7 +81,7 @@ def test_a_run_goes_with_its_carriers():
     gc.collect()
     gc.disable()
     try:
-        first = Carrier(of, "c")
+        first = Carrier(of)
         second = first.of(with_links(of, 1.1))
         for one in (first, second):
             one.carry([0.0, 0.0, 0.2, 0.0], 1.0)
@@ -114,12 +114,12 @@ def test_scenes_over_the_speed_of_a_belt_share_one_run(name):
     plain = {"law": "coulomb", "mu": "0.8", "static": "1.25"}
     of = load_case(name, {f"friction.belt.{key}": value for key, value in plain.items()}).scene()
     speed = of.frictions[0].belt
-    shared = Carrier(of, "c")
+    shared = Carrier(of)
     for factor in (0.8, 1.3, 0.5):
         other = belted(of, factor * speed)
         for v in (0.0, 0.9 * factor * speed, factor * speed):
             taking_turns, alone = (
-                carrier.carry([0.1, v], 20.0) for carrier in (shared.of(other), Carrier(other, "c"))
+                carrier.carry([0.1, v], 20.0) for carrier in (shared.of(other), Carrier(other))
             )
             assert np.array_equal(taking_turns.state, alone.state)
             assert np.array_equal(taking_turns.table, alone.table)

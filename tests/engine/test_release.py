@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.engine.many_digits import exact_parts, truth
-from tests.engine.runs import run_both
+from tests.engine.runs import run
 from tests.engine.test_restart import assert_restarts
 from vibsim.physics.parts import (
     BASE,
@@ -62,7 +62,7 @@ def test_a_stop_that_a_stuck_body_touches_closes_or_parts_as_it_is_torn_off(sens
     of what rounding made of lower orders decided, more than 64 times at one instant.
     """
     scene = replace(touching(sense, hold, c, release), method=method)
-    found = run_both(scene)
+    found = run(scene)
     events = [("stick_end", 1)] + [("contact_begin", 0)] * (sense == COMPRESSION) + [("violation_begin", 2)]
     assert names(found.events)[: len(events)] == events
     at = asin((hold or LIMIT) / A) / OMEGA
@@ -86,7 +86,7 @@ def test_a_spring_between_bodies_that_touch_moves_the_second_by_the_fourth_power
         Stop("a", GROUND, 0, 0.0, EXTENSION, 39.6, 0.0),
     )
     base = (Harmonic(-0.00673, 4 * pi, 2.0, 0.0, 0.5),)
-    found = run_both(Scene(bodies, links, stops, base=base, t_end=0.1, every_num=1, every_den=40))
+    found = run(Scene(bodies, links, stops, base=base, t_end=0.1, every_num=1, every_den=40))
     assert names(found.events) == [("end", -1)] and found.totals["uncertified"] == 0
     assert found.totals["evaluations"] < 1000 and not found.samples["x_a"].any()
 
@@ -105,7 +105,7 @@ def test_friction_beside_a_stop_holds_a_body_that_came_to_rest_by_chatter():
         every_num=1,
         every_den=50,
     )
-    found = run_both(scene)
+    found = run(scene)
     told = names(found.events)
     assert [kind for kind, _ in told if kind in ("chatter", "rest_begin", "rest_end", "stick_end")] == [
         "chatter",
@@ -124,7 +124,7 @@ def test_a_sequence_of_plastic_impacts_at_two_stops_in_turn_ends_as_a_chatter():
     stops = tuple(RigidStop(name, i, 0, 0.01, COMPRESSION, 0.0) for i, name in ((1, "l"), (2, "r")))
     forces = tuple(Force(f"F{i}", i, F, ()) for i, F in enumerate((-2.0, 1.0, 1.2)))
     scene = Scene(bodies, (), stops, (), forces, t_end=0.5, every_num=1, every_den=50)
-    found = run_both(scene)
+    found = run(scene)
     told = names(found.events)
     assert [kind for kind, _ in told].count("chatter") == found.totals["chatters"] == 1
     assert found.samples["l"][-1] == found.samples["r"][-1] == 3
@@ -145,7 +145,7 @@ def test_an_elastic_stop_where_a_rigid_one_stands_is_never_pressed():
         scene = Scene(
             (Body("m", 0.3, 0.0, v),), (link,), stops, (), (force,), t_end=0.15, every_num=1, every_den=40
         )
-        found = run_both(scene)
+        found = run(scene)
         assert {"impact"} < {kind for kind, _ in names(found.events)}.union({"end"})
         for events in (found.events, truth(exact_parts(scene), 40)[1]):
             assert not {kind for kind, _ in names(events)} & {"contact_begin", "contact_end"}

@@ -113,10 +113,9 @@ def test_no_kick_pushes_a_body_through_the_stop_that_it_rests_on():
     assert list(_kick(case, row, scale)) == ["x_ball"]
 
 
-@pytest.mark.parametrize("engine", ("c", "python"))
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("e", (0.0, 0.5))
-def test_letting_go_is_no_grazing(engine, method, e):
+def test_letting_go_is_no_grazing(method, e):
     """A ball on a table that shakes harder than gravity holds it down: where it leaves there is no turn."""
     omega = 2 * np.pi * 2.6
     of = Scene(
@@ -127,7 +126,7 @@ def test_letting_go_is_no_grazing(engine, method, e):
         t_end=3.0,
         method=method,
     )
-    found = run(of, engine)
+    found = run(of)
     assert found.events["kind"].tolist().count(EVENT_KINDS["rest_end"]) > 4
     assert np.isnan(found.totals["grazing_margin"])
 

@@ -25,15 +25,15 @@ def rows_at_each_instant(events):
         yield [row for row in rows if row["t"] == t]
 
 
-def assert_restarts(scene, engine="auto"):
-    whole = outcome(scene, engine)
+def assert_restarts(scene):
+    whole = outcome(scene)
     if not isinstance(whole, Run):
         return
     for rows in rows_at_each_instant(whole.events):
         t = rows[-1]["t"]
         if t == scene.t_end or rows[0]["kind"] == 0:
             continue
-        rest = run(scene, engine, resume=rows)
+        rest = run(scene, resume=rows)
         after, later = whole.samples["time"] >= t, whole.events["t"] > t
         for name, values in rest.samples.items():
             assert same_bits(values, whole.samples[name][after]), (name, t)
@@ -48,23 +48,16 @@ def test_random_scenes_go_on_from_every_event(scene):
     assert_restarts(replace(scene, method="taylor"))
 
 
-@settings(max_examples=15)
-@given(part_scenes())
-def test_the_python_engine_goes_on_from_every_event(scene):
-    assert_restarts(scene, "python")
-
-
-@pytest.mark.parametrize("engine", ("c", "python"))
 @pytest.mark.parametrize("name", CASE_NAMES)
-def test_states_between_events_are_those_of_the_run(name, engine):
+def test_states_between_events_are_those_of_the_run(name):
     scene = paper(name, t_end=3.0).as_parts()
-    whole = run(scene, engine)
+    whole = run(scene)
     times = whole.samples["time"]
     rows = list(rows_at_each_instant(whole.events))
     for one, following in pairwise(rows):
         t, end = one[-1]["t"], following[0]["t"]
         between = (times >= t) & (times < end)
-        found = state_at(scene, one[-1], times[between].tolist(), engine)
+        found = state_at(scene, one[-1], times[between].tolist())
         for name_of_column, values in found.items():
             assert same_bits(values, whole.samples[name_of_column][between])
 
@@ -72,18 +65,18 @@ def test_states_between_events_are_those_of_the_run(name, engine):
 @pytest.mark.parametrize(
     "name", ("gallery/percussive-drill", "gallery/impact-pair", "gallery/block-on-belt", "II-B")
 )
-def test_states_behind_events_on_the_way_are_those_of_the_other_engine(name):
+def test_states_behind_events_on_the_way_are_those_of_runs_taken_up_there(name):
+    """From the start over forty events, at two instants between every two of them."""
     scene = load_case(name, {"run.t_end": "4 s"}).scene()
-    events = run(scene).events
-    row = {column: values[0] for column, values in events.items()}
-    t = events["t"][1 : min(len(events["t"]), 40)]
-    times = np.unique(np.concatenate([t, 0.5 * (t[1:] + t[:-1])]))
-    c, python = (state_at(scene, row, times.tolist(), engine) for engine in ("c", "python"))
-    for column, values in python.items():
-        assert same_bits(c[column], values), column
+    instants = list(rows_at_each_instant(run(scene).events))[:40]
+    t = np.array([rows[-1]["t"] for rows in instants])
+    times = t[:-1, None] + np.diff(t)[:, None] * [1 / 3, 2 / 3]
+    found = state_at(scene, instants[0], times.ravel().tolist())
+    for i, (rows, between) in enumerate(zip(instants, times.tolist(), strict=False)):
+        for column, values in state_at(scene, rows, between).items():
+            assert same_bits(found[column][2 * i : 2 * i + 2], values), (column, i)
 
 
-@pytest.mark.parametrize("engine", ("c", "python"))
 @pytest.mark.parametrize(
     ("column", "value", "sentence"),
     [
@@ -95,11 +88,11 @@ def test_states_behind_events_on_the_way_are_those_of_the_other_engine(name):
         ("friction", 3, "friction must be one of"),
     ],
 )
-def test_no_run_goes_on_from_a_row_that_there_is_not(engine, column, value, sentence):
+def test_no_run_goes_on_from_a_row_that_there_is_not(column, value, sentence):
     scene = paper("I-A", t_end=1.0).as_parts()
     row = {name: values[0] for name, values in run(scene).events.items()}
     with pytest.raises(ValueError, match=sentence):
-        open_trajectory(scene, engine, resume=row | {column: value})
+        open_trajectory(scene, resume=row | {column: value})
 
 
 TORN_OFF = """
@@ -144,9 +137,6 @@ def test_states_between_events_follow_no_event_of_the_instant_before_once_more(t
 # The stroboscopic section: the state at the end of every period of what drives a scene.
 
 
-ENGINES = ("c", "python")
-
-
 def harmonic(amplitude, frequency):
     return Harmonic(amplitude, 2 * pi * frequency, frequency, 0.0, 0.0)
 
@@ -158,29 +148,27 @@ def scene(forces=(), base=(), method="auto", t_end=10.0):
     return Scene(bodies, (link,), forces=drives, base=base, method=method, t_end=t_end, every_den=4)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("method", ("auto", "taylor"))
-def test_harmonics_of_one_force_and_the_base_share_a_period(engine, method):
+def test_harmonics_of_one_force_and_the_base_share_a_period(method):
     """2 and 3 Hz repeat every second, 4 and 6 Hz every half."""
     for frequencies, period in (((2.0, 3.0), 1.0), ((4.0, 6.0), 0.5), ((5.0, 5.0), 0.2)):
         forced, shaken = (harmonic(0.01, f) for f in frequencies)
         drive = scene((forced,), (shaken,), method)
-        section = run(drive, engine, section=True).section
+        section = run(drive, section=True).section
         assert section["time"] == pytest.approx(period * np.arange(1, round(10 / period) + 1), rel=1e-15)
         # what is read there is the motion; its transient exp(-5 t) is gone, the steady one repeats
         late = section["x_m"][-3:]
         assert late == pytest.approx([late[-1]] * 3, rel=1e-9)
-        samples = run(drive, engine).samples
+        samples = run(drive).samples
         at = np.isin(section["time"], samples["time"])
         assert same_bits(section["x_m"][at], samples["x_m"][np.isin(samples["time"], section["time"])])
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("frequencies", [(1.0, 2**0.5), (1.0, 1.0 + 1e-9), ()])
-def test_no_section_without_a_common_period(engine, frequencies):
+def test_no_section_without_a_common_period(frequencies):
     drive = scene(tuple(harmonic(0.01, f) for f in frequencies))
     assert common_period(drive) is None
-    assert len(run(drive, engine, section=True).section["time"]) == 0
+    assert len(run(drive, section=True).section["time"]) == 0
 
 
 def test_frequencies_of_no_exact_double_have_their_period():
@@ -191,13 +179,12 @@ def test_frequencies_of_no_exact_double_have_their_period():
     assert period.end(1) == 10.0 and period.end(7) == 70.0
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-def test_section_of_a_run_taken_up_again(engine):
+def test_section_of_a_run_taken_up_again():
     two_blocks = paper("I-C", t_end=5.0)
     drive = two_blocks.as_parts()
-    whole = run(drive, engine, section=True)
+    whole = run(drive, section=True)
     row = {name: values[20] for name, values in whole.events.items()}
-    rest = run(drive, engine, resume=row, section=True)
+    rest = run(drive, resume=row, section=True)
     later = whole.section["time"] > row["t"]
     assert 0 < later.sum() < len(later)
     for name, values in rest.section.items():

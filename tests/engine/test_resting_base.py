@@ -36,7 +36,6 @@ RESTS = (Harmonic(0.0, W, 1.0, 0.0, 0.5), Harmonic(-0.0, 2 * W, 2.0, 0.0, 0.0))
 JOINED = ("links", "stops", "frictions")
 OF_FRICTIONS = {EVENT_KINDS[name] for name in ("reversal", "stick_begin", "stick_end")}
 LEDGERS = {"ledger": True, "momentum": True}
-BOTH_ENGINES = ("c", "python")
 
 
 def moved(part, old, new):
@@ -97,8 +96,8 @@ def told(result, first, frictions=1):
     return counts
 
 
-def assert_same_as_on_ground(scene, engine="c"):
-    one, other = (outcome(each, engine, **LEDGERS) for each in (scene, rehung(scene)))
+def assert_same_as_on_ground(scene):
+    one, other = (outcome(each, **LEDGERS) for each in (scene, rehung(scene)))
     if isinstance(one, str):
         assert one == other
     else:
@@ -136,9 +135,9 @@ def test_two_frictions_are_their_sum(scene):
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
 @settings(max_examples=2000)
-@given(st.one_of(resting(part_scenes()), resting(rigid_scenes())), st.sampled_from(BOTH_ENGINES))
-def test_many_resting_bases(scene, engine):
-    assert_same_as_on_ground(scene, engine)
+@given(st.one_of(resting(part_scenes()), resting(rigid_scenes())))
+def test_many_resting_bases(scene):
+    assert_same_as_on_ground(scene)
 
 
 @pytest.mark.slow
@@ -185,12 +184,11 @@ SCENES = {
 
 
 @pytest.mark.parametrize("name", SCENES)
-@pytest.mark.parametrize("engine", BOTH_ENGINES)
-def test_known_scene_is_that_on_ground(name, engine):
+def test_known_scene_is_that_on_ground(name):
     """The first ended with the error of more than 64 events at one instant."""
     scene = SCENES[name]
-    assert_same_as_on_ground(scene, engine)
-    result = run(scene, engine, **LEDGERS)
+    assert_same_as_on_ground(scene)
+    result = run(scene, **LEDGERS)
     assert result.totals["uncertified"] == (1 if scene.rigid_stops else 0)
     assert abs(result.totals["energy_residual"]) < 1e-14  # of some 1 J and 1 N s
     assert abs(result.totals["momentum_residual"]) < 1e-14  # of some 1 J and 1 N s
@@ -209,8 +207,7 @@ def test_limits_of_ground_and_base_add_up():
 
 
 @pytest.mark.parametrize("belts", [(0.1, 0.2, 0.3), (0.3, -0.1, 0.2), (-0.3, 0.1, -0.2)])
-@pytest.mark.parametrize("engine", BOTH_ENGINES)
-def test_speeds_of_belts_add_up(belts, engine):
+def test_speeds_of_belts_add_up(belts):
     """Speeds equal in the case but not as sums of doubles: the motion is that of sums equal to the bit."""
 
     def chain(last):
@@ -218,7 +215,7 @@ def test_speeds_of_belts_add_up(belts, engine):
         return oscillators(ties, bodies=2, x=0.001)
 
     assert belts[0] + belts[1] != belts[2]
-    rounded, exact = (run(chain(last), engine) for last in (belts[2], belts[0] + belts[1]))
+    rounded, exact = (run(chain(last)) for last in (belts[2], belts[0] + belts[1]))
     for column in ("kind", "part"):
         assert rounded.events[column].tolist() == exact.events[column].tolist()
     assert np.abs(rounded.samples["x_b1"] - exact.samples["x_b1"]).max() < 1e-14

@@ -194,7 +194,7 @@ def test_parts_of_a_run_join_bit_for_bit():
 @given(rigid_scenes())
 def test_random_scenes_keep_out_of_rigid_stops_and_close_their_ledgers(scene):
     # some hop through 1e8 impacts in a tenth of a second, and then nothing is said of the rest
-    result = outcome(scene, "auto", most=2000, ledger=True, momentum=True)
+    result = outcome(scene, most=2000, ledger=True, momentum=True)
     if isinstance(result, str):
         assert "caught between rigid stops" in result
         return

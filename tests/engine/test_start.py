@@ -44,26 +44,24 @@ def two_bodies(stop, **parts):
     return Scene(bodies, stops=(stop,), frictions=(rub,), every_num=1, every_den=1000, **parts)
 
 
-@pytest.mark.parametrize("engine", ("c", "python"))
-def test_a_stop_whose_damper_would_pull_moves_nothing(engine):
+def test_a_stop_whose_damper_would_pull_moves_nothing():
     """Deep at the start, the base draws back: without a force both bodies stay, stuck to each other."""
     stop = Stop("s", BASE, 0, -0.002, 1, 1000.0, 100.0, "force")
     base = (Harmonic(0.005, 9.0, 9.0 / 6.283185307179586, 0.0, 0.0),)
-    run = open_trajectory(two_bodies(stop, base=base, t_end=0.03), engine, ledger=True)
+    run = open_trajectory(two_bodies(stop, base=base, t_end=0.03), ledger=True)
     samples = [block.samples for block in run.blocks() if len(block.samples["time"])][-1]
     assert samples["s"][0] == 2 and not samples["rub"].any()
     assert not samples["x_a"].any() and not samples["x_b"].any()
     assert run.totals["loss_friction"] == 0.0
 
 
-@pytest.mark.parametrize("engine", ("c", "python"))
-def test_a_damper_that_is_touched_at_the_start_sets_the_sense_of_slip(engine):
+def test_a_damper_that_is_touched_at_the_start_sets_the_sense_of_slip():
     """The stop brakes a with c v = 3 N against a force of 1.6 N that alone would have it overtake b: b slips
     forwards under -LIMIT, a under 1.6 - 3 + LIMIT [N].
     """
     stop = Stop("s", GROUND, 0, 0.0, 1, 10.0, 20.0)
     push = (Force("push", 0, 1.6, ()),)
-    run = open_trajectory(two_bodies(stop, forces=push, v=0.15, t_end=0.001), engine, ledger=True)
+    run = open_trajectory(two_bodies(stop, forces=push, v=0.15, t_end=0.001), ledger=True)
     samples = [block.samples for block in run.blocks() if len(block.samples["time"])][-1]
     assert samples["s"][0] == 1 and samples["rub"][0] == 1
     # 1.6 - 20 * 0.15 + 0.5 = -0.9 m/s^2; the stop's force changes by 2 % within a millisecond
@@ -72,18 +70,17 @@ def test_a_damper_that_is_touched_at_the_start_sets_the_sense_of_slip(engine):
     assert run.totals["loss_friction"] > 0
 
 
-@pytest.mark.parametrize("engine", ("c", "python"))
 @pytest.mark.parametrize("phase", (-pi / 2, pi / 2))
-def test_a_base_that_turns_round_at_the_start_strikes_nothing(phase, engine):
+def test_a_base_that_turns_round_at_the_start_strikes_nothing(phase):
     """cos(90 deg) is 6e-17 in doubles: no impact and no beginning of a stick comes of it."""
     base = (Harmonic(0.001, 9.0, 9.0 / (2 * pi), 0.0, phase),)
     x = 0.001 if phase > 0 else -0.001
     parts = {"base": base, "t_end": 0.2, "every_den": 100}
     push = (Force("weight", 0, -1.0, ()),)
     table = (RigidStop("table", BASE, 0, 0.0, COMPRESSION, 0.5, at_start=True),)
-    ball = open_trajectory(Scene((Body("m", 1.0, x, 0.0),), stops=table, forces=push, **parts), engine)
+    ball = open_trajectory(Scene((Body("m", 1.0, x, 0.0),), stops=table, forces=push, **parts))
     rub = (Friction("rub", 0, BASE, 1.0, 1.0, 0.0),)
-    carried = open_trajectory(Scene((Body("m", 1.0, x, 0.0),), frictions=rub, **parts), engine)
+    carried = open_trajectory(Scene((Body("m", 1.0, x, 0.0),), frictions=rub, **parts))
     for run, name in ((ball, "table"), (carried, "rub")):
         blocks = list(run.blocks())
         assert sum(len(block.events["t"]) for block in blocks) == 2  # start and end
@@ -151,32 +148,27 @@ def crawling(tmp_path):
     return load_case(path).scene()
 
 
-def standstill(scene, engine):
+def standstill(scene):
     with pytest.raises(EngineError, match="steps brought the run no further") as caught:
-        for _ in open_trajectory(scene, engine).blocks():
+        for _ in open_trajectory(scene).blocks():
             pass
     return caught.value
 
 
 def test_a_run_that_gets_nowhere_ends(crawling):
-    error = standstill(crawling, "c")
+    error = standstill(crawling)
     assert error.reason == "standstill" and 0 < error.state.t < 2**-30 * crawling.t_end
 
 
 @pytest.mark.slow
-def test_both_engines_end_it_at_one_step(crawling):
-    assert standstill(crawling, "c").state == standstill(crawling, "python").state
-
-
-@pytest.mark.slow
 def test_special_scenes_that_creep_end():
-    standstill(machine(random.Random(6241)), "c")
+    standstill(machine(random.Random(6241)))
 
 
 def test_a_special_scene_that_crept_runs_as_in_many_digits():
     """On a stop without restitution: it comes to rest in doubt now, where it crept."""
     scene = machine(random.Random(4006))
-    found = whole([block.events for block in open_trajectory(scene, "c").blocks()])
+    found = whole([block.events for block in open_trajectory(scene).blocks()])
     _, true, _, _ = truth(exact_parts(scene), 40)
     assert list(found["kind"]) == list(true["kind"]) and list(found["part"]) == list(true["part"])
     for name in ("t", "x_a", "v_a", "x_b", "v_b"):

@@ -1,5 +1,5 @@
-"""The tangent flow of scenes made of parts is the derivative of the motion, events included: difference
-quotients in 40 digits.
+"""What becomes of disturbances is the derivative of the motion, events included: difference quotients in 40
+digits.
 """
 
 from dataclasses import replace
@@ -7,57 +7,11 @@ from dataclasses import replace
 import pytest
 from hypothesis import given, settings
 
-from tests.engine.bundles import course, finished, in_digits, started
+from tests.engine.bundles import assert_derivative
 from tests.engine.random_parts import part_scenes
 from tests.engine.runs import scene_of
-from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.tangent.tangent_space import Gauge, TangentSpace
-from vibsim.physics.parts import EVENT_NAMES
-from vibsim.physics.precision import Balls
 
-DIGITS = 40
-SHIFT = "1e-18"  # the quotient is then wrong by 1e-18 times the second derivative, and by 1e-40 / 1e-18
-CLOSE = 1e-12  # numbers given as doubles, omega and omega / (2 pi) among them, agree to 1e-16
-
-
-def quotients(scene):
-    """Yields (tangent flow, difference quotient, kinds of events) for the disturbances that the start
-    allows; none where the shifted motion takes another course, or the motion has no derivative.
-    """
-    kit = Balls(DIGITS)
-    scene, shift, gauge = in_digits(scene, kit), kit.number(SHIFT), Gauge(scene)
-    base = finished(scene, kit)
-    rows = RowMaker(scene, kit).rows(base.events[0][3])
-    for vector in TangentSpace(scene, kit, rows).inside:
-        moved = finished(started(scene, [shift * value for value in vector]), kit)
-        if course(moved) != course(base):
-            continue
-        bundle = finished(scene, kit, vector).tangent
-        if bundle.tangencies.undefined:
-            continue
-        size = 0 if bundle.lost[0] else kit.exp(bundle.sums[0])
-        ours = [size * value for value in bundle.vectors[0]]
-        ends = zip(numbers(moved), numbers(base), strict=True)
-        theirs = gauge.apply(kit, [(after - before) / shift for after, before in ends])
-        yield ours, theirs, {EVENT_NAMES[kind] for kind, *_ in base.events}
-
-
-def numbers(driver):
-    """(x, v, phi, w) at the end."""
-    rotor = (driver.state.phase, driver.state.w) if driver.scene.motor is not None else ()
-    return [*driver.state.x, *driver.state.v, *rotor]
-
-
-def assert_derivative(scene):
-    """Compares all columns; returns their number and the kinds of the events."""
-    columns, kinds = 0, set()
-    for ours, theirs, happened in quotients(scene):
-        largest = max(max(abs(float(value.mid())) for value in theirs), 1e-3)
-        for one, other in zip(ours, theirs, strict=True):
-            assert abs(float((one - other).mid())) < CLOSE * largest
-        columns, kinds = columns + 1, happened
-    return columns, kinds
-
+pytest.importorskip("flint")
 
 HAMMER = """
 bodies: {a: 1 kg, b: 2 kg}
@@ -117,11 +71,12 @@ SCENES = {
 @pytest.mark.parametrize("label", SCENES)
 def test_chosen_scenes(label):
     scene, expected = SCENES[label]
-    columns, kinds = assert_derivative(scene)
+    # rounding of the state at an event counts by the jump of the field over the rate: here at most 1e3
+    columns, kinds = assert_derivative(scene, doubles=1e-11)
     assert columns >= 3 and kinds >= expected
 
 
-@settings(max_examples=3)
+@settings(max_examples=15)
 @given(part_scenes(radians=8.0, bodies=3))
 def test_random_scenes(scene):
     assert_derivative(scene)

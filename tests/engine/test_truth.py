@@ -44,7 +44,7 @@ def ends(make, digits):
 @settings(max_examples=25)
 @given(part_scenes())
 def test_doubles_follow_the_truth(scene):
-    doubles = outcome(scene, "auto")
+    doubles = outcome(scene)
     if not isinstance(doubles, Run) or doubles.totals["uncertified"]:
         return  # a start at a gap or at rest, where rounding may decide
     samples, events, _, _ = truth(exact_parts(scene), 40)
@@ -130,7 +130,7 @@ IMPACT = EVENT_KINDS["impact"]
 @settings(max_examples=12)
 @given(rigid_scenes(radians=4.0))
 def test_doubles_follow_the_truth_at_rigid_stops(scene):
-    doubles = outcome(scene, "auto")
+    doubles = outcome(scene)
     if not isinstance(doubles, Run) or doubles.totals["uncertified"]:
         return  # rounding may decide, and the run says so
     assert faults(scene, doubles) == []
@@ -166,7 +166,7 @@ def test_bodies_at_rest_on_each_other_meet_the_wall_in_many_digits():
     )
     links, frictions = (Link("l", 1, 0, 56.6, 0.0),), (Friction("f", 1, 0, 0.27, 0.27, 0.0, 0.27, 0.35),)
     scene = Scene((a, b), links, stops, frictions, t_end=0.12, every_num=1, every_den=200)
-    doubles, (samples, events, *_) = outcome(scene, "auto"), truth(exact_parts(scene), 40)
+    doubles, (samples, events, *_) = outcome(scene), truth(exact_parts(scene), 40)
     walls = [
         table["t"][(table["kind"] == IMPACT) & (table["part"] == 0)] for table in (doubles.events, events)
     ]

@@ -1,4 +1,4 @@
-"""The engine in C on numbers of words against the Python engine on python-flint's numbers."""
+"""The engine on numbers of 2, 3 and 4 words: each against the next longer one, of other order and steps."""
 
 from dataclasses import replace
 from decimal import Decimal
@@ -16,20 +16,20 @@ from tests.engine.random_parts import part_scenes, rigid_scenes
 from tests.engine.runs import whole
 from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError
-from vibsim.engine.number_forms import WORD, WORDS, WordsForm, digits_in_c, is_built, words_form
+from vibsim.engine.number_forms import WORD, WORDS, WordsForm, digits_in_c, words_form
 from vibsim.engine.truth import WordsTrajectory, open_truth
+from vibsim.physics.parts import EVENT_KINDS
 from vibsim.physics.precision import number_kit
 
 pytest.importorskip("flint")
-pytestmark = pytest.mark.skipif(not all(map(is_built, WORDS)), reason="the engine in C is not built")
 
-DIGITS = (25, 45, 65)  # on 2, 3 and 4 words
+PAIRS = ((25, 45), (45, 65))  # digits, on 2, 3 and 4 words
 LOST = 9  # digits that random scenes may lose by their own growth of errors
 
 
-def told(make, digits, engine, **options):
+def told(make, digits, **options):
     """(kinds and parts of the events, their digits, totals), or the reason of a failure."""
-    trajectory = open_truth(make, digits, engine=engine, **options)
+    trajectory = open_truth(make, digits, **options)
     try:
         blocks = list(trajectory.blocks())
     except EngineError as error:
@@ -39,23 +39,24 @@ def told(make, digits, engine, **options):
     return kinds, texts, trajectory.totals
 
 
-def assert_same_motion(make, digits, lost=LOST, **options):
+def assert_same_motion(make, digits, more, lost=LOST, **options):
     """Events in the same order, at the same times and states but for the last digits, where there are no
-    doubts.
+    doubts. Of an infinite sequence of impacts more digits have more: there the ends are the same.
     """
-    here, there = (told(make, digits, engine, **options) for engine in ("c", "python"))
+    here, there = (told(make, each, **options) for each in (digits, more))
     if isinstance(here, str) or isinstance(there, str):
         assert here == there
         return
     doubts = [found[2]["uncertified"] for found in (here, there)]
-    assert here[0] == there[0] or doubts[1]
     if any(doubts):
-        return  # rounding may decide: a tangency is known to half the digits. Balls leave ties undecided
+        return  # rounding may decide: a tangency is known to half the digits
+    hops = any(kind == EVENT_KINDS["chatter"] for kind, _ in here[0])
+    assert hops or here[0] == there[0]
+    compared = slice(-1, None) if hops else slice(None)
     left_out = sum(Decimal(here[2].get(name, 0.0)) for name in ("chatter_time", "chatter_speed"))
     for name, column in here[1].items():
-        pairs = [
-            (Decimal(a.decode()), Decimal(b.decode())) for a, b in zip(column, there[1][name], strict=True)
-        ]
+        both = zip(column[compared], there[1][name][compared], strict=True)
+        pairs = [(Decimal(a.decode()), Decimal(b.decode())) for a, b in both]
         size = max((abs(b) for _, b in pairs), default=Decimal(0))
         close = max(size, Decimal("1e-6")) * Decimal(10) ** (lost - digits) + left_out
         assert all(abs(a - b) <= close for a, b in pairs), name
@@ -64,56 +65,46 @@ def assert_same_motion(make, digits, lost=LOST, **options):
             assert here[2][name] == pytest.approx(there[2][name], rel=1e-12, abs=1e-14)
 
 
-@pytest.mark.parametrize("digits", DIGITS)
+@pytest.mark.parametrize(("digits", "more"), PAIRS)
 @settings(max_examples=8)
 @given(scene=part_scenes())
-def test_random_scenes_move_as_in_python(digits, scene):
-    assert_same_motion(exact_parts(scene), digits)
+def test_random_scenes(digits, more, scene):
+    assert_same_motion(exact_parts(scene), digits, more, ledger=True, momentum=True)
 
 
-@pytest.mark.parametrize("digits", DIGITS)
+@pytest.mark.parametrize(("digits", "more"), PAIRS)
 @settings(max_examples=6)
 @given(scene=rigid_scenes(radians=4.0))
-def test_random_scenes_with_rigid_stops_move_as_in_python(digits, scene):
-    assert_same_motion(exact_parts(scene), digits)
-
-
-@settings(max_examples=6)
-@given(scene=part_scenes())
-def test_ledgers_are_those_of_python(scene):
-    assert_same_motion(exact_parts(scene), 30, ledger=True, momentum=True)
+def test_random_scenes_with_rigid_stops(digits, more, scene):
+    assert_same_motion(exact_parts(scene), digits, more)
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_random_formulas_move_as_in_python(seed):
-    assert_same_motion(exact_parts(replace(formula_scene(seed), t_end=0.3)), 30)
+def test_random_formulas(seed):
+    assert_same_motion(exact_parts(replace(formula_scene(seed), t_end=0.3)), 30, 50)
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(7200)
-@pytest.mark.parametrize("digits", DIGITS)
+@pytest.mark.parametrize(("digits", "more"), PAIRS)
 @settings(max_examples=300)
 @given(scene=part_scenes())
-def test_random_scenes_move_as_in_python_often(digits, scene):
-    assert_same_motion(exact_parts(scene), digits)
+def test_random_scenes_often(digits, more, scene):
+    assert_same_motion(exact_parts(scene), digits, more)
 
 
 @pytest.mark.parametrize("name", ["I-A", "I-B", "I-C", "II-A", "II-B", "II-C"])
-@pytest.mark.parametrize("digits", DIGITS)
-def test_the_papers_cases_move_as_in_python(name, digits):
+@pytest.mark.parametrize(("digits", "more"), PAIRS)
+def test_the_papers_cases(name, digits, more):
     case = load_case(name, {"run.t_end": "3 s", "run.every": "50 s"})
-    assert_same_motion(case.exact_scene, digits, lost=4)
+    assert_same_motion(case.exact_scene, digits, more, lost=4)
 
 
 def test_the_cheapest_type_that_suffices_is_taken():
     assert [words_form(number_kit(digits)).words for digits in (20, 32, 33, 51, 52, 71)] == [2, 2, 3, 3, 4, 4]
-    assert words_form(number_kit(72)) is None
-    assert digits_in_c() == [32, 51, 71]
+    assert digits_in_c()[:3] == [32, 51, 71]
     case = load_case("I-A", {"run.t_end": "0.1 s"})
     assert isinstance(open_truth(case.exact_scene, 71), WordsTrajectory)
-    assert open_truth(case.exact_scene, 72).engine == open_truth(case.exact_scene, 30, engine="python").engine
-    with pytest.raises(ValueError, match="no 72 digits"):
-        open_truth(case.exact_scene, 72, engine="c")
 
 
 @pytest.mark.parametrize("words", WORDS)
@@ -158,7 +149,7 @@ def test_texts_of_what_c_cannot_write_are_those_of_python():
 def test_a_motor_keeps_the_digits_that_its_growth_of_errors_leaves(name):
     """In two lengths of numbers, whose sums of products have lengths of their own."""
     case = load_case(name, {"run.t_end": "30 s", "run.every": "50 s"})
-    ends = [told(case.exact_scene, digits, "c") for digits in (30, 65)]
+    ends = [told(case.exact_scene, digits) for digits in (30, 65)]
     assert ends[0][0] == ends[1][0]
     assert (
         min(

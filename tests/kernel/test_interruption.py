@@ -20,7 +20,7 @@ SAMPLED = fixed_block(x1=0.01, G=None, t_end=1e6, every_num=1, every_den=1000)
 @pytest.mark.parametrize("method", ("closed_form", "taylor"))
 @pytest.mark.parametrize("scene", (QUIET, BUSY, SAMPLED), ids=("quiet", "busy", "sampled"))
 def test_work_between_two_blocks_is_bounded(scene, method):
-    trajectory = opened(replace(scene, method=method), "c")
+    trajectory = opened(replace(scene, method=method))
     steps = 0
     for block in islice(trajectory.blocks(), 4):
         # a step costs a microsecond or so, a sample less: 0.2 s would be 2e5 of them
@@ -31,10 +31,9 @@ def test_work_between_two_blocks_is_bounded(scene, method):
     assert block.t_reached < scene.t_end
 
 
-@pytest.mark.parametrize("engine", ("c", "python"))
-def test_blocks_go_forward_and_join_without_gap_or_overlap(engine):
+def test_blocks_go_forward_and_join_without_gap_or_overlap():
     previous, samples = -1.0, 0
-    for block in opened(paper("I-B", t_end=20.0, every_den=1000), engine).blocks():
+    for block in opened(paper("I-B", t_end=20.0, every_den=1000)).blocks():
         assert block.t_reached >= previous
         previous = block.t_reached
         samples += len(block.samples["time"])
@@ -46,16 +45,15 @@ PROGRAM = """
 from tests.kernel.test_interruption import {name}
 from tests.trajectories import opened
 print("ready", flush=True)
-for block in opened({name}, {engine!r}).blocks():
+for block in opened({name}).blocks():
     pass
 """
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT for one child")
-@pytest.mark.parametrize("engine", ("c", "python"))
 @pytest.mark.parametrize("name", ("QUIET", "BUSY", "SAMPLED"))
-def test_interrupt_stops_a_long_run(name, engine):
-    command = [sys.executable, "-c", PROGRAM.format(name=name, engine=engine)]
+def test_interrupt_stops_a_long_run(name):
+    command = [sys.executable, "-c", PROGRAM.format(name=name)]
     child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         assert child.stdout.readline() == "ready\n"
