@@ -9,7 +9,6 @@ import pytest
 from tests.engine.runs import run
 from tests.events.struck import at_once, with_motor
 from tests.events.whole_runs import in_batches, judge, wrong_by_digits
-from tests.trajectories import ENGINES
 
 pytest.importorskip("flint")
 
@@ -22,22 +21,20 @@ def test_several_bodies_struck_at_once():
     judge(wrong_by_digits, at_once, range(10))
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-def test_bodies_between_which_no_force_acts_go_on_side_by_side(engine):
+def test_bodies_between_which_no_force_acts_go_on_side_by_side():
     """Two of 0.5 kg that rub alike slide on together; what rounding leaves between them ended their rest and
     began it again 64 times at one instant.
     """
-    totals = run(at_once(random.Random(283)), engine).totals
+    totals = run(at_once(random.Random(283))).totals
     assert totals["uncertified"] > 0
     assert totals["events"] < 2000
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-def test_a_rest_whose_force_only_grazes_zero_goes_on(engine):
+def test_a_rest_whose_force_only_grazes_zero_goes_on():
     """Behind a plastic blow the force between two of a row is 0 and its rate -4e-16 N/s, where rounding can
     make 6e-14, while it rises by 2 t^2 N/s^2: that rate ended the rest 64 times at one instant.
     """
-    assert run(at_once(random.Random(219)), engine).totals["uncertified"] > 0
+    assert run(at_once(random.Random(219))).totals["uncertified"] > 0
 
 
 @pytest.mark.slow
