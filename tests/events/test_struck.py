@@ -6,9 +6,12 @@ import random
 
 import pytest
 
+from tests.engine.many_digits import exact_parts, truth
 from tests.engine.runs import run
+from tests.events.coincidences import harmonic
 from tests.events.struck import at_once, with_motor
 from tests.events.whole_runs import in_batches, judge, wrong_by_digits
+from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, Friction, RigidStop, Scene
 
 pytest.importorskip("flint")
 
@@ -35,6 +38,26 @@ def test_a_rest_whose_force_only_grazes_zero_goes_on():
     make 6e-14, while it rises by 2 t^2 N/s^2: that rate ended the rest 64 times at one instant.
     """
     assert run(at_once(random.Random(219))).totals["uncertified"] > 0
+
+
+def test_a_last_hop_against_forces_that_cancel_leaves_out_a_known_time():
+    """Friction holds a within the hop, and b goes on under forces whose sum is 0 but for the radius of its
+    number: dividing by that, what the hop left out was no number in 40 digits, and the run had no totals.
+    """
+    forces = tuple(Force(name, 1, 0.0, (harmonic(A, 5.0, 1.0),)) for name, A in (("to", 1.0), ("fro", -1.0)))
+    scene = Scene(
+        (Body("a", 0.25, 1.0, 1e-100), Body("b", 1.0, 1.0, 0.0)),
+        (),
+        (RigidStop("s", 0, 1, 0.0, COMPRESSION, 0.75, True),),
+        (Friction("f", 0, GROUND, 0.25, 0.25, 0.0),),
+        forces,
+        t_end=0.1,
+        every_num=1,
+        every_den=50,
+    )
+    for totals in (run(scene).totals, truth(exact_parts(scene), 40)[-1]):
+        assert totals["rests"] == 1
+        assert totals["chatter_time"] == pytest.approx(2 * 0.75e-100 / 1.0 / (1 - 0.75), rel=1e-14)
 
 
 @pytest.mark.slow
