@@ -12,7 +12,17 @@ from tests.engine.runs import run as run_parts
 from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, MOTORS, fixed_block, paper, scene
 from tests.trajectories import run
-from vibsim.physics.parts import EVENT_NAMES
+from vibsim.physics.parts import (
+    BASE,
+    EVENT_NAMES,
+    EXTENSION,
+    GROUND,
+    Body,
+    Force,
+    Harmonic,
+    RigidStop,
+    Scene,
+)
 
 METHODS = ("closed_form", "taylor")
 everywhere = pytest.mark.parametrize("method", METHODS)
@@ -67,6 +77,31 @@ def test_one_place_under_two_names_is_not_in_doubt(method):
     assert [EVENT_NAMES[code] for code in result.events["kind"][1:3].tolist()] == ["contact_begin"] * 2
     assert result.events["t"][2] - result.events["t"][1] < 1e-15
     assert result.totals["uncertified"] == 0
+
+
+def test_a_rigid_stop_on_a_base_that_rests_is_one_with_that_on_the_ground():
+    """A ball that hops on both at e = 1/2 and 3/4 hops as on the harder one alone, without a doubt."""
+    floor = RigidStop("floor", 0, GROUND, 0.0, EXTENSION, 0.5)
+    table = RigidStop("table", 0, BASE, 0.0, EXTENSION, 0.75)
+    runs = {}
+    for names in ("table", "floor table"):
+        runs[names] = run_parts(
+            Scene(
+                (Body("ball", 1.0, 0.1, 0.0),),
+                (),
+                tuple(one for one in (floor, table) if one.name in names),
+                (),
+                (Force("weight", 0, -9.81, ()),),
+                (Harmonic(0.0, 2 * math.pi, 1.0, 0.0, 0.5),),
+                t_end=1.5,
+                every_num=1,
+                every_den=50,
+            )
+        )
+    alone, both = runs.values()
+    assert both.totals["impacts"] == alone.totals["impacts"] > 20
+    assert both.totals["uncertified"] == alone.totals["uncertified"] == 0
+    assert both.samples["x_ball"].tobytes() == alone.samples["x_ball"].tobytes()
 
 
 # The grazing margin: the smallest distance from contact at which the gap function turned round.
