@@ -156,6 +156,7 @@ def test_random_scenes_by_taylor(scene):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(3600)
 @settings(max_examples=4000)
 @given(scenes(sources=("none", "harmonic")))
 def test_many_random_scenes_by_closed_form(scene):
@@ -163,6 +164,7 @@ def test_many_random_scenes_by_closed_form(scene):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(3600)
 @settings(max_examples=4000)
 @given(scenes())
 def test_many_random_scenes_by_taylor(scene):
