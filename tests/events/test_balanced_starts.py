@@ -334,6 +334,21 @@ def test_blocks_that_are_alike_slide_on_side_by_side(method):
         assert samples[-1][f"v_{body.name}"][-1] == 0
 
 
+@pytest.mark.parametrize(
+    ("k2", "v1", "v2", "x1", "sense"), [(100.0, 0.1, 0.2, 0.0, 1), (1000.0, 0.3, -0.1, 0.01, -1)]
+)
+def test_blocks_that_have_come_to_rest_on_each_other_drift_on(k2, v1, v2, x1, sense):
+    """A damper ends their motion against each other at the stop, G = 0; what is left of the distance is the
+    rounding of where they are, whose zero was taken 64 times at one instant by Taylor series.
+    """
+    start = {"x1": x1, "v1": v1, "x2": 0.0, "v2": v2, "t_end": 20.0, "every_num": 1, "every_den": 10}
+    blocks = {"m1": 1.0, "m2": 1.0, "k1": 100.0, "c": 20.0, "k2": k2, "G": 0.0, "stop_sign": sense, "N": None}
+    result = run(scene(None, **blocks, **start, method="taylor"))
+    there = x1 / 2 + (v1 + v2) / 2 * 20.0  # their centre of mass
+    assert [result.final("x1"), result.final("x2")] == pytest.approx([there, there], rel=1e-12)
+    assert result.totals["uncertified"] > 0
+
+
 def two_beside(gap, x, base=0.0):
     """Two bodies before a rigid stop between them, one pushed to and fro by 1e-6 N, a third on a spring."""
     w = 2 * math.pi
