@@ -40,7 +40,7 @@ kind = os.environ.get("VIBSIM_BUILD", "")
 headers = sorted(glob(f"{ROOM}/**/*.h", recursive=True))
 
 sources = sorted(glob(f"{ROOM}/**/*.c", recursive=True))
-ONLY_DOUBLES = {f"{ROOM}/matrices.c", f"{ROOM}/memory.c"}
+ONLY_DOUBLES = {f"{ROOM}/{file}" for file in ("matrices.c", "memory.c", "events/roots/roots_alone.c")}
 
 
 def engine(name, files, flags, **more):

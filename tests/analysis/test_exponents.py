@@ -106,13 +106,10 @@ def test_a_case_from_load_to_exponents():
     assert abs(found.volume_residual) < 1e-10
 
 
-def test_both_engines_and_fewer_exponents_agree():
-    c, python = (
-        vibsim.lyapunov(case(t_end="20 s"), count=2, discard=5.0, engine=engine) for engine in ("c", "python")
-    )
-    np.testing.assert_array_equal(c.running, python.running)
+def test_fewer_exponents_are_the_same():
+    two = vibsim.lyapunov(case(t_end="20 s"), count=2, discard=5.0)
     everything = vibsim.lyapunov(case(t_end="20 s"), discard=5.0)
-    np.testing.assert_array_equal(c.exponents, everything.exponents[:2])
+    np.testing.assert_array_equal(two.exponents, everything.exponents[:2])
 
 
 def test_a_regular_motor_has_its_own_direction():

@@ -13,11 +13,10 @@ import pytest
 
 from tests.command_line.made import call
 from vibsim.cases.quantities import number
-from vibsim.engine.choice import compiled
 from vibsim.evidence.benchmark import open_bench
 from vibsim.evidence.benchmark.plan import FAMILIES
 
-SHORT = ("--t-end", "1s", "--methods", "python,dop853,rk4")
+SHORT = ("--t-end", "1s", "--methods", "taylor,dop853,rk4")
 SHORTEST = ("--t-end", "0.5s", "--methods", "dop853")
 
 
@@ -32,7 +31,7 @@ def test_a_small_bench_from_end_to_end():
     done = call("bench", *SHORT, "--plot", "b.png")
     assert (done.exit_code, done.stderr) == (0, "no case given: measuring II-B\n")
     bench = open_bench("II-B-bench.h5")
-    assert bench.complete and len(bench.rows) == 11 and Path("b.png").stat().st_size > 10_000
+    assert bench.complete and len(bench.rows) == 15 and Path("b.png").stat().st_size > 10_000
     lines = done.stdout.splitlines()
     assert lines[0].startswith("II-B  ") and "30 digits carried" in done.stdout
     for row in bench.rows:
@@ -49,8 +48,8 @@ def test_json():
     done = call("bench", "I-A", *SHORT, "--json", "-o", "b.h5")
     found = json.loads(done.stdout)
     assert found["file"] == "b.h5" and found["case"]["name"] == "I-A" and found["complete"] == 1
-    assert [row["setting"] for row in found["rows"]][:2] == ["as by default", "rtol 1e-3"]
-    assert found["rows"][1]["events"]["contact_begin"].keys() == {"found", "missed", "spurious"}
+    assert [row["setting"] for row in found["rows"]][:6:5] == ["tol 1e-3", "rtol 1e-3"]
+    assert found["rows"][5]["events"]["contact_begin"].keys() == {"found", "missed", "spurious"}
     assert found["beside"][0]["method"] == "dop853"
 
 
@@ -92,7 +91,7 @@ def test_what_is_not_installed_is_named(monkeypatch):
     monkeypatch.setattr(
         "vibsim.evidence.benchmark.plan.find_spec", lambda name: None if name == "heyoka" else find_spec(name)
     )
-    done = call("bench", "--t-end", "1s", "--methods", "python,heyoka")
+    done = call("bench", "--t-end", "1s", "--methods", "taylor,heyoka")
     assert done.exit_code == 0
     assert "heyoka.py with events  not installed: pip install 'vibsim[bench]'" in done.stdout
 
@@ -127,7 +126,6 @@ def test_the_help_names_every_method():
     assert {family.name for family in FAMILIES} <= {word.strip(",.") for word in words}
 
 
-@pytest.mark.skipif(not compiled(), reason="needs the C engine")
 def test_interruption_keeps_the_rows_done():
     command = [sys.executable, "-m", "vibsim", "bench", "I-A", "--t-end", "10s", "-o", "b.h5"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
@@ -143,12 +141,12 @@ def test_interruption_keeps_the_rows_done():
 
 
 def test_a_case_with_a_rigid_stop():
-    done = call("bench", "gallery/ball-on-shaken-table", "--t-end", "1s", "--methods", "python,dop853,rk4")
+    done = call("bench", "gallery/ball-on-shaken-table", "--t-end", "1s", "--methods", "taylor,dop853,rk4")
     assert done.exit_code == 0
     assert "RK4, sgn, no events  left out: the case has rigid stops, which need located events" in done.stdout
     bench = open_bench("ball-on-shaken-table-bench.h5")
     best = bench.rows[-1]
-    assert {row.method for row in bench.rows} == {"python", "dop853"} and bench.complete
+    assert {row.method for row in bench.rows} == {"taylor", "dop853"} and bench.complete
     assert best.events["impact"].missed == 0 and best.events["impact"].found > 10
     assert best.error_until(bench["time"], 1.0) < 1e-12
     (line,) = [line for line in done.stdout.splitlines() if line.startswith("  rtol 2.3e-14 ")]
@@ -159,6 +157,6 @@ def test_a_case_with_a_rigid_stop():
 
 @pytest.mark.parametrize("name", ["gallery/chain-with-gaps", "gallery/belt-oscillator", "hard/zeno-ball"])
 def test_any_case(name):
-    methods = "python,taylor,dop853,rk45"
+    methods = "closed-form,taylor,dop853,rk45"
     done = call("bench", name, "--t-end", "1s", "--limit", "0.2", "--methods", methods)
     assert done.exit_code == 0 and "failed" not in done.stdout and "beside it" in done.stdout

@@ -63,7 +63,7 @@ def test_an_unknown_command_gets_a_hint(word, hint):
 
 
 @pytest.mark.parametrize(
-    "words", [("--jsn", "cases"), ("run", "--plt", "x"), ("run", "II-B", "--engin", "c")]
+    "words", [("--jsn", "cases"), ("run", "--plt", "x"), ("run", "II-B", "--digts", "30")]
 )
 def test_an_unknown_option_gets_a_hint(words):
     done = call(*words)

@@ -9,9 +9,8 @@ import pytest
 import vibsim
 from tests.command_line.made import call
 from vibsim.cases.ramps import no_load_speed
-from vibsim.engine.choice import compiled
 from vibsim.engine.errors import EngineError, State
-from vibsim.engine.python_trajectory import PythonTrajectory
+from vibsim.engine.trajectory import open_trajectory
 
 
 @pytest.fixture(autouse=True)
@@ -140,14 +139,6 @@ def test_the_methods_agree():
     assert np.array_equal(closed.events["kind"], taylor.events["kind"])
 
 
-@pytest.mark.parametrize(
-    "engine", ["python", pytest.param("c", marks=pytest.mark.skipif(not compiled(), reason="no C"))]
-)
-def test_the_engine_can_be_chosen(engine):
-    run("I-A", "--t-end", "1s", "--engine", engine)
-    assert vibsim.open_result("I-A.h5").attrs["engine"] == engine
-
-
 def test_several_cases_into_a_folder(folder):
     (folder / "out").mkdir()
     run("I-A", "II-A", *SHORT, "-o", "out")
@@ -163,7 +154,6 @@ def test_several_cases_into_a_folder(folder):
         (["I-A", "I-A"], "two of the cases would be written to I-A.h5"),
         (["I-A", "I-B", "--plot", "a.png"], "--plot draws one run"),
         (["I-A", "-s", "c"], "'c' is not KEY=VALUE"),
-        (["I-A", "--engine", "abacus"], "abacus"),
         ([], "Missing argument 'CASE...'"),
     ],
 )
@@ -257,15 +247,20 @@ def test_a_picture_in_the_way_is_noticed_before_the_run():
 
 
 def test_a_run_that_fails_is_told_and_the_others_go_on(monkeypatch):
-    blocks = PythonTrajectory.blocks
+    def failing_in_case_2(scene, *arguments, **wishes):
+        trajectory = open_trajectory(scene, *arguments, **wishes)
+        blocks = trajectory.blocks
 
-    def failing_in_case_2(self):
-        yield from blocks(self)
-        if self.scene.has_motor:
-            raise EngineError("diverged", State(4.0, [0.0], [0.0], 0.0, 0.0, 0.0))
+        def failing():
+            yield from blocks()
+            if scene.has_motor:
+                raise EngineError("diverged", State(4.0, [0.0], [0.0], 0.0, 0.0, 0.0))
 
-    monkeypatch.setattr(PythonTrajectory, "blocks", failing_in_case_2)
-    done = run("II-A", "I-A", "--t-end", "1s", "--engine", "python", code=4)
+        trajectory.blocks = failing
+        return trajectory
+
+    monkeypatch.setattr("vibsim.results.recording.open_trajectory", failing_in_case_2)
+    done = run("II-A", "I-A", "--t-end", "1s", code=4)
     assert "Error: II-A: t = 4.0 s: the state is no longer finite" in done.stderr
     assert "what came before is in II-A.h5.partial" in done.stderr
     assert files() == ["I-A.h5", "II-A.h5.partial"]

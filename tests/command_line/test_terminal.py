@@ -111,7 +111,7 @@ def test_runs_and_files_of_hostile_cases():
 
 WRONG = [
     (2, ("nosuch",)),
-    (2, ("run", "II-B", "--engin", "c")),
+    (2, ("run", "II-B", "--digts", "30")),
     (2, ("run",)),
     (3, ("run", "nosuch")),
     (3, ("run", "II-B", "-s", "mu=-1")),

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from tests.events.whole_runs import ExactFlow, stretches
 from tests.random_scenes import scenes
 from tests.scenes import fixed_block, harmonic, scene
-from tests.trajectories import ENGINES, run
+from tests.trajectories import run
 
 pytest.importorskip("flint")
 EPS = 2.0**-53
@@ -22,7 +22,7 @@ OMEGA = 2 * math.pi * OMEGA_HZ
 STIFFNESS = K1 - M1 * OMEGA**2  # dynamic stiffness: steady state x1 = A / STIFFNESS sin(omega t)
 around = [(sign, k) for sign in (1, -1) for k in range(1, 13)]
 
-everywhere = pytest.mark.parametrize(("engine", "method"), [(e, m) for e in ENGINES for m in METHODS])
+everywhere = pytest.mark.parametrize("method", METHODS)
 
 
 def steady(excess, **changes):
@@ -35,9 +35,9 @@ def steady(excess, **changes):
 
 @everywhere
 @pytest.mark.parametrize(("sign", "k"), around)
-def test_grazing_amplitudes(engine, method, sign, k):
+def test_grazing_amplitudes(method, sign, k):
     """V5 at amplitudes 1 +- 10^-k: contact where the cosine of the phase is 1 / (1 + 10^-k), or none."""
-    result = run(steady(sign * 10.0**-k, method=method), engine)
+    result = run(steady(sign * 10.0**-k, method=method))
     assert result.totals["uncertified"] == 0
     if sign < 0:
         assert result.kinds == []
@@ -51,17 +51,17 @@ def test_grazing_amplitudes(engine, method, sign, k):
 
 
 @everywhere
-def test_a_touch_below_rounding_is_in_doubt(engine, method):
-    result = run(steady(0.0, method=method), engine)
+def test_a_touch_below_rounding_is_in_doubt(method):
+    result = run(steady(0.0, method=method))
     assert result.totals["uncertified"] > 0
     assert 0.0 <= result.totals["first_uncertified_time"] <= 0.1
 
 
 @everywhere
 @pytest.mark.parametrize("k", range(2, 13, 2))
-def test_two_events_within_one_step(engine, method, k):
+def test_two_events_within_one_step(method, k):
     """A touch so short that it begins and ends between two steps; a weak stop lets the motion go on."""
-    result = run(steady(10.0**-k, method=method, k2=1e-3, t_end=0.15), engine)
+    result = run(steady(10.0**-k, method=method, k2=1e-3, t_end=0.15))
     assert result.kinds == ["contact_begin", "contact_end"]
     assert result.totals["uncertified"] == 0
     first, last = result.times
@@ -71,14 +71,14 @@ def test_two_events_within_one_step(engine, method, k):
 
 @everywhere
 @pytest.mark.parametrize(("sign", "k"), around)
-def test_release_at_the_peak_of_the_force(engine, method, sign, k):
+def test_release_at_the_peak_of_the_force(method, sign, k):
     """Block 2 sticks while k1 x1 <= N: with N = k1 X (1 + 10^-k) it holds, with 1 - 10^-k it lets go."""
     reach = 0.01
     limit = K1 * reach * (1 + sign * 10.0**-k)
     source = harmonic(OMEGA_HZ, STIFFNESS * reach)
     blocks = {"m1": M1, "m2": 50.0, "k1": K1, "c": 0.0, "k2": None, "G": None, "N": limit}
     stuck = scene(source, **blocks, v1=reach * OMEGA, t_end=0.15, method=method)
-    result = run(stuck, engine)
+    result = run(stuck)
     assert result.totals["uncertified"] == 0
     if sign > 0:
         assert result.kinds == []
@@ -92,20 +92,18 @@ def test_release_at_the_peak_of_the_force(engine, method, sign, k):
 TOUCHES = [(2.0, 100.0, 1), (2.0, 87.3, 1), (1.0, 100.0, 1), (0.7, 87.3, 1), (0.7, 100.0, -1)]
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(("m2", "k1", "sense"), TOUCHES)
-def test_a_motion_from_rest_that_touches_its_stop_once_a_period(engine, m2, k1, sense):
+def test_a_motion_from_rest_that_touches_its_stop_once_a_period(m2, k1, sense):
     """1 - cos of the undamped motion under a constant force is zero after each period, its rounding is not:
     whether the stop at G = 0 is touched there nobody can tell, who sees the response and not its terms.
     """
     source = harmonic(1.0, 0.0, 5.0 * sense)
     blocks = {"m1": 1.0, "m2": m2, "k1": k1, "c": 0.0, "k2": 3000.0, "G": 0.0, "N": None}
-    result = run(scene(source, **blocks, t_end=6.0, every_num=1, method="closed_form"), engine)
+    result = run(scene(source, **blocks, t_end=6.0, every_num=1, method="closed_form"))
     assert result.totals["uncertified"] > 0
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-def test_a_crossing_taken_for_one_above_zero_is_judged_by_all_that_it_may_miss(engine):
+def test_a_crossing_taken_for_one_above_zero_is_judged_by_all_that_it_may_miss():
     """Blocks of 1 and 2 kg apart by the rounding of 0.01 m: by 40 digits block 2 does not come to rest here.
     A value of up to a rounding above zero is taken for zero, and is up to another one higher.
     """
@@ -113,13 +111,13 @@ def test_a_crossing_taken_for_one_above_zero_is_judged_by_all_that_it_may_miss(e
     source = {**harmonic(1.0, 0.0, 1.0), "omega": omega, "cycles": omega / (2 * math.pi)}
     blocks = {"m1": 1.0, "m2": 2.0, "k1": 0.0, "c": 0.0, "k2": 400.0, "G": 0.0, "stop_sign": -1, "N": 1.0}
     start = {"x2": 0.01, "rest_distance": None, "t_end": 1.632993161855452}
-    result = run(scene(source, **blocks, **start, method="closed_form"), engine)
+    result = run(scene(source, **blocks, **start, method="closed_form"))
     assert result.totals["uncertified"] > 0
 
 
 def missed(scene):
-    """(stretches of a run that the exact flow from their start passes otherwise, its certificate)."""
-    found, certificate = stretches(scene)
+    """(stretches of a run that the exact flow from their start passes otherwise, its doubts)."""
+    found, doubts = stretches(scene)
     exact, later = ExactFlow(scene), SAME_INSTANT * scene.t_end
     wrong = []
     for stretch, following in pairwise([*found, None]):
@@ -132,7 +130,7 @@ def missed(scene):
             right = kind == "" or stretch.end - t <= later  # one at the very end belongs to the next stretch
         if not right:
             wrong.append((stretch, kind, t))
-    return wrong, certificate
+    return wrong, doubts
 
 
 def impact(kind):
@@ -141,8 +139,8 @@ def impact(kind):
 
 
 def assert_none_missed(scene):
-    wrong, certificate = missed(scene)
-    assert not wrong or certificate.uncertified > 0, (scene, wrong)
+    wrong, doubts = missed(scene)
+    assert not wrong or doubts > 0, (scene, wrong)
 
 
 @settings(max_examples=25)
@@ -158,6 +156,7 @@ def test_random_scenes_by_taylor(scene):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(3600)
 @settings(max_examples=4000)
 @given(scenes(sources=("none", "harmonic")))
 def test_many_random_scenes_by_closed_form(scene):
@@ -165,6 +164,7 @@ def test_many_random_scenes_by_closed_form(scene):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(3600)
 @settings(max_examples=4000)
 @given(scenes())
 def test_many_random_scenes_by_taylor(scene):

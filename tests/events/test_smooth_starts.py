@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tests.engine.runs import run_both
+from tests.engine.runs import run as run_parts
 from tests.events.coincidences import harmonic
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import (
@@ -47,7 +47,7 @@ def pushed(sign, k, count, law, acts):
 def test_bodies_at_rest_on_a_wall_are_set_in_motion_from_either_side(k, count, law, pressed):
     acts = (EXTENSION, COMPRESSION) if pressed else (COMPRESSION, EXTENSION)
     one, other = (
-        run_both(pushed(sign, k, count, law, way)) for sign, way in zip((-1.0, 1.0), acts, strict=True)
+        run_parts(pushed(sign, k, count, law, way)) for sign, way in zip((-1.0, 1.0), acts, strict=True)
     )
     np.testing.assert_allclose(one.samples["x_b0"], -other.samples["x_b0"], atol=1e-10)
     assert np.array_equal(one.events["kind"], other.events["kind"])
@@ -55,7 +55,7 @@ def test_bodies_at_rest_on_a_wall_are_set_in_motion_from_either_side(k, count, l
 
 def test_the_body_on_the_wall_rests_until_the_one_before_it_comes_back():
     """Held by 300 N/m, that one moves as the closed form says; where it passes 0 the other is pulled off."""
-    run = run_both(pushed(-1.0, 200.0, 2, "rigid", EXTENSION))
+    run = run_parts(pushed(-1.0, 200.0, 2, "rigid", EXTENSION))
     rate = math.sqrt(300.0)
 
     def place(t):

@@ -65,15 +65,6 @@ def test_another_seed_tries_something_else():
     assert changes[0][:2] == changes[1][:2] and changes[0][2:] != changes[1][2:]
 
 
-@pytest.mark.slow
-def test_the_python_engine_comes_to_the_same_bits():
-    """In processes of its own."""
-    plan = plan_of(
-        [light_motor(run__t_end="2 s")], {"J": "0.2:5 g m^2"}, ["final speed at least 1 Hz"], candidates=4
-    )
-    assert numbers_of(done(plan, engine="python")) == numbers_of(done(plan, engine="c"))
-
-
 def test_screened_candidates_go_on_by_price():
     """Of 16 candidates 4 are judged from all starts; each of them did no worse from the first two."""
     found = done(small_plan(screen=2, confirm=0))

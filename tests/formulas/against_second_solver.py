@@ -38,7 +38,7 @@ class Comparison:
     events: int = 0
 
 
-def compared(seed: int, engine: str = "auto") -> Comparison:
+def compared(seed: int) -> Comparison:
     """Run scene number `seed` both ways."""
     drawn = Drawn(seed)
     result = Comparison(seed, drawn.case)
@@ -49,7 +49,7 @@ def compared(seed: int, engine: str = "auto") -> Comparison:
     except TooHard as error:
         result.skipped = str(error)
         return result
-    run = simulate(load_case_text(drawn.case, name=f"drawn-{seed}"), engine=engine, trust=False)
+    run = simulate(load_case_text(drawn.case, name=f"drawn-{seed}"), trust=False)
     own = np.array([np.abs(a - b).max() for a, b in zip(states, others, strict=True)])
     believed = _believed(times, own, tight, loose)
     result.until = believed

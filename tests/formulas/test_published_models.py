@@ -50,14 +50,6 @@ def test_a_published_model(model):
     assert sum(kind in EVENTS for kind in run.events.words("kind")) == model.events
 
 
-@pytest.mark.parametrize("name", ["cube-root", "hertz-where-link", "motor-and-rotor"])
-def test_both_engines_have_the_same_bits(name):
-    model = next(model for model in MODELS if model.name == name)
-    runs = [simulate(case_of(model), engine=engine, trust=False) for engine in ("c", "python")]
-    for column in runs[0]:
-        assert np.array_equal(runs[0][column], runs[1][column]), column
-
-
 def difference_quotients(carrier, start, duration):
     """The derivative of the state after `duration` with respect to that at the start, by four points."""
     columns = []
@@ -94,8 +86,7 @@ def test_disturbances_follow_difference_quotients(name, duration, bound):
 
 
 @pytest.mark.parametrize("belt", ["0.05 m/s", '"u*sin(w*t)", u: 0.1 m/s, w: 1 Hz'])
-@pytest.mark.parametrize("engine", ["c", "python"])
-def test_disturbances_of_a_rotor_whose_body_begins_to_stick(engine, belt):
+def test_disturbances_of_a_rotor_whose_body_begins_to_stick(belt):
     """The friction that stops a disturbed body a little earlier or later turns its rotor too."""
     text = f"""
 bodies: {{a: 1 kg, c: 1 kg}}
@@ -108,7 +99,7 @@ run: {{t_end: 0.15 s, every: 10 ms}}
 """
     scene = load_case_text(text, name="stuck").scene()
     start = [float(body.x) for body in scene.bodies] + [float(body.v) for body in scene.bodies]
-    own = np.array(Carrier(scene, engine).carry(start, 0.15).vectors).T
+    own = np.array(Carrier(scene).carry(start, 0.15).vectors).T
     other = difference_quotients(Carrier(scene), start, 0.15)
     assert np.abs(own - other).max() < 1e-6 * np.abs(other).max() and np.abs(own[5, 0]) > 0.5
 
@@ -129,9 +120,8 @@ run: {{t_end: 3 s, every: 5 ms}}
     assert caught.value.state.t == time
 
 
-@pytest.mark.parametrize("engine", ["c", "python"])
 @pytest.mark.parametrize("gap", [10.7, 5.0])
-def test_a_belt_carries_a_body_out_of_a_contact(gap, engine):
+def test_a_belt_carries_a_body_out_of_a_contact(gap):
     """It sticks and moves with the belt, x = x0 + u (t - t0), out of a contact with a power of the depth."""
     text = f"""
 name: belt
@@ -142,16 +132,15 @@ friction: {{f: {{between: [a, ground], N: 10 N, mu: 0.5, belt: 0.00719 m/s}}}}
 initial: {{a: {{x: -15 mm}}}}
 run: {{t_end: 2 s, every: 10 ms}}
 """
-    run = simulate(load_case_text(text, name="belt"), engine=engine, trust=False)
+    run = simulate(load_case_text(text, name="belt"), trust=False)
     events = run.events
     assert list(events.words("kind")) == ["start", "stick_begin", "contact_end", "end"]
     _, sticks, leaves, _ = events["t"]
     assert leaves == pytest.approx(sticks + (-gap / 1000 - events["x_a"][1]) / 0.00719, abs=1e-14)
 
 
-@pytest.mark.parametrize("engine", ["c", "python"])
 @pytest.mark.parametrize(("power", "gap"), [(1.5, 3.0), (1.5, 0.0), (0.5, 3.0), (2.5, -5.0)])
-def test_a_belt_carries_a_body_into_a_contact(power, gap, engine):
+def test_a_belt_carries_a_body_into_a_contact(power, gap):
     """It sticks, x = x0 + u t, and a power of the depth grows on it up to mu N: (mu N / K)^(1/power) deep."""
     law = f'force: "K*p**{power}", K: 1e3 N/m^{power}'
     text = f"""
@@ -162,14 +151,13 @@ friction: {{f: {{between: [a, ground], N: 10 N, mu: 0.5, belt: 0.1 m/s}}}}
 initial: {{a: {{x: -10 mm, v: 0.1 m/s}}}}
 run: {{t_end: 1.3 s, every: 10 ms}}
 """
-    run = simulate(load_case_text(text, name="belt"), engine=engine, trust=False)
+    run = simulate(load_case_text(text, name="belt"), trust=False)
     met, slips = (gap / 1000 + 0.01) / 0.1, (5 / 1e3) ** (1 / power) / 0.1
     assert list(run.events.words("kind"))[1:3] == ["contact_begin", "stick_end"]
     assert run.events["t"][1:3] == pytest.approx([met, met + slips], abs=1e-14)
 
 
-@pytest.mark.parametrize("engine", ["c", "python"])
-def test_a_load_that_begins_with_a_root_moves_what_rests(engine):
+def test_a_load_that_begins_with_a_root_moves_what_rests():
     """A (t - t1)^0.5 on a body that friction holds: it gives way at (mu N / A)^2 behind t1."""
     text = """
 name: root
@@ -178,14 +166,13 @@ friction: {f: {between: [a, ground], N: 10 N, mu: 0.5}}
 forces: {push: {on: a, force: "A*max(t - t1, 0)**0.5", A: 8 N/s^0.5, t1: 0.5 s}}
 run: {t_end: 1 s, every: 10 ms}
 """
-    run = simulate(load_case_text(text, name="root"), engine=engine, trust=False)
+    run = simulate(load_case_text(text, name="root"), trust=False)
     assert list(run.events.words("kind"))[-2:] == ["stick_end", "end"]
     assert run.events["t"][-2] == pytest.approx(0.5 + (5 / 8) ** 2, abs=1e-14)
 
 
-@pytest.mark.parametrize("engine", ["c", "python"])
 @pytest.mark.parametrize("law", ["K*p**0.5", "K*p**1.5", "K*p**2.5", "K*p**1.5*(1 + l*pv)", "K*p**2"])
-def test_a_stop_that_must_not_pull_is_left_where_its_force_comes_to_zero(law, engine):
+def test_a_stop_that_must_not_pull_is_left_where_its_force_comes_to_zero(law):
     """None of these pulls: contact ends at the gap, as with `release: gap`."""
     power = law.split("**")[1].split("*")[0]
     numbers = f"K: 1e4 N/m^{power}" + (", l: 0.5 s/m" if "l*" in law else "")
@@ -197,7 +184,7 @@ initial: {{a: {{v: 0.1 m/s}}}}
 run: {{t_end: 1 s, every: 100 ms}}
 """
     runs = [
-        simulate(load_case_text(text, overrides={"stops.s.release": release}), engine=engine, trust=False)
+        simulate(load_case_text(text, overrides={"stops.s.release": release}), trust=False)
         for release in ("gap", "force")
     ]
     for run in runs:
@@ -206,8 +193,7 @@ run: {{t_end: 1 s, every: 100 ms}}
     np.testing.assert_array_equal(runs[0].events["t"], runs[1].events["t"])
 
 
-@pytest.mark.parametrize("engine", ["c", "python"])
-def test_a_stop_that_must_not_pull_lets_go_where_its_damper_would(engine):
+def test_a_stop_that_must_not_pull_lets_go_where_its_damper_would():
     """1 + l pv = 0 at -2 m/s, while the body is deep."""
     text = """
 name: torn
@@ -218,7 +204,7 @@ forces: {pull: {on: a, force: "-A*t**2", A: 1000 N/s^2}}
 initial: {a: {v: 1 m/s}}
 run: {t_end: 0.3 s, every: 100 ms}
 """
-    run = simulate(load_case_text(text), engine=engine, trust=False)
+    run = simulate(load_case_text(text), trust=False)
     kinds, events = list(run.events.words("kind")), run.events
     assert kinds == ["start", "contact_end", "end"] and run.attrs["uncertified"] == 0
     assert events["v_a"][1] == pytest.approx(-2.0, abs=1e-12) and events["x_a"][1] > 1e-3

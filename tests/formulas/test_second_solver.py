@@ -18,8 +18,8 @@ MANY = range(2000, 2000 + int(os.environ.get("VIBSIM_SCENES", "400")))
 K = par("k", 4.0, "N/m")
 
 
-def agreement(seed, engine="auto"):
-    result = compared(seed, engine)
+def agreement(seed):
+    result = compared(seed)
     assert not result.disagreements, "\n".join([result.case, *result.disagreements[:6]])
     return result
 

@@ -70,12 +70,11 @@ VALUES = [
     "9" * 40,
 ]
 OPTIONS = {
-    "run": "-s --t-end --every --method --digits --lyapunov --discard --engine --plot --dry-run --force "
-    "--no-trust",
+    "run": "-s --t-end --every --method --digits --lyapunov --discard --plot --dry-run --force --no-trust",
     "sweep": "--omega0 --omega --param --direction --carry-state --discard --section --every --compute "
     "--ensemble --seed --spread -s --t-end --shard --force -j --list",
-    "orbit": "-s --from --period --search --seed --digits --engine --force",
-    "continue": "--omega0 --omega --param --energy --switch --locus --max-points -s --engine --force",
+    "orbit": "-s --from --period --search --seed --digits --force",
+    "continue": "--omega0 --omega --param --energy --switch --locus --max-points -s --force",
     "fit": "--want --free --leave --try --ensemble --spread --method --candidates --at-most --screen "
     "--confirm --fresh --seed --list -s --every -j --force",
     "plot": "--kind --window --detail --x --y --width --size --font-size --style --list --force",
@@ -85,7 +84,7 @@ OPTIONS = {
     "compare": "--tolerance --json",
     "export": "--window --along --ro-crate --events --force",
     "bench": "-s --methods --limit --truth --plot --force",
-    "verify": "--list --engine --json",
+    "verify": "--list --json",
     "cases": "--json",
     "check": "--json -s",
     "schema": "",

@@ -30,8 +30,6 @@ def test_a_compiler_is_asked_for_where_none_answers(backend, monkeypatch, wanted
     for answers, more in ((True, []), (False, [backend.COMPILER_PACKAGE])):
         monkeypatch.setattr(backend, "compiler_answers", lambda answers=answers: answers)
         assert getattr(backend, wanted)() == ["another", *more]
-    monkeypatch.setenv("VIBSIM_BUILD", "python")
-    assert getattr(backend, wanted)() == ["another"]
 
 
 def test_none_is_asked_for_where_the_package_has_none(backend, monkeypatch):
@@ -92,4 +90,3 @@ def test_setup_says_what_to_do_where_there_is_no_compiler(tmp_path, monkeypatch)
     done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert "python -m pip install ziglang" in done.stderr
-    assert "VIBSIM_BUILD=python" in done.stderr

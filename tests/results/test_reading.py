@@ -233,15 +233,6 @@ def test_a_case_read_back_from_a_file_runs_bit_for_bit_the_same(tmp_path):
         assert again[name].tobytes() == result[name].tobytes()
 
 
-def test_both_engines_give_the_same_result():
-    fast, plain = short_run("II-B"), vibsim.simulate(short_case("II-B"), engine="python")
-    assert plain.attrs["engine"] == "python"
-    for name in fast:
-        assert fast[name].tobytes() == plain[name].tobytes()
-    same = ("impacts", "sticks", "events", "rest_distance_needed", "grazing_margin", "grazing_time")
-    assert [fast.attrs[name] for name in same] == [plain.attrs[name] for name in same]
-
-
 def test_violations_are_counted_and_may_stop_the_run():
     limits = {"rest_distance__value": "1 mm"}
     warned = short_run(t_end="20 s", rest_distance__on_violation="warn", **limits)

@@ -34,9 +34,9 @@ def assert_same_points(got, expected):
         np.testing.assert_array_equal(getattr(got, name), getattr(expected, name), err_msg=name)
 
 
-def run_stored(store, jobs, engine="auto", watch=None):
+def run_stored(store, jobs, watch=None):
     """Complete a store on this machine; the result, and whether every point was reached."""
-    with LocalWorkers(store.plan.point_settings, jobs, engine) as workers:
+    with LocalWorkers(store.plan.point_settings, jobs) as workers:
         return sweeping.complete(store, workers, watch)
 
 

@@ -152,8 +152,8 @@ SETTINGS = {
 }
 
 
-def table(plan, jobs, engine="auto"):
-    result, finished = run_stored(SweepStore(plan, engine=engine), jobs, engine)
+def table(plan, jobs):
+    result, finished = run_stored(SweepStore(plan), jobs)
     assert finished and result.complete
     return result.table
 
@@ -167,11 +167,6 @@ def test_any_number_of_jobs_gives_the_same_bits(settings, case):
     assert one.count(DONE) == plan.count == 5 * 2 * len(plan.directions)
     for jobs in (2, 5):
         assert_same_points(table(plan, jobs), one)
-
-
-def test_processes_over_the_python_engine_give_the_same_bits():
-    plan = short_plan({OMEGA0: "3:5:1 Hz"}, short_case(t_end="1 s"), discard="0.2")
-    assert_same_points(table(plan, 2, "python"), table(plan, 1, "c"))
 
 
 def test_a_carried_point_begins_where_the_one_before_ended():

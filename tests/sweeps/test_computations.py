@@ -193,14 +193,6 @@ def test_computed_columns_on_file_are_the_same_bits_for_any_number_of_jobs(tmp_p
     assert read.column("power_source").units == "W"
 
 
-def test_both_engines_compute_the_same_bits():
-    plan = short_plan({OMEGA0: "4 Hz"}, short_case(t_end="3 s"), compute=["all"])
-    c, python = (
-        run_stored(SweepStore(plan, engine=engine), 1, engine)[0].table for engine in ("c", "python")
-    )
-    assert_same_points(c, python)
-
-
 def test_the_orbit_that_a_run_goes_to():
     """Its multipliers in 16 digits: tests/orbits/truths.json; of a linear oscillator exp(-c T / 2 m)."""
     values, arrays = computed(paper("I-A", t_end=120.0), "orbit", "regime")

@@ -19,11 +19,11 @@ from vibsim.sweeps.quantities import of_two_blocks
 from vibsim.sweeps.statistics import GivenUpError, MeasuredRun, Statistics, sampled_for_statistics
 
 
-def measured(scene, begin, engine="auto", every=None):
+def measured(scene, begin, every=None):
     """Statistics of a run of two blocks as a sweep takes them."""
     scene = sampled_for_statistics(scene.as_parts(), every)
     of = of_two_blocks(scene)
-    run, statistics = MeasuredRun(scene, of, begin, engine), Statistics(scene, of, begin)
+    run, statistics = MeasuredRun(scene, of, begin, "auto"), Statistics(scene, of, begin)
     for block in run.blocks():
         statistics.update(block)
     return statistics, run
@@ -128,14 +128,6 @@ def test_transient_apart_changes_no_number():
     assert apart.values(run) == whole.values(whole_run)
     np.testing.assert_equal(apart.section(50), whole.section(50))
     assert {name: trajectory.totals[name] for name in run.totals} == run.totals
-
-
-@pytest.mark.parametrize("name", ["I-A", "II-B"])
-def test_both_engines_give_the_same_bits(name):
-    case = paper(name, t_end=6.0)
-    (c, one), (python, other) = (measured(case, 2.0, engine) for engine in ("c", "python"))
-    assert c.values(one) == python.values(other)
-    np.testing.assert_equal(c.section(30), python.section(30))
 
 
 def test_motor_in_empty_space_runs_up_to_its_no_load_speed():

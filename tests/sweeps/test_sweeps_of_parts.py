@@ -58,10 +58,10 @@ def case_named(name):
     )  # fmt: skip
 
 
-def measured(case, *names, discard="50 %", section=10, engine="auto"):
+def measured(case, *names, discard="50 %", section=10):
     """Values and arrays of one run by name."""
     settings = PointSettings(case, False, parse_discard(discard), section, None, names)
-    return measure(sampled_for_statistics(case.scene()), settings, engine, None)
+    return measure(sampled_for_statistics(case.scene()), settings, "auto", None)
 
 
 def fine_run(case):
@@ -218,14 +218,6 @@ def test_contacts_are_those_of_the_events_of_each_stop(name):
         assert values[f"impact_velocity_mean_{stop.name}"] == pytest.approx(mean, rel=1e-13)
         turns = events["t"][at][-10:] / (marks[1] - marks[0])
         np.testing.assert_allclose(arrays[f"contact_phase_{stop.name}"], turns % 1, atol=1e-9)
-
-
-@pytest.mark.parametrize("name", ["sieve", "feeder"])
-def test_both_engines_give_the_same_bits(name):
-    case = case_named(name).with_values({"run.t_end": "1 s"})
-    c, python = (measured(case, "power", "grazing", engine=engine) for engine in ("c", "python"))
-    assert c[0] == python[0]
-    np.testing.assert_equal(c[1], python[1])
 
 
 def test_a_mirrored_scene_has_mirrored_statistics():

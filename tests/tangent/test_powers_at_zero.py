@@ -12,8 +12,6 @@ from vibsim.cases.case import load_case_text
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.trajectory import open_trajectory
 
-ENGINES = ("c", "python")
-
 
 def scene(force, numbers, more=""):
     """One body of 1 kg on a spring of that force."""
@@ -86,20 +84,12 @@ def test_quotients_of_45_digits(force, numbers, more, start, end, matrix):
     np.testing.assert_allclose(carried.matrix, np.reshape(matrix, (2, 2)), atol=1e-12)
 
 
-@pytest.mark.parametrize(("force", "start"), [(1, [0.1, -0.7]), (2, [0.1, -0.7])])
-def test_engines_agree(force, start):
-    one = scene(*QUOTIENTS[force][:3])
-    ends = [Carrier(one, engine).carry(start, 0.3) for engine in ENGINES]
-    assert ends[0].matrix.tobytes() == ends[1].matrix.tobytes()
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-def test_no_derivative_is_told(engine):
+def test_no_derivative_is_told():
     """From rest at the zero x grows like t^2, and the derivative of sqrt(x) like 1 / t, which has no
     integral. It was sought for without end.
     """
     pushed = "forces: {f: {on: a, F0: 1 N}}"
-    carried = Carrier(scene("k*sqrt(abs(d))*sign(d)", "k: 2 N/m^0.5", pushed), engine).carry([0.0, 0.0], 0.5)
+    carried = Carrier(scene("k*sqrt(abs(d))*sign(d)", "k: 2 N/m^0.5", pushed)).carry([0.0, 0.0], 0.5)
     assert carried.undefined_at == 0 and np.isnan(carried.matrix).all()
     assert np.isfinite(carried.state).all()
 

@@ -155,7 +155,7 @@ def failing(monkeypatch, companions):
         real = open_trajectory
         monkeypatch.setattr(
             "vibsim.results.parallel_runs.open_trajectory",
-            lambda scene, engine, **wishes: Failing(real(scene), error),
+            lambda scene, *_, **wishes: Failing(real(scene), error),
         )
         return companions(scene)
 
@@ -204,7 +204,7 @@ def test_of_a_third_run_that_takes_too_many_events_nothing_is_known():
     _, other = companion_of("I-B", run__t_end="100 s")
     events = len(run(other).events["t"])
     for most, known in ((events, True), (events - 1, False)):
-        third = LastSamples(other, "c", 20_001, 16, most)
+        third = LastSamples(other, "auto", 20_001, 16, most)
         third.start()
         while (told := third.told(0.1)) is None:
             pass
@@ -237,7 +237,6 @@ def test_events_at_the_end_of_a_run_stay_within_it():
     )
     case = load_case_text(f"{text}\nforces: {{f: {{on: a, F0: -2 N}}}}\ninitial: {{a: {{x: 1 m}}}}\n{END}")
     for dither in range(4):
-        for engine in ("c", "python"):
-            found = run_of_parts(case.scene(), engine, dither=dither)
-            start, impact, end = found.events["t"].tolist()
-            assert start == 0 and 1 - 1e-14 < impact <= end == found.samples["time"][-1] == 1
+        found = run_of_parts(case.scene(), dither=dither)
+        start, impact, end = found.events["t"].tolist()
+        assert start == 0 and 1 - 1e-14 < impact <= end == found.samples["time"][-1] == 1

@@ -141,12 +141,6 @@ def test_a_run_that_is_stopped_before_a_third_run_has_ended_is_not_trusted_beyon
     assert 30 < result.trust_horizon < 70  # the third run is asked at 37 s, where errors have grown 1e4 times
 
 
-def test_the_python_engine_estimates_the_same():
-    fast = simulate(short_case("I-B", "2 s"))
-    plain = simulate(short_case("I-B", "2 s"), engine="python")
-    assert plain.error_estimate.tobytes() == fast.error_estimate.tobytes()
-
-
 def test_sweeps_do_without(monkeypatch):
     def refuse(*_):
         raise AssertionError("a sweep pays for a second run")

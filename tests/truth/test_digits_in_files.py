@@ -11,7 +11,7 @@ import xarray
 import vibsim
 from tests.command_line.made import call
 from tests.engine.runs import run as run_parts
-from tests.trajectories import ENGINES, run
+from tests.trajectories import run
 from tests.truth.made import case
 from vibsim.engine.truth import open_truth
 from vibsim.physics import precision
@@ -101,7 +101,6 @@ def test_an_interrupted_run_keeps_its_digits(tmp_path):
         (["--digits", "-5"], "-5 is not in the range 20 to 1000"),
         (["--digits", "5000"], "5000 is not in the range 20 to 1000"),
         (["--digits", "many"], "must be a whole number or auto, got 'many'"),
-        (["--digits", "80", "--engine", "c"], "the C engine has at most 71 digits, got 80"),
     ],
 )
 def test_wrong_usage(words, message, tmp_path):
@@ -123,8 +122,6 @@ def test_a_missing_library_names_the_extra(monkeypatch, tmp_path):
 def test_simulate_refuses_too():
     with pytest.raises(ValueError, match="20 to 1000"):
         vibsim.simulate(case("I-A", "1 s"), digits=10)
-    with pytest.raises(ValueError, match="at most 71 digits"):
-        vibsim.simulate(case("I-A", "1 s"), digits=80, engine="c")
 
 
 def test_method_taylor_is_obeyed(tmp_path):
@@ -180,22 +177,20 @@ def test_doubles_and_digits_start_in_one_mode(place, v1, acts, tmp_path):
     truth = [EVENT_NAMES[kind] for kind in block.events["kind"]]
     assert truth == ["start", "end"]
     assert block.events["contact"].tolist() == [touches] * 2
-    for engine in ENGINES:
-        for method in ("closed_form", "taylor"):
-            doubles = run(replace(case.two_blocks(), method=method), engine)
-            assert doubles.kinds == []
-            assert doubles.events["contact"].tolist() == [touches] * 2
-            assert doubles.totals["uncertified"] == 0
-            assert doubles.totals["violations"] == 0
-        parts = run_parts(case.scene(), engine)
-        assert parts.events["kind"].tolist() == block.events["kind"].tolist()
-        contact = parts.samples["contact"]
-        assert contact.tolist() == [touches] * len(contact)
-        assert parts.totals["uncertified"] == 0
+    for method in ("closed_form", "taylor"):
+        doubles = run(replace(case.two_blocks(), method=method))
+        assert doubles.kinds == []
+        assert doubles.events["contact"].tolist() == [touches] * 2
+        assert doubles.totals["uncertified"] == 0
+        assert doubles.totals["violations"] == 0
+    parts = run_parts(case.scene())
+    assert parts.events["kind"].tolist() == block.events["kind"].tolist()
+    contact = parts.samples["contact"]
+    assert contact.tolist() == [touches] * len(contact)
+    assert parts.totals["uncertified"] == 0
 
 
 def test_what_is_moved_from_the_stop_is_not_there(tmp_path):
     """A sweep that starts elsewhere from a scene made for the stop is judged by its numbers."""
     scene = replace(case_at("below", 0.1, "compression", tmp_path).two_blocks(), x1=0.25)
-    for engine in ENGINES:
-        assert run(scene, engine).events["contact"][0] == 0
+    assert run(scene).events["contact"][0] == 0

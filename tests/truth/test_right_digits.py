@@ -213,11 +213,10 @@ def test_doubles_follow_the_truth(name):
             assert apart < 1e-12
 
 
-@pytest.mark.parametrize("engine", ["c", "python"])
-def test_doubles_take_the_same_events(engine):
+def test_doubles_take_the_same_events():
     short = case("II-C", "12 s")
     expected, _ = true_end("II-C", "12 s", 30)
-    trajectory = open_trajectory(short.scene(), engine)
+    trajectory = open_trajectory(short.scene())
     list(trajectory.blocks())
     for key in ("impacts", "sticks", "reversals"):
         assert trajectory.totals[key] == expected[key]

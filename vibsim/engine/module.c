@@ -1,6 +1,7 @@
 /* The Python face of the C engine: the type Run. The GIL is released while it computes, and not needed elsewhere. */
 #include "matrices.h"
 #include "elementary.h"
+#include "roots_alone.h"
 #include "run_object.h"
 
 #include <string.h>
@@ -190,15 +191,18 @@ static PyObject *retune(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
-static PyObject *advance(RunObject *self, PyObject *none)
+static PyObject *advance(RunObject *self, PyObject *args)
 {
-    (void)none;
-    if (!run_is_ready(self))
+    const double whole = self->run.work_at_once;
+    double work = whole;
+    if (!PyArg_ParseTuple(args, "|d", &work) || !run_is_ready(self))
         return NULL;
     self->busy = 1;
+    self->run.work_at_once = work;
     Py_BEGIN_ALLOW_THREADS
     run_advance(&self->run, &self->buffers);
     Py_END_ALLOW_THREADS
+    self->run.work_at_once = whole;
     self->busy = 0;
     return progress(self);
 }
@@ -383,9 +387,10 @@ static PyMethodDef methods[] = {
      "rewind(t_end): as before the start, without disturbances; modes and rules are kept"},
     {"retune", (PyCFunction)retune_alone, METH_VARARGS,
      "retune(doubles): the numbers of another scene of the same modes; `rewind` and `start` have to follow"},
-    {"advance", (PyCFunction)advance_alone, METH_NOARGS,
-     "advance() -> (samples, events, section, finished, status): how many the arrays hold\n\n"
-     "Compute on until an array is full, a slice of work is done, Python has to decide or the run ends."},
+    {"advance", (PyCFunction)advance_alone, METH_VARARGS,
+     "advance(work) -> (samples, events, section, finished, status): how many the arrays hold\n\n"
+     "Compute on until an array is full, a slice of work is done, Python has to decide or the run ends.\n"
+     "work: 1 ends the slice behind one stretch, 0 behind an event that has its rule now; a slice of its own without it."},
     {"pending", (PyCFunction)pending_alone, METH_NOARGS, "pending() -> (mode, event, order of its zero at the start of the stretch, state) that Python has to decide"},
     {"take", (PyCFunction)take_alone, METH_VARARGS,
      "take(mode, state, known, kinds, parts) -> as advance\n\n"
@@ -531,6 +536,11 @@ static PyMethodDef functions[] = {
     {"solved", matrix_solved, METH_VARARGS, "solved(a, b, x) -> smallest pivot, 0 where a is singular: x with a x = b"},
     {"determinant", matrix_determinant, METH_VARARGS, "determinant(a)"},
     {"singular", matrix_singular, METH_VARARGS, "singular(a, out) -> whether a is finite; out: values, V and W of a (m, n), n (1 + n + m) doubles"},
+    {"first_root", root_first, METH_VARARGS,
+     "first_root(coefficients, known, t0, h, keep_margin) -> (0: positive on the whole step, 1: a zero, 2: unproved behind it; "
+     "time, doubts, margin and when), see events/roots/polynomial_root.c"},
+    {"safe_step", root_safe_step, METH_VARARGS, "safe_step(value, slope, bound of the curvature): a step that passes no zero"},
+    {"deflated_step", root_deflated_step, METH_VARARGS, "deflated_step(order, leading, following, bound): one behind a zero"},
     {"eigenvalues", matrix_eigenvalues, METH_VARARGS, "eigenvalues(a, out) -> whether they were found; out (n, 2)"},
     {NULL, NULL, 0, NULL},
 };

@@ -157,7 +157,7 @@ class DerivativeSigns(Generic[N]):
             plain = (n for n in range(first, self.jet) if abs(values[n]) > bounds[n])
             first = next(plain, 0)
             if first == 0:
-                return 0, self.maker.scene.order + 1
+                return 0, self.kit.order(self.maker.scene) + 2  # coefficients of a displacement
         return -sign(values[first]), first
 
     def bounds(self, state: State[N], event: Event[N], highest: int) -> list[N]:

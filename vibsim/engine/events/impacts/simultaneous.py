@@ -69,10 +69,13 @@ class SimultaneousImpacts(Generic[N]):
 
 
 def coincident_stops_of(scene: Scene[N], i: int) -> list[int]:
-    """Numbers of the rigid stops whose depth is that of rigid stop `i` at all times, `i` among them."""
-    one = dict(scene.rigid_stops)[i]
-    ways = (one.P, one.Q, one.sense, one.gap), (one.Q, one.P, -one.sense, one.gap)
-    return [j for j, other in scene.rigid_stops if (other.P, other.Q, other.sense, other.gap) in ways]
+    """Numbers of the rigid stops whose depth is that of rigid stop `i` at all times, `i` among them: a base
+    that does not move is the ground.
+    """
+    ends = {j: (scene.column(one.P), scene.column(one.Q)) for j, one in scene.rigid_stops}
+    (P, Q), one = ends[i], dict(scene.rigid_stops)[i]
+    ways = (P, Q, one.sense, one.gap), (Q, P, -one.sense, one.gap)
+    return [j for j, other in scene.rigid_stops if (*ends[j], other.sense, other.gap) in ways]
 
 
 def hardest(stops: Mapping[int, RigidStop[N]], coincident_stops: Iterable[int]) -> int:
