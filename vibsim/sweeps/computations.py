@@ -307,7 +307,6 @@ class ComputationKind:
     columns : what it stores of a scene; nothing where it makes no sense
     suits : what the scene must have for it to make sense, in words
     make : the computation of one run
-    ledger : whether the run must keep the energy ledger, which takes half as long again
     samples : whether it reads samples
     """
 
@@ -315,7 +314,6 @@ class ComputationKind:
     columns: Callable[[Quantities], Columns]
     suits: str
     make: Callable[[Task], Computation]
-    ledger: bool = False
     samples: bool = False
 
 
@@ -332,7 +330,6 @@ COMPUTATIONS = {
         contact_computations.power_columns,
         "with a source",
         contact_computations.Power,
-        ledger=True,
     ),
     "impact-velocity": ComputationKind(
         contact_computations.IMPACT_VELOCITY_TITLE,

@@ -303,7 +303,7 @@ def power_columns(of: Quantities) -> Columns:
 
 
 class Power:
-    """Mean powers [W] of one run."""
+    """Mean powers [W] of one run, whose ledger is kept from the end of the transient on."""
 
     def __init__(self, task: Task):
         self._scene = task.scene
@@ -312,7 +312,7 @@ class Power:
         self._before_period_end: Rows | None = None  # events that the last period's end follows on
 
     def update(self, block: Block) -> None:
-        """Remember the last event before the last stroboscopic point; the engine keeps the ledger."""
+        """Remember the last event before the last stroboscopic point."""
         times, marks = block.events["t"], block.section["time"]
         if len(marks):
             before = times.searchsorted(marks[-1], side="right")
@@ -328,13 +328,13 @@ class Power:
     ) -> dict[str, float]:
         """Changes of the ledger's entries within the window, by its length; nothing of one without length.
 
-        The ledger begins at the events `run.rows` and ends with the run. What lies outside the window, from
+        The ledger is that of a run from the events `run.rows` to the end. What lies outside the window, from
         that event to the first period and from the last one on, is run once more and taken off.
         """
         first, last = window
         if not last > first:
             return {}
-        sums = _less(self._energies(run.late), self._ledger(run, run.rows, first))
+        sums = _less(*(self._ledger(run, run.rows, t) for t in (run.t_reached, first)))
         if last < run.t_reached:
             behind = [self._ledger(run, self._before_period_end, t) for t in (last, run.t_reached)]
             sums = _less(sums, _less(behind[1], behind[0]))

@@ -189,9 +189,7 @@ def measure(
         scene = scene.without_samples()
     statistics = Statistics(scene, settings.of, begin)
     computed = [kind.make(Task(scene, settings.of, begin, settings.section, known)) for kind in kinds]
-    run = MeasuredRun(
-        scene, settings.of, begin, go_on, any(kind.ledger for kind in kinds), _watchers(computed)
-    )
+    run = MeasuredRun(scene, settings.of, begin, go_on, _watchers(computed))
     end: dict[str, float] = {}
     for block in run.blocks():
         statistics.update(block)
