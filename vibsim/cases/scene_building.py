@@ -454,7 +454,11 @@ class SceneBuilder:
         ahead = self.distance(part)
         if ahead is None:
             return False
-        return ahead.equals(part["distance"], 1) if "distance" in part else ahead.equals(part["gap"], -SENSES[part["acts"]])
+        return (
+            ahead.equals(part["distance"], 1)
+            if "distance" in part
+            else ahead.equals(part["gap"], -SENSES[part["acts"]])
+        )
 
     def distance(self, part: Values) -> "ExactPlace | None":
         """x_P - x_Q [m] at t = 0, exact; None where the base, whose place is none, is one."""

@@ -433,7 +433,7 @@ class Scene(Sampled[N], Generic[N]):
         vars(other).update(vars(self), **parts)
         return other
 
-    def differs_in_start(self, other: "Scene[N]") -> bool:
+    def same_but_for_start(self, other: "Scene[N]") -> bool:
         """Whether another scene differs in displacements and velocities at t = 0 alone, as far as the same
         objects as parts tell. Not of one with rotors: there these may decide whose turns are its cycles.
         """

@@ -9,9 +9,10 @@ import numpy as np
 
 from vibsim.cases.problems import did_you_mean
 from vibsim.engine.blocks import Block
+from vibsim.engine.columns import OF_IMPACTS
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.tangent.tangent_space import dimension as exponents
-from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene
+from vibsim.physics.parts import Scene
 from vibsim.results.file_contents import Column
 from vibsim.sweeps import contact_computations, quantities
 from vibsim.sweeps.contact_computations import Task
@@ -256,7 +257,7 @@ class CaptureComputation:
 
 def _thinned(block: Block) -> Block:
     """Samples and events that the verdict needs: the times of the turns and of the impacts."""
-    begun = np.isin(block.events["kind"], [EVENT_KINDS[kind] for kind in IMPACTS])
+    begun = OF_IMPACTS[block.events["kind"]]
     events, section = {"time": block.events["t"][begun]}, {"time": block.section["time"]}
     return replace(block, samples={}, events=events, section=section)
 

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.engine.blocks import Block
-from vibsim.engine.columns import part_columns, stop_column
+from vibsim.engine.columns import OF_IMPACTS, of_kinds, part_columns, stop_column
 from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.elementary import mean
-from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene, columns_of
+from vibsim.physics.parts import IMPACTS, Scene, columns_of
 from vibsim.physics.rates import Period, common_period, turning_columns
 from vibsim.results.file_contents import Column
 from vibsim.sweeps.quantities import RELATIVE_RATE, Columns, MeasuredMotion, Quantities, distinct
-from vibsim.sweeps.statistics import MeasuredRun, velocities
+from vibsim.sweeps.statistics import BEFORE, MeasuredRun, velocities
 
 if TYPE_CHECKING:
     from vibsim.analysis.attractor import KnownOrbits
@@ -45,7 +45,6 @@ class Task:
 
 
 TURN = 2 * math.pi
-BEFORE = "before_"  # of velocities in front of an event, which impacts on rigid stops change
 Contact = dict[str, np.ndarray]
 
 
@@ -65,8 +64,7 @@ class Contacts:
     def update(self, block: Block) -> None:
         """Take the next block."""
         events = block.events
-        impacts = np.isin(events["kind"], [EVENT_KINDS[kind] for kind in IMPACTS])
-        chosen = impacts & (events["t"] >= self._task.begin)
+        chosen = OF_IMPACTS[events["kind"]] & (events["t"] >= self._task.begin)
         self._parts.append(self._of({name: column[chosen] for name, column in events.items()}))
 
     def _of(self, events: Contact) -> Contact:
@@ -398,6 +396,7 @@ END_STATE = "end_state"
 VERDICTS = {"undecided": 0, "rest": 1, "vibration": 2}
 OF_FRICTION = ("reversal", "stick_begin", "stick_end")
 CHANGES = (*OF_FRICTION, *IMPACTS, "contact_end", "rest_begin", "rest_end")
+OF_CHANGES = of_kinds(CHANGES)
 FALLS = 0.99  # of the greatest kinetic energy in the first half
 CLEARLY = 0.5  # the same of a fall that samples which miss the peaks by much do not make up
 # of the sampling interval: near the golden ratio of a sixteenth, so that samples do not meet each cycle of a
@@ -417,7 +416,6 @@ class EndState:
     def __init__(self, task: Task):
         self._scene, bodies = task.scene, task.scene.line
         self._half_masses = {columns_of(body.name)[1]: float(body.m) / 2 for body in bodies}
-        self._codes = [EVENT_KINDS[kind] for kind in CHANGES]
         self._changes: list[np.ndarray] = []
         self._times: list[np.ndarray] = []
         self._energies: list[np.ndarray] = []
@@ -425,7 +423,7 @@ class EndState:
     def update(self, block: Block) -> None:
         """Take the next block."""
         events, samples = block.events, block.samples
-        self._changes.append(events["t"][np.isin(events["kind"], self._codes)])
+        self._changes.append(events["t"][OF_CHANGES[events["kind"]]])
         self._times.append(samples["time"])
         self._energies.append(self._energies_of(block))
 

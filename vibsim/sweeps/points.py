@@ -17,7 +17,7 @@ from vibsim.engine.columns import state_columns
 from vibsim.engine.errors import EngineError
 from vibsim.physics.elementary import total
 from vibsim.physics.parts import ROTOR, Scene
-from vibsim.physics.rates import has_section, source_rates, turning_columns
+from vibsim.physics.rates import has_section, of_parts_alone, source_rates, turning_columns
 from vibsim.sweeps.computations import COMPUTATIONS, Computation
 from vibsim.sweeps.contact_computations import Task
 from vibsim.sweeps.quantities import DONE, FAILED, MISSING, NAME
@@ -225,8 +225,7 @@ def _end_state(scene: Scene, block: Block) -> dict[str, float]:
     Forces and the base begin the next point as they began this one, so the last stroboscopic point is the end
     whose motion they continue.
     """
-    timed = scene.motor is None and turning_columns(scene) is None and source_rates(scene)
-    table = block.section if timed else block.events
+    table = block.section if _is_timed(scene) else block.events
     states = {name: table[name] for name in state_columns(scene)}
     if scene.has_motor:
         states["phi"] = table["phase"]
@@ -234,6 +233,12 @@ def _end_state(scene: Scene, block: Block) -> dict[str, float]:
         if phi is not None:
             states[phi] = np.mod(states[phi], TURN)
     return {f"end_{name}": float(column[-1]) for name, column in states.items() if len(column)}
+
+
+@of_parts_alone
+def _is_timed(scene: Scene) -> bool:
+    """Whether forces or a moving base say when a period ends."""
+    return scene.motor is None and turning_columns(scene) is None and bool(source_rates(scene))
 
 
 # A batch: points that one worker computes one after another, and gives back together.

@@ -7,18 +7,17 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
 from operator import add
-from typing import Any
 
 import numpy as np
 
 from vibsim.cases.validation import MOST_SAMPLES
 from vibsim.engine.blocks import Block, Trajectory
-from vibsim.engine.columns import part_columns, section_columns, stop_column
+from vibsim.engine.columns import of_kinds, part_columns, section_columns, stop_column
 from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.elementary import dot, mean
 from vibsim.physics.parts import BASE, EVENT_KINDS, GROUND, IMPACTS, Link, Scene, Stop, columns_of
-from vibsim.physics.rates import fastest_of_formulas, mobility, source_rates, spins
+from vibsim.physics.rates import fastest_of_formulas, mobility, of_parts_alone, source_rates, spins
 from vibsim.results.columns import base_motion
 from vibsim.sweeps.quantities import MeasuredMotion, Quantities
 
@@ -28,7 +27,7 @@ from vibsim.sweeps.quantities import MeasuredMotion, Quantities
 # next point in the same thread: where that differs in its start alone, C has all that it is to know.
 
 
-SUMMED = ("impacts", "sticks", "events", "uncertified")
+COUNTED_IN_ALL = ("impacts", "sticks", "events", "uncertified", "grazing_margin")
 START = {"kind": EVENT_KINDS["start"], "part": -1}
 BEFORE = "before_"  # of velocities in front of an event, which impacts on rigid stops change
 
@@ -42,9 +41,9 @@ class GivenUpError(Exception):
 class MeasuredRun:
     """A run of `scene`: its blocks from about the time `begin` [s] on, with stroboscopic points.
 
-    `totals` are those of the whole run, up to date after the last block; `ended` says whether it came to
-    `begin`. `extremes` are least and greatest displacements and smallest gaps of the time from `begin` on, see
-    `extremes.c`, of the motions that are measured.
+    `totals` are those of the whole run, up to date after the last block. `extremes` are least and greatest
+    displacements and smallest gaps of the time from `begin` on, see `extremes.c`, of the motions that are
+    measured.
     `watch_transient` is shown the blocks of the transient, which have no samples. `go_on` is asked before
     every block, those of the transient too; where it says False, GivenUpError is raised.
     """
@@ -87,7 +86,8 @@ class MeasuredRun:
                 yield self._from(start, block)
         if self.late:
             self.extremes, self._at_begin = trajectory.extremes, trajectory.at_begin
-        self.totals = {name: float(trajectory.totals[name]) for name in (*SUMMED, "grazing_margin")}
+        totals = trajectory.totals
+        self.totals = {name: float(totals[name]) for name in COUNTED_IN_ALL}
         _kept.run = self._settings, trajectory
 
     @property
@@ -105,7 +105,7 @@ class MeasuredRun:
     def _trajectory(self) -> Trajectory:
         """The run, not yet computed: the kept one where that can begin anew."""
         (settings, kept), _kept.run = getattr(_kept, "run", None) or (None, None), None
-        if kept is not None and settings == self._settings and kept.scene.differs_in_start(self.scene):
+        if kept is not None and settings == self._settings and kept.scene.same_but_for_start(self.scene):
             kept.restart(self.scene)
             return kept
         ends, begin, watched = self._settings
@@ -125,16 +125,15 @@ class MeasuredRun:
 
     def _is_late(self, block: Block) -> bool:
         """Whether a stretch that ends behind `begin` has begun to be recorded."""
-        return any(len(times) and times[-1] >= self.begin for times in (block.samples["time"], block.section["time"]))
+        return any(
+            len(times) and times[-1] >= self.begin for times in (block.samples["time"], block.section["time"])
+        )
 
     def _from(self, count: int, block: Block) -> Block:
         """The rest of a block behind so many events, in front of it the last of the transient as a start."""
         events, at, _ = self._instant
         start = {name: column[at : at + 1] for name, column in events.items()}
-        begun = {
-            name: np.concatenate((column, block.events[name][count:]))
-            for name, column in start.items()
-        }
+        begun = {name: np.concatenate((column, block.events[name][count:])) for name, column in start.items()}
         for name in begun:
             if name in START:
                 begun[name][0] = START[name]
@@ -166,6 +165,7 @@ class MeasuredRun:
 
 TURN = 2 * math.pi
 COUNTED = {"impacts_per_period": IMPACTS, "sticks_per_period": ("stick_begin",)}  # by kinds of events
+CODES = {name: of_kinds(kinds) for name, kinds in COUNTED.items()}
 
 
 class Statistics:
@@ -176,14 +176,16 @@ class Statistics:
         self._points: list[dict[str, np.ndarray]] = []
         self._extremes: list[np.ndarray] = []
         self._begun: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {name: [] for name in COUNTED}
+        self._whole: dict[str, np.ndarray] | None = None
 
     def update(self, block: Block) -> None:
         """Take the next block of a `MeasuredRun`."""
         late = block.section["time"] >= self.begin
+        self._whole = None
         self._points.append({name: column[late] for name, column in block.section.items()})
         self._extremes.append(block.extremes[:, late])
         for name, begun in self._begun.items():
-            of_kind = np.isin(block.events["kind"], [EVENT_KINDS[kind] for kind in COUNTED[name]])
+            of_kind = CODES[name][block.events["kind"]]
             begun.append((block.events["t"][of_kind], block.events["part"][of_kind]))
 
     def values(self, run: MeasuredRun) -> dict[str, float]:
@@ -208,10 +210,12 @@ class Statistics:
 
     def points(self) -> dict[str, np.ndarray]:
         """The stroboscopic points: time and states by name, each (n)."""
-        return {
-            name: np.concatenate([[], *(part[name] for part in self._points)])
-            for name in section_columns(self.scene)
-        }
+        if self._whole is None:
+            self._whole = {
+                name: np.concatenate([[], *(part[name] for part in self._points)])
+                for name in section_columns(self.scene)
+            }
+        return self._whole
 
     def section(self, count: int) -> dict[str, np.ndarray]:
         """The last `count` stroboscopic points, NaN in front where there are fewer.
@@ -366,14 +370,19 @@ def sampled_for_statistics(scene: Scene, every: Fraction | None = None) -> Scene
         every = Fraction(1, math.ceil(samples_per_second(scene)))
     if Fraction(float(scene.t_end)) / every > MOST_SAMPLES:
         raise TooFineError("the run takes more than 1e10 samples to resolve its motion, and may not")
-    return replace(scene, every_num=every.numerator, every_den=every.denominator)
+    return scene.but(every_num=every.numerator, every_den=every.denominator)
 
 
 def samples_per_second(scene: Scene) -> float:
     """Samples [1/s] that resolve free vibration, vibration in contact and sources."""
-    formulas = fastest_of_formulas(scene)
-    rates = [fastest(scene, scene.links), formulas, *source_rates(scene), *spins(scene)]
-    rate = max(rates) / LARGEST_ANGLE
+    of_start = max([fastest_of_formulas(scene), *spins(scene)])
+    return max(_samples_for_parts(scene), of_start / LARGEST_ANGLE)
+
+
+@of_parts_alone
+def _samples_for_parts(scene: Scene) -> float:
+    """What of these the start has no say in."""
+    rate = max([fastest(scene, scene.links), *source_rates(scene)]) / LARGEST_ANGLE
     stops = [stop for _, stop in scene.elastic_stops]
     if stops:
         rate = max(rate, fastest(scene, (*scene.links, *stops)) / LARGEST_ANGLE_IN_CONTACT)
