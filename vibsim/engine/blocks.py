@@ -137,6 +137,10 @@ class Trajectory(Generic[N]):
         """
         raise NotImplementedError
 
+    def pause_at(self, time: float) -> None:
+        """Have the block end with which the run reaches a time [s]; the next one where there is no other."""
+        raise NotImplementedError
+
     @property
     def at_begin(self) -> dict[str, np.ndarray]:
         """Time and state from which samples are recorded, as columns of one."""

@@ -44,6 +44,10 @@ class CTrajectory(Trajectory[float]):
         self.scene, self.point = scene, None
         self.run.restart(scene)
 
+    def pause_at(self, time: float) -> None:
+        """Have the block end with which the run reaches a time [s]."""
+        self.run.run.pause_at(time)
+
     @property
     def at_begin(self) -> dict[str, np.ndarray]:
         """Time and state from which samples are recorded, as columns of one."""

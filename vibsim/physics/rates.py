@@ -29,6 +29,21 @@ Spring = Union[Link, Stop, "LinearPart"]
 T = TypeVar("T")
 
 
+def of_parts_alone(function: Callable[[Scene], T]) -> Callable[[Scene], T]:
+    """A function of a scene in which its start has no say: each thread keeps the value for its last scene."""
+    kept = threading.local()
+
+    @wraps(function)
+    def known(scene: Scene) -> T:
+        if not (vars(kept) and (kept.scene is scene or kept.scene.same_but_for_start(scene))):
+            kept.value = function(scene)
+        kept.scene = scene
+        value: T = kept.value
+        return value
+
+    return known
+
+
 def frequency(stiffness: float, mass: float) -> float:
     """Natural frequency [Hz] of a mass [kg] on a spring [N/m]."""
     return sqrt(stiffness / mass) / (2 * pi)
@@ -69,21 +84,6 @@ def _linear_parts(scene: Scene[Any]) -> list[Spring]:
     from vibsim.physics.formula_values import linear_parts
 
     return list(linear_parts(scene))
-
-
-def of_parts_alone(function: Callable[[Scene], T]) -> Callable[[Scene], T]:
-    """A function of a scene in which its start has no say: each thread keeps the value for its last scene."""
-    kept = threading.local()
-
-    @wraps(function)
-    def known(scene: Scene) -> T:
-        if not (vars(kept) and (kept.scene is scene or kept.scene.same_but_for_start(scene))):
-            kept.value = function(scene)
-        kept.scene = scene
-        value: T = kept.value
-        return value
-
-    return known
 
 
 def fastest_of_formulas(scene: Scene[Any]) -> float:
@@ -183,6 +183,7 @@ def bilinear_frequencies(scene: Scene) -> list[float]:
     return [2 * free * contact / (free + contact) for free, contact in pairs if free]
 
 
+@of_parts_alone
 def is_driven(scene: Scene) -> bool:
     """Whether there is a motor, a force that changes with time, a base that moves or a rotor that is
     driven.

@@ -98,7 +98,7 @@ def compute_point(
     try:
         scene = sampled_for_statistics(case.scene(), settings.every)
         known = _known(settings, changes, go_on)
-        values, arrays = _early(scene, settings, go_on, known) or measure(scene, settings, go_on, known)
+        values, arrays = measure(scene, settings, go_on, known)
     except (EngineError, TooFineError) as error:
         label = _run_away(settings, error)
         if label is None:
@@ -137,23 +137,6 @@ def _ask(go_on: Callable[[], bool] | None) -> None:
         raise GivenUpError
 
 
-def _early(
-    scene: Scene,
-    settings: PointSettings,
-    go_on: Callable[[], bool] | None,
-    known: "KnownOrbits | None",
-) -> Measured | None:
-    """The attractor of a point of which nothing else is asked, where it is sure before the transient ends;
-    the statistics, which count from there on, are missing.
-    """
-    if settings.compute != (NAME,) or settings.carry or not known:
-        return None
-    from vibsim.sweeps.attractor_labels import early_label, values_of
-
-    early = early_label(scene, settings.discard.time(scene.t_end), partial(_ask, go_on), known)
-    return None if early is None else _of_label(values_of(early[0]), early[1])
-
-
 def _of_label(stored: dict[str, Any], t_reached: float) -> Measured:
     """Values of a run of which its attractor alone is known."""
     numbers = {name: value for name, value in stored.items() if isinstance(value, float)}
@@ -181,7 +164,8 @@ def measure(
 ) -> Measured:
     """Statistics, totals and end state by name; sections and what else has a further dimension by name.
 
-    known : orbits of the scene with which the run is compared
+    known : orbits of the scene with which the run is compared. Where nothing but its attractor is asked, and
+        that is sure before the transient ends, the statistics, which count from there on, are missing
     """
     begin = settings.discard.time(scene.t_end)
     kinds = [COMPUTATIONS[name] for name in settings.compute]
@@ -189,13 +173,20 @@ def measure(
         scene = scene.without_samples()
     statistics = Statistics(scene, settings.of, begin)
     computed = [kind.make(Task(scene, settings.of, begin, settings.section, known)) for kind in kinds]
-    run = MeasuredRun(scene, settings.of, begin, go_on, _watchers(computed))
+    early = None
+    if known and settings.compute == (NAME,) and not settings.carry:
+        from vibsim.sweeps.attractor_labels import EarlyLabel, values_of
+
+        early = EarlyLabel(scene, begin, known)
+    run = MeasuredRun(scene, settings.of, begin, go_on, _watchers(computed), early)
     end: dict[str, float] = {}
     for block in run.blocks():
         statistics.update(block)
         for computation in computed:
             computation.update(block)
         end = _end_state(scene, block) or end
+    if early is not None and early.label is not None:
+        return _of_label(values_of(early.label), early.time)
     values = {**statistics.values(run), **run.totals, "t_reached": run.t_reached, **end}
     measured: dict[str, Any] = dict(statistics.section(settings.section))
     if run.late:

@@ -2,11 +2,13 @@
 
 import math
 import threading
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
 from operator import add
+from typing import Protocol
 
 import numpy as np
 
@@ -38,14 +40,30 @@ class GivenUpError(Exception):
     """The run was given up because nobody wants it any more."""
 
 
+class EarlyEnd(Protocol):
+    """What ends a run before its transient does.
+
+    stages : ascending times [s], the last one the end of the transient, at which it is asked
+    """
+
+    stages: Sequence[float]
+
+    def take(self, block: Block) -> None:
+        """Take the next block, which may reach beyond the next stage."""
+
+    def is_sure(self, stage: float) -> bool:
+        """Whether the run can end, as far as it has come by a stage [s]."""
+
+
 class MeasuredRun:
     """A run of `scene`: its blocks from about the time `begin` [s] on, with stroboscopic points.
 
     `totals` are those of the whole run, up to date after the last block. `extremes` are least and greatest
     displacements and smallest gaps of the time from `begin` on, see `extremes.c`, of the motions that are
     measured.
-    `watch_transient` is shown the blocks of the transient, which have no samples. `go_on` is asked before
-    every block, those of the transient too; where it says False, GivenUpError is raised.
+    `watch_transient` is shown the blocks of the transient, which have no samples, and `early` may end the run
+    there. `go_on` is asked before every block, those of the transient too; where it says False, GivenUpError
+    is raised.
     """
 
     def __init__(
@@ -55,9 +73,10 @@ class MeasuredRun:
         begin: float,
         go_on: Callable[[], bool] | None = None,
         watch_transient: Callable[[Block], None] | None = None,
+        early: EarlyEnd | None = None,
     ):
         self.scene, self.of, self.begin = scene, of, begin
-        self._go_on, self._watch_transient = go_on, watch_transient
+        self._go_on, self._watch_transient, self._early = go_on, watch_transient, early
         self.totals: dict[str, float] = {}
         self.extremes: tuple[Sequence[float], Sequence[float], Sequence[float]] = ([], [], [])
         self.t_reached = 0.0
@@ -65,16 +84,20 @@ class MeasuredRun:
         self._last: Mapping[str, np.ndarray] = {}  # events of the last block that has some
         self._at_begin: dict[str, np.ndarray] = {}
         ends = [(motion.P, motion.Q) for motion in of.motions]
-        self._settings = ends, begin, watch_transient is not None
+        self._settings = ends, begin, watch_transient is not None or early is not None
 
     def blocks(self) -> Iterator[Block]:
         """The blocks from the last event before `begin` on; none where the run ended before."""
         trajectory, shown = self._trajectory(), self.begin == 0
+        stages = deque(self._early.stages if self._early else ())
+        trajectory.pause_at(stages[0] if stages else math.inf)
         for block in trajectory.blocks():
             self.ask()
             self.t_reached = block.t_reached
             if len(block.events["t"]):
                 self._last = block.events
+            if stages and self._ends_early(stages, block, trajectory):
+                break
             if shown:
                 yield block
                 continue
@@ -84,11 +107,27 @@ class MeasuredRun:
             shown = self.t_reached >= self.begin or self._is_late(block)
             if shown:
                 yield self._from(start, block)
+        else:
+            if not (stages and self._early and self._early.is_sure(stages[0])):
+                self._end(trajectory)
+        _kept.run = self._settings, trajectory
+
+    def _ends_early(self, stages: deque[float], block: Block, trajectory: Trajectory) -> bool:
+        """Whether the run ends at one of the stages that a block has come to, which are done with."""
+        assert self._early is not None
+        self._early.take(block)
+        while stages and self.t_reached >= stages[0]:
+            if self._early.is_sure(stages.popleft()):
+                return True
+            trajectory.pause_at(stages[0] if stages else math.inf)
+        return False
+
+    def _end(self, trajectory: Trajectory) -> None:
+        """Take what the whole run has come to."""
         if self.late:
             self.extremes, self._at_begin = trajectory.extremes, trajectory.at_begin
         totals = trajectory.totals
         self.totals = {name: float(totals[name]) for name in COUNTED_IN_ALL}
-        _kept.run = self._settings, trajectory
 
     @property
     def late(self) -> bool:
