@@ -34,12 +34,13 @@ from vibsim.analysis.sections import MOST, Exponent, JudgedPoints, SectionCoordi
 from vibsim.cases.case import texts
 from vibsim.cases.quantities import number
 from vibsim.engine.blocks import Block
+from vibsim.engine.columns import OF_IMPACTS
 from vibsim.physics import elementary
 from vibsim.physics.connections import Pair, pairs_of
 from vibsim.physics.elementary import dot, mean, sine_cosine_of_arrays
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import natural_rates
-from vibsim.results.columns import IMPACT_CODES, PairMotion, tables_of
+from vibsim.results.columns import PairMotion, tables_of
 from vibsim.results.labelled import Shown
 from vibsim.results.result import Result, Window, read_window, rows_within
 from vibsim.results.simulation import as_result
@@ -201,7 +202,7 @@ class StreamedVerdicts:
     def update(self, block: Block) -> None:
         """Take the next block."""
         self._points.append(dict(block.section))
-        begun = np.isin(block.events["kind"], IMPACT_CODES)
+        begun = OF_IMPACTS[block.events["kind"]]
         self._impacts.append(block.events["t"][begun])
         later = block.samples["time"] >= self.begin
         values = self._coordinates.of(block.samples)[:, later]

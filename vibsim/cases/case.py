@@ -1,7 +1,7 @@
 """A case: one system and one run of it, validated and exact."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from operator import index
@@ -11,7 +11,14 @@ from typing import Any, TypeGuard, Union
 
 from vibsim.cases.problems import CaseError, Problem
 from vibsim.cases.quantities import Quantity, number
-from vibsim.cases.scene_building import DOUBLES, amplitude_value, build_parts, build_two_blocks, exact_numbers
+from vibsim.cases.scene_building import (
+    DOUBLES,
+    SceneBuilder,
+    amplitude_value,
+    build_parts,
+    build_two_blocks,
+    exact_numbers,
+)
 from vibsim.cases.schema import CaseFile, CaseHead, HarmonicKeys
 from vibsim.cases.schema_keys import (
     UnknownKeyError,
@@ -21,7 +28,7 @@ from vibsim.cases.schema_keys import (
     measured_in_case,
 )
 from vibsim.cases.schema_kinds import Measured, has_formulas
-from vibsim.cases.short_form import long_text, long_values, sections_text
+from vibsim.cases.short_form import long_start, long_text, long_values, sections_text
 from vibsim.cases.sources import (
     PathText,
     SourceText,
@@ -29,17 +36,19 @@ from vibsim.cases.sources import (
     case_name_from,
     find_source,
     read_tree,
-    with_leaf,
 )
 from vibsim.cases.validation import (
     derived_facts,
+    exact_texts,
     fingerprint,
     flat_values,
     nested_values,
-    other_start,
+    read_starts,
     resolved_text,
     resolved_values,
+    starts_inside,
     validated,
+    with_part,
 )
 from vibsim.cases.yaml_nodes import Place, Tree, decoded
 from vibsim.physics.parts import BODY, Scene
@@ -65,6 +74,7 @@ class Case:
     model: CaseHead
     text: str
     source: str
+    _origin: "Case | None" = field(default=None, repr=False, compare=False)  # differs in the start alone
 
     @property
     def name(self) -> str:
@@ -81,7 +91,21 @@ class Case:
 
     def scene(self) -> Scene:
         """The scene as a list of parts, for both forms of case: SI and rad/s, each number rounded once."""
-        return build_parts(self.long_values(), DOUBLES)
+        return self._scene
+
+    @cached_property
+    def _scene(self) -> Scene:
+        if self._origin is None:
+            return self._builder.scene()
+        return self._origin._builder.from_start(self._origin._scene, self._long_start())
+
+    @cached_property
+    def _builder(self) -> SceneBuilder:
+        return SceneBuilder(self.long_values(), DOUBLES)
+
+    def _long_start(self) -> dict[str, Any]:
+        """Initial values by part, in the long form."""
+        return long_start(self.model) if isinstance(self.model, CaseFile) else self._nested["initial"]
 
     def exact_scene(self, number: Callable[[Fraction], Any], pi: Any = None) -> Scene[Any]:
         """The scene in another number type, such as flint.arb or mpmath.mpf.
@@ -233,17 +257,36 @@ class Case:
     def with_start(self, starts: Mapping[str, str]) -> "Case":
         """This case with some initial values replaced, by dotted keys. Raises CaseError.
 
-        It is the case that `with_values` makes, in a tenth of the time.
+        It is the case that `with_values` makes, in a fraction of the time.
         """
-        nested = self._nested
-        if any(
-            not key.startswith("initial.") or not isinstance(self.values.get(key), Quantity) for key in starts
+        case = self._started(starts) if starts else self
+        return self.with_values(starts) if case is None else case
+
+    def _started(self, starts: Mapping[str, str]) -> "Case | None":
+        """The same; None where a value is none of the start, or not plainly allowed."""
+        if form_of(self._nested).mixed or not all(
+            key.startswith("initial.") and isinstance(self.values.get(key), Quantity) for key in starts
         ):
-            return self.with_values(starts)
-        for key, value in starts.items():
-            nested = with_leaf(nested, key.split("."), value)
-        model = other_start(nested) if starts else self.model
-        return self.with_values(starts) if model is None else Case(model, self.text, self.source)
+            return None
+        quantities = read_starts(self._resolved, starts)
+        if quantities is None:
+            return None
+        model, nested, values = self._resolved, self._nested, {**self.values, **quantities}
+        for key, value in quantities.items():
+            model, nested = (with_part(part, key.split("."), value) for part in (model, nested))
+        if self.is_long and starts_inside(nested, values):
+            return None
+        case = Case(model, self.text, self.source, self._origin or self)
+        texts = {**self._exact_texts, **exact_texts(quantities)}
+        vars(case).update(values=values, _nested=nested, _resolved=model, _exact_texts=texts)
+        return case
+
+    @cached_property
+    def _resolved(self) -> CaseHead:
+        """The model with defaults filled in."""
+        model = form_of(self._nested).model.read(self._nested, (), [])
+        assert model is not None  # its values were read once
+        return model
 
     def __repr__(self) -> str:
         scene = self.scene()
@@ -265,7 +308,11 @@ class Case:
     @cached_property
     def sha256(self) -> str:
         """Fingerprint of what is simulated: exact values in any spelling, without name and title."""
-        return fingerprint(self.values)
+        return fingerprint(self._exact_texts)
+
+    @cached_property
+    def _exact_texts(self) -> dict[str, str]:
+        return exact_texts(self.values)
 
     @staticmethod
     def from_resolved_json(text: str, source: str = "resolved case") -> "Case":

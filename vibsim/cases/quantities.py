@@ -184,9 +184,15 @@ def parse_quantity(text: str, dimension: str, alternative: str = "") -> Quantity
     number, unit_text = match["number"], match["unit"].strip()
     unit = _unit_of(text, unit_text, dimension, alternative)
     value = exact_number(number) * unit.factor
-    if value and not SMALLEST <= abs(value) <= LARGEST:
+    if not _fits_double(value):
         raise _out_of_range(text)
     return Quantity(f"{number} {unit.name}".strip(), value, unit.per_turn)
+
+
+def _fits_double(value: Fraction) -> bool:
+    """Whether a value is 0 or lies between SMALLEST and LARGEST; mostly its digits tell."""
+    size = value.numerator.bit_length() - value.denominator.bit_length()
+    return abs(size) < 1000 or not value or SMALLEST <= abs(value) <= LARGEST
 
 
 def quantity_unit(text: str) -> str:

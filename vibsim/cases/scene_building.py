@@ -1,6 +1,8 @@
 """The seam between case and engine: exact quantities become the numbers of a scene, each rounded once."""
 
 from collections.abc import Callable, Iterator, Mapping
+from copy import copy
+from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -14,9 +16,11 @@ from vibsim.cases.short_form import GROUND as GROUND_END
 from vibsim.physics.elementary import times_two_pi, two_pi_fraction
 from vibsim.physics.parts import (
     BASE,
+    BODY,
     COMPRESSION,
     EXTENSION,
     GROUND,
+    MOTOR,
     ROTOR,
     STATE,
     Body,
@@ -189,21 +193,21 @@ SENSES = {"extension": EXTENSION, "compression": COMPRESSION}
 
 def build_parts(values: Values, numbers: NumberType = DOUBLES) -> Scene:
     """The scene [SI, rad/s] of the nested values of a case in the long form, defaults filled in."""
-    return _SceneBuilder(values, numbers).scene()
+    return SceneBuilder(values, numbers).scene()
 
 
 def rebuild_parts(scene: Scene, values: Values, section: str, numbers: NumberType = DOUBLES) -> Scene:
     """The scene of values that differ from those of `scene` in one section; the other parts are the same
     objects. Bodies have a say in other parts, and no section of their own here.
     """
-    builder = _SceneBuilder(values, numbers)
+    builder = SceneBuilder(values, numbers)
     if section not in FIELDS or (section == "motor" and has_formulas(values)):
         return builder.scene()
     changed: dict[str, Any] = {FIELDS[section]: builder.section(section)}
     return scene.but(**changed)
 
 
-class _SceneBuilder:
+class SceneBuilder:
     """The values of one case, the numbers they become and the bodies they speak of."""
 
     def __init__(self, values: Values, numbers: NumberType):
@@ -229,6 +233,38 @@ class _SceneBuilder:
             order=run["order"],
             tol=self.numbers.of(run["tol"]),
         )
+
+    def from_start(self, scene: Scene, initial: Values) -> Scene:
+        """The scene that these values make with other initial ones; what does not depend on these are the
+        parts of `scene`, which the values themselves make.
+        """
+        other = copy(self)
+        other.values = {**self.values, "initial": initial}
+        motor = scene.motor
+        if motor is not None:
+            phi, phidot = other.several(initial["motor"], "phi", "phidot")
+            motor = replace(motor, phi=phi, phidot=phidot)
+        return scene.but(
+            bodies=tuple(map(other.started, scene.bodies)),
+            stops=other.limited("stops", scene.stops),
+            clearances=other.limited("clearances", scene.clearances),
+            motor=motor,
+        )
+
+    def started(self, body: Body) -> Body:
+        """The body or rotor at its initial values."""
+        if body.kind == STATE:
+            return body
+        keys = ("x", "v") if body.kind == BODY else ("phi", "phidot" if body.name == MOTOR else "w")
+        x, v = self.several(self.values["initial"][body.name], *keys)
+        return Body(body.name, body.m, x, v, body.kind, body.turns)
+
+    def limited(self, section: str, parts: Any) -> Any:
+        """Stops or clearances with what the start says of them; the same where it says the same."""
+        at_start = [self.starts_at_limit(part) for part in self.values[section].values()] if parts else []
+        if all(part.at_start == at for part, at in zip(parts, at_start, strict=True)):
+            return parts
+        return tuple(replace(part, at_start=at) for part, at in zip(parts, at_start, strict=True))
 
     def section(self, name: str) -> Any:
         """Part of the scene that a section of the case makes."""
@@ -333,8 +369,7 @@ class _SceneBuilder:
         return Link(name, *self.ends(part), *self.several(part, "k", "c"))
 
     def stop(self, name: str, part: Values) -> Stop | RigidStop:
-        ahead, sense = self.distance(part), SENSES[part["acts"]]
-        at_start = ahead is not None and ahead.equals(part["gap"], -sense)
+        sense, at_start = SENSES[part["acts"]], self.starts_at_limit(part)
         gap = self.numbers.of(part["gap"])
         if "force" in part:
             return self.stop_of_formula(name, part, gap, at_start)
@@ -411,10 +446,19 @@ class _SceneBuilder:
         return Motor(self.index[part["on"]], *constants, *start)
 
     def clearance(self, name: str, part: Values) -> Clearance:
-        distance = part["distance"]
+        distance = self.numbers.of(part["distance"])
+        return Clearance(name, *self.ends(part), distance, self.starts_at_limit(part))
+
+    def starts_at_limit(self, part: Values) -> bool:
+        """Whether a stop or a clearance is at its limit at t = 0, exactly."""
         ahead = self.distance(part)
-        at_start = ahead is not None and ahead.equals(distance, 1)
-        return Clearance(name, *self.ends(part), self.numbers.of(distance), at_start)
+        if ahead is None:
+            return False
+        return (
+            ahead.equals(part["distance"], 1)
+            if "distance" in part
+            else ahead.equals(part["gap"], -SENSES[part["acts"]])
+        )
 
     def distance(self, part: Values) -> "ExactPlace | None":
         """x_P - x_Q [m] at t = 0, exact; None where the base, whose place is none, is one."""

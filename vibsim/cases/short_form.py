@@ -96,7 +96,7 @@ def long_values(case: CaseFile) -> dict[str, Any]:
     if _is_moving(case):
         values["bodies"]["2"] = case.blocks.m2
     values["links"] = {"coupling": {"between": ends, "k": case.coupling.k1, "c": case.coupling.c}}
-    values |= _stop(case, ends) | _friction(case) | _source(case) | _initial_states(case)
+    values |= _stop(case, ends) | _friction(case) | _source(case) | {"initial": long_start(case)}
     if case.rest_distance:
         clearance = {"between": ends, "distance": case.rest_distance.value}
         values["clearances"] = {"rest_distance": clearance}
@@ -137,14 +137,15 @@ def _source(case: CaseFile) -> dict[str, Any]:
     return {}
 
 
-def _initial_states(case: CaseFile) -> dict[str, Any]:
+def long_start(case: CaseFile) -> dict[str, Any]:
+    """Initial values of the same case in the long form, by part."""
     start = case.initial
     states: dict[str, Any] = {"1": {"x": start.x1, "v": start.v1}}
     if _is_moving(case):
         states["2"] = {"x": start.x2, "v": start.v2}
     if isinstance(case.excitation, MotorKeys):
         states["motor"] = {"phi": start.phi, "phidot": start.phidot}
-    return {"initial": states}
+    return states
 
 
 def _run(case: CaseFile) -> dict[str, Any]:

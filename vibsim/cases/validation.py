@@ -1,7 +1,7 @@
 """Problems of the keys and values of a case, in words and at their place in the file."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from math import inf, isfinite, pi, prod, sqrt
 from typing import Any, NamedTuple
@@ -309,15 +309,19 @@ def resolved_values(text: str, source: str) -> dict[str, Any]:
     return values
 
 
-def fingerprint(flat: dict[str, Any]) -> str:
-    """SHA-256 of the exact values in any spelling (330 rpm is 5.5 Hz).
+def exact_texts(flat: Mapping[str, Any]) -> dict[str, str]:
+    """The exact values that tell what is simulated, in one spelling for each (330 rpm is 5.5 Hz).
 
     Name, title and trust tolerance do not count: they leave the motion as it is.
     """
+    return {key: _exact_text(value) for key, value in flat.items() if key not in NOT_PHYSICS}
+
+
+def fingerprint(texts: Mapping[str, str]) -> str:
+    """SHA-256 of exact texts by key."""
     import hashlib  # loads OpenSSL, 2 ms, which a run does while the engine runs already
 
-    exact = {key: _exact_text(value) for key, value in flat.items() if key not in NOT_PHYSICS}
-    return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
+    return hashlib.sha256(json.dumps(texts, sort_keys=True).encode()).hexdigest()
 
 
 def _section_values(section: Section | dict[str, Any]) -> dict[str, Any]:
@@ -373,23 +377,44 @@ def validated(tree: Tree) -> CaseHead:
     raise CaseError(sorted(dict.fromkeys(problems), key=_file_order(tree)))
 
 
-def other_start(values: dict[str, Any]) -> CaseHead | None:
-    """The case file of the nested values of a valid case, of which texts replace some initial values; None
-    where these are not plainly allowed: then `validated` reports why.
-
-    Nothing else in a case decides whether a start is allowed, but for rigid stops, which it must be out of,
-    and units where some bodies turn and others do not.
+def read_starts(model: CaseHead, starts: Mapping[str, str]) -> dict[str, Quantity] | None:
+    """Initial values by dotted keys from their texts, at keys that the model has; None where one of them is
+    not allowed by itself.
     """
-    form, faults = form_of(values), list[Fault]()
-    model = None if form.mixed else form.model.read(values, (), faults)
-    if model is None or faults:
-        return None
-    if form is not SHORT and "stops" in values:
-        from vibsim.cases.part_laws import starts_are_outside
+    faults: list[Fault] = []
+    values = {}
+    for key, text in starts.items():
+        *around, name = key.split(".")
+        section: Any = model
+        for part in around:
+            section = (section if isinstance(section, dict) else vars(section))[part]
+        values[key] = section.keys[name].kind.read(text, (*around, name), faults)
+    return None if faults else values
 
-        if any(starts_are_outside(Draft(every_value(model), values, form.torsional, form.mixed))):
-            return None
-    return model
+
+def with_part(section: Any, key: Sequence[str], value: Any) -> Any:
+    """A section, or a dict of parts by name, with another value at a key that it has."""
+    name, *inner = key
+    content = section if isinstance(section, dict) else vars(section)
+    content = content | {name: with_part(content[name], inner, value) if inner else value}
+    if isinstance(section, dict):
+        return content
+    other = object.__new__(type(section))
+    vars(other).update(content)
+    return other
+
+
+def starts_inside(values: dict[str, Any], flat: Mapping[str, Any]) -> bool:
+    """Whether a body starts inside a rigid stop; values: of a valid case in the long form but for its start.
+    That alone and units, where some bodies turn and others do not, decide whether a start is allowed that is
+    so by itself.
+    """
+    if not any(stop.get("law") == "rigid" for stop in values.get("stops", {}).values()):
+        return False
+    from vibsim.cases.part_laws import starts_are_outside
+
+    form = form_of(values)
+    return any(True for _ in starts_are_outside(Draft(flat, values, form.torsional, form.mixed)))
 
 
 def _checked(values: dict[str, Any], tree: Tree, form: Form) -> tuple[CaseHead | None, list[Problem]]:

@@ -53,7 +53,7 @@ class Wishes(TypedDict, total=False):
 
     tangent : number of disturbances, and from when their growth counts [s]
     extremes : columns of the pairs, the stops whose gaps are watched, since when [s]
-    early, dither : see there
+    early, dither, record_from : see there
     """
 
     section: bool
@@ -63,6 +63,7 @@ class Wishes(TypedDict, total=False):
     extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None
     early: bool
     dither: int
+    record_from: tuple[float, float]
 
 
 class Trajectory(Generic[N]):
@@ -114,24 +115,40 @@ class Trajectory(Generic[N]):
         """A block from rows: (time, states), part states; (t, states, phase, velocities before), (kind, part,
         part states); (time, states); (time reached, time worked out to).
         """
-        table = _by_name(self.timed_states, samples)
+        table = by_name(self.timed_states, samples)
         table |= dict(zip(self.parts, sample_codes, strict=True))
-        happened = _by_name(self.states_happened, events)
+        happened = by_name(self.states_happened, events)
         happened |= {"kind": event_codes[0], "part": self._parts(event_codes[0], event_codes[1])}
         happened |= dict(zip(self.parts, event_codes[2:], strict=True))
         width = 3 + 2 * len(self.scene.bodies)  # of a state
         return Block(
             {name: table[name] for name in self.names},
             {name: happened[name] for name in self.event_names},
-            _by_name(self.timed_states, section),
+            by_name(self.timed_states, section),
             reached[0],
             reached[1],
             section[width:],
         )
 
+    def restart(self, scene: Scene[N]) -> None:
+        """Begin anew, from the start of a scene that differs from that of the run in its start alone.
+
+        What the blocks before have shown holds no longer.
+        """
+        raise NotImplementedError
+
+    def pause_at(self, time: float) -> None:
+        """Have the block end with which the run reaches a time [s]; the next one where there is no other."""
+        raise NotImplementedError
+
+    @property
+    def at_begin(self) -> dict[str, np.ndarray]:
+        """Time and state from which samples are recorded, as columns of one."""
+        raise NotImplementedError
+
     def columns_of(self, states: np.ndarray, codes: Iterable[Any]) -> dict[str, np.ndarray]:
         """Columns by name of rows (time, states) and part states: one for all rows, or one for each."""
-        table = _by_name(self.timed_states, states)
+        table = by_name(self.timed_states, states)
         for name, code in zip(self.parts, codes, strict=True):
             table[name] = np.full(states.shape[1], code, dtype="i1")
         return {name: table[name] for name in self.names}
@@ -146,7 +163,7 @@ class Trajectory(Generic[N]):
         return np.where(parts == -1, -1, numbers + self.first_part[kinds]).astype("i2")
 
 
-def _by_name(names: Iterable[str | None], rows: np.ndarray) -> dict[str, np.ndarray]:
+def by_name(names: Iterable[str | None], rows: np.ndarray) -> dict[str, np.ndarray]:
     """Rows by their names, as many as there are; those without a name are left out."""
     return {name: row for name, row in zip(names, rows, strict=False) if name is not None}
 

@@ -16,7 +16,7 @@ import vibsim.engine._engine as _engine
 from vibsim.engine.blocks import Gap
 from vibsim.engine.columns import part_columns
 from vibsim.engine.errors import EngineError, State, Stopped, start_of
-from vibsim.engine.events.automaton import Automaton
+from vibsim.engine.events.automaton import Automaton, UnambiguousStart
 from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.rule_maker import RuleMaker
 from vibsim.engine.flows.base_motion import base_motion
@@ -81,7 +81,7 @@ class CRun:
     """A run of a scene made of parts on the C engine.
 
     carries : whether disturbances are carried as they are (`CarryingRun`); such a run is begun later
-    early, dither : as of `open_trajectory`
+    early, dither, record_from : as of `open_trajectory`
     kick : seed of the signs by which each state that the flow goes on from is moved as doubles round; 0: none
     """
 
@@ -98,6 +98,7 @@ class CRun:
         early: bool = False,
         dither: int = 0,
         kick: int = 0,
+        record_from: tuple[float, float] = (0.0, 0.0),
         form: NumberForm[Any] = DOUBLES,
     ) -> None:
         self.scene, self.n, self.size, self.early = scene, len(scene.bodies), length(scene), early
@@ -125,6 +126,8 @@ class CRun:
             self.run.keep_impacts(*pack_impacts(scene, names, self.maker.ends, early, form))
         self.run.dither(dither)
         self.run.kick(kick)
+        if any(record_from):
+            self.run.record_from(*map(form.handed, record_from))
         count, begin = tangent
         self.moving = count > 0
         if self.moving:
@@ -140,6 +143,14 @@ class CRun:
         self._recall()
         if not carries:
             self._begin(*(resume or self._begun(start_of(scene, self.kit))))
+
+    def restart(self, scene: Scene) -> None:
+        """Begin anew, from the start of a scene that differs in that alone."""
+        if scene.rigid_stops:  # whose automaton sums up what the ends of sequences of impacts leave out
+            self.__dict__.pop("automaton", None)
+        self.scene = scene
+        self.run.rewind(self.form.handed(scene.t_end))
+        self._begin(*self._begun(start_of(scene, self.kit)))
 
     @cached_property
     def maker(self) -> RowMaker:
@@ -192,7 +203,15 @@ class CRun:
 
     def _begun(self, state: State) -> Point:
         """A state at t = 0 with the mode that the motion starts in, and the known zeros there."""
-        return (state, *self.automaton.initial(state))
+        status = self.plain.status(state) if self.plain else None
+        return (state, *self.automaton.initial(state)) if status is None else (state, status, {})
+
+    @cached_property
+    def plain(self) -> UnambiguousStart | None:
+        """Tells the modes of plain starts; None where there can be none."""
+        plain, formulas = UnambiguousStart(self.scene, self.maker.ends), self.maker.formulas
+        switching = formulas is not None and bool(formulas.switches)  # whose sides the state tells
+        return plain if plain.known and not switching else None
 
     def _keep_section(self) -> bool:
         """Tell C of the period of forces and base, or the rotor that turns; whether there is a section to

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.engine.blocks import Block, Trajectory, Wishes
+from vibsim.engine.blocks import Block, Trajectory, Wishes, by_name
 from vibsim.engine.errors import State
 from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.resume import Point
@@ -38,6 +38,22 @@ class CTrajectory(Trajectory[float]):
     def left_out(self) -> list[tuple[float, float]]:
         """(time [s], distance [m] that ends of infinite sequences of impacts have left out from then on)."""
         return self.run.automaton.rigid.chatter.cut_off.ends if self.scene.rigid_stops else []
+
+    def restart(self, scene: Scene) -> None:
+        """Begin anew from the start of another scene, see `Trajectory.restart`."""
+        self.scene, self.point = scene, None
+        self.run.restart(scene)
+
+    def pause_at(self, time: float) -> None:
+        """Have the block end with which the run reaches a time [s]."""
+        self.run.run.pause_at(time)
+
+    @property
+    def at_begin(self) -> dict[str, np.ndarray]:
+        """Time and state from which samples are recorded, as columns of one."""
+        row = self.run.form.empty(3 + 2 * self.run.n, 1)
+        self.run.run.at_begin(row)
+        return by_name(self.timed_states, row)
 
     def blocks(self) -> Iterator[Block]:
         """Yield `Block`s until the run ends; raises EngineError when it fails."""

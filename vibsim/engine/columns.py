@@ -4,8 +4,23 @@ What the engines store is a row of x and v of every body, rotors and states amon
 of a motor. Rows whose name is None are shown nowhere: the x of a state says nothing.
 """
 
+from collections.abc import Collection
+
+import numpy as np
+
 from vibsim.physics.numbers import N
-from vibsim.physics.parts import ANGLE, SPEED, STATE, Clearance, Friction, RigidStop, Scene, Stop
+from vibsim.physics.parts import (
+    ANGLE,
+    EVENT_KINDS,
+    IMPACTS,
+    SPEED,
+    STATE,
+    Clearance,
+    Friction,
+    RigidStop,
+    Scene,
+    Stop,
+)
 
 RIGID_FLAGS = {"free": 0, "resting": 3}
 FLAGS = {
@@ -43,6 +58,14 @@ def stored_at_events(scene: Scene[N]) -> tuple[str | None, ...]:
     """
     moving = stored_columns(scene) if scene.motor is not None else (*stored_columns(scene), None, None)
     return ("t", *moving, "phase", *stored_before(scene))
+
+
+def of_kinds(kinds: Collection[str]) -> np.ndarray:
+    """Whether the code of an event, as an index, is that of one of these kinds."""
+    return np.array([kind in kinds for kind in EVENT_KINDS])
+
+
+OF_IMPACTS = of_kinds(IMPACTS)
 
 
 def stop_column(name: str) -> str:

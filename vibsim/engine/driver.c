@@ -155,7 +155,8 @@ void run_start(Run *r, int mode, Buffers *b)
         r->modes[i]->scales.most = 0; /* each run begins as the first one did */
 #endif
     use_mode(r, mode);
-    r->next_sample = sample_index(r, r->state.t);
+    r->next_sample = sample_index(r, fmax(r->state.t, r->samples_from));
+    r->at_begin.t = -1;
     r->known_since = r->progress_deadline = r->state.t;
     r->stretches = 0;
     section_start(r);
@@ -181,6 +182,7 @@ void run_rewind(Run *r, Real t_end)
     r->status = OK;
     r->stage = ADVANCE;
     certificate_open(&r->certificate);
+    extremes_reset(&r->extremes);
     tangent_free(r->tangent);
     r->tangent = NULL;
 }
@@ -339,7 +341,7 @@ static int stretch(Run *r, Buffers *b)
         int done = 1;
         switch (r->stage) {
         case ADVANCE: open_stretch(r); break;
-        case SAMPLE: done = record_samples(r, b); break;
+        case SAMPLE: record_begin(r); done = record_samples(r, b); break;
         case SECTION: done = section_gather(r, b, r->pending_end); break;
         case ARRIVE: done = arrive(r); break;
         case EXTREMES: done = extremes_until(r, r->next.t, 1); break;
@@ -388,7 +390,7 @@ void run_advance(Run *r, Buffers *b)
     r->spent = 0;
     if (!ruled_meanwhile(r, b))
         return;
-    while (!r->finished && r->status == OK && r->spent < r->work_at_once) {
+    while (!r->finished && r->status == OK && r->spent < r->work_at_once && r->state.t < r->pause) {
         if (!room_for_events(r, b))
             return;
         if (r->stage == ADVANCE && stands_still(r)) {

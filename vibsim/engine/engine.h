@@ -374,6 +374,9 @@ typedef struct Run {
     Real *masses;
     State state, next, scratch;
     Real known_since, first_violation, t0;
+    Real samples_from, section_from; /* times before which neither is recorded [s]; the state at the former is kept */
+    Real pause; /* time at which a call of `advance` ends [s] */
+    State at_begin; /* at samples_from, once that is reached; its time is negative until then */
     double evaluations, steps, counts[KINDS];
     Real progress_deadline; /* time up to which `stretches` are counted */
     int stretches, dither;
@@ -504,6 +507,7 @@ typedef struct {
 } Buffers;
 
 long long sample_index(const Run *r, Real t);
+void record_begin(Run *r);
 void write_state(const Run *r, Real *row, long room, const State *s);
 void write_codes(const Run *r, signed char *row, long room, int count);
 void record_event(Run *r, Buffers *b, int kind, int part, const Real *v, Real w);
@@ -549,6 +553,7 @@ Real tangent_worked_to(const Run *r);
 void tangent_free(struct Tangent *b);
 
 /* extremes.c; `until` returns 0 when the work of one call is spent before, where that is bounded */
+void extremes_reset(Extremes *e);
 void extremes_open(Run *r);
 int extremes_until(Run *r, Real end, int bounded);
 void extremes_close(Run *r, Real *row, long room);

@@ -208,6 +208,18 @@ void extremes_close(Run *r, Real *row, long room)
     }
 }
 
+/* As before the start. */
+void extremes_reset(Extremes *e)
+{
+    int i;
+    for (i = 0; i < e->count; i++) {
+        e->low[i] = e->least[i] = INFINITY;
+        e->high[i] = e->greatest[i] = -INFINITY;
+    }
+    for (i = 0; i < e->gap_count; i++)
+        e->margins[i] = INFINITY;
+}
+
 int extremes_read(Run *r, Reader *in)
 {
     Extremes *e = &r->extremes;
@@ -240,15 +252,10 @@ int extremes_read(Run *r, Reader *in)
     e->ahead = e->node + 2 * count;
     e->here = e->ahead + 2 * count;
     e->margins = e->here + 2 * count;
-    for (i = 0; i < count; i++) {
-        e->low[i] = e->least[i] = INFINITY;
-        e->high[i] = e->greatest[i] = -INFINITY;
-    }
-    for (i = 0; i < gaps; i++)
-        e->margins[i] = INFINITY;
     e->pairs = pairs;
     e->gap_count = gaps;
     e->count = count;
+    extremes_reset(e);
     return read_through(in);
 }
 

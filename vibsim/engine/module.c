@@ -338,6 +338,8 @@ ALONE(run_keep_tangent)
 ALONE(run_keep_extremes)
 ALONE(run_keep_impacts)
 ALONE(run_keep_section)
+ALONE(run_record_from)
+ALONE(run_pause_at)
 ALONE(run_dither)
 ALONE(run_kick)
 ALONE(run_set_rule)
@@ -351,6 +353,7 @@ ALONE(take)
 ALONE(add_entry)
 ALONE(doubt_here)
 ALONE(states_at)
+ALONE(run_at_begin)
 ALONE(run_extremes)
 ALONE(run_disturbances)
 ALONE(run_outcome)
@@ -375,6 +378,9 @@ static PyMethodDef methods[] = {
     {"keep_impacts", (PyCFunction)run_keep_impacts_alone, METH_VARARGS, "keep_impacts(ints, doubles): before the start"},
     {"keep_section", (PyCFunction)run_keep_section_alone, METH_VARARGS,
      "keep_section(cycles, cycles_lo, turns, rotor): the period, or the rotor whose turns it is, else -1; before the start"},
+    {"record_from", (PyCFunction)run_record_from_alone, METH_VARARGS,
+     "record_from(samples, section): times [s] before which they are left out; before the start"},
+    {"pause_at", (PyCFunction)run_pause_at_alone, METH_VARARGS, "pause_at(t): where `advance` ends, behind the stretch that reaches t"},
     {"dither", (PyCFunction)run_dither_alone, METH_VARARGS, "dither(which): how the times of events are moved; before the start"},
     {"kick", (PyCFunction)run_kick_alone, METH_VARARGS,
      "kick(seed): have states moved as doubles round, from the next start on; 0: not"},
@@ -399,6 +405,7 @@ static PyMethodDef methods[] = {
     {"doubt", (PyCFunction)doubt_here_alone, METH_VARARGS, "doubt(t): count what happened at t as not proved"},
     {"states_at", (PyCFunction)states_at_alone, METH_VARARGS,
      "states_at(times, states, codes, made) -> how many there are now: call again for more; what became of the run"},
+    {"at_begin", (PyCFunction)run_at_begin_alone, METH_VARARGS, "at_begin(out): fills a column with the state at the time from which samples are recorded"},
     {"extremes", (PyCFunction)run_extremes_alone, METH_NOARGS, "extremes() -> lists of the least, the greatest, the smallest gaps"},
     {"disturbances", (PyCFunction)run_disturbances_alone, METH_NOARGS, "disturbances() -> dict of what a TangentBundle tells"},
     {"outcome", (PyCFunction)run_outcome_alone, METH_VARARGS,

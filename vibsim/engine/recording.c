@@ -97,6 +97,13 @@ static void sample_at(Run *r, Buffers *b, const Real *times, int count)
     r->next_sample += count;
 }
 
+/* The state at the time from which samples are recorded, where this stretch is the first that reaches it. */
+void record_begin(Run *r)
+{
+    if (r->at_begin.t < 0 && r->pending_end >= r->samples_from)
+        flow_state(r, r->samples_from, &r->at_begin);
+}
+
 /* Samples in [now, end), or up to and including the end of the run; 0 when the buffer is full before that. */
 int record_samples(Run *r, Buffers *b)
 {

@@ -48,6 +48,24 @@ PyObject *run_tally(RunObject *self, PyObject *none)
                          "first_violation", number_object(r->first_violation), "mode", r->mode_number, "singular", r->singular);
 }
 
+/* The state where samples begin, into the column `out` as samples are written; not before the run has come there. */
+PyObject *run_at_begin(RunObject *self, PyObject *args)
+{
+    const Run *r = &self->run;
+    Py_buffer view;
+    int fits;
+    if (!run_is_ready(self) || !PyArg_ParseTuple(args, "w*", &view))
+        return NULL;
+    fits = r->at_begin.t >= 0 && view.len == (Py_ssize_t)((3 + 2 * r->bodies) * (int)sizeof(Real));
+    if (fits)
+        write_state(r, (Real *)view.buf, 1, &r->at_begin);
+    PyBuffer_Release(&view);
+    if (fits)
+        Py_RETURN_NONE;
+    PyErr_SetString(PyExc_ValueError, "the run has not come so far, or no room for its state");
+    return NULL;
+}
+
 static PyObject *list_of(const Real *values, int count, int stride)
 {
     PyObject *list = PyList_New(count);

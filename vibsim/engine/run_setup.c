@@ -193,6 +193,21 @@ PyObject *run_keep_section(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
+/* Times before which samples and section are not recorded. */
+PyObject *run_record_from(RunObject *self, PyObject *args)
+{
+    if (!PyArg_ParseTuple(args, "O&O&", number_from, &self->run.samples_from, number_from, &self->run.section_from))
+        return NULL;
+    Py_RETURN_NONE;
+}
+
+PyObject *run_pause_at(RunObject *self, PyObject *args)
+{
+    if (!PyArg_ParseTuple(args, "O&", number_from, &self->run.pause))
+        return NULL;
+    Py_RETURN_NONE;
+}
+
 PyObject *run_dither(RunObject *self, PyObject *args)
 {
     int dither;

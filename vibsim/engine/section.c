@@ -70,11 +70,12 @@ static void keep(Run *r, Buffers *b, Real t)
 void section_start(Run *r)
 {
     Section *s = &r->section;
+    const Real from = fmax(r->state.t, r->section_from);
     s->next = s->rotor > 0 ? 0 : 1;
-    if (s->turns > 0 && r->state.t > 0) {
-        s->next = floor(r->state.t * s->cycles / s->turns);
+    if (s->turns > 0 && from > 0) {
+        s->next = floor(from * s->cycles / s->turns);
         s->next = s->next > 1 ? s->next : 1;
-        while (period_end(s) <= r->state.t && s->next < LAST_PERIOD)
+        while ((period_end(s) <= r->state.t || period_end(s) < from) && s->next < LAST_PERIOD)
             s->next += 1;
     }
 }
@@ -115,7 +116,7 @@ static int gather_turns_of_rotor(Run *r, Buffers *b, Real end)
 int section_gather(Run *r, Buffers *b, Real end)
 {
     Section *s = &r->section;
-    if (b->section_room == 0)
+    if (b->section_room == 0 || end < r->section_from)
         return 1;
     if (r->has_motor) {
         Real first = r->state.phase, last;

@@ -31,6 +31,7 @@ def open_trajectory(
     extremes: tuple[Sequence[Edge], float] | None = None,
     early: bool = False,
     dither: int = 0,
+    record_from: tuple[float, float] = (0.0, 0.0),
 ) -> Trajectory:
     """A run of `scene` (a `vibsim.physics.parts.Scene`) from its start, not yet computed.
 
@@ -53,6 +54,8 @@ def open_trajectory(
         the one run leaves out, the difference of two shows
     dither : k > 0: events are taken one unit in the last place of the time later or earlier than they are
         rounded, with signs of their own for every k up to 31
+    record_from : times [s] before which samples, and the section, are left out; the state at the former is
+        `at_begin` of the object returned
 
     Returns an object with `engine`, `blocks()` (an iterator of `Block`s; raises EngineError when the run
     fails) and `totals`. Raises ValueError for another engine or method, a row that no run has or more
@@ -68,6 +71,7 @@ def open_trajectory(
         "extremes": extremes_of(scene, *extremes) if extremes else None,
         "early": early,
         "dither": dither,
+        "record_from": record_from,
     }
     point = None if resume is None else resume_point(scene, resume)
     return CTrajectory(scene, point, **wishes)

@@ -274,6 +274,11 @@ class Motor(Generic[N]):
     phidot: N
 
     @property
+    def constants(self) -> tuple[N, ...]:
+        """All but its start."""
+        return self.on, self.m3, self.e, self.J, self.M0, self.Omega0
+
+    @property
     def unbalance(self) -> N:
         """m3 e [kg m]."""
         return self.m3 * self.e
@@ -427,6 +432,24 @@ class Scene(Sampled[N], Generic[N]):
         other = object.__new__(type(self))
         vars(other).update(vars(self), **parts)
         return other
+
+    def same_but_for_start(self, other: "Scene[N]") -> bool:
+        """Whether another scene differs in displacements and velocities at t = 0 alone, as far as the same
+        objects as parts tell. Not of one with rotors: there these may decide whose turns are its cycles.
+        """
+        ours, theirs = vars(self), vars(other)
+        return (
+            all(
+                theirs[name] is value or (isinstance(value, int | float | str) and theirs[name] == value)
+                for name, value in ours.items()
+                if name not in ("bodies", "motor")
+            )
+            and all(
+                (one.name, one.m, one.turns) == (two.name, two.m, two.turns) and one.kind == two.kind != ROTOR
+                for one, two in zip(self.bodies, other.bodies, strict=True)
+            )
+            and (self.motor and self.motor.constants) == (other.motor and other.motor.constants)
+        )
 
     def without_samples(self) -> "Scene[N]":
         """The same with no sample but that of t = 0; no motion depends on its samples."""

@@ -6,10 +6,12 @@ reduced mass. What sets cadences and time scales of results is rounded to three 
 the spring that it is for small motions about the start.
 """
 
-from collections.abc import Iterable, Sequence
+import threading
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
+from functools import wraps
 from math import inf, lcm, pi, sqrt
-from typing import TYPE_CHECKING, Any, NamedTuple, Union, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, Union, overload
 
 import numpy as np
 
@@ -24,6 +26,22 @@ if TYPE_CHECKING:
     from vibsim.physics.formula_values import LinearPart
 
 Spring = Union[Link, Stop, "LinearPart"]
+T = TypeVar("T")
+
+
+def of_parts_alone(function: Callable[[Scene], T]) -> Callable[[Scene], T]:
+    """A function of a scene in which its start has no say: each thread keeps the value for its last scene."""
+    kept = threading.local()
+
+    @wraps(function)
+    def known(scene: Scene) -> T:
+        if not (vars(kept) and (kept.scene is scene or kept.scene.same_but_for_start(scene))):
+            kept.value = function(scene)
+        kept.scene = scene
+        value: T = kept.value
+        return value
+
+    return known
 
 
 def frequency(stiffness: float, mass: float) -> float:
@@ -165,6 +183,7 @@ def bilinear_frequencies(scene: Scene) -> list[float]:
     return [2 * free * contact / (free + contact) for free, contact in pairs if free]
 
 
+@of_parts_alone
 def is_driven(scene: Scene) -> bool:
     """Whether there is a motor, a force that changes with time, a base that moves or a rotor that is
     driven.

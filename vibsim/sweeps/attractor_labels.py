@@ -13,6 +13,7 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import cached_property
 from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
@@ -36,9 +37,8 @@ from vibsim.engine.blocks import Block
 from vibsim.engine.columns import state_columns
 from vibsim.engine.errors import EngineError
 from vibsim.engine.modes.status import STICK
-from vibsim.engine.resume import Row, rows_of_instant
+from vibsim.engine.resume import Row
 from vibsim.engine.tangent.lyapunov import lyapunov_exponents
-from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits.coordinates import Coordinates, OrbitError, coordinates_of_rest
 from vibsim.orbits.newton import EVEN, solve
 from vibsim.orbits.orbit import Orbit
@@ -74,16 +74,27 @@ class AttractorComputation:
     """Attractor of one run. Memory grows with its periods after the transient."""
 
     def __init__(self, task: Task):
-        self._scene, self._begin, self._known = task.scene, task.begin, task.known or KnownOrbits()
+        self._task, self._scene, self._begin = task, task.scene, task.begin
+        self._known = task.known or KnownOrbits()
         self._driven = is_driven(task.scene)
-        self._verdicts = StreamedVerdicts(task.scene, task.begin)
         self._columns = state_columns(task.scene)
-        self._at = coordinates_of(task.scene)
         self._ranges: list[tuple[float, list[float], list[float], list[float]]] = []  # time, and by column
         self._course: list[tuple[np.ndarray, np.ndarray]] = []  # times of some samples, and states there
         self._last: Row = {}
-        timed = self._at is not None and self._at.section.timed
-        self._end_state = None if timed else EndState(task)
+
+    # Runs that end early need none of these.
+
+    @cached_property
+    def _at(self) -> Coordinates | None:
+        return coordinates_of(self._scene)
+
+    @cached_property
+    def _verdicts(self) -> StreamedVerdicts:
+        return StreamedVerdicts(self._scene, self._begin)
+
+    @cached_property
+    def _end_state(self) -> EndState | None:
+        return None if self._at is not None and self._at.section.timed else EndState(self._task)
 
     def update(self, block: Block) -> None:
         """Take the next block."""
@@ -253,39 +264,50 @@ def values_of(label: Label) -> dict[str, Any]:
 FIRST_STAGE = 16  # periods until a run is first compared with the known orbits, then twice as many, ...
 
 
-def early_label(
-    scene: Scene, begin: float, ask: Callable[[], None], known: KnownOrbits
-) -> tuple[Label, float] | None:
-    """Label of a run that comes into the neighbourhood of a known orbit before `begin` [s], and the time [s]
-    up to which it was run; None where it does not.
+class EarlyLabel:
+    """Label of a run that comes into the neighbourhood of a known orbit before `begin` [s].
 
-    ask : called between blocks; what it raises ends the run. Raises EngineError where the run fails.
+    label, time : once it is sure, and the time [s] up to which the run counts then
     """
-    if not known:
-        return None
-    at = known.orbits[0].orbit.end.coordinates
-    driven, rows = is_driven(scene), list[Row]()
-    for end in _stages(scene, begin):
-        stage = replace(scene, t_end=end).without_samples()
-        times, points = np.empty(0), np.empty((0, at.count))
-        for block in open_trajectory(stage, rows or None, section=driven).blocks():
-            ask()
-            if driven:
-                times = np.concatenate([times, block.section["time"]])
-                points = np.concatenate([points, unknowns_at(at, block.section)])
-            happened = np.flatnonzero(block.events["kind"] != EVENT_KINDS["end"])
+
+    def __init__(self, scene: Scene, begin: float, known: KnownOrbits) -> None:
+        self.stages = list(_stages(scene, begin))
+        self.label: Label | None = None
+        self.time = nan
+        self._scene, self._known, self._driven = scene, known, is_driven(scene)
+        self._at = known.orbits[0].orbit.end.coordinates
+        self._times, self._points = np.empty(0), np.empty((0, self._at.count))  # to be compared
+        self._events: list[Mapping[str, np.ndarray]] = []  # in which the last one by the next stage is
+
+    def take(self, block: Block) -> None:
+        """Take the next block of the run."""
+        if self._driven:
+            self._times = np.concatenate([self._times, block.section["time"]])
+            self._points = np.concatenate([self._points, unknowns_at(self._at, block.section)])
+        elif len(block.events["t"]):
+            self._events = [*self._events[-1:], block.events]
+
+    def is_sure(self, stage: float) -> bool:
+        """Whether the run is sure to end on a known orbit, as far as it has come by a stage [s]."""
+        self.label, self.time = self._of_driven(stage) if self._driven else self._of_free(stage), stage
+        return self.label is not None
+
+    def _of_driven(self, stage: float) -> Label | None:
+        count = int(self._times.searchsorted(stage, side="right"))
+        label = self._known.reached(self._times[:count], self._points[:count])
+        self._times, self._points = self._times[count:], self._points[count:]
+        return label
+
+    def _of_free(self, stage: float) -> Label | None:
+        last: Row = {}
+        for events in self._events:
+            happened = np.flatnonzero((events["t"] <= stage) & (events["kind"] != EVENT_KINDS["end"]))
             if len(happened):
-                rows = rows_of_instant(block.events, int(happened[-1]), rows)
-            reached = block.t_reached
-        if driven:
-            label = known.reached(times, points)
-        else:
-            label = met(known, scene, at, rows[-1]) or _reached_at_returns(stage, at, known)
-        if label is not None:
-            return label, end
-        if reached < end:
-            return None
-    return None
+                last = {name: column[happened[-1]].item() for name, column in events.items()}
+        label = met(self._known, self._scene, self._at, last)
+        return label or _reached_at_returns(
+            replace(self._scene, t_end=stage).without_samples(), self._at, self._known
+        )
 
 
 def _reached_at_returns(scene: Scene, at: Coordinates, known: KnownOrbits) -> Label | None:
@@ -334,8 +356,7 @@ def known_orbits(settings: Any, changes: Mapping[str, str], ask: Callable[[], No
     if not settings.probes:
         return KnownOrbits()
     parameters = tuple(sorted((k, v) for k, v in changes.items() if not k.startswith(INITIAL)))
-    probes = tuple(tuple(sorted(probe.items())) for probe in settings.probes)
-    key = settings.case.sha256, parameters, probes, str(settings.discard), settings.every
+    key = parameters, *settings.for_probes
     with _guard:
         lock = _locks.setdefault(key, threading.Lock())
     with lock:
@@ -352,7 +373,7 @@ def _of_probes(settings: Any, parameters: dict[str, str], ask: Callable[[], None
     known = KnownOrbits()
     for probe in settings.probes:
         try:
-            case = settings.case.with_values({**parameters, **probe})
+            case = settings.point_case({**parameters, **probe})
             scene = sampled_for_statistics(case.scene(), settings.every)
             begin = settings.discard.time(scene.t_end)
             label = run_label(scene, settings.of, begin, ask, known)
@@ -370,15 +391,18 @@ def run_label(
     scene: Scene, of: Quantities, begin: float, ask: Callable[[], None], known: KnownOrbits
 ) -> Label:
     """Label of a run: early where that is sure, else at its end. Raises EngineError where the run fails."""
-    early = early_label(scene, begin, ask, known)
-    if early is not None:
-        return early[0]
-    computation = AttractorComputation(Task(scene, of, begin, 0, known))
-    run = MeasuredRun(scene, of, begin)
-    for block in run.blocks():
+
+    def go_on() -> bool:
         ask()
+        return True
+
+    computation = AttractorComputation(Task(scene, of, begin, 0, known))
+    early = EarlyLabel(scene, begin, known) if known else None
+    run = MeasuredRun(scene, of, begin, go_on, early=early)
+    for block in run.blocks():
         computation.update(block)
-    return computation.label((begin, run.t_reached), run)
+    label = early.label if early else None
+    return label or computation.label((begin, run.t_reached), run)
 
 
 def orbit_of_label(scene: Scene, state: np.ndarray, period: float, case: Case | None = None) -> Orbit | None:

@@ -9,9 +9,10 @@ import numpy as np
 
 from vibsim.cases.problems import did_you_mean
 from vibsim.engine.blocks import Block
+from vibsim.engine.columns import OF_IMPACTS
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.tangent.tangent_space import dimension as exponents
-from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene
+from vibsim.physics.parts import Scene
 from vibsim.results.file_contents import Column
 from vibsim.sweeps import contact_computations, quantities
 from vibsim.sweeps.contact_computations import Task
@@ -256,7 +257,7 @@ class CaptureComputation:
 
 def _thinned(block: Block) -> Block:
     """Samples and events that the verdict needs: the times of the turns and of the impacts."""
-    begun = np.isin(block.events["kind"], [EVENT_KINDS[kind] for kind in IMPACTS])
+    begun = OF_IMPACTS[block.events["kind"]]
     events, section = {"time": block.events["t"][begun]}, {"time": block.section["time"]}
     return replace(block, samples={}, events=events, section=section)
 
@@ -307,7 +308,6 @@ class ComputationKind:
     columns : what it stores of a scene; nothing where it makes no sense
     suits : what the scene must have for it to make sense, in words
     make : the computation of one run
-    ledger : whether the run must keep the energy ledger, which takes half as long again
     samples : whether it reads samples
     """
 
@@ -315,7 +315,6 @@ class ComputationKind:
     columns: Callable[[Quantities], Columns]
     suits: str
     make: Callable[[Task], Computation]
-    ledger: bool = False
     samples: bool = False
 
 
@@ -332,7 +331,6 @@ COMPUTATIONS = {
         contact_computations.power_columns,
         "with a source",
         contact_computations.Power,
-        ledger=True,
     ),
     "impact-velocity": ComputationKind(
         contact_computations.IMPACT_VELOCITY_TITLE,

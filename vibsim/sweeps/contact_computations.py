@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.engine.blocks import Block
-from vibsim.engine.columns import part_columns, stop_column
+from vibsim.engine.columns import OF_IMPACTS, of_kinds, part_columns, stop_column
 from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.elementary import mean
-from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene, columns_of
+from vibsim.physics.parts import IMPACTS, Scene, columns_of
 from vibsim.physics.rates import Period, common_period, turning_columns
 from vibsim.results.file_contents import Column
 from vibsim.sweeps.quantities import RELATIVE_RATE, Columns, MeasuredMotion, Quantities, distinct
-from vibsim.sweeps.statistics import MeasuredRun, velocities
+from vibsim.sweeps.statistics import BEFORE, MeasuredRun, velocities
 
 if TYPE_CHECKING:
     from vibsim.analysis.attractor import KnownOrbits
@@ -45,7 +45,6 @@ class Task:
 
 
 TURN = 2 * math.pi
-BEFORE = "before_"  # of velocities in front of an event, which impacts on rigid stops change
 Contact = dict[str, np.ndarray]
 
 
@@ -65,8 +64,7 @@ class Contacts:
     def update(self, block: Block) -> None:
         """Take the next block."""
         events = block.events
-        impacts = np.isin(events["kind"], [EVENT_KINDS[kind] for kind in IMPACTS])
-        chosen = impacts & (events["t"] >= self._task.begin)
+        chosen = OF_IMPACTS[events["kind"]] & (events["t"] >= self._task.begin)
         self._parts.append(self._of({name: column[chosen] for name, column in events.items()}))
 
     def _of(self, events: Contact) -> Contact:
@@ -303,7 +301,7 @@ def power_columns(of: Quantities) -> Columns:
 
 
 class Power:
-    """Mean powers [W] of one run."""
+    """Mean powers [W] of one run, whose ledger is kept from the end of the transient on."""
 
     def __init__(self, task: Task):
         self._scene = task.scene
@@ -312,7 +310,7 @@ class Power:
         self._before_period_end: Rows | None = None  # events that the last period's end follows on
 
     def update(self, block: Block) -> None:
-        """Remember the last event before the last stroboscopic point; the engine keeps the ledger."""
+        """Remember the last event before the last stroboscopic point."""
         times, marks = block.events["t"], block.section["time"]
         if len(marks):
             before = times.searchsorted(marks[-1], side="right")
@@ -328,13 +326,13 @@ class Power:
     ) -> dict[str, float]:
         """Changes of the ledger's entries within the window, by its length; nothing of one without length.
 
-        The ledger begins at the events `run.rows` and ends with the run. What lies outside the window, from
+        The ledger is that of a run from the events `run.rows` to the end. What lies outside the window, from
         that event to the first period and from the last one on, is run once more and taken off.
         """
         first, last = window
         if not last > first:
             return {}
-        sums = _less(self._energies(run.late), self._ledger(run, run.rows, first))
+        sums = _less(*(self._ledger(run, run.rows, t) for t in (run.t_reached, first)))
         if last < run.t_reached:
             behind = [self._ledger(run, self._before_period_end, t) for t in (last, run.t_reached)]
             sums = _less(sums, _less(behind[1], behind[0]))
@@ -398,6 +396,7 @@ END_STATE = "end_state"
 VERDICTS = {"undecided": 0, "rest": 1, "vibration": 2}
 OF_FRICTION = ("reversal", "stick_begin", "stick_end")
 CHANGES = (*OF_FRICTION, *IMPACTS, "contact_end", "rest_begin", "rest_end")
+OF_CHANGES = of_kinds(CHANGES)
 FALLS = 0.99  # of the greatest kinetic energy in the first half
 CLEARLY = 0.5  # the same of a fall that samples which miss the peaks by much do not make up
 # of the sampling interval: near the golden ratio of a sixteenth, so that samples do not meet each cycle of a
@@ -417,7 +416,6 @@ class EndState:
     def __init__(self, task: Task):
         self._scene, bodies = task.scene, task.scene.line
         self._half_masses = {columns_of(body.name)[1]: float(body.m) / 2 for body in bodies}
-        self._codes = [EVENT_KINDS[kind] for kind in CHANGES]
         self._changes: list[np.ndarray] = []
         self._times: list[np.ndarray] = []
         self._energies: list[np.ndarray] = []
@@ -425,7 +423,7 @@ class EndState:
     def update(self, block: Block) -> None:
         """Take the next block."""
         events, samples = block.events, block.samples
-        self._changes.append(events["t"][np.isin(events["kind"], self._codes)])
+        self._changes.append(events["t"][OF_CHANGES[events["kind"]]])
         self._times.append(samples["time"])
         self._energies.append(self._energies_of(block))
 

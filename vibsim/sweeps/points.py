@@ -17,7 +17,7 @@ from vibsim.engine.columns import state_columns
 from vibsim.engine.errors import EngineError
 from vibsim.physics.elementary import total
 from vibsim.physics.parts import ROTOR, Scene
-from vibsim.physics.rates import has_section, source_rates, turning_columns
+from vibsim.physics.rates import has_section, of_parts_alone, source_rates, turning_columns
 from vibsim.sweeps.computations import COMPUTATIONS, Computation
 from vibsim.sweeps.contact_computations import Task
 from vibsim.sweeps.quantities import DONE, FAILED, MISSING, NAME
@@ -98,7 +98,7 @@ def compute_point(
     try:
         scene = sampled_for_statistics(case.scene(), settings.every)
         known = _known(settings, changes, go_on)
-        values, arrays = _early(scene, settings, go_on, known) or measure(scene, settings, go_on, known)
+        values, arrays = measure(scene, settings, go_on, known)
     except (EngineError, TooFineError) as error:
         label = _run_away(settings, error)
         if label is None:
@@ -137,23 +137,6 @@ def _ask(go_on: Callable[[], bool] | None) -> None:
         raise GivenUpError
 
 
-def _early(
-    scene: Scene,
-    settings: PointSettings,
-    go_on: Callable[[], bool] | None,
-    known: "KnownOrbits | None",
-) -> Measured | None:
-    """The attractor of a point of which nothing else is asked, where it is sure before the transient ends;
-    the statistics, which count from there on, are missing.
-    """
-    if settings.compute != (NAME,) or settings.carry or not known:
-        return None
-    from vibsim.sweeps.attractor_labels import early_label, values_of
-
-    early = early_label(scene, settings.discard.time(scene.t_end), partial(_ask, go_on), known)
-    return None if early is None else _of_label(values_of(early[0]), early[1])
-
-
 def _of_label(stored: dict[str, Any], t_reached: float) -> Measured:
     """Values of a run of which its attractor alone is known."""
     numbers = {name: value for name, value in stored.items() if isinstance(value, float)}
@@ -181,7 +164,8 @@ def measure(
 ) -> Measured:
     """Statistics, totals and end state by name; sections and what else has a further dimension by name.
 
-    known : orbits of the scene with which the run is compared
+    known : orbits of the scene with which the run is compared. Where nothing but its attractor is asked, and
+        that is sure before the transient ends, the statistics, which count from there on, are missing
     """
     begin = settings.discard.time(scene.t_end)
     kinds = [COMPUTATIONS[name] for name in settings.compute]
@@ -189,15 +173,20 @@ def measure(
         scene = scene.without_samples()
     statistics = Statistics(scene, settings.of, begin)
     computed = [kind.make(Task(scene, settings.of, begin, settings.section, known)) for kind in kinds]
-    run = MeasuredRun(
-        scene, settings.of, begin, go_on, any(kind.ledger for kind in kinds), _watchers(computed)
-    )
+    early = None
+    if known and settings.compute == (NAME,) and not settings.carry:
+        from vibsim.sweeps.attractor_labels import EarlyLabel, values_of
+
+        early = EarlyLabel(scene, begin, known)
+    run = MeasuredRun(scene, settings.of, begin, go_on, _watchers(computed), early)
     end: dict[str, float] = {}
     for block in run.blocks():
         statistics.update(block)
         for computation in computed:
             computation.update(block)
         end = _end_state(scene, block) or end
+    if early is not None and early.label is not None:
+        return _of_label(values_of(early.label), early.time)
     values = {**statistics.values(run), **run.totals, "t_reached": run.t_reached, **end}
     measured: dict[str, Any] = dict(statistics.section(settings.section))
     if run.late:
@@ -227,8 +216,7 @@ def _end_state(scene: Scene, block: Block) -> dict[str, float]:
     Forces and the base begin the next point as they began this one, so the last stroboscopic point is the end
     whose motion they continue.
     """
-    timed = scene.motor is None and turning_columns(scene) is None and source_rates(scene)
-    table = block.section if timed else block.events
+    table = block.section if _is_timed(scene) else block.events
     states = {name: table[name] for name in state_columns(scene)}
     if scene.has_motor:
         states["phi"] = table["phase"]
@@ -236,6 +224,12 @@ def _end_state(scene: Scene, block: Block) -> dict[str, float]:
         if phi is not None:
             states[phi] = np.mod(states[phi], TURN)
     return {f"end_{name}": float(column[-1]) for name, column in states.items() if len(column)}
+
+
+@of_parts_alone
+def _is_timed(scene: Scene) -> bool:
+    """Whether forces or a moving base say when a period ends."""
+    return scene.motor is None and turning_columns(scene) is None and bool(source_rates(scene))
 
 
 # A batch: points that one worker computes one after another, and gives back together.

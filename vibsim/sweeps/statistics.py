@@ -1,49 +1,69 @@
 """Statistics of one run, taken stretch by stretch: what a sweep stores per point."""
 
 import math
+import threading
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
 from operator import add
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 
 from vibsim.cases.validation import MOST_SAMPLES
-from vibsim.engine.blocks import Block
-from vibsim.engine.columns import part_columns, section_columns, stop_column
+from vibsim.engine.blocks import Block, Trajectory
+from vibsim.engine.columns import of_kinds, part_columns, section_columns, stop_column
 from vibsim.engine.resume import Row, rows_of_instant
-from vibsim.engine.trajectory import open_trajectory, state_at
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.elementary import dot, mean
 from vibsim.physics.parts import BASE, EVENT_KINDS, GROUND, IMPACTS, Link, Scene, Stop, columns_of
-from vibsim.physics.rates import fastest_of_formulas, mobility, source_rates, spins
+from vibsim.physics.rates import fastest_of_formulas, mobility, of_parts_alone, source_rates, spins
 from vibsim.results.columns import base_motion
 from vibsim.sweeps.quantities import MeasuredMotion, Quantities
 
-# One run of a scene for its statistics: first the transient, without output, then the rest.
+# One run of a scene for its statistics: the transient, of which nothing is recorded but events, and the rest.
 #
-# A run resumed from a stored event goes on bit for bit as the uninterrupted one. So the transient is run
-# without samples up to its end, and the part that counts begins at the last event before that.
+# What counts is shown from the last event of the transient on, which stands as a start. A run is kept for the
+# next point in the same thread: where that differs in its start alone, C has all that it is to know.
 
 
-SUMMED = ("impacts", "sticks", "events", "uncertified")
+COUNTED_IN_ALL = ("impacts", "sticks", "events", "uncertified", "grazing_margin")
+START = {"kind": EVENT_KINDS["start"], "part": -1}
+BEFORE = "before_"  # of velocities in front of an event, which impacts on rigid stops change
+
+_kept = threading.local()  # `run`: the last run of this thread that came to its end, with its settings
 
 
 class GivenUpError(Exception):
     """The run was given up because nobody wants it any more."""
 
 
+class EarlyEnd(Protocol):
+    """What ends a run before its transient does.
+
+    stages : ascending times [s], the last one the end of the transient, at which it is asked
+    """
+
+    stages: Sequence[float]
+
+    def take(self, block: Block) -> None:
+        """Take the next block, which may reach beyond the next stage."""
+
+    def is_sure(self, stage: float) -> bool:
+        """Whether the run can end, as far as it has come by a stage [s]."""
+
+
 class MeasuredRun:
     """A run of `scene`: its blocks from about the time `begin` [s] on, with stroboscopic points.
 
-    `totals` are those of the whole run, up to date after the last block; `late` those of the blocks that were
-    shown, which begin with the events `rows` of one instant (None: with the run), with the energy ledger if
-    that is wanted.
-    `extremes` are least and greatest displacements and smallest gaps of the time from `begin` on, see
-    `extremes.c`, of the motions that are measured.
-    `watch_transient` is shown the blocks of the transient, which have no samples. `go_on` is asked before
-    every block, those of the transient too; where it says False, GivenUpError is raised.
+    `totals` are those of the whole run, up to date after the last block. `extremes` are least and greatest
+    displacements and smallest gaps of the time from `begin` on, see `extremes.c`, of the motions that are
+    measured.
+    `watch_transient` is shown the blocks of the transient, which have no samples, and `early` may end the run
+    there. `go_on` is asked before every block, those of the transient too; where it says False, GivenUpError
+    is raised.
     """
 
     def __init__(
@@ -52,80 +72,126 @@ class MeasuredRun:
         of: Quantities,
         begin: float,
         go_on: Callable[[], bool] | None = None,
-        ledger: bool = False,
         watch_transient: Callable[[Block], None] | None = None,
+        early: EarlyEnd | None = None,
     ):
         self.scene, self.of, self.begin = scene, of, begin
-        self.ledger = ledger
-        self._go_on, self._watch_transient = go_on, watch_transient
-        self.totals: dict[str, float] = dict.fromkeys(SUMMED, 0.0) | {"grazing_margin": math.nan}
-        self.late: dict[str, Any] = {}
+        self._go_on, self._watch_transient, self._early = go_on, watch_transient, early
+        self.totals: dict[str, float] = {}
         self.extremes: tuple[Sequence[float], Sequence[float], Sequence[float]] = ([], [], [])
-        self.rows: list[Row] | None = None
         self.t_reached = 0.0
-        self._start: list[Row] = []  # the first event of the run
-        self._last: Row = {}  # the last event so far
+        self._instant: tuple[Mapping[str, np.ndarray], int, Sequence[Row]] | None = None
+        self._last: Mapping[str, np.ndarray] = {}  # events of the last block that has some
+        self._at_begin: dict[str, np.ndarray] = {}
+        ends = [(motion.P, motion.Q) for motion in of.motions]
+        self._settings = ends, begin, watch_transient is not None or early is not None
 
     def blocks(self) -> Iterator[Block]:
         """The blocks from the last event before `begin` on; none where the run ended before."""
-        self.rows = self._transient() if self.begin > 0 else None
-        if self.t_reached < self.begin:
-            return
-        ends = [(motion.P, motion.Q) for motion in self.of.motions]
-        trajectory = open_trajectory(
-            self.scene,
-            self.rows,
-            section=True,
-            ledger=self.ledger,
-            extremes=(ends, self.begin),
+        trajectory, shown = self._trajectory(), self.begin == 0
+        stages = deque(self._early.stages if self._early else ())
+        trajectory.pause_at(stages[0] if stages else math.inf)
+        for block in trajectory.blocks():
+            self.ask()
+            self.t_reached = block.t_reached
+            if len(block.events["t"]):
+                self._last = block.events
+            if stages and self._ends_early(stages, block, trajectory):
+                break
+            if shown:
+                yield block
+                continue
+            if self._watch_transient is not None:
+                self._watch_transient(block)
+            start = self._pass_transient(block.events)
+            shown = self.t_reached >= self.begin or self._is_late(block)
+            if shown:
+                yield self._from(start, block)
+        else:
+            if not (stages and self._early and self._early.is_sure(stages[0])):
+                self._end(trajectory)
+        _kept.run = self._settings, trajectory
+
+    def _ends_early(self, stages: deque[float], block: Block, trajectory: Trajectory) -> bool:
+        """Whether the run ends at one of the stages that a block has come to, which are done with."""
+        assert self._early is not None
+        self._early.take(block)
+        while stages and self.t_reached >= stages[0]:
+            if self._early.is_sure(stages.popleft()):
+                return True
+            trajectory.pause_at(stages[0] if stages else math.inf)
+        return False
+
+    def _end(self, trajectory: Trajectory) -> None:
+        """Take what the whole run has come to."""
+        if self.late:
+            self.extremes, self._at_begin = trajectory.extremes, trajectory.at_begin
+        totals = trajectory.totals
+        self.totals = {name: float(totals[name]) for name in COUNTED_IN_ALL}
+
+    @property
+    def late(self) -> bool:
+        """Whether the run came to `begin`."""
+        return self.t_reached >= self.begin
+
+    @property
+    def rows(self) -> list[Row] | None:
+        """The rows of the last instant of events before `begin`, from which a run goes on as this one; None
+        where that is the start.
+        """
+        return None if self._instant is None else rows_of_instant(*self._instant)
+
+    def _trajectory(self) -> Trajectory:
+        """The run, not yet computed: the kept one where that can begin anew."""
+        (settings, kept), _kept.run = getattr(_kept, "run", None) or (None, None), None
+        if kept is not None and settings == self._settings and kept.scene.same_but_for_start(self.scene):
+            kept.restart(self.scene)
+            return kept
+        ends, begin, watched = self._settings
+        record_from = begin, 0.0 if watched else begin
+        return open_trajectory(self.scene, section=True, extremes=(ends, begin), record_from=record_from)
+
+    def _pass_transient(self, events: Mapping[str, np.ndarray]) -> int:
+        """Number of the events of a block that belong to the transient: those before `begin`, and the first
+        at it.
+        """
+        times = events["t"]
+        count = int(times.searchsorted(self.begin))
+        count += count < len(times) and times[count] == self.begin
+        if count:
+            self._instant = events, count - 1, () if self._instant is None else self.rows
+        return count
+
+    def _is_late(self, block: Block) -> bool:
+        """Whether a stretch that ends behind `begin` has begun to be recorded."""
+        return any(
+            len(times) and times[-1] >= self.begin for times in (block.samples["time"], block.section["time"])
         )
-        yield from self._asked(trajectory)
-        self.late, self.extremes = trajectory.totals, trajectory.extremes
-        self._add(self.late)
+
+    def _from(self, count: int, block: Block) -> Block:
+        """The rest of a block behind so many events, in front of it the last of the transient as a start."""
+        events, at, _ = self._instant
+        start = {name: column[at : at + 1] for name, column in events.items()}
+        begun = {name: np.concatenate((column, block.events[name][count:])) for name, column in start.items()}
+        for name in begun:
+            if name in START:
+                begun[name][0] = START[name]
+            elif name.startswith(BEFORE):
+                begun[name][0] = begun[name.removeprefix(BEFORE)][0]
+        late = block.section["time"] > begun["t"][0]
+        section = {name: column[late] for name, column in block.section.items()}
+        return replace(block, events=begun, section=section, extremes=block.extremes[:, late])
 
     def ends(self) -> dict[str, np.ndarray]:
         """Time, and states that statistics ask for, at `begin` and at the end of the run, each (2)."""
-        times = np.array([self.begin, self.t_reached])
-        if not (self.of.drifting or self.of.rotors or self.scene.has_motor):  # nothing is asked of the states
-            return {"time": times}
-        states = state_at(self.scene, self.rows or self._start, times[:1])
-        return {name: np.array([states[name][0], self._last[name]]) for name in section_columns(self.scene)}
-
-    def _transient(self) -> list[Row] | None:
-        """Run up to `begin`; the rows of the last instant of events."""
-        scene = replace(self.scene, t_end=self.begin).without_samples()
-        watch = self._watch_transient
-        trajectory = open_trajectory(scene, section=watch is not None)
-        rows: list[Row] | None = None
-        for block in self._asked(trajectory):
-            if watch is not None:
-                watch(block)
-            before = np.flatnonzero(block.events["kind"] != EVENT_KINDS["end"])
-            if len(before):
-                rows = rows_of_instant(block.events, int(before[-1]), rows or ())
-        self._add(trajectory.totals)
-        return rows
+        last = {**self._last, "time": self._last["t"]}
+        names = section_columns(self.scene)
+        return {name: np.array([self._at_begin[name][0], last[name][-1]]) for name in names}
 
     def ask(self) -> None:
         """Raise GivenUpError where nobody wants the run any more; for those who run more of it themselves."""
         if self._go_on is not None and not self._go_on():
             raise GivenUpError
-
-    def _asked(self, trajectory: Any) -> Iterator[Block]:
-        for block in trajectory.blocks():
-            self.ask()
-            self.t_reached = block.t_reached
-            if len(block.events["t"]):
-                last = {name: column[-1] for name, column in block.events.items()}
-                self._last = {**last, "time": last["t"]}
-                self._start = self._start or [{name: column[0] for name, column in block.events.items()}]
-            yield block
-
-    def _add(self, totals: dict[str, Any]) -> None:
-        for name in SUMMED:
-            self.totals[name] += float(totals[name])
-        margins = [self.totals["grazing_margin"], float(totals["grazing_margin"])]
-        self.totals["grazing_margin"] = min((m for m in margins if not math.isnan(m)), default=math.nan)
 
 
 # The statistics of one point, taken block by block from its run; no trajectory is kept.
@@ -138,6 +204,7 @@ class MeasuredRun:
 
 TURN = 2 * math.pi
 COUNTED = {"impacts_per_period": IMPACTS, "sticks_per_period": ("stick_begin",)}  # by kinds of events
+CODES = {name: of_kinds(kinds) for name, kinds in COUNTED.items()}
 
 
 class Statistics:
@@ -148,14 +215,16 @@ class Statistics:
         self._points: list[dict[str, np.ndarray]] = []
         self._extremes: list[np.ndarray] = []
         self._begun: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {name: [] for name in COUNTED}
+        self._whole: dict[str, np.ndarray] | None = None
 
     def update(self, block: Block) -> None:
         """Take the next block of a `MeasuredRun`."""
         late = block.section["time"] >= self.begin
+        self._whole = None
         self._points.append({name: column[late] for name, column in block.section.items()})
         self._extremes.append(block.extremes[:, late])
         for name, begun in self._begun.items():
-            of_kind = np.isin(block.events["kind"], [EVENT_KINDS[kind] for kind in COUNTED[name]])
+            of_kind = CODES[name][block.events["kind"]]
             begun.append((block.events["t"][of_kind], block.events["part"][of_kind]))
 
     def values(self, run: MeasuredRun) -> dict[str, float]:
@@ -180,10 +249,12 @@ class Statistics:
 
     def points(self) -> dict[str, np.ndarray]:
         """The stroboscopic points: time and states by name, each (n)."""
-        return {
-            name: np.concatenate([[], *(part[name] for part in self._points)])
-            for name in section_columns(self.scene)
-        }
+        if self._whole is None:
+            self._whole = {
+                name: np.concatenate([[], *(part[name] for part in self._points)])
+                for name in section_columns(self.scene)
+            }
+        return self._whole
 
     def section(self, count: int) -> dict[str, np.ndarray]:
         """The last `count` stroboscopic points, NaN in front where there are fewer.
@@ -338,14 +409,19 @@ def sampled_for_statistics(scene: Scene, every: Fraction | None = None) -> Scene
         every = Fraction(1, math.ceil(samples_per_second(scene)))
     if Fraction(float(scene.t_end)) / every > MOST_SAMPLES:
         raise TooFineError("the run takes more than 1e10 samples to resolve its motion, and may not")
-    return replace(scene, every_num=every.numerator, every_den=every.denominator)
+    return scene.but(every_num=every.numerator, every_den=every.denominator)
 
 
 def samples_per_second(scene: Scene) -> float:
     """Samples [1/s] that resolve free vibration, vibration in contact and sources."""
-    formulas = fastest_of_formulas(scene)
-    rates = [fastest(scene, scene.links), formulas, *source_rates(scene), *spins(scene)]
-    rate = max(rates) / LARGEST_ANGLE
+    of_start = max([fastest_of_formulas(scene), *spins(scene)])
+    return max(_samples_for_parts(scene), of_start / LARGEST_ANGLE)
+
+
+@of_parts_alone
+def _samples_for_parts(scene: Scene) -> float:
+    """What of these the start has no say in."""
+    rate = max([fastest(scene, scene.links), *source_rates(scene)]) / LARGEST_ANGLE
     stops = [stop for _, stop in scene.elastic_stops]
     if stops:
         rate = max(rate, fastest(scene, (*scene.links, *stops)) / LARGEST_ANGLE_IN_CONTACT)

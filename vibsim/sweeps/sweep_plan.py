@@ -61,6 +61,12 @@ class PointSettings:
         """Quantities that are measured at every point."""
         return quantities_of(self.case)
 
+    @cached_property
+    def for_probes(self) -> tuple[Any, ...]:
+        """What decides, beside the parameters of a point, where the probes end."""
+        probes = tuple(tuple(sorted(probe.items())) for probe in self.probes)
+        return self.case.sha256, probes, str(self.discard), self.every
+
     def start_after(self, values: Mapping[str, float]) -> Start:
         """Start values of the point that goes on where the one with these `values` ended."""
         starts = self.of.starts.items()

@@ -22,7 +22,7 @@ static int alloc_flows(Run *r)
     f->loaded_on = zalloc(columns, sizeof(Real *));
     f->load = zalloc(columns * SERIES, sizeof(Real));
     r->force = zalloc(columns, sizeof(Real));
-    r->state.x = zalloc(7 * n, sizeof(Real));
+    r->state.x = zalloc(9 * n, sizeof(Real));
     c->motions = zalloc(coordinates, sizeof(Motion));
     c->responses = zalloc(coordinates * harmonics, sizeof(Response));
     c->sin0 = zalloc(harmonics * 6, sizeof(Real));
@@ -48,6 +48,9 @@ static int alloc_flows(Run *r)
     r->scratch.x = r->state.x + 4 * n;
     r->scratch.v = r->state.x + 5 * n;
     r->before_v = r->state.x + 6 * n;
+    r->at_begin.x = r->state.x + 7 * n;
+    r->at_begin.v = r->state.x + 8 * n;
+    r->pause = INFINITY;
     for (i = 0; i < coordinates; i++)
         c->motions[i].responses = c->responses + i * harmonics;
     c->times.sine = c->times.cosine + harmonics;

@@ -10,7 +10,6 @@ import numpy as np
 
 from vibsim.engine.c_engine import REASONS, UNDECIDED, CRun
 from vibsim.engine.errors import State
-from vibsim.engine.events.automaton import UnambiguousStart
 from vibsim.engine.ledger_integrals import pack_impacts
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.rows import ModeRows
@@ -44,7 +43,6 @@ class CarryingRun(CRun):
 
     def __init__(self, scene: Scene[Any], form: NumberForm[Any] = DOUBLES) -> None:
         self.packer: DisturbancePacker | None = None
-        self.plain: UnambiguousStart | None = None
         super().__init__(scene, carries=True, form=form)
 
     def rates_of(self, number: int) -> Callable[[], ModeRows]:
@@ -76,7 +74,7 @@ class CarryingRun(CRun):
         """Renew what starts, disturbances and impacts are told by, where that has changed."""
         touching = before.stops is not scene.stops or before.frictions is not scene.frictions
         if touching:
-            self.plain = None
+            self.__dict__.pop("plain", None)
         if self.packer and (touching or not plainly_weighed_alike(before, scene)):
             self.packer = self.packer.of(scene)
         if touching and scene.rigid_stops:
@@ -91,11 +89,7 @@ class CarryingRun(CRun):
         if self.moving:
             self.packer = self.packer or DisturbancePacker(self.scene, self.maker.ends, self.form)
             self.run.keep_tangent(*self.packer.packed(vectors))
-        self.plain = self.plain or UnambiguousStart(self.scene, self.maker.ends)
-        formulas = self.maker.formulas
-        plain = self.plain.known and not (formulas and formulas.switches)  # whose sides the state tells
-        status = self.plain.status(state) if plain else None
-        self._set_off(*(self._begun(state) if status is None else (state, status, {})))
+        self._set_off(*self._begun(state))
 
     def run_out(self) -> tuple[np.ndarray, np.ndarray]:
         """Run to the end: (states, codes) of the events, one row per column, which hold until a restart.
