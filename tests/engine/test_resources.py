@@ -400,18 +400,18 @@ def test_runs_of_many_digits_take_turns(monkeypatch):
     """
     flint = pytest.importorskip("flint")
     case = vibsim.load_case("I-B", {"run.t_end": "1 ms", "run.every": "1 ms"})
-    trajectory = open_truth(case.exact_scene, 60, engine="python")
-    compute, bits_during = trajectory.driver.run, []
+    trajectory = open_truth(case.exact_scene, 60)
+    compute, bits_during = trajectory.run.blocks, []
 
-    def run_beside_another(*limits):
+    def run_beside_another():
         bits_during.append(flint.ctx.prec)
         other.start()
         other.join(timeout=0.2)
         bits_during.append(flint.ctx.prec)
-        return compute(*limits)
+        yield from compute()
 
     other = Thread(target=open_truth, args=(case.exact_scene, 20))
-    monkeypatch.setattr(trajectory.driver, "run", run_beside_another)
+    monkeypatch.setattr(trajectory.run, "blocks", run_beside_another)
     next(trajectory.blocks())
     other.join(timeout=60)
     assert bits_during == [trajectory.kit.bits + GUARD_BITS] * 2

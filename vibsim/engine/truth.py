@@ -1,5 +1,4 @@
-"""Runs of many digits of scenes made of parts: the engine in C on numbers of so many words, beyond these and
-without it the Python engine on python-flint's or mpmath's numbers.
+"""Runs of many digits of scenes made of parts: the engine in C on numbers of so many words.
 
     trajectory = open_truth(case.exact_scene, 40)
     for block in trajectory.blocks(): ...
@@ -20,12 +19,9 @@ from vibsim.engine.columns import stored_before, stored_columns
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.number_forms import WordsForm, words_form
-from vibsim.engine.python_trajectory import PythonTrajectory
-from vibsim.physics.numbers import Number, text_width
+from vibsim.physics.numbers import Number
 from vibsim.physics.parts import Scene
 from vibsim.physics.precision import DigitsKit, number_kit, one_precision
-
-SAMPLES, PIECES, SECONDS = 512, 8, 0.1  # a stretch of 60 digits takes some ten milliseconds
 
 
 @dataclass(frozen=True)
@@ -34,51 +30,6 @@ class TruthBlock(Block):
 
     sample_digits: dict[str, np.ndarray]
     event_digits: dict[str, np.ndarray]
-
-
-class TruthTrajectory(PythonTrajectory[Number]):
-    """A run on the numbers of `kit`; see `open_truth`."""
-
-    kit: DigitsKit[Number]
-
-    @property
-    def number_type(self) -> str:
-        """What the motion is computed with."""
-        return self.kit.name
-
-    @property
-    def order(self) -> int:
-        """Order of the Taylor flow."""
-        return self.kit.order()
-
-    def blocks(self) -> Iterator[TruthBlock]:
-        """Yield `TruthBlock`s until the run ends; raises EngineError when it fails."""
-        finished = False
-        while not finished:
-            with one_precision:
-                block, finished = self._next_block(), self.driver.finished
-            yield block
-
-    def _next_block(self) -> TruthBlock:
-        self.kit.activate()
-        try:
-            self.driver.run(PIECES, SAMPLES, SECONDS)
-        except EngineError as error:
-            raise EngineError(error.reason, rounded(self.kit, error.state)) from error
-        samples, events, section, _ = self.driver.take()
-        block = self._block(samples, events, section, ())
-        names = stored_columns(self.scene)
-        at = self._texts(names, [self._row(state)[1:] for state, _ in samples])
-        after = self._texts(("t", *names), [self._row(one[2]) for one in events])
-        return TruthBlock(**vars(block), sample_digits=at, event_digits=after)
-
-    def _texts(self, names: Sequence[str | None], rows: Sequence[Sequence[Number]]) -> dict[str, np.ndarray]:
-        width = text_width(self.kit.digits)
-        return {
-            name: np.array(self.kit.texts([row[i] for row in rows]), dtype=f"S{width}")
-            for i, name in enumerate(names)
-            if name is not None
-        }
 
 
 class WordsTrajectory(Trajectory[Number]):
@@ -194,8 +145,7 @@ def open_truth(
     digits: int,
     ledger: bool = False,
     momentum: bool = False,
-    engine: str = "auto",
-) -> TruthTrajectory | WordsTrajectory:
+) -> WordsTrajectory:
     """A run of `digits` decimal digits, not yet computed.
 
     Parameters
@@ -203,23 +153,17 @@ def open_truth(
     exact_scene : makes the scene from (number, pi), as `Case.exact_scene` does
     digits : 20 to 1000
     ledger, momentum : as of `open_trajectory`; their quadrature is that of doubles, 16 digits
-    engine : "auto" (C where it was built for so many digits, else Python), "c" or "python"
 
     Returns an object as `open_trajectory` does; its blocks are `TruthBlock`s, without section. Raises
-    ValueError for other digits, or "c" where it has not so many, MultiprecisionMissing where neither
-    python-flint nor mpmath is installed.
+    ValueError for other digits, MultiprecisionMissing where neither python-flint nor mpmath is installed or
+    the engine was not built on words.
     """
     with one_precision:
         kit = number_kit(digits)
         scene = exact_scene(kit.number, kit.pi)
         scene = bare(scene, kit)
-        form = None if engine == "python" else words_form(kit)
-        if form is not None:
-            kit.activate()
-            return WordsTrajectory(scene, form, ledger=ledger, momentum=momentum)
-        if engine == "c":
-            raise ValueError(f"the C engine has no {digits} digits; use engine python")
-        return TruthTrajectory(scene, kit, ledger=ledger, momentum=momentum)
+        kit.activate()
+        return WordsTrajectory(scene, words_form(kit), ledger=ledger, momentum=momentum)
 
 
 def bare(part: Any, kit: DigitsKit[Number]) -> Any:

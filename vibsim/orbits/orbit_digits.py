@@ -147,7 +147,7 @@ class _ExactMap:
         self.section = orbit.return_map.section
         self.word: Word = ()
         self.scene = bare(orbit.case.exact_scene(kit.number, kit.pi), kit)
-        self.carrier = DigitsCarrier(self.scene, kit, orbit.return_map.carrier.engine)
+        self.carrier = DigitsCarrier(self.scene, kit)
         self.vectors = [[kit.number(value) for value in row] for row in self.at.disturbances.tolist()]
 
     def start_time(self, orbit: Orbit) -> Number:
@@ -243,7 +243,7 @@ def slope_in_digits(
             ends = []
             for one in (case, beside):
                 scene = bare(one.exact_scene(kit.number, kit.pi), kit)
-                ends.append(DigitsCarrier(scene, kit, engine).carry(components, end, []))
+                ends.append(DigitsCarrier(scene, kit).carry(components, end, []))
             here, there = ends
             if here.events != there.events:
                 return None

@@ -62,7 +62,7 @@ class DigitsPlan:
 
     def __init__(self, case: "Case", digits: int | str, watch: Watch | None = None, engine: str = "auto"):
         self.case, self.watch, self.engine = case, watch, engine
-        self.in_c = digits_in_c() if engine != "python" else []
+        self.in_c = digits_in_c()
         self.automatic = digits == "auto"
         self.enough = not self.automatic
         self.scene = case.scene()
@@ -186,7 +186,7 @@ def end_in_digits(
         return case.exact_scene(number, pi).without_samples()
 
     end = None
-    for block in open_truth(without_samples, digits, engine=engine).blocks():
+    for block in open_truth(without_samples, digits).blocks():
         end = end_of(block.event_digits) or end
         if watch is not None and not watch(block.t_reached):
             return None
@@ -226,7 +226,7 @@ class TruthRecording:
     def __init__(self, case: "Case", digits: int, engine: str = "auto"):
         self.scene = case.scene()
         self.began = time.perf_counter()
-        self.trajectory = open_truth(case.exact_scene, digits, engine=engine)
+        self.trajectory = open_truth(case.exact_scene, digits)
         kit = self.trajectory.kit
         self.start = {
             **origin(case, self.scene, self.trajectory.engine, flow_of(self.scene)),
@@ -319,10 +319,9 @@ def truth_to_file(
 
 
 def check_engine(digits: int | str, engine: str) -> None:
-    """ValueError where the C engine is asked for more digits than its numbers have."""
-    most = max(digits_in_c(), default=0)
-    if engine == "c" and (digits == "auto" or _whole(digits) > most):
-        raise ValueError(f"the C engine has at most {most} digits, got {digits}; use engine auto or python")
+    """ValueError for the Python engine, which has doubles alone."""
+    if engine == "python":
+        raise ValueError(f"runs of many digits are computed in C, got {digits} digits with engine python")
 
 
 def _run(
