@@ -28,6 +28,7 @@ ROOM = "vibsim/engine"
 ROUNDING = ["-ffp-contract=off", "-fno-fast-math", "-fno-trapping-math"]
 SIMPLE = ["-fno-exceptions", "-fno-rtti", "-fno-threadsafe-statics", "-Wno-missing-field-initializers"]
 WORDS = (2, 3, 4)  # of the numbers of many digits
+MOST_WORDS = 53  # of 1000 digits and 20 bits beyond them
 CPP_FLAGS = ["-std=c++20", "-O1", "-g0", *SIMPLE, *ROUNDING, "-fvisibility=hidden", "-Wall"]
 GCC_FLAGS = ["-std=c99", "-O3", *ROUNDING, "-fvisibility=hidden", "-Wall"]
 MSVC_FLAGS = ["/O2", "/fp:strict", "/std:c11"]  # C99's restrict is C11's to it
@@ -67,6 +68,8 @@ if os.name != "nt":
         engine(f"_engine_{n}", of_words, CPP_FLAGS + EXTRA[kind], define_macros=[("LIMBS", str(n))])
         for n in WORDS
     ]
+    by_run = [("LIMBS", str(MOST_WORDS + 1)), ("WORDS_BY_RUN", "1")]
+    engines += [engine("_engine_words", of_words, CPP_FLAGS + EXTRA[kind], define_macros=by_run)]
 NO_COMPILER = (
     "vibsim: no C compiler answers here. Install one, or its package: python -m pip install ziglang. "
     "VIBSIM_BUILD=python asks for no compiler: the Python engine alone, some 100 times slower"

@@ -137,8 +137,10 @@ class CRun:
         if extremes:
             self.run.keep_extremes(*pack_extremes(*extremes))
         self.extremes = (len(extremes[0]) + (scene.motor is not None)) if extremes else 0
-        self.sample_room = min(scene.sample_index(scene.t_end) + 2, SAMPLE_ROOM)
-        self.section_room = SECTION_ROOM if section and self._keep_section() else 0
+        self.sample_room = min(scene.sample_index(scene.t_end) + 2, form.room(SAMPLE_ROOM))
+        parts = len(part_columns(scene))
+        self.event_room = max(form.room(EVENT_ROOM), min(EVENT_ROOM, 64 + 4 * parts))
+        self.section_room = form.room(SECTION_ROOM) if section and self._keep_section() else 0
         self._fill_new_arrays()
         self._recall()
         if not carries:
@@ -231,8 +233,8 @@ class CRun:
         self.arrays = (
             self.form.empty(3 + 2 * n, self.sample_room),
             np.empty((parts, self.sample_room), dtype="i1"),
-            self.form.empty(5 + 3 * n, EVENT_ROOM),
-            np.empty((2 + parts, EVENT_ROOM), dtype="i1"),
+            self.form.empty(5 + 3 * n, self.event_room),
+            np.empty((2 + parts, self.event_room), dtype="i1"),
             self.form.empty(3 + 2 * n + extremes, self.section_room),
         )
         self.run.fill(*self.arrays)
@@ -314,7 +316,8 @@ class CRun:
         samples, events, section = counts
         of = zip(self.arrays, (samples, samples, events, events, section), strict=True)
         rows = [array[:, :count] for array, count in of]
-        if samples > self.sample_room // 4 or events > EVENT_ROOM // 4 or section > SECTION_ROOM // 4:
+        rooms = self.sample_room, self.event_room, self.section_room
+        if any(count > room // 4 for count, room in zip(counts, rooms, strict=True)):
             self._fill_new_arrays()
         elif not finished:
             rows = [row.copy() for row in rows]

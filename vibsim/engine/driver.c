@@ -149,7 +149,7 @@ static int violated(const Run *r)
 
 void run_start(Run *r, int mode, Buffers *b)
 {
-#ifdef LIMBS
+#ifdef FIXED_SERIES
     int i;
     for (i = 0; i < r->mode_count; i++)
         r->modes[i]->scales.most = 0; /* each run begins as the first one did */

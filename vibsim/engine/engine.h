@@ -10,14 +10,13 @@
 #include <math.h>
 
 #include "tape.h"
-#ifdef LIMBS
+#ifdef FIXED_SERIES
 #include "fixed_series.h"
 #endif
 
 #define JET_ORDER 9 /* derivatives taken at the start of a segment */
 #define FLAT_ORDER (JET_ORDER - 3) /* order of a zero that they are too few for */
 #define JET (JET_ORDER + 4)
-#define SERIES (MAX_ORDER + 2)
 #define NODE_COUNT 12 /* most of a quadrature */
 #define FEW_NODES 8
 #define TIMES_AT_ONCE 32
@@ -79,7 +78,7 @@ typedef struct {
 
 typedef struct {
     Real a, b, omega, w0, wd, slow, fast, zr, zi, zz, settling, beating, window, rate, per_b, per_wd, inverse_r, inverse_i;
-    Real steady_series[SERIES_TERMS], real_series[SERIES_TERMS], imag_series[SERIES_TERMS];
+    Real *steady_series, *real_series, *imag_series; /* SERIES_TERMS of each, of the coordinate's `series` */
     int oscillates;
 } Oscillator;
 
@@ -108,6 +107,7 @@ typedef struct {
     int is_free, first_source, sources, first_shift, shifts, drive_count;
     int depth; /* orders beyond the event functions' own that these read of its derivatives; RATE_ALONE: nothing but q' */
     Drive *drives;
+    Real *series; /* of the oscillators of its drives, or its own */
     Oscillator oscillator;
 } Coordinate;
 
@@ -177,7 +177,7 @@ typedef struct {
     Follower *followers;
     FormulaSlopes formula_slopes; /* where disturbances are carried */
     int formula_count, follower_count, switch_count; /* switch_count: event functions that are those of switches */
-#ifdef LIMBS
+#ifdef FIXED_SERIES
     mutable Scales<SERIES> scales; /* of the series of the rotor, as expansions find them */
 #endif
 } Mode;
@@ -208,14 +208,14 @@ typedef struct {
 typedef struct {
     Real *table, *values;
     Real *load, **loaded_on; /* series of the forces, by column; NULL where there is none */
-    Real inverse[SERIES + 1], sine[SERIES], cosine[SERIES], w_back[SERIES], a1_back[SERIES]; /* w_back[order - n]: order n */
+    Real *inverse, *sine, *cosine, *w_back, *a1_back; /* w_back[order - n]: order n */
     Real h, turns, longest; /* longest: piece of a step that one quadrature rule takes [s] */
     Real nearest; /* time [s] within which zeros of bases of powers are zeros in any case */
     Real *checked, checked_at; /* columns at the end of the step and before it, where formulas are compared; the former [s], or 0 */
     int order, rates, stride, *loaded, loaded_count, few_nodes;
     Real *acceleration; /* by leading column, where a mode has formulas or rotors */
     TapeRoom tapes;
-#ifdef LIMBS
+#ifdef FIXED_SERIES
     Digits (*rotor)[SERIES];    /* series of the rotor, `Scales` of the mode says how */
     const Scales<SERIES> *scales; /* NULL where there are none, or a coefficient did not fit */
     FixedTable *fixed;     /* the table, where values are asked for */
@@ -228,7 +228,7 @@ typedef struct {
  */
 typedef struct {
     RotorOn *of;
-    TapeSeries *sine, *cosine, *acceleration, *speed;
+    Real *sine, *cosine, *acceleration, *speed; /* TAPE_WIDTH of each */
     Real *mass, *mobility, *torque, *pulled, *lean;
     int count, groups, *leaders;
 } Rotors;
@@ -286,7 +286,7 @@ typedef struct {
 
 /* Values at the nodes of the quadrature. */
 typedef struct {
-    Real (*v)[NODE_COUNT], (*force)[NODE_COUNT], (*function)[NODE_COUNT], w[NODE_COUNT], (*series)[SERIES];
+    Real (*v)[NODE_COUNT], (*force)[NODE_COUNT], (*function)[NODE_COUNT], w[NODE_COUNT], *series; /* series: SERIES of each */
     int *lengths, function_room;
 } Nodes;
 

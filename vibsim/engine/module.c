@@ -10,12 +10,27 @@
 #define NAMED(a, b) JOINED(a, b)
 #define QUOTED(text) #text
 #define TEXT(of) QUOTED(of)
-#ifdef LIMBS
+#ifdef WORDS_BY_RUN
+#define MODULE "_engine_words"
+#define INIT PyInit__engine_words
+#elif defined(LIMBS)
 #define MODULE "_engine_" TEXT(LIMBS)
 #define INIT NAMED(PyInit__engine_, LIMBS)
 #else
 #define MODULE "_engine"
 #define INIT PyInit__engine
+#endif
+
+#ifdef LIMBS
+/* Whether numbers of so many bits can be had; an error is set where they cannot. */
+static int bits_fit(int bits)
+{
+    if (bits < 1 || bits > MOST_BITS) {
+        PyErr_Format(PyExc_ValueError, "these numbers have up to %d bits, got %d", (int)MOST_BITS, bits);
+        return 0;
+    }
+    return 1;
+}
 #endif
 
 static PyObject *Run_new(PyTypeObject *type, PyObject *args, PyObject *named)
@@ -28,6 +43,11 @@ static PyObject *Run_new(PyTypeObject *type, PyObject *args, PyObject *named)
 #ifdef LIMBS
     if (!PyArg_ParseTuple(args, "y*y*i", &v[0], &v[1], &bits))
         return NULL;
+    if (!bits_fit(bits)) {
+        PyBuffer_Release(&v[0]);
+        PyBuffer_Release(&v[1]);
+        return NULL;
+    }
     set_precision(bits);
 #else
     if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
@@ -443,11 +463,12 @@ static void describe_type(void)
 static PyObject *texts(PyObject *self, PyObject *args)
 {
     Py_buffer v;
-    int digits, width;
+    int digits, width, bits;
     PyObject *made = NULL;
     (void)self;
-    if (!PyArg_ParseTuple(args, "y*ii", &v, &digits, &width))
+    if (!PyArg_ParseTuple(args, "y*iii", &v, &digits, &width, &bits) || !bits_fit(bits))
         return NULL;
+    set_precision(bits);
     if (digits < 2 || digits > MOST_DECIMALS || width < digits + 8 || width > 2 * MOST_DECIMALS || v.len % (Py_ssize_t)sizeof(Real) != 0) {
         PyErr_SetString(PyExc_ValueError, "no numbers of words, or more digits than they have");
     } else {
@@ -463,8 +484,46 @@ static PyObject *texts(PyObject *self, PyObject *args)
     return made;
 }
 
+static Real sum(const Real &a, const Real &b) { return a + b; }
+static Real difference(const Real &a, const Real &b) { return a - b; }
+static Real product(const Real &a, const Real &b) { return a * b; }
+static Real quotient(const Real &a, const Real &b) { return a / b; }
+
+static const struct {
+    const char *name;
+    Real (*of)(const Real &);
+} functions_of_one[] = {
+    {"sin", sine_of}, {"cos", cosine_of}, {"exp", exponential}, {"expm1", exponential_less_1}, {"log", logarithm},
+    {"sinh", hyperbolic_sine}, {"cosh", hyperbolic_cosine}, {"tanh", hyperbolic_tangent}, {"asin", arcsine},
+    {"acos", arccosine}, {"atan", arctangent}, {"sqrt", sqrt}, {"floor", floor},
+};
+static const struct {
+    const char *name;
+    Real (*of)(const Real &, const Real &);
+} functions_of_two[] = {{"add", sum}, {"sub", difference}, {"mul", product}, {"div", quotient}, {"pow", real_power}};
+
+static PyObject *operation(PyObject *self, PyObject *args)
+{
+    const char *name;
+    Real a, b = 0;
+    int bits;
+    size_t k;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "siO&|O&", &name, &bits, number_from, &a, number_from, &b) || !bits_fit(bits))
+        return NULL;
+    set_precision(bits);
+    for (k = 0; k < sizeof functions_of_one / sizeof *functions_of_one; k++)
+        if (PyTuple_GET_SIZE(args) == 3 && strcmp(name, functions_of_one[k].name) == 0)
+            return number_object(functions_of_one[k].of(a));
+    for (k = 0; k < sizeof functions_of_two / sizeof *functions_of_two; k++)
+        if (PyTuple_GET_SIZE(args) == 4 && strcmp(name, functions_of_two[k].name) == 0)
+            return number_object(functions_of_two[k].of(a, b));
+    return PyErr_Format(PyExc_ValueError, "no function %s of so many numbers", name);
+}
+
 static PyMethodDef functions[] = {
-    {"texts", texts, METH_VARARGS, "texts(numbers, digits, width) -> decimal texts of so many characters; None where a number is beyond them"},
+    {"operation", operation, METH_VARARGS, "operation(name, bits, a[, b]): a function of numbers, to compare with other libraries"},
+    {"texts", texts, METH_VARARGS, "texts(numbers, digits, width, bits) -> decimal texts of so many characters; None where a number is beyond them"},
     {NULL, NULL, 0, NULL},
 };
 #else

@@ -1,8 +1,10 @@
 """The number types of the engine in C: how Python's numbers go into it and come back.
 
-Doubles go as they are. For runs of many digits the same engine is built on numbers of 2 to 4 words of 64 bits
-(`numbers/limbs.h`): a mantissa, an exponent and a sign. Numbers of python-flint or mpmath are rounded to them
-once, and those that come back are exact.
+Doubles go as they are. For runs of many digits the same engine is built on numbers of words of 64 bits
+(`numbers/limbs.h`): a mantissa, an exponent and a sign. Up to 71 digits these are 2, 3 or 4 words, and each
+number of words has an engine of its own. Beyond them one engine takes up to MOST_WORDS, and uses as many as
+the digits of a run need. Numbers of python-flint or mpmath are rounded to them once, and those that come back
+are exact.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ import numpy as np
 from vibsim.engine.errors import State
 from vibsim.physics import elementary
 from vibsim.physics.numbers import Doubles, Kit, N, nearest_double, text_width
-from vibsim.physics.precision import BITS_PER_DIGIT, DigitsKit
+from vibsim.physics.precision import BITS_PER_DIGIT, DigitsKit, MultiprecisionMissing
 
 if TYPE_CHECKING:
     from vibsim.engine._engine import Run
@@ -30,7 +32,13 @@ if TYPE_CHECKING:
 
 WORD, ENDLESS = 64, 2**31 - 1  # bits of a word; exponent of what is infinite
 SPARE_BITS = 20  # that a number of words has beyond the unit round-off of a run, at least
-WORDS = (2, 3, 4)  # of the engines that are built, see setup.py
+WORDS = (2, 3, 4)  # of the engines that have a number of words of their own, see setup.py
+MOST_WORDS = 53  # that the engine for any number of words can use; its numbers have room for one more
+LEAST_ROOM = 40  # bytes of a number that rooms for results are measured by
+NOT_BUILT = (
+    "digits beyond double precision need the engine on words, which was not built here: its compiler has to"
+    " have whole numbers of 128 bits, as gcc, clang and the package ziglang have"
+)
 
 
 class NumberForm(Protocol[N]):
@@ -70,6 +78,10 @@ class NumberForm(Protocol[N]):
 
     def empty(self, rows: int, columns: int) -> np.ndarray:
         """An array for C to fill with numbers."""
+        ...
+
+    def room(self, most: int) -> int:
+        """How many columns such an array may have where it would be `most` of numbers of few words."""
         ...
 
 
@@ -123,18 +135,41 @@ class DoubleForm:
     def empty(rows: int, columns: int) -> np.ndarray:
         return np.empty((rows, columns))
 
+    @staticmethod
+    def room(most: int) -> int:
+        return most
+
 
 class WordsForm(Generic[N]):
-    """Numbers of `words` words, for runs on the numbers of `kit`."""
+    """Numbers of `words` words, for runs on the numbers of `kit`.
 
-    def __init__(self, kit: DigitsKit[N], words: int) -> None:
+    any_number : whether the engine for any number of words takes them, in whose numbers they are the highest
+        of those that there is room for; as it has to where no engine was built for so many alone
+    """
+
+    def __init__(self, kit: DigitsKit[N], words: int, any_number: bool = False) -> None:
         self.kit, self.words = kit, words
         self.name = f"{WORD * words}-bit"
+        self._module = engine_name(0 if any_number else words)
+        room = words if words in WORDS and not any_number else MOST_WORDS + 1
+        self._before, self._end = 8 * (room - words), 8 * room  # bytes: where words in use begin and end
         self._ends = Struct("<ii")  # exponent, sign
-        self.type = np.dtype([("words", "<u8", (words,)), ("exponent", "<i4"), ("sign", "<i4")])
+        self.type = np.dtype(
+            {
+                "names": ["words", "exponent", "sign"],
+                "formats": [("<u8", (words,)), "<i4", "<i4"],
+                "offsets": [self._before, self._end, self._end + 4],
+                "itemsize": self._end + self._ends.size,
+            }
+        )
+
+    @property
+    def engine(self) -> Any:
+        """The module of the engine on these numbers."""
+        return import_module(self._module)
 
     def run(self, ints: bytes, numbers: bytes) -> Run:
-        run: Run = import_module(f"vibsim.engine._engine_{self.words}").Run(ints, numbers, self.kit.bits)
+        run: Run = self.engine.Run(ints, numbers, self.kit.bits)
         return run
 
     def order(self, _scene: Scene[N]) -> int:
@@ -147,11 +182,11 @@ class WordsForm(Generic[N]):
         """The bytes of the number of words nearest to `value`."""
         number = self.kit.number(value) if isinstance(value, int | float | Fraction) else value
         if not self.kit.finite(number):
-            return bytes(8 * self.words) + self._ends.pack(ENDLESS, (number > 0) - (number < 0))
+            return bytes(self._end) + self._ends.pack(ENDLESS, (number > 0) - (number < 0))
         mantissa, exponent = self.kit.parts(number)
         size = abs(mantissa)
         if not size:
-            return bytes(8 * self.words + self._ends.size)
+            return bytes(self._end + self._ends.size)
         extra = size.bit_length() - WORD * self.words
         if extra > 0:
             size = (size + (1 << (extra - 1))) >> extra
@@ -160,7 +195,8 @@ class WordsForm(Generic[N]):
         else:
             size <<= -extra
         exponent += extra + WORD * self.words
-        return size.to_bytes(8 * self.words, "little") + self._ends.pack(exponent, 1 if mantissa > 0 else -1)
+        words = bytes(self._before) + size.to_bytes(8 * self.words, "little")
+        return words + self._ends.pack(exponent, 1 if mantissa > 0 else -1)
 
     def packed(self, values: Iterable[N | float]) -> bytes:
         return b"".join(map(self.handed, values))
@@ -170,12 +206,12 @@ class WordsForm(Generic[N]):
 
     def parts(self, value: bytes) -> tuple[int, int]:
         """Whole numbers m, e with value = m 2**e, of a finite number of words."""
-        mantissa = int.from_bytes(value[: 8 * self.words], "little")
-        exponent, sign = self._ends.unpack_from(value, 8 * self.words)
+        mantissa = int.from_bytes(value[self._before : self._end], "little")
+        exponent, sign = self._ends.unpack_from(value, self._end)
         return sign * mantissa, exponent - WORD * self.words if sign else 0
 
     def taken(self, value: bytes) -> N:
-        exponent, sign = self._ends.unpack_from(value, 8 * self.words)
+        exponent, sign = self._ends.unpack_from(value, self._end)
         if exponent == ENDLESS:
             return self.kit.inf * self.kit.number(sign)
         return self.kit.of_parts(*self.parts(value))
@@ -188,7 +224,7 @@ class WordsForm(Generic[N]):
 
     def double(self, value: bytes) -> float:
         """The double nearest to a number that a call gave."""
-        exponent, sign = self._ends.unpack_from(value, 8 * self.words)
+        exponent, sign = self._ends.unpack_from(value, self._end)
         return sign * inf if exponent == ENDLESS else nearest_double(*self.parts(value))
 
     def state(self, values: tuple[Any, ...]) -> State[N]:
@@ -198,6 +234,9 @@ class WordsForm(Generic[N]):
 
     def empty(self, rows: int, columns: int) -> np.ndarray:
         return np.empty((rows, columns), dtype=self.type)
+
+    def room(self, most: int) -> int:
+        return most * LEAST_ROOM // max(LEAST_ROOM, self.type.itemsize)
 
     def doubles(self, values: np.ndarray) -> np.ndarray:
         """The doubles nearest to numbers of words, which are finite."""
@@ -211,9 +250,10 @@ class WordsForm(Generic[N]):
 
     def texts(self, row: np.ndarray) -> np.ndarray:
         """Numbers of words as decimal texts of all digits of the kit, in ASCII."""
-        width = text_width(self.kit.digits)
-        engine = import_module(f"vibsim.engine._engine_{self.words}")
-        made: bytes | None = engine.texts(np.ascontiguousarray(row).tobytes(), self.kit.digits, width)
+        digits, width = self.kit.digits, text_width(self.kit.digits)
+        made: bytes | None = self.engine.texts(
+            np.ascontiguousarray(row).tobytes(), digits, width, self.kit.bits
+        )
         if made is None:  # a number beyond 1e300 or so, or none at all
             return np.array(self.kit.texts_of(map(self.parts, self._each(row))), dtype=f"S{width}")
         return np.frombuffer(made, dtype=f"S{width}")
@@ -226,22 +266,27 @@ class WordsForm(Generic[N]):
 DOUBLES = DoubleForm()
 
 
+def engine_name(words: int) -> str:
+    """Name of the module of the engine on numbers of so many words."""
+    return f"vibsim.engine._engine_{words if words in WORDS else 'words'}"
+
+
 @lru_cache(maxsize=8)
 def is_built(words: int) -> bool:
     """Whether the engine in C was built on numbers of so many words."""
-    return find_spec(f"vibsim.engine._engine_{words}") is not None
+    return find_spec(engine_name(words)) is not None
 
 
 def digits_in_c() -> list[int]:
-    """The most decimal digits that each number type of C suffices for, the cheapest first."""
-    return [ceil((WORD * words - SPARE_BITS) / BITS_PER_DIGIT) - 1 for words in WORDS if is_built(words)]
+    """The most decimal digits of each number type of C with an engine of its own, the cheapest first."""
+    return [ceil((WORD * words - SPARE_BITS) / BITS_PER_DIGIT) - 1 for words in WORDS]
 
 
-def words_form(kit: DigitsKit[N]) -> WordsForm[N] | None:
-    """The cheapest form of C that suffices for runs on the numbers of `kit`; None where none does, or where
-    the engine was not built on it.
+def words_form(kit: DigitsKit[N]) -> WordsForm[N]:
+    """The cheapest form of C that suffices for runs on the numbers of `kit`. Raises MultiprecisionMissing
+    where the engine was not built on it.
     """
-    for words in WORDS:
-        if kit.bits + SPARE_BITS <= WORD * words and is_built(words):
-            return WordsForm(kit, words)
-    return None
+    words = max(min(WORDS), ceil((kit.bits + SPARE_BITS) / WORD))
+    if not is_built(words):
+        raise MultiprecisionMissing(NOT_BUILT)
+    return WordsForm(kit, words)

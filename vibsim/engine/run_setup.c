@@ -17,13 +17,20 @@ int reader_of(const Py_buffer *ints, const Py_buffer *doubles, Reader *in)
     return 0;
 }
 
+static void take_precision(const RunObject *self)
+{
+#ifdef LIMBS
+    set_precision(self->bits);
+#else
+    (void)self;
+#endif
+}
+
 int run_is_idle(RunObject *self)
 {
     if (self->busy)
         PyErr_SetString(PyExc_RuntimeError, "the run is being computed by another thread");
-#ifdef LIMBS
-    set_precision(self->bits);
-#endif
+    take_precision(self);
     return !self->busy;
 }
 
@@ -94,6 +101,7 @@ static PyObject *keep_before_start(RunObject *self, PyObject *args, int late, in
     int kept = 0;
     if (!PyArg_ParseTuple(args, "y*y*", &v[0], &v[1]))
         return NULL;
+    take_precision(self);
     if (late)
         PyErr_Format(PyExc_ValueError, "too late for %s%s", article, what);
     else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = read(&self->run, &in))) {

@@ -1,5 +1,4 @@
-"""Runs of many digits of scenes made of parts: the engine in C on numbers of so many words, beyond these and
-without it the Python engine on python-flint's or mpmath's numbers.
+"""Runs of many digits of scenes made of parts: the engine in C on numbers of so many words.
 
     trajectory = open_truth(case.exact_scene, 40)
     for block in trajectory.blocks(): ...
@@ -24,8 +23,6 @@ from vibsim.physics.numbers import Number
 from vibsim.physics.parts import Scene
 from vibsim.physics.precision import DigitsKit, number_kit, one_precision
 
-SAMPLES, PIECES, SECONDS = 512, 8, 0.1  # a stretch of 60 digits takes some ten milliseconds
-
 
 @dataclass(frozen=True)
 class TruthBlock(Block):
@@ -39,6 +36,8 @@ class WordsTrajectory(Trajectory[Number]):
     """A run in C on numbers of words, of which Python decides the events without a clear rule on those of
     `form.kit`; see `open_truth`.
     """
+
+    engine = "c"
 
     def __init__(self, scene: Scene[Any], form: WordsForm[Any], ledger: bool, momentum: bool) -> None:
         super().__init__(scene)
@@ -154,21 +153,17 @@ def open_truth(
     exact_scene : makes the scene from (number, pi), as `Case.exact_scene` does
     digits : 20 to 1000
     ledger, momentum : as of `open_trajectory`; their quadrature is that of doubles, 16 digits
-    engine : "auto" (C where it was built for so many digits, else Python), "c" or "python"
 
     Returns an object as `open_trajectory` does; its blocks are `TruthBlock`s, without section. Raises
-    ValueError for other digits, or "c" where it has not so many, MultiprecisionMissing where neither
-    python-flint nor mpmath is installed.
+    ValueError for other digits, MultiprecisionMissing where neither python-flint nor mpmath is installed or
+    the engine was not built on words.
     """
     with one_precision:
         kit = number_kit(digits)
         scene = exact_scene(kit.number, kit.pi)
         scene = bare(scene, kit)
-        form = words_form(kit)
-        if form is None:
-            raise ValueError(f"the engine has no {digits} digits here")
         kit.activate()
-        return WordsTrajectory(scene, form, ledger=ledger, momentum=momentum)
+        return WordsTrajectory(scene, words_form(kit), ledger=ledger, momentum=momentum)
 
 
 def bare(part: Any, kit: DigitsKit[Number]) -> Any:

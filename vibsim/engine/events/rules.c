@@ -51,7 +51,7 @@ static void flow_series(Run *r, const Mode *m, const Event *e, Real *series)
 /* Value, or first derivative, of an event function of mode m at r->next. */
 static Real flow_derivative(Run *r, const Mode *m, const Event *e, int order)
 {
-    Real series[SERIES];
+    Series series;
     flow_series(r, m, e, series);
     return series[order];
 }
@@ -59,7 +59,7 @@ static Real flow_derivative(Run *r, const Mode *m, const Event *e, int order)
 /* Rate of an event function at r->next; 0 where it is next to nothing of what it changes by within a step. */
 static Real clear_rate(Run *r, const Event *e)
 {
-    Real series[SERIES];
+    Series series;
     flow_series(r, r->mode, e, series);
     return fabs(series[1]) <= GRAZING * r->taylor.h * fabs(series[2]) ? 0.0 : series[1];
 }
@@ -78,7 +78,8 @@ Real derivative_at_next(Run *r, const Mode *m, int key, int order)
     const Mode *before = r->mode;
     const Event *e = event_of_key(m, key);
     const double evaluations = r->evaluations;
-    Real series[SERIES], value;
+    Series series;
+    Real value;
     if (e == NULL)
         return NAN;
     r->mode = m;

@@ -89,7 +89,7 @@ static void taylor_nodes(Run *r, const LedgerIntegrals *m, const Real *tau, int 
         for (n = 0; n < count; n++)
             at->force[i][n] = force_at(r, &r->forces[i], tau[n]);
     for (i = 0; i < m->function_count; i++)
-        series_at_nodes(at->series[i], at->lengths[i], 1, tau, squares, at->function[i]);
+        series_at_nodes(at->series + i * SERIES, at->lengths[i], 1, tau, squares, at->function[i]);
 }
 
 static int ascend(const Real *tau)
@@ -250,7 +250,7 @@ void ledger_open(Run *r)
     l->tau = r->state.t - r->t0;
     if (!r->closed)
         for (i = 0; i < m->function_count; i++)
-            at->lengths[i] = taylor_polynomial(r, &m->functions[i], at->series[i]);
+            at->lengths[i] = taylor_polynomial(r, &m->functions[i], at->series + i * SERIES);
 }
 
 int ledger_gather(Run *r)

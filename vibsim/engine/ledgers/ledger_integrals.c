@@ -36,11 +36,11 @@ int ledger_read(Run *r, Reader *in)
 
 static int alloc_functions(Nodes *at, int count)
 {
-    Real(*series)[SERIES], (*function)[NODE_COUNT];
+    Real *series, (*function)[NODE_COUNT];
     int *lengths;
     if (count <= at->function_room)
         return 1;
-    series = regrown(at->series, sizeof *series * (size_t)count);
+    series = regrown(at->series, sizeof *series * SERIES * (size_t)count);
     at->series = series ? series : at->series;
     function = regrown(at->function, sizeof *function * (size_t)count);
     at->function = function ? function : at->function;

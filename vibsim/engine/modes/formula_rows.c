@@ -139,11 +139,10 @@ static void read_force(const Run *r, Reader *in, const Mode *m, FormulaForce *on
 /* Memory for the series and values along tapes of so many operations. */
 int alloc_tapes(TapeRoom *tapes, int ops)
 {
-    TapeSeries *series;
-    Real *values;
+    Real *series, *values;
     if (ops <= tapes->ops)
         return 1;
-    series = regrown(tapes->series, sizeof *series * (size_t)ops);
+    series = regrown(tapes->series, sizeof *series * TAPE_WIDTH * (size_t)ops);
     tapes->series = series ? series : tapes->series;
     values = regrown(tapes->values, 6 * sizeof *values * (size_t)ops);
     tapes->values = values ? values : tapes->values;

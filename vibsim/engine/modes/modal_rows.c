@@ -13,6 +13,14 @@ static void read_place(Reader *in, Place *p, int shares, int fixed, const Share 
     p->share = all + p->first_share;
 }
 
+/* Room for the series of oscillator number i of a coordinate. */
+static void place_series(Coordinate *c, Oscillator *o, int i)
+{
+    o->steady_series = c->series + 3 * i * SERIES_TERMS;
+    o->real_series = o->steady_series + SERIES_TERMS;
+    o->imag_series = o->real_series + SERIES_TERMS;
+}
+
 /* What of a coordinate depends on the frequencies of its drives. */
 static void tune_coordinate(const Run *r, Coordinate *c)
 {
@@ -91,6 +99,12 @@ static int read_coordinate(Reader *in, const Run *r, Coordinate *c, Terms *terms
         drive->size = fabs(drive->sine) + fabs(drive->cosine);
         c->drive_count++;
     }
+    c->series = zalloc(3 * (size_t)(c->drive_count > 0 ? c->drive_count : 1) * SERIES_TERMS, sizeof(Real));
+    if (!c->series)
+        return 0;
+    place_series(c, &c->oscillator, 0);
+    for (h = 0; h < c->drive_count; h++)
+        place_series(c, &c->drives[h].oscillator, h);
     return 1;
 }
 

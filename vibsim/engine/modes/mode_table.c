@@ -20,8 +20,10 @@ void mode_free(Mode *m)
     if (!m)
         return;
     if (m->modal) {
-        for (i = 0; m->modal->coordinates && i < m->modal->count; i++)
+        for (i = 0; m->modal->coordinates && i < m->modal->count; i++) {
             free(m->modal->coordinates[i].drives);
+            free(m->modal->coordinates[i].series);
+        }
         for (i = 0; m->modal->terms && i < m->modal->count; i++)
             free(m->modal->terms[i].drives);
         free(m->modal->coordinates);
@@ -140,10 +142,11 @@ void run_free(Run *r)
     free(r->force);
     free(r->state.x);
     free(r->taylor.table);
-#ifdef LIMBS
+#ifdef FIXED_SERIES
     free(r->taylor.rotor);
     fixed_table_free(r->taylor.fixed);
 #endif
+    free(r->taylor.inverse);
     free(r->taylor.load);
     free(r->taylor.loaded_on);
     free(r->taylor.loaded);

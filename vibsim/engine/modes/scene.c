@@ -21,6 +21,7 @@ static int alloc_flows(Run *r)
     f->table = zalloc((SERIES + 3) * row, sizeof(Real));
     f->loaded_on = zalloc(columns, sizeof(Real *));
     f->load = zalloc(columns * SERIES, sizeof(Real));
+    f->inverse = zalloc(5 * (size_t)(SERIES + 1), sizeof(Real));
     r->force = zalloc(columns, sizeof(Real));
     r->state.x = zalloc(9 * n, sizeof(Real));
     c->motions = zalloc(coordinates, sizeof(Motion));
@@ -29,14 +30,18 @@ static int alloc_flows(Run *r)
     c->x0 = zalloc(3 * columns, sizeof(Real));
     c->scales[0] = zalloc(MEASURES * coordinates, sizeof(Scale));
     c->times.cosine = zalloc(2 * (harmonics + coordinates), sizeof *c->times.cosine);
-    if (!f->table || !f->loaded_on || !f->load || !r->force || !r->state.x || !c->motions || !c->responses || !c->sin0 || !c->x0 ||
+    if (!f->table || !f->loaded_on || !f->load || !f->inverse || !r->force || !r->state.x || !c->motions || !c->responses || !c->sin0 || !c->x0 ||
         !c->scales[0] || !c->times.cosine)
         return 0;
     for (i = 1; i < MEASURES; i++)
         c->scales[i] = c->scales[0] + i * coordinates;
     f->values = f->table + SERIES * row;
     f->checked = f->values + row;
-#ifdef LIMBS
+    f->sine = f->inverse + SERIES + 1;
+    f->cosine = f->sine + SERIES;
+    f->w_back = f->cosine + SERIES;
+    f->a1_back = f->w_back + SERIES;
+#ifdef FIXED_SERIES
     f->fixed = fixed_table_new(SERIES, row);
     f->rotor = zalloc(BLOCKS, sizeof *f->rotor);
     if (!f->fixed || !f->rotor)
@@ -75,15 +80,15 @@ static int alloc_rotors(Run *r)
     const size_t count = (size_t)o->count, columns = (size_t)r->columns;
     r->alone = zalloc((size_t)r->alone_count, sizeof(int));
     o->of = zalloc(count, sizeof(RotorOn));
-    o->sine = zalloc(4 * count, sizeof *o->sine);
+    o->sine = zalloc(4 * count * TAPE_WIDTH, sizeof(Real));
     o->mass = zalloc(5 * count, sizeof(Real));
     o->leaders = zalloc(count + 1, sizeof(int));
     r->taylor.acceleration = zalloc(7 * columns, sizeof(Real));
     if (!r->alone || !o->of || !o->sine || !o->mass || !o->leaders || !r->taylor.acceleration)
         return 0;
-    o->cosine = o->sine + count;
-    o->acceleration = o->cosine + count;
-    o->speed = o->acceleration + count;
+    o->cosine = series_along(o->sine, o->count);
+    o->acceleration = series_along(o->cosine, o->count);
+    o->speed = series_along(o->acceleration, o->count);
     o->mobility = o->mass + count;
     o->torque = o->mobility + count;
     o->pulled = o->torque + count;

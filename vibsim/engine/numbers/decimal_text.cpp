@@ -2,9 +2,10 @@
 #ifndef __clang__
 #pragma GCC optimize("O2") /* of every number that a run writes */
 #endif
+#include "real.h"
 #include "words.h"
 
-enum { FIVES = 27, MOST_FIVES = 340, ROOM = LIMBS + 14, PART = 19 }; /* 5^27 and 10^19 go into a word */
+enum { FIVES = 27, MOST_FIVES = MOST_DECIMALS + 265, ROOM = LIMBS + 2 + MOST_FIVES / FIVES, PART = 19 }; /* 5^27 and 10^19 go into a word */
 
 static const uint64_t TEN_TO_PART = 10000000000000000000u, FIVE_TO_FIVES = 7450580596923828125u;
 
@@ -67,7 +68,7 @@ static int write_digits(uint64_t *w, int count, char *text, int room)
 /* The text of x as "-4.98...e-3"; false where it is not finite, or too large or small for the words at hand. */
 static bool text_of(const Real &x, int digits, char *out)
 {
-    char text[128];
+    char text[MOST_DECIMALS + 53];
     uint64_t size;
     int power = (int)::floor((x.exponent - 1) * 0.30102999566398120), fives, found = 0;
     if (x.exponent == ENDLESS)
@@ -80,13 +81,13 @@ static bool text_of(const Real &x, int digits, char *out)
     }
     for (int i = 0; i < 2; i++, power++) { /* the power is right, or one too low */
         uint64_t w[ROOM];
-        int count = LIMBS;
+        int count = WORDS;
         long shift;
         fives = digits - 1 - power;
         shift = (long)LIMB_BITS - x.exponent - fives;
         if (fives < 0 || fives > MOST_FIVES || shift < 1)
             return false;
-        memcpy(w, x.m, sizeof x.m);
+        memcpy(w, x.words(), sizeof *w * (size_t)count);
         for (; fives >= FIVES; fives -= FIVES)
             count = times(w, count, FIVE_TO_FIVES);
         for (uint64_t factor = 1; fives > 0; fives--) {

@@ -2,6 +2,9 @@
 #ifndef __clang__
 #pragma GCC optimize("O2") /* few loops, of which most of the time of a run is made */
 #endif
+#include "real.h"
+
+#ifdef FIXED_SERIES
 #include "fixed_series.h"
 
 #include "zalloc.h"
@@ -274,3 +277,4 @@ int fixed_values(const FixedTable *f, const uint64_t *time, int rows, int c, int
         *second = Real{};
     return (no_first || number_of(value, f->bound[c], first)) + 2 * (no_second || number_of(rate, f->bound[c + apart], second));
 }
+#endif

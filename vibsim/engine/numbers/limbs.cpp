@@ -1,11 +1,12 @@
-/* Elementary functions of numbers of LIMBS words: reduction of the argument, power series, and Newton steps from doubles. Errors are
- * a few units in the last of 64 LIMBS bits, which lies 20 bits or more below the unit round-off that decisions go by.
+/* Elementary functions of numbers of WORDS words: reduction of the argument, power series, and Newton steps from doubles. Errors are
+ * a few units in the last of 64 WORDS bits, which lies 20 bits or more below the unit round-off that decisions go by.
  */
 #include "limbs_functions.h"
 
 #include "elementary.h"
 #include "words.h"
 
+#ifndef WORDS_BY_RUN /* see precision_by_run.cpp */
 enum { TERMS = LIMBS == 2 ? 36 : LIMBS == 3 ? 50 : 64, HALVINGS = 8 }; /* of power series at arguments below 0.8 */
 
 thread_local Real unit_roundoff;
@@ -44,21 +45,11 @@ struct Factorials {
 
 static const Factorials factorials;
 
-static Real nearest_whole(const Real &x)
+/* Sine and cosine of |r| < 0.8. */
+static void small_sine_cosine(const Real &r, Real *sine, Real *cosine)
 {
-    return floor(x + 0.5);
-}
-
-void sine_cosine(const Real &angle, Real *sine, Real *cosine)
-{
-    Real quarters, r, square, s, c;
-    int quadrant, n;
-    if (!isfinite(angle)) {
-        *sine = *cosine = NAN;
-        return;
-    }
-    quarters = nearest_whole(angle / half_pi);
-    r = angle - quarters * half_pi;
+    Real square, s, c;
+    int n;
     square = r * r;
     s = factorials.inverse[TERMS - 1];
     c = factorials.inverse[TERMS];
@@ -66,8 +57,40 @@ void sine_cosine(const Real &angle, Real *sine, Real *cosine)
         c = factorials.inverse[n] - square * c;
         s = factorials.inverse[n - 1] - square * s;
     }
-    c = 1 - square * c;
-    s = r * s;
+    *cosine = 1 - square * c;
+    *sine = r * s;
+}
+
+/* exp(r) - 1 of |r| < 0.4: of r / 2^HALVINGS by its series, then as often (1 + u)^2 - 1 = u (2 + u). */
+static Real small_rise(const Real &r)
+{
+    Real part = scaled(r, -HALVINGS), u;
+    int n = LIMBS == 2 ? 14 : LIMBS == 3 ? 19 : 24;
+    u = factorials.inverse[n];
+    for (n -= 1; n >= 1; n--)
+        u = factorials.inverse[n] + part * u;
+    u = part * u;
+    for (n = 0; n < HALVINGS; n++)
+        u = u * (2 + u);
+    return u;
+}
+#endif
+
+static Real nearest_whole(const Real &x)
+{
+    return floor(x + 0.5);
+}
+
+void sine_cosine(const Real &angle, Real *sine, Real *cosine)
+{
+    Real quarters, s, c;
+    int quadrant;
+    if (!isfinite(angle)) {
+        *sine = *cosine = NAN;
+        return;
+    }
+    quarters = nearest_whole(angle / half_pi);
+    small_sine_cosine(angle - quarters * half_pi, &s, &c);
     quadrant = (int)(double)(quarters - scaled(floor(scaled(quarters, -2)), 2));
     *sine = quadrant == 0 ? s : quadrant == 1 ? c : quadrant == 2 ? -s : -c;
     *cosine = quadrant == 0 ? c : quadrant == 1 ? -s : quadrant == 2 ? -c : s;
@@ -95,20 +118,6 @@ Real cosine_of(const Real &angle)
     Real sine, cosine;
     sine_cosine(angle, &sine, &cosine);
     return cosine;
-}
-
-/* exp(r) - 1 of |r| < 0.4: of r / 2^HALVINGS by its series, then as often (1 + u)^2 - 1 = u (2 + u). */
-static Real small_rise(const Real &r)
-{
-    Real part = scaled(r, -HALVINGS), u;
-    int n = LIMBS == 2 ? 14 : LIMBS == 3 ? 19 : 24;
-    u = factorials.inverse[n];
-    for (n -= 1; n >= 1; n--)
-        u = factorials.inverse[n] + part * u;
-    u = part * u;
-    for (n = 0; n < HALVINGS; n++)
-        u = u * (2 + u);
-    return u;
 }
 
 /* exp(x) = (1 + rise) 2^n */
@@ -161,21 +170,24 @@ Real hyperbolic_tangent(const Real &x)
     return copysign(rise / (rise + 2), x);
 }
 
-/* From the angle of doubles: what is left of it by its tangent, whose series ends soon. */
+/* From the angle of doubles: what is left of it by its tangent, whose series to the fifth power gives seven times as many digits. */
 Real arctangent(const Real &x)
 {
-    Real angle, sine, cosine, t, square;
+    Real angle, sine, cosine, t, rest, square;
     bool steep = fabs(x) > 1;
+    int bits;
     if (is_no_number(x))
         return x;
     if (!isfinite(x))
         return copysign(half_pi, x);
     t = steep ? 1 / fabs(x) : fabs(x);
     angle = arctangent((double)t);
-    sine_cosine(angle, &sine, &cosine);
-    t = (t * cosine - sine) / (cosine + t * sine);
-    square = t * t;
-    angle = angle + t * (1 - square * (Real(1) / 3 - square * (Real(1) / 5)));
+    for (bits = 50; bits < LIMB_BITS; bits *= 7) {
+        sine_cosine(angle, &sine, &cosine);
+        rest = (t * cosine - sine) / (cosine + t * sine);
+        square = rest * rest;
+        angle = angle + rest * (1 - square * (Real(1) / 3 - square * (Real(1) / 5)));
+    }
     if (steep)
         angle = half_pi - angle;
     return copysign(angle, x);

@@ -1,6 +1,9 @@
-/* Floating-point numbers of LIMBS words of 64 bits, for runs of many digits: the type Real of the engine where it is built for
- * them, in C++. A sum, product or quotient is right to a unit in the last of 64 LIMBS bits but for a part in 2^60 of one;
+/* Floating-point numbers of WORDS words of 64 bits, for runs of many digits: the type Real of the engine where it is built for
+ * them, in C++. A sum, product or quotient is right to a unit in the last of 64 WORDS bits but for a part in 2^58 of one;
  * exponents go to 2^29. All is done in whole numbers, so bits are the same everywhere.
+ *
+ * WORDS is LIMBS, a constant. Where WORDS_BY_RUN is defined, LIMBS is the room for words that a number has, and the run in hand
+ * says how many of them, the highest, are in use: a number of few digits costs what its words cost.
  */
 #ifndef VIBSIM_LIMBS_H
 #define VIBSIM_LIMBS_H
@@ -19,18 +22,37 @@
 
 typedef unsigned __int128 Wide;
 
-#define UNROLLED _Pragma("GCC unroll 8")
 #define STEP static inline __attribute__((always_inline))
 
-enum { WORD = 64, LIMB_BITS = WORD * LIMBS, ENDLESS = INT_MAX, FURTHEST = 1 << 29 }; /* FURTHEST: of exponents */
+enum { WORD = 64, ENDLESS = INT_MAX, FURTHEST = 1 << 29 }; /* FURTHEST: of exponents */
+#ifdef WORDS_BY_RUN
+#define UNROLLED
+extern constinit thread_local int words_in_use;
+#define WORDS words_in_use
+#define LIMB_BITS (WORD * words_in_use)
+#else
+#define UNROLLED _Pragma("GCC unroll 8")
+enum { WORDS = LIMBS, LIMB_BITS = WORD * LIMBS };
+#endif
 
-/* sign m 2^(exponent - LIMB_BITS), m from its lowest word, whose highest bit is 1; 0: sign 0. Infinite, or no number: exponent
- * ENDLESS and a sign, or none. All bytes zero are 0.
+/* sign m 2^(exponent - 64 LIMBS), m from its lowest word, whose highest bit is 1; 0: sign 0. Infinite, or no number: exponent
+ * ENDLESS and a sign, or none. All bytes zero are 0. Words below those in use may hold anything.
  */
 struct Real {
     uint64_t m[LIMBS];
     int32_t exponent, sign;
     Real() = default;
+    uint64_t *words() { return m + (LIMBS - WORDS); } /* those in use, from the lowest on */
+    const uint64_t *words() const { return m + (LIMBS - WORDS); }
+#ifdef WORDS_BY_RUN
+    Real(const Real &x) { *this = x; }
+    Real &operator=(const Real &x)
+    {
+        const int unused = LIMBS - WORDS;
+        memmove(m + unused, x.m + unused, sizeof *this - sizeof *m * (size_t)unused);
+        return *this;
+    }
+#else
     /* Word by word: what was just written by words is slow to read in vectors. */
     __attribute__((always_inline)) Real(const Real &x) : exponent(x.exponent), sign(x.sign)
     {
@@ -48,6 +70,7 @@ struct Real {
         sign = x.sign;
         return *this;
     }
+#endif
     inline Real(double x);
     inline Real(int x) : Real((long long)x) {}
     inline Real(unsigned x) : Real((long long)x) {}
@@ -75,7 +98,7 @@ inline Real::Real(long long x)
 {
     uint64_t size = x < 0 ? 0 - (uint64_t)x : (uint64_t)x;
     int i, lead;
-    for (i = 0; i < LIMBS; i++)
+    for (i = LIMBS - WORDS; i < LIMBS; i++)
         m[i] = 0;
     exponent = sign = 0;
     if (x == 0)
@@ -90,7 +113,7 @@ inline Real::Real(double x)
 {
     uint64_t bits, fraction;
     int i, power;
-    for (i = 0; i < LIMBS; i++)
+    for (i = LIMBS - WORDS; i < LIMBS; i++)
         m[i] = 0;
     exponent = sign = 0;
     memcpy(&bits, &x, sizeof bits);
@@ -121,7 +144,7 @@ inline Real::operator double() const
     int i;
     if (exponent == ENDLESS)
         return sign == 0 ? __builtin_nan("") : sign * __builtin_inf();
-    for (i = 0; i < LIMBS - 1; i++)
+    for (i = LIMBS - WORDS; i < LIMBS - 1; i++)
         top |= m[i] != 0; /* decides where the rest would be half a unit */
     if (sign == 0)
         return 0.0;
@@ -142,7 +165,7 @@ static inline int compare_sizes(const Real &a, const Real &b)
         return (a.sign != 0) - (b.sign != 0);
     if (a.exponent != b.exponent)
         return a.exponent < b.exponent ? -1 : 1;
-    for (i = LIMBS - 1; i >= 0; i--)
+    for (i = LIMBS - 1; i >= LIMBS - WORDS; i--)
         if (a.m[i] != b.m[i])
             return a.m[i] < b.m[i] ? -1 : 1;
     return 0;

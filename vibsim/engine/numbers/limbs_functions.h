@@ -1,13 +1,28 @@
-/* Elementary functions of numbers of LIMBS words, by the names that elementary.h gives those of doubles. limbs.cpp says how. */
+/* Elementary functions of numbers of WORDS words, by the names that elementary.h gives those of doubles. limbs.cpp says how. */
 #ifndef VIBSIM_LIMBS_FUNCTIONS_H
 #define VIBSIM_LIMBS_FUNCTIONS_H
 
 #include "limbs.h"
 
+/* SPARE_BITS: that the words in use have beyond the unit round-off of a run, at least, as in number_forms.py; MOST_BITS of these. */
+#ifdef WORDS_BY_RUN
+enum { SPARE_BITS = 20, MOST_BITS = 64 * (LIMBS - 1) - SPARE_BITS }; /* constants are computed with one word more */
+#else
+enum { SPARE_BITS = 20, MOST_BITS = 64 * LIMBS - SPARE_BITS };
+#endif
+
 extern thread_local Real unit_roundoff; /* 2^-bits of the run in hand */
 void set_precision(int bits);
 
+#ifdef WORDS_BY_RUN
+/* All of the precision that was set last in this thread: precision_by_run.cpp */
+extern constinit thread_local int most_order, series_terms; /* of the Taylor flow; terms of 2^n / n! */
+extern thread_local Real HALF_TURN, half_pi, ln_2;
+void small_sine_cosine(const Real &r, Real *sine, Real *cosine);
+Real small_rise(const Real &r);
+#else
 extern const Real HALF_TURN; /* pi */
+#endif
 
 void sine_cosine(const Real &angle, Real *sine, Real *cosine);
 void rounded_sine_cosine(const Real &angle, Real *sine, Real *cosine);

@@ -4,8 +4,56 @@
 
 #include "limbs.h"
 
-/* The number of `count` words that need not begin with a 1, its highest bit 2^(exponent - 1), cut off behind LIMBS words. */
+/* The number of `count` words that need not begin with a 1, its highest bit 2^(exponent - 1), cut off behind WORDS words. */
 Real normal(uint64_t *w, int count, long exponent, int sign);
+
+#ifdef WORDS_BY_RUN
+#define ADD_WORDS(count, total, part) add_words(count, total, part)
+#define SUBTRACT_WORDS(count, total, part) subtract_words(count, total, part)
+
+STEP uint64_t add_words(int count, uint64_t *total, const uint64_t *part)
+{
+    unsigned char over = 0;
+    for (int i = 0; i < count; i++) {
+        const Wide sum = (Wide)total[i] + part[i] + over;
+        total[i] = (uint64_t)sum;
+        over = (unsigned char)(sum >> WORD);
+    }
+    return over;
+}
+
+STEP uint64_t subtract_words(int count, uint64_t *total, const uint64_t *part)
+{
+    unsigned char under = 0;
+    for (int i = 0; i < count; i++) {
+        const Wide left = (Wide)total[i] - part[i] - under;
+        total[i] = (uint64_t)left;
+        under = (unsigned char)(left >> WORD & 1);
+    }
+    return under;
+}
+
+/* As below. */
+STEP void multiply_words(const uint64_t *a, const uint64_t *b, uint64_t *w)
+{
+    const int words = WORDS;
+    w[0] = 0;
+    for (int i = 0; i < words; i++) { /* word k of the product is w[k - words + 1] */
+        int j = words - 2 - i;
+        uint64_t over = 0;
+        if (j >= 0)
+            over = (uint64_t)((Wide)a[i] * b[j] >> WORD);
+        for (j = j < 0 ? 0 : j + 1; j < words; j++) {
+            const Wide product = (Wide)a[i] * b[j] + w[i + j - words + 1] + over;
+            w[i + j - words + 1] = (uint64_t)product;
+            over = (uint64_t)(product >> WORD);
+        }
+        w[i + 1] = over;
+    }
+}
+#else
+#define ADD_WORDS(count, total, part) add_words<count>(total, part)
+#define SUBTRACT_WORDS(count, total, part) subtract_words<count>(total, part)
 
 /* total += part in words from the lowest on; returns what is carried beyond them. gcc 12 makes twice as many instructions
  * of the loop as by hand, for three and four words, here and below.
@@ -99,5 +147,6 @@ STEP void multiply_words(const uint64_t *a, const uint64_t *b, uint64_t *w)
         w[i + 1] = over;
     }
 }
+#endif
 
 #endif

@@ -1,21 +1,19 @@
 """End of a motion from a start to a time in many digits, with disturbances of that start: in C on numbers of
-words where it has so many digits, else by the Python engine on those of python-flint or mpmath.
+words.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Generic, NamedTuple
+from typing import Generic, NamedTuple
 
 from vibsim.engine.errors import State, start_of
 from vibsim.engine.number_forms import words_form
 from vibsim.engine.tangent.carried import components_of, free_scene, started
+from vibsim.engine.tangent.carrying_run import CarryingRun
 from vibsim.physics.numbers import N
 from vibsim.physics.parts import EVENT_NAMES, Scene
 from vibsim.physics.precision import DigitsKit
-
-if TYPE_CHECKING:
-    from vibsim.engine.tangent.carrying_run import CarryingRun
 
 
 class CarriedDigits(NamedTuple, Generic[N]):
@@ -39,28 +37,17 @@ class DigitsCarrier(Generic[N]):
     has to be that of the process.
 
     scene : without radii (`truth.bare`); its start and end do not matter
-    engine : "auto" (C where it was built for so many digits, else Python) or "python"; they agree but for
-        their rounding beyond the digits of the kit
     """
 
     def __init__(self, scene: Scene[N], kit: DigitsKit[N]) -> None:
         self.scene, self.kit = free_scene(scene), kit
-        self.run: CarryingRun | None = None
-        form = words_form(kit)
-        if form is not None:
-            from vibsim.engine.tangent.carrying_run import CarryingRun
-
-            self.run = CarryingRun(self.scene, form)
+        self.run = CarryingRun(self.scene, words_form(kit))
 
     def carry(self, components: Sequence[N], end: N, vectors: Sequence[Sequence[N]]) -> CarriedDigits[N]:
         """The motion from `components` at t = 0 to `end` [s] with `vectors`, disturbances of the start, one
         per row. Raises EngineError where the run fails.
         """
-        scene = started(self.scene, components, end)
-        assert self.run is not None
-        return self._by_c(self.run, scene, vectors)
-
-    def _by_c(self, run: CarryingRun, scene: Scene[N], vectors: Sequence[Sequence[N]]) -> CarriedDigits[N]:
+        scene, run = started(self.scene, components, end), self.run
         run.restart(start_of(scene, self.kit), scene.t_end, vectors)
         _, codes = run.run_out()
         there, n = run.outcome(len(vectors)), len(scene.bodies)

@@ -24,15 +24,19 @@ static int alloc_spare(const Run *r, TaylorTangent *of)
     f->tapes.values = NULL;
     f->tapes.ops = 0;
     f->table = zalloc((SERIES + 1) * row, sizeof(Real));
+    f->sine = zalloc(4 * (size_t)SERIES, sizeof(Real));
     f->load = zalloc(columns * SERIES, sizeof(Real));
     f->loaded_on = zalloc(columns, sizeof(Real *));
-#ifdef LIMBS
+#ifdef FIXED_SERIES
     f->fixed = fixed_table_new(SERIES, row); /* the digits of the rotor are of one expansion after the other */
     if (!f->fixed)
         return 0;
 #endif
-    if (!f->table || !f->load || !f->loaded_on)
+    if (!f->table || !f->sine || !f->load || !f->loaded_on)
         return 0;
+    f->cosine = f->sine + SERIES;
+    f->w_back = f->cosine + SERIES;
+    f->a1_back = f->w_back + SERIES;
     f->values = f->table + SERIES * row;
     f->checked = NULL;
     for (i = 0; i < columns; i++)
@@ -46,18 +50,18 @@ static int alloc_rotors(const Run *r, TaylorTangent *of)
     const size_t count = (size_t)r->rotors.count;
     Rotors *o = &of->spare_rotors;
     *o = r->rotors;
-    o->sine = zalloc(6 * count, sizeof *o->sine);
+    o->sine = zalloc(6 * count * TAPE_WIDTH, sizeof(Real));
     o->mass = zalloc(5 * count, sizeof(Real));
     o->leaders = zalloc(count + 1, sizeof(int));
     of->pushed = zalloc(TANGENT_GROUP * count * SERIES, sizeof *of->pushed);
     of->torques = zalloc(count, sizeof *of->torques);
     if (!o->sine || !o->mass || !o->leaders || !of->pushed || !of->torques)
         return 0;
-    o->cosine = o->sine + count;
-    o->acceleration = o->cosine + count;
-    o->speed = o->acceleration + count;
-    of->turning = o->speed + count;
-    of->pull = of->turning + count;
+    o->cosine = series_along(o->sine, o->count);
+    o->acceleration = series_along(o->cosine, o->count);
+    o->speed = series_along(o->acceleration, o->count);
+    of->turning = series_along(o->speed, o->count);
+    of->pull = series_along(of->turning, o->count);
     o->mobility = o->mass + count;
     o->torque = o->mobility + count;
     o->pulled = o->torque + count;
@@ -79,11 +83,12 @@ static int alloc_all(const Run *r, Tangent *b)
     b->accelerations = zalloc(3 * columns + size, sizeof(Real));
     b->moving = zalloc(coordinates, sizeof(Moving));
     b->taylor.series = zalloc(TANGENT_GROUP * (2 * columns + 1) * SERIES, sizeof *b->taylor.series);
+    b->taylor.joint = zalloc(SERIES, sizeof *b->taylor.joint);
     b->taylor.force = zalloc(2 * columns, sizeof *b->taylor.force);
     b->seat = zalloc(columns, sizeof(int));
     b->tangencies.fastest = zalloc(3 * (size_t)b->stop_count, sizeof(Real));
     if (!b->columns || !b->lost || !b->vectors || !b->sums || !b->rows || !b->fitted || !b->q || !b->accelerations || !b->moving ||
-        !b->taylor.series || !b->taylor.force || !b->seat || !b->tangencies.fastest)
+        !b->taylor.series || !b->taylor.joint || !b->taylor.force || !b->seat || !b->tangencies.fastest)
         return 0;
     b->tangencies.since = b->tangencies.fastest + b->stop_count;
     b->tangencies.struck = b->tangencies.since + b->stop_count;
@@ -202,7 +207,9 @@ void tangent_free(Tangent *b)
     free(b->taylor.series);
     free(b->taylor.force);
     free(b->taylor.spare.table);
-#ifdef LIMBS
+    free(b->taylor.spare.sine);
+    free(b->taylor.joint);
+#ifdef FIXED_SERIES
     fixed_table_free(b->taylor.spare.fixed);
 #endif
     free(b->taylor.spare.load);

@@ -62,7 +62,7 @@ typedef struct {
  * disturbances: those of component k of a pair begin at k * SERIES.
  */
 typedef struct {
-    Joint joint[SERIES];
+    Joint *joint; /* SERIES of them */
     Real first_turning[2];
     Real to_a1, to_w, cross, tau, reach;
     Real (*series)[2], (*force)[2];
@@ -73,7 +73,7 @@ typedef struct {
     Real *entries, prepared_at;
     Rotors spare_rotors;   /* those of `spare` */
     const Rotors *rotors;  /* those that are prepared */
-    TapeSeries *turning, *pull; /* by rotor on a body: c w = s', c a */
+    Real *turning, *pull; /* TAPE_WIDTH of each rotor on a body: c w = s', c a */
     Lane *pushed, *torques; /* series of disturbed accelerations, by pair and group of rotors; by rotor */
     int undefined; /* whether a derivative has no integral over the piece in hand */
     int entry_room, has_step, prepared; /* whether `step` is of the step in hand; whether all is prepared at a time of it */

@@ -154,8 +154,10 @@ static void turn_between(Certificate *c, const Real *series, const Real *slopes,
 
 static void watch_turns(Certificate *c, const Real *series, int count, Real t0, Real stop)
 {
-    Real slopes[SERIES] = {0}, low = 0 * stop, falling, rising, unused;
+    Series slopes;
+    Real low = 0 * stop, falling, rising, unused;
     int n, i;
+    slopes[0] = 0.0;
     for (n = 1; n < count; n++)
         slopes[n - 1] = n * series[n];
     n = 0;

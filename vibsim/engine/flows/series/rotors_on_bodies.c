@@ -46,15 +46,15 @@ void rotors_expand(Run *r)
     take_groups(r);
     for (i = 0; i < o->count; i++) {
         Real turns, angle = reduce_angle(r->taylor.table[o->of[i].column], &turns);
-        rounded_sine_cosine(angle, &o->sine[i][0], &o->cosine[i][0]);
-        o->lean[i] = o->of[i].unbalance * o->sine[i][0] / o->of[i].inertia;
+        rounded_sine_cosine(angle, series_along(o->sine, i), series_along(o->cosine, i));
+        o->lean[i] = o->of[i].unbalance * *series_along(o->sine, i) / o->of[i].inertia;
         o->pulled[i] = 0.0;
     }
     for (g = 0; g < o->groups; g++) {
         Real mass = m->group_mass[o->leaders[g]];
         for (i = 0; i < o->count; i++)
             if (m->leader[o->of[i].on] == o->leaders[g]) {
-                Real coupling = o->of[i].unbalance * o->sine[i][0];
+                Real coupling = o->of[i].unbalance * *series_along(o->sine, i);
                 mass = mass - coupling * coupling / o->of[i].inertia;
             }
         o->mass[g] = mass;
@@ -65,7 +65,7 @@ void rotors_expand(Run *r)
 /* Coefficient n + 1 of s w without the term of the speed that is not known yet. */
 INLINE Real pull(const Rotors *o, int i, int n)
 {
-    const Real *s = o->sine[i], *w = o->speed[i];
+    const Real *s = series_along(o->sine, i), *w = series_along(o->speed, i);
     if (n == 0)
         return s[1] * w[0];
     return middle(s + 1, BACK(w, n), n - 1) + (s[1] * w[n] + s[n + 1] * w[0]);
@@ -74,7 +74,7 @@ INLINE Real pull(const Rotors *o, int i, int n)
 /* Coefficient n + 1 of sine and cosine, and the pull. */
 static void rotate(const Taylor *f, Rotors *o, int i, int n)
 {
-    Real *s = o->sine[i], *c = o->cosine[i], *w = o->speed[i], cosines;
+    Real *s = series_along(o->sine, i), *c = series_along(o->cosine, i), *w = series_along(o->speed, i), cosines;
     put(w, n, speed_of(f, &o->of[i], n));
     cosines = n == 0 ? c[0] * w[0] : middle(c, BACK(w, n), n - 1) + (c[0] * w[n] + c[n] * w[0]);
     s[n + 1] = cosines * f->inverse[n + 1];
@@ -85,7 +85,7 @@ static void rotate(const Taylor *f, Rotors *o, int i, int n)
 /* Coefficient n of s a without the term of the acceleration that is not known yet. */
 INLINE Real back(const Rotors *o, int i, int n, int group)
 {
-    const Real *s = o->sine[i], *a = o->acceleration[group];
+    const Real *s = series_along(o->sine, i), *a = series_along(o->acceleration, group);
     return n == 0 ? 0.0 : middle(s + 1, BACK(a, n - 1), n - 1) + s[1] * a[n - 1];
 }
 
@@ -111,7 +111,7 @@ static void turn_group(Run *r, int g, int n, const Real *F)
     else
         a = leader > r->bodies ? (n + 1) * f->table[(n + 1) * f->stride + f->rates + base_column(r)] : 0.0;
     acceleration[leader] = a;
-    put(o->acceleration[g], n, a);
+    put(series_along(o->acceleration, g), n, a);
     for (i = 0; i < o->count; i++) {
         const RotorOn *one = &o->of[i];
         if (m->leader[one->on] == leader)
@@ -136,13 +136,15 @@ void rotors_thrust(const Run *r, int column, Real *out)
     const Taylor *f = &r->taylor;
     const Rotors *o = &r->rotors;
     int i, n;
-    Real total[SERIES] = {0.0};
+    Series total;
+    for (n = 0; n < f->order; n++)
+        total[n] = 0.0;
     for (i = 0; i < o->count; i++) {
         const RotorOn *one = &o->of[i];
         if (one->on != column)
             continue;
         for (n = 0; n < f->order; n++) {
-            Real last = pull(o, i, n) + o->sine[i][0] * speed_of(f, one, n + 1);
+            Real last = pull(o, i, n) + *series_along(o->sine, i) * speed_of(f, one, n + 1);
             total[n] = total[n] + one->unbalance * ((n + 1) * last);
         }
     }

@@ -52,7 +52,7 @@ void tape_start(TapeRoom *room, Real t, Real nearest)
 
 void tape_begin(const Tape *tape, const TapeRoom *room, const Real *row)
 {
-    TapeSeries *series = room->series;
+    Real *series = room->series;
     Real cosine = 0.0;
     int i;
     for (i = 0; i < tape->op_count; i++) {
@@ -61,7 +61,7 @@ void tape_begin(const Tape *tape, const TapeRoom *room, const Real *row)
         if (op->code == OP_CONSTANT && !op->used)
             continue;
         if (op->code <= OP_SPIN && op->from < 0)
-            memset(series[i], 0, 2 * TAPE_ORDERS * sizeof(Real));
+            memset(series_along(series, i), 0, 2 * TAPE_ORDERS * sizeof(Real));
         if (op->code == OP_CONSTANT)
             value = op->value;
         else if (op->code == OP_TIME)
@@ -69,14 +69,14 @@ void tape_begin(const Tape *tape, const TapeRoom *room, const Real *row)
         else if (op->code <= OP_SPIN)
             value = op->from < 0 ? 0.0 : row[op->from];
         else if (op->code == OP_SIN) /* its cosine comes next */
-            sine_cosine(series[op->a][0], &value, &cosine);
+            sine_cosine(*series_along(series, op->a), &value, &cosine);
         else if (op->code == OP_COS)
             value = cosine;
         else
-            value = start_value(op, series[op->a][0], op->b < 0 ? 0.0 : series[op->b][0]);
-        put(series[i], 0, value);
+            value = start_value(op, *series_along(series, op->a), op->b < 0 ? 0.0 : *series_along(series, op->b));
+        put(series_along(series, i), 0, value);
         if (op->code == OP_TIME)
-            put(series[i], 1, 1.0);
+            put(series_along(series, i), 1, 1.0);
     }
 }
 
@@ -257,7 +257,7 @@ static Real held_by(const Run *r, int k, Real h, Real value)
         int reads = 0;
         for (j = 0; e->kind == HOLD && j < e->terms; j++)
             if (terms[j].kind == FORMULA) {
-                size = size + fabs(r->taylor.tapes.series[m->tape.outputs[terms[j].P]][0]);
+                size = size + fabs(*series_along(r->taylor.tapes.series, m->tape.outputs[terms[j].P]));
                 reads = reads || terms[j].P == k;
             }
         least = reads && size < least ? size : least;
@@ -354,7 +354,7 @@ static int ends_early(const Run *r, const Real *values, const Real *bounds)
     int k;
     for (k = 0; k < tape->op_count; k++) {
         const Op *op = &tape->ops[k];
-        const Real *base = room->series[op->a < 0 ? 0 : op->a];
+        const Real *base = series_along(room->series, op->a < 0 ? 0 : op->a);
         if (op->code == OP_POWER && values[op->a] < -bounds[op->a] && begins(base, r->taylor.order, room->least))
             return 1;
     }
@@ -383,7 +383,7 @@ static double excess(Run *r, Real h, Real tolerance)
     }
     for (k = 0; k < tape->output_count; k++) {
         int place = tape->outputs[k];
-        const Real *series = f->tapes.series[place];
+        const Real *series = series_along(f->tapes.series, place);
         store_pair(at, twice_horner(series, f->order, load_pair(tau)));
         for (i = 0; i < 2; i++) {
             const Real off = fabs(values[i][place] - at[i]), bound = 2 * bounds[i][place];
@@ -412,7 +412,7 @@ static Real shortest_step(const Run *r)
         const Real *base;
         if (tape->ops[k].code != OP_POWER)
             continue;
-        base = room->series[tape->ops[k].a];
+        base = series_along(room->series, tape->ops[k].a);
         if ((base[1] < 0 || tape->ops[k].value > 0) && !(base[0] > room->least * fabs(base[1])))
             return 2 * room->least;
     }
@@ -434,7 +434,7 @@ Real overflowing_zero(const Run *r)
     Real nearest = 0.0;
     int k, n;
     for (k = 0; tape->powers && k < tape->op_count; k++) {
-        const Real *base = f->tapes.series[tape->ops[k].a < 0 ? 0 : tape->ops[k].a], *series = f->tapes.series[k];
+        const Real *base = series_along(f->tapes.series, tape->ops[k].a < 0 ? 0 : tape->ops[k].a), *series = series_along(f->tapes.series, k);
         Real time;
         if (tape->ops[k].code != OP_POWER || !(base[0] > 0))
             continue;

@@ -9,9 +9,12 @@
 #define TAPE_ORDERS (MAX_ORDER + 3) /* coefficients of a series along a tape; that of the base has three beyond the order */
 #define TAPE_WIDTH (3 * TAPE_ORDERS)
 /* Coefficients from the front, once more from the back, that of order n at 2 TAPE_ORDERS - 1 - n; behind them n times coefficient n,
- * where a recurrence asks for it.
+ * where a recurrence asks for it: TAPE_WIDTH numbers, those of operation i from `series_along(series, i)` on.
  */
-typedef Real TapeSeries[TAPE_WIDTH];
+static inline Real *series_along(Real *series, int i)
+{
+    return series + (ptrdiff_t)i * TAPE_WIDTH;
+}
 
 /* Operations, the same numbers in tape.py. */
 enum {
@@ -123,8 +126,7 @@ typedef struct {
  * between: what it reads between two instants.
  */
 typedef struct {
-    TapeSeries *series;
-    Real *values, *bounds, *base;
+    Real *series, *values, *bounds, *base;
     TapeInputs at, blur, between;
     Real least; /* time [s] nearer than which a zero of the base of a power is one here */
     int ops;

@@ -116,7 +116,7 @@ INLINE Real following(const Op *op, Real *series, const Real *now, const Real *b
 INLINE Real advance_along(const Tape *tape, const TapeRoom *room, const Real *row, int n, Real inverse, const int alone, int rates, Real x,
                           Real v)
 {
-    Real *series = (Real *)room->series, *now = series + n, *back = BACK(series, n), last = 0.0;
+    Real *series = room->series, *now = series + n, *back = BACK(series, n), last = 0.0;
     const Op *op = tape->moving, *reading = op + tape->read_count, *end = op + tape->moving_count;
     const Real least = room->least;
     for (; op < reading; op++) {

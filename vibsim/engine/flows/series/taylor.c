@@ -12,7 +12,7 @@
 #define LEADING 4
 #define FEW_NODES_ORDER 20
 
-#ifdef LIMBS
+#ifdef FIXED_SERIES
 enum { LONGER = 5, MARGIN = 2, SPARE = 4 }; /* H at most so many steps; bits that bounds exceed what they were; below the round-off */
 
 /* Binary exponents of what bounds |a_n| H^n, and of the largest of the first of them; a[n * step]: order n. */
@@ -134,7 +134,7 @@ static int size_of_bodies(const Run *r, int n, int none)
 
 static int size_of_turning(const Run *r, int n, int i)
 {
-    return binary_exponent(fabs(r->rotors.sine[i][n]));
+    return binary_exponent(fabs(series_along(r->rotors.sine, i)[n]));
 }
 
 static int size_of_rate(const Run *r, int n, int c)
@@ -237,13 +237,13 @@ INLINE void expand_at(Run *r, const State *state)
         rates[m->followers[c].column] = state->v[m->followers[c].column];
     if (f->loaded_count > 0)
         taylor_expand_loads(r, state->t);
-#ifdef LIMBS
+#ifdef FIXED_SERIES
     f->fixed->made = 0;
     f->scales = m->scales.most ? &m->scales : NULL;
 #endif
     taylor_expand(r, state);
     f->h = step_length(r);
-#ifdef LIMBS
+#ifdef FIXED_SERIES
     if (r->has_motor) {
         if (m->scales.most && !digits_sufficed(f, &m->scales)) {
             f->scales = NULL;
@@ -282,14 +282,14 @@ void taylor_enter(Run *r, const State *state)
 
 static int near_zero(const Run *r, const Event *e, Real tau, Real *value, Real *slope, Real *noise)
 {
-    Real coefficients[SERIES];
+    Series coefficients;
     int count = taylor_polynomial(r, e, coefficients);
     return polynomial_near_zero(coefficients, count, r->known[e->key], tau, taylor_magnitude(r, e), value, slope, noise);
 }
 
 void taylor_value_and_slope(const Run *r, const Event *e, Real tau, Real *value, Real *slope)
 {
-    Real coefficients[SERIES];
+    Series coefficients;
     int count = taylor_polynomial(r, e, coefficients);
     polynomial_value_and_slope(coefficients, count, r->known[e->key], tau, value, slope);
 }
@@ -326,7 +326,8 @@ Real taylor_advance(Run *r, Real limit, int *event)
     const Taylor *f = &r->taylor;
     const Mode *m = r->mode;
     Real length = limit - r->t0, h = f->h < length ? f->h : length;
-    Real end = f->h >= length ? limit : r->t0 + h, coefficients[SERIES], t = 0;
+    Real end = f->h >= length ? limit : r->t0 + h, t = 0;
+    Series coefficients;
     int i;
     *event = NOTHING;
     if (end <= r->t0) {
@@ -413,11 +414,11 @@ INLINE void dense_rows(const Taylor *f, const int times, const Real *tau, Real *
         dense_block(f->table + 2 * k, rows, 1, f->stride, times, tau, out, f->stride);
 }
 
-#ifdef LIMBS
+#ifdef FIXED_SERIES
 /* Value of one column, `horner` as `dense_block` does. */
 APART Real column_value(const Taylor *f, int c, const Real &tau)
 {
-    Real coefficients[SERIES];
+    Series coefficients;
     int n;
     for (n = 0; n < f->order + 2; n++)
         coefficients[n] = f->table[n * f->stride + c];

@@ -52,7 +52,7 @@ INLINE Rotor rotor_of(Run *r, const State *state)
 }
 
 /* Tell the sums of products of a coefficient of order n, which stands at place `at` of its series. */
-#ifdef LIMBS
+#ifdef FIXED_SERIES
 static void keep_digits(Taylor *f, int series, int at, int n, const Real &x)
 {
     const Scales<SERIES> *s = f->scales;
@@ -79,7 +79,7 @@ INLINE Real start_rotation(Rotor *o, int p)
     return o->unbalance * o->tail;
 }
 
-#ifdef LIMBS
+#ifdef FIXED_SERIES
 /* Sum of a_i b_(n-i) of series number one and two, i from `first` to n: in whole numbers where these were made. */
 static Real product_of_series(const Taylor *f, int one, const Real *a, int two, const Real *b, int first, int n)
 {
@@ -366,7 +366,7 @@ INLINE void add_formulas(const Run *r, Real *F, const int alone, int n, Real las
     int i;
     for (i = 0; i < m->formula_count; i++) {
         const FormulaForce *one = &m->formulas[i];
-        Real force = one->sign * (n > 0 && one->newest ? last : r->taylor.tapes.series[one->place][n]);
+        Real force = one->sign * (n > 0 && one->newest ? last : series_along(r->taylor.tapes.series, one->place)[n]);
         act(F, alone, one->to_P, force);
         if (one->to_Q >= 0)
             act(F, alone, one->to_Q, -force);
@@ -420,7 +420,7 @@ INLINE void expand_formulas(Run *r, const State *state, const int few, const int
         }
         for (c = 0; c < m->follower_count; c++) {
             const Follower *one = &m->followers[c];
-            next[rates + one->column] = next[rates + one->column] + f->tapes.series[one->place][n] * inverse;
+            next[rates + one->column] = next[rates + one->column] + series_along(f->tapes.series, one->place)[n] * inverse;
         }
     }
     for (c = 0; c <= bodies; c++)
@@ -454,7 +454,7 @@ SHAPE formulas_on_one(Run *r, const State *state)
         x = v * inverse;
         v = leader == 0 ? F * mobility * inverse : leader == 1 ? 0.0 : next[rates + 3];
         if (m->follower_count > 0)
-            v = v + f->tapes.series[m->followers[0].place][n] * inverse;
+            v = v + series_along(f->tapes.series, m->followers[0].place)[n] * inverse;
         next[0] = x;
         next[1] = row[rates + 1] * inverse;
         next[rates] = v;

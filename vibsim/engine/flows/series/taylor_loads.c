@@ -16,7 +16,7 @@ static void sine_and_cosine(const Harmonic *term, Real t, Real *turns)
 static void expand_base_formula(Run *r, const Tape *tape, Real t)
 {
     Taylor *f = &r->taylor;
-    const Real *X = f->tapes.series[tape->outputs[0]];
+    const Real *X = series_along(f->tapes.series, tape->outputs[0]);
     Real *row = f->table;
     int at = base_column(r), n;
     tape_start(&f->tapes, t, 0.0);

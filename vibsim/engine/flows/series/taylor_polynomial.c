@@ -8,7 +8,7 @@ static void load_on(const Run *r, int column, Real *out)
 {
     const Taylor *f = &r->taylor;
     const Real *load = f->loaded_on[column];
-    Real sw[SERIES];
+    Series sw;
     int n, i;
     for (n = 0; n < f->order; n++)
         out[n] = load ? load[n] : 0.0;
@@ -79,7 +79,7 @@ int taylor_term(const Run *r, const Term *t, Real *out)
             out[n] = t->coefficient * ((n + 1) * row[(n + 1) * f->stride]);
         return p;
     case FORMULA:
-        row = f->tapes.series[r->mode->tape.outputs[t->P]];
+        row = series_along(f->tapes.series, r->mode->tape.outputs[t->P]);
         for (n = 0; n < p; n++)
             out[n] = t->coefficient * row[n];
         return p;
@@ -94,7 +94,7 @@ int taylor_term(const Run *r, const Term *t, Real *out)
 /* Coefficients of an event function over the step; returns their number. */
 int taylor_polynomial(const Run *r, const Event *e, Real *out)
 {
-    Real more[SERIES];
+    Series more;
     int count, i, n;
     if (e->terms == 0) {
         memset(out, 0, sizeof(Real) * (size_t)(r->taylor.order + 1));
@@ -116,7 +116,6 @@ static Real magnitude_of(const Run *r, const Term *t)
 {
     const Taylor *f = &r->taylor;
     const Real *row = f->table;
-    Real series[SERIES];
     switch (t->kind) {
     case DIFFERENCE:
     case RATE:
@@ -132,9 +131,11 @@ static Real magnitude_of(const Run *r, const Term *t)
     case FORMULA:
         tape_values(r, 0.0);
         return f->tapes.bounds[r->mode->tape.outputs[t->P]] / EPS;
-    default:
+    default: {
+        Series series;
         load_on(r, t->P, series);
         return fabs(series[0]);
+    }
     }
 }
 

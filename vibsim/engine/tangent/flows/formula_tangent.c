@@ -38,7 +38,7 @@ void formula_slopes_expand(const Run *r, TapeRoom *room)
     for (i = 0; i < tape->op_count; i++) {
         const Op *op = &tape->ops[i];
         for (n = f->order; reads_motion(op) && n < f->order + 2; n++)
-            room->series[i][n] = op->from < 0 ? 0.0 : f->table[n * f->stride + op->from];
+            series_along(room->series, i)[n] = op->from < 0 ? 0.0 : f->table[n * f->stride + op->from];
     }
 }
 
@@ -57,7 +57,7 @@ static Real slope_at(const Run *r, const TapeRoom *room, int k, Real tau)
 {
     const Tape *tape = &r->mode->formula_slopes.tape;
     int place = tape->outputs[k];
-    return horner(room->series[place], r->taylor.order + (reads_motion(&tape->ops[place]) ? 2 : 0), tau);
+    return horner(series_along(room->series, place), r->taylor.order + (reads_motion(&tape->ops[place]) ? 2 : 0), tau);
 }
 
 /* Sum of the sizes of the terms of a series at tau. */
@@ -123,7 +123,7 @@ static double excess(const Run *r, const TapeRoom *room, Real tau, Real toleranc
     int k;
     for (k = 0; k < tape->output_count; k++) {
         int place = tape->outputs[k];
-        const Real *series = room->series[place];
+        const Real *series = series_along(room->series, place);
         Real allowed = 2 * room->bounds[place] + order * tolerance * size_of(series, order, tau);
         Real off = fabs(room->values[place] - horner(series, order, tau));
         double beyond = BEYOND_ALL;
@@ -195,7 +195,7 @@ Zeros formula_zeros(Run *r, Real t, Real end)
     room = r->tangent->taylor.along;
     for (k = 0; k < tape->op_count; k++) {
         const Op *op = &tape->ops[k];
-        const Real *base = room->series[op->a < 0 ? 0 : op->a];
+        const Real *base = series_along(room->series, op->a < 0 ? 0 : op->a);
         Real least;
         Zero one;
         int opens, closes;
@@ -222,7 +222,7 @@ Zeros formula_zeros(Run *r, Real t, Real end)
 }
 
 /* Means over all that moves are sound: whether a derivative has an integral; sums: by operation its size, that of its ends. */
-static int have_integrals(const Run *r, const TapeSeries *sums)
+static int have_integrals(const Run *r, Real *sums)
 {
     const Mode *m = r->mode;
     const FormulaSlopes *slopes = &m->formula_slopes;
@@ -232,7 +232,7 @@ static int have_integrals(const Run *r, const TapeSeries *sums)
         if (!(m->mobility[law->to_P] > 0) && !(law->to_Q >= 0 && m->mobility[law->to_Q] > 0))
             continue;
         for (j = slopes->first[law->output]; j < slopes->first[law->output + 1]; j++) {
-            const Real *of = sums[slopes->tape.outputs[slopes->all[j].output]];
+            const Real *of = series_along(sums, slopes->tape.outputs[slopes->all[j].output]);
             if (!isfinite(of[1]) || !(of[2] <= ENDS * of[1]))
                 return 0;
         }
@@ -251,8 +251,10 @@ static Real add_nodes(Run *r, const Zeros *zeros, Real t, Real tau, TapeRoom *ro
     TapeInputs at = r->taylor.tapes.between;
     Real total = 0.0;
     int i, j, k;
-    for (i = 0; i < tape->op_count; i++)
-        room->series[i][0] = room->series[i][1] = room->series[i][2] = 0.0;
+    for (i = 0; i < tape->op_count; i++) {
+        Real *sums = series_along(room->series, i);
+        sums[0] = sums[1] = sums[2] = 0.0;
+    }
     for (j = -NODES; j <= NODES; j++) {
         Real z = j * NODE, y = TWO_PI / 2 * hyperbolic_sine(z);
         Real before = 1 / (1 + exponential(y)), after = 1 / (1 + exponential(-y));
@@ -266,7 +268,7 @@ static Real add_nodes(Run *r, const Zeros *zeros, Real t, Real tau, TapeRoom *ro
         at.phi = start.phi * before + last.phi * after;
         at.w = start.w * before + last.w * after;
         for (i = 0; i < tape->op_count; i++) {
-            Real *sums = room->series[i], part;
+            Real *sums = series_along(room->series, i), part;
             room->values[i] = tape_value(tape, &at, i, room->values);
             for (k = 0; k < zeros->count; k++)
                 if (zeros->all[k].place == i)
@@ -298,9 +300,10 @@ int formula_take_means(Run *r, const Zeros *zeros, Real t, Real tau)
     if (!have_integrals(r, of->here.series))
         return 0;
     for (i = 0; i < tape->op_count; i++) {
-        of->here.series[i][0] = of->here.series[i][0] / total * share;
+        Real *mean = series_along(of->here.series, i);
+        mean[0] = mean[0] / total * share;
         for (n = 1; n < TAPE_ORDERS; n++)
-            of->here.series[i][n] = 0.0;
+            mean[n] = 0.0;
     }
     of->along = &of->here;
     return 1;

@@ -20,13 +20,13 @@ void rotor_tangent_prepare(Run *r)
     TaylorTangent *of = &r->tangent->taylor;
     int i, n, k;
     for (i = 0; i < o->count; i++) {
-        const Real *s = o->sine[i], *c = o->cosine[i], *a = o->acceleration[group_of(r, o, i)];
+        const Real *s = series_along(o->sine, i), *c = series_along(o->cosine, i), *a = series_along(o->acceleration, group_of(r, o, i));
         for (n = 0; n < r->taylor.order; n++) {
             Real total = 0.0;
             for (k = 0; k <= n; k++)
                 total = total + c[k] * a[n - k];
-            of->turning[i][n] = (n + 1) * s[n + 1];
-            of->pull[i][n] = total;
+            series_along(of->turning, i)[n] = (n + 1) * s[n + 1];
+            series_along(of->pull, i)[n] = total;
         }
     }
 }
@@ -44,19 +44,19 @@ static Pair sum(const Real *a, const Lane *b, int first, int last)
 /* Disturbed torque on rotor i, without the term of the acceleration that is not known yet. */
 static Pair torque_on(const TaylorTangent *of, int i, int n, const Lane *phi, const Lane *pushed, Pair torque)
 {
-    Pair back = add_pair(sum(of->pull[i], phi + n, 0, n), sum(of->rotors->sine[i], pushed + n - 1, 1, n));
+    Pair back = add_pair(sum(series_along(of->pull, i), phi + n, 0, n), sum(series_along(of->rotors->sine, i), pushed + n - 1, 1, n));
     return add_pair(torque, multiply_pair(twice(of->rotors->of[i].unbalance), back));
 }
 
 /* Coefficient n + 1 of the disturbed q without s_0 dw_(n+1). */
 static Pair tail_of(const TaylorTangent *of, int i, int n, const Lane *phi, const Lane *w, Real inverse)
 {
-    const Real *turning = of->turning[i];
+    const Real *turning = series_along(of->turning, i);
     Pair total = add_product(make_pair(0, 0), twice(turning[0]), multiply_pair(load_pair(w[n]), twice(inverse)));
     int k;
     for (k = 1; k <= n + 1; k++)
         total = add_product(total, twice(turning[k]), load_pair(phi[n + 1 - k]));
-    return add_pair(total, sum(of->rotors->sine[i], w + n, 1, n + 1));
+    return add_pair(total, sum(series_along(of->rotors->sine, i), w + n, 1, n + 1));
 }
 
 static void turn_group(const Run *r, Lane *series, int g, int n, const Lane *F, Lane *acceleration, Lane *pushed)
@@ -76,7 +76,7 @@ static void turn_group(const Run *r, Lane *series, int g, int n, const Lane *F, 
         store_pair(of->torques[i], torque);
         pulled = multiply_pair(twice(n + 1), tail_of(of, i, n, phi, w, r->taylor.inverse[n + 1]));
         force = add_product(force, twice(one->unbalance), pulled);
-        pulled = multiply_pair(twice(one->unbalance * o->sine[i][0]), torque);
+        pulled = multiply_pair(twice(one->unbalance * *series_along(o->sine, i)), torque);
         force = add_pair(force, make_pair(first_of_pair(pulled) / one->inertia, second_of_pair(pulled) / one->inertia));
     }
     if (leader < r->bodies)
@@ -88,7 +88,7 @@ static void turn_group(const Run *r, Lane *series, int g, int n, const Lane *F, 
         Pair turned;
         if (r->mode->leader[one->on] != leader)
             continue;
-        turned = add_product(load_pair(of->torques[i]), twice(one->unbalance * o->sine[i][0]), a);
+        turned = add_product(load_pair(of->torques[i]), twice(one->unbalance * *series_along(o->sine, i)), a);
         store_pair(acceleration[one->column], make_pair(first_of_pair(turned) / one->inertia, second_of_pair(turned) / one->inertia));
     }
 }

@@ -67,14 +67,14 @@ static void prepare_at(Run *r, Real t)
     Taylor flow = r->taylor;
     Rotors rotors = r->rotors;
     Real t0 = r->t0;
-#ifdef LIMBS
+#ifdef FIXED_SERIES
     const Scales<SERIES> scales = r->mode->scales;
 #endif
     flow_state(r, t, &r->scratch);
     r->taylor = of->spare;
     r->rotors = of->spare_rotors;
     taylor_look(r, &r->scratch);
-#ifdef LIMBS
+#ifdef FIXED_SERIES
     r->mode->scales = scales; /* the motion is that without disturbances */
 #endif
     prepare_here(r);
@@ -235,7 +235,7 @@ static Pair disturbed(const Run *r, Lane *series, int k, int n)
     int j, i;
     for (j = slopes->first[k]; j < slopes->first[k + 1]; j++) {
         const FormulaSlope *one = &slopes->all[j];
-        const Real *slope = r->tangent->taylor.along->series[slopes->tape.outputs[one->output]];
+        const Real *slope = series_along(r->tangent->taylor.along->series, slopes->tape.outputs[one->output]);
         const Lane *of;
         switch (one->kind) {
         case BY_PLACE: of = component(series, one->column) + n; break;
