@@ -17,7 +17,7 @@ PyObject *run_look(RunObject *self, PyObject *args)
         PyErr_SetString(PyExc_ValueError, "cannot look there");
     } else if (!PyErr_Occurred() && read_state(r, &v, &r->scratch) == 0) {
         r->mode = r->modes[mode];
-#ifdef LIMBS
+#ifdef FIXED_SERIES
         r->mode->scales.most = 0; /* what was looked at before has no say */
 #endif
         taylor_look(r, &r->scratch);
@@ -91,6 +91,6 @@ PyObject *run_formulas(RunObject *self, PyObject *none)
     tape = &r->mode->tape;
     list = PyList_New(tape->output_count);
     for (k = 0; list && k < tape->output_count; k++)
-        PyList_SET_ITEM(list, k, number_object(r->taylor.tapes.series[tape->outputs[k]][0]));
+        PyList_SET_ITEM(list, k, number_object(series_along(r->taylor.tapes.series, tape->outputs[k])[0]));
     return list;
 }
