@@ -51,7 +51,8 @@ static const Event *event_of(RunObject *self, int event, int count)
 
 PyObject *run_derivatives(RunObject *self, PyObject *args)
 {
-    Real series[SERIES], factorial = 1.0;
+    Series series;
+    Real factorial = 1.0;
     const Event *e;
     int event, count, n;
     if (!PyArg_ParseTuple(args, "ii", &event, &count) || (e = event_of(self, event, count)) == NULL)
@@ -66,7 +67,8 @@ PyObject *run_derivatives(RunObject *self, PyObject *args)
 
 PyObject *run_bounds(RunObject *self, PyObject *args)
 {
-    Real bounds[SERIES], span;
+    Series bounds;
+    Real span;
     const Event *e;
     int event, count, exact, summed;
     if (!PyArg_ParseTuple(args, "iippO&", &event, &count, &exact, &summed, number_from, &span) || (e = event_of(self, event, count)) == NULL)
@@ -91,6 +93,6 @@ PyObject *run_formulas(RunObject *self, PyObject *none)
     tape = &r->mode->tape;
     list = PyList_New(tape->output_count);
     for (k = 0; list && k < tape->output_count; k++)
-        PyList_SET_ITEM(list, k, number_object(series_along(r->taylor.tapes.series, tape->outputs[k])[0]));
+        PyList_SET_ITEM(list, k, number_object(*series_along(r->taylor.tapes.series, tape->outputs[k])));
     return list;
 }

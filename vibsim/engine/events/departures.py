@@ -70,11 +70,7 @@ class DerivativeSigns(Generic[N]):
 
     def with_sides(self, state: State[N], status: Status) -> Status:
         """The status with a side of each switch that its formulas read, where it has none yet."""
-        switches = self.switches
-        if switches is None:
-            return status
-        sides = status.switches or switches.none
-        return switches.completed(state, status, [i for i, side in enumerate(sides) if side is not None])
+        return status if self.switches is None else self.switches.with_sides(state, status)
 
     def event(self, rows: ModeRows[N], key: EventKey) -> Event[N]:
         return next(event for event in rows.events if event.key == key)

@@ -26,6 +26,7 @@ class RelativeMotion(Generic[N]):
 
     def __init__(self, scene: Scene[N], maker: RowMaker[N], kit: Kit[N]) -> None:
         self.scene, self.maker, self.kit = scene, maker, kit
+        self._base: tuple[N, tuple[N, N]] | None = None  # time that the base was asked for last, its motion
 
     def ends(self, part: Joined, state: State[N], of: str) -> tuple[N, N]:
         P, Q = self.maker.ends(part)
@@ -38,8 +39,9 @@ class RelativeMotion(Generic[N]):
 
     def base(self, state: State[N], of: str) -> N:
         """Displacement or velocity of the base."""
-        value, rate = base_motion(self.scene, self.kit, state.t)
-        return value if of == "x" else rate
+        if self._base is None or self._base[0] is not state.t:
+            self._base = state.t, base_motion(self.scene, self.kit, state.t)
+        return self._base[1][of != "x"]
 
     def base_rounding(self, columns: tuple[int, int], state: State[N]) -> tuple[N, N]:
         """Uncertainty by rounding of the base of a difference of two columns and of its rate: none of

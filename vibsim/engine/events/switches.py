@@ -15,7 +15,7 @@ from vibsim.engine.flows.tape import Inputs, TapeMaker, TapeValues
 from vibsim.engine.modes.formula_rows import FormulaRows
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import SWITCH, Event, Known
-from vibsim.engine.modes.status import BACKWARD, FORWARD, STICK, Status
+from vibsim.engine.modes.status import BACKWARD, FORWARD, STICK, Kept, Status
 from vibsim.physics.connections import event_parts
 from vibsim.physics.formulas import TIME, ZERO, Node, derivative, resolved, sub
 from vibsim.physics.numbers import Kit, N, abs
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 ROUNDING = 8  # of displacements and velocities at an event, in units of eps
 NO_JUMP = 2.0**-30  # of its size, below which two sides of a switch give one force
 LATE = 64  # units of the time, within which a kink of the base is where it was found to be
+MOST_STATUSES = 1000  # whose sides are kept
 MOST_TURNS = 64  # of switches that turn at one instant
 
 
@@ -38,6 +39,7 @@ class SwitchSides(Generic[N]):
         assert maker.formulas is not None
         self.rows: FormulaRows[N] = maker.formulas
         self.none = (None,) * len(self.rows.switches)
+        self._with_sides = Kept[Status, Status](MOST_STATUSES)
         names = event_parts(scene)
         self.part_of = [
             names.index(owner) for owner in self.rows.owners
@@ -76,7 +78,7 @@ class SwitchSides(Generic[N]):
         rows, old = self.rows, status.switches or self.none
         if not rows.switches:
             return status._replace(switches=())
-        at, blur = self.inputs(state, before)
+        read: tuple[Inputs[N], Inputs[N]] | None = None
         decided: dict[int, int] = {}
         sides: dict[Node, int] = {}
         for node in rows.awake(status, sides):
@@ -87,13 +89,26 @@ class SwitchSides(Generic[N]):
             if i not in decided and rows.is_above(node, status):
                 decided[i] = sign
             if i not in decided:
-                values = rows.guard_values(node, sides, at, blur)
+                read = read or self.inputs(state, before)
+                values = rows.guard_values(node, sides, *read)
                 side, unsure = self._side(node, values, None if was is None else sign * was)
                 decided[i] = sign * side
                 if unsure and open_ones is not None:
                     open_ones.append(i)
             sides[node] = sign * decided[i]
         return status._replace(switches=tuple(decided.get(i) for i in range(len(rows.switches))))
+
+    def with_sides(self, state: State[N], status: Status) -> Status:
+        """The status with a side of each switch that its formulas read, where it has none yet."""
+        known = self._with_sides.get(status)
+        if known is not None:
+            return known
+        sides = status.switches or self.none
+        there = [i for i, side in enumerate(sides) if side is not None]
+        completed = self.completed(state, status, there)
+        if all(side is None or i in there for i, side in enumerate(completed.switches)):
+            self._with_sides.keep(status, completed)  # whatever the state
+        return completed
 
     def _side(self, node: Node, values: list[N], before: int | None) -> tuple[int, bool]:
         """The side of a switch by the value of its argument, and whether rounding leaves it open."""

@@ -215,6 +215,8 @@ class RowMaker(Generic[N]):
     def _drifts(self, groups: Groups, stuck: Sequence[Tie]) -> list[N]:
         """Velocity of each column against its leader: belts between them."""
         drift = [self.zero] * (self.n + 2)
+        if not any(friction.belt for friction in self.scene.frictions):
+            return drift
         for i, one, other, sign in self._walk(groups, stuck):
             belt = self.belt(i)
             drift[other] = drift[one] + belt if sign > 0 else drift[one] - belt

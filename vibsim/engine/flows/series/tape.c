@@ -116,7 +116,8 @@ static Real slope_of(const Op *op, Real a, Real value, const Real *values)
     }
 }
 
-Real tape_bound(const Op *op, Real result, const Real *values, const Real *bounds)
+/* What the rounding of its operands and its own make of the result of an operation, to first order. */
+INLINE Real bound_of(const Op *op, Real result, const Real *values, const Real *bounds)
 {
     Real value = fabs(result), a = fabs(values[op->a]), lost = bounds[op->a], b;
     switch (op->code) {
@@ -130,6 +131,11 @@ Real tape_bound(const Op *op, Real result, const Real *values, const Real *bound
         return quotient(lost + value * bounds[op->b], b) + EPS * value;
     default: return slope_of(op, a, value, values) * lost + ULPS * EPS * value;
     }
+}
+
+Real tape_bound(const Op *op, Real result, const Real *values, const Real *bounds)
+{
+    return bound_of(op, result, values, bounds);
 }
 
 Real tape_value(const Tape *tape, const TapeInputs *at, int i, const Real *values)
@@ -155,7 +161,7 @@ void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blu
         else if (op->code <= OP_SPIN)
             bounds[i] = fabs(input_value(op, blur));
         else
-            bounds[i] = tape_bound(op, values[i], values, bounds);
+            bounds[i] = bound_of(op, values[i], values, bounds);
     }
 }
 

@@ -73,8 +73,10 @@ static void start_base(Bounds *b)
     const Run *r = b->r;
     const Taylor *f = &r->taylor;
     const int count = b->highest + 2, columns = r->columns, base = r->bodies + 1;
-    Real moved[SERIES + 2] = {0.0};
+    Series moved;
     int i, n;
+    for (n = 0; n < count; n++)
+        moved[n] = 0.0;
     for (i = 0; i < r->base_count; i++)
         add_harmonic(&r->base[i], r->t0, count, moved, 1);
     if (r->mode->base_values.op_count > 0) {
@@ -125,7 +127,9 @@ static void start(Bounds *b, Real span)
     b->late = b->exact ? (Real)0.0 : ONCE * fabs(r->t0);
     for (i = 0; i < r->force_count; i++) {
         const Force *force = &r->forces[i];
-        Real errors[SERIES] = {0.0};
+        Series errors;
+        for (k = 0; k < n; k++)
+            errors[k] = 0.0;
         for (k = 0; k < force->count; k++)
             add_harmonic(&force->terms[k], r->t0, n, errors, 1);
         for (k = 0; k < n; k++) {
@@ -134,6 +138,9 @@ static void start(Bounds *b, Real span)
         }
     }
 }
+
+/* Series of operation i of the tape. */
+static const Real *along(const Run *r, int i) { return series_along(r->taylor.tapes.series, i); }
 
 /* Add a force and its rounding to those on a group. */
 static void push(Bounds *b, int leader, Real value, Real lost)
@@ -170,21 +177,15 @@ static void push_coupling(Bounds *b, const Coupling *q, int n)
     push(b, q->to_Q, value, lost);
 }
 
-/* Series of operation i of the tape. */
-static const Real *tape_of(const Bounds *b, int i)
-{
-    return series_along(b->r->taylor.tapes.series, i);
-}
-
 /* Of the sum of a_i b_(n-i), or of i a_i b_(n-i), from i = `first` to `last`; a, b: places on the tape. */
 static Real of_products(const Bounds *b, int one, int other, int first, int last, int n, int weighted)
 {
-    const Real *first_of = tape_of(b, one), *second = tape_of(b, other);
+    const Real *of_one = along(b->r, one), *of_other = along(b->r, other);
     const int ops = b->r->mode->tape.op_count;
     Real total = 0.0;
     int i;
     for (i = first; i <= last; i++) {
-        const Real a = first_of[i], with = second[n - i];
+        const Real a = of_one[i], with = of_other[n - i];
         const Real size = PRODUCT * fabs(a * with);
         const Real lost = b->tape[i * ops + one] * fabs(with) + fabs(a) * b->tape[(n - i) * ops + other] + size;
         total = total + (weighted ? i * lost : lost);
@@ -198,8 +199,7 @@ static Real of_following(const Bounds *b, int i, int n)
     const Tape *tape = &b->r->mode->tape;
     const Op *op = &tape->ops[i];
     const int ops = tape->op_count, with = op->code == OP_LOG ? op->a : op->b;
-    const Real *own = tape_of(b, i), *a = tape_of(b, op->a), *lost = b->tape + op->a;
-    const Real inverse = b->r->taylor.inverse[n], y = fabs(own[n]);
+    const Real *a = along(b->r, op->a), *own = along(b->r, i), *lost = b->tape + op->a, inverse = b->r->taylor.inverse[n], y = fabs(own[n]);
     Real total = 0.0;
     int k;
     switch (op->code) {
@@ -229,7 +229,7 @@ static Real of_following(const Bounds *b, int i, int n)
             total = total + of_products(b, with, i, 1, n, n, 0);
         else
             total = total + of_products(b, i, with, 1, n - 1, n, 1) * inverse;
-        return quotient(total, fabs(tape_of(b, with)[0]));
+        return quotient(total, fabs(*along(b->r, with)));
     }
 }
 
@@ -347,7 +347,7 @@ static void advance(Bounds *b, int n)
         advance_tape(b, n);
     for (i = 0; i < m->formula_count; i++) {
         const FormulaForce *one = &m->formulas[i];
-        const Real value = one->sign * tape_of(b, one->place)[n], lost = b->tape[n * m->tape.op_count + one->place];
+        const Real value = one->sign * along(r, one->place)[n], lost = b->tape[n * m->tape.op_count + one->place];
         push(b, one->to_P, value, lost);
         if (one->to_Q >= 0)
             push(b, one->to_Q, -value, lost);
@@ -406,10 +406,11 @@ static Real of_term(const Bounds *b, const Term *t, Real value, int n)
 static void of_event(const Bounds *b, const Event *e, int count, int summed, Real *out)
 {
     const Run *r = b->r;
-    Real values[SERIES], total[SERIES] = {0.0}, factorial = 1.0;
+    Series values, total;
+    Real factorial = 1.0;
     int i, n;
     for (n = 0; n <= count; n++)
-        out[n] = 0.0;
+        out[n] = total[n] = 0.0;
     for (i = 0; i < e->terms; i++) {
         const Term *t = &r->mode->terms[e->first + i];
         taylor_term(r, t, values);
@@ -450,7 +451,7 @@ int taylor_bounds(const Run *r, const Event *e, int count, int exact, int summed
     b.values = b.by_speed + columns;
     b.twist = b.values + ops;
     for (i = 0; i < ops; i++)
-        b.values[i] = series_along(r->taylor.tapes.series, i)[0];
+        b.values[i] = *along(r, i);
     start(&b, span);
     for (n = 0; n < b.highest; n++)
         advance(&b, n);
