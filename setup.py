@@ -1,8 +1,9 @@
 """Builds the optional engines in C and names the packages; everything else is declared in pyproject.toml.
 
 The same sources make `_engine`, in C on doubles, and for runs of many digits `_engine_2`, `_engine_3` and
-`_engine_4`, in C++ on numbers of so many words (`vibsim/engine/numbers/`), where the compiler has whole
-numbers of 128 bits.
+`_engine_4`, in C++ on numbers of so many words (`vibsim/engine/numbers/`), and `_engine_words` on as many
+words as a run needs. These need whole numbers of 128 bits, which the compiler of Windows has not: there the
+package `ziglang` makes them.
 
 Where no compiler answers, the one of the package `ziglang` is taken, which pip fetches for the build
 (`build_backend.py`). Without that one too, or where VIBSIM_BUILD=python asks for it, the engines are left out
@@ -22,7 +23,7 @@ from glob import glob
 from setuptools import Extension, find_packages, setup
 from setuptools.command.build_ext import build_ext
 
-from build_backend import build_with_zig, compiler_answers, zig
+from build_backend import WINDOWS, build_with_zig, compiler_answers, zig
 
 ROOM = "vibsim/engine"
 ROUNDING = ["-ffp-contract=off", "-fno-fast-math", "-fno-trapping-math"]
@@ -58,8 +59,8 @@ def engine(name, files, flags, **more):
     )
 
 
-engines = [engine("_engine", sources, MSVC_FLAGS if os.name == "nt" else GCC_FLAGS + EXTRA[kind])]
-if os.name != "nt":
+engines = [engine("_engine", sources, MSVC_FLAGS if WINDOWS else GCC_FLAGS + EXTRA[kind])]
+if not WINDOWS or zig():
     of_words = [
         *(file for file in sources if file not in ONLY_DOUBLES),
         *sorted(glob(f"{ROOM}/numbers/*.cpp")),
@@ -94,9 +95,9 @@ class BuildApart(build_ext):
         self.parallel = self.parallel or True
 
     def run(self):
-        answers = compiler_answers()
-        self.zig = None if answers else zig()
-        if answers or self.zig:
+        self.answers = compiler_answers()
+        self.zig = zig() if WINDOWS or not self.answers else None
+        if self.answers or self.zig:
             super().run()
         elif kind:
             raise SystemExit(NO_COMPILER)
@@ -109,8 +110,8 @@ class BuildApart(build_ext):
         if ext.define_macros:
             os.makedirs(apart.build_temp, exist_ok=True)
             ext.sources = [as_cpp(source, apart.build_temp) for source in ext.sources]
-        if self.zig:
-            if os.name == "nt":
+        if self.zig and (ext.define_macros or not self.answers):
+            if WINDOWS and not ext.define_macros:
                 ext.extra_compile_args = GCC_FLAGS + EXTRA[kind]
             build_with_zig(
                 self.zig, ext, self.get_ext_fullpath(ext.name), os.path.join(self.build_temp, "zig")
