@@ -24,7 +24,7 @@ SANITIZED := tests/engine tests/kernel tests/events tests/flows tests/tangent te
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 18
 
-env: $(STAMP) ## set up .venv with vibsim, its C engine and the development tools (VIBSIM_BUILD=python: without the C engine)
+env: $(STAMP) ## set up .venv with vibsim, its engine and the development tools
 
 $(STAMP): pyproject.toml setup.py build_backend.py $(ENGINE)
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)

@@ -1,8 +1,8 @@
 """Build backend of pip: setuptools, and the search for a compiler, which `setup.py` shares.
 
-Where no compiler for C and C++ answers, the requirements of the build name `ziglang`, a package of some
-100 MB with a complete compiler (clang) for Linux, macOS and Windows. pip takes it from the package index
-for the build alone. VIBSIM_BUILD=python builds no engine in C and asks for no compiler.
+Where no compiler for C and C++ answers, and on Windows, whose own one has no whole numbers of 128 bits for
+runs of many digits, the requirements of the build name `ziglang`, a package of some 100 MB with a complete
+compiler (clang) for Linux, macOS and Windows. pip takes it from the package index for the build alone.
 """
 
 import os
@@ -27,6 +27,7 @@ prepare_metadata_for_build_wheel = build_meta.prepare_metadata_for_build_wheel
 prepare_metadata_for_build_editable = build_meta.prepare_metadata_for_build_editable
 
 COMPILER_PACKAGE = "ziglang>=0.14"
+WINDOWS = os.name == "nt"
 # Processors of which the package has compilers, in the words of Python and of the compiler.
 ARCHITECTURES = {
     "x86_64": "x86_64",
@@ -57,15 +58,14 @@ def get_requires_for_build_editable(config_settings=None):
 
 def missing_compiler():
     """The package with a compiler as a list, empty where it is not needed or does not exist."""
-    needless = os.environ.get("VIBSIM_BUILD") == "python" or target() is None or compiler_answers()
-    return [] if needless else [COMPILER_PACKAGE]
+    return [] if target() is None or (compiler_answers() and not WINDOWS) else [COMPILER_PACKAGE]
 
 
 def compiler_answers():
     """Whether the compiler that setuptools would call (CC and CXX, where they are set) makes a shared library
     from C and, but on Windows, from C++20.
     """
-    names = [name for name in PROGRAMS if os.name != "nt" or name == "c.c"]
+    names = [name for name in PROGRAMS if not WINDOWS or name == "c.c"]
     with tempfile.TemporaryDirectory() as folder:
         try:
             for name in names:

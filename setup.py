@@ -1,13 +1,14 @@
-"""Builds the optional engines in C and names the packages; everything else is declared in pyproject.toml.
+"""Builds the engines in C and names the packages; everything else is declared in pyproject.toml.
 
 The same sources make `_engine`, in C on doubles, and for runs of many digits `_engine_2`, `_engine_3` and
-`_engine_4`, in C++ on numbers of so many words (`vibsim/engine/numbers/`), where the compiler has whole
-numbers of 128 bits.
+`_engine_4`, in C++ on numbers of so many words (`vibsim/engine/numbers/`), and `_engine_words` on as many
+words as a run needs. These need whole numbers of 128 bits, which the compiler of Windows has not: there the
+package `ziglang` makes them.
 
 Where no compiler answers, the one of the package `ziglang` is taken, which pip fetches for the build
-(`build_backend.py`). Without that one too, or where VIBSIM_BUILD=python asks for it, the engines are left out
-(`optional=True`) and vibsim runs on its Python engine.
-`-ffp-contract=off` keeps every product and sum rounded by itself, so that both engines agree bit for bit;
+(`build_backend.py`). Without that one too the build ends with an error. Only the engines on words are optional:
+without them there are no runs of many digits.
+`-ffp-contract=off` keeps every product and sum rounded by itself, so that bits are the same everywhere;
 `-fno-trapping-math` says that no operation stops the program, so that loops become vectors: values stay.
 `-fvisibility=hidden` lets files of the engine call each other without a table: only its module is seen.
 VIBSIM_BUILD=strict takes warnings for errors, =sanitize watches addresses and undefined behaviour (`make
@@ -16,13 +17,12 @@ sanitize`), =coverage counts lines (`make coverage`); all fail where the engine 
 
 import copy
 import os
-import sys
 from glob import glob
 
 from setuptools import Extension, find_packages, setup
 from setuptools.command.build_ext import build_ext
 
-from build_backend import build_with_zig, compiler_answers, zig
+from build_backend import WINDOWS, build_with_zig, compiler_answers, zig
 
 ROOM = "vibsim/engine"
 ROUNDING = ["-ffp-contract=off", "-fno-fast-math", "-fno-trapping-math"]
@@ -35,7 +35,7 @@ MSVC_FLAGS = ["/O2", "/fp:strict", "/std:c11"]  # C99's restrict is C11's to it
 STRICT = ["-Wextra", "-Werror"]
 SANITIZED = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 COUNTED = ["-O0", "-g", "--coverage"]
-EXTRA = {"": [], "python": [], "strict": STRICT, "sanitize": STRICT + SANITIZED, "coverage": COUNTED}
+EXTRA = {"": [], "strict": STRICT, "sanitize": STRICT + SANITIZED, "coverage": COUNTED}
 
 kind = os.environ.get("VIBSIM_BUILD", "")
 headers = sorted(glob(f"{ROOM}/**/*.h", recursive=True))
@@ -53,13 +53,13 @@ def engine(name, files, flags, **more):
         include_dirs=sorted({os.path.dirname(header) for header in headers}),
         extra_compile_args=flags,
         extra_link_args=[flag for flag in EXTRA[kind] if flag.startswith(("-fsanitize", "--coverage"))],
-        optional=not kind,
+        optional=name != "_engine" and not kind,
         **more,
     )
 
 
-engines = [engine("_engine", sources, MSVC_FLAGS if os.name == "nt" else GCC_FLAGS + EXTRA[kind])]
-if os.name != "nt":
+engines = [engine("_engine", sources, MSVC_FLAGS if WINDOWS else GCC_FLAGS + EXTRA[kind])]
+if not WINDOWS or zig():
     of_words = [
         *(file for file in sources if file not in ONLY_DOUBLES),
         *sorted(glob(f"{ROOM}/numbers/*.cpp")),
@@ -70,10 +70,7 @@ if os.name != "nt":
     ]
     by_run = [("LIMBS", str(MOST_WORDS + 1)), ("WORDS_BY_RUN", "1")]
     engines += [engine("_engine_words", of_words, CPP_FLAGS + EXTRA[kind], define_macros=by_run)]
-NO_COMPILER = (
-    "vibsim: no C compiler answers here. Install one, or its package: python -m pip install ziglang. "
-    "VIBSIM_BUILD=python asks for no compiler: the Python engine alone, some 100 times slower"
-)
+NO_COMPILER = "vibsim: no C compiler answers here. Install one, or its package: python -m pip install ziglang"
 
 
 def as_cpp(source, room):
@@ -94,14 +91,11 @@ class BuildApart(build_ext):
         self.parallel = self.parallel or True
 
     def run(self):
-        answers = compiler_answers()
-        self.zig = None if answers else zig()
-        if answers or self.zig:
-            super().run()
-        elif kind:
+        self.answers = compiler_answers()
+        self.zig = zig() if WINDOWS or not self.answers else None
+        if not self.answers and not self.zig:
             raise SystemExit(NO_COMPILER)
-        else:
-            print(NO_COMPILER, file=sys.stderr)
+        super().run()
 
     def build_extension(self, ext):
         apart, ext = copy.copy(self), copy.copy(ext)
@@ -109,8 +103,8 @@ class BuildApart(build_ext):
         if ext.define_macros:
             os.makedirs(apart.build_temp, exist_ok=True)
             ext.sources = [as_cpp(source, apart.build_temp) for source in ext.sources]
-        if self.zig:
-            if os.name == "nt":
+        if self.zig and (ext.define_macros or not self.answers):
+            if WINDOWS and not ext.define_macros:
                 ext.extra_compile_args = GCC_FLAGS + EXTRA[kind]
             build_with_zig(
                 self.zig, ext, self.get_ext_fullpath(ext.name), os.path.join(self.build_temp, "zig")
@@ -122,6 +116,6 @@ class BuildApart(build_ext):
 setup(
     packages=[*find_packages(include=["vibsim", "vibsim.*"]), "vibsim.shipped_cases"],
     package_dir={"vibsim": "vibsim", "vibsim.shipped_cases": "cases"},
-    ext_modules=[] if kind == "python" else engines,
+    ext_modules=engines,
     cmdclass={"build_ext": BuildApart},
 )

@@ -22,6 +22,7 @@ from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError
 from vibsim.engine.number_forms import SPARE_BITS, WORD, WORDS, WordsForm, digits_in_c, is_built, words_form
 from vibsim.engine.truth import open_truth
+from vibsim.physics.parts import GROUND, Body, Link, Scene
 from vibsim.physics.precision import number_kit
 
 flint = pytest.importorskip("flint")
@@ -182,6 +183,23 @@ def test_runs_have_the_digits_of_finer_ones(name, few, many):
         for a, b in zip(coarser[1][column], finer[1][column], strict=True):
             off = abs(Decimal(a.decode()) - Decimal(b.decode()))
             assert off <= max(abs(Decimal(b.decode())), Decimal("1e-6")) * Decimal(10) ** (4 - few), column
+
+
+@pytest.mark.parametrize(
+    ("digits", "method"), [(100, "taylor"), (300, "closed_form"), (300, "taylor"), (1000, "closed_form")]
+)
+def test_a_free_vibration_is_that_of_its_formula(digits, method):
+    """x = e^(-a t) (cos w t + a / w sin w t), w^2 = k - a^2, of a unit mass."""
+    a, k, end = 0.125, 2.0, 1.5
+    scene = Scene((Body("m", 1.0, 1.0, 0.0),), (Link("k", 0, GROUND, k, 2 * a),), t_end=end, method=method)
+    _, at_events, _ = told(exact_parts(scene), digits)
+    flint.ctx.prec = 4000
+    w = flint.arb(k - a * a).sqrt()
+    decay, (sine, cosine) = flint.arb(-a * end).exp(), (w * end).sin_cos()
+    x, v = decay * (cosine + a / w * sine), -decay * k / w * sine
+    for name, exact in (("x_m", x), ("v_m", v)):
+        off = abs(flint.arb(at_events[name][-1].decode()) / exact - 1)
+        assert off < flint.arb(10) ** (2 - digits), name
 
 
 @pytest.mark.parametrize("words", (*WORDS, 5, 53))

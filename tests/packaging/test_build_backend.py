@@ -30,6 +30,9 @@ def test_a_compiler_is_asked_for_where_none_answers(backend, monkeypatch, wanted
     for answers, more in ((True, []), (False, [backend.COMPILER_PACKAGE])):
         monkeypatch.setattr(backend, "compiler_answers", lambda answers=answers: answers)
         assert getattr(backend, wanted)() == ["another", *more]
+    monkeypatch.setattr(backend, "WINDOWS", True)  # whose own compiler makes the engine on doubles alone
+    monkeypatch.setattr(backend, "compiler_answers", lambda: True)
+    assert getattr(backend, wanted)() == ["another", backend.COMPILER_PACKAGE]
 
 
 def test_none_is_asked_for_where_the_package_has_none(backend, monkeypatch):

@@ -59,51 +59,67 @@ typedef struct {
     Real first, second;
 } Pair;
 
-static inline Pair make_pair(Real first, Real second)
+#ifdef WORDS_BY_RUN /* copies of numbers take as long as sums of theirs */
+typedef const Pair &PairIn;
+typedef const Real &RealIn;
+
+static inline PairIn load_pair(const Real *p)
 {
-    Pair pair;
-    pair.first = first;
-    pair.second = second;
-    return pair;
+    return *(const Pair *)p;
 }
+#else
+typedef Pair PairIn;
+typedef Real RealIn;
 
 static inline Pair load_pair(const Real *p)
 {
-    return make_pair(p[0], p[1]);
+    Pair pair = {p[0], p[1]};
+    return pair;
+}
+#endif
+
+static inline Pair make_pair(RealIn first, RealIn second)
+{
+    Pair pair = {first, second};
+    return pair;
 }
 
-static inline void store_pair(Real *p, Pair pair)
+static inline void store_pair(Real *p, PairIn pair)
 {
     p[0] = pair.first;
     p[1] = pair.second;
 }
 
-static inline Pair add_product(Pair sum, Pair a, Pair b)
+static inline Pair add_product(PairIn sum, PairIn a, PairIn b)
 {
-    return make_pair(sum.first + a.first * b.first, sum.second + a.second * b.second);
+    Pair pair = {sum.first + a.first * b.first, sum.second + a.second * b.second};
+    return pair;
 }
 
-static inline Pair add_pair(Pair a, Pair b)
+static inline Pair add_pair(PairIn a, PairIn b)
 {
-    return make_pair(a.first + b.first, a.second + b.second);
+    Pair pair = {a.first + b.first, a.second + b.second};
+    return pair;
 }
 
-static inline Pair subtract_pair(Pair a, Pair b)
+static inline Pair subtract_pair(PairIn a, PairIn b)
 {
-    return make_pair(a.first - b.first, a.second - b.second);
+    Pair pair = {a.first - b.first, a.second - b.second};
+    return pair;
 }
 
-static inline Pair multiply_pair(Pair a, Pair b)
+static inline Pair multiply_pair(PairIn a, PairIn b)
 {
-    return make_pair(a.first * b.first, a.second * b.second);
+    Pair pair = {a.first * b.first, a.second * b.second};
+    return pair;
 }
 
-static inline Real first_of_pair(Pair pair)
+static inline Real first_of_pair(PairIn pair)
 {
     return pair.first;
 }
 
-static inline Real second_of_pair(Pair pair)
+static inline Real second_of_pair(PairIn pair)
 {
     return pair.second;
 }

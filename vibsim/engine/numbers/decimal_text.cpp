@@ -2,8 +2,9 @@
 #ifndef __clang__
 #pragma GCC optimize("O2") /* of every number that a run writes */
 #endif
-#include "real.h"
 #include "words.h"
+
+#include "real.h"
 
 enum { FIVES = 27, MOST_FIVES = MOST_DECIMALS + 265, ROOM = LIMBS + 2 + MOST_FIVES / FIVES, PART = 19 }; /* 5^27 and 10^19 go into a word */
 

@@ -2,6 +2,8 @@
 #ifndef __clang__
 #pragma GCC optimize("O2") /* few loops, of which most of the time of a run is made */
 #endif
+#include "limbs.h"
+
 #include "real.h"
 
 #ifdef FIXED_SERIES

@@ -7,6 +7,8 @@
 #ifdef WORDS_BY_RUN
 #include <stdlib.h>
 
+#include "limbs_functions.h"
+
 #include "elementary.h"
 #include "real.h"
 #include "words.h"

@@ -33,23 +33,40 @@ STEP uint64_t subtract_words(int count, uint64_t *total, const uint64_t *part)
     return under;
 }
 
-/* As below. */
+/* s += a b, of three words. */
+STEP void add_product(uint64_t *s, uint64_t a, uint64_t b)
+{
+#if defined(__x86_64__)
+    __asm__("mulq %4\n\taddq %%rax, %0\n\tadcq %%rdx, %1\n\tadcq $0, %2"
+            : "+r"(s[0]), "+r"(s[1]), "+r"(s[2]), "+a"(a)
+            : "rm"(b)
+            : "rdx", "cc");
+#else
+    const Wide product = (Wide)a * b;
+    const unsigned char over = __builtin_add_overflow(s[0], (uint64_t)product, &s[0]);
+    const Wide next = (product >> WORD) + s[1] + over;
+    s[1] = (uint64_t)next;
+    s[2] += (uint64_t)(next >> WORD);
+#endif
+}
+
+/* As below, column by column: word k of the product is w[k - words + 1]. */
 STEP void multiply_words(const uint64_t *a, const uint64_t *b, uint64_t *w)
 {
     const int words = WORDS;
-    w[0] = 0;
-    for (int i = 0; i < words; i++) { /* word k of the product is w[k - words + 1] */
-        int j = words - 2 - i;
-        uint64_t over = 0;
-        if (j >= 0)
-            over = (uint64_t)((Wide)a[i] * b[j] >> WORD);
-        for (j = j < 0 ? 0 : j + 1; j < words; j++) {
-            const Wide product = (Wide)a[i] * b[j] + w[i + j - words + 1] + over;
-            w[i + j - words + 1] = (uint64_t)product;
-            over = (uint64_t)(product >> WORD);
-        }
-        w[i + 1] = over;
+    uint64_t s[3] = {0, 0, 0};
+    for (int k = words - 2; k < 2 * words - 1; k++) {
+        const int first = k < words ? 0 : k - words + 1, last = k < words ? k : words - 1;
+        const uint64_t *back = b + k;
+        _Pragma("GCC unroll 4") for (int i = first; i <= last; i++)
+            add_product(s, a[i], back[-i]);
+        if (k >= words - 1)
+            w[k - words + 1] = s[0];
+        s[0] = s[1];
+        s[1] = s[2];
+        s[2] = 0;
     }
+    w[words] = s[0];
 }
 #else
 #define ADD_WORDS(count, total, part) add_words<count>(total, part)
