@@ -146,10 +146,10 @@ class CRun:
         if not carries:
             self._begin(*(resume or self._begun(start_of(scene, self.kit))))
 
-    def restart(self, scene: Scene) -> None:
+    def begin_anew(self, scene: Scene) -> None:
         """Begin anew, from the start of a scene that differs in that alone."""
         if scene.rigid_stops:  # whose automaton sums up what the ends of sequences of impacts leave out
-            self.__dict__.pop("automaton", None)
+            vars(self).pop("automaton", None)
         self.scene = scene
         self.run.rewind(self.form.handed(scene.t_end))
         self._begin(*self._begun(start_of(scene, self.kit)))

@@ -42,7 +42,7 @@ class CTrajectory(Trajectory[float]):
     def restart(self, scene: Scene) -> None:
         """Begin anew from the start of another scene, see `Trajectory.restart`."""
         self.scene, self.point = scene, None
-        self.run.restart(scene)
+        self.run.begin_anew(scene)
 
     def pause_at(self, time: float) -> None:
         """Have the block end with which the run reaches a time [s]."""

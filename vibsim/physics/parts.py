@@ -274,7 +274,7 @@ class Motor(Generic[N]):
     phidot: N
 
     @property
-    def constants(self) -> tuple[N, ...]:
+    def constants(self) -> tuple[Any, ...]:
         """All but its start."""
         return self.on, self.m3, self.e, self.J, self.M0, self.Omega0
 

@@ -46,7 +46,7 @@ class EarlyEnd(Protocol):
     stages : ascending times [s], the last one the end of the transient, at which it is asked
     """
 
-    stages: Sequence[float]
+    stages: list[float]
 
     def take(self, block: Block) -> None:
         """Take the next block, which may reach beyond the next stage."""
@@ -144,9 +144,10 @@ class MeasuredRun:
     def _trajectory(self) -> Trajectory:
         """The run, not yet computed: the kept one where that can begin anew."""
         (settings, kept), _kept.run = getattr(_kept, "run", None) or (None, None), None
-        if kept is not None and settings == self._settings and kept.scene.same_but_for_start(self.scene):
-            kept.restart(self.scene)
-            return kept
+        trajectory: Trajectory | None = kept if settings == self._settings else None
+        if trajectory is not None and trajectory.scene.same_but_for_start(self.scene):
+            trajectory.restart(self.scene)
+            return trajectory
         ends, begin, watched = self._settings
         record_from = begin, 0.0 if watched else begin
         return open_trajectory(self.scene, section=True, extremes=(ends, begin), record_from=record_from)
@@ -159,7 +160,7 @@ class MeasuredRun:
         count = int(times.searchsorted(self.begin))
         count += count < len(times) and times[count] == self.begin
         if count:
-            self._instant = events, count - 1, () if self._instant is None else self.rows
+            self._instant = events, count - 1, self.rows or ()
         return count
 
     def _is_late(self, block: Block) -> bool:
@@ -170,6 +171,7 @@ class MeasuredRun:
 
     def _from(self, count: int, block: Block) -> Block:
         """The rest of a block behind so many events, in front of it the last of the transient as a start."""
+        assert self._instant is not None  # a run begins with an event
         events, at, _ = self._instant
         start = {name: column[at : at + 1] for name, column in events.items()}
         begun = {name: np.concatenate((column, block.events[name][count:])) for name, column in start.items()}

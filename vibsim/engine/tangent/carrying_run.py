@@ -74,7 +74,7 @@ class CarryingRun(CRun):
         """Renew what starts, disturbances and impacts are told by, where that has changed."""
         touching = before.stops is not scene.stops or before.frictions is not scene.frictions
         if touching:
-            self.__dict__.pop("plain", None)
+            vars(self).pop("plain", None)
         if self.packer and (touching or not plainly_weighed_alike(before, scene)):
             self.packer = self.packer.of(scene)
         if touching and scene.rigid_stops:
