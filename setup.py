@@ -6,8 +6,8 @@ words as a run needs. These need whole numbers of 128 bits, which the compiler o
 package `ziglang` makes them.
 
 Where no compiler answers, the one of the package `ziglang` is taken, which pip fetches for the build
-(`build_backend.py`). Without that one too the build ends with an error. Only the engines on words are optional:
-without them there are no runs of many digits.
+(`build_backend.py`). Without that one too the build ends with an error. Only the engines on words are
+optional: without them there are no runs of many digits.
 `-ffp-contract=off` keeps every product and sum rounded by itself, so that bits are the same everywhere;
 `-fno-trapping-math` says that no operation stops the program, so that loops become vectors: values stay.
 `-fvisibility=hidden` lets files of the engine call each other without a table: only its module is seen.
