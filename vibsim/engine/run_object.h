@@ -24,6 +24,7 @@ typedef struct {
 static inline PyObject *number_object(Real x)
 {
 #ifdef LIMBS
+    memset(x.m, 0, sizeof *x.m * (LIMBS - WORDS)); /* words that are not in use may hold anything */
     return PyBytes_FromStringAndSize((const char *)&x, sizeof x);
 #else
     return PyFloat_FromDouble(x);
