@@ -103,7 +103,7 @@ def test_the_order_of_points_and_the_number_of_workers_change_no_bit(basins):
     points = in_memory(plan)
     assert_same_points(points, result.table)
     for index in [(7, 7, 0), (0, 3, 0), (4, 4, 0)]:  # alone, the last first
-        alone = compute_point(plan.point_settings, index, plan.changes(index), None, "auto")
+        alone = compute_point(plan.point_settings, index, plan.changes(index), None)
         assert alone is not None
         np.testing.assert_array_equal(
             alone.arrays["attractor_state"], points.point(index).arrays["attractor_state"]

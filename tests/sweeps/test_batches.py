@@ -110,13 +110,13 @@ def test_a_carried_batch_is_the_points_one_by_one():
     while handed := backlog.batch(1):
         (_, piece), *_ = handed
         assert len(piece) == 1
-        points = compute_batch(plan.point_settings, (piece,), "c")
+        points = compute_batch(plan.point_settings, (piece,))
         one_by_one.add(points)
         backlog.take(handed, points)
     together = SweepStore(plan)
     piece = Chain(plan, together.table, indices).piece(len(indices))
     assert len(piece) == len(indices)
-    together.add(compute_batch(plan.point_settings, (piece,), "c"))
+    together.add(compute_batch(plan.point_settings, (piece,)))
     assert_same_points(together.table, one_by_one.table)
 
 
@@ -126,7 +126,7 @@ def test_a_failed_point_is_retried_alone_when_those_behind_it_hold():
     store, indices = SweepStore(plan), next(plan.chains())
     for index in indices:
         piece = Chain(plan, store.table, indices).piece(1)
-        (point,) = compute_batch(plan.point_settings, (piece,), "c")
+        (point,) = compute_batch(plan.point_settings, (piece,))
         failing = replace(point, status=FAILED, error="so it is", values={}, arrays={})
         store.add([failing if index == (1, 0) else point])
         if index == (1, 0):
@@ -135,7 +135,7 @@ def test_a_failed_point_is_retried_alone_when_those_behind_it_hold():
     assert [index for index, _ in retried.piece(10).points] == indices[1:]
     retried.take([store.table.point((1, 0))])  # it failed again
     rest = retried.piece(10)
-    store.add(compute_batch(plan.point_settings, (rest,), "c"))
+    store.add(compute_batch(plan.point_settings, (rest,)))
     again = Chain(plan, store.table, indices)
     assert [index for index, _ in again.piece(10).points] == [(1, 0)]
     again.take([store.table.point((1, 0))])

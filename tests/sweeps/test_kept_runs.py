@@ -52,9 +52,12 @@ def test_points_do_not_depend_on_those_before(name):
 
 def test_a_run_is_begun_anew_where_the_start_alone_differs(monkeypatch):
     opened = []
-    monkeypatch.setattr(
-        statistics, "open_trajectory", lambda *a, **k: opened.append(a) or open_trajectory(*a, **k)
-    )
+
+    def noted(scene, **wishes):
+        opened.append(scene)
+        return open_trajectory(scene, **wishes)
+
+    monkeypatch.setattr(statistics, "open_trajectory", noted)
     case = load_case("gallery/belt-oscillator", {"run.t_end": "4 s"})
     scenes = [case.with_start({"initial.block.x": x}).scene() for x in ("0.1 m", "0.2 m")]
     others = [case.with_values({"belt.mu_s": "1.1"}).scene(), case.scene().but(t_end=5.0)]

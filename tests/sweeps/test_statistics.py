@@ -23,7 +23,7 @@ def measured(scene, begin, every=None):
     """Statistics of a run of two blocks as a sweep takes them."""
     scene = sampled_for_statistics(scene.as_parts(), every)
     of = of_two_blocks(scene)
-    run, statistics = MeasuredRun(scene, of, begin, "auto"), Statistics(scene, of, begin)
+    run, statistics = MeasuredRun(scene, of, begin), Statistics(scene, of, begin)
     for block in run.blocks():
         statistics.update(block)
     return statistics, run
@@ -172,7 +172,7 @@ def test_run_that_stops_before_the_transient_ends_has_totals_only():
 
 def test_run_is_given_up_when_nobody_wants_it():
     scene = sampled_for_statistics(paper("II-B").as_parts())
-    run = MeasuredRun(scene, of_two_blocks(scene), 100.0, "auto", lambda: False)
+    run = MeasuredRun(scene, of_two_blocks(scene), 100.0, lambda: False)
     with pytest.raises(GivenUpError):
         list(run.blocks())
 

@@ -61,7 +61,7 @@ def case_named(name):
 def measured(case, *names, discard="50 %", section=10):
     """Values and arrays of one run by name."""
     settings = PointSettings(case, False, parse_discard(discard), section, None, names)
-    return measure(sampled_for_statistics(case.scene()), settings, "auto", None)
+    return measure(sampled_for_statistics(case.scene()), settings, None)
 
 
 def fine_run(case):
