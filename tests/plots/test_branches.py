@@ -209,7 +209,7 @@ def test_amplitudes_are_those_of_a_run(resonant):
 
 def test_branches_lie_over_a_sweep_of_their_values(captured):
     plan = make_plan(load_case("II-B"), [("Omega0", "5:6:0.5 Hz", "", ""), ("c", "0.01, 0.03", "", "")])
-    with LocalWorkers(plan.point_settings, 1, "auto") as workers:
+    with LocalWorkers(plan.point_settings, 1) as workers:
         swept, _ = complete(SweepStore(plan), workers, lambda table: False)
     sweep = Subject("sweep.h5", "II-B", "sweep", swept.plan.case, swept)
     groups = families(curves([sweep]))

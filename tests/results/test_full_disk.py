@@ -162,7 +162,7 @@ def test_a_killed_sweep(here, monkeypatch):
     case = vibsim.load_case("I-A", {"run.t_end": "5 s"})
     plan = make_plan(case, [("omega", "3:4:0.1", "Hz", "axes")], section=3)
     kill = Kill(here, 4)
-    with LocalWorkers(plan.point_settings, 1, "auto") as workers:
+    with LocalWorkers(plan.point_settings, 1) as workers:
         whole, _ = complete_sweep(
             SweepStore(plan, here / "s.h5"), workers, lambda table: kill(int((table.status == 1).sum()))
         )

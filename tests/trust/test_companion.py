@@ -47,7 +47,7 @@ def companions():
     made = []
 
     def start(scene):
-        made.append(Companion(scene, "c"))
+        made.append(Companion(scene))
         made[-1].start()
         return made[-1]
 
@@ -204,7 +204,7 @@ def test_of_a_third_run_that_takes_too_many_events_nothing_is_known():
     _, other = companion_of("I-B", run__t_end="100 s")
     events = len(run(other).events["t"])
     for most, known in ((events, True), (events - 1, False)):
-        third = LastSamples(other, "auto", 20_001, 16, most)
+        third = LastSamples(other, 20_001, 16, most)
         third.start()
         while (told := third.told(0.1)) is None:
             pass
