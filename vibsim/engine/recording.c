@@ -100,7 +100,7 @@ static void sample_at(Run *r, Buffers *b, const Real *times, int count)
 /* The state at the time from which samples are recorded, where this stretch is the first that reaches it. */
 void record_begin(Run *r)
 {
-    if (r->at_begin.t < 0 && r->pending_end >= r->samples_from)
+    if (r->at_begin.t < 0 && r->samples_from >= r->state.t && r->pending_end >= r->samples_from)
         flow_state(r, r->samples_from, &r->at_begin);
 }
 
