@@ -29,7 +29,7 @@ ROUNDING = ["-ffp-contract=off", "-fno-fast-math", "-fno-trapping-math"]
 SIMPLE = ["-fno-exceptions", "-fno-rtti", "-fno-threadsafe-statics", "-Wno-missing-field-initializers"]
 WORDS = (2, 3, 4)  # of the numbers of many digits
 MOST_WORDS = 53  # of 1000 digits and 20 bits beyond them
-CPP_FLAGS = ["-std=c++20", "-O1", "-g0", *SIMPLE, *ROUNDING, "-fvisibility=hidden", "-Wall"]
+CPP_FLAGS = ["-std=c++20", "-nostdinc++", "-O1", "-g0", *SIMPLE, *ROUNDING, "-fvisibility=hidden", "-Wall"]
 GCC_FLAGS = ["-std=c99", "-O3", *ROUNDING, "-fvisibility=hidden", "-Wall"]
 MSVC_FLAGS = ["/O2", "/fp:strict", "/std:c11"]  # C99's restrict is C11's to it
 STRICT = ["-Wextra", "-Werror"]

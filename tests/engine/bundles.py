@@ -7,7 +7,7 @@ from vibsim.engine.errors import start_of
 from vibsim.engine.tangent.carried import components_of
 from vibsim.engine.tangent.carried_digits import DigitsCarrier
 from vibsim.engine.tangent.monodromy import Carrier
-from vibsim.engine.tangent.tangent_space import TangentSpace, dimension
+from vibsim.engine.tangent.tangent_space import components, dimension, length, references, seats_of
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.engine.truth import bare
 from vibsim.physics.precision import number_kit
@@ -49,7 +49,7 @@ class InDigits:
         """A basis of the disturbances that the mode of the start allows."""
         run = self.carrier.run
         status, _ = run.automaton.initial(self.begin)
-        return TangentSpace(self.scene, self.kit, run.maker.rows(status)).inside
+        return possible(self.scene, self.kit, run.maker.rows(status))
 
     def carry(self, shift=None, vectors=()):
         """The motion from the start, shifted by SHIFT times a disturbance, with `vectors`."""
@@ -92,3 +92,23 @@ def assert_derivative(scene, doubles=None):
             assert apart < doubles * max(largest, 1.0)
         columns += 1
     return columns, kinds
+
+
+def possible(scene, kit, rows):
+    """Disturbances that span those of a mode: what rests on each other has one displacement, what sticks to
+    each other one velocity.
+    """
+    n, reference, inside = len(scene.bodies), references(scene), []
+
+    def vector(ones):
+        return [kit.number(1 if k in ones else 0) for k in range(length(scene))]
+
+    for leader, members in sorted(seats_of(scene, rows.status).members.items()):
+        bodies = {c for c in members if c < n}
+        if leader < n and not any(reference[c] == c for c in bodies):
+            inside.append(vector(bodies))
+    inside += [vector({k}) for k in components(scene) if k >= 2 * n]
+    for leader, members in sorted(rows.groups.members.items()):
+        if leader < n:
+            inside.append(vector({n + c for c in members if c < n}))
+    return inside
