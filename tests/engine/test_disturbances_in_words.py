@@ -20,7 +20,8 @@ from vibsim.engine.number_forms import WORDS, is_built
 from vibsim.engine.tangent.carried import components_of
 from vibsim.engine.tangent.carried_digits import DigitsCarrier
 from vibsim.engine.truth import bare
-from vibsim.orbits import orbit, orbit_digits
+from vibsim.orbits import orbit_digits
+from vibsim.orbits.search import orbit
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, RigidStop, Scene
 from vibsim.physics.precision import number_kit
 

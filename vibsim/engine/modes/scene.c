@@ -203,6 +203,12 @@ int scene_read(Run *r, Reader *in)
         }
     }
     r->work_at_once = WORK_AT_ONCE / (1.0 + (r->bodies + r->parts + r->harmonic_count) / 8);
+#ifdef WORDS_BY_RUN
+    {
+        const double more = (1 - unit_roundoff.exponent) / 300.0; /* order and words grow with the bits */
+        r->work_at_once /= 16 * more * more * more;
+    }
+#endif
     certificate_open(&r->certificate);
     taylor_set(r);
     return read_through(in);
