@@ -20,7 +20,7 @@ FRONT = {"__init__", "__main__"}  # modules of the package itself: above all roo
 DATA = "shipped_cases"  # a package without modules
 # What the evidence may use of the engine: ways of running it, and what a state is. How a mode is made and
 # moved is not for it: its independence is its worth.
-OF_ENGINE = {"blocks_ahead", "c_engine", "choice", "columns", "errors", "number_forms", "state"}
+OF_ENGINE = {"blocks_ahead", "c_engine", "columns", "errors", "number_forms", "state"}
 OF_ENGINE |= {"tangent.error_growth", "tangent.monodromy", "tangent.tangent_space"}
 OF_ENGINE |= {"trajectory", "truth", "_engine"}  # the last by name, to ask whether it is there
 # rooms of the engine -> rooms beside them that they may not import

@@ -10,10 +10,9 @@ from hypothesis import HealthCheck, given, settings
 from tests.random_scenes import scenes
 from tests.scenes import TABLE_1, fixed_block, paper
 from tests.trajectories import opened, run
-from vibsim.engine.choice import flow_of
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.tangent_space import dimension
-from vibsim.engine.trajectory import open_trajectory, state_at
+from vibsim.engine.trajectory import flow_of, open_trajectory, state_at
 from vibsim.physics.parts import EVENT_NAMES
 
 METHODS = ("closed_form", "taylor")

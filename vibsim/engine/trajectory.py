@@ -1,23 +1,29 @@
-"""Runs of scenes made of parts: one contract, two engines that agree bit for bit on doubles.
+"""Runs of scenes made of parts, in doubles.
 
-trajectory = open_trajectory(scene, engine="auto")
+trajectory = open_trajectory(scene)
 for block in trajectory.blocks(): ...
 trajectory.totals
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from math import nan
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.engine.blocks import Gap, Trajectory, Wishes
-from vibsim.engine.c_trajectory import CTrajectory
-from vibsim.engine.choice import check_method
+from vibsim.engine.blocks import Block, Gap, Trajectory, Wishes, by_name
+from vibsim.engine.errors import State
+from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.modes.ties import Edge
-from vibsim.engine.resume import Row, resume_point
+from vibsim.engine.resume import Point, Row, resume_point
 from vibsim.engine.tangent.tangent_space import dimension
+from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 def open_trajectory(
@@ -74,7 +80,7 @@ def open_trajectory(
         "record_from": record_from,
     }
     point = None if resume is None else resume_point(scene, resume)
-    return CTrajectory(scene, point, **wishes)
+    return DoublesTrajectory(scene, point, **wishes)
 
 
 def extremes_of(scene: Scene, ends: Sequence[Edge], since: float) -> tuple[list[Edge], list[Gap], float]:
@@ -103,3 +109,117 @@ def check_tangent(scene: Scene, tangent: int) -> None:
     """Raises ValueError where the scene has not so many directions."""
     if tangent and not 0 <= tangent <= dimension(scene):
         raise ValueError(f"tangent must be 0 to {dimension(scene)} for this scene, got {tangent}")
+
+
+class DoublesTrajectory(Trajectory[float]):
+    """A run in doubles; wishes: section, ledger and others of `CRun`."""
+
+    def __init__(self, scene: Scene, point: Point | None = None, **wishes: Unpack[Wishes]) -> None:
+        super().__init__(scene)
+        from vibsim.engine.c_engine import CRun
+
+        self.point = point
+        self.run = CRun(scene, point, **wishes)
+
+    @property
+    def extremes(self) -> tuple[list[float], list[float], list[float]]:
+        """Least and greatest of every pair so far, and the smallest gap of every stop that is watched."""
+        return self.run.run.extremes()
+
+    @property
+    def left_out(self) -> list[tuple[float, float]]:
+        """(time [s], distance [m] that ends of infinite sequences of impacts have left out from then on)."""
+        return self.run.automaton.rigid.chatter.cut_off.ends if self.scene.rigid_stops else []
+
+    def restart(self, scene: Scene) -> None:
+        """Begin anew from the start of another scene, see `Trajectory.restart`."""
+        self.scene, self.point = scene, None
+        self.run.begin_anew(scene)
+
+    def pause_at(self, time: float) -> None:
+        """Have the block end with which the run reaches a time [s]."""
+        self.run.run.pause_at(time)
+
+    @property
+    def at_begin(self) -> dict[str, np.ndarray]:
+        """Time and state from which samples are recorded, as columns of one."""
+        row = self.run.form.empty(3 + 2 * self.run.n, 1)
+        self.run.run.at_begin(row)
+        return by_name(self.timed_states, row)
+
+    def blocks(self) -> Iterator[Block]:
+        """Yield `Block`s until the run ends; raises EngineError when it fails."""
+        for rows in self.run.blocks():
+            yield self.block(*rows)
+
+    def stop(self) -> None:
+        """Have `blocks` end with what is computed, from any thread; at once where it decides what follows."""
+        self.run.stopped.set()
+
+    @property
+    def totals(self) -> dict[str, Any]:
+        """Counts and margins so far, and the ledgers and exponents where they are kept."""
+        tally = self.run.tally
+        totals = totals_of(
+            tally["counts"],
+            tally["certificate"],
+            (tally["steps"], tally["evaluations"]),
+            tally["first_violation"] if tally["violated_once"] else nan,
+        )
+        if self.run.integrals:
+            now = self.run.left_at or State(*tally["state"]), self.run.statuses[tally["mode"]]
+            where = self.run.first, now
+            totals |= ledger_totals(self.scene, Doubles, self.run.integrals.names, tally["entries"], *where)
+        if self.scene.rigid_stops:
+            cut = self.run.automaton.rigid.chatter.cut_off
+            totals |= rigid_totals(self.scene, tally["counts"], (cut.time, cut.speed, cut.distance))
+        if self.run.moving:
+            from vibsim.engine.tangent.tangencies import tangent_totals
+
+            _, _, margin, margin_time = tally["certificate"]
+            totals |= tangent_totals(self.scene, Doubles, self.run.disturbances, margin, margin_time)
+        return totals
+
+    def state_at(self, times: Iterable[float]) -> dict[str, np.ndarray]:
+        """States at ascending times [s] as columns; events on the way are taken."""
+        return self.columns_of(*self.run.states_at(list(times)))
+
+
+# By which flow a scene is run.
+
+
+METHODS = ("auto", "closed_form", "taylor")
+
+
+def check_method(scene: Scene) -> None:
+    """Raises ValueError for a method that there is not, and for closed_form with a motor, which has none."""
+    if scene.method not in METHODS:
+        raise ValueError(f"method must be one of {', '.join(METHODS)}, got {scene.method!r}")
+    if scene.method == "closed_form" and scene.has_motor:
+        raise ValueError("method closed_form needs an ideal source; with a motor use taylor or auto")
+
+
+def flow_of(scene: Scene) -> str:
+    """The flow of a run: "closed_form" or "taylor" where all modes take it, "auto" where each is asked.
+
+    Raises ValueError as `check_method` does.
+    """
+    check_method(scene)
+    if scene.has_motor or scene.rotors or scene.base_formula is not None or scene.method == "taylor":
+        return "taylor"
+    if scene.has_formulas:  # closed in the modes that read none, such as a flight between stops
+        acts = any(force.formula is not None for force in scene.forces) or any(
+            link.force is not None for link in scene.links
+        )
+        return "taylor" if acts else "auto"
+    return "closed_form" if _always_closed(scene) else "auto"
+
+
+def _always_closed(scene: Scene) -> bool:
+    """Whether every mode has a closed form: one body, or two that links and stops join to each other only,
+    without belts, which may stretch springs for ever, and without rigid stops, on which they hop.
+    """
+    if any(friction.belt for friction in scene.frictions) or scene.rigid_stops:
+        return False
+    joined = [{part.P, part.Q} for part in scene.links] + [{part.P, part.Q} for part in scene.stops]
+    return len(scene.bodies) == 1 or (len(scene.bodies) == 2 and all(ends == {0, 1} for ends in joined))

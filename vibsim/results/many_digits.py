@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from vibsim.engine.choice import flow_of
 from vibsim.engine.columns import state_columns
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.number_forms import digits_in_c
 from vibsim.engine.tangent.error_growth import error_growth, last_states
+from vibsim.engine.trajectory import flow_of
 from vibsim.engine.truth import open_truth
 from vibsim.physics.numbers import Number
 from vibsim.physics.parts import Scene

@@ -25,9 +25,8 @@ import numpy as np
 
 from vibsim.engine.blocks import Block, Trajectory
 from vibsim.engine.blocks_ahead import LONGEST, PATIENCE, Cores
-from vibsim.engine.choice import flow_of
 from vibsim.engine.errors import REASONS, EngineError
-from vibsim.engine.trajectory import open_trajectory
+from vibsim.engine.trajectory import flow_of, open_trajectory
 from vibsim.physics.elementary import FIRST_BITS, two_pi_bounds
 from vibsim.physics.formulas import Node, children
 from vibsim.physics.parts import Scene

@@ -14,9 +14,8 @@ import numpy as np
 
 from vibsim.engine.blocks import Block, Trajectory
 from vibsim.engine.blocks_ahead import BlocksAhead, Thinning, instants_per_sample, sampled_finer
-from vibsim.engine.choice import flow_of
 from vibsim.engine.errors import EngineError
-from vibsim.engine.trajectory import open_trajectory
+from vibsim.engine.trajectory import flow_of, open_trajectory
 from vibsim.physics.numbers import text_width
 from vibsim.results.columns import Distances, Tables, tables_of
 from vibsim.results.file_contents import Column, Dataset, origin, outcome

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from vibsim.cases import Case
-from vibsim.engine.choice import flow_of
+from vibsim.engine.trajectory import flow_of
 from vibsim.results.file_contents import (
     ENGINE,
     ENGINE_NAME,

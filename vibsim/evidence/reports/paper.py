@@ -34,8 +34,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases import Case, load_case
-from vibsim.engine.choice import flow_of
-from vibsim.engine.trajectory import open_trajectory
+from vibsim.engine.trajectory import flow_of, open_trajectory
 from vibsim.evidence.reports.claims import Claim, Finding, Numbers
 from vibsim.evidence.reports.figures import (
     FORMATS,
