@@ -7,8 +7,8 @@
 #include "certificate.h"
 #include "event_functions.h"
 
-#define EVENTS_AT_ONE_INSTANT 64
-#define MOST_STRETCHES 50000
+#define EVENTS_AT_ONE_INSTANT 64 /* more than that are an accumulation, which ends the run */
+#define MOST_STRETCHES 50000 /* that a run in doubles may take for PROGRESS of it */
 #define PROGRESS 0x1p-30 /* share of the run that so many stretches must bring it on: it would take 5e13 */
 /* Roundings of a time: what only bends so soon behind an event leaves its zeros known. A law that has a kink where a sliding velocity
  * is zero bends there once the friction has let go: that velocity is still zero then.
@@ -17,6 +17,7 @@
 #define KICK 0x1p-49 /* 16 unit round-offs of doubles: so far off a computed state may be (tests/flows/test_responses.py) */
 #define MEETING 0x1p-40 /* of a time: so near to an event its rounding may lie, and the motion before it goes on */
 
+/* Enter the mode of now by the flow that suits it: the closed form where the mode has one, else Taylor series. */
 static void flow_enter(Run *r, const State *state)
 {
     if (r->mode->modal != NULL)
@@ -79,6 +80,13 @@ static void kick(Run *r)
     s->w = kicked(r, s->w, fabs(s->w));
 }
 
+/* Go on from r->state in the mode of now, with the zeros in r->known.
+ *
+ * Short hops on a rigid stop are taken by Taylor series, which count depths from where the hop begins: the last ones of an
+ * infinite sequence of impacts are lower than the rounding of displacements, in which the closed form looks for the next impact.
+ * So are stretches at whose start more derivatives of an event function are zero than the closed form takes, as at the end of a
+ * chain whose other end is shaken.
+ */
 static void enter(Run *r)
 {
     const State *state = &r->state;
@@ -92,6 +100,7 @@ static void enter(Run *r)
         taylor_enter(r, state);
 }
 
+/* Go to the first event, to where the flow stops by itself, or to `limit`: the time, and in `event` its number or NOTHING. */
 static Real flow_advance(Run *r, Real limit, int *event)
 {
     return r->closed ? closed_form_advance(r, limit, event) : taylor_advance(r, limit, event);
@@ -123,6 +132,7 @@ static void finish(Run *r, Buffers *b)
     r->finished = 1;
 }
 
+/* Keep the time of the first violation of a clearance; where the scene asks for that, the run ends there. */
 static void note_violation(Run *r, Buffers *b)
 {
     if (!r->violated_once)
@@ -138,6 +148,7 @@ static void use_mode(Run *r, int number)
     r->mode = r->modes[number];
 }
 
+/* Whether the mode of now violates a clearance, whose codes are the last ones. */
 static int violated(const Run *r)
 {
     int i;
@@ -147,6 +158,9 @@ static int violated(const Run *r)
     return 0;
 }
 
+/* Begin a run, or go on with one that is restarted, at r->state in a mode, with the zeros in r->known. Samples begin with the
+ * first at that state or behind it, and not before `samples_from`.
+ */
 void run_start(Run *r, int mode, Buffers *b)
 {
 #ifdef FIXED_SERIES
@@ -187,7 +201,10 @@ void run_rewind(Run *r, Real t_end)
     r->tangent = NULL;
 }
 
-/* Go on in a mode behind the pending event, with the zeros in r->behind. */
+/* Go on in a mode behind the pending event, with the zeros in r->behind. Those known before stay known behind an event at the same
+ * instant, and where nothing happens so soon that rounding alone may part the two times (AS_SOON). Too many events at one instant
+ * end the run.
+ */
 void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, const int *parts)
 {
     const int *before = r->mode->codes;
@@ -232,7 +249,9 @@ static int is_finite(const Run *r, const State *s)
     return isfinite(total);
 }
 
-/* How long after its start the flow reaches the zero of the event of a rigid stop, which is not on the grid of time. */
+/* How long after its start the flow reaches the zero of the event of a rigid stop, which is not on the grid of time: one Newton
+ * step from the time on that grid, unless it leads further than to the next.
+ */
 static Real meeting(Run *r, const Event *e)
 {
     Real tau = r->pending_end - r->t0, value, slope, step;
@@ -268,7 +287,10 @@ static Real dithered(Run *r)
     return r->t0 < at && at <= r->t_end ? at : r->pending_end;
 }
 
-/* Take the state at the end of the stretch, once: there, or at the very instant of an impact. */
+/* Take the state at the end of the stretch, once: there, or at the very instant of an impact. So a speed grows or shrinks by
+ * nothing but the impact, however short the stretch is against the grid of time. No rounding moves a state that is struck where
+ * the stretch begins.
+ */
 void run_arrive(Run *r)
 {
     const Event *e = r->pending_event == NOTHING ? NULL : &r->mode->events[r->pending_event];
@@ -304,6 +326,7 @@ static int arrive(Run *r)
     return 0;
 }
 
+/* Let the flow find the end of the next stretch, and open it for all that is gathered along it. */
 static void open_stretch(Run *r)
 {
     double steps = r->steps;
@@ -380,11 +403,15 @@ static int ruled_meanwhile(Run *r, Buffers *b)
     return 0;
 }
 
+/* Whether the buffer has room for all that one event can record. */
 static int room_for_events(const Run *r, const Buffers *b)
 {
     return b->event_count + 3 + 3 * r->parts < b->event_room;
 }
 
+/* Advance until the run ends, pauses or fails, or the room or the work of this call is spent. An event without a rule leaves the
+ * status UNDECIDED: Python takes it, or makes its rule.
+ */
 void run_advance(Run *r, Buffers *b)
 {
     r->spent = 0;

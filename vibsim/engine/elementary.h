@@ -14,22 +14,25 @@
 #include <stdint.h>
 #include <string.h>
 
-#define WHOLE 6755399441055744.0
-#define QUARTERS 0.6366197723675814
+#define WHOLE 6755399441055744.0 /* 1.5 * 2^52: adding it rounds to a whole number, which the last bits then hold */
+#define QUARTERS 0.6366197723675814 /* quarter turns to a radian */
+/* pi/2 in three parts; a whole number below 2^20 times one of the first two is exact */
 #define FIRST_OF_HALF_PI 1.5707963267341256
 #define SECOND_OF_HALF_PI 6.077100506303966e-11
 #define THIRD_OF_HALF_PI 2.0222662487959506e-21
-#define LARGEST_ANGLE 1.6e6
+#define LARGEST_ANGLE 1.6e6 /* [rad], below 2^20 quarter turns */
 #define TWO_PI 6.283185307179586
 #define PER_LN_2 1.4426950408889634
+/* ln 2 is the sum of these two; of the first, the last 21 bits are 0 */
 #define LN_2 0.6931471803691238
 #define LN_2_LO 1.9082149292705877e-10
-#define FLAT_EXPONENT 1400.0
+#define FLAT_EXPONENT 1400.0 /* beyond which exp is 0 or infinite */
 #define UNIT_ROUNDING 0x1p-53
 #define ROOT_HALF 0.7071067811865476
+/* pi/2 is the sum of these two; likewise of the following pairs */
 #define HALF_PI 1.5707963267948966
 #define HALF_PI_LO 6.123233995736766e-17
-#define VELTKAMP 134217729.0
+#define VELTKAMP 134217729.0 /* 2^27 + 1: splits a double into two halves of 26 bits */
 #define ONE_THIRD 0.3333333333333333
 #define ONE_THIRD_LO 1.850371707708594e-17
 #define ONE_FIFTH 0.2
@@ -49,7 +52,10 @@ static inline double double_of(uint64_t bits)
     return x;
 }
 
-/* Of an angle below LARGEST_ANGLE; without a branch, so that a compiler makes vectors of a loop of it. */
+/* Of an angle below LARGEST_ANGLE; without a branch, so that a compiler makes vectors of a loop of it. Whole quarter turns are
+ * taken out; what is left is at most pi/4. Left out of the series: (pi/4)^18 / 19! < 2e-19 of the sine, (pi/4)^18 / 18! < 3e-18 of
+ * the cosine.
+ */
 static inline void moderate_sine_cosine(double angle, double *sine, double *cosine)
 {
     double shifted = angle * QUARTERS + WHOLE, quarters = shifted - WHOLE;
@@ -65,6 +71,7 @@ static inline void moderate_sine_cosine(double angle, double *sine, double *cosi
     *cosine = double_of(((other & ~odd) | (one & odd)) ^ ((quadrant + 1) & 2) << 62);
 }
 
+/* Sine and cosine of an angle [rad]; beyond a million radians with the error that n eps in it makes. NAN of what is not finite. */
 static inline void sine_cosine(double angle, double *sine, double *cosine)
 {
     if (!(-LARGEST_ANGLE < angle && angle < LARGEST_ANGLE))
@@ -111,6 +118,7 @@ static inline double sum_of_twelve(const double *c, double x)
     return low + (middle + high * x4) * x4;
 }
 
+/* n, and in `rise` exp(r) - 1, of x = n ln 2 + r, |r| < 0.35; left out of the series: 0.35^14 / 14! < 5e-18. */
 static inline double reduced_exponential(double x, double *rise)
 {
     static const double exponential[] = {
@@ -122,14 +130,14 @@ static inline double reduced_exponential(double x, double *rise)
     return n;
 }
 
-/* (1 + rise) 2^n. */
+/* (1 + rise) 2^n, in two products: infinite or rounded to what is below normal numbers where that is nearest. */
 static inline double scaled_exponential(double n, double rise)
 {
     double first = (n * 0.5 + WHOLE) - WHOLE;
     return ((1 + rise) * whole_power_of_two(first)) * whole_power_of_two(n - first);
 }
 
-/* Without a branch, too. */
+/* exp(x); 0 or infinite where that is what is nearest. Without a branch, too. */
 static inline double exponential(double x)
 {
     double above = x < -FLAT_EXPONENT ? -FLAT_EXPONENT : x, within = above > FLAT_EXPONENT ? FLAT_EXPONENT : above;
@@ -137,6 +145,7 @@ static inline double exponential(double x)
     return scaled_exponential(n, rise);
 }
 
+/* exp(x) - 1, to its own last places near 0. */
 static inline double exponential_less_1(double x)
 {
     double n, rise, scale;
@@ -171,6 +180,10 @@ static inline double hyperbolic_tangent(double x)
     return copysign(rise / (rise + 2), x);
 }
 
+/* Angle [rad] from -pi/2 to pi/2 of a tangent: atan(c) + atan((x - c) / (1 + c x)), c near x. angles: (up to |x|, c, atan(c) in
+ * two parts); between such borders x - c is exact and |x - c| / (1 + c x) at most 1/4. Left out of the series: 0.25^26 / 27 <
+ * 9e-18.
+ */
 static inline double arctangent(double x)
 {
     static const double arctangent[] = {
@@ -197,7 +210,7 @@ static inline double arctangent(double x)
     return copysign(at + (r + (r * (z * sum_of_twelve(arctangent, z)) + at_lo)), x);
 }
 
-/* Of |x| <= ROOT_HALF. */
+/* Of |x| <= ROOT_HALF, by Newton's method on the sine, from an angle that is wrong by 0.02 at most. */
 static inline double moderate_arcsine(double x)
 {
     double square = x * x, sine, cosine;
@@ -210,6 +223,7 @@ static inline double moderate_arcsine(double x)
     return angle;
 }
 
+/* Angle [rad] from -pi/2 to pi/2 of a sine; NAN beyond 1. */
 static inline double arcsine(double x)
 {
     if (!(fabs(x) <= 1.0))
@@ -219,6 +233,7 @@ static inline double arcsine(double x)
     return moderate_arcsine(x);
 }
 
+/* Angle [rad] from 0 to pi of a cosine; NAN beyond 1. */
 static inline double arccosine(double x)
 {
     if (!(fabs(x) <= 1.0))
@@ -230,6 +245,9 @@ static inline double arccosine(double x)
     return HALF_PI - (moderate_arcsine(x) - HALF_PI_LO);
 }
 
+/* Natural logarithm; -INFINITY of 0, NAN of what is below it. ln(2^e m) = e ln 2 + 2 artanh s, s = f / (2 + f), f = m - 1; left
+ * out of the series: 0.03^13 / 27 < 1e-21.
+ */
 static inline double logarithm(double x)
 {
     static const double logarithm[] = {
@@ -252,11 +270,12 @@ static inline double logarithm(double x)
     return e * LN_2 - ((half - (s * (half + rest) + e * LN_2_LO)) - f);
 }
 
-/* Two doubles, the second below the rounding of the first. */
+/* Sums of two doubles, the second below the rounding of the first (Dekker 1971). */
 typedef struct {
     double high, low;
 } LongDouble;
 
+/* a b - product, product = a b rounded: exactly, as long as it is a normal number. */
 static inline double product_error(double a, double b, double product)
 {
     double wide = VELTKAMP * a, a1 = wide - (wide - a), a2 = a - a1, b1, b2;
@@ -266,7 +285,7 @@ static inline double product_error(double a, double b, double product)
     return ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2;
 }
 
-/* a + b + low, |a| >= |b| or a = 0. */
+/* a + b + low, |a| >= |b| or a = 0, low of the size of rounding. */
 static inline LongDouble long_sum(double a, double b, double low)
 {
     double total = a + b, rest = (b - (total - a)) + low;
@@ -285,6 +304,9 @@ static inline LongDouble long_product(LongDouble a, LongDouble b)
     return result;
 }
 
+/* Natural logarithm of a finite a > 0 to 2^-66 of itself: as `logarithm`, artanh s = s (1 + z/3 + z^2/5 + ...), z = s^2; left out:
+ * 0.03^15 / 31 < 1e-24.
+ */
 static inline LongDouble long_logarithm(double a)
 {
     static const double area_tangent[] = {
@@ -312,6 +334,9 @@ static inline LongDouble long_logarithm(double a)
     return long_sum(sum.high, e * LN_2_LO, sum.low);
 }
 
+/* exp(p log a) of a finite a > 0, the logarithm as a sum of two doubles: p log a is up to 745, and a relative error of eps in it
+ * would be 745 eps in the power.
+ */
 static inline double general_power(double a, double p)
 {
     LongDouble logarithm = long_logarithm(a);
@@ -323,7 +348,7 @@ static inline double general_power(double a, double p)
     return scaled_exponential(n, rise + (y_lo + y_lo * rise));
 }
 
-/* a**p of a >= 0. */
+/* a^p of a >= 0, NAN of a below 0; 1 for p = 0. By roots and products where |p| is 1/2, 3/2 or 5/2. */
 static inline double real_power(double a, double p)
 {
     if (!(0.0 < a && a < INFINITY)) {

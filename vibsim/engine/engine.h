@@ -14,7 +14,7 @@
 #include "fixed_series.h"
 #endif
 
-#define JET_ORDER 9 /* derivatives taken at the start of a segment */
+#define JET_ORDER 9 /* derivatives taken at the start of a segment: enough for a zero of order FLAT_ORDER - 1 */
 #define FLAT_ORDER (JET_ORDER - 3) /* order of a zero that they are too few for */
 #define JET (JET_ORDER + 4)
 #define NODE_COUNT 12 /* most of a quadrature */
@@ -25,8 +25,8 @@
 #else
 #define WORK_AT_ONCE 100000 /* evaluations of the motion of two bodies between two returns to Python */
 #endif
-#define UNHURRIED 1e100 /* window of a free mass [s] */
-#define MARCH_LIMIT 1000 /* evaluations of an event function in one march */
+#define UNHURRIED 1e100 /* window of a free mass [s]: longer than any run, yet finite, for 0 times infinity is no bound */
+#define MARCH_LIMIT 1000 /* evaluations of an event function in one march; a longer one needs a new expansion, of tighter bounds */
 
 enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE, SWITCH, DOMAIN_EDGE }; /* kinds of event functions */
 enum { DIFFERENCE, RATE, COUPLING, LOAD, ACCELERATION, FORMULA }; /* kinds of terms */
@@ -76,6 +76,12 @@ typedef struct {
     int rule, target, other, hold, event, event_part, event_key, order; /* what follows, see rules.c; the zero behind */
 } Event;
 
+/* Constants of y'' + 2 a y' + b y under a load of frequency omega. w0: sqrt(b); wd: damped frequency, or kappa of exp((-a +-
+ * kappa) t) above critical damping, where slow and fast are the roots r1 and r2, r1 = b / r2: no cancellation. zr, zi, zz: parts
+ * and square of Z = (r1 - i omega)(r2 - i omega); inverse_r, inverse_i: 1 / Z, conjugated. settling, beating: what tells, times
+ * t^2 and t^4, from when on responses are quotients. window: time on which bounds of the motion are tight [s]; rate: of the time
+ * in power series.
+ */
 typedef struct {
     Real a, b, omega, w0, wd, slow, fast, zr, zi, zz, settling, beating, window, rate, per_b, per_wd, inverse_r, inverse_i;
     Real *steady_series, *real_series, *imag_series; /* SERIES_TERMS of each, of the coordinate's `series` */
@@ -134,6 +140,9 @@ typedef struct {
     Reach reaches[3];
 } Terms;
 
+/* A mode that has a closed form. window: length of a stretch on which bounds of the motion are tight [s]; pace: the largest of the
+ * coordinates' rates [rad/s].
+ */
 typedef struct {
     Real window, pace;
     Coordinate *coordinates;
@@ -340,7 +349,7 @@ typedef struct {
 
 /* What an impact may change: rigid stops and frictions in the order of their numbers, elastic stops, clearances; none where none
  * were told of. `codes`: of the mode behind an impact; kinds, parts: of the events that it makes. early: see
- * chatter.py
+ * vibsim/engine/events/impacts/chatter.py
  */
 typedef struct {
     RigidStop *stops;

@@ -14,12 +14,12 @@
 #include "zalloc.h"
 #include "numbers.h"
 
-#define NODES_OF_CLOSED_FORM 4
-#define ORDERS_TO_A_NODE 10
-#define NEARLY 0.2
-#define HALVINGS 4
-#define ITERATIONS 8
-#define ROUNDING 0x1p-55
+#define NODES_OF_CLOSED_FORM 4 /* in a piece of 2.25 rad of the fastest rate */
+#define ORDERS_TO_A_NODE 10 /* of a Taylor step, which spans 1.3 rad with order 20 */
+#define NEARLY 0.2 /* share of the rates at both ends below which the one between them is taken to come near 0 */
+#define HALVINGS 4 /* of an interval in which a displacement may turn twice */
+#define ITERATIONS 8 /* to a turn, at most */
+#define ROUNDING 0x1p-55 /* of a displacement: a turn is found where what it may still differ by is below that */
 
 typedef struct {
     Real t, value, rate;
@@ -50,6 +50,7 @@ static void measure(Run *r, Real t, int only, Real *values, Real *rates)
     }
 }
 
+/* Displacement number q and its rate at t. */
 static Node measured(Run *r, int q, Real t)
 {
     Extremes *e = &r->extremes;
@@ -61,6 +62,7 @@ static Node measured(Run *r, int q, Real t)
     return node;
 }
 
+/* Count a value of displacement number q, in the present period and in all. */
 static void take(Extremes *e, int q, Real value)
 {
     if (value < e->low[q])
@@ -73,6 +75,9 @@ static void take(Extremes *e, int q, Real value)
         e->greatest[q] = value;
 }
 
+/* Keep the gaps of open stops that are smallest at a turn of displacement number q: where it is least (falling before) of the
+ * stops that it closes downwards, where it is greatest of the others.
+ */
 static void note_gaps(Run *r, int q, Real value, int falling)
 {
     Extremes *e = &r->extremes;
@@ -87,6 +92,9 @@ static void note_gaps(Run *r, int q, Real value, int falling)
     }
 }
 
+/* Whether the rate comes near 0 between two nodes at which it has one sign. Judged by the rate half-way of the cubic through
+ * displacements and rates; errs on the side of yes.
+ */
 static int may_turn_twice(const Node *left, const Node *right)
 {
     Real halfway = 1.5 * ((right->value - left->value) / (right->t - left->t)) - 0.25 * (left->rate + right->rate);
@@ -94,6 +102,10 @@ static int may_turn_twice(const Node *left, const Node *right)
            halfway * right->rate < NEARLY * (right->rate * right->rate);
 }
 
+/* Place in [0, 1] at which a cubic turns whose rates at both ends of an interval have opposite signs. Of the two roots of its
+ * derivative that which lies inside, by the form without cancellation; where rounding puts both outside, the zero of the straight
+ * line between the rates.
+ */
 static Real turn_of_cubic(Real length, Real rise, Real rate0, Real rate1)
 {
     Real d0 = length * rate0, d1 = length * rate1;
@@ -107,6 +119,9 @@ static Real turn_of_cubic(Real length, Real rise, Real rate0, Real rate1)
     return 0 < place && place < 1 ? place : d0 / (d0 - d1);
 }
 
+/* Take the value at the zero of a rate that changes sign between two nodes. The value there differs from that of the turn by
+ * rate^2 / (2 |slope|), slope of the rate: enough where that is within its rounding.
+ */
 static void turn(Run *r, int q, Node left, Node right)
 {
     int falling = left.rate < 0, i;
@@ -130,6 +145,7 @@ static void turn(Run *r, int q, Node left, Node right)
     }
 }
 
+/* Find what turns between two nodes: one turn where the rate changes sign; where it may turn twice, each half in turn. */
 static void span(Run *r, int q, Node left, Node right, int halvings)
 {
     if (left.rate * right.rate < 0) {
@@ -146,12 +162,14 @@ static void span(Run *r, int q, Node left, Node right, int halvings)
     }
 }
 
+/* Begin a stretch at the state of now; its first node is not evaluated yet. */
 void extremes_open(Run *r)
 {
     r->extremes.at = r->state.t;
     r->extremes.has_node = 0;
 }
 
+/* Distance of the nodes [s]. */
 static Real step(const Run *r)
 {
     Real piece = longest_piece(r, r->extremes.at - r->t0);
@@ -164,6 +182,7 @@ static Node node_of(const Extremes *e, int q, Real t, const Real *values)
     return node;
 }
 
+/* Take the stretch up to `end`, from `since` on; 0 where the work of a call is spent before, if that is bounded. */
 int extremes_until(Run *r, Real end, int bounded)
 {
     Extremes *e = &r->extremes;

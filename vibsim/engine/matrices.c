@@ -15,8 +15,11 @@
 
 #include "matrices.h"
 
+/* SWEEPS: of rotations, and of balancing: both converge within ten. STEPS: of the QR method to one eigenvalue; more than 30 have
+ * not been seen.
+ */
 enum { SWEEPS = 60, STEPS = 60 };
-#define WORTH 0.95
+#define WORTH 0.95 /* of the size of a row and its column: what balancing must gain */
 
 typedef struct {
     Py_buffer view;
@@ -52,6 +55,7 @@ static int table_of(PyObject *object, int flags, int upright, Table *t)
     return 0;
 }
 
+/* Tables from some arguments: 0, or -1 with an exception and none of them held. */
 static int tables_of(PyObject *args, const char *format, Table *t, int count, const int *flags, const int *upright)
 {
     PyObject *objects[3] = {NULL, NULL, NULL};
@@ -80,6 +84,7 @@ static PyObject *misfit(Table *t, int count)
     return released(t, count, NULL);
 }
 
+/* Matrix product (m, n) of A (m, k) and B (k, n), k > 0, into a buffer. */
 PyObject *matrix_product(PyObject *module, PyObject *args)
 {
     static const int flags[] = {0, 0, PyBUF_WRITABLE}, upright[] = {0, 1, 0};
@@ -128,7 +133,9 @@ PyObject *matrix_dot(PyObject *module, PyObject *args)
     return released(t, 2, PyFloat_FromDouble(dot(t[0].view.buf, t[1].view.buf, (int)count)));
 }
 
-/* Gaussian elimination in place of n rows of some width: the sign of exchanges, 0 where a pivot is 0. */
+/* Gaussian elimination in place of n rows of some width, the largest pivot of each column first: the sign of exchanges of rows, 0
+ * where a pivot is 0.
+ */
 static double eliminate(double *rows, int n, int width)
 {
     double sign = 1.0;
@@ -169,6 +176,7 @@ static double *room_for(size_t count)
     return room;
 }
 
+/* x of A x = b, A (n, n), into a buffer; returns the smallest pivot, 0 where A is singular to the bit: x is 0 then. */
 PyObject *matrix_solved(PyObject *module, PyObject *args)
 {
     static const int flags[] = {0, 0, PyBUF_WRITABLE}, upright[] = {0, 1, 1};
@@ -211,6 +219,7 @@ PyObject *matrix_solved(PyObject *module, PyObject *args)
     return released(t, 3, PyFloat_FromDouble(smallest));
 }
 
+/* Determinant of A (n, n), the product of the pivots. */
 PyObject *matrix_determinant(PyObject *module, PyObject *args)
 {
     static const int flags[] = {0}, upright[] = {0};
@@ -248,6 +257,7 @@ static int exponent_of(const double *values, Py_ssize_t count, int *exponent)
     return 1;
 }
 
+/* Turn two rows into each other by an angle of cosine c and sine s. */
 static void rotate(double *one, double *other, int n, double c, double s)
 {
     int i;
@@ -284,7 +294,10 @@ static void exchange(double *one, double *other, int n)
     }
 }
 
-/* Singular values of n rows of W (m each), the largest first, which turns W and V; both sorted alike. */
+/* Singular values squared of n rows of W (m each), the largest first, which turns W and V; both sorted alike. Rows are turned in
+ * pairs until all are orthogonal but for rounding of the largest. A row of the size of that rounding belongs to the kernel, and is
+ * left.
+ */
 static void singular_rows(double *W, double *V, double *values, int n, int m)
 {
     double least = 0.0;
@@ -309,7 +322,9 @@ static void singular_rows(double *W, double *V, double *values, int n, int m)
         }
 }
 
-/* (n, ) values, V (n, n) and W (n, m) of A (m, n) in one buffer of n (1 + n + m) doubles. */
+/* Singular values (n, ), the largest first (those beyond m are rounding), right singular vectors as the rows of V (n, n), and A
+ * times each as the rows of W (n, m), of A (m, n): in one buffer of n (1 + n + m) doubles. False where A is not finite.
+ */
 PyObject *matrix_singular(PyObject *module, PyObject *args)
 {
     static const int flags[] = {0, PyBUF_WRITABLE}, upright[] = {0, 0};
@@ -357,6 +372,7 @@ static int isolated(const double *a, int n, const int *places, int count)
 
 #define H(i, j) h[(size_t)(i) * (size_t)n + (size_t)(j)]
 
+/* Scale rows and columns by powers of two until each row is about as large as its column. */
 static void balance(double *h, int n)
 {
     int sweep, i, j, settled = 0;
@@ -391,6 +407,7 @@ static void balance(double *h, int n)
         }
 }
 
+/* Elimination with pivots to zeros below the first subdiagonal. */
 static void to_hessenberg(double *h, int n)
 {
     int m, i, j;
@@ -420,6 +437,7 @@ static void to_hessenberg(double *h, int n)
     }
 }
 
+/* The first row of the block that ends at row `last`, whose subdiagonal entries are more than rounding. */
 static int start_of_block(double *h, int n, int last, double size)
 {
     int i;
@@ -435,6 +453,7 @@ static int start_of_block(double *h, int n, int last, double size)
     return 0;
 }
 
+/* Both eigenvalues (re, im) of the block of two rows that ends at row `last`. */
 static void of_pair(const double *h, int n, int last, double shifted, double *out)
 {
     double x = H(last, last), y = H(last - 1, last - 1), w = H(last, last - 1) * H(last - 1, last);
@@ -502,6 +521,9 @@ static void chase(double *h, int n, int first, int m, int last, double p, double
     }
 }
 
+/* One step of the QR method with two shifts on a block, from where two subdiagonal entries in a row are small; returns what is
+ * taken off the diagonal so far. Steps 10, 20 and 40 take other shifts, where the usual ones go round in circles.
+ */
 static double qr_step(double *h, int n, int first, int last, int step, double shifted)
 {
     double x = H(last, last), y = H(last - 1, last - 1), w = H(last, last - 1) * H(last - 1, last);
@@ -570,6 +592,9 @@ static int of_hessenberg(double *h, int n, double *out)
     return 1;
 }
 
+/* Eigenvalues (re, im) of A (n, n) into a buffer, with exact conjugates; those that zeros of a row or column isolate are exact.
+ * False where A is not finite, or the QR method does not converge.
+ */
 PyObject *matrix_eigenvalues(PyObject *module, PyObject *args)
 {
     static const int flags[] = {0, PyBUF_WRITABLE}, upright[] = {0, 0};

@@ -8,9 +8,12 @@
 #include "engine.h"
 #include "numbers.h"
 
-#define ITERATIONS 60
+#define ITERATIONS 60 /* of a passage: Newton steps, safeguarded by bisection */
 #define LAST_PERIOD 9007199254740992.0 /* 2^53: behind it whole numbers of periods are no doubles */
 
+/* End of the next period [s], a whole number of turns by a frequency of two doubles, cycles + cycles_lo: to first order in the
+ * second.
+ */
 static Real period_end(const Section *s)
 {
     Real t = s->next * s->turns / s->cycles;
@@ -38,6 +41,7 @@ static Real angle_at(Run *r, Real t)
     return angle_of(r, &r->scratch);
 }
 
+/* Time in the stretch at which the angle passes `target` forwards: Newton steps, and bisection where they leave the interval. */
 static Real passage(Run *r, Real end, Real target)
 {
     Real low = r->state.t, high = end, t = low + (high - low) / 2;
@@ -59,6 +63,7 @@ static Real passage(Run *r, Real end, Real target)
     return high;
 }
 
+/* Write the state at t as a point of the section, with the extremes of the period that ends there. */
 static void keep(Run *r, Buffers *b, Real t)
 {
     Real *row = b->section + b->section_count++;
@@ -67,6 +72,9 @@ static void keep(Run *r, Buffers *b, Real t)
     extremes_close(r, row + (3 + 2 * r->bodies) * b->section_room, b->section_room);
 }
 
+/* Begin with the first period that ends behind the state of now and not before `section_from`; with a rotor the turn to begin with
+ * is that of the stretch.
+ */
 void section_start(Run *r)
 {
     Section *s = &r->section;
@@ -89,6 +97,7 @@ static Real last_angle(Run *r, Real end)
     return angle_at(r, end); /* the state was taken at the very instant of an impact */
 }
 
+/* Keep the point at which the angle passes `target`; the extremes of the turn end there. */
 static void keep_turn(Run *r, Buffers *b, Real end, Real target)
 {
     Real t = passage(r, end, target);
@@ -113,6 +122,9 @@ static int gather_turns_of_rotor(Run *r, Buffers *b, Real end)
     return 1;
 }
 
+/* Points of the section within the stretch in hand, behind its start and up to its end; 0 where the buffer is full before. Of a
+ * motor at most two whole turns are passed in one stretch: those at 0 and 2 pi, counted in the turn of its start.
+ */
 int section_gather(Run *r, Buffers *b, Real end)
 {
     Section *s = &r->section;

@@ -1,4 +1,10 @@
-/* Doubts of a run and its grazing margin. */
+/* What a run has proved about its events, and its grazing margin: the smallest gap [m] at a turn of a gap function.
+ *
+ * A stretch between two events is certified where every event function is known to stay positive on it, by more than the bound of
+ * its rounding and truncation. An event is certified where its function is known to cross zero, by more than that bound too. Of
+ * two events, the first is certified to be the first where their times are further apart than rounding blurs them. All else is a
+ * doubt: counted, and the first one timed.
+ */
 #ifndef VIBSIM_CERTIFICATE_H
 #define VIBSIM_CERTIFICATE_H
 
@@ -12,6 +18,7 @@ static inline void certificate_open(Certificate *c)
     c->doubted = NAN;
 }
 
+/* Count the stretch that starts at the time `anchor` as not proved, once. */
 static inline void doubt(Certificate *c, Real anchor)
 {
     if (anchor != c->doubted) {
@@ -22,6 +29,7 @@ static inline void doubt(Certificate *c, Real anchor)
     }
 }
 
+/* Keep a minimum of a gap function, of height `value` [m] at time t, if it is the smallest so far; below zero it counts as 0. */
 static inline void keep_turn(Certificate *c, Real value, Real t)
 {
     value = value > 0 ? value : 0 * value;
@@ -31,16 +39,24 @@ static inline void keep_turn(Certificate *c, Real value, Real t)
     }
 }
 
+/* Whether a function that is zero here with this slope falls below -error: its upper parabola does, which is lowest, at -slope^2 /
+ * (2 bound), where its slope is zero; bound: on its absolute second derivative ahead. A touch from above by less than `error` does
+ * not.
+ */
 static inline int crosses(Real slope, Real bound, Real error)
 {
     return slope < 0 && -slope > 2 * bound * (error / -slope);
 }
 
+/* How long after time t the zero of a falling function may lie [s], by its tangent: the rounding of its value, and of the time
+ * that it is stored with, blur the place. value, slope, noise: of the function at t, noise a bound of the rounding of its value.
+ */
 static inline Real latest_zero(Real value, Real slope, Real noise, Real t)
 {
     return (value + noise) / -slope + (nextafter(t, INFINITY) - t);
 }
 
+/* Whether a falling function may be zero already `latest` from here; see `latest_zero`. */
 static inline int may_vanish_by(Real value, Real slope, Real noise, Real latest)
 {
     return slope < 0 && value - noise <= -slope * latest;

@@ -1,6 +1,7 @@
 /* Event functions of the closed-form flow; see event_functions.h. */
 #include "event_functions.h"
 
+/* n-th derivative of x_P - x_Q of a pair of columns; what does not move counts in the displacement alone. */
 static Real difference(const Run *r, int pair, int n)
 {
     const ClosedForm *f = &r->closed_form;
@@ -60,6 +61,7 @@ static Real column_derivative(const Run *r, int c, int n)
     return total;
 }
 
+/* n-th derivative of a term of an event function, without its coefficient. */
 static Real term_derivative(const Run *r, const Term *t, int n)
 {
     switch (t->kind) {
@@ -91,6 +93,7 @@ Real sum_of_terms(const Run *r, int first, int count, int n)
     return total;
 }
 
+/* Bound of the n-th derivative of a sum of harmonics at any time: sum of |amplitude| omega^n. */
 static Real harmonics_bound(const Harmonic *terms, int count, int n)
 {
     Real total = 0.0;
@@ -104,6 +107,7 @@ static Real harmonics_bound(const Harmonic *terms, int count, int n)
     return total;
 }
 
+/* The same of the forces on a column, without their constants. */
 static Real load_bound(const Run *r, int column, int n)
 {
     Real total = 0.0;
@@ -119,6 +123,7 @@ static Real load_bound(const Run *r, int column, int n)
     return total;
 }
 
+/* Bound of the n-th derivative of x_P - x_Q up to `reach` ahead. */
 static Real difference_bound(const Run *r, int pair, int n, Real reach)
 {
     const Modal *modal = r->mode->modal;
@@ -133,6 +138,7 @@ static Real difference_bound(const Run *r, int pair, int n, Real reach)
     return p->base ? total + harmonics_bound(r->base, r->base_count, n) : total;
 }
 
+/* Bound of the n-th derivative of a term up to `reach` ahead, without its coefficient. */
 static Real term_bound(const Run *r, const Term *t, int n, Real reach)
 {
     const Modal *modal = r->mode->modal;
@@ -173,6 +179,7 @@ Real bound_of_sum(const Run *r, int first, int count, int n, Real reach)
     return total;
 }
 
+/* What the rounding of x_P - x_Q (order 0) or of its rate (order 1) is proportional to, by a measure of that of coordinates. */
 static Real difference_scale(const Run *r, int pair, int order, int measure)
 {
     const ClosedForm *f = &r->closed_form;
@@ -192,6 +199,7 @@ static Real difference_scale(const Run *r, int pair, int order, int measure)
     return p->base ? total + harmonics_bound(r->base, r->base_count, order) : total;
 }
 
+/* The same of the acceleration of a column, which the close measure knows. */
 static Real acceleration_scale(const Run *r, const Term *t, int measure)
 {
     const Modal *modal = r->mode->modal;
@@ -205,6 +213,7 @@ static Real acceleration_scale(const Run *r, const Term *t, int measure)
     return total;
 }
 
+/* The same of a term. The plain measure says nothing of accelerations: of these a bound over the window serves. */
 static Real term_scale(const Run *r, const Term *t, int measure)
 {
     switch (t->kind) {

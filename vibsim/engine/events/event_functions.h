@@ -6,11 +6,14 @@
 
 #include "engine.h"
 
-/* event_functions.c; of `count` terms from number `first` */
+/* event_functions.c; of `count` terms from number `first`: the n-th derivative of their sum, a bound of it up to `reach` ahead, and
+ * what the rounding of the sum is proportional to, by a measure of that of coordinates (see rounding.c).
+ */
 Real sum_of_terms(const Run *r, int first, int count, int n);
 Real bound_of_sum(const Run *r, int first, int count, int n, Real reach);
 Real scale_of_sum(const Run *r, int first, int count, int measure);
 
+/* n-th derivative of the coordinate, or the two, that a sum of one term reads. */
 static inline Real single_difference(const Run *r, const Single *s, int n)
 {
     const Motion *motions = r->closed_form.motions;
@@ -30,6 +33,9 @@ static inline Real sum_derivative(const Run *r, const Single *s, int first, int 
     return s->coefficient * (n == 0 ? force + s->offset : force);
 }
 
+/* n-th time derivative of an event function, n >= 0. That of a sliding velocity is, for n > 0, a sum over groups: forces by
+ * masses.
+ */
 static inline Real event_derivative(const Run *r, const Event *e, int n)
 {
     Real value, total = 0.0;
@@ -50,7 +56,10 @@ static inline Real event_derivative(const Run *r, const Event *e, int n)
     return total;
 }
 
-/* Bound of |q^(n)| up to `reach` ahead. */
+/* Bound of |q^(n)| up to `reach` ahead. q^(n) obeys the same oscillator: its free part stays below both the energy and the
+ * ballistic bound, the forced part below |R| omega^n reach^2 / 2, R the amplitude, because the impulse response S(t) is no larger
+ * than t.
+ */
 static inline Real coordinate_bound(const Run *r, int m, int n, Real reach)
 {
     const Coordinate *c = &r->mode->modal->coordinates[m];
@@ -64,12 +73,14 @@ static inline Real coordinate_bound(const Run *r, int m, int n, Real reach)
     return size + c->forced[n] * (reach * reach);
 }
 
+/* Bound of the n-th derivative of `single_difference` up to `reach` ahead. */
 static inline Real single_difference_bound(const Run *r, const Single *s, int n, Real reach)
 {
     Real y = fabs(s->share) * coordinate_bound(r, s->m, n, reach);
     return s->other < 0 ? y : y + fabs(s->other_share) * coordinate_bound(r, s->other, n, reach);
 }
 
+/* Bound of the n-th derivative of a sum of terms up to `reach` ahead, its constant left out. */
 static inline Real sum_bound(const Run *r, const Single *s, int first, int count, int n, Real reach)
 {
     Real size;
@@ -96,6 +107,7 @@ static inline Real event_bound(const Run *r, const Event *e, int n, Real reach)
     return total;
 }
 
+/* What the rounding of `single_difference` is proportional to; order 1: of its rate. */
 static inline Real single_scale(const Run *r, const Single *s, int order, int measure)
 {
     const Scale *y = &r->closed_form.scales[measure][s->m];
@@ -104,7 +116,9 @@ static inline Real single_scale(const Run *r, const Single *s, int order, int me
     return s->other < 0 ? size : size + fabs(s->other_share) * (order ? other->u : other->q);
 }
 
-/* What the rounding of an event function is in units of its scale. */
+/* Rounding of an event function in units of its scale: that of some operations, and of phases, eps times the angle since the
+ * anchor.
+ */
 static inline Real rounding_unit(const Run *r)
 {
     return EPS * (16 + r->mode->modal->pace * r->closed_form.tau);

@@ -2,6 +2,7 @@
 #include "numbers.h"
 #include "tangent.h"
 
+/* Sum of harmonics at t and its rate of change. */
 static void value_and_rate(const Harmonic *terms, int count, Real t, Real *value, Real *rate)
 {
     int i;
@@ -22,6 +23,7 @@ static Real base_output(const Run *r, const Mode *m, const Real *known, int orde
     return output < 0 ? 0.0 : known[m->base_values.outputs[output]];
 }
 
+/* Values along the tape of the motion of the base by a formula, at t. */
 static const Real *base_values_at(const Run *r, const Mode *m, Real t)
 {
     const TapeRoom *room = &r->taylor.tapes;
@@ -64,6 +66,7 @@ static void motion_of(const Run *r, const State *state, int column, Real X, Real
     *v = column < r->bodies ? state->v[column] : column == r->bodies ? 0.0 : V;
 }
 
+/* Force of a coupling at a state. */
 static Real coupling_force(const Run *r, const Coupling *q, const State *state, Real X, Real V)
 {
     Real xP, xQ, vP, vQ;
@@ -93,6 +96,7 @@ static void add_formulas(const Run *r, const Mode *m, const State *state, Real X
     }
 }
 
+/* Accelerations of all columns at a state in the mode m; returns that of the rotor. */
 Real accelerations(const Run *r, const Mode *m, const State *state, Real *out)
 {
     Real X, V, value, rate, torque = 0.0, rotor, *F = r->tangent->force;
@@ -137,6 +141,7 @@ Real accelerations(const Run *r, const Mode *m, const State *state, Real *out)
     return rotor;
 }
 
+/* Entry of the mass matrix between a rotor and its body: u sin phi. */
 static Real coupling_of(const RotorOn *one, const State *state)
 {
     return one->unbalance * sine_of(state->x[one->column]);
@@ -173,6 +178,9 @@ static void turn_rotors(const Run *r, const Mode *m, const State *state, const R
     }
 }
 
+/* Accelerations of all columns under forces F on the groups, a torque on the rotor and the acceleration `base` of the base: one
+ * division by the mass matrix of the motor and its group; returns that of the rotor.
+ */
 Real response(const Run *r, const Mode *m, const State *state, const Real *F, Real torque, Real base, Real *out)
 {
     Real own, rotor = 0.0;

@@ -45,6 +45,7 @@ WIDE static void series_at_few(const Real *c, int count, int stride, const Real 
     series_at(c, count, stride, tau, square, out, FEW_NODES);
 }
 
+/* A force a time tau after the expansion point; its phase there and the angle since are reduced apart, without a large product. */
 static Real force_at(const Run *r, const Force *force, Real tau)
 {
     Real total = force->constant;
@@ -58,6 +59,7 @@ static Real force_at(const Run *r, const Force *force, Real tau)
     return total;
 }
 
+/* A force at the point that the closed form evaluated last. */
 static Real force_here(const Run *r, const Force *force)
 {
     Real total = force->constant;
@@ -68,6 +70,7 @@ static Real force_here(const Run *r, const Force *force)
     return total;
 }
 
+/* What the integrals read at `count` nodes, tau after the expansion point of a Taylor step. */
 static void taylor_nodes(Run *r, const LedgerIntegrals *m, const Real *tau, int count)
 {
     Taylor *f = &r->taylor;
@@ -92,6 +95,7 @@ static void taylor_nodes(Run *r, const LedgerIntegrals *m, const Real *tau, int 
         series_at_nodes(at->series + i * SERIES, at->lengths[i], 1, tau, squares, at->function[i]);
 }
 
+/* Whether nodes ascend: in a very short piece rounding makes some of them one. */
 static int ascend(const Real *tau)
 {
     int n = 1;
@@ -127,6 +131,9 @@ static void many_nodes(Run *r, const LedgerIntegrals *m, const Real *tau, int fi
     }
 }
 
+/* What the integrals read at the nodes, tau after the anchor of the closed form: many times at once, but one by one where
+ * functions of the rows are read. A node where the flow was evaluated last is taken from there.
+ */
 static void closed_form_nodes(Run *r, const LedgerIntegrals *m, const Real *tau)
 {
     Nodes *at = &r->ledger.nodes;
@@ -198,6 +205,10 @@ static Real integral(const Run *r, const LedgerIntegral *m, const Quadrature *ru
     }
 }
 
+/* Add a piece that begins tau after the start of the flow. The nodes lie where they should, not on the grid of time, whose
+ * rounding would show in the sums. Eight nodes do for Taylor steps of a moderate order (FEW_NODES_ORDER) without forces or
+ * formulas.
+ */
 static void integrate(Run *r, const LedgerIntegrals *m, Real tau, Real length)
 {
     const int by_formulas = r->mode->tape.op_count > 0 || r->mode->base_tape.op_count > 0;
@@ -220,7 +231,9 @@ static Real place(const Run *r, const State *state, int column, Real X)
     return column < r->bodies ? state->x[column] : column == r->bodies ? 0.0 : X;
 }
 
-/* Longest stretch from tau that one quadrature rule integrates to round-off. */
+/* Longest stretch from tau that one quadrature rule integrates to round-off: a Taylor step, or 3 rad of the fastest force. Behind
+ * an event the fast transient of strong damping wants short pieces of the closed form, which may grow as it decays.
+ */
 Real longest_piece(const Run *r, Real tau)
 {
     Real longest;
@@ -238,6 +251,7 @@ Real longest_piece(const Run *r, Real tau)
     return longest;
 }
 
+/* Open the stretch in hand: its entries, and the functions of the rows as polynomials over a Taylor step. */
 void ledger_open(Run *r)
 {
     Ledger *l = &r->ledger;
@@ -253,6 +267,7 @@ void ledger_open(Run *r)
             at->lengths[i] = taylor_polynomial(r, &m->functions[i], at->series + i * SERIES);
 }
 
+/* Add the stretch in hand, piece by piece; the entries change when all are done, for a call may end before that. */
 int ledger_gather(Run *r)
 {
     Ledger *l = &r->ledger;

@@ -34,6 +34,7 @@ int ledger_read(Run *r, Reader *in)
     return read_through(in);
 }
 
+/* Room for the series and values of so many functions; 0 without memory. */
 static int alloc_functions(Nodes *at, int count)
 {
     Real *series, (*function)[NODE_COUNT];
@@ -65,6 +66,7 @@ static int count_of_kind(const Run *r, const Mode *m, int kind)
     }
 }
 
+/* The functions of the rows that integrals read; their terms follow those of the event functions, from number `first` on. */
 static void read_functions(Run *r, Mode *m, Reader *in, int first)
 {
     int i, k;

@@ -9,11 +9,12 @@
 #include "pair.h"
 #include "reading.h"
 
-#define SPANS 100
+#define SPANS 100 /* that the growth is recorded in */
 #define TANGENT_GROUP 4 /* pairs of disturbances whose series are made side by side */
 
 typedef Real Lane[2];  /* one number of two disturbances */
 
+/* A stop: its columns and its damping; a friction: its columns and the sizes of its force where P slips forwards and backwards. */
 typedef struct {
     int P, Q;
     Real c;
@@ -79,6 +80,10 @@ typedef struct {
     int entry_room, has_step, prepared; /* whether `step` is of the step in hand; whether all is prepared at a time of it */
 } TaylorTangent;
 
+/* Events that are crossed almost tangentially. rate: that compares displacements with velocities [rad/s]; by stop the fastest
+ * motion of its ends so far and since the last impact, and where that was; closest: least share of a crossing, and its time;
+ * count: of shares below CLOSE; undefined: events that have no derivative, and the time of the first.
+ */
 typedef struct {
     Real rate, *fastest, *since, *struck, closest, closest_time, undefined_time;
     long long count, undefined;
@@ -90,6 +95,14 @@ typedef struct {
     Real determinant, closest;
 } Handed;
 
+/* Disturbances, entries dx of each body, dv of each body, then dphi, dw with a motor. The first `possible` of them lie in the
+ * tangent space of the mode, the others wait outside. complete: whether they are as many as the scene has exponents; outside:
+ * directions that the ties of the mode hold; losses: that ties took since counting began. sums: logarithm of the growth of each;
+ * rows: (time, growth by column), at `begin` and at the ends of SPANS equal spans from there; columns: of the rows, by
+ * disturbance; lost: whether one has replaced a direction since `begin`. residual: growth of the logarithm of the volume that
+ * nothing explains. components: entries that the scene has; shift_from, shift_to, references: see tangent_space.py. weights: of
+ * the squared entries.
+ */
 typedef struct Tangent {
     int given; /* whether disturbances are carried as they are: never orthonormalised */
     int count, possible, size, stride, complete, outside, next_row, row_count, losses, stop_count, friction_count;

@@ -3,6 +3,7 @@
 
 #include "tangent.h"
 
+/* Room for a vector of zeros behind `count` candidates. */
 static Real *next_candidate(Tangent *b, int count)
 {
     Real *vector = b->candidates + count * b->size;
@@ -120,7 +121,7 @@ int space_inside(const Run *r, const Mode *m)
     return count;
 }
 
-/* Vectors that span the rest. */
+/* Vectors orthogonal to these (where all dv weigh the same) that span the rest. */
 int space_outside(const Run *r, const Mode *m)
 {
     Tangent *b = r->tangent;

@@ -8,16 +8,17 @@
 #include "numbers.h"
 
 #define NEAR 64  /* units in the last place of time or displacements: beyond what Python asks for */
+/* units in the last place of the time: a hop lasts NEXT at least, and LAST times 1 - e */
 #define NEXT 2
 #define LAST 8
-#define ROUNDING 8
+#define ROUNDING 8 /* of a sum or a difference of two numbers, in units of EPS */
 #define TURNING 4 /* times the speed of a hop: what slips faster does not turn round in it */
 #define CANCELLED 65536 /* times EPS, of all forces: more than what their rounding leaves of an acceleration, twice */
-#define LOWEST 1024 /* of displacements */
-#define NOISE 64
-#define EARLY 0.25
-#define FURTHEST 0x1p-10
-#define SURELY (2.0 / 3)
+#define LOWEST 1024 /* roundings of displacements; event functions near zero are watched to some hundred */
+#define NOISE 64 /* of displacements: some times what a start and a return from rounded ones are off */
+#define EARLY 0.25 /* of the speed of a hop: the one that a companion asks about is no faster */
+#define FURTHEST 0x1p-10 /* of the speed of a hop: none that is slower is asked about */
+#define SURELY (2.0 / 3) /* of the speed of the next hop as it is known */
 #define CLEAR 2   /* times the bounds of a hop: as `drive` is not that of Python to the bit */
 
 static const RigidStop *stop_of(const Impacts *b, int number)
@@ -160,6 +161,7 @@ static int moves(const Run *r, const RigidStop *s, const Rubbing *f)
     return (P && f->P < r->bodies) || (Q && f->Q < r->bodies);
 }
 
+/* Sliding velocity of a friction. */
 static Real slip_of(const Run *r, const Rubbing *f, Real V)
 {
     return (column(r, r->next.v, f->P, V) - column(r, r->next.v, f->Q, V)) - f->belt;
@@ -308,6 +310,7 @@ static void carry(Run *r, Real V)
             r->next.v[c] = V + m->drift[c];
 }
 
+/* Velocities as they were in front of the impact. */
 static void undo(Run *r)
 {
     memcpy(r->next.v, r->before_v, sizeof(Real) * (size_t)r->bodies);

@@ -1,18 +1,21 @@
-/* Certified first root of an event function that is a polynomial over one step. */
+/* Certified first root of an event function that is a polynomial over one step, and how close a gap function comes without one.
+ * Known zeros at the start are divided out first, together with any further coefficient that is exactly zero.
+ */
 #include "certificate.h"
 #include "first_root.h"
 #include "engine.h"
 #include "numbers.h"
 #include "turning_point.h"
 
-#define LONG_MARCH 64
-#define NARROWER 4
-#define PIECES 8
-#define POLISHING 5
-#define BEYOND 64
-#define SHORTER 16
-#define SHORTEST 64
+#define LONG_MARCH 64 /* steps from which on bounds reach less far, and are the tighter for it */
+#define NARROWER 4 /* reach of such bounds, in ways marched so far */
+#define PIECES 8 /* a step spans less than two radians of the fastest motion: one minimum at most in each piece */
+#define POLISHING 5 /* Newton steps behind the first: each doubles the right digits */
+#define BEYOND 64 /* roundings: a start by so much away from zero is proved to be on its side */
+#define SHORTER 16 /* times, where a step is too long to prove that */
+#define SHORTEST 64 /* units in the last place of the time, of such a step */
 
+/* f and f' at tau by Horner's rule. */
 static void value_and_slope(const Real *series, int count, Real tau, Real *value, Real *slope)
 {
     Real v = series[count - 1], s = series[count - 1] * 0;
@@ -77,7 +80,11 @@ static Real nearer_step(const Real *series, int count, Real tau, Real room, Real
     return nearer > step ? nearer : step;
 }
 
-/* March by safe steps from t0; `error` proves a stretch, the rounding of its value blurs the place of a zero. */
+/* March by safe steps from t0; as `polynomial_first_root`. The function is proved positive where the polynomial stays above
+ * `error`. Where it falls below, and is sure to cross zero, one Newton step leads there, or with `sharp` some. Otherwise the
+ * stretch is in doubt, and the march goes on to where the value is zero but for its rounding. Steps shorter than the grid of time
+ * are doubled until they move it. bound: of |f''|.
+ */
 static int march(Certificate *c, const Real *series, int count, Real error, Real bound, Real t0, Real h, int sharp,
                  Real *end)
 {
@@ -141,6 +148,7 @@ static void slope_at(void *function, Real tau, Real *slope, Real *curvature)
     value_and_slope(of->slopes, of->count, tau, slope, curvature);
 }
 
+/* Keep the minimum of a gap function between two points of a step, at which its slopes fall and rise. */
 static void turn_between(Certificate *c, const Real *series, const Real *slopes, int count, Real t0, Real low, Real high)
 {
     Slopes of;
@@ -152,6 +160,7 @@ static void turn_between(Certificate *c, const Real *series, const Real *slopes,
     keep_turn(c, value - depth, t0 + turn);
 }
 
+/* Keep the smallest minimum of a gap function up to `stop` within a step: slopes at PIECES points tell where. */
 static void watch_turns(Certificate *c, const Real *series, int count, Real t0, Real stop)
 {
     Series slopes;
@@ -201,6 +210,7 @@ static Magnitude swing_of(const Real *series, int count, Power h)
     return swing * INFLATED;
 }
 
+/* Whether f = t^order sum b_n t^n may have a minimum within h; not where it is plainly monotonic. total: sum |b_n| h^n. */
 static int may_turn(const Real *series, int count, int order, Real total, Real h)
 {
     const Magnitude swing = swing_of(series, count, power_of(h));
@@ -209,7 +219,7 @@ static int may_turn(const Real *series, int count, int order, Real total, Real h
     return count > 1 && 2 * fabs(series[1]) * h <= swing;
 }
 
-/* Value and slope at tau without the known zeros. */
+/* Value and slope at tau of the polynomial without its known zeros: divided by that power of tau. */
 void polynomial_value_and_slope(const Real *coefficients, int count, int known, Real tau, Real *value, Real *slope)
 {
     int order = known < count - 1 ? known : count - 1;
@@ -218,6 +228,9 @@ void polynomial_value_and_slope(const Real *coefficients, int count, int known, 
     value_and_slope(coefficients + order, count - order, tau, value, slope);
 }
 
+/* Value, slope and rounding bound at tau of the polynomial without its known zeros; 0 where it rests at zero. size: sum of the
+ * magnitudes that coefficient 0 is made of, where that is not known to be zero.
+ */
 int polynomial_near_zero(const Real *coefficients, int count, int known, Real tau, Real size, Real *value,
                          Real *slope, Real *noise)
 {
@@ -243,7 +256,9 @@ static Real total_of(const Real *series, int count, Real h)
     return total;
 }
 
-/* The step h, or a shorter one where rounding over all of h would hide on which side of zero the function begins. */
+/* The step h, or a shorter one where rounding over all of h would hide on which side of zero the function begins, though its value
+ * there tells. size: sum of the magnitudes that coefficient 0 is made of.
+ */
 Real polynomial_nearer(const Real *coefficients, int count, Real t0, Real h, Real size)
 {
     Real start = coefficients[0], least = SHORTEST * (nextafter(t0, INFINITY) - t0);
@@ -254,6 +269,14 @@ Real polynomial_nearer(const Real *coefficients, int count, Real t0, Real h, Rea
     return h;
 }
 
+/* How far the polynomial in t - t0 is known to be positive: on the whole step h (POSITIVE), or up to the time `end` on the grid,
+ * where it is zero (ZERO) or the march was too long (UNFINISHED). Coefficients lowest first; positive at the start but for a zero
+ * there of order `known`. keep_margin: look for a grazing minimum before the root or the end of the step; sharp: go to the zero by
+ * more than one Newton step where that is not as near as the grid of time allows.
+ *
+ * The error is the rounding of the values, and what follows the last term: bounded by the last two as long as terms fall to less
+ * than 0.7 of the one before; the step control lets them fall to tol^(1/order), 0.16 by default.
+ */
 int polynomial_first_root(Certificate *c, const Real *coefficients, int count, int known, Real t0, Real h, int keep_margin,
                           int sharp, Real *end)
 {

@@ -1,11 +1,14 @@
-/* The minimum of a function between two points. */
+/* The minimum of a function between two points, by safeguarded Newton steps on its slope. */
 #ifndef VIBSIM_TURNING_POINT_H
 #define VIBSIM_TURNING_POINT_H
 
 #include <math.h>
 
-#define TURNING 60
+#define TURNING 60 /* Newton steps or bisections, at most */
 
+/* Where a slope has its extreme within `length`, from its cubic: values before and after, derivatives bend and unbend of opposite
+ * signs there.
+ */
 static inline Real extreme_of_slope(Real length, Real before, Real bend, Real after, Real unbend)
 {
     Real mean = (after - before) / length;
@@ -16,6 +19,10 @@ static inline Real extreme_of_slope(Real length, Real before, Real bend, Real af
 
 typedef void (*SlopeAt)(void *function, Real t, Real *slope, Real *curvature);
 
+/* Where a function with a falling slope at `low` and a rising one at `high` turns round; settled: length of a step behind which
+ * the next one is round-off. last: point evaluated last; turn: place of the minimum by one more Newton step; depth: of that
+ * minimum below the value at `last`.
+ */
 static inline void turning_point(SlopeAt slope_at, void *function, Real low, Real high, Real settled, Real *last,
                                  Real *turn, Real *depth)
 {

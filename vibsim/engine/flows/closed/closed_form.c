@@ -9,6 +9,7 @@
 #include "numbers.h"
 #include "responses.h"
 
+/* Sum of signed displacements at the anchor. */
 static Real fixed_sum(const Run *r, int first, int count)
 {
     const Fixed *fixed = r->mode->modal->fixed + first;
@@ -35,6 +36,7 @@ static void base_motion(const Run *r, const Real *sines, const Real *cosines, Re
     }
 }
 
+/* A coordinate, or its rate, from the displacements or velocities of columns. */
 static Real weighted(const Source *sources, int count, const Real *values)
 {
     Real total = 0.0;
@@ -46,6 +48,7 @@ static Real weighted(const Source *sources, int count, const Real *values)
     return total;
 }
 
+/* Start, rate and constant load of a coordinate at the anchor, and its drives there by their sines and cosines; responses are 0. */
 static void anchor_coordinate(Run *r, const Modal *modal, const Coordinate *c, Motion *y)
 {
     const ClosedForm *f = &r->closed_form;
@@ -69,12 +72,13 @@ static void anchor_coordinate(Run *r, const Modal *modal, const Coordinate *c, M
     }
 }
 
-/* How many functions of time the motion in the mode is a sum of. */
+/* How many functions of time the motion in the mode is a sum of: what has so many derivatives zero at one instant is zero. */
 int closed_form_dimension(const Run *r)
 {
     return 2 * r->mode->modal->count + 2 * r->harmonic_count + 1;
 }
 
+/* Anchor the flow at `state` in the mode of now; harmonics by their reduced phases. */
 void closed_form_enter(Run *r, const State *state)
 {
     ClosedForm *f = &r->closed_form;
@@ -105,7 +109,9 @@ void closed_form_enter(Run *r, const State *state)
     closed_form_open(r);
 }
 
-/* `sines`, `cosines`: of the harmonics' own angles since the anchor. */
+/* A coordinate and its rate a time tau after the anchor, and the responses they are made of, for bounds of their rounding.
+ * `sines`, `cosines`: of the harmonics' own angles since the anchor.
+ */
 static inline void evaluate_coordinate(const Coordinate *c, Motion *y, Real tau, const Real *sines, const Real *cosines)
 {
     const Oscillator *o = &c->oscillator;
@@ -149,6 +155,7 @@ static inline void evaluate_coordinate(const Coordinate *c, Motion *y, Real tau,
     y->jet[1] = u;
 }
 
+/* Set coordinates, rates and the phases of the harmonics a time tau after the anchor, once. */
 void closed_form_evaluate(Run *r, Real tau)
 {
     ClosedForm *f = &r->closed_form;
@@ -188,6 +195,9 @@ static void drive_jet(const ClosedForm *f, const Drive *drive, Real *d, int coun
     }
 }
 
+/* Derivatives of order 2 to `count` of a coordinate at the point evaluated last, by its equation of motion; with one drive in one
+ * loop.
+ */
 static inline void jet_of(const ClosedForm *f, const Coordinate *c, Motion *y, int count)
 {
     const Real twice = 2 * c->a, b = c->b;
@@ -253,7 +263,9 @@ void closed_form_jets(Run *r, int n)
     }
 }
 
-/* Each body is where what rests of its place and its shares of the coordinates put it; -0.0 stands for nothing. */
+/* State a time tau after the anchor, which need not be on the grid of time. Each body is where what rests of its place and its
+ * shares of the coordinates put it; -0.0 stands for nothing.
+ */
 void closed_form_state_after(Run *r, Real tau, State *out)
 {
     const ClosedForm *f = &r->closed_form;

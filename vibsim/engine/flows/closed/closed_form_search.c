@@ -6,10 +6,11 @@
 #include "turning_point.h"
 
 #define STEPS_PER_CALL 4096
-#define POLISHING 10
-#define NEAR 128
-#define NARROWER 16
+#define POLISHING 10 /* Halley's iteration triples the right digits */
+#define NEAR 128 /* roundings: nearer to zero than that they are measured closely */
+#define NARROWER 16 /* steps shorter than this part of the reach of the bounds shorten it to that; others widen it */
 
+/* Begin the search at the flow's anchor, with the zeros in r->known. */
 void closed_form_open(Run *r)
 {
     Search *s = &r->closed_form.search;
@@ -28,18 +29,21 @@ void closed_form_open(Run *r)
     }
 }
 
+/* Go ahead by `step` on the grid of time. */
 static void move(Run *r, Real step)
 {
     Search *s = &r->closed_form.search;
     s->t = r->t0 + ((s->t - r->t0) + step);
 }
 
+/* Let the bounds of the next step reach as far as it needs: they are the tighter the less they do. */
 static void adapt_reach(Search *s, Real step)
 {
     Real needed = NARROWER * step;
     s->reach = needed < s->window ? needed : s->window;
 }
 
+/* Rounding bound of an event function by the close measure, which is taken once at a point. */
 APART Real close_noise(Run *r, const Event *e)
 {
     Search *s = &r->closed_form.search;
@@ -49,7 +53,10 @@ APART Real close_noise(Run *r, const Event *e)
     return rounding_unit(r) * event_scale(r, e, CLOSE);
 }
 
-/* Rounding bound of the value of an event function. */
+/* Rounding bound of the value of an event function, by the plain measure where it is far from zero. There a step that keeps the
+ * value above the plain bound can bring it below the close one at its very end only, and only where it still falls there: so the
+ * next step sees it.
+ */
 static inline Real noise_of(Run *r, const Event *e, Real value, Real reach, Real unit)
 {
     Real noise = unit * event_scale(r, e, PLAIN);
@@ -63,7 +70,9 @@ static void certify_crossing(Run *r, Real value, Real slope, Real bound, Real no
         doubt(&r->certificate, r->t0);
 }
 
-/* Doubt that the zero of `first` is the first, where that of another of `events` may come as soon. */
+/* Doubt that the zero of `first` is the first, where that of another of `events` may come as soon; value, slope and noise are
+ * those of `first`. A touch is in doubt by itself; two names of one function vanish together.
+ */
 static void certify_order(Run *r, int first, const int *events, int count, Real value, Real slope, Real noise)
 {
     const Search *s = &r->closed_form.search;
@@ -104,6 +113,10 @@ static int known_order(const Run *r, int i)
     return known < FLAT_ORDER ? known : FLAT_ORDER;
 }
 
+/* The first stretch of a segment, known zeros divided out, from the derivatives at its start; returns the event that comes at
+ * once, or NOTHING. A function with too many zero derivatives rests at zero and is watched no more. One that rises from within
+ * rounding of zero is in doubt: on which side it began is not proved.
+ */
 static int lead(Run *r)
 {
     Search *s = &r->closed_form.search;
@@ -182,6 +195,7 @@ typedef struct {
     const Event *event;
 } Turning;
 
+/* Slope and curvature of a gap function at time t. */
 static void gap_slope(void *function, Real t, Real *slope, Real *curvature)
 {
     const Turning *of = (const Turning *)function;
@@ -191,6 +205,7 @@ static void gap_slope(void *function, Real t, Real *slope, Real *curvature)
     *curvature = event_derivative(of->r, of->event, 2);
 }
 
+/* Keep the minimum of a gap function between two times at which its slopes fall and rise. */
 static void turn_between(Run *r, const Event *e, Real low, Real high)
 {
     const Search *s = &r->closed_form.search;
@@ -204,6 +219,10 @@ static void turn_between(Run *r, const Event *e, Real low, Real high)
     keep_turn(&r->certificate, event_derivative(r, e, 0) - depth, turn);
 }
 
+/* Look for a minimum of a gap function since the point watched before; then watch from here on. bound: on its second derivative
+ * ahead. A minimum that cannot undercut the grazing margin is not looked for. Between slopes of one sign there may be a maximum
+ * beside the minimum: then the slope itself has an extreme between, which the curvatures tell.
+ */
 static void watch_turn(Run *r, int event, Real value, Real slope, Real curvature, Real bound)
 {
     Search *s = &r->closed_form.search;
@@ -236,6 +255,7 @@ static void watch_turn(Run *r, int event, Real value, Real slope, Real curvature
     closed_form_jets(r, 2);
 }
 
+/* Look for minima of the gap functions between the points watched last and an event of another kind, or the end of the run. */
 static void turn_before(Run *r, int event)
 {
     const Mode *m = r->mode;
@@ -249,6 +269,10 @@ static void turn_before(Run *r, int event)
         }
 }
 
+/* Go to the one zero of the event function ahead, by Halley's iteration. Called where 8 f |f''| < f'^2 and f' < 0: then f falls
+ * all the way to its zero, which lies within -2 f / f' and is the only one there (Kantorovich), and no other event function can
+ * vanish within that.
+ */
 static void polish(Run *r, const Event *e)
 {
     Search *s = &r->closed_form.search;
@@ -272,7 +296,9 @@ static void polish(Run *r, const Event *e)
     }
 }
 
-/* Length of a step while a function rises within its rounding of zero: at least twice that of the one before. */
+/* Length of a step while a function rises within its rounding of zero: one that leaves zero as slowly as t^4 does so for long, and
+ * certified steps grow too little. So each is at least twice the one before, as far as the others allow, `free_step`.
+ */
 static Real leap(Run *r, Real step, Real free_step)
 {
     Search *s = &r->closed_form.search;
@@ -285,6 +311,10 @@ static Real leap(Run *r, Real step, Real free_step)
     return least;
 }
 
+/* One certified step; returns the event whose function reached zero here, or NOTHING. The event function that may come to zero
+ * first sets the step; `rival` is the step that the next one allows. Where the step is too short to move the time, a function that
+ * falls is at its zero; else the point is left, in doubt, by steps that double.
+ */
 static int step_ahead(Run *r)
 {
     Search *s = &r->closed_form.search;
@@ -357,6 +387,7 @@ static int step_ahead(Run *r)
     return nearest;
 }
 
+/* March to the first event or to `limit`; returns the time, and in `event` its number or NOTHING. */
 Real closed_form_advance(Run *r, Real limit, int *event)
 {
     Search *s = &r->closed_form.search;

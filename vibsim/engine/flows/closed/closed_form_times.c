@@ -21,6 +21,7 @@ static int first_settled(const Oscillator *o, const Real *tau, int count)
     return j;
 }
 
+/* First time from which on the response to a harmonic load is a quotient. */
 static int first_beating(const Oscillator *o, const Real *tau, int count)
 {
     int j = 0;
@@ -38,6 +39,7 @@ static int first_slow(const Oscillator *o, const Real *tau, int count)
     return j;
 }
 
+/* The same of a free mass. */
 static int first_turned(const Oscillator *o, const Real *tau, int count)
 {
     int j = 0;
@@ -46,6 +48,7 @@ static int first_turned(const Oscillator *o, const Real *tau, int count)
     return j;
 }
 
+/* Cosine and sine of a harmonic's own angle since the anchor; up to 3 rad the product is as good as its reduction. */
 static void turn_harmonic(const Harmonic *one, const Real *restrict tau, int count, Real *restrict cosine, Real *restrict sine)
 {
     Real angle[TIMES_AT_ONCE];
@@ -58,6 +61,7 @@ static void turn_harmonic(const Harmonic *one, const Real *restrict tau, int cou
         moderate_sine_cosine(angle[j], &sine[j], &cosine[j]);
 }
 
+/* A free mass under its constant load. */
 static void move_freely(const Motion *y, const Real *restrict tau, int count, Real *restrict q, Real *restrict u)
 {
     const Real q0 = y->q0, u0 = y->u0, load = y->load;
@@ -77,6 +81,7 @@ static void response_series_at(const Oscillator *restrict o, const Real *restric
         series_response(o, tau[j], &hc[j], &hs[j]);
 }
 
+/* Add the responses of a free mass to a harmonic load. */
 static void drive_freely(const Oscillator *o, const Response *response, const Real *restrict tau, int count,
                          const Real *restrict cosine, const Real *restrict sine, Real *restrict q, Real *restrict u)
 {
@@ -95,6 +100,7 @@ static void drive_freely(const Oscillator *o, const Response *response, const Re
     }
 }
 
+/* Release and impulse response of an oscillation. */
 static void swing_at(const Oscillator *restrict o, const Real *restrict tau, int count, Real *restrict release,
                      Real *restrict impulse)
 {
@@ -115,6 +121,7 @@ static void steady_series_at(const Oscillator *restrict o, const Real *restrict 
         steady[j] = tau[j] * tau[j] * horner(o->steady_series, SERIES_TERMS, o->rate * tau[j]);
 }
 
+/* An oscillator under its constant load; its release and impulse response for the drives. */
 static void oscillate(const Oscillator *o, const Motion *y, const Real *restrict tau, int count, Real *restrict release,
                       Real *restrict impulse, Real *restrict q, Real *restrict u)
 {
@@ -140,6 +147,7 @@ static void oscillate(const Oscillator *o, const Motion *y, const Real *restrict
     }
 }
 
+/* Add the responses of an oscillator to a harmonic load: series, near resonance nested differences, then quotients. */
 static void drive(const Oscillator *o, const Response *response, const Real *restrict tau, int count, const Real *restrict release,
                   const Real *restrict impulse, const Real *restrict cosine, const Real *restrict sine, Real *restrict q,
                   Real *restrict u)
@@ -164,6 +172,7 @@ static void drive(const Oscillator *o, const Response *response, const Real *res
     }
 }
 
+/* A coordinate and its rate at all times. */
 static void move_coordinate(const Times *at, const Coordinate *c, const Motion *y, const Real *tau, Real *q, Real *u)
 {
     Real release[TIMES_AT_ONCE], impulse[TIMES_AT_ONCE];
@@ -223,6 +232,7 @@ void closed_form_sines(const Run *r, int harmonic, Real *restrict out)
         out[j] = sin0 * cosine[j] + cos0 * sine[j];
 }
 
+/* Add factor times the cosine of a harmonic, its phase at the anchor included. */
 static void add_cosines(const Run *r, int harmonic, Real factor, Real *restrict out)
 {
     const ClosedForm *f = &r->closed_form;

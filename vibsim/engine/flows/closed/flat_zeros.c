@@ -1,5 +1,6 @@
-/* Zeros too flat for the closed form: stretches at whose start more derivatives of an event function are zero than it takes, as
- * at the end of a chain whose other end is shaken, go by Taylor series.
+/* Zeros too flat for the closed form: stretches at whose start more derivatives of an event function are zero than it takes, go by
+ * Taylor series. At the end of a chain whose other end is driven every body between makes two more derivatives zero. In Taylor
+ * series they are exactly zero; in modal coordinates rounding stands in for them.
  */
 #include <stddef.h>
 

@@ -6,8 +6,9 @@
  */
 #include "engine.h"
 
-#define FASTER 4
+#define FASTER 4 /* times the sum of all rates: how much further a rate swings */
 
+/* The sum of one and factor times another. */
 static Reach plus(Reach one, Real factor, Reach other)
 {
     one.place = one.place + factor * other.place;
@@ -22,6 +23,10 @@ static Real response_reach(const Oscillator *o, Real longest)
     return (5 + o->omega * longest) * (fabs(o->inverse_r) + fabs(o->inverse_i));
 }
 
+/* The reaches of a coordinate, its rate and its acceleration. Where its own terms cancel, the plain measure may be as small as it
+ * likes while the coordinate grows without end: of a free mass with its velocity, under a load that is a sum, and in resonance.
+ * There the reach is endless: nothing is told.
+ */
 static void reaches_of(const Modal *modal, const Coordinate *c, Terms *of)
 {
     const Oscillator *o = &c->oscillator;
@@ -62,6 +67,7 @@ static void reaches_of(const Modal *modal, const Coordinate *c, Terms *of)
         a->rest = UNHURRIED;
 }
 
+/* Of what a place has of the coordinates, of their rates (order 1) or accelerations (2). */
 static Reach shares_reach(const Modal *modal, const Place *p, int order)
 {
     Reach total = {0.0, 0.0, 0.0};
@@ -71,6 +77,7 @@ static Reach shares_reach(const Modal *modal, const Place *p, int order)
     return total;
 }
 
+/* Of a term of an event function, without its coefficient. */
 static Reach term_reach(const Mode *m, const Term *t)
 {
     const Modal *modal = m->modal;

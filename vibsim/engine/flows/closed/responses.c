@@ -13,6 +13,9 @@
 #include "numbers.h"
 #include "responses.h"
 
+/* Coefficients g_n of H = t^2 sum g_n (rate t)^n, real and imaginary. From H'' + 2 a H' + b H = exp(i omega t): (n + 2)(n + 1) g_n
+ * = (i omega / rate)^n / n! - 2 (a / rate) (n + 1) g_(n-1) - (b / rate^2) g_(n-2).
+ */
 static void series_coefficients(const Oscillator *o, Real omega, Real *real, Real *imag)
 {
     Real rate = o->rate > 0 ? o->rate : 1.0;
@@ -33,6 +36,9 @@ static void series_coefficients(const Oscillator *o, Real omega, Real *real, Rea
     }
 }
 
+/* Constants of an oscillator under a load of frequency omega. Of a free mass only its damping sets a pace. `near` is |r1 - i
+ * omega|^2 far above critical damping.
+ */
 void oscillator_set(Oscillator *o, Real a, Real b, Real omega)
 {
     Real discriminant = b - a * a, fastest, pace, near;
@@ -65,6 +71,7 @@ void oscillator_set(Oscillator *o, Real a, Real b, Real omega)
     series_coefficients(o, omega, o->real_series, o->imag_series);
 }
 
+/* Real and imaginary part of sinh(z) / z for z = p + i q. */
 static void sinhc(Real p, Real q, Real *re, Real *im)
 {
     Real zz = p * p + q * q, sine, cosine, nr, ni;
@@ -80,6 +87,9 @@ static void sinhc(Real p, Real q, Real *re, Real *im)
     *im = (ni * p - nr * q) / zz;
 }
 
+/* H near resonance: (E1 - E2) / (r1 - r2) with E_k = (exp(r_k t) - exp(i omega t)) / (r_k - i omega). E1 = t exp((r1 + i omega) t
+ * / 2) sinhc((r1 - i omega) t / 2) holds up to the resonance itself (secular growth).
+ */
 void confluent_response(const Oscillator *o, Real t, Real cosine, Real sine, Real *hc, Real *hs)
 {
     Real real1 = o->slow, imag1 = 0, real2 = o->fast, imag2 = 0;

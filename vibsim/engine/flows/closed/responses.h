@@ -5,7 +5,13 @@
 #include "engine.h"
 #include "numbers.h"
 
+/* Quotients by b and by Z = (r1 - i omega)(r2 - i omega) cancel at most three bits where |Z| t^2 is above a quarter; far above
+ * critical damping, where r2 t is large whatever r1 t is, where |r1 - i omega| t is above a half.
+ */
 #define QUARTER 0.25
+/* After many turns close to resonance the phases of C and S, rounded to eps w t, come out of the quotient over |r1 - i omega| t,
+ * which is small.
+ */
 #define RESONANT 0.01
 
 /* responses.c; near resonance, where the difference of two modes would cancel */
@@ -19,6 +25,7 @@ static inline void swing(const Oscillator *o, Real t, Real sine, Real cosine, Re
     *release = decay * cosine + o->a * *impulse;
 }
 
+/* C(t) [-] and S(t) [s]. */
 static inline void release_and_impulse(const Oscillator *o, Real t, Real *release, Real *impulse)
 {
     Real decay, sine, cosine;
@@ -32,6 +39,7 @@ static inline void release_and_impulse(const Oscillator *o, Real t, Real *releas
     *release = decay - o->slow * *impulse;
 }
 
+/* Re H, Im H [s^2] by power series, for spreads |r t|, |omega t| below 2. */
 static inline void series_response(const Oscillator *o, Real t, Real *hc, Real *hs)
 {
     Real square = t * t, angle = o->rate * t;
@@ -39,6 +47,7 @@ static inline void series_response(const Oscillator *o, Real t, Real *hc, Real *
     *hs = square * horner(o->imag_series, SERIES_TERMS, angle);
 }
 
+/* I(t) [s^2], given C(t). */
 static inline Real constant_response(const Oscillator *o, Real t, Real release)
 {
     if (o->settling * (t * t) >= QUARTER)
@@ -63,6 +72,9 @@ static inline int is_quotient(const Oscillator *o, Real square)
     return o->beating * (square * square) >= QUARTER * QUARTER && !is_resonant(o, square);
 }
 
+/* Re H(t), Im H(t) [s^2] and their rates [s], given C, S and cos, sin of omega t. The rates from H' = S + i omega H, but for a
+ * quotient, as of a fast load, where that difference would cancel.
+ */
 static inline void harmonic_response(const Oscillator *o, Real t, Real release, Real impulse, Real cosine, Real sine,
                        Real *hc, Real *hs, Real *dc, Real *ds)
 {
@@ -84,6 +96,7 @@ static inline void harmonic_response(const Oscillator *o, Real t, Real release, 
     *ds = o->omega * *hc;
 }
 
+/* H of a free mass (a = b = 0): int int cos(omega s), int int sin(omega s) [s^2]; the series of `point` serves short times. */
 static inline void free_harmonic_response(const Oscillator *point, Real t, Real cosine, Real sine, Real *hc, Real *hs)
 {
     Real angle = point->omega * t;

@@ -22,6 +22,7 @@ void measure_start(Run *r)
     }
 }
 
+/* The plain measure at the point evaluated last; of coordinates of which only rates are read, only of these. */
 void measure_plainly(Run *r)
 {
     ClosedForm *f = &r->closed_form;
@@ -76,7 +77,10 @@ static void starts(const Run *r, const Coordinate *c, const Terms *terms, Real *
     }
 }
 
-/* Terms of C, S and I. */
+/* Terms of C [-], S [s] and I [s^2]. Zeros of C and S are those of a cosine and a sine, whose phase is rounded: what counts is how
+ * far they swing. That phase has been rounded to eps wd t, so S to no more than swing * min(t, 1 / w0) beside itself, however
+ * close to critical damping.
+ */
 static void swinging(const Oscillator *o, Real tau, Real at_steady, Real *swing, Real *impulse, Real *steady)
 {
     Real release, rise;
@@ -108,6 +112,7 @@ static void response_terms(const Oscillator *o, Real tau, Real swing, Real impul
     *rate = impulse + omega * *place;
 }
 
+/* The same of a free mass. */
 static void free_response_terms(const Oscillator *o, Real tau, const Response *at, Real *place, Real *rate)
 {
     Real angle = o->omega * tau;
@@ -120,6 +125,7 @@ static void free_response_terms(const Oscillator *o, Real tau, const Response *a
     *rate = fabs(at->dc) + fabs(at->ds);
 }
 
+/* The close measure of a coordinate, its rate and its acceleration. */
 static Scale close_scale(const Run *r, const Coordinate *c, const Terms *terms, const Motion *y)
 {
     const Real tau = r->closed_form.tau;
@@ -153,6 +159,7 @@ static Scale close_scale(const Run *r, const Coordinate *c, const Terms *terms, 
     return scale;
 }
 
+/* The close measure of all coordinates. */
 void measure_closely(Run *r)
 {
     const Modal *modal = r->mode->modal;

@@ -37,7 +37,9 @@ static void take_groups(Run *r)
     }
 }
 
-/* Begin at the state that the table begins with. */
+/* Begin at the state that the table begins with: sines and cosines, and of each group the mass less what its rotors take part of
+ * it with.
+ */
 void rotors_expand(Run *r)
 {
     Rotors *o = &r->rotors;
@@ -89,7 +91,9 @@ INLINE Real back(const Rotors *o, int i, int n, int group)
     return n == 0 ? 0.0 : middle(s + 1, BACK(a, n - 1), n - 1) + s[1] * a[n - 1];
 }
 
-/* Acceleration of order n of the group number g under the force F, and of its rotors. */
+/* Acceleration of order n of the group number g under the force F, and of its rotors. Of a group that does not move on its own the
+ * acceleration is that of ground or base.
+ */
 static void turn_group(Run *r, int g, int n, const Real *F)
 {
     const Taylor *f = &r->taylor;

@@ -19,7 +19,9 @@
 #define INPUT_ROUNDING 2      /* of displacements and velocities at the end of a step, in units of EPS */
 #define STATE_ROUNDING 8      /* the same at an event */
 
-/* The value of an operation on values. A power of what is negative is that of 0, with an exponent below 0 it counts as 0. */
+/* The value of an operation on values. A power of what is negative is that of 0, which with an exponent below 0 counts as 0: of
+ * slopes, whose instant of being infinite a step leaves behind.
+ */
 static Real start_value(const Op *op, Real a, Real b)
 {
     switch (op->code) {
@@ -408,7 +410,9 @@ static double excess(Run *r, Real h, Real tolerance)
     return worst[0] > worst[1] ? worst[0] : worst[1];
 }
 
-/* The step that is not made shorter: where the base of a power is at its zero within the resolution of time. */
+/* The step that is not made shorter: where the base of a power is at its zero within the resolution of time, so that the power is
+ * known no better. A belt may also carry a body there so slowly that shorter steps do not move it.
+ */
 static Real shortest_step(const Run *r)
 {
     const TapeRoom *room = &r->taylor.tapes;
@@ -452,7 +456,9 @@ Real overflowing_zero(const Run *r)
     return nearest;
 }
 
-/* The step, or a shorter one, at the end of which the formulas have the values that their series say. */
+/* The step, or a shorter one, at the end of which the formulas have the values that their series say: shortened by the binary
+ * digits that the worst of them is beyond, over the order. The status is SINGULAR where no step that moves time is short enough.
+ */
 void sound_step(Run *r)
 {
     Taylor *f = &r->taylor;

@@ -40,8 +40,8 @@ INLINE Real middle(const Real *a, const Real *back, int last)
     return odd + second_of_pair(sums);
 }
 
-/* Of a^p: n a_0 y_n = sum (p (n - i) - i) a_(n-i) y_i over i < n; at a zero of a, or one nearer than `least` [s], nothing but the
- * value.
+/* Of a^p: n a_0 y_n = sum (p (n - i) - i) a_(n-i) y_i over i < n. At a zero of a, or one nearer than `least` [s], which is a
+ * singularity, nothing but the value: a step from there is as short as that is right.
  */
 APART Real power_coefficient(const Real *a, const Real *back, const Real *y, Real p, int n, Real inverse, Real least)
 {

@@ -23,6 +23,7 @@ typedef struct {
     Real unbalance, drag, inertia, stall, coupling, to_a1, to_w, cross, pull, sw, tail, torque, previous;
 } Rotor;
 
+/* Start of the series of the rotor at `state`, and the mass matrix there. */
 INLINE Rotor rotor_of(Run *r, const State *state)
 {
     Taylor *f = &r->taylor;
@@ -120,11 +121,15 @@ INLINE Real turn(Rotor *o, int n, int p, Real inverse, Real thrust)
     return a1;
 }
 #else
-/* Sums of `count` products: of cosines and speeds, sines and speeds, sines and accelerations. */
+/* Sums of `count` products: of cosines and speeds, sines and speeds, sines and accelerations. They are the inner terms of (c w)_n,
+ * (s w)_(n+1) and (s a1)_n, those that do not wait for the newest coefficients; odd and even terms are summed apart, two chains
+ * that a processor takes side by side.
+ */
 typedef struct {
     Real cws, tails, backs;
 } Products;
 
+/* Those sums, the series of the speed and the acceleration backwards. */
 INLINE Products products_of(const Real *restrict cosine, const Real *restrict sine, const Real *w, const Real *a1, int count)
 {
     Products sums;
@@ -314,6 +319,9 @@ INLINE void balance(const Run *r, const Real *row, int n)
     add_forces(r, r->force, 0, row, n);
 }
 
+/* Any mode without formulas. Bodies that are tied move as the leader of their group, which comes before them, or as ground or
+ * base.
+ */
 INLINE void expand_any(Run *r, const State *state, const int motor)
 {
     Taylor *f = &r->taylor;
@@ -471,6 +479,7 @@ SHAPE formulas(Run *r, const State *s) { expand_formulas(r, s, 0, 0); }
 SHAPE formulas_with_motor(Run *r, const State *s) { expand_formulas(r, s, 0, 1); }
 SHAPE formulas_on_two(Run *r, const State *s) { expand_formulas(r, s, 2, 0); }
 
+/* Coefficients of all columns at `state`, whose displacements and rates, and those of base and loads, are in the table. */
 void taylor_expand(Run *r, const State *state)
 {
     static void (*const shapes[])(Run *, const State *) = {

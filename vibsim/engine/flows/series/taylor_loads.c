@@ -4,6 +4,9 @@
 #include "engine.h"
 #include "numbers.h"
 
+/* The derivatives of order 0 to 3 of the sine of a harmonic at t, each over omega to that order; the angle without a large
+ * product.
+ */
 static void sine_and_cosine(const Harmonic *term, Real t, Real *turns)
 {
     Real angle = turn_angle(term->cycles, term->cycles_lo, t) + term->phase;
@@ -33,6 +36,7 @@ static void expand_base_formula(Run *r, const Tape *tape, Real t)
     }
 }
 
+/* Series of the base at t, X by harmonics or by a formula, to two orders beyond those of the forces. */
 void taylor_expand_base(Run *r, Real t)
 {
     Taylor *f = &r->taylor;
@@ -58,6 +62,7 @@ void taylor_expand_base(Run *r, Real t)
     }
 }
 
+/* Series of the forces on the bodies at t, summed by column. */
 void taylor_expand_loads(Run *r, Real t)
 {
     Taylor *f = &r->taylor;

@@ -44,6 +44,7 @@ static void difference(const Real *row, int stride, int a, int b, Real factor, i
     }
 }
 
+/* factor times the series of the force of a coupling, whose offset counts in order 0. */
 static void coupling_force(const Coupling *c, const Taylor *f, Real factor, int count, Real *restrict out)
 {
     const Real *a = f->table + c->from, *b = f->table + c->to, k = c->k, damping = c->c;
@@ -57,6 +58,7 @@ static void coupling_force(const Coupling *c, const Taylor *f, Real factor, int 
     }
 }
 
+/* Series of a term of an event function over the step; returns its number of coefficients, fewer where derivatives are read. */
 int taylor_term(const Run *r, const Term *t, Real *out)
 {
     const Taylor *f = &r->taylor;
@@ -112,6 +114,9 @@ int taylor_polynomial(const Run *r, const Event *e, Real *out)
     return count;
 }
 
+/* Sum of the magnitudes that a term is made of at the expansion point, without its coefficient; of a formula what its rounding
+ * bound stands for.
+ */
 static Real magnitude_of(const Run *r, const Term *t)
 {
     const Taylor *f = &r->taylor;

@@ -158,6 +158,7 @@ static Real of_difference(const Bounds *b, int P, int Q, int n, int rates)
     return of[P] + of[Q] + ONCE * fabs(series_of(b->r, P, n, rates) - series_of(b->r, Q, n, rates));
 }
 
+/* Of coefficient n of the force of a coupling. */
 static Real of_coupling(const Bounds *b, const Coupling *q, int n)
 {
     const Run *r = b->r;
@@ -166,6 +167,7 @@ static Real of_coupling(const Bounds *b, const Coupling *q, int n)
     return lost + PRODUCT * (n == 0 ? size + fabs(q->offset) : size);
 }
 
+/* Add that force and its rounding to those on both groups. */
 static void push_coupling(Bounds *b, const Coupling *q, int n)
 {
     const Run *r = b->r;
@@ -428,6 +430,7 @@ static void of_event(const Bounds *b, const Event *e, int count, int summed, Rea
     }
 }
 
+/* See engine.h: bounds by order, each from those of the order before, then of the event function. */
 int taylor_bounds(const Run *r, const Event *e, int count, int exact, int summed, Real span, Real *out)
 {
     const int orders = count + 2, columns = r->columns, ops = r->mode->tape.op_count;

@@ -23,6 +23,7 @@
 #define FLAT 0x1p-7
 #define LOST 0x1p-40 /* of the length of a disturbance in a rank loss: what is left is rounding */
 
+/* Growth counts from here on. */
 static void start_to_count(Tangent *b)
 {
     int i;
@@ -33,6 +34,7 @@ static void start_to_count(Tangent *b)
     }
 }
 
+/* Directions that wait outside when counting begins are lost already. */
 static void mark_waiting(Tangent *b)
 {
     int i;
@@ -69,6 +71,7 @@ static void keep_row(const Run *r, Real t)
         b->next_row++;
 }
 
+/* Scalar product of two vectors: each entry is measured as a velocity by its weight. */
 static Real product(const Tangent *b, const Real *one, const Real *other)
 {
     Real total = b->weights[0] * (one[0] * other[0]);
@@ -165,7 +168,9 @@ static void put_vector(Tangent *b, int i, const Real *vector)
         b->vectors[k * b->stride + i] = vector[k];
 }
 
-/* Add from the candidates, each time that which is least like the `before` vectors there are, up to `count` of them. */
+/* Add from the candidates, each time that which is least like the `before` vectors there are (the longest remainder as a share of
+ * its length), up to `count` of them; returns how many vectors there are.
+ */
 static int fill(Tangent *b, int candidates, int before, int count)
 {
     int i, k;
@@ -262,6 +267,7 @@ void tangent_begin_stretch(Run *r)
     }
 }
 
+/* Measure displacements from their references, orthonormalise behind a piece, and check the volume over it. */
 static void account(Run *r, Real t, Real ahead)
 {
     Tangent *b = r->tangent;
@@ -290,6 +296,9 @@ static Real move_by_series(Run *r, Real ahead, Real tau)
     return ahead;
 }
 
+/* Carry the disturbances over the stretch in hand, piece by piece, up to the instant of its event, which is not on the grid of
+ * time where a rigid stop is struck; 0 where the work of a call is spent before.
+ */
 int tangent_gather(Run *r)
 {
     Tangent *b = r->tangent;
@@ -328,11 +337,15 @@ Real tangent_worked_to(const Run *r)
     return r->tangent->t;
 }
 
+/* Whether two modes have the same tied bodies and the same rigid stops at rest. */
 static int same_ties(const Run *r, const Mode *one, const Mode *other)
 {
     return memcmp(one->leader, other->leader, sizeof(int) * (size_t)r->columns) == 0 && same_seats(r, one, other);
 }
 
+/* Ties have changed: tied bodies get one velocity, momentum kept, and the ends of stops that come to rest one displacement; then
+ * the disturbances are fitted into the new tangent space. Directions that ties took are rank losses.
+ */
 static void change_ties(Run *r, const Mode *after)
 {
     Tangent *b = r->tangent;
@@ -376,7 +389,9 @@ static int known_part(const Tangent *b, const Event *e)
     return e->kind == GAP || e->kind == STRIKE ? e->part < b->stop_count : e->kind != SLIDE || e->part < b->friction_count;
 }
 
-/* Take the event at r->next from one mode to another. */
+/* Take the event at r->next from one mode to another. Behind a jump that changes no ties the disturbances are orthonormalised, and
+ * the logarithm of its determinant is that of the volume; a determinant of 0 is a rank loss.
+ */
 void tangent_cross(Run *r, int event, const Mode *before, const Mode *after)
 {
     Tangent *b = r->tangent;

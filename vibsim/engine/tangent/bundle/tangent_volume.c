@@ -44,6 +44,9 @@ static void determinants(const Run *r, Real mass, Real inertia, const Real *tau,
     }
 }
 
+/* The share of the motor's group and its rotor: their damping by means of 1 / det M, and det M itself at both ends; mass, inertia,
+ * damping, drag: of these two. Formulas that act on the group add the derivative of their force by its velocity.
+ */
 static Real with_rotor(const Run *r, Real mass, Real inertia, Real damping, Real drag, Real t, Real tau)
 {
     Real share = 0.0, damped, start = t - r->t0, points[POINTS], values[POINTS];

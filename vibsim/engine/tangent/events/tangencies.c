@@ -3,7 +3,7 @@
  */
 #include "tangent.h"
 
-#define CLOSE 1e-6
+#define CLOSE 1e-6 /* share below which a crossing counts as a tangency: a rate of 1/1000 of the largest */
 
 void tangencies_forget(Tangencies *near)
 {
@@ -75,6 +75,9 @@ static Real stopping_share(const Run *r, const Event *event, const State *state,
     return largest != 0 ? -event_rate_at(r, state, before, event) / largest : 1.0;
 }
 
+/* Judge an event by the square of its rate over that of the whole motion: contact of a stop by the fastest motion of its ends, the
+ * end of sliding by the largest deceleration with which it can end in sticking.
+ */
 void tangencies_judge(Run *r, const Event *event, const State *state, const Mode *before, const Mode *after)
 {
     Tangent *b = r->tangent;

@@ -181,6 +181,9 @@ static void note_zero(Zeros *zeros, const Zero *one, int mild)
     zeros->mild = zeros->mild && mild;
 }
 
+/* The bases of powers that are zero at the start or the end of the piece from t to `end`. Behind an event, and at one that ends
+ * the piece, they are at the zero itself; elsewhere a base that is near zero has the value it has.
+ */
 Zeros formula_zeros(Run *r, Real t, Real end)
 {
     const Tape *tape = &r->mode->formula_slopes.tape;
@@ -241,7 +244,8 @@ static int have_integrals(const Run *r, Real *sums)
 }
 
 /* Sums over the nodes of a quadrature from 0 to 1, whose weights' sum is returned: by operation of its values, their sizes, and
- * those of the outermost nodes.
+ * those of the outermost nodes. The double exponential formula of Takahasi and Mori (1974) takes what may have a power above -0.9
+ * at either end, to the rounding of doubles. Between the ends of the piece all that is read is linear in time.
  */
 static Real add_nodes(Run *r, const Zeros *zeros, Real t, Real tau, TapeRoom *room)
 {
@@ -283,6 +287,9 @@ static Real add_nodes(Run *r, const Zeros *zeros, Real t, Real tau, TapeRoom *ro
     return total;
 }
 
+/* Put the means of the derivatives over the stretch tau in place of their series; 0, and nothing is replaced, where bases are not
+ * linear in it, or a derivative has no integral. share: of tau, in which the base moves at its rate from one value to the other.
+ */
 int formula_take_means(Run *r, const Zeros *zeros, Real t, Real tau)
 {
     TaylorTangent *of = &r->tangent->taylor;

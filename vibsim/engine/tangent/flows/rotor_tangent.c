@@ -59,6 +59,7 @@ static Pair tail_of(const TaylorTangent *of, int i, int n, const Lane *phi, cons
     return add_pair(total, sum(series_along(of->rotors->sine, i), w + n, 1, n + 1));
 }
 
+/* Disturbed acceleration of order n of a group, and of its rotors. */
 static void turn_group(const Run *r, Lane *series, int g, int n, const Lane *F, Lane *acceleration, Lane *pushed)
 {
     const TaylorTangent *of = &r->tangent->taylor;

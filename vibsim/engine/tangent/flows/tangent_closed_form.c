@@ -8,8 +8,11 @@
 #include "responses.h"
 #include "tangent.h"
 
-#define E_FOLDS 8
+#define E_FOLDS 8 /* of decay in one piece: neighbouring directions then part by 3 of the 16 digits at most */
 
+/* End of the piece from t that is moved at once: at most `end`, not beyond `mark` where that is ahead, and short enough that no
+ * direction is lost below round-off.
+ */
 Real closed_form_piece_end(const Run *r, Real t, Real end, Real mark)
 {
     const Modal *modal = r->mode->modal;
@@ -27,6 +30,7 @@ Real closed_form_piece_end(const Run *r, Real t, Real end, Real mark)
     return t < ahead && ahead < end ? ahead : end;
 }
 
+/* Responses of the coordinates over a piece of length tau. */
 static void prepare(const Run *r, Real tau)
 {
     const Modal *modal = r->mode->modal;
@@ -118,6 +122,7 @@ static void shape(const Run *r, const Place *p, const Real *coordinates, Real *r
     }
 }
 
+/* The disturbances after a piece of length tau. */
 void closed_form_move(Run *r, Real tau)
 {
     Tangent *b = r->tangent;

@@ -3,7 +3,7 @@
  */
 #include "tangent.h"
 
-#define REACH 1.25
+#define REACH 1.25 /* how much further than exp(-t) of the same order the steps of ordinary vibrations go, at most */
 #define TOGETHER 0x1p-47 /* the most of a disturbance that depends on when within a piece its derivatives act */
 
 /* Bound of the largest eigenvalue of stiffness (stiff) or damping of the couplings' differences. */
@@ -73,6 +73,9 @@ static Real piece_at_zero(Run *r, Real t, Real end)
     return mild ? t : last;
 }
 
+/* End of the piece from t that is moved at once: as a rule the whole step. Rates of the mode limit it, of stiffness, of damping,
+ * of the motor's drag and its speed, and derivatives of formulas that its series do not reach.
+ */
 Real taylor_piece_end(Run *r, Real t, Real end)
 {
     Real rates[4], rate, ahead;

@@ -116,6 +116,9 @@ static void prepare_at_zero(Run *r, Real t, Real end)
     taylor_prepare(r, t);
 }
 
+/* What the recurrences of all disturbances share over the piece from t to `end`, at whose end they are read tau behind t. The flow
+ * is expanded anew at t only where its motion matters: with a rotor or formulas.
+ */
 static void prepare(Run *r, Real t, Real end, Real tau)
 {
     r->tangent->taylor.tau = tau;
@@ -144,7 +147,10 @@ static inline int components_of(const Run *r)
     return 2 * r->bodies + 5;
 }
 
-/* Coefficient n + 1 of q without s_0 dw_(n+1), and n of c a1 dphi + s A1 without s_0 A1_n. phi[i]: order n - i; so w and a1. */
+/* Coefficient n + 1 of q without s_0 dw_(n+1), and n of c a1 dphi + s A1 without s_0 A1_n. phi[i]: order n - i; so w and a1. The
+ * newest terms come last; the others are summed in an odd and an even chain, those with dphi apart from those with s: four chains
+ * that a processor takes side by side.
+ */
 INLINE void products(const TaylorTangent *of, const Lane *phi, const Lane *w, const Lane *a1, int n, Pair *tail, Pair *back)
 {
     Pair turned = make_pair(0, 0), pulled = turned, driven = turned, pushed = turned;
@@ -337,6 +343,7 @@ SHAPE one(const Run *r, int pairs) { expand_small(r, pairs, 1, 1, 0); }
 SHAPE one_with_motor(const Run *r, int pairs) { expand_small(r, pairs, 1, 1, 1); }
 #endif
 
+/* Series of so many pairs of disturbances in any mode, order by order. */
 INLINE void expand_any(const Run *r, int pairs, const int formulas)
 {
     const Law law = law_of(r);
@@ -390,7 +397,9 @@ static inline Lane *series_of_entry(const Run *r, Lane *series, int k, ptrdiff_t
     return component(series, k == 2 * n ? n : 2 * n + 2) + r->taylor.order;
 }
 
-/* Whether the last terms of one of a pair of disturbances tell that those left out matter. */
+/* Whether the last terms of one of a pair of disturbances tell that those left out matter: where formulas vary with time its
+ * series goes on longer than the rates at the ends of a stretch tell.
+ */
 static int misses_terms(const Run *r, Lane *series, int lane)
 {
     const Tangent *b = r->tangent;
