@@ -2,8 +2,8 @@
 
 A formula is a tree (`vibsim.physics.formulas`); in a mode each of its switches is on one side. What is left
 is analytic, and becomes operations on numbers or on Taylor series: equal parts once, operands before results.
-Of one list there are values, with bounds of their rounding, and the coefficients of series by the usual
-recurrences (Jorba & Zou 2005); C repeats them one by one (`tape.c`).
+Here are values along it at one instant, with bounds of their rounding, for what Python decides. C has these
+and the coefficients of series, by the usual recurrences (Jorba & Zou 2005): `tape.c`, `tape_series.h`.
 """
 
 from __future__ import annotations
