@@ -167,7 +167,8 @@ Real formula_sound_stretch(Run *r, Real t, Real tau);
 Zeros formula_zeros(Run *r, Real t, Real end); /* of the piece from t to `end` */
 int formula_take_means(Run *r, const Zeros *zeros, Real t, Real tau); /* 0 where there are none: nothing is replaced then */
 void formula_rates(const Run *r, Real tau, Real *stiffness, Real *damping);
-Real formula_divergence(const Run *r, Real tau, int on, Real *own);
+const Real *formula_damping(const Run *r, Real tau);
+Real formula_divergence(const Run *r, Real tau, int on, Real *own, Real *spin);
 
 /* rotor_tangent.c; pushed: of the pair of disturbances */
 void rotor_tangent_prepare(Run *r);

@@ -365,16 +365,40 @@ void formula_rates(const Run *r, Real tau, Real *stiffness, Real *damping)
     *damping = later > start ? later : start;
 }
 
-/* Trace of the derivatives of accelerations with respect to velocities, without the group `on` of a motor; own: derivative of the
- * force on that group by its velocity.
+/* Derivatives of accelerations with respect to velocities, by entry. */
+const Real *formula_damping(const Run *r, Real tau)
+{
+    return fill(r, &r->mode->formula_slopes.rows[1], tau);
+}
+
+/* Derivative of the force on a group by the speed of the motor. */
+static Real slope_by_spin(const Run *r, Real tau, int group)
+{
+    const Mode *m = r->mode;
+    const FormulaSlopes *slopes = &m->formula_slopes;
+    Real total = 0.0;
+    int i, j;
+    for (i = 0; i < m->formula_count; i++) {
+        const FormulaForce *law = &m->formulas[i];
+        const int sense = (law->to_P == group) - (law->to_Q == group);
+        for (j = slopes->first[law->output]; sense != 0 && j < slopes->first[law->output + 1]; j++)
+            if (slopes->all[j].kind == BY_SPIN)
+                total = total + sense * law->sign * slope_at(r, r->tangent->taylor.along, slopes->all[j].output, tau);
+    }
+    return total;
+}
+
+/* Trace of the derivatives of accelerations with respect to velocities, without the group `on` of a motor, -1 without one; own, spin:
+ * derivatives of the force on that group by its velocity and by the speed of the motor.
  */
-Real formula_divergence(const Run *r, Real tau, int on, Real *own)
+Real formula_divergence(const Run *r, Real tau, int on, Real *own, Real *spin)
 {
     const SlopeRows *rows = &r->mode->formula_slopes.rows[1];
-    const Real *values = fill(r, rows, tau);
+    const Real *values = formula_damping(r, tau);
     Real total = 0.0;
     int i;
     *own = 0.0;
+    *spin = on < 0 ? 0.0 : slope_by_spin(r, tau, on);
     for (i = 0; i < rows->entry_count; i++) {
         int row = rows->entries[i].row;
         if (rows->entries[i].column == row && row == on)
