@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 
 from tests.engine.random_parts import LENGTH, RATE, part_scenes
-from tests.engine.runs import Run, outcome, run
+from tests.engine.runs import Run, outcome, run, scene_of
 from vibsim.physics.parts import (
     AT_FORCE,
     BASE,
@@ -193,3 +193,20 @@ def test_decay_is_the_loss(method):
     lost = m * v * v / 2 * (1 - exp(-2 * c * t / m))
     assert totals["loss_viscous"] == pytest.approx(lost, rel=1e-14)
     assert totals["impulse_ground"] == pytest.approx(-m * v * (1 - exp(-c * t / m)), rel=1e-14)
+
+
+MOTOR_BESIDE_A_ROTOR = """
+bodies: {a: 1 kg, b: 2 kg}
+links: {spring: {between: [a, ground], k: 300 N/m, c: 1 N s/m}}
+friction: {rub: {between: [a, b], N: 50 N, mu: 1}}
+motor: {on: a, m3: 0.1 kg, e: 0.05 m, J: 1e-3 kg m^2, M0: 0.01 N m, Omega0: 30 rad/s}
+rotors: {r: {on: b, m: 0.1 kg, e: 0.1 m, J: 1e-3 kg m^2}}
+initial: {a: {x: 1 cm}, r: {phi: 1 rad, w: 25 rad/s}, motor: {phi: 0.4 rad, phidot: 20 rad/s}}
+run: {t_end: 1 s, every: 20 ms}
+"""
+
+
+@pytest.mark.parametrize("N", ["1 N", "50 N"])
+def test_a_motor_and_a_rotor_on_bodies_that_stick_to_each_other(N):
+    totals = run(scene_of(MOTOR_BESIDE_A_ROTOR, {"friction.rub.N": N}), ledger=True).totals
+    assert abs(totals["energy_residual_relative"]) < 1e-14

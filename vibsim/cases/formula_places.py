@@ -105,19 +105,15 @@ class FormulaScene:
         if "excitation" in values:
             self._of_short_form(values)
         self.index = self._index()
+        # what moves its body depends on the angles of all rotors that it may come to move together with
         if self.motor and not self.motor_is_rotor:
-            self.motor_is_rotor = self._shares_its_body() or self._turns_are_counted()
+            self.motor_is_rotor = bool(self.rotors) or self._turns_are_counted()
             self.index = self._index()
 
     def _index(self) -> dict[str, int]:
         """Columns of bodies, rotors and states by their names."""
         turning = [*self.rotors, *([MOTOR] if self.motor_is_rotor else [])]
         return {name: i for i, name in enumerate([*self.bodies, *turning, *self.states])}
-
-    def _shares_its_body(self) -> bool:
-        """Whether rotors sit on the body of the motor: what moves that body depends on all their angles."""
-        on = self._part(MOTOR, "").get("on")
-        return any(str(self._part("rotors", name).get("on")) == str(on) for name in self.rotors)
 
     def _turns_are_counted(self) -> bool:
         """Whether a formula reads the angle of the motor otherwise than within a turn: an engine keeps that
