@@ -26,7 +26,7 @@ from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, RigidStop, Sc
 from vibsim.physics.precision import number_kit
 
 pytest.importorskip("flint")
-pytestmark = pytest.mark.skipif(not all(map(is_built, (*WORDS, 5))), reason="the engine in C is not built")
+pytestmark = pytest.mark.skipif(not all(map(is_built, (*WORDS, 5))), reason="built without numbers of words")
 
 DIGITS = (25, 45, 65)  # on 2, 3 and 4 words
 PAIRED = (25, 45)  # of which there are 20 more

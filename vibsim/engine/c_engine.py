@@ -351,7 +351,7 @@ class CRun:
         return states, codes
 
     def _decide(self, number: int, event: int, state: State, order: int) -> _engine.Progress:
-        """Let the automaton of the Python engine decide the pending event; order: as of `Automaton.take`."""
+        """Let the automaton, which is in Python, decide the pending event; order: as of `Automaton.take`."""
         rows = self.rows_of(number)
         status, happened, known = self.automaton.take(state, rows.status, rows.events[event], order)
         target, touch = self._mode(status), self.automaton.touch(rows.events[event])
@@ -392,7 +392,7 @@ class CRun:
 
     @property
     def disturbances(self) -> dict[str, Any]:
-        """Result of `TangentBundle.entries`."""
+        """What C tells of disturbances, by name; near: how close events were to tangency."""
         entries = self.run.disturbances()
         near = *entries["near"], max(entries["fastest"], default=0)
         return entries | {"lost": [bool(one) for one in entries["lost"]], "near": near}

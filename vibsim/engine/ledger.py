@@ -106,7 +106,7 @@ def momenta(scene: Scene[N], kit: Kit[N], state: State[N]) -> list[N]:
     return each
 
 
-# The totals of a run: counts of events, work done and margins, one dict for both engines.
+# The totals of a run: counts of events, work done and margins, by name.
 
 
 INTO = {  # totals of the energy ledger, by quantity and section of the case

@@ -427,7 +427,7 @@ static PyMethodDef methods[] = {
      "states_at(times, states, codes, made) -> how many there are now: call again for more; what became of the run"},
     {"at_begin", (PyCFunction)run_at_begin_alone, METH_VARARGS, "at_begin(out): fills a column with the state at the time from which samples are recorded"},
     {"extremes", (PyCFunction)run_extremes_alone, METH_NOARGS, "extremes() -> lists of the least, the greatest, the smallest gaps"},
-    {"disturbances", (PyCFunction)run_disturbances_alone, METH_NOARGS, "disturbances() -> dict of what a TangentBundle tells"},
+    {"disturbances", (PyCFunction)run_disturbances_alone, METH_NOARGS, "disturbances() -> disturbances and how close events were to tangency"},
     {"outcome", (PyCFunction)run_outcome_alone, METH_VARARGS,
      "outcome(out) -> how many numbers: fills `out` with what a motion that carries disturbances has come to"},
     {"hand_jump", (PyCFunction)run_hand_jump_alone, METH_VARARGS,

@@ -28,15 +28,6 @@ PyObject *run_look(RunObject *self, PyObject *args)
     return answer;
 }
 
-static PyObject *numbers(const Real *values, int count)
-{
-    PyObject *list = PyList_New(count);
-    int n;
-    for (n = 0; list && n < count; n++)
-        PyList_SET_ITEM(list, n, number_object(values[n]));
-    return list;
-}
-
 /* The event function that is asked for, where the motion was looked at and has so many derivatives. */
 static const Event *event_of(RunObject *self, int event, int count)
 {
@@ -62,7 +53,7 @@ PyObject *run_derivatives(RunObject *self, PyObject *args)
         factorial = n > 0 ? factorial * n : factorial;
         series[n] = series[n] * factorial;
     }
-    return numbers(series, count + 1);
+    return list_of(series, count + 1, 1);
 }
 
 PyObject *run_bounds(RunObject *self, PyObject *args)
@@ -75,7 +66,7 @@ PyObject *run_bounds(RunObject *self, PyObject *args)
         return NULL;
     if (!taylor_bounds(&self->run, e, count, exact, summed, span, bounds))
         return PyErr_NoMemory();
-    return numbers(bounds, count + 1);
+    return list_of(bounds, count + 1, 1);
 }
 
 PyObject *run_formulas(RunObject *self, PyObject *none)

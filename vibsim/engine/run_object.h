@@ -84,6 +84,7 @@ PyObject *run_hand_jump(RunObject *self, PyObject *args);
 
 /* run_outcome.c: what a run has come to; 0 of run_is_ready: an error is set */
 int run_is_ready(RunObject *self);
+PyObject *list_of(const Real *values, int count, int stride);
 PyObject *state_tuple(const Run *r, const State *s);
 PyObject *run_tally(RunObject *self, PyObject *none);
 PyObject *run_at_begin(RunObject *self, PyObject *args);

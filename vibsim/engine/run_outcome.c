@@ -66,7 +66,7 @@ PyObject *run_at_begin(RunObject *self, PyObject *args)
     return NULL;
 }
 
-static PyObject *list_of(const Real *values, int count, int stride)
+PyObject *list_of(const Real *values, int count, int stride)
 {
     PyObject *list = PyList_New(count);
     int i;

@@ -1,7 +1,7 @@
 """Values of formulas at given places, velocities and times: for pictures, scales of time, the motion of a
 base.
 
-The engines have interpreters of their own; here a formula is taken as it stands, for many instants at once.
+The engine has an interpreter of its own; here a formula is taken as it stands, for many instants at once.
 Sums and products are rounded as everywhere, functions are those of `vibsim.physics.elementary`: no value
 differs from one machine to the next.
 """

@@ -1,8 +1,8 @@
-"""Number kits: the elementary functions that the engines need, for one type of number.
+"""Number kits: the elementary functions that the engine needs, for one type of number.
 
-The Python engine is written once and takes its arithmetic from a kit. `Doubles` is the kit of IEEE doubles;
-the C engine repeats its operations one by one, so every expression here has a fixed order. A kit for another
-type offers the same names (`Kit`).
+What is computed in Python (modes, starts, events that C leaves open) takes its arithmetic from a kit.
+`Doubles` is the kit of IEEE doubles; C repeats its operations one by one, so every expression here has a
+fixed order. A kit for another type offers the same names (`Kit`).
 
 What is written for all number types is generic in `N`: `Scene[N]`, `State[N]`, `Kit[N]`. Without its argument
 a type means doubles: `Scene` is `Scene[float]`.
@@ -69,7 +69,7 @@ class Number(Protocol):
 
 
 class Kit(Protocol[N]):
-    """Interface of a number type as the Python engine needs it; `Doubles` documents each name."""
+    """Interface of a number type as the engine needs it; `Doubles` documents each name."""
 
     @property
     def name(self) -> str: ...

@@ -2,8 +2,8 @@
 
 All numbers are SI and rad/s. Bodies are numbered 0, 1, ... in the order of the scene; an end of a part is
 the number of a body, GROUND (at rest at 0) or BASE (moves as `Scene.base` says). For a part between P and Q
-the relative displacement is x_P - x_Q and the relative velocity v_P - v_Q. Numbers are floats for the two
-engines; runs of many digits put other number types in.
+the relative displacement is x_P - x_Q and the relative velocity v_P - v_Q. Numbers are floats for runs in
+doubles; runs of many digits put other number types in.
 """
 
 from dataclasses import dataclass, replace
@@ -45,7 +45,7 @@ class Sampled(Generic[N]):
     def sample_time(self, i: int) -> float:
         """Time of sample i [s]: one correctly rounded division, so 3 x 5 ms is 0.015 and nothing else.
 
-        In doubles, as the C engine has it; the product is exact up to 2^53.
+        In doubles, as C has it; the product is exact up to 2^53.
         """
         return (float(i) * self.every_num) / self.every_den
 
@@ -460,7 +460,7 @@ class Scene(Sampled[N], Generic[N]):
         return {GROUND: "ground", BASE: "base"}.get(end) or self.bodies[end].name
 
 
-# Names and codes of the events, the same in both engines and in every file.
+# Names and codes of the events, the same in C and in every file.
 
 
 EVENT_KINDS = {

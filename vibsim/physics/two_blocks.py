@@ -1,7 +1,7 @@
 """The machine of the paper by the symbols of the paper: two blocks, one spring, one stop, one friction.
 
 Parts missing from the scene are None and add no terms. The fields are floats; runs of arbitrary
-precision put other number types in. The engines read `as_parts()`.
+precision put other number types in. The engine reads `as_parts()`.
 """
 
 from dataclasses import dataclass

@@ -50,14 +50,14 @@ class Tangencies(Generic[N]):
     """Counts close crossings and keeps the closest.
 
     fastest : by stop, the largest |v_P - v_Q| + rate |x_P - x_Q| at an event or the end of a step [m/s]
-    since : by stop, the same since it was struck last, with x_P - x_Q from `struck`, where that was [m/s]
+    since : by stop, the same since it was struck last, with x_P - x_Q counted from where that was [m/s]
     undefined, undefined_time : events that have no derivative, the time of the first [s]
     """
 
     def __init__(self, scene: Scene[N], kit: Kit[N], expansion: Expansion[N]) -> None:
         self.scene, self.kit, self.rate, self.expansion = scene, kit, natural_rate(scene, kit), expansion
         self.fastest = [kit.number(0)] * len(scene.stops)
-        self.since, self.struck = list(self.fastest), list(self.fastest)
+        self.since = list(self.fastest)
         self.nothing = kit.number(1), kit.number(0)
         self.forget()
 
@@ -210,7 +210,7 @@ class Jumps(Generic[N]):
         after: ModeRows[N],
         touch: SimultaneousImpacts[N] | None,
     ) -> None:
-        """Take disturbances from C through `event`, as `TangentBundle.cross` does, and give them back.
+        """Take disturbances from C through `event`, judge it, and give them back.
 
         touch : what rigid stops did
         """
