@@ -1,6 +1,6 @@
 """Names of what a run of a scene made of parts gives: states of bodies and rotors, states of parts.
 
-What the engines store is a row of x and v of every body, rotors and states among them, then angle and speed
+What the engine stores is a row of x and v of every body, rotors and states among them, then angle and speed
 of a motor. Rows whose name is None are shown nowhere: the x of a state says nothing.
 """
 
@@ -47,7 +47,7 @@ def state_columns(scene: Scene[N]) -> tuple[str, ...]:
 
 
 def stored_columns(scene: Scene[N]) -> tuple[str | None, ...]:
-    """Names of the rows of states that the engines store, but for the last two where there is no motor."""
+    """Names of the rows of states that the engine stores, but for the last two where there is no motor."""
     names = tuple(name for body in scene.bodies for name in body.columns)
     return (*names, ANGLE, SPEED) if scene.motor is not None else names
 
@@ -88,7 +88,7 @@ def before_columns(scene: Scene[N]) -> tuple[str, ...]:
 
 
 def stored_before(scene: Scene[N]) -> tuple[str | None, ...]:
-    """Names of the rows of velocities in front of an event that the engines store."""
+    """Names of the rows of velocities in front of an event that the engine stores."""
     if not scene.rigid_stops:
         return ()
     velocities = [None if body.kind == STATE else f"before_{body.columns[1]}" for body in scene.bodies]

@@ -98,6 +98,9 @@ def monodromy(
     Raises OrbitError for a column that is not one of the case's, a number at which a part comes or goes and a
     motion that has no derivative, UnknownKeyError for keys, EngineError where the run fails.
 
+    From a `state` exactly where a stop or a friction changes (a gap of 0, a slip of 0) it is the derivative
+    to one side: of disturbances that leave open, in contact, sliding or sticking what is so at the start.
+
     Between its reversals a damped oscillator of mass 1 kg contracts areas by exp(-c T):
 
     >>> import numpy as np, vibsim

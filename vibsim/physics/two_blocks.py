@@ -24,7 +24,7 @@ from vibsim.physics.parts import (
     Stop,
 )
 
-Number = Any  # float, flint.arb or mpmath.mpf: the engines are duck-typed
+Number = Any  # float, flint.arb or mpmath.mpf: any number type with operators will do
 
 
 @dataclass(frozen=True)
