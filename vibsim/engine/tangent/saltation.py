@@ -239,94 +239,189 @@ def gradient(kit: Kit[N], event: Event[N], vector: Sequence[N], bodies: int) -> 
     return total_of(kit, map(part, event.terms))
 
 
-def saltation(
-    scene: Scene[N],
-    kit: Kit[N],
-    state: State[N],
-    before: ModeRows[N],
-    after: ModeRows[N],
-    event: Event[N],
-    expansion: Expansion[N],
-    touch: SimultaneousImpacts[N] | None = None,
-) -> Jump[N] | Undefined | None:
-    """The saltation of `event` at `state` between the modes of the rows `before` and `after`; None where it
-    changes nothing, UNDEFINED where there is none. touch: of rigid stops, where the event was one.
+@dataclass(frozen=True)
+class Change(Generic[N]):
+    """An event and the rows of the modes before and after it."""
+
+    scene: Scene[N]
+    before: ModeRows[N]
+    after: ModeRows[N]
+    event: Event[N]
+
+    @property
+    def turned(self) -> list[int]:
+        """Frictions that are in another state behind the event."""
+        pairs = zip(self.before.status.frictions, self.after.status.frictions, strict=True)
+        return [i for i, (one, other) in enumerate(pairs) if one != other]
+
+    @property
+    def tied(self) -> bool:
+        """Whether ties change."""
+        return self.before.leader != self.after.leader
+
+    @property
+    def released(self) -> list[int]:
+        """Frictions that begin to slip with less force than they held."""
+        old, new = self.before.status.frictions, self.after.status.frictions
+        return [i for i in self.turned if old[i] == STICK and self.scene.frictions[i].drops(new[i])]
+
+    @property
+    def by_formulas(self) -> bool:
+        """Whether a formula has to tell the force of a stop or friction that begins or ends to act."""
+        i = self.event.part
+        if self.event.kind == GAP:
+            stop = self.scene.stops[i]
+            return isinstance(stop, Stop) and stop.force is not None
+        frictions = self.scene.frictions
+        return self.event.kind == SLIDE and any(frictions[k].holds is not None for k in (i, *self.turned))
+
+    @property
+    def turns_forces(self) -> bool:
+        """Whether a switch that turns makes a formula jump."""
+        sides = self.after.sides
+        turned = [node for node, side in self.before.sides.items() if sides.get(node) != side]
+        return not all(is_continuous(node) for node in turned)
+
+
+@dataclass(frozen=True)
+class Crossing(Change[N]):
+    """A change at a state.
+
+    expansion : of motions in a mode; touch : what rigid stops did, where they took part
     """
-    if event.kind == STRIKE:
-        assert touch is not None
-        return impact_saltation(scene, kit, state, before, after, event, touch)
-    if event.kind == SWITCH and touch is not None:
-        return UNDEFINED  # a kink of the base that strikes what rests on it
-    if event.kind == SWITCH:
-        if not turns_forces(before, after):
+
+    expansion: Expansion[N]
+    state: State[N]
+    touch: SimultaneousImpacts[N] | None = None
+
+    @property
+    def kit(self) -> Kit[N]:
+        return self.expansion.kit
+
+    def saltation(self) -> Jump[N] | Undefined | None:
+        """S of the event; None where it changes nothing, UNDEFINED where there is none."""
+        kind, touch, scene = self.event.kind, self.touch, self.scene
+        if kind == STRIKE:
+            assert touch is not None
+            return impact_saltation(scene, self.kit, self.state, self.before, self.after, self.event, touch)
+        if kind == SWITCH and touch is not None:
+            return UNDEFINED  # a kink of the base that strikes what rests on it
+        if (kind == SWITCH and self.turns_forces) or (kind == HOLD and self.released):
+            change = self._change(self.jump(kind == SWITCH), self.tie_rate)
+            if change is None:
+                return None
+            n = len(scene.bodies)
+            return Release(self.event, change, n, self.kit, scene, self.before, self.state)
+        return self._of_contact() if kind in (SLIDE, GAP) else None
+
+    def _of_contact(self) -> Jump[N] | None:
+        """S where a gap or a sliding velocity comes to zero."""
+        old, new, slides = self.before.status, self.after.status, self.event.kind == SLIDE
+        turned, frictions = self.turned, self.scene.frictions
+        if slides and turned and self.tied and all(new.frictions[i] == STICK for i in turned):
+            if resting(old) == resting(new):
+                return Sticking(self.scene, self.kit, self.after, self.state)
+            return self._by_fields(self.jump())
+        if old != new and self.by_formulas:
+            return self._by_fields(self.jump(True))
+        if resting(old) != resting(new):
+            return self._by_fields(self.jump())
+        if not turned:
+            return self._of_damper()
+        if slides and not self.tied:
+            forces: Forces[N] = [
+                (f.P, f.Q, _friction(f, new.frictions[i]) - _friction(f, old.frictions[i]))
+                for i, f in ((i, frictions[i]) for i in turned)
+            ]
+            return self._by_fields(self.forced(forces))
+        return self._by_fields(self.jump())
+
+    def _of_damper(self) -> Jump[N] | None:
+        """S where the force of a damped stop begins or ends; None without any."""
+        if self.event.kind != GAP:
             return None
-        return _released(scene, kit, state, before, after, event, expansion)
-    old, new = before.status, after.status
-    pairs = zip(old.frictions, new.frictions, strict=True)
-    turned = [i for i, (one, other) in enumerate(pairs) if one != other]
-    damped = _damper(scene, old, new, event)
-    sticks = before.leader != after.leader and all(new.frictions[i] == STICK for i in turned)
-    if not (event.kind == SLIDE and sticks) and _by_formulas(scene, event, turned, old != new):
-        return _general(scene, kit, state, before, after, event, by_formulas=True)
-    if event.kind in (SLIDE, GAP) and resting(old) != resting(new):
-        return _general(scene, kit, state, before, after, event)
-    if not turned:
-        return _rank_one(scene, kit, state, before, event, *damped) if damped else None
-    tied = before.leader != after.leader
-    if event.kind == SLIDE and tied and all(new.frictions[i] == STICK for i in turned):
-        return Sticking(scene, kit, after, state)
-    if event.kind == SLIDE and not tied:
-        forces: Forces[N] = [
-            (f.P, f.Q, _friction(f, new.frictions[i]) - _friction(f, old.frictions[i]))
-            for i in turned
-            for f in [scene.frictions[i]]
-        ]
-        return _rank_one(scene, kit, state, before, event, forces, None)
-    if event.kind in (SLIDE, GAP):
-        return _general(scene, kit, state, before, after, event)
-    if event.kind == HOLD and released_frictions(scene, before, after):
-        return _released(scene, kit, state, before, after, event, expansion)
-    return None
+        i = self.event.part
+        stop = self.scene.stops[i]
+        assert isinstance(stop, Stop)
+        gained = (self.after.status.stops[i] == CONTACT) - (self.before.status.stops[i] == CONTACT)
+        if stop.c == 0 or gained == 0:
+            return None
+        force: Forces[N] = [(stop.P, stop.Q, -(gained * stop.c))]  # per unit of the rate x_P' - x_Q'
+        return self._by_fields(self.forced(force), self.event.terms[0].coefficient)
 
+    def _by_fields(self, jump: Accelerations[N], rate: N | int | None = None) -> Jump[N] | None:
+        """S from the jump of accelerations and the rate of h, None to take it from the motion; None at a
+        tangency, where first order says nothing.
+        """
+        change = self._change(jump, self.rate if rate is None else rate)
+        return None if change is None else Saltation(self.event, change, len(self.scene.bodies), self.kit)
 
-def turns_forces(before: ModeRows[N], after: ModeRows[N]) -> bool:
-    """Whether a switch that turns between two modes makes a formula jump."""
-    turned = [node for node, side in before.sides.items() if after.sides.get(node) != side]
-    return not all(is_continuous(node) for node in turned)
+    def _change(self, jump: Accelerations[N], rate: N | int) -> list[N] | None:
+        """(f+ - f-) / rate as a disturbance; None at a tangency."""
+        if rate == 0:
+            return None
+        n, zero = len(self.scene.bodies), self.kit.number(0)
+        change = [zero] * n + [a / rate for a in jump[0][:n]]
+        return change + [zero, jump[1] / rate] if self.scene.motor else change
 
+    @property
+    def rate(self) -> N:
+        """Rate of the event function along the motion before, n^T f- + dh/dt."""
+        scene, kit, state, event = self.scene, self.kit, self.state, self.event
+        if event.terms[0].kind == DIFFERENCE:
+            values = [*state.v, kit.number(0), base_motion(scene, kit, state.t, self.before)[1]]
+        else:
+            values, _ = accelerations(scene, kit, self.before, state)
+        terms = (term for term in event.terms if term.kind != FORMULA)
+        rate = total_of(kit, (term.coefficient * (values[term.P] - values[term.Q]) for term in terms))
+        course = scene.frictions[event.part].course if event.kind == SLIDE else None
+        return rate if course is None else rate - event.direction * course_acceleration(course, kit, state.t)
 
-def _by_formulas(scene: Scene[N], event: Event[N], turned: Sequence[int], changed: bool) -> bool:
-    """Whether the force that jumps at an event is one of a stop or a friction that a formula has to tell."""
-    if event.kind == GAP and changed:
-        stop = scene.stops[event.part]
-        return isinstance(stop, Stop) and stop.force is not None
-    return event.kind == SLIDE and any(scene.frictions[i].holds is not None for i in turned)
+    @property
+    def tie_rate(self) -> N:
+        """Rate of the event function of a tie or a switch along the motion before [N/s]."""
+        self.expansion.look(self.state, self.before)
+        return self.expansion.derivatives(self.event, 1)[1]
+
+    def forced(self, forces: Forces[N]) -> Accelerations[N]:
+        """Accelerations (bodies, rotor) by forces [(P, Q, force)] on P, less on Q, in the mode before."""
+        n, zero, leader = len(self.scene.bodies), self.kit.number(0), self.before.leader
+        F = [zero] * (n + 2)
+        for P, Q, force in forces:
+            for end, value in ((P, force), (Q, -force)):
+                if end >= 0:
+                    F[leader[end]] = F[leader[end]] + value
+        return response(self.scene, self.kit, self.before, self.state, F, zero, zero)
+
+    def jump(self, by_formulas: bool = False) -> Accelerations[N]:
+        """Jump of the accelerations (bodies, rotor); by_formulas: at the zero of a switch or of a stop or
+        friction by a formula, which rounding has moved off: a power of what is zero there is one of zero.
+        """
+        blur = self._left_open() if by_formulas else None
+        (one, rotor), (other, turned) = (
+            accelerations(self.scene, self.kit, rows, self.state, blur) for rows in (self.before, self.after)
+        )
+        return [b - a for a, b in zip(one, other, strict=True)], turned - rotor
+
+    def _left_open(self) -> Inputs[N]:
+        """What rounding leaves open of the state, the time of which is rounded too."""
+        scene, kit, state, before = self.scene, self.kit, self.state, self.before
+        lost, zero = ROUNDING * kit.eps, kit.number(0)
+        X, V = base_motion(scene, kit, state.t, before)
+        x, v, late = (*state.x, zero, X), (*state.v, zero, V), lost * abs(state.t)
+        a, alpha = accelerations(scene, kit, before, state)
+        return Inputs(
+            late,
+            [lost * abs(p) + late * abs(q) for p, q in zip(x, v, strict=True)],
+            [lost * abs(p) + late * abs(q) for p, q in zip(v, a, strict=True)],
+            lost * abs(kit.unwind(state.phase, state.turns)) + late * abs(state.w),
+            lost * abs(state.w) + late * abs(alpha),
+        )
 
 
 def resting(status: Status) -> list[int]:
     """Numbers of the rigid stops at rest."""
     return [i for i, one in enumerate(status.stops) if one == RESTING]
-
-
-def released_frictions(scene: Scene[N], before: ModeRows[N], after: ModeRows[N]) -> list[int]:
-    """Frictions that begin to slip between two modes with less force than they held."""
-    pairs = zip(before.status.frictions, after.status.frictions, strict=True)
-    changed = [(i, new) for i, (old, new) in enumerate(pairs) if old == STICK and new != STICK]
-    return [i for i, sense in changed if scene.frictions[i].drops(sense)]
-
-
-def _damper(scene: Scene[N], old: Status, new: Status, event: Event[N]) -> tuple[Forces[N], N | int] | None:
-    """Force on P that a damped stop gains per unit of the rate x_P' - x_Q', as ([(P, Q, force)], rate of h);
-    None without any.
-    """
-    if event.kind != GAP:
-        return None
-    stop = scene.stops[event.part]
-    assert isinstance(stop, Stop)
-    gained = (new.stops[event.part] == CONTACT) - (old.stops[event.part] == CONTACT)
-    if stop.c == 0 or gained == 0:
-        return None
-    return [(stop.P, stop.Q, -(gained * stop.c))], event.terms[0].coefficient
 
 
 def _friction(friction: Friction[N], status: int) -> N | int:
@@ -340,140 +435,3 @@ def reversal(friction: Friction[N], status: int) -> Forces[N]:
     """Forces [(P, Q, force)] that a friction gains where it turns round from `status`."""
     total = friction.forward + friction.backward
     return [(friction.P, friction.Q, total if status == FORWARD else -total)]
-
-
-def _rank_one(
-    scene: Scene[N],
-    kit: Kit[N],
-    state: State[N],
-    rows: ModeRows[N],
-    event: Event[N],
-    forces: Forces[N],
-    rate: N | int | None,
-) -> Jump[N] | None:
-    """S where the ties stay and the parts' `forces` on P, less on Q, jump; rate: that of h, None to take it
-    from the motion.
-    """
-    rate = event_rate(scene, kit, state, rows, event) if rate is None else rate
-    return _saltation(scene, kit, event, forced(scene, kit, rows, state, forces), rate)
-
-
-def forced(
-    scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[N], forces: Forces[N]
-) -> Accelerations[N]:
-    """Accelerations (bodies, rotor) by forces [(P, Q, force)] on P, less on Q."""
-    n, zero = len(scene.bodies), kit.number(0)
-    F = [zero] * (n + 2)
-    for P, Q, force in forces:
-        for end, value in ((P, force), (Q, -force)):
-            if end >= 0:
-                leader = rows.leader[end]
-                F[leader] = F[leader] + value
-    return response(scene, kit, rows, state, F, zero, zero)
-
-
-def event_rate(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
-    """Rate of an event function along the motion in the mode of `rows`, n^T f- + dh/dt."""
-    if event.terms[0].kind == DIFFERENCE:
-        values = [*state.v, kit.number(0), base_motion(scene, kit, state.t, rows)[1]]
-    else:
-        values, _ = accelerations(scene, kit, rows, state)
-    rate = total_of(
-        kit,
-        (
-            term.coefficient * (values[term.P] - values[term.Q])
-            for term in event.terms
-            if term.kind != FORMULA
-        ),
-    )
-    course = scene.frictions[event.part].course if event.kind == SLIDE else None
-    if course is None:
-        return rate
-    return rate - event.direction * course_acceleration(course, kit, state.t)
-
-
-def _general(
-    scene: Scene[N],
-    kit: Kit[N],
-    state: State[N],
-    before: ModeRows[N],
-    after: ModeRows[N],
-    event: Event[N],
-    by_formulas: bool = False,
-) -> Jump[N] | None:
-    """S by the vector fields on both sides."""
-    jump = jump_of(scene, kit, state, before, after, by_formulas)
-    return _saltation(scene, kit, event, jump, event_rate(scene, kit, state, before, event))
-
-
-def jump_of(
-    scene: Scene[N],
-    kit: Kit[N],
-    state: State[N],
-    before: ModeRows[N],
-    after: ModeRows[N],
-    by_formulas: bool = False,
-) -> Accelerations[N]:
-    """Jump of the accelerations (bodies, rotor) between two modes; by_formulas: at the zero of a switch or of
-    a stop or friction by a formula, which rounding has moved off: a power of what is zero there is one of
-    zero.
-    """
-    blur = _left_open(scene, kit, state, before) if by_formulas else None
-    (one, rotor), (other, turned) = (accelerations(scene, kit, rows, state, blur) for rows in (before, after))
-    return [b - a for a, b in zip(one, other, strict=True)], turned - rotor
-
-
-def _left_open(scene: Scene[N], kit: Kit[N], state: State[N], before: ModeRows[N]) -> Inputs[N]:
-    """What rounding leaves open of a state at an event, the time of which is rounded too."""
-    lost, zero = ROUNDING * kit.eps, kit.number(0)
-    X, V = base_motion(scene, kit, state.t, before)
-    x, v, late = (*state.x, zero, X), (*state.v, zero, V), lost * abs(state.t)
-    a, alpha = accelerations(scene, kit, before, state)
-    return Inputs(
-        late,
-        [lost * abs(p) + late * abs(q) for p, q in zip(x, v, strict=True)],
-        [lost * abs(p) + late * abs(q) for p, q in zip(v, a, strict=True)],
-        lost * abs(kit.unwind(state.phase, state.turns)) + late * abs(state.w),
-        lost * abs(state.w) + late * abs(alpha),
-    )
-
-
-def _released(
-    scene: Scene[N],
-    kit: Kit[N],
-    state: State[N],
-    before: ModeRows[N],
-    after: ModeRows[N],
-    event: Event[N],
-    expansion: Expansion[N],
-) -> Jump[N] | None:
-    """S where ties begin to slip with less force than they held, or a formula jumps."""
-    rate = tie_rate(expansion, state, before, event)
-    jump = jump_of(scene, kit, state, before, after, event.kind == SWITCH)
-    change = _change(scene, kit, jump, rate)
-    return None if change is None else Release(event, change, len(scene.bodies), kit, scene, before, state)
-
-
-def tie_rate(expansion: Expansion[N], state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
-    """Rate of the event function of a tie along the motion in the mode of `rows` [N/s]."""
-    expansion.look(state, rows)
-    return expansion.derivatives(event, 1)[1]
-
-
-def _saltation(
-    scene: Scene[N], kit: Kit[N], event: Event[N], jump: Accelerations[N], rate: N | int
-) -> Jump[N] | None:
-    """S from the jump of accelerations; None at a tangency, where first order says nothing."""
-    change = _change(scene, kit, jump, rate)
-    return None if change is None else Saltation(event, change, len(scene.bodies), kit)
-
-
-def _change(scene: Scene[N], kit: Kit[N], jump: Accelerations[N], rate: N | int) -> list[N] | None:
-    """(f+ - f-) / rate as a disturbance; None at a tangency."""
-    if rate == 0:
-        return None
-    n, zero = len(scene.bodies), kit.number(0)
-    change = [zero] * n + [a / rate for a in jump[0][:n]]
-    if scene.motor is not None:
-        change += [zero, jump[1] / rate]
-    return change

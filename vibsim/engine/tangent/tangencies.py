@@ -13,6 +13,7 @@ stop was struck before: hops of a sequence of impacts shrink, and their approach
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import inf, nan
 from typing import Any, Generic
 
@@ -26,21 +27,10 @@ from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import FORMULA, GAP, HOLD, SLIDE, STRIKE, SWITCH, Event, Joined, ModeRows, Rule
 from vibsim.engine.modes.status import STICK, Status
 from vibsim.engine.tangent.impact_saltation import ImpactSaltation, Undefined
-from vibsim.engine.tangent.saltation import (
-    Jump,
-    event_rate,
-    forced,
-    gradient,
-    jump_of,
-    released_frictions,
-    reversal,
-    saltation,
-    tie_rate,
-    turns_forces,
-)
+from vibsim.engine.tangent.saltation import Change, Crossing, Jump, gradient, reversal
 from vibsim.engine.tangent.tangent_space import natural_rate
 from vibsim.physics.numbers import Kit, N, abs
-from vibsim.physics.parts import Scene, Stop
+from vibsim.physics.parts import Scene
 
 CLOSE = 1e-6  # a rate of 1/1000 of the largest
 GRAZING = 2.0**-40  # a depth of some thousand roundings
@@ -54,8 +44,8 @@ class Tangencies(Generic[N]):
     undefined, undefined_time : events that have no derivative, the time of the first [s]
     """
 
-    def __init__(self, scene: Scene[N], kit: Kit[N], expansion: Expansion[N]) -> None:
-        self.scene, self.kit, self.rate, self.expansion = scene, kit, natural_rate(scene, kit), expansion
+    def __init__(self, scene: Scene[N], kit: Kit[N]) -> None:
+        self.scene, self.kit, self.rate = scene, kit, natural_rate(scene, kit)
         self.fastest = [kit.number(0)] * len(scene.stops)
         self.since = list(self.fastest)
         self.nothing = kit.number(1), kit.number(0)
@@ -80,15 +70,9 @@ class Tangencies(Generic[N]):
         x, v = (*state.x, X, zero), (*state.v, V, zero)  # BASE is -2, GROUND -1
         return x[stop.P] - x[stop.Q], v[stop.P] - v[stop.Q]
 
-    def judge(
-        self,
-        event: Event[N],
-        state: State[N],
-        before: ModeRows[N],
-        after: ModeRows[N],
-        jump: Jump[N] | Undefined | None,
-    ) -> None:
-        """Judge `event` at `state` between the modes of the rows `before` and `after`, with its saltation."""
+    def judge(self, at: Crossing[N], jump: Jump[N] | Undefined | None) -> None:
+        """Judge an event, with its saltation."""
+        event, state, before, after = at.event, at.state, at.before, at.after
         i = event.part
         if isinstance(jump, Undefined):
             self.refuse(state.t)
@@ -101,12 +85,9 @@ class Tangencies(Generic[N]):
             if jump.approach * jump.approach < GRAZING * (self.since[i] * self.since[i]):
                 self.refuse(state.t)
         elif event.kind == SLIDE and after.status.frictions[i] == STICK:
-            share = self._stopping_share(event, state, before)
-        elif event.kind == HOLD and before.leader != after.leader:
-            tearing = self._tearing_share(event, state, before, after)
-            if tearing is None:
-                return
-            share = tearing
+            share = self._stopping_share(at)
+        elif event.kind == HOLD and at.tied and at.released:
+            share = self._tearing_share(at)
         else:
             return
         share = share * share
@@ -115,41 +96,35 @@ class Tangencies(Generic[N]):
         if share < self.closest:
             self.closest, self.time = share, state.t
 
-    def _tearing_share(
-        self, event: Event[N], state: State[N], before: ModeRows[N], after: ModeRows[N]
-    ) -> N | None:
+    def _tearing_share(self, at: Crossing[N]) -> N:
         """How fast the force of ties comes to a limit at which it drops, over a sweep through all that they
-        can hold at the natural rate [-]; None where it does not drop, so that nothing depends on the instant.
+        can hold at the natural rate [-]. Where it does not drop nothing depends on the instant.
         """
-        if not released_frictions(self.scene, before, after):
-            return None
-        cut, held = before.cuts[event.part], self.kit.number(0)
+        cut, held = at.before.cuts[at.event.part], self.kit.number(0)
         for limit in (cut.above, cut.below):  # a rigid stop at rest holds any force one way
             held = held if limit is None else held + limit
-        rate = tie_rate(self.expansion, state, before, event)
-        for term in event.terms:
+        rate = at.tie_rate
+        for term in at.event.terms:
             if term.kind == FORMULA and term.coefficient == 1:
-                held = held + 2 * abs(self.expansion.formulas()[term.P])
+                held = held + 2 * abs(at.expansion.formulas()[term.P])
         return -rate / (held * self.rate)
 
-    def _stopping_share(self, event: Event[N], state: State[N], before: ModeRows[N]) -> N:
+    def _stopping_share(self, at: Crossing[N]) -> N:
         """Deceleration of a sliding that ends, over the largest with which it can end in sticking [-]: with
         the friction turned round it would be 0 at least.
 
         It is 0 where the motion just touches v_rel = 0, which a disturbed one may miss; 1 where ground and
         base hold both ends, so that no force decides.
         """
-        scene, kit, i = self.scene, self.kit, event.part
+        scene, kit, i, sliding = self.scene, self.kit, at.event.part, at.before.status
         n = len(scene.bodies)
         if scene.frictions[i].holds is not None:
-            turned = before.status.with_frictions({i: -before.status.frictions[i]})
-            other = RowMaker(scene, kit).rows(turned)
-            gained, _ = jump_of(scene, kit, state, before, other)
+            turned = sliding.with_frictions({i: -sliding.frictions[i]})
+            gained, _ = replace(at, after=RowMaker(scene, kit).rows(turned)).jump()
         else:
-            forces = reversal(scene.frictions[i], before.status.frictions[i])
-            gained, _ = forced(scene, kit, before, state, forces)
-        largest = gradient(kit, event, [kit.number(0)] * n + gained[:n], n)
-        return -event_rate(scene, kit, state, before, event) / largest if largest != 0 else kit.number(1)
+            gained, _ = at.forced(reversal(scene.frictions[i], sliding.frictions[i]))
+        largest = gradient(kit, at.event, [kit.number(0)] * n + gained[:n], n)
+        return -at.rate / largest if largest != 0 else kit.number(1)
 
 
 # Jumps of disturbances at events, where the C engine leaves them to Python.
@@ -166,7 +141,7 @@ class Jumps(Generic[N]):
     ) -> None:
         self.scene, self.run, self.rows = scene, run, rows
         self.expansion, self.form = expansion, expansion.form
-        self.tangencies = Tangencies(scene, expansion.kit, expansion)
+        self.tangencies = Tangencies(scene, expansion.kit)
 
     def in_c(
         self,
@@ -180,22 +155,10 @@ class Jumps(Generic[N]):
         """
         if event.kind == STRIKE or touch is not None:
             return False
-        if before.tape is not None and self._by_formulas(before, after, event):
+        change = Change(self.scene, before, after, event)
+        if before.tape is not None and (change.turns_forces if event.kind == SWITCH else change.by_formulas):
             return False
-        return event.kind != HOLD or not released_frictions(self.scene, before, after)
-
-    def _by_formulas(self, before: ModeRows[N], after: ModeRows[N], event: Event[N]) -> bool:
-        """Whether a formula jumps, or a stop or friction begins or ends to act of which a formula has to tell
-        the force, at an event.
-        """
-        if event.kind == SWITCH:
-            return turns_forces(before, after)
-        if event.kind == GAP:
-            stop = self.scene.stops[event.part]
-            return isinstance(stop, Stop) and stop.force is not None
-        pairs = zip(before.status.frictions, after.status.frictions, strict=True)
-        turned = [event.part, *(i for i, (one, other) in enumerate(pairs) if one != other)]
-        return event.kind == SLIDE and any(self.scene.frictions[i].holds is not None for i in turned)
+        return event.kind != HOLD or not change.released
 
     def of_rule_in_c(self, rows: ModeRows[N], rule: Rule, event: Event[N]) -> bool:
         """The same for all that a rule may lead to."""
@@ -218,8 +181,9 @@ class Jumps(Generic[N]):
         vectors = [list(map(form.taken, one)) for one in entries["vectors"]]
         near.forget()
         near.fastest, near.since = ([form.taken(one) for one in entries[key]] for key in ("fastest", "since"))
-        jump = saltation(self.scene, form.kit, state, before, after, event, self.expansion, touch)
-        near.judge(event, state, before, after, jump)
+        at = Crossing(self.scene, before, after, event, self.expansion, state, touch)
+        jump = at.saltation()
+        near.judge(at, jump)
         jump = None if isinstance(jump, Undefined) else jump
         determinant = jump.determinant if jump and before.leader == after.leader else form.kit.number(1)
         moved = form.packed([value for one in vectors for value in (jump.applied(one) if jump else one)])
