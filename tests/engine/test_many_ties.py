@@ -17,7 +17,6 @@ from vibsim.engine import c_engine
 from vibsim.engine.columns import part_columns
 from vibsim.engine.errors import EngineError, start_of
 from vibsim.engine.events.automaton import Automaton
-from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.settling import StickSlipResolution
 from vibsim.engine.flows.expansion import Expansion
 from vibsim.engine.modes import mode_table, row_maker
@@ -125,7 +124,7 @@ def test_ties_obey_coulombs_law(monkeypatch):
     for _ in range(40):
         scene = scene_at_rest(rng)
         table = ModeTable(scene)
-        automaton = Automaton(scene, table.maker, Expansion(scene, table), Certificate(Doubles))
+        automaton = Automaton(scene, table.maker, Expansion(scene, table), lambda _: None)
         state = start_of(scene, Doubles)
         status, _ = automaton.initial(state)
         base = -sum(term.amplitude * term.omega**2 for term in scene.base)

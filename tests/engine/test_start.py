@@ -15,7 +15,6 @@ from tests.events.coincidences import machine
 from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError, start_of
 from vibsim.engine.events.automaton import Automaton, UnambiguousStart
-from vibsim.engine.events.records import Certificate
 from vibsim.engine.flows.expansion import Expansion
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.trajectory import open_trajectory
@@ -93,11 +92,11 @@ def test_a_base_that_turns_round_at_the_start_strikes_nothing(phase):
 
 def decided(of):
     """(mode, known zeros, doubts) of the start by the automaton; the mode by signs alone, or None."""
-    table, certificate = ModeTable(of), Certificate(Doubles)
-    maker, automaton = table.maker, Automaton(of, table.maker, Expansion(of, table), certificate)
+    table, doubts = ModeTable(of), []
+    maker, automaton = table.maker, Automaton(of, table.maker, Expansion(of, table), doubts.append)
     plain = UnambiguousStart(of, maker.ends)
     status = plain.status(start_of(of, Doubles)) if plain.known else None
-    return (*automaton.initial(start_of(of, Doubles)), certificate.uncertified), status
+    return (*automaton.initial(start_of(of, Doubles)), len(set(doubts))), status
 
 
 @settings(max_examples=80)

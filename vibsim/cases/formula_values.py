@@ -37,7 +37,6 @@ class Meaning(NamedTuple):
 
     node: Node
     dimension: Dimension | None
-    is_number: bool = False
 
 
 class WorkedOut(NamedTuple):
@@ -66,7 +65,7 @@ class UnitError(FormulaError):
 
 def meaning_of_number(quantity: Quantity) -> Meaning:
     """Meaning in a formula of a number of the case."""
-    return Meaning(number_node(quantity.value, int(quantity.per_turn)), dimension_of(quantity), True)
+    return Meaning(number_node(quantity.value, int(quantity.per_turn)), dimension_of(quantity))
 
 
 def number_node(value: Fraction, turns: int) -> Node:

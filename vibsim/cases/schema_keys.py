@@ -299,13 +299,6 @@ def all_keys(form: Form = SHORT) -> dict[str, Measured | None]:
     return table
 
 
-def measured_at(key: str) -> Measured | None:
-    """Quantity measured by the number at a dotted key, in either form of case."""
-    if key in all_keys():
-        return all_keys()[key]
-    return all_keys(LONG).get(LONG.pattern(key))
-
-
 @cache
 def sections_with(name: str, form: Form = SHORT) -> tuple[str, ...]:
     """The sections that have a key of this name: ("excitation (kind motor)",) for Omega0."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from array import array
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,6 @@ from vibsim.engine.blocks import Gap
 from vibsim.engine.columns import part_columns
 from vibsim.engine.errors import EngineError, State, Stopped, start_of
 from vibsim.engine.events.automaton import Automaton, UnambiguousStart
-from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.rule_maker import RuleMaker
 from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.flows.closed.modal import pitches
@@ -53,24 +52,20 @@ REASONS = {
 NO_EVENT = -1  # in place of the kind of an event, where nothing is told
 
 
-class Doubts(Certificate[Any]):
-    """A certificate that hands doubts on to the run in C.
+def doubts_of(run: CRun) -> Callable[[Any], None]:
+    """What tells a run in C of a doubt at a time.
 
     It does not keep that run: flows and automaton refer to each other, so that what they keep is freed by the
     garbage collector only, which knows nothing of the megabytes that C holds.
     """
+    kept = ref(run)
 
-    def __init__(self, of: CRun) -> None:
-        super().__init__(of.kit)
-        self._of = ref(of)
-
-    def doubt(self, t: Any) -> None:
-        of = self._of()
+    def doubt(t: Any) -> None:
+        of = kept()
         if of is not None:
             of.run.doubt(of.form.handed(t))
 
-    def keep_turn(self, value: Any, t: Any) -> None:
-        """Scouts find no turns."""
+    return doubt
 
 
 # rows of samples, sample modes, events, event codes, section; time reached, time worked out to [s]
@@ -107,7 +102,7 @@ class CRun:
             self.table = mode_table(scene, harmonic_keys=not carries)
         else:
             self.table = ModeTable(scene, form)
-        self.keys, self.doubts = self.table.keys, Doubts(self)
+        self.keys = self.table.keys
         self.carries = carries or tangent[0] > 0  # disturbances, now or later, by which rules are made
         ints, self._doubles = pack_scene(scene, pitches(scene), form)
         self.run = form.run(ints, self._doubles)
@@ -170,7 +165,7 @@ class CRun:
     @cached_property
     def automaton(self) -> Automaton:
         """Decides what C leaves open."""
-        automaton = Automaton(self.scene, self.maker, self.expansion, self.doubts)
+        automaton = Automaton(self.scene, self.maker, self.expansion, doubts_of(self))
         automaton.rigid.chatter.early, automaton.departures.stopped = self.early, self.stopped
         return automaton
 

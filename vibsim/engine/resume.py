@@ -9,7 +9,6 @@ from vibsim.engine.columns import flags_of_parts, part_columns, state_columns, s
 from vibsim.engine.errors import State
 from vibsim.engine.events.departures import DerivativeSigns, released_parts, zeros_of_touch
 from vibsim.engine.events.impacts.simultaneous import coincident_stops_of
-from vibsim.engine.events.records import Certificate
 from vibsim.engine.events.relative_motion import RelativeMotion, meets
 from vibsim.engine.flows.base_motion import base_motion, belt_velocity
 from vibsim.engine.flows.expansion import Expansion
@@ -63,7 +62,7 @@ def _with_switches(scene: Scene, state: State, status: Status, known: Known) -> 
     if maker.formulas is None or not maker.formulas.switches:
         return status, known
     relative = RelativeMotion(scene, maker, Doubles)
-    departures = DerivativeSigns(relative, maker, Expansion(scene, table), Certificate(Doubles))
+    departures = DerivativeSigns(relative, maker, Expansion(scene, table), lambda _: None)
     assert departures.switches is not None
     status, zeros = departures.switches.initial(state, departures, status)
     return status, known | zeros

@@ -9,7 +9,6 @@ from importlib.util import find_spec
 from threading import RLock
 from typing import Any, Generic, Protocol
 
-from vibsim.physics import elementary
 from vibsim.physics.numbers import Kit, N, Number, beyond, decimal_text, nearest_double
 from vibsim.physics.parts import Scene
 
@@ -34,15 +33,6 @@ class WorkingPrecision(Generic[N]):
     def __init__(self, digits: int) -> None:
         self.digits = digits
         self.bits = int(digits * BITS_PER_DIGIT) + 1
-        self.series_terms = self._terms()
-
-    def _terms(self) -> int:
-        """Terms after which 2^n / n! is below round-off."""
-        n, exponent = 1, 1.0
-        while exponent > -self.bits - 4:
-            n += 1
-            exponent += 1 - elementary.log2(n)
-        return n
 
     def order(self, _scene: Scene[N] | None = None) -> int:
         """Order of the Taylor flow: half the logarithm of the precision, where the work per time is least."""

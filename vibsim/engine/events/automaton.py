@@ -18,7 +18,7 @@ from vibsim.engine.events.departures import DerivativeSigns, TouchingParts, lead
 from vibsim.engine.events.impacts.newton_moreau import rate_of
 from vibsim.engine.events.impacts.rigid_stops import RigidStops
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
-from vibsim.engine.events.records import Certificate, Happened, Taken, changes
+from vibsim.engine.events.records import Happened, Taken, changes
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.events.settling import StickSlipResolution
 from vibsim.engine.flows.expansion import Expansion
@@ -54,21 +54,23 @@ from vibsim.physics.parts import Friction, RigidStop, Scene, Stop
 
 
 class Automaton(Generic[N]):
-    """Decides the modes of a run: at its start, see `InitialMode`, and behind each event."""
+    """Decides the modes of a run: at its start, see `InitialMode`, and behind each event.
+
+    doubt : is called with the time [s] of a decision that rounding could turn
+    """
 
     def __init__(
         self,
         scene: Scene[N],
         maker: RowMaker[N],
         expansion: Expansion[N],
-        certificate: Certificate[N],
+        doubt: Callable[[N], None],
     ) -> None:
         self.scene, self.maker = scene, maker
         self.elastic = dict(scene.elastic_stops)
         self.struck = False  # whether the event taken last was a kink of the base that made impacts
-        self.departures = DerivativeSigns(
-            RelativeMotion(scene, maker, expansion.kit), maker, expansion, certificate
-        )
+        relative = RelativeMotion(scene, maker, expansion.kit)
+        self.departures = DerivativeSigns(relative, maker, expansion, doubt)
         self.settling = StickSlipResolution(scene, maker, self.departures)
         self.parting = TouchingParts(scene, maker, self.departures)
         self.rigid = RigidStops(scene, maker, self.settling, self.parting)

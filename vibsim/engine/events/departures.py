@@ -10,11 +10,11 @@ they have a zero of order 3, as the motion itself, or of order 2 where a force j
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Generic
 
 from vibsim.engine.errors import State, Stopped
-from vibsim.engine.events.records import Certificate, Happened
+from vibsim.engine.events.records import Happened
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.events.switches import SwitchSides
 from vibsim.engine.flows.expansion import Expansion, highest_derivative
@@ -48,17 +48,17 @@ class DerivativeSigns(Generic[N]):
         relative: RelativeMotion[N],
         maker: RowMaker[N],
         expansion: Expansion[N],
-        certificate: Certificate[N],
+        doubt: Callable[[N], None],
     ) -> None:
         self.relative, self.maker, self.expansion, self.kit = relative, maker, expansion, expansion.kit
-        self.certificate = certificate
+        self._doubt = doubt
         self.jet = highest_derivative(maker.scene)
         formulas = maker.formulas
         self.switches = SwitchSides(maker.scene, maker, relative, self.kit) if formulas else None
         self.stopped = threading.Event()  # set from any thread: what is decided then is left undecided
 
     def doubt(self, state: State[N]) -> None:
-        self.certificate.doubt(state.t)
+        self._doubt(state.t)
 
     def enter(self, state: State[N], status: Status) -> ModeRows[N]:
         """The rows of a mode, whose derivatives at a state are asked for next. Raises Stopped."""

@@ -82,7 +82,7 @@ void set_precision(int bits)
     half_pi = scaled(HALF_TURN, -1);
     unit_roundoff = scaled(Real(1), -bits);
     most_order = (int)(0.36 * bits) > LEAST_ORDER ? (int)(0.36 * bits) : LEAST_ORDER; /* as `WorkingPrecision.order` in Python */
-    for (series_terms = 1; size > -bits - 4; size += 1 - log2_of(series_terms)) /* as its `series_terms` */
+    for (series_terms = 1; size > -bits - 4; size += 1 - log2_of(series_terms))
         series_terms++;
     halvings_of_sine = (int)(0.6 * sqrt((double)LIMB_BITS));
     terms_of_sine = terms_after(halvings_of_sine, 2);

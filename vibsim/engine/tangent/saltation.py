@@ -167,7 +167,7 @@ class DisturbedForces(Generic[N]):
         return response(self.scene, self.kit, rows, self.state, F, torque, zero)
 
     def _pull(self, column: int | None) -> N:
-        """Change of d(s w)/dt without that of w', of the rotor in a column or of the motor's."""
+        """ModeChange of d(s w)/dt without that of w', of the rotor in a column or of the motor's."""
         at, phi, w, speed, rate = self.state.phase, self.phi, self.w, self.state.w, self.spin_rate
         if column is not None:
             at, phi, w = self.state.x[column], self.x[column], self.v[column]
@@ -193,7 +193,7 @@ class DisturbedForces(Generic[N]):
         return values[P] - values[Q]
 
     def _thrust(self, column: int) -> N:
-        """Change of the force of the rotors on a column."""
+        """ModeChange of the force of the rotors on a column."""
         motor, total = self.scene.motor, self.kit.number(0)
         for one in self.rows.rotors:
             if one.on == column:
@@ -240,7 +240,7 @@ def gradient(kit: Kit[N], event: Event[N], vector: Sequence[N], bodies: int) -> 
 
 
 @dataclass(frozen=True)
-class Change(Generic[N]):
+class ModeChange(Generic[N]):
     """An event and the rows of the modes before and after it."""
 
     scene: Scene[N]
@@ -284,7 +284,7 @@ class Change(Generic[N]):
 
 
 @dataclass(frozen=True)
-class Crossing(Change[N]):
+class EventCrossing(ModeChange[N]):
     """A change at a state.
 
     expansion : of motions in a mode; touch : what rigid stops did, where they took part

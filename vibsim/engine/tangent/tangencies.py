@@ -27,7 +27,7 @@ from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import FORMULA, GAP, HOLD, SLIDE, STRIKE, SWITCH, Event, Joined, ModeRows, Rule
 from vibsim.engine.modes.status import STICK, Status
 from vibsim.engine.tangent.impact_saltation import ImpactSaltation, Undefined
-from vibsim.engine.tangent.saltation import Change, Crossing, Jump, gradient, reversal
+from vibsim.engine.tangent.saltation import EventCrossing, Jump, ModeChange, gradient, reversal
 from vibsim.engine.tangent.tangent_space import natural_rate
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
@@ -70,7 +70,7 @@ class Tangencies(Generic[N]):
         x, v = (*state.x, X, zero), (*state.v, V, zero)  # BASE is -2, GROUND -1
         return x[stop.P] - x[stop.Q], v[stop.P] - v[stop.Q]
 
-    def judge(self, at: Crossing[N], jump: Jump[N] | Undefined | None) -> None:
+    def judge(self, at: EventCrossing[N], jump: Jump[N] | Undefined | None) -> None:
         """Judge an event, with its saltation."""
         event, state, before, after = at.event, at.state, at.before, at.after
         i = event.part
@@ -96,7 +96,7 @@ class Tangencies(Generic[N]):
         if share < self.closest:
             self.closest, self.time = share, state.t
 
-    def _tearing_share(self, at: Crossing[N]) -> N:
+    def _tearing_share(self, at: EventCrossing[N]) -> N:
         """How fast the force of ties comes to a limit at which it drops, over a sweep through all that they
         can hold at the natural rate [-]. Where it does not drop nothing depends on the instant.
         """
@@ -109,7 +109,7 @@ class Tangencies(Generic[N]):
                 held = held + 2 * abs(at.expansion.formulas()[term.P])
         return -rate / (held * self.rate)
 
-    def _stopping_share(self, at: Crossing[N]) -> N:
+    def _stopping_share(self, at: EventCrossing[N]) -> N:
         """Deceleration of a sliding that ends, over the largest with which it can end in sticking [-]: with
         the friction turned round it would be 0 at least.
 
@@ -155,7 +155,7 @@ class Jumps(Generic[N]):
         """
         if event.kind == STRIKE or touch is not None:
             return False
-        change = Change(self.scene, before, after, event)
+        change = ModeChange(self.scene, before, after, event)
         if before.tape is not None and (change.turns_forces if event.kind == SWITCH else change.by_formulas):
             return False
         return event.kind != HOLD or not change.released
@@ -181,7 +181,7 @@ class Jumps(Generic[N]):
         vectors = [list(map(form.taken, one)) for one in entries["vectors"]]
         near.forget()
         near.fastest, near.since = ([form.taken(one) for one in entries[key]] for key in ("fastest", "since"))
-        at = Crossing(self.scene, before, after, event, self.expansion, state, touch)
+        at = EventCrossing(self.scene, before, after, event, self.expansion, state, touch)
         jump = at.saltation()
         near.judge(at, jump)
         jump = None if isinstance(jump, Undefined) else jump

@@ -143,20 +143,14 @@ def seated(scene: Scene[N], kit: Kit[N], status: Status, vector: Sequence[N]) ->
 
 
 class Gauge:
-    """Takes shifts that no force feels out of disturbances."""
+    """Shifts that no force feels, which C takes out of disturbances.
+
+    shifts : columns, and those that each is measured from; references : the columns that are left out
+    """
 
     def __init__(self, scene: Scene[N]) -> None:
         self.shifts = [(c, r) for c, r in enumerate(references(scene)) if r is not None and r != c]
         self.references = sorted({r for _, r in self.shifts} | set(_alone(scene)))
-
-    def apply(self, kit: Kit[N], vector: Sequence[N]) -> list[N]:
-        """The disturbance with each dx measured from its reference."""
-        moved = list(vector)
-        for c, r in self.shifts:
-            moved[c] = vector[c] - vector[r]
-        for r in self.references:
-            moved[r] = kit.number(0)
-        return moved
 
 
 def _alone(scene: Scene[N]) -> list[int]:

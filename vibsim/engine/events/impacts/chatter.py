@@ -39,7 +39,7 @@ from vibsim.engine.events.departures import DerivativeSigns
 from vibsim.engine.events.impacts.impacts import ImpactLaw
 from vibsim.engine.events.impacts.newton_moreau import Contact
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
-from vibsim.engine.events.records import LAST, NEXT, ROUNDING, Certificate, unit_of
+from vibsim.engine.events.records import LAST, NEXT, ROUNDING, unit_of
 from vibsim.engine.events.settling import StickSlipResolution
 from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.modes.row_maker import RowMaker
@@ -104,8 +104,8 @@ class Chatter(Generic[N]):
     @cached_property
     def _beyond(self) -> StickSlipResolution[N]:
         """Settles what stands within hops that are only looked at: its doubts are none of the run."""
-        expansion, ours = self.departures.expansion, Certificate(self.kit)
-        departures = DerivativeSigns(self.relative, self.maker, expansion, ours)
+        expansion = self.departures.expansion
+        departures = DerivativeSigns(self.relative, self.maker, expansion, lambda _: None)
         departures.stopped = self.departures.stopped
         return StickSlipResolution(self.scene, self.maker, departures)
 
