@@ -167,7 +167,7 @@ class DisturbedForces(Generic[N]):
         return response(self.scene, self.kit, rows, self.state, F, torque, zero)
 
     def _pull(self, column: int | None) -> N:
-        """ModeChange of d(s w)/dt without that of w', of the rotor in a column or of the motor's."""
+        """Change of d(s w)/dt without that of w', of the rotor in a column or of the motor's."""
         at, phi, w, speed, rate = self.state.phase, self.phi, self.w, self.state.w, self.spin_rate
         if column is not None:
             at, phi, w = self.state.x[column], self.x[column], self.v[column]
@@ -193,7 +193,7 @@ class DisturbedForces(Generic[N]):
         return values[P] - values[Q]
 
     def _thrust(self, column: int) -> N:
-        """ModeChange of the force of the rotors on a column."""
+        """Change of the force of the rotors on a column."""
         motor, total = self.scene.motor, self.kit.number(0)
         for one in self.rows.rotors:
             if one.on == column:
