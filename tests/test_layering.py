@@ -32,7 +32,6 @@ WITHIN = {
     "engine.tangent.events": {"bundle"},
 }
 LIGHT = {"numpy"}  # what the ground floor may import besides the standard library
-OPTIONAL = {"precision.py": {"flint", "mpmath"}}  # and who is there for it
 MODULES = sorted(PACKAGE.rglob("*.py"))
 MODULE_NAME = re.compile(r"vibsim(\.[a-z_0-9]+)+(:\w+)?")
 
@@ -100,7 +99,7 @@ reading = cache(Reading)
 
 def points_up(room, names):
     """Whether vibsim.NAMES is in a room that modules of `room` may not import: C stands below them all."""
-    if names[:2] == ["engine", "_engine"]:
+    if names[:1] == ["engine"] and names[1].startswith("_engine"):
         return False
     return room_of(names) not in allowed(room) and names not in (["__version__"], [DATA])
 
@@ -118,7 +117,7 @@ def misplaced(path, room):
         if first == "vibsim":
             if points_up(room, rest) or leans_on_engine(room, rest):
                 yield name
-        elif room in GROUND and first not in sys.stdlib_module_names | LIGHT | OPTIONAL.get(path.name, set()):
+        elif room in GROUND and first not in sys.stdlib_module_names | LIGHT:
             yield name
 
 

@@ -115,10 +115,10 @@ def test_what_is_refused(words, code, message, own_folder):
     assert list(own_folder.iterdir()) == []
 
 
-def test_without_a_library_for_the_truth(monkeypatch):
-    monkeypatch.setattr("vibsim.physics.precision.find_spec", lambda name: None)
+def test_without_an_engine_for_the_truth(monkeypatch):
+    monkeypatch.setattr("vibsim.physics.precision.is_built", lambda words: False)
     done = call("bench", "I-A", *SHORT)
-    assert done.exit_code == 2 and "pip install 'vibsim[reference]'" in done.stderr
+    assert done.exit_code == 2 and "which was not built here" in done.stderr
 
 
 def test_the_help_names_every_method():

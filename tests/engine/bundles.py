@@ -9,7 +9,6 @@ from vibsim.engine.tangent.carried_digits import DigitsCarrier
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.tangent.tangent_space import components, dimension, length, references, seats_of
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.engine.truth import bare
 from vibsim.physics.precision import number_kit
 
 PER_PIECE = 400 * 2.0**-53  # of the volume: cut-off 1.65**20 / 20! = 9e-15, rounding of the vectors
@@ -40,7 +39,7 @@ class InDigits:
     def __init__(self, scene, digits=40):
         self.kit = kit = number_kit(digits)
         kit.activate()
-        exact = bare(exact_parts(scene)(kit.number, kit.pi), kit)
+        exact = exact_parts(scene)(kit.number, kit.pi)
         self.begin, self.end = start_of(exact, kit), exact.t_end
         self.start = components_of(exact, kit, self.begin)
         self.scene, self.carrier = exact, DigitsCarrier(exact, kit)
@@ -91,13 +90,13 @@ def assert_derivative(scene, doubles=None):
         theirs = digits.quotient(vector, base)
         if theirs is None:
             continue
-        largest = max(max(abs(float(value.mid())) for value in theirs), 1e-3)
+        largest = max(max(abs(float(value)) for value in theirs), 1e-3)
         for one, other in zip(ours, theirs, strict=True):
-            assert abs(float((one - other).mid())) < CLOSE * largest
+            assert abs(float(one - other)) < CLOSE * largest
         if doubles is not None:
-            given = [[float(value.mid()) for value in vector]]
+            given = [[float(value) for value in vector]]
             (found,) = Carrier(scene).carry(start_components(scene), scene.t_end, given).vectors
-            apart = max(abs(one - float(other.mid())) for one, other in zip(found, theirs, strict=True))
+            apart = max(abs(one - float(other)) for one, other in zip(found, theirs, strict=True))
             assert apart < doubles * max(largest, 1.0)
         columns += 1
     return columns, kinds

@@ -29,6 +29,7 @@ def exact_parts(scene):
 
     def make(number, pi):
         parts = convert(scene, number, pi)
+        sine = number.__self__.sin  # of the kit
         base = sum((term.amplitude * sine(term.phase) for term in parts.base), number(0))
         places = [*(body.x for body in parts.bodies), base, number(0)]  # BASE is -2, GROUND -1
         stops = (touching(stop, places) if touches(stop) else stop for stop in parts.stops)
@@ -45,11 +46,6 @@ def touches(stop):
 def touching(stop, places):
     """The stop with the gap that its ends leave."""
     return replace(stop, gap=-(stop.sense * (places[stop.P] - places[stop.Q])))
-
-
-def sine(phase):
-    """Sine of a phase [rad] in python-flint's numbers."""
-    return phase.sin()
 
 
 def truth(make, digits, **options):

@@ -25,7 +25,6 @@ from vibsim.physics.parts import (
     Stop,
 )
 
-pytest.importorskip("flint")
 ROUNDED = 1e-14  # m, of displacements below a metre and a handful of stretches behind the chatter
 
 

@@ -17,9 +17,8 @@ from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.packing import pack_state
 from vibsim.engine.modes.rows import HOLD, STRIKE, SWITCH
 from vibsim.engine.modes.status import OPEN, STICK, Status
-from vibsim.engine.number_forms import words_form
+from vibsim.engine.number_forms import WordsForm
 from vibsim.engine.tangent.saltation import DisturbedForces
-from vibsim.engine.truth import bare
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.precision import number_kit
 
@@ -68,8 +67,8 @@ def test_derivatives_of_a_motion_by_a_formula():
 def in_digits(scene, digits=40):
     """(table of modes, scene) in numbers of so many digits, with exactly those doubles."""
     kit = number_kit(digits)
-    exact = bare(exact_parts(scene)(kit.number, kit.pi), kit)
-    return ModeTable(exact, words_form(kit)), exact
+    exact = exact_parts(scene)(kit.number, kit.pi)
+    return ModeTable(exact, WordsForm(kit)), exact
 
 
 def moved(state, kit, shift=(), size=0):

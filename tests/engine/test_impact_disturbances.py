@@ -33,7 +33,6 @@ from vibsim.physics.parts import (
     Scene,
 )
 
-pytest.importorskip("flint")
 G, METHODS = 9.81, ("auto", "taylor")
 
 

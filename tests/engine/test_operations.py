@@ -21,7 +21,6 @@ from vibsim.engine.modes.parametric_rows import recipe_of
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import GROUND
 
-pytest.importorskip("flint")
 PURE = {"x": "(d/L)", "v": "(v/v0)", "t": "(t/T)"}
 NUMBERS = "{F: 1 N, L: 1 m, v0: 1 m/s, T: 1 s}"
 

@@ -29,7 +29,6 @@ from vibsim.physics.parts import (
     Stop,
 )
 
-pytest.importorskip("flint")
 A, OMEGA, LIMIT = 2.0, 2 * pi, 0.5  # N, rad/s, N
 RELEASE = asin(LIMIT / A) / OMEGA
 

@@ -8,10 +8,11 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from itertools import islice
 from math import cos, log, pi, sin
 from platform import libc_ver
-from threading import Barrier, Thread
+from threading import Barrier
 from time import sleep
 
 import numpy as np
@@ -45,7 +46,6 @@ from vibsim.physics.parts import (
     Scene,
     Stop,
 )
-from vibsim.physics.precision import GUARD_BITS
 
 WORK_AT_ONCE = 100_000  # evaluations of the motion, as engine.h has it
 
@@ -379,25 +379,12 @@ def test_orbits_at_once():
     assert at_once(work) == in_turn(work)
 
 
-def test_runs_of_many_digits_take_turns(monkeypatch):
-    """python-flint has one working precision in a process: a run of 20 digits that begins while another
-    computes with 60 must wait for it.
-    """
-    flint = pytest.importorskip("flint")
-    case = vibsim.load_case("I-B", {"run.t_end": "1 ms", "run.every": "1 ms"})
-    trajectory = open_truth(case.exact_scene, 60)
-    compute, bits_during = trajectory.run.blocks, []
+def test_runs_of_other_digits_may_be_computed_meanwhile():
+    """The precision of C is that of a thread: a run of 80 digits has its digits beside one of 150."""
+    case = vibsim.load_case("I-B", {"run.t_end": "1 s", "run.every": "1 s"})
 
-    def run_beside_another():
-        bits_during.append(flint.ctx.prec)
-        other.start()
-        other.join(timeout=0.2)
-        bits_during.append(flint.ctx.prec)
-        yield from compute()
+    def digits_of(digits):
+        return [block.sample_digits["x1"].tolist() for block in open_truth(case.exact_scene, digits).blocks()]
 
-    other = Thread(target=open_truth, args=(case.exact_scene, 20))
-    monkeypatch.setattr(trajectory.run, "blocks", run_beside_another)
-    next(trajectory.blocks())
-    other.join(timeout=60)
-    assert bits_during == [trajectory.kit.bits + GUARD_BITS] * 2
-    assert flint.ctx.prec < bits_during[0]
+    work = [partial(digits_of, digits) for digits in (80, 150, 80, 150)]
+    assert at_once(work) == in_turn(work)

@@ -77,6 +77,7 @@ def test_block_on_a_belt(method, sign):
 def test_block_on_a_belt_in_many_digits():
     """The same to 38 digits."""
     flint = pytest.importorskip("flint")
+    flint.ctx.dps = 60
     _, events, digits, _ = truth(exact_parts(block_on_belt()), 40)
     ends = digits["t"][events["kind"] == EVENT_KINDS["stick_end"]]
     assert len(ends) >= 6

@@ -11,8 +11,6 @@ from tests.engine.bundles import assert_derivative
 from tests.engine.random_parts import part_scenes
 from tests.engine.runs import scene_of
 
-pytest.importorskip("flint")
-
 HAMMER = """
 bodies: {a: 1 kg, b: 2 kg}
 links: {l: {between: [a, b], k: 30 N/m, c: 0.1 N s/m}, k: {between: [b, base], k: 80 N/m, c: 0.5 N s/m}}

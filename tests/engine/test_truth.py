@@ -15,7 +15,6 @@ from tests.engine.random_parts import LENGTH, part_scenes, rigid_scenes
 from tests.engine.runs import Run, outcome, run
 from tests.engine.whole_truth import faults
 from vibsim.cases import load_case
-from vibsim.physics import precision
 from vibsim.physics.parts import (
     AT_GAP,
     COMPRESSION,
@@ -30,7 +29,6 @@ from vibsim.physics.parts import (
     Stop,
 )
 
-pytest.importorskip("flint")
 GALLERY = Path(__file__).parents[2] / "cases" / "gallery"
 CLOSE = 1e-12 * LENGTH  # rounding of some hundred stretches of 1e-16 each, grown by a few impacts
 
@@ -47,7 +45,9 @@ def test_doubles_follow_the_truth(scene):
     doubles = outcome(scene)
     if not isinstance(doubles, Run) or doubles.totals["uncertified"]:
         return  # a start at a gap or at rest, where rounding may decide
-    samples, events, _, _ = truth(exact_parts(scene), 40)
+    samples, events, _, totals = truth(exact_parts(scene), 40)
+    if totals["uncertified"]:
+        return
     assert doubles.events["kind"].tolist() == events["kind"].tolist()
     assert doubles.events["part"].tolist() == events["part"].tolist()
     for name in (column for column in samples if column.startswith("x_")):
@@ -92,16 +92,6 @@ def test_closed_form_and_taylor_agree(name):
     assert found[0][1]["events"] == found[1][1]["events"] > 5
 
 
-def test_mpmath_agrees_with_flint(monkeypatch):
-    case = load_case(place("drifting-capsule"), {"run.t_end": "0.1 s", "run.every": "50 s"})
-    balls, _ = ends(case.exact_scene, 30)
-    without = {name: kit for name, kit in precision.KITS.items() if name != "flint"}
-    monkeypatch.setattr(precision, "KITS", without)  # put back, flint would come second
-    floats, totals = ends(case.exact_scene, 30)
-    assert apart(balls, floats) < 1e-28
-    assert totals["events"] > 2
-
-
 def test_a_stick_ends_where_it_should_to_forty_digits():
     """A block on a belt, started at the belt's speed, slips where the spring pulls as hard as friction, at
     t = N / (k belt).
@@ -123,7 +113,6 @@ def test_a_stick_ends_where_it_should_to_forty_digits():
 # Runs with rigid stops against the exact flow in 40 digits: none missed, none invented where certified.
 
 
-pytest.importorskip("flint")
 IMPACT = EVENT_KINDS["impact"]
 
 

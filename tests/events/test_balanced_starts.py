@@ -30,8 +30,6 @@ from vibsim.physics.parts import (
     Scene,
 )
 
-pytest.importorskip("flint")
-
 
 def balanced(method, F0=-1.0, x1=-0.01, **changes):
     """Block 1 at rest on its stop, 100 N/m times 0.01 m against 1 N: 0 in doubles, 2e-17 N by 40 digits."""

@@ -12,7 +12,6 @@ from tests.random_scenes import scenes
 from tests.scenes import fixed_block, harmonic, scene
 from tests.trajectories import run
 
-pytest.importorskip("flint")
 EPS = 2.0**-53
 METHODS = ("closed_form", "taylor")
 SAME_INSTANT = 1e-13  # of the run: events this close may come in either order

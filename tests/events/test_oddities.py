@@ -7,8 +7,6 @@ import pytest
 from tests.events.oddities import oddity
 from tests.events.whole_runs import in_batches, judge, wrong_by_digits, wrong_by_series
 
-pytest.importorskip("flint")
-
 
 def test_oddities_by_two_methods():
     judge(wrong_by_series, oddity, range(459, 509))

@@ -7,8 +7,6 @@ import pytest
 from tests.events.chains import chain
 from tests.events.whole_runs import in_batches, judge, wrong_by_series
 
-pytest.importorskip("flint")
-
 
 def test_chains_at_rest():
     judge(wrong_by_series, chain, range(100))

@@ -14,8 +14,6 @@ from tests.events.struck import at_once, with_motor
 from tests.events.whole_runs import finished, in_batches, judge, settled_until, wrong_by_digits
 from vibsim.physics.parts import COMPRESSION, EXTENSION, GROUND, Body, Force, Friction, RigidStop, Scene
 
-pytest.importorskip("flint")
-
 
 def test_a_motor_under_rigid_impacts():
     judge(wrong_by_digits, with_motor, range(6, 16))

@@ -7,17 +7,16 @@ from math import inf, pi
 import numpy as np
 import pytest
 
-from tests.engine.many_digits import exact_parts, sine, touches, touching
+from tests.engine.many_digits import exact_parts, touches, touching
 from tests.engine.runs import Run, whole
 from tests.engine.test_resources import is_jammed
 from tests.engine.whole_truth import faults
 from vibsim.engine.blocks import Trajectory
 from vibsim.engine.c_engine import REASONS, UNDECIDED, CRun
 from vibsim.engine.errors import EngineError, State, start_of
-from vibsim.engine.number_forms import words_form
+from vibsim.engine.number_forms import WordsForm
 from vibsim.engine.resume import resume_point
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.engine.truth import bare
 from vibsim.physics.parts import EVENT_NAMES, Scene
 from vibsim.physics.precision import number_kit
 
@@ -177,7 +176,7 @@ class SteppedRun(CRun):
             if self._set_rule(number, event):
                 *counts, finished, status = self.run.advance(0)
             else:
-                *counts, finished, status = self._decide(number, event, self.form.state(values), order)
+                *counts, finished, status = self._decide(number, event, State(*values), order)
         if status in REASONS:
             raise self._failure(status)
         events = Trajectory(self.scene).block(*self._block(counts, finished)).events
@@ -193,7 +192,7 @@ class ExactRun(CRun):
         """(kind, time [s]) of the first event behind `point`, the start where that is None; ("", end) without
         one up to `end`.
         """
-        self.run.rewind(self.form.handed(self.kit.number(end)))
+        self.run.rewind(self.kit.number(end))
         self.run.fill(*self.arrays)
         self._set_off(*(point or self._begun(start_of(self.scene, self.kit))))
         told = []
@@ -214,10 +213,10 @@ class ExactFlow:
         scene = replace(scene, every_num=10**9, every_den=1)
         self.kit.activate()
         if isinstance(scene, Scene):
-            exact = at_quarters(exact_parts(scene)(self.kit.number, self.kit.pi), self.kit.pi)
+            exact = at_quarters(exact_parts(scene)(self.kit.number, self.kit.pi), self.kit)
         else:
             exact = self._exact_blocks(scene).as_parts()
-        self.run = ExactRun(bare(exact, self.kit), form=words_form(self.kit))
+        self.run = ExactRun(exact, form=WordsForm(self.kit))
 
     def _exact_blocks(self, scene):
         names = [field.name for field in fields(scene) if field.name not in WHOLE]
@@ -239,19 +238,19 @@ class ExactFlow:
         return State(number(state.t), x, v, number(state.phase), number(state.turns), number(state.w))
 
 
-def at_quarters(scene, pi):
+def at_quarters(scene, kit):
     """An exact scene, whose phases that are quarter turns in doubles are quarter turns."""
 
     def turned(terms):
         return tuple(
-            replace(one, phase=pi / 2 if one.phase > 0 else -pi / 2)
+            replace(one, phase=kit.pi / 2 if one.phase > 0 else -kit.pi / 2)
             if abs(one.phase) == QUARTER_TURN
             else one
             for one in terms
         )
 
     base, forces = turned(scene.base), tuple(replace(one, terms=turned(one.terms)) for one in scene.forces)
-    X = sum((one.amplitude * sine(one.phase) for one in base), 0 * pi)
-    places = [*(body.x for body in scene.bodies), X, 0 * pi]  # BASE is -2, GROUND -1
+    X = sum((one.amplitude * kit.sin(one.phase) for one in base), kit.zero)
+    places = [*(body.x for body in scene.bodies), X, kit.zero]  # BASE is -2, GROUND -1
     stops = tuple(touching(stop, places) if touches(stop) else stop for stop in scene.stops)
     return replace(scene, base=base, forces=forces, stops=stops)

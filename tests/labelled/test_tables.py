@@ -155,7 +155,6 @@ def test_a_run(result, on_file, tmp_path):
 
 
 def test_the_digits_of_a_run(tmp_path):
-    pytest.importorskip("flint")
     result = vibsim.simulate("I-A", digits=20, overrides={"run.t_end": "0.1 s"})
     again = there_and_back(vibsim.open_result(result.save(tmp_path / "a.h5")))
     assert again.digits["x1"].tolist() == result.digits["x1"].tolist()

@@ -48,7 +48,6 @@ def test_the_estimate_covers_the_velocity_that_chatter_leaves_out():
     """b strikes the wall and rubs on a, which goes on: what a lacks when the hops end early is not given
     back. It is 2e-9 m/s, and grows far beyond the height of the hops. The truth has 30 digits.
     """
-    pytest.importorskip("flint")
     case = load_case_text(RUBBED)
     result, truth = simulate(case), simulate(case, digits=30)
     error = max(abs(result[name][-1] - truth[name][-1]) for name in ("x_a", "x_b"))
@@ -76,7 +75,6 @@ def test_the_estimate_covers_hops_that_shrink_fast_under_friction(name, t_end, e
     """Their speeds shrink to a fifth and to a sixth: the companion ended these sequences at the same hop as
     the run, and the estimate was 1e5 and 1e3 times too low. The truth has 36 digits.
     """
-    pytest.importorskip("flint")
     case = load_case(CASES / f"{name}.yaml", overrides={"run.t_end": t_end})
     run, truth = simulate(case), simulate(case, digits=36)
     errors = np.max([abs(run[x] - truth[x]) for x in ("x_a", "x_b")], axis=0)
@@ -91,7 +89,6 @@ def test_the_time_that_a_chatter_under_friction_leaves_out_is_that_of_its_hops()
     """Forces of the last hop tell it to four digits, though its friction stops on the way up and sets off
     again at the blow; it was said to be twice as long.
     """
-    pytest.importorskip("flint")
     case = load_case(CASES / "hops-held-in-a-sixth.yaml", overrides={"run.t_end": "4.1291 s"})
     run, truth = simulate(case), simulate(case, digits=36)
     begun = [one.events["t"][one.events["kind"] == EVENT_KINDS["rest_begin"]][-1] for one in (run, truth)]
@@ -117,7 +114,6 @@ def test_a_body_between_two_stops_comes_to_rest(seed):
     """It is struck by them in turn, on a way that comes below the rounding of displacements while its speed
     is far from it: it bounced on 14,000 times, or to where the truth is 5 mm away.
     """
-    pytest.importorskip("flint")
     case, _ = pushed(seed)
     run = simulate(case)
     assert len(run.events["t"]) < 200
@@ -167,7 +163,6 @@ def test_a_run_is_that_of_parabolas(seed):
 
 
 def test_the_estimate_of_a_random_chatter_holds():
-    pytest.importorskip("flint")
     assert worst(chatter(13)) > 1 / FACTOR
 
 
@@ -175,7 +170,6 @@ def test_the_estimate_of_a_random_chatter_holds():
 @pytest.mark.timeout(7200)
 def test_estimates_of_two_hundred_random_chatters_hold():
     """At no sample is the true error more than the factor above the estimate."""
-    pytest.importorskip("flint")
     cases = [*map(chatter, range(120)), *map(crowded, range(120))]
     ratios = [ratio for case in cases if (ratio := worst(case)) is not None]
     assert len(ratios) > 120

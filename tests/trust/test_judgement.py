@@ -17,8 +17,6 @@ from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 from vibsim.results import simulate
 
-pytest.importorskip("flint")
-
 PAPER = {"I-A": 300, "I-B": 300, "I-C": 300, "I-A-eq211": 100, "I-B-eq211": 100, "I-C-eq211": 100}
 PAPER |= {"II-A": 70, "II-B": 90, "II-C": 70}  # [s]
 QUICK = [*map(driven_hard, (17, 18, 19, 20)), *map(mixed, (2, 8, 36, 51))]

@@ -15,9 +15,7 @@ from tests.truth.made import case, true_end
 from vibsim.cases import shipped_case_names
 from vibsim.engine.tangent.error_growth import error_growth
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.engine.truth import open_truth
 from vibsim.evidence.verification.catalogue import CASE_I, II_B
-from vibsim.physics import precision
 from vibsim.physics.numbers import decimal_text, nearest_double, text_width
 from vibsim.results.many_digits import DOUBLE_DIGITS, DigitsPlan, agreement
 
@@ -182,20 +180,6 @@ def test_closed_form_and_taylor_agree(name):
         others[key] for key in ("impacts", "sticks", "reversals")
     ]
     assert agreement(closed, series) > 35
-
-
-@pytest.mark.parametrize(("name", "method"), [("I-A", "closed_form"), ("I-A", "taylor"), ("II-A", "taylor")])
-def test_mpmath_agrees_with_flint(name, method, monkeypatch):
-    t_end = "1.2 s" if name == "II-A" else "0.7 s"
-    _, balls = true_end(name, t_end, 30, method)
-    without = {name: kit for name, kit in precision.KITS.items() if name != "flint"}
-    monkeypatch.setattr(precision, "KITS", without)  # put back, flint would come second
-    trajectory = open_truth(case(name, t_end, method).exact_scene, 30)
-    assert trajectory.kit.name == "mpf"
-    *_, last = trajectory.blocks()
-    end = {key: texts[-1].decode() for key, texts in last.event_digits.items()}
-    for key, value in balls.items():
-        assert abs(value - type(value)(end[key])) <= abs(value) * type(value)("1e-25"), key
 
 
 @pytest.mark.parametrize("name", shipped_case_names())

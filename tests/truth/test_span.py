@@ -7,8 +7,6 @@ import pytest
 
 import vibsim
 
-pytest.importorskip("flint")
-
 
 @pytest.mark.parametrize(
     ("t_end", "every", "exact"),

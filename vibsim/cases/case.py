@@ -108,7 +108,7 @@ class Case:
         return long_start(self.model) if isinstance(self.model, CaseFile) else self._nested["initial"]
 
     def exact_scene(self, number: Callable[[Fraction], Any], pi: Any = None) -> Scene[Any]:
-        """The scene in another number type, such as flint.arb or mpmath.mpf.
+        """The scene in another number type, such as those of words (`vibsim.physics.precision`).
 
         Parameters
         ----------

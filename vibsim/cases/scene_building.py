@@ -69,7 +69,7 @@ DOUBLES = NumberType(times_two_pi, Quantity.cycles)
 
 
 def exact_numbers(number: Callable[[Fraction], Number], pi: Number = None) -> NumberType:
-    """Numbers of another type, such as flint.arb or mpmath.mpf, made by number(Fraction).
+    """Numbers of another type, such as those of words, made by number(Fraction).
 
     `pi` is pi in that type; without it a fraction right to 1100 digits is converted.
     """

@@ -63,7 +63,7 @@ def doubts_of(run: CRun) -> Callable[[Any], None]:
     def doubt(t: Any) -> None:
         of = kept()
         if of is not None:
-            of.run.doubt(of.form.handed(t))
+            of.run.doubt(t)
 
     return doubt
 
@@ -122,7 +122,7 @@ class CRun:
         self.run.dither(dither)
         self.run.kick(kick)
         if any(record_from):
-            self.run.record_from(*map(form.handed, record_from))
+            self.run.record_from(*record_from)
         count, begin = tangent
         self.moving = count > 0
         if self.moving:
@@ -146,7 +146,7 @@ class CRun:
         if scene.rigid_stops:  # whose automaton sums up what the ends of sequences of impacts leave out
             vars(self).pop("automaton", None)
         self.scene = scene
-        self.run.rewind(self.form.handed(scene.t_end))
+        self.run.rewind(scene.t_end)
         self._begin(*self._begun(start_of(scene, self.kit)))
 
     @cached_property
@@ -285,9 +285,9 @@ class CRun:
                 if self._set_rule(number, event):
                     continue
                 try:
-                    *counts, finished, status = self._decide(number, event, self.form.state(values), order)
+                    *counts, finished, status = self._decide(number, event, State(*values), order)
                 except Stopped:
-                    self.left_at = self.form.state(values)
+                    self.left_at = State(*values)
                     yield self._block(counts, True)
                     return
                 if not finished and status not in REASONS and monotonic() - last_told < SECONDS:
@@ -302,7 +302,7 @@ class CRun:
         tally = self.run.tally()
         tape = self.rows_of(tally["mode"]).tape
         part = tape.texts[tally["singular"]] if status == SINGULAR and tape else ""
-        return EngineError(REASONS[status], self.form.state(tally["state"]), part)
+        return EngineError(REASONS[status], State(*tally["state"]), part)
 
     def _block(self, counts: Sequence[int], finished: int) -> Filled:
         """Block of what C has filled, whose arrays are given away where they hold much and copied where they
@@ -325,7 +325,7 @@ class CRun:
             happened,
             codes,
             crossings,
-            (self.form.taken(tally["state"][0]), self.form.taken(tally["worked_to"])),
+            (tally["state"][0], tally["worked_to"]),
         )
 
     def states_at(self, times: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
@@ -340,7 +340,7 @@ class CRun:
             if status == UNDECIDED:
                 number, event, order, values = self.run.pending()
                 if not self._set_rule(number, event):
-                    self._decide(number, event, self.form.state(values), order)
+                    self._decide(number, event, State(*values), order)
             elif status in REASONS and status != DIVERGED:
                 raise self._failure(status)
         return states, codes
@@ -360,7 +360,7 @@ class CRun:
         if self.integrals and touch:
             V = base_motion(self.scene, self.kit, state.t)[1]
             for entry, value in struck_entries(self.scene, self.integrals.names, touch, V):
-                self.run.add_entry(entry, self.form.handed(value))
+                self.run.add_entry(entry, value)
         return taken
 
     def _set_rule(self, number: int, event: int) -> bool:

@@ -30,14 +30,6 @@ class State(Generic[N]):
     def copy(self) -> "State[N]":
         return State(self.t, list(self.x), list(self.v), self.phase, self.turns, self.w)
 
-    def settled(self, kit: Kit[N]) -> "State[N]":
-        """The state as it starts a segment: without what the numbers of the kit carry besides their
-        values.
-        """
-        exact = kit.exact
-        x, v = [exact(value) for value in self.x], [exact(value) for value in self.v]
-        return State(exact(self.t), x, v, exact(self.phase), exact(self.turns), exact(self.w))
-
 
 def start_of(scene: Scene[N], kit: Kit[N]) -> State[N]:
     """The state of a scene at t = 0."""
@@ -47,7 +39,7 @@ def start_of(scene: Scene[N], kit: Kit[N]) -> State[N]:
         phase, turns = kit.reduce_angle(scene.motor.phi)
         w = scene.motor.phidot
     x, v = [body.x for body in scene.bodies], [body.v for body in scene.bodies]
-    return State(zero, x, v, phase, turns, w).settled(kit)
+    return State(zero, x, v, phase, turns, w)
 
 
 REASONS = {

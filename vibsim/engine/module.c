@@ -21,18 +21,6 @@
 #define INIT PyInit__engine
 #endif
 
-#ifdef LIMBS
-/* Whether numbers of so many bits can be had; an error is set where they cannot. */
-static int bits_fit(int bits)
-{
-    if (bits < 1 || bits > MOST_BITS) {
-        PyErr_Format(PyExc_ValueError, "these numbers have up to %d bits, got %d", (int)MOST_BITS, bits);
-        return 0;
-    }
-    return 1;
-}
-#endif
-
 static PyObject *Run_new(PyTypeObject *type, PyObject *args, PyObject *named)
 {
     Py_buffer v[2];
@@ -459,74 +447,7 @@ static void describe_type(void)
     run_type.tp_methods = methods;
 }
 
-#ifdef LIMBS
-static PyObject *texts(PyObject *self, PyObject *args)
-{
-    Py_buffer v;
-    int digits, width, bits;
-    PyObject *made = NULL;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "y*iii", &v, &digits, &width, &bits) || !bits_fit(bits))
-        return NULL;
-    set_precision(bits);
-    if (digits < 2 || digits > MOST_DECIMALS || width < digits + 8 || width > 2 * MOST_DECIMALS || v.len % (Py_ssize_t)sizeof(Real) != 0) {
-        PyErr_SetString(PyExc_ValueError, "no numbers of words, or more digits than they have");
-    } else {
-        const long count = (long)(v.len / (Py_ssize_t)sizeof(Real));
-        made = PyBytes_FromStringAndSize(NULL, (Py_ssize_t)count * width);
-        if (made && !decimal_texts((const Real *)v.buf, count, digits, width, PyBytes_AS_STRING(made))) {
-            Py_DECREF(made);
-            made = Py_None;
-            Py_INCREF(made);
-        }
-    }
-    PyBuffer_Release(&v);
-    return made;
-}
-
-static Real sum(const Real &a, const Real &b) { return a + b; }
-static Real difference(const Real &a, const Real &b) { return a - b; }
-static Real product(const Real &a, const Real &b) { return a * b; }
-static Real quotient(const Real &a, const Real &b) { return a / b; }
-
-static const struct {
-    const char *name;
-    Real (*of)(const Real &);
-} functions_of_one[] = {
-    {"sin", sine_of}, {"cos", cosine_of}, {"exp", exponential}, {"expm1", exponential_less_1}, {"log", logarithm},
-    {"sinh", hyperbolic_sine}, {"cosh", hyperbolic_cosine}, {"tanh", hyperbolic_tangent}, {"asin", arcsine},
-    {"acos", arccosine}, {"atan", arctangent}, {"sqrt", sqrt}, {"floor", floor},
-};
-static const struct {
-    const char *name;
-    Real (*of)(const Real &, const Real &);
-} functions_of_two[] = {{"add", sum}, {"sub", difference}, {"mul", product}, {"div", quotient}, {"pow", real_power}};
-
-static PyObject *operation(PyObject *self, PyObject *args)
-{
-    const char *name;
-    Real a, b = 0;
-    int bits;
-    size_t k;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "siO&|O&", &name, &bits, number_from, &a, number_from, &b) || !bits_fit(bits))
-        return NULL;
-    set_precision(bits);
-    for (k = 0; k < sizeof functions_of_one / sizeof *functions_of_one; k++)
-        if (PyTuple_GET_SIZE(args) == 3 && strcmp(name, functions_of_one[k].name) == 0)
-            return number_object(functions_of_one[k].of(a));
-    for (k = 0; k < sizeof functions_of_two / sizeof *functions_of_two; k++)
-        if (PyTuple_GET_SIZE(args) == 4 && strcmp(name, functions_of_two[k].name) == 0)
-            return number_object(functions_of_two[k].of(a, b));
-    return PyErr_Format(PyExc_ValueError, "no function %s of so many numbers", name);
-}
-
-static PyMethodDef functions[] = {
-    {"operation", operation, METH_VARARGS, "operation(name, bits, a[, b]): a function of numbers, to compare with other libraries"},
-    {"texts", texts, METH_VARARGS, "texts(numbers, digits, width, bits) -> decimal texts of so many characters; None where a number is beyond them"},
-    {NULL, NULL, 0, NULL},
-};
-#else
+#ifndef LIMBS
 #define ELEMENTARY(name, of)                                                                              \
     static PyObject *name##_value(PyObject *self, PyObject *x)                                            \
     {                                                                                                     \
@@ -610,10 +531,13 @@ static PyMethodDef functions[] = {
     {"eigenvalues", matrix_eigenvalues, METH_VARARGS, "eigenvalues(a, out) -> whether they were found; out (n, 2)"},
     {NULL, NULL, 0, NULL},
 };
+#define FUNCTIONS functions
+#else
+#define FUNCTIONS number_functions
 #endif
 
 static struct PyModuleDef module = {
-    PyModuleDef_HEAD_INIT, MODULE, "The C engine of vibsim; use vibsim.engine.", -1, functions, NULL, NULL, NULL, NULL,
+    PyModuleDef_HEAD_INIT, MODULE, "The C engine of vibsim; use vibsim.engine.", -1, FUNCTIONS, NULL, NULL, NULL, NULL,
 };
 
 PyMODINIT_FUNC INIT(void)
@@ -622,7 +546,10 @@ PyMODINIT_FUNC INIT(void)
     describe_type();
     if (PyType_Ready(&run_type) < 0 || (made = PyModule_Create(&module)) == NULL)
         return NULL;
-#ifndef LIMBS
+#ifdef LIMBS
+    if (numbers_ready() < 0)
+        return NULL;
+#else
     keep_freed_memory();
 #endif
 #ifdef Py_GIL_DISABLED

@@ -20,38 +20,26 @@ typedef struct {
     int started, busy, looked, view_count, bits; /* looked: whether a state was, see run_look.c; bits: of numbers that are no doubles */
 } RunObject;
 
-/* A number as an object of Python: a float, or the bytes of a number of words. */
-static inline PyObject *number_object(Real x)
-{
+/* A number as an object of Python, and back as a converter of PyArg_ParseTuple. */
 #ifdef LIMBS
-    memset(x.m, 0, sizeof *x.m * (LIMBS - WORDS)); /* words that are not in use may hold anything */
-    return PyBytes_FromStringAndSize((const char *)&x, sizeof x);
+/* number_object.cpp; also what Python calls of it, and whether so many bits can be had */
+PyObject *number_object(const Real &x);
+int number_from(PyObject *object, void *out);
+int numbers_ready(void);
+int bits_fit(int bits);
+extern PyMethodDef number_functions[];
 #else
-    return PyFloat_FromDouble(x);
-#endif
-}
+#define number_object PyFloat_FromDouble
 
-/* The same back, as a converter of PyArg_ParseTuple. */
 static inline int number_from(PyObject *object, void *out)
 {
-#ifdef LIMBS
-    char *bytes;
-    Py_ssize_t size;
-    if (PyBytes_AsStringAndSize(object, &bytes, &size) < 0)
-        return 0;
-    if (size != (Py_ssize_t)sizeof(Real)) {
-        PyErr_SetString(PyExc_ValueError, "not the bytes of a number");
-        return 0;
-    }
-    memcpy(out, bytes, sizeof(Real));
-#else
     double value = PyFloat_AsDouble(object);
     if (value == -1 && PyErr_Occurred())
         return 0;
     *(double *)out = value;
-#endif
     return 1;
 }
+#endif
 
 /* module.c: a packed state; 0, or -1 where an error is set */
 int read_state(const Run *r, const Py_buffer *view, State *s);

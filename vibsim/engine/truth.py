@@ -7,8 +7,7 @@ Sampled states and events come twice: as doubles, like those of any run, and as 
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
-from fractions import Fraction
+from dataclasses import dataclass
 from math import nan
 from typing import Any
 
@@ -18,10 +17,10 @@ from vibsim.engine.blocks import Block, Trajectory
 from vibsim.engine.columns import stored_before, stored_columns
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
-from vibsim.engine.number_forms import WordsForm, words_form
+from vibsim.engine.number_forms import WordsForm
 from vibsim.physics.numbers import Number
 from vibsim.physics.parts import Scene
-from vibsim.physics.precision import DigitsKit, number_kit, one_precision
+from vibsim.physics.precision import DigitsKit, number_kit
 
 
 @dataclass(frozen=True)
@@ -55,16 +54,14 @@ class WordsTrajectory(Trajectory[Number]):
         """Yield `TruthBlock`s until the run ends; raises EngineError when it fails."""
         filled = self.run.blocks()
         while True:
-            with one_precision:
-                self.kit.activate()
-                try:
-                    rows = next(filled, None)
-                except EngineError as error:
-                    raise EngineError(error.reason, rounded(self.kit, error.state), error.parts) from error
-                if rows is None:
-                    return
-                block = self._truth_block(*rows)
-            yield block
+            self.kit.activate()
+            try:
+                rows = next(filled, None)
+            except EngineError as error:
+                raise EngineError(error.reason, rounded(self.kit, error.state), error.parts) from error
+            if rows is None:
+                return
+            yield self._truth_block(*rows)
 
     def _truth_block(
         self,
@@ -106,27 +103,23 @@ class WordsTrajectory(Trajectory[Number]):
     @property
     def totals(self) -> dict[str, Any]:
         """Counts and margins so far, and the ledgers where they are kept, as doubles."""
-        with one_precision:
-            self.kit.activate()
-            return self._totals()
-
-    def _totals(self) -> dict[str, Any]:
-        tally, run, double = self.run.tally, self.run, self.form.double
+        self.kit.activate()
+        tally, run = self.run.tally, self.run
         uncertified, *certificate = tally["certificate"]
-        first_doubt, margin, margin_time = map(double, certificate)
+        first_doubt, margin, margin_time = map(float, certificate)
         totals = totals_of(
             tally["counts"],
             (uncertified, first_doubt, margin, margin_time),
             (tally["steps"], tally["evaluations"]),
-            double(tally["first_violation"]) if tally["violated_once"] else nan,
+            float(tally["first_violation"]) if tally["violated_once"] else nan,
         )
         cut = run.automaton.rigid.chatter.cut_off
         totals |= rigid_totals(
             self.scene, tally["counts"], self.kit.rounded([cut.time, cut.speed, cut.distance])
         )
         if run.integrals:
-            now = run.left_at or self.form.state(tally["state"]), run.statuses[tally["mode"]]
-            entries: list[Number] = [self.form.taken(entry) for entry in tally["entries"]]
+            now = run.left_at or State(*tally["state"]), run.statuses[tally["mode"]]
+            entries: list[Number] = list(tally["entries"])
             where: Any = run.first, now
             ledger = ledger_totals(self.scene, self.kit, run.integrals.names, entries, *where)
             totals |= dict(zip(ledger, self.kit.rounded(list(ledger.values())), strict=True))
@@ -155,27 +148,8 @@ def open_truth(
     ledger, momentum : as of `open_trajectory`; their quadrature is that of doubles, 16 digits
 
     Returns an object as `open_trajectory` does; its blocks are `TruthBlock`s, without section. Raises
-    ValueError for other digits, MultiprecisionMissing where neither python-flint nor mpmath is installed or
-    the engine was not built on words.
+    ValueError for other digits, MultiprecisionMissing where the engine was not built on words.
     """
-    with one_precision:
-        kit = number_kit(digits)
-        scene = exact_scene(kit.number, kit.pi)
-        scene = bare(scene, kit)
-        kit.activate()
-        return WordsTrajectory(scene, words_form(kit), ledger=ledger, momentum=momentum)
-
-
-def bare(part: Any, kit: DigitsKit[Number]) -> Any:
-    """A part, or a scene of them, whose numbers carry no radius; formulas, whose numbers are exact, as they
-    are.
-    """
-    if isinstance(part, tuple) and part and isinstance(part[0], str):
-        return part
-    if is_dataclass(part) and not isinstance(part, type):
-        return replace(part, **{field.name: bare(getattr(part, field.name), kit) for field in fields(part)})
-    if isinstance(part, tuple):
-        return tuple(bare(one, kit) for one in part)
-    if part is None or isinstance(part, str | int | float | Fraction):
-        return part
-    return kit.exact(part)
+    kit = number_kit(digits)
+    scene = exact_scene(kit.number, kit.pi)
+    return WordsTrajectory(scene, WordsForm(kit), ledger=ledger, momentum=momentum)

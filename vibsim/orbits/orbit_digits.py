@@ -14,7 +14,6 @@ from typing import Any
 
 from vibsim.cases.quantities import number
 from vibsim.engine.tangent.carried_digits import DigitsCarrier
-from vibsim.engine.truth import bare
 from vibsim.orbits.coordinates import OrbitError
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.stability import characteristic_polynomial, refined_roots, solved
@@ -22,7 +21,7 @@ from vibsim.orbits.words import Word, spelled, word_of
 from vibsim.physics.connections import paces_of
 from vibsim.physics.numbers import Number, decimal_text
 from vibsim.physics.parts import IMPACTS
-from vibsim.physics.precision import MOST_DIGITS, DigitsKit, number_kit, one_precision
+from vibsim.physics.precision import MOST_DIGITS, DigitsKit, number_kit
 
 GUARD = 15  # digits beyond those asked for: what components much smaller than the largest need
 LONGEST = 40  # events of a word that is spelled
@@ -72,13 +71,8 @@ class OrbitDigits:
 
 def refine(orbit: Orbit, digits: int) -> OrbitDigits:
     """The orbit to so many digits. Raises OrbitError where Newton's method does not get there, or takes
-    another order of events, and MultiprecisionMissing where no library is installed.
+    another order of events, and MultiprecisionMissing where the engine was not built on words.
     """
-    with one_precision:
-        return _refined(orbit, digits)
-
-
-def _refined(orbit: Orbit, digits: int) -> OrbitDigits:
     kit = number_kit(min(digits + GUARD, MOST_DIGITS))
     exact = _ExactMap(orbit, kit)
     X, T = [kit.number(x) for x in orbit.X.tolist()], exact.start_time(orbit)
@@ -87,8 +81,8 @@ def _refined(orbit: Orbit, digits: int) -> OrbitDigits:
         step, longer, derivative = exact.step(X, T)
         if not all(isfinite(float(dx)) for dx in step):
             raise OrbitError(NO_DERIVATIVE)
-        X = [kit.exact(x + dx) for x, dx in zip(X, step, strict=True)]
-        T = kit.exact(T + longer)
+        X = [x + dx for x, dx in zip(X, step, strict=True)]
+        T = T + longer
         correction = max(abs(float(dx)) for dx in step) / size
         if correction == 0 or log10(correction) < -digits - GUARD // 3:
             break
@@ -133,7 +127,7 @@ class _ExactMap:
         self.kit, self.at, self.n = kit, orbit.end.coordinates, orbit.n
         self.section = orbit.return_map.section
         self.word: Word = ()
-        self.scene = bare(orbit.case.exact_scene(kit.number, kit.pi), kit)
+        self.scene = orbit.case.exact_scene(kit.number, kit.pi)
         self.carrier = DigitsCarrier(self.scene, kit)
         self.vectors = [[kit.number(value) for value in row] for row in self.at.disturbances.tolist()]
 
@@ -145,7 +139,7 @@ class _ExactMap:
         terms = zip(orbit.scene.harmonics, self.scene.harmonics, strict=True)
         cycles = next((exact.cycles for term, exact in terms if term.cycles == period.cycles), None)
         frequency = self._of_formula(period.cycles) if cycles is None else self.kit.number(cycles)
-        return self.kit.exact(self.kit.number(self.n * period.turns) / frequency)
+        return self.kit.number(self.n * period.turns) / frequency
 
     def _of_formula(self, cycles: float) -> Number:
         """The frequency [Hz] of a formula of time whose double is `cycles`."""

@@ -12,13 +12,11 @@ import numpy as np
 
 from vibsim.cases.quantities import any_unit_named, in_own_unit, number, si_unit
 from vibsim.engine.errors import EngineError
-from vibsim.engine.number_forms import words_form
 from vibsim.engine.tangent.carried_digits import DigitsCarrier
 from vibsim.engine.tangent.monodromy import Carrier
-from vibsim.engine.truth import bare
 from vibsim.orbits.coordinates import OrbitError, component_names, components_of
 from vibsim.orbits.stability import eigenvalues, modulus
-from vibsim.physics.precision import MultiprecisionMissing, number_kit, one_precision
+from vibsim.physics.precision import MultiprecisionMissing, number_kit
 from vibsim.results.labelled import Shown
 
 if TYPE_CHECKING:
@@ -164,11 +162,11 @@ def _slopes_in_digits(
     case: "Case", keys: Sequence[str], start: Sequence[float], T: float
 ) -> dict[str, np.ndarray]:
     """d state(T) / d number of each key, right to the rounding of doubles; without those whose motions fail,
-    and none where no library of many digits is installed, or the engine has not so many. Raises OrbitError.
+    and none where the engine was not built on words. Raises OrbitError.
     """
     slopes = dict[str, np.ndarray]()
-    with one_precision, suppress(EngineError, MultiprecisionMissing):
-        if not keys or words_form(number_kit(DIGITS)) is None:
+    with suppress(EngineError, MultiprecisionMissing):
+        if not keys:
             return slopes
         here = _state_in_digits(case, start, T)
         for key in keys:
@@ -184,9 +182,8 @@ def _state_in_digits(case: "Case", start: Sequence[float], T: float) -> list[Any
     those of a case do: what just touches there does so here.
     """
     kit: Any = number_kit(DIGITS)
-    kit.activate()
     *components, end = (kit.number(Fraction(repr(float(value)))) for value in (*start, T))
-    carrier = DigitsCarrier(bare(case.exact_scene(kit.number, kit.pi), kit), kit)
+    carrier = DigitsCarrier(case.exact_scene(kit.number, kit.pi), kit)
     return carrier.carry(components, end, []).state
 
 

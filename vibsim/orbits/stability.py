@@ -326,13 +326,8 @@ def solved(kit: Kit[N], matrix: Matrix[N], right: Sequence[N]) -> list[N]:
     x = [kit.number(0)] * n
     for k in reversed(range(n)):
         rest = sum((rows[k][i] * x[i] for i in range(k + 1, n)), kit.number(0))
-        x[k] = kit.exact((rows[k][n] - rest) / rows[k][k])
+        x[k] = (rows[k][n] - rest) / rows[k][k]
     return x
-
-
-def generic_product(kit: Kit[N], one: Matrix[N], other: Matrix[N]) -> Matrix[N]:
-    """Product of two square matrices."""
-    return [kit.all_exact(row) for row in matrices.product(one, other)]
 
 
 def characteristic_polynomial(kit: Kit[N], matrix: Matrix[N]) -> list[N]:
@@ -341,9 +336,9 @@ def characteristic_polynomial(kit: Kit[N], matrix: Matrix[N]) -> list[N]:
     coefficients, powers = [one], [[kit.number(0)] * n for _ in range(n)]
     for k in range(1, n + 1):
         shifted = [[powers[i][j] + (coefficients[-1] if i == j else 0) for j in range(n)] for i in range(n)]
-        powers = generic_product(kit, matrix, shifted)
+        powers = matrices.product(matrix, shifted)
         trace = sum((powers[i][i] for i in range(n)), kit.number(0))
-        coefficients.append(kit.exact(-trace / k))
+        coefficients.append(-trace / k)
     return coefficients[::-1]
 
 
@@ -368,7 +363,7 @@ def refined_roots(
                     pull = (pull[0] + near[0], pull[1] + near[1])
             away = _times(newton, pull)
             step = _over(newton, (1 - away[0], -away[1]))
-            roots[i] = (kit.exact(z[0] - step[0]), kit.exact(z[1] - step[1]))
+            roots[i] = z[0] - step[0], z[1] - step[1]
     return roots
 
 
@@ -381,8 +376,7 @@ def _horner(kit: Kit[N], coefficients: Sequence[N], z: Complex[N]) -> tuple[Comp
         slope = (turned[0] + value[0], turned[1] + value[1])
         moved = _times(value, z)
         value = (moved[0] + c, moved[1])
-    exact = kit.exact
-    return (exact(value[0]), exact(value[1])), (exact(slope[0]), exact(slope[1]))
+    return value, slope
 
 
 def _times(a: Complex[N], b: Complex[N]) -> Complex[N]:

@@ -45,8 +45,8 @@ TWO_PI_LO = 2.4492935982947064e-16  # 2 pi = TWO_PI + TWO_PI_LO to 107 bits
 
 
 class Number(Protocol):
-    """A real number: a float, an arb of python-flint or an mpf of mpmath. Each computes with its own type and
-    with whole numbers and doubles.
+    """A real number: a float, or one of words (`precision`). Each computes with its own type and with whole
+    numbers and doubles.
     """
 
     def __add__(self, other: Self | float, /) -> Self: ...
@@ -98,8 +98,6 @@ class Kit(Protocol[N]):
     def finite(self, x: N, /) -> bool: ...
     def order(self, scene: Scene[N], /) -> int: ...
     def tolerance_exponent(self, scene: Scene[N], /) -> float: ...
-    def exact(self, t: N, /) -> N: ...
-    def all_exact(self, values: list[N], /) -> list[N]: ...
     def number(self, value: N | float | Fraction, /) -> N: ...
     def exponent(self, x: N, /) -> int: ...
     def power_of_two(self, y: float, /) -> N: ...
@@ -155,16 +153,6 @@ class Doubles:
     def tolerance_exponent(scene: Scene) -> float:
         """Binary exponent of the tolerance of the Taylor flow [-]."""
         return elementary.log2(scene.tol)
-
-    @staticmethod
-    def exact(t: float) -> float:
-        """The time `t` on the grid of the number type."""
-        return t
-
-    @staticmethod
-    def all_exact(values: list[float]) -> list[float]:
-        """The list `values` without what they carry besides their digits."""
-        return values
 
     @staticmethod
     def number(value: float | Fraction) -> float:

@@ -1,38 +1,130 @@
-"""Number kits of any precision: on python-flint's arb, or some thirty times slower on mpmath without it."""
+"""Numbers of many digits: those of the engine in C on words, for what Python computes and decides.
+
+For runs of many digits the engine is built on numbers of words of 64 bits (`engine/numbers/limbs.h`): a
+mantissa, an exponent and a sign. Up to 71 digits these are 2, 3 or 4 words, and each number of words has an
+engine of its own. Beyond them one engine takes up to MOST_WORDS, and uses as many as the digits of a run
+need.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from fractions import Fraction
-from importlib.util import find_spec
-from threading import RLock
-from typing import Any, Generic, Protocol
+from functools import lru_cache
+from importlib import import_module
+from math import ceil
+from typing import Any, Generic
 
-from vibsim.physics.numbers import Kit, N, Number, beyond, decimal_text, nearest_double
+from vibsim import __version__
+from vibsim.physics.numbers import N, Number, abs, beyond, decimal_text
 from vibsim.physics.parts import Scene
 
-GUARD_BITS = 32
+WORD = 64  # bits of a word
+SPARE_BITS = 20  # that a number has beyond the unit round-off of a run, at least
+WORDS = (2, 3, 4)  # of the engines that have a number of words of their own, see setup.py
+MOST_WORDS = 53  # that the engine for any number of words can use; its numbers have room for one more
 BITS_PER_DIGIT = 3.3219280948873626
 FEWEST_DIGITS, MOST_DIGITS = 20, 1000
+NOT_BUILT = (
+    "digits beyond double precision need the engine on words, which was not built here: its compiler has to"
+    " have whole numbers of 128 bits, as gcc, clang and the package ziglang have"
+)
 
 
-class WorkingPrecision(Generic[N]):
-    """A precision of `digits` decimal digits; `bits` say the same, arithmetic goes GUARD_BITS beyond.
+class MultiprecisionMissing(ImportError):
+    """The engine was not built on numbers of so many words."""
 
-    A kit adds its arithmetic, `parts(x)`: whole numbers m, e with x = m 2**e, and `nearest(x)`.
+
+def engine_name(words: int) -> str:
+    """Name of the module of the engine on numbers of so many words."""
+    return f"vibsim.engine._engine_{words if words in WORDS else 'words'}"
+
+
+@lru_cache(maxsize=8)
+def is_built(words: int) -> bool:
+    """Whether the engine in C was built on numbers of so many words."""
+    try:
+        import_module(engine_name(words))
+    except ModuleNotFoundError:
+        return False
+    return True
+
+
+def digits_in_c() -> list[int]:
+    """The most decimal digits of each number type of C with an engine of its own, the cheapest first."""
+    return [ceil((WORD * words - SPARE_BITS) / BITS_PER_DIGIT) - 1 for words in WORDS]
+
+
+class DigitsKit(Generic[N]):
+    """Arithmetic of `digits` decimal digits, or of `bits`. Numbers have SPARE_BITS more at least: their own
+    rounding is far below the unit round-off `eps` that decisions allow for.
+
+    They compute with the precision that their thread has set last (`activate`).
+    any_number : whether they are those of the engine for any number of words, however few suffice
+    Raises MultiprecisionMissing where the engine was not built on such numbers.
     """
 
     no_exponent = -(10**6)
     eps: N
+    inf: N
+    pi: N
     two_pi: N
-    number: Callable[[Any], N]
-    nearest: Callable[[Any], N]
-    sine_cosine: Callable[[Any], tuple[N, N]]
+    zero: N
 
-    def __init__(self, digits: int) -> None:
+    def __init__(self, digits: int, any_number: bool = False) -> None:
         self.digits = digits
         self.bits = int(digits * BITS_PER_DIGIT) + 1
+        self.words = max(min(WORDS), ceil((self.bits + SPARE_BITS) / WORD))
+        engine = 0 if any_number else self.words
+        self.room = engine if engine in WORDS else MOST_WORDS + 1  # words of a number in memory
+        if not is_built(engine):
+            raise MultiprecisionMissing(NOT_BUILT)
+        self.name, self.library = f"{WORD * self.words}-bit", f"vibsim {__version__}"
+        of: Any = import_module(engine_name(engine))
+        self.engine = of
+        self.sin, self.cos, self.sine_cosine, self.tanh = of.sin, of.cos, of.sine_cosine, of.tanh
+        self.exp, self.expm1, self.log, self.sinh, self.cosh = of.exp, of.expm1, of.log, of.sinh, of.cosh
+        self.asin, self.acos, self.atan = of.asin, of.acos, of.atan
+        self.power, self.sqrt, self.next_after, self.finite = of.power, of.sqrt, of.next_after, of.finite
+        self.activate()
+        self.eps, self.pi, self.zero = of.number(1, -self.bits), of.pi(), of.number(0, 0)
+        self.inf, self.two_pi = self.number(float("inf")), 2 * self.pi
+
+    def activate(self) -> None:
+        """Have this thread compute with the kit's precision."""
+        self.engine.precision(self.bits)
+
+    def number(self, value: Any) -> N:
+        """The number nearest to a number, a float, a whole number or a Fraction."""
+        if isinstance(value, float):
+            return self.zero + value
+        if isinstance(value, int | Fraction):
+            return self._nearest_to(*value.as_integer_ratio()) if value else self.zero
+        if not isinstance(value, type(self.zero)):
+            raise TypeError(f"{value!r} is no number of {self.words} words, nor can it be made one")
+        return value
+
+    def _nearest_to(self, over: int, under: int) -> N:
+        """The number nearest to a quotient of whole numbers."""
+        size = WORD * self.words
+        up = size + 1 + under.bit_length() - abs(over).bit_length()  # of one or two bits more than there are
+        high, rest = divmod(abs(over) << max(up, 0), under << max(-up, 0))
+        extra = high.bit_length() - size
+        half, below = 1 << (extra - 1), high & ((1 << extra) - 1)
+        mantissa = (high >> extra) + (below > half or (below == half and (rest > 0 or high >> extra & 1)))
+        if mantissa.bit_length() > size:
+            mantissa, extra = mantissa >> 1, extra + 1
+        number: N = self.engine.number(mantissa if over > 0 else -mantissa, extra - up)
+        return number
+
+    def of_parts(self, mantissa: int, exponent: int) -> N:
+        """The number nearest to mantissa 2**exponent."""
+        return self.number(mantissa * Fraction(2) ** exponent)
+
+    def parts(self, x: Any) -> tuple[int, int]:
+        """Whole numbers m, e with x = m 2**e, of a finite number."""
+        parts: tuple[int, int] = x.parts()
+        return parts
 
     def order(self, _scene: Scene[N] | None = None) -> int:
         """Order of the Taylor flow: half the logarithm of the precision, where the work per time is least."""
@@ -42,28 +134,25 @@ class WorkingPrecision(Generic[N]):
         """The Taylor flow goes to the working precision."""
         return -float(self.bits)
 
-    def parts(self, x: N) -> tuple[int, int]:
-        """Whole numbers m, e with x = m 2**e: each kit's own."""
-        raise NotImplementedError
-
     def exponent(self, x: N) -> int:
         """Binary exponent of x; `no_exponent` for x = 0."""
         mantissa, exponent = self.parts(x)
         return exponent + mantissa.bit_length() if mantissa else self.no_exponent
 
+    def power_of_two(self, y: float) -> N:
+        """2**y for a float y."""
+        power: N = self.power(2, y)
+        return power
+
     def rounded(self, values: Iterable[N | float]) -> list[float]:
         """The doubles nearest to `values`."""
-        return [value if isinstance(value, float) else nearest_double(*self.parts(value)) for value in values]
-
-    def texts(self, values: Iterable[N]) -> list[str]:
-        """`values` as decimal texts of all `digits`."""
-        return self.texts_of(map(self.parts, values))
+        return [float(value) for value in values]
 
     def texts_of(self, parts: Iterable[tuple[int, int]]) -> list[str]:
-        """The same of whole numbers m, e that stand for m 2**e."""
+        """Numbers m 2**e, by their whole numbers m, e, as decimal texts of all `digits`."""
         return [decimal_text(one, self.digits) for one in parts]
 
-    def rounded_sine_cosine(self, angle: Any) -> tuple[N, N]:
+    def rounded_sine_cosine(self, angle: N) -> tuple[N, N]:
         """Sine and cosine of an angle [rad] that is rounded: 0 where rounding hides them."""
         return beyond(self.eps * abs(angle), self.sine_cosine(angle), self.number(0))
 
@@ -77,251 +166,14 @@ class WorkingPrecision(Generic[N]):
         turns = self.nearest(angle / self.two_pi)
         return angle - turns * self.two_pi, turns
 
+    def nearest(self, turns: N) -> N:
+        """The whole number nearest to `turns`."""
+        whole: N = self.engine.floor(turns + 0.5)
+        return whole
+
     def unwind(self, angle: N, turns: N) -> N:
         """angle + 2 pi turns [rad]."""
         return angle + turns * self.two_pi
-
-
-Ball = Any  # flint.arb
-BigFloat = Any  # mpf: mpmath tells no types
-
-
-class Balls(WorkingPrecision[Ball]):
-    """Arithmetic of `digits` decimal digits, on python-flint's arb. There is one working precision in a
-    process at a time: the last kit made sets it.
-
-    Arb numbers carry a radius. The state is stripped of it where a segment starts (`State.settled`), because
-    radii follow worst cases while the right digits of a chaotic run are told by its own error growth: compare
-    two precisions. Inside a segment decisions are those of doubles: event functions are compared without
-    radii, so that one that rests at zero is zero. The unit round-off `eps` stands GUARD_BITS above the
-    working precision: radii are far below what a decision allows for rounding.
-    """
-
-    name = "arb"
-
-    def __init__(self, digits: int) -> None:
-        import flint
-
-        super().__init__(digits)
-        self.arb, self._fraction, self._context = flint.arb, flint.fmpq, flint.ctx
-        self.library = f"python-flint {flint.__version__}"
-        self.activate()
-        self.eps = self.arb(2) ** -self.bits
-        self.inf = self.arb("inf")
-        self.pi = self.arb.pi()
-        self.two_pi = 2 * self.pi
-
-    def activate(self) -> None:
-        """Make this kit's precision that of the process."""
-        self._context.prec = self.bits + GUARD_BITS
-
-    @staticmethod
-    def exact(t: Ball) -> Ball:
-        """The time `t` without its radius."""
-        return t.mid()
-
-    @staticmethod
-    def all_exact(values: list[Ball]) -> list[Ball]:
-        """The list `values` without radii."""
-        return [value.mid() for value in values]
-
-    def number(self, value: Ball | float | Fraction) -> Ball:
-        """`value` as arb."""
-        if isinstance(value, Fraction):
-            return self.arb(self._fraction(value.numerator, value.denominator))
-        return self.arb(value)
-
-    sin = staticmethod(lambda x: x.sin())
-    cos = staticmethod(lambda x: x.cos())
-    sine_cosine = staticmethod(lambda x: x.sin_cos())
-    exp = staticmethod(lambda x: x.exp())
-    expm1 = staticmethod(lambda x: x.expm1())
-    log = staticmethod(lambda x: x.log())
-    sinh = staticmethod(lambda x: x.sinh())
-    cosh = staticmethod(lambda x: x.cosh())
-    tanh = staticmethod(lambda x: x.tanh())
-    asin = staticmethod(lambda x: x.asin())
-    acos = staticmethod(lambda x: x.acos())
-    atan = staticmethod(lambda x: x.atan())
-    finite = staticmethod(lambda x: x.is_finite())
-
-    @staticmethod
-    def sqrt(x: Ball) -> Ball:
-        """Square root; of the non-negative part where x is zero but for its radius."""
-        return x.nonnegative_part().sqrt() if not x > 0 else x.sqrt()
-
-    def power(self, a: Ball, p: Ball) -> Ball:
-        """a**p for a >= 0, nan of a below 0. Of a that is zero but for its radius: from 0 to the power of the
-        greatest that it may be; infinite for p < 0.
-        """
-        if a > 0 and a.is_finite():
-            return a**p
-        if p == 0 or a < 0 or not (a >= 0 or a.is_finite()):
-            return self.number(1) if p == 0 else self.number(math.nan)
-        if p < 0 or not a.is_finite():
-            return self.number(0) if p < 0 and a > 0 else self.inf
-        return (a.nonnegative_part().upper() ** p).union(self.number(0)) if a != 0 else a
-
-    def next_after(self, t: Ball, _towards: float) -> Ball:
-        """The next larger time: one unit in the last place on."""
-        return (t + (abs(t) + self.eps) * self.eps).mid()
-
-    @staticmethod
-    def parts(x: Ball) -> tuple[int, int]:
-        """Whole numbers m, e of the middle m 2**e of x."""
-        mantissa, exponent = x.mid().man_exp()
-        return int(mantissa), int(exponent)
-
-    def of_parts(self, mantissa: int, exponent: int) -> Ball:
-        """mantissa 2**exponent, exactly."""
-        return self.arb((mantissa, exponent))
-
-    def power_of_two(self, y: float) -> Ball:
-        """2**y for a float y."""
-        return self.arb(2) ** self.arb(y)
-
-    @staticmethod
-    def nearest(turns: Ball) -> Ball:
-        """The whole number nearest to the middle of `turns`. Rounding is taken off before the floor: that of
-        a ball which holds a whole number is two numbers.
-        """
-        return (turns.mid() + 0.5).mid().floor()
-
-
-class BigFloats(WorkingPrecision[BigFloat]):
-    """Arithmetic of `digits` decimal digits on mpmath's numbers, in a context of its own.
-
-    They are plain floats without a radius: decisions close to round-off go by the margin `eps` alone, which
-    stands GUARD_BITS above the working precision.
-    """
-
-    name = "mpf"
-
-    def __init__(self, digits: int) -> None:
-        import mpmath
-
-        super().__init__(digits)
-        self.library = f"mpmath {mpmath.__version__}"
-        self._from_parts = mpmath.libmp.from_man_exp
-        self.context = context = mpmath.mp.clone()
-        context.prec = self.bits + GUARD_BITS
-        self.eps = context.ldexp(1, -self.bits)
-        self.inf = context.inf
-        self.pi = +context.pi
-        self.two_pi = 2 * self.pi
-        self.sin, self.cos, self.exp, self.expm1 = context.sin, context.cos, context.exp, context.expm1
-        self.sinh, self.cosh, self.log = context.sinh, context.cosh, context.log
-        self.tanh, self.atan = context.tanh, context.atan
-        self.finite = context.isfinite
-
-    def sine_cosine(self, x: BigFloat) -> tuple[BigFloat, BigFloat]:
-        """Sine and cosine of an angle [rad]."""
-        cosine, sine = self.context.cos_sin(x)
-        return sine, cosine
-
-    def activate(self) -> None:
-        """Nothing to do: the precision belongs to the numbers' context."""
-
-    def number(self, value: BigFloat | float | Fraction) -> BigFloat:
-        """`value` as mpf."""
-        if isinstance(value, Fraction):
-            return self.context.mpf(value.numerator) / value.denominator
-        return self.context.mpf(value)
-
-    @staticmethod
-    def exact(t: BigFloat) -> BigFloat:
-        """The time `t` on the grid of the number type."""
-        return t
-
-    @staticmethod
-    def all_exact(values: list[BigFloat]) -> list[BigFloat]:
-        """The list `values`: they carry nothing besides their digits."""
-        return values
-
-    def asin(self, x: BigFloat) -> BigFloat:
-        """Angle [rad] from -pi/2 to pi/2 of a sine; nan beyond 1."""
-        return self.context.asin(x) if abs(x) <= 1 else self.context.nan
-
-    def acos(self, x: BigFloat) -> BigFloat:
-        """Angle [rad] from 0 to pi of a cosine; nan beyond 1."""
-        return self.context.acos(x) if abs(x) <= 1 else self.context.nan
-
-    def power(self, a: BigFloat, p: BigFloat) -> BigFloat:
-        """a**p for a >= 0, nan of a below 0."""
-        if p == 0 or not a >= 0:
-            return self.number(1) if p == 0 else self.context.nan
-        if a == 0:
-            return self.inf if p < 0 else a
-        return self.context.power(a, p)
-
-    def sqrt(self, x: BigFloat) -> BigFloat:
-        """Square root; 0 where rounding has left x below it."""
-        return self.context.sqrt(x) if x > 0 else self.context.zero
-
-    def next_after(self, t: BigFloat, _towards: float) -> BigFloat:
-        """The next larger time: one unit in the last place on."""
-        return t + (abs(t) + self.eps) * self.eps
-
-    @staticmethod
-    def parts(x: Any) -> tuple[int, int]:
-        """Whole numbers m, e with x = m 2**e."""
-        sign, mantissa, exponent, _ = x._mpf_
-        return (-int(mantissa) if sign else int(mantissa)), int(exponent)
-
-    def of_parts(self, mantissa: int, exponent: int) -> BigFloat:
-        """mantissa 2**exponent, exactly."""
-        return self.context.make_mpf(self._from_parts(mantissa, exponent))
-
-    def power_of_two(self, y: float) -> BigFloat:
-        """2**y for a float y."""
-        return self.context.mpf(2) ** y
-
-    def nearest(self, turns: BigFloat) -> BigFloat:
-        """The whole number nearest to `turns`."""
-        return self.context.floor(turns + 0.5)
-
-
-# Which number kit a run of many digits gets: python-flint's balls, or mpmath's floats without it.
-
-
-KITS: dict[str, type[Any]] = {"flint": Balls, "mpmath": BigFloats}
-MISSING = "digits beyond double precision need python-flint (or mpmath): pip install 'vibsim[reference]'"
-
-
-one_precision = RLock()  # held while a kit is at work: libraries have one working precision in a process
-
-
-class DigitsKit(Kit[N], Protocol[N]):
-    """A kit of so many digits; `library` is the name and version of what computes with them."""
-
-    @property
-    def library(self) -> str: ...
-    @property
-    def digits(self) -> int: ...
-    @property
-    def bits(self) -> int: ...
-    @property
-    def pi(self) -> N: ...
-    @property
-    def two_pi(self) -> N: ...
-    def activate(self) -> None: ...
-    def order(self, scene: Scene[N] | None = None, /) -> int: ...
-    def parts(self, x: N, /) -> tuple[int, int]: ...
-    def of_parts(self, mantissa: int, exponent: int, /) -> N: ...
-    def texts(self, values: Iterable[N], /) -> list[str]: ...
-    def texts_of(self, parts: Iterable[tuple[int, int]], /) -> list[str]: ...
-
-
-class MultiprecisionMissing(ImportError):
-    """Neither python-flint nor mpmath is installed; the message names the extra."""
-
-
-def installed_library() -> str:
-    """Name of the package that runs of many digits use here. Raises MultiprecisionMissing without any."""
-    library = next((name for name in KITS if find_spec(name) is not None), None)
-    if library is None:
-        raise MultiprecisionMissing(MISSING)
-    return library
 
 
 def number_kit(digits: int) -> DigitsKit[Number]:
@@ -331,5 +183,4 @@ def number_kit(digits: int) -> DigitsKit[Number]:
     """
     if not FEWEST_DIGITS <= digits <= MOST_DIGITS:
         raise ValueError(f"digits must be {FEWEST_DIGITS} to {MOST_DIGITS}, got {digits}")
-    kit: DigitsKit[Number] = KITS[installed_library()](digits)
-    return kit
+    return DigitsKit(digits)

@@ -24,7 +24,7 @@ from vibsim.physics.parts import (
     Stop,
 )
 
-Number = Any  # float, flint.arb or mpmath.mpf: any number type with operators will do
+Number = Any  # of any type that has operators
 
 
 @dataclass(frozen=True)

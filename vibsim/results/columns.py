@@ -220,7 +220,7 @@ class Digits(Mapping[str, np.ndarray]):
     """Columns of decimal texts (numpy str, 1-D), read and decoded when they are asked for.
 
     `digits["x1"]` holds the sampled displacements of block 1, `digits.events["t"]` the times of the events,
-    each to all the digits carried: str(digits["x1"][-1]) can be given to Decimal, flint.arb or mpmath.mpf.
+    each to all the digits carried: str(digits["x1"][-1]) can be given to Decimal or mpmath.mpf.
     """
 
     def __init__(self, table: Table, events: Table | None = None):

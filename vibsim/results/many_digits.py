@@ -13,13 +13,12 @@ import numpy as np
 
 from vibsim.engine.columns import state_columns
 from vibsim.engine.errors import EngineError, State
-from vibsim.engine.number_forms import digits_in_c
 from vibsim.engine.tangent.error_growth import error_growth, last_states
 from vibsim.engine.trajectory import flow_of
 from vibsim.engine.truth import open_truth
 from vibsim.physics.numbers import Number
 from vibsim.physics.parts import Scene
-from vibsim.physics.precision import FEWEST_DIGITS, MOST_DIGITS
+from vibsim.physics.precision import FEWEST_DIGITS, MOST_DIGITS, digits_in_c
 from vibsim.results.columns import Digits, Distances, tables_of
 from vibsim.results.file_contents import origin, outcome
 from vibsim.results.recording import MemorySink, Sink, TruthWriter, Watch

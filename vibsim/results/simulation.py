@@ -36,8 +36,8 @@ def simulate(
         they are in `result.digits`. None: doubles
 
     Raises EngineError (in `vibsim.engine.errors`) when the run fails, ValueError for other digits, and
-    MultiprecisionMissing (in `vibsim.physics.precision`) where neither python-flint nor
-    mpmath is there; TypeError where `overrides` is no dict.
+    MultiprecisionMissing (in `vibsim.physics.precision`) where the engine was not built on words;
+    TypeError where `overrides` is no dict.
 
     >>> import vibsim
     >>> result = vibsim.simulate("II-B", {"Omega0": "6.5 Hz", "run.t_end": "5 s"})

@@ -31,7 +31,7 @@ from vibsim.command_line.text import case_lines, heading, print_lines, result_li
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.physics.parts import STATE
-from vibsim.physics.precision import MultiprecisionMissing, installed_library
+from vibsim.physics.precision import NOT_BUILT, is_built
 from vibsim.physics.rates import fastest_damping
 from vibsim.results import Result, kind_of, names_a_result, simulate_to_file
 from vibsim.results.hdf5_reading import ResultFileError, reason
@@ -287,12 +287,8 @@ def to_be_completed(source: str, kinds: tuple[str, ...], ctx: click.Context) -> 
 
 def check_digits(digits: int | str | None) -> None:
     """Usage error where many digits are asked for and cannot be had."""
-    if digits is None:
-        return
-    try:
-        installed_library()
-    except MultiprecisionMissing as error:
-        raise click.UsageError(f"--digits: {error}") from error
+    if digits is not None and not is_built(0):
+        raise click.UsageError(f"--digits: {NOT_BUILT}")
 
 
 def with_exponents(

@@ -62,7 +62,7 @@ class Expansion(Generic[N]):
         if self._place is None or self._place[0] is not rows or self._place[1] != packed:
             self._place = None
             number = self._number(rows)  # which may begin another run
-            self._step = self.run.look(number, packed)
+            self._step: N = self.run.look(number, packed)
             self._place = rows, packed
 
     def _number(self, rows: ModeRows[N]) -> int:
@@ -84,7 +84,7 @@ class Expansion(Generic[N]):
 
     def derivatives(self, event: Event[N], count: int) -> list[N]:
         """Those of order 0 to `count` of an event function, `highest_derivative` at most."""
-        return list(map(self.form.taken, self.run.derivatives(self._event(event), count)))
+        return self.run.derivatives(self._event(event), count)
 
     def bounds(self, event: Event[N], count: int, exact: bool, span: N | int = 0) -> list[N]:
         """Bounds of the rounding of `derivatives`. exact: whether the state is a start, and not what a motion
@@ -94,19 +94,16 @@ class Expansion(Generic[N]):
             velocities were, whose rounding it has, however small it is itself; 0 for its own
         """
         assert self._place is not None
-        handed = self.form.handed(self.kit.number(0) + span)
-        bounds = self.run.bounds(
-            self._event(event), count, exact, has_rounded_constant(self._place[0], event), handed
-        )
-        return list(map(self.form.taken, bounds))
+        summed = has_rounded_constant(self._place[0], event)
+        return self.run.bounds(self._event(event), count, exact, summed, span)
 
     def step_length(self) -> N:
         """Longest step [s] of the series from there."""
-        return self.form.taken(self._step)
+        return self._step
 
     def formulas(self) -> list[N]:
         """Values of the outputs of the tape of the mode."""
-        return list(map(self.form.taken, self.run.formulas()))
+        return self.run.formulas()
 
 
 def has_rounded_constant(rows: ModeRows[N], event: Event[N]) -> bool:

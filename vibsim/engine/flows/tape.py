@@ -137,7 +137,7 @@ class TapeMaker(Generic[N]):
     def _function(self, node: Node, a: int) -> int:
         kind, kit = node[0], self.kit
         if kind == "pow":
-            place = self._folded(Op(POWER, a, -1, kit.exact(kit.number(node[2]))))
+            place = self._folded(Op(POWER, a, -1, kit.number(node[2])))
             if self.tape.ops[a].code != CONSTANT and a not in self.bases:
                 self.bases.append(a)
             return place
@@ -158,7 +158,7 @@ class TapeMaker(Generic[N]):
             return self._folded(Op(ATAN, a, self._two(ADD, one, square)))
         inside = self._two(SUB, one, square)
         self.bases.append(inside)
-        root = self._folded(Op(POWER, inside, -1, kit.exact(kit.number(Fraction(1, 2)))))
+        root = self._folded(Op(POWER, inside, -1, kit.number(Fraction(1, 2))))
         return self._folded(Op(ASIN if kind == "asin" else ACOS, a, root))
 
     def _pair(self, kind: str, a: int) -> int:
@@ -186,12 +186,12 @@ class TapeMaker(Generic[N]):
         return place
 
     def _constant(self, value: N) -> int:
-        return self._op(Op(CONSTANT, -1, -1, self.kit.exact(value)))
+        return self._op(Op(CONSTANT, -1, -1, value))
 
     def _scaled(self, factor: N | float, a: int) -> int:
         if factor == 1:
             return a
-        return self._folded(Op(SCALE, a, -1, self.kit.exact(self.kit.number(factor))))
+        return self._folded(Op(SCALE, a, -1, self.kit.number(factor)))
 
     def _two(self, code: int, a: int, b: int) -> int:
         return self._folded(Op(code, a, b))

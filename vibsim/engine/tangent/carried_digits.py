@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Generic, NamedTuple
 
 from vibsim.engine.errors import State, start_of
-from vibsim.engine.number_forms import words_form
+from vibsim.engine.number_forms import WordsForm
 from vibsim.engine.tangent.carried import components_of, free_scene, started
 from vibsim.engine.tangent.carrying_run import CarryingRun
 from vibsim.physics.numbers import N
@@ -36,12 +36,12 @@ class DigitsCarrier(Generic[N]):
     """Carries states of one scene over any times, with disturbances, on the numbers of `kit`, whose precision
     has to be that of the process.
 
-    scene : without radii (`truth.bare`); its start and end do not matter
+    scene : its start and end do not matter
     """
 
     def __init__(self, scene: Scene[N], kit: DigitsKit[N]) -> None:
         self.scene, self.kit = free_scene(scene), kit
-        self.run = CarryingRun(self.scene, words_form(kit))
+        self.run = CarryingRun(self.scene, WordsForm(kit))
 
     def carry(self, components: Sequence[N], end: N, vectors: Sequence[Sequence[N]]) -> CarriedDigits[N]:
         """The motion from `components` at t = 0 to `end` [s] with `vectors`, disturbances of the start, one

@@ -84,7 +84,7 @@ class CarryingRun(CRun):
         """Begin anew from `state` at t = 0 and run to `end` [s], with disturbances to be carried as they are:
         one per row, an array where they are doubles.
         """
-        self.run.rewind(self.form.handed(end))
+        self.run.rewind(end)
         self.moving = len(vectors) > 0
         if self.moving:
             self.packer = self.packer or DisturbancePacker(self.scene, self.maker.ends, self.form)

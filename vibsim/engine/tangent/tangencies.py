@@ -178,16 +178,16 @@ class Jumps(Generic[N]):
         touch : what rigid stops did
         """
         entries, near, form = self.run.disturbances(), self.tangencies, self.form
-        vectors = [list(map(form.taken, one)) for one in entries["vectors"]]
+        vectors = entries["vectors"]
         near.forget()
-        near.fastest, near.since = ([form.taken(one) for one in entries[key]] for key in ("fastest", "since"))
+        near.fastest, near.since = list(entries["fastest"]), list(entries["since"])
         at = EventCrossing(self.scene, before, after, event, self.expansion, state, touch)
         jump = at.saltation()
         near.judge(at, jump)
         jump = None if isinstance(jump, Undefined) else jump
         determinant = jump.determinant if jump and before.leader == after.leader else form.kit.number(1)
         moved = form.packed([value for one in vectors for value in (jump.applied(one) if jump else one)])
-        told = form.handed(determinant), near.count, form.handed(near.closest), near.undefined > 0
+        told = determinant, near.count, near.closest, near.undefined > 0
         self.run.hand_jump(jump is not None, *told, moved)
 
 

@@ -62,7 +62,7 @@ def run_bench(
 
     When `watch` says False the row under way is given up and the bench ends with those before it, its
     attribute `complete` 0. Raises EngineError when the truth cannot be computed, MultiprecisionMissing
-    without a library for it, ResultFileError when the file cannot be written.
+    where the engine was not built on words, ResultFileError when the file cannot be written.
     """
     target = None if path is None else check_result_output(path, force)
     if truth is None:
@@ -167,7 +167,7 @@ GUESS = 16.0  # digits lost over a run that fails in doubles
 def compute_truth(plan: BenchPlan, watch: Callable[[float], bool] | None = None) -> BenchTruth | None:
     """The truth of a plan; None where `watch`, given the time reached [s], says False.
 
-    Raises EngineError when the run fails, MultiprecisionMissing where no library for it is installed.
+    Raises EngineError when the run fails, MultiprecisionMissing where the engine was not built on words.
     """
     began = time.perf_counter()
     digits = max(FEWEST, ceil(_lost(plan)) + RIGHT + 2)

@@ -1,7 +1,7 @@
 """Make the stored truths: `make truths`, or python -m vibsim.evidence.verification.truth_making [CASE...].
 
 Each is a run of 40 digits, confirmed by one of 30 digits with the other flow where there is one, and judged
-by runs that are kicked as doubles round. Takes half a minute; needs python-flint or mpmath.
+by runs that are kicked as doubles round. Takes half a minute.
 """
 
 import sys
@@ -16,8 +16,7 @@ import numpy as np
 from vibsim.cases import Case, hard_case_names, load_case
 from vibsim.engine.c_engine import CRun
 from vibsim.engine.columns import state_columns
-from vibsim.engine.number_forms import WordsForm, words_form
-from vibsim.engine.truth import bare
+from vibsim.engine.number_forms import WordsForm
 from vibsim.evidence.verification.catalogue import CASE_I, SPANS, judged_case
 from vibsim.evidence.verification.checks import (
     Event,
@@ -34,7 +33,7 @@ from vibsim.evidence.verification.checks import (
 from vibsim.evidence.verification.hard_cases import CLOSED_FORMS, PERIOD, PERIODIC, REPORTED, SETTLED
 from vibsim.physics.numbers import Number
 from vibsim.physics.parts import EVENT_NAMES
-from vibsim.physics.precision import number_kit, one_precision
+from vibsim.physics.precision import number_kit
 
 # Runs of many digits for the stored truths, kicked or not.
 
@@ -77,28 +76,19 @@ def plan(name: str) -> TruthPlan:
 
 def form_of(digits: int) -> WordsForm[Any]:
     """The numbers of the engine for so many digits."""
-    form = words_form(number_kit(digits))
-    if form is None:
-        raise ValueError(f"the engine was built without numbers of {digits} digits")
-    return form
+    return WordsForm(number_kit(digits))
 
 
 def run_digits(how: TruthPlan, flow: str, digits: int, seed: int | None = None) -> TruthRun:
     """A run of many digits, kicked where a seed is given."""
-    with one_precision:
-        return _run_digits(how, flow, digits, seed)
-
-
-def _run_digits(how: TruthPlan, flow: str, digits: int, seed: int | None) -> TruthRun:
     form = form_of(digits)
     kit = form.kit
-    kit.activate()
     doubles = how.case.two_blocks()
     scene = how.case.exact_two_blocks(kit.number, kit.pi)
     scene = replace(scene, t_end=kit.number(doubles.t_end), every_num=scene.every_num * how.stride)
     if seed is not None:
         scene = kicked_scene(scene, kit, Random(seed))
-    parts = replace(bare(scene.as_parts(), kit), method=flow)
+    parts = replace(scene.as_parts(), method=flow)
     run = CRun(parts, form=form, kick=0 if seed is None else seed + 1)
     blocks = zip(*(block[:4] for block in run.blocks()), strict=True)
     samples, _, events, event_codes = (np.concatenate(rows, axis=1) for rows in blocks)

@@ -265,14 +265,14 @@ class Chatter(Generic[N]):
             rows = self._beyond.departures.enter(at, status)
             if rows.leader[c.P] == rows.leader[c.Q]:
                 return None
-            a = kit.all_exact(accelerations(self.scene, kit, rows, at)[0])  # a difference may be 0
-            drive = kit.exact(c.sense * (a[c.Q] - a[c.P]))
+            a, _ = accelerations(self.scene, kit, rows, at)
+            drive = c.sense * (a[c.Q] - a[c.P])
             back = _return(kit, height, rate, drive)
             i, halt = self._next_halt(at, status, c, a)
             if i is None or (back is not None and back <= halt):
                 return None if back is None else Hop(time + back, drive * back - rate)
-            time, height = time + halt, kit.exact(height + (rate - drive * halt / 2) * halt)
-            rate = kit.exact(rate - drive * halt)
+            time, height = time + halt, height + (rate - drive * halt / 2) * halt
+            rate = rate - drive * halt
             at.t, at.v[:] = at.t + halt, [v + one * halt for v, one in zip(at.v, a, strict=False)]
             status = self._beyond.settle(at, status, self._beyond.standing(status, [i]))
             if status.frictions[i] == STICK:
@@ -323,7 +323,7 @@ def _return(kit: Kit[N], height: N, rate: N, drive: N) -> N | None:
     """When ends at a height [m] that part at a rate [m/s] against `drive` [m/s^2] meet [s]; None where they
     do not.
     """
-    square = kit.exact(rate * rate + 2 * drive * height)
+    square = rate * rate + 2 * drive * height
     if square < 0 or (drive <= 0 and rate >= 0):
         return None
     root = kit.sqrt(square)

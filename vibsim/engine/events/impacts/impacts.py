@@ -108,10 +108,7 @@ class ImpactLaw(Generic[N]):
                 struck, turned, passed = impact(self.kit, bodies, contacts, v, w)
                 if unmet(self.kit, contacts, v, struck):
                     raise EngineError("crushed", state, self.names(c.stop for c in contacts))
-            v, w = (
-                self.kit.all_exact(struck),
-                self.kit.exact(turned),
-            )  # radii would grow from impact to impact
+            v, w = struck, turned
             touch.rates = {c.stop: rate_of(self.kit, c, v, size) for c in contacts}
             telling = [one for one in passed if count == 0 or touch.rates[one.stop] != 0]
             for one in telling:
@@ -120,8 +117,8 @@ class ImpactLaw(Generic[N]):
             touch.impacts.append([(contact[one.stop], one) for one in passed])
         ends = [(c.P, c.Q) for one in touch.passed for c in contacts if c.stop == one.stop]
         touch.moved = {column for pair in ends for column in pair if column < self.maker.n}
-        state.v[:] = [self.kit.exact(value) for value in v[: self.maker.n]]
-        state.w = self.kit.exact(w)
+        state.v[:] = v[: self.maker.n]
+        state.w = w
 
     def _plastic(self, state: State[N], contacts: Sequence[Contact[N]]) -> list[Contact[N]]:
         """The stops with e = 0, which is a doubt."""

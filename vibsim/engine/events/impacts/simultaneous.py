@@ -126,9 +126,9 @@ class RestProjection(Generic[N]):
                     stop = hardest(self.stops, edges.keys() & coincident_stops_of(self.scene, first))
                     catches.append(PlasticCapture(stop, loss, impulse if leader >= n else zero, leader))
         for column, on, gain in turned:
-            state.v[column] = self.kit.exact(state.v[column] + gain * (state.v[on] - old[on]))
+            state.v[column] = state.v[column] + gain * (state.v[on] - old[on])
         if motor is not None:
-            state.w = self.kit.exact(state.w + turning * (state.v[motor.on] - before))
+            state.w = state.w + turning * (state.v[motor.on] - before)
         return catches
 
     def _mean(self, inertias: Sequence[N], values: Sequence[N]) -> N:
@@ -138,7 +138,7 @@ class RestProjection(Generic[N]):
         total = weight = self.kit.number(0)
         for m, value in zip(inertias, values, strict=True):
             total, weight = total + m * value, weight + m
-        return self.kit.exact(total / weight)
+        return total / weight
 
     def project(self, state: State[N], stops: Iterable[int]) -> None:
         """Take what rounding left of the depths of stops that were struck or come to rest: the ends move
@@ -169,7 +169,7 @@ class RestProjection(Generic[N]):
         for side, share, sign in zip(sides, shares, (1, -1), strict=True):
             for c in side:
                 if c < self.maker.n:
-                    state.x[c] = self.kit.exact(state.x[c] + sign * (share * distance))
+                    state.x[c] = state.x[c] + sign * (share * distance)
 
     def _mass(self, bodies: Iterable[int]) -> N:
         """Mass of bodies [kg], one by one: sum() of floats compensates from Python 3.12 on."""
