@@ -220,6 +220,7 @@ typedef struct {
     Real *inverse, *sine, *cosine, *w_back, *a1_back; /* w_back[order - n]: order n */
     Real h, turns, longest; /* longest: piece of a step that one quadrature rule takes [s] */
     Real nearest; /* time [s] within which zeros of bases of powers are zeros in any case */
+    Real *latest, latest_at; /* columns where they were asked for last, and when [s]; 0: nowhere */
     Real *checked, checked_at; /* columns at the end of the step and before it, where formulas are compared; the former [s], or 0 */
     int order, rates, stride, *loaded, loaded_count, few_nodes;
     Real *acceleration; /* by leading column, where a mode has formulas or rotors */
@@ -442,6 +443,8 @@ void taylor_enter(Run *r, const State *state);
 void taylor_values(const Taylor *f, Real tau, Real *out); /* of all columns of the table */
 void taylor_values_twice(const Taylor *f, const Real *tau, Real *out);
 Real taylor_advance(Run *r, Real limit, int *event);
+const Real *taylor_columns(Run *r, Real tau); /* a time tau [s] after the expansion point; hold until the next call */
+const Real *taylor_columns_at_start(Run *r); /* for who reads a motion there; no state is taken from them */
 void taylor_state_after(Run *r, Real tau, State *out);
 void taylor_samples(Run *r, const Real *tau, int count, Real *row, long room);
 Real taylor_spin_rate(const Run *r, Real tau);

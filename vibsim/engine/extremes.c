@@ -34,17 +34,24 @@ static Real column(const Run *r, const Real *values, int c, Real base)
 static void measure(Run *r, Real t, int only, Real *values, Real *rates)
 {
     Extremes *e = &r->extremes;
+    const Real *x = r->scratch.x, *v = r->scratch.v, *w = &r->scratch.w;
     Real X = 0.0, V = 0.0;
     int q;
-    flow_state(r, t, &r->scratch);
+    if (r->closed) {
+        flow_state(r, t, &r->scratch);
+    } else {
+        x = t == r->t0 ? taylor_columns_at_start(r) : taylor_columns(r, t - r->t0);
+        v = x + r->taylor.rates;
+        w = v + r->bodies;
+    }
     if (e->based)
         base_motion_at(r, r->mode, t, &X, &V);
     for (q = only < 0 ? 0 : only; q < (only < 0 ? e->count : only + 1); q++) {
         if (q < e->pairs) {
-            values[q] = column(r, r->scratch.x, e->P[q], X) - column(r, r->scratch.x, e->Q[q], X);
-            rates[q] = column(r, r->scratch.v, e->P[q], V) - column(r, r->scratch.v, e->Q[q], V);
+            values[q] = column(r, x, e->P[q], X) - column(r, x, e->Q[q], X);
+            rates[q] = column(r, v, e->P[q], V) - column(r, v, e->Q[q], V);
         } else {
-            values[q] = r->scratch.w;
+            values[q] = *w;
             rates[q] = taylor_spin_rate(r, t - r->t0);
         }
     }

@@ -18,7 +18,7 @@ static int alloc_flows(Run *r)
     Taylor *f = &r->taylor;
     ClosedForm *c = &r->closed_form;
     size_t n = (size_t)r->bodies, columns = n + 2, row = 2 * (n + 3), coordinates = 2 * n + 2, harmonics = (size_t)r->harmonic_count + 1, i;
-    f->table = zalloc((SERIES + 3) * row, sizeof(Real));
+    f->table = zalloc((SERIES + 4) * row, sizeof(Real));
     f->loaded_on = zalloc(columns, sizeof(Real *));
     f->load = zalloc(columns * SERIES, sizeof(Real));
     f->inverse = zalloc(5 * (size_t)(SERIES + 1), sizeof(Real));
@@ -37,6 +37,7 @@ static int alloc_flows(Run *r)
         c->scales[i] = c->scales[0] + i * coordinates;
     f->values = f->table + SERIES * row;
     f->checked = f->values + row;
+    f->latest = f->checked + 2 * row;
     f->sine = f->inverse + SERIES + 1;
     f->cosine = f->sine + SERIES;
     f->w_back = f->cosine + SERIES;

@@ -235,7 +235,7 @@ INLINE void expand_at(Run *r, const State *state)
     int c;
     r->closed = 0;
     r->t0 = state->t;
-    f->checked_at = 0.0;
+    f->checked_at = f->latest_at = 0.0;
     f->turns = state->turns;
     if (r->has_base)
         taylor_expand_base(r, state->t);
@@ -483,13 +483,17 @@ void taylor_values_twice(const Taylor *f, const Real *tau, Real *out)
 }
 #endif
 
-/* Rate of the speed of the rotor. */
+/* Rate of the speed of the rotor; at the expansion point the first coefficient, as above. */
 Real taylor_spin_rate(const Run *r, Real tau)
 {
     const Taylor *f = &r->taylor;
     const Real *w = f->table + f->rates + r->bodies;
     Real rate = f->order * w[f->order * f->stride];
     int n;
+#ifndef LIMBS
+    if (tau == 0 && w[f->stride] != 0)
+        return w[f->stride];
+#endif
     for (n = f->order - 1; n > 0; n--)
         rate = rate * tau + n * w[n * f->stride];
     return rate;
@@ -531,18 +535,43 @@ void taylor_samples(Run *r, const Real *tau, int count, Real *row, long room)
     }
 }
 
-/* State a time tau after the expansion point, which need not be on the grid of time. Where formulas were compared there already,
- * the values of then serve.
+/* All columns of the table a time tau after the expansion point, which need not be on the grid of time. Where formulas were compared
+ * there already, or the columns were asked for last, the values of then serve.
  */
-void taylor_state_after(Run *r, Real tau, State *out)
+const Real *taylor_columns(Run *r, Real tau)
 {
     Taylor *f = &r->taylor;
-    Real turns, *values = f->values, *rates = values + f->rates;
-    int c;
     if (tau != 0 && tau == f->checked_at)
-        rates = (values = f->checked) + f->rates;
-    else
-        taylor_values(f, tau, values);
+        return f->checked;
+    if (tau == 0 || tau != f->latest_at) {
+        taylor_values(f, tau, f->latest);
+        f->latest_at = tau;
+    }
+    return f->latest;
+}
+
+/* The same at the expansion point. In doubles they are the first coefficients: the others add 0, which changes nothing but the sign
+ * of a zero, and would leave no number of a motion that diverges.
+ */
+const Real *taylor_columns_at_start(Run *r)
+{
+#ifndef LIMBS
+    const Taylor *f = &r->taylor;
+    int c, signs = 0;
+    for (c = 0; c < f->stride; c++)
+        signs |= f->table[c] == 0 && signbit(f->table[c]);
+    if (!signs)
+        return f->table;
+#endif
+    return taylor_columns(r, 0.0);
+}
+
+void taylor_state_after(Run *r, Real tau, State *out)
+{
+    const Taylor *f = &r->taylor;
+    const Real *values = taylor_columns(r, tau), *rates = values + f->rates;
+    Real turns;
+    int c;
     out->t = r->t0 + tau;
     for (c = 0; c < r->bodies; c++) {
         out->x[c] = values[c];
