@@ -206,21 +206,30 @@ def children(node: Node) -> tuple[Node, ...]:
 class HashedNode(tuple[Any, ...]):
     """A node that knows its hash, which for a tuple is made anew of all that is below it."""
 
-    hashed: int | None = None
+    hashed: int
 
     def __hash__(self) -> int:
-        if self.hashed is None:
+        try:
+            return self.hashed
+        except AttributeError:
             self.hashed = super().__hash__()
-        return self.hashed
+            return self.hashed
 
 
-def hashed(node: Node, known: dict[Node, Node]) -> Node:
-    """The same formula of nodes that know their hashes, equal ones being one; known: those made so far."""
-    for one in walk([node]):
-        if one not in known:
-            made = HashedNode(known.get(part, part) if isinstance(part, tuple) else part for part in one)
-            known[made] = made
-    return known[node]
+def hashed(formulas: Iterable[Node]) -> list[Node]:
+    """The same formulas of nodes that know their hashes, equal ones being one."""
+    known: dict[Node, Node] = {}
+    made: dict[int, Node] = {}  # by identity: a node within other ones is gone into once, and not hashed
+
+    def of(node: Node) -> Node:
+        one = made.get(id(node))
+        if one is None:
+            below = children(node)
+            one = HashedNode((node[0], *map(of, below), *node[1 + len(below) :]))
+            made[id(node)] = one = known.setdefault(one, one)
+        return one
+
+    return [of(node) for node in formulas]
 
 
 def begun_later(node: Node, t: Fraction) -> Node:

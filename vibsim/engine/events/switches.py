@@ -146,8 +146,12 @@ class SwitchSides(Generic[N]):
         """
         if self.rows.only_bends(i):
             return False
-        inputs, sides = self.inputs(state, before), [self.rows.sides(one) for one in (before, after)]
+        sides = [self.rows.sides(one) for one in (before, after)]
+        turned = {node for node in self.rows.same if sides[0].get(node) != sides[1].get(node)}
+        inputs = self.inputs(state, before)
         for root in self.rows.roots(before):
+            if turned.isdisjoint(self.rows.within(root.node)):
+                continue
             if self._jumps([root.node] * 2, sides, inputs):
                 if root.role == ("base",) and not self.scene.base_is_rate:
                     raise EngineError("torn", state)
@@ -162,12 +166,9 @@ class SwitchSides(Generic[N]):
         self, nodes: Sequence[Node], sides: Sequence[Mapping[Node, int]], inputs: tuple[Inputs[N], Inputs[N]]
     ) -> bool:
         """Whether two formulas, each on its sides of the switches, differ by more than rounding."""
-        pair = []
-        for node, each in zip(nodes, sides, strict=True):
-            maker = TapeMaker(self.kit, each, self.maker.columns)
-            k = maker.output(node)
-            pair.append(TapeValues(self.kit, maker.tape, *inputs).output(k))
-        (one, lost), (other, blurred) = pair
+        pair = zip(nodes, sides, strict=True)
+        tapes = [TapeValues(self.kit, self.rows.tape([node], each), *inputs) for node, each in pair]
+        (one, lost), (other, blurred) = (values.output(0) for values in tapes)
         return bool(abs(one - other) > lost + blurred + NO_JUMP * (abs(one) + abs(other)))
 
     def base_jumps(self, state: State[N], before: Status, after: Status, i: int) -> bool:

@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import Any, Generic, NamedTuple, cast
 
 from vibsim.physics.formulas import TIME as TIME_NODE
-from vibsim.physics.formulas import Node, children, derivative, resolved
+from vibsim.physics.formulas import Node, derivative, resolved
 from vibsim.physics.numbers import TWO_PI, Doubles, Kit, N, abs
 
 # Operations, the same numbers in tape.h.
@@ -22,6 +22,8 @@ CONSTANT, TIME, PLACE, SPEED, ANGLE, SPIN, ADD, SUB, SCALE, MUL, SQUARE, DIV = r
 SIN, COS, SINH, COSH, EXP, LOG, TANH, ATAN, ASIN, ACOS, POWER = range(12, 23)
 INPUTS = (CONSTANT, TIME, PLACE, SPEED, ANGLE, SPIN)
 NAMES = dict(enumerate(("sin", "cos", "sinh", "cosh", "exp", "log", "tanh", "atan", "asin", "acos"), SIN))
+ARITHMETIC = {"add": ADD, "sub": SUB, "mul": MUL, "div": DIV}
+LEAVES = ("num", "pi", "t", "x", "v", "phi", "w")  # nodes that are made of no others
 FUNCTIONS = {"exp": EXP, "log": LOG}
 PAIRS = {"sin": (SIN, "cos"), "cos": (COS, "sin"), "sinh": (SINH, "cosh"), "cosh": (COSH, "sinh")}
 ULPS = 4  # rounding of an elementary function, in units of eps
@@ -53,6 +55,18 @@ class Tape:
     outputs: list[int] = field(default_factory=list)
     texts: list[str] = field(default_factory=list)
 
+    def behind(self, place: int) -> set[int]:
+        """The places of all that a result is made of, itself among them."""
+        ahead, found = [place], set[int]()
+        while ahead:
+            one = ahead.pop()
+            if one not in found:
+                found.add(one)
+                op = self.ops[one]
+                if op.code not in INPUTS:
+                    ahead += [operand for operand in (op.a, op.b) if operand >= 0]
+        return found
+
 
 class TapeMaker(Generic[N]):
     """Writes formulas on a tape.
@@ -83,22 +97,24 @@ class TapeMaker(Generic[N]):
 
     def place(self, node: Node) -> int:
         """The place of a formula on the tape: what it is made of is written first, where it is not there."""
-        places, ahead = self._places, [node]
-        while ahead:
-            one = ahead[-1]
-            if one in places:
-                ahead.pop()
-                continue
-            below = (chosen(one, self.sides),) if one[0] == "choose" else children(one)
-            missing = [child for child in below if child not in places]
-            if missing:
-                ahead += reversed(missing)
+        place = self._places.get(node)
+        if place is None:
+            kind = node[0]
+            if kind in ("add", "sub", "mul", "div", "mod"):
+                a, b = self.place(node[1]), self.place(node[2])
+                place = self._remainder(node, a, b) if kind == "mod" else self._arithmetic(kind, a, b)
+            elif kind == "choose":
+                place = self.place(chosen(node, self.sides))
+            elif kind in LEAVES:
+                place = self._leaf(node)
             else:
-                places[one] = self._write(one)
-                ahead.pop()
-        return places[node]
+                a = self.place(node[1])
+                place = self._table(node, a) if kind == "table" else self._function(node, a)
+            self._places[node] = place
+        return place
 
-    def _write(self, node: Node) -> int:
+    def _leaf(self, node: Node) -> int:
+        """The place of a number, or of what formulas read."""
         kind = node[0]
         if kind == "num":
             return self._constant(self.kit.number(node[1]))
@@ -109,30 +125,24 @@ class TapeMaker(Generic[N]):
         if kind in ("x", "v"):
             column = node[1] if node[1] >= 0 else self.columns[node[1]]
             return self._op(Op(PLACE if kind == "x" else SPEED, column))
-        if kind in ("phi", "w"):
-            return self._op(Op(ANGLE if kind == "phi" else SPIN))
-        if kind == "choose":
-            return self._places[chosen(node, self.sides)]
-        if kind == "mod":
-            step = self._scaled(self.kit.number(self.sides.get(node, 0)), self._places[node[2]])
-            return self._two(SUB, self._places[node[1]], step)
-        if kind == "table":
-            return self._table(node)
-        a = self._places[node[1]]
-        if kind in ("add", "sub", "mul", "div"):
-            return self._arithmetic(kind, a, self._places[node[2]])
-        return self._function(node, a)
+        return self._op(Op(ANGLE if kind == "phi" else SPIN))
+
+    def _remainder(self, node: Node, a: int, b: int) -> int:
+        """a - k b of a `mod`."""
+        return self._two(SUB, a, self._scaled(self.kit.number(self.sides.get(node, 0)), b))
 
     def _arithmetic(self, kind: str, a: int, b: int) -> int:
-        if kind == "mul" and a == b:
-            return self._folded(Op(SQUARE, a))
-        if kind == "mul" and self.tape.ops[a].code == CONSTANT:
-            return self._scaled(self.tape.ops[a].value, b)
-        if kind == "mul" and self.tape.ops[b].code == CONSTANT:
-            return self._scaled(self.tape.ops[b].value, a)
-        if kind == "div" and self.tape.ops[b].code == CONSTANT and self.tape.ops[a].code != CONSTANT:
-            return self._scaled(1 / self.tape.ops[b].value, a)
-        return self._two({"add": ADD, "sub": SUB, "mul": MUL, "div": DIV}[kind], a, b)
+        ops = self.tape.ops
+        if kind == "mul":
+            if a == b:
+                return self._folded(Op(SQUARE, a))
+            if ops[a].code == CONSTANT:
+                return self._scaled(ops[a].value, b)
+            if ops[b].code == CONSTANT:
+                return self._scaled(ops[b].value, a)
+        elif kind == "div" and ops[b].code == CONSTANT and ops[a].code != CONSTANT:
+            return self._scaled(1 / ops[b].value, a)
+        return self._two(ARITHMETIC[kind], a, b)
 
     def _function(self, node: Node, a: int) -> int:
         kind, kit = node[0], self.kit
@@ -171,14 +181,14 @@ class TapeMaker(Generic[N]):
             self._append(Op(second, a, place))
         return found if kind in ("sin", "sinh") else found + 1
 
-    def _table(self, node: Node) -> int:
-        _, u, knots, pieces, _ = node
+    def _table(self, node: Node, a: int) -> int:
+        _, _, knots, pieces, _ = node
         side = self.sides.get(node, 0)
         if side < 0 or side >= len(pieces):
             piece, knot = (_end_value(knots, pieces, side < 0),), Fraction(0)
         else:
             piece, knot = pieces[side], knots[side]
-        from_knot = self._two(SUB, self._places[u], self._constant(self.kit.number(knot)))
+        from_knot = self._two(SUB, a, self._constant(self.kit.number(knot)))
         place = self._constant(self.kit.number(piece[-1]))
         for coefficient in reversed(piece[:-1]):
             scaled = self._arithmetic("mul", place, from_knot)
@@ -198,16 +208,17 @@ class TapeMaker(Generic[N]):
 
     def _folded(self, op: Op) -> int:
         """The place of an operation, which is done at once where its operands are constants."""
-        ops, operands = self.tape.ops, [i for i in (op.a, op.b) if i >= 0]
-        if all(ops[i].code == CONSTANT for i in operands):
-            values = {i: ops[i].value for i in operands}
+        ops = self.tape.ops
+        if ops[op.a].code == CONSTANT and (op.b < 0 or ops[op.b].code == CONSTANT):
+            values = {i: ops[i].value for i in (op.a, op.b) if i >= 0}
             return self._constant(start_value(self.kit, op, values))
         return self._op(op)
 
     def _op(self, op: Op) -> int:
-        if op not in self._ops:
-            self._ops[op] = self._append(op)
-        return self._ops[op]
+        place = self._ops.get(op)
+        if place is None:
+            place = self._ops[op] = self._append(op)
+        return place
 
     def _append(self, op: Op) -> int:
         self.tape.ops.append(op)

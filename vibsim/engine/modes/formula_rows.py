@@ -8,13 +8,16 @@ without a side.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
+from itertools import chain, islice
 from typing import Any, Generic, NamedTuple
 
 from vibsim.engine.flows.tape import (
     INPUTS,
+    PLACE,
     Inputs,
     Tape,
     TapeMaker,
@@ -65,6 +68,7 @@ from vibsim.physics.parts import BASE, Scene, Stop
 PROBES = (0.618, 1.414, 2.236)  # depths at which functions are compared, of no special meaning
 IRRATIONALS = (0.7548776662, 0.5698402910, 0.8191725134)  # whose multiples give all else that they read
 MOST_SIDES = 10_000  # of switches that stops keep, which are not asked for anew
+UNKNOWN: Node = ()  # in place of a switch that has not been looked for
 SAME = 2.0**-40  # ratios of two functions that differ by less are one
 
 
@@ -114,13 +118,16 @@ class FormulaRows(Generic[N]):
         self.owners: list[str] = []
         self.same: dict[Node, tuple[int, int]] = {}  # by node: its switch, and -1 where it is turned round
         known: dict[Node, tuple[int, int]] = {}
-        nodes: dict[Node, Node] = {}
-        self.all_roots = [root._replace(node=hashed(root.node, nodes)) for root in self._all_roots()]
-        self._turning: set[Node] = set()  # nodes with a switch in them
+        roots = list(self._all_roots())
+        nodes = hashed(root.node for root in roots)
+        self.all_roots = [Root(node, *root[1:]) for node, root in zip(nodes, roots, strict=True)]
+        self._outer: dict[Node, tuple[Node, ...]] = {}  # the switches in a node that are in no other one
         for root in self.all_roots:
             for node in walk([root.node]):
-                if node[0] in SWITCHES or not self._turning.isdisjoint(children(node)):
-                    self._turning.add(node)
+                if node not in self._outer:
+                    below = (self._outer[child] for child in reversed(children(node)))
+                    inside = dict.fromkeys(chain.from_iterable(below))
+                    self._outer[node] = (node,) if node[0] in SWITCHES else tuple(inside)
                 if node[0] in SWITCHES and node not in self.same:
                     watched, sign = watched_by(node)
                     if watched not in known:
@@ -136,9 +143,13 @@ class FormulaRows(Generic[N]):
         moving = ("course", "base") if on_base else ("course",)
         of_courses = walk([root.node for root in self.all_roots if root.role[0] in moving])
         self.of_courses = {self.same[node][0] for node in of_courses if node[0] in SWITCHES}
+        self._read = Kept[tuple[tuple[int, ...], tuple[int, ...]], list[Root]](MOST_SIDES)
+        self._sides = Kept[tuple[int | None, ...], dict[Node, int]](MOST_SIDES)
+        self._awake = Kept[tuple[Any, ...], Node | None](MOST_SIDES)
         self._above = Kept[tuple[Node, tuple[int, ...]], bool](MOST_SIDES)
-        self._guard_tapes = Kept[tuple[Node, tuple[int | None, ...]], Tape](MOST_SIDES)
-        self.behind = {node: [one for one in walk([node[1]]) if one[0] in SWITCHES] for node in self.same}
+        self._tapes = Kept[tuple[Any, ...], Tape](MOST_SIDES)
+        self._within = Kept[Node, list[Node]](MOST_SIDES)
+        self.behind = {node: self.within(node[1]) for node in self.same}
 
     def _all_roots(self) -> Iterator[Root]:
         """Every formula of the scene."""
@@ -163,7 +174,11 @@ class FormulaRows(Generic[N]):
 
     def roots(self, status: Status) -> list[Root]:
         """The formulas that a mode reads."""
-        return [root for root in self.all_roots if self._is_read(root, status)]
+        key = status[:2]
+        known = self._read.get(key)
+        if known is None:
+            known = self._read.keep(key, [root for root in self.all_roots if self._is_read(root, status)])
+        return known
 
     @staticmethod
     def _is_read(root: Root, status: Status) -> bool:
@@ -186,39 +201,59 @@ class FormulaRows(Generic[N]):
 
     def sides(self, status: Status) -> dict[Node, int]:
         """The sides of the switches that are awake."""
-        sides = status.switches or (None,) * len(self.switches)
-        return {node: sign * side for node, (i, sign) in self.same.items() if (side := sides[i]) is not None}
+        known = self._sides.get(status.switches)
+        if known is None:
+            sides = status.switches or (None,) * len(self.switches)
+            made = ((node, sign, sides[i]) for node, (i, sign) in self.same.items())
+            known = {node: sign * side for node, sign, side in made if side is not None}
+            known = self._sides.keep(status.switches, known)
+        return known
 
     def awake(self, status: Status, sides: Mapping[Node, int]) -> Iterator[Node]:
-        """The switches that a mode reads, those first that others stand behind."""
-        ahead = [root.node for root in self.roots(status)]
+        """The switches that a mode reads, those first that others stand behind; `sides` may come to hold each
+        before the next is asked for. What follows on the sides of those before it is found once.
+        """
+        key: tuple[Any, ...] = status[:2]
+        found: Iterator[Node] | None = None
+        for count in itertools.count():
+            node = self._awake.get(key, UNKNOWN)
+            if node is UNKNOWN:
+                found = found or islice(self._found_awake(status, sides), count, None)
+                node = self._awake.keep(key, next(found, None))
+            if node is None:
+                return
+            yield node
+            key = (*key, sides.get(node))
+
+    def _found_awake(self, status: Status, sides: Mapping[Node, int]) -> Iterator[Node]:
+        """The same, by going through the formulas."""
+        ahead = [node for root in self.roots(status) for node in reversed(self._outer[root.node])]
         seen: set[Node] = set()
         while ahead:
             node = ahead.pop()
-            if node in seen or node not in self._turning:
+            if node in seen:
+                continue
+            behind = [one for one in self.behind[node] if one not in seen]
+            if behind:
+                ahead += [node, *behind]
                 continue
             seen.add(node)
-            if node[0] in SWITCHES:
-                behind = [one for one in self.behind[node] if one not in seen]
-                if behind:
-                    seen.discard(node)
-                    ahead += [node, *behind]
-                    continue
-                yield node
-            ahead += [node[1], chosen(node, sides)] if node[0] == "choose" else children(node)
+            yield node
+            below = (node[1], chosen(node, sides)) if node[0] == "choose" else children(node)
+            for one in below:
+                ahead += reversed(self._outer[one])
 
     def watched(self, rows: ModeRows[N]) -> bool:
         """Whether the sides of a mode are those of the switches that its formulas read, no more and no less,
         and event functions tell where each of them ends.
         """
-        sides = self.sides(rows.status)
-        awake = {self.same[node][0] for node in self.awake(rows.status, sides)}
+        awake = rows.awake
         if awake != {i for i, side in enumerate(rows.status.switches) if side is not None}:
             return False
         return all(
             ("switch", i, key) in rows.outputs
             for i in awake
-            for key, _, _ in self._guards(i, self.switches[i], sides)
+            for key, _, _ in self._guards(i, self.switches[i], rows.sides)
         )
 
     def guard_values(self, node: Node, sides: Mapping[Node, int], at: Inputs[N], blur: Inputs[N]) -> list[N]:
@@ -226,22 +261,26 @@ class FormulaRows(Generic[N]):
         its step behind it.
         """
         read = node[1 : 3 if node[0] == "mod" else 2]
-        key = node, tuple(sides.get(one) for one in self._read_by(node))
-        tape = self._guard_tapes.get(key)
-        if tape is None:
-            maker = TapeMaker(self.kit, sides, self.columns)
-            for one in read:
-                maker.output(one)
-            tape = self._guard_tapes.keep(key, maker.tape)
-        values = TapeValues(self.kit, tape, at, blur)
+        values = TapeValues(self.kit, self.tape(read, sides), at, blur)
         return [value for k in range(len(read)) for value in values.output(k)]
 
-    def _read_by(self, node: Node) -> list[Node]:
-        """The switches in what `guard_values` computes of a switch."""
-        known = self.behind[node]
-        return (
-            known if node[0] != "mod" else [*known, *(one for one in walk([node[2]]) if one[0] in SWITCHES)]
-        )
+    def tape(self, nodes: Sequence[Node], sides: Mapping[Node, int]) -> Tape:
+        """A tape with formulas of the scene, or what they are made of, as its outputs."""
+        key = *nodes, *(sides.get(one) for node in nodes for one in self.within(node))
+        tape = self._tapes.get(key)
+        if tape is None:
+            maker = TapeMaker(self.kit, sides, self.columns)
+            for node in nodes:
+                maker.output(node)
+            tape = self._tapes.keep(key, maker.tape)
+        return tape
+
+    def within(self, node: Node) -> list[Node]:
+        """The switches in a formula."""
+        known = self._within.get(node)
+        if known is None:
+            known = self._within.keep(node, [one for one in walk([node]) if one[0] in SWITCHES])
+        return known
 
     def write(self, rows: ModeRows[N], courses: Sequence[Mapping[Node, int]] = ()) -> None:
         """Write the tape of a mode and its forces into its rows.
@@ -272,10 +311,10 @@ class FormulaRows(Generic[N]):
         self._carry(rows, courses, maker, sides)
         roots = len(maker.tape.outputs)
         self._write_pushes(rows, maker, outputs, sides)
-        awake = {self.same[node][0] for node in self.awake(status, sides)}
+        rows.awake = {self.same[node][0] for node in self.awake(status, sides)}
         watched = {
             i: list(self._guards(i, self.switches[i], sides))
-            for i in sorted(awake)
+            for i in sorted(rows.awake)
             if self.switches[i] in sides
         }
         for i, guards in watched.items():
@@ -414,16 +453,8 @@ class FormulaRows(Generic[N]):
         """Part of the first output that needs the result at a place of the tape; `roots` are
         asked.
         """
-        for k in range(roots):
-            ahead, seen = [tape.outputs[k]], set()
-            while ahead:
-                one = ahead.pop()
-                if one == place:
-                    return tape.texts[k]
-                if one not in seen and tape.ops[one].code not in INPUTS:
-                    seen.add(one)
-                    ahead += [operand for operand in (tape.ops[one].a, tape.ops[one].b) if operand >= 0]
-        return tape.texts[0]
+        needing = (k for k in range(roots) if place in tape.behind(tape.outputs[k]))
+        return tape.texts[next(needing, 0)]
 
     def _implied(self, maker: TapeMaker[N], place: int, status: Status) -> bool:
         """Whether a function on the tape is the depth of a stop in contact but for a positive factor."""
@@ -433,14 +464,15 @@ class FormulaRows(Generic[N]):
     def _ratio(self, maker: TapeMaker[N], place: int, stop: Stop[N]) -> float:
         """A function on the tape over the depth of a stop, where that is one positive number; else 0."""
         P, Q = (end if end >= 0 else self.columns[end] for end in (stop.P, stop.Q))
+        moved = P if self.n > P else Q
+        ops = maker.tape.ops
+        if not any(ops[one].code == PLACE and ops[one].a == moved for one in maker.tape.behind(place)):
+            return 0.0  # which needs no probe
         ratios = []
         for i, depth in enumerate(PROBES):
             at, gap = self.probes[i], float(stop.gap)
             x = [*at.x]
-            if self.n > P:
-                x[P] = x[Q] - stop.sense * (gap + depth)
-            else:
-                x[Q] = x[P] + stop.sense * (gap + depth)
+            x[moved] = x[Q] - stop.sense * (gap + depth) if moved == P else x[P] + stop.sense * (gap + depth)
             depth = -(stop.sense * (x[P] - x[Q])) - gap
             ratios.append(self._probed(maker, (i, stop.name), at._replace(x=x))[place] / depth)
         return ratios[0] if _is_one_ratio(ratios) else 0.0
@@ -474,7 +506,7 @@ class FormulaRows(Generic[N]):
         """The values along a tape where it reads those of a probe, in doubles."""
         values = maker.probed.setdefault(probe, [])
         for op in maker.tape.ops[len(values) :]:
-            plain = op._replace(value=float(op.value))
+            plain = op if isinstance(op.value, float) else op._replace(value=float(op.value))
             values.append(
                 input_value(plain, at) if op.code in INPUTS else start_value(Doubles, plain, values)
             )

@@ -78,7 +78,7 @@ class RotorOn(NamedTuple, Generic[N]):
     inertia: N
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Term(Generic[N]):
     """coefficient times what `kind` names: the difference of columns (P, Q), its rate, coupling number P, the
     load on column P, its acceleration, or output number P of the tape.
@@ -93,7 +93,7 @@ class Term(Generic[N]):
 Terms = tuple[Term[N], ...]
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Acceleration(Generic[N]):
     """factor times the acceleration of a group: the force of its terms and constants, over its mass."""
 
@@ -103,7 +103,7 @@ class Acceleration(Generic[N]):
     constants: tuple[N, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Event(Generic[N]):
     """An event function: the sum of its terms and a constant.
 
@@ -148,6 +148,7 @@ class ModeRows(Generic[N]):
     nodes: dict[int, Node] = field(default_factory=dict)  # the formulas of the outputs
     factors: dict[int, N] = field(default_factory=dict)  # of outputs that are a factor times their formula
     sides: dict[Node, int] = field(default_factory=dict)  # of their switches
+    awake: set[int] = field(default_factory=set)  # numbers of the switches that they read
     columns: dict[int, int] = field(default_factory=dict)  # of ground and base, by their ends
     slopes: Any = None  # their partial derivatives, `tangent.formula_tangent.Slopes`, once they are asked for
     base_tape: Tape | None = None  # of the motion of the base by a formula

@@ -26,7 +26,7 @@ class TooManyCuts(Exception):
     """
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Cut(Generic[N]):
     """A set of columns on one side of ties.
 
