@@ -111,7 +111,7 @@ class CRun:
         self.told = 0  # bytes of the modes that C knows
         self.numbers: dict[Status, int] = {}
         self.statuses: list[Status] = []
-        self.ruled: set[tuple[int, int]] = set()
+        self.ruled: dict[tuple[int, int], bool] = {}  # events asked about, and whether all is told
         self.integrals = self.table.integral_maker(momentum) if ledger or momentum else None
         if self.integrals:
             names = self.integrals.names
@@ -279,9 +279,10 @@ class CRun:
             *counts, finished, status = advanced or self.run.advance()
             advanced = None
             if status == UNDECIDED:
-                if self.told > MOST_BYTES:
-                    self._forget_modes()
                 number, event, order, values = self.run.pending()
+                if self.told > MOST_BYTES and (number, event) not in self.ruled:  # else half of it is told
+                    self._forget_modes()
+                    number = 0
                 if self._set_rule(number, event):
                     continue
                 try:
@@ -364,16 +365,26 @@ class CRun:
         return taken
 
     def _set_rule(self, number: int, event: int) -> bool:
-        """Tell C what follows an event, where that is simple; whether it is news."""
-        if (number, event) in self.ruled:
+        """Tell C what follows an event, where that is simple; whether it is news. The mode that ends slide
+        back in is told where C has asked for it, or knows it anyway: it is rarely met.
+        """
+        told = self.ruled.get((number, event))
+        if told:
             return False
-        self.ruled.add((number, event))
         rows = self.rows_of(number)
         rule = self.table.rule(rows, event, self._rule)
         if rule is None:
+            self.ruled[number, event] = True
             return False
-        behind = rule.target, rule.other
-        target, other = (0 if status is None else self._mode(status) for status in behind)
+        back = rule.other if told is False or rule.other in self.numbers else None
+        self.ruled[number, event] = back is not None or rule.other is None
+        if back is not None and not self.maker.is_watched(back):
+            back = None
+        if back is None:
+            if told is False:
+                return False
+            rule = rule._replace(other=None, hold=-1)
+        target, other = (0 if status is None else self._mode(status) for status in (rule.target, back))
         if self.carries and not self.jumps.of_rule_in_c(rows, rule, rows.events[event]):
             return False
         kind = EVENT_KINDS[rule.happened] if rule.happened else NO_EVENT

@@ -41,11 +41,7 @@ class RuleMaker:
             rule = self._rule(rows, event)
         except TooManyCuts:  # of a mode that may never come
             return None
-        formulas = self.maker.formulas
-        if rule is None or formulas is None:
-            return rule
-        modes = [self.maker.rows(status) for status in (rule.target, rule.other) if status is not None]
-        return rule if all(map(formulas.watched, modes)) else None
+        return rule if rule is None or self.maker.is_watched(rule.target) else None
 
     def _rule(self, rows: ModeRows, event: Event) -> Rule | None:
         status, i, key = rows.status, event.part, event.key
@@ -75,9 +71,8 @@ class RuleMaker:
             return None
         after = status.with_frictions({tie: orientation * event.direction})
         drops = self.scene.frictions[tie].drops(after.frictions[tie])
-        if drops and after.tied:  # the drop may tear those too
-            return None
-        return self._cross(after, "stick_end", tie, (SLIDE, tie), 1 if drops else 2)
+        kind = CROSS_IF_TIES_HOLD if drops and after.tied else CROSS  # the drop may tear those too
+        return self._cross(after, "stick_end", tie, (SLIDE, tie), 1 if drops else 2, kind)
 
     @staticmethod
     def _cross(
@@ -112,11 +107,11 @@ class RuleMaker:
     def _contact_rule(self, status: Status, event: Event, key: EventKey) -> Rule | None:
         i = event.part
         stop, before = dict(self.scene.elastic_stops)[i], status.stops[i]
-        if before == LIFTED:
-            return None
         after = CONTACT if before == OPEN else OPEN
         kind = "contact_begin" if after == CONTACT else "contact_end"
-        behind = status.with_stop(i, after)
+        if before == LIFTED:  # whose end has been told
+            kind, i = "", -1
+        behind = status.with_stop(event.part, after)
         if not stop.jumps or not status.tied:
             return self._cross(behind, kind, i, key, 1)
         if not self.automaton.settling.possible(self.maker.rows(behind)):

@@ -5,7 +5,8 @@
  *          impacts.c
  *   STICK_OR_REVERSE  a sliding velocity is zero: on to `target`, where it sticks, if every tie of that mode holds, or to
  *          `other`, where it slides the other way, if the tie `hold` gives way
- *   CROSS_IF_TIES_HOLD  as CROSS, where forces jump: if every tie of the mode `target` holds
+ *   CROSS_IF_TIES_HOLD  as CROSS, where forces jump: if every tie of the mode `target` holds, and what a tie that gave way
+ *          has let go slips
  */
 #include <string.h>
 
@@ -217,7 +218,8 @@ static int sides_last(Run *r, const Mode *m, int key)
         const Term *term = &m->terms[e->first];
         if (e->kind == SWITCH && e->key != key && term->kind == FORMULA) {
             int place = m->tape.outputs[term->P];
-            if (!(term->coefficient * room->values[place] > CLEARLY * room->bounds[place]))
+            Real value = term->coefficient * room->values[place], bound = room->bounds[place];
+            if (!(value > CLEARLY * bound || (value == 0 && bound == 0))) /* of a constant 0 the side is that of before */
                 return 0;
         }
     }
@@ -306,7 +308,8 @@ int rule_take(Run *r, Buffers *b)
             run_take(r, b, r->mode_number, 0, NULL, NULL);
             return 1;
         }
-        if (e->rule == CROSS_IF_TIES_HOLD && stands(r, r->modes[e->target], NOTHING) <= 0)
+        if (e->rule == CROSS_IF_TIES_HOLD &&
+            (e->kind == HOLD ? !slips(r, r->modes[e->target], e->event_key) : stands(r, r->modes[e->target], NOTHING) <= 0))
             return 0;
         r->behind[e->event_key] = e->order;
         run_take(r, b, e->target, kind == NOTHING ? 0 : 1, &kind, &part);

@@ -78,7 +78,7 @@ class TapeMaker(Generic[N]):
         self.kit, self.sides, self.columns = kit, sides, columns
         self.tape = Tape()
         self.bases: list[int] = []  # places of what must not become negative
-        self.probed: dict[tuple[int, str | None], list[float]] = {}  # values at some inputs, see FormulaRows
+        self.probed: dict[tuple[int, str | None], dict[int, float]] = {}  # values, by place, see FormulaRows
         self._places: dict[Node, int] = {}
         self._ops: dict[Op, int] = {}
 

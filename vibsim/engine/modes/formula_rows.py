@@ -474,7 +474,7 @@ class FormulaRows(Generic[N]):
             x = [*at.x]
             x[moved] = x[Q] - stop.sense * (gap + depth) if moved == P else x[P] + stop.sense * (gap + depth)
             depth = -(stop.sense * (x[P] - x[Q])) - gap
-            ratios.append(self._probed(maker, (i, stop.name), at._replace(x=x))[place] / depth)
+            ratios.append(self._probed(maker, (i, stop.name), at._replace(x=x), place) / depth)
         return ratios[0] if _is_one_ratio(ratios) else 0.0
 
     def _kept(self, maker: TapeMaker[N], place: int, guards: Sequence[tuple[int, int]]) -> bool:
@@ -484,9 +484,16 @@ class FormulaRows(Generic[N]):
         """
         if not guards:
             return False
-        values = [self._probed(maker, (i, None), at) for i, at in enumerate(self.probes)]
+        probes = [((i, None), at) for i, at in enumerate(self.probes)]
+        values = {
+            one: [self._probed(maker, *probe, one) for probe in probes]
+            for one in (place, *(k for k, _ in guards))
+        }
         return any(
-            _is_one_ratio([quotient(Doubles, sign * of[place], of[k]) for of in values]) for k, sign in guards
+            _is_one_ratio(
+                [quotient(Doubles, sign * a, b) for a, b in zip(values[place], values[k], strict=True)]
+            )
+            for k, sign in guards
         )
 
     @cached_property
@@ -502,15 +509,17 @@ class FormulaRows(Generic[N]):
         return Inputs(t, x, v, phi, w)
 
     @staticmethod
-    def _probed(maker: TapeMaker[N], probe: tuple[int, str | None], at: Inputs[float]) -> Sequence[float]:
-        """The values along a tape where it reads those of a probe, in doubles."""
-        values = maker.probed.setdefault(probe, [])
-        for op in maker.tape.ops[len(values) :]:
-            plain = op if isinstance(op.value, float) else op._replace(value=float(op.value))
-            values.append(
-                input_value(plain, at) if op.code in INPUTS else start_value(Doubles, plain, values)
-            )
-        return values
+    def _probed(maker: TapeMaker[N], probe: tuple[int, str | None], at: Inputs[float], place: int) -> float:
+        """The result at a place of a tape that reads the values of a probe, in doubles."""
+        values = maker.probed.setdefault(probe, {})
+        if place not in values:
+            for one in sorted(maker.tape.behind(place)):
+                if one not in values:
+                    op = maker.tape.ops[one]
+                    plain = op if isinstance(op.value, float) else op._replace(value=float(op.value))
+                    read = op.code in INPUTS
+                    values[one] = input_value(plain, at) if read else start_value(Doubles, plain, values)
+        return values[place]
 
     def is_above(self, node: Node, status: Status) -> bool:
         """Whether a stop in contact keeps a switch on its upper side: where that watches its depth."""

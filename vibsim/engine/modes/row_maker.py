@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
 from typing import Generic
 
 from vibsim.engine.modes.formula_rows import FormulaRows
@@ -94,6 +95,12 @@ class RowMaker(Generic[N]):
             made = self._make(status)
             rows = self.by_status.keep(status, made, 1 + len(made.events))
         return rows
+
+    def is_watched(self, status: Status) -> bool:
+        """Whether a mode has a side of each switch that its formulas read, and event functions that tell
+        where it ends.
+        """
+        return self.formulas is None or self.formulas.watched(self.rows(status))
 
     def stuck(self, status: Status) -> list[Tie]:
         """The ties that hold: (number, columns of P and Q)."""
@@ -363,17 +370,18 @@ class RowMaker(Generic[N]):
         for q, coupling in enumerate(rows.couplings):
             if (coupling.P in inside) != (coupling.Q in inside):
                 terms.append(Term(COUPLING, 1 if coupling.Q in inside else -1, q))
-        terms += [Term(LOAD, 1, c) for c in sorted(inside) if self._loaded(c)]
+        terms += [Term(LOAD, 1, c) for c in sorted(inside & self._loaded)]
         for one in rows.formulas:
             if (one.P in inside) != (one.Q in inside):
                 terms.append(Term(FORMULA, one.sign if one.P in inside else -one.sign, one.output))
         return tuple(terms), tuple(value for column, value in rows.constants if column in inside)
 
-    def _loaded(self, column: int) -> bool:
-        motor = self.scene.motor
-        return any(force.on == column and force.acts for force in self.scene.forces) or (
-            (motor is not None and motor.on == column) or any(one.on == column for one in self.scene.rotors)
-        )
+    @cached_property
+    def _loaded(self) -> set[int]:
+        """Columns that forces, a motor or rotors act on."""
+        loaded = {force.on for force in self.scene.forces if force.acts}
+        loaded |= {one.on for one in self.scene.rotors}
+        return loaded if self.scene.motor is None else loaded | {self.scene.motor.on}
 
     def _hold_events(self, rows: ModeRows[N], number: int, cut: Cut[N]) -> list[Event[N]]:
         """above - T and below + T of the force T = m a - F that the ties of a cut must pass to its

@@ -23,7 +23,6 @@ from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.flows.expansion import Expansion
-from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import FORMULA, GAP, HOLD, SLIDE, STRIKE, SWITCH, Event, Joined, ModeRows, Rule
 from vibsim.engine.modes.status import STICK, Status
 from vibsim.engine.tangent.impact_saltation import ImpactSaltation, Undefined
@@ -119,8 +118,9 @@ class Tangencies(Generic[N]):
         scene, kit, i, sliding = self.scene, self.kit, at.event.part, at.before.status
         n = len(scene.bodies)
         if scene.frictions[i].holds is not None:
-            turned = sliding.with_frictions({i: -sliding.frictions[i]})
-            gained, _ = replace(at, after=RowMaker(scene, kit).rows(turned)).jump()
+            maker: Any = at.expansion.table.maker
+            turned = maker.rows(sliding.with_frictions({i: -sliding.frictions[i]}))
+            gained, _ = replace(at, after=turned).jump()
         else:
             gained, _ = at.forced(reversal(scene.frictions[i], sliding.frictions[i]))
         largest = gradient(kit, at.event, [kit.number(0)] * n + gained[:n], n)
