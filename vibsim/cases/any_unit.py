@@ -62,7 +62,7 @@ TORQUE = dimension(kg=1, m=2, s=-2)
 
 def product(a: Dimension, b: Dimension, power: Fraction | int = 1) -> Dimension:
     """The dimension of a b**power."""
-    return tuple(x + power * y for x, y in zip(a, b, strict=True))
+    return tuple(x + power * y if y else x for x, y in zip(a, b, strict=True))
 
 
 # Symbols of units.

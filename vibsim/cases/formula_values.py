@@ -17,6 +17,7 @@ from vibsim.cases.formula_text import (
     FormulaError,
     FormulaNumber,
     FormulaTerm,
+    names_in,
     parsed,
 )
 from vibsim.cases.problems import did_you_mean, shown
@@ -27,6 +28,7 @@ from vibsim.physics.formulas import ONE, PI, ZERO, Node
 MOST_NODES = 20_000  # of a formula written out, abs(a) as a choice between a and -a
 DEEPEST = 200
 MOST_BITS = 20_000  # of an exact number
+KEPT = 256  # formulas with their numbers
 SHARES = 8  # terms of a sum, or factors of a product, that are joined one by one; more are joined in halves
 
 
@@ -88,12 +90,24 @@ def formula_node(text: str, names: Mapping[str, Meaning], wanted: Dimension | No
     Raises FormulaError.
     """
     tree = parsed(text)
-    value = _Evaluation(text, names).of(tree, wanted)
+    read = tuple((name, names[name]) for name in names_in(text) if name in names)
+    try:
+        value = _worked_out(text, read, wanted)
+    except FormulaError:
+        value = _Evaluation(text, names).of(tree, wanted)  # whose message tells of all names
     if wanted is not None and value.dimension is not None and value.dimension != wanted:
         what = f", {place}" if place else ""
         message = f"comes to {called(value.dimension)}, must be {called(wanted)}{what}"
         raise UnitError(message, tree.start, tree.end)
     return value.node
+
+
+@lru_cache(maxsize=KEPT)
+def _worked_out(text: str, read: tuple[tuple[str, Meaning], ...], wanted: Dimension | None) -> WorkedOut:
+    """The value of a formula by the names that it reads: worked out once for a case that is checked and then
+    run, and for all points of a sweep over other numbers.
+    """
+    return _Evaluation(text, dict(read)).of(parsed(text), wanted)
 
 
 class _Evaluation:
