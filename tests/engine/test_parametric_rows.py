@@ -2,12 +2,16 @@
 
 import gc
 import weakref
+import zlib
 from dataclasses import replace
+from fractions import Fraction
 from math import sqrt
 
 import numpy as np
 import pytest
 
+from tests.formula_cases import case_of
+from tests.random_scenes import Draws
 from vibsim.cases import load_case
 from vibsim.engine import c_engine
 from vibsim.engine.errors import start_of
@@ -26,9 +30,19 @@ def test_a_record_is_repeated_on_other_numbers():
     for x, y in ((3.0, 4.0), (0.1, 0.7)):
         assert record.repeated([x, y])[c.place] == sqrt(x * x + y * y) / 2 - abs(-x)
     assert record.repeated([2.0, 1.0]) is None  # a comparison falls out otherwise
-    for use in (hash, float):
-        with pytest.raises(NotRecorded):
-            use(c)
+    with pytest.raises(NotRecorded):
+        float(c)
+
+
+def test_keys_stay_equal_and_different():
+    record = Record([Fraction(1, 3), Fraction(1, 3), Fraction(1, 5)])
+    known = dict.fromkeys((*record.inputs, record.constant(Fraction(1, 7))))
+    assert len(known) == 3
+    one, two, seventh, three = (Fraction(1, n) for n in (11, 13, 7, 3))
+    assert record.repeated([one, one, two]) and record.repeated([three, three, three / 2])
+    for inputs in ([one, two, seventh / 2], [one, one, one], [seventh, seventh, one]):
+        assert record.repeated(inputs) is None
+    assert record.repeated([Fraction(2)] * 2 + [one]) is None  # a formula may have a 2 of its own
 
 
 def with_links(scene, c, k=1.0):
@@ -90,6 +104,78 @@ def test_a_run_goes_with_its_carriers():
         assert run() is None
     finally:
         gc.enable()
+
+
+OVER_FORMULAS = [
+    ("bouc-wen", ("parameters.k", "parameters.r"), [0.0, 0.0, 0.5, 0.0], 1.0),
+    (
+        "coupled-clutches",
+        ("friction.clutch1.F", "friction.clutch2.F"),
+        [0.0] * 4 + [10.0, 0.0, 0.0, 0.0],
+        1.2,
+    ),
+    ("brake-squeal", ("parameters.k3", "friction.belt.mu"), [0.57, -0.16, 0.0, 0.0], 60.0),
+    ("hertz-chain", ("parameters.K",), [0.0] * 4 + [1.0, 0.0, 0.0, 0.0], 3.0),
+    ("gear-pair", ("links.mesh.k1", "parameters.w", "links.mesh.b"), [0.9, 0.0], 30.0),
+    ("duffing-hardening", ("links.spring.k", "links.spring.k3"), [1.0, 0.0], 10.0),
+    ("pendulum-on-cart", ("parameters.g",), [0.0] * 4, 2.0),
+    ("lugre-friction", ("parameters.s0", "parameters.Fc"), [0.0] * 4, 0.05),
+    ("captured-motor", ("states.i.L", "motor.Kt"), [0.0] * 8, 3.0),
+]
+
+
+@pytest.mark.parametrize("name, keys, start, end", OVER_FORMULAS, ids=[one[0] for one in OVER_FORMULAS])
+def test_scenes_over_numbers_of_formulas_share_one_run(name, keys, start, end):
+    """With the bits of runs whose modes are made anew."""
+    draw, shared = Draws(zlib.crc32(name.encode())), None
+    case = load_case(f"gallery/{name}")
+    for _ in range(3):
+        values = {}
+        for key in keys:
+            number, _, unit = case.values[key].text.partition(" ")
+            values[key] = f"{draw.between(0.8, 1.2) * float(number)!r} {unit}".rstrip()
+        scene = case.with_values(values).scene()
+        shared = shared or Carrier(scene)
+        taking_turns, alone = shared.of(scene), Carrier(scene)
+        one, other = (carrier.carry(start, end) for carrier in (taking_turns, alone))
+        for what in ("state", "rate", "vectors", "table"):
+            assert np.array_equal(getattr(one, what), getattr(other, what)), what
+
+
+def test_numbers_of_formulas_that_come_to_be_equal():
+    """Or to be 1, which a product leaves out: the modes are made anew."""
+    case = case_of("""\
+bodies: {mass: 1 kg}
+links:
+  spring: {between: [mass, ground], force: "max(a*d, b*d) + c*d*abs(d)", a: 2.2 N/m, b: 3.5 N/m, c: 1.5 N/m^2}
+run: {t_end: 1 s, every: 10 ms}
+""")
+    first = Carrier(case.scene())
+    first.carry([0.1, 0.0], 1.0)
+    for values, shares in (({"a": "2.1 N/m"}, True), ({"a": "3.5 N/m"}, False), ({"c": "1 N/m^2"}, False)):
+        scene = case.with_values({f"links.spring.{key}": value for key, value in values.items()}).scene()
+        other = first.of(scene)
+        assert (other is not None) is shares
+        if shares:
+            one, alone = (carrier.carry([0.1, 0.0], 1.0) for carrier in (other, Carrier(scene)))
+            assert np.array_equal(one.state, alone.state) and np.array_equal(one.vectors, alone.vectors)
+
+
+def test_belts_by_formulas():
+    """Scenes with them could not be compared."""
+    case = case_of("""\
+bodies: {block: 1 kg}
+links: {spring: {between: [block, ground], k: 100 N/m}}
+friction:
+  belt: {between: [block, ground], N: 10 N, mu: 1, belt: "u*(1 + sin(w*t)/8)", u: 0.5 m/s, w: 1 Hz}
+run: {t_end: 1 s, every: 10 ms}
+""")
+    first = Carrier(case.scene())
+    for values in ({"friction.belt.u": "0.6 m/s"}, {"links.spring.k": "110 N/m"}):
+        scene = case.with_values(values).scene()
+        one, alone = (carrier.carry([0.0, 0.0], 3.0) for carrier in (first.of(scene), Carrier(scene)))
+        assert np.array_equal(one.state, alone.state) and np.array_equal(one.table, alone.table)
+        assert len(one.table) > 0
 
 
 def test_what_decides_on_the_form_of_modes():

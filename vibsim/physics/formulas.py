@@ -37,7 +37,7 @@ MOST_EXACT = 64  # largest whole power that is written as products
 
 def num(value: Fraction | int | str) -> Node:
     """A number."""
-    return ("num", Fraction(value))
+    return ("num", Fraction(value) if isinstance(value, int | float | str) else value)
 
 
 def value_of(node: Node) -> Fraction | None:

@@ -71,8 +71,9 @@ class RuleMaker:
             return None
         after = status.with_frictions({tie: orientation * event.direction})
         drops = self.scene.frictions[tie].drops(after.frictions[tie])
-        kind = CROSS_IF_TIES_HOLD if drops and after.tied else CROSS  # the drop may tear those too
-        return self._cross(after, "stick_end", tie, (SLIDE, tie), 1 if drops else 2, kind)
+        if drops and after.tied:  # the drop may tear those too
+            return self._cross(after, "stick_end", tie, (SLIDE, tie), 1, CROSS_IF_TIES_HOLD)
+        return self._cross(after, "stick_end", tie, (SLIDE, tie), 1 if drops else 2)
 
     @staticmethod
     def _cross(
@@ -107,16 +108,15 @@ class RuleMaker:
     def _contact_rule(self, status: Status, event: Event, key: EventKey) -> Rule | None:
         i = event.part
         stop, before = dict(self.scene.elastic_stops)[i], status.stops[i]
-        after = CONTACT if before == OPEN else OPEN
-        kind = "contact_begin" if after == CONTACT else "contact_end"
-        if before == LIFTED:  # whose end has been told
-            kind, i = "", -1
-        behind = status.with_stop(event.part, after)
+        behind = status.with_stop(i, CONTACT if before == OPEN else OPEN)
+        told = "contact_begin" if before == OPEN else "contact_end", i
+        if before == LIFTED:  # of which the end of its contact has been told
+            told = "", -1
         if not stop.jumps or not status.tied:
-            return self._cross(behind, kind, i, key, 1)
+            return self._cross(behind, *told, key, 1)
         if not self.automaton.settling.possible(self.maker.rows(behind)):
             return None
-        return self._cross(behind, kind, i, key, 1, CROSS_IF_TIES_HOLD)
+        return self._cross(behind, *told, key, 1, CROSS_IF_TIES_HOLD)
 
     def _stand_rule(self, status: Status, event: Event, key: EventKey) -> Rule | None:
         i = event.part

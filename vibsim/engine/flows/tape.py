@@ -243,7 +243,7 @@ def _end_value(knots: Sequence[Fraction], pieces: Sequence[Sequence[Fraction]], 
 
 def pi_of(kit: Kit[N]) -> N:
     """The number pi."""
-    if kit is Doubles:
+    if isinstance(kit, type) and issubclass(kit, Doubles):
         half: Any = TWO_PI / 2
         return cast("N", half)
     return 4 * kit.atan(kit.number(1))

@@ -64,6 +64,7 @@ from vibsim.physics.formulas import (
 )
 from vibsim.physics.numbers import Doubles, Kit, N, abs
 from vibsim.physics.parts import BASE, Scene, Stop
+from vibsim.physics.traced_numbers import RecordedNumbers, as_double
 
 PROBES = (0.618, 1.414, 2.236)  # depths at which functions are compared, of no special meaning
 IRRATIONALS = (0.7548776662, 0.5698402910, 0.8191725134)  # whose multiples give all else that they read
@@ -405,7 +406,7 @@ class FormulaRows(Generic[N]):
             return _LessDepth(Fraction(0), node)
         if base[0] == "mul" and base[1][0] == "num" and base is node:  # c p, which a gap of 0 makes one
             c = abs(base[1][1])
-            if abs(ratio - float(c)) <= SAME * float(c):
+            if abs(ratio - as_double(c)) <= SAME * as_double(c):
                 return _LessDepth(exponent, num(c), mul(num(1 / c), base))
         return _LessDepth(exponent, ONE, base if abs(ratio - 1) <= SAME else None)
 
@@ -470,7 +471,7 @@ class FormulaRows(Generic[N]):
             return 0.0  # which needs no probe
         ratios = []
         for i, depth in enumerate(PROBES):
-            at, gap = self.probes[i], float(stop.gap)
+            at, gap = self.probes[i], as_double(stop.gap)
             x = [*at.x]
             x[moved] = x[Q] - stop.sense * (gap + depth) if moved == P else x[P] + stop.sense * (gap + depth)
             depth = -(stop.sense * (x[P] - x[Q])) - gap
@@ -516,9 +517,11 @@ class FormulaRows(Generic[N]):
             for one in sorted(maker.tape.behind(place)):
                 if one not in values:
                     op = maker.tape.ops[one]
-                    plain = op if isinstance(op.value, float) else op._replace(value=float(op.value))
+                    plain = op if isinstance(op.value, float) else op._replace(value=as_double(op.value))
                     read = op.code in INPUTS
-                    values[one] = input_value(plain, at) if read else start_value(Doubles, plain, values)
+                    values[one] = (
+                        input_value(plain, at) if read else start_value(RecordedNumbers, plain, values)
+                    )
         return values[place]
 
     def is_above(self, node: Node, status: Status) -> bool:

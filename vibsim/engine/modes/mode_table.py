@@ -51,7 +51,7 @@ class ModeTable:
         self._slopes = Kept[Status, Packed](MOST_BYTES)
         self._makers: dict[bool, IntegralMaker] = {}
         self._rules = Kept[tuple[Status, int], Rule | None](MOST_RULES)
-        self._recipes: dict[tuple[Place, ...], Kept[Status, ParametricRows | None]] = {}
+        self._recipes: dict[tuple[Place, ...], Kept[tuple[Status, bool], ParametricRows | None]] = {}
         self._lock = RLock()  # one thread at a time makes rows, keys, integrals and rules
 
     @once
@@ -93,16 +93,26 @@ class ModeTable:
         """
         return ParametricModeTable(self, scene, numbers) if numbers else self
 
-    def recipes(self, places: tuple[Place, ...]) -> Kept[Status, ParametricRows | None]:
-        """How the packed numbers of the modes met so far follow from those of the scene in `places`."""
+    def recipes(self, places: tuple[Place, ...]) -> Kept[tuple[Status, bool], ParametricRows | None]:
+        """How the packed numbers of the modes met so far follow from those of the scene in `places`; and, by
+        True, those of the derivatives of their formulas.
+        """
         return self._recipes.setdefault(places, Kept(MOST_RECIPES))
 
-    def recipe(self, places: tuple[Place, ...], status: Status) -> ParametricRows | None:
+    def recipe(
+        self, places: tuple[Place, ...], status: Status, slopes: bool = False
+    ) -> ParametricRows | None:
         """The same of one mode, which may be new."""
-        recipes = self.recipes(places)
-        if status not in recipes:
-            return recipes.keep(status, recipe_of(self.scene, places, status, self.keys))
-        return recipes[status]
+        recipes, key = self.recipes(places), (status, slopes)
+        if key not in recipes:
+            if slopes:
+                from vibsim.engine.tangent.packing_tangent import slope_packer
+
+                made = recipe_of(self.scene, places, status, self.keys, slope_packer)
+            else:
+                made = recipe_of(self.scene, places, status, self.keys)
+            return recipes.keep(key, made)
+        return recipes[key]
 
     def statuses(self, most: int) -> list[Status]:
         """The modes packed so far, in their order; none where there are more than `most`."""
@@ -165,14 +175,20 @@ class ParametricModeTable(ModeTable):
 
     def packed(self, status: Status) -> Packed:
         """As of any table: by a known recipe, which is as soon done as looked up."""
-        recipe = self._known.get(status)
+        recipe = self._known.get((status, False))
         packed = None if recipe is None else recipe.packed(self._numbers)
         return super().packed(status) if packed is None else packed
 
     def _pack(self, status: Status) -> Packed:
-        recipe = self.origin.recipe(self._places, status)
-        packed = None if recipe is None else recipe.packed(self._numbers)
-        return super()._pack(status) if packed is None else packed
+        return self._repeated(status, False) or super()._pack(status)
+
+    def packed_slopes(self, status: Status) -> Packed:
+        with self._lock:
+            return self._repeated(status, True) or super().packed_slopes(status)
+
+    def _repeated(self, status: Status, slopes: bool) -> Packed | None:
+        recipe = self.origin.recipe(self._places, status, slopes)
+        return None if recipe is None else recipe.packed(self._numbers)
 
 
 _tables: OrderedDict[bytes, ModeTable] = OrderedDict()

@@ -11,17 +11,19 @@ drop as they begin to slip do so in both, rows and rules of a mode have the same
 from __future__ import annotations
 
 from array import array
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
+from fractions import Fraction
 from functools import cache
+from itertools import chain
 from math import copysign
 from typing import Any, NamedTuple
 
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.flows.closed.modal_maker import modal_of
-from vibsim.engine.modes.packing import Packed, packed_mode
+from vibsim.engine.modes.packing import Packed, Packer, packed_mode
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import EventKey
+from vibsim.engine.modes.rows import EventKey, ModeRows
 from vibsim.engine.modes.status import Status
 from vibsim.physics.parts import Body, Clearance, Friction, Harmonic, RigidStop, Scene, Stop
 from vibsim.physics.traced_numbers import NotRecorded, Record, Recorded, RecordedNumbers
@@ -38,7 +40,7 @@ class ParametricRows(NamedTuple):
     changing: tuple[tuple[int, int], ...]
     record: Record
 
-    def packed(self, numbers: Sequence[float]) -> Packed | None:
+    def packed(self, numbers: Sequence[Number]) -> Packed | None:
         """The mode as bytes of ints and of doubles for other numbers; None where it takes another form."""
         values = self.record.repeated(numbers)
         if values is None:
@@ -50,43 +52,94 @@ class ParametricRows(NamedTuple):
 
 
 def recipe_of(
-    scene: Scene, places: Sequence[Place], status: Status, keys: dict[EventKey, int]
+    scene: Scene,
+    places: Sequence[Place],
+    status: Status,
+    keys: dict[EventKey, int],
+    packer: Callable[[Any, ModeRows[Any]], Packer] | None = None,
 ) -> ParametricRows | None:
-    """The recipe of a mode for the numbers of a scene in `places`; None where it cannot be recorded, as that
-    of a mode with formulas.
+    """The recipe of a mode for the numbers of a scene in `places`; None where it cannot be recorded.
 
-    keys : {event key: number}, which grows
+    keys : {event key: number}, which grows; packer : packs something else than the rows, on a kit
     """
-    if scene.has_formulas:
-        return None
     kit: Any = RecordedNumbers
     record = Record([_number(scene, place) for place in places])
-    recorded: Any = scene
-    for place, number in zip(places, record.inputs, strict=True):
-        recorded = with_number(recorded, place, number)
+    recorded: Any = with_recorded(scene, dict(zip(places, record.inputs, strict=True)), record)
     try:
         rows = RowMaker(recorded, kit).rows(status)
-        pack = packed_mode(rows, keys, modal=modal_of(recorded, kit, rows, pitches(recorded)))
+        if packer:
+            pack = packer(kit, rows)
+        else:
+            pack = packed_mode(rows, keys, modal=modal_of(recorded, kit, rows, pitches(recorded)))
     except NotRecorded:
         return None
     numbers: list[Any] = [*pack.doubles]
-    changing = tuple((i, number.place) for i, number in enumerate(numbers) if isinstance(number, Recorded))
+    changing = tuple((i, one.place) for i, one in enumerate(numbers) if isinstance(one, Recorded))
+    record.for_results(place for _, place in changing)
+    changing = tuple((i, place) for i, place in changing if record.depends[place])
     doubles = array("d", (n.value if isinstance(n, Recorded) else n for n in numbers))
     return ParametricRows(array("i", pack.ints).tobytes(), doubles, changing, record)
 
 
-def _number(scene: Any, place: Place) -> float:
+def with_recorded(scene: Any, inputs: Mapping[Place, Recorded], record: Record) -> Any:
+    """The scene with other numbers in some places; the other ones within formulas are constants of the
+    record.
+    """
+    for place, number in inputs.items():
+        if not is_in_formula(place):
+            scene = with_number(scene, place, number)
+    parts = {}
+    for name in PARTS:
+        of = [
+            (k, part, [one for one in FORMULAS if getattr(part, one, None)])
+            for k, part in enumerate(vars(scene)[name])
+        ]
+        parts[name] = tuple(
+            replace(
+                part,
+                **{
+                    one: _recorded_formula(getattr(part, one), (name, k, one), inputs, record)
+                    for one in fields_
+                },
+            )
+            if fields_
+            else part
+            for k, part, fields_ in of
+        )
+    base = scene.base_formula
+    if base is not None:
+        parts["base_formula"] = _recorded_formula(base, ("base_formula",), inputs, record)
+    return scene.but(**parts)
+
+
+def _recorded_formula(node: Any, place: Place, inputs: Mapping[Place, Recorded], record: Record) -> Any:
+    """A formula, or several, with its numbers recorded."""
+    if not isinstance(node, tuple):
+        return node
+    if node[:1] == ("num",):
+        return "num", inputs.get((*place, 1)) or record.constant(node[1])
+    return tuple(_recorded_formula(part, (*place, i), inputs, record) for i, part in enumerate(node))
+
+
+def is_in_formula(place: Place) -> bool:
+    """Whether a number stands within a formula."""
+    return len(place) > 3 and place[2] in FORMULAS
+
+
+def _number(scene: Any, place: Place) -> Number:
     """The number of a scene in a place."""
     for step in place:
         scene = scene[step] if isinstance(step, int) else getattr(scene, step)
-    return float(scene)
+    number: Number = scene if isinstance(scene, Fraction) else float(scene)
+    return number
 
 
 # Whether the modes of two scenes differ in nothing but their numbers, and which numbers those are.
 
 
 Place = tuple[str | int, ...]  # names of fields and numbers of parts, from the scene to the number
-Numbers = dict[Place, float]
+Number = float | Fraction  # the latter in formulas
+Numbers = dict[Place, Number]
 
 PARTS = ("bodies", "links", "stops", "frictions", "forces", "base", "clearances")
 FREE = {  # what no row holds
@@ -97,7 +150,7 @@ FREE = {  # what no row holds
     Harmonic: ("omega", "cycles", "cycles_lo", "phase"),
 }
 PLAIN = (str, int, type(None))
-FORMULAS = ("force", "formula", "slips", "holds")  # fields of formulas: of one form where they are equal
+FORMULAS = ("force", "formula", "slips", "holds", "course")  # fields of formulas
 WHOLE = ("rotors", "base_formula", "base_is_rate")  # parts of a scene that have to be equal
 STEADY = ("belt",)  # what decides with which others a friction stands, where there are several
 
@@ -116,6 +169,8 @@ def differences(one: Scene, other: Scene) -> Numbers | None:
         here, there = mine[name], theirs[name]
         if here is not there and not _alike(here, there, (name,), numbers):
             return None
+    if any(map(is_in_formula, numbers)) and not _equal_alike(one, other):
+        return None
     if len(one.frictions) > 1 and any(place[-1] in STEADY for place in numbers):
         return None
     return numbers
@@ -155,11 +210,57 @@ def _alike(one: Any, other: Any, place: Place, numbers: Numbers) -> bool:
         if here is there or (isinstance(here, float) and same_bits(here, there)):
             continue
         if name in FORMULAS:
-            if here != there:
+            if not _same_form(here, there, (*place, name), numbers):
                 return False
         elif not _alike(here, there, (*place, name), numbers):
             return False
     return True
+
+
+def _same_form(one: Any, other: Any, place: Place, numbers: Numbers) -> bool:
+    """Whether two formulas, or several, differ in nothing but numbers of the same sign; adds to these."""
+    if one is other:
+        return True
+    if not (isinstance(one, tuple) and isinstance(other, tuple)):
+        return bool(one == other)
+    if len(one) != len(other):
+        return False
+    if one[:1] == ("num",) == other[:1]:
+        a, b, here = one[1], other[1], (*place, 1)
+        if a != b:
+            numbers[here] = b
+        return bool((a > 0) == (b > 0) and (a < 0) == (b < 0))
+    return all(_same_form(part, other[i], (*place, i), numbers) for i, part in enumerate(one))
+
+
+def _equal_alike(one: Scene, other: Scene) -> bool:
+    """Whether numbers in formulas of two scenes, of one form, are equal but for signs where those of the
+    other one are: so that equal parts of formulas are.
+    """
+    theirs: dict[Fraction, Fraction] = {}
+    pairs = zip(_formulas(one), _formulas(other), strict=True)
+    for a, b in chain.from_iterable(map(_paired_numbers, *zip(*pairs, strict=True))):
+        if theirs.setdefault(abs(a), abs(b)) != abs(b):
+            return False
+    return len(set(theirs.values())) == len(theirs)
+
+
+def _formulas(scene: Scene) -> Iterator[Any]:
+    """The formulas of all parts, in their order."""
+    for name in PARTS:
+        for part in vars(scene)[name]:
+            yield from (one for field in FORMULAS if (one := getattr(part, field, None)))
+
+
+def _paired_numbers(one: Any, other: Any) -> Iterator[tuple[Fraction, Fraction]]:
+    """The numbers in two formulas of one form."""
+    if not isinstance(one, tuple):
+        return
+    if one[:1] == ("num",):
+        yield one[1], other[1]
+        return
+    for part, there in zip(one, other, strict=True):
+        yield from _paired_numbers(part, there)
 
 
 def same_bits(one: float, other: float) -> bool:

@@ -31,8 +31,13 @@ def pack_bundle(scene: Scene, count: int, begin: float, ends: Ends) -> Packed:
 
 def pack_slopes(rows: ModeRows[Any], form: NumberForm[Any] = DOUBLES) -> Packed:
     """The partial derivatives of the formulas of a mode."""
+    return slope_packer(form.kit, rows, form).packed
+
+
+def slope_packer(kit: Any, rows: ModeRows[Any], form: NumberForm[Any] = DOUBLES) -> Packer:
+    """The same as numbers of a kit."""
     assert rows.tape is not None
-    slopes, pack = slopes_of(form.kit, rows), Packer(form)
+    slopes, pack = slopes_of(kit, rows), Packer(form)
     pack.put((len(slopes.tape.ops),))
     pack_tape(pack, slopes.tape)
     of = [slopes.of.get(k, []) for k in range(len(rows.tape.outputs))]
@@ -41,7 +46,7 @@ def pack_slopes(rows: ModeRows[Any], form: NumberForm[Any] = DOUBLES) -> Packed:
         pack.put((READ.index(one.kind), one.column, one.output))
     for kind in ("x", "v"):
         _pack_rows(pack, shares_of(rows, kind, slopes))
-    return pack.packed
+    return pack
 
 
 def _pack_rows(pack: Packer, shares: Sequence[SlopeShare]) -> None:
