@@ -147,6 +147,7 @@ class FormulaRows(Generic[N]):
         self._read = Kept[tuple[tuple[int, ...], tuple[int, ...]], list[Root]](MOST_SIDES)
         self._sides = Kept[tuple[int | None, ...], dict[Node, int]](MOST_SIDES)
         self._awake = Kept[tuple[Any, ...], Node | None](MOST_SIDES)
+        self._bending: dict[int, bool] = {}
         self._above = Kept[tuple[Node, tuple[int, ...]], bool](MOST_SIDES)
         self._tapes = Kept[tuple[Any, ...], Tape](MOST_SIDES)
         self._within = Kept[Node, list[Node]](MOST_SIDES)
@@ -196,9 +197,13 @@ class FormulaRows(Generic[N]):
         does the acceleration of a belt, or the velocity of a base that something sticks to, rests on or is
         damped by.
         """
-        if i in self.of_courses:
-            return False
-        return all(is_continuous(node) for node, (number, _) in self.same.items() if number == i)
+        bends = self._bending.get(i)
+        if bends is None:
+            bends = i not in self.of_courses and all(
+                is_continuous(node) for node, (number, _) in self.same.items() if number == i
+            )
+            self._bending[i] = bends
+        return bends
 
     def sides(self, status: Status) -> dict[Node, int]:
         """The sides of the switches that are awake."""
