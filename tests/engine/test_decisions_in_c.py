@@ -43,7 +43,7 @@ def asked(monkeypatch):
         ("hard/spool-between-stops", "20 ms", 2),  # impacts, and standing between them
         ("gallery/pile-driver", "6 s", 2),  # impacts that tear a pile loose
         ("gallery/energy-harvester", "0.3 s", 0),  # damped stops that let go, and are left later
-        ("gallery/coupled-clutches", "1.5 s", 2),  # ties that drop beside others that hold; two jumps of loads
+        ("gallery/coupled-clutches", "1.5 s", 2),  # ties that drop beside others; two loads jump
     ],
 )
 def test_cases(asked, name, t_end, most):

@@ -16,9 +16,12 @@ from itertools import chain, islice
 from typing import Any, Generic, NamedTuple
 
 from vibsim.engine.flows.tape import (
+    CONSTANT,
     INPUTS,
     PLACE,
+    SUB,
     Inputs,
+    Op,
     Tape,
     TapeMaker,
     TapeValues,
@@ -472,8 +475,10 @@ class FormulaRows(Generic[N]):
         P, Q = (end if end >= 0 else self.columns[end] for end in (stop.P, stop.Q))
         moved = P if self.n > P else Q
         ops = maker.tape.ops
+        if self._is_depth(ops, place, stop, (P, Q)):
+            return 1.0  # which needs no probe, nor does what does not read that column
         if not any(ops[one].code == PLACE and ops[one].a == moved for one in maker.tape.behind(place)):
-            return 0.0  # which needs no probe
+            return 0.0
         ratios = []
         for i, depth in enumerate(PROBES):
             at, gap = self.probes[i], as_double(stop.gap)
@@ -482,6 +487,18 @@ class FormulaRows(Generic[N]):
             depth = -(stop.sense * (x[P] - x[Q])) - gap
             ratios.append(self._probed(maker, (i, stop.name), at._replace(x=x), place) / depth)
         return ratios[0] if _is_one_ratio(ratios) else 0.0
+
+    @staticmethod
+    def _is_depth(ops: Sequence[Op], place: int, stop: Stop[N], ends: tuple[int, int]) -> bool:
+        """Whether a result is the depth of a stop between two columns as cases write it, x_Q - x_P - gap."""
+        op = ops[place]
+        if stop.gap != 0 and op.code == SUB and ops[op.b].code == CONSTANT and ops[op.b].value == stop.gap:
+            op = ops[op.a]
+        elif stop.gap != 0:
+            return False
+        if op.code != SUB or ops[op.a].code != PLACE or ops[op.b].code != PLACE:
+            return False
+        return (ops[op.a].a, ops[op.b].a) == (ends[::-1] if stop.sense > 0 else ends)
 
     def _kept(self, maker: TapeMaker[N], place: int, guards: Sequence[tuple[int, int]]) -> bool:
         """Whether a function on the tape is what a switch keeps positive, but for a positive factor: abs(z),
