@@ -110,7 +110,7 @@ OVER_FORMULAS = [
     ("bouc-wen", ("parameters.k", "parameters.r"), [0.0, 0.0, 0.5, 0.0], 1.0),
     (
         "coupled-clutches",
-        ("friction.clutch1.F", "friction.clutch2.F"),
+        ("friction.clutch1.F", "friction.clutch2.F", "bodies.disc2"),
         [0.0] * 4 + [10.0, 0.0, 0.0, 0.0],
         1.2,
     ),
@@ -118,7 +118,7 @@ OVER_FORMULAS = [
     ("hertz-chain", ("parameters.K",), [0.0] * 4 + [1.0, 0.0, 0.0, 0.0], 3.0),
     ("gear-pair", ("links.mesh.k1", "parameters.w", "links.mesh.b"), [0.9, 0.0], 30.0),
     ("duffing-hardening", ("links.spring.k", "links.spring.k3"), [1.0, 0.0], 10.0),
-    ("pendulum-on-cart", ("parameters.g",), [0.0] * 4, 2.0),
+    ("pendulum-on-cart", ("parameters.g", "bodies.cart"), [0.0] * 4, 2.0),
     ("lugre-friction", ("parameters.s0", "parameters.Fc"), [0.0] * 4, 0.05),
     ("captured-motor", ("states.i.L", "motor.Kt"), [0.0] * 8, 3.0),
 ]

@@ -71,7 +71,8 @@ from vibsim.physics.traced_numbers import RecordedNumbers, as_double
 
 PROBES = (0.618, 1.414, 2.236)  # depths at which functions are compared, of no special meaning
 IRRATIONALS = (0.7548776662, 0.5698402910, 0.8191725134)  # whose multiples give all else that they read
-MOST_SIDES = 10_000  # of switches that stops keep, which are not asked for anew
+MOST_SIDES = 10_000  # of switches, which are not asked for anew
+MOST_MODES = 1000  # whose sides are kept by node
 UNKNOWN: Node = ()  # in place of a switch that has not been looked for
 SAME = 2.0**-40  # ratios of two functions that differ by less are one
 
@@ -148,7 +149,7 @@ class FormulaRows(Generic[N]):
         of_courses = walk([root.node for root in self.all_roots if root.role[0] in moving])
         self.of_courses = {self.same[node][0] for node in of_courses if node[0] in SWITCHES}
         self._read = Kept[tuple[tuple[int, ...], tuple[int, ...]], list[Root]](MOST_SIDES)
-        self._sides = Kept[tuple[int | None, ...], dict[Node, int]](MOST_SIDES)
+        self._sides = Kept[tuple[int | None, ...], dict[Node, int]](MOST_MODES)
         self._awake = Kept[tuple[Any, ...], Node | None](MOST_SIDES)
         self._bending: dict[int, bool] = {}
         self._above = Kept[tuple[Node, tuple[int, ...]], bool](MOST_SIDES)

@@ -252,8 +252,10 @@ class Family:
         return self._maps[parameter]
 
     def _new_map(self, scene: Scene) -> ReturnMap:
-        """On the run of the maps that there are, where that can be."""
-        for known in self._maps.values():
+        """On the run of the map used last, where that can be: numbers that were equal at the first may be
+        equal at no other.
+        """
+        for known in reversed(self._maps.values()):
             return known.at(scene)
         return ReturnMap(scene, self.n)
 
