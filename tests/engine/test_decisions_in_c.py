@@ -42,6 +42,7 @@ def asked(monkeypatch):
         ("gallery/drifting-capsule", "1 s", 0),  # two driven bodies, one of which sticks
         ("hard/spool-between-stops", "20 ms", 2),  # impacts, and standing between them
         ("gallery/pile-driver", "6 s", 2),  # impacts that tear a pile loose
+        ("gallery/stack-of-blocks", "2 s", 0),  # two of three frictions at their limits as one turns round
         ("gallery/energy-harvester", "0.3 s", 0),  # damped stops that let go, and are left later
         ("gallery/coupled-clutches", "1.5 s", 2),  # ties that drop beside others; two loads jump
     ],

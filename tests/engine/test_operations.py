@@ -15,7 +15,7 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.flows.tape import POWER
 from vibsim.engine.modes import parametric_rows
-from vibsim.engine.modes.mode_table import mode_table
+from vibsim.engine.modes.mode_table import ModeTable, mode_table
 from vibsim.engine.modes.packing import pack_scene, packed_mode
 from vibsim.engine.modes.parametric_rows import recipe_of
 from vibsim.engine.trajectory import open_trajectory
@@ -218,8 +218,10 @@ def test_modes_of_other_formulas_are_not_of_one_form():
     assert parametric_rows.differences(one, other) is None
     wider = oscillator("9*x + x**3", RIGID.replace("2 m", "3 m"))
     assert parametric_rows.differences(one, wider) == {("stops", 0, "gap"): 3.0}
-    run_of = CRun(one)
-    assert recipe_of(one, (("stops", 0, "gap"),), run_of.statuses[0], dict(run_of.keys)) is None
+    run_of, anew = CRun(one), ModeTable(wider)
+    anew.keys = dict(run_of.keys)
+    recipe = recipe_of(one, (("stops", 0, "gap"),), run_of.statuses[0], dict(run_of.keys))
+    assert recipe.packed([3.0]) == anew.packed(run_of.statuses[0])
 
 
 def test_numbers_of_another_scene_in_the_parts_beside_formulas_are_those_of_that_scene():

@@ -153,11 +153,11 @@ Real forces_of(const Run *r, const Mode *m, Real X, Real V)
     return total;
 }
 
-/* 1: every tie of mode m holds; -1: the tie `hold` alone gives way; 0: not clear. */
+/* 1: every tie of mode m holds; -1: the tie `hold` gives way, and no other one is overloaded as much; 0: not clear. */
 static int stands(Run *r, const Mode *m, int hold)
 {
-    Real X = 0.0, V = 0.0, forces;
-    int i, answer = 1;
+    Real X = 0.0, V = 0.0, forces, lacking = 0.0, lacking_elsewhere = 0.0;
+    int i;
     if (r->has_base && r->next.t == 0) /* of a start Python knows more, as that the base turns round */
         return 0;
     if (r->has_base)
@@ -171,13 +171,14 @@ static int stands(Run *r, const Mode *m, int hold)
             value = flow_derivative(r, m, &m->events[i], 0);
         if (!(fabs(value) > 2 * NEAR_LIMIT * (forces + m->events[i].size))) /* Python looks closely at half of that */
             return 0;
-        if (value < 0) {
-            if (i != hold)
-                return 0;
-            answer = -1;
-        }
+        if (i == hold)
+            lacking = value < 0 ? value : 0.0;
+        else if (value < lacking_elsewhere)
+            lacking_elsewhere = value;
     }
-    return answer;
+    if (lacking < 0)
+        return lacking < lacking_elsewhere - 2 * NEAR_LIMIT * forces ? -1 : 0;
+    return lacking_elsewhere < 0 ? 0 : 1;
 }
 
 /* Whether what slips in mode m by the event function `key` goes on doing so, while every tie of it holds. */
