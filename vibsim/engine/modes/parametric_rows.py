@@ -88,24 +88,15 @@ def with_recorded(scene: Any, inputs: Mapping[Place, Recorded], record: Record) 
     for place, number in inputs.items():
         if not is_in_formula(place):
             scene = with_number(scene, place, number)
-    parts = {}
+    parts: dict[str, Any] = {}
     for name in PARTS:
-        of = [
-            (k, part, [one for one in FORMULAS if getattr(part, one, None)])
-            for k, part in enumerate(vars(scene)[name])
-        ]
-        parts[name] = tuple(
-            replace(
-                part,
-                **{
-                    one: _recorded_formula(getattr(part, one), (name, k, one), inputs, record)
-                    for one in fields_
-                },
-            )
-            if fields_
-            else part
-            for k, part, fields_ in of
-        )
+        made = []
+        for k, part in enumerate(vars(scene)[name]):
+            formulas = {one: node for one in FORMULAS if (node := getattr(part, one, None))}
+            for one, node in formulas.items():
+                formulas[one] = _recorded_formula(node, (name, k, one), inputs, record)
+            made.append(replace(part, **formulas) if formulas else part)
+        parts[name] = tuple(made)
     base = scene.base_formula
     if base is not None:
         parts["base_formula"] = _recorded_formula(base, ("base_formula",), inputs, record)
@@ -117,7 +108,11 @@ def _recorded_formula(node: Any, place: Place, inputs: Mapping[Place, Recorded],
     if not isinstance(node, tuple):
         return node
     if node[:1] == ("num",):
-        return "num", inputs.get((*place, 1)) or record.constant(node[1])
+        number = inputs.get((*place, 1))
+        return "num", record.constant(node[1]) if number is None else number
+    if node[:1] == ("table",):  # whose numbers stay what they are, and may be equal to others
+        for knot in chain(node[2], *node[3]):
+            record.keys |= dict.fromkeys(record.constant(one).place for one in (knot, float(knot)))
     return tuple(_recorded_formula(part, (*place, i), inputs, record) for i, part in enumerate(node))
 
 
