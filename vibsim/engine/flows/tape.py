@@ -249,7 +249,8 @@ def pi_of(kit: Kit[N]) -> N:
     return 4 * kit.atan(kit.number(1))
 
 
-class Inputs(NamedTuple, Generic[N]):
+@dataclass(slots=True)
+class Inputs(Generic[N]):
     """Values that a tape reads at one instant: time, displacements and velocities by column, angle and speed
     of the rotor.
     """

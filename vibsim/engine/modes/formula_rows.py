@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import chain, islice
@@ -486,7 +487,7 @@ class FormulaRows(Generic[N]):
             x = [*at.x]
             x[moved] = x[Q] - stop.sense * (gap + depth) if moved == P else x[P] + stop.sense * (gap + depth)
             depth = -(stop.sense * (x[P] - x[Q])) - gap
-            ratios.append(self._probed(maker, (i, stop.name), at._replace(x=x), place) / depth)
+            ratios.append(self._probed(maker, (i, stop.name), replace(at, x=x), place) / depth)
         return ratios[0] if _is_one_ratio(ratios) else 0.0
 
     @staticmethod

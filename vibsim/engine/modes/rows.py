@@ -67,7 +67,8 @@ class FormulaForce(NamedTuple):
     sign: int
 
 
-class RotorOn(NamedTuple, Generic[N]):
+@dataclass(slots=True)
+class RotorOn(Generic[N]):
     """A rotor with its unbalance [kg m] and its inertia [kg m^2]: columns of it and of the body that it is
     on.
     """

@@ -5,7 +5,8 @@ words.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Generic, NamedTuple
+from dataclasses import dataclass
+from typing import Generic
 
 from vibsim.engine.errors import State, start_of
 from vibsim.engine.number_forms import WordsForm
@@ -16,7 +17,8 @@ from vibsim.physics.parts import EVENT_NAMES, Scene
 from vibsim.physics.precision import DigitsKit
 
 
-class CarriedDigits(NamedTuple, Generic[N]):
+@dataclass
+class CarriedDigits(Generic[N]):
     """A motion from a start to a time, and disturbances of its start, as `Carried`, on numbers of a kit.
 
     state, rate : components at the end, and their rates of change there

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Generic, NamedTuple
+from typing import Generic
 
 from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.newton_moreau import Contact, Impulse, Masses, coupling, masses, solved
@@ -196,7 +196,8 @@ class LinearImpact(Generic[N]):
         return next(c.e for c, _ in self.passed if c.stop == stop)
 
 
-class _TurnedRotor(NamedTuple, Generic[N]):
+@dataclass(slots=True)
+class _TurnedRotor(Generic[N]):
     """How a rotor on a body takes part in impacts: its column, that of its body, the speed that it gains per
     speed of the body [1/m], and the slopes of that and of the mobility of the body with its angle.
     """
