@@ -27,7 +27,7 @@ from vibsim.cases.schema_keys import (
     keys_of,
     measured_in_case,
 )
-from vibsim.cases.schema_kinds import Measured, has_formulas
+from vibsim.cases.schema_kinds import KeyKind, Measured, has_formulas
 from vibsim.cases.short_form import long_start, long_text, long_values, sections_text
 from vibsim.cases.sources import (
     PathText,
@@ -39,16 +39,18 @@ from vibsim.cases.sources import (
 )
 from vibsim.cases.validation import (
     derived_facts,
-    exact_texts,
-    fingerprint,
+    exact_pairs,
+    fingerprint_of,
     flat_values,
+    nested_from,
     nested_values,
     read_starts,
     resolved_text,
     resolved_values,
+    start_kinds,
     starts_inside,
     validated,
-    with_part,
+    with_parts,
 )
 from vibsim.cases.yaml_nodes import Place, Tree, decoded
 from vibsim.physics.parts import BODY, Scene
@@ -264,22 +266,25 @@ class Case:
 
     def _started(self, starts: Mapping[str, str]) -> "Case | None":
         """The same; None where a value is none of the start, or not plainly allowed."""
-        if form_of(self._nested).mixed or not all(
-            key.startswith("initial.") and isinstance(self.values.get(key), Quantity) for key in starts
-        ):
-            return None
-        quantities = read_starts(self._resolved, starts)
+        kinds = self._start_kinds
+        quantities = read_starts(kinds, starts) if kinds.keys() >= starts.keys() else None
         if quantities is None:
             return None
-        model, nested, values = self._resolved, self._nested, {**self.values, **quantities}
-        for key, value in quantities.items():
-            model, nested = (with_part(part, key.split("."), value) for part in (model, nested))
+        changes, values = nested_from(quantities), {**self.values, **quantities}
+        model, nested = (with_parts(part, changes) for part in (self._resolved, self._nested))
         if self.is_long and starts_inside(nested, values):
             return None
         case = Case(model, self.text, self.source, self._origin or self)
-        texts = {**self._exact_texts, **exact_texts(quantities)}
-        vars(case).update(values=values, _nested=nested, _resolved=model, _exact_texts=texts)
+        exact = {**self._exact_pairs, **exact_pairs(quantities)}
+        known = {"values": values, "_nested": nested, "_resolved": model, "_exact_pairs": exact}
+        vars(case).update(known, _start_kinds=kinds)
         return case
+
+    @cached_property
+    def _start_kinds(self) -> dict[str, KeyKind]:
+        """Kinds of the initial numbers that can be replaced alone, by dotted key."""
+        keys = [key for key, value in self.values.items() if isinstance(value, Quantity)]
+        return {} if form_of(self._nested).mixed else start_kinds(self._resolved, keys)
 
     @cached_property
     def _resolved(self) -> CaseHead:
@@ -308,11 +313,11 @@ class Case:
     @cached_property
     def sha256(self) -> str:
         """Fingerprint of what is simulated: exact values in any spelling, without name and title."""
-        return fingerprint(self._exact_texts)
+        return fingerprint_of(self._exact_pairs)
 
     @cached_property
-    def _exact_texts(self) -> dict[str, str]:
-        return exact_texts(self.values)
+    def _exact_pairs(self) -> dict[str, str]:
+        return exact_pairs(self.values)
 
     @staticmethod
     def from_resolved_json(text: str, source: str = "resolved case") -> "Case":
