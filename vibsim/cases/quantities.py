@@ -170,6 +170,7 @@ def in_own_unit(own: Quantity, value: Fraction) -> str:
     return f"{decimal_text(value / UNITS[name].factor)} {name}".strip()
 
 
+@lru_cache(maxsize=1024)  # the values of an axis come once for each point of a sweep
 def parse_quantity(text: str, dimension: str, alternative: str = "") -> Quantity:
     """The quantity that `text` spells, e.g. parse_quantity("1 mm", "length").
 

@@ -4,7 +4,6 @@ import math
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
 from operator import add
@@ -18,7 +17,7 @@ from vibsim.engine.columns import of_kinds, part_columns, section_columns, stop_
 from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.elementary import dot, mean
-from vibsim.physics.parts import BASE, EVENT_KINDS, GROUND, IMPACTS, Link, Scene, Stop, columns_of
+from vibsim.physics.parts import BASE, BODY, EVENT_KINDS, GROUND, IMPACTS, Link, Scene, Stop, columns_of
 from vibsim.physics.rates import (
     fastest_of_formulas,
     has_section,
@@ -195,7 +194,7 @@ class MeasuredRun:
         if len(section["time"]):
             late = section["time"] > begun["t"][0]
             section, extremes = {name: column[late] for name, column in section.items()}, extremes[:, late]
-        return replace(block, events=begun, section=section, extremes=extremes)
+        return Block(block.samples, begun, section, block.t_reached, block.worked_to, extremes)
 
     def ends(self) -> dict[str, np.ndarray]:
         """Time, and states that statistics ask for, at `begin` and at the end of the run, each (2)."""
@@ -460,18 +459,22 @@ def sampled_for_statistics(scene: Scene, every: Fraction | None = None) -> Scene
 
 def samples_per_second(scene: Scene) -> float:
     """Samples [1/s] that resolve free vibration, vibration in contact and sources."""
-    of_start = max([fastest_of_formulas(scene), *spins(scene)])
-    return max(_samples_for_parts(scene), of_start / LARGEST_ANGLE)
+    rate, start_tells = _samples_for_parts(scene)
+    if not start_tells:
+        return rate
+    return max(rate, max([fastest_of_formulas(scene), *spins(scene)]) / LARGEST_ANGLE)
 
 
 @of_parts_alone
-def _samples_for_parts(scene: Scene) -> float:
-    """What of these the start has no say in."""
+def _samples_for_parts(scene: Scene) -> tuple[float, bool]:
+    """What of these the start has no say in; whether it has in others (rotors, formulas that push)."""
     rate = max([fastest(scene, scene.links), *source_rates(scene)]) / LARGEST_ANGLE
     stops = [stop for _, stop in scene.elastic_stops]
     if stops:
         rate = max(rate, fastest(scene, (*scene.links, *stops)) / LARGEST_ANGLE_IN_CONTACT)
-    return max(rate, 1 / scene.t_end)
+    moved = any(body.kind != BODY for body in scene.bodies) or scene.has_motor
+    pushed = any(link.force for link in scene.links) or any(force.formula for force in scene.forces)
+    return max(rate, 1 / scene.t_end), moved or pushed
 
 
 def fastest(scene: Scene, springs: Sequence[Link | Stop]) -> float:
