@@ -42,6 +42,7 @@ from vibsim.cases.validation import (
     exact_pairs,
     fingerprint_of,
     flat_values,
+    has_rigid_stops,
     nested_from,
     nested_values,
     read_starts,
@@ -76,7 +77,8 @@ class Case:
     model: CaseHead
     text: str
     source: str
-    _origin: "Case | None" = field(default=None, repr=False, compare=False)  # differs in the start alone
+    _origin: "Case | None" = field(default=None, repr=False, compare=False)  # differs in the start alone,
+    _starts: Mapping[str, Quantity] = field(default_factory=dict, repr=False, compare=False)  # by dotted keys
 
     @property
     def name(self) -> str:
@@ -99,15 +101,18 @@ class Case:
     def _scene(self) -> Scene:
         if self._origin is None:
             return self._builder.scene()
-        return self._origin._builder.from_start(self._origin._scene, self._long_start())
+        return self._origin._builder.from_start(self._origin._scene, self._long_start(self._origin))
 
     @cached_property
     def _builder(self) -> SceneBuilder:
         return SceneBuilder(self.long_values(), DOUBLES)
 
-    def _long_start(self) -> dict[str, Any]:
+    def _long_start(self, origin: "Case") -> dict[str, Any]:
         """Initial values by part, in the long form."""
-        return long_start(self.model) if isinstance(self.model, CaseFile) else self._nested["initial"]
+        if isinstance(self.model, CaseFile):
+            return long_start(self.model)
+        initial: dict[str, Any] = with_parts(origin._nested["initial"], nested_from(self._starts)["initial"])
+        return initial
 
     def exact_scene(self, number: Callable[[Fraction], Any], pi: Any = None) -> Scene[Any]:
         """The scene in another number type, such as those of words (`vibsim.physics.precision`).
@@ -182,10 +187,15 @@ class Case:
     @cached_property
     def values(self) -> dict[str, Any]:
         """Every value under its dotted key, defaults filled in: Quantity, word or whole number."""
+        if self._origin is not None:
+            return {**self._origin.values, **self._starts}
         return flat_values(self.model)
 
     @cached_property
     def _nested(self) -> dict[str, Any]:
+        if self._origin is not None:
+            nested: dict[str, Any] = with_parts(self._origin._nested, nested_from(self._starts))
+            return nested
         return nested_values(self.model)
 
     def numeric_keys(self) -> list[str]:
@@ -270,25 +280,26 @@ class Case:
         quantities = read_starts(kinds, starts) if kinds.keys() >= starts.keys() else None
         if quantities is None:
             return None
-        changes, values = nested_from(quantities), {**self.values, **quantities}
-        model, nested = (with_parts(part, changes) for part in (self._resolved, self._nested))
-        if self.is_long and starts_inside(nested, values):
+        origin, given = self._origin or self, {**self._starts, **quantities}
+        model = with_parts(origin._resolved, nested_from(given))
+        case = Case(model, self.text, self.source, origin, given)
+        if self.is_long and has_rigid_stops(origin._nested) and starts_inside(case._nested, case.values):
             return None
-        case = Case(model, self.text, self.source, self._origin or self)
-        exact = {**self._exact_pairs, **exact_pairs(quantities)}
-        known = {"values": values, "_nested": nested, "_resolved": model, "_exact_pairs": exact}
-        vars(case).update(known, _start_kinds=kinds)
         return case
 
     @cached_property
     def _start_kinds(self) -> dict[str, KeyKind]:
         """Kinds of the initial numbers that can be replaced alone, by dotted key."""
+        if self._origin is not None:
+            return self._origin._start_kinds
         keys = [key for key, value in self.values.items() if isinstance(value, Quantity)]
         return {} if form_of(self._nested).mixed else start_kinds(self._resolved, keys)
 
     @cached_property
     def _resolved(self) -> CaseHead:
         """The model with defaults filled in."""
+        if self._origin is not None:
+            return self.model
         model = form_of(self._nested).model.read(self._nested, (), [])
         assert model is not None  # its values were read once
         return model
@@ -317,6 +328,8 @@ class Case:
 
     @cached_property
     def _exact_pairs(self) -> dict[str, str]:
+        if self._origin is not None:
+            return {**self._origin._exact_pairs, **exact_pairs(self._starts)}
         return exact_pairs(self.values)
 
     @staticmethod

@@ -430,13 +430,16 @@ def with_parts(section: Any, changes: Mapping[str, Any]) -> Any:
     return other
 
 
+def has_rigid_stops(values: dict[str, Any]) -> bool:
+    """Whether a case in the long form has a rigid stop."""
+    return any(stop.get("law") == "rigid" for stop in values.get("stops", {}).values())
+
+
 def starts_inside(values: dict[str, Any], flat: Mapping[str, Any]) -> bool:
     """Whether a body starts inside a rigid stop; values: of a valid case in the long form but for its start.
     That alone and units, where some bodies turn and others do not, decide whether a start is allowed that is
     so by itself.
     """
-    if not any(stop.get("law") == "rigid" for stop in values.get("stops", {}).values()):
-        return False
     from vibsim.cases.part_laws import starts_are_outside
 
     form = form_of(values)
