@@ -3,6 +3,7 @@
 import re
 import sys
 from collections.abc import Iterable, Mapping
+from importlib.util import find_spec
 from os.path import exists, isdir, isfile, normpath
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -64,12 +65,10 @@ class SourceText(NamedTuple):
 
 def shipped_folder() -> Path:
     """The folder of the shipped cases, installed or in a checkout."""
-    from importlib import resources
-
-    try:
-        return Path(str(resources.files("vibsim.shipped_cases").joinpath("II-B.yaml"))).parent
-    except ModuleNotFoundError:
-        return Path(__file__).resolve().parents[2] / "cases"
+    package = find_spec("vibsim.shipped_cases")  # importlib.resources loads shutil, tempfile and random
+    installed = list(package.submodule_search_locations or ()) if package else []
+    checkout = Path(__file__).resolve().parents[2] / "cases"
+    return next((Path(folder) for folder in installed if Path(folder, "II-B.yaml").is_file()), checkout)
 
 
 def shipped_case_names() -> list[str]:
