@@ -264,7 +264,7 @@ class Case:
         Raises CaseError (file "overrides") for unknown keys and for values that are not allowed.
         """
         tree = Tree(dict(self._nested), Place(self.source))
-        apply_overrides(tree, changes)
+        apply_overrides(tree, changes, self.values.keys())
         return Case(validated(tree), self.text, self.source)
 
     def with_start(self, starts: Mapping[str, str]) -> "Case":

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from fractions import Fraction
+from json.encoder import encode_basestring_ascii as quoted
 from math import inf, isfinite, pi, prod, sqrt
 from typing import Any, NamedTuple
 
@@ -319,7 +320,7 @@ def exact_texts(flat: Mapping[str, Any]) -> dict[str, str]:
 
 def exact_pairs(flat: Mapping[str, Any]) -> dict[str, str]:
     """The same texts with their keys as JSON has them, `"key": "text"`, in the order of the keys."""
-    return {key: f"{json.dumps(key)}: {json.dumps(text)}" for key, text in sorted(exact_texts(flat).items())}
+    return {key: f"{quoted(key)}: {quoted(text)}" for key, text in sorted(exact_texts(flat).items())}
 
 
 def fingerprint_of(pairs: Mapping[str, str]) -> str:
