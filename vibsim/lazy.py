@@ -116,7 +116,7 @@ else:
 def _initializer(cls: type, of: Fields, frozen: bool) -> Callable[..., None]:
     """__init__ of a dataclass."""
     known: dict[str, Any] = {"_set": object.__setattr__, "_missing": MISSING}
-    by_place, by_name, lines = ["self"], [], []
+    by_place, by_name, lines = ["self"], list[str](), list[str]()
     for one in of:
         value = name = one.name
         made = one.default_factory is not MISSING

@@ -65,7 +65,7 @@ BESIDE = stored(None)
 def plain_data(value: Any) -> dict[str, Any]:
     """A dataclass as plain data."""
     plain = {}
-    for name, stored_name, write in _writers(type(value)):
+    for name, stored_name, write in _writers(type(value)):  # type: ignore[arg-type]
         here = getattr(value, name)
         plain[stored_name] = here if write is None else write(here)
     return plain
