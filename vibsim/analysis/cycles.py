@@ -93,7 +93,8 @@ class Discard:
 
     def time(self, t_end: float) -> float:
         """Time [s] at which the statistics begin, in a run up to t_end [s]."""
-        return float(self.value * Fraction(t_end)) if self.relative else float(self.value)
+        top, bottom = t_end.as_integer_ratio() if self.relative else (1, 1)
+        return (self.value.numerator * top) / (self.value.denominator * bottom)
 
     def __str__(self) -> str:
         return f"{decimal_text(self.value * 100)} %" if self.relative else f"{decimal_text(self.value)} s"

@@ -1,7 +1,7 @@
 """A case: one system and one run of it, validated and exact."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from fractions import Fraction
 from functools import cached_property
 from operator import index
@@ -27,7 +27,7 @@ from vibsim.cases.schema_keys import (
     keys_of,
     measured_in_case,
 )
-from vibsim.cases.schema_kinds import Measured, has_formulas
+from vibsim.cases.schema_kinds import KeyKind, Measured, has_formulas
 from vibsim.cases.short_form import long_start, long_text, long_values, sections_text
 from vibsim.cases.sources import (
     PathText,
@@ -39,18 +39,22 @@ from vibsim.cases.sources import (
 )
 from vibsim.cases.validation import (
     derived_facts,
-    exact_texts,
-    fingerprint,
+    exact_pairs,
+    fingerprint_of,
     flat_values,
+    has_rigid_stops,
+    nested_from,
     nested_values,
     read_starts,
     resolved_text,
     resolved_values,
+    start_kinds,
     starts_inside,
     validated,
-    with_part,
+    with_parts,
 )
 from vibsim.cases.yaml_nodes import Place, Tree, decoded
+from vibsim.lazy import dataclass
 from vibsim.physics.parts import BODY, Scene
 from vibsim.physics.two_blocks import TwoBlocks
 
@@ -74,7 +78,8 @@ class Case:
     model: CaseHead
     text: str
     source: str
-    _origin: "Case | None" = field(default=None, repr=False, compare=False)  # differs in the start alone
+    _origin: "Case | None" = field(default=None, repr=False, compare=False)  # differs in the start alone,
+    _starts: Mapping[str, Quantity] = field(default_factory=dict, repr=False, compare=False)  # by dotted keys
 
     @property
     def name(self) -> str:
@@ -97,15 +102,18 @@ class Case:
     def _scene(self) -> Scene:
         if self._origin is None:
             return self._builder.scene()
-        return self._origin._builder.from_start(self._origin._scene, self._long_start())
+        return self._origin._builder.from_start(self._origin._scene, self._long_start(self._origin))
 
     @cached_property
     def _builder(self) -> SceneBuilder:
         return SceneBuilder(self.long_values(), DOUBLES)
 
-    def _long_start(self) -> dict[str, Any]:
+    def _long_start(self, origin: "Case") -> dict[str, Any]:
         """Initial values by part, in the long form."""
-        return long_start(self.model) if isinstance(self.model, CaseFile) else self._nested["initial"]
+        if isinstance(self.model, CaseFile):
+            return long_start(self.model)
+        initial: dict[str, Any] = with_parts(origin._nested["initial"], nested_from(self._starts)["initial"])
+        return initial
 
     def exact_scene(self, number: Callable[[Fraction], Any], pi: Any = None) -> Scene[Any]:
         """The scene in another number type, such as those of words (`vibsim.physics.precision`).
@@ -180,10 +188,15 @@ class Case:
     @cached_property
     def values(self) -> dict[str, Any]:
         """Every value under its dotted key, defaults filled in: Quantity, word or whole number."""
+        if self._origin is not None:
+            return {**self._origin.values, **self._starts}
         return flat_values(self.model)
 
     @cached_property
     def _nested(self) -> dict[str, Any]:
+        if self._origin is not None:
+            nested: dict[str, Any] = with_parts(self._origin._nested, nested_from(self._starts))
+            return nested
         return nested_values(self.model)
 
     def numeric_keys(self) -> list[str]:
@@ -251,7 +264,7 @@ class Case:
         Raises CaseError (file "overrides") for unknown keys and for values that are not allowed.
         """
         tree = Tree(dict(self._nested), Place(self.source))
-        apply_overrides(tree, changes)
+        apply_overrides(tree, changes, self.values.keys())
         return Case(validated(tree), self.text, self.source)
 
     def with_start(self, starts: Mapping[str, str]) -> "Case":
@@ -264,26 +277,30 @@ class Case:
 
     def _started(self, starts: Mapping[str, str]) -> "Case | None":
         """The same; None where a value is none of the start, or not plainly allowed."""
-        if form_of(self._nested).mixed or not all(
-            key.startswith("initial.") and isinstance(self.values.get(key), Quantity) for key in starts
-        ):
-            return None
-        quantities = read_starts(self._resolved, starts)
+        kinds = self._start_kinds
+        quantities = read_starts(kinds, starts) if kinds.keys() >= starts.keys() else None
         if quantities is None:
             return None
-        model, nested, values = self._resolved, self._nested, {**self.values, **quantities}
-        for key, value in quantities.items():
-            model, nested = (with_part(part, key.split("."), value) for part in (model, nested))
-        if self.is_long and starts_inside(nested, values):
+        origin, given = self._origin or self, {**self._starts, **quantities}
+        model = with_parts(origin._resolved, nested_from(given))
+        case = Case(model, self.text, self.source, origin, given)
+        if self.is_long and has_rigid_stops(origin._nested) and starts_inside(case._nested, case.values):
             return None
-        case = Case(model, self.text, self.source, self._origin or self)
-        texts = {**self._exact_texts, **exact_texts(quantities)}
-        vars(case).update(values=values, _nested=nested, _resolved=model, _exact_texts=texts)
         return case
+
+    @cached_property
+    def _start_kinds(self) -> dict[str, KeyKind]:
+        """Kinds of the initial numbers that can be replaced alone, by dotted key."""
+        if self._origin is not None:
+            return self._origin._start_kinds
+        keys = [key for key, value in self.values.items() if isinstance(value, Quantity)]
+        return {} if form_of(self._nested).mixed else start_kinds(self._resolved, keys)
 
     @cached_property
     def _resolved(self) -> CaseHead:
         """The model with defaults filled in."""
+        if self._origin is not None:
+            return self.model
         model = form_of(self._nested).model.read(self._nested, (), [])
         assert model is not None  # its values were read once
         return model
@@ -308,11 +325,13 @@ class Case:
     @cached_property
     def sha256(self) -> str:
         """Fingerprint of what is simulated: exact values in any spelling, without name and title."""
-        return fingerprint(self._exact_texts)
+        return fingerprint_of(self._exact_pairs)
 
     @cached_property
-    def _exact_texts(self) -> dict[str, str]:
-        return exact_texts(self.values)
+    def _exact_pairs(self) -> dict[str, str]:
+        if self._origin is not None:
+            return {**self._origin._exact_pairs, **exact_pairs(self._starts)}
+        return exact_pairs(self.values)
 
     @staticmethod
     def from_resolved_json(text: str, source: str = "resolved case") -> "Case":

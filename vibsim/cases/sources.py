@@ -2,7 +2,8 @@
 
 import re
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
+from importlib.util import find_spec
 from os.path import exists, isdir, isfile, normpath
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -64,12 +65,10 @@ class SourceText(NamedTuple):
 
 def shipped_folder() -> Path:
     """The folder of the shipped cases, installed or in a checkout."""
-    from importlib import resources
-
-    try:
-        return Path(str(resources.files("vibsim.shipped_cases").joinpath("II-B.yaml"))).parent
-    except ModuleNotFoundError:
-        return Path(__file__).resolve().parents[2] / "cases"
+    package = find_spec("vibsim.shipped_cases")  # importlib.resources loads shutil, tempfile and random
+    installed = list(package.submodule_search_locations or ()) if package else []
+    checkout = Path(__file__).resolve().parents[2] / "cases"
+    return next((Path(folder) for folder in installed if Path(folder, "II-B.yaml").is_file()), checkout)
 
 
 def shipped_case_names() -> list[str]:
@@ -368,18 +367,21 @@ STARTS = ("x", "v", "phi", "phidot")  # of bodies and rotors
 PLACED = ("between", "on", "rate")  # an override that gives one of these makes a new part
 
 
-def apply_overrides(tree: Tree, overrides: Mapping[str, object]) -> None:
+def apply_overrides(tree: Tree, overrides: Mapping[str, object], known: Collection[str] = ()) -> None:
     """Set each override in the tree; unknown keys are added to its problems. Raises TypeError for what is no
     mapping from keys.
+
+    known : keys of values that it has and may have; where all overrides are of these, no others are listed
     """
     if not isinstance(overrides, Mapping) or not all(isinstance(key, str) for key in overrides):
         raise TypeError(f"overrides must be a mapping such as {{'Omega0': '6 Hz'}}, got {overrides!r:.60}")
     if not overrides:
         return
     settings = [(key.strip(), value) for key, value in overrides.items()]
-    present = _leaf_keys(tree.values)
-    allowed = keys_of(form_of(tree.values), _with_new_parts(tree.values, [key for key, _ in settings]))
-    allowed = *allowed, *_new_numbers(tree.values, settings, present, allowed)
+    present, allowed = _leaf_keys(tree.values), tuple(known)
+    if not all(key in known for key, _ in settings):
+        allowed = keys_of(form_of(tree.values), _with_new_parts(tree.values, [key for key, _ in settings]))
+        allowed = *allowed, *_new_numbers(tree.values, settings, present, allowed)
     named: dict[str, object] = {}
     for key, value in settings:
         try:

@@ -1,8 +1,9 @@
 """Problems of the keys and values of a case, in words and at their place in the file."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from fractions import Fraction
+from json.encoder import encode_basestring_ascii as quoted
 from math import inf, isfinite, pi, prod, sqrt
 from typing import Any, NamedTuple
 
@@ -20,7 +21,7 @@ from vibsim.cases.schema_keys import (
     section_at,
     sections_with,
 )
-from vibsim.cases.schema_kinds import Fault, Location, has_formulas
+from vibsim.cases.schema_kinds import Fault, KeyKind, Location, has_formulas
 from vibsim.cases.short_form import Draft, FoundDefault, with_defaults
 from vibsim.cases.sources import BROKEN, put_tables_in
 from vibsim.cases.yaml_nodes import Place, Tree
@@ -317,11 +318,16 @@ def exact_texts(flat: Mapping[str, Any]) -> dict[str, str]:
     return {key: _exact_text(value) for key, value in flat.items() if key not in NOT_PHYSICS}
 
 
-def fingerprint(texts: Mapping[str, str]) -> str:
-    """SHA-256 of exact texts by key."""
+def exact_pairs(flat: Mapping[str, Any]) -> dict[str, str]:
+    """The same texts with their keys as JSON has them, `"key": "text"`, in the order of the keys."""
+    return {key: f"{quoted(key)}: {quoted(text)}" for key, text in sorted(exact_texts(flat).items())}
+
+
+def fingerprint_of(pairs: Mapping[str, str]) -> str:
+    """SHA-256 of exact texts with their keys."""
     import hashlib  # loads OpenSSL, 2 ms, which a run does while the engine runs already
 
-    return hashlib.sha256(json.dumps(texts, sort_keys=True).encode()).hexdigest()
+    return hashlib.sha256(f"{{{', '.join(pairs.values())}}}".encode()).hexdigest()
 
 
 def _section_values(section: Section | dict[str, Any]) -> dict[str, Any]:
@@ -377,26 +383,47 @@ def validated(tree: Tree) -> CaseHead:
     raise CaseError(sorted(dict.fromkeys(problems), key=_file_order(tree)))
 
 
-def read_starts(model: CaseHead, starts: Mapping[str, str]) -> dict[str, Quantity] | None:
-    """Initial values by dotted keys from their texts, at keys that the model has; None where one of them is
-    not allowed by itself.
-    """
-    faults: list[Fault] = []
-    values = {}
-    for key, text in starts.items():
+def start_kinds(model: CaseHead, keys: Iterable[str]) -> dict[str, KeyKind]:
+    """Kinds of the initial values among dotted keys that the model has, by key."""
+    kinds = {}
+    for key in keys:
         *around, name = key.split(".")
-        section: Any = model
-        for part in around:
-            section = (section if isinstance(section, dict) else vars(section))[part]
-        values[key] = section.keys[name].kind.read(text, (*around, name), faults)
+        if around[:1] == ["initial"]:
+            section: Any = model
+            for part in around:
+                section = (section if isinstance(section, dict) else vars(section))[part]
+            kinds[key] = section.keys[name].kind
+    return kinds
+
+
+def read_starts(kinds: Mapping[str, KeyKind], starts: Mapping[str, str]) -> dict[str, Quantity] | None:
+    """Initial values by dotted keys from their texts; None where one of them is not allowed by itself."""
+    faults: list[Fault] = []
+    values = {key: kinds[key].read(text, (), faults) for key, text in starts.items()}
     return None if faults else values
 
 
-def with_part(section: Any, key: Sequence[str], value: Any) -> Any:
-    """A section, or a dict of parts by name, with another value at a key that it has."""
-    name, *inner = key
+def nested_from(flat: Mapping[str, Any]) -> dict[str, Any]:
+    """Values by dotted keys as dicts within dicts."""
+    nested: dict[str, Any] = {}
+    for key, value in flat.items():
+        *around, name = key.split(".")
+        inner = nested
+        for part in around:
+            inner = inner.setdefault(part, {})
+        inner[name] = value
+    return nested
+
+
+def with_parts(section: Any, changes: Mapping[str, Any]) -> Any:
+    """A section, or a dict of parts by name, with other values at keys that it has; a dict among them is of
+    the section there.
+    """
     content = section if isinstance(section, dict) else vars(section)
-    content = content | {name: with_part(content[name], inner, value) if inner else value}
+    content = content | {
+        name: with_parts(content[name], value) if isinstance(value, dict) else value
+        for name, value in changes.items()
+    }
     if isinstance(section, dict):
         return content
     other = object.__new__(type(section))
@@ -404,13 +431,16 @@ def with_part(section: Any, key: Sequence[str], value: Any) -> Any:
     return other
 
 
+def has_rigid_stops(values: dict[str, Any]) -> bool:
+    """Whether a case in the long form has a rigid stop."""
+    return any(stop.get("law") == "rigid" for stop in values.get("stops", {}).values())
+
+
 def starts_inside(values: dict[str, Any], flat: Mapping[str, Any]) -> bool:
     """Whether a body starts inside a rigid stop; values: of a valid case in the long form but for its start.
     That alone and units, where some bodies turn and others do not, decide whether a start is allowed that is
     so by itself.
     """
-    if not any(stop.get("law") == "rigid" for stop in values.get("stops", {}).values()):
-        return False
     from vibsim.cases.part_laws import starts_are_outside
 
     form = form_of(values)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any, Generic, TypedDict
 
 import numpy as np
@@ -16,6 +15,7 @@ from vibsim.engine.columns import (
     stored_columns,
 )
 from vibsim.engine.modes.ties import Edge
+from vibsim.lazy import dataclass
 from vibsim.physics.numbers import N
 from vibsim.physics.parts import EVENT_KINDS, RIGID_KINDS, SWITCH, Scene
 
@@ -115,14 +115,13 @@ class Trajectory(Generic[N]):
         """A block from rows: (time, states), part states; (t, states, phase, velocities before), (kind, part,
         part states); (time, states); (time reached, time worked out to).
         """
-        table = by_name(self.timed_states, samples)
-        table |= dict(zip(self.parts, sample_codes, strict=True))
+        sampled = by_name(self.timed_states, samples) | dict(zip(self.parts, sample_codes, strict=True))
         happened = by_name(self.states_happened, events)
         happened |= {"kind": event_codes[0], "part": self._parts(event_codes[0], event_codes[1])}
         happened |= dict(zip(self.parts, event_codes[2:], strict=True))
         width = 3 + 2 * len(self.scene.bodies)  # of a state
         return Block(
-            {name: table[name] for name in self.names},
+            sampled,
             {name: happened[name] for name in self.event_names},
             by_name(self.timed_states, section),
             reached[0],
@@ -159,17 +158,20 @@ class Trajectory(Generic[N]):
 
         Engines give bytes; read without a sign they number 255 parts of a sort, and -1 is the last number.
         """
-        numbers = parts.view("u1").astype("i2")
-        return np.where(parts == -1, -1, numbers + self.first_part[kinds]).astype("i2")
+        numbers: np.ndarray = parts.view("u1") + self.first_part[kinds]
+        numbers[parts == -1] = -1
+        return numbers
 
 
 def by_name(names: Iterable[str | None], rows: np.ndarray) -> dict[str, np.ndarray]:
     """Rows by their names, as many as there are; those without a name are left out."""
-    return {name: row for name, row in zip(names, rows, strict=False) if name is not None}
+    table = dict(zip(names, rows, strict=False))
+    table.pop(None, None)
+    return table  # type: ignore[return-value]  # no name is None
 
 
 def part_offsets(scene: Scene[N]) -> np.ndarray:
     """By kind of event: index among `event_parts` of the first part of its sort."""
     first = {"stops": 0, "frictions": len(scene.stops), "every": 0}
     first["clearances"] = first["frictions"] + len(scene.frictions)
-    return np.array([first[OFFSETS.get(kind, "frictions")] for kind in EVENT_KINDS])
+    return np.array([first[OFFSETS.get(kind, "frictions")] for kind in EVENT_KINDS], dtype="i2")

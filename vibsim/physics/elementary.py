@@ -68,12 +68,12 @@ def total(values: np.ndarray) -> np.ndarray:
     values = np.asarray(values, dtype="f8")
     if not values.shape[-1]:
         return np.zeros(values.shape[:-1])
-    while (count := values.shape[-1]) > 1:
+    while (count := values.shape[-1]) > 2:
         half = (count + 1) // 2  # of an odd number the one in the middle waits
         sums = values[..., :half].copy()
         sums[..., : count - half] += values[..., half:]
         values = sums
-    return values[..., 0]
+    return values[..., 0] + values[..., 1] if count == 2 else values[..., 0]
 
 
 def mean(values: np.ndarray) -> np.ndarray:

@@ -172,15 +172,15 @@ def linear_parts(scene: Scene[Any]) -> list[LinearPart]:
     """The formulas of links and forces as springs and dampers, those that push back; rates of states are
     none.
     """
+    links = [link for link in scene.links if link.force is not None]
+    forces = [(force, force.formula) for force in scene.forces if force.formula is not None]
+    if not links and not forces:
+        return []
     at = start_inputs(scene)
-    parts = []
-    for link in scene.links:
-        if link.force is not None:
-            parts.append(_of_link(link, at))
-    for force in scene.forces:
-        if force.formula is not None:
-            k, c = (-_slope(force.formula, (kind, force.on), at) for kind in "xv")
-            parts.append(LinearPart(force.name, force.on, GROUND, k, c))
+    parts = [_of_link(link, at) for link in links]
+    for force, formula in forces:
+        k, c = (-_slope(formula, (kind, force.on), at) for kind in "xv")
+        parts.append(LinearPart(force.name, force.on, GROUND, k, c))
     return [part for part in parts if part.k > 0 or part.c > 0]
 
 

@@ -6,10 +6,11 @@ the relative displacement is x_P - x_Q and the relative velocity v_P - v_Q. Numb
 doubles; runs of many digits put other number types in.
 """
 
-from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import ceil
 from typing import Any, Generic
 
+from vibsim.lazy import dataclass
 from vibsim.physics.formulas import Node
 from vibsim.physics.numbers import N
 
@@ -55,6 +56,7 @@ EXTENSION, COMPRESSION = 1, -1  # sense of a stop: it acts where x_Q - x_P, or x
 AT_GAP, AT_FORCE = "gap", "force"  # where an elastic stop lets go: at zero depth, or at zero force
 
 
+@lru_cache(maxsize=1024)
 def columns_of(body: str) -> tuple[str, str]:
     """Names of the columns of a body on the line: x_ram and v_ram; x1 and v1 of one called by the number
     1.
@@ -437,23 +439,23 @@ class Scene(Sampled[N], Generic[N]):
         """Whether another scene differs in displacements and velocities at t = 0 alone, as far as the same
         objects as parts tell. Not of one with rotors: there these may decide whose turns are its cycles.
         """
-        ours, theirs = vars(self), vars(other)
-        return (
-            all(
-                theirs[name] is value or (isinstance(value, int | float | str) and theirs[name] == value)
-                for name, value in ours.items()
-                if name not in ("bodies", "motor")
-            )
-            and all(
-                (one.name, one.m, one.turns) == (two.name, two.m, two.turns) and one.kind == two.kind != ROTOR
-                for one, two in zip(self.bodies, other.bodies, strict=True)
-            )
-            and (self.motor and self.motor.constants) == (other.motor and other.motor.constants)
-        )
+        theirs = vars(other)
+        for name, value in vars(self).items():  # a loop: it is asked several times for each point of a sweep
+            another = theirs[name]
+            if another is value or name in ("bodies", "motor"):
+                continue
+            if not isinstance(value, int | float | str) or another != value:
+                return False
+        for one, two in zip(self.bodies, other.bodies, strict=True):
+            if (one.name, one.m, one.turns) != (two.name, two.m, two.turns):
+                return False
+            if not one.kind == two.kind != ROTOR:
+                return False
+        return (self.motor and self.motor.constants) == (other.motor and other.motor.constants)
 
     def without_samples(self) -> "Scene[N]":
         """The same with no sample but that of t = 0; no motion depends on its samples."""
-        return replace(self, every_num=2 * ceil(float(self.t_end)) or 1, every_den=1)
+        return self.but(every_num=2 * ceil(float(self.t_end)) or 1, every_den=1)
 
     def end_name(self, end: int) -> str:
         """Name of an end of a part: a body's name, ground or base."""

@@ -88,11 +88,10 @@ def _linear_parts(scene: Scene[Any]) -> list[Spring]:
 
 def fastest_of_formulas(scene: Scene[Any]) -> float:
     """The fastest rate [rad/s] at which bodies vibrate by formulas near the start; 0 without any."""
-    bodies = {i for i, body in enumerate(scene.bodies) if body.kind == BODY}
     rates = [
         sqrt(part.k * float(mobility(scene, (part.P, part.Q))))
         for part in _linear_parts(scene)
-        if part.k > 0 and part.P in bodies
+        if part.k > 0 and part.P >= 0 and scene.bodies[part.P].kind == BODY
     ]
     return max(rates, default=0.0)
 

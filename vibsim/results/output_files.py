@@ -9,12 +9,10 @@ HDF5, which many clusters switch off (HDF5_USE_FILE_LOCKING=FALSE).
 import errno
 import os
 import re
-import shutil
-import socket
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from secrets import token_hex
+from platform import node
 from typing import IO, Any
 
 import h5py
@@ -175,7 +173,7 @@ class Lock:
                 raise ResultFileError(f"{shown}: cannot write: {reason(error)}") from error
             with suppress(OSError):  # on a full disk it names nobody, and locks all the same
                 os.ftruncate(self._descriptor, 0)
-                os.write(self._descriptor, f"{os.getpid()} {socket.gethostname()}\n".encode())
+                os.write(self._descriptor, f"{os.getpid()} {node()}\n".encode())
             ours.add(self.path)
 
     def release(self) -> None:
@@ -281,7 +279,7 @@ def _owner(descriptor: int) -> str:
 def _is_dead(owner: str) -> bool:
     """Whether the owner of a lock file is a process of this machine that has ended."""
     process, _, machine = owner.partition(" ")
-    if machine != socket.gethostname() or not process.isdigit():
+    if machine != node() or not process.isdigit():
         return False
     try:
         os.kill(int(process), 0)
@@ -327,7 +325,7 @@ def open_partial(target: Path, folder: bool = False) -> tuple[int, Path]:
 
 def unique_path(target: Path) -> Path:
     """NAME.xxxxxxxx.partial beside an output."""
-    return target.with_name(f"{target.name}.{token_hex(4)}.partial")
+    return target.with_name(f"{target.name}.{os.urandom(4).hex()}.partial")
 
 
 def _remove_dead(target: Path) -> None:
@@ -341,7 +339,9 @@ def _remove_dead(target: Path) -> None:
             descriptor = os.open(path, os.O_RDONLY)
             try:
                 if _locked(descriptor) and _is_at(descriptor, path):
-                    shutil.rmtree(path) if path.is_dir() else path.unlink()
+                    from shutil import rmtree
+
+                    rmtree(path) if path.is_dir() else path.unlink()
             finally:
                 os.close(descriptor)
 

@@ -29,7 +29,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from types import NoneType, TracebackType
 from typing import Any, Generic, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
@@ -64,12 +64,29 @@ BESIDE = stored(None)
 
 def plain_data(value: Any) -> dict[str, Any]:
     """A dataclass as plain data."""
-    plain, whole = {}, type(value)
-    for name, kind, form in _fields(whole):  # type: ignore[arg-type]
-        if form.name is not None:
-            here = getattr(value, name)
-            plain[form.name or name] = form.write(here) if form.write else _written(kind, here)
+    plain = {}
+    for name, stored_name, write in _writers(type(value)):  # type: ignore[arg-type]
+        here = getattr(value, name)
+        plain[stored_name] = here if write is None else write(here)
     return plain
+
+
+@cache
+def _writers(kind: Any) -> list[tuple[str, str, Callable[[Any], Any] | None]]:
+    """Of each field of a dataclass that is stored: its name, the stored one, what writes it."""
+    return [
+        (name, form.name or name, form.write or _writer(part))
+        for name, part, form in _fields(kind)
+        if form.name is not None
+    ]
+
+
+def _writer(kind: Any) -> Callable[[Any], Any] | None:
+    """What writes values of a kind; None where they are plain data."""
+    origin, parts = get_origin(kind), get_args(kind)
+    if kind in LEAVES or (origin is dict and parts[1] in LEAVES):
+        return None
+    return list if origin is tuple and parts[1:] == (...,) and parts[0] in LEAVES else partial(_written, kind)
 
 
 def from_plain(kind: Any, data: Mapping[str, Any], **known: Any) -> Any:

@@ -439,10 +439,10 @@ class EndState:
     ) -> dict[str, float]:
         """The verdict on the window."""
         middle = (window[0] + window[1]) / 2
+        if any(len(changes) and changes[-1] >= middle for changes in self._changes):
+            return {END_STATE: float(VERDICTS["vibration"])}
         times, energies = np.concatenate(self._times), np.concatenate(self._energies)
         late, early = times >= middle, (times >= window[0]) & (times < middle)
-        if any(np.any(changes >= middle) for changes in self._changes):
-            return {END_STATE: float(VERDICTS["vibration"])}
         known = late.any() and early.any()
         greatest = (energies[early].max(), energies[late].max()) if known else (0.0, math.inf)
         if CLEARLY * greatest[0] < greatest[1] <= FALLS * greatest[0]:

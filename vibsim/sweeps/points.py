@@ -179,15 +179,17 @@ def measure(
 
         early = EarlyLabel(scene, begin, known)
     run = MeasuredRun(scene, settings.of, begin, go_on, _watchers(computed), early)
-    end: dict[str, float] = {}
+    is_timed, end = _is_timed(scene), None
     for block in run.blocks():
         statistics.update(block)
         for computation in computed:
             computation.update(block)
-        end = _end_state(scene, block) or end
+        table = block.section if is_timed else block.events
+        if len(table["time" if is_timed else "t"]):
+            end = table
     if early is not None and early.label is not None:
         return _of_label(values_of(early.label), early.time)
-    values = {**statistics.values(run), **run.totals, "t_reached": run.t_reached, **end}
+    values = {**statistics.values(run), **run.totals, "t_reached": run.t_reached, **_end_state(scene, end)}
     measured: dict[str, Any] = dict(statistics.section(settings.section))
     if run.late:
         for computation in computed:
@@ -210,25 +212,24 @@ def _watchers(computed: list[Computation]) -> Callable[[Block], None] | None:
     return show
 
 
-def _end_state(scene: Scene, block: Block) -> dict[str, float]:
-    """State from which a carried sweep is continued, as far as this block has it.
-
-    Forces and the base begin the next point as they began this one, so the last stroboscopic point is the end
-    whose motion they continue.
-    """
-    table = block.section if _is_timed(scene) else block.events
-    states = {name: table[name] for name in state_columns(scene)}
+def _end_state(scene: Scene, last: Mapping[str, np.ndarray] | None) -> dict[str, float]:
+    """State from which a carried sweep is continued, of the last points or events of a run that has any."""
+    if last is None:
+        return {}
+    states = {name: float(last[name][-1]) for name in state_columns(scene)}
     if scene.has_motor:
-        states["phi"] = table["phase"]
+        states["phi"] = float(last["phase"][-1])
     for phi in (body.columns[0] for body in scene.bodies if body.kind == ROTOR):
         if phi is not None:
-            states[phi] = np.mod(states[phi], TURN)
-    return {f"end_{name}": float(column[-1]) for name, column in states.items() if len(column)}
+            states[phi] = float(np.mod(states[phi], TURN))
+    return {f"end_{name}": value for name, value in states.items()}
 
 
 @of_parts_alone
 def _is_timed(scene: Scene) -> bool:
-    """Whether forces or a moving base say when a period ends."""
+    """Whether forces or a moving base say when a period ends: these begin the next point as they began this
+    one, so that the last stroboscopic point is the end whose motion they continue.
+    """
     return scene.motor is None and turning_columns(scene) is None and bool(source_rates(scene))
 
 

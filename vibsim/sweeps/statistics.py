@@ -4,7 +4,6 @@ import math
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
 from operator import add
@@ -18,8 +17,15 @@ from vibsim.engine.columns import of_kinds, part_columns, section_columns, stop_
 from vibsim.engine.resume import Row, rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.elementary import dot, mean
-from vibsim.physics.parts import BASE, EVENT_KINDS, GROUND, IMPACTS, Link, Scene, Stop, columns_of
-from vibsim.physics.rates import fastest_of_formulas, mobility, of_parts_alone, source_rates, spins
+from vibsim.physics.parts import BASE, BODY, EVENT_KINDS, GROUND, IMPACTS, Link, Scene, Stop, columns_of
+from vibsim.physics.rates import (
+    fastest_of_formulas,
+    has_section,
+    mobility,
+    of_parts_alone,
+    source_rates,
+    spins,
+)
 from vibsim.results.columns import base_motion
 from vibsim.sweeps.quantities import MeasuredMotion, Quantities
 
@@ -173,16 +179,22 @@ class MeasuredRun:
         """The rest of a block behind so many events, in front of it the last of the transient as a start."""
         assert self._instant is not None  # a run begins with an event
         events, at, _ = self._instant
-        start = {name: column[at : at + 1] for name, column in events.items()}
-        begun = {name: np.concatenate((column, block.events[name][count:])) for name, column in start.items()}
+        if count:  # it is in front of them, so that nothing but what a start says otherwise is copied
+            begun = {name: column[count - 1 :] for name, column in block.events.items()}
+        else:
+            begun = {
+                name: np.concatenate((events[name][at : at + 1], rest)) for name, rest in block.events.items()
+            }
         for name in begun:
             if name in START:
-                begun[name][0] = START[name]
+                begun[name] = _beginning(begun[name], START[name])
             elif name.startswith(BEFORE):
-                begun[name][0] = begun[name.removeprefix(BEFORE)][0]
-        late = block.section["time"] > begun["t"][0]
-        section = {name: column[late] for name, column in block.section.items()}
-        return replace(block, events=begun, section=section, extremes=block.extremes[:, late])
+                begun[name] = _beginning(begun[name], begun[name.removeprefix(BEFORE)][0])
+        section, extremes = block.section, block.extremes
+        if len(section["time"]):
+            late = section["time"] > begun["t"][0]
+            section, extremes = {name: column[late] for name, column in section.items()}, extremes[:, late]
+        return Block(block.samples, begun, section, block.t_reached, block.worked_to, extremes)
 
     def ends(self) -> dict[str, np.ndarray]:
         """Time, and states that statistics ask for, at `begin` and at the end of the run, each (2)."""
@@ -194,6 +206,13 @@ class MeasuredRun:
         """Raise GivenUpError where nobody wants the run any more; for those who run more of it themselves."""
         if self._go_on is not None and not self._go_on():
             raise GivenUpError
+
+
+def _beginning(column: np.ndarray, first: float) -> np.ndarray:
+    """A copy of a column that begins with another value."""
+    column = column.copy()
+    column[0] = first
+    return column
 
 
 # The statistics of one point, taken block by block from its run; no trajectory is kept.
@@ -214,6 +233,7 @@ class Statistics:
 
     def __init__(self, scene: Scene, of: Quantities, begin: float):
         self.scene, self.of, self.begin = scene, of, begin
+        self._has_periods = _has_periods(scene)
         self._points: list[dict[str, np.ndarray]] = []
         self._extremes: list[np.ndarray] = []
         self._begun: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {name: [] for name in COUNTED}
@@ -221,6 +241,8 @@ class Statistics:
 
     def update(self, block: Block) -> None:
         """Take the next block of a `MeasuredRun`."""
+        if not self._has_periods:  # extremes of the whole run are all that is taken
+            return
         late = block.section["time"] >= self.begin
         self._whole = None
         self._points.append({name: column[late] for name, column in block.section.items()})
@@ -252,8 +274,9 @@ class Statistics:
     def points(self) -> dict[str, np.ndarray]:
         """The stroboscopic points: time and states by name, each (n)."""
         if self._whole is None:
+            parts = self._points
             self._whole = {
-                name: np.concatenate([[], *(part[name] for part in self._points)])
+                name: np.concatenate([part[name] for part in parts]) if parts else np.empty(0)
                 for name in section_columns(self.scene)
             }
         return self._whole
@@ -264,6 +287,8 @@ class Statistics:
         By column: displacements [m] and velocities [m/s], motor speed [Hz].
         """
         points = {name: column[max(len(column) - count, 0) :] for name, column in self.points().items()}
+        if not len(points["time"]):
+            return {name: np.full(count, np.nan) for name in self._section_names()}
         values = {
             name: (velocities if is_rate else displacements)(self.scene, (motion,), points)[0]
             for name, (motion, is_rate) in self.of.sections.items()
@@ -277,19 +302,23 @@ class Statistics:
             for name, column in values.items()
         }
 
+    def _section_names(self) -> list[str]:
+        """Names of the columns of `section`."""
+        speeds = ["speed"] * self.scene.has_motor + [w for _, w in self.of.rotors.values()]
+        return [*self.of.sections, *(f"section_{name}" for name in (*speeds, *self.of.states))]
+
     def _amplitudes(self, run: MeasuredRun, periods: int) -> dict[str, float]:
         least, greatest, _ = run.extremes
-        rows = (
-            np.concatenate(self._extremes, axis=1)[:, 1:]
-            if periods
-            else np.array([*least, *greatest])[:, None]
-        )
-        low, high = np.split(rows, 2)  # of every whole period; without one of everything
+        rows = np.concatenate(self._extremes, axis=1)[:, 1:] if periods else np.empty((0, 0))
         amplitudes = {}
         for i, motion in enumerate(self.of.motions):
-            half = (high[i] - low[i]) / 2
-            amplitudes[f"amplitude_{motion.name}"] = float(mean(half))
-            amplitudes[f"amplitude_{motion.name}_max"] = float(half.max())
+            if periods:  # of every whole one, else of everything
+                half = (rows[len(rows) // 2 + i] - rows[i]) / 2
+                of_mean, of_greatest = float(mean(half)), float(half.max())
+            else:
+                of_mean = of_greatest = (greatest[i] - least[i]) / 2
+            amplitudes[f"amplitude_{motion.name}"] = of_mean
+            amplitudes[f"amplitude_{motion.name}_max"] = of_greatest
         for name, motion in self.of.ranged.items():
             i = self.of.motions.index(motion)
             amplitudes[f"{name}_min"], amplitudes[f"{name}_max"] = float(least[i]), float(greatest[i])
@@ -300,12 +329,15 @@ class Statistics:
         per_period: dict[str, float] = {"periods": float(periods)}
         parts = {"impacts_per_period": self.of.stops, "sticks_per_period": self.of.frictions}
         for name, begun in self._begun.items():
+            if not periods:
+                per_period |= dict.fromkeys((name, *(f"{name}_{one}" for one in parts[name])), math.nan)
+                continue
             happened, part = (np.concatenate([[], *column]) for column in zip(*begun, strict=True))
             counted = (happened >= times[0]) & (happened < times[-1])
-            per_period[name] = np.count_nonzero(counted) / periods if periods else math.nan
+            per_period[name] = np.count_nonzero(counted) / periods
             for one in parts[name]:
                 count = np.count_nonzero(counted & (part == self._number(one)))
-                per_period[f"{name}_{one}"] = count / periods if periods else math.nan
+                per_period[f"{name}_{one}"] = count / periods
         return per_period
 
     def _number(self, part: str) -> int | None:
@@ -344,6 +376,12 @@ class Statistics:
         }
 
 
+@of_parts_alone
+def _has_periods(scene: Scene) -> bool:
+    """Whether a run of a scene has stroboscopic points."""
+    return has_section(scene)
+
+
 # Displacements and velocities of motions, from the states of many rows at once.
 
 
@@ -352,12 +390,17 @@ States = Mapping[str, np.ndarray]  # time [s] and the states by name, each (n)
 
 def displacements(scene: Scene, motions: Sequence[MeasuredMotion], states: States) -> np.ndarray:
     """x_P - x_Q [m] of each motion (motions, n)."""
-    return np.stack([difference(*(place(scene, end, states) for end in (m.P, m.Q))) for m in motions])
+    return _rows([difference(*(place(scene, end, states) for end in (m.P, m.Q))) for m in motions])
 
 
 def velocities(scene: Scene, motions: Sequence[MeasuredMotion], states: States) -> np.ndarray:
     """v_P - v_Q [m/s] of each motion (motions, n)."""
-    return np.stack([difference(*(speed(scene, end, states) for end in (m.P, m.Q))) for m in motions])
+    return _rows([difference(*(speed(scene, end, states) for end in (m.P, m.Q))) for m in motions])
+
+
+def _rows(columns: Sequence[np.ndarray]) -> np.ndarray:
+    """Columns as the rows of one array; of a single one its view, sooner than a stack."""
+    return columns[0][None] if len(columns) == 1 else np.stack(columns)
 
 
 def place(scene: Scene, end: int, states: States) -> np.ndarray | None:
@@ -407,27 +450,31 @@ def sampled_for_statistics(scene: Scene, every: Fraction | None = None) -> Scene
 
     Raises TooFineError where that makes more samples than a run may have.
     """
-    if every is None:
-        every = Fraction(1, math.ceil(samples_per_second(scene)))
-    if Fraction(float(scene.t_end)) / every > MOST_SAMPLES:
+    num, den = (1, math.ceil(samples_per_second(scene))) if every is None else every.as_integer_ratio()
+    top, bottom = float(scene.t_end).as_integer_ratio()
+    if top * den > MOST_SAMPLES * bottom * num:  # whole numbers, so that it is exact
         raise TooFineError("the run takes more than 1e10 samples to resolve its motion, and may not")
-    return scene.but(every_num=every.numerator, every_den=every.denominator)
+    return scene.but(every_num=num, every_den=den)
 
 
 def samples_per_second(scene: Scene) -> float:
     """Samples [1/s] that resolve free vibration, vibration in contact and sources."""
-    of_start = max([fastest_of_formulas(scene), *spins(scene)])
-    return max(_samples_for_parts(scene), of_start / LARGEST_ANGLE)
+    rate, start_tells = _samples_for_parts(scene)
+    if not start_tells:
+        return rate
+    return max(rate, max([fastest_of_formulas(scene), *spins(scene)]) / LARGEST_ANGLE)
 
 
 @of_parts_alone
-def _samples_for_parts(scene: Scene) -> float:
-    """What of these the start has no say in."""
+def _samples_for_parts(scene: Scene) -> tuple[float, bool]:
+    """What of these the start has no say in; whether it has in others (rotors, formulas that push)."""
     rate = max([fastest(scene, scene.links), *source_rates(scene)]) / LARGEST_ANGLE
     stops = [stop for _, stop in scene.elastic_stops]
     if stops:
         rate = max(rate, fastest(scene, (*scene.links, *stops)) / LARGEST_ANGLE_IN_CONTACT)
-    return max(rate, 1 / scene.t_end)
+    moved = any(body.kind != BODY for body in scene.bodies) or scene.has_motor
+    pushed = any(link.force for link in scene.links) or any(force.formula for force in scene.forces)
+    return max(rate, 1 / scene.t_end), moved or pushed
 
 
 def fastest(scene: Scene, springs: Sequence[Link | Stop]) -> float:

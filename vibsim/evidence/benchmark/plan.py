@@ -12,7 +12,7 @@ import numpy as np
 from vibsim.cases import Case, load_case
 from vibsim.cases.problems import nearest
 from vibsim.cases.quantities import decimal_text
-from vibsim.cases.validation import exact_texts, fingerprint
+from vibsim.cases.validation import exact_pairs, fingerprint_of
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.evidence.peers.solvers import SHARE, TIGHTEST, Attempt, OutOfTime, TimeLimit, kinds_of
 from vibsim.evidence.peers.straight_line import two_sided_power
@@ -215,7 +215,7 @@ class BenchPlan:
     def fingerprint(self) -> str:
         """SHA-256 of what the truth depends on: two benches of one fingerprint share it."""
         values = {key: value for key, value in self.case.values.items() if key not in NOT_TRUTH}
-        return fingerprint(exact_texts(values))
+        return fingerprint_of(exact_pairs(values))
 
     def rows(self) -> Iterator[tuple[SolverFamily, str]]:
         """Family and setting of every row that can be run here."""
