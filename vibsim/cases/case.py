@@ -1,7 +1,7 @@
 """A case: one system and one run of it, validated and exact."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from operator import index
@@ -54,7 +54,6 @@ from vibsim.cases.validation import (
     with_parts,
 )
 from vibsim.cases.yaml_nodes import Place, Tree, decoded
-from vibsim.lazy import dataclass
 from vibsim.physics.parts import BODY, Scene
 from vibsim.physics.two_blocks import TwoBlocks
 

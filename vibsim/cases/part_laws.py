@@ -1,13 +1,13 @@
 """Laws of dry friction and of stops as a case writes them: coefficients, and the forces that they make."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 from vibsim.cases.quantities import Quantity
 from vibsim.cases.schema_kinds import has_formula, sides_of
 from vibsim.cases.short_form import BASE, NO_BODIES, Draft, Ends, FoundDefault
-from vibsim.lazy import dataclass
 from vibsim.physics import elementary
 from vibsim.physics.elementary import two_pi_fraction
 from vibsim.physics.parts import EXPONENTIAL, HYPERBOLIC

@@ -2,10 +2,9 @@
 
 import re
 from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 from unicodedata import category
-
-from vibsim.lazy import dataclass
 
 MOST_LISTED = 25  # problems of one case that are printed
 

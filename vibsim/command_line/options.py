@@ -3,13 +3,12 @@
 import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
 import click
 from click.shell_completion import CompletionItem
-
-from vibsim.lazy import dataclass
 
 # Kinds of command-line values that several commands share.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any, Generic, TypedDict
 
 import numpy as np
@@ -15,7 +16,6 @@ from vibsim.engine.columns import (
     stored_columns,
 )
 from vibsim.engine.modes.ties import Edge
-from vibsim.lazy import dataclass
 from vibsim.physics.numbers import N
 from vibsim.physics.parts import EVENT_KINDS, RIGID_KINDS, SWITCH, Scene
 

@@ -1,9 +1,9 @@
 """How a run can fail inside an engine, and the sentence that tells it."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Generic
 
-from vibsim.lazy import dataclass
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import Scene
 

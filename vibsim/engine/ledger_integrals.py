@@ -14,7 +14,7 @@ An integral adds factor times an integral over each stretch of the mode to one e
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any, Generic, NamedTuple
 
 from vibsim.engine.modes.packing import Packer
@@ -32,7 +32,6 @@ from vibsim.engine.modes.rows import (
 from vibsim.engine.modes.status import CONTACT, STICK, Kept, Status
 from vibsim.engine.modes.ties import Edge, Groups, Tie, beyond
 from vibsim.engine.number_forms import DOUBLES, NumberForm
-from vibsim.lazy import dataclass
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import BODY, ROTOR, Friction, Scene
 

@@ -7,6 +7,7 @@ Sampled states and events come twice: as doubles, like those of any run, and as 
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from math import nan
 from typing import Any
 
@@ -17,7 +18,6 @@ from vibsim.engine.columns import stored_before, stored_columns
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.number_forms import WordsForm
-from vibsim.lazy import dataclass
 from vibsim.physics.numbers import Number
 from vibsim.physics.parts import Scene
 from vibsim.physics.precision import DigitsKit, number_kit

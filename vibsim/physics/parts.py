@@ -6,11 +6,11 @@ the relative displacement is x_P - x_Q and the relative velocity v_P - v_Q. Numb
 doubles; runs of many digits put other number types in.
 """
 
+from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil
 from typing import Any, Generic
 
-from vibsim.lazy import dataclass
 from vibsim.physics.formulas import Node
 from vibsim.physics.numbers import N
 

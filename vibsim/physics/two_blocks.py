@@ -4,9 +4,9 @@ Parts missing from the scene are None and add no terms. The fields are floats; r
 precision put other number types in. The engine reads `as_parts()`.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
-from vibsim.lazy import dataclass
 from vibsim.physics.numbers import N
 from vibsim.physics.parts import (
     COMPRESSION,

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +10,6 @@ import numpy as np
 from vibsim.engine.columns import before_columns, flags_of_parts, part_columns
 from vibsim.engine.resume import rows_of_instant
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.lazy import dataclass
 from vibsim.physics.connections import event_parts, switching_parts
 from vibsim.physics.elementary import sine_cosine_of_arrays
 from vibsim.physics.parts import (

@@ -3,7 +3,7 @@
 import csv
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
 from math import prod
@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases.problems import one_line
-from vibsim.lazy import FRONT, dataclass, named
+from vibsim.lazy import FRONT, named
 from vibsim.results.file_contents import Column, Dataset
 from vibsim.results.hdf5_reading import plain
 from vibsim.results.output_files import output_file

@@ -15,7 +15,7 @@ error, and runs that round to the same double share it.
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from fractions import Fraction
 from math import inf, nextafter
 from queue import Empty, SimpleQueue
@@ -27,7 +27,6 @@ from vibsim.engine.blocks import Block, Trajectory
 from vibsim.engine.blocks_ahead import LONGEST, PATIENCE, Cores
 from vibsim.engine.errors import REASONS, EngineError
 from vibsim.engine.trajectory import flow_of, open_trajectory
-from vibsim.lazy import dataclass
 from vibsim.physics.elementary import FIRST_BITS, two_pi_bounds
 from vibsim.physics.formulas import Node, children
 from vibsim.physics.parts import Scene

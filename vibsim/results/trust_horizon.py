@@ -3,6 +3,7 @@
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import cached_property, partial
 from math import inf, log, log10
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -10,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 
 from vibsim.engine.blocks_ahead import Cores, available_cores
-from vibsim.lazy import dataclass
 from vibsim.physics.parts import Scene
 from vibsim.physics.rates import longest_period
 from vibsim.results.columns import tables_of

@@ -4,7 +4,7 @@ import json
 import os
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,7 +30,6 @@ from vibsim.command_line.terminal import PROGRESS_AFTER, Progress, SlowRun, prin
 from vibsim.command_line.text import case_lines, heading, print_lines, result_lines, size, summary_object
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.tangent_space import dimension
-from vibsim.lazy import dataclass
 from vibsim.physics.parts import STATE
 from vibsim.physics.precision import NOT_BUILT, is_built
 from vibsim.physics.rates import fastest_damping

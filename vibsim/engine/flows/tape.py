@@ -9,11 +9,10 @@ and the coefficients of series, by the usual recurrences (Jorba & Zou 2005): `ta
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, Generic, NamedTuple, cast
 
-from vibsim.lazy import dataclass
 from vibsim.physics.formulas import TIME as TIME_NODE
 from vibsim.physics.formulas import Node, derivative, resolved
 from vibsim.physics.numbers import TWO_PI, Doubles, Kit, N, abs

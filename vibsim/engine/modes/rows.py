@@ -14,12 +14,11 @@ bodies hold on both is decided at once.
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol
 
 from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Cut, Groups
-from vibsim.lazy import dataclass
 from vibsim.physics.formulas import Node
 from vibsim.physics.numbers import N
 

@@ -9,9 +9,9 @@ all ties across it slip or open.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Generic
 
-from vibsim.lazy import dataclass
 from vibsim.physics.numbers import N
 
 Edge = tuple[int, int]  # columns of P and Q

@@ -30,7 +30,7 @@ SURELY for what r does not know, what a run asks of this one; where hops shrink 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Generic
 
@@ -45,7 +45,6 @@ from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import SLIDE, STRIKE
 from vibsim.engine.modes.status import OPEN, RESTING, STICK, Status
-from vibsim.lazy import dataclass
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
 

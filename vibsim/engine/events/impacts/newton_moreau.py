@@ -11,9 +11,9 @@ elastic stops have finite forces and give no impulse.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Generic
 
-from vibsim.lazy import dataclass
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Motor, Scene
 

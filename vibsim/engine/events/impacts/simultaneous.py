@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Generic
 
 from vibsim.engine.errors import State
@@ -11,7 +11,6 @@ from vibsim.engine.events.impacts.newton_moreau import Contact, Impulse, effecti
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.ties import Edge, Groups, Tie
-from vibsim.lazy import dataclass
 from vibsim.physics.numbers import N
 from vibsim.physics.parts import RigidStop, Scene
 

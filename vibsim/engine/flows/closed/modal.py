@@ -6,12 +6,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Generic
 
 from vibsim.engine.flows.closed.matrices import Matrix
 from vibsim.engine.modes.ties import Edge
-from vibsim.lazy import dataclass
 from vibsim.physics.numbers import N
 from vibsim.physics.parts import Harmonic, Scene
 
