@@ -112,8 +112,8 @@ def test_formulas_keep_the_digits(label, end):
     difference quotients in 51.
     """
     case = load_case_text(TEXTS[label], {"run.t_end": f"{end} s"})
-    found, many, shift = carried(case.exact_scene, 30), number_kit(51), Fraction(1, 10**19)
-    scene = bare(case.exact_scene(many.number, many.pi), many)
+    found, many, shift = carried(case.exact_scene, number_kit(30)), number_kit(51), Fraction(1, 10**19)
+    scene = case.exact_scene(many.number, many.pi)
     start, carrier = components_of(scene, many, start_of(scene, many)), DigitsCarrier(scene, many)
     largest = max(abs(float(value)) for value in chain(*found.vectors))
     assert len(found.events) == (2 if label == "hertz" else 0)
@@ -125,7 +125,7 @@ def test_formulas_keep_the_digits(label, end):
         )
         assert found.events == there.events == back.events
         for value, one, other in zip(ours, there.state, back.state, strict=True):
-            assert abs(float((one - other) / (2 * small) - value)) < 1e-28 * largest
+            assert abs(float(exact(one - other) / (2 * shift) - exact(value))) < 1e-28 * largest
 
 
 @pytest.mark.parametrize(

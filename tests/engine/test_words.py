@@ -165,7 +165,7 @@ def test_operations_are_those_of_arb(digits, tries):
 
 @pytest.mark.parametrize("digits", [30, 45, 70, 100])
 def test_functions_at_their_edges_are_those_of_arb(digits):
-    """Arguments that are tiny, huge, of either sign and, of a logarithm, near 1: errors relative to the value."""
+    """Arguments that are tiny, huge, of either sign and, of a logarithm, near 1: relative errors."""
     kit = number_kit(digits)
     length = WORD * kit.words
     flint.ctx.prec = 4 * length + 2000
