@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -13,7 +14,7 @@ from itertools import islice
 from math import cos, log, pi, sin
 from platform import libc_ver
 from threading import Barrier
-from time import sleep
+from time import process_time, sleep
 
 import numpy as np
 import pytest
@@ -388,3 +389,53 @@ def test_runs_of_other_digits_may_be_computed_meanwhile():
 
     work = [partial(digits_of, digits) for digits in (80, 150, 80, 150)]
     assert at_once(work) == in_turn(work)
+
+
+class Heard(Exception):
+    """Raised by a signal, as Ctrl-C raises a KeyboardInterrupt."""
+
+
+@pytest.fixture
+def signals():
+    """Has signals come after a first and a further share of processor time [s]; 0: none."""
+    if sys.platform == "win32":
+        pytest.skip("Windows has no such signals")
+
+    def raise_it(*_):
+        raise Heard
+
+    before = signal.signal(signal.SIGVTALRM, raise_it)
+    yield lambda first, further: signal.setitimer(signal.ITIMER_VIRTUAL, first, further)
+    signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+    signal.signal(signal.SIGVTALRM, before)
+
+
+def test_a_step_of_many_digits_hears_a_signal(signals):
+    """The first step of 1000 digits takes seconds."""
+    case = vibsim.load_case("II-B", {"run.t_end": "1 ms"})
+    begin = process_time()
+    signals(0.3, 0)
+    with pytest.raises(Heard):
+        open_truth(case.exact_scene, 1000)
+    assert process_time() - begin < 0.8
+
+
+def test_a_step_that_a_signal_ends_is_made_anew(signals):
+    """With the same bits: between expansions and in the midst of them."""
+
+    def first_event(share):
+        """State and steps of a run at its first event, and how often it was interrupted."""
+        run, heard, status = open_truth(case.exact_scene, 200).run.run, 0, 0
+        signals(share, share)
+        while not status:
+            try:
+                *_, status = run.advance()
+            except Heard:
+                heard += 1
+        signals(0, 0)
+        return run.tally()["state"], run.tally()["steps"], heard
+
+    case = vibsim.load_case("II-B", {"run.t_end": "2 s"})
+    *expected, never = first_event(0)
+    *found, heard = first_event(0.02)
+    assert found == expected and never == 0 < heard

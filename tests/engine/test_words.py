@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
-from math import inf, isnan, nan
+from math import inf, isnan, isqrt, nan, pi
 from operator import add, mul, sub, truediv
 from random import Random
 from unittest.mock import patch
@@ -161,6 +161,36 @@ def test_operations_are_those_of_arb(digits, tries):
             x = sine if name in ("asin", "acos") else abs(a) if name in ("log", "sqrt") else a
             exact = getattr(in_arb(x), name)()
             assert errors(getattr(kit, name)(x), exact) < 2 ** (SPARE_BITS - 8), name
+
+
+@pytest.mark.parametrize("digits", [30, 45, 70, 100])
+def test_functions_at_their_edges_are_those_of_arb(digits):
+    """Arguments that are tiny, huge, of either sign and, of a logarithm, near 1: relative errors."""
+    kit = number_kit(digits)
+    length = WORD * kit.words
+    flint.ctx.prec = 4 * length + 2000
+
+    def in_arb(number):
+        return flint.arb(number.parts())
+
+    def off(name, x):
+        """In units of the last place."""
+        exact = getattr(in_arb(x), name)()
+        return float(abs(in_arb(getattr(kit, name)(x)) / exact - 1) * flint.arb(2) ** length)
+
+    root = isqrt(2 << 2 * (length - 1))  # of 2, in 2^(1 - length)
+    for k in (2, 5, 6, 7, 20, 52, 53, 60, length - 1, length + 2, 900):
+        for sign in (1, -1):
+            tiny, huge = kit.of_parts(sign * root, 1 - length - k), kit.of_parts(sign, k)
+            beside = kit.number(1) + kit.of_parts(sign, -min(k, length - 1))
+            for name in ("atan", "expm1", "exp", "tanh", "sinh", "sin", "asin"):
+                assert off(name, tiny) < 2 ** (SPARE_BITS - 8), (name, k, sign)
+            for name, x in (("log", beside), ("log", kit.of_parts(1, sign * k)), ("atan", huge)):
+                assert off(name, x) < 2 ** (SPARE_BITS - 8), (name, k, sign)
+            assert off("exp", kit.of_parts(sign, min(k, 7))) < 2 ** (SPARE_BITS - 8)
+    zero, one = kit.number(0), kit.number(1)
+    assert kit.log(one) == kit.atan(zero) == kit.expm1(zero) == 0 and kit.exp(zero) == 1
+    assert float(kit.atan(kit.of_parts(1, 10**6))) == pi / 2
 
 
 @pytest.mark.parametrize(("few", "many"), [(71, 100), (100, 150)])

@@ -192,7 +192,7 @@ void run_rewind(Run *r, Real t_end)
         r->ledger.entries[k] = 0.0;
     r->evaluations = r->steps = 0;
     r->first_violation = 0;
-    r->events_at_instant = r->finished = r->violated_once = r->dithered = 0;
+    r->events_at_instant = r->finished = r->violated_once = r->dithered = r->interrupted = 0;
     r->status = OK;
     r->stage = ADVANCE;
     certificate_open(&r->certificate);
@@ -403,6 +403,15 @@ static int ruled_meanwhile(Run *r, Buffers *b)
     return 0;
 }
 
+/* Make the expansion that a signal has ended anew. */
+static void enter_again(Run *r)
+{
+    if (r->interrupted) {
+        r->interrupted = 0;
+        taylor_enter(r, &r->state);
+    }
+}
+
 /* Whether the buffer has room for all that one event can record. */
 static int room_for_events(const Run *r, const Buffers *b)
 {
@@ -415,9 +424,10 @@ static int room_for_events(const Run *r, const Buffers *b)
 void run_advance(Run *r, Buffers *b)
 {
     r->spent = 0;
+    enter_again(r);
     if (!ruled_meanwhile(r, b))
         return;
-    while (!r->finished && r->status == OK && r->spent < r->work_at_once && r->state.t < r->pause) {
+    while (!r->finished && r->status == OK && !r->interrupted && r->spent < r->work_at_once && r->state.t < r->pause) {
         if (!room_for_events(r, b))
             return;
         if (r->stage == ADVANCE && stands_still(r)) {
@@ -447,9 +457,10 @@ Real run_worked_to(const Run *r)
  */
 int run_state_at(Run *r, Buffers *b, Real t, State *out)
 {
+    enter_again(r);
     if (!ruled_meanwhile(r, b))
         return -1;
-    while (!r->finished && r->status == OK) {
+    while (!r->finished && r->status == OK && !r->interrupted) {
         double steps = r->steps;
         r->pending_end = flow_advance(r, r->t_end, &r->pending_event);
         r->arrived = 0;
@@ -466,6 +477,8 @@ int run_state_at(Run *r, Buffers *b, Real t, State *out)
         if (r->spent > r->work_at_once || !room_for_events(r, b))
             return 0;
     }
+    if (r->interrupted)
+        return 0;
     if (r->status == SINGULAR)
         return -1;
     flow_state(r, t, out);

@@ -400,6 +400,8 @@ typedef struct Run {
     Real pending_tau, *before_v, before_w; /* from the start of the flow to the pending event [s]; velocities in front of it */
     Real pending_end, *force;
     double spent, work_at_once;
+    double unheard; /* work of an expansion since signals were looked for last */
+    int hears, interrupted; /* whether an expansion may be given up for a signal; whether that of the flow was, and is to be made anew */
     Ledger ledger;
     Section section;
     Extremes extremes;
@@ -454,6 +456,12 @@ void taylor_value_and_slope(const Run *r, const Event *e, Real tau, Real *value,
 void taylor_expand_base(Run *r, Real t);
 void taylor_expand_loads(Run *r, Real t);
 void taylor_expand(Run *r, const State *state);
+#ifdef WORDS_BY_RUN
+/* module.c: whether a signal ends the expansion, of which order n is to come: one in 1000 digits takes seconds. The error is set then. */
+int is_interrupted(Run *r, int n);
+#else
+#define is_interrupted(run, n) 0
+#endif
 int taylor_term(const Run *r, const Term *t, Real *out);
 int taylor_polynomial(const Run *r, const Event *e, Real *out);
 Real taylor_magnitude(const Run *r, const Event *e);

@@ -21,6 +21,27 @@
 #define INIT PyInit__engine
 #endif
 
+#ifdef WORDS_BY_RUN
+#define MOST_UNHEARD 1e8 /* products of words between two looks for signals: some 0.1 s */
+
+int is_interrupted(Run *r, int n)
+{
+    const int bits = 1 - unit_roundoff.exponent;
+    PyGILState_STATE gil;
+    if (!r->hears)
+        return 0;
+    r->unheard += (double)WORDS * WORDS * (r->columns + (3.0 + r->mode->tape.moving_count + 3 * r->rotors.count) * n);
+    if (r->interrupted || r->unheard < MOST_UNHEARD)
+        return r->interrupted;
+    r->unheard = 0;
+    gil = PyGILState_Ensure();
+    r->interrupted = PyErr_CheckSignals() < 0;
+    set_precision(bits); /* who is called by a signal may have computed with other numbers */
+    PyGILState_Release(gil);
+    return r->interrupted;
+}
+#endif
+
 static PyObject *Run_new(PyTypeObject *type, PyObject *args, PyObject *named)
 {
     Py_buffer v[2];
@@ -165,7 +186,9 @@ static PyObject *start(RunObject *self, PyObject *args)
         self->looked = 0;
         self->buffers.sample_count = self->buffers.event_count = self->buffers.section_count = 0;
         run_start(r, mode, &self->buffers);
-        result = progress(self);
+        self->started = !r->interrupted;
+        result = r->interrupted ? NULL : progress(self);
+        r->interrupted = 0;
     }
     release(v, 2);
     return result;
@@ -212,7 +235,7 @@ static PyObject *advance(RunObject *self, PyObject *args)
     Py_END_ALLOW_THREADS
     self->run.work_at_once = whole;
     self->busy = 0;
-    return progress(self);
+    return self->run.interrupted ? NULL : progress(self);
 }
 
 /* Order of the zero of the pending event's function that the stretch began with. */
@@ -247,7 +270,7 @@ static PyObject *take(RunObject *self, PyObject *args)
         if (fits) {
             r->status = OK;
             run_take(r, &self->buffers, mode, count, (const int *)v[2].buf, (const int *)v[3].buf);
-            result = progress(self);
+            result = r->interrupted ? NULL : progress(self);
         }
     }
     if (!result && !PyErr_Occurred())
@@ -316,7 +339,7 @@ static PyObject *states_at(RunObject *self, PyObject *args)
         }
         Py_END_ALLOW_THREADS
         self->busy = 0;
-        answer = Py_BuildValue("ni", made, r->status);
+        answer = r->interrupted ? NULL : Py_BuildValue("ni", made, r->status);
     }
     release(v, 3);
     return answer;

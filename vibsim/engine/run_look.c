@@ -20,9 +20,12 @@ PyObject *run_look(RunObject *self, PyObject *args)
 #ifdef FIXED_SERIES
         r->mode->scales.most = 0; /* what was looked at before has no say */
 #endif
+        r->hears = 1;
         taylor_look(r, &r->scratch);
-        self->looked = 1;
-        answer = number_object(r->taylor.h);
+        r->hears = 0;
+        self->looked = !r->interrupted;
+        answer = r->interrupted ? NULL : number_object(r->taylor.h);
+        r->interrupted = 0;
     }
     PyBuffer_Release(&v);
     return answer;

@@ -15,6 +15,7 @@
 
 #define TOUCHING 64 /* roundings: beyond those within which Python says that ends just touch */
 #define GRAZING 0x1p-20 /* of what a rate changes by within a step: Python looks closely at less */
+#define NEAR_ORDER 6 /* of a motion whose second derivatives are asked for */
 #define CLEARLY 4 /* times the bounds of the rounding of switches */
 #define NEAR_LIMIT 0x1p-40 /* of all forces of a mode: nearer to its limit than that Python measures the force of a tie closely */
 
@@ -39,21 +40,39 @@ static Real direct_rate(const Run *r, const Event *e)
     return total;
 }
 
-/* An event function of mode m from r->next on, as a Taylor series as the automaton's. */
-static void flow_series(Run *r, const Mode *m, const Event *e, Real *series)
+/* Take the motion from r->next on to no higher an order than what is near needs; returns the order that it has otherwise. In many digits
+ * all orders may take seconds, in which no signal is heard.
+ */
+static int look_near(Run *r)
+{
+    const int order = r->taylor.order;
+#ifdef WORDS_BY_RUN
+    r->taylor.order = NEAR_ORDER;
+#endif
+    taylor_look(r, &r->next);
+    return order;
+}
+
+/* An event function of mode m from r->next on, as a Taylor series as the automaton's; near: its first coefficients are enough. */
+static void flow_series(Run *r, const Mode *m, const Event *e, Real *series, int near)
 {
     const Mode *before = r->mode;
+    int order = r->taylor.order;
     r->mode = m;
-    taylor_look(r, &r->next);
+    if (near)
+        order = look_near(r);
+    else
+        taylor_look(r, &r->next);
     taylor_polynomial(r, e, series);
     r->mode = before;
+    r->taylor.order = order;
 }
 
 /* Value, or first derivative, of an event function of mode m at r->next. */
 static Real flow_derivative(Run *r, const Mode *m, const Event *e, int order)
 {
     Series series;
-    flow_series(r, m, e, series);
+    flow_series(r, m, e, series, 1);
     return series[order];
 }
 
@@ -61,7 +80,7 @@ static Real flow_derivative(Run *r, const Mode *m, const Event *e, int order)
 static Real clear_rate(Run *r, const Event *e)
 {
     Series series;
-    flow_series(r, r->mode, e, series);
+    flow_series(r, r->mode, e, series, 0);
     return fabs(series[1]) <= GRAZING * r->taylor.h * fabs(series[2]) ? 0.0 : series[1];
 }
 
@@ -83,19 +102,16 @@ Real derivative_at_next(Run *r, const Mode *m, int key, int order)
     Real value;
     if (e == NULL)
         return NAN;
-    r->mode = m;
-    if (m->modal)
+    if (m->modal) {
+        r->mode = m;
         closed_form_enter(r, &r->next);
-    else
-        taylor_look(r, &r->next);
-    if (r->closed) {
         closed_form_jets(r, 2);
         value = event_derivative(r, e, order);
+        r->mode = before;
     } else {
-        taylor_polynomial(r, e, series);
+        flow_series(r, m, e, series, 1);
         value = order * series[order];
     }
-    r->mode = before;
     r->evaluations = evaluations;
     return value;
 }
@@ -208,7 +224,7 @@ static int sides_last(Run *r, const Mode *m, int key)
     int i;
     if (m->switch_count == 0)
         return 1;
-    taylor_look(r, &r->next);
+    r->taylor.order = look_near(r);
     if (r->has_base) {
         X = f->table[base_column(r)];
         V = f->table[f->rates + base_column(r)];

@@ -1,4 +1,4 @@
-/* Elementary functions of numbers of WORDS words: reduction of the argument, power series, and Newton steps from doubles. Errors are
+/* Elementary functions of numbers of WORDS words: reduction of the argument, also by what doubles tell, and power series. Errors are
  * a few units in the last of 64 WORDS bits, which lies 20 bits or more below the unit round-off that decisions go by.
  */
 #include "limbs_functions.h"
@@ -75,6 +75,8 @@ static Real small_rise(const Real &r)
     return u;
 }
 #endif
+
+enum { NEAR = 6 }; /* binary digits that a number is small by where its series alone is taken */
 
 static Real nearest_whole(const Real &x)
 {
@@ -170,23 +172,38 @@ Real hyperbolic_tangent(const Real &x)
     return copysign(rise / (rise + 2), x);
 }
 
-/* From the angle of doubles: what is left of it by its tangent, whose series to the fifth power gives seven times as many digits. */
+/* x - x^3/3 + x^5/5 - ... of |x| < 2^-NEAR, with `sense` -1; with 1 all terms are added. */
+static Real odd_series(const Real &x, int sense)
+{
+    const Real square = x * x;
+    Real sum = 0;
+    if (square.sign == 0)
+        return x;
+    for (int k = LIMB_BITS / -square.exponent; k > 0; k--) {
+#ifdef WORDS_BY_RUN
+        const Precision words((LIMB_BITS + k * square.exponent) / WORD + 2, &sum); /* the rest of a term is below the last word */
+#endif
+        sum = square * (Real(1) / (2 * k + 1) + (sense < 0 ? -sum : sum));
+    }
+    return sense < 0 ? x - x * sum : x + x * sum;
+}
+
+/* From the angle of doubles: what is left of it by the series of its tangent. */
 Real arctangent(const Real &x)
 {
-    Real angle, sine, cosine, t, rest, square;
+    Real angle, sine, cosine, t;
     bool steep = fabs(x) > 1;
-    int bits;
     if (is_no_number(x))
         return x;
     if (!isfinite(x))
         return copysign(half_pi, x);
     t = steep ? 1 / fabs(x) : fabs(x);
-    angle = arctangent((double)t);
-    for (bits = 50; bits < LIMB_BITS; bits *= 7) {
+    if (t.exponent <= -NEAR) {
+        angle = odd_series(t, -1);
+    } else {
+        angle = arctangent((double)t);
         sine_cosine(angle, &sine, &cosine);
-        rest = (t * cosine - sine) / (cosine + t * sine);
-        square = rest * rest;
-        angle = angle + rest * (1 - square * (Real(1) / 3 - square * (Real(1) / 5)));
+        angle = angle + odd_series((t * cosine - sine) / (cosine + t * sine), -1);
     }
     if (steep)
         angle = half_pi - angle;
@@ -208,11 +225,11 @@ Real arccosine(const Real &x)
     return x == -1 ? HALF_TURN : scaled(arctangent(sqrt((1 - x) / (1 + x))), 1);
 }
 
-/* Halley's steps on exp(y) = x, each with three times as many right digits. */
+/* ln(x) = y + 2 artanh((c - 1) / (c + 1)), c = x exp(-y), from the logarithm y of doubles; near 1 with y = 0, so that relative errors stay. */
 Real logarithm(const Real &x)
 {
-    Real part, y;
-    int power, bits;
+    Real part, y = 0, away;
+    int power;
     if (!(x > 0) || !isfinite(x))
         return x == 0 ? -INFINITY : x > 0 ? x : NAN;
     power = x.exponent;
@@ -221,12 +238,13 @@ Real logarithm(const Real &x)
         part = scaled(part, 1);
         power -= 1;
     }
-    y = part == 1 ? 0.0 : logarithm((double)part);
-    for (bits = 45; bits < LIMB_BITS; bits *= 3) {
-        Real ratio = part * exponential(-y);
-        y = y + scaled((ratio - 1) / (ratio + 1), 1);
+    away = part - 1;
+    if (away.sign != 0 && away.exponent > 1 - NEAR) {
+        y = logarithm((double)part);
+        part = part * exponential(-y);
+        away = part - 1;
     }
-    return y + power * ln_2;
+    return power * ln_2 + (y + scaled(odd_series(away / (part + 1), 1), 1));
 }
 
 /* a**p of a >= 0. */

@@ -264,20 +264,36 @@ Real operator/(const Real &a, const Real &b)
     return divided(a, b);
 }
 
-/* By a whole number from 1 on: of one word, so that halves are exact and cheap. */
+/* By a whole number from 1 on: of one word, so that halves are exact and cheap. Quotients of two words by one, its highest bit 1, by
+ * its inverse 2^64 + `inverse` (Moeller and Granlund 2011, Improved division by invariant integers, algorithm 4): some ten times as fast
+ * as a division of 128 bits.
+ */
 Real operator/(const Real &a, int n)
 {
     const uint64_t *const numerator = a.words();
     const int words = WORDS;
     uint64_t w[LIMBS + 1];
-    Wide rest = 0;
     int i;
     if (n < 1 || a.exponent == ENDLESS || a.sign == 0)
         return a / Real(n);
-    for (i = words; i >= 0; i--) {
-        Wide part = rest << 64 | (i > 0 ? numerator[i - 1] : 0);
-        w[i] = (uint64_t)(part / (unsigned)n);
-        rest = part % (unsigned)n;
+    const int lead = __builtin_clzll((uint64_t)n);
+    const uint64_t divisor = (uint64_t)n << lead, inverse = (uint64_t)((((Wide)~divisor << WORD) | ~(uint64_t)0) / divisor);
+    uint64_t rest = numerator[words - 1] >> 1 >> (WORD - 1 - lead), next = numerator[words - 1];
+    for (i = words; i >= 0; i--) { /* the numerator and a word of zeros below it, both times 2^lead */
+        const uint64_t following = i > 1 ? numerator[i - 2] : 0, low = next << lead | following >> 1 >> (WORD - 1 - lead);
+        const Wide guess = (Wide)inverse * rest + ((Wide)rest << WORD | low);
+        uint64_t quotient = (uint64_t)(guess >> WORD) + 1, left = low - quotient * divisor;
+        if (left > (uint64_t)guess) {
+            quotient -= 1;
+            left += divisor;
+        }
+        if (__builtin_expect(left >= divisor, 0)) {
+            quotient += 1;
+            left -= divisor;
+        }
+        w[i] = quotient;
+        rest = left;
+        next = following;
     }
     return normal(w, words + 1, a.exponent, a.sign);
 }

@@ -20,6 +20,19 @@ extern constinit thread_local int most_order, series_terms; /* of the Taylor flo
 extern thread_local Real HALF_TURN, half_pi, ln_2;
 void small_sine_cosine(const Real &r, Real *sine, Real *cosine);
 Real small_rise(const Real &r);
+
+/* While it is, the run in hand has fewer words in use: `words`, from 2 on, where that is less. The words of `x` that come into use with
+ * it, and behind it, are made 0.
+ */
+class Precision
+{
+    const int before;
+    Real *const of;
+
+  public:
+    Precision(int words, Real *x);
+    ~Precision();
+};
 #else
 extern const Real HALF_TURN; /* pi */
 #endif

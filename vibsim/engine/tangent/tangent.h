@@ -44,7 +44,12 @@ typedef struct {
     Real turning[2], pull[2], sine[2];
 } Joint;
 
-#define LEAST_SHARE 0x1p-36 /* of a stretch, below which it is not shortened: where a derivative begins at infinity */
+/* Shares that go with the round-off, here as it is for doubles. A piece in which disturbances feel nothing but means of derivatives has
+ * an error of the second order in its length, and one of the first in those means: so it is of the size of the root of the round-off.
+ */
+#define LEFT_OUT (64 * EPS)            /* 2^-47, the most of a disturbance that an approximation may leave out */
+#define OF_MEANS sqrt(EPS / 128)       /* 2^-30, the most that means may be wrong by */
+#define LEAST_SHARE sqrt(EPS / 524288) /* 2^-36 of a stretch, below which it is not shortened: where a derivative begins at infinity */
 #define MOST_ZEROS 8 /* bases of powers that come to zero in one piece */
 
 /* A base of powers that is zero where a piece begins or ends: place on the tape of derivatives, values there, rate, bend. */

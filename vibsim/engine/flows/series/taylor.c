@@ -272,6 +272,15 @@ void taylor_look(Run *r, const State *state)
     expand_at(r, state);
 }
 
+/* Expand the motion at `state`; 0 where a signal has ended that before the last order. */
+static int expand_unless_interrupted(Run *r, const State *state)
+{
+    r->hears = 1;
+    expand_at(r, state);
+    r->hears = 0;
+    return !r->interrupted;
+}
+
 /* Expand the motion at `state` for a step. With formulas the step is shortened until at its end they agree with their series;
  * where that fails because the series of a power overflow near a zero of its base, once more with that zero taken to be here.
  */
@@ -279,7 +288,8 @@ void taylor_enter(Run *r, const State *state)
 {
     Taylor *f = &r->taylor;
     f->nearest = 0.0;
-    expand_at(r, state);
+    if (!expand_unless_interrupted(r, state))
+        return;
     r->steps += 1;
     if (r->mode->tape.op_count == 0)
         return;
@@ -289,8 +299,8 @@ void taylor_enter(Run *r, const State *state)
     f->nearest = overflowing_zero(r);
     if (f->nearest > 0) {
         r->status = OK;
-        expand_at(r, state);
-        sound_step(r);
+        if (expand_unless_interrupted(r, state))
+            sound_step(r);
     }
 }
 

@@ -258,7 +258,7 @@ INLINE void expand_small(Run *r, const State *state, const int bodies, const int
     if (motor)
         o = rotor_of(r, state);
     advance_small(r, &law, &o, row, 1, 0, p, f->inverse[1], bodies, moving, far, motor);
-    for (n = 1; n < p; n++) {
+    for (n = 1; n < p && !is_interrupted(r, n); n++) {
         row += SMALL_STRIDE;
         advance_small(r, &law, &o, row, 0, n, p, f->inverse[n + 1], bodies, moving, far, motor);
     }
@@ -337,7 +337,7 @@ INLINE void expand_any(Run *r, const State *state, const int motor)
         Real *next = row + stride, *F = r->force, inverse = f->inverse[n + 1];
         for (c = 0; c <= bodies; c++)
             next[c] = row[rates + c] * inverse;
-        if (n == p)
+        if (n == p || is_interrupted(r, n))
             break;
         balance(r, row, n);
         if (motor)
@@ -401,7 +401,7 @@ INLINE void expand_formulas(Run *r, const State *state, const int few, const int
         Real *next = row + stride, inverse = f->inverse[n + 1];
         for (c = 0; c <= bodies; c++)
             next[c] = row[rates + c] * inverse;
-        if (n == p)
+        if (n == p || is_interrupted(r, n))
             break;
         for (c = 0; c < columns; c++)
             F[c] = 0.0;
@@ -450,7 +450,7 @@ SHAPE formulas_on_one(Run *r, const State *state)
     (void)state;
     tape_start(&f->tapes, r->t0, f->nearest);
     tape_begin(&m->tape, &f->tapes, row);
-    for (n = 0; n < p; n++, row += stride) {
+    for (n = 0; n < p && !is_interrupted(r, n); n++, row += stride) {
         Real *next = row + stride, inverse = f->inverse[n + 1], F = 0.0;
         add_forces(r, &F, 1, row, n);
         if (n > 0)

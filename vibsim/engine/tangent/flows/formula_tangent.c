@@ -16,10 +16,16 @@
 #define LEAST_SHORTENING 0.25 /* binary digits */
 #define BEYOND_ALL 60.0       /* binary digits by which a value that is no number is beyond */
 #define ROUNDING 4            /* of displacements and velocities at its end, in units of EPS */
-#define LINEAR 0x1p-30        /* the most that a base may bend over the piece at its zero, as a share of its rate */
-#define NODE 0.2              /* of the quadrature: between two */
-#define NODES 27              /* on either side of the middle */
-#define ENDS 0x1p-30          /* of an integral: the most that its outermost nodes may have */
+/* Of the quadrature: between two nodes; their number on either side of the middle. By the bits of the round-off the outermost ones are
+ * as far out as a power above -0.9 at an end asks for.
+ */
+#ifdef LIMBS
+#define NODE (14.0 / (18 - unit_roundoff.exponent))
+#define NODES ((int)(logarithm(4.4 * (1 - unit_roundoff.exponent)) / NODE) + 1)
+#else
+#define NODE 0.2
+#define NODES 27
+#endif
 
 static int reads_motion(const Op *op)
 {
@@ -229,6 +235,7 @@ static int have_integrals(const Run *r, Real *sums)
 {
     const Mode *m = r->mode;
     const FormulaSlopes *slopes = &m->formula_slopes;
+    const Real ends = OF_MEANS;
     int i, j;
     for (i = 0; i < m->formula_count; i++) {
         const FormulaForce *law = &m->formulas[i];
@@ -236,7 +243,7 @@ static int have_integrals(const Run *r, Real *sums)
             continue;
         for (j = slopes->first[law->output]; j < slopes->first[law->output + 1]; j++) {
             const Real *of = series_along(sums, slopes->tape.outputs[slopes->all[j].output]);
-            if (!isfinite(of[1]) || !(of[2] <= ENDS * of[1]))
+            if (!isfinite(of[1]) || !(of[2] <= ends * of[1]))
                 return 0;
         }
     }
@@ -245,7 +252,7 @@ static int have_integrals(const Run *r, Real *sums)
 
 /* Sums over the nodes of a quadrature from 0 to 1, whose weights' sum is returned: by operation of its values, their sizes, and
  * those of the outermost nodes. The double exponential formula of Takahasi and Mori (1974) takes what may have a power above -0.9
- * at either end, to the rounding of doubles. Between the ends of the piece all that is read is linear in time.
+ * at either end, to the round-off. Between the ends of the piece all that is read is linear in time.
  */
 static Real add_nodes(Run *r, const Zeros *zeros, Real t, Real tau, TapeRoom *room)
 {
@@ -253,14 +260,16 @@ static Real add_nodes(Run *r, const Zeros *zeros, Real t, Real tau, TapeRoom *ro
     const Taylor *f = flow_at(r, t);
     const TapeInputs start = inputs_at(r, f, t, 0, r->taylor.tapes.blur), last = inputs_at(r, f, t, tau, r->taylor.tapes.at);
     TapeInputs at = r->taylor.tapes.between;
+    const double node = NODE;
+    const int nodes = NODES;
     Real total = 0.0;
     int i, j, k;
     for (i = 0; i < tape->op_count; i++) {
         Real *sums = series_along(room->series, i);
         sums[0] = sums[1] = sums[2] = 0.0;
     }
-    for (j = -NODES; j <= NODES; j++) {
-        Real z = j * NODE, y = TWO_PI / 2 * hyperbolic_sine(z);
+    for (j = -nodes; j <= nodes; j++) {
+        Real z = j * node, y = TWO_PI / 2 * hyperbolic_sine(z);
         Real before = 1 / (1 + exponential(y)), after = 1 / (1 + exponential(-y));
         Real weight = hyperbolic_cosine(z) * (before * after);
         total = total + weight;
@@ -280,7 +289,7 @@ static Real add_nodes(Run *r, const Zeros *zeros, Real t, Real tau, TapeRoom *ro
             part = weight * room->values[i];
             sums[0] = sums[0] + part;
             sums[1] = sums[1] + fabs(part);
-            if (j == -NODES || j == NODES)
+            if (j == -nodes || j == nodes)
                 sums[2] = sums[2] + fabs(part);
         }
     }
@@ -294,10 +303,11 @@ int formula_take_means(Run *r, const Zeros *zeros, Real t, Real tau)
 {
     TaylorTangent *of = &r->tangent->taylor;
     const Tape *tape = &r->mode->formula_slopes.tape;
+    const Real bend = OF_MEANS;
     Real share, total;
     int i, n;
     for (i = 0; i < zeros->count && i < MOST_ZEROS; i++)
-        if (zeros->all[i].first == zeros->all[i].last || !(zeros->all[i].bend * tau < LINEAR * zeros->all[i].rate))
+        if (zeros->all[i].first == zeros->all[i].last || !(zeros->all[i].bend * tau < bend * zeros->all[i].rate))
             return 0;
     if (zeros->count > MOST_ZEROS)
         return 0;

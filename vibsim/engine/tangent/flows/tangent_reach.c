@@ -4,7 +4,6 @@
 #include "tangent.h"
 
 #define REACH 1.25 /* how much further than exp(-t) of the same order the steps of ordinary vibrations go, at most */
-#define TOGETHER 0x1p-47 /* the most of a disturbance that depends on when within a piece its derivatives act */
 
 /* Bound of the largest eigenvalue of stiffness (stiff) or damping of the couplings' differences. */
 static Real fastest(const Run *r, int stiff)
@@ -49,7 +48,7 @@ static int meets(Run *r, const Zeros *zeros, Real t, Real tau)
     if (!formula_take_means(r, zeros, t, tau))
         return 0;
     formula_rates(r, 0.0, &stiff, &damping);
-    return stiff * tau * tau <= TOGETHER && damping * tau * (tau * r->tangent->tangencies.rate) <= TOGETHER;
+    return stiff * tau * tau <= LEFT_OUT && damping * tau * (tau * r->tangent->tangencies.rate) <= LEFT_OUT;
 }
 
 /* End of a piece from t at whose start or end the base of a power is zero, and over which the derivatives have means; t where

@@ -20,7 +20,6 @@
 #include "inlining.h"
 #include "tangent.h"
 
-#define LEFT_OUT 0x1p-47 /* of a disturbance: the most that the last terms of its series may be */
 #define SHAPE APART void /* one function each, as in taylor_expansion.c */
 
 /* Series c w = s' and c a1 of the flow, and its mass matrix, as it is expanded now. */
