@@ -10,8 +10,8 @@ import vibsim
 from tests.engine.bundles import totals
 from tests.engine.many_digits import exact_parts, truth
 from tests.engine.runs import differences, run
-from tests.engine.test_closed_cases import oscillator
 from tests.engine.test_restart import assert_restarts, rows_at_each_instant
+from vibsim.cases import load_case
 from vibsim.engine.modes.rows import SLIDE
 from vibsim.engine.resume import resume_point
 from vibsim.physics.parts import (
@@ -88,17 +88,6 @@ def test_block_on_a_belt_in_many_digits():
         assert abs(flint.arb(text.decode()) - (flint.arb(HOLD) / K / belt + n * period)) < 1e-37
 
 
-def test_friction_oscillator_of_pwsdde_cont():
-    """x'' + 0.1 x' + x = 1.5 cos(0.9 t) - friction, 1 while slipping and 1.1 while sticking: the symmetric
-    orbit without sticking has the amplitude 2.42023635057437 (independent solver).
-    """
-    friction = Friction("f", 0, GROUND, 1.0, 1.0, 0.0, 1.1, 1.1)
-    result = run(oscillator(0.9, 1.5, 0.1, 100 * 2 * pi / 0.9, frictions=(friction,)))
-    turns = result.events["kind"] == EVENT_KINDS["reversal"]
-    assert abs(result.events["x_m"][turns][-1]) == pytest.approx(2.42023635057437, abs=1e-11)
-    assert times(result, "stick_begin").max() < 20 * 2 * pi / 0.9  # in the transient only
-
-
 def carriage(lid, hold=8.0):
     """A block that a growing force tears off the ground, and one that rubs on it."""
     growing = Harmonic(40.0, 0.5, 0.5 / (2 * pi), 0.0, 0.0)
@@ -135,7 +124,8 @@ def test_what_a_release_tears_with_it():
 
 def test_a_limit_as_high_as_the_slipping_force_changes_nothing():
     friction = Friction("f", 0, GROUND, 1.0, 0.7, 0.1)
-    plain = oscillator(0.9, 1.5, 0.1, 100.0, frictions=(friction,))
+    plain = load_case("gallery/friction-oscillator", {"run.t_end": "100 s"}).scene()
+    plain = replace(plain, frictions=(friction,))
     told = replace(plain, frictions=(replace(friction, hold_forward=1.0, hold_backward=0.7),))
     assert differences(run(plain), run(told)) == []
 
