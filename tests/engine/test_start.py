@@ -11,7 +11,7 @@ from tests.engine.many_digits import exact_parts, truth
 from tests.engine.random_parts import part_scenes
 from tests.engine.runs import whole
 from tests.engine.test_closed_cases import scene
-from tests.events.coincidences import machine
+from tests.events.special_scenes import machine
 from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError, start_of
 from vibsim.engine.events.automaton import Automaton, UnambiguousStart
