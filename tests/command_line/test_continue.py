@@ -1,10 +1,6 @@
 """vibsim continue: what it prints, refuses, and keeps when it is interrupted."""
 
 import json
-import signal
-import subprocess
-import sys
-import time
 
 import pytest
 
@@ -103,27 +99,3 @@ def test_a_file_that_holds_another_branch_is_kept(followed):
     result = follow(path, span="4.5:6")
     assert result.exit_code == 6 and "holds another branch; kept" in result.stderr
     assert path.read_bytes() == before
-
-
-@pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGKILL])
-def test_interrupted_it_goes_on(tmp_path, signum):
-    """Ctrl-C keeps all in the file, kill -9 in the journal; the same command ends with the same bits."""
-    whole, path = tmp_path / "whole.h5", tmp_path / "part.h5"
-    follow(whole, span="3:9")
-    words = ["continue", *CASE, "--omega0", "3:9", "-o", path]
-    run = subprocess.Popen([sys.executable, "-m", "vibsim", *map(str, words)], stderr=subprocess.PIPE)
-    journal = path.with_name("part.h5.journal")
-    until = time.monotonic() + 60
-    while run.poll() is None and time.monotonic() < until:
-        if journal.exists() and journal.read_bytes().count(b"\n") > 5:
-            break
-        time.sleep(0.01)
-    run.send_signal(signum)
-    _, said = run.communicate(timeout=60)
-    if signum == signal.SIGINT:
-        assert run.returncode == 130 and b"the same command resumes it" in said
-        assert 2 < len(open_result(path)) < len(open_result(whole))
-    else:
-        assert journal.exists()
-    assert follow(path, span="3:9").exit_code == 0
-    assert open_result(path).points == open_result(whole).points and not journal.exists()

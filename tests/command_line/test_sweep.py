@@ -2,11 +2,6 @@
 
 import json
 import os
-import signal
-import subprocess
-import sys
-import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -124,35 +119,6 @@ def test_info_describes_a_sweep():
     assert done.exit_code == 0 and "2 of 2 done" in done.stdout
     facts = json.loads(call("info", "II-B-omega0.h5", "--json").stdout)
     assert facts["vibsim_kind"] == "sweep" and facts["case"]["name"] == "II-B"
-
-
-@pytest.mark.parametrize(("signum", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_interruption_keeps_what_is_finished_and_resumes(signum, code):
-    command = [
-        sys.executable,
-        "-m",
-        "vibsim",
-        "sweep",
-        "II-B",
-        "--omega0",
-        "3:7:0.05",
-        "--t-end",
-        "60s",
-        "-o",
-        "s.h5",
-    ]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
-    journal = Path("s.h5.journal")
-    while not (journal.exists() and journal.read_text().count("\n") > 2):
-        assert process.poll() is None
-        time.sleep(0.005)
-    process.send_signal(signum)
-    _, said = process.communicate()
-    assert process.returncode == code
-    assert "interrupted: s.h5 holds what was done" in said
-    left = open_result("s.h5")
-    assert not left.complete and left.attrs["points_done"] >= 2
-    assert os.listdir() == ["s.h5"]
 
 
 def test_an_ensemble_with_what_is_computed_besides():
