@@ -6,17 +6,12 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.plots.artists import lines, points
+from tests.plots.artists import figure_of, lines, points
 from vibsim.physics.parts import EVENT_KINDS, columns_of
 from vibsim.plots import samples, traces
 from vibsim.plots.poincare_sections import _bins
-from vibsim.plots.registry import kind_named
-from vibsim.plots.subject import PlotError, View
+from vibsim.plots.subject import PlotError
 from vibsim.plots.traces import dense
-
-
-def figure_of(kind, subjects, **view):
-    return kind_named(kind).draw(subjects, View(**{"width": "column", **view}))
 
 
 def within(result, name, span):
@@ -84,10 +79,8 @@ def test_impacts_are_marked(subject):
 
 
 def test_contact_is_shaded(subject):
-    from vibsim.plots.samples import contact_spans
-
     one = subject("motor")
-    spans = contact_spans(one, (15.0, 16.0))
+    spans = samples.contact_spans(one, (15.0, 16.0))
     inside = np.zeros(len(one.result.time), dtype=bool)
     for begin, end in spans:
         inside |= (one.result.time > begin) & (one.result.time < end)
