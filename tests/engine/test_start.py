@@ -140,11 +140,9 @@ run: {t_end: 2e14 s, every: 1e14 s, method: taylor}
 
 
 @pytest.fixture
-def crawling(tmp_path):
+def crawling():
     """10,000 rad/s for 2e14 s: 1e17 steps."""
-    path = tmp_path / "crawling.yaml"
-    path.write_text(CRAWLING)
-    return load_case(path).scene()
+    return load_case(CRAWLING).scene()
 
 
 def standstill(scene):
