@@ -1,6 +1,8 @@
 """Every file in valid/ gives a scene with the numbers that its first lines expect (as Python values)."""
 
 import ast
+import io
+import sys
 from pathlib import Path
 
 import pytest
@@ -48,9 +50,6 @@ def test_name_comes_from_the_file_where_it_is_not_given(tmp_path):
 
 
 def test_standard_input(monkeypatch):
-    import io
-    import sys
-
     class Stdin:
         buffer = io.BytesIO(b"blocks: {m1: 1, m2: 1}\ncoupling: {k1: 1}\n")
 

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -86,8 +87,6 @@ def test_the_truth_is_computed_once(monkeypatch):
 
 
 def test_what_is_not_installed_is_named(monkeypatch):
-    from importlib.util import find_spec
-
     monkeypatch.setattr(
         "vibsim.evidence.benchmark.plan.find_spec", lambda name: None if name == "heyoka" else find_spec(name)
     )

@@ -17,6 +17,7 @@ from vibsim.command_line.commands import run as command
 from vibsim.engine.truth import open_truth
 from vibsim.physics import precision
 from vibsim.physics.parts import EVENT_NAMES
+from vibsim.results import simulate_to_file
 
 
 @pytest.fixture(scope="module")
@@ -82,8 +83,6 @@ def test_saving_keeps_them(tmp_path):
 
 
 def test_an_interrupted_run_keeps_its_digits(tmp_path):
-    from vibsim.results import simulate_to_file
-
     short = case("I-A", "20 s", every="10 ms")
     result = simulate_to_file(short, tmp_path / "cut.h5", digits=30, watch=lambda t: t < 2)
     assert not result.complete and "digits_right" not in result.attrs
