@@ -199,7 +199,7 @@ def test_disturbances_are_difference_quotients_in_forty_digits(text, t_end):
     start = {"cart.x": "1 mm", "load.x": "2 mm", "cart.v": "2 cm/s", "load.v": "5 cm/s"}
     scene = scene_of(text, start if text == TWO_BELTS else {}, t_end=t_end)
     columns, kinds = assert_derivative(scene, doubles=1e-9)
-    assert columns == 3 and len(kinds) > 1
+    assert columns >= 3 and len(kinds) > 1
 
 
 # A base whose velocity jumps, under what sticks to it and what rests on it.
