@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import vibsim
+from vibsim.analysis import CaptureVerdict, DriftVerdict, RegimeVerdict
 from vibsim.cases import RangeError
 from vibsim.cases.formula_text import FormulaError
 from vibsim.cases.problems import Problem
@@ -228,8 +229,6 @@ def test_what_is_no_change_of_values_is_refused():
 
 
 def test_verdicts_are_members_and_texts(saved):
-    from vibsim.analysis import CaptureVerdict, DriftVerdict, RegimeVerdict
-
     found = vibsim.analyse(saved, exponent=False)
     for verdict, kind in (
         (found.capture.verdict, CaptureVerdict),

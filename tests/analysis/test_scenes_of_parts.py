@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import vibsim
+from vibsim import simulate
 from vibsim.analysis import analyse, compare, count_impacts, find_frequencies, judge_regime, measure_drift
 from vibsim.analysis.capture import resonances
 from vibsim.analysis.cycles import Span
@@ -251,9 +252,6 @@ run: {t_end: 60 s, every: 5 ms}
 
 
 def test_runs_without_a_displacement_in_common_are_not_compared():
-    from vibsim import simulate
-    from vibsim.analysis.comparison import compare
-
     ram, tool = (
         simulate(f"bodies: {{{name}: 1 kg}}\nrun: {{t_end: 1 s, every: 0.1 s}}") for name in ("ram", "tool")
     )

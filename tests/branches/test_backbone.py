@@ -92,10 +92,9 @@ run: {t_end: 40 s, every: 0.5 s}
 """
 
 
-def test_a_rigid_stop_without_loss(tmp_path):
+def test_a_rigid_stop_without_loss():
     """Half a swing takes acos(-G / a): the frequency goes from w / (2 pi) to twice that."""
-    (tmp_path / "wall.yaml").write_text(RIGID)
-    branch = continue_branch(load_case(str(tmp_path / "wall.yaml")), energy="0.6:2 J")
+    branch = continue_branch(load_case(RIGID), energy="0.6:2 J")
     amplitudes = np.sqrt(2 * branch["parameter"])
     np.testing.assert_allclose(branch["period"], 2 * np.arccos(-1 / amplitudes), rtol=1e-12)
     assert branch.ends == ("end of the range", "end of the range") and set(branch["word"]) == {"i"}
@@ -122,10 +121,9 @@ run: {t_end: 40 s, every: 0.5 s}
 """
 
 
-def test_two_bodies_leave_their_linear_mode_at_the_stop(tmp_path):
+def test_two_bodies_leave_their_linear_mode_at_the_stop():
     """In front of the stop the frequency is that of the mode; multipliers come as mu and 1 / mu."""
-    (tmp_path / "chain.yaml").write_text(CHAIN)
-    case = load_case(str(tmp_path / "chain.yaml"))
+    case = load_case(CHAIN)
     values, shapes = np.linalg.eigh(np.array([[5.0, -2 / sqrt(2)], [-2 / sqrt(2), 1.0]]))
     mode = -shapes[:, 0] * [1, 1 / sqrt(2)] * np.sign(shapes[1, 0]) * 0.2
     orbit = vibsim.orbit(case, start={"x_a": mode[0], "x_b": mode[1], "v_a": 0.0, "v_b": 0.0})
@@ -139,9 +137,8 @@ def test_two_bodies_leave_their_linear_mode_at_the_stop(tmp_path):
     assert branch.special("GR1").parameter == pytest.approx(graze, rel=1e-11)
 
 
-def test_the_gradient_of_the_energy(tmp_path):
-    (tmp_path / "chain.yaml").write_text(CHAIN)
-    of = ReturnMap(load_case(str(tmp_path / "chain.yaml")).scene())
+def test_the_gradient_of_the_energy():
+    of = ReturnMap(load_case(CHAIN).scene())
     conserved, X = Conserved(of.scene, of.coordinates), np.array([0.3, 0.4, -0.7])
     beside = [conserved.energy(X + s) - conserved.energy(X - s) for s in 1e-5 * np.eye(3)]
     np.testing.assert_allclose(conserved.gradient(X), np.array(beside) / 2e-5, rtol=1e-9)

@@ -27,11 +27,9 @@ run: {{t_end: 60 s, every: 0.5 s}}
 """
 
 
-def twins(tmp_path, tie, energy):
+def twins(tie, energy):
     """Both bodies swing alike: k = 1 N/m in front of their stops at 1 m, 9 N/m beyond; E = a^2."""
-    path = tmp_path / "twins.yaml"
-    path.write_text(TWINS.format(tie=tie, x=sqrt(energy)))
-    return load_case(str(path))
+    return load_case(TWINS.format(tie=tie, x=sqrt(energy)))
 
 
 def trace(energy, tie):
@@ -51,8 +49,8 @@ def trace(energy, tie):
         (1.2, "branch point", 2, ((1.01, 1.05), (1.15, 1.25)), "0.9:1.3 J"),
     ],
 )
-def test_two_bodies_that_swing_alike(tmp_path, tie, kind, tau, brackets, span):
-    branch = continue_branch(twins(tmp_path, tie, sum(brackets[1]) / 2 + 0.05), energy=span)
+def test_two_bodies_that_swing_alike(tie, kind, tau, brackets, span):
+    branch = continue_branch(twins(tie, sum(brackets[1]) / 2 + 0.05), energy=span)
     traces = branch["multipliers"].sum(axis=1).real - 1  # of a pair, beside the 1 of the energy
     np.testing.assert_allclose(traces, [trace(E, tie) for E in branch["parameter"]], atol=1e-10)
     exact = [brentq(lambda E: trace(E, tie) - tau, *bracket, xtol=1e-15, rtol=1e-15) for bracket in brackets]
@@ -79,10 +77,9 @@ run: {t_end: 100 s, every: 0.5 s}
 """
 
 
-def test_stops_on_both_sides_are_grazed_at_one_energy(tmp_path):
+def test_stops_on_both_sides_are_grazed_at_one_energy():
     """A mirrored oscillator meets both where k gap^2 / 2 is its energy: one graze."""
-    (tmp_path / "mirrored.yaml").write_text(MIRRORED)
-    branch = continue_branch(str(tmp_path / "mirrored.yaml"), energy="0.3:2 J")
+    branch = continue_branch(MIRRORED, energy="0.3:2 J")
     (graze,) = branch.specials
     assert graze.kind == "grazing" and graze.parameter == pytest.approx(0.5, rel=1e-12)
     assert [branch.spelled(word) for word in (graze.before, graze.after)] == ["", "b1 e1 b2 e2"]
@@ -122,9 +119,9 @@ def test_what_is_kept_is_taken_out():
     assert all(abs(np.linalg.eigvals(inner) - mu).min() < 1e-12 for mu in exact)
 
 
-def test_bodies_that_move_alike_have_one_order_of_events(tmp_path):
+def test_bodies_that_move_alike_have_one_order_of_events():
     """Which of two blows at one instant comes first is not told by rounding: no change of order is listed."""
-    branch = continue_branch(twins(tmp_path, 0.3, 5.0), energy="4.5:6 J")
+    branch = continue_branch(twins(0.3, 5.0), energy="4.5:6 J")
     assert set(branch["word"]) == {"b1 b2 e1 e2"} and branch.specials == []
 
 
@@ -180,10 +177,9 @@ def discriminant(matrix):
 
 
 @pytest.mark.slow
-def test_four_multipliers_of_a_chain_leave_the_circle(tmp_path):
+def test_four_multipliers_of_a_chain_leave_the_circle():
     """Where vibsim says Neimark-Sacker, matrix exponentials have two equal traces; between, a quadruple."""
-    (tmp_path / "chain.yaml").write_text(CHAIN)
-    case = load_case(str(tmp_path / "chain.yaml"))
+    case = load_case(CHAIN)
     _, shapes = np.linalg.eigh(STIFFNESS / np.sqrt(np.outer(MASSES, MASSES)))
     mode = shapes[:, 0] / np.sqrt(MASSES)
     mode *= -0.95 / mode[2]

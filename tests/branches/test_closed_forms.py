@@ -21,23 +21,14 @@ from vibsim.orbits.branches.plan import plan_from, read_span
 from vibsim.orbits.coordinates import case_on_orbit
 from vibsim.orbits.newton import solve
 
-BILINEAR = """
-name: bilinear
-bodies: {m: 1 kg}
-links: {spring: {between: [m, ground], k: 1 N/m, c: 0.02 N s/m}}
-stops: {wall: {between: [m, ground], gap: 1 m, acts: compression, law: elastic, k: 29 N/m}}
-forces: {drive: {on: m, A: 0.3 N, omega: 0.8 rad/s}}
-run: {t_end: 2000 s, every: 0.5 s}
-"""
 GRAZING = hypot(1 - 0.64, 0.02 * 0.8)  # amplitude at which the linear motion just reaches the stop: V12 [N]
 FORCED = 0.9 * 0.64 / 1.26  # PWSDDE-cont's demo: there the motion of period 2 is seen [N]
 
 
 @pytest.fixture(scope="module")
-def branch(tmp_path_factory):
-    path = tmp_path_factory.mktemp("bilinear") / "bilinear.yaml"
-    path.write_text(BILINEAR)
-    return continue_branch(load_case(str(path)), "A", "0.25:0.6 N")
+def branch():
+    start = load_case("gallery/bilinear-oscillator", {"drive.A": "0.3 N"})
+    return continue_branch(start, "drive.A", "0.25:0.6 N")
 
 
 def test_it_grazes_where_the_linear_motion_reaches_the_stop(branch):

@@ -52,12 +52,6 @@ run: {t_end: 20 s, every: 5 ms}
 """
 
 
-def case_of(text, tmp_path):
-    path = tmp_path / "case.yaml"
-    path.write_text(text)
-    return load_case(str(path))
-
-
 def slip_back(x, v, belt, gap):
     """Slip on the belt from (x, v) over an impact at the gap, if there is one ahead: (x, v) where the slip
     velocity next turns before zero, or where the gap is met again.
@@ -82,11 +76,11 @@ def slip_back(x, v, belt, gap):
     return solve_ivp(rates, [0, 20], start, events=[wall, turn], **options).y[:, -1]
 
 
-def test_a_cycle_that_slips_has_a_fold_beside_the_corner(tmp_path):
+def test_a_cycle_that_slips_has_a_fold_beside_the_corner():
     """The corner is where the slip from the place at which the spring is as strong as what holds just comes
     back to the belt; the orbits that slip all the time end in a fold 4.5e-5 m/s below it.
     """
-    branch = continue_branch(case_of(BELT, tmp_path), "friction.f.belt", "1.44:1.46 m/s")
+    branch = continue_branch(load_case(BELT), "friction.f.belt", "1.44:1.46 m/s")
     (held,) = (root.real for root in np.roots([0.2, 0, 1, -1]) if abs(root.imag) < 1e-9)
     corner = brentq(lambda belt: slip_back(held, belt - 1e-13, belt, 1.2)[1] - belt, 1.44, 1.46, xtol=1e-11)
     assert [one.label for one in branch.specials] == ["CO1", "F1"]
@@ -96,10 +90,10 @@ def test_a_cycle_that_slips_has_a_fold_beside_the_corner(tmp_path):
     assert branch.ends == ("end of the range", "end of the range") and set(branch["word"]) == {"isu", "i"}
 
 
-def test_a_stick_that_begins_just_before_an_impact_is_born_at_a_kink(tmp_path):
+def test_a_stick_that_begins_just_before_an_impact_is_born_at_a_kink():
     """The mass comes to the wall as fast as the belt; the slope of the branch jumps from 0.6 to 170 there."""
     start = BELT.replace("1.2 m,", "0.836 m,").replace("1.44 m/s", "1 m/s")
-    branch = continue_branch(case_of(start, tmp_path), "stops.w.gap", "0.834:0.837 m")
+    branch = continue_branch(load_case(start), "stops.w.gap", "0.834:0.837 m")
     kink = brentq(lambda gap: slip_back(gap, 1.0, 1.0, gap)[1] - 1.0 + 1e-13, 0.834, 0.837, xtol=1e-11)
     (born,) = branch.specials
     assert born.kind == "sticking"
@@ -108,11 +102,11 @@ def test_a_stick_that_begins_just_before_an_impact_is_born_at_a_kink(tmp_path):
     assert branch.ends == ("end of the range", "end of the range")
 
 
-def test_sticking_until_an_impact_ends_orbits_at_a_corner(tmp_path):
+def test_sticking_until_an_impact_ends_orbits_at_a_corner():
     """Orbits that reverse at the impact, and those that stick until it, end each other: one multiplier is on
     one side of 1 and on the other, and both exist on one side of the corner only.
     """
-    branch = continue_branch(case_of(SHAKEN, tmp_path), "friction.f.mu", "0.254:0.266")
+    branch = continue_branch(load_case(SHAKEN), "friction.f.mu", "0.254:0.266")
     corner = branch.special("CO1")
     at = corner.between
     one, other = (branch["multipliers"][i].real.max() for i in (at[0] - 1, at[1] + 1))
@@ -122,11 +116,11 @@ def test_sticking_until_an_impact_ends_orbits_at_a_corner(tmp_path):
     assert branch.ends == ("end of the range", "end of the range")
 
 
-def test_a_rigid_stop_is_grazed_where_friction_reverses(tmp_path):
+def test_a_rigid_stop_is_grazed_where_friction_reverses():
     """Friction between the ends of a stop reverses where the gap turns; the graze there is told as any other.
     Beyond it the case's own start is inside the stop, and an orbit of the branch can be run all the same.
     """
-    branch = continue_branch(case_of(DRIVEN, tmp_path), "stops.w.gap", "-0.2:0 m")
+    branch = continue_branch(load_case(DRIVEN), "stops.w.gap", "-0.2:0 m")
     (graze,) = branch.specials
     assert graze.kind == "grazing" and branch.ends[0].startswith("a rigid stop is grazed")
     assert (branch.spelled(graze.before), branch.spelled(graze.after)) == ("irrirr", "irrrr")
@@ -137,18 +131,18 @@ def test_a_rigid_stop_is_grazed_where_friction_reverses(tmp_path):
     assert run.case.values["stops.w.gap"].value < 0
 
 
-def test_no_step_goes_over_a_fold_or_a_graze_to_other_orbits(tmp_path):
+def test_no_step_goes_over_a_fold_or_a_graze_to_other_orbits():
     """Orbits that strike the stop have a fold, and a graze ends them together with those that stay clear.
 
     Multipliers tell a step to other orbits, though not where a rigid stop is grazed: such steps went over
     both. The graze is where the motion without the stop just reaches it.
     """
-    branch = continue_branch(case_of(MOTOR, tmp_path), "friction.g.mu", "0.19:0.41")
+    branch = continue_branch(load_case(MOTOR), "friction.g.mu", "0.19:0.41")
     fold, graze = (one for one in branch.specials if one.kind != "order")
     assert (fold.kind, graze.kind) == ("fold", "grazing")
     assert branch["parameter"].max() <= fold.parameter and set(branch["word"]) == {"irr"}
     values = {"friction.g.mu": f"{graze.parameter!r}", "stops.w": "none"}
-    free = orbit(case_of(MOTOR, tmp_path).with_values(values))
+    free = orbit(load_case(MOTOR).with_values(values))
     events = free.run.events
     turns = events["x_f"][events["kind"] == EVENT_KINDS["reversal"]]
     assert turns.max() == pytest.approx(3e-3, rel=1e-9)

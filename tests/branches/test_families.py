@@ -25,10 +25,9 @@ run: {t_end: 400 s, every: 0.5 s}
 """
 
 
-def test_a_body_that_sticks_anywhere(tmp_path):
+def test_a_body_that_sticks_anywhere():
     """Body b sticks on its friction, anywhere within a band: at each amplitude orbits are a family."""
-    (tmp_path / "family.yaml").write_text(STUCK)
-    branch = continue_branch(load_case(str(tmp_path / "family.yaml")), "A", "0.5:2 N")
+    branch = continue_branch(load_case(STUCK), "A", "0.5:2 N")
     assert branch.specials == [] and branch.ends == ("end of the range", "end of the range")
     assert np.abs(branch["multipliers"] - 1).min(axis=1).max() < 1e-12
     assert (branch["v_b"] == 0).all() and branch["residual"].max() < 1e-12
@@ -45,13 +44,12 @@ run: {t_end: 400 s, every: 0.5 s}
 
 
 @pytest.mark.parametrize(("key", "span"), [("A", "0.97:1.5 N"), ("friction.floor.N", "0.05:0.104 N")])
-def test_the_family_of_csernak_stepan_and_shaw(key, span, tmp_path):
+def test_the_family_of_csernak_stepan_and_shaw(key, span):
     """At half the natural frequency orbits that never stick form a family (Csernak, Stepan and Shaw 2007): in
     half a period the body moves by 2 A / (1 - 1/4), wherever it is. One multiplier is 1 all along, and is no
     fold; nor does its rounding count as a change of the index.
     """
-    (tmp_path / "rubbing.yaml").write_text(RUBBING)
-    case = load_case(str(tmp_path / "rubbing.yaml"))
+    case = load_case(RUBBING)
     orbit = find_orbit(case.scene(), {"x_m": 0.0, "v_m": 2 / 3}, 1, case=case)
     branch = continue_branch(orbit, key, span)
     assert branch.specials == [] and branch.ends == ("end of the range", "end of the range")
@@ -108,10 +106,8 @@ run: {t_end: 200 s, every: 10 ms}
 """
 
 
-def branch(law, folder):
-    path = folder / "belt.yaml"
-    path.write_text(TEXT.replace("LAW", law))
-    return vibsim.continue_branch(path, KEY, "0.9:1.9 m/s")
+def branch(law):
+    return vibsim.continue_branch(TEXT.replace("LAW", law), KEY, "0.9:1.9 m/s")
 
 
 @pytest.mark.parametrize(
@@ -122,8 +118,8 @@ def branch(law, folder):
         (HYPERBOLIC, (math.sqrt(10) - 1) / 2),
     ],
 )
-def test_a_stick_slip_cycle_ends_in_a_state_of_rest(law, speed, tmp_path):
-    cycles = branch(law, tmp_path)
+def test_a_stick_slip_cycle_ends_in_a_state_of_rest(law, speed):
+    cycles = branch(law)
     hopf = cycles.specials[-1]
     assert [one.kind for one in cycles.specials] == ["corner", "hopf"]
     assert hopf.label == "HO1" and hopf.parameter == pytest.approx(speed, rel=1e-11)

@@ -28,13 +28,11 @@ run: {t_end: 60 s, every: 20 ms}
 GRAZE = 0.4974312717  # restitution; there a DOP853 of its own turns 5e-9 m before the stop
 
 
-def test_a_graze_is_told_where_a_step_leads_across_it(tmp_path):
+def test_a_graze_is_told_where_a_step_leads_across_it():
     """Orbits with a second, slow blow have a multiplier of -79 behind it: brackets of orbits do not close in
     on the graze, where it is infinite, and the change was listed as unresolved.
     """
-    path = tmp_path / "across.yaml"
-    path.write_text(SCENE)
-    case = load_case(str(path), {"s0.e": "0.4967508313181038"})
+    case = load_case(SCENE, {"s0.e": "0.4967508313181038"})
     there = find_orbit(case.scene(), {"x_a": 0.046492991, "v_a": -0.64445775}, 2, case=case)
     plan = plan_from(there, *read_span(case, "s0.e", "0.4:0.6"))
     family = plan.family()
@@ -45,7 +43,7 @@ def test_a_graze_is_told_where_a_step_leads_across_it(tmp_path):
     (graze,) = inspect(family, one, other)
     assert graze.kind == "grazing" and graze.jump == 1
     assert graze.node.parameter == pytest.approx(GRAZE, abs=1e-9)
-    near = load_case(str(path), {"s0.e": f"{graze.node.parameter - 1e-9!r}"})
+    near = load_case(SCENE, {"s0.e": f"{graze.node.parameter - 1e-9!r}"})
     X = graze.node.point.end.X
     beside = {"x_a": X[0] + 1e-7, "v_a": X[1]}  # the graze itself has no derivative
     assert 0 < find_orbit(near.scene(), beside, 2).margin < 1e-10
@@ -91,13 +89,11 @@ run: {t_end: 9 s, every: 10 ms}
 """
 
 
-def test_a_graze_of_an_orbit_that_a_stiffness_in_time_drives(tmp_path):
+def test_a_graze_of_an_orbit_that_a_stiffness_in_time_drives():
     """Up to the stop the motion is linear, so its amplitude grows as the base does; windows about the touch
     began with the formulas as they are at the section, not as they are there.
     """
-    path = tmp_path / "parametric.yaml"
-    path.write_text(PARAMETRIC)
-    case = load_case(str(path))
+    case = load_case(PARAMETRIC)
     there = orbit(case)
     graze = 15e-3 * 25e-3 / (25e-3 - there.margin)
     branch = continue_branch(there, "base.a", "14.9:25 mm")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.branches.made import KEYS, PERIOD_5, orbit_of
-from tests.branches.test_closed_forms import BILINEAR, GRAZING
+from tests.branches.test_closed_forms import GRAZING
 from tests.command_line.made import call
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
@@ -16,7 +16,7 @@ from vibsim.orbits.branches.locus_result import LocusStore, locus_plan, read_loc
 from vibsim.orbits.branches.plan import read_span
 from vibsim.physics.parts import GROUND
 
-ELASTIC, RIGID = "law: elastic, k: 29 N/m", "law: rigid, e: 0.8"
+LAWS = {"elastic": {}, "rigid": {"wall.law": "rigid", "wall.e": "0.8"}}
 
 
 @pytest.fixture(scope="module")
@@ -24,12 +24,10 @@ def branches(tmp_path_factory):
     """Of the linear motion in front of an elastic and a rigid stop, and beyond the graze."""
     folder = tmp_path_factory.mktemp("grazings")
     made = {}
-    for law in (ELASTIC, RIGID):
-        path = folder / f"{law[5:10]}.yaml"
-        path.write_text(BILINEAR.replace(ELASTIC, law))
-        made[law] = continue_branch(
-            load_case(str(path)), "A", "0.29:0.4 N", max_points=90, out=path.with_suffix(".h5")
-        )
+    for law, changes in LAWS.items():
+        case = load_case("gallery/bilinear-oscillator", {"drive.A": "0.3 N", **changes})
+        out = folder / f"{law}.h5"
+        made[law] = continue_branch(case, "drive.A", "0.29:0.4 N", max_points=90, out=out)
     return made
 
 
@@ -40,7 +38,7 @@ def locus_of(branch, key, span, path=None):
 
 def test_a_branch_ends_at_the_graze_of_a_rigid_stop(branches):
     """Its last special point is the graze itself; what the motion does beyond has an infinite multiplier."""
-    branch = branches[RIGID]
+    branch = branches["rigid"]
     graze = branch.special("GR1")
     assert graze.parameter == pytest.approx(GRAZING, rel=1e-14)
     assert (graze.before, graze.after) == ((), (("impact", 0),)) and graze.jump == 0
@@ -48,7 +46,7 @@ def test_a_branch_ends_at_the_graze_of_a_rigid_stop(branches):
     assert np.prod(graze.multipliers).real == pytest.approx(np.exp(-0.02 * 2 * pi / 0.8), rel=1e-12)
 
 
-@pytest.mark.parametrize("law", [ELASTIC, RIGID])
+@pytest.mark.parametrize("law", LAWS)
 def test_grazings_over_amplitude_and_frequency(branches, law):
     """The amplitude of the linear motion is the gap: A = G sqrt((k - m w^2)^2 + (c w)^2)."""
     locus = locus_of(branches[law], "drive.omega", "0.79:0.81 rad/s")
@@ -60,7 +58,7 @@ def test_grazings_over_amplitude_and_frequency(branches, law):
 
 def test_grazings_over_the_gap_on_file(branches, tmp_path):
     """Amplitudes in proportion; gone on with, the same bits."""
-    whole = locus_of(branches[RIGID], "wall.gap", "0.98:1.02 m", tmp_path / "locus.h5")
+    whole = locus_of(branches["rigid"], "wall.gap", "0.98:1.02 m", tmp_path / "locus.h5")
     gaps = whole["second"]
     np.testing.assert_allclose(whole["parameter"], gaps * hypot(1 - 0.64, 0.02 * 0.8), rtol=1e-13)
     again = LocusStore(whole.plan, tmp_path / "again.h5")
@@ -90,10 +88,9 @@ def greatest(case):
 
 
 @pytest.mark.slow
-def test_grazings_under_a_motor(tmp_path):
+def test_grazings_under_a_motor():
     """The gap is what the machine without the stop swings out to, by runs that know of no locus."""
-    (tmp_path / "rotor.yaml").write_text(MOTOR)
-    case = load_case(str(tmp_path / "rotor.yaml"))
+    case = load_case(MOTOR)
     branch = continue_branch(case, "motor.Omega0", "0.6:1.2 Hz")
     locus = locus_of(branch, "wall.gap", "10:30 mm")
     assert len(locus) > 5

@@ -41,10 +41,8 @@ STATE = {"x_a": 0.1287625, "v_a": 5.7147503, "x_b": 0.4531174, "v_b": 0.8672522}
 
 
 @pytest.fixture(scope="module")
-def branch(tmp_path_factory):
-    path = tmp_path_factory.mktemp("kink") / "kink.yaml"
-    path.write_text(SCENE)
-    case = load_case(str(path))
+def branch():
+    case = load_case(SCENE)
     return vibsim.continue_branch(
         find_orbit(case.scene(), STATE, 1, case=case), "bodies.a", "0.813:0.8133 kg"
     )
@@ -170,7 +168,7 @@ def test_what_comes_and_goes_by_rounding_is_none_and_what_lies_apart_stays():
 FEW, MANY = (0, 1), range(2, 40)
 
 
-def random_case(seed, folder):
+def random_case(seed):
     """One or two bodies on springs before an elastic stop, with or without friction, driven by one force."""
     random = np.random.default_rng(seed)
 
@@ -193,13 +191,11 @@ def random_case(seed, folder):
     ]
     if rubs:
         text.append(f"friction: {{floor: {{between: [m, ground], N: {number(0.02, 0.2)} N, mu: 1}}}}")
-    path = folder / f"random-{seed}.yaml"
-    path.write_text("\n".join(text))
-    return load_case(str(path))
+    return load_case("\n".join(text))
 
 
-def checked(seed, folder, most):
-    case = random_case(seed, folder)
+def checked(seed, most):
+    case = random_case(seed)
     omega = float(case.quantity("drive.omega").value)
     start = search_orbits(case, count=2, seed=seed)[0]
     branch = continue_branch(start, "drive.omega", f"{0.7 * omega}:{1.4 * omega} rad/s", max_points=most)
@@ -212,14 +208,14 @@ def checked(seed, folder, most):
 
 
 @pytest.mark.parametrize("seed", FEW)
-def test_what_changes_is_listed(seed, tmp_path):
-    checked(seed, tmp_path, 60)
+def test_what_changes_is_listed(seed):
+    checked(seed, 60)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", MANY)
-def test_what_changes_is_listed_at_length(seed, tmp_path):
-    checked(seed, tmp_path, 120)
+def test_what_changes_is_listed_at_length(seed):
+    checked(seed, 120)
 
 
 def test_it_is_told_in_words_and_on_file(tmp_path):

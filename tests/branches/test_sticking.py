@@ -37,10 +37,8 @@ def without_stops(w, force=0.1):
 
 
 @pytest.fixture(scope="module")
-def coulomb(tmp_path_factory):
-    path = tmp_path_factory.mktemp("coulomb") / "coulomb.yaml"
-    path.write_text(COULOMB)
-    return load_case(str(path))
+def coulomb():
+    return load_case(COULOMB)
 
 
 @pytest.fixture(scope="module")

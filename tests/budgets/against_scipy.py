@@ -5,7 +5,7 @@ from statistics import median
 
 import numpy as np
 
-from tests.budgets.engine_clock import run_through, without_samples
+from tests.budgets.engine_clock import run_through
 from tests.budgets.row import Row, stopwatch
 from tests.budgets.true_states import error_of
 from vibsim.cases import load_case
@@ -19,7 +19,7 @@ REPETITIONS = 3
 
 def rows():
     for name in ("II-B", "I-C"):
-        scene = without_samples(replace(load_case(name).scene(), t_end=float(SPAN)))
+        scene = replace(load_case(name).scene(), t_end=float(SPAN)).without_samples()
         ours = median(stopwatch(lambda scene=scene: run_through(open_trajectory(scene))) for _ in range(15))
         note = f"vibsim {ours * 1e3:.2f} ms, error {error_of(name, SPAN, final_state(scene)):.1e}"
         yield with_events(name, scene, ours, note)

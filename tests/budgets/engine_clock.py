@@ -1,8 +1,6 @@
 """Time spent inside C, apart from the copying of its blocks."""
 
-import math
 import time
-from dataclasses import replace
 from types import SimpleNamespace
 from unittest.mock import patch
 
@@ -46,8 +44,3 @@ def run_through(trajectory):
     for _ in trajectory.blocks():
         pass
     return trajectory.totals
-
-
-def without_samples(scene):
-    """The scene with no samples but the one at t = 0."""
-    return replace(scene, every_num=2 * math.ceil(scene.t_end), every_den=1)

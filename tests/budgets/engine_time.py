@@ -2,7 +2,7 @@
 
 from statistics import median
 
-from tests.budgets.engine_clock import EngineClock, run_through, without_samples
+from tests.budgets.engine_clock import EngineClock, run_through
 from tests.budgets.row import Row, stopwatch
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
@@ -33,7 +33,7 @@ def _case_rows(name, floor, most_ms, most_us):
     )
     yield Row(f"{name}, 300 s, 60,001 samples, in the engine", "ms", most_ms, in_engine, [note])
     if most_us is not None:
-        bare = median(engine_ms(without_samples(scene)) for _ in range(REPETITIONS))
+        bare = median(engine_ms(scene.without_samples()) for _ in range(REPETITIONS))
         note = f"without samples {bare:.1f} ms: {bare * 1e3 / events:.2f} us"
         yield Row(f"{name}, time per event", "us", most_us, [ms * 1e3 / events for ms in in_engine], [note])
     low, high = floor

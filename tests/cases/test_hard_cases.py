@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.command_line.made import call
+from tests.command_line.made import told
 from vibsim.cases import CaseError, hard_case_names, load_case
 
 
@@ -26,5 +26,4 @@ def test_a_file_of_the_same_name_is_reached_by_its_path(tmp_path, monkeypatch):
 
 
 def test_a_hard_case_runs_by_name(tmp_path):
-    done = call("run", "hard/stiff-stop", "--t-end", "0.1s", "-o", tmp_path / "stiff.h5")
-    assert done.exit_code == 0
+    told("run", "hard/stiff-stop", "--t-end", "0.1s", "-o", tmp_path / "stiff.h5")

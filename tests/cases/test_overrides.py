@@ -1,5 +1,7 @@
 """Overrides and with_values: checked as if the file said so, under full and short keys."""
 
+from pathlib import Path
+
 import pytest
 
 from vibsim.cases import Case, CaseError, UnknownKeyError, load_case
@@ -110,6 +112,52 @@ def test_short_keys_mean_what_the_case_has():
 )  # fmt: skip
 def test_problems_of_overrides(overrides, lines):
     assert problems_of(overrides) == lines
+
+
+@pytest.mark.parametrize(
+    ("overrides", "lines"),
+    [
+        ({"stops.anvil.k": "0 N/m"}, ["overrides stops.anvil.k: must be > 0, got 0 N/m"]),
+        (
+            {"stops.anvli.k": "1 N/m"},
+            ["overrides stops.anvli.k: unknown key (did you mean stops.anvil.k?); "
+             "a key is written like stops.wall.k or run.t_end"],
+        ),
+        (
+            {"anvil.kk": "1 N/m"},
+            ["overrides anvil.kk: unknown key (did you mean stops.anvil.k?); "
+             "a key is written like stops.wall.k or run.t_end"],
+        ),
+        (
+            {"excitation.omega": "1 Hz"},
+            ["overrides excitation.omega: unknown key (did you mean forces.drive.omega?); "
+             "a key is written like stops.wall.k or run.t_end"],
+        ),
+        (
+            {"forces.chord.terms.3.A": "1 N"},
+            ["overrides forces.chord.terms.3.A: unknown key (did you mean forces.chord.terms.2.A?); "
+             "a key is written like stops.wall.k or run.t_end"],
+        ),
+        (
+            {"mu": "0.3"},
+            ["overrides mu: is short for several keys: friction.guide.mu, friction.weight.mu, "
+             "friction.moon.plus.mu, friction.moon.minus.mu, friction.smooth.mu"],
+        ),
+        (
+            {"links.spring.between": "[ram, tol]"},
+            ["overrides links.spring.between: no body tol (did you mean tool?); "
+             "allowed: ram, tool, ground, base"],
+        ),
+        ({"stops.anvil": "off"}, ["overrides stops.anvil: must be a mapping of between, gap, acts, law, "
+                                  "k, c, release, e, force, or none; got off"]),
+        ({"stops.anvil.e": "0.5"}, ["overrides stops.anvil.e: belongs to law: rigid; "
+                                    "this stop has law: elastic"]),
+        ({"run.method": "closed_form"}, ["overrides run.method: a motor has no closed form; with one, "
+                                         "run.method must be auto or taylor, got closed_form"]),
+    ],
+)  # fmt: skip
+def test_problems_of_overrides_of_parts(overrides, lines):
+    assert problems_of(overrides, Path(__file__).parent / "parts/valid/hammer.yaml") == lines
 
 
 def test_an_override_hides_a_mistake_of_the_file(tmp_path):

@@ -25,6 +25,13 @@ def call(*words, **options):
     )
 
 
+def told(*words, **options):
+    """What `vibsim words...` prints inside this process; it succeeds."""
+    done = call(*words, **options)
+    assert done.exit_code == 0, done.output
+    return done.stdout
+
+
 def process(*words, **options):
     """`vibsim words...` as a process of its own; .returncode, .stdout, .stderr."""
     command = [sys.executable, "-m", "vibsim", *map(str, words)]

@@ -7,11 +7,12 @@ import signal
 import subprocess
 import sys
 import time
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
-from tests.command_line.made import call
+from tests.command_line.made import call, told
 from vibsim.cases.quantities import number
 from vibsim.evidence.benchmark import open_bench
 from vibsim.evidence.benchmark.plan import FAMILIES
@@ -86,14 +87,11 @@ def test_the_truth_is_computed_once(monkeypatch):
 
 
 def test_what_is_not_installed_is_named(monkeypatch):
-    from importlib.util import find_spec
-
     monkeypatch.setattr(
         "vibsim.evidence.benchmark.plan.find_spec", lambda name: None if name == "heyoka" else find_spec(name)
     )
-    done = call("bench", "--t-end", "1s", "--methods", "taylor,heyoka")
-    assert done.exit_code == 0
-    assert "heyoka.py with events  not installed: pip install 'vibsim[bench]'" in done.stdout
+    shown = told("bench", "--t-end", "1s", "--methods", "taylor,heyoka")
+    assert "heyoka.py with events  not installed: pip install 'vibsim[bench]'" in shown
 
 
 @pytest.mark.parametrize(
@@ -141,15 +139,14 @@ def test_interruption_keeps_the_rows_done():
 
 
 def test_a_case_with_a_rigid_stop():
-    done = call("bench", "gallery/ball-on-shaken-table", "--t-end", "1s", "--methods", "taylor,dop853,rk4")
-    assert done.exit_code == 0
-    assert "RK4, sgn, no events  left out: the case has rigid stops, which need located events" in done.stdout
+    shown = told("bench", "gallery/ball-on-shaken-table", "--t-end", "1s", "--methods", "taylor,dop853,rk4")
+    assert "RK4, sgn, no events  left out: the case has rigid stops, which need located events" in shown
     bench = open_bench("ball-on-shaken-table-bench.h5")
     best = bench.rows[-1]
     assert {row.method for row in bench.rows} == {"taylor", "dop853"} and bench.complete
     assert best.events["impact"].missed == 0 and best.events["impact"].found > 10
     assert best.error_until(bench["time"], 1.0) < 1e-12
-    (line,) = [line for line in done.stdout.splitlines() if line.startswith("  rtol 2.3e-14 ")]
+    (line,) = [line for line in shown.splitlines() if line.startswith("  rtol 2.3e-14 ")]
     facts = json.loads(call("info", "ball-on-shaken-table-bench.h5", "--json").stdout)
     rate = facts["rows"][-1]["impacts_per_second"]
     assert f" {float(f'{rate:.3g}'):g} " in line and rate > 10

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from tests.command_line.made import call
+from tests.command_line.made import call, told
 from vibsim.results.simulation import open_result
 
 CASE = "gallery/cantilever"
@@ -16,8 +16,7 @@ def files(tmp_path_factory):
     folder = tmp_path_factory.mktemp("edge")
     sweep = folder / "basins.h5"
     axes = ["--param", "tip.x=-4:4/6mm", "--param", "tip.v=-450:450/6mm/s"]
-    made = call("sweep", CASE, *axes, "--section", "0", "--compute", "attractor", "-j", "1", "-o", sweep)
-    assert made.exit_code == 0, made.stderr
+    told("sweep", CASE, *axes, "--section", "0", "--compute", "attractor", "-j", "1", "-o", sweep)
     for name, change in (("clear", "tip.v=0"), ("strikes", "tip.v=400mm/s")):
         path = folder / f"{name}.h5"
         assert call("orbit", CASE, "-s", change, "-o", path).exit_code == 0
@@ -26,9 +25,8 @@ def files(tmp_path_factory):
 
 def test_a_saddle_by_numbers_and_by_orbits_stored_and_continued(files, tmp_path):
     saddle = tmp_path / "saddle.h5"
-    done = call("edge", files / "basins.h5", "--between", "0,1", "-o", saddle)
-    assert done.exit_code == 0, done.stderr
-    lines = {line.split()[0]: line for line in done.stdout.splitlines() if line.strip()}
+    shown = told("edge", files / "basins.h5", "--between", "0,1", "-o", saddle)
+    lines = {line.split()[0]: line for line in shown.splitlines() if line.strip()}
     assert "period 1 (at x_tip" in lines["between"] and "unstable: 1 multiplier outside" in lines["stability"]
     stored = open_result(saddle)
     assert stored.orbit is not None and stored.attrs["orbit_stable"] == 0
@@ -36,8 +34,7 @@ def test_a_saddle_by_numbers_and_by_orbits_stored_and_continued(files, tmp_path)
     facts = json.loads(call("edge", CASE, "--between", names, "--json").stdout)
     assert facts["multipliers"][0][0] == pytest.approx(stored.orbit["multiplier_real"][0], rel=1e-9)
     assert {end["kind"] for end in facts["sides"]} == {"periodic"} and facts["runs"] > 20
-    followed = call("continue", saddle, "--param", "base.omega=12.9:13.1Hz", "-o", tmp_path / "branch.h5")
-    assert followed.exit_code == 0, followed.stderr
+    told("continue", saddle, "--param", "base.omega=12.9:13.1Hz", "-o", tmp_path / "branch.h5")
     assert "exists" in call("edge", files / "basins.h5", "--between", "0,1", "-o", saddle).stderr
 
 

@@ -4,10 +4,12 @@ import csv
 import json
 from pathlib import Path
 
+import h5py
 import pytest
 from scipy.io import loadmat
 
 import vibsim
+import vibsim.sweeps
 from tests.command_line.made import call
 
 
@@ -43,10 +45,6 @@ def test_info_prints_the_case_as_it_was_given():
 
 
 def test_info_of_a_sweep_asks_the_sweeps(monkeypatch):
-    import h5py
-
-    import vibsim.sweeps
-
     with h5py.File("sweep.h5", "w") as file:
         file.attrs.update(vibsim_format=1, vibsim_kind="sweep")
     monkeypatch.setattr(
@@ -64,8 +62,6 @@ def test_what_is_no_result_file(command):
 
 def test_info_of_a_file_without_its_end():
     Path("II-B.h5").rename("II-B.h5.partial")
-    import h5py
-
     with h5py.File("II-B.h5.partial", "r+") as file:  # as a killed run leaves it
         for name in (
             "t_reached_s",

@@ -197,7 +197,7 @@ def test_every_command_ends_at_once_and_says_what_is_kept(name, inputs, tmp_path
     assert left is None or files == left
     for each in files:
         if each.endswith(".h5"):
-            open_result(each)
+            assert open_result(each).attrs["complete"] == (name in ("search", "refine"))
 
 
 WRITERS = {

@@ -12,7 +12,7 @@ import click
 import pytest
 
 import vibsim
-from tests.command_line.made import call, process
+from tests.command_line.made import call, process, told
 from tests.results.made import short_run
 from vibsim.cases import CaseError, Problem
 from vibsim.command_line.main import COMMANDS, exit_code_of, group
@@ -23,17 +23,15 @@ from vibsim.results import ResultFileError
 
 
 def test_help_lists_every_command():
-    done = call("--help")
-    assert done.exit_code == 0
+    shown = told("--help")
     for name, (_, line) in COMMANDS.items():
-        assert f"{name} " in done.stdout and line in done.stdout
+        assert f"{name} " in shown and line in shown
 
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_help_ends_with_examples(name):
-    done = call(name, "--help")
-    assert done.exit_code == 0
-    _, _, examples = done.stdout.partition("Examples:\n")
+    shown = told(name, "--help")
+    _, _, examples = shown.partition("Examples:\n")
     lines = examples.strip("\n").splitlines()
     assert lines and all(line.startswith("    ") for line in lines)
     assert any(f"vibsim {name}" in line for line in lines)

@@ -9,7 +9,7 @@ import pytest
 from matplotlib import font_manager
 
 import vibsim
-from tests.command_line.made import call, process
+from tests.command_line.made import call, process, told
 from tests.command_line.test_ro_crate import graph
 
 RUN = {"run.t_end": "2 s"}
@@ -90,8 +90,7 @@ def test_a_file_that_is_no_case_is_not_told_line_by_line(files):
 
 
 def test_several_runs_make_their_folder(files):
-    done = call("run", "I-A", "I-B", "-o", "runs/", "--t-end", "1s", "-q")
-    assert done.exit_code == 0, done.stderr
+    told("run", "I-A", "I-B", "-o", "runs/", "--t-end", "1s", "-q")
     assert sorted(os.listdir("runs")) == ["I-A.h5", "I-B.h5"]
     assert call("run", "I-C", "-o", "one/", "--t-end", "1s", "-q").exit_code == 0
     assert os.listdir("one") == ["I-C.h5"]

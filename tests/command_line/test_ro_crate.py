@@ -4,6 +4,7 @@ import hashlib
 import json
 from pathlib import Path
 
+import h5py
 import pytest
 
 import vibsim
@@ -64,8 +65,6 @@ def test_crates_of_sweeps_and_of_interrupted_runs():
     assert call("sweep", "II-B", "--omega0", "5,6", "--t-end", "2s", "-o", "s.h5", "-q").exit_code == 0
     assert call("export", "s.h5", "--ro-crate", "-o", "sweep-crate", "-q").exit_code == 0
     assert "s.h5" in graph("sweep-crate")
-    import h5py
-
     with h5py.File("II-B.h5", "r+") as file:
         file.attrs["complete"] = 0
     assert call("export", "II-B.h5", "--ro-crate", "-o", "crate", "-q").exit_code == 0

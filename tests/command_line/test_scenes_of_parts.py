@@ -86,10 +86,8 @@ def test_export_has_a_column_for_every_body_and_part(folder):
     assert np.isfinite([float(row[3]) for row in rows]).all()
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param("damper.h5", marks=pytest.mark.slow), "shaker.h5", "shaker.yaml"]
-)
-def test_every_kind_of_picture_that_fits(folder, name):
+@pytest.mark.parametrize("name", ["damper.h5", "shaker.h5", "shaker.yaml"])
+def test_kinds_of_pictures_that_fit_are_listed(folder, name):
     listed = json.loads(call("--json", "plot", folder / name, "--list").stdout)
     kinds = {kind["name"] for kind in listed}
     if name == "shaker.yaml":
@@ -98,9 +96,6 @@ def test_every_kind_of_picture_that_fits(folder, name):
         assert {"overview", "stroboscopic", "impact-velocity", "stiffness"} <= kinds
         assert "phase-drift-free" not in kinds  # springs hold every body
         assert ({"motor-speed", "displacement-frequency", "motor"} <= kinds) == (name == "shaker.h5")
-    out, window = folder / f"{name}.pdf", () if name == "shaker.yaml" else ("--window", "18:20")
-    assert call("plot", folder / name, "--kind", "all", "-o", out, *window).exit_code == 0
-    assert out.stat().st_size > 10_000
 
 
 def test_check_tells_what_the_numbers_imply(folder):

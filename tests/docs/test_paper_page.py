@@ -4,7 +4,7 @@ from copy import deepcopy
 
 import pytest
 
-from tests.docs.paper_page import PAGE, PHRASES, numbers_left, rewritten, stored_numbers
+from tests.docs.paper_page import PAGE, PHRASES, numbers_left, pattern_of, rewritten, stored_numbers
 from vibsim.cases import load_case
 from vibsim.evidence.reports.measurements import PAPER_RUNS, measure_facts, measure_run, member_outcome
 from vibsim.evidence.reports.paper import read_motion, true_motion
@@ -38,8 +38,6 @@ def test_a_number_that_is_not_held_is_noticed(page):
 @pytest.mark.parametrize("phrase", range(len(PHRASES)), ids=[phrase for phrase, _ in PHRASES])
 def test_a_stale_number_is_noticed(page, numbers, phrase):
     """With one of its numbers changed the page is no longer what the report gives."""
-    from tests.docs.paper_page import pattern_of
-
     match = pattern_of(PHRASES[phrase][0]).search(page)
     start, end = match.span(1)
     stale = page[:start] + "12345" + page[end:]

@@ -1,31 +1,26 @@
 """Scenes with rigid stops, and what their runs tell of impacts."""
 
-from math import pi
-
-from vibsim.physics.parts import COMPRESSION, EVENT_KINDS, GROUND, Body, Force, Harmonic, RigidStop, Scene
+from tests.engine.runs import scene_of
+from vibsim.physics.parts import EVENT_KINDS
 
 METHODS = ("auto", "taylor")
 GRAVITY = 9.81  # m/s^2
-
-
-def scene(bodies, method="auto", **parts):
-    """A scene of the bodies and other parts, over 10 s."""
-    return Scene(tuple(bodies), method=method, **{"t_end": 10.0, "every_den": 4, **parts})
-
-
-def weights(bodies):
-    """The weight of each body: it falls towards negative x."""
-    return tuple(Force(f"w_{b.name}", i, -b.m * GRAVITY, ()) for i, b in enumerate(bodies))
-
-
-def floor(i, e, name="floor", radius=0.0):
-    """A stop on the ground that body i meets at x = radius [m]."""
-    return RigidStop(name, GROUND, i, -radius, COMPRESSION, e)
-
-
-def cosine(amplitude, omega):
-    """amplitude cos(omega t)."""
-    return Harmonic(amplitude, omega, omega / (2 * pi), 0.0, pi / 2)
+BALL = """
+bodies: {ball: 2 kg}
+stops: {floor: {between: [ground, ball], gap: 0 m, acts: compression, law: rigid, e: 0}}
+forces: {weight: {on: ball, F0: -19.62 N}}
+initial: {ball: {x: 1 m}}
+run: {t_end: 10 s, every: 250 ms}
+"""
+# A ball on a table that moves with it at the start.
+SHAKEN = """
+bodies: {ball: 1.5 kg}
+stops: {table: {between: [base, ball], gap: 0 m, acts: compression, law: rigid, e: 0}}
+forces: {weight: {on: ball, F0: -14.715 N}}
+base: {a: 20 mm, omega: 30 rad/s}
+initial: {ball: {v: 0.6 m/s}}
+run: {t_end: 1 s, every: 250 ms}
+"""
 
 
 def times(result, kind, part=None):
@@ -39,7 +34,6 @@ def column(result, kind, name):
     return result.events[name][result.events["kind"] == EVENT_KINDS[kind]]
 
 
-def ball(e, h=1.0, method="auto", **parts):
+def ball(e, h=1.0, **run):
     """A ball that is let go at the height h [m] above a floor."""
-    bodies = [Body("ball", 2.0, h, 0.0)]
-    return scene(bodies, method, stops=(floor(0, e),), forces=weights(bodies), **parts)
+    return scene_of(BALL, {"floor.e": e, "ball.x": h}, **run)

@@ -9,9 +9,10 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.trajectory import open_trajectory
 
 
-def scene_of(text, changes=None):
-    """The scene of a case as a user writes it."""
-    return load_case_text(text, changes).scene()
+def scene_of(text, changes=None, **run):
+    """The scene of a case as a user writes it, with other values and other settings of its run."""
+    settings = {f"run.{key}": value for key, value in run.items()}
+    return load_case_text(text, {**(changes or {}), **settings}).scene()
 
 
 @dataclass

@@ -8,6 +8,7 @@ from array import array
 import numpy as np
 import pytest
 
+from tests.engine.runs import scene_of
 from tests.scenes import harmonic, paper, scene
 from vibsim.cases import load_case
 from vibsim.engine import _engine
@@ -20,6 +21,17 @@ from vibsim.engine.tangent.tangent_space import dimension, length
 HUGE = (2**31 - 1, 10**6, -(10**6), -(2**31))
 PAPER = paper("II-B").as_parts()
 DRILL = load_case("gallery/percussive-drill").scene()
+FORMULAS = scene_of("""
+parameters: {F: 1 N, L: 1 m, v0: 1 m/s, T: 1 s}
+bodies: {a: 1 kg}
+links: {spring: {between: [a, base], force: "F*(20*d/L + tanh(d/L) + sin(3*d/L))"}}
+forces: {f: {on: a, force: "F*atan(x_a/L)"}}
+states: {z: {rate: "0*z/T", start: 0 m}}
+rotors: {r: {on: a, m: 0.1 kg, e: 1 m, J: 0.9 kg m^2}}
+base: {x: "q*sin(t/T)", q: 1 cm}
+run: {t_end: 3 s, every: 20 ms}
+""")
+SCENES = pytest.mark.parametrize("of", (PAPER, DRILL, FORMULAS), ids=("II-B", "drill", "formulas"))
 
 
 def packed(of):
@@ -41,27 +53,41 @@ def with_int(packed_ints, place, value):
     return ints.tobytes()
 
 
-@pytest.mark.parametrize("of", (PAPER, DRILL), ids=("II-B", "drill"))
-@pytest.mark.parametrize("which", (0, 1), ids=("scene", "mode"))
-def test_no_index_reaches_beyond_its_table(of, which):
-    """Each whole number in turn is far out: it is refused, or what it says does no harm."""
-    whole = packed(of)
+def refusals(use, ints, values=HUGE, then=lambda run: None):
+    """How often `use` refuses packed whole numbers, each of which is far out in turn; what it takes does no
+    harm, nor does what is done `then`.
+    """
     refused = 0
-    for place in range(len(whole[which][0]) // 4):
-        for value in HUGE:
-            numbers = [whole[0], whole[1]]
-            numbers[which] = (with_int(whole[which][0], place, value), whole[which][1])
+    for place in range(len(ints) // 4):
+        for value in values:
             try:
-                opened(*numbers)
+                run = use(with_int(ints, place, value))
             except (ValueError, MemoryError):
                 refused += 1
-    assert refused > 2 * len(whole[which][0]) // 4  # signs and switches may be anything
+            else:
+                then(run)
+    return refused
 
 
+@SCENES
+@pytest.mark.parametrize("which", (0, 1), ids=("scene", "mode"))
+def test_no_index_reaches_beyond_its_table(of, which):
+    whole = packed(of)
+    ints, doubles = whole[which]
+
+    def use(changed):
+        numbers = [whole[0], whole[1]]
+        numbers[which] = (changed, doubles)
+        opened(*numbers)
+
+    assert refusals(use, ints) > 2 * len(ints) // 4  # signs and switches may be anything
+
+
+@SCENES
 @pytest.mark.parametrize("which", (0, 1), ids=("scene", "mode"))
 @pytest.mark.parametrize("part", (0, 1), ids=("ints", "doubles"))
-def test_numbers_cut_short_or_too_many_are_refused(which, part):
-    whole = packed(PAPER)
+def test_numbers_cut_short_or_too_many_are_refused(which, part, of):
+    whole = packed(of)
     for change in (lambda text: text[:-8], lambda text: text + bytes(8), lambda text: b"", lambda t: t[:-1]):
         numbers = [list(whole[0]), list(whole[1])]
         numbers[which][part] = change(numbers[which][part])
@@ -81,20 +107,19 @@ def test_no_index_of_disturbances_reaches_beyond_its_table(of, which):
     *whole, run = packed(of)
     ints, doubles = bundles(of, run)[which]
     state, known = pack_state(run.first[0]), bytes(4 * len(run.keys))
-    refused = 0
-    for place in range(len(ints) // 4):
-        for value in (*HUGE, 0, 1, 2):
-            fresh = opened(*whole)
-            try:
-                fresh.keep_tangent(with_int(ints, place, value), doubles)
-            except (ValueError, MemoryError):
-                refused += 1
-                continue
-            fresh.fill(*run.arrays)
-            fresh.start(0, state, known)
-            fresh.advance()
-            fresh.disturbances()
-    assert refused > 3 * len(ints) // 4
+
+    def use(changed):
+        fresh = opened(*whole)
+        fresh.keep_tangent(changed, doubles)
+        return fresh
+
+    def advance(fresh):
+        fresh.fill(*run.arrays)
+        fresh.start(0, state, known)
+        fresh.advance()
+        fresh.disturbances()
+
+    assert refusals(use, ints, (*HUGE, 0, 1, 2), advance) > 3 * len(ints) // 4
 
 
 def test_disturbances_cut_short_or_too_many_are_refused():

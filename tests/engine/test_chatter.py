@@ -7,22 +7,8 @@ import pytest
 from mpmath import mp
 
 from tests.engine.impacts import GRAVITY as G
-from tests.engine.impacts import METHODS, column, scene, times
-from tests.engine.runs import run
-from vibsim.physics.parts import (
-    BASE,
-    COMPRESSION,
-    EVENT_KINDS,
-    EXTENSION,
-    GROUND,
-    Body,
-    Force,
-    Friction,
-    Harmonic,
-    Motor,
-    RigidStop,
-    Scene,
-)
+from tests.engine.impacts import METHODS, column, times
+from tests.engine.runs import run, scene_of
 
 RETURNED = 0.03  # of the last hops, which return within the rounding of displacements
 WATCHED = 100  # roundings of displacements, within which impacts are found
@@ -33,32 +19,20 @@ def ended(scene):
     """(totals, time of the only end of chatter [s]) of a run; the ledgers close to rounding."""
     result = run(scene, momentum=True)
     totals = result.totals
-    (end,) = result.events["t"][result.events["kind"] == EVENT_KINDS["chatter"]]
+    (end,) = times(result, "chatter")
     assert totals["chatters"] == totals["rests"] == 1 and totals["uncertified"] == 0
     for residual in ("energy_residual_relative", "momentum_residual_relative"):
         assert abs(totals[residual]) < 1e-14
     return totals, end
 
 
-@everywhere
-@pytest.mark.parametrize("e", (0.3, 0.5, 0.8, 0.95))
-def test_a_ball_that_bounces_to_rest_leaves_all_its_energy_in_the_floor(method, e):
-    """It lost m g h to the stop and m g t of momentum to the ground, at rest or not; sqrt(2 h / g) (1 + e) /
-    (1 - e) after it was let go.
-    """
-    m, h, t_end = 2.0, 0.3, 12.0
-    floor = RigidStop("floor", 0, GROUND, 0.0, EXTENSION, e)
-    ball, weight = Body("ball", m, h, 0.0), Force("weight", 0, -m * G, ())
-    scene = Scene((ball,), (), (floor,), (), (weight,), t_end=t_end, every_num=1, every_den=5, method=method)
-    totals, end = ended(scene)
-    rounding = 4 * totals["impacts"] * 2.0**-53  # of a sum of as many losses
-    assert totals["loss.stops.floor"] == pytest.approx(m * G * h, rel=rounding)
-    assert totals["work.forces.weight"] == pytest.approx(m * G * h, rel=rounding)
-    assert totals["impulse.ground"] == pytest.approx(m * G * t_end, rel=rounding)
-    assert totals["energy_end"] == totals["momentum_end"] == 0
-    assert end + totals["chatter_time"] == pytest.approx(np.sqrt(2 * h / G) * (1 + e) / (1 - e), rel=rounding)
-    assert totals["chatter_distance"] == pytest.approx(totals["chatter_speed"] ** 2 / (2 * G), rel=1e-6)
-    assert m * totals["chatter_speed"] ** 2 / 2 < 2.0**-53 * m * G * h
+PRESSED = """
+bodies: {a: 1 kg, b: 0.6 kg}
+stops: {between: {between: [a, b], gap: 0 m, acts: compression, law: rigid, e: 0.5}}
+forces: {left: {on: a, F0: 2 N}, right: {on: b, F0: -1.5 N}}
+initial: {a: {v: 0.2 m/s}, b: {x: 1 cm}}
+run: {t_end: 0.5 s, every: 20 ms}
+"""
 
 
 @everywhere
@@ -66,15 +40,21 @@ def test_free_bodies_that_hop_on_each_other_lose_what_moved_them_apart(method):
     """Forces press two bodies onto each other, ground and base are far: the stop takes the energy of their
     relative motion, and momentum is that of the forces, as if nothing had been struck.
     """
-    bodies = Body("a", 1.0, 0.0, 0.2), Body("b", 0.6, 0.01, 0.0)
-    stop = RigidStop("between", 0, 1, 0.0, COMPRESSION, 0.5)
-    forces = Force("left", 0, 2.0, ()), Force("right", 1, -1.5, ())
-    scene = Scene(bodies, (), (stop,), (), forces, t_end=0.5, every_num=1, every_den=50, method=method)
-    totals, _ = ended(scene)
+    totals, _ = ended(scene_of(PRESSED, method=method))
     reduced, closing = 1.0 * 0.6 / 1.6, 2.0 / 1.0 + 1.5 / 0.6
     assert totals["loss.stops.between"] == pytest.approx(reduced * (0.2**2 / 2 + closing * 0.01), rel=1e-14)
     assert totals["momentum_end"] == pytest.approx(0.2 + 0.5 * 0.5, rel=1e-14)
     assert totals["impulse.ground"] == totals["impulse_base"] == 0
+
+
+# A force presses a body that rubs on the ground to a wall.
+RUBBING = """
+bodies: {a: 0.5 kg}
+stops: {wall: {between: [a, ground], gap: 2 cm, acts: compression, law: rigid, e: 0.8}}
+friction: {f: {between: [a, ground], N: 0.5 N, mu: 1}}
+forces: {F: {on: a, F0: 3 N}}
+run: {t_end: 2 s, every: 20 ms}
+"""
 
 
 @everywhere
@@ -85,12 +65,7 @@ def test_what_an_end_by_friction_leaves_out_is_bounded_in_the_ledgers(method, e)
     says.
     """
     m, F, N, d = 0.5, 3.0, 0.5, 0.02
-    stop, rub = RigidStop("wall", 0, GROUND, d, COMPRESSION, e), Friction("f", 0, GROUND, N, N, 0.0)
-    scene = Scene(
-        (Body("a", m, 0.0, 0.0),), (), (stop,), (rub,), (Force("F", 0, F, ()),),
-        t_end=2.0, every_num=1, every_den=50, method=method,
-    )  # fmt: skip
-    totals, end = ended(scene)
+    totals, end = ended(scene_of(RUBBING, {"wall.e": e}, method=method))
     up, down = (F + N) / m, (F - N) / m
     approach, share = np.sqrt(2 * down * d), e * np.sqrt(down / up)
     heights = (e * approach) ** 2 / (2 * up) / (1 - share**2)  # of all hops
@@ -107,7 +82,7 @@ def test_what_an_end_by_friction_leaves_out_is_bounded_in_the_ledgers(method, e)
     assert 0 <= rubbed - totals["loss.friction.f"] + rounding <= N * left_out + 2 * rounding
     assert 0 <= totals["loss.stops.wall"] - (F * d - rubbed) + rounding <= F * left_out + 2 * rounding
     assert totals["energy_end"] == 0
-    assert totals["impulse.ground"] == pytest.approx(-F * scene.t_end, rel=1e-14)
+    assert totals["impulse.ground"] == pytest.approx(-F * 2.0, rel=1e-14)
 
 
 def hops_on_table(e, height, amplitude, omega):
@@ -141,19 +116,21 @@ def hops_on_table(e, height, amplitude, omega):
                 return loss, impulse, work, t
 
 
+ON_TABLE = """
+bodies: {ball: 0.7 kg}
+stops: {table: {between: [ball, base], gap: 0 m, acts: extension, law: rigid, e: 0}}
+forces: {weight: {on: ball, F0: -6.867 N}}
+base: {a: 2 mm, omega: 7 Hz}
+run: {t_end: 2 s, every: 20 ms}
+"""
+
+
 @everywhere
 @pytest.mark.parametrize(("e", "height"), ((0.4, 0.05), (0.7, 0.013)))
 def test_a_ball_comes_to_rest_on_a_shaken_table(method, e, height):
     """A omega^2 < g: it stays. Impulse and work of the table from then on are those that carry it."""
-    m, amplitude, cycles, t_end = 0.7, 2e-3, 7.0, 2.0
-    omega = 2 * np.pi * cycles
-    base = (Harmonic(amplitude, omega, cycles, 0.0, 0.0),)
-    table = RigidStop("table", 0, BASE, 0.0, EXTENSION, e)
-    ball, weight = Body("ball", m, height, 0.0), Force("weight", 0, -m * G, ())
-    scene = Scene(
-        (ball,), (), (table,), (), (weight,), base, t_end=t_end, every_num=1, every_den=50, method=method
-    )
-    totals, end = ended(scene)
+    m, amplitude, t_end, omega = 0.7, 2e-3, 2.0, 2 * np.pi * 7.0
+    totals, end = ended(scene_of(ON_TABLE, {"table.e": e, "ball.x": height}, method=method))
     loss, impulse, work, rests = hops_on_table(e, height, amplitude, omega)
     assert end == pytest.approx(float(rests), rel=1e-14)
     (X, V), (X_end, V_end) = (
@@ -170,25 +147,24 @@ def test_a_ball_comes_to_rest_on_a_shaken_table(method, e, height):
 # Ends of infinite sequences of impacts that friction or a rotor takes part in, by closed forms.
 
 
+TURNING = """
+bodies: {a: 0.3 kg, b: 0.31 kg}
+stops: {face: {between: [a, FACE], gap: 1 cm, acts: compression, law: rigid, e: 0.5}}
+friction: {rub: {between: [a, FACE], N: 0.1 N, mu: 1}}
+forces: {A: {on: a, F0: 1 N}, B: {on: b, F0: -1 N}}
+motor: {on: a, m3: 0.14 kg, e: 2 cm, J: 2.4e-4 kg m^2, M0: 0.007 N m, Omega0: 20 rad/s}
+initial: {a: {v: -0.2 m/s}, b: {v: 0.3 m/s}, motor: {phi: 1 rad, phidot: 15 rad/s}}
+run: {t_end: 0.6 s, every: 250 ms}
+"""
+
+
 @pytest.mark.parametrize("wall", (False, True))
 def test_rotor_takes_part_in_the_end_of_chatter(wall):
     """Friction ends the hops at some 1e-7 m/s, which come to rest: the momentum of the line is kept, or the
     wall takes it (no ledger has what chatter left out), and that of the rotor's angle is kept.
     """
-    m, m3, e, J = 0.3, 0.14, 0.02, 2.4e-4
-    bodies = [Body("a", m, 0.0, -0.2), Body("b", 0.31, 0.0, 0.3)]
-    forces = (Force("A", 0, 1.0, ()), Force("B", 1, 0.0 if wall else -1.0, ()))
-    result = run(
-        scene(
-            bodies,
-            stops=(RigidStop("face", 0, GROUND if wall else 1, 0.01, COMPRESSION, 0.5),),
-            frictions=(Friction("rub", 0, GROUND if wall else 1, 0.1, 0.1, 0.0),),
-            forces=forces,
-            motor=Motor(0, m3, e, J, 0.007, 20.0, 1.0, 15.0),
-            t_end=0.6,
-        ),
-        momentum=True,
-    )
+    text, m3, e, J = TURNING.replace("FACE", "ground" if wall else "b"), 0.14, 0.02, 2.4e-4
+    result = run(scene_of(text, {"B.F0": 0 if wall else -1}), momentum=True)
     ends = {name: column(result, "chatter", name) for name in result.events}
     assert len(ends["t"])
     speed = np.abs(ends["before_v_a"] - (0.0 if wall else ends["before_v_b"]))
@@ -213,15 +189,8 @@ def test_chatter_under_friction_ends_and_tells_what_it_left_out(x, method):
     the last hop's time, and 1 / (1 - q) = 2.2 times that of all.
     """
     F, N, m, v, e = 0.9, 0.32, 0.57, 0.04, 0.8
-    of = Scene(
-        (Body("b", m, x, v),),
-        stops=(RigidStop("wall", 0, GROUND, x, COMPRESSION, e, True),),
-        frictions=(Friction("f", 0, GROUND, N, N, 0.0),),
-        forces=(Force("F", 0, F, ()),),
-        t_end=1.0,
-        method=method,
-    )
-    found = run(of, most=1000)
+    changes = {"bodies.a": m, "wall.gap": x, "wall.e": e, "f.N": N, "F.F0": F, "a.x": x, "a.v": v}
+    found = run(scene_of(RUBBING, changes, method=method, t_end=1), most=1000)
     a, b = (F + N) / m, (F - N) / m
     expected = e * v * (1 / a + 1 / sqrt(a * b)) / (1 - e * sqrt(b / a))
     left_out = found.totals["chatter_time"]
@@ -232,18 +201,15 @@ def test_chatter_under_friction_ends_and_tells_what_it_left_out(x, method):
     assert found.totals["uncertified"] == 0
 
 
-def carried(x, e, m, mu, F, method):
-    """A body of 1 kg that hops on the ground at x, with 1 m/s at first, and one of m rubbing on it (4 N, mu)
-    that a force F presses down.
-    """
-    return Scene(
-        (Body("a", 1.0, x, -1.0), Body("b", m, x, -1.0)),
-        stops=(RigidStop("floor", GROUND, 0, -x, COMPRESSION, e, True),),
-        frictions=(Friction("f", 0, 1, 4 * mu, 4 * mu, 0.0),),
-        forces=(Force("F", 1, -F, ()),),
-        t_end=10.0,
-        method=method,
-    )
+# A body that hops on the ground, with 1 m/s at first, and one rubbing on it that a force presses down.
+CARRIED = """
+bodies: {a: 1 kg, b: 1 kg}
+stops: {floor: {between: [ground, a], gap: -1 m, acts: compression, law: rigid, e: 1}}
+friction: {f: {between: [a, b], N: 4 N, mu: 0.5}}
+forces: {F: {on: b, F0: -1 N}}
+initial: {a: {x: 1 m, v: -1 m/s}, b: {x: 1 m, v: -1 m/s}}
+run: {t_end: 10 s, every: 5 ms}
+"""
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -252,7 +218,7 @@ def test_hops_that_a_friction_stops_on_their_way_end_without_loss_in_the_stop(me
     on each other after 2 w / 3, at the height 2 w^2 / 9, and fall with w / 3 and 1/2 m/s^2: they strike at
     w / sqrt 3, and the sequence ends after 1 + sqrt 3 of its first speed. With e = 1 it went on by rounding.
     """
-    found = run(carried(1.0, 1.0, 1.0, 0.5, 1.0, method), most=500)
+    found = run(scene_of(CARRIED, method=method), most=500)
     left_out = found.totals["chatter_time"]
     assert left_out < 1e-5
     assert times(found, "rest_begin") + left_out == pytest.approx([1 + sqrt(3)], abs=0.02 * left_out)
@@ -262,5 +228,5 @@ def test_hops_that_a_friction_stops_on_their_way_end_without_loss_in_the_stop(me
 @pytest.mark.parametrize(("e", "m", "F"), ((0.05, 0.01, 0.05), (0.2, 0.1, 1.0), (0.2, 0.01, 1.0)))
 def test_hops_in_which_a_light_body_is_caught_end_certified(e, m, F):
     """It slips faster than four times the speed of the hop, and comes to rest on the other within it."""
-    found = run(carried(1.0, e, m, 0.5, F, "auto"), most=500)
+    found = run(scene_of(CARRIED, {"floor.e": e, "bodies.b": m, "F.F0": -F}), most=500)
     assert (found.totals["uncertified"], found.totals["chatters"]) == (0, 1)

@@ -1,6 +1,5 @@
 """Small disturbances through formulas and rotors on bodies: difference quotients in 40 digits, volumes."""
 
-from array import array
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
@@ -12,11 +11,8 @@ import pytest
 from tests.engine.bundles import PER_PIECE, assert_derivative, start_components, totals
 from tests.engine.random_formulas import formula_scene
 from tests.engine.runs import scene_of
-from vibsim.engine import _engine
-from vibsim.engine.c_engine import CRun
+from tests.engine.test_boundary import opened, packed, refusals
 from vibsim.engine.errors import EngineError
-from vibsim.engine.flows.closed.modal import pitches
-from vibsim.engine.modes.packing import pack_scene, packed_mode
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.tangent.packing_tangent import pack_slopes
 from vibsim.engine.tangent.tangent_space import components
@@ -276,9 +272,10 @@ run: {t_end: 3 s, every: 20 ms}
 
 
 @cache
-def packed():
-    """A scene, its first mode, and the derivatives of that, packed."""
-    scene = scene_of("""
+def derived():
+    """A scene and its first mode, packed, and the derivatives of that."""
+    scene, mode, run = packed(
+        scene_of("""
 bodies: {a: 1 kg}
 links:
   spring: {between: [a, ground], force: "F*(sin(d*t/q) + tanh(v/v0)*d*v/r + abs(d/L - v/v0))",
@@ -286,32 +283,19 @@ links:
 initial: {a: {x: 1 m}}
 run: {t_end: 3 s, every: 20 ms}
 """)
-    of = CRun(scene)
-    mode = packed_mode(of.rows_of(0), dict(of.keys)).packed
-    return pack_scene(scene, pitches(scene)), mode, pack_slopes(of.rows_of(0))
+    )
+    return scene, mode, pack_slopes(run.rows_of(0))
 
 
 def derivatives():
     """A run that waits for the derivatives of a mode, and these."""
-    scene, mode, slopes = packed()
-    run = _engine.Run(*scene)
-    run.add_mode(*mode)
-    return run, slopes
+    scene, mode, slopes = derived()
+    return opened(scene, mode), slopes
 
 
 def test_no_index_of_a_derivative_reaches_beyond_its_table():
-    """Each whole number in turn is far out: it is refused, or what it says does no harm."""
     _, (ints, doubles) = derivatives()
-    refused = 0
-    for place in range(len(ints) // 4):
-        for value in (2**31 - 1, 10**6, -(10**6), -(2**31)):
-            values = array("i", ints)
-            values[place] = value
-            run, _ = derivatives()
-            try:
-                run.set_slopes(0, values.tobytes(), doubles)
-            except (ValueError, MemoryError):
-                refused += 1
+    refused = refusals(lambda changed: derivatives()[0].set_slopes(0, changed, doubles), ints)
     assert refused > 2 * len(ints) // 4
 
 

@@ -5,49 +5,13 @@ from math import cos, exp, pi, sin
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.special import ellipk, gamma
 
 import vibsim
+from tests.engine.runs import run, scene_of
+from tests.engine.test_operations import judged
 from vibsim.engine.errors import EngineError
-from vibsim.engine.tangent.monodromy import Carrier
-from vibsim.engine.trajectory import open_trajectory
-from vibsim.engine.truth import open_truth
 from vibsim.physics.parts import EVENT_KINDS
 
-
-def case_of(tmp_path, text):
-    """The case that a YAML text says."""
-    path = tmp_path / "case.yaml"
-    path.write_text(text)
-    return vibsim.load_case(str(path))
-
-
-def ran(scene, **wishes):
-    """(samples, events by column, totals) of a run."""
-    trajectory = open_trajectory(scene, **wishes)
-    blocks = list(trajectory.blocks())
-    tables = [
-        {
-            name: np.concatenate([getattr(block, kind)[name] for block in blocks])
-            for name in getattr(blocks[0], kind)
-        }
-        for kind in ("samples", "events")
-    ]
-    return *tables, trajectory.totals
-
-
-DUFFING = """
-bodies: {a: 1 kg}
-links: {s: {between: [a, ground], force: "k*d + k3*d**3", k: 1 N/m, k3: 1 N/m^3}}
-initial: {a: {x: 1 m}}
-run: {t_end: 60 s, every: 10 ms}
-"""
-HERTZ = """
-bodies: {ball: 1 kg}
-stops: {wall: {between: [ball, ground], gap: 1 mm, acts: compression, force: "K*p**1.5", K: 1e6 N/m^1.5}}
-initial: {ball: {v: 1 m/s}}
-run: {t_end: 30 ms, every: 0.1 ms}
-"""
 DRAG = """
 bodies: {a: 1 kg}
 links: {s: {between: [a, ground], force: "k*d + q*v*abs(v)", k: 100 N/m, q: 3 N s^2/m^2}}
@@ -94,8 +58,6 @@ forces:
 run: {t_end: 2 s, every: 10 ms}
 """
 SCENES = {
-    "duffing": DUFFING,
-    "hertz": HERTZ,
     "drag": DRAG,
     "hysteretic": HYSTERETIC,
     "rotor": ROTOR,
@@ -105,108 +67,21 @@ SCENES = {
 }
 
 
-def test_the_period_of_a_hardening_spring_is_an_elliptic_integral(tmp_path):
-    scene = case_of(tmp_path, DUFFING).scene()
-    # x'' + x + x^3 = 0 from rest at 1: T = 4 K(m) / sqrt(2), m = 1/4
-    period = 4 * ellipk(0.25) / 2**0.5
-    assert abs(period - 4.7680220291024608) < 1e-14
-    state = Carrier(scene).carry([1.0, 0.0], 12 * period).state
-    assert np.abs(state - [1.0, 0.0]).max() < 1e-12
-
-
-def test_a_ball_on_a_hertzian_wall_meets_its_closed_form(tmp_path):
-    samples, events, totals = ran(case_of(tmp_path, HERTZ).scene())
-    depth = (1.25 / 1e6) ** 0.4  # m v^2 / 2 = 2/5 K depth^2.5
-    duration = 2 * depth * (pi**0.5 * gamma(1.4) / gamma(0.9))
-    assert abs(duration - 12.811349348247e-3) < 1e-14
-    assert abs(events["t"][1] - 1e-3) < 1e-16
-    assert abs(events["t"][2] - events["t"][1] - duration) < 1e-15
-    assert abs(samples["v_ball"][-1] + 1) < 1e-14
-    assert totals["uncertified"] == 0
-
-
 @pytest.mark.parametrize("name", SCENES)
-def test_ledgers_close(name, tmp_path):
-    scene = case_of(tmp_path, SCENES[name]).scene()
-    _, _, totals = ran(scene, ledger=True, momentum=True)
-    assert abs(totals["energy_residual_relative"]) < 2e-12
-    assert abs(totals["momentum_residual_relative"]) < 2e-12
+def test_ledgers_close_and_doubles_agree_with_forty_digits(name):
+    judged(scene_of(SCENES[name]), 1e-11)
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_doubles_agree_with_forty_digits(name, tmp_path):
-    case = case_of(tmp_path, SCENES[name])
-    samples, events, _ = ran(case.scene())
-    truth = open_truth(case.exact_scene, 40)
-    blocks = list(truth.blocks())
-    for column in samples:
-        exact = np.concatenate([block.samples[column] for block in blocks])
-        assert np.abs(samples[column] - exact).max() <= 1e-11 * max(np.abs(exact).max(), 1e-3)
-    times = np.concatenate([block.events["t"] for block in blocks])
-    assert len(times) == len(events["t"])
-    assert np.abs(times - events["t"]).max() < 1e-11
-
-
-@pytest.mark.parametrize(
-    ("name", "end"),
-    [
-        ("duffing", 3.0),
-        ("hertz", 0.02),
-        ("drag", 1.0),
-        ("hysteretic", 0.5),
-        ("rotor", 0.8),
-        ("backlash", 0.7),
-    ],
-)
-def test_the_monodromy_matrix_agrees_with_difference_quotients(name, end, tmp_path):
-    scene = case_of(tmp_path, SCENES[name]).scene()
-    start = [body.x for body in scene.bodies] + [body.v for body in scene.bodies]
-    carrier, n = Carrier(scene), len(start)
-    matrix = carrier.carry(start, end).matrix
-    quotients = np.zeros((n, n))
-    for k in range(n):
-        h = 1e-6 * max(abs(start[k]), 1e-2)
-        moved = []
-        for step in (h, -h, 2 * h, -2 * h):
-            other = list(start)
-            other[k] += step
-            moved.append(carrier.carry(other, end, np.zeros((0, n))).state)
-        quotients[:, k] = (8 * (moved[0] - moved[1]) - (moved[2] - moved[3])) / (12 * h)
-    scale = np.abs(quotients).max(axis=1, keepdims=True) + 1e-9
-    assert (np.abs(matrix - quotients) / scale).max() < 2e-6
-
-
-@pytest.mark.parametrize(
-    ("a", "trace"), [(-0.4551386041074136, 2), (3.91702477299847, 2), (-0.1102488169920952, -2)]
-)
-def test_mathieu_at_rest_on_its_stability_curves(a, trace, tmp_path):
-    """x'' + (a - 2 cos 2t) x = 0 along x = 0: characteristic values a0(1), b2(1), b1(1)."""
-    scene = case_of(
-        tmp_path,
-        f"""
-bodies: {{m: 1 kg}}
-links: {{s: {{between: [m, ground], force: "(a - q*cos(w*t))*d", a: {a!r} N/m, q: 2 N/m, w: 2 rad/s}}}}
-run: {{t_end: 4 s, every: 1 s}}
-""",
-    ).scene()
-    matrix = Carrier(scene).carry([0.0, 0.0], pi).matrix
-    assert abs(np.trace(matrix) - trace) < 1e-13
-    assert abs(np.linalg.det(matrix) - 1) < 1e-13
-
-
-def test_a_contact_that_fits_into_one_step_is_felt(tmp_path):
-    _, events, _ = ran(
-        case_of(
-            tmp_path,
-            """
+def test_a_contact_that_fits_into_one_step_is_felt():
+    events = run(
+        scene_of("""
 bodies: {a: 1 kg}
 stops: {s: {between: [a, ground], gap: 1 mm, acts: compression, force: "K*p**1.5", K: 9e4 N/m^1.5}}
 forces: {w: {on: a, F0: -7 N}}
 initial: {a: {x: 0.9865 mm, v: 0.017 m/s}}
 run: {t_end: 10 ms, every: 1 ms}
-""",
-        ).scene()
-    )
+""")
+    ).events
 
     def rates(_t, y):
         return [y[1], -7 - 9e4 * max(y[0], 0.0) ** 1.5]
@@ -220,19 +95,17 @@ run: {t_end: 10 ms, every: 1 ms}
     assert abs(events["t"][2] - events["t"][1] - one.t[-1]) < 1e-10
 
 
-def test_a_dead_zone_that_ends_where_a_stop_begins_is_felt_at_once(tmp_path):
+def test_a_dead_zone_that_ends_where_a_stop_begins_is_felt_at_once():
     """The switch of the spring and the contact come at one instant; the stop keeps the depth above zero."""
-    scene = case_of(
-        tmp_path,
-        """
+    scene = scene_of("""
 bodies: {a: 0.75 kg}
 links: {l: {between: [a, ground], force: "k*max(d - d0, 0)", k: 500 N/m, d0: 10.3 mm}}
 stops: {s: {between: [a, ground], gap: 10.3 mm, acts: compression, force: "K*p", K: 15700 N/m}}
 initial: {a: {v: 0.2 m/s}}
 run: {t_end: 0.2 s, every: 1 ms}
-""",
-    ).scene()
-    samples, events, _ = ran(scene)
+""")
+    result = run(scene)
+    samples, events = result.samples, result.events
     duration = pi * (0.75 / 16200) ** 0.5  # of half a vibration on both springs
     assert np.abs(events["t"][1:3] - [0.0515, 0.0515 + duration]).max() < 1e-14
     assert abs(samples["v_a"][-1] + 0.2) < 1e-14
@@ -345,8 +218,9 @@ def solved_on_the_base():
     return events, state
 
 
-def test_a_base_by_a_formula_with_a_kink_against_another_solver(tmp_path):
-    samples, events, totals = ran(case_of(tmp_path, BASE).scene())
+def test_a_base_by_a_formula_with_a_kink_against_another_solver():
+    result = run(scene_of(BASE))
+    samples, events = result.samples, result.events
     times, state = solved_on_the_base()
     contacts = events["t"][events["kind"] != EVENT_KINDS["switch"]]
     assert (
@@ -354,27 +228,20 @@ def test_a_base_by_a_formula_with_a_kink_against_another_solver(tmp_path):
     )  # the damper's force jumps at the kink
     assert np.abs(np.array(times) - contacts[1:-1]).max() < 1e-10
     assert np.abs(state - [samples["x_a"][-1], samples["v_a"][-1]]).max() < 1e-9
-    assert totals["uncertified"] == 0
+    assert result.totals["uncertified"] == 0
 
 
-BELT = """
-bodies: {{block: 1 kg}}
-links: {{s: {{between: [block, ground], k: 100 N/m, c: 0.2 N s/m}}}}
-friction: {{belt: {{between: [block, ground], N: 10 N, mu: 0.25, belt: {belt}}}}}
-run: {{t_end: 6 s, every: 10 ms}}
-"""
-
-
-def test_a_belt_of_constant_velocity_by_a_formula_is_one_by_a_number(tmp_path):
-    number = ran(case_of(tmp_path, BELT.format(belt="0.1 m/s")).scene())
-    formula = ran(case_of(tmp_path, BELT.format(belt='"v1", v1: 0.1 m/s')).scene())
-    assert np.abs(number[1]["t"] - formula[1]["t"]).max() < 1e-13
-    assert np.abs(number[0]["x_block"] - formula[0]["x_block"]).max() < 1e-13
-
-
-def test_a_belt_that_varies_holds_by_its_acceleration_too(tmp_path):
-    belt = '"v1*(1 - exp(-t/tau))", v1: 0.1 m/s, tau: 0.5 s'
-    samples, events, _ = ran(case_of(tmp_path, BELT.format(belt=belt)).scene())
+def test_a_belt_that_varies_holds_by_its_acceleration_too():
+    result = run(
+        scene_of("""
+bodies: {block: 1 kg}
+links: {s: {between: [block, ground], k: 100 N/m, c: 0.2 N s/m}}
+friction: {belt: {between: [block, ground], N: 10 N, mu: 0.25, belt: "v1*(1 - exp(-t/tau))", v1: 0.1 m/s,
+                  tau: 0.5 s}}
+run: {t_end: 6 s, every: 10 ms}
+""")
+    )
+    samples, events = result.samples, result.events
 
     def held(t, y):
         """Force that the friction passes while the block goes with the belt [N], less what it can."""
@@ -405,20 +272,15 @@ def test_a_belt_that_varies_holds_by_its_acceleration_too(tmp_path):
         ("-F*sign(v_a) - k*x_a", "F: 0.3 N, k: 1 N/m", "held", 2 * pi),
     ],
 )
-def test_where_a_formula_has_no_value_or_holds_the_motion_the_run_says_so(
-    force, numbers, reason, when, tmp_path
-):
-    scene = case_of(
-        tmp_path,
-        f"""
+def test_where_a_formula_has_no_value_or_holds_the_motion_the_run_says_so(force, numbers, reason, when):
+    scene = scene_of(f"""
 bodies: {{a: 1 kg}}
 forces: {{pull: {{on: a, force: "{force}", {numbers}}}}}
 initial: {{a: {{x: 1 m}}}}
 run: {{t_end: 20 s, every: 10 ms}}
-""",
-    ).scene()
+""")
     with pytest.raises(EngineError, match="pull") as raised:
-        ran(scene)
+        run(scene)
     assert raised.value.reason == reason
     if when is not None:
         assert abs(raised.value.state.t - when) < 1e-6

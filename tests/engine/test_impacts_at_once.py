@@ -1,46 +1,27 @@
 """Impacts of bodies that touch others, or that are struck at several stops."""
 
 import random
+from dataclasses import replace
 from fractions import Fraction
 from math import pi, sqrt
 
 import numpy as np
 import pytest
 
-from tests.engine.impacts import METHODS, scene, times
-from tests.engine.runs import run
-from vibsim.cases import load_case
+from tests.engine.impacts import METHODS, times
+from tests.engine.runs import run, scene_of
 from vibsim.engine.events.impacts.newton_moreau import Contact, Masses, impact
 from vibsim.physics.numbers import Doubles
-from vibsim.physics.parts import (
-    COMPRESSION,
-    EVENT_KINDS,
-    EVENT_NAMES,
-    EXTENSION,
-    GROUND,
-    Body,
-    Clearance,
-    Link,
-    RigidStop,
-    Scene,
-    Stop,
-)
-from vibsim.results.simulation import simulate
+from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES, GROUND, Clearance
 
-
-@pytest.mark.parametrize("method", METHODS)
-def test_three_balls(method):
-    """One ball meets two that touch: (1, 0, 0) becomes (-1/3, 2/3, 2/3) by the Newton-Moreau law."""
-    bodies = [Body("a", 1.0, -1.0, 1.0), Body("b", 1.0, 0.0, 0.0), Body("c", 1.0, 0.0, 0.0)]
-    stops = (RigidStop("ab", 0, 1, 0.0, COMPRESSION, 1.0), RigidStop("bc", 1, 2, 0.0, COMPRESSION, 1.0))
-    result = run(scene(bodies, method, stops=stops, t_end=3.0), ledger=True, momentum=True)
-    assert result.events["kind"].tolist() == [0, EVENT_KINDS["impact"], EVENT_KINDS["transmitted"], 8]
-    after = [result.samples[f"v_{name}"][-1] for name in "abc"]
-    assert after == pytest.approx([-1 / 3, 2 / 3, 2 / 3], rel=1e-15)
-    assert after[1] == after[2]
-    assert result.totals["transmitted"] == 1 and result.totals["rests"] == 0
-    assert result.events["before_v_a"][1] == 1.0
-    assert abs(result.totals["energy_residual"]) < 1e-15
+CRUSHED = """
+bodies: {l: 100 kg, ball: 1 kg, r: 100 kg}
+stops:
+  a: {between: [l, ball], gap: 0 m, acts: compression, law: rigid, e: 0.5}
+  b: {between: [ball, r], gap: 0 m, acts: compression, law: rigid, e: 0.5}
+initial: {l: {v: 1 m/s}, ball: {x: 0.3 m}, r: {x: 1 m, v: -1 m/s}}
+run: {t_end: 3 s, every: 250 ms}
+"""
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -48,9 +29,7 @@ def test_body_crushed_between_walls_that_close(method):
     """Two heavy walls close on a light ball, e = 0.5: bounces without end in a finite time, then all move as
     one with the momentum of all.
     """
-    bodies = [Body("l", 100.0, 0.0, 1.0), Body("ball", 1.0, 0.3, 0.0), Body("r", 100.0, 1.0, -1.0)]
-    stops = (RigidStop("a", 0, 1, 0.0, COMPRESSION, 0.5), RigidStop("b", 1, 2, 0.0, COMPRESSION, 0.5))
-    result = run(scene(bodies, method, stops=stops, t_end=3.0), ledger=True, momentum=True)
+    result = run(scene_of(CRUSHED, method=method), ledger=True, momentum=True)
     gaps = result.samples["x_ball"] - result.samples["x_l"], result.samples["x_r"] - result.samples["x_ball"]
     assert min(gap.min() for gap in gaps) > -1e-15
     assert abs(result.totals["momentum_residual"]) < 1e-13
@@ -76,13 +55,11 @@ run: {t_end: 2.5 s, every: 0.5 s}
 """
 
 
-def test_a_stop_that_rounding_leaves_open_where_its_twin_is_struck_is_struck(tmp_path):
+def test_a_stop_that_rounding_leaves_open_where_its_twin_is_struck_is_struck():
     """Two stops with the same ends and gap: the law of impacts takes the larger e. The closed form tells the
     first zero with a depth of 9e-15 m, and the other stop was taken to be open by as much.
     """
-    path = tmp_path / "twins.yaml"
-    path.write_text(TWINS)
-    events = simulate(load_case(path), trust=False).events
+    events = run(scene_of(TWINS)).events
     struck = events["kind"] == EVENT_KINDS["impact"]
     behind, before = (
         events[f"{prefix}v_b1"][struck] - events[f"{prefix}v_b0"][struck] for prefix in ("", "before_")
@@ -93,34 +70,41 @@ def test_a_stop_that_rounding_leaves_open_where_its_twin_is_struck_is_struck(tmp
 
 def test_a_body_that_stands_at_one_stop_and_is_struck_through_another_does_not_pass():
     """At t = 0 b2 stands at the wall, about to part from it, when b3 strikes it: both stops take part."""
-    bodies = (
-        Body("b0", 0.40644332916521275, -0.00133, 0.0),
-        Body("b1", 0.3953666200681279, 0.0, 0.0),
-        Body("b2", 2.2594357702209775, 0.0, 0.0),
-        Body("b3", 0.4518559443749224, -0.0018, 0.01872389221539517),
-    )
-    stops = (
-        Stop("s0", 1, 0, -0.002, EXTENSION, 74.19245410465113, 0.0),
-        RigidStop("r0", 2, 3, -0.0018, EXTENSION, 0.3, True),
-        RigidStop("r2", 2, GROUND, 0.0, COMPRESSION, 0.3, True),
-    )
-    links = (Link("l0", 2, 0, 22.354231116646613, 0.0),)
-    scene = Scene(bodies, links, stops, t_end=0.07957747154594767, every_num=1, every_den=40)
+    scene = scene_of("""
+bodies: {b0: 0.40644332916521275 kg, b1: 0.3953666200681279 kg,
+         b2: 2.2594357702209775 kg, b3: 0.4518559443749224 kg}
+links: {l0: {between: [b2, b0], k: 22.354231116646613 N/m}}
+stops:
+  s0: {between: [b1, b0], gap: -2 mm, acts: extension, k: 74.19245410465113 N/m}
+  r0: {between: [b2, b3], gap: -1.8 mm, acts: extension, law: rigid, e: 0.3}
+  r2: {between: [b2, ground], gap: 0 m, acts: compression, law: rigid, e: 0.3}
+initial: {b0: {x: -1.33 mm}, b3: {x: -1.8 mm, v: 0.01872389221539517 m/s}}
+run: {t_end: 0.07957747154594767 s, every: 25 ms}
+""")
     assert run(scene).samples["x_b2"].max() < 1e-16
+
+
+CLOSED = """
+bodies: {a: 1 kg, b: 1 kg, c: 1 kg}
+stops:
+  ab: {between: [b, a], gap: 0 m, acts: compression, k: 40 N/m}
+  bc: {between: [c, b], gap: 0 m, acts: compression, law: rigid, e: 0.5}
+run: {t_end: 0.5 s, every: 1/32 s}
+"""
 
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("away", [0.0, 0.125])
 @pytest.mark.parametrize("side", [1, -1])
-def test_a_impact_closes_what_just_touched(method, away, side):
+def test_an_impact_closes_what_just_touched(method, away, side):
     """c strikes b, which touches a spring at a: both go on with half of what b gets and swing about it until
     they part. Where the impact was at the start, b went through the spring.
     """
     speed, rate = 0.75, sqrt(2 * 40.0)
-    bodies = [Body("a", 1.0, 0.0, 0.0), Body("b", 1.0, 0.0, 0.0), Body("c", 1.0, side * away, -side * 1.0)]
-    stops = (Stop("ab", 1, 0, 0.0, side, 40.0, 0.0), RigidStop("bc", 2, 1, 0.0, side, 0.5))
+    text = CLOSED.replace("compression", "extension") if side > 0 else CLOSED
+    scene = scene_of(text, {"c.x": side * away, "c.v": -side}, method=method, t_end=away + 0.5)
     limit = Clearance("limit", *((GROUND, 1) if side > 0 else (1, GROUND)), 0.0)
-    result = run(scene(bodies, method, stops=stops, clearances=(limit,), t_end=away + 0.5, every_den=32))
+    result = run(replace(scene, clearances=(limit,)))
     told = [EVENT_NAMES[kind] for kind in result.events["kind"].tolist()]
     assert told == ["start", "impact", "contact_begin", "violation_begin", "contact_end", "end"]
     assert times(result, "contact_begin") == pytest.approx([away], abs=1e-15)

@@ -11,31 +11,18 @@ from hypothesis import given, settings
 
 from tests.engine.random_parts import LENGTH, RATE, part_scenes
 from tests.engine.runs import Run, outcome, run, scene_of
+from tests.engine.test_closed_cases import METHODS, harmonic, scene
 from vibsim.physics.parts import (
-    AT_FORCE,
     BASE,
-    COMPRESSION,
     GROUND,
     Body,
     Force,
     Friction,
-    Harmonic,
     Link,
-    Scene,
-    Stop,
 )
 
-METHODS = ("auto", "taylor")
 # rounding of some hundred stretches of 12 nodes each, of energies and momenta that go in and out many times
 ENERGY, MOMENTUM = 1e-12 * (LENGTH * RATE) ** 2, 1e-12 * LENGTH * RATE
-
-
-def scene(bodies, method="auto", **parts):
-    return Scene(tuple(bodies), method=method, **{"t_end": 10.0, "every_den": 20, **parts})
-
-
-def harmonic(amplitude, frequency, phase=0.0):
-    return Harmonic(amplitude, 2 * pi * frequency, frequency, 0.0, phase)
 
 
 def assert_closed(scene):
@@ -91,9 +78,9 @@ def test_block_slipping_on_a_belt(method):
     m, N, belt = 2.0, 3.0, 0.5
     until = m * belt / N  # it has the speed of the belt
     parts = {"frictions": (Friction("f", 0, GROUND, N, N, belt),), "t_end": 2 * until}
-    totals = run(scene([Body("m", m, 0.0, 0.0)], method, **parts)).totals
-    result = run(scene([Body("m", m, 0.0, 0.0)], method, **parts), momentum=True).totals
-    assert "work_belt" not in totals
+    of = scene([Body("m", m, 0.0, 0.0)], method, **parts)
+    result = run(of, momentum=True).totals
+    assert "work_belt" not in run(of).totals
     assert result["work_belt"] == pytest.approx(N * belt * until, rel=1e-14)
     assert result["loss_friction"] == pytest.approx(m * belt**2 / 2, rel=1e-14)
     assert result["energy_end"] == pytest.approx(m * belt**2 / 2, rel=1e-14)
@@ -153,35 +140,6 @@ def test_steady_work_of_a_force_and_of_a_base_is_what_the_damper_takes(method):
     totals = run(scene([body], method, **shaken), ledger=True).totals
     assert totals["work_base"] == pytest.approx(totals["loss.links.d"], rel=1e-12)
     assert totals["energy_residual_relative"] < 1e-15
-
-
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("release", ("gap", "force"))
-def test_damped_stop_takes_the_energy_that_the_mass_leaves_behind(method, release):
-    """What a mass loses at a damped wall is the stop's loss; let go at zero force, with what the spring
-    holds.
-    """
-    m, v = 2.0, 0.7
-    stop = Stop("wall", 0, GROUND, 0.1, COMPRESSION, 800.0, 12.0, release)
-    result = run(scene([Body("m", m, 0.0, v)], method, stops=(stop,), t_end=3.0), ledger=True)
-    lost = m * (v**2 - result.events["v_m"][2] ** 2) / 2
-    assert 0 < lost < m * v**2 / 2
-    assert result.totals["loss.stops.wall"] == result.totals["loss_stops"] == pytest.approx(lost, rel=1e-13)
-    assert result.totals["energy_end"] == pytest.approx(m * result.events["v_m"][2] ** 2 / 2, rel=1e-14)
-    assert (release == AT_FORCE) == (2 in result.samples["wall"])
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_free_bodies_that_rub_keep_their_momentum(method):
-    m1, m2, v, N = 2.0, 3.0, 1.5, 4.0
-    parts = {"frictions": (Friction("f", 0, 1, N, N, 0.0),), "t_end": 4.0}
-    totals = run(
-        scene([Body("a", m1, 0.0, v), Body("b", m2, 0.0, 0.0)], method, **parts), momentum=True
-    ).totals
-    assert totals["loss.friction.f"] == pytest.approx(m1 * m2 * v**2 / (2 * (m1 + m2)), rel=1e-14)
-    assert totals["momentum_start"] == totals["momentum_end"] == m1 * v
-    for name in ("impulse_ground", "impulse_base", "impulse_belt", "impulse_source"):
-        assert totals[name] == 0
 
 
 @pytest.mark.parametrize("method", METHODS)

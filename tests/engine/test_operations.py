@@ -2,21 +2,17 @@
 
 import pickle
 import re
-from array import array
 
 import numpy as np
 import pytest
 
 from tests.engine.many_digits import exact_parts, truth
 from tests.engine.runs import run, scene_of
-from vibsim.engine import _engine
 from vibsim.engine.c_engine import CRun
 from vibsim.engine.errors import EngineError
-from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.flows.tape import POWER
 from vibsim.engine.modes import parametric_rows
 from vibsim.engine.modes.mode_table import ModeTable, mode_table
-from vibsim.engine.modes.packing import pack_scene, packed_mode
 from vibsim.engine.modes.parametric_rows import recipe_of
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import GROUND
@@ -229,45 +225,6 @@ def test_numbers_of_another_scene_in_the_parts_beside_formulas_are_those_of_that
     for gap in (0.5, 0.25, 0.125):
         wall = f"wall: {{between: [a, ground], gap: {gap} m, acts: compression, k: 50 N/m, c: 1 N s/m}}"
         assert judged(oscillator("9*x + abs(v)", f"stops: {{{wall}}}")).totals["impacts"] > 0
-
-
-HUGE = (2**31 - 1, 10**6, -(10**6), -(2**31))
-
-
-def with_int(ints, place, value):
-    values = array("i", ints)
-    values[place] = value
-    return values.tobytes()
-
-
-@pytest.mark.parametrize("which", (0, 1), ids=("scene", "mode"))
-def test_no_index_of_a_tape_reaches_beyond_its_table(which):
-    """Each whole number in turn is far out: it is refused, or what it says does no harm."""
-    parts = ROTOR + 'base: {x: "q*sin(t/T)", q: 1 cm}\nstates: {z: {rate: "0*z/T", start: 0 m}}\n'
-    parts += 'forces: {f: {on: a, force: "F*atan(x_a/L)"}}\n'
-    scene = oscillator("20*x + tanh(x) + sin(3*x)", parts, end="base")
-    of = CRun(scene)
-    packed = pack_scene(scene, pitches(scene)), packed_mode(of.rows_of(0), dict(of.keys)).packed
-    refused = 0
-    for place in range(len(packed[which][0]) // 4):
-        for value in HUGE:
-            numbers = [*packed]
-            numbers[which] = (with_int(packed[which][0], place, value), packed[which][1])
-            try:
-                _engine.Run(*numbers[0]).add_mode(*numbers[1])
-            except (ValueError, MemoryError):
-                refused += 1
-    assert refused > 2 * len(packed[which][0]) // 4
-
-
-@pytest.mark.parametrize("part", (0, 1), ids=("ints", "doubles"))
-def test_a_tape_cut_short_is_refused(part):
-    scene = oscillator("20*x + tanh(5*v)")
-    of = CRun(scene)
-    mode = [*packed_mode(of.rows_of(0), dict(of.keys)).packed]
-    mode[part] = mode[part][:-8]
-    with pytest.raises(ValueError, match="packed numbers"):
-        _engine.Run(*pack_scene(scene, pitches(scene))).add_mode(*mode)
 
 
 def test_extremes_of_a_formula():

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from tests.engine.random_formulas import formula_scene
 from tests.engine.random_parts import part_scenes
 from tests.engine.runs import Run, outcome, run, same_bits
+from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, paper
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory, state_at
@@ -32,7 +33,7 @@ def assert_restarts(scene):
         return
     for rows in rows_at_each_instant(whole.events):
         t = rows[-1]["t"]
-        if t == scene.t_end or rows[0]["kind"] == 0:
+        if t == whole.events["t"][-1] or rows[0]["kind"] == 0:
             continue
         rest = run(scene, resume=rows)
         after, later = whole.samples["time"] >= t, whole.events["t"] > t
@@ -49,13 +50,20 @@ def test_random_scenes_go_on_from_every_event(scene):
     assert_restarts(replace(scene, method="taylor"))
 
 
+@settings(max_examples=50)
+@given(scenes())
+def test_random_blocks_go_on_from_every_event(scene):
+    """Rest distances among their parts, at which a run may stop."""
+    assert_restarts(scene.as_parts())
+
+
 @pytest.mark.parametrize("seed", range(14))
 def test_random_formulas_go_on_from_every_event(seed):
     assert_restarts(replace(formula_scene(seed), t_end=0.3))
 
 
 @pytest.mark.parametrize("name", CASE_NAMES)
-def test_states_between_events_are_those_of_the_run(name):
+def test_papers_cases_go_on_from_every_event_and_have_the_states_between(name):
     scene = paper(name, t_end=3.0).as_parts()
     whole = run(scene)
     times = whole.samples["time"]
@@ -66,6 +74,7 @@ def test_states_between_events_are_those_of_the_run(name):
         found = state_at(scene, one[-1], times[between].tolist())
         for name_of_column, values in found.items():
             assert same_bits(values, whole.samples[name_of_column][between])
+    assert_restarts(scene)
 
 
 @pytest.mark.parametrize(
@@ -127,13 +136,11 @@ run: {t_end: 10 s, every: 0.05 s}
 
 
 @pytest.mark.parametrize("text", (TORN_OFF, TWINS), ids=("torn_off", "twins"))
-def test_states_between_events_follow_no_event_of_the_instant_before_once_more(tmp_path, text):
+def test_states_between_events_follow_no_event_of_the_instant_before_once_more(text):
     """A body that another tears off its stop leaves with the rounding of its velocity; of two stops with one
     depth one is struck, and both are left. Steps were extrapolated behind events that came of it, to 1e27 m.
     """
-    path = tmp_path / "case.yaml"
-    path.write_text(text)
-    result = simulate(load_case(path), trust=False)
+    result = simulate(load_case(text), trust=False)
     states = result.at(result.time)
     assert result.attrs["impacts"] > 0
     for name in ("x_b0", "v_b0", "phi", "phidot"):

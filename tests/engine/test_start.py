@@ -11,7 +11,7 @@ from tests.engine.many_digits import exact_parts, truth
 from tests.engine.random_parts import part_scenes
 from tests.engine.runs import whole
 from tests.engine.test_closed_cases import scene
-from tests.events.coincidences import machine
+from tests.events.special_scenes import machine
 from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError, start_of
 from vibsim.engine.events.automaton import Automaton, UnambiguousStart
@@ -140,11 +140,9 @@ run: {t_end: 2e14 s, every: 1e14 s, method: taylor}
 
 
 @pytest.fixture
-def crawling(tmp_path):
+def crawling():
     """10,000 rad/s for 2e14 s: 1e17 steps."""
-    path = tmp_path / "crawling.yaml"
-    path.write_text(CRAWLING)
-    return load_case(path).scene()
+    return load_case(CRAWLING).scene()
 
 
 def standstill(scene):

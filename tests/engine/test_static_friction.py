@@ -8,48 +8,45 @@ import pytest
 
 import vibsim
 from tests.engine.bundles import totals
+from tests.engine.impacts import times
 from tests.engine.many_digits import exact_parts, truth
-from tests.engine.runs import differences, run
-from tests.engine.test_closed_cases import oscillator
+from tests.engine.runs import differences, run, scene_of
 from tests.engine.test_restart import assert_restarts, rows_at_each_instant
+from vibsim.cases import load_case
 from vibsim.engine.modes.rows import SLIDE
 from vibsim.engine.resume import resume_point
-from vibsim.physics.parts import (
-    BASE,
-    COMPRESSION,
-    EVENT_KINDS,
-    EVENT_NAMES,
-    GROUND,
-    Body,
-    Force,
-    Friction,
-    Harmonic,
-    Link,
-    Scene,
-    Stop,
-)
+from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES, GROUND, Friction
 
 M, K, BELT = 2.0, 50.0, 0.3
 SLIP, HOLD = 4.0, 7.0
 RATE = (K / M) ** 0.5
 
 
-def block_on_belt(sign=1, method="auto", t_end=12.0):
-    """A block on a spring, carried along by a belt."""
-    friction = Friction("belt", 0, GROUND, SLIP, SLIP, sign * BELT, HOLD, HOLD)
-    return Scene(
-        (Body("m", M, 0.0, sign * BELT),),
-        (Link("spring", 0, GROUND, K, 0.0),),
-        frictions=(friction,),
-        t_end=t_end,
-        every_num=1,
-        every_den=10,
-        method=method,
-    )
-
-
-def times(result, kind):
-    return result.events["t"][result.events["kind"] == EVENT_KINDS[kind]]
+# A block on a spring, carried along by a belt.
+CARRIED = """
+bodies: {m: 2 kg}
+links: {spring: {between: [m, ground], k: 50 N/m}}
+friction: {belt: {between: [m, ground], N: 4 N, mu: 1, static: 1.75, belt: 0.3 m/s}}
+initial: {m: {v: 0.3 m/s}}
+run: {t_end: 12 s, every: 100 ms}
+"""
+# A block that a growing force tears off the ground, and one that rubs on it.
+CARRIAGE = """
+bodies: {lower: 1 kg, upper: 0.5 kg}
+friction:
+  floor: {between: [lower, ground], N: 2 N, mu: 1, static: 4}
+  lid: {between: [upper, lower], N: 1.9 N, mu: 1}
+forces: {pull: {on: lower, A: 40 N, omega: 0.5 rad/s}}
+run: {t_end: 1 s, every: 1 ms}
+"""
+# A block that holds on to a belt until it meets a damped stop, whose force tears it off.
+STRUCK = """
+bodies: {m: 1 kg}
+stops: {wall: {between: [m, ground], gap: 10 mm, acts: compression, k: 10 N/m, c: 20 N s/m, release: gap}}
+friction: {belt: {between: [m, ground], N: 1 N, mu: 1, belt: 0.5 m/s}}
+initial: {m: {v: 0.5 m/s}}
+run: {t_end: 0.5 s, every: 1 ms}
+"""
 
 
 @pytest.mark.parametrize("sign", (1, -1))
@@ -58,7 +55,8 @@ def test_block_on_a_belt(method, sign):
     """Carried to k x = F_s, the block slips about F_k / k with the amplitude of (F_s - F_k) / k and v / rate,
     until it has the speed of the belt again: then rate x is as far below F_k / k as it was above.
     """
-    result = run(block_on_belt(sign, method), ledger=True)
+    changes = {"belt.belt": sign * BELT, "m.v": sign * BELT}
+    result = run(scene_of(CARRIED, changes, method=method), ledger=True)
     drop = (HOLD - SLIP) / K
     slips = (2 * pi - 2 * atan(RATE * drop / BELT)) / RATE
     sticks = 2 * drop / BELT
@@ -78,7 +76,7 @@ def test_block_on_a_belt_in_many_digits():
     """The same to 38 digits."""
     flint = pytest.importorskip("flint")
     flint.ctx.dps = 60
-    _, events, digits, _ = truth(exact_parts(block_on_belt()), 40)
+    _, events, digits, _ = truth(exact_parts(scene_of(CARRIED)), 40)
     ends = digits["t"][events["kind"] == EVENT_KINDS["stick_end"]]
     assert len(ends) >= 6
     drop = flint.arb(HOLD - SLIP) / K
@@ -88,45 +86,18 @@ def test_block_on_a_belt_in_many_digits():
         assert abs(flint.arb(text.decode()) - (flint.arb(HOLD) / K / belt + n * period)) < 1e-37
 
 
-def test_friction_oscillator_of_pwsdde_cont():
-    """x'' + 0.1 x' + x = 1.5 cos(0.9 t) - friction, 1 while slipping and 1.1 while sticking: the symmetric
-    orbit without sticking has the amplitude 2.42023635057437 (independent solver).
-    """
-    friction = Friction("f", 0, GROUND, 1.0, 1.0, 0.0, 1.1, 1.1)
-    result = run(oscillator(0.9, 1.5, 0.1, 100 * 2 * pi / 0.9, frictions=(friction,)))
-    turns = result.events["kind"] == EVENT_KINDS["reversal"]
-    assert abs(result.events["x_m"][turns][-1]) == pytest.approx(2.42023635057437, abs=1e-11)
-    assert times(result, "stick_begin").max() < 20 * 2 * pi / 0.9  # in the transient only
-
-
-def carriage(lid, hold=8.0):
-    """A block that a growing force tears off the ground, and one that rubs on it."""
-    growing = Harmonic(40.0, 0.5, 0.5 / (2 * pi), 0.0, 0.0)
-    return Scene(
-        (Body("lower", 1.0, 0.0, 0.0), Body("upper", 0.5, 0.0, 0.0)),
-        frictions=(
-            Friction("ground", 0, GROUND, 2.0, 2.0, 0.0, hold, hold),
-            Friction("lid", 1, 0, lid, lid, 0.0),
-        ),
-        forces=(Force("pull", 0, 0.0, (growing,)),),
-        t_end=1.0,
-        every_num=1,
-        every_den=1000,
-    )
-
-
 def test_what_a_release_tears_with_it():
     """At the release the accelerations jump from 0 to (F_s - F_k) / (m1 + m2) = 4 m/s^2: a lid that holds
     less than m2 a = 2 N slips at the same instant, one that holds more goes along.
     """
     release = np.arcsin(8.0 / 40.0) / 0.5
-    torn = run(carriage(1.9))
+    torn = run(scene_of(CARRIAGE))
     ends = torn.events["kind"] == EVENT_KINDS["stick_end"]
     assert torn.events["t"][ends] == pytest.approx([release] * 2, rel=1e-14)
-    assert (torn.events["ground"][ends].tolist(), torn.events["lid"][ends].tolist()) == ([1, 1], [-1, -1])
+    assert (torn.events["floor"][ends].tolist(), torn.events["lid"][ends].tolist()) == ([1, 1], [-1, -1])
     t, v = torn.samples["time"], torn.samples["v_upper"]
     assert v[t > release] == pytest.approx(1.9 / 0.5 * (t[t > release] - release), abs=1e-13)
-    held = run(carriage(2.1))
+    held = run(scene_of(CARRIAGE, {"lid.N": 2.1}))
     first = held.events["t"][held.events["kind"] == EVENT_KINDS["stick_end"]]
     assert first[0] == pytest.approx(release, rel=1e-14)
     assert first[1] > release + 1e-3
@@ -135,21 +106,25 @@ def test_what_a_release_tears_with_it():
 
 def test_a_limit_as_high_as_the_slipping_force_changes_nothing():
     friction = Friction("f", 0, GROUND, 1.0, 0.7, 0.1)
-    plain = oscillator(0.9, 1.5, 0.1, 100.0, frictions=(friction,))
+    plain = load_case("gallery/friction-oscillator", {"run.t_end": "100 s"}).scene()
+    plain = replace(plain, frictions=(friction,))
     told = replace(plain, frictions=(replace(friction, hold_forward=1.0, hold_backward=0.7),))
     assert differences(run(plain), run(told)) == []
 
 
+SHAKEN = """
+bodies: {m: 1 kg}
+friction: {f: {between: [m, base], N: 1 N, plus: {mu: 3, static: 2.5}, minus: {mu: 3, static: 7}}}
+base: {a: 10 mm, omega: 30 rad/s}
+run: {t_end: 5 s}
+"""
+
+
 def test_limits_of_the_two_directions():
     """A block on a shaken table that lets it slip easily forwards only is carried one way."""
-    table = Harmonic(0.01, 30.0, 30.0 / (2 * pi), 0.0, 0.0)
-
-    def drift(friction):
-        scene = Scene((Body("m", 1.0, 0.0, 0.0),), frictions=(friction,), base=(table,), t_end=5.0)
-        return run(scene).samples["x_m"][-1]
-
-    assert drift(Friction("f", 0, BASE, 3.0, 3.0, 0.0, 8.0, 20.0)) > 0.05
-    assert drift(Friction("f", 0, BASE, 3.0, 3.0, 0.0, 20.0, 8.0)) < -0.05
+    forwards, backwards = scene_of(SHAKEN), scene_of(SHAKEN, {"f.plus.static": 7, "f.minus.static": 2.5})
+    assert run(forwards).samples["x_m"][-1] > 0.05
+    assert run(backwards).samples["x_m"][-1] < -0.05
 
 
 LIMITS_OF_TWO_DIRECTIONS = """
@@ -181,19 +156,7 @@ def test_a_load_by_a_formula_keeps_the_limits_of_the_two_directions(sides):
     assert by_formula.attrs["uncertified"] == 0
 
 
-def struck_and_torn():
-    """A block that holds on to a table until it meets a damped stop, whose force tears it off."""
-    return Scene(
-        (Body("m", 1.0, 0.0, 0.5),),
-        stops=(Stop("wall", 0, GROUND, 0.01, COMPRESSION, 10.0, 20.0),),
-        frictions=(Friction("belt", 0, GROUND, 1.0, 1.0, 0.5),),
-        t_end=0.5,
-        every_num=1,
-        every_den=1000,
-    )
-
-
-SCENES = (block_on_belt(), carriage(1.9), carriage(2.1), struck_and_torn())
+SCENES = (scene_of(CARRIED), scene_of(CARRIAGE), scene_of(CARRIAGE, {"lid.N": 2.1}), scene_of(STRUCK))
 
 
 def test_a_run_goes_on_from_a_release():
@@ -201,7 +164,7 @@ def test_a_run_goes_on_from_a_release():
         assert_restarts(scene)
 
 
-WITHOUT_DROP = replace(block_on_belt(), frictions=(Friction("belt", 0, GROUND, HOLD, HOLD, BELT),))
+WITHOUT_DROP = scene_of(CARRIED, {"belt.N": HOLD, "belt.static": 1})
 
 
 @pytest.mark.parametrize(
@@ -219,7 +182,7 @@ def test_a_release_with_a_jump_leaves_a_simple_zero_of_the_sliding_velocity(scen
 
 def test_a_damped_stop_tears_a_block_off():
     """Carried at 0.5 m/s against c = 20 N s/m the force jumps by 10 N: slip begins where contact does."""
-    result = run(struck_and_torn())
+    result = run(scene_of(STRUCK))
     kinds = [EVENT_NAMES[kind] for kind in result.events["kind"]]
     assert kinds[:3] == ["start", "contact_begin", "stick_end"]
     assert result.events["t"][1] == result.events["t"][2] == pytest.approx(0.02, rel=1e-14)
@@ -230,9 +193,17 @@ def test_the_stick_slip_cycle_is_found_at_once_and_kept(method):
     """Sticking takes all disturbances of a block on a belt: its exponents are 0, along the motion without
     drive, and minus infinity.
     """
-    result = totals(block_on_belt(method=method, t_end=20.0), begin=5.0)
+    result = totals(scene_of(CARRIED, method=method, t_end=20), begin=5.0)
     assert result["exponents"][0] == pytest.approx(0, abs=1e-12)
     assert result["exponents"][1] == -np.inf
+
+
+PUSHED = """
+bodies: {m: 1 kg}
+friction: {floor: {between: [m, ground], N: 4 N, mu: 1, static: 1.75}}
+forces: {push: {on: m, F0: 5 N}}
+run: {t_end: 1 s}
+"""
 
 
 @pytest.mark.parametrize("speed", (0.6, -0.6, 0.0))
@@ -240,10 +211,7 @@ def test_the_stick_slip_cycle_is_found_at_once_and_kept(method):
 def test_where_sticking_and_slipping_on_are_both_possible_it_sticks(force, sticks, speed):
     """A push between what it slips with, 4 N, and what it holds, 7 N, against the slip or along it."""
     sense = -1.0 if speed >= 0 else 1.0
-    friction = Friction("floor", 0, GROUND, 4.0, 4.0, 0.0, 7.0, 7.0)
-    push = Force("push", 0, sense * force, ())
-    scene = Scene((Body("m", 1.0, 0.0, speed),), frictions=(friction,), forces=(push,), t_end=1.0)
-    result = run(scene)
+    result = run(scene_of(PUSHED, {"m.v": speed, "push.F0": sense * force}))
     stop = abs(speed) / (force + 4.0)
     assert (result.samples["v_m"][-1] == 0) == sticks
     if sticks:
@@ -254,22 +222,21 @@ def test_where_sticking_and_slipping_on_are_both_possible_it_sticks(force, stick
     assert result.totals["uncertified"] == 0
 
 
-def freewheel(loss):
-    """A block that slips forwards with the friction `loss` and is held against any force backwards, driven by
-    5 N at 1 Hz.
-    """
-    drive = Force("drive", 0, 0.0, (Harmonic(5.0, 2 * pi, 1.0, 0.0, 0.0),))
-    frictions = (Friction("wheel", 0, GROUND, loss, 1e9, 0.0),)
-    bodies = (Body("m", M, 0.0, 0.0),)
-    return Scene(bodies, (), frictions=frictions, forces=(drive,), t_end=5.0, every_num=1, every_den=50)
+# A block that is held against any force backwards.
+FREEWHEEL = """
+bodies: {m: 2 kg}
+friction: {wheel: {between: [m, ground], N: 1 N, plus: {mu: 0}, minus: {mu: 1e9}}}
+forces: {drive: {on: m, A: 5 N, omega: 1 Hz}}
+run: {t_end: 5 s, every: 20 ms}
+"""
 
 
 def test_a_freewheel_without_loss_touches_rest_once_a_period():
     """v = A / (m omega) (1 - cos omega t) touches 0 where the force does: a doubt each, the same motion."""
-    result = run(freewheel(0.0), ledger=True)
+    result = run(scene_of(FREEWHEEL), ledger=True)
     exact = 5.0 / (M * 2 * pi) * (1 - np.cos(2 * pi * result.samples["time"]))
     assert np.abs(result.samples["v_m"] - exact).max() < 1e-15
     assert result.totals["uncertified"] == 5
     touches = times(result, "stick_begin")
     assert touches == pytest.approx(np.round(touches), abs=1e-7)  # sqrt(eps) of a period
-    assert run(freewheel(1e-6)).totals["uncertified"] == 0
+    assert run(scene_of(FREEWHEEL, {"wheel.plus.mu": 1e-6})).totals["uncertified"] == 0

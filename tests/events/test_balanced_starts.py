@@ -7,9 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.engine.impacts import ball
 from tests.engine.runs import run as run_parts
-from tests.events.coincidences import driven, machine, two_blocks
-from tests.events.coincidences import harmonic as shaking
+from tests.engine.runs import scene_of
+from tests.events.special_scenes import driven, machine, two_blocks
+from tests.events.special_scenes import harmonic as shaking
 from tests.events.test_certificate import assert_none_missed
 from tests.events.whole_runs import MOST_STEPS, Crawling
 from tests.scenes import harmonic, scene
@@ -18,6 +20,7 @@ from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import (
     BASE,
     COMPRESSION,
+    EVENT_KINDS,
     EVENT_NAMES,
     EXTENSION,
     GROUND,
@@ -74,10 +77,7 @@ def test_a_plain_start_on_the_stop_is_certified(method, x1, F0, A):
 def in_doubt(body, t_end=0.01, **parts):
     """Whether a short run of one body has doubts."""
     scene = Scene((body,), t_end=t_end, every_num=1, every_den=10, **parts)
-    trajectory = open_trajectory(scene)
-    for _ in trajectory.blocks():
-        pass
-    return trajectory.totals["uncertified"] > 0
+    return run_parts(scene).totals["uncertified"] > 0
 
 
 SPRING = (Link("spring", 0, GROUND, 100.0, 0.0),)
@@ -148,24 +148,17 @@ def test_a_rest_that_is_relieved_as_the_friction_turns_round_ends_there():
     """Where the base turns round the force of the stop falls to zero and comes there with no slope but for
     rounding: it was taken to rise again, 64 times.
     """
-    k, x = 87.3, 0.01
-    omega = math.sqrt(k)
-    stop = RigidStop("stop", 0, GROUND, x, COMPRESSION, 0.0, True)
-    scene = Scene(
-        (Body("a", 1.0, x, 0.0),),
-        (Link("spring", 0, BASE, k, 0.0),),
-        (stop,),
-        (Friction("f", 0, BASE, k * x, k * x, 0.0),),
-        (Force("push", 0, k * x, ()),),
-        (shaking(x, omega / 2, 0.0),),
-        t_end=0.5,
-        every_num=1,
-        every_den=50,
-        method="taylor",
-    )
-    trajectory = open_trajectory(scene)
-    kinds = [kind for block in trajectory.blocks() for kind in block.events["kind"].tolist()]
-    assert "rest_end" in [EVENT_NAMES[kind] for kind in kinds]
+    scene = scene_of("""
+bodies: {a: 1 kg}
+links: {spring: {between: [a, base], k: 87.3 N/m}}
+stops: {stop: {between: [a, ground], gap: 1 cm, acts: compression, law: rigid, e: 0}}
+friction: {f: {between: [a, base], N: 0.873 N, mu: 1}}
+forces: {push: {on: a, F0: 0.873 N}}
+base: {a: 1 cm, omega: 4.671723450719231 rad/s}
+initial: {a: {x: 1 cm}}
+run: {t_end: 0.5 s, every: 20 ms, method: taylor}
+""")
+    assert EVENT_KINDS["rest_end"] in run_parts(scene).events["kind"]
 
 
 def unbalanced(on, frame, e, sense, phi, **parts):
@@ -205,16 +198,7 @@ def test_hops_that_rounding_of_a_force_begins_end(tied):
 def test_hops_that_are_motion_stay_however_low(height):
     """With e = 1 a body that falls from `height` hops on, 2 sqrt(2 height / g) long."""
     fall = math.sqrt(2 * height / 9.81)
-    scene = Scene(
-        (Body("a", 1.0, -height, 0.0),),
-        (),
-        (RigidStop("floor", 0, GROUND, 0.0, COMPRESSION, 1.0),),
-        (),
-        (Force("weight", 0, 9.81, ()),),
-        t_end=100 * fall,
-        every_num=1,
-        every_den=50,
-    )
+    scene = ball(1.0, height, t_end=100 * fall)
     totals = run_to_the_end(scene)
     assert (totals["impacts"], totals["chatters"], totals["uncertified"]) == (50, 0, 0)
 
@@ -223,17 +207,15 @@ def test_a_rest_that_ends_by_rounding_though_the_ends_close_by_rounding_goes_on(
     """Spring and force are 1 N, and the motor turns backwards: the tie lets go, the acceleration of 3e-17
     m/s^2 closes, and the same zero was taken 64 times.
     """
-    scene = Scene(
-        (Body("a", 1.0, 0.01, 0.0),),
-        (Link("spring", 0, GROUND, 100.0, 0.0),),
-        (RigidStop("stop", 0, GROUND, 0.01, COMPRESSION, 0.0, True),),
-        (),
-        (Force("push", 0, 1.0, ()),),
-        motor=Motor(0, 0.2, 0.01, 4e-5, 0.0, 16.0, -math.pi / 2, -16.0),
-        t_end=1.0,
-        every_num=1,
-        every_den=50,
-    )
+    scene = scene_of("""
+bodies: {a: 1 kg}
+links: {spring: {between: [a, ground], k: 100 N/m}}
+stops: {stop: {between: [a, ground], gap: 1 cm, acts: compression, law: rigid, e: 0}}
+forces: {push: {on: a, F0: 1 N}}
+motor: {on: a, m3: 0.2 kg, e: 1 cm, J: 4e-5 kg m^2, M0: 0 N m, Omega0: 16 rad/s}
+initial: {a: {x: 1 cm}, motor: {phi: -90 deg, phidot: -16 rad/s}}
+run: {t_end: 1 s, every: 20 ms}
+""")
     assert run_to_the_end(scene)["uncertified"] > 0
 
 
@@ -242,53 +224,33 @@ def test_a_rest_whose_force_touches_zero_once_a_period_goes_on(e):
     """Body a swings from 0 and back, x = (1 - cos(w t)) F0 / k, and presses b on its stop meanwhile. Rounding
     of where a has come back to parts them for 2e-8 s; with e = 1 hops of 1e-33 m went on 4e10 times a second.
     """
-    scene = Scene(
-        (Body("a", 0.5, 0.0, 0.0), Body("b", 0.5, 0.0, 0.0)),
-        (Link("spring", 0, GROUND, 100.0, 0.0), Link("tie", 1, 0, 87.3, 0.0)),
-        (RigidStop("stop", 1, GROUND, 0.0, EXTENSION, e, True),),
-        (),
-        (Force("pull", 0, -1.0, ()),),
-        t_end=2.0,
-        every_num=1,
-        every_den=50,
-    )
-    trajectory = open_trajectory(scene)
-    samples = [block.samples for block in trajectory.blocks()]
-    assert trajectory.totals["events"] < 300 and trajectory.totals["uncertified"] > 0
-    t, a, b = (np.concatenate([each[name] for each in samples]) for name in ("time", "x_a", "x_b"))
+    scene = scene_of(f"""
+bodies: {{a: 0.5 kg, b: 0.5 kg}}
+links: {{spring: {{between: [a, ground], k: 100 N/m}}, tie: {{between: [b, a], k: 87.3 N/m}}}}
+stops: {{stop: {{between: [b, ground], gap: 0 m, acts: extension, law: rigid, e: {e}}}}}
+forces: {{pull: {{on: a, F0: -1 N}}}}
+run: {{t_end: 2 s, every: 20 ms}}
+""")
+    result = run_parts(scene)
+    assert result.totals["events"] < 300 and result.totals["uncertified"] > 0
+    t, a, b = (result.samples[name] for name in ("time", "x_a", "x_b"))
     k, w = 187.3, math.sqrt(187.3 / 0.5)
     assert abs(a + (1 - np.cos(w * t)) / k).max() < 1e-15
     assert abs(b).max() < 1e-24
 
 
-def test_coincidences_of_two_blocks():
-    judge(two_blocks, range(100, 130))
+@pytest.mark.parametrize(
+    ("make", "seeds"), ((two_blocks, range(100, 130)), (machine, range(308, 322)), (driven, range(4, 9)))
+)
+def test_coincidences(make, seeds):
+    judge(make, seeds)
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
-def test_many_coincidences_of_two_blocks():
-    judge(two_blocks, range(4000))
-
-
-def test_coincidences_of_parts():
-    judge(machine, range(308, 322))
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(3600)
-def test_many_coincidences_of_parts():
-    judge(machine, range(1500))
-
-
-def test_coincidences_with_a_motor():
-    judge(driven, range(4, 9))
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(3600)
-def test_many_coincidences_with_a_motor():
-    judge(driven, range(1500))
+@pytest.mark.parametrize(("make", "count"), ((two_blocks, 4000), (machine, 1500), (driven, 1500)))
+def test_many_coincidences(make, count):
+    judge(make, range(count))
 
 
 @pytest.mark.parametrize("seed", [4006, 4087, 5155, 5214, 5555, 7578, 8664])
@@ -308,28 +270,25 @@ def test_blocks_that_are_alike_slide_on_side_by_side(method):
     """One catches up with two that slide before it: friction slows all alike, and no force is between them
     until they halt, v^2 / (2 mu g) further on, with mu g = 0.3 / 0.7 N / kg.
     """
-    bodies = tuple(Body(f"b{i}", 0.7, 0.013 * (i > 0), v) for i, v in enumerate([0.3, 0.1, 0.1]))
-    scene = Scene(
-        bodies,
-        (),
-        tuple(
-            RigidStop(f"s{i}", i, i + 1, 0.0, COMPRESSION, 0.0, bodies[i + 1].x == bodies[i].x)
-            for i in (0, 1)
-        ),
-        tuple(Friction(f"f{i}", i, GROUND, 0.3, 0.3, 0.0) for i in range(3)),
-        t_end=2.0,
-        every_num=1,
-        every_den=50,
-        method=method,
-    )
-    trajectory = open_trajectory(scene)
-    samples = [block.samples for block in trajectory.blocks()]
+    scene = scene_of(f"""
+bodies: {{b0: 0.7 kg, b1: 0.7 kg, b2: 0.7 kg}}
+stops:
+  s0: {{between: [b0, b1], gap: 0 m, acts: compression, law: rigid, e: 0}}
+  s1: {{between: [b1, b2], gap: 0 m, acts: compression, law: rigid, e: 0}}
+friction:
+  f0: {{between: [b0, ground], N: 0.3 N, mu: 1}}
+  f1: {{between: [b1, ground], N: 0.3 N, mu: 1}}
+  f2: {{between: [b2, ground], N: 0.3 N, mu: 1}}
+initial: {{b0: {{v: 0.3 m/s}}, b1: {{x: 13 mm, v: 0.1 m/s}}, b2: {{x: 13 mm, v: 0.1 m/s}}}}
+run: {{t_end: 2 s, every: 20 ms, method: {method}}}
+""")
+    samples = run_parts(scene).samples
     slowing, meet = 0.3 / 0.7, 0.013 / 0.2
     common = (0.3 + 2 * 0.1) / 3 - slowing * meet
     halt = 0.013 + 0.1 * meet - slowing * meet**2 / 2 + common**2 / (2 * slowing)
-    for body in bodies:
-        assert samples[-1][f"x_{body.name}"][-1] == pytest.approx(halt, rel=1e-14)
-        assert samples[-1][f"v_{body.name}"][-1] == 0
+    for name in ("b0", "b1", "b2"):
+        assert samples[f"x_{name}"][-1] == pytest.approx(halt, rel=1e-14)
+        assert samples[f"v_{name}"][-1] == 0
 
 
 @pytest.mark.parametrize(

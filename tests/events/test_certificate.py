@@ -142,29 +142,17 @@ def assert_none_missed(scene):
     assert not wrong or doubts > 0, (scene, wrong)
 
 
+@pytest.mark.parametrize("method", ("auto", "taylor"))
 @settings(max_examples=25)
-@given(scenes(sources=("none", "harmonic"), features=False))
-def test_random_scenes_by_closed_form(scene):
-    assert_none_missed(replace(scene, method="closed_form"))
-
-
-@settings(max_examples=25)
-@given(scenes(features=False, radians=20.0))
-def test_random_scenes_by_taylor(scene):
-    assert_none_missed(replace(scene, method="taylor"))
+@given(scene=scenes(features=False))
+def test_random_scenes(method, scene):
+    assert_none_missed(replace(scene, method=method))
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
+@pytest.mark.parametrize("method", ("auto", "taylor"))
 @settings(max_examples=4000)
-@given(scenes(sources=("none", "harmonic")))
-def test_many_random_scenes_by_closed_form(scene):
-    assert_none_missed(replace(scene, method="closed_form"))
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(3600)
-@settings(max_examples=4000)
-@given(scenes())
-def test_many_random_scenes_by_taylor(scene):
-    assert_none_missed(replace(scene, method="taylor"))
+@given(scene=scenes())
+def test_many_random_scenes(method, scene):
+    assert_none_missed(replace(scene, method=method))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.events.coincidences import harmonic
+from tests.events.special_scenes import harmonic
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import (
     BASE,

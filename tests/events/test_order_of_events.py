@@ -9,19 +9,12 @@ import pytest
 from hypothesis import given, settings
 
 from tests.engine.runs import run as run_parts
+from tests.engine.runs import scene_of
 from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, MOTORS, fixed_block, paper, scene
 from tests.trajectories import run
 from vibsim.physics.parts import (
-    BASE,
     EVENT_NAMES,
-    EXTENSION,
-    GROUND,
-    Body,
-    Force,
-    Harmonic,
-    RigidStop,
-    Scene,
 )
 
 METHODS = ("closed_form", "taylor")
@@ -81,24 +74,17 @@ def test_one_place_under_two_names_is_not_in_doubt(method):
 
 def test_a_rigid_stop_on_a_base_that_rests_is_one_with_that_on_the_ground():
     """A ball that hops on both at e = 1/2 and 3/4 hops as on the harder one alone, without a doubt."""
-    floor = RigidStop("floor", 0, GROUND, 0.0, EXTENSION, 0.5)
-    table = RigidStop("table", 0, BASE, 0.0, EXTENSION, 0.75)
-    runs = {}
-    for names in ("table", "floor table"):
-        runs[names] = run_parts(
-            Scene(
-                (Body("ball", 1.0, 0.1, 0.0),),
-                (),
-                tuple(one for one in (floor, table) if one.name in names),
-                (),
-                (Force("weight", 0, -9.81, ()),),
-                (Harmonic(0.0, 2 * math.pi, 1.0, 0.0, 0.5),),
-                t_end=1.5,
-                every_num=1,
-                every_den=50,
-            )
-        )
-    alone, both = runs.values()
+    hopping = scene_of("""
+bodies: {ball: 1 kg}
+stops:
+  floor: {between: [ball, ground], gap: 0 m, acts: extension, law: rigid, e: 0.5}
+  table: {between: [ball, base], gap: 0 m, acts: extension, law: rigid, e: 0.75}
+forces: {weight: {on: ball, F0: -9.81 N}}
+base: {a: 0 m, omega: 1 Hz, phase: 0.5 rad}
+initial: {ball: {x: 0.1 m}}
+run: {t_end: 1.5 s, every: 20 ms}
+""")
+    both, alone = run_parts(hopping), run_parts(replace(hopping, stops=hopping.stops[1:]))
     assert both.totals["impacts"] == alone.totals["impacts"] > 20
     assert both.totals["uncertified"] == alone.totals["uncertified"] == 0
     assert both.samples["x_ball"].tobytes() == alone.samples["x_ball"].tobytes()
@@ -153,16 +139,11 @@ def assert_margin(scene):
     return margin
 
 
+@pytest.mark.parametrize("method", ("auto", "taylor"))
 @settings(max_examples=60)
-@given(scenes(sources=("none", "harmonic"), features=False).filter(lambda scene: scene.has_stop))
-def test_margins_of_random_scenes_by_closed_form(scene):
-    assert_margin(scene)
-
-
-@settings(max_examples=60)
-@given(scenes(features=False).filter(lambda scene: scene.has_stop))
-def test_margins_of_random_scenes_by_taylor(scene):
-    assert_margin(replace(scene, method="taylor"))
+@given(scene=scenes(features=False).filter(lambda scene: scene.has_stop))
+def test_margins_of_random_scenes(method, scene):
+    assert_margin(replace(scene, method=method))
 
 
 # No missed event: on samples as dense as wanted the state never contradicts the mode it is reported in.
@@ -221,36 +202,25 @@ def test_papers_cases(name, method):
     assert result.totals["impacts"] > 5
 
 
-@settings(max_examples=80)
-@given(scenes(sources=("none", "harmonic"), radians=100.0))
-def test_modes_of_random_scenes_hold_by_closed_form(scene):
+def assert_modes_hold(scene):
     scene = dense(scene)
     assert violations(scene, run(scene).samples) == set()
 
 
+@pytest.mark.parametrize("method", ("auto", "taylor"))
 @settings(max_examples=80)
-@given(scenes(radians=100.0))
-def test_modes_of_random_scenes_hold_by_taylor(scene):
-    scene = dense(replace(scene, method="taylor"))
-    assert violations(scene, run(scene).samples) == set()
+@given(scene=scenes(radians=100.0))
+def test_modes_of_random_scenes_hold(method, scene):
+    assert_modes_hold(replace(scene, method=method))
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
+@pytest.mark.parametrize("method", ("auto", "taylor"))
 @settings(max_examples=4000)
-@given(scenes(sources=("none", "harmonic"), radians=200.0))
-def test_many_random_scenes_by_closed_form(scene):
-    scene = dense(scene)
-    assert violations(scene, run(scene).samples) == set()
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(1800)
-@settings(max_examples=4000)
-@given(scenes(radians=200.0))
-def test_many_random_scenes_by_taylor(scene):
-    scene = dense(replace(scene, method="taylor"))
-    assert violations(scene, run(scene).samples) == set()
+@given(scene=scenes(radians=200.0))
+def test_modes_of_many_random_scenes_hold(method, scene):
+    assert_modes_hold(replace(scene, method=method))
 
 
 def test_a_missed_event_would_be_seen():

@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import brentq
 
 from tests.engine.runs import run as run_parts
-from tests.events.coincidences import harmonic
+from tests.events.special_scenes import harmonic
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import (
     COMPRESSION,

@@ -5,7 +5,6 @@ from dataclasses import dataclass, fields, replace
 from math import inf, pi
 
 import numpy as np
-import pytest
 
 from tests.engine.many_digits import exact_parts, touches, touching
 from tests.engine.runs import Run, whole
@@ -90,13 +89,6 @@ def settled_until(scene, run):
         if differ.any():
             until = min(until, run.events["t"][np.argmax(differ)])
     return until
-
-
-def in_batches(seeds, size):
-    """A parameter `seeds` of a test: those of a range, so many at a time."""
-    return pytest.mark.parametrize(
-        "seeds", [seeds[i : i + size] for i in range(0, len(seeds), size)], ids=str
-    )
 
 
 def judge(wrong, make, seeds):

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import xarray
 
+import vibsim
 from tests.command_line.made import call
 from tests.fitting.made import done, numbers_of, small_plan
 from vibsim.fitting.fit_result import FitStore, run_fit
@@ -165,8 +166,6 @@ def test_a_second_process_is_refused(tmp_path):
 
 
 def test_a_trajectory_is_not_overwritten(tmp_path):
-    import vibsim
-
     path = vibsim.simulate(vibsim.load_case("II-A", {"run.t_end": "1 s"})).save(tmp_path / "run.h5")
     before = path.read_bytes()
     with pytest.raises(ResultFileError, match="holds a trajectory, not a fit"):

@@ -312,8 +312,6 @@ def test_the_vibration_of_named_bodies_is_that_of_their_columns():
     damper = [load_case("gallery/impact-damper")]
     asked = parse_statement("vibration of x_ball - x_body at least 2 mm", damper).asked
     run = damper[0].with_values({"run.t_end": "40 s"})
-    from vibsim import simulate
-
     result = simulate(run, {"initial.ball.v": "0.1 m/s"})
     whole = result["x_ball"] - result["x_body"]
     measured = asked.observable.measure(result, None, 0.0)

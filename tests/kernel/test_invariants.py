@@ -7,16 +7,14 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.scenes import fixed_block, motor, paper, scene
+from tests.random_scenes import scenes
+from tests.scenes import TABLE_1, motor, paper, scene
 from tests.trajectories import run
-from vibsim.engine.trajectory import state_at
 from vibsim.physics.numbers import TWO_PI, TWO_PI_LO, Doubles
 from vibsim.physics.precision import number_kit
-
-TURN = 2 * math.pi
 
 
 def test_a_motor_scene_may_start_at_any_time():
@@ -93,31 +91,40 @@ def test_momentum_and_energy_of_a_free_rotor():
     assert np.ptp(s["phidot"]) > 1.0  # the rotor feels the blocks
 
 
-def test_momentum_balance_with_dry_friction():
-    """The momentum changes by the impulses of source and friction alone, whatever stop and springs do."""
-    driven = paper("I-B", t_end=20.0)
-    result = run(driven)
-    edges = result.events["t"][1:]  # from the first release on it always slips
-    assert np.all(result.events["friction"][1:] != 0)
-    slip = float(np.sum(np.diff(edges) * result.events["friction"][1:-1]))
-    push = (
-        driven.A
-        * (math.cos(driven.omega * edges[0]) - math.cos(TURN * math.fmod(5.5 * 20.0, 1.0)))
-        / driven.omega
-    )
-    momentum = 0.297 * result.events["v1"] + 2.94 * result.events["v2"]
-    # some 400 events, each rounding momentum and time: 400 eps (p + N T)
-    assert momentum[-1] - momentum[1] == pytest.approx(
-        push - driven.N * slip, abs=400 * 2**-53 * driven.N * 20
-    )
+# Any scene mirrored gives the mirrored trajectory, bit for bit; `vibsim verify` does so with the cases.
 
 
-def test_state_at_lies_on_the_orbit_of_a_free_oscillator():
-    w = math.sqrt(200.0 / 0.297)
-    alone = fixed_block(x1=0.01, c=0.0, G=None, t_end=1000.0)
-    times = np.array([0.0, 0.1, 17.0, 900.0])
-    got = state_at(alone.as_parts(), run(alone).row(0), times)
-    np.testing.assert_allclose(got["x1"], 0.01 * np.cos(w * times), rtol=0, atol=0.01 * 4 * 2**-53 * w * 900)
+ODD = ("x1", "v1", "x2", "v2", "friction")  # change sign; all else stays: time, phi, phidot, contact, kinds
+
+
+def assert_mirror_image(scene):
+    """Of the scene seen in a mirror: signs of state and of A, F0 or e, and the stop on the other side."""
+    names = ("A", "F0", "e", "x1", "v1", "x2", "v2")
+    flipped = {name: -getattr(scene, name) for name in names if getattr(scene, name) is not None}
+    one, other = run(scene), run(replace(scene, stop_sign=-scene.stop_sign, **flipped))
+    for table, image in ((one.samples, other.samples), (one.events, other.events)):
+        for name, column in table.items():
+            # without friction the flag means nothing and is absent; -0.0 == 0.0 holds
+            np.testing.assert_array_equal(-image[name] if name in ODD else image[name], column, err_msg=name)
+    assert one.totals == pytest.approx(other.totals, rel=0, abs=0, nan_ok=True)
+
+
+@settings(max_examples=150)
+@given(scenes(features=False))
+def test_random_scenes_mirrored(scene):
+    assert_mirror_image(scene)
+
+
+@settings(max_examples=100)
+@given(scenes(sources=("none", "harmonic"), features=False))
+def test_random_scenes_mirrored_by_taylor(scene):
+    assert_mirror_image(replace(scene, method="taylor"))
+
+
+@pytest.mark.parametrize("method", ("closed_form", "taylor"))
+@pytest.mark.parametrize("name", TABLE_1)
+def test_printed_cases_of_ideal_sources_are_certified_to_their_end(name, method):
+    assert run(paper(name, t_end=300.0, method=method)).totals["uncertified"] == 0
 
 
 # Phases keep full accuracy at any time: against exact rational arithmetic and mpmath.

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.command_line.made import call
+from tests.command_line.made import call, told
 from vibsim.results import labelled
 from vibsim.results.labelled import Tidy, write_table
 
@@ -54,8 +54,7 @@ def test_a_sweep_as_csv_is_a_row_per_point(sweep, tmp_path, monkeypatch):
 
 
 def test_a_sweep_along_its_section(sweep, tmp_path):
-    done = call("export", str(sweep), "-o", str(tmp_path / "a.csv"), "--along", "section")
-    assert done.exit_code == 0
+    told("export", str(sweep), "-o", str(tmp_path / "a.csv"), "--along", "section")
     header, columns = read(tmp_path / "a.csv")
     names = ["section_displacement", "section_velocity", "section_speed"]
     assert header == ["omega0", "c", "direction", "section", *names]

@@ -65,12 +65,11 @@ run: {t_end: 100 s, every: 0.5 s}
 """
 
 
-def test_an_orbit_that_grazes_a_rigid_stop(tmp_path):
+def test_an_orbit_that_grazes_a_rigid_stop():
     """At A = 0.1 N the motion x = sin t just reaches the stop. From it there is no derivative, which is told;
     from in front of it Newton's method finds it, without the touch.
     """
-    (tmp_path / "grazing.yaml").write_text(RESTING)
-    case = load_case(str(tmp_path / "grazing.yaml"))
+    case = load_case(RESTING)
     with pytest.raises(NotConverged, match=r"has no derivative: at 1\.5708 s it grazes a rigid stop"):
         find_orbit(case.scene(), {"x_m": 0.0, "v_m": 1.0}, 1)
     orbit = find_orbit(case.scene(), {"x_m": 0.0, "v_m": 1.0 - 1e-6}, 1)
@@ -135,14 +134,13 @@ run: {t_end: 20 s, every: 1 ms}
 """
 
 
-def test_a_body_that_drifts_away_from_what_could_hold_it(tmp_path):
+def test_a_body_that_drifts_away_from_what_could_hold_it():
     """A stop makes its place one that matters; without it there is an orbit up to the drift told."""
-    (tmp_path / "beside-a-wall.yaml").write_text(BESIDE_A_WALL)
     with pytest.raises(OrbitError) as told:
-        orbit(tmp_path / "beside-a-wall.yaml")
+        orbit(BESIDE_A_WALL)
     drift = float(re.search(r"in each period it changes x_capsule by (\S+) m;", str(told.value))[1])
     assert "it drifts away from the stop wall; leave it out" in str(told.value)
-    free = orbit(tmp_path / "beside-a-wall.yaml", {"wall": "none"})
+    free = orbit(BESIDE_A_WALL, {"wall": "none"})
     assert free.drift["capsule"] == pytest.approx(drift, rel=1e-3)
 
 

@@ -65,15 +65,13 @@ def test_more_digits_begin_with_the_same():
     assert abs(sizes[0] / sizes[1] - 1) < Decimal("1e-49")  # a conjugate pair
 
 
-def test_a_linear_oscillator_in_closed_form(tmp_path):
+def test_a_linear_oscillator_in_closed_form():
     """Multipliers exp(-a T) exp(+- i w T), whatever the load."""
-    path = tmp_path / "linear.yaml"
-    path.write_text(
+    case = load_case(
         "name: linear\nbodies: {mass: 1 kg}\n"
         "links: {spring: {between: [mass, ground], k: 10 N/m, c: 0.2 N s/m}}\n"
         "forces: {drive: {on: mass, A: 1 N, omega: 0.25 Hz}}\nrun: {t_end: 400 s, every: 10 ms}\n"
     )
-    case = load_case(str(path))
     orbit = find_orbit(case.scene(), {"x_mass": 0.0, "v_mass": 0.0}, 1, case=case)
     T, a = 4.0, 0.1
     w = sqrt(10 - a * a)

@@ -6,21 +6,19 @@ import json
 import pytest
 
 import vibsim
-from tests.command_line.made import call
+from tests.command_line.made import call, told
 from tests.orbits.truths import TRUTHS
 
 CAPTURED = ("-s", "c=0.03 N s/m", "-s", "Omega0=5Hz")
 
 
-def told(*words):
-    done = call("orbit", *words, "--json")
-    assert done.exit_code == 0, done.stderr
-    return json.loads(done.stdout)
+def facts(*words):
+    return json.loads(told("orbit", *words, "--json"))
 
 
 def test_json_has_the_truth():
     of = TRUTHS["II-B c=0.03 captured n=1 (2 impacts/turn)"]
-    found = told("II-B", *CAPTURED)
+    found = facts("II-B", *CAPTURED)
     assert found["period"] == pytest.approx(of.period, rel=1e-13) and found["n"] == 1
     assert {"x1", "x2", "v1", "v2", "phi", "phidot"} == set(found["state"])
     assert list(found["coordinates"].values()) == pytest.approx(of.unknowns.tolist(), rel=1e-11)
@@ -33,9 +31,8 @@ def test_json_has_the_truth():
 
 
 def test_what_is_printed():
-    done = call("orbit", "I-A")
-    assert done.exit_code == 0
-    lines = {line[2:18].strip(): line[18:] for line in done.stdout.splitlines()[1:] if line[2:3] != " "}
+    shown = told("orbit", "I-A")
+    lines = {line[2:18].strip(): line[18:] for line in shown.splitlines()[1:] if line[2:3] != " "}
     assert lines["period"].startswith("1.42857142857 s, 0.7 Hz: 5 periods of the source, order 1/5")
     assert "3 impacts, 2 sticks, 8 reversals" in lines["events"]
     assert "0.10140278 +- 0.79268517i (magnitude 0.79914473), 0" in lines["multipliers"]
@@ -45,9 +42,9 @@ def test_what_is_printed():
 
 def test_from_a_stored_orbit_to_a_neighbour(tmp_path):
     path = tmp_path / "orbit.h5"
-    first = told("II-B", *CAPTURED, "-o", path)
+    first = facts("II-B", *CAPTURED, "-o", path)
     assert first["file"] == str(path)
-    beside = told("II-B", *CAPTURED[:3], "Omega0=5.02Hz", "--from", path)
+    beside = facts("II-B", *CAPTURED[:3], "Omega0=5.02Hz", "--from", path)
     assert beside["events"] == first["events"] and 0 < abs(beside["period"] - first["period"]) < 1e-3
     info = call("info", path)
     assert "orbit           1 turn, 0.2707740907 s, stable, events rbrerbre" in info.stdout
@@ -66,7 +63,7 @@ def test_from_a_stored_orbit_to_a_neighbour(tmp_path):
 
 def test_a_search_stores_each(tmp_path):
     words = ("gallery/bilinear-oscillator", "--search", 6, "--seed", 3, "-o", tmp_path / "all.h5")
-    found = told(*words)
+    found = facts(*words)
     assert found["starts"] == 6 and {one["n"] for one in found["orbits"]} == {1, 2}
     for i, one in enumerate(found["orbits"]):
         assert one["file"] == str(tmp_path / f"all-{i + 1}.h5")
@@ -98,7 +95,7 @@ def test_what_cannot_be_stored_is_printed(tmp_path, monkeypatch):
 
 
 def test_digits(tmp_path):
-    found = told("I-C", "--digits", 25, "-o", tmp_path / "orbit.h5")
+    found = facts("I-C", "--digits", 25, "-o", tmp_path / "orbit.h5")
     assert found["period_digits"].startswith("1.53846153846153846153846")
     stored = vibsim.open_result(tmp_path / "orbit.h5")
     assert stored.attrs["orbit_digits"] == 25
@@ -127,15 +124,15 @@ def test_what_is_refused(words, code, message):
 
 def test_at_start_looks_near_the_initial_state():
     """Beside the orbit that the run goes to, without impacts; a motor is followed to phi = 0."""
-    assert told("I-A")["n"] == 5
-    smooth = told("I-A", "--at-start")
+    assert facts("I-A")["n"] == 5
+    smooth = facts("I-A", "--at-start")
     assert smooth["n"] == 1 and smooth["impacts"] == 0 and smooth["residual"] < 1e-13
     same = vibsim.orbit("I-A", start=[0.0, 0.0, 0.0, 0.0])
     assert list(same.state) == list(vibsim.orbit("I-A", start="initial").state)
-    first = told("II-B", *CAPTURED)
+    first = facts("II-B", *CAPTURED)
     units = {"x1": "m", "v1": "m/s", "x2": "m", "v2": "m/s", "phidot": "rad/s"}
     there = [word for key, unit in units.items() for word in ("-s", f"{key}={first['state'][key]!r} {unit}")]
-    again = told("II-B", *CAPTURED, *there, "-s", "phi=-0.1 rad", "--at-start")
+    again = facts("II-B", *CAPTURED, *there, "-s", "phi=-0.1 rad", "--at-start")
     assert again["period"] == pytest.approx(first["period"], rel=1e-12)
 
 

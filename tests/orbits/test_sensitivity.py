@@ -22,10 +22,8 @@ run: {t_end: 10 s, every: 10 ms}
 
 
 @pytest.fixture
-def case(tmp_path):
-    path = tmp_path / "linear.yaml"
-    path.write_text(TEXT)
-    return vibsim.load_case(str(path))
+def case():
+    return vibsim.load_case(TEXT)
 
 
 def displacement(t, m, k, c, A, W, x, v):

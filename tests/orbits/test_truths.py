@@ -66,7 +66,12 @@ def test_an_orbit_that_grazes():
 
 
 def test_stability():
-    stable = {name for name, of in TRUTHS.items() if find_orbit(of.scene, of.state, of.n).stable}
+    exact = {name: find_orbit(of.scene, of.state, of.n) for name, of in TRUTHS.items()}
+    for name in OTHERS:
+        assert distance(exact[name].multipliers, TRUTHS[name].multipliers) < 1e-11
+    simple = ["I-C attractor, period 1", "II-B c=0.03 captured n=1 (2 impacts/turn)"]
+    assert max(distance(exact[name].multipliers, TRUTHS[name].multipliers) for name in simple) < 1e-12
+    stable = {name for name, orbit in exact.items() if orbit.stable}
     assert {name for name in TRUTHS if "attractor" in name or "impacts/turn" in name} <= stable
     assert not stable & {GRAZING, "II-B c=0.03 saddle on the captured branch, n=1", FOLDS[1]}
 

@@ -2,7 +2,23 @@
 
 import numpy as np
 
+from vibsim.plots.registry import kind_named
+from vibsim.plots.subject import View, open_subject
+
 BLANK = np.nan  # a cell of a map where nothing is drawn
+
+
+def figure_of(kind, subjects, **view):
+    """The picture of a kind, a column wide where nothing else is said."""
+    return kind_named(kind).draw(subjects, View(**{"width": "column", **view}))
+
+
+def laid_out(kind, path, width="column"):
+    """The picture of a kind for a file, laid out on its paper: no text is cut off."""
+    figure = figure_of(kind, [open_subject(str(path))], width=width)
+    figure.draw_without_rendering()
+    assert clipped_texts(figure) == []
+    return figure
 
 
 def lines(figure, gid):

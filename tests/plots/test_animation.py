@@ -9,6 +9,7 @@ import sys
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import vibsim
 from tests.command_line.made import call
@@ -16,7 +17,7 @@ from tests.plots.browser import Browser, program
 from tests.plots.test_pages import data_of, numbers
 from vibsim.plots import style
 from vibsim.plots.animated_machine import NOSE_CM, attached, channels_of, display_list, moving_shapes, sketch
-from vibsim.plots.animation import SIZES, Film, comfortable
+from vibsim.plots.animation import SIZES, Film, FilmWish, animate, comfortable
 from vibsim.plots.subject import PlotError, open_subject, subject_of
 
 NAMES = ["II-B", "II-A", "gallery/drifting-capsule", "gallery/impact-damper", "gallery/impact-pair",
@@ -110,8 +111,6 @@ def test_the_rotor_turns(channels):
 
 
 def test_a_gif_has_its_frames(runs, tmp_path):
-    from PIL import Image
-
     out = tmp_path / "a.gif"
     done = call("animate", runs["motor"], "-o", str(out), "--window", "10:10.4", "--speed", "0.5")
     assert (done.exit_code, done.stdout) == (
@@ -176,8 +175,6 @@ def test_without_an_encoder_the_extra_is_named(runs, tmp_path, monkeypatch):
 
 
 def test_a_case_has_no_motion(tmp_path):
-    from vibsim.plots.animation import FilmWish, animate
-
     with pytest.raises(PlotError, match="II-B is a case, and a moving picture shows a run"):
         animate("II-B", str(tmp_path / "a.gif"), FilmWish())
 

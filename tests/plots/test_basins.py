@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from tests.plots.artists import assert_cells, clipped_texts, lines
+from tests.plots.artists import assert_cells, laid_out, lines
 from vibsim.cases import load_case
-from vibsim.plots.registry import fitting, kind_named
-from vibsim.plots.subject import View, open_subject
+from vibsim.plots.registry import fitting
+from vibsim.plots.subject import open_subject
 from vibsim.plots.sweep_responses import UNDECIDED
 from vibsim.sweeps import sweep
 from vibsim.sweeps.points import quantile
@@ -15,17 +15,10 @@ STARTS = {"tip.x": "-4, 0, 4 mm", "tip.v": "-400, -100, 200 mm/s"}
 BELT = {"block.x": "-2:2 m", "block.v": "0:2 m/s"}
 
 
-def draw(path):
-    figure = kind_named("basins").draw([open_subject(str(path))], View())
-    figure.draw_without_rendering()
-    assert clipped_texts(figure) == []
-    return figure
-
-
 def test_a_plane_of_starts(tmp_path):
     case = load_case("gallery/cantilever", {"run.t_end": "20 s"})
     result = sweep(case, STARTS, section=0, compute="attractor", out=tmp_path / "a.h5")
-    figure = draw(tmp_path / "a.h5")
+    figure = laid_out("basins", tmp_path / "a.h5")
     (mesh,) = [each for each in figure.axes[0].collections if each.get_gid() == "attractor"]
     assert_cells(mesh, result["attractor"][..., 0].T.astype(float))
     texts = [text.get_text() for text in figure.legends[0].get_texts()]
@@ -35,7 +28,7 @@ def test_a_plane_of_starts(tmp_path):
 def test_undecided_points_are_marked(tmp_path):
     case = load_case("gallery/cantilever", {"run.t_end": "0.3 s"})
     sweep(case, STARTS, section=0, compute="attractor", out=tmp_path / "a.h5")
-    figure = draw(tmp_path / "a.h5")
+    figure = laid_out("basins", tmp_path / "a.h5")
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["undecided (9)"]
     (patch,) = figure.axes[0].patches
     assert patch.get_gid() == "hatch undecided" and patch.get_hatch() == UNDECIDED.hatch
@@ -46,7 +39,7 @@ def test_two_parameters_are_coloured_by_period(tmp_path):
     case = load_case("gallery/impact-oscillator", {"run.t_end": "100 s"})
     ranges = {"drive.omega": "2, 4, 6 rad/s", "wall.e": "0.5, 0.6"}
     sweep(case, ranges, section=0, compute="attractor", out=tmp_path / "a.h5", jobs=1)
-    figure = draw(tmp_path / "a.h5")
+    figure = laid_out("basins", tmp_path / "a.h5")
     (mesh,) = [each for each in figure.axes[0].collections if each.get_gid() == "attractor"]
     assert set(np.ma.masked_invalid(mesh.get_array()).compressed()) == {0, 1, 2}
     texts = [text.get_text() for text in figure.legends[0].get_texts()]
@@ -64,7 +57,7 @@ def test_starts_of_an_ensemble(tmp_path):
         discard="150 s",
         out=tmp_path / "a.h5",
     )
-    axes = draw(tmp_path / "a.h5").axes[0]
+    axes = laid_out("basins", tmp_path / "a.h5").axes[0]
     drawn = result.members.drawn
     starts = np.column_stack([drawn["initial.block.x"], drawn["initial.block.v"]])
     labels = result["attractor"].ravel()
@@ -86,7 +79,7 @@ def test_shares_over_a_parameter(tmp_path):
         discard="150 s",
         out=tmp_path / "a.h5",
     )
-    axes = draw(tmp_path / "a.h5").axes[0]
+    axes = laid_out("basins", tmp_path / "a.h5").axes[0]
     lines = {line.get_gid(): line.get_xydata() for line in axes.get_lines() if line.get_gid()}
     rest = result["attractor_kind"][..., 0] == 1
     values = [rest[0].mean(), rest[1].mean()]
@@ -120,13 +113,6 @@ def paths(tmp_path_factory):
     return {name: str(folder / f"{name}.h5") for name in ("range", "alone")}
 
 
-def drawn(kind, path):
-    figure = kind_named(kind).draw([open_subject(path)], View())
-    figure.draw_without_rendering()
-    assert clipped_texts(figure) == []
-    return figure
-
-
 def quantile_areas(axes):
     return [area for area in axes.collections if area.get_gid() == "quantiles"]
 
@@ -135,7 +121,7 @@ def quantile_areas(axes):
 def test_median_and_bands(paths, kind):
     gid, column = COLUMNS[kind]
     result = open_subject(paths["range"]).result
-    figure = drawn(kind, paths["range"])
+    figure = laid_out(kind, paths["range"])
     (line,) = lines(figure, gid)
     axes = line.axes
     factor = FACTOR[axes.get_ylabel().rpartition("(")[2][:-1]]
@@ -151,7 +137,7 @@ def test_median_and_bands(paths, kind):
 
 
 def test_exponents_of_an_ensemble(paths):
-    axes = drawn("lyapunov", paths["range"]).axes[0]
+    axes = laid_out("lyapunov", paths["range"]).axes[0]
     (line,) = lines(axes.figure, "exponent")
     values = open_subject(paths["range"]).result["lyapunov"][..., 0]
     np.testing.assert_allclose(line.get_ydata(), np.median(values, axis=1))
@@ -160,7 +146,7 @@ def test_exponents_of_an_ensemble(paths):
 
 
 def test_powers_of_an_ensemble_add_up(paths):
-    (axes,) = drawn("power", paths["range"]).axes
+    (axes,) = laid_out("power", paths["range"]).axes
     (line,) = lines(axes.figure, "power_source")
     tops = next(area for area in axes.collections if area.get_gid() == "power_stored").get_paths()[0].vertices
     for x, source in zip(*line.get_data(), strict=True):
@@ -169,13 +155,13 @@ def test_powers_of_an_ensemble_add_up(paths):
 
 def test_orbits_hold_the_points_of_all_members(paths):
     result = open_subject(paths["range"]).result
-    (dots,) = lines(drawn("orbit", paths["range"]), "section_speed")
+    (dots,) = lines(laid_out("orbit", paths["range"]), "section_speed")
     np.testing.assert_array_equal(np.sort(dots.get_ydata()), np.sort(result["section_speed"].ravel()))
 
 
 @pytest.mark.parametrize("kind", ["amplitude", "lyapunov", "power", "orbit"])
 def test_an_ensemble_alone_is_drawn_over_its_start_values(paths, kind):
-    figure = drawn(kind, paths["alone"])
+    figure = laid_out(kind, paths["alone"])
     phases = open_subject(paths["alone"]).result.members.drawn["initial.phi"]
     gid = {"amplitude": "x1", "lyapunov": "exponent", "power": "power_source", "orbit": "section_speed"}[kind]
     (line,) = lines(figure, gid)

@@ -58,9 +58,9 @@ def test_kinds_fit_and_nothing_is_cut_off(captured, kind):
     assert clipped_texts(figure) == []
 
 
-def test_multipliers_of_a_backbone_curve_are_drawn_as_pairs(tmp_path):
+def test_multipliers_of_a_backbone_curve_are_drawn_as_pairs():
     """mu + 1 / mu against the frequency, by Hill's equation; magnitudes are 1, and tell nothing."""
-    case = twins(tmp_path, 0.75, 5.8)
+    case = twins(0.75, 5.8)
     branch = continue_branch(case, energy="3.6:6.4 J")
     subject = Subject("twins.h5", case.name, "branch", case, branch)
     figure = kind_named("multipliers").draw([subject], View(width="page"))
@@ -145,10 +145,9 @@ def test_pieces_meet_at_the_neimark_sacker_point(captured):
     assert {*branch["parameter"], branch.special("F1").parameter} <= drawn
 
 
-def test_a_family_of_orbits_is_not_drawn_as_stable(tmp_path):
+def test_a_family_of_orbits_is_not_drawn_as_stable():
     """A body that rests anywhere on its friction: one multiplier is exactly 1, none is outside."""
-    (tmp_path / "family.yaml").write_text(STUCK)
-    branch = continue_branch(load_case(str(tmp_path / "family.yaml")), "A", "0.9:1.1 N", max_points=5)
+    branch = continue_branch(load_case(STUCK), "A", "0.9:1.1 N", max_points=5)
     assert not branch["index"].any()
     assert not any(piece.stable for piece in pieces(branch, parameter_of(branch), amplitude_of(branch)))
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tests.plots.artists import lines, points
 from vibsim.cases import load_case
 from vibsim.plots import samples
-from vibsim.plots.poincare_sections import states_at, turn_times
+from vibsim.plots.poincare_sections import _turns, states_at, turn_times
 from vibsim.plots.samples import Envelope
 from vibsim.plots.subject import Subject, View
 from vibsim.plots.time_histories import displacement_picture
@@ -180,8 +180,6 @@ def test_no_turn_is_lost_between_blocks(subject, monkeypatch):
 
 
 def test_several_turns_between_samples():
-    from vibsim.plots.poincare_sections import _turns
-
     t = np.array([0.0, 1.0, 2.0])
     phi, phidot = 2 * math.pi * 3.5 * t - 1, np.full(3, 2 * math.pi * 3.5)
     expected = (2 * math.pi * np.arange(0, 7) + 1) / (2 * math.pi * 3.5)

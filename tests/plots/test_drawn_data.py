@@ -1,22 +1,18 @@
 """What is drawn is what is on file."""
 
 import math
+import shutil
 
 import numpy as np
 import pytest
 
 import vibsim
-from tests.plots.artists import lines, points
+from tests.plots.artists import figure_of, lines, points
 from vibsim.physics.parts import EVENT_KINDS, columns_of
-from vibsim.plots import samples, traces
+from vibsim.plots import samples, time_histories, traces
 from vibsim.plots.poincare_sections import _bins
-from vibsim.plots.registry import kind_named
-from vibsim.plots.subject import PlotError, View
+from vibsim.plots.subject import PlotError, open_subjects
 from vibsim.plots.traces import dense
-
-
-def figure_of(kind, subjects, **view):
-    return kind_named(kind).draw(subjects, View(**{"width": "column", **view}))
 
 
 def within(result, name, span):
@@ -50,8 +46,6 @@ def test_short_windows_hold_every_sample(subject, kind, columns):
 
 
 def test_long_windows_keep_the_extremes(subject, monkeypatch):
-    from vibsim.plots import time_histories
-
     monkeypatch.setattr(time_histories, "pixel_columns", lambda axes: 50)
     one = subject("ideal")
     figure = figure_of("displacement", [one])
@@ -84,10 +78,8 @@ def test_impacts_are_marked(subject):
 
 
 def test_contact_is_shaded(subject):
-    from vibsim.plots.samples import contact_spans
-
     one = subject("motor")
-    spans = contact_spans(one, (15.0, 16.0))
+    spans = samples.contact_spans(one, (15.0, 16.0))
     inside = np.zeros(len(one.result.time), dtype=bool)
     for begin, end in spans:
         inside |= (one.result.time > begin) & (one.result.time < end)
@@ -278,10 +270,6 @@ def test_a_run_that_is_right_to_the_end_is_not_marked(subject):
 
 
 def test_repeated_names_become_file_names(runs, tmp_path):
-    import shutil
-
-    from vibsim.plots.subject import open_subjects
-
     copy = tmp_path / "again.h5"
     shutil.copy(runs["motor"], copy)
     assert [one.name for one in open_subjects([runs["motor"], str(copy)])] == ["motor", "again"]

@@ -6,6 +6,7 @@ import pytest
 
 from tests.fitting.made import done, light_motor, plan_of
 from vibsim.plots import style
+from vibsim.plots.fit_and_bench import fit_picture
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import fitting
 from vibsim.plots.sheet import Powers
@@ -25,8 +26,6 @@ def artist(figure, gid):
 
 
 def drawn(subject):
-    from vibsim.plots.fit_and_bench import fit_picture
-
     with style.applied():
         figure = fit_picture([subject], View())
         figure.canvas.draw()

@@ -8,6 +8,7 @@ import matplotlib
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from PIL import Image
 
 import vibsim
 from vibsim.plots.picture import draw_files
@@ -145,8 +146,6 @@ def test_sheets_sizes_and_fonts(runs, tmp_path):
     sheet.write_text("axes.labelsize: 13\nfigure.facecolor: lightyellow\n")
     view = View(size_cm=(12, 9))
     draw_files([runs["motor"]], ["relative"], view, str(tmp_path / "a.png"), sheet=str(sheet))
-    from PIL import Image
-
     with Image.open(tmp_path / "a.png") as picture:
         assert picture.size == (int(12 / 2.54 * 300), int(9 / 2.54 * 300))
         assert picture.getpixel((2, 2)) == (255, 255, 224)

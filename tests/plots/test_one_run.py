@@ -6,20 +6,16 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.plots.artists import clipped_texts, letters, lines, patches, points
+from tests.plots.artists import clipped_texts, figure_of, letters, lines, patches, points
 from vibsim.cases import load_case
 from vibsim.orbits.orbit import save_orbit
 from vibsim.physics.parts import EVENT_KINDS
 from vibsim.plots import style
 from vibsim.plots.poincare_sections import drift_rate, turn_times
 from vibsim.plots.portraits import POINTS, orbit_portrait_picture
-from vibsim.plots.registry import choose, kind_named
+from vibsim.plots.registry import choose
 from vibsim.plots.samples import last_half
-from vibsim.plots.subject import PlotError, Subject, View, open_subject
-
-
-def figure_of(kind, subjects, **view):
-    return kind_named(kind).draw(subjects, View(**{"width": "column", **view}))
+from vibsim.plots.subject import PlotError, View, open_subject, subject_of
 
 
 def unit(label):
@@ -76,30 +72,25 @@ def test_drift_is_the_mean_velocity(subject):
 
 
 def test_drift_of_a_uniform_motion_is_its_velocity():
-    from vibsim.results import simulate
-
     case = load_case(
         "I-C", {"run.t_end": "5 s", "friction.mu": "0", "excitation.A": "0 N", "coupling.c": "0 N s/m",
                 "initial.v1": "20 mm/s", "initial.v2": "20 mm/s"},
     )  # fmt: skip
-    result = simulate(case)
+    result = vibsim.simulate(case)
     assert drift_rate(result, "x1", (0.0, 5.0)) == pytest.approx(0.02, rel=1e-12)
-    run = Subject("uniform", "uniform", "trajectory", case, result)
-    x, v = points(lines(figure_of("phase-drift-free", [run]), "x1")[0])
+    x, v = points(lines(figure_of("phase-drift-free", [subject_of(result)]), "x1")[0])
     assert np.ptp(x) < 1e-9 and np.abs(v).max() < 1e-9
 
 
 def test_drift_leaves_out_the_transient_and_blocks_that_are_held():
-    from vibsim.results import simulate
-
-    stack = simulate("gallery/stack-of-blocks")  # comes to vibrate about a place
+    stack = vibsim.simulate("gallery/stack-of-blocks")  # comes to vibrate about a place
     x = stack.at([8.0, 8.25])["x_lower"]
     settled = (x[1] - x[0]) / 0.25
     assert abs(settled) < 1e-9 and abs(drift_rate(stack, "x_lower", (0.0, 10.0))) < 1e-7
-    oscillator = simulate("gallery/drifting-oscillator")  # after some strides
+    oscillator = vibsim.simulate("gallery/drifting-oscillator")  # after some strides
     x = oscillator.at([10.0, 20.0])["x_slider"]
     assert drift_rate(oscillator, "x_slider", (0.0, 20.0)) == pytest.approx((x[1] - x[0]) / 10.0, rel=1e-5)
-    sink = simulate("gallery/energy-sink")  # a spring holds the body, the body the ball
+    sink = vibsim.simulate("gallery/energy-sink")  # a spring holds the body, the body the ball
     assert drift_rate(sink, "x_body", (0.0, 2.0)) == drift_rate(sink, "x_ball", (0.0, 2.0)) == 0.0
 
 
@@ -137,7 +128,7 @@ def test_stroboscopic_points_are_called_so(subject):
 @pytest.mark.parametrize("k2", ["12400 N/m", "1000020 N/m", "3 N/m"])
 def test_slopes_are_named_inside_the_frame(k2):
     case = load_case("II-B", {"stop.k2": k2})
-    figure = kind_named("stiffness").draw([Subject("c", "c", "case", case)], View())
+    figure = figure_of("stiffness", [subject_of(case)])
     figure.draw_without_rendering()
     (axes,) = figure.axes
     names = [text for text in axes.texts if text.get_gid() == "slope"]
@@ -151,10 +142,9 @@ def test_slopes_are_named_inside_the_frame(k2):
     assert names[1].get_text().endswith(f"= {shown}")
 
 
-def test_the_section_of_a_periodic_motion_is_no_wider_than_can_be_read(tmp_path):
+def test_the_section_of_a_periodic_motion_is_no_wider_than_can_be_read():
     """Once a period a block on a shaken table is where it was, to rounding: labels of 13 digits met."""
-    vibsim.simulate("gallery/stack-of-blocks").save(tmp_path / "stack.h5")
-    figure = kind_named("stroboscopic").draw([open_subject(str(tmp_path / "stack.h5"))], View())
+    figure = figure_of("stroboscopic", [subject_of(vibsim.simulate("gallery/stack-of-blocks"))])
     figure.draw_without_rendering()
     (axes,) = figure.axes
     for axis in (axes.xaxis, axes.yaxis):
@@ -196,19 +186,18 @@ def test_what_is_drawn(stored, width):
     assert first.width > 0.4 and second.height > 0.2
 
 
-def test_it_is_what_an_orbit_is_drawn_as(stored, tmp_path):
+def test_it_is_what_an_orbit_is_drawn_as(stored):
     _, subject = stored
     assert [kind.name for kind in choose(None, [subject])] == ["orbit-portrait"]
     assert "overview" in {kind.name for kind in choose(["all"], [subject])}
-    run = vibsim.simulate(vibsim.load_case("I-A", {"run.t_end": "1 s"}))
-    run.save(tmp_path / "run.h5")
+    run = vibsim.simulate("I-A", overrides={"run.t_end": "1 s"})
     with pytest.raises(PlotError, match="it needs a periodic orbit"):
-        choose(["orbit-portrait"], [open_subject(str(tmp_path / "run.h5"))])
+        choose(["orbit-portrait"], [subject_of(run)])
 
 
 def test_the_settled_part_of_an_orbit_is_all_of_it(stored):
     """Not its last half: that is no period."""
     _, subject = stored
-    figure = kind_named("impact-velocity").draw([subject], View(width="column"))
+    figure = figure_of("impact-velocity", [subject])
     assert [len(points(line)[0]) for line in lines(figure, "impacts")] == [3, 3]  # over time, over phase
     assert last_half(subject, (0.0, 1.0)) == (0.0, 1.0)

@@ -5,6 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from tests.branches.made import CAPTURED, branch_of
 from tests.plots.artists import lines
@@ -128,8 +129,6 @@ def test_special_points_carry_the_labels_of_the_list_and_none_hides_another(kind
 
 
 def test_labels_crowded_at_a_point_spread_and_what_has_no_room_is_counted():
-    from matplotlib.figure import Figure
-
     axes = Figure(figsize=(3, 2)).subplots()
     axes.plot([0, 1], [0, 1])
     assert label_points(axes, [LabelledPoint(0.5, 0.5, f"PD{i}") for i in range(12)]) == 0

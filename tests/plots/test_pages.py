@@ -5,14 +5,17 @@ import json
 import re
 import shlex
 
+import matplotlib
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 
 import vibsim
 from tests.branches.made import CAPTURED, branch_of
 from tests.command_line.made import call
 from tests.plots.browser import Browser, program
-from vibsim.plots.html_pages import thinned
+from vibsim.plots.capture_pictures import grey_of
+from vibsim.plots.html_pages import ROOM, thinned
 
 
 def data_of(path):
@@ -347,12 +350,6 @@ def test_the_motors_speed_is_read_off_its_angle_between_rows(folder):
 
 def test_the_scale_of_many_values_rises_evenly_in_lightness():
     """The colours of the page are matplotlib's viridis."""
-    import matplotlib
-    from matplotlib.colors import to_rgb
-
-    from vibsim.plots.capture_pictures import grey_of
-    from vibsim.plots.html_pages import ROOM
-
     script = (ROOM / "points.js").read_text(encoding="utf-8")
     colours = re.findall(r'"([0-9a-f]{6})"', script[script.index("VIRIDIS =") :].partition("]")[0])
     greys = [grey_of(f"#{colour}") for colour in colours]

@@ -6,10 +6,12 @@ import sys
 import xml.etree.ElementTree as ElementTree
 from io import BytesIO
 
+import matplotlib
 import numpy as np
 import pytest
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
+from PIL import Image
 
 import vibsim
 from tests.command_line.made import call
@@ -57,8 +59,6 @@ def test_svg_is_well_formed(runs, here):
 
 
 def test_png_is_opaque_and_says_who_drew_it(runs, here):
-    from PIL import Image
-
     draw_files([runs["quiet"]], ["relative"], View(), "x.png")
     with Image.open(here / "x.png") as picture:
         assert (picture.mode, picture.info["Software"]) == ("RGB", "vibsim")
@@ -126,8 +126,6 @@ def test_plot_run(runs, here):
 
 
 def test_the_users_matplotlib_settings_do_not_matter(runs, here):
-    import matplotlib
-
     draw_files([runs["quiet"]], ["phase"], View(), "a.png")
     with matplotlib.rc_context({"font.size": 20, "axes.grid": True, "lines.linewidth": 9}):
         draw_files([runs["quiet"]], ["phase"], View(), "b.png")

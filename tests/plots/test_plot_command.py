@@ -7,6 +7,7 @@ import sys
 import pytest
 from click.testing import CliRunner
 
+from vibsim.command_line.commands.plot import KIND_NAMES
 from vibsim.command_line.main import group
 
 
@@ -88,7 +89,5 @@ def test_matplotlib_is_imported_only_to_draw():
 
 
 def test_completion():
-    from vibsim.command_line.commands.plot import KIND_NAMES
-
     items = KIND_NAMES.shell_complete(None, None, "phase,mot")
     assert [item.value for item in items] == ["phase,motor-speed", "phase,motor"]

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from tests.plots.artists import clipped_texts
+from tests.plots.artists import laid_out
 from vibsim.cases import load_case
-from vibsim.plots.registry import kind_named
-from vibsim.plots.subject import View, open_subject
+from vibsim.plots.subject import open_subject
 from vibsim.sweeps import sweep
 
 
@@ -19,13 +18,6 @@ def path(tmp_path_factory):
     return str(out)
 
 
-def draw(kind, path, width="column"):
-    figure = kind_named(kind).draw([open_subject(path)], View(width=width))
-    figure.draw_without_rendering()
-    assert clipped_texts(figure) == []
-    return figure
-
-
 def heights(axes, gid, x):
     """Ordinates of the corners of an area at x."""
     (area,) = [area for area in axes.collections if area.get_gid() == gid]
@@ -36,7 +28,7 @@ def heights(axes, gid, x):
 @pytest.mark.parametrize("width", ["column", "page"])
 def test_areas_add_up_to_the_power_of_the_source(path, width):
     result = open_subject(path).result
-    panels = draw("power", path, width).axes
+    panels = laid_out("power", path, width).axes
     factor = {"W": 1, "mW": 1e3, "µW": 1e6}[panels[0].get_ylabel().rpartition("(")[2][:-1]]
     for j, axes in enumerate(panels):
         (line,) = [line for line in axes.get_lines() if line.get_gid() == "power_source"]
@@ -53,19 +45,19 @@ def test_some_of_too_many_curves(tmp_path):
     case = load_case("II-B", {"run.t_end": "1 s"})
     axes = {"Omega0": "3, 4 Hz", "c": "0.01:0.13/13"}
     sweep(case, axes, out=tmp_path / "many.h5", compute=["power"])
-    panels = draw("power", str(tmp_path / "many.h5"), "page").axes
+    panels = laid_out("power", str(tmp_path / "many.h5"), "page").axes
     names = [axes.get_title(loc="left") for axes in panels]
     assert (len(names), names[0], names[-1]) == (12, "$c$ = 0.01 N s/m", "$c$ = 0.13 N s/m")
     assert panels[2].get_title(loc="right").strip() == "12 of 13 curves"
     assert not any(text.get_bbox_patch() for axes in panels for text in axes.texts)  # nothing over the data
-    column = draw("power", str(tmp_path / "many.h5"))
+    column = laid_out("power", str(tmp_path / "many.h5"))
     assert column.get_figheight() * 2.54 <= 24 and len(column.axes) == 4
 
 
 @pytest.mark.parametrize("kind", ["lyapunov", "orbit"])
 def test_exponents_with_their_intervals(path, kind):
     result = open_subject(path).result
-    figure = draw(kind, path)
+    figure = laid_out(kind, path)
     panels = figure.axes[2::3] if kind == "orbit" else figure.axes
     assert len(figure.axes) == (6 if kind == "orbit" else 2)
     for j, axes in enumerate(panels):

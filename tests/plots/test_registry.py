@@ -7,7 +7,7 @@ import pytest
 
 from vibsim.plots.registry import KINDS, NEEDS, choose, fitting, kind_named
 from vibsim.plots.sheet import amount, rounded, scale_for, seconds, symbol
-from vibsim.plots.subject import PlotError, parse_span
+from vibsim.plots.subject import PlotError, open_subject, parse_span
 
 SPECTRA = {"spectrum", "spectrogram", "waterfall"}
 ALWAYS = {"overview", "displacement", "velocity", "phase", "relative", "stiffness"} | SPECTRA
@@ -65,8 +65,6 @@ def test_choices(subject):
 
 
 def test_a_case_has_no_trajectory():
-    from vibsim.plots.subject import open_subject
-
     case = open_subject("II-B")
     assert [kind.name for kind in choose(None, [case])] == ["stiffness", "motor"]
     with pytest.raises(

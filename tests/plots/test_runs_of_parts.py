@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.plots.artists import lines, points
+from tests.plots.artists import figure_of, lines, points
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
-from vibsim.plots.registry import choose, fitting, kind_named
-from vibsim.plots.subject import PlotError, Subject, View
+from vibsim.plots.registry import choose, fitting
+from vibsim.plots.samples import contact_spans
+from vibsim.plots.subject import PlotError, subject_of
 from vibsim.plots.traces import pair_of
 
 # three bodies in a row: the middle one flies between the others, which never touch
@@ -26,17 +27,13 @@ run: {t_end: 1 s, every: 2 ms}
 """
 
 
-def subject_of(case):
-    return Subject("run.h5", case.name, "trajectory", case, vibsim.simulate(case))
+def run_of(case, changes=None):
+    return subject_of(vibsim.simulate(case, overrides=changes))
 
 
 @pytest.fixture(scope="module")
 def row():
-    return subject_of(load_case_text(ROW))
-
-
-def figure_of(kind, subjects, **view):
-    return kind_named(kind).draw(subjects, View(**{"width": "column", **view}))
+    return run_of(load_case_text(ROW))
 
 
 @pytest.mark.parametrize(("kind", "letter"), [("displacement", "x"), ("velocity", "v")])
@@ -77,13 +74,11 @@ def test_the_relative_portrait_is_of_the_stop_struck_most_often(row):
 
 
 def test_where_both_stops_of_a_ball_are_met():
-    pair = pair_of(subject_of(load_case("gallery/impact-damper", {"run.t_end": "20 s"})))
+    pair = pair_of(run_of("gallery/impact-damper", {"run.t_end": "20 s"}))
     assert sorted(pair.stops) == [(-0.01, "left"), (0.01, "right")]  # of x_ball - x_body
 
 
 def test_contact_is_shaded_for_any_stop(row):
-    from vibsim.plots.samples import contact_spans
-
     spans = contact_spans(row, (0.0, 1.0))
     middle = np.array([(a + b) / 2 for a, b in spans])
     states = row.result.at(middle)
@@ -95,9 +90,7 @@ def test_contact_is_shaded_for_any_stop(row):
 
 
 def test_a_stop_that_has_let_go_by_force_is_not_shaded():
-    from vibsim.plots.samples import contact_spans
-
-    drill = subject_of(load_case("gallery/percussive-drill", {"run.t_end": "1 s"}))
+    drill = run_of("gallery/percussive-drill", {"run.t_end": "1 s"})
     events = drill.result.events
     begin, end = (events["t"][events["kind"] == kind] for kind in (1, 2))
     shaded = sum(b - a for a, b in contact_spans(drill, (0.0, 1.0)))
@@ -107,7 +100,7 @@ def test_a_stop_that_has_let_go_by_force_is_not_shaded():
 
 @pytest.fixture(scope="module")
 def ball():
-    return subject_of(load_case("gallery/bouncing-ball"))
+    return run_of("gallery/bouncing-ball")
 
 
 def test_velocity_jumps_upright_at_a_rigid_stop(ball):
@@ -118,7 +111,7 @@ def test_velocity_jumps_upright_at_a_rigid_stop(ball):
     at = [int(np.flatnonzero(t == time)[0]) for time in events["t"][1:20]]
     assert v[at] == pytest.approx(events["before_v_ball"][1:20], rel=1e-12)
     assert v[np.add(at, 1)] == pytest.approx(events["v_ball"][1:20], rel=1e-12)
-    pair = subject_of(load_case("gallery/impact-pair", {"run.t_end": "1 s"}))
+    pair = run_of("gallery/impact-pair", {"run.t_end": "1 s"})
     [curve] = lines(figure_of("velocity", [pair], window=(0.0, 0.1)), "v_ball")
     v = np.round(points(curve)[1], 9)  # mm/s; the first impact is at a sample, 0.05 s
     assert set(v) == {300.0, -210.0}
@@ -127,33 +120,31 @@ def test_velocity_jumps_upright_at_a_rigid_stop(ball):
 
 def test_characteristic_ends_at_rigid_stops():
     wall = load_case("gallery/impact-oscillator-coco")  # x <= 1 m
-    figure = kind_named("stiffness").draw([Subject("w", "w", "case", wall)], View())
+    figure = figure_of("stiffness", [subject_of(wall)])
     [curve] = lines(figure, "stiffness")
     y, force = points(curve)
     assert y.tolist() == [-2.5, 1.0] and force.tolist() == [-2.5, 1.0]
     pair = load_case("gallery/impact-pair")
-    figure = kind_named("stiffness").draw([Subject("p", "p", "case", pair)], View())
+    figure = figure_of("stiffness", [subject_of(pair)])
     assert points(lines(figure, "stiffness")[0])[0].tolist() == [-10.0, 10.0]  # mm
 
 
 def test_a_rigid_stop_stands_upright_inside_the_frame():
     """The force of a lone rigid stop is 0 until it is met, then what holds against it, away from the stop."""
     ball = load_case("gallery/bouncing-ball")  # x >= 0
-    (axes,) = kind_named("stiffness").draw([Subject("b", "b", "case", ball)], View()).axes
+    (axes,) = figure_of("stiffness", [subject_of(ball)]).axes
     ((at, also), (foot, end)) = points(lines(axes.figure, "rigid")[0])
     low, high = axes.get_ylim()
     assert (at, also, foot) == (0.0, 0.0, 0.0) and end == low < 0 < high
     assert axes.get_xlim()[0] < 0.0 and axes.get_yticks().tolist() == [0]
     assert [text.get_text() for text in axes.texts if text.get_gid() == "slope"] == ["no spring"]
     wall = load_case("gallery/impact-oscillator-coco")
-    (axes,) = kind_named("stiffness").draw([Subject("w", "w", "case", wall)], View()).axes
+    (axes,) = figure_of("stiffness", [subject_of(wall)]).axes
     (_, upright) = points(lines(axes.figure, "rigid")[0])
     assert upright.tolist() == [1.0, axes.get_ylim()[1]] and axes.get_xlim()[1] > 1.0
 
 
 def test_rest_on_a_rigid_stop_is_shaded(ball):
-    from vibsim.plots.samples import contact_spans
-
     [(begin, end)] = contact_spans(ball, (0.0, 5.0))
     assert (begin, end) == pytest.approx((9 * np.sqrt(2 / 9.81), 5.0), rel=1e-12)
 
@@ -172,21 +163,20 @@ def test_kinds_that_need_a_source_say_so(row):
         "waterfall",
         "stiffness",
     ]
-    with pytest.raises(PlotError, match=r"it needs a periodic source, and run\.h5 has none"):
+    with pytest.raises(PlotError, match=r"it needs a periodic source, and row has none"):
         choose(["stroboscopic"], [row])
 
 
-@pytest.mark.parametrize("kind", ["overview", "phase", "motor-speed"])
-def test_pages_of_the_paper_s_machine_in_the_long_form(kind):
-    short = load_case("II-B", {"run.t_end": "3 s"})
-    figure = figure_of(kind, [subject_of(load_case_text(short.long_text()))], width="page")
+@pytest.mark.parametrize(("kind", "drawn"), [("overview", "x2"), ("phase", "x2"), ("motor-speed", "phidot")])
+def test_pages_of_the_paper_s_machine_in_the_long_form(kind, drawn):
+    long = load_case_text(load_case("II-B", {"run.t_end": "3 s"}).long_text())
+    figure = figure_of(kind, [run_of(long)], width="page")
     figure.canvas.draw()
-    gids = {line.get_gid() for axes in figure.axes for line in axes.get_lines()}
-    assert {"overview": "x2", "phase": "x2", "motor-speed": "phidot"}[kind] in gids
+    assert lines(figure, drawn)
 
 
 def test_runs_without_a_common_relative_motion_are_told(row):
-    other = subject_of(load_case("gallery/friction-oscillator", {"run.t_end": "5 s"}))
+    other = run_of("gallery/friction-oscillator", {"run.t_end": "5 s"})
     with pytest.raises(PlotError, match="no relative motion is common"):
         figure_of("relative", [row, other])
     figure_of("displacement", [row, other])
@@ -194,7 +184,7 @@ def test_runs_without_a_common_relative_motion_are_told(row):
 
 def test_impact_velocities_are_those_of_every_stop(row):
     """The chain of equal bodies: each blow has the whole 1 m/s, into the stop."""
-    chain = subject_of(load_case("gallery/chain-with-gaps"))
+    chain = run_of("gallery/chain-with-gaps")
     (dots,) = [line for line in figure_of("impact-velocity", [chain]).axes[0].get_lines() if line.get_gid()]
     t, closing = points(dots)
     half = np.pi * np.sqrt(1 / 2e6)  # of a contact [s]
@@ -206,7 +196,7 @@ def test_impact_velocities_are_those_of_every_stop(row):
 
 def test_the_stroboscopic_section_has_the_published_orbit_of_the_bilinear_oscillator():
     """One impact in two periods: two points, which the run meets in turn."""
-    run = subject_of(load_case("gallery/bilinear-oscillator", {"run.t_end": "2000 s"}))
+    run = run_of("gallery/bilinear-oscillator", {"run.t_end": "2000 s"})
     figure = figure_of("stroboscopic", [run], window=(1900.0, 2000.0))
     (dots,) = lines(figure, "section")
     x, v = points(dots)
@@ -219,7 +209,7 @@ def test_the_stroboscopic_section_has_the_published_orbit_of_the_bilinear_oscill
 
 
 def test_a_section_without_points_says_so():
-    capsule = subject_of(load_case("gallery/drifting-capsule", {"run.t_end": "2 s"}))
+    capsule = run_of("gallery/drifting-capsule", {"run.t_end": "2 s"})
     for window, words in (((0.05, 0.15), ["no period of the source ends here"]), ((0.0, 2.0), [])):
         (axes,) = figure_of("stroboscopic", [capsule], window=window).axes
         assert [text.get_text() for text in axes.texts if "period" in text.get_text()] == words
@@ -227,7 +217,7 @@ def test_a_section_without_points_says_so():
 
 def test_the_base_is_part_of_the_relative_motion():
     """The lowest of the blocks against the shaken table: x - X(t)."""
-    stack = subject_of(load_case("gallery/stack-of-blocks", {"run.t_end": "2 s"}))
+    stack = run_of("gallery/stack-of-blocks", {"run.t_end": "2 s"})
     (curve,) = lines(figure_of("relative", [stack], window=(0.0, 2.0)), "relative")
     x, _ = points(curve)
     run = stack.result
@@ -238,17 +228,9 @@ def test_the_base_is_part_of_the_relative_motion():
     assert np.ptp(x) == pytest.approx(np.ptp(drawn), rel=1e-3)
 
 
-@pytest.mark.parametrize("kind", ["phase-drift-free", "overview", "velocity"])
-def test_pictures_of_the_capsule_are_laid_out(kind):
-    capsule = subject_of(load_case("gallery/drifting-capsule", {"run.t_end": "4 s"}))
-    figure = figure_of(kind, [capsule])
-    figure.draw_without_rendering()
-    assert {line.get_gid() for axes in figure.axes for line in axes.get_lines()} & {"x_capsule", "v_capsule"}
-
-
 def test_the_characteristic_of_links_and_stops_has_a_panel_for_each_pair_of_ends():
     damper = load_case("gallery/impact-damper")
-    figure = kind_named("stiffness").draw([Subject("d", "d", "case", damper)], View())
+    figure = figure_of("stiffness", [subject_of(damper)])
     assert len(figure.axes) == 2
     spring, cage = (points(lines_in(axes)) for axes in figure.axes)
     slopes = np.diff(spring[1]) / np.diff(spring[0])
@@ -269,18 +251,17 @@ def lines_in(axes):
 
 
 def test_a_case_of_parts_without_springs_has_no_characteristic():
-    stack = load_case("gallery/stack-of-blocks")
+    stack = subject_of(load_case("gallery/stack-of-blocks"))
     with pytest.raises(PlotError, match="no kind shows"):
-        choose(None, [Subject("stack", "stack", "case", stack)])
+        choose(None, [stack])
     with pytest.raises(PlotError, match="it needs springs or stops"):
-        choose(["stiffness"], [Subject("stack", "stack", "case", stack)])
+        choose(["stiffness"], [stack])
 
 
 @pytest.mark.parametrize(("name", "width"), [("impact-damper", "page"), ("chain-with-gaps", "page")])
 def test_the_machine_heads_the_overview_in_its_own_size(name, width):
     """Beside the portrait where there is room, else above all; a centimetre of it is one on paper."""
-    case = load_case(f"gallery/{name}")
-    run = subject_of(case.with_values({"run.t_end": "2 s"}) if name == "impact-damper" else case)
+    run = run_of(f"gallery/{name}", {"run.t_end": "2 s"} if name == "impact-damper" else None)
     figure = figure_of("overview", [run], width=width)
     figure.draw_without_rendering()
     (machine,) = [axes for axes in figure.axes if axes.get_label() == "<machine>"]
@@ -295,7 +276,7 @@ def test_the_machine_heads_the_overview_in_its_own_size(name, width):
 
 
 def test_runs_laid_over_each_other_have_no_machine():
-    runs = [subject_of(load_case("gallery/friction-oscillator", {"run.t_end": "20 s"})) for _ in range(2)]
+    runs = [run_of("gallery/friction-oscillator", {"run.t_end": "20 s"}) for _ in range(2)]
     figure = figure_of("overview", runs, width="page")
     assert not [axes for axes in figure.axes if axes.get_label() == "<machine>"]
 
@@ -303,7 +284,7 @@ def test_runs_laid_over_each_other_have_no_machine():
 @pytest.mark.parametrize("name", ["stack-of-blocks", "energy-sink", "drifting-capsule"])
 def test_labels_of_narrow_panels_stay_on_the_sheet(name):
     """Beside a machine the portrait is narrow: its labels take two lines."""
-    run = subject_of(load_case(f"gallery/{name}", {"run.t_end": "2 s"}))
+    run = run_of(f"gallery/{name}", {"run.t_end": "2 s"})
     figure = figure_of("overview", [run], width="page")
     figure.draw_without_rendering()
     (portrait,) = [axes for axes in figure.axes if axes.get_xlabel().startswith("Relative")]

@@ -5,10 +5,9 @@ import shutil
 import numpy as np
 import pytest
 
-from tests.plots.artists import lines, patches, points
-from vibsim.plots.registry import kind_named
+from tests.plots.artists import figure_of, lines, patches, points
 from vibsim.plots.style import dashed
-from vibsim.plots.subject import View, distinct_names, open_subjects, subject_of
+from vibsim.plots.subject import distinct_names, open_subjects, subject_of
 from vibsim.results import simulate
 
 
@@ -20,10 +19,6 @@ def twins(runs, tmp_path):
     for copy in copies:
         shutil.copy(runs["motor"], copy)
     return open_subjects([str(copy) for copy in copies])
-
-
-def figure_of(kind, subjects, **view):
-    return kind_named(kind).draw(subjects, View(**{"width": "column", **view}))
 
 
 def legend(axes):

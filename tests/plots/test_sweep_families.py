@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from tests.plots.artists import clipped_texts, letters, lines
+from tests.plots.artists import laid_out, letters, lines
 from vibsim.cases import load_case
 from vibsim.plots.capture_pictures import speed_classes
-from vibsim.plots.registry import fitting, kind_named
-from vibsim.plots.subject import View, open_subject
+from vibsim.plots.registry import fitting
+from vibsim.plots.subject import open_subject
 from vibsim.plots.sweep_axes import along, plane_of, value_texts
 from vibsim.sweeps import sweep
 
@@ -28,13 +28,6 @@ def paths(tmp_path_factory):
     return {name: str(folder / f"{name}.h5") for name in SWEEPS}
 
 
-def draw(kind, path, width="column"):
-    figure = kind_named(kind).draw([open_subject(path)], View(width=width))
-    figure.draw_without_rendering()
-    assert clipped_texts(figure) == []
-    return figure
-
-
 def test_values_are_rounded_decimals(paths):
     axis = open_subject(paths["fractions"]).result.axes[1]
     assert value_texts(axis)[:3] == ["$c$ = 0.001 N s/m", "$c$ = 0.0151 N s/m", "$c$ = 0.0293 N s/m"]
@@ -43,7 +36,7 @@ def test_values_are_rounded_decimals(paths):
 
 @pytest.mark.parametrize("kind", ["sommerfeld", "amplitude"])
 def test_many_values_have_a_colour_bar(paths, kind):
-    figure = draw(kind, paths["fractions"])
+    figure = laid_out(kind, paths["fractions"])
     (bar,) = [axes for axes in figure.axes if axes.get_label() == "<colorbar>"]
     assert bar.get_xlabel() == "Damping $c$ (N s/m)"
     assert bar.get_xlim() == pytest.approx((0.001, 0.1))
@@ -54,7 +47,7 @@ def test_many_values_have_a_colour_bar(paths, kind):
 
 def test_up_and_down_have_orbits_of_their_own(paths):
     result = open_subject(paths["both"]).result
-    figure = draw("orbit", paths["both"])
+    figure = laid_out("orbit", paths["both"])
     up, down = lines(figure, "section_speed")
     assert up.axes is not down.axes and up.axes.get_ylim() == down.axes.get_ylim()
     for d, line in enumerate((up, down)):
@@ -65,7 +58,7 @@ def test_up_and_down_have_orbits_of_their_own(paths):
 
 @pytest.mark.parametrize("kind", ["sommerfeld", "orbit"])
 def test_no_picture_is_taller_than_a_page(paths, kind):
-    figure = draw(kind, paths["families"])
+    figure = laid_out(kind, paths["families"])
     assert figure.get_figheight() * 2.54 < 25
     assert any(" of " in axes.get_title(loc="right") for axes in figure.axes)
     titles = [axes.get_title(loc="left") for axes in figure.axes if axes.get_title(loc="left")]
@@ -76,7 +69,7 @@ def test_a_single_motor_constant_is_not_drawn_along(paths):
     subject = open_subject(paths["one"])
     assert subject.result.axes[along(subject.result)].key == "coupling.c"
     assert "sommerfeld" not in {kind.name for kind in fitting([subject])}
-    (line,) = lines(draw("amplitude", paths["one"]), "x1")
+    (line,) = lines(laid_out("amplitude", paths["one"]), "x1")
     np.testing.assert_array_equal(line.get_xdata(), [0.01, 0.02, 0.03])
 
 
@@ -103,10 +96,10 @@ def test_equal_steps_of_colour_are_equal_steps_of_speed():
 @pytest.mark.parametrize("kind", ["sommerfeld", "amplitude"])
 def test_a_few_families_differ_in_their_marks_too(paths, kind):
     """In grey print; a family swept both ways has one mark, closed and open."""
-    drawn = lines(draw(kind, paths["few"]), "mean" if kind == "sommerfeld" else "x1")
+    drawn = lines(laid_out(kind, paths["few"]), "mean" if kind == "sommerfeld" else "x1")
     assert [line.get_marker() for line in drawn] == ["o", "s", "^"]
-    up, down = lines(draw(kind, paths["both"]), "mean" if kind == "sommerfeld" else "x1")
+    up, down = lines(laid_out(kind, paths["both"]), "mean" if kind == "sommerfeld" else "x1")
     assert up.get_marker() == down.get_marker() == "o"
     assert up.get_markerfacecolor() != down.get_markerfacecolor()
-    many = lines(draw(kind, paths["fractions"]), "mean" if kind == "sommerfeld" else "x1")
+    many = lines(laid_out(kind, paths["fractions"]), "mean" if kind == "sommerfeld" else "x1")
     assert {line.get_marker() for line in many} == {"o"}  # of which colours tell the value

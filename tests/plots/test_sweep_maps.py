@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.plots.artists import clipped_texts
+from tests.plots.artists import laid_out
 from vibsim.cases import load_case
 from vibsim.plots.registry import choose, kind_named
 from vibsim.plots.subject import PlotError, View, open_subject
@@ -31,13 +31,6 @@ def grid(tmp_path_factory):
         for name, plane in values.items():
             file[name][..., 0] = plane
     return str(path)
-
-
-def draw(kind, path, width="page"):
-    figure = kind_named(kind).draw([open_subject(path)], View(width=width))
-    figure.draw_without_rendering()
-    assert clipped_texts(figure) == []
-    return figure
 
 
 def mesh(axes, gid):
@@ -66,13 +59,14 @@ def none_held(grid, tmp_path):
 
 
 def test_a_map_without_capture_says_so(grid, none_held):
-    assert "no motor was captured" in [text.get_text() for text in draw("capture", none_held).axes[1].texts]
-    assert "no motor was captured" not in [text.get_text() for text in draw("capture", grid).axes[1].texts]
+    for path, said in ((none_held, True), (grid, False)):
+        texts = laid_out("capture", path, "page").axes[1].texts
+        assert ("no motor was captured" in [text.get_text() for text in texts]) == said
 
 
 @pytest.mark.parametrize("width", ["column", "page"])
 def test_verdicts_on_capture(grid, width):
-    figure = draw("capture", grid, width)
+    figure = laid_out("capture", grid, width)
     classes = mesh(figure.axes[0], "capture")
     np.testing.assert_array_equal(cells(classes), VERDICTS.T)
     assert legend(figure) == ["not met (1)", "passed (1)", "escaped (1)", "captured (3)"]
@@ -80,7 +74,7 @@ def test_verdicts_on_capture(grid, width):
 
 def test_cells_claim_no_area_between_values_that_are_far_apart(grid):
     """3, 4 and 6 Hz, and two dampings: cells of a tenth of the whole, and nothing in between or beyond."""
-    axes = draw("capture", grid).axes[0]
+    axes = laid_out("capture", grid, "page").axes[0]
     found = mesh(axes, "capture")
     corners = found.get_coordinates()
     np.testing.assert_allclose(corners[0, :, 0], [2.85, 3.15, 3.85, 4.15, 5.85, 6.15])
@@ -94,21 +88,21 @@ def test_cells_claim_no_area_between_values_that_are_far_apart(grid):
 def test_cells_of_even_values_touch(tmp_path):
     case = load_case("II-B", {"run.t_end": "1 s"})
     sweep(case, {"Omega0": "3:5:1 Hz", "c": "0.001:0.003/3"}, out=tmp_path / "even.h5", compute=["regime"])
-    axes = draw("regime", str(tmp_path / "even.h5")).axes[0]
+    axes = laid_out("regime", str(tmp_path / "even.h5"), "page").axes[0]
     corners = mesh(axes, "regime").get_coordinates()
     np.testing.assert_allclose(corners[0, :, 0], [2.5, 3.5, 4.5, 5.5])  # between and beyond
     np.testing.assert_allclose(corners[:, 0, 1], [0.0005, 0.0015, 0.0025, 0.0035])
 
 
 def test_speed_only_where_the_motor_was_held(grid):
-    speeds = cells(mesh(draw("capture", grid).axes[1], "capture_speed"))
+    speeds = cells(mesh(laid_out("capture", grid, "page").axes[1], "capture_speed"))
     held = np.isin(VERDICTS, [CAPTURED, ESCAPED]).T
     np.testing.assert_array_equal(~np.ma.getmaskarray(speeds), held)
     np.testing.assert_array_equal(speeds[held], SPEEDS.T[held])
 
 
 def test_regimes_by_their_period(grid):
-    figure = draw("regime", grid, "column")
+    figure = laid_out("regime", grid, "column")
     classes = cells(mesh(figure.axes[0], "regime"))
     names = ["period 1", "period 2", "period 3", "period 4", "longer period", "quasi-periodic", "chaotic"]
     shown = [[[*names, "transient"][int(code)] for code in row] for row in classes]
@@ -122,7 +116,7 @@ def test_what_is_missing_stays_blank_and_is_said(grid, tmp_path):
         file["status"][0, 0, 0], file["status"][2, 1, 0] = 0, 2
         for name in ("capture", "capture_speed"):
             file[name][0, 0, 0] = file[name][2, 1, 0] = np.nan
-    figure = draw("capture", str(path))
+    figure = laid_out("capture", str(path), "page")
     blank = np.ma.getmaskarray(cells(mesh(figure.axes[0], "capture")))
     np.testing.assert_array_equal(blank, [[True, False, False], [False, False, True]])
     assert figure.axes[1].get_title(loc="right") == "1 not computed yet, 1 failed"
@@ -169,7 +163,7 @@ def test_up_and_down_have_a_map_each(tmp_path):
     sweep(case, axes, out=tmp_path / "both.h5", **settings)
     with h5py.File(tmp_path / "both.h5", "r+") as file:
         file["regime"][..., 0], file["regime"][..., 1] = CHAOTIC, TRANSIENT
-    up, down = draw("regime", str(tmp_path / "both.h5")).axes
+    up, down = laid_out("regime", str(tmp_path / "both.h5"), "page").axes
     assert (up.get_title(loc="left"), down.get_title(loc="left")) == ("up", "down")
     shown = [cells(mesh(axes, "regime"), (3, 4), (0.01, 0.02, 0.03)) for axes in (up, down)]
     assert len({int(code) for each in shown for code in each.ravel()}) == 2
@@ -179,7 +173,7 @@ def test_values_by_ratio_have_cells_by_ratio(tmp_path):
     """Edges lie at the geometric means, on a logarithmic axis; the axis in equal steps stays as it is."""
     path, case = tmp_path / "ratios.h5", load_case("II-B", {"run.t_end": "1 s"})
     sweep(case, {"k2": "log 1:100/3 kN/m", "Omega0": "3, 4 Hz"}, out=path, compute=["capture"], jobs=1)
-    (panel, *_) = draw("capture", str(path)).axes
+    (panel, *_) = laid_out("capture", str(path), "page").axes
     assert (panel.get_xscale(), panel.get_yscale()) == ("linear", "log")
     edges = np.exp((np.arange(4) - 0.5) * np.log(10.0))
     np.testing.assert_allclose(panel.collections[0].get_coordinates()[:, 0, 1], edges, rtol=1e-12)
@@ -189,6 +183,6 @@ def test_curves_over_values_by_ratio_have_a_logarithmic_axis(tmp_path):
     for name, text, scale in (("ratio", "log 1:100/3 kN/m", "log"), ("steps", "1:100/3 kN/m", "linear")):
         path = tmp_path / f"{name}.h5"
         sweep(load_case("II-B", {"run.t_end": "1 s"}), {"k2": text}, out=path, jobs=1)
-        (panel, *_) = draw("amplitude", str(path)).axes
+        (panel, *_) = laid_out("amplitude", str(path), "page").axes
         low, high = panel.get_xlim()
         assert panel.get_xscale() == scale and low < 1 and high > 100

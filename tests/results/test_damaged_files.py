@@ -1,6 +1,7 @@
 """A file of every kind with any part of its structure damaged: one line that names the part, no traceback."""
 
 import json
+import os
 import shutil
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 import vibsim
 from tests.results.damages import OF_ATTRIBUTES, OF_DATASETS, damage_attribute, datasets
 from tests.results.made import short_case
+from vibsim.command_line.main import group
 from vibsim.evidence.benchmark.bench_result import ATTRIBUTES as OF_BENCH
 from vibsim.fitting import fit
 from vibsim.fitting.fit_result import FitStore
@@ -64,8 +66,6 @@ def whole(tmp_path_factory):
     captured.save(folder / "orbit.h5")
     omega0 = vibsim.continue_branch(captured, "excitation.Omega0", "5.6:5.8 Hz", out=folder / "branch.h5")
     vibsim.continue_locus(omega0, {"c": "0.028:0.032"}, label="F1", max_points=3, out=folder / "locus.h5")
-    from vibsim.command_line.main import group
-
     group.main(
         ["-q", "bench", "I-A", "--t-end", "0.5s", "--methods", "taylor", "-o", str(folder / "bench.h5")],
         standalone_mode=False,
@@ -243,8 +243,6 @@ def test_a_case_that_is_none(whole, tmp_path, kind, value):
 
 
 def test_a_pipe_is_no_result_file(tmp_path):
-    import os
-
     os.mkfifo(tmp_path / "pipe.h5")
     with pytest.raises(ResultFileError, match="is not a regular file"):
         vibsim.open_result(tmp_path / "pipe.h5")

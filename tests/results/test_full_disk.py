@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.command_line.made import call
+from tests.command_line.made import call, told
 from tests.fitting.made import small_plan
 from vibsim.fitting.fit_result import run_fit
 from vibsim.orbits.branches.branch import BranchStore
@@ -153,9 +153,8 @@ def here(tmp_path, monkeypatch):
 
 
 def info(name):
-    done = call("info", f"killed/{name}", "--json")
-    assert done.exit_code == 0, done.stderr
-    return json.loads(done.stdout)
+    shown = told("info", f"killed/{name}", "--json")
+    return json.loads(shown)
 
 
 def test_a_killed_sweep(here, monkeypatch):

@@ -2,6 +2,7 @@
 
 from fractions import Fraction
 
+import h5py
 import numpy as np
 import pytest
 
@@ -80,8 +81,6 @@ def test_the_energy_ledger_is_kept_and_closes(run):
 
 
 def test_flags_in_a_file_say_what_they_mean(run, tmp_path):
-    import h5py
-
     with h5py.File(run.save(tmp_path / "a.h5")) as file:
         part, anvil = file["events/part"].attrs, file["anvil"].attrs
         assert part["flag_meanings"] == "none anvil wall guide felt room"
@@ -92,8 +91,6 @@ def test_flags_in_a_file_say_what_they_mean(run, tmp_path):
 
 
 def test_a_part_that_there_is_not_is_damage(run, tmp_path):
-    import h5py
-
     path = run.save(tmp_path / "a.h5")
     with h5py.File(path, "r+") as file:
         file["events/part"][3] = 5
@@ -218,4 +215,3 @@ def test_a_run_that_fails_says_where_and_what_helps():
         "t = 1.5 s: the state is no longer finite (x = inf m, v = 2.0 m/s); check the parameters for values "
         "far outside each other's scale"
     )
-    assert issubclass(EngineError, EngineError)

@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+import vibsim
 from tests.sweeps.made import (
     OMEGA0,
     assert_same_points,
@@ -19,7 +20,10 @@ from tests.sweeps.made import (
     short_case,
     short_plan,
 )
+from vibsim.engine.errors import EngineError, State
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.results.simulation import open_result
+from vibsim.sweeps import statistics
 from vibsim.sweeps.points import SweepPoint, compute_batch
 from vibsim.sweeps.quantities import DONE, FAILED
 from vibsim.sweeps.sweep_file import SweepStore
@@ -185,8 +189,6 @@ def test_a_carried_harmonic_force_has_no_jump():
     """4 s at 3.3 Hz end in a period; the state carried on is that at its last whole one, 13/3.3 s."""
     plan = short_plan({"omega": "3.3, 3.4 Hz"}, short_case("I-B"), carry_state=True)
     result, _ = run_stored(SweepStore(plan), 1)
-    import vibsim
-
     state = vibsim.simulate(result.case_at((0, 0))).at(13 / 3.3)
     for name in ("x1", "v1", "x2", "v2"):
         # an instant is rounded to 1e-16 of 4 s, and the state changes at up to 100 units per second
@@ -203,10 +205,6 @@ def test_fresh_points_do_not_depend_on_the_direction():
 
 
 def test_a_failed_point_is_kept_with_its_reason_and_tried_again(tmp_path, monkeypatch):
-    from vibsim.engine.errors import EngineError, State
-    from vibsim.engine.trajectory import open_trajectory
-    from vibsim.sweeps import statistics
-
     def failing(scene, *arguments, **options):
         if abs(scene.motor.Omega0 / 2 / np.pi - 4) < 1e-9:
             raise EngineError("diverged", State(1.5, [1.5], [1.5], 1.5, 1.5, 1.5))

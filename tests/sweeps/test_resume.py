@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 import pytest
 
+import vibsim
 from tests.sweeps.made import (
     OMEGA0,
     assert_same_points,
@@ -169,8 +170,6 @@ def test_the_spelling_of_the_same_sweep_makes_no_difference(tmp_path):
 
 
 def test_a_trajectory_is_not_overwritten(tmp_path):
-    import vibsim
-
     path = vibsim.simulate(short_case()).save(tmp_path / "run.h5")
     with pytest.raises(ResultFileError, match="holds a trajectory, not a sweep"):
         SweepStore(short_plan(), path)
@@ -254,8 +253,6 @@ def test_the_journal_of_another_sweep_is_refused(tmp_path):
 
 def test_another_sweep_in_the_file_is_told_on_one_line(tmp_path):
     """Messages are one line: what breaks lines in them is shown as its code."""
-    import vibsim
-
     short = {"section": 3, "jobs": 1, "out": tmp_path / "sweep.h5", "overrides": {"run.t_end": "1 s"}}
     vibsim.sweep("I-A", {"omega": "3,4 Hz"}, **short)
     with pytest.raises(

@@ -1,6 +1,5 @@
-"""The numbers per point, against linear theory, a naive twin, and what must be there exactly."""
+"""The numbers per point, against linear theory, and what must be there exactly."""
 
-import itertools
 import math
 from dataclasses import replace
 from fractions import Fraction
@@ -9,11 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.scenes import fixed_block, harmonic, paper, scene
+from tests.scenes import fixed_block, harmonic, motor, paper, scene
 from tests.sweeps.made import short_plan
-from tests.trajectories import opened
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.parts import EVENT_KINDS
 from vibsim.sweeps import points
 from vibsim.sweeps.quantities import of_two_blocks
 from vibsim.sweeps.statistics import GivenUpError, MeasuredRun, Statistics, sampled_for_statistics
@@ -77,34 +74,6 @@ def test_free_flight_drifts_at_the_speed_of_the_centre_of_mass():
     assert values["amplitude_relative"] == pytest.approx(0.0, abs=1e-15)
 
 
-# sampled values miss an extreme by up to (w h)^2 / 8 of the vibration at w
-@pytest.mark.parametrize("name", ["I-A", "I-B", "I-C-eq211", "II-A", "II-B", "II-C"])
-def test_naive_twin(name):
-    case = paper(name, t_end=24.0)
-    statistics, run = measured(case, 12.0)
-    values, naive = statistics.values(run), naive_statistics(case, 12.0)
-    h, w = 1e-4, math.sqrt((case.k1 + case.k2) * (1 / case.m1 + 1 / case.m2))
-    assert set(values) == set(naive)
-    assert values["periods"] == naive["periods"] > 30
-    for key in ("impacts_per_period", "sticks_per_period"):
-        assert values[key] == naive[key], key
-    assert values["drift_rate"] == pytest.approx(naive["drift_rate"], rel=1e-9)
-    depth = -naive["relative_min"] - case.G  # of penetration: what vibrates at w
-    close = depth * (w * h) ** 2 / 8 + naive["relative_max"] * (w / 8 * h) ** 2 / 8
-    # a contact kicks the speed by m3 e k2 depth / (m1 (J + m3 e^2) w) [rad/s] while w vibrates
-    kick = (
-        case.m3 * case.e * case.k2 * depth / (case.m1 * (case.J + case.m3 * case.e**2) * w)
-        if case.has_motor
-        else 0
-    )
-    speed_error = kick / (2 * math.pi) * (w * h) ** 2 / 8
-    for key in naive:
-        if key.startswith(("amplitude", "relative")):
-            assert values[key] == pytest.approx(naive[key], abs=close), key
-        if key.endswith("speed"):
-            assert values[key] == pytest.approx(naive[key], abs=speed_error + 1e-12), key
-
-
 def test_extremes_do_not_depend_on_the_sampling():
     """They are those of the motion, not of samples."""
     case = paper("II-B", t_end=20.0)
@@ -132,7 +101,7 @@ def test_transient_apart_changes_no_number():
 
 def test_motor_in_empty_space_runs_up_to_its_no_load_speed():
     """V9, heavy block: w = Omega0 (1 - exp(-t/T)); the mean late is Omega0."""
-    heavy = fixed_block(replace_motor(5.5), m1=1e9, k1=0.0, c=0.0, t_end=500.0)
+    heavy = fixed_block(motor(5.5), m1=1e9, k1=0.0, c=0.0, t_end=500.0)
     constant = heavy.Omega0 * (heavy.J + heavy.m3 * heavy.e**2) / heavy.M0
     statistics, run = measured(heavy, 450.0)
     values = statistics.values(run)
@@ -140,27 +109,6 @@ def test_motor_in_empty_space_runs_up_to_its_no_load_speed():
     assert values["mean_speed"] == pytest.approx(5.5, rel=1e-9 + left)
     assert values["max_speed"] == pytest.approx(5.5, rel=1e-9 + left)
     assert values["min_speed"] == pytest.approx(5.5 * (1 - left), rel=1e-7)
-
-
-def replace_motor(frequency):
-    """Source fields of the paper's motor."""
-    return {
-        name: getattr(paper("II-B"), name)
-        for name in (
-            "source",
-            "A",
-            "F0",
-            "omega",
-            "cycles",
-            "cycles_lo",
-            "m3",
-            "e",
-            "J",
-            "M0",
-            "phi",
-            "phidot",
-        )
-    } | {"Omega0": 2 * math.pi * frequency}
 
 
 def test_run_that_stops_before_the_transient_ends_has_totals_only():
@@ -181,48 +129,3 @@ def test_what_is_not_known_of_a_table_is_nan_in_every_piece(monkeypatch):
     monkeypatch.setattr(points, "PIECE", 7)
     plan = short_plan(section=5)
     assert all(np.isnan(column).all() for column in points.Table(plan).numbers.values())
-
-
-# The statistics of a point in the plainest way: a densely sampled run, Python loops, no interpolation.
-
-
-def dense_run(scene, per_second):
-    """The whole run with so many samples per second, and its section."""
-    trajectory = opened(replace(scene, every_num=1, every_den=per_second), section=True)
-    blocks = list(trajectory.blocks())
-    section = {name: np.concatenate([block.section[name] for block in blocks]) for name in blocks[0].section}
-    samples = {name: np.concatenate([block.samples[name] for block in blocks]) for name in blocks[0].samples}
-    events = {name: np.concatenate([block.events[name] for block in blocks]) for name in blocks[0].events}
-    return samples, events, section
-
-
-def naive_statistics(scene, begin, per_second=10_000):
-    """Statistics by name, from sample values alone."""
-    samples, events, section = dense_run(scene, per_second)
-    marks = [t for t in section["time"].tolist() if t >= begin]
-    rows = {name: np.concatenate([section[name], samples[name]]) for name in section}  # in no order
-    quantities = {"x1": rows["x1"]}
-    if scene.has_block2:
-        quantities |= {"x2": rows["x2"], "relative": rows["x1"] - rows["x2"]}
-    found = {"periods": len(marks) - 1}
-    for name, values in quantities.items():
-        halves = []
-        for start, end in itertools.pairwise(marks):
-            inside = values[(rows["time"] >= start) & (rows["time"] <= end)]
-            halves.append((inside.max() - inside.min()) / 2)
-        found[f"amplitude_{name}"] = sum(halves) / len(halves)
-        found[f"amplitude_{name}_max"] = max(halves)
-    late = rows["time"] >= begin
-    last = list(quantities.values())[-1][late]
-    found |= {"relative_min": last.min(), "relative_max": last.max()}
-    for kind, name in (("contact_begin", "impacts_per_period"), ("stick_begin", "sticks_per_period")):
-        times = events["t"][events["kind"] == EVENT_KINDS[kind]]
-        found[name] = sum(marks[0] <= t < marks[-1] for t in times.tolist()) / found["periods"]
-    if scene.has_block2:
-        points = [(t, x) for t, x in zip(section["time"], section["x2"], strict=True) if t >= begin]
-        found["drift_rate"] = np.polynomial.Polynomial.fit(*zip(*points, strict=True), 1).convert().coef[1]
-    if scene.has_motor:
-        speed = rows["phidot"][late] / (2 * math.pi)
-        found |= {"min_speed": speed.min(), "max_speed": speed.max()}
-        found["mean_speed"] = found["periods"] / (marks[-1] - marks[0])
-    return found

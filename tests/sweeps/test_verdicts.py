@@ -11,6 +11,7 @@ import vibsim
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from vibsim.analysis import capture, judge_capture, judge_regime
 from vibsim.analysis.analysis import StreamedVerdicts
+from vibsim.analysis.sections import Exponent
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 from vibsim.engine.trajectory import open_trajectory
@@ -105,8 +106,6 @@ def test_a_chaotic_motion_with_its_exponent():
 
 
 def test_an_exponent_decides_where_the_section_does_not(monkeypatch):
-    from vibsim.analysis.sections import Exponent
-
     told = []
 
     def judge(self, exponent=None):

@@ -4,8 +4,8 @@
 """
 
 import random
-from math import exp, log
 
+from tests.trust.random_long_cases import _even, _spread
 from vibsim.cases import Case
 from vibsim.cases.case import load_case_text
 
@@ -51,15 +51,6 @@ def driven_hard(seed) -> Case:
         lines.append(f"excitation: {{kind: harmonic, A: {force} N, omega: {rate} Hz}}")
     lines.append(f"run: {{t_end: {20 if motor else 40} s, every: 20 ms}}")
     return load_case_text("\n".join(lines), name=f"driven hard {seed}")
-
-
-def _even(rng, low, high):
-    return f"{rng.uniform(low, high):.3g}"
-
-
-def _spread(rng, low, high):
-    """Three digits of a number whose logarithm is even between the limits."""
-    return f"{exp(rng.uniform(log(low), log(high))):.3g}"
 
 
 def _blocks(rng, fixed, m2):

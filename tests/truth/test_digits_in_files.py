@@ -9,7 +9,7 @@ import pytest
 import xarray
 
 import vibsim
-from tests.command_line.made import call
+from tests.command_line.made import call, told
 from tests.engine.runs import run as run_parts
 from tests.trajectories import run
 from tests.truth.made import case
@@ -17,15 +17,15 @@ from vibsim.command_line.commands import run as command
 from vibsim.engine.truth import open_truth
 from vibsim.physics import precision
 from vibsim.physics.parts import EVENT_NAMES
+from vibsim.results import simulate_to_file
 
 
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
     """The file of a run of 40 digits by `vibsim run`."""
     path = tmp_path_factory.mktemp("truth") / "II-B.h5"
-    done = call("run", "II-B", "--digits", 40, "--t-end", "3 s", "-o", path)
-    assert done.exit_code == 0
-    assert "digits          40 carried, 3" in done.stdout
+    shown = told("run", "II-B", "--digits", 40, "--t-end", "3 s", "-o", path)
+    assert "digits          40 carried, 3" in shown
     return path
 
 
@@ -83,8 +83,6 @@ def test_saving_keeps_them(tmp_path):
 
 
 def test_an_interrupted_run_keeps_its_digits(tmp_path):
-    from vibsim.results import simulate_to_file
-
     short = case("I-A", "20 s", every="10 ms")
     result = simulate_to_file(short, tmp_path / "cut.h5", digits=30, watch=lambda t: t < 2)
     assert not result.complete and "digits_right" not in result.attrs
@@ -129,9 +127,8 @@ def test_simulate_refuses_too():
 def test_method_taylor_is_obeyed(tmp_path):
     path = tmp_path / "out.h5"
     words = ["run", "I-A", "--digits", "30", "--method", "taylor", "--t-end", "0.5 s", "-o", path]
-    done = call(*words)
-    assert done.exit_code == 0
-    assert "C on 128-bit numbers, taylor series of order 36" in done.stdout
+    shown = told(*words)
+    assert "C on 128-bit numbers, taylor series of order 36" in shown
     assert vibsim.open_result(path).attrs["method"] == "taylor"
 
 
@@ -154,14 +151,12 @@ both_ways = pytest.mark.parametrize("v1", [0.1, -0.1])
 mirrored = pytest.mark.parametrize("acts", ["compression", "extension"])
 
 
-def case_at(place, v1, acts, tmp_path):
+def case_at(place, v1, acts):
     x1, x2, G = PLACES[place]
     if acts == "extension":
         x1, x2 = x2, x1
     rest = G if acts == "compression" else "1"
-    path = tmp_path / "at-stop.yaml"
-    path.write_text(CASE.format(G=G, acts=acts, rest=rest, x1=x1, x2=x2, v1=v1))
-    return vibsim.load_case(path)
+    return vibsim.load_case(CASE.format(G=G, acts=acts, rest=rest, x1=x1, x2=x2, v1=v1))
 
 
 def test_the_places_lie_on_both_sides():
@@ -172,8 +167,8 @@ def test_the_places_lie_on_both_sides():
 @everywhere
 @both_ways
 @mirrored
-def test_doubles_and_digits_start_in_one_mode(place, v1, acts, tmp_path):
-    case = case_at(place, v1, acts, tmp_path)
+def test_doubles_and_digits_start_in_one_mode(place, v1, acts):
+    case = case_at(place, v1, acts)
     touches = (v1 > 0) == (acts == "compression")
     *_, block = open_truth(case.exact_scene, 40).blocks()
     truth = [EVENT_NAMES[kind] for kind in block.events["kind"]]
@@ -192,7 +187,7 @@ def test_doubles_and_digits_start_in_one_mode(place, v1, acts, tmp_path):
     assert parts.totals["uncertified"] == 0
 
 
-def test_what_is_moved_from_the_stop_is_not_there(tmp_path):
+def test_what_is_moved_from_the_stop_is_not_there():
     """A sweep that starts elsewhere from a scene made for the stop is judged by its numbers."""
-    scene = replace(case_at("below", 0.1, "compression", tmp_path).two_blocks(), x1=0.25)
+    scene = replace(case_at("below", 0.1, "compression").two_blocks(), x1=0.25)
     assert run(scene).events["contact"][0] == 0

@@ -1,14 +1,14 @@
 """The gallery: each case loads, says where it comes from, and has the parameters of its source."""
 
 import json
-from math import cos, pi, sin, sqrt
+from math import cos, pi, sin
 
 import h5py
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tests.command_line.made import call
+from tests.command_line.made import call, told
 from tests.engine.runs import run
 from tests.scenes import falling
 from vibsim.cases import CaseError, gallery_case_names, load_case
@@ -124,14 +124,13 @@ def test_options_that_do_not_go_together(options, tmp_path, monkeypatch):
 
 def test_a_case_of_the_gallery_runs_from_the_command_line(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    done = call("run", "gallery/drifting-capsule", "--t-end", "2s")
-    assert done.exit_code == 0
+    shown = told("run", "gallery/drifting-capsule", "--t-end", "2s")
     for line in (
         "  bodies          hammer 0.1 kg, capsule 0.5 kg",
         "  parts           link spring, stop anvil, friction floor",
         "  source          force push on hammer: 0.5 N at 5 Hz (31.4159 rad/s)",
     ):
-        assert line in done.stdout.splitlines()
+        assert line in shown.splitlines()
     described = call("info", "drifting-capsule.h5").stdout
     assert "by part         anvil:" in described
     assert "  events          " in described
@@ -147,7 +146,8 @@ def test_a_case_of_the_gallery_runs_from_the_command_line(tmp_path, monkeypatch)
         assert all((one[name][:] == other[name][:]).all() for name in ("x_hammer", "v_capsule", "events/t"))
 
 
-# Cases of the gallery with rigid stops: closed forms and laws that their motions meet.
+# Cases of the gallery with rigid stops: what their motions meet besides the numbers on their pages, which
+# tests/docs holds them to.
 
 
 G = 9.81
@@ -162,13 +162,6 @@ def ran(name, **changes):
 def of(events, kind, *names):
     rows = events["kind"] == EVENT_KINDS[kind]
     return [events[name][rows] for name in names]
-
-
-def test_impact_oscillator_settles_on_the_closed_form():
-    """One impact in two periods: |v| = 0.66569335283999 m/s (sigma = 0: V = 2 cs gamma / (cs^2 + rm^2))."""
-    t, speed = of(ran("impact-oscillator", run__t_end="500 s"), "impact", "t", "before_v_mass")
-    assert speed[-3:] == pytest.approx([0.66569335283999] * 3, abs=1e-11)
-    assert np.diff(t)[-3:] == pytest.approx([4 * pi / 3.7] * 3, rel=1e-11)
 
 
 def test_chattering_oscillator_is_let_go_where_the_force_turns():
@@ -189,70 +182,15 @@ def test_chattering_oscillator_is_let_go_where_the_force_turns():
     assert before[first] == pytest.approx(speed, abs=1e-10)
 
 
-def test_example_of_recipes_for_continuation():
-    """Impact at 1.695732937594882 m/s in each period, at the phase 0.0759521649383 (closed form)."""
-    t, speed = of(ran("impact-oscillator-coco", run__t_end="400 s"), "impact", "t", "before_v_mass")
-    assert speed[-3:] == pytest.approx([1.695732937594882] * 3, abs=1e-9)
-    assert np.mod(t[-3:], 2 * pi) == pytest.approx([0.0759521649383] * 3, abs=1e-9)
-
-
-def test_bouncing_ball_comes_to_rest():
-    """After sqrt(2 h / g) (1 + e) / (1 - e); impact n at sqrt(2 g h) e^n."""
-    events = ran("bouncing-ball")
-    [rest] = of(events, "rest_begin", "t")[0]
-    assert rest == pytest.approx(sqrt(2 / G) * 9, abs=1e-12)
-    speed = -of(events, "impact", "before_v_ball")[0]
-    assert speed[:20] == pytest.approx(sqrt(2 * G) * 0.8 ** np.arange(20), rel=1e-12)
-    assert events["t"][-1] == 5.0 and events["x_ball"][-1] == 0.0
-
-
-def test_ball_on_shaken_table_flies_for_one_period():
-    """It leaves with g T / 2 where the table moves at (g T / 2) (1 - e) / (1 + e)."""
-    w, a = 99.045444115315068, 0.7e-3
-    t, before, after, x = of(ran("ball-on-shaken-table"), "impact", "t", "before_v_ball", "v_ball", "x_ball")
-    start = G * pi / w
-    phase = np.arccos(start / 9 / (a * w))  # the table rises and slows down
-    assert (-before[-1], after[-1]) == pytest.approx((start, start), abs=1e-6)  # 3 s: not quite settled
-    assert x[-1] == pytest.approx(a * sin(phase), abs=1e-6)
-    assert np.mod(w * t[-1] + pi / 3, 2 * pi) == pytest.approx(phase, abs=1e-3)
-
-
-def test_two_balls_and_a_spring_bounce_twice():
-    t = of(ran("two-balls-and-a-spring"), "impact", "t")[0]
-    assert t[0] == pytest.approx(sqrt(1.6 / G), abs=1e-14)
-    assert t[:2] == pytest.approx([0.4038550218769, 0.4233169688147], abs=1e-12)
-
-
-def test_three_balls_share_the_blow():
-    end = {name: values[-1] for name, values in ran("three-balls").items()}
-    speeds = [end[f"v_{name}"] for name in ("first", "middle", "last")]
-    assert speeds == pytest.approx([-1 / 3, 2 / 3, 2 / 3], abs=1e-15)
+def test_three_balls_that_do_not_touch_pass_the_blow_on():
     end = {name: values[-1] for name, values in ran("three-balls", stops__second__gap="1 um").items()}
     assert [end[f"v_{name}"] for name in ("first", "middle", "last")] == pytest.approx([0, 0, 1], abs=1e-15)
-
-
-def test_first_blow_drives_the_pile():
-    """u = (1 + e) m sqrt(2 g h) / (m + M), and u^2 / (2 (R / M - g)) further on it sticks."""
-    u = 1.6 * 0.25 * sqrt(2 * G)
-    x, kind = (ran("pile-driver")[name] for name in ("x_pile", "kind"))
-    first = x[kind == EVENT_KINDS["stick_begin"]][0]
-    assert first == pytest.approx(u**2 / (2 * (100e3 / 750 - G)), rel=1e-12)
 
 
 def test_eytelwein_formula_without_rebound():
     """m^2 g h / ((m + M) (R - (m + M) g)), the ram resting on the pile."""
     x = ran("pile-driver", stops__head__e="0")["x_pile"]
     assert x[-1] == pytest.approx(250**2 * G / (1000 * (100e3 - 1000 * G)), rel=1e-12)
-
-
-def test_impact_pair_meets_the_closed_form():
-    """(pi u / (2 w) - b)^2 + (u (1 - e) / (w (1 + e)))^2 = a^2 for an impact at each wall in each period."""
-    w, a, b, e = 10 * pi, 5e-3, 10e-3, 0.7
-    p, q = pi / (2 * w), (1 - e) / (w * (1 + e))
-    u = max(np.roots([p * p + q * q, -2 * p * b, b * b - a * a]))
-    t, speed = of(ran("impact-pair"), "impact", "t", "v_ball")
-    assert np.abs(speed[-4:]) == pytest.approx([u] * 4, abs=1e-9)
-    assert np.diff(t)[-3:] == pytest.approx([pi / w] * 3, abs=1e-9)
 
 
 def test_blows_of_the_energy_sink_keep_momentum_and_restitution():
@@ -262,20 +200,3 @@ def test_blows_of_the_energy_sink_keep_momentum_and_restitution():
     assert len(body) > 100
     assert 4 * body + 0.04 * ball == pytest.approx(4 * body_before + 0.04 * ball_before, abs=1e-14)
     assert ball - body == pytest.approx(-0.6 * (ball_before - body_before), abs=1e-14)
-
-
-def test_drifting_oscillator_pays_its_friction_with_the_static_force():
-    """Over a settled period the impulse of friction is F0 T.
-
-    It is mu N while the slider slides; while slider and mass rest against each other it is the force; else 0.
-    Once in a period slider and mass come to rest together, and the mass is let go.
-    """
-    w, period = 4 * pi, 0.5
-    events = ran("drifting-oscillator")
-    released = of(events, "rest_end", "t")[0]
-    assert np.diff(released)[-10:] == pytest.approx([period] * 10, abs=1e-8)
-    inside = (events["t"] >= released[-2]) & (events["t"] <= released[-1])
-    t, slides, rests = (events[name][inside] for name in ("t", "ground_around", "face"))
-    force = 2 * t - 5 / w * np.cos(w * t)  # its integral over time
-    impulse = np.where(slides[:-1] != 0, 8 * np.diff(t), np.where(rests[:-1] != 0, np.diff(force), 0))
-    assert impulse.sum() == pytest.approx(2 * period, abs=1e-6)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.evidence.benchmark.made import plan, planted, truth
-from tests.scenes import paper, scene
+from tests.scenes import fixed_block, paper, scene
 from vibsim.engine.truth import open_truth
 from vibsim.evidence.benchmark import running
 from vibsim.evidence.benchmark.bench_result import DONE, FAILED, SLOWER, BenchRow, EventCount, faithful_error
@@ -249,8 +249,6 @@ def test_vibsim_is_measured_like_its_peers():
 
 
 def test_states_are_those_of_the_bodies():
-    from tests.scenes import fixed_block
-
     scene = fixed_block(x1=1e-3, t_end=1.0).as_parts()
     attempt = OwnEngine(scene, "auto").run(np.array([0.0]), TimeLimit())
     assert attempt.states.shape == (201, 2) and abs(attempt.states[:, 1]).max() > 0.01

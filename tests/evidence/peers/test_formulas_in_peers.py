@@ -5,16 +5,14 @@ from textwrap import dedent
 import numpy as np
 import pytest
 
-from tests.evidence.peers.test_scenes_of_parts import PEERS, solved
+from tests.evidence.peers.test_scenes_of_parts import PEERS, displaced, reference, solved
 from tests.formulas.drawn_models import Drawn
 from vibsim import simulate
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
-from vibsim.engine.trajectory import open_trajectory
 from vibsim.evidence.benchmark.plan import family_of, make_plan
 from vibsim.evidence.peers.solvers import EventlessSolver, EventSolver, RungeKutta4, TimeLimit, kinds_of
 from vibsim.physics.parts import EVENT_NAMES
-from vibsim.results.columns import tables_of
 
 SPANS = {
     "gallery/bouc-wen": "1 s",
@@ -42,7 +40,7 @@ def motion_of(peer, text, t_end="2 s"):
 @pytest.mark.parametrize(("peer", "allowed"), PEERS)
 @pytest.mark.parametrize("name", SPANS)
 def test_events_and_displacements_of_the_gallery(name, peer, allowed):
-    error, kinds, expected = solved(peer, name, SPANS[name])
+    error, kinds, expected = solved(peer, name, {"run.t_end": SPANS[name]})
     assert kinds == [kind for kind in expected if kind != "switch"]
     assert error < allowed
 
@@ -52,44 +50,34 @@ def test_events_and_displacements_of_the_gallery(name, peer, allowed):
 def test_random_scenes(seed, peer, allowed):
     """With every function and switch of the language; of these four two begin with guards at 0."""
     scene = load_case_text(Drawn(seed).case, name="drawn").scene()
-    kinds, columns = kinds_of(scene), tables_of(scene).displacements
-    blocks = list(open_trajectory(scene).blocks())
-    x = np.column_stack([np.concatenate([block.samples[column] for block in blocks]) for column in columns])
-    events = [EVENT_NAMES[int(kind)] for block in blocks for kind in block.events["kind"]]
-    times = np.array([scene.sample_time(i) for i in range(scene.sample_count)])
-    attempt = peer(scene).run(times, TimeLimit())
+    times, x, events = reference(scene)
+    attempt, kinds, x = peer(scene).run(times, TimeLimit()), kinds_of(scene), x[:, : len(scene.line)]
     assert [EVENT_NAMES[kind] for _, kind in attempt.events] == [kind for kind in events if kind in kinds]
-    n = 2 * len(scene.line)
-    assert np.abs(attempt.states[:, :n:2] - x[:, : n // 2]).max() < allowed
+    assert np.abs(displaced(attempt, x) - x).max() < allowed
 
 
 @pytest.mark.parametrize("name", ["gallery/gear-pair", "gallery/hertz-chain", "gallery/dc-motor-start"])
 def test_the_same_formulas_without_events(name):
     """To what the tolerance is worth, over kinks that no step ends at."""
     scene = load_case(name, {"run.t_end": "2 s"}).scene()
-    columns = tables_of(scene).displacements
-    blocks = list(open_trajectory(scene).blocks())
-    x = np.column_stack([np.concatenate([block.samples[column] for block in blocks]) for column in columns])
-    times = np.array([scene.sample_time(i) for i in range(scene.sample_count)])
+    times, x, _ = reference(scene)
     for peer, allowed in (
         (EventlessSolver(scene, "RK45", 1e-9, 1e-12), 1e-6),
         (EventlessSolver(scene, "LSODA", 1e-9, 1e-12, 1e-6), 1e-5),
         (RungeKutta4(scene, 1e-3), 2e-3),
     ):
-        states = peer.run(times, TimeLimit()).states
-        assert np.abs(states[:, : 2 * x.shape[1] : 2] - x).max() < allowed, type(peer).__name__
+        attempt = peer.run(times, TimeLimit())
+        assert np.abs(displaced(attempt, x) - x).max() < allowed, type(peer).__name__
 
 
 def test_the_error_goes_down_with_the_tolerance():
     """Over the corners of the gear pair, as fast as the tolerance: the switches are located."""
     scene = load_case("gallery/gear-pair", {"run.t_end": "20 s"}).scene()
-    times = np.array([scene.sample_time(i) for i in range(scene.sample_count)])
-    blocks = list(open_trajectory(scene).blocks())
-    x = np.concatenate([block.samples["x_gears"] for block in blocks])
+    times, x, _ = reference(scene)
     errors = []
     for rtol in (1e-6, 1e-9, 1e-12):
-        states = EventSolver(scene, "DOP853", rtol).run(times, TimeLimit()).states
-        errors.append(np.abs(states[:, 0] - x).max())
+        attempt = EventSolver(scene, "DOP853", rtol).run(times, TimeLimit())
+        errors.append(np.abs(displaced(attempt, x) - x).max())
     assert errors[0] < 1e-5 and errors[1] < errors[0] / 100 and errors[2] < errors[1] / 100
 
 

@@ -8,6 +8,7 @@ from html.parser import HTMLParser
 from itertools import pairwise
 
 import pytest
+from matplotlib.image import imread
 
 from tests.evidence.reports.made import numbers
 from vibsim.evidence.reports.claims import FAILS, HOLDS
@@ -202,8 +203,6 @@ def test_a_browser_shows_the_page(document, tmp_path):
         "--window-size=1000,1400", f"--screenshot={shot}", page.as_uri(),
     ]  # fmt: skip
     subprocess.run(command, capture_output=True, timeout=100, check=True)
-    from matplotlib.image import imread
-
     pixels = imread(shot)
     assert pixels.shape[1] == 1000
     assert 0.002 < (pixels[..., :3].mean(axis=2) < 0.5).mean() < 0.5  # ink on paper

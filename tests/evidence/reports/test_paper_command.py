@@ -12,7 +12,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from tests.command_line.made import call
+from tests.command_line.made import call, told
 from tests.docs.paper_page import stored_numbers
 from tests.evidence.reports.test_pages import assert_accessible, assert_stands_alone, finding_in, read
 from vibsim.analysis import judge_capture
@@ -42,9 +42,8 @@ ROOT = Path(__file__).resolve().parents[3]
 
 
 def test_help_ends_with_examples():
-    result = call("paper", "--help")
-    assert result.exit_code == 0
-    assert "vibsim paper -o audit" in result.stdout
+    result = told("paper", "--help")
+    assert "vibsim paper -o audit" in result
 
 
 @pytest.mark.parametrize("formats", ["gif", "png,tiff", ","])
@@ -89,9 +88,8 @@ def test_an_interrupted_report_keeps_what_was_done(tmp_path):
 def report(tmp_path_factory):
     """The whole report."""
     folder = tmp_path_factory.mktemp("report") / "paper"
-    result = call("--json", "paper", "-o", folder, "--format", "png")
-    assert result.exit_code == 0
-    return folder, json.loads(result.stdout)["claims"]
+    result = told("--json", "paper", "-o", folder, "--format", "png")
+    return folder, json.loads(result)["claims"]
 
 
 @pytest.mark.slow
