@@ -114,7 +114,7 @@ def test_what_is_refused(words, code, message, own_folder):
 
 
 def test_without_an_engine_for_the_truth(monkeypatch):
-    monkeypatch.setattr("vibsim.physics.precision.is_built", lambda words: False)
+    monkeypatch.setattr("vibsim.command_line.commands.run.is_built", lambda words: False)
     done = call("bench", "I-A", *SHORT)
     assert done.exit_code == 2 and "which was not built here" in done.stderr
 
