@@ -53,8 +53,9 @@ static int meets(Run *r, const Zeros *zeros, Real t, Real tau)
 
 /* End of a piece from t at whose start or end the base of a power is zero, and over which the derivatives have means; t where
  * there is none. Where a derivative is infinite at the start and has no integral, the whole stretch: nothing is known behind it.
+ * steep: whether one is infinite at `end`, of which the piece is too long for means.
  */
-static Real piece_at_zero(Run *r, Real t, Real end)
+static Real piece_at_zero(Run *r, Real t, Real end, int *steep)
 {
     const Real last = end, shortest = (end - t) * LEAST_SHARE;
     int mild = 1;
@@ -64,8 +65,10 @@ static Real piece_at_zero(Run *r, Real t, Real end)
             return t;
         if (meets(r, &zeros, t, end - t))
             return end;
-        if (!zeros.opening)
+        if (!zeros.opening) {
+            *steep = !zeros.mild;
             return t;
+        }
         mild = zeros.mild;
         end = t + (end - t) / 4;
     }
@@ -78,9 +81,9 @@ static Real piece_at_zero(Run *r, Real t, Real end)
 Real taylor_piece_end(Run *r, Real t, Real end)
 {
     Real rates[4], rate, ahead;
-    int count = 2, i;
+    int count = 2, steep = 0, i;
     if (r->mode->formula_slopes.known) {
-        ahead = piece_at_zero(r, t, end);
+        ahead = piece_at_zero(r, t, end, &steep);
         if (t < ahead)
             return ahead;
     }
@@ -88,6 +91,8 @@ Real taylor_piece_end(Run *r, Real t, Real end)
     rates[1] = fastest(r, 0);
     if (r->mode->formula_slopes.known) {
         Real tau = formula_sound_stretch(r, t, end - t), sound = tau < end - t ? t + tau : end, stiffness, damping;
+        if (steep && !(sound < end)) /* the series would do but for the infinite derivative at its end: a shorter rest has means */
+            sound = end - (end - t) / 4;
         end = t < sound ? sound : end;
         formula_rates(r, tau, &stiffness, &damping);
         rates[0] = rates[0] + sqrt(stiffness) / REACH;
