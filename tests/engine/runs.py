@@ -42,6 +42,22 @@ def whole(tables):
     return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
 
+AT_ONCE = 1e-14  # s: events no further apart are at one instant
+
+
+def by_instant(events):
+    """(kind, part) of events; those at one instant, such as of two stops at one place, sorted: which of them
+    comes first is rounding.
+    """
+    groups, since = [], -1.0
+    for t, *told in zip(events["t"].tolist(), events["kind"].tolist(), events["part"].tolist(), strict=True):
+        if not groups or t - since > AT_ONCE:
+            groups.append([])
+            since = t
+        groups[-1].append(tuple(told))
+    return [one for group in groups for one in sorted(group)]
+
+
 def outcome(scene, **options):
     """The run, or the sentence with which it failed."""
     try:

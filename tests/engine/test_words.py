@@ -18,7 +18,7 @@ from hypothesis import given, settings
 from tests.engine.many_digits import exact_parts
 from tests.engine.random_formulas import formula_scene
 from tests.engine.random_parts import part_scenes, rigid_scenes
-from tests.engine.runs import whole
+from tests.engine.runs import by_instant, whole
 from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError
 from vibsim.engine.number_forms import WordsForm
@@ -46,8 +46,7 @@ def told(make, digits, **options):
     except EngineError as error:
         return error.reason
     events, texts = (whole([getattr(b, name) for b in blocks]) for name in ("events", "event_digits"))
-    kinds = list(zip(events["kind"].tolist(), events["part"].tolist(), strict=True))
-    return kinds, texts, trajectory.totals
+    return by_instant(events), texts, trajectory.totals
 
 
 def assert_same_motion(make, digits, lost=LOST, **options):
