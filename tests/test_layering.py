@@ -54,12 +54,12 @@ class Reading(ast.NodeVisitor):
     named : full names of all that it imports or names, anywhere, except for type checking only. What a
     package imports for that is imported when it is used.
     at_once, later : names that it imports from modules of vibsim when it is loaded, and those that functions
-    of it import, each with its module; classes : names of its classes
+    of it import, each with its module; classes, bases : names of its classes, and of the bases of each
     """
 
     def __init__(self, path):
         self.is_package, self.path, self.for_types = path.name == "__init__.py", path, False
-        self.named, self.at_once, self.later, self.classes = [], [], [], []
+        self.named, self.at_once, self.later, self.classes, self.bases = [], [], [], [], []
         tree = ast.parse(path.read_text(encoding="utf-8"))
         self.top = {id(node) for node in tree.body}
         self.visit(tree)
@@ -91,6 +91,7 @@ class Reading(ast.NodeVisitor):
 
     def visit_ClassDef(self, node):
         self.classes.append(node.name)
+        self.bases.append([ast.unparse(base) for base in node.bases])
         self.generic_visit(node)
 
 
@@ -227,9 +228,8 @@ def test_no_circle_of_files():
 def test_no_named_tuple_has_another_base():
     """Python 3.10 does not make such a class, and `import vibsim` fails there."""
     for path in MODULES:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            names = [ast.unparse(base) for base in getattr(node, "bases", ())]
-            assert "NamedTuple" not in names or len(names) == 1, f"{path}: {node.name}"
+        for bases in reading(path).bases:
+            assert "NamedTuple" not in bases or len(bases) == 1, path
 
 
 def test_one_class_of_a_name():
