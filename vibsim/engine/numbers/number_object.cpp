@@ -9,6 +9,9 @@ typedef struct {
     Real value;
 } NumberObject;
 
+#ifdef __clang__
+#pragma clang diagnostic ignored "-Wmissing-field-initializers" /* what is not named here is 0 */
+#endif
 static PyTypeObject number_type = {PyVarObject_HEAD_INIT(NULL, 0)};
 
 PyObject *number_object(const Real &x)
