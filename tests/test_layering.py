@@ -100,7 +100,7 @@ reading = cache(Reading)
 
 def points_up(room, names):
     """Whether vibsim.NAMES is in a room that modules of `room` may not import: C stands below them all."""
-    if names[:1] == ["engine"] and names[1].startswith("_engine"):
+    if ".".join(names).startswith("engine._engine"):
         return False
     return room_of(names) not in allowed(room) and names not in (["__version__"], [DATA])
 

@@ -27,7 +27,7 @@ from vibsim.cases.schema_keys import (
     keys_of,
     measured_in_case,
 )
-from vibsim.cases.schema_kinds import KeyKind, Measured, has_formulas
+from vibsim.cases.schema_kinds import Fault, KeyKind, Measured, has_formulas
 from vibsim.cases.short_form import long_start, long_text, long_values, sections_text
 from vibsim.cases.sources import (
     PathText,
@@ -43,15 +43,11 @@ from vibsim.cases.validation import (
     fingerprint_of,
     flat_values,
     has_rigid_stops,
-    nested_from,
     nested_values,
-    read_starts,
     resolved_text,
     resolved_values,
-    start_kinds,
     starts_inside,
     validated,
-    with_parts,
 )
 from vibsim.cases.yaml_nodes import Place, Tree, decoded
 from vibsim.physics.parts import BODY, Scene
@@ -111,7 +107,9 @@ class Case:
         """Initial values by part, in the long form."""
         if isinstance(self.model, CaseFile):
             return long_start(self.model)
-        initial: dict[str, Any] = with_parts(origin._nested["initial"], nested_from(self._starts)["initial"])
+        initial: dict[str, Any] = _with_parts(
+            origin._nested["initial"], _nested_from(self._starts)["initial"]
+        )
         return initial
 
     def exact_scene(self, number: Callable[[Fraction], Any], pi: Any = None) -> Scene[Any]:
@@ -194,7 +192,7 @@ class Case:
     @cached_property
     def _nested(self) -> dict[str, Any]:
         if self._origin is not None:
-            nested: dict[str, Any] = with_parts(self._origin._nested, nested_from(self._starts))
+            nested: dict[str, Any] = _with_parts(self._origin._nested, _nested_from(self._starts))
             return nested
         return nested_values(self.model)
 
@@ -277,11 +275,11 @@ class Case:
     def _started(self, starts: Mapping[str, str]) -> "Case | None":
         """The same; None where a value is none of the start, or not plainly allowed."""
         kinds = self._start_kinds
-        quantities = read_starts(kinds, starts) if kinds.keys() >= starts.keys() else None
+        quantities = _read_starts(kinds, starts) if kinds.keys() >= starts.keys() else None
         if quantities is None:
             return None
         origin, given = self._origin or self, {**self._starts, **quantities}
-        model = with_parts(origin._resolved, nested_from(given))
+        model = _with_parts(origin._resolved, _nested_from(given))
         case = Case(model, self.text, self.source, origin, given)
         if self.is_long and has_rigid_stops(origin._nested) and starts_inside(case._nested, case.values):
             return None
@@ -293,7 +291,7 @@ class Case:
         if self._origin is not None:
             return self._origin._start_kinds
         keys = [key for key, value in self.values.items() if isinstance(value, Quantity)]
-        return {} if form_of(self._nested).mixed else start_kinds(self._resolved, keys)
+        return {} if form_of(self._nested).mixed else _start_kinds(self._resolved, keys)
 
     @cached_property
     def _resolved(self) -> CaseHead:
@@ -458,6 +456,57 @@ def texts(name: str, values: Any) -> list[str]:
         if not isinstance(value, str):
             raise TypeError(f"{name} must be a text or a list of texts, got {value!r:.60}")
     return listed
+
+
+# Cases that differ in the start alone, as the points of a sweep over starts: what they share is kept.
+
+
+def _start_kinds(model: CaseHead, keys: Iterable[str]) -> dict[str, KeyKind]:
+    """Kinds of the initial values among dotted keys that the model has, by key."""
+    kinds = {}
+    for key in keys:
+        *around, name = key.split(".")
+        if around[:1] == ["initial"]:
+            section: Any = model
+            for part in around:
+                section = (section if isinstance(section, dict) else vars(section))[part]
+            kinds[key] = section.keys[name].kind
+    return kinds
+
+
+def _read_starts(kinds: Mapping[str, KeyKind], starts: Mapping[str, str]) -> dict[str, Quantity] | None:
+    """Initial values by dotted keys from their texts; None where one of them is not allowed by itself."""
+    faults: list[Fault] = []
+    values = {key: kinds[key].read(text, (), faults) for key, text in starts.items()}
+    return None if faults else values
+
+
+def _nested_from(flat: Mapping[str, Any]) -> dict[str, Any]:
+    """Values by dotted keys as dicts within dicts."""
+    nested: dict[str, Any] = {}
+    for key, value in flat.items():
+        *around, name = key.split(".")
+        inner = nested
+        for part in around:
+            inner = inner.setdefault(part, {})
+        inner[name] = value
+    return nested
+
+
+def _with_parts(section: Any, changes: Mapping[str, Any]) -> Any:
+    """A section, or a dict of parts by name, with other values at keys that it has; a dict among them is of
+    the section there.
+    """
+    content = section if isinstance(section, dict) else vars(section)
+    content = content | {
+        name: _with_parts(content[name], value) if isinstance(value, dict) else value
+        for name, value in changes.items()
+    }
+    if isinstance(section, dict):
+        return content
+    other = object.__new__(type(section))
+    vars(other).update(content)
+    return other
 
 
 # What a notebook shows of a case: what it is, what follows from its numbers, and its text when opened.

@@ -1,7 +1,7 @@
 """Problems of the keys and values of a case, in words and at their place in the file."""
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from json.encoder import encode_basestring_ascii as quoted
 from math import inf, isfinite, pi, prod, sqrt
@@ -21,7 +21,7 @@ from vibsim.cases.schema_keys import (
     section_at,
     sections_with,
 )
-from vibsim.cases.schema_kinds import Fault, KeyKind, Location, has_formulas
+from vibsim.cases.schema_kinds import Fault, Location, has_formulas
 from vibsim.cases.short_form import Draft, FoundDefault, with_defaults
 from vibsim.cases.sources import BROKEN, put_tables_in
 from vibsim.cases.yaml_nodes import Place, Tree
@@ -381,54 +381,6 @@ def validated(tree: Tree) -> CaseHead:
         reported = {problem.key for problem in problems if problem.key}
         problems += [problem for problem in further if not _around(problem.key) & reported]
     raise CaseError(sorted(dict.fromkeys(problems), key=_file_order(tree)))
-
-
-def start_kinds(model: CaseHead, keys: Iterable[str]) -> dict[str, KeyKind]:
-    """Kinds of the initial values among dotted keys that the model has, by key."""
-    kinds = {}
-    for key in keys:
-        *around, name = key.split(".")
-        if around[:1] == ["initial"]:
-            section: Any = model
-            for part in around:
-                section = (section if isinstance(section, dict) else vars(section))[part]
-            kinds[key] = section.keys[name].kind
-    return kinds
-
-
-def read_starts(kinds: Mapping[str, KeyKind], starts: Mapping[str, str]) -> dict[str, Quantity] | None:
-    """Initial values by dotted keys from their texts; None where one of them is not allowed by itself."""
-    faults: list[Fault] = []
-    values = {key: kinds[key].read(text, (), faults) for key, text in starts.items()}
-    return None if faults else values
-
-
-def nested_from(flat: Mapping[str, Any]) -> dict[str, Any]:
-    """Values by dotted keys as dicts within dicts."""
-    nested: dict[str, Any] = {}
-    for key, value in flat.items():
-        *around, name = key.split(".")
-        inner = nested
-        for part in around:
-            inner = inner.setdefault(part, {})
-        inner[name] = value
-    return nested
-
-
-def with_parts(section: Any, changes: Mapping[str, Any]) -> Any:
-    """A section, or a dict of parts by name, with other values at keys that it has; a dict among them is of
-    the section there.
-    """
-    content = section if isinstance(section, dict) else vars(section)
-    content = content | {
-        name: with_parts(content[name], value) if isinstance(value, dict) else value
-        for name, value in changes.items()
-    }
-    if isinstance(section, dict):
-        return content
-    other = object.__new__(type(section))
-    vars(other).update(content)
-    return other
 
 
 def has_rigid_stops(values: dict[str, Any]) -> bool:

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import reduce
-from operator import add
+from operator import add, itemgetter
 from typing import Protocol
 
 import numpy as np
@@ -28,6 +28,8 @@ from vibsim.physics.rates import (
 )
 from vibsim.results.columns import base_motion
 from vibsim.sweeps.quantities import MeasuredMotion, Quantities
+
+States = Mapping[str, np.ndarray]  # time [s] and the states by name, each (n)
 
 # One run of a scene for its statistics: the transient, of which nothing is recorded but events, and the rest.
 #
@@ -287,25 +289,28 @@ class Statistics:
         By column: displacements [m] and velocities [m/s], motor speed [Hz].
         """
         points = {name: column[max(len(column) - count, 0) :] for name, column in self.points().items()}
-        if not len(points["time"]):
-            return {name: np.full(count, np.nan) for name in self._section_names()}
-        values = {
-            name: (velocities if is_rate else displacements)(self.scene, (motion,), points)[0]
-            for name, (motion, is_rate) in self.of.sections.items()
-        }
-        if self.scene.has_motor:
-            values["section_speed"] = points["phidot"] / TURN
-        values |= {f"section_{w}": points[w] / TURN for _, w in self.of.rotors.values()}
-        values |= {f"section_{name}": points[name] for name in self.of.states}
-        return {
-            name: np.concatenate([np.full(count - len(column), np.nan), column])
-            for name, column in values.items()
-        }
+        known = len(points["time"])
+        section = {}
+        for name, taken in self._sections().items():
+            section[name] = np.full(count, np.nan)
+            if known:
+                section[name][count - known :] = taken(points)
+        return section
 
-    def _section_names(self) -> list[str]:
-        """Names of the columns of `section`."""
-        speeds = ["speed"] * self.scene.has_motor + [w for _, w in self.of.rotors.values()]
-        return [*self.of.sections, *(f"section_{name}" for name in (*speeds, *self.of.states))]
+    def _sections(self) -> dict[str, Callable[[States], np.ndarray]]:
+        """What takes each column of `section` from points."""
+
+        def of_motion(motion: MeasuredMotion, is_rate: bool) -> Callable[[States], np.ndarray]:
+            return lambda points: (velocities if is_rate else displacements)(self.scene, (motion,), points)[0]
+
+        def of_speed(name: str) -> Callable[[States], np.ndarray]:
+            return lambda points: points[name] / TURN
+
+        columns = {name: of_motion(*told) for name, told in self.of.sections.items()}
+        if self.scene.has_motor:
+            columns["section_speed"] = of_speed("phidot")
+        columns |= {f"section_{w}": of_speed(w) for _, w in self.of.rotors.values()}
+        return columns | {f"section_{name}": itemgetter(name) for name in self.of.states}
 
     def _amplitudes(self, run: MeasuredRun, periods: int) -> dict[str, float]:
         least, greatest, _ = run.extremes
@@ -383,9 +388,6 @@ def _has_periods(scene: Scene) -> bool:
 
 
 # Displacements and velocities of motions, from the states of many rows at once.
-
-
-States = Mapping[str, np.ndarray]  # time [s] and the states by name, each (n)
 
 
 def displacements(scene: Scene, motions: Sequence[MeasuredMotion], states: States) -> np.ndarray:

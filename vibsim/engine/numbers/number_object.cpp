@@ -59,15 +59,20 @@ int number_from(PyObject *object, void *out)
 typedef Real (*OfOne)(const Real &);
 typedef Real (*OfTwo)(const Real &, const Real &);
 
+/* Two operands, as `converted`. */
+static int converted_both(PyObject *a, PyObject *b, Real *x, Real *y)
+{
+    const int one = converted(a, x);
+    return one == 1 ? converted(b, y) : one;
+}
+
 static PyObject *of_two(PyObject *a, PyObject *b, OfTwo of)
 {
     Real x, y;
-    const int one = converted(a, &x), other = one == 1 ? converted(b, &y) : 0;
-    if (one < 0 || other < 0)
-        return NULL;
-    if (one == 0 || other == 0)
+    const int answer = converted_both(a, b, &x, &y);
+    if (answer == 0)
         Py_RETURN_NOTIMPLEMENTED;
-    return number_object(of(x, y));
+    return answer < 0 ? NULL : number_object(of(x, y));
 }
 
 #define OF_TWO(name, value)                                                                    \
@@ -111,10 +116,10 @@ static PyObject *compared(PyObject *a, PyObject *b, int how)
 {
     Real x, y;
     bool answer;
-    const int one = converted(a, &x), other = one == 1 ? converted(b, &y) : 0;
-    if (one < 0 || other < 0)
+    const int known = converted_both(a, b, &x, &y);
+    if (known < 0)
         return NULL;
-    if (one == 0 || other == 0)
+    if (known == 0)
         Py_RETURN_NOTIMPLEMENTED;
     switch (how) {
     case Py_LT: answer = x < y; break;

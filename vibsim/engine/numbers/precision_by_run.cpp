@@ -100,7 +100,7 @@ void set_precision(int bits)
     }
     half_pi = scaled(HALF_TURN, -1);
     unit_roundoff = scaled(Real(1), -bits);
-    most_order = (int)(0.36 * bits) > LEAST_ORDER ? (int)(0.36 * bits) : LEAST_ORDER; /* as `WorkingPrecision.order` in Python */
+    most_order = (int)(0.36 * bits) > LEAST_ORDER ? (int)(0.36 * bits) : LEAST_ORDER; /* as `DigitsKit.order` in Python */
     for (series_terms = 1; size > -bits - 4; size += 1 - log2_of(series_terms))
         series_terms++;
     halvings_of_sine = (int)(0.45 * sqrt((double)LIMB_BITS));
