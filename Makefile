@@ -8,6 +8,8 @@ else
 BIN := $(VENV)/bin
 endif
 STAMP := $(VENV)/installed
+TOOLS := $(VENV)/tools
+ADD := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 ENGINE := $(wildcard $(foreach end,*.[ch] *.cpp,vibsim/engine/$(end) vibsim/engine/*/$(end) vibsim/engine/*/*/$(end)))
 BELTS := 0.95,1.025,1.1,1.175,1.25,1.325,1.4,1.475,1.5,1.55,1.625,1.7,1.775,1.83,1.84,1.85,1.925,2
 EVERYWHERE := new:Haswell:1:all new:Zen:2:least old:SkylakeX:2:all old:Prescott:1:least
@@ -24,12 +26,16 @@ SANITIZED := tests/engine tests/kernel tests/events tests/flows tests/tangent te
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 18
 
-env: $(STAMP) ## set up .venv with vibsim, its engine and the development tools
+env: $(TOOLS) ## set up .venv with vibsim, its engine and the development tools
 
 $(STAMP): pyproject.toml setup.py build_backend.py $(ENGINE)
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	VIBSIM_BUILD=$(or $(VIBSIM_BUILD),strict) $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	VIBSIM_BUILD=$(or $(VIBSIM_BUILD),strict) $(ADD) --editable .
 	$(BIN)/python -m compileall -q vibsim
+	touch $@
+
+$(TOOLS): $(STAMP)
+	$(ADD) 'vibsim[dev]'
 	touch $@
 
 run: $(STAMP) ## run case II-B and plot it: results/II-B.h5, results/II-B.png
@@ -40,22 +46,22 @@ run: $(STAMP) ## run case II-B and plot it: results/II-B.h5, results/II-B.png
 paper: $(STAMP) ## reproduce and audit the paper: results/paper/report.html
 	$(BIN)/vibsim paper -o results/paper
 
-test: $(STAMP) ## run the test suite in parallel
+test: $(TOOLS) ## run the test suite in parallel
 	$(BIN)/python -m pytest -n auto -q
 
 docs: $(STAMP) ## build the site and run the gallery: build/site/index.html; warnings are errors
 	$(BIN)/python -c "import sphinx, myst_parser, furo, latex2mathml" 2>/dev/null || \
-	  $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	  $(ADD) 'vibsim[docs]'
 	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going -b html docs build/site
 
 article: $(STAMP) ## make the article about vibsim with its references: build/article.html
 	mkdir -p build
 	$(BIN)/python -c "import pypandoc" 2>/dev/null || \
-	  $(BIN)/python -m pip install --quiet --disable-pip-version-check pypandoc_binary
+	  $(ADD) pypandoc_binary
 	$(BIN)/python -c "import pypandoc; pypandoc.convert_file('docs/article/paper.md', 'html', outputfile='build/article.html', \
 	  extra_args=['--citeproc', '--resource-path=docs/article', '--standalone', '--fail-if-warnings'])"
 
-wheel: $(STAMP) ## build sdist and wheel, install the wheel into an empty environment, try it there
+wheel: $(TOOLS) ## build sdist and wheel, install the wheel into an empty environment, try it there
 	rm -rf dist build/empty
 	VIBSIM_BUILD=strict $(BIN)/python -m build --quiet
 	$(BIN)/python tests/packaging/complete.py dist/*.tar.gz
@@ -64,10 +70,10 @@ wheel: $(STAMP) ## build sdist and wheel, install the wheel into an empty enviro
 	build/empty/bin/python tests/packaging/smoke.py
 
 wheels: $(STAMP) ## build and try wheels for all Pythons of this system with cibuildwheel: wheelhouse/
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check "cibuildwheel>=4,<5"
+	$(ADD) "cibuildwheel>=4,<5"
 	$(BIN)/python -m cibuildwheel --output-dir wheelhouse
 
-everywhere: $(STAMP) ## run the tests under four kernels of OpenBLAS; every two of its threads, of numpy new and old and of its vector units meet (TESTS=)
+everywhere: $(TOOLS) ## run the tests under four kernels of OpenBLAS; every two of its threads, of numpy new and old and of its vector units meet (TESTS=)
 	test -x build/oldest/bin/python || $(PYTHON) -m venv build/oldest
 	build/oldest/bin/python -m pip install --quiet --disable-pip-version-check \
 	  --constraint tests/packaging/oldest.txt --editable '.[dev]'
@@ -91,9 +97,9 @@ without-compiler: ## install into an empty environment where no compiler answers
 	CC=false CXX=false VIBSIM_BUILD=strict build/without/bin/python -m pip install --quiet --disable-pip-version-check .
 	build/without/bin/python tests/packaging/smoke.py
 
-coverage: $(STAMP) ## tell which lines and branches of Python and C no test reaches (TESTS=): build/coverage/
+coverage: $(TOOLS) ## tell which lines and branches of Python and C no test reaches (TESTS=): build/coverage/
 	$(BIN)/python -c "import coverage, gcovr" 2>/dev/null || \
-	  $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[checks]'
+	  $(ADD) 'vibsim[checks]'
 	rm -rf build/coverage && mkdir -p build/coverage/c && find build -name '*.gcda' -delete
 	trap '$(BUILD_ENGINE)' EXIT; VIBSIM_BUILD=coverage $(BUILD_ENGINE) && \
 	  $(BIN)/python -m coverage run -m pytest -n auto -q --timeout 1200 -p no:faulthandler $(TESTS) || echo 'not all passed'; \
@@ -104,36 +110,36 @@ coverage: $(STAMP) ## tell which lines and branches of Python and C no test reac
 	grep TOTAL build/coverage/python.txt
 	grep TOTAL build/coverage/c.txt
 
-workflows: $(STAMP) ## lint the workflows of .github: their schema, and what an attacker could use
+workflows: $(TOOLS) ## lint the workflows of .github: their schema, and what an attacker could use
 	$(BIN)/python -c "import check_jsonschema" 2>/dev/null && test -x $(BIN)/zizmor || \
-	  $(BIN)/python -m pip install --quiet --disable-pip-version-check check-jsonschema zizmor
+	  $(ADD) check-jsonschema zizmor
 	$(BIN)/check-jsonschema --builtin-schema vendor.github-workflows .github/workflows/*.yml
 	$(BIN)/check-jsonschema --builtin-schema vendor.dependabot .github/dependabot.yml
 	$(BIN)/zizmor --offline --config .github/zizmor.yml .github
 
-fuzz: $(STAMP) ## throw three thousand mutants of cases, command lines and files at vibsim (COUNT=, SEED=)
+fuzz: $(TOOLS) ## throw three thousand mutants of cases, command lines and files at vibsim (COUNT=, SEED=)
 	$(BIN)/python -m tests.fuzz --count $(or $(COUNT),3000) --seed $(or $(SEED),1)
 
-sanitize: $(STAMP) ## run the C engine's tests and a thousand random scenes under ASan and UBSan
+sanitize: $(TOOLS) ## run the C engine's tests and a thousand random scenes under ASan and UBSan
 	trap '$(BUILD_ENGINE)' EXIT; VIBSIM_BUILD=sanitize $(BUILD_ENGINE) && \
 	  LD_PRELOAD="$$(gcc -print-file-name=libasan.so) $$(gcc -print-file-name=libubsan.so)" ASAN_OPTIONS=detect_leaks=0 \
 	  PYTHONMALLOC=malloc VIBSIM_SCENES=1000 \
 	  $(BIN)/python -m pytest -n auto -q --timeout 1200 -p no:faulthandler $(SANITIZED)
 
-verify: $(STAMP) ## verify against known cases, then run the slow tests
+verify: $(TOOLS) ## verify against known cases, then run the slow tests
 	$(BIN)/vibsim verify
 	$(BIN)/python -m pytest -n auto -q -m slow --timeout 1800
 
 truths: $(STAMP) ## compute the stored truths of `vibsim verify` anew (half a minute)
 	$(BIN)/python -m vibsim.evidence.verification.truth_making
 
-paper-page: $(STAMP) ## bring the numbers of docs/paper.md up to date with results/paper
+paper-page: $(TOOLS) ## bring the numbers of docs/paper.md up to date with results/paper
 	$(BIN)/python -m tests.docs.paper_page results/paper/numbers.json
 
 true-motions: $(STAMP) ## run the paper's cases with many digits, and keep their motions from rest (half an hour; takes the runs that are in results/true-motions)
 	$(BIN)/python -m vibsim.evidence.reports.paper
 
-lint: $(STAMP) ## check style and types
+lint: $(TOOLS) ## check style and types
 	$(BIN)/ruff check vibsim tests docs setup.py build_backend.py
 	$(BIN)/ruff format --check --quiet vibsim tests docs setup.py build_backend.py
 	$(BIN)/mypy vibsim
@@ -145,7 +151,7 @@ figures: $(STAMP) ## run the nine cases and draw each one's overview into figure
 	  $(BIN)/vibsim plot results/$$name.h5 -o figures/$$name.pdf --force || exit 1; \
 	done
 
-contact-sheet: $(STAMP) ## draw every kind of picture of every kind of subject onto sheets to look at (half an hour; ONLY=): build/contact-sheet/
+contact-sheet: $(TOOLS) ## draw every kind of picture of every kind of subject onto sheets to look at (half an hour; ONLY=): build/contact-sheet/
 	$(BIN)/python -m tests.plots.contact_sheet build/contact-sheet --only "$(ONLY)"
 
 sweep: $(STAMP) ## sweep the motor constant of II-B and draw the Sommerfeld diagram
@@ -212,11 +218,11 @@ branches: $(STAMP) ## periodic orbits of II-B for four dampings over its sweep, 
 
 bench: $(STAMP) ## measure speed against error beside other solvers, and draw the picture of docs/speed.md
 	mkdir -p results
-	-$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,bench]'
+	-$(ADD) 'vibsim[bench]'
 	$(BIN)/vibsim bench II-B -o results/II-B-bench.h5 --force
 	$(BIN)/vibsim plot results/II-B-bench.h5 -o docs/work-precision.png --force
 
-budgets: $(STAMP) ## measure the speed budgets on this machine, and append them to docs/benchmarks/history.json
+budgets: $(TOOLS) ## measure the speed budgets on this machine, and append them to docs/benchmarks/history.json
 	$(BIN)/python tests/budgets/budgets.py
 
 clean: ## remove the environment, builds, results and figures

@@ -30,7 +30,7 @@ SIMPLE = ["-fno-exceptions", "-fno-rtti", "-fno-threadsafe-statics", "-Wno-missi
 WORDS = (2, 3, 4)  # of the numbers of many digits
 MOST_WORDS = 53  # of 1000 digits and 20 bits beyond them
 CPP_FLAGS = ["-std=c++20", "-nostdinc++", "-O1", "-g0", *SIMPLE, *ROUNDING, "-fvisibility=hidden", "-Wall"]
-GCC_FLAGS = ["-std=c99", "-O3", *ROUNDING, "-fvisibility=hidden", "-Wall"]
+GCC_FLAGS = ["-std=c99", "-O3", "-g0", *ROUNDING, "-fvisibility=hidden", "-Wall"]
 MSVC_FLAGS = ["/O2", "/fp:strict", "/std:c11"]  # C99's restrict is C11's to it
 STRICT = ["-Wextra", "-Werror"]
 SANITIZED = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
