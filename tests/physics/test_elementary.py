@@ -178,9 +178,9 @@ def test_kits_agree_about_special_values():
         assert [kit.power(zero, half), kit.power(zero, minus)] == [0, inf]
         assert [kit.power(inf, half), kit.power(inf, minus)] == [inf, 0]
         assert [kit.power(zero, zero), kit.power(one, half), kit.power(number(4), minus)] == [1, 1, 0.125]
-        assert not any(kit.finite(kit.power(number(-2), p)) for p in (half, minus))
-        assert not any(kit.finite(kit.power(nan, p)) for p in (half, minus))
-        assert not any(kit.finite(of(number(x))) for of in (kit.asin, kit.acos) for x in (1.5, -1.5))
+        undefined = [kit.power(base, p) for base in (number(-2), nan) for p in (half, minus)]
+        undefined += [of(number(x)) for of in (kit.asin, kit.acos) for x in (1.5, -1.5)]
+        assert not any(math.isfinite(float(x)) for x in undefined)
         assert float(kit.tanh(inf)) == 1.0 and float(kit.tanh(number(-1e9))) == -1.0
         assert float(kit.asin(-one)) == -math.pi / 2 and float(kit.acos(-one)) == math.pi
         assert float(kit.atan(inf)) == math.pi / 2

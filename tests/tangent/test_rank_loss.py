@@ -12,7 +12,7 @@ from tests.trajectories import run
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.tangent.tangent_space import plainly_weighed_alike, weights
 from vibsim.physics.numbers import Doubles
-from vibsim.physics.two_blocks import motor_accelerations, transmitted_force
+from vibsim.physics.two_blocks import transmitted_force
 
 m1, m2, k1 = 0.297, 2.94, 200.0
 
@@ -100,8 +100,11 @@ def direction(scene, row):
     force = transmitted_force(scene, row["x1"] - row["x2"], row["v1"] - row["v2"], row["contact"])
     a1, rotor = -force / scene.m1, []
     if scene.has_motor:
-        a1, dw = motor_accelerations(scene, force, np.sin(row["phi"]), np.cos(row["phi"]), row["phidot"])
-        rotor = [row["phidot"], dw]
+        phi, w, unbalance = row["phi"], row["phidot"], scene.m3 * scene.e
+        coupling, torque = unbalance * np.sin(phi), scene.M0 * (1 - w / scene.Omega0)
+        inertias = [[scene.m1 + scene.m3, -coupling], [-coupling, scene.J + unbalance * scene.e]]
+        a1, dw = np.linalg.solve(inertias, [unbalance * w * w * np.cos(phi) - force, torque])
+        rotor = [w, dw]
     slip = row["friction"]
     a2 = (force - slip * scene.N) / scene.m2 if slip else 0.0
     return [row["v1"], row["v2"], a1, a2, *rotor]

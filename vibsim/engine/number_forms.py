@@ -5,18 +5,15 @@ from __future__ import annotations
 from array import array
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Generic, Protocol
 
 import numpy as np
 
-from vibsim.physics import elementary
 from vibsim.physics.numbers import Doubles, Kit, N, text_width
 from vibsim.physics.precision import WORD, DigitsKit
 
 if TYPE_CHECKING:
     from vibsim.engine._engine import Run
-    from vibsim.physics.parts import Scene
 
 LEAST_ROOM = 40  # bytes of a number that rooms for results are measured by
 
@@ -30,8 +27,6 @@ class NumberForm(Protocol[N]):
         """A run on this type of a packed scene."""
         ...
 
-    def order(self, scene: Scene[N]) -> int: ...
-    def tolerance_exponent(self, scene: Scene[N]) -> float: ...
     def packed(self, values: Sequence[N]) -> bytes:
         """Numbers as C takes them."""
         ...
@@ -53,9 +48,6 @@ class NumberForm(Protocol[N]):
         ...
 
 
-exponent_of = lru_cache(maxsize=16)(elementary.log2)  # of the one or two tolerances that there are
-
-
 class DoubleForm:
     """Doubles."""
 
@@ -66,14 +58,6 @@ class DoubleForm:
         import vibsim.engine._engine as _engine
 
         return _engine.Run(ints, numbers)
-
-    @staticmethod
-    def order(scene: Scene) -> int:
-        return scene.order
-
-    @staticmethod
-    def tolerance_exponent(scene: Scene) -> float:
-        return exponent_of(scene.tol)
 
     @staticmethod
     def packed(values: Sequence[float]) -> bytes:
@@ -114,12 +98,6 @@ class WordsForm(Generic[N]):
     def run(self, ints: bytes, numbers: bytes) -> Run:
         run: Run = self.engine.Run(ints, numbers, self.kit.bits)
         return run
-
-    def order(self, _scene: Scene[N]) -> int:
-        return self.kit.order()
-
-    def tolerance_exponent(self, scene: Scene[N]) -> float:
-        return self.kit.tolerance_exponent(scene)
 
     def packed(self, values: Iterable[N | Fraction]) -> bytes:
         number = self.kit.number  # of cycles per second, say

@@ -15,7 +15,6 @@ from collections.abc import Iterable
 from decimal import ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
 from functools import lru_cache
-from math import inf
 from typing import TYPE_CHECKING, Any, Protocol, overload
 
 from vibsim.physics import elementary
@@ -72,10 +71,6 @@ class Kit(Protocol[N]):
     """Interface of a number type as the engine needs it; `Doubles` documents each name."""
 
     @property
-    def name(self) -> str: ...
-    @property
-    def no_exponent(self) -> int: ...
-    @property
     def eps(self) -> N: ...
     @property
     def inf(self) -> N: ...
@@ -84,7 +79,6 @@ class Kit(Protocol[N]):
     def sine_cosine(self, x: N, /) -> tuple[N, N]: ...
     def rounded_sine_cosine(self, angle: N, /) -> tuple[N, N]: ...
     def exp(self, x: N, /) -> N: ...
-    def expm1(self, x: N, /) -> N: ...
     def log(self, x: N, /) -> N: ...
     def sinh(self, x: N, /) -> N: ...
     def cosh(self, x: N, /) -> N: ...
@@ -95,11 +89,9 @@ class Kit(Protocol[N]):
     def power(self, a: N, p: N, /) -> N: ...
     def sqrt(self, x: N, /) -> N: ...
     def next_after(self, t: N, towards: float, /) -> N: ...
-    def finite(self, x: N, /) -> bool: ...
     def order(self, scene: Scene[N], /) -> int: ...
     def tolerance_exponent(self, scene: Scene[N], /) -> float: ...
     def number(self, value: N | float | Fraction, /) -> N: ...
-    def exponent(self, x: N, /) -> int: ...
     def power_of_two(self, y: float, /) -> N: ...
     def turn_angle(self, cycles: N, cycles_lo: N, t: N, /) -> N: ...
     def reduce_angle(self, angle: N, /) -> tuple[N, N]: ...
@@ -116,15 +108,12 @@ def beyond(lost: N, values: tuple[N, N], zero: N) -> tuple[N, N]:
 class Doubles:
     """IEEE double precision, whose elementary functions have the same bits everywhere."""
 
-    name = "double"
-    no_exponent = -2000  # what `exponent` gives for zero
     eps = 2.0**-53  # unit round-off
     inf = math.inf
     sin = staticmethod(elementary.sin)
     cos = staticmethod(elementary.cos)
     sine_cosine = staticmethod(elementary.sine_cosine)
     exp = staticmethod(elementary.exp)
-    expm1 = staticmethod(elementary.expm1)
     log = staticmethod(elementary.log)
     sinh = staticmethod(elementary.sinh)
     cosh = staticmethod(elementary.cosh)
@@ -135,7 +124,6 @@ class Doubles:
     power = staticmethod(elementary.power)  # a**p of a >= 0, nan of a below 0
     sqrt = staticmethod(math.sqrt)
     next_after = staticmethod(math.nextafter)
-    finite = staticmethod(math.isfinite)
 
     @staticmethod
     def rounded_sine_cosine(angle: float) -> tuple[float, float]:
@@ -152,17 +140,12 @@ class Doubles:
     @staticmethod
     def tolerance_exponent(scene: Scene) -> float:
         """Binary exponent of the tolerance of the Taylor flow [-]."""
-        return elementary.log2(scene.tol)
+        return _exponent_of(scene.tol)
 
     @staticmethod
     def number(value: float | Fraction) -> float:
         """`value` in this kit's type."""
         return float(value)
-
-    @staticmethod
-    def exponent(x: float) -> int:
-        """Binary exponent e of x = m 2^e with 1/2 <= |m| < 1; `no_exponent` for x = 0."""
-        return math.frexp(x)[1] if x != 0.0 else Doubles.no_exponent
 
     @staticmethod
     def power_of_two(y: float) -> float:
@@ -204,6 +187,9 @@ class Doubles:
         return angle + turns * TWO_PI
 
 
+_exponent_of = lru_cache(maxsize=16)(elementary.log2)  # of the one or two tolerances that there are
+
+
 def total_of(kit: Kit[N], values: Iterable[N]) -> N:
     """Sum in order; 0 of nothing."""
     rest = iter(values)
@@ -214,21 +200,11 @@ def total_of(kit: Kit[N], values: Iterable[N]) -> N:
     return kit.number(0)
 
 
-# Binary numbers of any length as doubles and as decimal text, each rounded once.
+# Binary numbers of any length as decimal text, rounded once.
 
 
 SPARE = 12  # digits beyond those shown: the text is then the nearest one but for ties that no run meets
 EXPONENT_ROOM = 8  # sign, point, "e" and an exponent of five characters
-
-
-def nearest_double(mantissa: int, exponent: int) -> float:
-    """The double nearest to mantissa 2**exponent (ints), subnormal or not; +-inf beyond them all."""
-    try:
-        if exponent >= 0:
-            return float(mantissa << exponent)
-        return mantissa / (1 << -exponent)  # Python divides whole numbers with one rounding
-    except OverflowError:
-        return inf if mantissa > 0 else -inf
 
 
 def decimal_text(parts: tuple[int, int], digits: int) -> str:

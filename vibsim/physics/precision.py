@@ -64,7 +64,6 @@ class DigitsKit(Generic[N]):
     Raises MultiprecisionMissing where the engine was not built on such numbers.
     """
 
-    no_exponent = -(10**6)
     eps: N
     inf: N
     pi: N
@@ -83,9 +82,9 @@ class DigitsKit(Generic[N]):
         of: Any = import_module(engine_name(engine))
         self.engine = of
         self.sin, self.cos, self.sine_cosine, self.tanh = of.sin, of.cos, of.sine_cosine, of.tanh
-        self.exp, self.expm1, self.log, self.sinh, self.cosh = of.exp, of.expm1, of.log, of.sinh, of.cosh
+        self.exp, self.log, self.sinh, self.cosh = of.exp, of.log, of.sinh, of.cosh
         self.asin, self.acos, self.atan = of.asin, of.acos, of.atan
-        self.power, self.sqrt, self.next_after, self.finite = of.power, of.sqrt, of.next_after, of.finite
+        self.power, self.sqrt, self.next_after = of.power, of.sqrt, of.next_after
         self.activate()
         self.eps, self.pi, self.zero = of.number(1, -self.bits), of.pi(), of.number(0, 0)
         self.inf, self.two_pi = self.number(float("inf")), 2 * self.pi
@@ -117,10 +116,6 @@ class DigitsKit(Generic[N]):
         number: N = self.engine.number(mantissa if over > 0 else -mantissa, extra - up)
         return number
 
-    def of_parts(self, mantissa: int, exponent: int) -> N:
-        """The number nearest to mantissa 2**exponent."""
-        return self.number(mantissa * Fraction(2) ** exponent)
-
     def parts(self, x: Any) -> tuple[int, int]:
         """Whole numbers m, e with x = m 2**e, of a finite number."""
         parts: tuple[int, int] = x.parts()
@@ -133,11 +128,6 @@ class DigitsKit(Generic[N]):
     def tolerance_exponent(self, _scene: Scene[N] | None = None) -> float:
         """The Taylor flow goes to the working precision."""
         return -float(self.bits)
-
-    def exponent(self, x: N) -> int:
-        """Binary exponent of x; `no_exponent` for x = 0."""
-        mantissa, exponent = self.parts(x)
-        return exponent + mantissa.bit_length() if mantissa else self.no_exponent
 
     def power_of_two(self, y: float) -> N:
         """2**y for a float y."""

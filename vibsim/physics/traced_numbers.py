@@ -237,8 +237,6 @@ def _recorded(function: Callable[[float], float]) -> Callable[[Any], Any]:
 class RecordedNumbers(Doubles):
     """The kit of `Recorded` numbers, among which plain doubles are constants."""
 
-    name = "double with its record"
-
     @staticmethod
     def number(value: Any) -> Any:
         return as_double(value) if isinstance(value, int | Fraction | Recorded) else value

@@ -166,16 +166,8 @@ def is_papers(scene: Scene) -> bool:
     )
 
 
-# The forces of the paper, equation by equation, and the accelerations they give.
-#
-# The engine has them as rows of a mode; here they stand as printed, for what the engine is judged by.
+# The force between the blocks as printed, for what the engine is judged by, which has it as rows of a mode.
 # Relative displacement y = x1 - x2, its rate u = v1 - v2.
-
-
-def gap_function(scene: TwoBlocks, y: N) -> N:
-    """g [m] of the relative displacement y [m]: contact while g >= 0 (Eq. 2.2, or its mirror image)."""
-    depth: N = -(scene.stop_sign * y) - scene.G
-    return depth
 
 
 def transmitted_force(scene: TwoBlocks, y: N, u: N, contact: bool) -> N:
@@ -188,33 +180,3 @@ def transmitted_force(scene: TwoBlocks, y: N, u: N, contact: bool) -> N:
     if contact:
         force = force + scene.k2 * (y + scene.stop_sign * scene.G)
     return force
-
-
-def source_force(scene: TwoBlocks, sine: N) -> N | float:
-    """Force of the ideal source on block 1 [N], A sin(omega t) + F0, Eq. (2.3), with sine = sin(omega t)."""
-    if scene.source != "harmonic":
-        return 0.0
-    force: N = scene.A * sine + scene.F0
-    return force
-
-
-def motor_torque(scene: TwoBlocks, w: N) -> N:
-    """Torque of the motor [N m] at the speed w [rad/s], Eq. (2.8): M0 (1 - w / Omega0)."""
-    torque: N = scene.M0 * (1.0 - w / scene.Omega0)
-    return torque
-
-
-def motor_accelerations(scene: TwoBlocks, force: N, phi_sine: N, phi_cosine: N, w: N) -> tuple[N, N]:
-    """a1 [m/s^2] and dw/dt [rad/s^2] from Eqs. (2.9), (2.10), where block 1 passes on the force
-    S = `force` [N].
-
-    The 2x2 mass matrix is never singular: its determinant is at least m1 m3 e^2 + (m1 + m3) J.
-    """
-    coupling = scene.m3 * scene.e * phi_sine
-    mass = scene.m1 + scene.m3
-    inertia = scene.J + scene.m3 * scene.e * scene.e
-    thrust = scene.m3 * scene.e * (w * w) * phi_cosine - force
-    torque = motor_torque(scene, w)
-    determinant = mass * inertia - coupling * coupling
-    a1 = (thrust * inertia + coupling * torque) / determinant
-    return a1, (mass * torque + coupling * thrust) / determinant

@@ -21,7 +21,7 @@ from vibsim.evidence.peers.solvers import (
     eventless_motion,
 )
 from vibsim.evidence.peers.straight_line import NAMES, OperationLog
-from vibsim.physics.two_blocks import gap_function, motor_accelerations, source_force, transmitted_force
+from vibsim.physics.two_blocks import transmitted_force
 
 STATES = st.lists(st.floats(-1, 1), min_size=6, max_size=6)
 FLOATS = SimpleNamespace(**NAMES)
@@ -39,7 +39,7 @@ def test_gap_and_force(state, contact, sign):
     x1, v1, x2, v2 = state[:4]
     parts = made.as_parts()
     at = Equations(parts, FLOATS, 0.0, state[:4])
-    assert at.depth(parts.stops[0]) == pytest.approx(gap_function(made, x1 - x2), abs=1e-15)
+    assert at.depth(parts.stops[0]) == pytest.approx(-sign * (x1 - x2) - made.G, abs=1e-15)
     _, a1, _, a2 = motion(made, 0.0, state[:4], "contact" if contact else "free", "forward")
     force = transmitted_force(made, x1 - x2, v1 - v2, contact)
     assert -made.m1 * a1 == pytest.approx(force, rel=1e-13, abs=1e-11)
@@ -52,7 +52,11 @@ def test_motor(state):
     phi, w = 10 * state[4], 40 * state[5]
     rates = motion(made, 0.0, [*state[:4], phi, w], "free", "backward")
     force = transmitted_force(made, state[0] - state[2], state[1] - state[3], False)
-    a1, dw = motor_accelerations(made, force, math.sin(phi), math.cos(phi), w)
+    unbalance = made.m3 * made.e
+    coupling, torque = unbalance * math.sin(phi), made.M0 * (1 - w / made.Omega0)
+    inertias = [[made.m1 + made.m3, -coupling], [-coupling, made.J + unbalance * made.e]]
+    # Eqs. (2.9), (2.10)
+    a1, dw = np.linalg.solve(inertias, [unbalance * w * w * math.cos(phi) - force, torque])
     a2 = (force + made.N) / made.m2
     np.testing.assert_allclose(rates, [state[1], a1, state[3], a2, w, dw], rtol=1e-12, atol=1e-10)
 
@@ -60,8 +64,9 @@ def test_motor(state):
 def test_ideal_source_and_none():
     made, state = paper("I-B"), [1e-4, 2.0, 0.0, 0.0]
     force = transmitted_force(made, 1e-4, 2.0, False)
+    driving = made.A * math.sin(made.omega * 0.3) + made.F0  # Eq. (2.3)
     _, a1, _, _ = motion(made, 0.3, state, "free", "forward")
-    assert a1 == pytest.approx((source_force(made, math.sin(made.omega * 0.3)) - force) / made.m1, rel=1e-14)
+    assert a1 == pytest.approx((driving - force) / made.m1, rel=1e-14)
     assert motion(scene(), 0.3, state, "free", "forward")[1] == pytest.approx(-force / made.m1, rel=1e-14)
 
 

@@ -67,7 +67,7 @@ def pack_scene(
     ints += (motor is not None, motor.on if motor else 0, scene.has_base + scene.base_is_rate)
     ints += (rest_columns(scene),)
     alone = [c for c, body in enumerate(scene.bodies) if body.kind != BODY or body.turns]
-    ints += (scene.stop_on_violation, order or form.order(scene), len(scene.rotors), len(alone))
+    ints += (scene.stop_on_violation, order or form.kit.order(scene), len(scene.rotors), len(alone))
     ints += islice(of_pitch, len(scene.base))
     for force in scene.forces:
         ints += (force.on, len(force.terms), *islice(of_pitch, len(force.terms)))
@@ -91,7 +91,7 @@ def scene_doubles(
     doubles = [0.0] * 6
     if motor:
         doubles = [motor.m3, motor.e, motor.M0, motor.unbalance, motor.inertia, motor.drag]
-    doubles += (form.tolerance_exponent(scene), scene.t_end, scene.every_num, scene.every_den)
+    doubles += (form.kit.tolerance_exponent(scene), scene.t_end, scene.every_num, scene.every_den)
     doubles += [body.m for body in scene.bodies]
     for one in harmonics:
         doubles += (1.0, *one)

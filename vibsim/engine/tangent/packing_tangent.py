@@ -109,7 +109,7 @@ def _numbers(scene: Scene[Any], begin: float, form: NumberForm[Any]) -> bytes:
     pack.put((), (0.0 if isinstance(stop, RigidStop) else stop.c for stop in scene.stops))
     for friction in scene.frictions:
         pack.put((), (friction.forward, friction.backward))
-    farthest = reach(form.kit, form.order(scene), form.tolerance_exponent(scene))
+    farthest = reach(form.kit, form.kit.order(scene), form.kit.tolerance_exponent(scene))
     rate = natural_rate(scene, form.kit)
     pack.put((), (begin, farthest, rate, *weights(scene, form.kit, rate)))
     return pack.packed[1]
