@@ -22,7 +22,7 @@ from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.tangent.tangencies import Jumps
 from vibsim.engine.tangent.tangent_space import dimension
-from vibsim.engine.trajectory import open_trajectory, state_at
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import GROUND
 
 FILE = Path(__file__).with_name("pinned_bits.txt")
@@ -101,7 +101,7 @@ def resumed(scene):
     if row["t"] >= scene.t_end:
         return found
     times = np.linspace(row["t"], min(scene.t_end, t[-1]), 7)[:-1].tolist()
-    return run(scene, resume=row) | state_at(scene, row, times)
+    return run(scene, resume=row) | open_trajectory(scene, resume=row).state_at(times)
 
 
 # Families: what is drawn, and what comes of it.

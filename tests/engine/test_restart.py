@@ -14,7 +14,7 @@ from tests.engine.runs import Run, outcome, run, same_bits
 from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, paper
 from vibsim.cases import load_case
-from vibsim.engine.trajectory import open_trajectory, state_at
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import BASE, GROUND, Body, Force, Harmonic, Link, Scene
 from vibsim.physics.rates import common_period
 from vibsim.results.simulation import simulate
@@ -71,7 +71,7 @@ def test_papers_cases_go_on_from_every_event_and_have_the_states_between(name):
     for one, following in pairwise(rows):
         t, end = one[-1]["t"], following[0]["t"]
         between = (times >= t) & (times < end)
-        found = state_at(scene, one[-1], times[between].tolist())
+        found = open_trajectory(scene, resume=one[-1]).state_at(times[between].tolist())
         for name_of_column, values in found.items():
             assert same_bits(values, whole.samples[name_of_column][between])
     assert_restarts(scene)
@@ -86,9 +86,9 @@ def test_states_behind_events_on_the_way_are_those_of_runs_taken_up_there(name):
     instants = list(rows_at_each_instant(run(scene).events))[:40]
     t = np.array([rows[-1]["t"] for rows in instants])
     times = t[:-1, None] + np.diff(t)[:, None] * [1 / 3, 2 / 3]
-    found = state_at(scene, instants[0], times.ravel().tolist())
+    found = open_trajectory(scene, resume=instants[0]).state_at(times.ravel().tolist())
     for i, (rows, between) in enumerate(zip(instants, times.tolist(), strict=False)):
-        for column, values in state_at(scene, rows, between).items():
+        for column, values in open_trajectory(scene, resume=rows).state_at(between).items():
             assert same_bits(found[column][2 * i : 2 * i + 2], values), (column, i)
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from tests.scenes import NO_SOURCE, fixed_block, harmonic, scene
 from tests.trajectories import run
-from vibsim.engine.trajectory import state_at
+from vibsim.engine.trajectory import open_trajectory
 
 EPS = 2.0**-53
 K1, M1, M2 = 200.0, 0.297, 2.94
@@ -155,7 +155,7 @@ def test_release_from_stick_follows_the_jerk(method):
     jerk = K1 * 0.3 * math.cos(w * row["t"]) / M2
     late = row["t"] + 1e-6 * np.array([1.0, 2.0, 4.0])
     tau = late - row["t"]
-    v2 = state_at(swinging.as_parts(), row, late)["v2"]
+    v2 = open_trajectory(swinging.as_parts(), resume=row).state_at(late)["v2"]
     # next term: S'' t^3 / (6 m2), 1e-5 of the first; the closed form rounds v2 to eps of v1, 3e-17 / 1e-11
     np.testing.assert_allclose(v2, jerk * tau**2 / 2, rtol=1e-4)
     if method == "taylor":
@@ -263,7 +263,9 @@ def test_violation_stops_the_run(method):
     assert result.totals["violations"] == 1
     assert result.totals["first_violation_time"] == result.events["t"][-1]
     assert result.samples["time"][-1] < crossing
-    row = state_at(stopping.as_parts(), result.row(-1), np.array([result.events["t"][-1]]))
+    row = open_trajectory(stopping.as_parts(), resume=result.row(-1)).state_at(
+        np.array([result.events["t"][-1]])
+    )
     assert row["x1"][0] == pytest.approx(0.001, abs=1e-17)
 
 

@@ -10,12 +10,11 @@ from tests.engine.many_digits import exact_parts, touches, touching
 from tests.engine.runs import Run, whole
 from tests.engine.test_resources import is_jammed
 from tests.engine.whole_truth import faults
-from vibsim.engine.blocks import Trajectory
 from vibsim.engine.c_engine import REASONS, UNDECIDED, CRun
 from vibsim.engine.errors import EngineError, State, start_of
 from vibsim.engine.number_forms import WordsForm
 from vibsim.engine.resume import resume_point
-from vibsim.engine.trajectory import open_trajectory
+from vibsim.engine.trajectory import Trajectory, open_trajectory
 from vibsim.physics.parts import EVENT_NAMES, Scene
 from vibsim.physics.precision import number_kit
 
@@ -171,7 +170,7 @@ class SteppedRun(CRun):
                 *counts, finished, status = self._decide(number, event, State(*values), order)
         if status in REASONS:
             raise self._failure(status)
-        events = Trajectory(self.scene).block(*self._block(counts, finished)).events
+        events = Trajectory(self).block(*self._block(counts, finished)).events
         return [
             {name: column[i].item() for name, column in events.items()} for i in range(len(events["t"]))
         ], finished

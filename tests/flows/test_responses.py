@@ -16,7 +16,7 @@ import pytest
 
 from tests.scenes import harmonic, motor, scene
 from tests.trajectories import run
-from vibsim.engine.trajectory import open_trajectory, state_at
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import GROUND, Body, Force, Harmonic, Link, Scene
 
 EPS = 2.0**-53
@@ -70,7 +70,7 @@ def computed(a, b, omega, times):
     """C, S, I, H and H' at ascending times as a run has them: a row each."""
     of = oscillators(a, b, omega)
     row = {name: column[0] for name, column in next(open_trajectory(of).blocks()).events.items()}
-    states = state_at(of, row, times)
+    states = open_trajectory(of, resume=row).state_at(times)
     C, S, steady, *H = (states[f"x_b{i}"] for i in range(5))
     rates = states["v_b3"], states["v_b4"]
     return zip(C, S, steady, map(complex, *H), map(complex, *rates), strict=True)

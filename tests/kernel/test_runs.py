@@ -12,7 +12,7 @@ from tests.scenes import TABLE_1, fixed_block, paper
 from tests.trajectories import opened, run
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.tangent_space import dimension
-from vibsim.engine.trajectory import flow_of, open_trajectory, state_at
+from vibsim.engine.trajectory import flow_of, open_trajectory
 from vibsim.physics.parts import EVENT_NAMES
 
 METHODS = ("closed_form", "taylor")
@@ -83,5 +83,5 @@ def test_a_scene_runs_with_all_that_goes_with_it(scene):
     except EngineError:
         pass
     for row, following in list(pairwise(rows))[:5]:
-        states = state_at(scene, row, np.linspace(row["t"], following["t"], 3))
+        states = open_trajectory(scene, resume=row).state_at(np.linspace(row["t"], following["t"], 3))
         assert len(states["x1"]) == 3

@@ -10,7 +10,7 @@ from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case
 from tests.trajectories import opened
 from vibsim.analysis.cycles import parse_discard
 from vibsim.cases.case import load_case_text
-from vibsim.engine.trajectory import DoublesTrajectory
+from vibsim.engine.trajectory import Trajectory
 from vibsim.physics.parts import EVENT_KINDS
 from vibsim.results.simulation import open_result
 from vibsim.sweeps.computations import COMPUTATIONS, read_computations
@@ -145,10 +145,10 @@ def test_the_grazing_margin_is_the_engines_where_that_is_late(name):
 
 
 def test_the_certificate_counts_uncertified_searches(monkeypatch):
-    totals = DoublesTrajectory.totals.fget
+    totals = Trajectory.totals.fget
     assert computed(paper("II-B", t_end=4.0), "certificate")[0]["uncertified"] == 0
     doubtful = property(lambda run: totals(run) | {"uncertified": 2})
-    monkeypatch.setattr(DoublesTrajectory, "totals", doubtful)
+    monkeypatch.setattr(Trajectory, "totals", doubtful)
     assert computed(paper("II-B", t_end=4.0), "certificate")[0]["uncertified"] == 2
 
 

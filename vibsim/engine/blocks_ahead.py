@@ -15,7 +15,8 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from vibsim.engine.blocks import Block, Trajectory
+from vibsim.engine.blocks import Block
+from vibsim.engine.trajectory import Trajectory
 from vibsim.physics.rates import longest_period
 
 PATIENCE = 0.1  # seconds between two questions whether to wait on
@@ -32,7 +33,7 @@ class ProgressSignal:
 class BlocksAhead(Generic[Told]):
     """The blocks of a trajectory, each with what `tell` says of it right behind it."""
 
-    def __init__(self, trajectory: Trajectory[float], tell: Callable[[Block], Told]):
+    def __init__(self, trajectory: Trajectory, tell: Callable[[Block], Told]):
         self._trajectory, self._tell = trajectory, tell
         self._queue: SimpleQueue[tuple[Block, Told] | BaseException | ProgressSignal | None] = SimpleQueue()
         self._room = threading.Semaphore(MOST_AHEAD - 1)

@@ -157,14 +157,12 @@ def totals_of(
     }
 
 
-def rigid_totals(scene: Scene[N], counts: Sequence[int], cut_off: Sequence[float]) -> dict[str, float]:
-    """Counts of what only rigid stops do, by name, of scenes that have some.
+def rigid_totals(counts: Sequence[int], cut_off: Sequence[float]) -> dict[str, float]:
+    """Counts of what only rigid stops do, by name.
 
     counts: as of `totals_of`; cut_off: time [s], speed [m/s] and distance [m] that the ends of infinite
     sequences of impacts left out, each summed over the run
     """
-    if not scene.rigid_stops:
-        return {}
     by_kind = dict(zip(EVENT_KINDS, counts, strict=True))
     return {
         "transmitted": by_kind["transmitted"],

@@ -84,7 +84,7 @@ class WordsForm(Generic[N]):
     """Numbers of words, for runs on the numbers of `kit`, which are the same as objects of Python."""
 
     def __init__(self, kit: DigitsKit[N]) -> None:
-        self.kit, self.engine, self.name = kit, kit.engine, kit.name
+        self.kit, self.engine = kit, kit.engine
         before, end = 8 * (kit.room - kit.words), 8 * kit.room  # bytes: where words in use begin and end
         self.type = np.dtype(
             {

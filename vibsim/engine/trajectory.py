@@ -13,17 +13,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.engine.blocks import Block, Gap, Trajectory, Wishes, by_name
+from vibsim.engine.blocks import Block, Gap, by_name, part_offsets
+from vibsim.engine.columns import (
+    event_columns,
+    part_columns,
+    sample_columns,
+    stored_at_events,
+    stored_columns,
+)
 from vibsim.engine.errors import State
 from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.modes.ties import Edge
-from vibsim.engine.resume import Point, Row, resume_point
+from vibsim.engine.resume import Row, resume_point
 from vibsim.engine.tangent.tangent_space import dimension
-from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
-    from typing_extensions import Unpack
+    from vibsim.engine.c_engine import CRun
 
 
 def open_trajectory(
@@ -63,24 +69,28 @@ def open_trajectory(
     record_from : times [s] before which samples, and the section, are left out; the state at the former is
         `at_begin` of the object returned
 
-    Returns an object with `engine`, `blocks()` (an iterator of `Block`s; raises EngineError when the run
-    fails) and `totals`. Raises ValueError for another engine or method, a row that no run has or more
-    disturbances than the scene has directions, RuntimeError for "c" where it was not built.
+    Raises ValueError for another method, a row that no run has or more disturbances than the scene has
+    directions.
     """
     check_method(scene)
-    check_tangent(scene, tangent)
-    wishes: Wishes = {
-        "section": section,
-        "ledger": ledger,
-        "momentum": momentum,
-        "tangent": (tangent, tangent_from),
-        "extremes": extremes_of(scene, *extremes) if extremes else None,
-        "early": early,
-        "dither": dither,
-        "record_from": record_from,
-    }
-    point = None if resume is None else resume_point(scene, resume)
-    return DoublesTrajectory(scene, point, **wishes)
+    if tangent and not 0 <= tangent <= dimension(scene):
+        raise ValueError(f"tangent must be 0 to {dimension(scene)} for this scene, got {tangent}")
+    from vibsim.engine.c_engine import CRun
+
+    return Trajectory(
+        CRun(
+            scene,
+            None if resume is None else resume_point(scene, resume),
+            section=section,
+            ledger=ledger,
+            momentum=momentum,
+            tangent=(tangent, tangent_from),
+            extremes=extremes_of(scene, *extremes) if extremes else None,
+            early=early,
+            dither=dither,
+            record_from=record_from,
+        )
+    )
 
 
 def extremes_of(scene: Scene, ends: Sequence[Edge], since: float) -> tuple[list[Edge], list[Gap], float]:
@@ -96,30 +106,70 @@ def extremes_of(scene: Scene, ends: Sequence[Edge], since: float) -> tuple[list[
     return pairs, gaps, since
 
 
-def state_at(scene: Scene, row: Row | Sequence[Row], times: Iterable[float]) -> dict[str, np.ndarray]:
-    """States at `times` [s], restarted from the stored event `row`.
+class Trajectory:
+    """A run on the C engine, whose rows of numbers become columns by name; see `open_trajectory`."""
 
-    row: as `resume` of `open_trajectory`; times: ascending, from row["t"] to before the next event. Returns
-    arrays by column name.
-    """
-    return open_trajectory(scene, resume=row).state_at(times)
+    def __init__(self, run: CRun) -> None:
+        scene = run.scene
+        self.scene, self.run = scene, run
+        self.names, self.event_names = sample_columns(scene), event_columns(scene)
+        self.timed_states, self.parts = ("time", *stored_columns(scene)), part_columns(scene)
+        self.states_happened = stored_at_events(scene)
+        self.first_part = part_offsets(scene)
 
+    def blocks(self) -> Iterator[Block]:
+        """Yield `Block`s until the run ends; raises EngineError when it fails."""
+        for rows in self.run.blocks():
+            yield self.block(*rows)
 
-def check_tangent(scene: Scene, tangent: int) -> None:
-    """Raises ValueError where the scene has not so many directions."""
-    if tangent and not 0 <= tangent <= dimension(scene):
-        raise ValueError(f"tangent must be 0 to {dimension(scene)} for this scene, got {tangent}")
+    def block(
+        self,
+        samples: np.ndarray,
+        sample_codes: np.ndarray,
+        events: np.ndarray,
+        event_codes: np.ndarray,
+        section: np.ndarray,
+        reached: tuple[float, float],
+    ) -> Block:
+        """A block from rows: (time, states), part states; (t, states, phase, velocities before), (kind, part,
+        part states); (time, states); (time reached, time worked out to).
+        """
+        sampled = by_name(self.timed_states, samples) | dict(zip(self.parts, sample_codes, strict=True))
+        happened = by_name(self.states_happened, events)
+        happened |= {"kind": event_codes[0], "part": self._parts(event_codes[0], event_codes[1])}
+        happened |= dict(zip(self.parts, event_codes[2:], strict=True))
+        width = 3 + 2 * len(self.scene.bodies)  # of a state
+        return Block(
+            sampled,
+            {name: happened[name] for name in self.event_names},
+            by_name(self.timed_states, section),
+            reached[0],
+            reached[1],
+            section[width:],
+        )
 
+    def stop(self) -> None:
+        """Have `blocks` end with what is computed, from any thread; at once where it decides what follows."""
+        self.run.stopped.set()
 
-class DoublesTrajectory(Trajectory[float]):
-    """A run in doubles; wishes: section, ledger and others of `CRun`."""
+    def restart(self, scene: Scene) -> None:
+        """Begin anew, from the start of a scene that differs from that of the run in its start alone.
 
-    def __init__(self, scene: Scene, point: Point | None = None, **wishes: Unpack[Wishes]) -> None:
-        super().__init__(scene)
-        from vibsim.engine.c_engine import CRun
+        What the blocks before have shown holds no longer.
+        """
+        self.scene = scene
+        self.run.begin_anew(scene)
 
-        self.point = point
-        self.run = CRun(scene, point, **wishes)
+    def pause_at(self, time: float) -> None:
+        """Have the block end with which the run reaches a time [s]; the next one where there is no other."""
+        self.run.run.pause_at(time)
+
+    @property
+    def at_begin(self) -> dict[str, np.ndarray]:
+        """Time and state from which samples are recorded, as columns of one."""
+        row = self.run.form.empty(3 + 2 * self.run.n, 1)
+        self.run.run.at_begin(row)
+        return by_name(self.timed_states, row)
 
     @property
     def extremes(self) -> tuple[list[float], list[float], list[float]]:
@@ -131,58 +181,48 @@ class DoublesTrajectory(Trajectory[float]):
         """(time [s], distance [m] that ends of infinite sequences of impacts have left out from then on)."""
         return self.run.automaton.rigid.chatter.cut_off.ends if self.scene.rigid_stops else []
 
-    def restart(self, scene: Scene) -> None:
-        """Begin anew from the start of another scene, see `Trajectory.restart`."""
-        self.scene, self.point = scene, None
-        self.run.begin_anew(scene)
-
-    def pause_at(self, time: float) -> None:
-        """Have the block end with which the run reaches a time [s]."""
-        self.run.run.pause_at(time)
-
-    @property
-    def at_begin(self) -> dict[str, np.ndarray]:
-        """Time and state from which samples are recorded, as columns of one."""
-        row = self.run.form.empty(3 + 2 * self.run.n, 1)
-        self.run.run.at_begin(row)
-        return by_name(self.timed_states, row)
-
-    def blocks(self) -> Iterator[Block]:
-        """Yield `Block`s until the run ends; raises EngineError when it fails."""
-        for rows in self.run.blocks():
-            yield self.block(*rows)
-
-    def stop(self) -> None:
-        """Have `blocks` end with what is computed, from any thread; at once where it decides what follows."""
-        self.run.stopped.set()
-
     @property
     def totals(self) -> dict[str, Any]:
-        """Counts and margins so far, and the ledgers and exponents where they are kept."""
-        tally = self.run.tally
+        """Counts and margins so far, and the ledgers and exponents where they are kept, as doubles."""
+        run, tally, rounded = self.run, self.run.tally, self.run.kit.rounded
+        uncertified, *certificate = tally["certificate"]
+        first_doubt, margin, margin_time = rounded(certificate)
         totals = totals_of(
             tally["counts"],
-            tally["certificate"],
+            (uncertified, first_doubt, margin, margin_time),
             (tally["steps"], tally["evaluations"]),
-            tally["first_violation"] if tally["violated_once"] else nan,
+            float(tally["first_violation"]) if tally["violated_once"] else nan,
         )
-        if self.run.integrals:
-            now = self.run.left_at or State(*tally["state"]), self.run.statuses[tally["mode"]]
-            where = self.run.first, now
-            totals |= ledger_totals(self.scene, Doubles, self.run.integrals.names, tally["entries"], *where)
+        if run.integrals:
+            now = run.left_at or State(*tally["state"]), run.statuses[tally["mode"]]
+            entries, where = tally["entries"], (run.first, now)
+            ledger = ledger_totals(self.scene, run.kit, run.integrals.names, entries, *where)
+            totals |= dict(zip(ledger, rounded(ledger.values()), strict=True))
         if self.scene.rigid_stops:
-            cut = self.run.automaton.rigid.chatter.cut_off
-            totals |= rigid_totals(self.scene, tally["counts"], (cut.time, cut.speed, cut.distance))
-        if self.run.moving:
+            cut = run.automaton.rigid.chatter.cut_off
+            left_out = rounded([cut.time, cut.speed, cut.distance])
+            totals |= rigid_totals(tally["counts"], left_out)
+        if run.moving:
             from vibsim.engine.tangent.tangencies import tangent_totals
 
-            _, _, margin, margin_time = tally["certificate"]
-            totals |= tangent_totals(self.scene, Doubles, self.run.disturbances, margin, margin_time)
+            totals |= tangent_totals(self.scene, run.kit, run.disturbances, margin, margin_time)
         return totals
 
     def state_at(self, times: Iterable[float]) -> dict[str, np.ndarray]:
         """States at ascending times [s] as columns; events on the way are taken."""
-        return self.columns_of(*self.run.states_at(list(times)))
+        states, codes = self.run.states_at(list(times))
+        table = by_name(self.timed_states, states) | dict(zip(self.parts, codes, strict=True))
+        return {name: table[name] for name in self.names}
+
+    def _parts(self, kinds: np.ndarray, parts: np.ndarray) -> np.ndarray:
+        """Index among `event_parts`, from the index among parts of its sort; -1 for none. Of a switch it is
+        that index already.
+
+        Engines give bytes; read without a sign they number 255 parts of a sort, and -1 is the last number.
+        """
+        numbers: np.ndarray = parts.view("u1") + self.first_part[kinds]
+        numbers[parts == -1] = -1
+        return numbers
 
 
 # By which flow a scene is run.

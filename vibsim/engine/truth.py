@@ -8,16 +8,15 @@ Sampled states and events come twice: as doubles, like those of any run, and as 
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 import numpy as np
 
-from vibsim.engine.blocks import Block, Trajectory
+from vibsim.engine.blocks import Block
 from vibsim.engine.columns import stored_before, stored_columns
 from vibsim.engine.errors import EngineError, State
-from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.number_forms import WordsForm
+from vibsim.engine.trajectory import Trajectory
 from vibsim.physics.numbers import Number
 from vibsim.physics.parts import Scene
 from vibsim.physics.precision import DigitsKit, number_kit
@@ -31,24 +30,16 @@ class TruthBlock(Block):
     event_digits: dict[str, np.ndarray]
 
 
-class WordsTrajectory(Trajectory[Number]):
+class WordsTrajectory(Trajectory):
     """A run in C on numbers of words, of which Python decides the events without a clear rule on those of
     `form.kit`; see `open_truth`.
     """
 
-    engine = "c"
-
     def __init__(self, scene: Scene[Any], form: WordsForm[Any], ledger: bool, momentum: bool) -> None:
-        super().__init__(scene)
         from vibsim.engine.c_engine import CRun
 
-        self.form, self.kit, self.number_type = form, form.kit, form.name
-        self.run = CRun(scene, form=form, ledger=ledger, momentum=momentum)
-
-    @property
-    def order(self) -> int:
-        """Order of the Taylor flow."""
-        return self.kit.order()
+        super().__init__(CRun(scene, form=form, ledger=ledger, momentum=momentum))
+        self.form, self.kit = form, form.kit
 
     def blocks(self) -> Iterator[TruthBlock]:
         """Yield `TruthBlock`s until the run ends; raises EngineError when it fails."""
@@ -90,40 +81,11 @@ class WordsTrajectory(Trajectory[Number]):
             name: self.form.texts(row) for name, row in zip(names, rows, strict=False) if name is not None
         }
 
-    def stop(self) -> None:
-        """Have `blocks` end with what is computed, from any thread; at once where it decides what follows."""
-        self.run.stopped.set()
-
-    @property
-    def left_out(self) -> list[tuple[float, float]]:
-        """(time [s], distance [m] that ends of infinite sequences of impacts have left out from then on)."""
-        ends = (self.kit.rounded(list(end)) for end in self.run.automaton.rigid.chatter.cut_off.ends)
-        return [(t, distance) for t, distance in ends]
-
     @property
     def totals(self) -> dict[str, Any]:
         """Counts and margins so far, and the ledgers where they are kept, as doubles."""
         self.kit.activate()
-        tally, run = self.run.tally, self.run
-        uncertified, *certificate = tally["certificate"]
-        first_doubt, margin, margin_time = map(float, certificate)
-        totals = totals_of(
-            tally["counts"],
-            (uncertified, first_doubt, margin, margin_time),
-            (tally["steps"], tally["evaluations"]),
-            float(tally["first_violation"]) if tally["violated_once"] else nan,
-        )
-        cut = run.automaton.rigid.chatter.cut_off
-        totals |= rigid_totals(
-            self.scene, tally["counts"], self.kit.rounded([cut.time, cut.speed, cut.distance])
-        )
-        if run.integrals:
-            now = run.left_at or State(*tally["state"]), run.statuses[tally["mode"]]
-            entries: list[Number] = list(tally["entries"])
-            where: Any = run.first, now
-            ledger = ledger_totals(self.scene, self.kit, run.integrals.names, entries, *where)
-            totals |= dict(zip(ledger, self.kit.rounded(list(ledger.values())), strict=True))
-        return totals
+        return super().totals
 
 
 def rounded(kit: DigitsKit[Number], state: State[Number]) -> State[float]:

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.cases.quantities import number
-from vibsim.engine.blocks import Trajectory
-from vibsim.engine.trajectory import open_trajectory
+from vibsim.engine.trajectory import Trajectory, open_trajectory
 from vibsim.orbits.coordinates import case_on_orbit, placed
 from vibsim.orbits.return_map import returns
 from vibsim.orbits.stability import exponents_of, multipliers_of, sides_of_circle, sliding_margin

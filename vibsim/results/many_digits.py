@@ -229,11 +229,11 @@ class TruthRecording:
             **origin(case, self.scene, flow_of(self.scene)),
             "digits": digits,
             "precision_bits": kit.bits,
-            "number_type": self.trajectory.number_type,
+            "number_type": kit.name,
             "number_library": kit.library,
         }
         if "taylor_tolerance" in self.start:
-            self.start["taylor_order"] = self.trajectory.order
+            self.start["taylor_order"] = kit.order()
             del self.start["taylor_tolerance"]  # that of doubles; here the working precision is the tolerance
         self.t_reached, self.complete = 0.0, False
         self.end_state: EndState | None = None

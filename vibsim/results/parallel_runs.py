@@ -23,10 +23,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.engine.blocks import Block, Trajectory
+from vibsim.engine.blocks import Block
 from vibsim.engine.blocks_ahead import LONGEST, PATIENCE, Cores
 from vibsim.engine.errors import REASONS, EngineError
-from vibsim.engine.trajectory import flow_of, open_trajectory
+from vibsim.engine.trajectory import Trajectory, flow_of, open_trajectory
 from vibsim.physics.elementary import FIRST_BITS, two_pi_bounds
 from vibsim.physics.formulas import Node, children
 from vibsim.physics.parts import Scene
@@ -162,7 +162,7 @@ class ParallelRun:
         self._cores = cores or Cores(1)
         self._names = tables_of(scene).deciding
         self._closed = False
-        self._trajectory: Trajectory[float] | None = None
+        self._trajectory: Trajectory | None = None
         self._taken = 0  # events
         self.t_reached = 0.0  # [s]; infinite once it has ended
         self.failure = ""  # why it ended before the run, in words

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any, NoReturn, Protocol
 import h5py
 import numpy as np
 
-from vibsim.engine.blocks import Block, Trajectory
+from vibsim.engine.blocks import Block
 from vibsim.engine.blocks_ahead import BlocksAhead, Thinning, instants_per_sample, sampled_finer
 from vibsim.engine.errors import EngineError
-from vibsim.engine.trajectory import flow_of, open_trajectory
+from vibsim.engine.trajectory import Trajectory, flow_of, open_trajectory
 from vibsim.physics.numbers import text_width
 from vibsim.results.columns import Distances, Tables, tables_of
 from vibsim.results.file_contents import Column, Dataset, origin, outcome
@@ -157,7 +157,7 @@ class Recording:
         return {**known, **exponent_attributes(totals), **self._trust.attrs(self.t_reached)}
 
 
-def left_out(trajectory: Trajectory[float], block: Block) -> np.ndarray | float:
+def left_out(trajectory: Trajectory, block: Block) -> np.ndarray | float:
     """Distance that completed chatter has left out at the samples of a block [m], wherever that ends."""
     ends = trajectory.left_out if trajectory.scene.rigid_stops else []
     if not ends:

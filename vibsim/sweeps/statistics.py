@@ -12,10 +12,10 @@ from typing import Protocol
 import numpy as np
 
 from vibsim.cases.validation import MOST_SAMPLES
-from vibsim.engine.blocks import Block, Trajectory
+from vibsim.engine.blocks import Block
 from vibsim.engine.columns import of_kinds, part_columns, section_columns, stop_column
 from vibsim.engine.resume import Row, rows_of_instant
-from vibsim.engine.trajectory import open_trajectory
+from vibsim.engine.trajectory import Trajectory, open_trajectory
 from vibsim.physics.elementary import dot, mean
 from vibsim.physics.parts import BASE, BODY, EVENT_KINDS, GROUND, IMPACTS, Link, Scene, Stop, columns_of
 from vibsim.physics.rates import (
