@@ -4,10 +4,12 @@ from fractions import Fraction
 
 from tests.engine.many_digits import exact_parts
 from vibsim.engine.errors import start_of
+from vibsim.engine.modes.status import RESTING
+from vibsim.engine.modes.ties import Groups
 from vibsim.engine.tangent.carried import components_of, started
 from vibsim.engine.tangent.carried_digits import DigitsCarrier
 from vibsim.engine.tangent.monodromy import Carrier
-from vibsim.engine.tangent.tangent_space import components, dimension, length, references, seats_of
+from vibsim.engine.tangent.tangent_space import components, dimension, length, references
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.precision import number_kit
 
@@ -111,7 +113,9 @@ def possible(scene, kit, rows):
     def vector(ones):
         return [kit.number(1 if k in ones else 0) for k in range(length(scene))]
 
-    for leader, members in sorted(seats_of(scene, rows.status).members.items()):
+    resting = [stop for stop, now in zip(scene.stops, rows.status.stops, strict=True) if now == RESTING]
+    seats = Groups(n, [(0, scene.column(stop.P), scene.column(stop.Q)) for stop in resting])
+    for leader, members in sorted(seats.members.items()):
         bodies = {c for c in members if c < n}
         if leader < n and not any(reference[c] == c for c in bodies):
             inside.append(vector(bodies))

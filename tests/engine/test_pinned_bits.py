@@ -20,7 +20,6 @@ from tests.random_scenes import Draws, two_blocks
 from tests.scenes import paper
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.monodromy import Carrier
-from vibsim.engine.tangent.tangencies import Jumps
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import GROUND
@@ -201,12 +200,6 @@ def other(family):
 @pytest.mark.parametrize("family", FAMILIES)
 def test_bits_are_what_they_were(family):
     assert other(family) == []
-
-
-def test_disturbances_that_python_takes_through_events_have_the_same_bits(monkeypatch):
-    """As where C knows no saltation."""
-    monkeypatch.setattr(Jumps, "in_c", lambda *_: False)
-    assert other("parts, exponents") == []
 
 
 def test_no_scene_is_another_one():

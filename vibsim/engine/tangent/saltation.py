@@ -3,14 +3,12 @@
 A disturbed motion meets the event function h a little earlier or later, and moves by the other vector field
 for so long: S = I + (f+ - f-) n^T / (n^T f- + dh/dt), with n = grad h and f-, f+ the vector fields before and
 after (Aizerman & Gantmakher 1958; Mueller 1995). Displacements, velocities and the rotor's angle and speed go
-on without a jump, so f+ - f- consists of accelerations; for impacts see `impact_saltation.py`.
-    clearance; ties at a limit that slip holds too; damper that would have to pull; stop without damper
-                      f+ = f-, so S = I
-    stop with damper  its force is c g' on one side and 0 on the other, dh/dt = +-g': their ratio is c,
-                      however slow the contact
+on without a jump, so f+ - f- consists of accelerations; for impacts see `impact_saltation.py`. C knows S
+where no formula has a say (`events/saltation.c`). Here are
+    contact, reversal of stops and frictions by formulas: by the vector fields on both sides
     sticking          f+ - f- is what a force between the two bodies makes, n^T f+ + dh/dt = 0: whatever the
                       forces, S gives the bodies their common velocity and keeps momentum
-    reversal          friction jumps by its sum in both directions
+    switch            that makes a formula jump
     release           where a tie at its limit begins to slip with less force than that, f+ - f- is what
                       the drop makes and n the gradient of the force that the tie passes
     rest              that begins or ends where a force jumps: by the vector fields on both sides
@@ -43,16 +41,15 @@ from vibsim.engine.modes.rows import (
     ModeRows,
     Term,
 )
-from vibsim.engine.modes.status import CONTACT, FORWARD, RESTING, STICK, Status
+from vibsim.engine.modes.status import RESTING, STICK, Status
 from vibsim.engine.tangent.impact_saltation import UNDEFINED, Undefined, impact_saltation
 from vibsim.engine.tangent.packing_tangent import slopes_of
 from vibsim.physics.formulas import is_continuous
 from vibsim.physics.numbers import Kit, N, abs, total_of
-from vibsim.physics.parts import Friction, Scene, Stop
+from vibsim.physics.parts import Scene, Stop
 
 ROUNDING = 8  # of displacements and velocities at an event, in units of eps
 
-Forces = list[tuple[int, int, N | int]]  # of parts between P and Q: on P, the opposite on Q [N]
 Accelerations = tuple[list[N], N]  # of bodies [m/s^2] and rotor [rad/s^2]
 
 
@@ -316,47 +313,22 @@ class EventCrossing(ModeChange[N]):
 
     def _of_contact(self) -> Jump[N] | None:
         """S where a gap or a sliding velocity comes to zero."""
-        old, new, slides = self.before.status, self.after.status, self.event.kind == SLIDE
-        turned, frictions = self.turned, self.scene.frictions
-        if slides and turned and self.tied and all(new.frictions[i] == STICK for i in turned):
+        old, new, turned = self.before.status, self.after.status, self.turned
+        if old == new:
+            return None
+        sticks = self.event.kind == SLIDE and turned and self.tied
+        if sticks and all(new.frictions[i] == STICK for i in turned):
             if resting(old) == resting(new):
                 return Sticking(self.scene, self.kit, self.after, self.state)
             return self._by_fields(self.jump())
-        if old != new and self.by_formulas:
-            return self._by_fields(self.jump(True))
-        if resting(old) != resting(new):
-            return self._by_fields(self.jump())
-        if not turned:
-            return self._of_damper()
-        if slides and not self.tied:
-            forces: Forces[N] = [
-                (f.P, f.Q, _friction(f, new.frictions[i]) - _friction(f, old.frictions[i]))
-                for i, f in ((i, frictions[i]) for i in turned)
-            ]
-            return self._by_fields(self.forced(forces))
-        return self._by_fields(self.jump())
+        return self._by_fields(self.jump(True))
 
-    def _of_damper(self) -> Jump[N] | None:
-        """S where the force of a damped stop begins or ends; None without any."""
-        if self.event.kind != GAP:
-            return None
-        i = self.event.part
-        stop = self.scene.stops[i]
-        assert isinstance(stop, Stop)
-        gained = (self.after.status.stops[i] == CONTACT) - (self.before.status.stops[i] == CONTACT)
-        if stop.c == 0 or gained == 0:
-            return None
-        force: Forces[N] = [(stop.P, stop.Q, -(gained * stop.c))]  # per unit of the rate x_P' - x_Q'
-        return self._by_fields(self.forced(force), self.event.terms[0].coefficient)
-
-    def _by_fields(self, jump: Accelerations[N], rate: N | int | None = None) -> Jump[N] | None:
-        """S from the jump of accelerations and the rate of h, None to take it from the motion; None at a
-        tangency, where first order says nothing.
-        """
-        change = self._change(jump, self.rate if rate is None else rate)
+    def _by_fields(self, jump: Accelerations[N]) -> Jump[N] | None:
+        """S from the jump of accelerations; None at a tangency, where first order says nothing."""
+        change = self._change(jump, self.rate)
         return None if change is None else Saltation(self.event, change, len(self.scene.bodies), self.kit)
 
-    def _change(self, jump: Accelerations[N], rate: N | int) -> list[N] | None:
+    def _change(self, jump: Accelerations[N], rate: N) -> list[N] | None:
         """(f+ - f-) / rate as a disturbance; None at a tangency."""
         if rate == 0:
             return None
@@ -382,16 +354,6 @@ class EventCrossing(ModeChange[N]):
         """Rate of the event function of a tie or a switch along the motion before [N/s]."""
         self.expansion.look(self.state, self.before)
         return self.expansion.derivatives(self.event, 1)[1]
-
-    def forced(self, forces: Forces[N]) -> Accelerations[N]:
-        """Accelerations (bodies, rotor) by forces [(P, Q, force)] on P, less on Q, in the mode before."""
-        n, zero, leader = len(self.scene.bodies), self.kit.number(0), self.before.leader
-        F = [zero] * (n + 2)
-        for P, Q, force in forces:
-            for end, value in ((P, force), (Q, -force)):
-                if end >= 0:
-                    F[leader[end]] = F[leader[end]] + value
-        return response(self.scene, self.kit, self.before, self.state, F, zero, zero)
 
     def jump(self, by_formulas: bool = False) -> Accelerations[N]:
         """Jump of the accelerations (bodies, rotor); by_formulas: at the zero of a switch or of a stop or
@@ -422,16 +384,3 @@ class EventCrossing(ModeChange[N]):
 def resting(status: Status) -> list[int]:
     """Numbers of the rigid stops at rest."""
     return [i for i, one in enumerate(status.stops) if one == RESTING]
-
-
-def _friction(friction: Friction[N], status: int) -> N | int:
-    """Force of a slipping friction on P at v_rel = 0; one that sticks acts within a group, where it does not
-    count.
-    """
-    return 0 if status == STICK else -friction.forward if status == FORWARD else friction.backward
-
-
-def reversal(friction: Friction[N], status: int) -> Forces[N]:
-    """Forces [(P, Q, force)] that a friction gains where it turns round from `status`."""
-    total = friction.forward + friction.backward
-    return [(friction.P, friction.Q, total if status == FORWARD else -total)]

@@ -26,7 +26,7 @@ from vibsim.engine.flows.expansion import Expansion
 from vibsim.engine.modes.rows import FORMULA, GAP, HOLD, SLIDE, STRIKE, SWITCH, Event, Joined, ModeRows, Rule
 from vibsim.engine.modes.status import STICK, Status
 from vibsim.engine.tangent.impact_saltation import ImpactSaltation, Undefined
-from vibsim.engine.tangent.saltation import EventCrossing, Jump, ModeChange, gradient, reversal
+from vibsim.engine.tangent.saltation import EventCrossing, Jump, ModeChange, gradient
 from vibsim.engine.tangent.tangent_space import natural_rate
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
@@ -117,12 +117,9 @@ class Tangencies(Generic[N]):
         """
         scene, kit, i, sliding = self.scene, self.kit, at.event.part, at.before.status
         n = len(scene.bodies)
-        if scene.frictions[i].holds is not None:
-            maker: Any = at.expansion.table.maker
-            turned = maker.rows(sliding.with_frictions({i: -sliding.frictions[i]}))
-            gained, _ = replace(at, after=turned).jump()
-        else:
-            gained, _ = at.forced(reversal(scene.frictions[i], sliding.frictions[i]))
+        maker: Any = at.expansion.table.maker
+        turned = maker.rows(sliding.with_frictions({i: -sliding.frictions[i]}))
+        gained, _ = replace(at, after=turned).jump()
         largest = gradient(kit, at.event, [kit.number(0)] * n + gained[:n], n)
         return -at.rate / largest if largest != 0 else kit.number(1)
 

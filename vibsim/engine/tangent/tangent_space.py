@@ -11,9 +11,6 @@ tied to the ground or the base have none. Bodies that rigid stops at rest tie ha
 the tangent space of the mode.
 """
 
-from collections.abc import Sequence
-
-from vibsim.engine.modes.status import RESTING, Status
 from vibsim.engine.modes.ties import Groups
 from vibsim.physics.connections import felt_angles, felt_pairs
 from vibsim.physics.numbers import Kit, N
@@ -113,33 +110,6 @@ def plainly_weighed_alike(one: Scene[N], other: Scene[N]) -> bool:
         return False
     springs = one.links is other.links or [link.k for link in one.links] == [link.k for link in other.links]
     return springs and (one.motor and one.motor.e) == (other.motor and other.motor.e)
-
-
-def seats_of(scene: Scene[N], status: Status) -> Groups:
-    """Groups of columns that rigid stops at rest join."""
-    n = len(scene.bodies)
-    stops = [stop for stop, now in zip(scene.stops, status.stops, strict=True) if now == RESTING]
-    return Groups(n, [(0, scene.column(stop.P), scene.column(stop.Q)) for stop in stops])
-
-
-def seated(scene: Scene[N], kit: Kit[N], status: Status, vector: Sequence[N]) -> list[N]:
-    """The disturbance after rigid stops have come to rest: their ends have one displacement, the centre of
-    mass stays where they move freely.
-    """
-    n, after = len(scene.bodies), list(vector)
-    for leader, members in seats_of(scene, status).members.items():
-        bodies = [c for c in members if c < n]
-        if len(members) < 2:
-            continue
-        common = kit.number(0)
-        if leader < n:
-            moment = mass = common
-            for c in bodies:
-                moment, mass = moment + scene.bodies[c].m * vector[c], mass + scene.bodies[c].m
-            common = moment / mass
-        for c in bodies:
-            after[c] = common
-    return after
 
 
 class Gauge:
