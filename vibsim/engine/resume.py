@@ -9,19 +9,18 @@ from vibsim.engine.columns import flags_of_parts, part_columns, state_columns, s
 from vibsim.engine.errors import State
 from vibsim.engine.events.departures import DerivativeSigns, released_parts, zeros_of_touch
 from vibsim.engine.events.impacts.simultaneous import coincident_stops_of
-from vibsim.engine.events.relative_motion import RelativeMotion, meets
-from vibsim.engine.flows.base_motion import base_motion, belt_velocity
+from vibsim.engine.events.relative_motion import RelativeMotion
+from vibsim.engine.flows.base_motion import belt_velocity
 from vibsim.engine.flows.expansion import Expansion
 from vibsim.engine.modes.mode_table import mode_table
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known
 from vibsim.engine.modes.status import LIFTED, OPEN, STICK, Status
 from vibsim.physics.connections import event_parts
 from vibsim.physics.numbers import TWO_PI, Doubles, N
-from vibsim.physics.parts import BASE, EVENT_NAMES, RIGID_KINDS, Clearance, Friction, RigidStop, Scene, Stop
+from vibsim.physics.parts import EVENT_NAMES, RIGID_KINDS, Friction, Scene, Stop
 
 Point = tuple[State[N], Status, Known]  # what a run goes on from: state, mode, known zeros
 Row = Mapping[str, float]  # of a table of events, by column
-Ends = tuple[float, float]  # a value at each end of a part
 
 IMPACTS = ("impact", "transmitted", "chatter")
 JUMPS = (*IMPACTS, "stick_begin", "reversal", "switch")
@@ -61,7 +60,7 @@ def _with_switches(scene: Scene, state: State, status: Status, known: Known) -> 
     maker = table.maker
     if maker.formulas is None or not maker.formulas.switches:
         return status, known
-    relative = RelativeMotion(scene, maker, Doubles)
+    relative = RelativeMotion(scene, Doubles)
     departures = DerivativeSigns(relative, maker, Expansion(scene, table), lambda _: None)
     assert departures.switches is not None
     status, zeros = departures.switches.initial(state, departures, status)
@@ -81,7 +80,7 @@ def _makes_forces_jump(scene: Scene, row: Row) -> bool:
     if kind not in ("contact_begin", "contact_end"):
         return False
     stop = dict(scene.elastic_stops)[part]
-    return stop.jumps and _closing(scene, stop, _state(scene, row)) != 0
+    return stop.jumps and RelativeMotion(scene, Doubles).closing(stop, _state(scene, row)) != 0
 
 
 def rows_of_instant(events: Mapping[str, np.ndarray], i: int, earlier: Sequence[Row] = ()) -> list[Row]:
@@ -142,12 +141,13 @@ def _zeros(
     What a tie held for long enough parts with a zero of one order more where no force jumps.
     """
     kind, part = EVENT_NAMES[int(row["kind"])], int(row["part"])
+    relative = RelativeMotion(scene, Doubles)
     friction = part - len(scene.stops)
     clearance = friction - len(scene.frictions)
     if kind in ("contact_begin", "contact_end"):
-        if forced and _deep(scene, dict(scene.elastic_stops)[part], state):
+        if forced and _deep(relative, dict(scene.elastic_stops)[part], state):
             return {}
-        return {(_watched(scene, kind, part, state, status), part): 1}
+        return {(_watched(relative, kind, part, state, status), part): 1}
     if kind in ("violation_begin", "violation_end"):
         return {(CLEARANCE, clearance): 1}
     if kind in RIGID_KINDS:
@@ -156,12 +156,12 @@ def _zeros(
         known: Known = {}
         for one in coincident_stops_of(scene, part):
             if status.stops[one] == OPEN:
-                rate = 0.0 if parted else _closing(scene, scene.stops[one], state)
+                rate = 0.0 if parted else relative.closing(scene.stops[one], state)
                 known[STRIKE, one] = released if rate == 0 else 1
         return known
     if kind in ("reversal", "stick_end"):
         dry = scene.frictions[friction]
-        if _struck(scene, dry, row) or (forced and _slips(scene, dry, state)):
+        if _struck(scene, dry, row) or (forced and _slips(relative, dry, state)):
             return {}
     released = 1 if jumps else 2
     if kind in ("reversal", "stick_end"):
@@ -169,10 +169,9 @@ def _zeros(
     return {}
 
 
-def _deep(scene: Scene, stop: Stop, state: State) -> bool:
+def _deep(relative: RelativeMotion, stop: Stop, state: State) -> bool:
     """Whether a stop that lets go by force is pressed to a depth, where no zero of that ends contact."""
-    P, Q = _places(scene, stop, state)
-    return stop.lets_go and not meets(Doubles, stop, -(stop.sense * (P - Q)) - stop.gap, (P, Q), stop.gap)
+    return stop.lets_go and not relative.met(stop, state)
 
 
 def _zeros_of_parted(scene: Scene, rows: Sequence[Row], state: State, status: Status, order: int) -> Known:
@@ -185,29 +184,11 @@ def _zeros_of_parted(scene: Scene, rows: Sequence[Row], state: State, status: St
         return {}
     maker = mode_table(scene).maker
     stops, clearances = released_parts(maker, status.with_ties(dict.fromkeys(ties, STICK)), status)
-    known: Known = {}
+    stops, clearances = RelativeMotion(scene, Doubles).touched(state, stops, clearances)
+    known: Known = {(CLEARANCE, i): order for i in clearances}
     for i in stops:
-        stop = dict(scene.elastic_stops)[i]
-        P, Q = _places(scene, stop, state)
-        if meets(Doubles, stop, -(stop.sense * (P - Q)) - stop.gap, (P, Q), stop.gap):
-            known |= zeros_of_touch(maker, status, i, order)
-    for i in clearances:
-        one = scene.clearances[i]
-        P, Q = _places(scene, one, state)
-        if meets(Doubles, one, (P - Q) - one.distance, (P, Q), one.distance):
-            known[CLEARANCE, i] = order
+        known |= zeros_of_touch(maker, status, i, order)
     return known
-
-
-def _places(scene: Scene, part: Stop | Clearance, state: State) -> Ends:
-    """Displacements of the ends of a part [m]."""
-    return _at_ends(part, state.x, base_motion(scene, Doubles, state.t)[0])
-
-
-def _at_ends(part: Stop | RigidStop | Clearance | Friction, values: Sequence[float], of_base: float) -> Ends:
-    """Values at the ends of a part: of `values` by body, of the base, and 0 on the ground."""
-    P, Q = (values[end] if end >= 0 else of_base if end == BASE else 0.0 for end in (part.P, part.Q))
-    return P, Q
 
 
 def _struck(scene: Scene, friction: Friction, row: Row) -> bool:
@@ -218,24 +199,18 @@ def _struck(scene: Scene, friction: Friction, row: Row) -> bool:
     return any(jump > ROUNDING * (max(sizes) + abs(friction.belt)) for jump in jumps)
 
 
-def _slips(scene: Scene, friction: Friction, state: State) -> bool:
+def _slips(relative: RelativeMotion, friction: Friction, state: State) -> bool:
     """Whether the ends of a friction slip by more than rounding: the base or its belt has jumped."""
-    vP, vQ = _at_ends(friction, state.v, base_motion(scene, Doubles, state.t)[1])
+    vP, vQ = relative.ends(friction, state, "v")
     belt = belt_velocity(friction, Doubles, state.t)
     return abs(vP - vQ - belt) > ROUNDING * (abs(vP) + abs(vQ) + abs(belt))
 
 
-def _watched(scene: Scene, kind: str, part: int, state: State, status: Status) -> int:
-    """Whether a contact began or ended at zero depth, or at zero force."""
-    stop = dict(scene.elastic_stops)[part]
+def _watched(relative: RelativeMotion, kind: str, part: int, state: State, status: Status) -> int:
+    """Whether a contact began or ended at zero depth, or at zero force, which begins it while it shrinks."""
+    stop = dict(relative.scene.elastic_stops)[part]
     if not stop.lets_go:
         return GAP
     if kind == "contact_end":
         return PUSH if status.stops[part] == LIFTED else GAP
-    return GAP if _closing(scene, stop, state) > 0 else PUSH
-
-
-def _closing(scene: Scene, stop: Stop | RigidStop, state: State) -> float:
-    """Rate of the depth of a stop [m/s]: contact at zero force begins while it shrinks."""
-    vP, vQ = _at_ends(stop, state.v, base_motion(scene, Doubles, state.t)[1])
-    return stop.sense * (vQ - vP)
+    return GAP if relative.closing(stop, state) > 0 else PUSH

@@ -69,10 +69,10 @@ class Automaton(Generic[N]):
         self.scene, self.maker = scene, maker
         self.elastic = dict(scene.elastic_stops)
         self.struck = False  # whether the event taken last was a kink of the base that made impacts
-        relative = RelativeMotion(scene, maker, expansion.kit)
+        relative = RelativeMotion(scene, expansion.kit)
         self.departures = DerivativeSigns(relative, maker, expansion, doubt)
         self.settling = StickSlipResolution(scene, maker, self.departures)
-        self.parting = TouchingParts(scene, maker, self.departures)
+        self.parting = TouchingParts(maker, self.departures)
         self.rigid = RigidStops(scene, maker, self.settling, self.parting)
         self.starts = InitialMode(scene, maker, self.settling, self.rigid)
 
@@ -316,7 +316,7 @@ class InitialMode(Generic[N]):
         scene = self.scene
         depths = [self.relative.depth(stop, state) for stop in scene.stops]
         met = [
-            self.relative.met(stop, g, state, stop.gap) or self._rests(stop, g, state)
+            self.relative.met(stop, state) or self._rests(stop, g, state)
             for stop, g in zip(scene.stops, depths, strict=True)
         ]
         deep = [
@@ -350,7 +350,7 @@ class InitialMode(Generic[N]):
                 status = status.with_stop(i, CONTACT if sense < 0 else OPEN)
                 known[GAP, i] = order
         for i, over in enumerate(slacks):
-            at = self.relative.met(scene.clearances[i], over, state, scene.clearances[i].distance)
+            at = self.relative.met(scene.clearances[i], state)
             if self.relative.blurred(over, scene.clearances[i], state, -scene.clearances[i].distance, at):
                 self.departures.doubt(state)
             if at:
@@ -398,8 +398,7 @@ class InitialMode(Generic[N]):
             if i in self.maker.guarded:
                 continue
             if met[i] and isinstance(stop, Stop):
-                vP, vQ = self.relative.ends(stop, state, "v")
-                status = status.with_stop(i, CONTACT if -(stop.sense * (vP - vQ)) > 0 else OPEN)
+                status = status.with_stop(i, CONTACT if self.relative.closing(stop, state) > 0 else OPEN)
             elif status.stops[i] == CONTACT and self.departures.pulls(state, status, self.elastic[i], i):
                 status = status.with_stop(i, LIFTED)
         return status

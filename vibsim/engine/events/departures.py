@@ -33,7 +33,7 @@ from vibsim.engine.modes.rows import (
 )
 from vibsim.engine.modes.status import CONTACT, KEPT, OPEN, VIOLATED, Status
 from vibsim.physics.numbers import N, abs, total_of
-from vibsim.physics.parts import Clearance, Scene, Stop
+from vibsim.physics.parts import Clearance, Stop
 
 FEW = 2  # derivatives behind the first that is asked for: most often enough
 # of what a rate changes by within a step: rounding may have left so little; rules.c asks for 256 times that
@@ -229,15 +229,14 @@ def first_sign(values: Iterable[N]) -> int:
 class TouchingParts(Generic[N]):
     """Decides which of these part and which close."""
 
-    def __init__(self, scene: Scene[N], maker: RowMaker[N], departures: DerivativeSigns[N]) -> None:
-        self.scene, self.maker, self.departures = scene, maker, departures
-        self.relative, self.elastic = departures.relative, dict(scene.elastic_stops)
+    def __init__(self, maker: RowMaker[N], departures: DerivativeSigns[N]) -> None:
+        self.maker, self.departures = maker, departures
 
     def parted(
         self, state: State[N], status: Status, after: Status, order: int, known: Known
     ) -> tuple[Status, Happened]:
         """As `touching`, behind the release of ties, for the parts that the tied ends just touched."""
-        parts = self.touched(state, *released_parts(self.maker, status, after))
+        parts = self.departures.relative.touched(state, *released_parts(self.maker, status, after))
         return self.touching(state, status, after, parts, order, known)
 
     def touching(
@@ -269,21 +268,6 @@ class TouchingParts(Generic[N]):
             if status.clearances[i] != after.clearances[i]:
                 happened.append(("violation_begin" if closes else "violation_end", i))
         return after, happened
-
-    def touched(
-        self, state: State[N], stops: Iterable[int], clearances: Iterable[int]
-    ) -> tuple[list[int], list[int]]:
-        """Those of some elastic stops and clearances whose ends just touch."""
-        near = [(i, self.elastic[i]) for i in stops]
-        limits = [(i, self.scene.clearances[i]) for i in clearances]
-        return (
-            [i for i, one in near if self.relative.met(one, self.relative.depth(one, state), state, one.gap)],
-            [
-                i
-                for i, one in limits
-                if self.relative.met(one, self.relative.excess(one, state), state, one.distance)
-            ],
-        )
 
 
 def zeros_of_touch(maker: RowMaker[N], status: Status, i: int, order: int) -> Known:

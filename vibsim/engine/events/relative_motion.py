@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Generic
 
 from vibsim.engine.errors import State
@@ -9,14 +10,12 @@ from vibsim.engine.flows.base_motion import (
     base_motion,
     base_rounding,
     belt_velocity,
-    course_velocity,
     fastest_base,
 )
-from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import Joined
-from vibsim.engine.modes.status import Status
+from vibsim.engine.modes.ties import Edge
 from vibsim.physics.numbers import Kit, N, abs
-from vibsim.physics.parts import Clearance, Friction, RigidStop, Scene, Stop
+from vibsim.physics.parts import BASE, GROUND, Clearance, Friction, RigidStop, Scene, Stop
 
 START_ROUNDING = 16  # at least: each of three numbers and of two differences is rounded once
 
@@ -24,18 +23,25 @@ START_ROUNDING = 16  # at least: each of three numbers and of two differences is
 class RelativeMotion(Generic[N]):
     """Displacements and velocities of the ends of parts against each other, from the state alone."""
 
-    def __init__(self, scene: Scene[N], maker: RowMaker[N], kit: Kit[N]) -> None:
-        self.scene, self.maker, self.kit = scene, maker, kit
+    def __init__(self, scene: Scene[N], kit: Kit[N]) -> None:
+        self.scene, self.kit, self.n = scene, kit, len(scene.bodies)
+        self._fixed = {end: scene.column(end) for end in (GROUND, BASE)}
         self._base: tuple[N, tuple[N, N]] | None = None  # time that the base was asked for last, its motion
 
+    def columns(self, part: Joined) -> Edge:
+        """Columns of the ends of a part."""
+        P, Q = part.P, part.Q
+        return P if P >= 0 else self._fixed[P], Q if Q >= 0 else self._fixed[Q]
+
     def ends(self, part: Joined, state: State[N], of: str) -> tuple[N, N]:
-        P, Q = self.maker.ends(part)
+        """Displacements [m] of the ends of a part, or velocities [m/s], of "x" or "v"."""
+        P, Q = self.columns(part)
         return self._at(P, state, of), self._at(Q, state, of)
 
     def _at(self, column: int, state: State[N], of: str) -> N:
-        if column < self.maker.n:
+        if column < self.n:
             return (state.x if of == "x" else state.v)[column]
-        return self.kit.number(0) if column == self.maker.n else self.base(state, of)
+        return self.kit.number(0) if column == self.n else self.base(state, of)
 
     def base(self, state: State[N], of: str) -> N:
         """Displacement or velocity of the base."""
@@ -48,7 +54,7 @@ class RelativeMotion(Generic[N]):
         that where the base turns round at the start, as at 90 deg.
         """
         zero = self.kit.number(0)
-        if not self.scene.has_base or self.maker.n + 1 not in columns:
+        if not self.scene.has_base or self.n + 1 not in columns:
             return zero, zero
         place, rate = base_rounding(self.scene, self.kit, state.t)
         return place, zero if state.t == 0 and self.base(state, "v") == 0 else rate
@@ -61,7 +67,7 @@ class RelativeMotion(Generic[N]):
 
     def _fastest(self, part: Joined, t: N) -> N:
         """The sum of the velocities of the base, where a part has an end there; else 0."""
-        on_base = self.maker.n + 1 in self.maker.ends(part)
+        on_base = self.n + 1 in self.columns(part)
         return fastest_base(self.scene, self.kit, t) if on_base else self.kit.number(0)
 
     def rests(self, stop: Stop[N] | RigidStop[N], g: N, state: State[N]) -> bool:
@@ -71,7 +77,7 @@ class RelativeMotion(Generic[N]):
         if not isinstance(stop, RigidStop):
             return False
         (vP, vQ), (xP, xQ) = self.ends(stop, state, "v"), self.ends(stop, state, "x")
-        base = self.scene.base if self.maker.n + 1 in self.maker.ends(stop) else ()
+        base = self.scene.base if self.n + 1 in self.columns(stop) else ()
         travel = sum((abs(one.amplitude) for one in base), abs(xP) + abs(xQ) + abs(stop.gap))
         near, still = START_ROUNDING * self.kit.eps * travel, START_ROUNDING * self.kit.eps
         return abs(g) <= near and abs(vP - vQ) <= still * (abs(vP) + abs(vQ) + self._fastest(stop, state.t))
@@ -84,23 +90,36 @@ class RelativeMotion(Generic[N]):
         xP, xQ = self.ends(clearance, state, "x")
         return (xP - xQ) - clearance.distance
 
+    def closing(self, stop: Stop[N] | RigidStop[N], state: State[N]) -> N:
+        """Rate of the depth of a stop [m/s]."""
+        vP, vQ = self.ends(stop, state, "v")
+        return -(stop.sense * (vP - vQ))
+
     def slip(self, friction: Friction[N], state: State[N]) -> N:
         vP, vQ = self.ends(friction, state, "v")
         return (vP - vQ) - belt_velocity(friction, self.kit, state.t)
 
-    def drift(self, status: Status, state: State[N]) -> list[N]:
-        """Velocity of each column against its group, with those of belts by formulas [m/s]."""
-        drift = list(self.maker.ties(status)[1])
-        for c, signs in enumerate(self.maker.courses(status)):
-            for course, sign in signs.items():
-                drift[c] = drift[c] + sign * course_velocity(course, self.kit, state.t)
-        return drift
+    def met(self, part: Stop[N] | RigidStop[N] | Clearance[N], state: State[N]) -> bool:
+        """Whether the ends of a part are exactly where its depth or excess is zero: as computed, or as told
+        of the start from exact numbers, whose rounding it may be then.
+        """
+        if isinstance(part, Clearance):
+            value, distance = self.excess(part, state), part.distance
+        else:
+            value, distance = self.depth(part, state), part.gap
+        xP, xQ = self.ends(part, state, "x")
+        size = abs(xP) + abs(xQ) + abs(distance)
+        return value == 0 or (part.at_start and abs(value) <= START_ROUNDING * self.kit.eps * size)
 
-    def met(
-        self, part: Stop[N] | RigidStop[N] | Clearance[N], value: N, state: State[N], distance: N
-    ) -> bool:
-        """Whether the ends of a part just touch, see `meets`."""
-        return meets(self.kit, part, value, self.ends(part, state, "x"), distance)
+    def touched(
+        self, state: State[N], stops: Iterable[int], clearances: Iterable[int]
+    ) -> tuple[list[int], list[int]]:
+        """Those of some stops and clearances whose ends just touch."""
+        scene = self.scene
+        return (
+            [i for i in stops if self.met(scene.stops[i], state)],
+            [i for i in clearances if self.met(scene.clearances[i], state)],
+        )
 
     def blurred(
         self,
@@ -115,7 +134,7 @@ class RelativeMotion(Generic[N]):
         """
         if met and part.at_start:
             return False
-        lost = self.base_rounding(self.maker.ends(part), state)[0]
+        lost = self.base_rounding(self.columns(part), state)[0]
         if not met:
             xP, xQ = self.ends(part, state, "x")
             y = xP - xQ
@@ -123,16 +142,6 @@ class RelativeMotion(Generic[N]):
                 lost + abs(_difference_error(xP, xQ, y)) + abs(_difference_error(y, -distance, y + distance))
             )
         return 0 < lost >= abs(value)
-
-
-def meets(
-    kit: Kit[N], part: Stop[N] | RigidStop[N] | Clearance[N], value: N, places: tuple[N, N], distance: N
-) -> bool:
-    """Whether the ends at `places` [m] are exactly where `value` = x_P - x_Q + ... is zero: as computed, or
-    as told of the start from exact numbers, whose rounding it may be then.
-    """
-    size = abs(places[0]) + abs(places[1]) + abs(distance)
-    return value == 0 or (part.at_start and abs(value) <= START_ROUNDING * kit.eps * size)
 
 
 def _difference_error(a: N, b: N, difference: N) -> N:

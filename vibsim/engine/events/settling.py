@@ -10,7 +10,7 @@ from typing import Generic
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.departures import DerivativeSigns, first_sign, sign
 from vibsim.engine.flows.accelerations import accelerations
-from vibsim.engine.flows.base_motion import base_acceleration
+from vibsim.engine.flows.base_motion import base_acceleration, course_velocity
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import HOLD, SLIDE, STRIKE, Event, ModeRows
 from vibsim.engine.modes.status import BACKWARD, FORWARD, STICK, Status
@@ -282,12 +282,20 @@ class StickSlipResolution(Generic[N]):
             return False
         return self._slips_as_said(state, status, self._apart(status, standing))
 
+    def drift(self, status: Status, state: State[N]) -> list[N]:
+        """Velocity of each column against its group, with those of belts by formulas [m/s]."""
+        drift = list(self.maker.ties(status)[1])
+        for c, signs in enumerate(self.maker.courses(status)):
+            for course, sense in signs.items():
+                drift[c] = drift[c] + sense * course_velocity(course, self.kit, state.t)
+        return drift
+
     def join(self, state: State[N], rows: ModeRows[N], i: int) -> None:
         """Give the bodies that friction `i` ties their common velocity; momentum is kept where they move
         freely.
         """
         P, _ = self.maker.ends(self.scene.frictions[i])
-        leader, n, drift = rows.leader[P], self.maker.n, self.relative.drift(rows.status, state)
+        leader, n, drift = rows.leader[P], self.maker.n, self.drift(rows.status, state)
         members = [c for c in rows.groups.members[leader] if c < n]
         if leader >= n:
             common = self.kit.number(0) if leader == n else self.relative.base(state, "v")

@@ -141,7 +141,7 @@ def make_truth(name: str) -> StoredTruth:
     confirm(name, truth, other, stray, (events, event_stray))
     provenance = {
         "digits": DIGITS,
-        "numbers": f"{form_of(DIGITS).name} of the engine",
+        "numbers": f"{form_of(DIGITS).kit.name} of the engine",
         "flow": flows[0],
         "confirmed_by": f"{flows[-1]}, {FEWER_DIGITS} digits",
         "kicked_runs": KICKED_RUNS,

@@ -45,17 +45,6 @@ class ImpactLaw(Generic[N]):
     def velocities(self, state: State[N]) -> list[N]:
         return [*state.v, self.kit.number(0), self.relative.base(state, "v")]
 
-    def carry(self, state: State[N], status: Status) -> None:
-        """Give what rests or sticks on the base its velocity, which that of the stretch has but for rounding:
-        where an impact meets them, they do not close.
-        """
-        leader, _ = self.maker.ties(status)
-        carried = [c for c in range(self.maker.n) if leader[c] == self.maker.n + 1]
-        if carried:
-            base, drift = self.relative.base(state, "v"), self.relative.drift(status, state)
-            for c in carried:
-                state.v[c] = base + drift[c]
-
     def touching(self, state: State[N], status: Status, i: int) -> SimultaneousImpacts[N]:
         """The stops that rest, and those that meet stop `i` within the resolution of time and length.
 

@@ -52,7 +52,7 @@ class RigidStops(Generic[N]):
 
         hop : whether the last impact on it was where the stretch began
         """
-        self.impacts.carry(state, status)
+        self._carry(state, status)
         touch = self.impacts.touching(state, status, i)
         i = self.impacts.governing_stop(touch, i)
         touch.hop = i if hop else None
@@ -84,6 +84,17 @@ class RigidStops(Generic[N]):
             if torn and settled.stops[j] == OPEN and self.relative.depth(self.stops[j], state) == 0:
                 known[STRIKE, j] = 1  # whatever order it was of in front of the impact
         return settled, [*self._happened(touch), *lifts, *changed, *begun], known
+
+    def _carry(self, state: State[N], status: Status) -> None:
+        """Give what rests or sticks on the base its velocity, which that of the stretch has but for rounding:
+        where an impact meets them, they do not close.
+        """
+        leader, _ = self.maker.ties(status)
+        carried = [c for c in range(self.maker.n) if leader[c] == self.maker.n + 1]
+        if carried:
+            base, drift = self.relative.base(state, "v"), self.settling.drift(status, state)
+            for c in carried:
+                state.v[c] = base + drift[c]
 
     def touch_again(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken | None:
         """Transition where a stop touches whose ends parted with a zero of `order` above 1: none where
@@ -156,7 +167,7 @@ class RigidStops(Generic[N]):
         behind the start, where rounding may have brought them there.
         """
         elastic = ((i, stop) for i, stop in self.scene.elastic_stops if i not in self.maker.guarded)
-        stops, clearances = self.parting.touched(
+        stops, clearances = self.relative.touched(
             state,
             [i for i, stop in elastic if touch.moved & set(self.maker.ends(stop))],
             [i for i, one in enumerate(self.scene.clearances) if touch.moved & set(self.maker.ends(one))],
@@ -175,8 +186,7 @@ class RigidStops(Generic[N]):
         for i, stop in self.scene.elastic_stops:
             pressed = stop.lets_go and status.stops[i] != OPEN
             if i in bounds:
-                vP, vQ = self.relative.ends(stop, state, "v")
-                status = status.with_stop(i, CONTACT if -(stop.sense * (vP - vQ)) > 0 else OPEN)
+                status = status.with_stop(i, CONTACT if self.relative.closing(stop, state) > 0 else OPEN)
             elif pressed and touch.moved & set(self.maker.ends(stop)):
                 pushes = self._pushes(state, status, i, stop)
                 after = CONTACT if pushes else LIFTED
