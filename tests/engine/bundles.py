@@ -1,13 +1,13 @@
 """Disturbances of scenes made of parts: runs with exponents, and difference quotients in 40 digits."""
 
 from fractions import Fraction
+from math import isnan
 
 from tests.engine.many_digits import exact_parts
 from vibsim.engine.errors import start_of
 from vibsim.engine.modes.status import RESTING
 from vibsim.engine.modes.ties import Groups
-from vibsim.engine.tangent.carried import components_of, started
-from vibsim.engine.tangent.carried_digits import DigitsCarrier
+from vibsim.engine.number_forms import WordsForm
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.tangent.tangent_space import components, dimension, length, references
 from vibsim.engine.trajectory import open_trajectory
@@ -43,21 +43,21 @@ class InDigits:
         kit.activate()
         exact = exact_parts(scene)(kit.number, kit.pi)
         self.begin, self.end = start_of(exact, kit), exact.t_end
-        self.start = components_of(exact, kit, self.begin)
-        self.scene, self.carrier = exact, DigitsCarrier(exact, kit)
+        self.start = start_components(exact)
+        self.scene, self.carrier = exact, Carrier(exact, WordsForm(kit))
         self.mode = self._mode(self.begin)
 
     def _mode(self, begin):
-        status, _ = self.carrier.run.automaton.initial(begin)
+        status, _ = self.carrier._tuned().automaton.initial(begin)
         return status
 
     def possible(self):
         """A basis of the disturbances that the mode of the start allows."""
-        return possible(self.scene, self.kit, self.carrier.run.maker.rows(self.mode))
+        return possible(self.scene, self.kit, self.carrier._tuned().maker.rows(self.mode))
 
     def carry(self, vectors=()):
         """The motion from the start, with `vectors`."""
-        return self.carrier.carry(self.start, self.end, vectors)
+        return self.carrier.carried(self.start, self.end, vectors)
 
     def quotient(self, shift, base):
         """Difference quotient of the ends of `base` and of the motion whose start is shifted by SHIFT or
@@ -67,8 +67,8 @@ class InDigits:
         """
         for small in (self.kit.number(SHIFT), -self.kit.number(SHIFT)):
             start = [value + small * by for value, by in zip(self.start, shift, strict=True)]
-            if self._mode(start_of(started(self.scene, start, self.end), self.kit)) == self.mode:
-                moved = self.carrier.carry(start, self.end, ())
+            if self._mode(self.carrier._start(start)) == self.mode:
+                moved = self.carrier.carried(start, self.end, ())
                 if moved.events == base.events:
                     return [
                         (there - here) / small for there, here in zip(moved.state, base.state, strict=True)
@@ -86,7 +86,7 @@ def assert_derivative(scene, doubles=None):
     vectors, columns = digits.possible(), 0
     base = digits.carry(vectors=vectors)
     kinds = {kind for kind, _ in base.events}
-    if base.undefined:
+    if not isnan(base.undefined_at):
         return 0, kinds
     for vector, ours in zip(vectors, base.vectors, strict=True):
         theirs = digits.quotient(vector, base)

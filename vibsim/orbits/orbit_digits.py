@@ -9,11 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import isfinite, log10, pi
+from math import isfinite, isnan, log10, pi
 from typing import Any
 
+import numpy as np
+
 from vibsim.cases.quantities import number
-from vibsim.engine.tangent.carried_digits import DigitsCarrier
+from vibsim.engine.number_forms import WordsForm
+from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.orbits.coordinates import OrbitError
 from vibsim.orbits.orbit import Orbit
 from vibsim.orbits.stability import characteristic_polynomial, refined_roots, solved
@@ -128,7 +131,7 @@ class _ExactMap:
         self.section = orbit.return_map.section
         self.word: Word = ()
         self.scene = orbit.case.exact_scene(kit.number, kit.pi)
-        self.carrier = DigitsCarrier(self.scene, kit)
+        self.carrier = Carrier(self.scene, WordsForm(kit))
         self.vectors = [[kit.number(value) for value in row] for row in self.at.disturbances.tolist()]
 
     def start_time(self, orbit: Orbit) -> Number:
@@ -153,8 +156,8 @@ class _ExactMap:
     def step(self, X: list[Number], T: Number) -> tuple[list[Number], Number, list[list[Number]]]:
         """Newton's step (change of X, change of T), and the derivative of the map at X."""
         kit, m, p = self.kit, self.at.count, self.section.pinned
-        moved = self.carrier.carry(self.lifted(X), T, self.vectors)
-        if moved.undefined:
+        moved = self.carrier.carried(self.lifted(X), T, self.vectors)
+        if not isnan(moved.undefined_at):
             raise OrbitError(NO_DERIVATIVE)
         self.word = word_of(moved.events)
         end = moved.state
@@ -181,7 +184,7 @@ class _ExactMap:
         rows = self.at.put.tolist()
         return [sum((x for x, one in zip(X, row, strict=True) if one), self.kit.number(0)) for row in rows]
 
-    def _unknowns(self, state: list[Number]) -> list[Number]:
+    def _unknowns(self, state: np.ndarray) -> list[Number]:
         rows, zero = self.at.take.tolist(), self.kit.number(0)
         return [sum((int(a) * s for a, s in zip(row, state, strict=True) if a), zero) for row in rows]
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from vibsim.cases.quantities import any_unit_named, in_own_unit, number, si_unit
 from vibsim.engine.errors import EngineError
-from vibsim.engine.tangent.carried_digits import DigitsCarrier
+from vibsim.engine.number_forms import WordsForm
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.orbits.coordinates import OrbitError, component_names, components_of
 from vibsim.orbits.stability import eigenvalues, modulus
@@ -177,17 +177,17 @@ def _slopes_in_digits(
     return slopes
 
 
-def _state_in_digits(case: "Case", start: Sequence[float], T: float) -> list[Any]:
+def _state_in_digits(case: "Case", start: Sequence[float], T: float) -> np.ndarray:
     """The components at `T` of the motion from `start`, whose doubles stand for their shortest decimals, as
     those of a case do: what just touches there does so here.
     """
     kit: Any = number_kit(DIGITS)
     *components, end = (kit.number(Fraction(repr(float(value)))) for value in (*start, T))
-    carrier = DigitsCarrier(case.exact_scene(kit.number, kit.pi), kit)
-    return carrier.carry(components, end, []).state
+    carrier = Carrier(case.exact_scene(kit.number, kit.pi), WordsForm(kit))
+    return carrier.carried(components, end, []).state
 
 
-def _slope(key: str, here: Sequence[Any], there: Sequence[tuple[Sequence[Any], Fraction]]) -> np.ndarray:
+def _slope(key: str, here: np.ndarray, there: Sequence[tuple[np.ndarray, Fraction]]) -> np.ndarray:
     """The derivative by the states of two motions, each with how far its number is off: the mean of their
     quotients, which agree where there is a derivative.
     """

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import nan
@@ -88,23 +88,7 @@ def _named(happened: bytes) -> tuple[tuple[str, int], ...]:
     return tuple((EVENT_NAMES[kind], part) for kind, part in numbers.tolist())
 
 
-# States as components: x of each body, v of each body, phi and w with a motor.
-
-
-def started(scene: Scene[N], components: Sequence[N], end: N) -> Scene[N]:
-    """The scene from the components of a state to `end` [s]."""
-    n, motor = len(scene.bodies), scene.motor
-    starts = zip(scene.bodies, components[:n], components[n : 2 * n], strict=True)
-    bodies = tuple(replace(body, x=x, v=v) for body, x, v in starts)
-    if motor is not None:
-        motor = replace(motor, phi=components[-2], phidot=components[-1])
-    return replace(scene, bodies=bodies, motor=motor, t_end=end)
-
-
-def components_of(scene: Scene[N], kit: Kit[N], state: State[N]) -> list[N]:
-    """The components of a state."""
-    rotor = (kit.unwind(state.phase, state.turns), state.w) if scene.motor is not None else ()
-    return [*state.x, *state.v, *rotor]
+# Rates of change of components: x of each body, v of each body, phi and w with a motor.
 
 
 def rates_of(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N]) -> list[N]:

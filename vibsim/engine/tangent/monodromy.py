@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from math import isfinite, nan
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,10 +23,10 @@ from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.packing import harmonic_indices, scene_doubles
 from vibsim.engine.modes.parametric_rows import Numbers, differences
 from vibsim.engine.modes.rows import ModeRows
+from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.engine.tangent.carried import Carried, free_scene, rates_of
 from vibsim.engine.tangent.tangent_space import length
 from vibsim.lazy import once
-from vibsim.physics.numbers import Doubles
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
@@ -40,19 +40,17 @@ class _Shared:
     pitches, harmonic_indices, doubles : of its harmonics, and its numbers
     """
 
-    def __init__(self, first: Scene) -> None:
-        self.first, self.pitches = first, pitches(first)
-        self.harmonic_indices, self.doubles = (
-            harmonic_indices(first, self.pitches),
-            scene_doubles(first, self.pitches),
-        )
+    def __init__(self, first: Scene, form: NumberForm[Any]) -> None:
+        self.first, self.form, self.pitches = first, form, pitches(first)
+        self.harmonic_indices = harmonic_indices(first, self.pitches)
+        self.doubles = scene_doubles(first, self.pitches, form)
         self.on: Scene | None = None
 
     @once
     def run(self) -> CarryingRun:
         from vibsim.engine.tangent.carrying_run import CarryingRun
 
-        return CarryingRun(self.first)
+        return CarryingRun(self.first, self.form)
 
     @once
     def table(self) -> ModeTable:
@@ -64,12 +62,12 @@ class Carrier:
     """Carries states of one scene over any times, with disturbances. What the C engine knows of the scene's
     modes it keeps from one to the next.
 
-    scene : a `vibsim.physics.parts.Scene`, whose start and end do not matter
+    scene : a `vibsim.physics.parts.Scene`, whose start and end do not matter, on the numbers of `form`
     """
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene, self._origin = free_scene(scene), scene
-        self.size, self._shared = length(scene), _Shared(self.scene)
+    def __init__(self, scene: Scene[Any], form: NumberForm[Any] = DOUBLES) -> None:
+        self.scene, self._origin, self.kit = free_scene(scene), scene, form.kit
+        self.size, self._shared = length(scene), _Shared(self.scene, form)
         self._doubles = self._shared.doubles
         self._numbers: Numbers = {}
         n = len(scene.bodies)
@@ -99,15 +97,16 @@ class Carrier:
             raise ValueError(f"the end must be after the start, got {end} s")
         return self.carried(state.tolist(), float(end), vectors)
 
-    def carried(self, components: list[float], end: float, vectors: np.ndarray) -> Carried:
-        """As `carry`, for those who know their arguments: a list of finite numbers, a time after the start
-        and an array of one finite disturbance per row.
+    def carried(self, components: list[Any], end: Any, vectors: Any) -> Carried:
+        """As `carry`, for those who know their arguments: finite numbers, a time after the start and one
+        finite disturbance per row; of doubles a list, a double and an array. Other numbers come back as
+        objects, and their precision has to be that of the thread; of events then only what happened is told.
         """
         run = self._tuned()
         run.restart(self._start(components), end, vectors)
         states, codes = run.run_out()
         there = run.outcome(len(vectors))
-        uncertified, margin, mode, undefined, undefined_time = there.told
+        uncertified, margin, mode, undefined, undefined_time = self.kit.rounded(there.told)
         return Carried(
             self._ends(there.state),
             there.rates if len(vectors) else partial(self._rate_of, there.state, run.rates_of(int(mode))),
@@ -119,11 +118,11 @@ class Carrier:
             undefined_time if undefined else nan,
         )
 
-    def _start(self, components: list[float]) -> State:
+    def _start(self, components: list[Any]) -> State[Any]:
         """The state of components at t = 0."""
-        n, zero = len(self.scene.bodies), 0.0
+        n, zero = len(self.scene.bodies), self.kit.number(0)
         x, v, rotor = components[:n], components[n : 2 * n], components[2 * n :]
-        phase, turns = Doubles.reduce_angle(rotor[0]) if rotor else (zero, zero)
+        phase, turns = self.kit.reduce_angle(rotor[0]) if rotor else (zero, zero)
         return State(zero, x, v, phase, turns, rotor[1] if rotor else zero)
 
     def _ends(self, numbers: np.ndarray) -> np.ndarray:
@@ -132,13 +131,13 @@ class Carrier:
         if self.scene.motor is None:
             return components
         phase, turns, w = numbers[-3:].tolist()
-        return np.array([*components.tolist(), Doubles.unwind(phase, turns), w])
+        return np.array([*components.tolist(), self.kit.unwind(phase, turns), w])
 
     def _rate_of(self, numbers: np.ndarray, rows: Callable[[], ModeRows]) -> np.ndarray:
         """Rates of change of the components of such a state; rows: makes those of its mode."""
         n, (t, *values) = len(self.scene.bodies), numbers.tolist()
         state = State(t, values[:n], values[n : 2 * n], *values[2 * n :])
-        return np.array(rates_of(self.scene, Doubles, state, rows()))
+        return np.array(rates_of(self.scene, self.kit, state, rows()))
 
     def _tuned(self) -> CarryingRun:
         """The run on the C engine, on the numbers of this scene."""
@@ -167,7 +166,7 @@ class Carrier:
                 return None
         other = object.__new__(Carrier)
         other.size, other._shared, other._order = self.size, shared, self._order
-        other.scene, other._origin, other._numbers = free, scene, numbers
+        other.scene, other._origin, other.kit, other._numbers = free, scene, self.kit, numbers
         other._doubles = scene_doubles(free, sounds)
         return other
 
