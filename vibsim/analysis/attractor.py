@@ -297,9 +297,7 @@ def _at(label: Label, time: float) -> Label:
 # The end of a run under a periodic source: its last points on the section.
 
 
-def orbit_at_end(
-    return_map: ReturnMap, times: np.ndarray, points: np.ndarray, known: KnownOrbits | None = None
-) -> Orbit | None:
+def orbit_at_end(return_map: ReturnMap, times: np.ndarray, points: np.ndarray) -> Orbit | None:
     """The stable orbit that a run has come to, from its points on the section (k, m) at `times` [s]; None
     where Newton's method finds none from the last point, or the run is not in its neighbourhood.
     """

@@ -22,7 +22,7 @@ from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.flows.expansion import Expansion
 from vibsim.engine.ledger import struck_entries
-from vibsim.engine.ledger_integrals import jumps_of, pack_extremes, pack_impacts, pack_ledger
+from vibsim.engine.ledger_integrals import pack_extremes, pack_impacts, pack_ledger
 from vibsim.engine.modes.mode_table import ModeTable, bytes_of, mode_table
 from vibsim.engine.modes.packing import pack_scene, pack_state
 from vibsim.engine.modes.row_maker import RowMaker
@@ -115,7 +115,7 @@ class CRun:
         self.integrals = self.table.integral_maker(momentum) if ledger or momentum else None
         if self.integrals:
             names = self.integrals.names
-            self.run.keep_ledger(*pack_ledger(scene, names, jumps_of(scene, names), self.maker.ends, form))
+            self.run.keep_ledger(*pack_ledger(scene, names, self.maker.ends, form))
         if scene.rigid_stops:
             names = self.integrals.names if self.integrals else []
             self.run.keep_impacts(*pack_impacts(scene, names, self.maker.ends, early, form))

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Generic, NamedTuple
+from typing import Any, Generic
 
 from vibsim.engine.modes.packing import Packer
 from vibsim.engine.modes.row_maker import RowMaker
@@ -80,15 +80,6 @@ class LedgerIntegrals(Generic[N]):
         return any(m.kind == TORQUE for m in self.integrals)
 
 
-class LedgerJump(NamedTuple):
-    """A stop that may let go while it is pressed: what its spring holds then, k g^2 / 2, is lost there, and
-    counts against the loss where it pushes again.
-    """
-
-    stop: int
-    entry: int
-
-
 def entries_of(scene: Scene[N], momentum: bool = False) -> list[Entry]:
     """Names of the entries of a scene's ledger: (quantity, section, part), work and loss [J], impulse
     [N s].
@@ -114,15 +105,6 @@ def entries_of(scene: Scene[N], momentum: bool = False) -> list[Entry]:
     return names
 
 
-def jumps_of(scene: Scene[N], names: Sequence[Entry]) -> list[LedgerJump]:
-    """The stops whose stored energy jumps where they let go by force."""
-    return [
-        LedgerJump(i, names.index(("loss", "stops", stop.name)))
-        for i, stop in scene.elastic_stops
-        if stop.lets_go
-    ]
-
-
 class IntegralMaker(Generic[N]):
     """Makes the integrals of the modes of a scene."""
 
@@ -144,7 +126,7 @@ class IntegralMaker(Generic[N]):
         self._couplings(rows)
         for i, friction in enumerate(self.scene.frictions):
             if rows.status.frictions[i] != STICK and friction.slips is None:
-                self._slipping(i, friction, rows.status.frictions[i])
+                self._slipping(friction, rows.status.frictions[i])
         for role, output in rows.outputs.items():
             self._by_formula(rows, role, output)
         for k, function, orientation in self._ties(rows):
@@ -226,7 +208,7 @@ class IntegralMaker(Generic[N]):
         else:
             self._add(FUNCTION, name, factor, source=source)
 
-    def _slipping(self, i: int, friction: Friction[N], sign: int) -> None:
+    def _slipping(self, friction: Friction[N], sign: int) -> None:
         P, Q = self.maker.ends(friction)
         on_P = -friction.forward if sign > 0 else friction.backward
         self._add(SLIP, ("loss", "friction", friction.name), -on_P, P=P, Q=Q, drift=friction.belt)
@@ -307,19 +289,18 @@ class IntegralMaker(Generic[N]):
 
 
 def pack_ledger(
-    scene: Scene,
-    names: Sequence[Entry],
-    jumps: Sequence[LedgerJump],
-    ends: Callable[[Joined], Edge],
-    form: NumberForm[Any] = DOUBLES,
+    scene: Scene, names: Sequence[Entry], ends: Callable[[Joined], Edge], form: NumberForm[Any] = DOUBLES
 ) -> tuple[bytes, bytes]:
-    """Number of entries, and the stops whose stored energy jumps. ends: columns of the ends of a part."""
+    """Number of entries, and the stops that may let go while they are pressed: what the spring of one holds
+    then, k g^2 / 2, is lost there, and counts against the loss where it pushes again. ends: columns of the
+    ends of a part.
+    """
     pack = Packer(form)
-    pack.put((len(names), len(jumps)))
-    elastic = dict(scene.elastic_stops)
-    for jump in jumps:
-        stop = elastic[jump.stop]
-        pack.put((jump.stop, jump.entry, *ends(stop), stop.sense), (stop.gap, stop.k))
+    jumping = [(i, stop) for i, stop in scene.elastic_stops if stop.lets_go]
+    pack.put((len(names), len(jumping)))
+    for i, stop in jumping:
+        entry = names.index(("loss", "stops", stop.name))
+        pack.put((i, entry, *ends(stop), stop.sense), (stop.gap, stop.k))
     return pack.packed
 
 

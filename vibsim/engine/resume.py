@@ -141,13 +141,12 @@ def _zeros(
     What a tie held for long enough parts with a zero of one order more where no force jumps.
     """
     kind, part = EVENT_NAMES[int(row["kind"])], int(row["part"])
-    relative = RelativeMotion(scene, Doubles)
     friction = part - len(scene.stops)
     clearance = friction - len(scene.frictions)
     if kind in ("contact_begin", "contact_end"):
-        if forced and _deep(relative, dict(scene.elastic_stops)[part], state):
+        if forced and _deep(scene, dict(scene.elastic_stops)[part], state):
             return {}
-        return {(_watched(relative, kind, part, state, status), part): 1}
+        return {(_watched(scene, kind, part, state, status), part): 1}
     if kind in ("violation_begin", "violation_end"):
         return {(CLEARANCE, clearance): 1}
     if kind in RIGID_KINDS:
@@ -156,12 +155,12 @@ def _zeros(
         known: Known = {}
         for one in coincident_stops_of(scene, part):
             if status.stops[one] == OPEN:
-                rate = 0.0 if parted else relative.closing(scene.stops[one], state)
+                rate = 0.0 if parted else RelativeMotion(scene, Doubles).closing(scene.stops[one], state)
                 known[STRIKE, one] = released if rate == 0 else 1
         return known
     if kind in ("reversal", "stick_end"):
         dry = scene.frictions[friction]
-        if _struck(scene, dry, row) or (forced and _slips(relative, dry, state)):
+        if _struck(scene, dry, row) or (forced and _slips(scene, dry, state)):
             return {}
     released = 1 if jumps else 2
     if kind in ("reversal", "stick_end"):
@@ -169,9 +168,9 @@ def _zeros(
     return {}
 
 
-def _deep(relative: RelativeMotion, stop: Stop, state: State) -> bool:
+def _deep(scene: Scene, stop: Stop, state: State) -> bool:
     """Whether a stop that lets go by force is pressed to a depth, where no zero of that ends contact."""
-    return stop.lets_go and not relative.met(stop, state)
+    return stop.lets_go and not RelativeMotion(scene, Doubles).met(stop, state)
 
 
 def _zeros_of_parted(scene: Scene, rows: Sequence[Row], state: State, status: Status, order: int) -> Known:
@@ -199,18 +198,18 @@ def _struck(scene: Scene, friction: Friction, row: Row) -> bool:
     return any(jump > ROUNDING * (max(sizes) + abs(friction.belt)) for jump in jumps)
 
 
-def _slips(relative: RelativeMotion, friction: Friction, state: State) -> bool:
+def _slips(scene: Scene, friction: Friction, state: State) -> bool:
     """Whether the ends of a friction slip by more than rounding: the base or its belt has jumped."""
-    vP, vQ = relative.ends(friction, state, "v")
+    vP, vQ = RelativeMotion(scene, Doubles).ends(friction, state, "v")
     belt = belt_velocity(friction, Doubles, state.t)
     return abs(vP - vQ - belt) > ROUNDING * (abs(vP) + abs(vQ) + abs(belt))
 
 
-def _watched(relative: RelativeMotion, kind: str, part: int, state: State, status: Status) -> int:
+def _watched(scene: Scene, kind: str, part: int, state: State, status: Status) -> int:
     """Whether a contact began or ended at zero depth, or at zero force, which begins it while it shrinks."""
-    stop = dict(relative.scene.elastic_stops)[part]
+    stop = dict(scene.elastic_stops)[part]
     if not stop.lets_go:
         return GAP
     if kind == "contact_end":
         return PUSH if status.stops[part] == LIFTED else GAP
-    return GAP if relative.closing(stop, state) > 0 else PUSH
+    return GAP if RelativeMotion(scene, Doubles).closing(stop, state) > 0 else PUSH

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Generic, cast
 
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.relative_motion import RelativeMotion
-from vibsim.engine.flows.accelerations import accelerations
+from vibsim.engine.flows.accelerations import accelerations, left_open
 from vibsim.engine.flows.tape import Inputs, TapeMaker, TapeValues
 from vibsim.engine.modes.formula_rows import FormulaRows
 from vibsim.engine.modes.row_maker import RowMaker
@@ -24,7 +24,6 @@ from vibsim.physics.parts import Scene
 if TYPE_CHECKING:
     from vibsim.engine.events.departures import DerivativeSigns
 
-ROUNDING = 8  # of displacements and velocities at an event, in units of eps
 NO_JUMP = 2.0**-30  # of its size, below which two sides of a switch give one force
 LATE = 64  # units of the time, within which a kink of the base is where it was found to be
 MOST_STATUSES = 1000  # whose sides are kept
@@ -49,18 +48,14 @@ class SwitchSides(Generic[N]):
         """Values that formulas read at a state, and their uncertainty by rounding: that of the state, and of
         the time at which it is taken; before: the mode that led there.
         """
-        zero, lost = self.kit.number(0), ROUNDING * self.kit.eps
+        zero = self.kit.number(0)
         x = [*state.x, zero, self.relative.base(state, "x")]
         v = [*state.v, zero, self.relative.base(state, "v")]
         a = [zero] * len(v)
         if before is not None:
             a, _ = accelerations(self.scene, self.kit, self.maker.rows(before), state)
-        late = lost * abs(state.t)
-        blur_x = [lost * abs(p) + late * abs(q) for p, q in zip(x, v, strict=True)]
-        blur_v = [lost * abs(p) + late * abs(q) for p, q in zip(v, a, strict=True)]
-        phi = self.kit.unwind(state.phase, state.turns)
-        at = Inputs(state.t, x, v, phi, state.w)
-        return at, Inputs(late, blur_x, blur_v, lost * abs(phi), lost * abs(state.w))
+        at = Inputs(state.t, x, v, self.kit.unwind(state.phase, state.turns), state.w)
+        return at, left_open(self.kit, state, x, v, a, zero, zero)
 
     def completed(
         self,

@@ -9,8 +9,10 @@ from vibsim.engine.errors import State
 from vibsim.engine.flows.base_motion import base_acceleration, base_motion, value_and_rate
 from vibsim.engine.flows.tape import Inputs, TapeValues
 from vibsim.engine.modes.rows import ModeRows
-from vibsim.physics.numbers import Kit, N
+from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
+
+ROUNDING = 8  # of displacements and velocities at an event, in units of eps
 
 
 def accelerations(
@@ -36,10 +38,8 @@ def accelerations(
     for column, value in rows.constants:
         F[leader[column]] = F[leader[column]] + value
     if rows.tape:
-        phi, quiet = kit.unwind(state.phase, state.turns), [zero] * (n + 2)
-        sharp = Inputs(zero, quiet, quiet, zero, zero)
-        at = Inputs(state.t, x, v, phi, state.w)
-        values = TapeValues(kit, rows.tape, at, sharp if blur is None else blur, blur is not None)
+        at = Inputs(state.t, x, v, kit.unwind(state.phase, state.turns), state.w)
+        values = TapeValues(kit, rows.tape, at, blur, blur is not None)
         for law in rows.formulas:
             value = law.sign * values.output(law.output)[0]
             F[leader[law.P]] = F[leader[law.P]] + value
@@ -98,6 +98,26 @@ def _turn_rotors(kit: Kit[N], rows: ModeRows[N], state: State[N], F: list[N], ow
         own[leader] = force / mass
     for one, coupling in zip(rows.rotors, couplings, strict=True):
         own[one.column] = (F[one.column] + coupling * own[rows.leader[one.on]]) / one.inertia
+
+
+def left_open(
+    kit: Kit[N], state: State[N], x: Sequence[N], v: Sequence[N], a: Sequence[N], w: N, alpha: N
+) -> Inputs[N]:
+    """What rounding leaves open of a state, and of the time at which it is taken.
+
+    x, v, a : displacements, velocities and accelerations of all columns; w, alpha : speed and acceleration
+    with which the rotor goes on in the meantime
+    """
+    lost = ROUNDING * kit.eps
+    late = lost * abs(state.t)
+    phi = kit.unwind(state.phase, state.turns)
+    return Inputs(
+        late,
+        [lost * abs(p) + late * abs(q) for p, q in zip(x, v, strict=True)],
+        [lost * abs(p) + late * abs(q) for p, q in zip(v, a, strict=True)],
+        lost * abs(phi) + late * abs(w),
+        lost * abs(state.w) + late * abs(alpha),
+    )
 
 
 def joined(scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[N], vector: Sequence[N]) -> list[N]:

@@ -316,11 +316,12 @@ def quotient(kit: Kit[N], a: N, b: N) -> N:
 class TapeValues(Generic[N]):
     """Values along a tape at one instant, each with a bound of its rounding.
 
+    blur : uncertainty of what is read; None where that is exact
     at_zeros : whether bases of powers that are within rounding of zero are zero
     """
 
     def __init__(
-        self, kit: Kit[N], tape: Tape, at: Inputs[N], blur: Inputs[N], at_zeros: bool = False
+        self, kit: Kit[N], tape: Tape, at: Inputs[N], blur: Inputs[N] | None = None, at_zeros: bool = False
     ) -> None:
         self.kit, self.tape = kit, tape
         self.values: list[N] = []
@@ -328,7 +329,10 @@ class TapeValues(Generic[N]):
         for i, op in enumerate(tape.ops):
             if op.code in INPUTS:
                 self.values.append(input_value(op, at))
-                self.bounds.append(kit.number(0) if op.code == CONSTANT else abs(input_value(op, blur)))
+                if blur is None or op.code == CONSTANT:
+                    self.bounds.append(kit.number(0))
+                else:
+                    self.bounds.append(abs(input_value(op, blur)))
             elif at_zeros and op.code == POWER and abs(self.values[op.a]) <= self.bounds[op.a]:
                 self.values.append(start_value(kit, op, {op.a: kit.number(0)}))
                 self.bounds.append(kit.number(0))

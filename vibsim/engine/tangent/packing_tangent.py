@@ -12,7 +12,7 @@ from vibsim.engine.modes.packing import Packed, Packer, pack_tape
 from vibsim.engine.modes.rows import Joined, ModeRows
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.number_forms import DOUBLES, NumberForm
-from vibsim.engine.tangent.tangent_space import Gauge, components, natural_rate, weights
+from vibsim.engine.tangent.tangent_space import components, natural_rate, references, weights
 from vibsim.lazy import once
 from vibsim.physics import elementary
 from vibsim.physics.formulas import Node, derivative, resolved, walk
@@ -94,10 +94,13 @@ class DisturbancePacker:
 
 def _form(scene: Scene, carried: bool, count: int, ends: Ends) -> bytes:
     """Which components there are, and what the parts join; carried: whether disturbances stay as they are."""
-    pack, gauge, present = Packer(), Gauge(scene), components(scene)
+    pack, present = Packer(), components(scene)
+    measured_from = {c: r for c, r in enumerate(references(scene)) if r is not None}
+    shifts = [(c, r) for c, r in measured_from.items() if r != c]  # that no force feels, to be taken out
+    left_out = sorted(set(measured_from.values()))
     pack.put((carried, count, len(scene.stops), len(scene.frictions)))
-    pack.put((len(present), len(gauge.shifts), len(gauge.references)))
-    pack.put((*present, *(c for c, _ in gauge.shifts), *(r for _, r in gauge.shifts), *gauge.references))
+    pack.put((len(present), len(shifts), len(left_out)))
+    pack.put((*present, *(c for c, _ in shifts), *(r for _, r in shifts), *left_out))
     for part in (*scene.stops, *scene.frictions):
         pack.put(ends(part))
     return pack.packed[0]

@@ -22,7 +22,7 @@ from typing import Generic, Protocol
 
 from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
-from vibsim.engine.flows.accelerations import accelerations, joined, response
+from vibsim.engine.flows.accelerations import accelerations, joined, left_open, response
 from vibsim.engine.flows.base_motion import base_motion, course_acceleration
 from vibsim.engine.flows.expansion import Expansion
 from vibsim.engine.flows.tape import Inputs, TapeValues
@@ -45,10 +45,8 @@ from vibsim.engine.modes.status import RESTING, STICK, Status
 from vibsim.engine.tangent.impact_saltation import UNDEFINED, Undefined, impact_saltation
 from vibsim.engine.tangent.packing_tangent import slopes_of
 from vibsim.physics.formulas import is_continuous
-from vibsim.physics.numbers import Kit, N, abs, total_of
+from vibsim.physics.numbers import Kit, N, total_of
 from vibsim.physics.parts import Scene, Stop
-
-ROUNDING = 8  # of displacements and velocities at an event, in units of eps
 
 Accelerations = tuple[list[N], N]  # of bodies [m/s^2] and rotor [rad/s^2]
 
@@ -127,8 +125,7 @@ class DisturbedForces(Generic[N]):
         kit, state, zero, slopes = self.kit, self.state, self.kit.number(0), slopes_of(self.kit, self.rows)
         X, V = base_motion(self.scene, kit, state.t, self.rows)
         at = Inputs(state.t, (*state.x, zero, X), (*state.v, zero, V), state.phase, state.w)
-        quiet = [zero] * (self.n + 2)
-        values = TapeValues(kit, slopes.tape, at, Inputs(zero, quiet, quiet, zero, zero))
+        values = TapeValues(kit, slopes.tape, at)
         moved = {"x": self.x, "v": self.v, "phi": (self.phi,), "w": (self.w,)}
         return {
             k: total_of(kit, (values.output(one.output)[0] * moved[one.kind][one.column] for one in each))
@@ -367,18 +364,10 @@ class EventCrossing(ModeChange[N]):
 
     def _left_open(self) -> Inputs[N]:
         """What rounding leaves open of the state, the time of which is rounded too."""
-        scene, kit, state, before = self.scene, self.kit, self.state, self.before
-        lost, zero = ROUNDING * kit.eps, kit.number(0)
-        X, V = base_motion(scene, kit, state.t, before)
-        x, v, late = (*state.x, zero, X), (*state.v, zero, V), lost * abs(state.t)
-        a, alpha = accelerations(scene, kit, before, state)
-        return Inputs(
-            late,
-            [lost * abs(p) + late * abs(q) for p, q in zip(x, v, strict=True)],
-            [lost * abs(p) + late * abs(q) for p, q in zip(v, a, strict=True)],
-            lost * abs(kit.unwind(state.phase, state.turns)) + late * abs(state.w),
-            lost * abs(state.w) + late * abs(alpha),
-        )
+        scene, kit, state, zero = self.scene, self.kit, self.state, self.kit.number(0)
+        X, V = base_motion(scene, kit, state.t, self.before)
+        a, alpha = accelerations(scene, kit, self.before, state)
+        return left_open(kit, state, (*state.x, zero, X), (*state.v, zero, V), a, state.w, alpha)
 
 
 def resting(status: Status) -> list[int]:

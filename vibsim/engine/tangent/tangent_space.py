@@ -110,18 +110,3 @@ def plainly_weighed_alike(one: Scene[N], other: Scene[N]) -> bool:
         return False
     springs = one.links is other.links or [link.k for link in one.links] == [link.k for link in other.links]
     return springs and (one.motor and one.motor.e) == (other.motor and other.motor.e)
-
-
-class Gauge:
-    """Shifts that no force feels, which C takes out of disturbances.
-
-    shifts : columns, and those that each is measured from; references : the columns that are left out
-    """
-
-    def __init__(self, scene: Scene[N]) -> None:
-        self.shifts = [(c, r) for c, r in enumerate(references(scene)) if r is not None and r != c]
-        self.references = sorted({r for _, r in self.shifts} | set(_alone(scene)))
-
-
-def _alone(scene: Scene[N]) -> list[int]:
-    return [c for c, r in enumerate(references(scene)) if r == c]

@@ -140,7 +140,7 @@ def impact(
     couplings = [[coupling(bodies, a, b) for b in contacts] for a in contacts]
     active, impulses = _least(kit, couplings, demands)
     if len(active) == 1:
-        after, speed, only = _single(kit, bodies, contacts[active[0]], v, w)
+        after, speed, only = _single(bodies, contacts[active[0]], v, w)
         return _with_rotors(bodies, v, after), speed, only
     struck = [contacts[j] for j in active]
     after, moved = _passed_on(kit, bodies, struck, impulses, v)
@@ -179,9 +179,7 @@ def _passed_on(
     return after, moved
 
 
-def _single(
-    kit: Kit[N], bodies: Masses[N], c: Contact[N], v: Sequence[N], w: N
-) -> tuple[list[N], N, list[Impulse[N]]]:
+def _single(bodies: Masses[N], c: Contact[N], v: Sequence[N], w: N) -> tuple[list[N], N, list[Impulse[N]]]:
     """An impact at one stop: both ends go on with what they have in common, and part with e times what they
     had not. So the speed of a body before a wall is turned round to the bit where e = 1.
     """
