@@ -12,7 +12,7 @@ stop was struck before: hops of a sequence of impacts shrink, and their approach
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import inf, nan
 from typing import Any, Generic
@@ -35,100 +35,8 @@ CLOSE = 1e-6  # a rate of 1/1000 of the largest
 GRAZING = 2.0**-40  # a depth of some thousand roundings
 
 
-class Tangencies(Generic[N]):
-    """Counts close crossings and keeps the closest.
-
-    fastest : by stop, the largest |v_P - v_Q| + rate |x_P - x_Q| at an event or the end of a step [m/s]
-    since : by stop, the same since it was struck last, with x_P - x_Q counted from where that was [m/s]
-    undefined, undefined_time : events that have no derivative, the time of the first [s]
-    """
-
-    def __init__(self, scene: Scene[N], kit: Kit[N]) -> None:
-        self.scene, self.kit, self.rate = scene, kit, natural_rate(scene, kit)
-        self.fastest = [kit.number(0)] * len(scene.stops)
-        self.since = list(self.fastest)
-        self.nothing = kit.number(1), kit.number(0)
-        self.forget()
-
-    def forget(self) -> None:
-        """Begin to count anew."""
-        self.count = 0
-        self.closest, self.time = self.nothing
-        self.undefined, self.undefined_time = 0, self.kit.number(0)
-
-    def refuse(self, t: N) -> None:
-        """Learn of an event at t [s] that has no derivative."""
-        if self.undefined == 0:
-            self.undefined_time = t
-        self.undefined += 1
-
-    def _between(self, stop: Joined, state: State[N], rows: ModeRows[N]) -> tuple[N, N]:
-        """x_P - x_Q and v_P - v_Q."""
-        X, V = base_motion(self.scene, self.kit, state.t, rows)
-        zero = self.kit.number(0)
-        x, v = (*state.x, X, zero), (*state.v, V, zero)  # BASE is -2, GROUND -1
-        return x[stop.P] - x[stop.Q], v[stop.P] - v[stop.Q]
-
-    def judge(self, at: EventCrossing[N], jump: Jump[N] | Undefined | None) -> None:
-        """Judge an event, with its saltation."""
-        event, state, before, after = at.event, at.state, at.before, at.after
-        i = event.part
-        if isinstance(jump, Undefined):
-            self.refuse(state.t)
-            return
-        if event.kind == GAP and self.fastest[i] > 0 and before.status.stops[i] != after.status.stops[i]:
-            _, rate = self._between(self.scene.stops[i], state, before)
-            share = rate / self.fastest[i]
-        elif isinstance(jump, ImpactSaltation) and self.fastest[i] > 0 and jump.drive <= 0:
-            share = jump.approach / self.fastest[i]
-            if jump.approach * jump.approach < GRAZING * (self.since[i] * self.since[i]):
-                self.refuse(state.t)
-        elif event.kind == SLIDE and after.status.frictions[i] == STICK:
-            share = self._stopping_share(at)
-        elif event.kind == HOLD and at.tied and at.released:
-            share = self._tearing_share(at)
-        else:
-            return
-        share = share * share
-        if share < CLOSE:
-            self.count += 1
-        if share < self.closest:
-            self.closest, self.time = share, state.t
-
-    def _tearing_share(self, at: EventCrossing[N]) -> N:
-        """How fast the force of ties comes to a limit at which it drops, over a sweep through all that they
-        can hold at the natural rate [-]. Where it does not drop nothing depends on the instant.
-        """
-        cut, held = at.before.cuts[at.event.part], self.kit.number(0)
-        for limit in (cut.above, cut.below):  # a rigid stop at rest holds any force one way
-            held = held if limit is None else held + limit
-        rate = at.tie_rate
-        for term in at.event.terms:
-            if term.kind == FORMULA and term.coefficient == 1:
-                held = held + 2 * abs(at.expansion.formulas()[term.P])
-        return -rate / (held * self.rate)
-
-    def _stopping_share(self, at: EventCrossing[N]) -> N:
-        """Deceleration of a sliding that ends, over the largest with which it can end in sticking [-]: with
-        the friction turned round it would be 0 at least.
-
-        It is 0 where the motion just touches v_rel = 0, which a disturbed one may miss; 1 where ground and
-        base hold both ends, so that no force decides.
-        """
-        scene, kit, i, sliding = self.scene, self.kit, at.event.part, at.before.status
-        n = len(scene.bodies)
-        maker: Any = at.expansion.table.maker
-        turned = maker.rows(sliding.with_frictions({i: -sliding.frictions[i]}))
-        gained, _ = replace(at, after=turned).jump()
-        largest = gradient(kit, at.event, [kit.number(0)] * n + gained[:n], n)
-        return -at.rate / largest if largest != 0 else kit.number(1)
-
-
-# Jumps of disturbances at events, where the C engine leaves them to Python.
-
-
 class Jumps(Generic[N]):
-    """Effect of the events of a scene on disturbances that a run in C carries.
+    """Effect of the events of a scene on disturbances that a run in C carries, where C leaves it to Python.
 
     run : that run, an `_engine.Run`; rows : the rows of a mode, by its status
     """
@@ -137,8 +45,8 @@ class Jumps(Generic[N]):
         self, scene: Scene[N], run: Any, rows: Callable[[Status], ModeRows[N]], expansion: Expansion[N]
     ) -> None:
         self.scene, self.run, self.rows = scene, run, rows
-        self.expansion, self.form = expansion, expansion.form
-        self.tangencies = Tangencies(scene, expansion.kit)
+        self.expansion, self.form, self.kit = expansion, expansion.form, expansion.kit
+        self.rate = natural_rate(scene, self.kit)
 
     def in_c(
         self,
@@ -174,18 +82,81 @@ class Jumps(Generic[N]):
 
         touch : what rigid stops did
         """
-        entries, near, form = self.run.disturbances(), self.tangencies, self.form
+        entries, form = self.run.disturbances(), self.form
         vectors = entries["vectors"]
-        near.forget()
-        near.fastest, near.since = list(entries["fastest"]), list(entries["since"])
         at = EventCrossing(self.scene, before, after, event, self.expansion, state, touch)
         jump = at.saltation()
-        near.judge(at, jump)
+        closest, undefined = self._judged(at, jump, entries["fastest"], entries["since"])
         jump = None if isinstance(jump, Undefined) else jump
-        determinant = jump.determinant if jump and before.leader == after.leader else form.kit.number(1)
+        determinant = jump.determinant if jump and before.leader == after.leader else self.kit.number(1)
         moved = form.packed([value for one in vectors for value in (jump.applied(one) if jump else one)])
-        told = determinant, near.count, near.closest, near.undefined > 0
+        told = determinant, int(closest < CLOSE), closest, undefined
         self.run.hand_jump(jump is not None, *told, moved)
+
+    def _judged(
+        self,
+        at: EventCrossing[N],
+        jump: Jump[N] | Undefined | None,
+        fastest: Sequence[N],
+        since: Sequence[N],
+    ) -> tuple[N, bool]:
+        """(Square of the rate of an event over that of the whole motion, at most 1, and 1 where it is not
+        judged; whether it has no derivative).
+
+        fastest : by stop, the largest |v_P - v_Q| + rate |x_P - x_Q| at an event or the end of a step [m/s]
+        since : by stop, the same since it was struck last, with x_P - x_Q counted from where that was [m/s]
+        """
+        event, before, after, one = at.event, at.before, at.after, self.kit.number(1)
+        i, grazes = event.part, False
+        if isinstance(jump, Undefined):
+            return one, True
+        if event.kind == GAP and fastest[i] > 0 and before.status.stops[i] != after.status.stops[i]:
+            share = self._parting_rate(self.scene.stops[i], at.state, before) / fastest[i]
+        elif isinstance(jump, ImpactSaltation) and fastest[i] > 0 and jump.drive <= 0:
+            share = jump.approach / fastest[i]
+            grazes = bool(jump.approach * jump.approach < GRAZING * (since[i] * since[i]))
+        elif event.kind == SLIDE and after.status.frictions[i] == STICK:
+            share = self._stopping_share(at)
+        elif event.kind == HOLD and at.tied and at.released:
+            share = self._tearing_share(at)
+        else:
+            return one, False
+        share = share * share
+        return share if share < one else one, grazes
+
+    def _parting_rate(self, stop: Joined, state: State[N], rows: ModeRows[N]) -> N:
+        """v_P - v_Q [m/s]."""
+        zero = self.kit.number(0)
+        v = (*state.v, base_motion(self.scene, self.kit, state.t, rows)[1], zero)  # BASE is -2, GROUND -1
+        return v[stop.P] - v[stop.Q]
+
+    def _tearing_share(self, at: EventCrossing[N]) -> N:
+        """How fast the force of ties comes to a limit at which it drops, over a sweep through all that they
+        can hold at the natural rate [-]. Where it does not drop nothing depends on the instant.
+        """
+        cut, held = at.before.cuts[at.event.part], self.kit.number(0)
+        for limit in (cut.above, cut.below):  # a rigid stop at rest holds any force one way
+            held = held if limit is None else held + limit
+        rate = at.tie_rate
+        for term in at.event.terms:
+            if term.kind == FORMULA and term.coefficient == 1:
+                held = held + 2 * abs(at.expansion.formulas()[term.P])
+        return -rate / (held * self.rate)
+
+    def _stopping_share(self, at: EventCrossing[N]) -> N:
+        """Deceleration of a sliding that ends, over the largest with which it can end in sticking [-]: with
+        the friction turned round it would be 0 at least.
+
+        It is 0 where the motion just touches v_rel = 0, which a disturbed one may miss; 1 where ground and
+        base hold both ends, so that no force decides.
+        """
+        scene, kit, i, sliding = self.scene, self.kit, at.event.part, at.before.status
+        n = len(scene.bodies)
+        maker: Any = at.expansion.table.maker
+        turned = maker.rows(sliding.with_frictions({i: -sliding.frictions[i]}))
+        gained, _ = replace(at, after=turned).jump()
+        largest = gradient(kit, at.event, [kit.number(0)] * n + gained[:n], n)
+        return -at.rate / largest if largest != 0 else kit.number(1)
 
 
 # What the disturbances of a run came to, by name.
@@ -198,15 +169,8 @@ def tangent_totals(
 
     margin, margin_time: smallest gap at a turn without contact [m] (inf without any) and when [s].
 
-    exponents : growth rates [1/s] over the recorded span, the largest first; NaN where there is no span yet
-    and where there is no derivative, -inf where ties took the direction
-    growth : rows (t [s], logarithm of the growth of each disturbance since the first row)
-    rank_losses : directions that ties took within the span, and those that they held at its start
-    tangent_pieces : stretches after which it was orthonormalised
-    volume_residual : what is missing in the identity of Liouville [-]; NaN unless the bundle is complete
-    tangencies, closest_tangency [-], closest_tangency_time [s] : events crossed almost tangentially, turns
-    almost in contact; see `vibsim.engine.tangent.tangencies`
-    undefined_time : time [s] of the first event in the span that has no derivative; NaN without any
+    Their names are those of `vibsim.engine.tangent.lyapunov.LyapunovExponents`. Directions that ties held at
+    the start of the span count as lost.
     """
     columns, lost = entries["columns"], np.array(entries["lost"])
     table = np.array(entries["rows"], dtype="f8").reshape(-1, 1 + len(columns))
