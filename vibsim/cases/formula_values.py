@@ -363,6 +363,8 @@ class _Evaluation:
         return WorkedOut(node, unit, size, max(guard.depth, first.depth, second.depth) + 1)
 
     def _call_mod(self, term: FormulaTerm, wanted: Dimension | None) -> WorkedOut:
+        from vibsim.physics.formula_values import size_of
+
         values = [self.of(part, wanted) for part in term.parts]
         unit = self.common(term, term.parts, values, wanted, ", ")
         a, b = values
@@ -370,7 +372,7 @@ class _Evaluation:
         if nodes.reads([b.node], ("t", "x", "v", "phi", "w")):
             message = f"{self.said(below)} must be a number that does not change, in mod(a, b)"
             raise FormulaError(message, below.start, below.end)
-        size = constant(b.node)
+        size = size_of(b.node)
         if size is None or size <= 0:
             raise FormulaError(f"{self.said(below)} must be > 0, in mod(a, b)", below.start, below.end)
         x, y = nodes.value_of(a.node), nodes.value_of(b.node)
@@ -473,10 +475,3 @@ def _outside(name: str) -> str:
         return "the logarithm of a number that is not above 0"
     of = nodes.FUNCTIONS[name]
     return f"{name} of a number beyond {of.least} to {of.most}"
-
-
-def constant(node: Node) -> float | None:
-    """The size of a node that reads nothing but numbers, in doubles; None where it has none."""
-    from vibsim.physics.formula_values import size_of
-
-    return size_of(node)

@@ -6,11 +6,10 @@ Sums and products are rounded as everywhere, functions are those of `vibsim.phys
 differs from one machine to the next.
 """
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
-from math import pi
+from math import isfinite, pi
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ import numpy as np
 from vibsim.physics import elementary
 from vibsim.physics.connections import base_formulas
 from vibsim.physics.elementary import mean, sine_cosine_of_arrays
-from vibsim.physics.formulas import FUNCTIONS, TIME, Node, children, derivative, walk
+from vibsim.physics.formulas import TIME, Node, children, derivative, reads, walk
 from vibsim.physics.parts import BASE, GROUND, ROTOR, STATE, Link, Scene
 
 Inputs = Mapping[Node, np.ndarray | float]  # what formulas read: node -> values [SI]
@@ -30,6 +29,17 @@ def values_of(formula: Node, inputs: Inputs) -> np.ndarray:
     for node in walk([formula]):
         known[node] = _value(node, [known[child] for child in children(node)], inputs)
     return known[formula]
+
+
+def size_of(node: Node, t: float = 0.0) -> float | None:
+    """The value of a formula that reads nothing but the time t [s]; None where it has none, or reads more."""
+    if reads([node], ("x", "v", "phi", "w")):
+        return None
+    try:
+        value = float(values_of(node, {TIME: t}))
+    except OverflowError:  # of a number beyond all doubles
+        return None
+    return value if isfinite(value) else None
 
 
 def _value(node: Node, below: list[np.ndarray], inputs: Inputs) -> np.ndarray:
@@ -106,20 +116,8 @@ def inputs_at(
     inputs: dict[Node, float] = {TIME: t, ("phi",): rotor[0], ("w",): rotor[1]}
     for i, (place, velocity) in enumerate(zip(x, v, strict=False)):
         inputs["x", i], inputs["v", i] = float(place), float(velocity)
-    X, V = _base_at(scene, t)
+    X, V, _ = (float(np.ravel(value)[0]) for value in motion_of_base(scene, np.array([t])))
     return inputs | {("x", BASE): X, ("v", BASE): V}
-
-
-def _base_at(scene: Scene[Any], t: float) -> tuple[float, float]:
-    if scene.base_formula is not None:
-        X, V = base_motion_of(scene, np.array([t]))
-        return float(X[0]), float(V[0])
-    place = rate = 0.0
-    for term in scene.base:
-        sine, cosine = elementary.sine_cosine(float(term.omega) * t + float(term.phase))
-        place = place + float(term.amplitude) * sine
-        rate = rate + float(term.amplitude) * float(term.omega) * cosine
-    return place, rate
 
 
 def start_inputs(scene: Scene[Any]) -> dict[Node, float]:
@@ -130,14 +128,6 @@ def start_inputs(scene: Scene[Any]) -> dict[Node, float]:
     return inputs_at(
         scene, 0.0, [float(body.x) for body in bodies], [float(body.v) for body in bodies], rotor
     )
-
-
-def base_motion_of(scene: Scene[Any], times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement [m] and velocity [m/s] of a base that moves by a formula of time, at times [s]; of a belt
-    the displacement is told as 0.
-    """
-    x, v = (values_of(node, {TIME: times}) for node in base_formulas(scene)[:2])
-    return np.broadcast_to(x, np.shape(times)).copy(), np.broadcast_to(v, np.shape(times)).copy()
 
 
 def potential_of(link: Link[Any], distance: float) -> float:
@@ -319,52 +309,6 @@ def _to_digits(value: Fraction) -> Fraction:
     places = DIGITS - (len(str(abs(value.numerator))) - len(str(value.denominator)))
     scale = Fraction(10) ** places
     return Fraction(round(value * scale)) / scale
-
-
-# The size of formulas of numbers alone, in doubles: for bounds, never for motions.
-
-
-def size_of(node: Node, t: float = 0.0) -> float | None:
-    """The value of a node that reads nothing but the time; None where it has none, or reads more."""
-    try:
-        return _size(node, t)
-    except (ArithmeticError, ValueError, LookupError, TypeError):
-        return None
-
-
-def _size(node: Node, t: float) -> float:
-    kind = node[0]
-    if kind == "num":
-        return float(node[1])
-    if kind in ("pi", "t"):
-        return math.pi if kind == "pi" else t
-    below = [_size(child, t) for child in children(node)]
-    if kind == "choose":
-        return below[1] if below[0] >= 0 else below[2]
-    if kind == "table":
-        return _in_table(node, below[0])
-    if kind == "pow":
-        result: float = below[0] ** float(node[2])
-        return result
-    return _OPERATIONS[kind](*below)
-
-
-_OPERATIONS: dict[str, Callable[..., float]] = {
-    "add": lambda a, b: a + b,
-    "sub": lambda a, b: a - b,
-    "mul": lambda a, b: a * b,
-    "div": lambda a, b: a / b,
-    "mod": lambda a, b: a - b * math.floor(a / b),
-    **{name: getattr(math, name) for name in FUNCTIONS},
-}
-
-
-def _in_table(node: Node, u: float) -> float:
-    _, _, knots, pieces, _ = node
-    place = min(max(u, float(knots[0])), float(knots[-1]))
-    k = max(0, min(len(pieces) - 1, sum(1 for knot in knots if knot <= place) - 1))
-    beyond = place - float(knots[k])
-    return sum(float(c) * beyond**n for n, c in enumerate(pieces[k]))
 
 
 # Gaps of stops and differences of ends on a motion that is known.

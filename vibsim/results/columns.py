@@ -340,9 +340,10 @@ class PairMotion:
 def base_motion(scene: Scene, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Displacement [m] and velocity [m/s] of the base of a scene at times [s]."""
     if scene.base_formula is not None:
-        from vibsim.physics.formula_values import base_motion_of
+        from vibsim.physics.formula_values import motion_of_base
 
-        return base_motion_of(scene, time)
+        place, rate, _ = motion_of_base(scene, time)
+        return np.full_like(time, place), np.full_like(time, rate)
     x, v = np.zeros_like(time), np.zeros_like(time)
     for term in scene.base:
         angle = 2 * np.pi * np.fmod(term.cycles * time, 1.0) + term.phase
