@@ -8,6 +8,7 @@ from vibsim.engine.errors import start_of
 from vibsim.engine.modes.status import RESTING
 from vibsim.engine.modes.ties import Groups
 from vibsim.engine.number_forms import WordsForm
+from vibsim.engine.tangent.carried import state_of
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.tangent.tangent_space import components, dimension, length, references
 from vibsim.engine.trajectory import open_trajectory
@@ -67,7 +68,7 @@ class InDigits:
         """
         for small in (self.kit.number(SHIFT), -self.kit.number(SHIFT)):
             start = [value + small * by for value, by in zip(self.start, shift, strict=True)]
-            if self._mode(self.carrier._start(start)) == self.mode:
+            if self._mode(state_of(self.scene, self.kit, self.kit.number(0), start)) == self.mode:
                 moved = self.carrier.carried(start, self.end, ())
                 if moved.events == base.events:
                     return [

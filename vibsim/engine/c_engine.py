@@ -26,7 +26,7 @@ from vibsim.engine.ledger_integrals import pack_extremes, pack_impacts, pack_led
 from vibsim.engine.modes.mode_table import ModeTable, bytes_of, mode_table
 from vibsim.engine.modes.packing import pack_scene, pack_state
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import Event, Known, ModeRows, Rule
+from vibsim.engine.modes.rows import Known, ModeRows
 from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.number_forms import DOUBLES, NumberForm
@@ -372,7 +372,7 @@ class CRun:
         if told:
             return False
         rows = self.rows_of(number)
-        rule = self.table.rule(rows, event, self._rule)
+        rule = self.table.rule(rows, event, lambda *of: RuleMaker(self.automaton).rule(*of))
         if rule is None:
             self.ruled[number, event] = True
             return False
@@ -391,10 +391,6 @@ class CRun:
         numbers = rule.kind, target, other, rule.hold, kind, rule.part, self.keys[rule.key], rule.order
         self.run.set_rule(number, event, numbers)
         return True
-
-    def _rule(self, rows: ModeRows, event: Event) -> Rule | None:
-        """The rule of an event, or None where Python decides."""
-        return RuleMaker(self.automaton).rule(rows, event)
 
     @property
     def disturbances(self) -> dict[str, Any]:

@@ -17,9 +17,7 @@ from typing import Any
 from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.flows.base_motion import base_motion
-from vibsim.engine.ledger_integrals import (
-    Entry,
-)
+from vibsim.engine.ledger_integrals import Entry
 from vibsim.engine.modes.status import CONTACT, Status
 from vibsim.physics.numbers import Kit, N, abs, total_of
 from vibsim.physics.parts import BODY, EVENT_KINDS, STATE, Scene, Stop
@@ -35,24 +33,27 @@ def struck_entries(
     impulse. What sequences leave out at their ends goes where their impacts went.
     """
     added: list[tuple[int, N]] = []
+
+    def add(name: Entry, value: N) -> None:
+        if name in names:
+            added.append((names.index(name), value))
+
+    def hold(column: int, impulse: N) -> None:
+        """Count the impulse [N s] of ground or base, whose column it is, on the bodies."""
+        place = "base" if column > len(scene.bodies) else "ground"
+        if place == "base":
+            add(("work", "base", ""), V * impulse)
+        add(("impulse", place, ""), impulse)
+
     for one in touch.passed:
         stop = scene.stops[one.stop]
-        added.append((names.index(("loss", "stops", stop.name)), one.impulse * (one.before + one.after) / 2))
+        add(("loss", "stops", stop.name), one.impulse * (one.before + one.after) / 2)
         for end, other, sign in ((stop.P, stop.Q, stop.sense), (stop.Q, stop.P, -stop.sense)):
             if end >= 0 > other:
-                impulse = sign * one.impulse
-                place = "base" if scene.column(other) > len(scene.bodies) else "ground"
-                if place == "base":
-                    added.append((names.index(("work", "base", "")), V * impulse))
-                if ("impulse", place, "") in names:
-                    added.append((names.index(("impulse", place, "")), impulse))
+                hold(scene.column(other), sign * one.impulse)
     for catch in touch.catches:
-        added.append((names.index(("loss", "stops", scene.stops[catch.stop].name)), catch.loss))
-        place = "ground" if catch.column <= len(scene.bodies) else "base"
-        if place == "base":
-            added.append((names.index(("work", "base", "")), V * catch.impulse))
-        if ("impulse", place, "") in names:
-            added.append((names.index(("impulse", place, "")), catch.impulse))
+        add(("loss", "stops", scene.stops[catch.stop].name), catch.loss)
+        hold(catch.column, catch.impulse)
     return added
 
 
@@ -109,7 +110,7 @@ def momenta(scene: Scene[N], kit: Kit[N], state: State[N]) -> list[N]:
 # The totals of a run: counts of events, work done and margins, by name.
 
 
-INTO = {  # totals of the energy ledger, by quantity and section of the case
+ENERGY = {  # totals of the energy ledger, by quantity and section of the case
     ("work", "forces"): "work_source",
     ("work", "motor"): "work_source",
     ("work", "rotors"): "work_source",
@@ -119,11 +120,11 @@ INTO = {  # totals of the energy ledger, by quantity and section of the case
     ("loss", "stops"): "loss_stops",
     ("loss", "friction"): "loss_friction",
 }
-IMPULSES = {
-    "forces": "impulse_source",
-    "ground": "impulse_ground",
-    "base": "impulse_base",
-    "friction": "impulse_belt",
+MOMENTUM = {
+    ("impulse", "forces"): "impulse_source",
+    ("impulse", "ground"): "impulse_ground",
+    ("impulse", "base"): "impulse_base",
+    ("impulse", "friction"): "impulse_belt",
 }
 
 
@@ -186,53 +187,41 @@ def ledger_totals(
     parts are called by quantity, section and name, as loss.links.spring.
     """
     ledger = dict(zip(names, entries, strict=True))
-    stored = [stored_energy(scene, kit, *where) for where in (first, last)]
-    totals = energy_balance(kit, ledger, *stored)
+    start, end = (stored_energy(scene, kit, *where) for where in (first, last))
+    totals = _balance(kit, "energy", ledger, ENERGY, start, end, (start, end))
     if any(quantity == "impulse" for quantity, *_ in names):
-        moving = [momenta(scene, kit, state) for state, _ in (first, last)]
-        totals |= momentum_balance(kit, ledger, *moving)
+        moving = [momenta(scene, kit, state) for state, _ in (first, last)]  # which may cancel
+        start, end = (total_of(kit, each) for each in moving)
+        totals |= _balance(kit, "momentum", ledger, MOMENTUM, start, end, [*moving[0], *moving[1]])
     return totals | {".".join(filter(None, name)): value for name, value in ledger.items()}
 
 
-def energy_balance(kit: Kit[N], ledger: Mapping[Entry, N], start: N, end: N) -> dict[str, N]:
-    """Sums of the energy ledger, with its closure: end - start - work + losses."""
-    sums = dict.fromkeys(INTO.values(), kit.number(0))
+def _balance(
+    kit: Kit[N],
+    what: str,
+    ledger: Mapping[Entry, N],
+    into: Mapping[tuple[str, str], str],
+    start: N,
+    end: N,
+    sizes: Sequence[N],
+) -> dict[str, N]:
+    """Sums of a ledger, with its closure: end - start - work or impulses + losses, also by the largest of the
+    sums and of `sizes`.
+    """
+    sums = dict.fromkeys(into.values(), kit.number(0))
     for (quantity, section, _), value in ledger.items():
-        if quantity != "impulse":
-            sums[INTO[quantity, section]] = sums[INTO[quantity, section]] + value
+        name = into.get((quantity, section))
+        if name is not None:
+            sums[name] = sums[name] + value
     residual = end - start
     for name, value in sums.items():
-        residual = residual - value if name.startswith("work") else residual + value
+        residual = residual + value if name.startswith("loss") else residual - value
     return {
-        "energy_start": start,
-        "energy_end": end,
+        f"{what}_start": start,
+        f"{what}_end": end,
         **sums,
-        "energy_residual": residual,
-        "energy_residual_relative": relative(residual, (start, end, *sums.values())),
-    }
-
-
-def momentum_balance(
-    kit: Kit[N], ledger: Mapping[Entry, N], start: Sequence[N], end: Sequence[N]
-) -> dict[str, N]:
-    """Sums of the momentum ledger, with its closure: end - start - impulses; start, end: momenta of what
-    moves, which may cancel.
-    """
-    sizes = [*start, *end]
-    first, last = total_of(kit, start), total_of(kit, end)
-    sums = dict.fromkeys(IMPULSES.values(), kit.number(0))
-    for (quantity, section, _), value in ledger.items():
-        if quantity == "impulse":
-            sums[IMPULSES[section]] = sums[IMPULSES[section]] + value
-    residual = last - first
-    for value in sums.values():
-        residual = residual - value
-    return {
-        "momentum_start": first,
-        "momentum_end": last,
-        **sums,
-        "momentum_residual": residual,
-        "momentum_residual_relative": relative(residual, (*sizes, *sums.values())),
+        f"{what}_residual": residual,
+        f"{what}_residual_relative": relative(residual, (*sizes, *sums.values())),
     }
 
 

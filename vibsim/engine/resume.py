@@ -125,10 +125,14 @@ def _state(scene: Scene, row: Row) -> State:
     return State(float(row["t"]), values[0:n:2], values[1:n:2], phase, turns, w)
 
 
-def _status(scene: Scene, row: Row) -> Status:
-    codes = [int(row[name]) for name in part_columns(scene)]
+def status_of(scene: Scene, codes: Sequence[int]) -> Status:
+    """The mode of the states of all parts, in the order of `Status.codes`."""
     first, second = len(scene.stops), len(scene.stops) + len(scene.frictions)
     return Status(tuple(codes[:first]), tuple(codes[first:second]), tuple(codes[second:]))
+
+
+def _status(scene: Scene, row: Row) -> Status:
+    return status_of(scene, [int(row[name]) for name in part_columns(scene)])
 
 
 def _zeros(

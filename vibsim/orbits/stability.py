@@ -16,8 +16,9 @@ from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.flows.closed import matrices
 from vibsim.engine.flows.closed.matrices import Matrix
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.status import BACKWARD, FORWARD, Status
-from vibsim.engine.tangent.carried import Carried
+from vibsim.engine.modes.status import BACKWARD, FORWARD
+from vibsim.engine.resume import status_of
+from vibsim.engine.tangent.carried import Carried, state_of
 from vibsim.orbits.words import OF_FRICTION
 from vibsim.physics.elementary import log
 from vibsim.physics.formula_values import inputs_at, values_of
@@ -140,7 +141,8 @@ def excess(
     """How far the force S of a tie in place of friction `i` would be beyond its limits at a state [N]; below
     0 where it would hold, NaN where the friction does not move its ends against each other.
     """
-    state, status = _state(scene, t, components), _status(scene, codes)
+    values: list[float] = components.tolist()
+    state, status = state_of(scene, Doubles, t, values), status_of(scene, codes)
     friction = scene.frictions[i]
     P, Q = maker.ends(friction)
     rates = []
@@ -163,20 +165,6 @@ def _forces_of(scene: Scene, friction: Any, state: State) -> tuple[Sequence[floa
         [float(values_of(one, at)) for one in each] for each in (friction.slips, friction.holds)
     )
     return starts, limits
-
-
-def _state(scene: Scene, t: float, components: np.ndarray) -> State:
-    n, values = len(scene.bodies), components.tolist()
-    rotor = values[2 * n :] or [0.0, 0.0]
-    phase, turns = Doubles.reduce_angle(rotor[0])
-    return State(t, values[:n], values[n : 2 * n], phase, turns, rotor[1])
-
-
-def _status(scene: Scene, codes: Sequence[int]) -> Status:
-    stops, frictions = len(scene.stops), len(scene.frictions)
-    return Status(
-        tuple(codes[:stops]), tuple(codes[stops : stops + frictions]), tuple(codes[stops + frictions :])
-    )
 
 
 # Matrices and vectors of a few unknowns, as arrays, with the same bits on every machine.

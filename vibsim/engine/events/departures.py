@@ -164,7 +164,7 @@ class DerivativeSigns(Generic[N]):
 
     def _span(self, state: State[N]) -> N:
         """A step of the mode entered last, as far as there is motion before `state` [s]."""
-        step = self.expansion.step_length()
+        step = self.expansion.step
         return step if step < state.t else state.t
 
     def _direct_rate(self, state: State[N], event: Event[N]) -> N:

@@ -37,6 +37,8 @@ class Expansion(Generic[N]):
     """The motion of a scene about one state at a time, in a mode of `table`, whose numbers it is on.
 
     It serves one thread. The event functions that are asked for are those of the rows looked at last.
+
+    step : longest step [s] of the series from there
     """
 
     def __init__(self, scene: Scene[N], table: ModeTable) -> None:
@@ -62,7 +64,7 @@ class Expansion(Generic[N]):
         if self._place is None or self._place[0] is not rows or self._place[1] != packed:
             self._place = None
             number = self._number(rows)  # which may begin another run
-            self._step: N = self.run.look(number, packed)
+            self.step: N = self.run.look(number, packed)
             self._place = rows, packed
 
     def _number(self, rows: ModeRows[N]) -> int:
@@ -96,10 +98,6 @@ class Expansion(Generic[N]):
         assert self._place is not None
         summed = has_rounded_constant(self._place[0], event)
         return self.run.bounds(self._event(event), count, exact, summed, span)
-
-    def step_length(self) -> N:
-        """Longest step [s] of the series from there."""
-        return self._step
 
     def formulas(self) -> list[N]:
         """Values of the outputs of the tape of the mode."""

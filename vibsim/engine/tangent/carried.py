@@ -11,8 +11,6 @@ from typing import Any
 import numpy as np
 
 from vibsim.engine.errors import State
-from vibsim.engine.flows.accelerations import accelerations
-from vibsim.engine.modes.rows import ModeRows
 from vibsim.lazy import once
 from vibsim.physics.numbers import Kit, N
 from vibsim.physics.parts import EVENT_NAMES, Scene
@@ -88,14 +86,15 @@ def _named(happened: bytes) -> tuple[tuple[str, int], ...]:
     return tuple((EVENT_NAMES[kind], part) for kind, part in numbers.tolist())
 
 
-# Rates of change of components: x of each body, v of each body, phi and w with a motor.
+# Components of a state: x of each body, v of each body, phi and w with a motor.
 
 
-def rates_of(scene: Scene[N], kit: Kit[N], state: State[N], rows: ModeRows[N]) -> list[N]:
-    """Rates of change of the components of a state in the mode of `rows`."""
-    a, alpha = accelerations(scene, kit, rows, state)
-    rotor = (state.w, alpha) if scene.motor is not None else ()
-    return [*state.v, *a[: len(scene.bodies)], *rotor]
+def state_of(scene: Scene[N], kit: Kit[N], t: N, components: list[N]) -> State[N]:
+    """The state of components at the time t [s]."""
+    n, zero = len(scene.bodies), kit.number(0)
+    x, v, rotor = components[:n], components[n : 2 * n], components[2 * n :]
+    phase, turns = kit.reduce_angle(rotor[0]) if rotor else (zero, zero)
+    return State(t, x, v, phase, turns, rotor[1] if rotor else zero)
 
 
 def free_scene(scene: Scene[N]) -> Scene[N]:

@@ -18,13 +18,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibsim.engine.errors import State
+from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.packing import harmonic_indices, scene_doubles
 from vibsim.engine.modes.parametric_rows import Numbers, differences
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.number_forms import DOUBLES, NumberForm
-from vibsim.engine.tangent.carried import Carried, free_scene, rates_of
+from vibsim.engine.tangent.carried import Carried, free_scene, state_of
 from vibsim.engine.tangent.tangent_space import length
 from vibsim.lazy import once
 from vibsim.physics.parts import Scene
@@ -103,7 +104,7 @@ class Carrier:
         objects, and their precision has to be that of the thread; of events then only what happened is told.
         """
         run = self._tuned()
-        run.restart(self._start(components), end, vectors)
+        run.restart(state_of(self.scene, self.kit, self.kit.number(0), components), end, vectors)
         states, codes = run.run_out()
         there = run.outcome(len(vectors))
         uncertified, margin, mode, undefined, undefined_time = self.kit.rounded(there.told)
@@ -118,13 +119,6 @@ class Carrier:
             undefined_time if undefined else nan,
         )
 
-    def _start(self, components: list[Any]) -> State[Any]:
-        """The state of components at t = 0."""
-        n, zero = len(self.scene.bodies), self.kit.number(0)
-        x, v, rotor = components[:n], components[n : 2 * n], components[2 * n :]
-        phase, turns = self.kit.reduce_angle(rotor[0]) if rotor else (zero, zero)
-        return State(zero, x, v, phase, turns, rotor[1] if rotor else zero)
-
     def _ends(self, numbers: np.ndarray) -> np.ndarray:
         """The components of a state: t, x and v of each body, phase, turns, w."""
         components = numbers[1:-3]
@@ -137,7 +131,8 @@ class Carrier:
         """Rates of change of the components of such a state; rows: makes those of its mode."""
         n, (t, *values) = len(self.scene.bodies), numbers.tolist()
         state = State(t, values[:n], values[n : 2 * n], *values[2 * n :])
-        return np.array(rates_of(self.scene, self.kit, state, rows()))
+        a, alpha = accelerations(self.scene, self.kit, rows(), state)
+        return np.array([*state.v, *a[:n], *((state.w, alpha) if self.scene.motor is not None else ())])
 
     def _tuned(self) -> CarryingRun:
         """The run on the C engine, on the numbers of this scene."""

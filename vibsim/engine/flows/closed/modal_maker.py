@@ -25,17 +25,11 @@ from vibsim.engine.flows.closed.matrices import (
     size_of,
     transposed,
 )
-from vibsim.engine.flows.closed.modal import Component, Loads
-from vibsim.engine.modes.ties import Edge
-from vibsim.physics.numbers import Kit, N
-from vibsim.physics.parts import Scene
-
-if TYPE_CHECKING:
-    from vibsim.engine.modes.rows import Coupling, ModeRows
-
 from vibsim.engine.flows.closed.modal import (
+    Component,
     Coordinate,
     Difference,
+    Loads,
     Modal,
     ModalPlace,
     Pitch,
@@ -43,6 +37,12 @@ from vibsim.engine.flows.closed.modal import (
     Stands,
     Vector,
 )
+from vibsim.engine.modes.ties import Edge
+from vibsim.physics.numbers import Kit, N
+from vibsim.physics.parts import Scene
+
+if TYPE_CHECKING:
+    from vibsim.engine.modes.rows import Coupling, ModeRows
 
 
 def modal_of(
