@@ -62,7 +62,7 @@ def draw_probability(subject: Subject, view: View) -> Figure:
     show_span(axes, (x[0], x[-1]), 0.0, draws_by_ratio(axis), view)
     axes.set_xlabel(label_of(axis))
     axes.set_ylabel("Probability of capture")
-    _say(axes, f"{len(result.members)} starts each; band: 95 %", subject)
+    say(axes, f"{len(result.members)} starts each; band: 95 %", subject)
     if is_speed(axis.key):
         mark_frequencies([axes], frequencies([subject]), (view.width_cm - 1.6) * 28)
     if len(directions) > 1:
@@ -73,27 +73,26 @@ def draw_probability(subject: Subject, view: View) -> Figure:
 def draw_starts(subject: Subject, view: View) -> Figure:
     """Start values of the members, coloured by the verdict: two of them, or one and the last speed."""
     result = subject.result
-    spreads, verdicts = result.members.spreads, result["capture"][..., 0].ravel()
-    drawn = [result.members.drawn[spread.key] for spread in spreads]
-    if len(spreads) == 1:
-        drawn.append(result["final_speed"][..., 0].ravel())
-    figure = sheet(view, HEIGHT_CM)
-    axes = figure.subplots()
-    scatter_classes(axes, drawn[0], drawn[1], verdicts, CAPTURE_MAP_SHADES, view)
-    axes.set_xlabel(label_of(spreads[0]))
-    axes.set_ylabel(label_of(spreads[1]) if len(spreads) == 2 else r"Last speed $\dot\varphi/2\pi$ (Hz)")
-    share = result.probability(result["capture"] == CAPTURED)
-    estimate, low, high = (
-        float(100 * np.ravel(values)[0]) for values in (share.estimate, share.low, share.high)
-    )
-    _say(axes, f"captured: {estimate:.3g} % ({low:.3g} to {high:.3g})", subject)
+    verdicts = result["capture"][..., 0].ravel()
+    figure, axes = starts_sheet(
+        subject, view, HEIGHT_CM, verdicts, CAPTURE_MAP_SHADES,
+        lambda: (result["final_speed"], r"Last speed $\dot\varphi/2\pi$ (Hz)"),
+    )  # fmt: skip
+    say(axes, f"captured: {percent_of(result, result['capture'] == CAPTURED)}", subject)
     legend_of(figure, CAPTURE_MAP_SHADES, verdicts)
     return figure
 
 
-def _say(axes: Axes, words: str, subject: Subject) -> None:
+def say(axes: Axes, words: str, subject: Subject) -> None:
     """A note above the axes, and what of the sweep is missing."""
     note(axes, "; ".join(filter(None, [words, missing_note(subject)])))
+
+
+def percent_of(result: Any, where: np.ndarray) -> str:
+    """The share of the starts of an ensemble alone, with Wilson's interval of 95 %, in words."""
+    share = result.probability(where)
+    estimate, low, high = (float(100 * np.ravel(v)[0]) for v in (share.estimate, share.low, share.high))
+    return f"{estimate:.3g} % ({low:.3g} to {high:.3g})"
 
 
 # Verdicts on starts: which picture suits how many ranges, and shares of a verdict over two of them.
@@ -216,6 +215,31 @@ def scatter_classes(
         )  # fmt: skip
     axes.margins(x=0.03, y=0.06)
     axes.set_xlim(*shown(*axes.get_xlim(), view))
+
+
+def starts_sheet(
+    subject: Subject,
+    view: View,
+    height_cm: float,
+    classes: np.ndarray,
+    shades: Sequence[Shade],
+    beside: Callable[[], tuple[np.ndarray, str]],
+) -> tuple[Figure, Axes]:
+    """A sheet with two start values of the members of an ensemble alone, coloured by their class (n), an
+    index into `shades`; of one start value against what `beside` gives, values and label.
+    """
+    spreads, drawn = subject.result.members.spreads, subject.result.members.drawn
+    values, labels = [drawn[spread.key] for spread in spreads], [label_of(spread) for spread in spreads]
+    if len(spreads) == 1:
+        others, label = beside()
+        values.append(others[..., 0].ravel())
+        labels.append(label)
+    figure = sheet(view, height_cm)
+    axes = figure.subplots()
+    scatter_classes(axes, values[0], values[1], classes, shades, view)
+    axes.set_xlabel(labels[0])
+    axes.set_ylabel(labels[1])
+    return figure, axes
 
 
 def legend_of(figure: Figure, shades: Sequence[Shade], classes: np.ndarray) -> None:

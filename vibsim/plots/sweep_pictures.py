@@ -24,8 +24,10 @@ from vibsim.plots.capture_pictures import (
     lay_classes,
     legend_of,
     map_sheet,
-    scatter_classes,
+    percent_of,
+    say,
     share_map,
+    starts_sheet,
 )
 from vibsim.plots.samples import mark_frequencies
 from vibsim.plots.sheet import (
@@ -50,7 +52,6 @@ from vibsim.plots.sweep_axes import (
     is_motor_speed,
     is_speed,
     label_of,
-    missing_note,
     numbers,
     plane_of,
     show_span,
@@ -126,7 +127,7 @@ def _draw_shares(subject: Subject, view: View) -> Figure:
     figure.legend(loc="outside lower center", ncols=2)
     doubts = int(np.count_nonzero(result["end_state"] == VERDICTS["undecided"]))
     doubts_text = f"; {doubts} undecided" if doubts else ""
-    _end_state_say(axes, f"{len(result.members)} starts each; bars: 95 %{doubts_text}", subject)
+    say(axes, f"{len(result.members)} starts each; bars: 95 %{doubts_text}", subject)
     return figure
 
 
@@ -145,28 +146,16 @@ def _draw_share(axes: Axes, axis: Any, share: Share, shade: Shade) -> None:
 def _draw_starts(subject: Subject, view: View) -> Figure:
     """Two start values of the members; of one alone, against the displacement at the end."""
     result = subject.result
-    spreads, verdicts = result.members.spreads, result["end_state"][..., 0].ravel()
-    drawn = [result.members.drawn[spread.key] for spread in spreads]
-    labels = [label_of(spread) for spread in spreads]
-    if len(spreads) == 1:
+    verdicts = result["end_state"][..., 0].ravel()
+
+    def displacement() -> tuple[np.ndarray, str]:
         name = next(name for name in result.plan.columns if name.startswith("end_x"))
-        drawn.append(result[name][..., 0].ravel())
-        labels.append(f"{name.removeprefix('end_')} at the end ({subject.unit('m')})")
-    figure = sheet(view, END_STATE_HEIGHT_CM)
-    axes = figure.subplots()
-    scatter_classes(axes, drawn[0], drawn[1], verdicts, SHADES, view)
-    axes.set_xlabel(labels[0])
-    axes.set_ylabel(labels[1])
-    share = result.probability(result["end_state"] == VERDICTS["rest"])
-    estimate, low, high = (float(100 * np.ravel(v)[0]) for v in (share.estimate, share.low, share.high))
-    _end_state_say(axes, f"rest: {estimate:.3g} % ({low:.3g} to {high:.3g})", subject)
+        return result[name], f"{name.removeprefix('end_')} at the end ({subject.unit('m')})"
+
+    figure, axes = starts_sheet(subject, view, END_STATE_HEIGHT_CM, verdicts, SHADES, displacement)
+    say(axes, f"rest: {percent_of(result, result['end_state'] == VERDICTS['rest'])}", subject)
     legend_of(figure, SHADES, verdicts)
     return figure
-
-
-def _end_state_say(axes: Axes, words: str, subject: Subject) -> None:
-    """A note above the axes, and what of the sweep is missing."""
-    note(axes, "; ".join(filter(None, [words, missing_note(subject)])))
 
 
 PICTURES = Pictures(

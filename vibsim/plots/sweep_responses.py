@@ -26,7 +26,7 @@ from vibsim.plots.branches_over_sweeps import (
     name_branches,
     sections,
 )
-from vibsim.plots.capture_pictures import HATCHES, Shade, lay_classes, map_sheet, scatter_classes
+from vibsim.plots.capture_pictures import HATCHES, Shade, lay_classes, map_sheet, starts_sheet
 from vibsim.plots.samples import DISPLACEMENT, VELOCITY, difference, mark_frequencies
 from vibsim.plots.sheet import Scale, legend_below, letter_panels, note, say_inside, scale_for, sheet
 from vibsim.plots.style import BLUE, GREEN, MARKERS, ORANGE, PALE, PINK, SKY, VERMILLION, YELLOW, points
@@ -397,19 +397,12 @@ def _draw_map(subject: Subject, view: View) -> Figure:
 
 def _draw_starts(subject: Subject, view: View) -> Figure:
     """Two start values of the members; of one alone, against the number of the attractor."""
-    result = subject.result
-    spreads, classes = result.members.spreads, _Classes(result)
-    drawn = [result.members.drawn[spread.key] for spread in spreads]
-    labels = [label_of(spread) for spread in spreads]
-    if len(spreads) == 1:
-        drawn.append(result["attractor"][..., 0].ravel())
-        labels.append("Number of the attractor")
-    figure = sheet(view, STARTS_CM + classes.legend_cm)
-    axes = figure.subplots()
+    result, classes = subject.result, _Classes(subject.result)
     codes = classes.of(result["attractor"], result["attractor_mirrored"], result["status"])[..., 0].ravel()
-    scatter_classes(axes, drawn[0], drawn[1], codes, classes.shades, view)
-    axes.set_xlabel(labels[0])
-    axes.set_ylabel(labels[1])
+    figure, axes = starts_sheet(
+        subject, view, STARTS_CM + classes.legend_cm, codes, classes.shades,
+        lambda: (result["attractor"], "Number of the attractor"),
+    )  # fmt: skip
     note(axes, missing_note(subject))
     classes.legend(figure, codes, points=True)
     return figure
