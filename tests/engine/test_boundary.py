@@ -15,7 +15,8 @@ from vibsim.engine import _engine
 from vibsim.engine.c_engine import CRun
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.modes.packing import pack_scene, pack_state, packed_mode
-from vibsim.engine.tangent.packing_tangent import DisturbancePacker, pack_bundle
+from vibsim.engine.number_forms import DOUBLES
+from vibsim.engine.tangent.packing_tangent import bundle_form, bundle_numbers, pack_bundle
 from vibsim.engine.tangent.tangent_space import dimension, length
 
 HUGE = (2**31 - 1, 10**6, -(10**6), -(2**31))
@@ -98,7 +99,8 @@ def test_numbers_cut_short_or_too_many_are_refused(which, part, of):
 def bundles(of, run):
     """Disturbances as they go into C: those whose growth is told, and given ones."""
     ends, size = run.maker.ends, length(of)
-    return pack_bundle(of, dimension(of), 0.0, ends), DisturbancePacker(of, ends).packed(np.eye(size))
+    carried = bundle_form(of, True, size, ends), bundle_numbers(of, 0.0, DOUBLES) + np.eye(size).tobytes()
+    return pack_bundle(of, dimension(of), 0.0, ends), carried
 
 
 @pytest.mark.parametrize("of", (PAPER, DRILL), ids=("II-B", "drill"))

@@ -14,7 +14,7 @@ from vibsim.engine.ledger_integrals import pack_impacts
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.number_forms import DOUBLES, NumberForm
-from vibsim.engine.tangent.packing_tangent import DisturbancePacker
+from vibsim.engine.tangent.packing_tangent import bundle_form, bundle_numbers
 from vibsim.engine.tangent.tangent_space import plainly_weighed_alike
 from vibsim.physics.parts import Scene
 
@@ -42,7 +42,8 @@ class CarryingRun(CRun):
     """A run of a scene made of parts, each motion of which begins with `restart`."""
 
     def __init__(self, scene: Scene[Any], form: NumberForm[Any] = DOUBLES) -> None:
-        self.packer: DisturbancePacker | None = None
+        self._forms: dict[int, bytes] = {}  # of disturbances, by how many there are
+        self._measures: bytes | None = None  # of the scene: what they are measured by
         super().__init__(scene, carries=True, form=form)
 
     def rates_of(self, number: int) -> Callable[[], ModeRows]:
@@ -75,8 +76,8 @@ class CarryingRun(CRun):
         touching = before.stops is not scene.stops or before.frictions is not scene.frictions
         if touching:
             vars(self).pop("plain", None)
-        if self.packer and (touching or not plainly_weighed_alike(before, scene)):
-            self.packer = self.packer.of(scene)
+        if self._measures is not None and (touching or not plainly_weighed_alike(before, scene)):
+            self._measures = None
         if touching and scene.rigid_stops:
             self.run.keep_impacts(*pack_impacts(scene, [], self.maker.ends, self.early))
 
@@ -87,8 +88,12 @@ class CarryingRun(CRun):
         self.run.rewind(end)
         self.moving = len(vectors) > 0
         if self.moving:
-            self.packer = self.packer or DisturbancePacker(self.scene, self.maker.ends, self.form)
-            self.run.keep_tangent(*self.packer.packed(vectors))
+            count = len(vectors)
+            if count not in self._forms:
+                self._forms[count] = bundle_form(self.scene, True, count, self.maker.ends)
+            if self._measures is None:
+                self._measures = bundle_numbers(self.scene, 0.0, self.form)
+            self.run.keep_tangent(self._forms[count], self._measures + self.form.packed_rows(vectors))
         self._set_off(*self._begun(state))
 
     def run_out(self) -> tuple[np.ndarray, np.ndarray]:

@@ -13,7 +13,6 @@ from vibsim.engine.modes.rows import Joined, ModeRows
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.engine.tangent.tangent_space import components, natural_rate, references, weights
-from vibsim.lazy import once
 from vibsim.physics import elementary
 from vibsim.physics.formulas import Node, derivative, resolved, walk
 from vibsim.physics.numbers import Kit, N
@@ -26,7 +25,7 @@ def pack_bundle(scene: Scene, count: int, begin: float, ends: Ends) -> Packed:
     """A bundle of `count` disturbances whose growth counts from `begin` [s]. ends: columns of the ends of a
     part.
     """
-    return _form(scene, False, count, ends), _numbers(scene, begin, DOUBLES)
+    return bundle_form(scene, False, count, ends), bundle_numbers(scene, begin, DOUBLES)
 
 
 def pack_slopes(rows: ModeRows[Any], form: NumberForm[Any] = DOUBLES) -> Packed:
@@ -65,34 +64,7 @@ def _pack_rows(pack: Packer, shares: Sequence[SlopeShare]) -> None:
         pack.put((numbers[share.row, share.column], share.force, share.end, share.output))
 
 
-class DisturbancePacker:
-    """Packs disturbances of one scene that are carried along as they are; what does not depend on them is
-    packed once.
-    """
-
-    def __init__(self, scene: Scene[Any], ends: Ends, form: NumberForm[Any] = DOUBLES) -> None:
-        self.scene, self.ends, self.form = scene, ends, form
-        self.forms: dict[int, bytes] = {}  # by number of disturbances
-
-    @once
-    def numbers(self) -> bytes:
-        return _numbers(self.scene, 0.0, self.form)
-
-    def of(self, scene: Scene[Any]) -> DisturbancePacker:
-        """That of a scene whose modes have the same form."""
-        other = DisturbancePacker(scene, self.ends, self.form)
-        other.forms = self.forms
-        return other
-
-    def packed(self, vectors: Any) -> Packed:
-        """vectors: one disturbance per row; of doubles an array."""
-        count = len(vectors)
-        if count not in self.forms:
-            self.forms[count] = _form(self.scene, True, count, self.ends)
-        return self.forms[count], self.numbers + self.form.packed_rows(vectors)
-
-
-def _form(scene: Scene, carried: bool, count: int, ends: Ends) -> bytes:
+def bundle_form(scene: Scene, carried: bool, count: int, ends: Ends) -> bytes:
     """Which components there are, and what the parts join; carried: whether disturbances stay as they are."""
     pack, present = Packer(), components(scene)
     measured_from = {c: r for c, r in enumerate(references(scene)) if r is not None}
@@ -106,8 +78,10 @@ def _form(scene: Scene, carried: bool, count: int, ends: Ends) -> bytes:
     return pack.packed[0]
 
 
-def _numbers(scene: Scene[Any], begin: float, form: NumberForm[Any]) -> bytes:
-    """Dampers of the stops, forces with which slip begins, and what disturbances are measured by."""
+def bundle_numbers(scene: Scene[Any], begin: float, form: NumberForm[Any]) -> bytes:
+    """Dampers of the stops, forces with which slip begins, and what disturbances are measured by; those that
+    are carried as they are follow.
+    """
     pack = Packer(form)
     pack.put((), (0.0 if isinstance(stop, RigidStop) else stop.c for stop in scene.stops))
     for friction in scene.frictions:
