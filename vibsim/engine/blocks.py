@@ -10,7 +10,6 @@ import numpy as np
 from vibsim.physics.numbers import N
 from vibsim.physics.parts import EVENT_KINDS, RIGID_KINDS, SWITCH, Scene
 
-Gap = tuple[int, int, int, float]  # stop, its place among the pairs, sense, gap [m]
 OFFSETS = {
     "contact_begin": "stops",
     "contact_end": "stops",

@@ -13,7 +13,6 @@ from weakref import ref
 import numpy as np
 
 import vibsim.engine._engine as _engine
-from vibsim.engine.blocks import Gap
 from vibsim.engine.columns import part_columns
 from vibsim.engine.errors import EngineError, State, Stopped, start_of
 from vibsim.engine.events.automaton import Automaton, UnambiguousStart
@@ -76,7 +75,7 @@ class CRun:
     """A run of a scene made of parts on the C engine.
 
     carries : whether disturbances are carried as they are (`CarryingRun`); such a run is begun later
-    early, dither, record_from : as of `open_trajectory`
+    extremes, early, dither, record_from : as of `open_trajectory`
     kick : seed of the signs by which each state that the flow goes on from is moved as doubles round; 0: none
     """
 
@@ -89,7 +88,7 @@ class CRun:
         momentum: bool = False,
         tangent: tuple[int, float] = (0, 0.0),
         carries: bool = False,
-        extremes: tuple[Sequence[Edge], Sequence[Gap], float] | None = None,
+        extremes: tuple[Sequence[Edge], float] | None = None,
         early: bool = False,
         dither: int = 0,
         kick: int = 0,
@@ -130,7 +129,7 @@ class CRun:
 
             self.run.keep_tangent(*pack_bundle(scene, count, begin, self.maker.ends))
         if extremes:
-            self.run.keep_extremes(*pack_extremes(*extremes))
+            self.run.keep_extremes(*pack_extremes(scene, *extremes))
         self.extremes = (len(extremes[0]) + (scene.motor is not None)) if extremes else 0
         self.sample_room = min(scene.sample_index(scene.t_end) + 2, form.room(SAMPLE_ROOM))
         parts = len(part_columns(scene))

@@ -333,14 +333,22 @@ def pack_impacts(
     return pack.packed
 
 
-def pack_extremes(
-    pairs: Sequence[Edge], gaps: Sequence[tuple[int, int, int, float]], since: float
-) -> tuple[bytes, bytes]:
-    """The pairs of columns whose extremes are kept, the stops whose gaps are, and the time they begin at."""
+def pack_extremes(scene: Scene, ends: Sequence[Edge], since: float) -> tuple[bytes, bytes]:
+    """The pairs of columns of `ends`, whose extremes are kept, the stops whose gap is that of one of them,
+    and the time they begin at [s].
+    """
     pack = Packer()
+    pairs = [(scene.column(P), scene.column(Q)) for P, Q in ends]
+    gaps: list[tuple[int, int, int, float]] = []  # stop, its place among the pairs, sense, gap
+    for i, stop in enumerate(scene.stops):
+        P, Q = scene.column(stop.P), scene.column(stop.Q)
+        if (P, Q) in pairs:
+            gaps.append((i, pairs.index((P, Q)), stop.sense, stop.gap))
+        elif (Q, P) in pairs:
+            gaps.append((i, pairs.index((Q, P)), -stop.sense, stop.gap))
     pack.put((len(pairs), len(gaps), *(column for pair in pairs for column in pair)))
-    for stop, pair, sense, gap in gaps:
-        pack.put((stop, pair, sense), (gap,))
+    for number, pair, sense, gap in gaps:
+        pack.put((number, pair, sense), (gap,))
     pack.put((), (since,))
     return pack.packed
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.engine.blocks import Block, Gap, by_name, part_offsets
+from vibsim.engine.blocks import Block, by_name, part_offsets
 from vibsim.engine.columns import (
     event_columns,
     part_columns,
@@ -85,25 +85,12 @@ def open_trajectory(
             ledger=ledger,
             momentum=momentum,
             tangent=(tangent, tangent_from),
-            extremes=extremes_of(scene, *extremes) if extremes else None,
+            extremes=extremes,
             early=early,
             dither=dither,
             record_from=record_from,
         )
     )
-
-
-def extremes_of(scene: Scene, ends: Sequence[Edge], since: float) -> tuple[list[Edge], list[Gap], float]:
-    """Columns of the pairs, the stops whose gap is that of one of them, the time."""
-    pairs = [(scene.column(P), scene.column(Q)) for P, Q in ends]
-    gaps: list[Gap] = []
-    for i, stop in enumerate(scene.stops):
-        P, Q = scene.column(stop.P), scene.column(stop.Q)
-        if (P, Q) in pairs:
-            gaps.append((i, pairs.index((P, Q)), stop.sense, stop.gap))
-        elif (Q, P) in pairs:
-            gaps.append((i, pairs.index((Q, P)), -stop.sense, stop.gap))
-    return pairs, gaps, since
 
 
 class Trajectory:
