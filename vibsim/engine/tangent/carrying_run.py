@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +11,6 @@ from vibsim.engine.c_engine import REASONS, UNDECIDED, CRun
 from vibsim.engine.errors import State
 from vibsim.engine.ledger_integrals import pack_impacts
 from vibsim.engine.modes.mode_table import ModeTable
-from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.engine.tangent.packing_tangent import bundle_form, bundle_numbers
 from vibsim.engine.tangent.tangent_space import plainly_weighed_alike
@@ -45,12 +43,6 @@ class CarryingRun(CRun):
         self._forms: dict[int, bytes] = {}  # of disturbances, by how many there are
         self._measures: bytes | None = None  # of the scene: what they are measured by
         super().__init__(scene, carries=True, form=form)
-
-    def rates_of(self, number: int) -> Callable[[], ModeRows]:
-        """Maker of the rows of a mode for its vector field, in which no closed form and so no frequency has a
-        say.
-        """
-        return partial(self.table.maker.rows, self.statuses[number])
 
     def retune(self, scene: Scene, doubles: bytes, table: ModeTable) -> None:
         """Go over to a scene whose modes have the same form (`parametric_rows.differences`); a restart has to

@@ -9,7 +9,6 @@ rigid stop, or strikes several at one instant, has no such derivative: that is t
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
@@ -23,7 +22,8 @@ from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.packing import harmonic_indices, scene_doubles
 from vibsim.engine.modes.parametric_rows import Numbers, differences
-from vibsim.engine.modes.rows import ModeRows
+from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.status import Status
 from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.engine.tangent.carried import Carried, free_scene, state_of
 from vibsim.engine.tangent.tangent_space import length
@@ -68,7 +68,7 @@ class Carrier:
 
     def __init__(self, scene: Scene[Any], form: NumberForm[Any] = DOUBLES) -> None:
         self.scene, self._origin, self.kit = free_scene(scene), scene, form.kit
-        self.size, self._shared = length(scene), _Shared(self.scene, form)
+        self.size, self._shared, self._zero = length(scene), _Shared(self.scene, form), form.kit.number(0)
         self._doubles = self._shared.doubles
         self._numbers: Numbers = {}
         n = len(scene.bodies)
@@ -104,13 +104,16 @@ class Carrier:
         objects, and their precision has to be that of the thread; of events then only what happened is told.
         """
         run = self._tuned()
-        run.restart(state_of(self.scene, self.kit, self.kit.number(0), components), end, vectors)
+        run.restart(state_of(self.scene, self.kit, self._zero, components), end, vectors)
         states, codes = run.run_out()
         there = run.outcome(len(vectors))
         uncertified, margin, mode, undefined, undefined_time = self.kit.rounded(there.told)
+        rates: Any = there.rates
+        if not len(vectors):  # told when they are asked for
+            rates = partial(self._rate_of, there.state, run.table.maker, run.statuses[int(mode)])
         return Carried(
             self._ends(there.state),
-            there.rates if len(vectors) else partial(self._rate_of, there.state, run.rates_of(int(mode))),
+            rates,
             np.full_like(there.vectors, nan) if undefined else there.vectors,
             codes[:, 1:-1].T.copy(),  # without start and end
             states[:, 1:-1].T[:, self._order],
@@ -127,11 +130,11 @@ class Carrier:
         phase, turns, w = numbers[-3:].tolist()
         return np.array([*components.tolist(), self.kit.unwind(phase, turns), w])
 
-    def _rate_of(self, numbers: np.ndarray, rows: Callable[[], ModeRows]) -> np.ndarray:
-        """Rates of change of the components of such a state; rows: makes those of its mode."""
+    def _rate_of(self, numbers: np.ndarray, maker: RowMaker[Any], status: Status) -> np.ndarray:
+        """Rates of change of the components of such a state in a mode, whose rows know of no frequency."""
         n, (t, *values) = len(self.scene.bodies), numbers.tolist()
         state = State(t, values[:n], values[n : 2 * n], *values[2 * n :])
-        a, alpha = accelerations(self.scene, self.kit, rows(), state)
+        a, alpha = accelerations(self.scene, self.kit, maker.rows(status), state)
         return np.array([*state.v, *a[:n], *((state.w, alpha) if self.scene.motor is not None else ())])
 
     def _tuned(self) -> CarryingRun:
@@ -160,7 +163,7 @@ class Carrier:
             if harmonic_indices(scene, sounds) != shared.harmonic_indices:
                 return None
         other = object.__new__(Carrier)
-        other.size, other._shared, other._order = self.size, shared, self._order
+        other.size, other._shared, other._order, other._zero = self.size, shared, self._order, self._zero
         other.scene, other._origin, other.kit, other._numbers = free, scene, self.kit, numbers
         other._doubles = scene_doubles(free, sounds)
         return other
