@@ -120,6 +120,30 @@ def test_a_second_signal_interrupts_at_once():
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+MET_AS_IT_ENDS = """
+import signal, sys
+from vibsim.command_line import main
+
+ended, calls = main.ended_by_signals, []
+
+def ended_by_signals():
+    calls.append(0)
+    if len(calls) == 1:  # as the handler of Python does at the call
+        signal.raise_signal(signal.SIGINT)
+    ended()
+
+main.ended_by_signals = ended_by_signals
+sys.argv[1:] = ["--version"]
+main.main()
+"""
+
+
+def test_a_signal_that_meets_a_command_as_it_ends_changes_nothing():
+    """It left a traceback, and the alarm that raises it again ended the process by SIGALRM."""
+    done = subprocess.run([sys.executable, "-c", MET_AS_IT_ENDS], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "") and done.stdout.startswith("vibsim ")
+
+
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no alarms there")
 def test_no_alarm_goes_off_behind_a_command_that_a_signal_met_as_it_began(capsys):
     """It was raised again 0.2 s later, in whatever ran by then."""

@@ -185,6 +185,7 @@ def test_states_behind_kinks_are_read_in_c():
         ("1/(2*x*x)", "singularity.*spring"),  # falls into the centre
         ("1/(x - 1)", "t = 0.0 s.*spring"),
         ("9*x**(3/2)", "under a root.*spring"),
+        ("x + (t - 5)**(1/2)", "t = 0.0 s.*under a root.*spring"),  # from the start on
         ("x + 2*sign(v)", "held"),
     ],
 )

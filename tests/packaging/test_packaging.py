@@ -96,3 +96,15 @@ def test_words_of_one_compiler_stand_where_others_have_theirs():
     users = {path.name for path in sources if "__attribute__" in path.read_text(encoding="utf-8")}
     users.remove("limbs.h")  # of engines that setup.py leaves out there
     assert users == {"inlining.h", "pair.h", "wide.h"}
+
+
+def test_extras_that_texts_name_are_there():
+    """A text that names one that is gone sends its reader to pip for nothing."""
+    texts = [*(ROOT / "vibsim").rglob("*.py"), *(ROOT / "docs").rglob("*.md"), ROOT / "README.md"]
+    named = {
+        name
+        for path in texts
+        for name in re.findall(r"\b(?:vibsim|extra )\[(\w+)\]", path.read_text(encoding="utf-8"))
+    }
+    assert {"video", "parquet"} <= named
+    assert {name for name in named if f"\n{name} = [" not in PROJECT} == set()

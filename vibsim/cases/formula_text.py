@@ -40,6 +40,14 @@ ARGUMENTS = {
 FUNCTIONS = tuple(ARGUMENTS)
 WITH_CORNERS = tuple(name for name in FUNCTIONS if name not in (*PLAIN_FUNCTIONS, "sqrt"))
 COMPARISONS = ("<=", ">=", "<", ">")
+ELSEWHERE = {
+    **dict.fromkeys(COMPARISONS, "stands once, in where(a < b, then, else)"),
+    "if": "is written where(a < b, then, else)",
+    "else": "is written where(a < b, then, else)",
+    "and": "is written where(a < b, where(c < d, then, else), else)",
+    "or": "is written where(a < b, then, where(c < d, then, else))",
+    "not": "is written where(a < b, else, then)",
+}  # signs and words of other languages, and how a formula has them
 
 
 class FormulaError(ValueError):
@@ -254,6 +262,8 @@ class _Parser:
 
     def no_sign_between(self, number: _Token) -> None:
         word = self.token
+        if word.text in ELSEWHERE:
+            self.unexpected(None)
         what = f"{shown(self.text[number.start : number.end])} and {shown(word.text)}"
         message = f"{shown(word.text)} is no unit; write a sign between {what}, such as *"
         raise FormulaError(message, word.start, word.end)
@@ -357,6 +367,8 @@ class _Parser:
     def expected(self, sign: str, message: str) -> int:
         token = self.token
         if token.text != sign or token.kind != "sign":
+            if token.text in ELSEWHERE:
+                self.unexpected(None)
             raise FormulaError(f"{message}; {self.here()}", token.start, token.end)
         self.advance()
         return token.end
@@ -368,12 +380,12 @@ class _Parser:
         token = self.token
         if token.kind == "end":
             raise FormulaError("ends where a number, a name or a bracket is due", token.start, token.end)
-        if before is None:
+        if token.text in ELSEWHERE:
+            message = f"{token.text} {ELSEWHERE[token.text]}"
+        elif before is None:
             message = f"a number, a name or a bracket is due, got {shown(token.text)}"
         elif token.text == ")":
             message = "a bracket is closed that was not opened"
-        elif token.text in COMPARISONS:
-            message = f"{token.text} stands in where(...) only"
         elif token.kind in ("name", "number") or token.text == "(":
             message = f"a sign such as * is due before {shown(token.text)}"
         else:
@@ -448,9 +460,12 @@ def pairs_of(text: str) -> str:
     rows = [row for row in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in row)]
     if not rows:
         raise ValueError("is empty; it begins with a line such as: t [s], F [N]")
+    for sign, word in ((";", "semicolons"), ("\t", "tabs")):
+        if any(sign in cell for cell in rows[0]):
+            raise ValueError(f"columns are separated by commas, and decimals have a point; got {word}")
+    if len(rows[0]) != 2:
+        raise ValueError(f"must have two columns, got {len(rows[0])}")
     units = [_unit_of_column(cell) for cell in rows[0]]
-    if len(units) != 2:
-        raise ValueError(f"must have two columns, got {len(units)}")
     if len(rows) > MOST_PAIRS:
         raise ValueError(f"has more than {MOST_PAIRS} rows")
     pairs = []

@@ -335,5 +335,8 @@ def main() -> None:
     except KeyboardInterrupt:  # another one, while the first was told
         sys.exit(INTERRUPTED)
     finally:
-        ended_by_signals()
+        try:
+            ended_by_signals()
+        except KeyboardInterrupt:  # another one, while the command ended
+            ended_by_signals()
         gc.freeze()  # the system takes all memory back at once; sorting it before the end takes 30 ms

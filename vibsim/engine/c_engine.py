@@ -25,7 +25,7 @@ from vibsim.engine.ledger_integrals import pack_extremes, pack_impacts, pack_led
 from vibsim.engine.modes.mode_table import ModeTable, bytes_of, mode_table
 from vibsim.engine.modes.packing import pack_scene, pack_state
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import Known, ModeRows
+from vibsim.engine.modes.rows import DOMAIN, Known, ModeRows
 from vibsim.engine.modes.status import Status
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.number_forms import DOUBLES, NumberForm
@@ -300,9 +300,14 @@ class CRun:
     def _failure(self, status: int) -> EngineError:
         """Why C cannot go on from its state."""
         tally = self.run.tally()
-        tape = self.rows_of(tally["mode"]).tape
-        part = tape.texts[tally["singular"]] if status == SINGULAR and tape else ""
-        return EngineError(REASONS[status], State(*tally["state"]), part)
+        rows, state = self.rows_of(tally["mode"]), State(*tally["state"])
+        if status != SINGULAR or not rows.tape:
+            return EngineError(REASONS[status], state)
+        self.expansion.look(state, rows)
+        for event in rows.events:  # a root that is negative where the run begins
+            if event.kind == DOMAIN and self.expansion.derivatives(event, 0)[0] < 0:
+                return EngineError("domain", state, rows.tape.texts[event.part])
+        return EngineError(REASONS[status], state, rows.tape.texts[tally["singular"]])
 
     def _block(self, counts: Sequence[int], finished: int) -> Filled:
         """Block of what C has filled, whose arrays are given away where they hold much and copied where they

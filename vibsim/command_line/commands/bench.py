@@ -58,8 +58,8 @@ METHODS = NameList("methods", [family.name for family in FAMILIES], lambda names
         "vibsim bench II-B --methods taylor,heyoka,dop853",
         "vibsim bench gallery/impact-oscillator-coco    # impacts per second, errors beside them",
         "vibsim bench II-B -o again.h5 --truth II-B-bench.h5",
-        before="Every method gives the same states, and is judged by a run of many digits (which needs the "
-        "extra [reference]). Run it on a quiet machine.",
+        before="Every method gives the same states, and is judged by a run of many digits. Run it on a quiet "
+        "machine.",
     ),
 )
 @click.argument("source", metavar="[CASE]", required=False, type=CASE)
@@ -67,8 +67,7 @@ METHODS = NameList("methods", [family.name for family in FAMILIES], lambda names
 @click.option("--t-end", metavar="TIME", help="End of the span. [default: that of the case, at most 100 s]")
 @click.option(
     "--methods", type=METHODS, default="", metavar="NAME[,NAME..]",
-    help="Who takes part: closed-form, taylor, orders, python, heyoka, dop853, lsoda, radau, rk45, tanh, "
-    "rk4. [default: all]",
+    help=f"Who takes part: {', '.join(family.name for family in FAMILIES)}. [default: all]",
 )  # fmt: skip
 @click.option(
     "--limit", type=FiniteRange(min=0, min_open=True), default=LIMIT, metavar="SECONDS",
