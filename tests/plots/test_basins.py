@@ -5,7 +5,7 @@ import pytest
 
 from tests.plots.artists import assert_cells, laid_out, lines
 from vibsim.cases import load_case
-from vibsim.plots.registry import fitting
+from vibsim.plots.registry import choose, fitting
 from vibsim.plots.subject import open_subject
 from vibsim.plots.sweep_responses import UNDECIDED
 from vibsim.sweeps import sweep
@@ -18,6 +18,7 @@ BELT = {"block.x": "-2:2 m", "block.v": "0:2 m/s"}
 def test_a_plane_of_starts(tmp_path):
     case = load_case("gallery/cantilever", {"run.t_end": "20 s"})
     result = sweep(case, STARTS, section=0, compute="attractor", out=tmp_path / "a.h5")
+    assert [kind.name for kind in choose(None, [open_subject(str(tmp_path / "a.h5"))])] == ["basins"]
     figure = laid_out("basins", tmp_path / "a.h5")
     (mesh,) = [each for each in figure.axes[0].collections if each.get_gid() == "attractor"]
     assert_cells(mesh, result["attractor"][..., 0].T.astype(float))

@@ -260,3 +260,16 @@ def test_another_sweep_in_the_file_is_told_on_one_line(tmp_path):
     ) as raised:
         vibsim.sweep("I-A", {"omega": "3,5 Hz"}, **short)
     assert "\n" not in str(raised.value)
+
+
+def test_a_journal_without_records_is_not_left(tmp_path):
+    """As where the disk is full before the first point is done."""
+    journal = Journal(tmp_path / "sweep.h5", "sweep")
+    journal.restart("0" * 64)
+    journal.close(remove=False)
+    assert list(tmp_path.iterdir()) == []
+    journal = Journal(tmp_path / "sweep.h5", "sweep")
+    journal.restart("0" * 64)
+    journal.add([{"point": 0}])
+    journal.close(remove=False)
+    assert [path.name for path in tmp_path.iterdir()] == ["sweep.h5.journal"]

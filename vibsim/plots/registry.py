@@ -489,8 +489,7 @@ def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Pic
     """
     fit = fitting(subjects)
     if names is None:
-        orbits = all(subject.holds_orbit for subject in subjects)
-        preferred = ("orbit-portrait",) if orbits else DEFAULTS.get(subjects[0].reads, ())
+        preferred = _preferred(subjects)
         names = [kind.name for kind in fit if kind.name in preferred] or [kind.name for kind in fit[:1]]
         if not names:
             paths = ", ".join(subject.path for subject in subjects)
@@ -509,6 +508,16 @@ def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Pic
             if reason:
                 raise PlotError(f"kind {kind.name}: {reason}; {_those_that_fit(fit)}")
     return chosen
+
+
+def _preferred(subjects: Sequence[Subject]) -> tuple[str, ...]:
+    """Kinds to draw where none is named: basins where a sweep has attractors alone, and no statistics."""
+    first = subjects[0]
+    if all(subject.holds_orbit for subject in subjects):
+        return ("orbit-portrait",)
+    if first.reads == "sweep" and first.result.plan.compute == ("attractor",):
+        return ("basins",)
+    return DEFAULTS.get(first.reads, ())
 
 
 def _those_that_fit(fit: Sequence[PictureKind]) -> str:

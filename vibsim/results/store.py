@@ -442,9 +442,9 @@ class Journal:
         return ResultFileError(f"{remedy}, and the same command resumes it")
 
     def close(self, remove: bool) -> None:
-        """Let go of the lock; with `remove`, or where it is empty, of the file as well."""
+        """Let go of the lock; with `remove`, or where it holds no records, of the file as well."""
         with held_back():
-            empty = not os.fstat(self._descriptor).st_size
+            empty = self._records == 1 or not os.fstat(self._descriptor).st_size
             os.close(self._descriptor)
             if remove or empty:
                 self.path.unlink(missing_ok=True)
