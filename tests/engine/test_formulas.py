@@ -10,7 +10,7 @@ import vibsim
 from tests.engine.runs import run, scene_of
 from tests.engine.test_operations import judged
 from vibsim.engine.errors import EngineError
-from vibsim.physics.parts import EVENT_KINDS
+from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES
 
 DRAG = """
 bodies: {a: 1 kg}
@@ -284,3 +284,40 @@ run: {{t_end: 20 s, every: 10 ms}}
     assert raised.value.reason == reason
     if when is not None:
         assert abs(raised.value.state.t - when) < 1e-6
+
+
+CLUTCH = """
+bodies: {a: 1 kg m^2, b: 2 kg m^2}
+friction: {clutch: {between: [a, b], N: "A*sin(w*t)", mu: 0.3, static: STATIC, A: 3 N m, w: 3 Hz}}
+initial: {a: {v: 0.1 rad/s}}
+run: {t_end: 0.9 s, every: 50 ms}
+"""
+CARRIED = """
+bodies: {block: 1 kg, foot: 1 kg}
+links: {s: {between: [foot, ground], k: 100 N/m}}
+friction: {floor: {between: [block, ground], N: "k*x_foot", mu: 0.3, k: 300 N/m}}
+initial: {foot: {x: 1 cm}}
+run: {t_end: 2.5 s, every: 50 ms}
+"""
+
+
+@pytest.mark.parametrize("static", [1, 1.4])
+@pytest.mark.parametrize("digits", [None, 30])
+def test_a_clutch_without_torque_opens_and_closes(static, digits):
+    """It slips until its torque has taken the difference in speed: 1.35 (1 - cos w t)/w = 0.1 in SI units."""
+    case = CLUTCH.replace("STATIC", str(static))
+    result = vibsim.simulate(case, digits=digits)
+    caught = np.arccos(1 - 0.1 * 6 * pi / 1.35) / (6 * pi)
+    kinds = [EVENT_NAMES[kind] for kind in result.events["kind"][1:-1]]
+    assert kinds == ["stick_begin", "stick_end"] * 3
+    np.testing.assert_allclose(result.events["t"][1:-1], [caught, *np.arange(1, 6) / 6], rtol=0, atol=1e-13)
+    np.testing.assert_allclose([result["v_a"][-1], result["v_b"][-1]], 0.1 / 3, rtol=1e-14)
+
+
+def test_a_load_that_another_body_brings_back_finds_what_rests():
+    result = vibsim.simulate(CARRIED)
+    kinds = [EVENT_NAMES[kind] for kind in result.events["kind"][1:-1]]
+    assert kinds == (["stick_end", "stick_begin"] * 4)[: len(kinds)]
+    times = (np.arange(len(kinds)) + 0.5) * pi / 10
+    np.testing.assert_allclose(result.events["t"][1:-1], times, rtol=0, atol=1e-13)
+    assert len(kinds) == 8 and not result["x_block"].any()

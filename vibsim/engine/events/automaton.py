@@ -35,6 +35,7 @@ from vibsim.engine.modes.rows import (
     Event,
     Joined,
     Known,
+    ModeRows,
 )
 from vibsim.engine.modes.status import (
     BACKWARD,
@@ -285,6 +286,8 @@ class Automaton(Generic[N]):
         count = len(status.frictions)
         after = status.with_ties(slips)
         drops = [i for i, sense in slips.items() if i < count and self.scene.frictions[i].drops(sense)]
+        if drops and self._unloaded(state, rows, event):
+            drops = []
         if drops:
             known: Known = {}
             after = self.settling.settle_behind(state, status, after)
@@ -295,6 +298,17 @@ class Automaton(Generic[N]):
             known |= {(STRIKE, i - count): 2 + at for i in slips if i >= count}
         after, parted = self.parting.parted(state, status, after, 2 if drops else 2 + at, known)
         return after, happened + parted, known
+
+    def _unloaded(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> bool:
+        """Whether a cut lets go because its load comes to nothing: it holds as little the other way, and no
+        force drops.
+        """
+        opposite = (HOLD, rows.cuts[event.part].columns, -event.direction)
+        other = next((one for one in rows.events if one.key == opposite), None)
+        if other is None:
+            return False
+        values = self.departures.hold_values(state, self.departures.enter(state, rows.status), other)
+        return self.departures.passes_now(state, other, values)
 
 
 # The mode that a run starts in.

@@ -23,6 +23,7 @@ from vibsim.engine.modes.rows import (
     CLEARANCE,
     COUPLING,
     DIFFERENCE,
+    FORMULA,
     GAP,
     PUSH,
     Event,
@@ -38,6 +39,7 @@ from vibsim.physics.parts import Clearance, Stop
 FEW = 2  # derivatives behind the first that is asked for: most often enough
 # of what a rate changes by within a step: rounding may have left so little; rules.c asks for 256 times that
 GRAZING = 2.0**-28
+TIMES = 8  # units of the time, within which an event was found where its function is zero
 
 
 class DerivativeSigns(Generic[N]):
@@ -171,6 +173,16 @@ class DerivativeSigns(Generic[N]):
         """Rate of a function made of differences, from the velocities: no rounding of a flow in it."""
         v = (*state.v, self.kit.number(0), self.relative.base(state, "v"))
         return total_of(self.kit, (term.coefficient * (v[term.P] - v[term.Q]) for term in event.terms))
+
+    def passes_now(self, state: State[N], event: Event[N], values: Sequence[N]) -> bool:
+        """Whether an event function of the mode entered last that a formula is part of passes zero within the
+        resolution of time, and by more than rounding: values are its derivatives here, from order 0.
+        """
+        if all(term.kind != FORMULA for term in event.terms):
+            return False
+        rate = abs(values[1])
+        resolution = TIMES * self.kit.eps * abs(state.t)
+        return bool(abs(values[0]) <= rate * resolution and rate > self.expansion.bounds(event, 1, False)[1])
 
     def hold_values(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> list[N]:
         """Derivatives of a HOLD function, see `as_far_as_needed`; its value straight from the state where

@@ -226,6 +226,8 @@ class StickSlipResolution(Generic[N]):
                 ):
                     self.departures.doubt(state)
                 if first_sign(values) < 0 and (depth is None or values[0] < depth):
+                    if values[0] < 0 < values[1] and self.departures.passes_now(state, event, values):
+                        continue  # a load by a formula comes back from nothing: it would slip for no time
                     worst, depth = event, values[0]
         return worst
 
