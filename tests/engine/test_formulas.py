@@ -321,3 +321,23 @@ def test_a_load_that_another_body_brings_back_finds_what_rests():
     times = (np.arange(len(kinds)) + 0.5) * pi / 10
     np.testing.assert_allclose(result.events["t"][1:-1], times, rtol=0, atol=1e-13)
     assert len(kinds) == 8 and not result["x_block"].any()
+
+
+PRESSED = """
+bodies: {slider: 1 kg, roller: 1 kg}
+links: {spring: {between: [slider, ground], k: 50 N/m}}
+stops: {floor: {between: [roller, ground], law: elastic, gap: 0 m, acts: extension, k: 10 kN/m, c: 5 N s/m}}
+forces: {shake: {on: roller, F0: -9.81 N, A: 12 N, omega: 4 Hz}}
+friction: {rub: {between: [slider, ground], N: "LOAD", k: 10 kN/m, mu: 0.4, belt: 0.2 m/s}}
+run: {t_end: 1 s, every: 50 ms}
+"""
+
+
+@pytest.mark.parametrize("load", ["-k*x_roller", "max(0, -k*x_roller)", "k*(abs(x_roller) - x_roller)/2"])
+def test_a_load_that_a_contact_makes_goes_with_it(load):
+    """The switch of the load turns as contact begins and ends, and in between its side is no question."""
+    result = vibsim.simulate(PRESSED.replace("LOAD", load))
+    kinds = [EVENT_NAMES[kind] for kind in result.events["kind"][1:-1]]
+    assert result.attrs["uncertified"] == 0 and kinds.count("contact_end") > 3
+    expected = vibsim.simulate(PRESSED.replace("LOAD", "-k*x_roller"))
+    np.testing.assert_allclose(result.events["t"], expected.events["t"], rtol=0, atol=1e-13)

@@ -81,8 +81,8 @@ class SwitchSides(Generic[N]):
             was = old[i]
             if i not in decided and was is not None and i in fixed:
                 decided[i] = was
-            if i not in decided and rows.is_above(node, status):
-                decided[i] = sign
+            if i not in decided and (by_stops := rows.side_by_stops(node, status)):
+                decided[i] = sign * by_stops
             if i not in decided:
                 read = read or self.inputs(state, before)
                 values = rows.guard_values(node, sides, *read)

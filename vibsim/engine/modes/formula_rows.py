@@ -153,7 +153,7 @@ class FormulaRows(Generic[N]):
         self._sides = Kept[tuple[int | None, ...], dict[Node, int]](MOST_MODES)
         self._awake = Kept[tuple[Any, ...], Node | None](MOST_SIDES)
         self._bending: dict[int, bool] = {}
-        self._above = Kept[tuple[Node, tuple[int, ...]], bool](MOST_SIDES)
+        self._by_stops = Kept[tuple[Node, tuple[int, ...]], int](MOST_SIDES)
         self._tapes = Kept[tuple[Any, ...], Tape](MOST_SIDES)
         self._within = Kept[Node, list[Node]](MOST_SIDES)
         self.behind = {node: self.within(node[1]) for node in self.same}
@@ -329,13 +329,13 @@ class FormulaRows(Generic[N]):
             if self.switches[i] in sides
         }
         for i, guards in watched.items():
-            for key, node, _ in guards:
-                if not self._implied(maker, maker.place(node), status):
+            for key, node, sign in guards:
+                if self._sign_by_stops(maker, maker.place(node), status) != sign:
                     outputs["switch", i, key] = k = maker.output(node, self.owners[i])
                     rows.nodes[k] = node
         kept = [(maker.place(node), sign) for guards in watched.values() for _, node, sign in guards]
         for place in maker.bases:
-            if not (self._kept(maker, place, kept) or self._implied(maker, place, status)):
+            if not (self._kept(maker, place, kept) or self._sign_by_stops(maker, place, status) > 0):
                 outputs["base", place] = len(maker.tape.outputs)
                 maker.tape.texts.append(self._owner(maker.tape, place, roots))
                 maker.tape.outputs.append(place)
@@ -411,7 +411,7 @@ class FormulaRows(Generic[N]):
             a = self._less_depth(maker, node[1], stop, sides)
             return a._replace(rest=div(a.rest, node[2]))
         base, exponent = (node[1], node[2]) if kind == "pow" and node[2] > 0 else (node, Fraction(1))
-        ratio = 0.0 if value_of(base) else self._ratio(maker, maker.place(base), stop)
+        ratio = 0.0 if value_of(base) else max(0.0, self._ratio(maker, maker.place(base), stop))
         if not ratio:
             return _LessDepth(Fraction(0), node)
         if base[0] == "mul" and base[1][0] == "num" and base is node:  # c p, which a gap of 0 makes one
@@ -467,13 +467,18 @@ class FormulaRows(Generic[N]):
         needing = (k for k in range(roots) if place in tape.behind(tape.outputs[k]))
         return tape.texts[next(needing, 0)]
 
-    def _implied(self, maker: TapeMaker[N], place: int, status: Status) -> bool:
-        """Whether a function on the tape is the depth of a stop in contact but for a positive factor."""
-        depths = [stop for i, stop in self.scene.elastic_stops if status.stops[i] != OPEN]
-        return any(self._ratio(maker, place, stop) > 0 for stop in depths)
+    def _sign_by_stops(self, maker: TapeMaker[N], place: int, status: Status) -> int:
+        """Sign of a function on the tape that is the depth of an elastic stop but for a factor; 0 where it is
+        that of none.
+        """
+        for i, stop in self.scene.elastic_stops:
+            ratio = self._ratio(maker, place, stop)
+            if ratio != 0:
+                return 1 if (ratio > 0) == (status.stops[i] != OPEN) else -1
+        return 0
 
     def _ratio(self, maker: TapeMaker[N], place: int, stop: Stop[N]) -> float:
-        """A function on the tape over the depth of a stop, where that is one positive number; else 0."""
+        """A function on the tape over the depth of a stop, where that is one number; else 0."""
         P, Q = (end if end >= 0 else self.columns[end] for end in (stop.P, stop.Q))
         moved = P if self.n > P else Q
         ops = maker.tape.ops
@@ -488,7 +493,8 @@ class FormulaRows(Generic[N]):
             x[moved] = x[Q] - stop.sense * (gap + depth) if moved == P else x[P] + stop.sense * (gap + depth)
             depth = -(stop.sense * (x[P] - x[Q])) - gap
             ratios.append(self._probed(maker, (i, stop.name), replace(at, x=x), place) / depth)
-        return ratios[0] if _is_one_ratio(ratios) else 0.0
+        sign = -1 if ratios[0] < 0 else 1
+        return ratios[0] if _is_one_ratio([sign * ratio for ratio in ratios]) else 0.0
 
     @staticmethod
     def _is_depth(ops: Sequence[Op], place: int, stop: Stop[N], ends: tuple[int, int]) -> bool:
@@ -548,15 +554,18 @@ class FormulaRows(Generic[N]):
                     )
         return values[place]
 
-    def is_above(self, node: Node, status: Status) -> bool:
-        """Whether a stop in contact keeps a switch on its upper side: where that watches its depth."""
+    def side_by_stops(self, node: Node, status: Status) -> int:
+        """On which side an elastic stop keeps a switch that watches its depth: the upper one, 1, in contact
+        and the lower one, -1, where it is open; 0 where none does.
+        """
         key = node, status.stops
-        above = self._above.get(key)
-        if above is None:
+        side = self._by_stops.get(key)
+        if side is None:
             maker = TapeMaker(self.kit, {}, self.columns)
             plain = node[0] == "choose" and not self.behind[node]
-            above = self._above.keep(key, plain and self._implied(maker, maker.place(node[1]), status))
-        return above
+            place = maker.place(node[1]) if plain else 0
+            side = self._by_stops.keep(key, self._sign_by_stops(maker, place, status) if plain else 0)
+        return side
 
     def events(self, rows: ModeRows[N]) -> list[Event[N]]:
         """The event functions of the switches of a mode, and of what must not become negative under a
