@@ -114,7 +114,8 @@ class RuleMaker:
             told = "", -1
         if not stop.jumps or not status.tied:
             return self._cross(behind, *told, key, 1)
-        if not self.automaton.settling.possible(self.maker.rows(behind)):
+        self.maker.rows(behind)  # which may have too many cuts
+        if not self.automaton.settling.possible(behind):
             return None
         return self._cross(behind, *told, key, 1, CROSS_IF_TIES_HOLD)
 
@@ -123,7 +124,7 @@ class RuleMaker:
         standing = self.automaton.settling.standing(status, [i])
         stuck = status.with_frictions(dict.fromkeys(standing, STICK))
         rows = self.maker.rows(stuck)
-        if set(standing) - {i} != set(status.tied) or not self.automaton.settling.possible(rows):
+        if set(standing) - {i} != set(status.tied) or not self.automaton.settling.possible(stuck):
             return None
         other, hold = None, -1
         before = status.frictions[i]

@@ -62,7 +62,7 @@ class StickSlipResolution(Generic[N]):
         hold or let go consistently.
         """
         tied = status.with_ties(dict.fromkeys(standing, STICK))
-        possible = self.possible(self.maker.rows(tied))
+        possible = self.possible(tied)
         if possible:
             after = self._release(state, tied, standing)
             if after is not None:
@@ -92,13 +92,13 @@ class StickSlipResolution(Generic[N]):
                 return candidate
         return None
 
-    def possible(self, rows: ModeRows[N]) -> bool:
+    def possible(self, status: Status) -> bool:
         """Whether the ties of a mode can last: a base that moves cannot be tied to the ground, though it may
         rest for an instant.
         """
         ground = self.maker.n
-        tied = rows.leader[ground + 1] == ground
-        return not (tied and self.scene.base_moves) and self.maker.can_last(rows.status)
+        tied = self.maker.ties(status)[0][ground + 1] == ground
+        return not (tied and self.scene.base_moves) and self.maker.can_last(status)
 
     def _release(self, state: State[N], candidate: Status, standing: Sequence[int]) -> Status | None:
         """As long as cuts are overloaded, the ties of the one that is so most let go. None where that is not
@@ -135,7 +135,7 @@ class StickSlipResolution(Generic[N]):
                 broken = self._overloaded(state, rows := self.departures.enter(state, candidate))
                 if broken is None:
                     slips = self._slips_as_said(state, candidate, self._apart(candidate, standing))
-                    return candidate if slips and self.possible(rows) else None
+                    return candidate if slips and self.possible(candidate) else None
                 candidate, here = self._torn(candidate, rows, broken), there
             else:
                 here = [a + share * (b - a) for a, b in zip(here, there, strict=True)]
@@ -277,7 +277,7 @@ class StickSlipResolution(Generic[N]):
         return True
 
     def _consistent(self, state: State[N], status: Status, standing: Sequence[int]) -> bool:
-        if not self.possible(self.maker.rows(status)):
+        if not self.possible(status):
             return False
         rows = self.departures.enter(state, status)
         if self._overloaded(state, rows) is not None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Mapping, Sequence
 from math import inf
-from typing import TYPE_CHECKING, Generic, cast
+from typing import TYPE_CHECKING, Any, Generic, cast
 
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.relative_motion import RelativeMotion
@@ -39,6 +39,9 @@ class SwitchSides(Generic[N]):
         self.rows: FormulaRows[N] = maker.formulas
         self.none = (None,) * len(self.rows.switches)
         self._with_sides = Kept[Status, Status](MOST_STATUSES)
+        self._place: tuple[Any, ...] | None = None  # state, and mode before, whose inputs were asked for last
+        self._inputs: tuple[Inputs[N], Inputs[N]]
+        self._guards: dict[Any, list[N]] = {}  # values of arguments of switches there
         names = event_parts(scene)
         self.part_of = [
             names.index(owner) for owner in self.rows.owners
@@ -46,8 +49,17 @@ class SwitchSides(Generic[N]):
 
     def inputs(self, state: State[N], before: Status | None = None) -> tuple[Inputs[N], Inputs[N]]:
         """Values that formulas read at a state, and their uncertainty by rounding: that of the state, and of
-        the time at which it is taken; before: the mode that led there.
+        the time at which it is taken; before: the mode that led there. Kept for one state, of which several
+        modes are tried.
         """
+        place = (state.t, *state.x, *state.v, state.phase, state.turns, state.w, before)
+        if place != self._place:
+            self._inputs = self._made_inputs(state, before)
+            self._place = place
+            self._guards = {}
+        return self._inputs
+
+    def _made_inputs(self, state: State[N], before: Status | None) -> tuple[Inputs[N], Inputs[N]]:
         zero = self.kit.number(0)
         x = [*state.x, zero, self.relative.base(state, "x")]
         v = [*state.v, zero, self.relative.base(state, "v")]
@@ -73,7 +85,6 @@ class SwitchSides(Generic[N]):
         rows, old = self.rows, status.switches or self.none
         if not rows.switches:
             return status._replace(switches=())
-        read: tuple[Inputs[N], Inputs[N]] | None = None
         decided: dict[int, int] = {}
         sides: dict[Node, int] = {}
         for node in rows.awake(status, sides):
@@ -84,14 +95,24 @@ class SwitchSides(Generic[N]):
             if i not in decided and (by_stops := rows.side_by_stops(node, status)):
                 decided[i] = sign * by_stops
             if i not in decided:
-                read = read or self.inputs(state, before)
-                values = rows.guard_values(node, sides, *read)
+                values = self._guard_values(node, sides, state, before)
                 side, unsure = self._side(node, values, None if was is None else sign * was)
                 decided[i] = sign * side
                 if unsure and open_ones is not None:
                     open_ones.append(i)
             sides[node] = sign * decided[i]
         return status._replace(switches=tuple(decided.get(i) for i in range(len(rows.switches))))
+
+    def _guard_values(
+        self, node: Node, sides: Mapping[Node, int], state: State[N], before: Status | None
+    ) -> list[N]:
+        """Values of the argument of a switch at a state, with the bounds of their rounding."""
+        at, blur = self.inputs(state, before)
+        key = node, *map(sides.get, self.rows.behind[node])
+        values = self._guards.get(key)
+        if values is None:
+            values = self._guards[key] = self.rows.guard_values(node, sides, at, blur)
+        return values
 
     def with_sides(self, state: State[N], status: Status) -> Status:
         """The status with a side of each switch that its formulas read, where it has none yet."""

@@ -156,12 +156,16 @@ def packed_mode(
     tape, base_tape = rows.tape, rows.base_tape
     pack.put((len(pairs), len(tape.ops) if tape else 0, len(base_tape.ops) if base_tape else 0))
     pack.put(rows.status.codes)
-    for leader, mobility, mass, drift in zip(rows.leader, rows.mobility, rows.mass, rows.drift, strict=True):
-        pack.put((leader,), (mobility, 0.0 if mass is None else mass, drift))
+    ints, doubles = pack.ints, pack.doubles
+    ints += rows.leader
+    for mobility, mass, drift in zip(rows.mobility, rows.mass, rows.drift, strict=True):
+        doubles += (mobility, 0.0 if mass is None else mass, drift)
     for q in rows.couplings:
-        pack.put((q.P, q.Q, pairs.get((q.P, q.Q), -1)), (q.k, q.c, q.offset))
+        ints += (q.P, q.Q, pairs.get((q.P, q.Q), -1))
+        doubles += (q.k, q.c, q.offset)
     for column, value in rows.constants:
-        pack.put((column,), (value,))
+        ints.append(column)
+        doubles.append(value)
     if tape and (tape.ops or base_tape):
         pack_tape(pack, tape)
         pack.put((len(rows.formulas),))
@@ -174,17 +178,17 @@ def packed_mode(
             pack_tape(pack, base_tape)
             pack.put((len(rows.base_values.ops),))
             pack_tape(pack, rows.base_values)
-    pack.put((), slope_constants)
+    doubles += slope_constants
     for term in terms:
         kind, paired = term.kind, term.kind in (DIFFERENCE, RATE)
-        pack.put(
-            (kind, term.P, term.Q, pairs[term.P, term.Q] if modal and paired else -1), (term.coefficient,)
-        )
+        ints += (kind, term.P, term.Q, pairs[term.P, term.Q] if modal and paired else -1)
+        doubles.append(term.coefficient)
     for first, count, first_constant, constants, mass, factor in slopes:
-        pack.put((first, count, first_constant, constants), (mass, factor))
+        ints += (first, count, first_constant, constants)
+        doubles += (mass, factor)
     for event, key, first, count, first_slope, slope_count in events:
-        pack.put((event.kind, event.part, key, event.turns, first, count, first_slope, slope_count))
-        pack.put((), (event.constant, event.size))
+        ints += (event.kind, event.part, key, event.turns, first, count, first_slope, slope_count)
+        doubles += (event.constant, event.size)
     pack.put((bool(modal),))
     if modal:
         pack_modal(pack, modal)
@@ -192,10 +196,12 @@ def packed_mode(
 
 
 def pack_tape(pack: Packer, tape: Tape) -> None:
-    pack.put((len(tape.outputs),))
-    for op in tape.ops:
-        pack.put((op.code, op.a, op.b), (op.value,))
-    pack.put(tape.outputs)
+    ints, doubles = pack.ints, pack.doubles
+    ints.append(len(tape.outputs))
+    for code, a, b, value in tape.ops:
+        ints += (code, a, b)
+        doubles.append(value)
+    ints += tape.outputs
 
 
 def pack_modal(pack: Packer, modal: Modal) -> None:

@@ -109,7 +109,7 @@ class RigidStops(Generic[N]):
             return status, [], {event.key: at}
         after = status.with_stop(i, RESTING)
         slow = self.stops[i].e == 0 and touch.rates[i] <= self.chatter.velocity_uncertainty(state, status, i)
-        if not slow or not self.settling.possible(self.maker.rows(after)):
+        if not slow or not self.settling.possible(after):
             return None
         self.departures.doubt(state)
         touch.catches += self.rest_projection.join(state, [i])
@@ -212,7 +212,7 @@ class RigidStops(Generic[N]):
         touch.catches += self.rest_projection.join(state, seated)
         standing = self.settling.standing(status)
         settled = self.settling.settle(state, status, standing) if standing else status
-        if RESTING in settled.stops and not self.settling.possible(self.maker.rows(settled)):
+        if RESTING in settled.stops and not self.settling.possible(settled):
             resting = (j for j in self.stops if settled.stops[j] == RESTING)
             raise EngineError("crushed", state, self.impacts.names(resting))
         return settled
