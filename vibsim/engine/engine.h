@@ -224,7 +224,7 @@ typedef struct {
     Real *checked, checked_at; /* columns at the end of the step and before it, where formulas are compared; the former [s], or 0 */
     int order, rates, stride, *loaded, loaded_count, few_nodes;
     Real *acceleration; /* by leading column, where a mode has formulas or rotors */
-    TapeRoom tapes;
+    TapeRoom tapes, base_tapes; /* of the formulas of modes; of the motion of the base */
 #ifdef FIXED_SERIES
     Digits (*rotor)[SERIES];    /* series of the rotor, `Scales` of the mode says how */
     const Scales<SERIES> *scales; /* NULL where there are none, or a coefficient did not fit */
@@ -372,6 +372,7 @@ typedef struct {
 typedef struct Run {
     int bodies, columns, parts, clearances, harmonic_count, key_count, mode_count, force_count, base_count;
     int slope_ops, slope_entries; /* most of a mode's derivatives of formulas */
+    int tapes_read;
     int has_motor, motor_on, rest_columns, force_taylor, stop_on_violation, closed; /* closed: the flow in use */
     int has_base, *alone, alone_count; /* has_base: be it by a formula; alone: columns of units of their own, of rotors and states */
     Real m3, e, M0, unbalance, inertia, drag, t_end, every_num, every_den;
@@ -437,6 +438,9 @@ int polynomial_near_zero(const Real *coefficients, int count, int known, Real ta
                          Real *slope, Real *noise); /* returns 0 where it rests at zero */
 
 void polynomial_value_and_slope(const Real *coefficients, int count, int known, Real tau, Real *value, Real *slope);
+
+/* step_length.c */
+Real step_length(const Run *r);
 
 /* taylor.c */
 void taylor_set(Run *r);

@@ -13,4 +13,13 @@
 #define APART static
 #endif
 
+/* In the body of a short loop whose numbers have just been written, or are read next, one by one: keeps it from being made one over
+ * registers of several, which would wait until all of these numbers are in memory.
+ */
+#if defined(__GNUC__) && !defined(LIMBS)
+#define ONE_BY_ONE __asm__("")
+#else
+#define ONE_BY_ONE (void)0
+#endif
+
 #endif

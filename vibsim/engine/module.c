@@ -30,7 +30,7 @@ int is_interrupted(Run *r, int n)
     PyGILState_STATE gil;
     if (!r->hears)
         return 0;
-    r->unheard += (double)WORDS * WORDS * (r->columns + (3.0 + r->mode->tape.moving_count + 3 * r->rotors.count) * n);
+    r->unheard += (double)WORDS * WORDS * (r->columns + (3.0 + r->mode->tape.op_count + 3 * r->rotors.count) * n);
     if (r->interrupted || r->unheard < MOST_UNHEARD)
         return r->interrupted;
     r->unheard = 0;

@@ -72,6 +72,70 @@ static void take_used(Tape *tape)
     }
 }
 
+/* Whether what an operation reads, but for what stands behind it, is computed by the time that `when` says. */
+static int is_known_by(const Tape *tape, const Op *op, int i, int when)
+{
+    return tape->ops[op->a].when <= when && (op->b < 0 || op->b >= i || tape->ops[op->b].when <= when);
+}
+
+/* Note whose series a recurrence reads from the back. */
+static void take_turned(const Tape *tape)
+{
+    int i;
+    for (i = 0; i < tape->op_count; i++) {
+        Op *op = &tape->ops[i];
+        if (op->code == OP_SQUARE || op->code == OP_LOG || op->code == OP_POWER)
+            tape->ops[op->a].turned = 1;
+        else if (op->code >= OP_MUL && op->b >= 0)
+            tape->ops[op->b].turned = 1;
+        op->turned = op->turned || op->code == OP_DIV || op->code == OP_EXP;
+    }
+}
+
+/* When each operation can be computed, where all serve the motion. */
+static void take_times(Tape *tape)
+{
+    int i;
+    for (i = 0; i < tape->op_count; i++) {
+        Op *op = &tape->ops[i];
+        const int sums = op->code == OP_SCALE || op->code == OP_ADD || op->code == OP_SUB;
+        if (op->code <= OP_SPIN)
+            op->when = op->from < 0 ? ONCE_FOR_ALL : WITH_MOTION;
+        else if (sums && is_known_by(tape, op, i, ONCE_FOR_ALL))
+            op->when = ONCE_FOR_ALL;
+        else
+            op->when = is_known_by(tape, op, i, AHEAD) ? AHEAD : WITH_MOTION;
+        op->even = op->code > OP_SPIN && op->when == AHEAD && tape->ops[op->a].when == ONCE_FOR_ALL &&
+                   (op->code == OP_SIN || op->code == OP_SINH || op->code == OP_EXP);
+    }
+}
+
+/* Have an operation be computed with the motion; more: becomes 1 where it was not. */
+static void keep_with_motion(const Tape *tape, int i, int *more)
+{
+    *more = *more || tape->ops[i].when == BEHIND;
+    tape->ops[i].when = tape->ops[i].when == BEHIND ? WITH_MOTION : tape->ops[i].when;
+}
+
+/* Leave for later what neither the forces of a mode nor what it carries along read, themselves or by other operations. */
+static void take_those_behind(const Mode *m, const Tape *tape)
+{
+    int i, more = 1;
+    for (i = 0; i < tape->op_count; i++)
+        tape->ops[i].when = tape->ops[i].when == WITH_MOTION ? BEHIND : tape->ops[i].when;
+    for (i = 0; i < m->formula_count; i++)
+        keep_with_motion(tape, m->formulas[i].place, &more);
+    for (i = 0; i < m->follower_count; i++)
+        keep_with_motion(tape, m->followers[i].place, &more);
+    while (more) /* until nothing that is read stands further back */
+        for (more = 0, i = tape->op_count - 1; i >= 0; i--)
+            if (tape->ops[i].when == WITH_MOTION && tape->ops[i].code > OP_SPIN) {
+                keep_with_motion(tape, tape->ops[i].a, &more);
+                if (tape->ops[i].b >= 0)
+                    keep_with_motion(tape, tape->ops[i].b, &more);
+            }
+}
+
 /* Have what the first operation reads be read last. */
 static void read_last(Tape *tape, const Op *first)
 {
@@ -85,28 +149,44 @@ static void read_last(Tape *tape, const Op *first)
         }
 }
 
-/* The operations that move: those that read come first. */
+/* Copies of the operations of one time, from `to` on: those that read, or all others; returns their number. */
+static int copied(const Tape *tape, Op *to, int when, int reading)
+{
+    int i, count = 0;
+    for (i = 0; i < tape->op_count; i++)
+        if (tape->ops[i].when == when && (tape->ops[i].code <= OP_SPIN) == reading)
+            to[count++] = tape->ops[i];
+    return count;
+}
+
+/* The operations that move, by their times; those that read come first. */
 static void take_moving(Tape *tape)
 {
     int i;
     tape->moving = tape->ops + tape->op_count;
+    tape->read_count = copied(tape, tape->moving, WITH_MOTION, 1);
+    tape->moving_count = tape->read_count + copied(tape, tape->moving + tape->read_count, WITH_MOTION, 0);
+    tape->ahead = tape->moving + tape->moving_count;
+    tape->ahead_count = copied(tape, tape->ahead, AHEAD, 0);
+    tape->behind = tape->ahead + tape->ahead_count;
+    tape->behind_count = copied(tape, tape->behind, BEHIND, 1);
+    tape->behind_count += copied(tape, tape->behind + tape->behind_count, BEHIND, 0);
+    if (tape->moving_count > tape->read_count)
+        read_last(tape, tape->moving + tape->read_count);
+    for (i = tape->read_count > 0 ? tape->read_count : 1; i < tape->moving_count; i++) {
+        Op *op = &tape->moving[i];
+        op->after = op->first == op[-1].at ? FIRST_IS_NEWEST : op->second == op[-1].at ? SECOND_IS_NEWEST : 0;
+    }
+    for (i = tape->read_count; i < tape->moving_count; i++) {
+        Op *op = &tape->moving[i];
+        if (!op->turned && (op->code == OP_ADD || op->code == OP_SUB || op->code == OP_SCALE))
+            op->way = op->after + (op->code == OP_ADD ? SUM : op->code == OP_SUB ? LESS : MULTIPLE);
+    }
     for (i = 0; i < tape->op_count; i++)
-        if (tape->ops[i].code <= OP_SPIN && tape->ops[i].from >= 0)
-            tape->moving[tape->read_count++] = tape->ops[i];
-    tape->moving_count = tape->read_count;
-    for (i = 0; i < tape->op_count; i++)
-        if (tape->ops[i].code > OP_SPIN) {
-            Op *op = &tape->moving[tape->moving_count++];
-            *op = tape->ops[i];
-            tape->powers = tape->powers || op->code == OP_POWER;
-            if (tape->moving_count == tape->read_count + 1)
-                read_last(tape, op);
-            if (tape->moving_count > 1)
-                op->after = op->first == op[-1].at ? FIRST_IS_NEWEST : op->second == op[-1].at ? SECOND_IS_NEWEST : 0;
-        }
+        tape->powers = tape->powers || tape->ops[i].code == OP_POWER;
 }
 
-static int read_tape(const Run *r, Reader *in, Tape *tape, int count, int timely)
+static int read_tape(Run *r, Reader *in, Tape *tape, int count, int timely)
 {
     int i;
     tape->output_count = read_index(in, 0, MOST);
@@ -119,9 +199,11 @@ static int read_tape(const Run *r, Reader *in, Tape *tape, int count, int timely
     for (i = 0; i < tape->output_count; i++)
         tape->outputs[i] = read_index(in, 0, count - 1);
     tape->op_count = count;
+    tape->number = ++r->tapes_read;
     if (!in->short_of) {
         take_used(tape);
-        take_moving(tape);
+        take_times(tape);
+        take_turned(tape);
     }
     return 1;
 }
@@ -149,8 +231,10 @@ int alloc_tapes(TapeRoom *tapes, int ops)
     if (!series || !values)
         return 0;
     tapes->bounds = values + ops;
+    tapes->checked = values + 2 * ops;
     tapes->base = values + 4 * ops;
     tapes->ops = ops;
+    tapes->tape = tapes->latest = 0;
     return 1;
 }
 
@@ -166,7 +250,6 @@ int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops)
     for (i = 0; i < m->formula_count && !in->short_of; i++) {
         read_force(r, in, m, &m->formulas[i]);
         m->formulas[i].place = in->short_of ? 0 : m->tape.outputs[m->formulas[i].output];
-        m->formulas[i].newest = m->formulas[i].place == ops - 1 && m->tape.ops[ops - 1].code > OP_SPIN;
     }
     m->follower_count = read_index(in, 0, r->bodies);
     m->followers = zalloc((size_t)m->follower_count, sizeof(Follower));
@@ -179,12 +262,22 @@ int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops)
         output = read_index(in, 0, m->tape.output_count - 1);
         one->place = in->short_of ? 0 : m->tape.outputs[output];
     }
+    if (!in->short_of) {
+        take_those_behind(m, &m->tape);
+        take_moving(&m->tape);
+        for (i = 0; i < m->formula_count && m->tape.moving_count > m->tape.read_count; i++)
+            m->formulas[i].newest = m->formulas[i].place * TAPE_WIDTH == m->tape.moving[m->tape.moving_count - 1].at;
+    }
     if (base_ops > 0 && !read_tape(r, in, &m->base_tape, base_ops, 1))
         return 0;
     if (base_ops > 0 && !read_tape(r, in, &m->base_values, read_index(in, 1, MOST), 1))
         return 0;
     if (base_ops > 0 && (m->base_tape.output_count < 1 || m->base_values.output_count < 3))
         in->short_of = 1;
+    if (base_ops > 0 && !in->short_of)
+        take_moving(&m->base_tape);
+    if (base_ops > 0 && !alloc_tapes(&r->taylor.base_tapes, base_ops))
+        return 0;
     base_ops = m->base_values.op_count > base_ops ? m->base_values.op_count : base_ops;
     if (in->short_of || !alloc_tapes(&r->taylor.tapes, ops > base_ops ? ops : base_ops))
         return 0;
@@ -248,6 +341,7 @@ int slopes_read(Run *r, Reader *in, Mode *m)
     }
     r->slope_ops = ops > r->slope_ops ? ops : r->slope_ops;
     s->known = read_through(in);
+    take_moving(&s->tape);
     return s->known && (!r->tangent || tangent_alloc_formulas(r, r->tangent));
 }
 

@@ -153,6 +153,8 @@ void run_free(Run *r)
     free(r->taylor.acceleration);
     free(r->taylor.tapes.series);
     free(r->taylor.tapes.values);
+    free(r->taylor.base_tapes.series);
+    free(r->taylor.base_tapes.values);
     free(r->alone);
     free(r->rotors.of);
     free(r->rotors.sine);

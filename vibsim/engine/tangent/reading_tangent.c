@@ -20,9 +20,9 @@ static int alloc_spare(const Run *r, TaylorTangent *of)
     size_t row = 2 * ((size_t)r->bodies + 3), columns = (size_t)r->columns, i;
     Taylor *f = &of->spare;
     *f = r->taylor;
-    f->tapes.series = NULL;
-    f->tapes.values = NULL;
-    f->tapes.ops = 0;
+    f->tapes.series = f->base_tapes.series = NULL;
+    f->tapes.values = f->base_tapes.values = NULL;
+    f->tapes.ops = f->base_tapes.ops = f->tapes.tape = f->base_tapes.tape = f->tapes.latest = 0;
     f->table = zalloc((SERIES + 1) * row, sizeof(Real));
     f->sine = zalloc(4 * (size_t)SERIES, sizeof(Real));
     f->load = zalloc(columns * SERIES, sizeof(Real));
@@ -174,8 +174,8 @@ int tangent_alloc_formulas(const Run *r, Tangent *b)
         of->entries = more;
         of->entry_room = r->slope_entries;
     }
-    return alloc_tapes(&of->spare.tapes, r->taylor.tapes.ops) && alloc_tapes(&of->step, r->slope_ops) &&
-           alloc_tapes(&of->here, r->slope_ops);
+    return alloc_tapes(&of->spare.tapes, r->taylor.tapes.ops) && alloc_tapes(&of->spare.base_tapes, r->taylor.base_tapes.ops) &&
+           alloc_tapes(&of->step, r->slope_ops) && alloc_tapes(&of->here, r->slope_ops);
 }
 
 int tangent_read(Run *r, Reader *in)
@@ -215,6 +215,8 @@ void tangent_free(Tangent *b)
     free(b->taylor.spare.load);
     free(b->taylor.spare.tapes.series);
     free(b->taylor.spare.tapes.values);
+    free(b->taylor.spare.base_tapes.series);
+    free(b->taylor.spare.base_tapes.values);
     free(b->taylor.step.series);
     free(b->taylor.step.values);
     free(b->taylor.here.series);

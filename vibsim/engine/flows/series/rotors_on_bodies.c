@@ -73,22 +73,58 @@ INLINE Real pull(const Rotors *o, int i, int n)
     return middle(s + 1, BACK(w, n), n - 1) + (s[1] * w[n] + s[n + 1] * w[0]);
 }
 
-/* Coefficient n + 1 of sine and cosine, and the pull. */
-static void rotate(const Taylor *f, Rotors *o, int i, int n)
+/* Of a rotor the sums of products, as `middle` has them, of cosines and speeds, sines and speeds, sines and accelerations. */
+typedef struct {
+    Real cosines, sines, backs;
+} Sums;
+
+/* Those three side by side: number i of c and w, of s and w, and of s and a, from i = 1 to last. */
+INLINE Sums sums_of(const Real *c, const Real *s, const Real *w, const Real *a, int last)
 {
-    Real *s = series_along(o->sine, i), *c = series_along(o->cosine, i), *w = series_along(o->speed, i), cosines;
-    put(w, n, speed_of(f, &o->of[i], n));
-    cosines = n == 0 ? c[0] * w[0] : middle(c, BACK(w, n), n - 1) + (c[0] * w[n] + c[n] * w[0]);
-    s[n + 1] = cosines * f->inverse[n + 1];
-    c[n + 1] = -((o->pulled[i] + s[0] * w[n]) * f->inverse[n + 1]);
-    o->pulled[i] = pull(o, i, n);
+    Pair cosines = twice(0.0), sines = cosines, backs = cosines;
+    Sums odd;
+    int i;
+    for (i = 1; i < last; i += 2) {
+        const Pair speeds = load_pair(w + i), of_sine = load_pair(s + i);
+        cosines = add_product(cosines, load_pair(c + i), speeds);
+        sines = add_product(sines, of_sine, speeds);
+        backs = add_product(backs, of_sine, load_pair(a + i));
+    }
+    odd.cosines = first_of_pair(cosines);
+    odd.sines = first_of_pair(sines);
+    odd.backs = first_of_pair(backs);
+    if (i == last) {
+        odd.cosines = odd.cosines + c[i] * w[i];
+        odd.sines = odd.sines + s[i] * w[i];
+        odd.backs = odd.backs + s[i] * a[i];
+    }
+    odd.cosines = odd.cosines + second_of_pair(cosines);
+    odd.sines = odd.sines + second_of_pair(sines);
+    odd.backs = odd.backs + second_of_pair(backs);
+    return odd;
 }
 
-/* Coefficient n of s a without the term of the acceleration that is not known yet. */
-INLINE Real back(const Rotors *o, int i, int n, int group)
+/* Coefficient n + 1 of sine and cosine, and the pull; returns coefficient n of s a, a the acceleration of the group, without the term of
+ * the one that is not known yet.
+ */
+static Real rotate(const Taylor *f, Rotors *o, int i, int n, int group)
 {
-    const Real *s = series_along(o->sine, i), *a = series_along(o->acceleration, group);
-    return n == 0 ? 0.0 : middle(s + 1, BACK(a, n - 1), n - 1) + s[1] * a[n - 1];
+    Real *s = series_along(o->sine, i), *c = series_along(o->cosine, i), *w = series_along(o->speed, i);
+    const Real *a = series_along(o->acceleration, group), speed = speed_of(f, &o->of[i], n), inverse = f->inverse[n + 1];
+    put(w, n, speed);
+    if (n == 0) {
+        s[1] = c[0] * speed * inverse;
+        c[1] = -((o->pulled[i] + s[0] * speed) * inverse);
+        o->pulled[i] = s[1] * speed;
+        return 0.0;
+    } else {
+        const Sums sums = sums_of(c, s + 1, BACK(w, n), BACK(a, n - 1), n - 1);
+        const Real sine = (sums.cosines + (c[0] * speed + c[n] * w[0])) * inverse;
+        c[n + 1] = -((o->pulled[i] + s[0] * speed) * inverse);
+        s[n + 1] = sine;
+        o->pulled[i] = sums.sines + (s[1] * speed + sine * w[0]);
+        return sums.backs + s[1] * a[n - 1];
+    }
 }
 
 /* Acceleration of order n of the group number g under the force F, and of its rotors. Of a group that does not move on its own the
@@ -107,7 +143,7 @@ static void turn_group(Run *r, int g, int n, const Real *F)
         const RotorOn *one = &o->of[i];
         if (m->leader[one->on] != leader)
             continue;
-        o->torque[i] = F[one->column] + one->unbalance * back(o, i, n, g);
+        o->torque[i] = F[one->column] + one->unbalance * rotate(f, o, i, n, g);
         force = force + (one->unbalance * (n + 1) * o->pulled[i] + o->lean[i] * o->torque[i]);
     }
     if (leader < r->bodies)
@@ -126,10 +162,8 @@ static void turn_group(Run *r, int g, int n, const Real *F)
 /* Accelerations of order n of rotors and of the groups that they are on, under the forces and torques r->force. */
 void rotors_turn(Run *r, int n)
 {
-    Rotors *o = &r->rotors;
-    int i, g;
-    for (i = 0; i < o->count; i++)
-        rotate(&r->taylor, o, i, n);
+    const Rotors *o = &r->rotors;
+    int g;
     for (g = 0; g < o->groups; g++)
         turn_group(r, g, n, r->force);
 }

@@ -1,23 +1,10 @@
-/* What is computed along tapes: series, values with bounds of their rounding, and steps at whose end the two agree.
- *
- * What a series leaves out may grow where its last terms do not show it: exp far from zero, roots near zero. So a step with
- * formulas is shortened until, at its end and at a place before it, the formulas have the values that their series say.
- */
-#include <string.h>
-
+/* What is computed along tapes: series, and values with bounds of their rounding. */
 #include "engine.h"
 #include "numbers.h"
 #include "tape_series.h"
 
 #define NEAR_ZERO 16          /* units in the last place of the time within which a zero of the base of a power is one here */
 #define ULPS 4                /* rounding of an elementary function, in units of EPS */
-#define SHORT_CONTACT 16.0    /* binary digits by which a step is too long that ends behind a contact that it begins */
-#define SHORTENINGS 400       /* of a step, each at least by */
-#define LEAST_SHORTENING 0.25 /* binary digits */
-#define BEYOND_ALL 60.0       /* binary digits by which a value that is no number is beyond */
-#define NEARER 0.75           /* of a step, where formulas are compared as well */
-#define INPUT_ROUNDING 2      /* of displacements and velocities at the end of a step, in units of EPS */
-#define STATE_ROUNDING 8      /* the same at an event */
 
 /* The value of an operation on values. A power of what is negative is that of 0, which with an exponent below 0 counts as 0: of
  * slopes, whose instant of being infinite a step leaves behind.
@@ -45,25 +32,121 @@ static Real start_value(const Op *op, Real a, Real b)
     }
 }
 
-void tape_start(TapeRoom *room, Real t, Real nearest)
+void tape_start(TapeRoom *room, Real t, Real nearest, const Real *inverse, int orders)
 {
     const Real resolved = NEAR_ZERO * (nextafter(t, INFINITY) - t);
     room->at.t = t;
+    room->inverse = inverse;
+    room->orders = orders;
     room->least = nearest > resolved ? nearest : resolved;
 }
 
-void tape_begin(const Tape *tape, const TapeRoom *room, const Real *row)
+/* How many operations, from one on, read each other's orders before. */
+static int joined(const Op *op, const Op *end)
+{
+    const int count = op->code == OP_TANH ? 3 : op->code == OP_SIN || op->code == OP_SINH ? 2 : 1;
+    return count < end - op ? count : (int)(end - op);
+}
+
+/* A function, of the kind of exp or sin, of what grows evenly with the time: of its sums of products one is left. */
+static void advance_evenly(const Op *op, const TapeRoom *room)
+{
+    Real *own = room->series + op->at, *other = room->series + op->second, y = *own, z = *other;
+    const Real rate = room->series[op->first + 1];
+    int n;
+    for (n = 1; n < room->orders; n++) {
+        const Real next = (0.0 + rate * z) * room->inverse[n], beside = (0.0 + rate * y) * room->inverse[n];
+        z = op->code == OP_SIN ? -beside : beside;
+        y = next;
+        put(own, n, y);
+        if (op->code != OP_EXP)
+            put(other, n, z);
+    }
+}
+
+/* All orders of an operation that takes those of its operands one by one, or reads; 0 where it is none. */
+static int advance_at_once(const Op *op, Real *series, int orders, const Real *table, int stride)
+{
+    Real *restrict own = series + op->at;
+    const Real *a = series + op->first, *b = series + op->second;
+    int n;
+    if (op->code == OP_ADD)
+        for (n = 1; n < orders; n++)
+            own[n] = a[n] + b[n];
+    else if (op->code == OP_SUB)
+        for (n = 1; n < orders; n++)
+            own[n] = a[n] - b[n];
+    else if (op->code == OP_SCALE)
+        for (n = 1; n < orders; n++)
+            own[n] = op->value * a[n];
+    else if (op->code <= OP_SPIN)
+        for (n = 1; n < orders; n++)
+            own[n] = table[n * stride + op->from];
+    else
+        return 0;
+    for (n = 1; op->turned && n < orders; n++)
+        *BACK(own, n) = own[n];
+    return 1;
+}
+
+/* All orders behind the values of operations, one operation after the other; table: of the series of what they read. */
+static void advance_apart(const Op *op, int count, const TapeRoom *room, const Real *table, int stride)
+{
+    const Op *end = op + count;
+    Real *series = room->series;
+    int n, k, several;
+    for (; op < end; op += several) {
+        several = joined(op, end);
+        if (op->even && (op->code == OP_EXP || several == 2)) {
+            advance_evenly(op, room);
+            continue;
+        }
+        if (advance_at_once(op, series, room->orders, table, stride))
+            continue;
+        for (n = 1; n < room->orders; n++)
+            for (k = 0; k < several; k++) {
+                Real *now = series + n, *back = BACK(series, n);
+                put(series + op[k].at, n, following(op + k, series, now, back, 0.0, n, room->inverse[n], room->least));
+            }
+    }
+}
+
+/* The series, but for their values, of what is the same at every instant. */
+static void begin_once(const Tape *tape, TapeRoom *room)
+{
+    Real *series = room->series;
+    int i, n;
+    for (i = 0; i < tape->op_count; i++) {
+        const Op *op = &tape->ops[i];
+        if (op->when != ONCE_FOR_ALL || (op->code == OP_CONSTANT && !op->used))
+            continue;
+        if (op->code > OP_SPIN && advance_at_once(op, series, room->orders, NULL, 0))
+            continue;
+        for (n = 1; n < room->orders; n++)
+            put(series + op->at, n, op->code == OP_TIME && n == 1 ? 1.0 : 0.0);
+    }
+    room->tape = tape->number;
+}
+
+/* Whether two numbers are one, and not zeros, which may differ in sign. */
+static int is_same(Real one, Real other)
+{
+    return one == other && one != 0;
+}
+
+void tape_begin(const Tape *tape, TapeRoom *room, const Real *row)
 {
     Real *series = room->series;
     Real cosine = 0.0;
+    const int ended = room->latest == tape->number;
     int i;
+    if (room->tape != tape->number)
+        begin_once(tape, room);
     for (i = 0; i < tape->op_count; i++) {
         const Op *op = &tape->ops[i];
         Real value;
         if (op->code == OP_CONSTANT && !op->used)
             continue;
-        if (op->code <= OP_SPIN && op->from < 0)
-            memset(series_along(series, i), 0, 2 * TAPE_ORDERS * sizeof(Real));
         if (op->code == OP_CONSTANT)
             value = op->value;
         else if (op->code == OP_TIME)
@@ -74,20 +157,26 @@ void tape_begin(const Tape *tape, const TapeRoom *room, const Real *row)
             sine_cosine(*series_along(series, op->a), &value, &cosine);
         else if (op->code == OP_COS)
             value = cosine;
+        else if (op->code > OP_DIV && op->used && ended && is_same(room->checked[op->a], *series_along(series, op->a)))
+            value = room->checked[i]; /* of the end of the step before */
         else
             value = start_value(op, *series_along(series, op->a), op->b < 0 ? 0.0 : *series_along(series, op->b));
         put(series_along(series, i), 0, value);
-        if (op->code == OP_TIME)
-            put(series_along(series, i), 1, 1.0);
     }
+    advance_apart(tape->ahead, tape->ahead_count, room, NULL, 0);
 }
 
-void tape_advance(const Tape *tape, const TapeRoom *room, const Real *row, int n, Real inverse)
+void tape_advance(const Tape *tape, TapeRoom *room, const Real *row, int n)
 {
     if (n == 0)
         tape_begin(tape, room, row);
     else
-        advance_along(tape, room, row, n, inverse, 0, 0, 0.0, 0.0);
+        advance_along(tape, room, row, n, room->inverse[n], 0, 0, 0.0, 0.0);
+}
+
+void tape_end(const Tape *tape, const TapeRoom *room, const Real *table, int stride)
+{
+    advance_apart(tape->behind, tape->behind_count, room, table, stride);
 }
 
 static Real input_value(const Op *op, const TapeInputs *at)
@@ -152,12 +241,18 @@ Real tape_value(const Tape *tape, const TapeInputs *at, int i, const Real *value
 
 void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blur, Real *values, Real *bounds)
 {
+    Real cosine = 0.0;
     int i;
     for (i = 0; i < tape->op_count; i++) {
         const Op *op = &tape->ops[i];
         if (!op->used)
             continue;
-        values[i] = tape_value(tape, at, i, values);
+        if (op->code == OP_SIN && op->b == i + 1)
+            sine_cosine(values[op->a], &values[i], &cosine);
+        else if (op->code == OP_COS && op->b == i - 1 && tape->ops[i - 1].code == OP_SIN && tape->ops[i - 1].used)
+            values[i] = cosine;
+        else
+            values[i] = tape_value(tape, at, i, values);
         if (op->code == OP_CONSTANT)
             bounds[i] = 0.0;
         else if (op->code <= OP_SPIN)
@@ -167,318 +262,3 @@ void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blu
     }
 }
 
-/* Values and bounds of the formulas of the mode a time tau after the expansion point, from the columns there. */
-static void evaluate_from(const Run *r, const Real *columns, Real tau, Real *values, Real *bounds)
-{
-    const Taylor *f = &r->taylor;
-    TapeInputs at = f->tapes.at, blur = f->tapes.blur;
-    int c;
-    for (c = 0; c < r->columns; c++) {
-        int from = c < r->bodies ? c : c > r->bodies && r->has_base ? base_column(r) : -1;
-        at.x[c] = from < 0 ? 0.0 : columns[from];
-        at.v[c] = from < 0 ? 0.0 : columns[f->rates + from];
-        blur.x[c] = INPUT_ROUNDING * EPS * fabs(at.x[c]);
-        blur.v[c] = INPUT_ROUNDING * EPS * fabs(at.v[c]);
-    }
-    at.t = r->t0 + tau;
-    blur.t = EPS * fabs(at.t);
-    at.phi = r->has_motor ? columns[r->bodies] : 0.0;
-    at.w = r->has_motor ? columns[f->rates + r->bodies] : 0.0;
-    blur.phi = INPUT_ROUNDING * EPS * fabs(at.phi);
-    blur.w = INPUT_ROUNDING * EPS * fabs(at.w);
-    tape_evaluate(&r->mode->tape, &at, &blur, values, bounds);
-}
-
-/* The same from the series; at the expansion point too. */
-void tape_values(const Run *r, Real tau)
-{
-    const Taylor *f = &r->taylor;
-    if (tau != 0 || r->has_motor)
-        taylor_values(f, tau, f->values);
-    evaluate_from(r, tau != 0 || r->has_motor ? f->values : f->table, tau, f->tapes.values, f->tapes.bounds);
-}
-
-/* The same of mode m at r->next; X, V: displacement and velocity of the base there. rates: of all velocities, in the order of
- * the table, for what the rounding of the time leaves open of them; NULL where bounds are not asked for.
- */
-void tape_values_at(const Run *r, const Mode *m, Real X, Real V, const Real *rates)
-{
-    const State *state = &r->next;
-    const TapeRoom *room = &r->taylor.tapes;
-    TapeInputs at = room->at, blur = room->blur;
-    const Real lost = STATE_ROUNDING * EPS, late = lost * fabs(state->t);
-    int c;
-    for (c = 0; c < r->columns; c++) {
-        at.x[c] = c < r->bodies ? state->x[c] : c == r->bodies ? 0.0 : X;
-        at.v[c] = c < r->bodies ? state->v[c] : c == r->bodies ? 0.0 : V;
-        blur.x[c] = lost * fabs(at.x[c]) + late * fabs(at.v[c]);
-        blur.v[c] = lost * fabs(at.v[c]);
-        if (rates && c != r->bodies && (c < r->bodies || r->has_base))
-            blur.v[c] = blur.v[c] + late * fabs(rates[column_in_table(r, c)]);
-    }
-    at.t = state->t;
-    blur.t = late;
-    at.phi = unwind(state->phase, state->turns);
-    at.w = state->w;
-    blur.phi = lost * fabs(at.phi);
-    blur.w = lost * fabs(at.w);
-    tape_evaluate(&m->tape, &at, &blur, room->values, room->bounds);
-}
-
-/* Whether a column has units of its own, as a rotor or a state. */
-static int stands_alone(const Run *r, int column)
-{
-    int k;
-    for (k = 0; k < r->alone_count; k++)
-        if (r->alone[k] == column)
-            return 1;
-    return 0;
-}
-
-/* Size of a velocity over a step of length h: of a body that of all bodies together. */
-static Real speed_of(const Run *r, int leader, Real h)
-{
-    const Taylor *f = &r->taylor;
-    const Real *rates = f->table + f->rates;
-    Real total = 0.0;
-    int c;
-    if (stands_alone(r, leader))
-        return fabs(rates[leader]) + h * fabs(rates[f->stride + leader]);
-    for (c = 0; c < r->bodies; c++)
-        if (!stands_alone(r, c))
-            total = total + (fabs(rates[c]) + h * fabs(rates[f->stride + c]));
-    return total;
-}
-
-/* What a force that moves nothing has to be small beside: what holds the ties that it pulls at. Where none may give way,
- * the force of which the impulse over the rest of the run is that of `value` over the step; of what is no force 0.
- */
-static Real held_by(const Run *r, int k, Real h, Real value)
-{
-    const Mode *m = r->mode;
-    Real least = INFINITY;
-    int i, j;
-    for (i = 0; i < m->event_count; i++) {
-        const Event *e = &m->events[i];
-        const Term *terms = m->terms + e->first;
-        Real size = e->size;
-        int reads = 0;
-        for (j = 0; e->kind == HOLD && j < e->terms; j++)
-            if (terms[j].kind == FORMULA) {
-                size = size + fabs(*series_along(r->taylor.tapes.series, m->tape.outputs[terms[j].P]));
-                reads = reads || terms[j].P == k;
-            }
-        least = reads && size < least ? size : least;
-    }
-    if (isfinite(least))
-        return least;
-    for (i = 0; i < m->formula_count; i++)
-        if (m->formulas[i].output == k && (m->formulas[i].to_P >= 0 || m->formulas[i].to_Q >= 0))
-            return fabs(value) * (r->t_end - r->t0) / h;
-    return 0.0;
-}
-
-/* How wrong a force may be so that velocities are not wrong beyond the tolerance of the step; of what is at rest and begins
- * to move, where `value` is the force at h, beyond that of the speed it would come to. */
-static Real share_of(const Run *r, int k, Real h, Real value, Real tolerance)
-{
-    const Taylor *f = &r->taylor;
-    const Mode *m = r->mode;
-    Real share = INFINITY;
-    int mobile = 0, i, end;
-    for (i = 0; i < m->formula_count; i++) {
-        const FormulaForce *one = &m->formulas[i];
-        if (one->output != k)
-            continue;
-        for (end = 0; end < 2; end++) {
-            int leader = end ? one->to_Q : one->to_P;
-            Real speed;
-            if (leader < 0 || !(m->mobility[leader] > 0))
-                continue;
-            speed = speed_of(r, leader, h);
-            if (!(speed > 0))
-                speed = m->mobility[leader] * fabs(value) * (r->t_end - r->t0);
-            speed = speed / (h * m->mobility[leader]);
-            share = speed < share ? speed : share;
-            mobile = 1;
-        }
-    }
-    return f->order * tolerance * (mobile ? share : held_by(r, k, h, value));
-}
-
-/* A series at two times, as `horner` has it. */
-static Pair twice_horner(const Real *series, int count, Pair time)
-{
-    const Pair square = multiply_pair(time, time);
-    Pair high = twice(series[count - 1]), low = twice(series[count - 2]);
-    int n;
-    for (n = count - 3; n > 0; n -= 2) {
-        high = add_product(twice(series[n]), high, square);
-        low = add_product(twice(series[n - 1]), low, square);
-    }
-    if (count % 2 == 0)
-        return add_product(low, time, high);
-    return add_product(add_product(twice(series[0]), high, square), time, low);
-}
-
-/* Bound of the rounding of a series at a time. */
-static Real rounding_of(const Real *series, int count, Real tau)
-{
-    Real sizes = fabs(series[count - 1]);
-    int n;
-    for (n = count - 2; n >= 0; n--)
-        sizes = sizes * tau + fabs(series[n]);
-    return 2 * EPS * sizes;
-}
-
-/* By how many binary digits one at least, a value that is off by so much is beyond what it may be; 0 where it is not. */
-static double digits_beyond(Real off, Real allowed)
-{
-    double beyond;
-    if (off <= allowed && isfinite(allowed)) /* a value that overflows has no bound */
-        return 0.0;
-    if (!(isfinite(off) && allowed > 0))
-        return BEYOND_ALL;
-    beyond = binary_exponent(off) - binary_exponent(allowed);
-    return beyond > 1.0 ? beyond : 1.0;
-}
-
-/* Whether the base of a power begins at its zero: it rises from there, of whatever order the zero is. */
-static int begins(const Real *base, int count, Real least)
-{
-    int n;
-    if (base[0] > least * fabs(base[1]))
-        return 0;
-    for (n = 1; n < count - 1 && base[n] == 0; n++)
-        ;
-    return base[n] > 0;
-}
-
-/* Whether the base of a power begins at its zero and is over before the time of `values`. */
-static int ends_early(const Run *r, const Real *values, const Real *bounds)
-{
-    const TapeRoom *room = &r->taylor.tapes;
-    const Tape *tape = &r->mode->tape;
-    int k;
-    for (k = 0; k < tape->op_count; k++) {
-        const Op *op = &tape->ops[k];
-        const Real *base = series_along(room->series, op->a < 0 ? 0 : op->a);
-        if (op->code == OP_POWER && values[op->a] < -bounds[op->a] && begins(base, r->taylor.order, room->least))
-            return 1;
-    }
-    return 0;
-}
-
-/* By how many binary digits the worst formula is beyond what it may be wrong by at the end h of a step, and at NEARER of it; 0 where
- * none is.
- */
-static double excess(Run *r, Real h, Real tolerance)
-{
-    Taylor *f = &r->taylor;
-    const Tape *tape = &r->mode->tape;
-    Real tau[2], *values[2], *bounds[2], at[2];
-    double worst[2];
-    int singular[2] = {NOTHING, NOTHING}, i, k;
-    tau[0] = h;
-    tau[1] = NEARER * h;
-    taylor_values_twice(f, tau, f->checked);
-    f->checked_at = h;
-    for (i = 0; i < 2; i++) {
-        values[i] = f->tapes.values + 2 * i * f->tapes.ops;
-        bounds[i] = values[i] + f->tapes.ops;
-        evaluate_from(r, f->checked + i * f->stride, tau[i], values[i], bounds[i]);
-        worst[i] = tape->powers && ends_early(r, values[i], bounds[i]) ? SHORT_CONTACT : 0.0;
-    }
-    for (k = 0; k < tape->output_count; k++) {
-        int place = tape->outputs[k];
-        const Real *series = series_along(f->tapes.series, place);
-        store_pair(at, twice_horner(series, f->order, load_pair(tau)));
-        for (i = 0; i < 2; i++) {
-            const Real off = fabs(values[i][place] - at[i]), bound = 2 * bounds[i][place];
-            const Real share = share_of(r, k, tau[i], values[i][place], tolerance);
-            double beyond = digits_beyond(off, bound + share);
-            if (beyond > 0) /* the rounding of the series is seldom needed */
-                beyond = digits_beyond(off, bound + rounding_of(series, f->order, h) + share);
-            if (beyond > worst[i]) {
-                worst[i] = beyond;
-                singular[i] = k;
-            }
-        }
-    }
-    for (i = 0; i < 2; i++)
-        r->singular = singular[i] != NOTHING ? singular[i] : r->singular;
-    return worst[0] > worst[1] ? worst[0] : worst[1];
-}
-
-/* The step that is not made shorter: where the base of a power is at its zero within the resolution of time, so that the power is
- * known no better. A belt may also carry a body there so slowly that shorter steps do not move it.
- */
-static Real shortest_step(const Run *r)
-{
-    const TapeRoom *room = &r->taylor.tapes;
-    const Tape *tape = &r->mode->tape;
-    int k;
-    for (k = 0; tape->powers && k < tape->op_count; k++) {
-        const Real *base;
-        if (tape->ops[k].code != OP_POWER)
-            continue;
-        base = series_along(room->series, tape->ops[k].a);
-        if ((base[1] < 0 || tape->ops[k].value > 0) && !(base[0] > room->least * fabs(base[1])))
-            return 2 * room->least;
-    }
-    return 0.0;
-}
-
-/* A step of length h, of which the end is on the grid of time. */
-static Real on_grid(const Run *r, Real h)
-{
-    const Real tau = (r->t0 + h) - r->t0;
-    return tau > 0 ? tau : h;
-}
-
-/* The time [s] within which the base of a power is at its zero, of powers whose series overflow so near it; 0 where none does. */
-Real overflowing_zero(const Run *r)
-{
-    const Taylor *f = &r->taylor;
-    const Tape *tape = &r->mode->tape;
-    Real nearest = 0.0;
-    int k, n;
-    for (k = 0; tape->powers && k < tape->op_count; k++) {
-        const Real *base = series_along(f->tapes.series, tape->ops[k].a < 0 ? 0 : tape->ops[k].a), *series = series_along(f->tapes.series, k);
-        Real time;
-        if (tape->ops[k].code != OP_POWER || !(base[0] > 0))
-            continue;
-        for (n = 0; n < f->order && isfinite(series[n]); n++)
-            ;
-        time = n < f->order && base[1] != 0 ? 2 * (base[0] / fabs(base[1])) : 0.0;
-        nearest = time > nearest && isfinite(time) ? time : nearest;
-    }
-    return nearest;
-}
-
-/* The step, or a shorter one, at the end of which the formulas have the values that their series say: shortened by the binary
- * digits that the worst of them is beyond, over the order. The status is SINGULAR where no step that moves time is short enough.
- */
-void sound_step(Run *r)
-{
-    Taylor *f = &r->taylor;
-    const Real left = r->t_end - r->t0, tolerance = power_of_two(r->tolerance_exponent);
-    Real h = f->h < left ? on_grid(r, f->h) : left, shortest;
-    int i;
-    if (!(left > 0))
-        return;
-    shortest = shortest_step(r);
-    r->singular = NOTHING;
-    for (i = 0; i < SHORTENINGS; i++) {
-        double most = excess(r, h, tolerance), digits;
-        if (most <= 0 || (h <= shortest && most < BEYOND_ALL)) {
-            f->h = h == left ? f->h : h;
-            return;
-        }
-        digits = (most + 1) / f->order;
-        h = on_grid(r, h * power_of_two(-(digits > LEAST_SHORTENING ? digits : LEAST_SHORTENING)));
-        if (r->t0 + h == r->t0)
-            break;
-    }
-    r->status = SINGULAR;
-}

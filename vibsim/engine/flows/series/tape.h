@@ -46,29 +46,52 @@ enum {
 
 enum { FIRST_IS_NEWEST = 1, SECOND_IS_NEWEST };
 
+/* Ways of computing an order of an operation with the motion: as any operation, or as a sum, a difference or a multiple whose series
+ * nothing reads from the back; two behind each of these, where its first and its second operand is the newest.
+ */
+enum {
+    AS_ANY,
+    SUM,
+    SUM_FIRST_NEWEST,
+    SUM_SECOND_NEWEST,
+    LESS,
+    LESS_FIRST_NEWEST,
+    LESS_SECOND_NEWEST,
+    MULTIPLE,
+    MULTIPLE_OF_NEWEST
+};
+
+/* When the coefficients of an operation behind its value are computed. ONCE_FOR_ALL steps: of numbers, the time and sums of multiples
+ * of these they are the same at every instant. AHEAD of the motion: of what reads the time alone. WITH_MOTION, order by order.
+ * BEHIND it: of what no force reads.
+ */
+enum { ONCE_FOR_ALL, AHEAD, WITH_MOTION, BEHIND };
+
 /* value: of a constant; factor of OP_SCALE; exponent of OP_POWER. a, b: places of the operands; a is the column of what OP_PLACE and
  * OP_SPEED read, `from` the place in the table of Taylor series of what an operation reads, -1 for the ground. at, first, second: where
  * its own series and those that a recurrence reads begin, of what has none its own: TAPE_WIDTH times places; after: which of these the
  * operation just before writes, see tape_series.h. used: whether its value is asked for, by an output or on the way to one.
+ * when: see above; even: whether it is a function of what is the same at every instant but for a number; turned: whether its series
+ * is read from the back; way: how it is computed with the motion, see above.
  */
 typedef struct {
     Real value;
     ptrdiff_t at, first, second;
-    int code, a, b, from, after, used;
+    int code, a, b, from, after, used, when, even, turned, way;
 } Op;
 
-/* outputs: places by number of the output; moving: operations whose series has more than a value, and the time 1,
- * and first of them `read_count` that read; powers: whether there is OP_POWER
+/* number: of the tape in a run, from 1; outputs: places by number of the output; powers: whether there is OP_POWER; moving: operations
+ * computed with the motion, and first of them `read_count` that read; ahead, behind: those before and behind it
  */
 typedef struct {
-    Op *ops, *moving;
-    int *outputs, op_count, output_count, read_count, moving_count, powers;
+    Op *ops, *moving, *ahead, *behind;
+    int *outputs, number, op_count, output_count, read_count, moving_count, ahead_count, behind_count, powers;
 } Tape;
 
 /* sign times output number `output` of the tape, at `place`, on column P, the opposite on Q; Q, to_Q < 0 for none. */
 typedef struct {
     Real sign;
-    int output, place, newest, P, Q, to_P, to_Q; /* newest: whether that operation is the last on the tape */
+    int output, place, newest, P, Q, to_P, to_Q; /* newest: whether that operation is the last that moves */
 } FormulaForce;
 
 /* A body that a belt by a formula carries along with its group: the acceleration that it has more than that is at `place`. */
@@ -121,25 +144,31 @@ typedef struct {
     Real t, phi, w, *x, *v;
 } TapeInputs;
 
-/* By operation: series; values and bounds of their rounding, and room for as many more; `base`: the same of the motion of the base.
+/* By operation: series; values and bounds of their rounding; `checked`: the same at the end of a step; `base`: of the motion of the base.
  * at, blur: what a tape reads, and bounds of that;
- * between: what it reads between two instants.
+ * between: what it reads between two instants; tape: number of the one whose operations ONCE_FOR_ALL have their series here, 0 for none;
+ * orders: how many coefficients are computed ahead and behind; inverse: 1 over each order; latest: number of the tape whose values are
+ * in `checked`, 0 for none.
  */
 typedef struct {
-    Real *series, *values, *bounds, *base;
+    Real *series, *values, *bounds, *checked, *base;
     TapeInputs at, blur, between;
     Real least; /* time [s] nearer than which a zero of the base of a power is one here */
-    int ops;
+    const Real *inverse;
+    int ops, tape, orders, latest;
 } TapeRoom;
 
-/* Begin series at the time t; nearest: time [s] within which a zero of the base of a power is one here in any case. */
-void tape_start(TapeRoom *room, Real t, Real nearest);
+/* Begin series of so many orders at the time t; nearest: time [s] within which a zero of the base of a power is one here in any case. */
+void tape_start(TapeRoom *room, Real t, Real nearest, const Real *inverse, int orders);
 
-/* Values along a tape, which are order 0; row: of that order in the table of Taylor series. */
-void tape_begin(const Tape *tape, const TapeRoom *room, const Real *row);
+/* Values along a tape, which are order 0, and what is computed ahead; row: of that order in the table of Taylor series. */
+void tape_begin(const Tape *tape, TapeRoom *room, const Real *row);
 
-/* Coefficients of order n along a tape; inverse: 1 / n. */
-void tape_advance(const Tape *tape, const TapeRoom *room, const Real *row, int n, Real inverse);
+/* Coefficients of order n along a tape, but for those behind the motion. */
+void tape_advance(const Tape *tape, TapeRoom *room, const Real *row, int n);
+
+/* Those behind the motion, whose table has rows of `stride` numbers. */
+void tape_end(const Tape *tape, const TapeRoom *room, const Real *table, int stride);
 
 /* Values along a tape, each with a bound of its rounding. */
 void tape_evaluate(const Tape *tape, const TapeInputs *at, const TapeInputs *blur, Real *values, Real *bounds);

@@ -124,8 +124,20 @@ INLINE Real advance_along(const Tape *tape, const TapeRoom *room, const Real *ro
         now[op->at] = back[op->at] = last;
     }
     for (; op < end; op++) {
-        last = following(op, series, now, back, last, n, inverse, least);
-        now[op->at] = back[op->at] = last;
+        switch (op->way) {
+        case SUM: last = now[op->first] + now[op->second]; break;
+        case SUM_FIRST_NEWEST: last = last + now[op->second]; break;
+        case SUM_SECOND_NEWEST: last = now[op->first] + last; break;
+        case LESS: last = now[op->first] - now[op->second]; break;
+        case LESS_FIRST_NEWEST: last = last - now[op->second]; break;
+        case LESS_SECOND_NEWEST: last = now[op->first] - last; break;
+        case MULTIPLE: last = op->value * now[op->first]; break;
+        case MULTIPLE_OF_NEWEST: last = op->value * last; break;
+        default:
+            last = following(op, series, now, back, last, n, inverse, least);
+            back[op->at] = last;
+        }
+        now[op->at] = last;
     }
     return last;
 }

@@ -9,13 +9,13 @@
 #include "numbers.h"
 #include "pair.h"
 
-#define LEADING 4 /* coefficients that set the scale of a series in the step control */
 /* A step of order 20 at full tolerance takes at most 1.32 rad of the fastest rate (h^20 / 20! = 2^-53): there eight nodes miss
  * 5e-17 of the power of a velocity, (2 h)^16 (8!)^4 / (2 * 17 (16!)^3); 3e-15 at order 22.
  */
 #define FEW_NODES_ORDER 20
 
 #ifdef FIXED_SERIES
+#define LEADING 4 /* coefficients that set the scale of a series */
 enum { LONGER = 5, MARGIN = 2, SPARE = 4 }; /* H at most so many steps; bits that bounds exceed what they were; below the round-off */
 
 /* Binary exponents of what bounds |a_n| H^n, and of the largest of the first of them; a[n * step]: order n. */
@@ -97,131 +97,6 @@ void taylor_set(Run *r)
     f->inverse[0] = 0.0;
     for (n = 1; n <= f->order + 2; n++)
         f->inverse[n] = 1 / (Real)n;
-}
-
-/* Binary exponent of the summed rates of one order: of the bodies, and of the base where it moves. */
-static int size_of_rates(const Run *r, int n, int none)
-{
-    const Taylor *f = &r->taylor;
-    const Real *row = f->table + n * f->stride + f->rates;
-    Real total = fabs(row[0]);
-    int c;
-    (void)none;
-    for (c = 1; c < r->bodies; c++)
-        total = total + fabs(row[c]);
-    if (r->has_base)
-        total = total + fabs(row[base_column(r)]);
-    return binary_exponent(total);
-}
-
-/* The same of the bodies alone, where other columns have units of their own; of the first of these where there is no body. */
-static int size_of_bodies(const Run *r, int n, int none)
-{
-    const Taylor *f = &r->taylor;
-    const Real *row = f->table + n * f->stride + f->rates;
-    Real total = 0.0;
-    int c, k = 0, first = 1;
-    (void)none;
-    for (c = 0; c < r->bodies; c++) {
-        if (k < r->alone_count && r->alone[k] == c) {
-            k++;
-            if (r->alone_count < r->bodies || k > 1)
-                continue;
-        }
-        total = first ? fabs(row[c]) : total + fabs(row[c]);
-        first = 0;
-    }
-    if (r->has_base)
-        total = total + fabs(row[base_column(r)]);
-    return binary_exponent(total);
-}
-
-/* Of the sine of rotor i: nothing else tells how a rotor turns on what does not move on its own. */
-static int size_of_turning(const Run *r, int n, int i)
-{
-    return binary_exponent(fabs(series_along(r->rotors.sine, i)[n]));
-}
-
-static int size_of_rate(const Run *r, int n, int c)
-{
-    const Taylor *f = &r->taylor;
-    return binary_exponent(fabs(f->table[n * f->stride + f->rates + c]));
-}
-
-static int size_of_speed(const Run *r, int n, int none)
-{
-    (void)none;
-    return binary_exponent(fabs(r->taylor.w_back[r->taylor.order - n]));
-}
-
-static int size_of_sine(const Run *r, int n, int none)
-{
-    (void)none;
-    return binary_exponent(fabs(r->taylor.sine[n]));
-}
-
-static int size_of_load(const Run *r, int n, int c)
-{
-    return binary_exponent(fabs(r->taylor.loaded_on[c][n]));
-}
-
-/* Binary exponent of the step that the terms of order `highest` and the one before allow, of the series number c that `size` tells
- * of: they stay below the tolerance times the largest of the leading ones (after Jorba & Zou 2005). At most `longest`.
- */
-INLINE double longest_step(const Run *r, int (*size)(const Run *, int, int), int c, int highest, double longest)
-{
-    double leading[LEADING];
-    int last, m;
-    for (m = 0; m < LEADING; m++) {
-        int exponent = size(r, m, c);
-        leading[m] = exponent > NO_EXPONENT ? exponent : -INFINITY; /* a term that is zero allows nothing by itself */
-    }
-    for (last = highest - 1; last <= highest; last++) {
-        int following = size(r, last, c);
-        if (following > NO_EXPONENT) {
-            double steps[LEADING], best = -INFINITY;
-            for (m = 0; m < LEADING; m++) /* side by side: most of the time goes into the quotients */
-                steps[m] = (r->tolerance_exponent + (leading[m] - following)) / (last - m);
-            for (m = 0; m < LEADING && m < last; m++)
-                best = steps[m] > best ? steps[m] : best;
-            longest = best > -INFINITY && best < longest ? best : longest;
-        }
-    }
-    return longest;
-}
-
-/* Step that the velocities of bodies allow, each column of units of its own, and the turning of rotors on what does not move on its
- * own. APART, so that scenes without such columns keep their registers.
- */
-APART double step_of_columns(const Run *r)
-{
-    double longest = longest_step(r, size_of_bodies, 0, r->taylor.order, 1000.0);
-    int i;
-    for (i = r->alone_count < r->bodies ? 0 : 1; i < r->alone_count; i++)
-        longest = longest_step(r, size_of_rate, r->alone[i], r->taylor.order, longest);
-    for (i = 0; i < r->rotors.count; i++)
-        if (r->mode->leader[r->rotors.of[i].on] >= r->bodies)
-            longest = longest_step(r, size_of_turning, i, r->taylor.order, longest);
-    return longest;
-}
-
-/* Longest step that velocities, rotor, and what ties must carry, which moves nothing, allow; infinite where nothing limits it. */
-static Real step_length(const Run *r)
-{
-    double longest;
-    int i;
-    if (r->alone_count + r->rotors.count == 0)
-        longest = longest_step(r, size_of_rates, 0, r->taylor.order, 1000.0);
-    else
-        longest = step_of_columns(r);
-    if (r->has_motor) {
-        longest = longest_step(r, size_of_speed, 0, r->taylor.order, longest);
-        if (r->mode->carried == 0)
-            longest = longest_step(r, size_of_sine, 0, r->taylor.order, longest);
-    }
-    for (i = 0; i < r->mode->tied_count; i++)
-        longest = longest_step(r, size_of_load, r->mode->tied[i], r->taylor.order - 1, longest);
-    return longest < 1000.0 ? power_of_two(longest) : (Real)INFINITY;
 }
 
 /* Expand the motion at `state` in the mode of now. What is tied to the ground or the base moves as that does and as belts carry

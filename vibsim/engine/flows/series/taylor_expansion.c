@@ -394,25 +394,34 @@ INLINE void expand_formulas(Run *r, const State *state, const int few, const int
     int n, c;
     if (motor)
         o = rotor_of(r, state);
-    tape_start(&f->tapes, r->t0, f->nearest);
+    tape_start(&f->tapes, r->t0, f->nearest, f->inverse, p);
     if (r->rotors.count > 0)
         rotors_expand(r);
     for (n = 0; n <= p; n++, row += stride) {
         Real *next = row + stride, inverse = f->inverse[n + 1];
-        for (c = 0; c <= bodies; c++)
+        for (c = 0; c <= bodies; c++) {
+            if (few != 2)
+                ONE_BY_ONE;
             next[c] = row[rates + c] * inverse;
+        }
         if (n == p || is_interrupted(r, n))
             break;
-        for (c = 0; c < columns; c++)
+        for (c = 0; c < columns; c++) {
+            if (few != 2)
+                ONE_BY_ONE;
             F[c] = 0.0;
+        }
         add_forces(r, F, 0, row, n);
         if (n == 0)
             tape_begin(&m->tape, &f->tapes, row);
         else
             last = advance_along(&m->tape, &f->tapes, row, n, f->inverse[n], 0, rates, 0.0, 0.0);
         add_formulas(r, F, 0, n, last);
-        for (c = 0; c < columns; c++)
+        for (c = 0; c < columns; c++) {
+            if (few != 2)
+                ONE_BY_ONE;
             acceleration[c] = F[c] * m->mobility[c];
+        }
         if (r->rotors.count > 0)
             rotors_turn(r, n);
         next[rates + bodies] = 0.0;
@@ -433,6 +442,7 @@ INLINE void expand_formulas(Run *r, const State *state, const int few, const int
     }
     for (c = 0; c <= bodies; c++)
         row[stride + rates + c] = 0.0;
+    tape_end(&m->tape, &f->tapes, f->table, stride);
 }
 
 /* The same as above of one body without rotor. What is computed of one order for the next stays at hand, since most of the time goes
@@ -448,7 +458,7 @@ SHAPE formulas_on_one(Run *r, const State *state)
     Real *row = f->table, x = row[0], v = row[rates], last = 0.0;
     int n;
     (void)state;
-    tape_start(&f->tapes, r->t0, f->nearest);
+    tape_start(&f->tapes, r->t0, f->nearest, f->inverse, p);
     tape_begin(&m->tape, &f->tapes, row);
     for (n = 0; n < p && !is_interrupted(r, n); n++, row += stride) {
         Real *next = row + stride, inverse = f->inverse[n + 1], F = 0.0;
@@ -471,6 +481,7 @@ SHAPE formulas_on_one(Run *r, const State *state)
     row[stride] = v * f->inverse[p + 1];
     row[stride + 1] = row[rates + 1] * f->inverse[p + 1];
     row[stride + rates] = row[stride + rates + 1] = 0.0;
+    tape_end(&m->tape, &f->tapes, f->table, stride);
 }
 
 SHAPE any(Run *r, const State *s) { expand_any(r, s, 0); }
@@ -478,6 +489,8 @@ SHAPE any_with_motor(Run *r, const State *s) { expand_any(r, s, 1); }
 SHAPE formulas(Run *r, const State *s) { expand_formulas(r, s, 0, 0); }
 SHAPE formulas_with_motor(Run *r, const State *s) { expand_formulas(r, s, 0, 1); }
 SHAPE formulas_on_two(Run *r, const State *s) { expand_formulas(r, s, 2, 0); }
+SHAPE formulas_on_three(Run *r, const State *s) { expand_formulas(r, s, 3, 0); }
+SHAPE formulas_on_four(Run *r, const State *s) { expand_formulas(r, s, 4, 0); }
 
 /* Coefficients of all columns at `state`, whose displacements and rates, and those of base and loads, are in the table. */
 void taylor_expand(Run *r, const State *state)
@@ -489,6 +502,10 @@ void taylor_expand(Run *r, const State *state)
         formulas_on_one(r, state);
     else if (r->mode->shape == FORMULAS && r->bodies == 2 && !r->has_motor)
         formulas_on_two(r, state);
+    else if (r->mode->shape == FORMULAS && r->bodies == 3 && !r->has_motor)
+        formulas_on_three(r, state);
+    else if (r->mode->shape == FORMULAS && r->bodies == 4 && !r->has_motor)
+        formulas_on_four(r, state);
     else
         shapes[2 * r->mode->shape + r->has_motor](r, state);
 }

@@ -19,12 +19,11 @@ static void sine_and_cosine(const Harmonic *term, Real t, Real *turns)
 static void expand_base_formula(Run *r, const Tape *tape, Real t)
 {
     Taylor *f = &r->taylor;
-    const Real *X = series_along(f->tapes.series, tape->outputs[0]);
+    const Real *X = series_along(f->base_tapes.series, tape->outputs[0]);
     Real *row = f->table;
     int at = base_column(r), n;
-    tape_start(&f->tapes, t, 0.0);
-    for (n = 0; n <= f->order + 2; n++)
-        tape_advance(tape, &f->tapes, NULL, n, f->inverse[n]);
+    tape_start(&f->base_tapes, t, 0.0, f->inverse, f->order + 3);
+    tape_begin(tape, &f->base_tapes, NULL);
     for (n = 0; n < f->order + 2; n++, row += f->stride) {
         if (r->has_base == 2) {
             row[at] = n > 0 ? X[n - 1] * f->inverse[n] : 0.0;

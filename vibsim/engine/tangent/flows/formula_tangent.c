@@ -38,9 +38,9 @@ void formula_slopes_expand(const Run *r, TapeRoom *room)
     const Taylor *f = &r->taylor;
     const Tape *tape = &r->mode->formula_slopes.tape;
     int n, i;
-    tape_start(room, r->t0, f->nearest);
+    tape_start(room, r->t0, f->nearest, f->inverse, f->order);
     for (n = 0; n < f->order; n++)
-        tape_advance(tape, room, f->table + n * f->stride, n, f->inverse[n]);
+        tape_advance(tape, room, f->table + n * f->stride, n);
     for (i = 0; i < tape->op_count; i++) {
         const Op *op = &tape->ops[i];
         for (n = f->order; reads_motion(op) && n < f->order + 2; n++)
@@ -264,6 +264,7 @@ static Real add_nodes(Run *r, const Zeros *zeros, Real t, Real tau, TapeRoom *ro
     const int nodes = NODES;
     Real total = 0.0;
     int i, j, k;
+    room->tape = 0; /* whose series end here */
     for (i = 0; i < tape->op_count; i++) {
         Real *sums = series_along(room->series, i);
         sums[0] = sums[1] = sums[2] = 0.0;
