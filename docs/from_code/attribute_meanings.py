@@ -47,7 +47,7 @@ RUN = {
     "error_estimate_max": "greatest estimated error of the displacements [m]",
     "clearances_needed": "distance that each clearance needs, in the order of the case [m]",
     "rest_distance_needed": "greatest x1 - x2: the distance that the two blocks need at rest [m]",
-    "taylor_order": "order of the Taylor series",
+    "taylor_order": "order of the Taylor series, the highest where formulas move the bodies",
     "taylor_tolerance": "relative tolerance of the Taylor series",
     "digits": "decimal digits that a run with `--digits` carried",
     "number_type": "numbers that carried them",

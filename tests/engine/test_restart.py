@@ -15,7 +15,7 @@ from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, paper
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.parts import BASE, GROUND, Body, Force, Harmonic, Link, Scene
+from vibsim.physics.parts import BASE, GROUND, Body, Clearance, Force, Harmonic, Link, Scene
 from vibsim.physics.rates import common_period
 from vibsim.results.simulation import simulate
 
@@ -202,3 +202,17 @@ def test_section_of_a_run_taken_up_again():
     assert 0 < later.sum() < len(later)
     for name, values in rest.section.items():
         assert same_bits(values, whole.section[name][later])
+
+
+def test_runs_of_stiff_states_go_on_from_events_and_are_right_with_lower_orders():
+    """Orders fall within a stretch, and are those of the case behind each event."""
+    case = load_case("gallery/lugre-friction")
+    scene = replace(case.scene(), t_end=12.0, clearances=(Clearance("mark", 0, GROUND, 0.4),))
+    whole, other = run(scene, ledger=True), run(replace(scene, order=32))
+    assert len(whole.events["t"]) > 2
+    assert whole.totals["steps"] < 3000  # 3560 where all are of order 20
+    for name, values in whole.samples.items():
+        assert np.abs(values - other.samples[name]).max() < 1e-13, name
+    assert_restarts(scene)
+    plain = run(scene)
+    assert all(same_bits(values, plain.samples[name]) for name, values in whole.samples.items())

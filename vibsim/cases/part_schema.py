@@ -271,8 +271,8 @@ class PartsRun(RunKeys):
     """How long, how often and how."""
 
     order: Annotated[int, WholeNumber(4, 40)] | None = left_out(  # type: ignore[assignment]
-        "order of the Taylor series; left out: 32 where formulas or rotors are smooth and nothing else ends a"
-        " step (stops, friction, clearances, states), else 20"
+        "order of the Taylor series, the highest where formulas are stiff; left out: 32 where formulas or"
+        " rotors are smooth and nothing else ends a step (stops, friction, clearances, states), else 20"
     )
     on_violation: Literal["warn", "stop"] = key(
         "of a clearance: count and warn, or end the run", default="warn"

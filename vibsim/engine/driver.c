@@ -385,7 +385,7 @@ static void carry_on(Run *r, Buffers *b)
     if (r->pending_end < r->t_end && !r->closed) {
         memset(r->known, 0, sizeof(int) * (size_t)r->key_count);
         kick(r);
-        taylor_enter(r, &r->state);
+        taylor_continue(r, &r->state);
     }
     if (b && r->pending_end >= r->t_end)
         finish(r, b);

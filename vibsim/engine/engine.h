@@ -222,7 +222,8 @@ typedef struct {
     Real nearest; /* time [s] within which zeros of bases of powers are zeros in any case */
     Real *latest, latest_at; /* columns where they were asked for last, and when [s]; 0: nowhere */
     Real *checked, checked_at; /* columns at the end of the step and before it, where formulas are compared; the former [s], or 0 */
-    int order, rates, stride, *loaded, loaded_count, few_nodes;
+    int order, most, next, since; /* of the series in hand, of those behind an event, of the next ones; steps behind that event */
+    int rates, stride, *loaded, loaded_count, few_nodes;
     Real *acceleration; /* by leading column, where a mode has formulas or rotors */
     TapeRoom tapes, base_tapes; /* of the formulas of modes; of the motion of the base */
 #ifdef FIXED_SERIES
@@ -441,11 +442,13 @@ void polynomial_value_and_slope(const Real *coefficients, int count, int known, 
 
 /* step_length.c */
 Real step_length(const Run *r);
+void tune_order(Run *r); /* take the order of the next step of the stretch, in modes with formulas */
 
 /* taylor.c */
 void taylor_set(Run *r);
 void taylor_look(Run *r, const State *state); /* expand the motion there; no step follows */
 void taylor_enter(Run *r, const State *state);
+void taylor_continue(Run *r, const State *state); /* the same where the stretch goes on */
 void taylor_values(const Taylor *f, Real tau, Real *out); /* of all columns of the table */
 void taylor_values_twice(const Taylor *f, const Real *tau, Real *out);
 Real taylor_advance(Run *r, Real limit, int *event);

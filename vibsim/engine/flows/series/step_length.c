@@ -1,10 +1,20 @@
-/* How long a Taylor step may be. */
+/* How long a Taylor step may be, and of which order the next one is. */
 #include "engine.h"
 #include "inlining.h"
 #include "numbers.h"
 #include "tape_series.h"
 
 #define LEADING 4 /* coefficients that set the scale of a series */
+/* Orders from one to the next that is tried, the least of them; each is kept for so many steps, and left for one by which the motion gets
+ * so much further in the time that computing takes. A step takes as long as so many orders beside its own ones.
+ */
+#define ORDERS_LESS 3
+#define LEAST_ORDER 8
+#define STEPS_OF_AN_ORDER 8
+#define ORDERS_OF_A_STEP 9
+#define FASTER 1.1
+#define MUCH_FASTER 1.2
+
 /* Binary exponent of the summed rates of one order: of the bodies, and of the base where it moves. */
 static int size_of_rates(const Run *r, int n, int none)
 {
@@ -129,3 +139,39 @@ Real step_length(const Run *r)
         longest = longest_step(r, size_of_load, r->mode->tied[i], r->taylor.order - 1, longest);
     return longest < 1000.0 ? power_of_two(longest) : (Real)INFINITY;
 }
+
+#ifdef LIMBS
+void tune_order(Run *r) { r->taylor.next = r->taylor.order; }
+#else
+/* Longest step at another order than that of the series in hand. */
+static double step_at_order(Run *r, int order)
+{
+    const int now = r->taylor.order;
+    double h;
+    r->taylor.order = order;
+    h = step_length(r);
+    r->taylor.order = now;
+    return h;
+}
+
+/* The order of the next step of the stretch. Where formulas move it that may be another one: the one by which the motion gets furthest
+ * in the time that computing takes. A stiff state, as of a bristle, leaves nothing in the last terms but the rounding of the first ones,
+ * which keeps a step of high order as short as one of low order.
+ */
+void tune_order(Run *r)
+{
+    Taylor *f = &r->taylor;
+    const int lower = f->order - ORDERS_LESS;
+    double here, there;
+    f->next = f->order;
+    f->since += 1;
+    if (r->has_motor || r->mode->shape != FORMULAS || f->most - ORDERS_LESS < LEAST_ORDER || f->since % STEPS_OF_AN_ORDER != 0)
+        return;
+    here = step_at_order(r, f->order) / (ORDERS_OF_A_STEP + f->order);
+    there = step_at_order(r, lower) / (ORDERS_OF_A_STEP + lower);
+    if (there > FASTER * here && lower >= LEAST_ORDER)
+        f->next = lower;
+    else if (here > MUCH_FASTER * there && f->order < f->most)
+        f->next = f->order + ORDERS_LESS;
+}
+#endif

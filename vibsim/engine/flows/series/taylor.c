@@ -91,6 +91,7 @@ void taylor_set(Run *r)
     f->rates = r->bodies + 1 + r->rest_columns;
     f->stride = 2 * f->rates;
     f->longest = INFINITY;
+    f->most = f->order;
     for (n = 0; n < r->harmonic_count; n++)
         f->longest = 3 / r->harmonics[n].omega < f->longest ? 3 / r->harmonics[n].omega : f->longest;
     f->few_nodes = f->order <= FEW_NODES_ORDER && f->longest == INFINITY;
@@ -144,6 +145,9 @@ INLINE void expand_at(Run *r, const State *state)
 void taylor_look(Run *r, const State *state)
 {
     r->taylor.nearest = 0.0;
+#ifndef WORDS_BY_RUN
+    r->taylor.order = r->taylor.most;
+#endif
     expand_at(r, state);
 }
 
@@ -159,7 +163,7 @@ static int expand_unless_interrupted(Run *r, const State *state)
 /* Expand the motion at `state` for a step. With formulas the step is shortened until at its end they agree with their series;
  * where that fails because the series of a power overflow near a zero of its base, once more with that zero taken to be here.
  */
-void taylor_enter(Run *r, const State *state)
+static void take_step(Run *r, const State *state)
 {
     Taylor *f = &r->taylor;
     f->nearest = 0.0;
@@ -169,6 +173,7 @@ void taylor_enter(Run *r, const State *state)
     if (r->mode->tape.op_count == 0)
         return;
     sound_step(r);
+    tune_order(r);
     if (r->status != SINGULAR)
         return;
     f->nearest = overflowing_zero(r);
@@ -177,6 +182,20 @@ void taylor_enter(Run *r, const State *state)
         if (expand_unless_interrupted(r, state))
             sound_step(r);
     }
+}
+
+void taylor_enter(Run *r, const State *state)
+{
+    Taylor *f = &r->taylor;
+    f->order = f->next = f->most;
+    f->since = 0;
+    take_step(r, state);
+}
+
+void taylor_continue(Run *r, const State *state)
+{
+    r->taylor.order = r->taylor.next;
+    take_step(r, state);
 }
 
 /* Value, slope and rounding bound of an event function at tau, but for its known zeros; 0 where it rests at zero. */
