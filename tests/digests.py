@@ -95,6 +95,13 @@ def long_point():
     return columns(vibsim.sweep("II-B", {"Omega0": "6 Hz"}, overrides={"t_end": "4000 s"}, jobs=1))
 
 
+def runs():
+    """Samples and events of runs of every kind of source."""
+    names = ("I-C", "II-B", "gallery/impact-oscillator", "gallery/belt-oscillator")
+    results = [vibsim.simulate(name, overrides={"t_end": "20"}) for name in names]
+    return [(columns(result), columns(result.events), result.attrs["events"]) for result in results]
+
+
 def with_horizon():
     """A run with its trust horizon."""
     run = vibsim.simulate("II-B", overrides={"t_end": "30 s"})
@@ -127,6 +134,7 @@ CASES = {
     "sweep over a long time": long_point,
     "fit": fitted,
     "verdicts on the machine": lambda: vars(vibsim.analyse(vibsim.load_case("II-B", WHOLE))),
+    "runs": runs,
     "run with its trust horizon": with_horizon,
     "verdicts on a chain": lambda: vars(vibsim.analyse(chain())),
 }

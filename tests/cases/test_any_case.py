@@ -75,27 +75,11 @@ def test_a_damaged_case_gives_a_case_or_its_problems(data, text):
 
 
 KEYS = [
-    "bodies",
-    "bodies.ram",
-    "stops.wall",
-    "stops.wall.between",
-    "friction.guide.N",
-    "friction.moon.mu",
-    "friction.moon.plus",
-    "forces.chord.terms",
-    "forces.chord.terms.1",
-    "forces.drive.A",
-    "base",
-    "base.terms",
-    "motor",
-    "initial",
-    "initial.ram",
-    "links.new.between",
-    "run.every",
-    "wall.k",
-    "terms",
+    "bodies", "bodies.ram", "stops.wall", "stops.wall.between", "friction.guide.N", "friction.moon.mu",
+    "friction.moon.plus", "forces.chord.terms", "forces.chord.terms.1", "forces.drive.A", "base",
+    "base.terms", "motor", "initial", "initial.ram", "links.new.between", "run.every", "wall.k", "terms",
     "stop.k2",
-]
+]  # fmt: skip
 VALUES = ["none", "", "1 kg", "[ram, ground]", "[ram", "{}", "3", "-1 N", "nan", "[ram, ram]", "0.1"]
 
 

@@ -55,16 +55,10 @@ def test_every_fault_is_told_in_the_order_of_the_keys():
         }
     )
     assert faults == [
-        ("value", "inner.mass"),
-        ("value", "inner.order"),
-        ("unknown", "inner.more"),
-        ("no mapping", "parts.a"),
-        ("missing", "parts.b.mass"),
-        ("no mapping", "other"),
-        ("value", "how"),
-        ("value", "name"),
-        ("unknown", "what"),
-    ]
+        ("value", "inner.mass"), ("value", "inner.order"), ("unknown", "inner.more"),
+        ("no mapping", "parts.a"), ("missing", "parts.b.mass"), ("no mapping", "other"), ("value", "how"),
+        ("value", "name"), ("unknown", "what"),
+    ]  # fmt: skip
     assert read({})[1] == [("missing", "inner")] and read("a text") == (None, [("no mapping", "")])
 
 

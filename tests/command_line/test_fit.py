@@ -1,9 +1,6 @@
 """vibsim fit: what it prints, refuses, and keeps when it is interrupted."""
 
 import json
-import signal
-import subprocess
-import sys
 
 import pytest
 
@@ -91,21 +88,3 @@ def test_a_file_of_another_kind_is_file_trouble(tmp_path):
     assert other.exit_code == 6
     assert "holds another fit, of other readings;" in other.stderr
     assert call("run", tmp_path / "fit.h5").exit_code == 6
-
-
-def test_ctrl_c_keeps_what_was_run(tmp_path):
-    path = tmp_path / "fit.h5"
-    command = [sys.executable, "-m", "vibsim", "fit", "II-B", *WANTED, "--free", "J=0.5:5g.m^2"]
-    with subprocess.Popen(
-        [*command, "-o", path, "-j", "1"], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    ) as running:
-        for line in running.stderr:
-            if line.startswith("screening"):
-                running.send_signal(signal.SIGINT)
-                break
-        last = running.stderr.read()
-        assert running.wait(timeout=100) == 130
-    assert "the same command resumes it" in last
-    facts = json.loads(call("info", "--json", path).stdout)
-    assert facts["complete"] == 0 and facts["runs"] >= 9
-    assert sorted(each.name for each in tmp_path.iterdir()) == ["fit.h5"]

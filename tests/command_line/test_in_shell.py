@@ -19,7 +19,8 @@ def raised_texts():
     for path in sorted(PACKAGE.rglob("*.py")):
         if path.relative_to(PACKAGE).parts[0] in ("command_line", "evidence") or path in COMMANDS:
             continue
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        text = path.read_text("utf-8")
+        for node in ast.walk(ast.parse(text)) if "--" in text else ():  # trees take their time
             if isinstance(node, ast.Raise):
                 for part in ast.walk(node):
                     if isinstance(part, ast.Constant) and isinstance(part.value, str):
@@ -28,7 +29,7 @@ def raised_texts():
 
 def test_no_error_of_the_library_speaks_of_options():
     texts = list(raised_texts())
-    assert len(texts) > 300
+    assert len(texts) > 50
     assert [
         (str(path), text) for path, text in texts if " --" in f" {text.replace('vibsim fit --list', '')}"
     ] == []

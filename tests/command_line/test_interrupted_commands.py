@@ -67,7 +67,7 @@ COMMANDS = {
     "verify": ("verify V1 V7 V10", None, "interrupted after . of", []),
     "gif": ("animate long.h5 -o a.gif", FRAMES, "a.gif is not written", []),
     "page": ("plot long.h5 -o p.html", PAGE, "interrupted", []),
-    "picture": ("plot long.h5 --kind all -o p.pdf", PAGES, "p.pdf is not written", []),
+    "picture": ("plot long.h5 --kind motor,stiffness -o p.pdf", PAGES, "p.pdf is not written", []),
     "csv": ("export long.h5 -o a.csv", ROWS, "a.csv is not written", []),
     "analyse": ("analyse long.h5 --exponent", JUDGED, "interrupted", []),
     # work that takes long between two moments at which it could be left

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.command_line.made import SLOW_SOURCE
+from tests.command_line.made import SLOW_SOURCE, call
 from vibsim.command_line.main import exit_code_of
 from vibsim.command_line.terminal import SlowRun
 from vibsim.physics.parts import COMPRESSION, GROUND, Body, Link, Scene, Stop
@@ -22,20 +22,23 @@ from vibsim.signals import Interruption, Terminated, heard_from_now_on
 ENDLESS = [sys.executable, "-m", "vibsim", "run", "II-B", "--t-end", "1000000s"]
 
 
-def running(folder, *words, **options):
+def running(folder, *words):
     """A run that would take an hour, once it writes."""
-    run = subprocess.Popen(
-        [*ENDLESS, *words], cwd=folder, stderr=subprocess.PIPE, stdout=subprocess.PIPE, **options
-    )
+    run = subprocess.Popen([*ENDLESS, *words], cwd=folder, stderr=subprocess.PIPE, stdout=subprocess.PIPE)
     while not (folder / "II-B.h5.partial").exists() and run.poll() is None:
         time.sleep(0.01)
     time.sleep(0.3)
     return run
 
 
-@pytest.mark.parametrize(("signum", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_an_interrupted_run_is_finished_as_incomplete(tmp_path, signum, code):
-    run = running(tmp_path)
+@pytest.mark.parametrize(
+    ("signum", "code", "words"), [(signal.SIGINT, 130, ["--force"]), (signal.SIGTERM, 143, ["I-A"])]
+)
+def test_an_interrupted_run_is_finished_as_incomplete(tmp_path, signum, code, words):
+    """With --force in the place of an older file; the cases behind it do not run."""
+    if words == ["--force"]:
+        (tmp_path / "II-B.h5").write_text("old")
+    run = running(tmp_path, *words)
     run.send_signal(signum)
     _, errors = run.communicate(timeout=60)
     assert run.returncode == code
@@ -51,36 +54,14 @@ def test_an_interrupted_run_is_finished_as_incomplete(tmp_path, signum, code):
         assert np.array_equal(result[name][:count], start[name][:count])
 
 
-def test_the_cases_after_an_interrupted_one_do_not_run(tmp_path):
-    run = running(tmp_path, "I-A")
-    run.send_signal(signal.SIGINT)
-    run.communicate(timeout=60)
-    assert run.returncode == 130
-    assert os.listdir(tmp_path) == ["II-B.h5"]
-
-
-def test_an_interruption_with_force_replaces_the_old_file_by_the_part(tmp_path):
-    (tmp_path / "II-B.h5").write_text("old")
-    run = running(tmp_path, "--force")
-    run.send_signal(signal.SIGINT)
-    run.communicate(timeout=60)
-    assert not vibsim.open_result(tmp_path / "II-B.h5").complete
-
-
-def on_a_terminal(folder, command, seconds=0.0, until=b""):
-    """What a run writes to a terminal in so many seconds from when it writes its file, or until it has
-    written that, before it gets a Ctrl-C.
-    """
+def test_a_long_run_on_a_terminal_shows_its_progress(tmp_path):
     terminal, its_end = pty.openpty()
     with subprocess.Popen(
-        command, cwd=folder, stdout=its_end, stderr=its_end, env={**os.environ, "TERM": "xterm"}
+        ENDLESS, cwd=tmp_path, stdout=its_end, stderr=its_end, env={**os.environ, "TERM": "xterm"}
     ) as run:
         os.close(its_end)
-        while not (folder / "II-B.h5.partial").exists() and run.poll() is None:
-            time.sleep(0.01)
-        time.sleep(seconds)
         text = b""
-        while until not in text:
+        while b"of 1e+06 s" not in text:
             text += os.read(terminal, 4096)
         run.send_signal(signal.SIGINT)
         while True:
@@ -92,22 +73,16 @@ def on_a_terminal(folder, command, seconds=0.0, until=b""):
                 break
             text += piece
     os.close(terminal)
-    return text.decode()
+    assert b"II-B  [" in text
+    assert b"interrupted: II-B.h5 holds the run until" in text
 
 
-def test_a_long_run_on_a_terminal_shows_its_progress(tmp_path):
-    text = on_a_terminal(tmp_path, ENDLESS, until=b"of 1e+06 s")
-    assert "II-B  [" in text
-    assert "interrupted: II-B.h5 holds the run until" in text
-
-
-def test_no_progress_without_a_terminal_and_none_when_quiet(tmp_path):
-    assert "[-" not in on_a_terminal(tmp_path, [*ENDLESS, "-q"], seconds=1.5)
-    (tmp_path / "II-B.h5").unlink()
-    run = running(tmp_path)
-    time.sleep(1.0)
-    run.send_signal(signal.SIGINT)
-    assert b"[" not in run.communicate(timeout=60)[1]
+@pytest.mark.parametrize(("terminal", "words", "bar"), [(1, (), True), (1, ("-q",), False), (0, (), False)])
+def test_no_progress_without_a_terminal_and_none_when_quiet(tmp_path, monkeypatch, terminal, words, bar):
+    monkeypatch.setattr("vibsim.command_line.commands.run.PROGRESS_AFTER", 0.0)
+    monkeypatch.setattr("click.testing._NamedTextIOWrapper.isatty", lambda _: bool(terminal), raising=False)
+    done = call("run", "II-B", "--t-end", "20s", "-o", tmp_path / "a.h5", *words)
+    assert done.exit_code == 0 and ("II-B  [" in done.stderr) == bar
 
 
 def test_a_second_signal_interrupts_at_once():

@@ -159,30 +159,17 @@ def modules_after(*words, **options):
 
 def test_help_imports_nothing_heavy():
     assert not modules_after("--help") & {
-        "numpy",
-        "yaml",
-        "h5py",
-        "vibsim.cases",
-        "vibsim.results",
-        "difflib",
-    }
+        "numpy", "yaml", "h5py", "vibsim.cases", "vibsim.results", "difflib",
+    }  # fmt: skip
 
 
 def test_run_imports_no_more_than_it_needs(tmp_path):
     found = modules_after("run", "I-A", "--t-end", "1s", "-q", cwd=tmp_path)
     assert "h5py" in found
     assert not found & {
-        "scipy",
-        "matplotlib",
-        "pandas",
-        "xarray",
-        "netCDF4",
-        "concurrent.futures",
-        "multiprocessing",
-        "html",
-        "vibsim.orbits.branches",
-        "vibsim.orbits",
-    }
+        "scipy", "matplotlib", "pandas", "xarray", "netCDF4", "concurrent.futures", "multiprocessing",
+        "html", "vibsim.orbits.branches", "vibsim.orbits",
+    }  # fmt: skip
 
 
 def test_a_plain_sweep_imports_no_verdicts_and_no_other_processes(tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 from copy import copy
 
 import matplotlib
@@ -9,19 +10,22 @@ import pytest
 from matplotlib import font_manager
 
 import vibsim
-from tests.command_line.made import call, process, told
+from tests.command_line.made import call, process
 from tests.command_line.test_ro_crate import graph
 
-RUN = {"run.t_end": "2 s"}
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """The file of a run."""
+    case = vibsim.load_case("II-B", {"run.t_end": "2 s"})
+    return vibsim.simulate(case).save(tmp_path_factory.mktemp("run") / "a.h5")
 
 
 @pytest.fixture
-def files(tmp_path, monkeypatch):
-    """A folder with a run and a sweep in it, where commands are called."""
+def files(run, tmp_path, monkeypatch):
+    """A folder with a run in it, where commands are called."""
     monkeypatch.chdir(tmp_path)
-    case = vibsim.load_case("II-B", RUN)
-    vibsim.simulate(case).save("a.h5")
-    vibsim.sweep(case, {"Omega0": "3,4 Hz"}, jobs=1, out="s.h5")
+    shutil.copy(run, "a.h5")
     return tmp_path
 
 
@@ -87,25 +91,6 @@ def test_a_file_that_is_no_case_is_not_told_line_by_line(files):
     with pytest.raises(vibsim.CaseError) as caught:
         vibsim.load_case("b.yaml")
     assert len(caught.value.problems) == 42 and len(str(caught.value).splitlines()) == 26
-
-
-def test_several_runs_make_their_folder(files):
-    told("run", "I-A", "I-B", "-o", "runs/", "--t-end", "1s", "-q")
-    assert sorted(os.listdir("runs")) == ["I-A.h5", "I-B.h5"]
-    assert call("run", "I-C", "-o", "one/", "--t-end", "1s", "-q").exit_code == 0
-    assert os.listdir("one") == ["I-C.h5"]
-    done = call("run", "I-A", "-o", "no/folder/", "--t-end", "1s")
-    assert done.exit_code == 6 and "no/folder: cannot make the folder: No such file" in done.stderr
-
-
-def test_the_run_of_a_file_goes_into_another(files):
-    os.rename("a.h5", "II-B.h5")
-    before = (files / "II-B.h5").read_bytes()
-    assert call("run", "II-B.h5", "-q").exit_code == 0
-    assert (files / "II-B.h5").read_bytes() == before
-    again, one = vibsim.open_result("II-B-again.h5"), vibsim.open_result("II-B.h5")
-    assert again["x1"].tobytes() == one["x1"].tobytes()
-    assert "II-B-again.h5: exists; kept" in call("run", "II-B.h5", "-q").stderr
 
 
 def test_a_style_sheet_of_an_impossible_name(files):

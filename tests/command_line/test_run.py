@@ -33,13 +33,6 @@ def run(*words, code=0):
 SHORT = ("--t-end", "5s")
 
 
-def test_a_shipped_case_into_the_current_folder():
-    run("II-B", *SHORT)
-    assert files() == ["II-B.h5"]
-    result = vibsim.open_result("II-B.h5")
-    assert (result.time[-1], len(result)) == (5.0, 1001)
-
-
 def test_the_summary_says_what_ran_and_what_came_of_it():
     text = run("II-B", *SHORT, "-v").stdout
     result = vibsim.open_result("II-B.h5")
@@ -55,16 +48,6 @@ def test_the_summary_says_what_ran_and_what_came_of_it():
     assert "every stretch proved" in text
     assert attrs["case_sha256"] in text
     assert "II-B.h5 (" in text
-    assert (
-        len(
-            {
-                line.index(line.split(maxsplit=1)[1])
-                for line in text.splitlines()
-                if line.startswith("  source")
-            }
-        )
-        == 1
-    )
 
 
 TOUCHING = """
@@ -111,18 +94,8 @@ def test_quiet_prints_nothing():
 
 
 def test_options_become_part_of_the_case():
-    run(
-        "II-B",
-        "-s",
-        "excitation.Omega0=6.5 Hz",
-        "--set",
-        "c = 0.03 N s/m",
-        *SHORT,
-        "--every",
-        "1ms",
-        "--method",
-        "taylor",
-    )
+    values = ("-s", "excitation.Omega0=6.5 Hz", "--set", "c = 0.03 N s/m")
+    run("II-B", *values, *SHORT, "--every", "1ms", "--method", "taylor")
     case = vibsim.open_result("II-B.h5").case
     scene = case.two_blocks()
     assert scene.Omega0 == pytest.approx(2 * np.pi * 6.5, rel=1e-15)
@@ -130,21 +103,14 @@ def test_options_become_part_of_the_case():
     assert scene.method == "taylor"
 
 
-def test_the_methods_agree():
-    run("I-A", *SHORT, "-o", "closed.h5")
-    run("I-A", *SHORT, "--method", "taylor", "-o", "taylor.h5")
-    closed, taylor = vibsim.open_result("closed.h5"), vibsim.open_result("taylor.h5")
-    assert (closed.attrs["method"], taylor.attrs["method"]) == ("closed_form", "taylor")
-    assert np.abs(closed["x1"] - taylor["x1"]).max() < 1e-13  # of some 1e-3 m: both are right to round-off
-    assert np.array_equal(closed.events["kind"], taylor.events["kind"])
-
-
 def test_several_cases_into_a_folder(folder):
     (folder / "out").mkdir()
     run("I-A", "II-A", *SHORT, "-o", "out")
     assert files("out") == ["I-A.h5", "II-A.h5"]
-    run("I-B", *SHORT, "-o", "out/")
-    assert files("out") == ["I-A.h5", "I-B.h5", "II-A.h5"]
+    run("I-B", *SHORT, "-o", "made/", "-q")
+    assert files("made") == ["I-B.h5"]
+    done = run("I-A", *SHORT, "-o", "no/folder/", code=6)
+    assert "no/folder: cannot make the folder: No such file" in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -213,7 +179,9 @@ def test_the_input_is_not_overwritten_by_its_own_run():
     run("I-A.h5")
     run("I-A.h5", "--force")
     assert Path("I-A.h5").read_bytes() == before
-    assert len(vibsim.open_result("I-A-again.h5")) == 1001
+    again, one = vibsim.open_result("I-A-again.h5"), vibsim.open_result("I-A.h5")
+    assert again["x1"].tobytes() == one["x1"].tobytes()
+    assert "I-A-again.h5: exists; kept" in run("I-A.h5", code=6).stderr
     assert "I-A.h5: exists; kept" in run("I-A.h5", "-o", "I-A.h5", code=6).stderr
 
 

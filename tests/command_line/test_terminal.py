@@ -79,7 +79,7 @@ BROKEN = "a\nError: b"
         ("run", "I-A", "-o", f"{BROKEN}.h5"),
         ("run", f"{BROKEN}.yaml"),
         ("plot", f"{BROKEN}.h5", "-o", f"{BROKEN}.png"),
-        ("animate", f"{BROKEN}.h5", "--window", "0:0.1", "-o", f"{BROKEN}.gif"),
+        ("animate", f"{BROKEN}.h5", "--window", "0:0.1", "-o", f"{BROKEN}.html"),
         ("export", f"{BROKEN}.h5", "-o", f"{BROKEN}.csv"),
         ("new", BROKEN),
         ("cases", "--draw", "I-A", "-o", f"{BROKEN}.svg"),

@@ -64,17 +64,8 @@ def test_equations_are_those_of_the_case(name, line):
 @pytest.mark.parametrize("name", CASES)
 def test_what_is_said_to_try_runs(name, tmp_path):
     for options, _ in STUDIES[name].tries:
-        done = call(
-            "run",
-            f"gallery/{name}",
-            *shlex.split(options),
-            "--t-end",
-            "0.02s",
-            "-q",
-            "-o",
-            tmp_path / "try.h5",
-            "--force",
-        )
+        out = ("-o", tmp_path / "try.h5", "--force")
+        done = call("run", f"gallery/{name}", *shlex.split(options), "--t-end", "0.02s", "-q", *out)
         assert done.exit_code == 0, done.output
 
 

@@ -24,16 +24,9 @@ INVALID_CASE = 3
 WITH_COMMANDS = [path for path in PAGES if any(command.startswith("vibsim") for command, _ in commands(path))]
 IN_AN_EMPTY_FOLDER = [README, ROOT / "docs" / "start.md"]  # as somebody who has installed it begins
 LONG = {
-    "run-up",
-    "base-and-stop",
-    "study",
-    "formulas",
-    "motor",
-    "sections-and-diagrams",
-    "sweeps",
-    "sweep-and-resume",
-    "orbits-and-branches",
-}
+    "run-up", "base-and-stop", "study", "formulas", "motor", "sections-and-diagrams", "sweeps",
+    "sweep-and-resume", "orbits-and-branches",
+}  # fmt: skip
 WITH_PYTHON = [path for path in PAGES if blocks(path, "python")]
 
 

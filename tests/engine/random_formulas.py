@@ -77,15 +77,9 @@ class Formulas:
         if depth == 0 or random.random() < 0.15:
             return random.choice(self.inputs) if random.random() < 0.85 else decimal(random, -2, 2)
         kinds = [
-            self.sum,
-            self.product,
-            self.quotient,
-            self.function,
-            self.root,
-            self.arc,
-            self.kink,
+            self.sum, self.product, self.quotient, self.function, self.root, self.arc, self.kink,
             self.table,
-        ]
+        ]  # fmt: skip
         return random.choice(kinds + [self.jump] * self.jumps)(depth - 1)
 
     def sum(self, depth):

@@ -10,16 +10,7 @@ from tests.engine.runs import run
 from tests.scenes import falling
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.parts import (
-    EVENT_KINDS,
-    EXPONENTIAL,
-    GROUND,
-    HYPERBOLIC,
-    Body,
-    Friction,
-    Link,
-    Scene,
-)
+from vibsim.physics.parts import EVENT_KINDS, EXPONENTIAL, GROUND, HYPERBOLIC, Body, Friction, Link, Scene
 
 
 def times(result, kind):

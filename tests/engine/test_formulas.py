@@ -140,7 +140,7 @@ bodies: {a: 1 kg}
 stops: {s: {between: [a, ground], gap: 0 mm, acts: compression, force: "K*p**1.5", K: 3e4 N/m^1.5}}
 forces: {f: {on: a, force: "A - B*t", A: 1 mN, B: 50 mN/s}}
 run: {t_end: 100 ms, every: 5 ms}
-""",
+"""
     )
 
     def rates(t, y):

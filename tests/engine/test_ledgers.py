@@ -12,14 +12,7 @@ from hypothesis import given, settings
 from tests.engine.random_parts import LENGTH, RATE, part_scenes
 from tests.engine.runs import Run, outcome, run, scene_of
 from tests.engine.test_closed_cases import METHODS, harmonic, scene
-from vibsim.physics.parts import (
-    BASE,
-    GROUND,
-    Body,
-    Force,
-    Friction,
-    Link,
-)
+from vibsim.physics.parts import BASE, GROUND, Body, Force, Friction, Link
 
 # rounding of some hundred stretches of 12 nodes each, of energies and momenta that go in and out many times
 ENERGY, MOMENTUM = 1e-12 * (LENGTH * RATE) ** 2, 1e-12 * LENGTH * RATE

@@ -13,9 +13,7 @@ from tests.engine.runs import scene_of
 from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, MOTORS, fixed_block, paper, scene
 from tests.trajectories import run
-from vibsim.physics.parts import (
-    EVENT_NAMES,
-)
+from vibsim.physics.parts import EVENT_NAMES
 
 METHODS = ("closed_form", "taylor")
 everywhere = pytest.mark.parametrize("method", METHODS)

@@ -55,13 +55,9 @@ def test_a_captured_motor_is_held_to_the_end():
     """Without the stop II-B stays near sqrt(k1/m)/2 pi, 4.0 to 4.1 Hz."""
     run = simulate(load_case("II-B", {"stop.G": "1000 m", "run.t_end": "100 s"}), trust=False)
     code, speed, length, since, released = measured(
-        run,
-        "captured",
-        "held at 4 to 4.1 Hz",
-        "held for at least 50 s",
-        "held from 0 to 20 s",
+        run, "captured", "held at 4 to 4.1 Hz", "held for at least 50 s", "held from 0 to 20 s",
         "released before 9 s",
-    )
+    )  # fmt: skip
     assert code == CAPTURES["captured"]
     assert 3.95 < speed < 4.15
     assert since + length == pytest.approx(100, abs=3)

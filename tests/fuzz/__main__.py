@@ -21,25 +21,15 @@ CODES = {"case": {0, 3, 4}, "options": {0, 2, 3, 4, 5, 6}, "file": {0, 2, 3, 4, 
 ON_CASES = [["check", "case.yaml"], ["run", "case.yaml", "--t-end", "0.2s", "--force", "-o", "out.h5"]]
 ON_CASES += [["run", "case.yaml", "--force", "-o", "out.h5"], ["check", "case.yaml", "--json"]]
 ON_FILES = [
-    "info mutant.h5",
-    "info mutant.h5 --json",
-    "info mutant.h5 --case",
-    "analyse mutant.h5",
-    "compare mutant.h5 run.h5",
-    "plot mutant.h5 --list",
-    "plot mutant.h5 -o p.png --force",
-    "plot mutant.h5 -o p.html --force",
-    "export mutant.h5 -o out.csv --force",
-    "export mutant.h5 --ro-crate -o crate --force",
-    "animate mutant.h5 -o film.html --force",
-    "run mutant.h5 --dry-run -o o.h5",
-    "run mutant.h5 --t-end 0.1s -o o.h5",
-    "orbit mutant.h5 -o o.h5",
-    "orbit I-A --from mutant.h5 -o o.h5",
-    "continue mutant.h5 --omega0 3:9 --max-points 4 -o o.h5",
+    "info mutant.h5", "info mutant.h5 --json", "info mutant.h5 --case", "analyse mutant.h5",
+    "compare mutant.h5 run.h5", "plot mutant.h5 --list", "plot mutant.h5 -o p.png --force",
+    "plot mutant.h5 -o p.html --force", "export mutant.h5 -o out.csv --force",
+    "export mutant.h5 --ro-crate -o crate --force", "animate mutant.h5 -o film.html --force",
+    "run mutant.h5 --dry-run -o o.h5", "run mutant.h5 --t-end 0.1s -o o.h5", "orbit mutant.h5 -o o.h5",
+    "orbit I-A --from mutant.h5 -o o.h5", "continue mutant.h5 --omega0 3:9 --max-points 4 -o o.h5",
     "continue mutant.h5 --switch PD2 --max-points 4 -o o.h5",
     "continue mutant.h5 --locus NS1 --param c=0.02:0.04 --max-points 4 -o o.h5",
-]
+]  # fmt: skip
 WHOLE = {
     "run": "run II-B --t-end 1s",
     "digits": "run I-A --t-end 0.1s --digits 20",

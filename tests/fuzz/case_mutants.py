@@ -3,46 +3,11 @@
 import re
 
 WORDS = [
-    "0",
-    "-1",
-    "1e308",
-    "-1e308",
-    "1e-320",
-    "1e400",
-    "1e999999999",
-    "nan",
-    "inf",
-    ".inf",
-    "~",
-    "null",
-    "",
-    "1/0",
-    "0x10",
-    "1_000",
-    "1,5",
-    "3:7:0.05",
-    "true",
-    "[1, 2]",
-    "{a: 1}",
-    "&a 1",
-    "*a",
-    "!!python/object 1",
-    "1e15 s",
-    "1 mm mm",
-    "1 furlong",
-    "9" * 400,
-    "fixed",
-    "compression",
-    "motor",
-    "harmonic",
-    "none",
-    "\u22125",
-    "\x1b[2J",
-    "\u0000",
-    "\ud7ff",
-    "'",
-    '"',
-]
+    "0", "-1", "1e308", "-1e308", "1e-320", "1e400", "1e999999999", "nan", "inf", ".inf", "~", "null", "",
+    "1/0", "0x10", "1_000", "1,5", "3:7:0.05", "true", "[1, 2]", "{a: 1}", "&a 1", "*a",
+    "!!python/object 1", "1e15 s", "1 mm mm", "1 furlong", "9" * 400, "fixed", "compression", "motor",
+    "harmonic", "none", "\u22125", "\x1b[2J", "\u0000", "\ud7ff", "'", '"',
+]  # fmt: skip
 CHARACTERS = "\t\n\r\0\x1b\x7f{}[]:,#&*!|>'\"%@`-?é漢\u2028\ufeff0123456789eE+.~"
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e-?\d+)?")
 
@@ -119,11 +84,5 @@ def with_a_random_byte(data, draw):
 
 
 MUTATIONS = [
-    another_number,
-    another_number,
-    another_number,
-    another_word,
-    a_character,
-    lines_moved,
-    a_line_more,
-]
+    another_number, another_number, another_number, another_word, a_character, lines_moved, a_line_more,
+]  # fmt: skip

@@ -4,9 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
 
-from tests.random_scenes import scenes
 from tests.scenes import fixed_block, paper
 from tests.trajectories import assert_same_columns, run
 
@@ -59,21 +57,3 @@ def test_nothing_happens_after_the_end(method, before):
     assert result.events["t"].tolist() == [0.0, scene.t_end]
     assert result.samples["time"][-1] <= scene.t_end
     assert len(result.samples["time"]) == scene.sample_count
-
-
-@settings(max_examples=50)
-@given(scenes())
-def test_random_runs_end_at_their_end(scene):
-    scene = replace(scene, stop_on_violation=False)
-    result = run(scene)
-    assert result.events["t"][-1] == scene.t_end
-    assert np.all(np.diff(result.events["t"]) >= 0)
-    assert len(result.samples["time"]) == scene.sample_count
-
-
-def test_a_resumed_run_samples_from_its_row_on():
-    scene = paper("I-A", t_end=3.0)
-    result = run(scene)
-    row = result.row(len(result.times) // 2)
-    rest = run(scene, resume=row)
-    assert rest.samples["time"][0] >= row["t"] > rest.samples["time"][0] - 0.005

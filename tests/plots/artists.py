@@ -1,5 +1,7 @@
 """What a figure shows, for the tests to look at."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from vibsim.plots.registry import kind_named
@@ -13,8 +15,9 @@ def figure_of(kind, subjects, **view):
     return kind_named(kind).draw(subjects, View(**{"width": "column", **view}))
 
 
+@lru_cache(maxsize=16)
 def laid_out(kind, path, width="column"):
-    """The picture of a kind for a file, laid out on its paper: no text is cut off."""
+    """The picture of a kind for a file, laid out on its paper: no text is cut off. It is only read."""
     figure = figure_of(kind, [open_subject(str(path))], width=width)
     figure.draw_without_rendering()
     assert clipped_texts(figure) == []

@@ -15,16 +15,7 @@ from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.coordinates import case_on_orbit
 from vibsim.plots.branch_curves import MARKS, amplitude_of, mean_speed_of, parameter_of, pieces
 from vibsim.plots.branches_over_sweeps import belongs
-from vibsim.plots.load_curves import (
-    LEAVES,
-    NEAR,
-    STAYS,
-    LoadCurve,
-    crossings,
-    dead_ends,
-    leaps_of,
-    torque_of,
-)
+from vibsim.plots.load_curves import LEAVES, NEAR, STAYS, LoadCurve, crossings, dead_ends, leaps_of, torque_of
 from vibsim.plots.registry import choose, kind_named
 from vibsim.plots.sheet import Scale
 from vibsim.plots.subject import PlotError, Subject, View

@@ -34,16 +34,12 @@ def drawn(axes, gid):
 def test_a_first_picture_leaves_a_notebook_as_it_is():
     """Their backend turns matplotlib interactive when pyplot is imported, by the first picture here."""
     lines = [
-        "import matplotlib, sys, vibsim",
-        "class Interactive:",
-        "    def find_spec(self, name, path=None, target=None):",
-        "        if name == 'matplotlib.pyplot':",
-        "            matplotlib.rcParams['interactive'] = True",
-        "sys.meta_path.insert(0, Interactive())",
-        "vibsim.plot('II-B', 'stiffness')",
-        "assert 'matplotlib.pyplot' in sys.modules",
+        "import matplotlib, sys, vibsim", "class Interactive:",
+        "    def find_spec(self, name, path=None, target=None):", "        if name == 'matplotlib.pyplot':",
+        "            matplotlib.rcParams['interactive'] = True", "sys.meta_path.insert(0, Interactive())",
+        "vibsim.plot('II-B', 'stiffness')", "assert 'matplotlib.pyplot' in sys.modules",
         "assert matplotlib.is_interactive()",
-    ]
+    ]  # fmt: skip
     done = subprocess.run(
         [sys.executable, "-c", "\n".join(lines)], env={**os.environ, "MPLBACKEND": "agg"}, capture_output=True
     )
@@ -57,14 +53,11 @@ def test_a_notebook_shows_later_pictures_too(tmp_path):
     )
     (tmp_path / "of_notebooks.py").write_text(backend)
     lines = [
-        "import matplotlib, vibsim",
+        "import matplotlib, vibsim", "assert not matplotlib.is_interactive()",
+        "vibsim.plot('II-B', 'stiffness')", "assert matplotlib.is_interactive()",
+        "matplotlib.interactive(False)", "vibsim.plot('II-B', 'stiffness')",
         "assert not matplotlib.is_interactive()",
-        "vibsim.plot('II-B', 'stiffness')",
-        "assert matplotlib.is_interactive()",
-        "matplotlib.interactive(False)",
-        "vibsim.plot('II-B', 'stiffness')",
-        "assert not matplotlib.is_interactive()",
-    ]
+    ]  # fmt: skip
     env = {**os.environ, "MPLBACKEND": "module://of_notebooks", "PYTHONPATH": str(tmp_path)}
     done = subprocess.run([sys.executable, "-c", "\n".join(lines)], env=env, capture_output=True)
     assert done.returncode == 0, done.stderr.decode()

@@ -113,10 +113,16 @@ def test_kinds_go_by_the_names_of_the_field(linear):
         kind_named("poincar")
 
 
+@pytest.fixture(scope="module")
+def held():
+    """The branch of a motor that is held."""
+    return continue_branch(orbit("II-B", overrides={"c": "0.03", "Omega0": "3.8 Hz"}), "Omega0", "3:6 Hz")
+
+
 @pytest.mark.parametrize("kind", ["branch", "load-curve"])
 @pytest.mark.parametrize("width", ["column", "page"])
-def test_special_points_carry_the_labels_of_the_list_and_none_hides_another(kind, width):
-    branch = continue_branch(orbit("II-B", overrides={"c": "0.03", "Omega0": "3.8 Hz"}), "Omega0", "3:6 Hz")
+def test_special_points_carry_the_labels_of_the_list_and_none_hides_another(held, kind, width):
+    branch = held
     figure = on_paper(kind_named(kind).draw([as_subject(branch)], View(width=width)))
     (axes,) = figure.axes
     labels = [text for text in axes.texts if text.get_gid() == "special label"]
@@ -138,9 +144,15 @@ def test_labels_crowded_at_a_point_spread_and_what_has_no_room_is_counted():
     assert label_points(axes, [LabelledPoint(5, 5, "outside")]) == 0
 
 
-def test_one_branch_labels_its_points_over_a_sweep_of_speeds():
+@pytest.fixture(scope="module")
+def speeds():
+    """A short sweep over the motor constant, and a branch over it."""
     branch = branch_of(CAPTURED, "4.9:6 Hz")
-    swept = sweep(branch.case, {"Omega0": "5, 6 Hz"}, overrides={"run.t_end": "20 s"})
+    return sweep(branch.case, {"Omega0": "5, 6 Hz"}, overrides={"run.t_end": "20 s"}), branch
+
+
+def test_one_branch_labels_its_points_over_a_sweep_of_speeds(speeds):
+    swept, branch = speeds
     for kind in ("sommerfeld", "amplitude"):
         figure = on_paper(kind_named(kind).draw([subject_of(swept), as_subject(branch)], View(width="page")))
         written = {
@@ -152,9 +164,8 @@ def test_one_branch_labels_its_points_over_a_sweep_of_speeds():
         assert written & {special.label for special in branch.specials}
 
 
-def test_labels_of_several_branches_say_whose_they_are():
-    branch = branch_of(CAPTURED, "4.9:6 Hz")
-    swept = sweep(branch.case, {"Omega0": "5, 6 Hz"}, overrides={"run.t_end": "20 s"})
+def test_labels_of_several_branches_say_whose_they_are(speeds):
+    swept, branch = speeds
     several = [Subject(f"{name}.h5", name, "branch", branch.case, branch) for name in "ab"]
     figure = on_paper(kind_named("sommerfeld").draw([subject_of(swept), *several], View(width="page")))
     texts = [text for axes in figure.axes for text in axes.texts if text.get_gid() == "special label"]

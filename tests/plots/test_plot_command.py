@@ -25,19 +25,8 @@ def test_overview_is_the_default(plot, runs, tmp_path):
 
 
 def test_kinds_window_detail_and_width(plot, runs):
-    words = [
-        "--kind",
-        "displacement,relative",
-        "--window",
-        "5:15",
-        "--detail",
-        "7:8",
-        "--width",
-        "page",
-        "-o",
-        "x.pdf",
-    ]
-    assert plot(runs["motor"], *words).stdout == "x.pdf\n"
+    words = "--kind displacement,relative --window 5:15 --detail 7:8 --width page -o x.pdf"
+    assert plot(runs["motor"], *words.split()).stdout == "x.pdf\n"
 
 
 def test_json_and_quiet(plot, runs):

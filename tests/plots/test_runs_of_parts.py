@@ -152,17 +152,9 @@ def test_rest_on_a_rigid_stop_is_shaded(ball):
 def test_kinds_that_need_a_source_say_so(row):
     names = [kind.name for kind in fitting([row])]
     assert names == [
-        "overview",
-        "displacement",
-        "velocity",
-        "phase",
-        "relative",
-        "impact-velocity",
-        "spectrum",
-        "spectrogram",
-        "waterfall",
-        "stiffness",
-    ]
+        "overview", "displacement", "velocity", "phase", "relative", "impact-velocity", "spectrum",
+        "spectrogram", "waterfall", "stiffness",
+    ]  # fmt: skip
     with pytest.raises(PlotError, match=r"it needs a periodic source, and row has none"):
         choose(["stroboscopic"], [row])
 

@@ -79,10 +79,7 @@ def test_starts_by_their_verdict(swept, kind, names, spread, across, up):
 
 @pytest.mark.parametrize(
     ("kind", "settings", "column"),
-    [
-        ("end-state", {"spread": {"block.x": "-2:2 m"}}, "end_x_block"),
-        ("capture", {}, "final_speed"),
-    ],
+    [("end-state", {"spread": {"block.x": "-2:2 m"}}, "end_x_block"), ("capture", {}, "final_speed")],
 )
 def test_one_start_value_against_the_last_of_the_run(swept, kind, settings, column):
     name, verdict = {"end-state": ("rest", REST), "capture": ("captured", CAPTURED)}[kind]

@@ -1,6 +1,7 @@
 """Pictures of sweeps: what is drawn where, what fits what, nothing clipped or covered."""
 
 import re
+from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -34,7 +35,9 @@ def paths(tmp_path_factory):
     return {name: str(folder / f"{name}.h5") for name in SWEEPS}
 
 
+@lru_cache(maxsize=32)
 def drawn(kind, *paths):
+    """The picture of a kind, which is only read."""
     return kind_named(kind).draw([open_subject(path) for path in paths], View())
 
 

@@ -10,6 +10,7 @@ import pytest
 
 import vibsim
 from tests.results.made import short_case, short_run
+from tests.sweeps.made import sweep_of_motors
 from vibsim.results import simulate_to_file
 from vibsim.results.recording import EVENT_CHUNK, SAMPLE_CHUNK
 
@@ -107,27 +108,44 @@ def test_a_case_of_a_megabyte_fits_into_an_attribute(tmp_path):
     assert vibsim.open_result(copy.save(tmp_path / "long.h5")).attrs["case_yaml"] == long_text
 
 
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    """The file of a sweep, and its result."""
+    return sweep_of_motors(tmp_path_factory.mktemp("sweep") / "sweep.h5")
+
+
 READ = """
 import sys, warnings
 warnings.simplefilter("error")
 import numpy, xarray
-path, engine = sys.argv[1:]
+run, sweep, engine = sys.argv[1:]
 for group, scale in ((None, "time"), ("events", "t")):
-    with xarray.open_dataset(path, engine=engine, group=group) as data:
+    with xarray.open_dataset(run, engine=engine, group=group) as data:
         data.load()
         print(*data.sizes.items(), sorted(data.variables), data[scale].dtype, data["x1"].dims, end=" ")
         print(float(data["x1"].sum()))
+with xarray.open_dataset(sweep, engine=engine) as data:
+    data.load()
+    print(dict(data.sizes), data["mean_speed"].dims, data["section_speed"].dims)
+    print(data["sha256"].values[1, 0, 0], data["error"].values[0, 0, 0] == "", int(data["status"].sum()))
+    print(repr(float(data["mean_speed"].sel(omega0=3.5, G=2, direction=-1))))
 """
 
 
 @pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
-def test_xarray_opens_it_without_warnings_and_phony_dimensions(path, file, engine):
-    # one process per engine: h5py and netCDF4 bring an HDF5 library each
-    command = [sys.executable, "-c", READ, str(path), engine]
+def test_xarray_opens_it_without_warnings_and_phony_dimensions(path, file, swept, engine):
+    """A run and a sweep; one process per engine: h5py and netCDF4 bring an HDF5 library each."""
+    sweep, result = swept
+    command = [sys.executable, "-c", READ, str(path), str(sweep), engine]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
+    *runs, dims, texts, speed = done.stdout.splitlines()
+    assert "'omega0': 3" in dims and "'G': 2" in dims and "'section': 7" in dims and "phony" not in dims
+    assert "('omega0', 'G', 'direction') ('omega0', 'G', 'direction', 'section')" in dims
+    assert texts.split() == [result["sha256"][1, 0, 0], "True", "12"]
+    assert float(speed) == result["mean_speed"][1, 1, 1]
     tables = (file, "time"), (file["events"], "t")
-    for told, (table, scale) in zip(done.stdout.splitlines(), tables, strict=True):
+    for told, (table, scale) in zip(runs, tables, strict=True):
         assert told.split(" [")[0] == f"('{scale}', {len(table[scale])})"
         assert str(sorted(columns(table))) in told and f"float64 ('{scale}',)" in told
         total = float(np.sum(table["x1"][:]))

@@ -24,6 +24,16 @@ def short_plan(axes=None, case=None, **settings):
     return make_plan(case or short_case(), [(key, text, "") for key, text in axes.items()], **settings)
 
 
+SECTIONS = 7
+
+
+def sweep_of_motors(path):
+    """The file of a sweep over motor constants and gaps, carried up and down; and its result."""
+    axes, how = {OMEGA0: "3:4:0.5 Hz", "G": "1, 2 mm"}, {"carry_state": True, "direction": "both"}
+    result, _ = run_stored(SweepStore(short_plan(axes, section=SECTIONS, **how), path), 2)
+    return path, result
+
+
 def assert_same_points(got, expected):
     """Two tables agree in every bit of what can be reproduced."""
     assert list(got.numbers) == list(expected.numbers)

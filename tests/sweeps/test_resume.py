@@ -98,23 +98,10 @@ def journal_begun(path):
 
 def kill_at(plan_settings, path, delay):
     """Start a sweep as a process of its own and kill it after `delay` seconds of computing."""
-    command = [
-        sys.executable,
-        "-m",
-        "vibsim",
-        "sweep",
-        "II-B",
-        "--omega0",
-        "3:5:0.1",
-        "-o",
-        str(path),
-        "-j",
-        "2",
-    ]
+    words = ["sweep", "II-B", "--omega0", "3:5:0.1", "-o", str(path), "-j", "2", "--t-end", "8s"]
     before = journal_begun(path)
-    process = subprocess.Popen(
-        [*command, "--t-end", "8s", *plan_settings], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
+    command = [sys.executable, "-m", "vibsim", *words, *plan_settings]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     deadline = time.monotonic() + 30
     while journal_begun(path) in (None, before) and time.monotonic() < deadline and process.poll() is None:
         time.sleep(0.001)

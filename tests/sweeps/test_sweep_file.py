@@ -1,7 +1,5 @@
-"""What a sweep file looks like to other programs: h5py, xarray with both of its engines."""
+"""What a sweep file looks like to other programs, and the order that it keeps."""
 
-import subprocess
-import sys
 from itertools import pairwise
 
 import h5py
@@ -9,7 +7,15 @@ import numpy as np
 import pytest
 
 from tests.command_line.made import call
-from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
+from tests.sweeps.made import (
+    OMEGA0,
+    SECTIONS,
+    assert_same_points,
+    run_stored,
+    short_case,
+    short_plan,
+    sweep_of_motors,
+)
 from vibsim.plots.subject import open_subjects
 from vibsim.plots.sweep_axes import plane_of
 from vibsim.plots.sweep_curves import curves
@@ -20,18 +26,10 @@ from vibsim.sweeps.quantities import DEFINITIONS, always, quantities_of, section
 from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import DOWN, UP, PlanError, shard
 
-SECTIONS = 7
-
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """A grid of motor constants and gaps, carried up and down, one point missing."""
-    path = tmp_path_factory.mktemp("sweep") / "sweep.h5"
-    plan = short_plan(
-        {OMEGA0: "3:4:0.5 Hz", "G": "1, 2 mm"}, carry_state=True, direction="both", section=SECTIONS
-    )
-    result, _ = run_stored(SweepStore(plan, path), 2)
-    return path, result
+    return sweep_of_motors(tmp_path_factory.mktemp("sweep") / "sweep.h5")
 
 
 @pytest.fixture(scope="module")
@@ -100,42 +98,11 @@ def test_a_sweep_without_motor_or_block_2_has_no_such_columns(tmp_path):
     result = sweep(tmp_path / "bare.yaml", {"omega": "1, 2 Hz"}, out=tmp_path / "bare.h5", section=0)
     with h5py.File(tmp_path / "bare.h5") as file:
         absent = {
-            "mean_speed",
-            "amplitude_x2",
-            "drift_rate",
-            "impacts",
-            "sticks_per_period",
-            "end_phi",
+            "mean_speed", "amplitude_x2", "drift_rate", "impacts", "sticks_per_period", "end_phi",
             "section",
-        }
+        }  # fmt: skip
         assert not absent & set(file)
         assert file["amplitude_x1"][:].tolist() == result["amplitude_x1"].tolist()
-
-
-READ = """
-import sys, warnings
-warnings.simplefilter("error")
-import numpy, xarray
-path, engine = sys.argv[1:]
-with xarray.open_dataset(path, engine=engine) as data:
-    data.load()
-    print(dict(data.sizes), data["mean_speed"].dims, data["section_speed"].dims)
-    print(data["sha256"].values[1, 0, 0], data["error"].values[0, 0, 0] == "", int(data["status"].sum()))
-    print(repr(float(data["mean_speed"].sel(omega0=3.5, G=2, direction=-1))))
-"""
-
-
-@pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
-def test_xarray_opens_it_without_warnings_and_phony_dimensions(made, engine):
-    path, result = made
-    command = [sys.executable, "-c", READ, str(path), engine]  # h5py and netCDF4 bring an HDF5 library each
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    dims, texts, speed = done.stdout.splitlines()
-    assert "'omega0': 3" in dims and "'G': 2" in dims and "'section': 7" in dims and "phony" not in dims
-    assert "('omega0', 'G', 'direction') ('omega0', 'G', 'direction', 'section')" in dims
-    assert texts.split() == [result["sha256"][1, 0, 0], "True", "12"]
-    assert float(speed) == result["mean_speed"][1, 1, 1]
 
 
 def test_describe(made):

@@ -15,22 +15,10 @@ JUDGED = ("V1/I-", "V2/", "V3/", "V4/", "V5/", "hard/")
 # numbers of settled motions, read late in runs whose times are doubles: a mass wrong by 1e-10.
 # The end of the belt oscillator's cycle, V18/cycle, hardly depends on the mass.
 SETTLED = (
-    "V12/cycle",
-    "V13/settled",
-    "V13/family",
-    "V14/cycle",
-    "V15/rest",
-    "V15/bounces",
-    "V16/cycle",
-    "V17/amplitude",
-    "V19/three_balls",
-    "V20/two_balls",
-    "V22/periods",
-    "V23/period",
-    "V24/contact",
-    "V25/start",
-    "V30/clutches",
-)
+    "V12/cycle", "V13/settled", "V13/family", "V14/cycle", "V15/rest", "V15/bounces", "V16/cycle",
+    "V17/amplitude", "V19/three_balls", "V20/two_balls", "V22/periods", "V23/period", "V24/contact",
+    "V25/start", "V30/clutches",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("name", [check.name for check in all_checks() if check.name.startswith(JUDGED)])

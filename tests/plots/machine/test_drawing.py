@@ -25,7 +25,7 @@ def drawn(case):
     """The axes of the drawing of a case."""
     with style.applied():
         figure = machine_figure(case.long_values())
-        figure.canvas.draw()
+        figure.draw_without_rendering()
     return figure.axes[0]
 
 
