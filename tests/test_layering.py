@@ -149,23 +149,17 @@ def test_what_serves_all_knows_none_of_them(room):
 
 @pytest.mark.parametrize(
     ("room", "line"),
-    [
-        ("physics", "import scipy"),
-        ("engine", "def f():\n    from vibsim.cases import Case"),
-        ("cases", "from vibsim.results import Result"),
-        ("physics", "from vibsim.engine.modes.status import OPEN"),
-        ("results", "from vibsim import sweeps"),
-        ("results", "import vibsim.plots.style"),
-        ("analysis", "from vibsim.sweeps.axes import Axis"),
-        ("results", "import vibsim.command_line"),
-        ("results", "from vibsim import load_case"),
-        ("results", 'READERS = {"sweep": ("vibsim.sweeps", "open_sweep")}'),
-        ("evidence.peers", 'OWN = "vibsim.evidence.benchmark.plan:OwnEngine"'),
-        ("fitting", "from vibsim.evidence.benchmark.running import Truth"),
-        ("evidence.verification", "from vibsim.engine.modes.rows import rows_of"),
-        ("evidence.benchmark", "from vibsim.engine.flows import modal"),
-    ],
-)
+    [("physics", "import scipy"), ("engine", "def f():\n    from vibsim.cases import Case"),
+     ("cases", "from vibsim.results import Result"),
+     ("physics", "from vibsim.engine.modes.status import OPEN"), ("results", "from vibsim import sweeps"),
+     ("results", "import vibsim.plots.style"), ("analysis", "from vibsim.sweeps.axes import Axis"),
+     ("results", "import vibsim.command_line"), ("results", "from vibsim import load_case"),
+     ("results", 'READERS = {"sweep": ("vibsim.sweeps", "open_sweep")}'),
+     ("evidence.peers", 'OWN = "vibsim.evidence.benchmark.plan:OwnEngine"'),
+     ("fitting", "from vibsim.evidence.benchmark.running import Truth"),
+     ("evidence.verification", "from vibsim.engine.modes.rows import rows_of"),
+     ("evidence.benchmark", "from vibsim.engine.flows import modal")],
+)  # fmt: skip
 def test_what_is_misplaced_is_found(tmp_path, room, line):
     (tmp_path / "module.py").write_text(line)
     assert len(list(misplaced(tmp_path / "module.py", room))) == 1

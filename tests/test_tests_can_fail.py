@@ -45,10 +45,8 @@ def test_every_assertion_can_fail():
 
 @pytest.mark.parametrize(
     "line",
-    [
-        "assert (a, b)", "assert a if c else b", "assert a == 1 or 2", "assert True", "assert a == a",
-        "assert a is a",
-    ],
+    ["assert (a, b)", "assert a if c else b", "assert a == 1 or 2", "assert True", "assert a == a",
+     "assert a is a"],
 )  # fmt: skip
 def test_what_cannot_fail_is_found(line):
     assert [number for number, _ in faults(line)] == [1]

@@ -35,15 +35,9 @@ def test_fingerprint_is_of_the_physics(same):
 
 @pytest.mark.parametrize(
     "other",
-    [
-        {"Omega0": "34.55751918948772 rad/s"},
-        {"G": "1.0000000000000000000001 mm"},
-        {"t_end": "301 s"},
-        {"order": "21"},
-        {"stop": "none"},
-        {"acts": "compression"},
-    ],
-)
+    [{"Omega0": "34.55751918948772 rad/s"}, {"G": "1.0000000000000000000001 mm"}, {"t_end": "301 s"},
+     {"order": "21"}, {"stop": "none"}, {"acts": "compression"}],
+)  # fmt: skip
 def test_fingerprint_changes_with_what_is_simulated(other):
     assert load_case("II-B", other).sha256 != load_case("II-B").sha256
 

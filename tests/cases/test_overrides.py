@@ -19,21 +19,15 @@ def problems_of(overrides, source="II-B"):
 
 @pytest.mark.parametrize(
     ("overrides", "key", "number"),
-    [
-        ({"excitation.Omega0": "390 rpm"}, "excitation.Omega0", 40.840704496667314),
-        ({"Omega0": "6.5 Hz"}, "excitation.Omega0", 40.840704496667314),
-        ({" c ": 0.03}, "coupling.c", 0.03),
-        ({"c": 1e-7}, "coupling.c", 1e-7),
-        ({"m1": 1}, "blocks.m1", 1.0),
-        ({"m3": "0.04 kg"}, "excitation.m3", 0.04),
-        ({"G": "-1 mm"}, "stop.G", -0.001),
-        ({"t_end": "20s"}, "run.t_end", 20.0),
-        ({"stop": "none"}, "coupling.k1", 200.0),
-        ({"rest_distance.value": "80 mm"}, "rest_distance.value", 0.08),
-        ({"value": "80 mm"}, "rest_distance.value", 0.08),
-        ({"excitation.kind": "harmonic", "A": "1 N", "omega": "2 rad/s"}, "omega", 2.0),
-    ],
-)
+    [({"excitation.Omega0": "390 rpm"}, "excitation.Omega0", 40.840704496667314),
+     ({"Omega0": "6.5 Hz"}, "excitation.Omega0", 40.840704496667314), ({" c ": 0.03}, "coupling.c", 0.03),
+     ({"c": 1e-7}, "coupling.c", 1e-7), ({"m1": 1}, "blocks.m1", 1.0),
+     ({"m3": "0.04 kg"}, "excitation.m3", 0.04), ({"G": "-1 mm"}, "stop.G", -0.001),
+     ({"t_end": "20s"}, "run.t_end", 20.0), ({"stop": "none"}, "coupling.k1", 200.0),
+     ({"rest_distance.value": "80 mm"}, "rest_distance.value", 0.08),
+     ({"value": "80 mm"}, "rest_distance.value", 0.08),
+     ({"excitation.kind": "harmonic", "A": "1 N", "omega": "2 rad/s"}, "omega", 2.0)],
+)  # fmt: skip
 def test_override_sets_the_value(overrides, key, number):
     case = load_case("II-B", overrides)
     assert case.number(key) == number

@@ -20,11 +20,9 @@ WORDS = st.text("abc-", max_size=6)
 
 @pytest.mark.parametrize(
     ("typed", "meant"),
-    [
-        ("rnu", "run"), ("INFO", "info"), ("analyze", "analyse"), ("comapre", "compare"),
-        ("sweeep", "sweep"), ("anal", "analyse"), ("benchmark", "bench"), ("nosuch", None),
-        ("completion", None), ("help", None), ("c", None), ("", None),
-    ],
+    [("rnu", "run"), ("INFO", "info"), ("analyze", "analyse"), ("comapre", "compare"),
+     ("sweeep", "sweep"), ("anal", "analyse"), ("benchmark", "bench"), ("nosuch", None),
+     ("completion", None), ("help", None), ("c", None), ("", None)],
 )  # fmt: skip
 def test_commands(typed, meant):
     assert nearest(typed, COMMANDS) == meant

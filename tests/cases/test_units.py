@@ -67,37 +67,18 @@ def test_every_unit_is_tested():
 
 @pytest.mark.parametrize(
     ("dimension", "text", "canonical"),
-    [
-        ("damping", "1 N*s/m", "1 N s/m"),
-        ("damping", "1 N.s/m", "1 N s/m"),
-        ("damping", "1 N·s/m", "1 N s/m"),
-        ("damping", "1 N⋅s / m", "1 N s/m"),
-        ("damping", "1Ns/m", "1 N s/m"),
-        ("damping", "1   N  s/m", "1 N s/m"),
-        ("inertia", "1 kg*m^2", "1 kg m^2"),
-        ("inertia", "1 kg m²", "1 kg m^2"),
-        ("inertia", "1 kg·m**2", "1 kg m^2"),
-        ("inertia", "1 kgm^2", "1 kg m^2"),
-        ("inertia", "1 kg m2", "1 kg m^2"),
-        ("inertia", "1 kg m ^ 2", "1 kg m^2"),
-        ("torque", "1 Nm", "1 N m"),
-        ("torque", "1 mN·m", "1 mN m"),
-        ("length", "1 µm", "1 um"),
-        ("length", "1 μm", "1 um"),
-        ("length", "1mm", "1 mm"),
-        ("length", " 1 mm ", "1 mm"),
-        ("length", "1", "1 m"),
-        ("acceleration", "9.81 m/s²", "9.81 m/s^2"),
-        ("acceleration", "9.81 m/s2", "9.81 m/s^2"),
-        ("angle", "90°", "90 deg"),
-        ("angle", "1", "1 rad"),
-        ("angular rate", "60 rev/min", "60 rpm"),
-        ("angular rate", "60 1/min", "60 rpm"),
-        ("time", "5 sec", "5 s"),
-        ("time", "1/60 s", "1/60 s"),
-        ("number", "1e-3", "1e-3"),
-    ],
-)
+    [("damping", "1 N*s/m", "1 N s/m"), ("damping", "1 N.s/m", "1 N s/m"), ("damping", "1 N·s/m", "1 N s/m"),
+     ("damping", "1 N⋅s / m", "1 N s/m"), ("damping", "1Ns/m", "1 N s/m"),
+     ("damping", "1   N  s/m", "1 N s/m"), ("inertia", "1 kg*m^2", "1 kg m^2"),
+     ("inertia", "1 kg m²", "1 kg m^2"), ("inertia", "1 kg·m**2", "1 kg m^2"),
+     ("inertia", "1 kgm^2", "1 kg m^2"), ("inertia", "1 kg m2", "1 kg m^2"),
+     ("inertia", "1 kg m ^ 2", "1 kg m^2"), ("torque", "1 Nm", "1 N m"), ("torque", "1 mN·m", "1 mN m"),
+     ("length", "1 µm", "1 um"), ("length", "1 μm", "1 um"), ("length", "1mm", "1 mm"),
+     ("length", " 1 mm ", "1 mm"), ("length", "1", "1 m"), ("acceleration", "9.81 m/s²", "9.81 m/s^2"),
+     ("acceleration", "9.81 m/s2", "9.81 m/s^2"), ("angle", "90°", "90 deg"), ("angle", "1", "1 rad"),
+     ("angular rate", "60 rev/min", "60 rpm"), ("angular rate", "60 1/min", "60 rpm"),
+     ("time", "5 sec", "5 s"), ("time", "1/60 s", "1/60 s"), ("number", "1e-3", "1e-3")],
+)  # fmt: skip
 def test_spellings(dimension, text, canonical):
     quantity = parse_quantity(text, dimension)
     assert quantity.text == canonical
@@ -110,31 +91,26 @@ TORQUE = "must be a torque in N m, mN m, kN m, N cm or N mm"
 
 @pytest.mark.parametrize(
     ("dimension", "text", "message"),
-    [
-        ("length", "", LENGTH + ", got nothing"),
-        ("length", "mm", LENGTH + ", got mm"),
-        ("length", "1 2 mm", LENGTH + ", got 1 2 mm"),
-        ("length", "1 MM", LENGTH + ", got 1 MM; unknown unit MM (did you mean mm?)"),
-        ("length", "1 mm^2", LENGTH + ", got 1 mm^2; unknown unit mm^2 (did you mean mm?)"),
-        ("length", "1_000 mm", LENGTH + ", got 1_000 mm"),
-        ("length", "0x10", LENGTH + ", got 0x10"),
-        ("length", "1,5 mm", LENGTH + ", got 1,5 mm; write decimals with a point"),
-        ("length", "١ mm", LENGTH + ", got ١ mm"),
-        ("length", "nan", "must be finite, got nan"),
-        ("length", "-.INF mm", "must be finite, got -.INF mm"),
-        ("length", "Infinity", "must be finite, got Infinity"),
-        ("length", "−1 mm", "write the minus sign as -, got −1 mm"),
-        ("number", "5 %", "must be a plain number, got 5 %"),
-        ("number", "5 kg", "must be a plain number, got 5 kg"),
-        ("torque", "1 nm", TORQUE + ", got 1 nm; unknown unit nm (did you mean N m?)"),
-        ("angular rate", "5.5", "needs a unit (Hz, rpm, rev/s, deg/s, rad/s), got 5.5"),
-        ("angular rate", "0", "needs a unit (Hz, rpm, rev/s, deg/s, rad/s), got 0"),
-        ("angular rate", "5 deg", "must be an angular rate in Hz, rpm, rev/s, deg/s or rad/s, got 5 deg"),
-        ("time", "5/0 s", "division by zero in 5/0"),
-        ("time", "1e400 s", "does not fit double precision (2.3e-308 to 2.2e307), got 1e400 s"),
-        ("force", "1e306 kN", "does not fit double precision (2.3e-308 to 2.2e307), got 1e306 kN"),
-        ("length", "-1e-307 um", "does not fit double precision (2.3e-308 to 2.2e307), got -1e-307 um"),
-    ],
+    [("length", "", LENGTH + ", got nothing"), ("length", "mm", LENGTH + ", got mm"),
+     ("length", "1 2 mm", LENGTH + ", got 1 2 mm"),
+     ("length", "1 MM", LENGTH + ", got 1 MM; unknown unit MM (did you mean mm?)"),
+     ("length", "1 mm^2", LENGTH + ", got 1 mm^2; unknown unit mm^2 (did you mean mm?)"),
+     ("length", "1_000 mm", LENGTH + ", got 1_000 mm"), ("length", "0x10", LENGTH + ", got 0x10"),
+     ("length", "1,5 mm", LENGTH + ", got 1,5 mm; write decimals with a point"),
+     ("length", "١ mm", LENGTH + ", got ١ mm"), ("length", "nan", "must be finite, got nan"),
+     ("length", "-.INF mm", "must be finite, got -.INF mm"),
+     ("length", "Infinity", "must be finite, got Infinity"),
+     ("length", "−1 mm", "write the minus sign as -, got −1 mm"),
+     ("number", "5 %", "must be a plain number, got 5 %"),
+     ("number", "5 kg", "must be a plain number, got 5 kg"),
+     ("torque", "1 nm", TORQUE + ", got 1 nm; unknown unit nm (did you mean N m?)"),
+     ("angular rate", "5.5", "needs a unit (Hz, rpm, rev/s, deg/s, rad/s), got 5.5"),
+     ("angular rate", "0", "needs a unit (Hz, rpm, rev/s, deg/s, rad/s), got 0"),
+     ("angular rate", "5 deg", "must be an angular rate in Hz, rpm, rev/s, deg/s or rad/s, got 5 deg"),
+     ("time", "5/0 s", "division by zero in 5/0"),
+     ("time", "1e400 s", "does not fit double precision (2.3e-308 to 2.2e307), got 1e400 s"),
+     ("force", "1e306 kN", "does not fit double precision (2.3e-308 to 2.2e307), got 1e306 kN"),
+     ("length", "-1e-307 um", "does not fit double precision (2.3e-308 to 2.2e307), got -1e-307 um")],
 )  # fmt: skip
 def test_what_is_wrong(dimension, text, message):
     with pytest.raises(QuantityError) as caught:
@@ -198,12 +174,9 @@ def test_decimal_text_reads_back(value):
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [
-        (Fraction(61, 20), "3.05"), (Fraction(-61, 20), "-3.05"), (Fraction(7), "7"), (Fraction(0), "0"),
-        (Fraction(1, 10**8), "1e-8"), (Fraction(10**9), "1e9"), (Fraction(120), "120"),
-        (Fraction(10, 3), "10/3"),
-        (Fraction(1, 1000), "0.001"), (Fraction(1, 8), "0.125"),
-    ],
+    [(Fraction(61, 20), "3.05"), (Fraction(-61, 20), "-3.05"), (Fraction(7), "7"), (Fraction(0), "0"),
+     (Fraction(1, 10**8), "1e-8"), (Fraction(10**9), "1e9"), (Fraction(120), "120"),
+     (Fraction(10, 3), "10/3"), (Fraction(1, 1000), "0.001"), (Fraction(1, 8), "0.125")],
 )  # fmt: skip
 def test_decimal_text(value, text):
     assert decimal_text(value) == text

@@ -91,22 +91,17 @@ def test_nothing_is_printed_when_quiet(folder):
 
 @pytest.mark.parametrize(
     ("words", "code", "message"),
-    [
-        (["motor.h5", "--window", "200:300"], 2, "motor.h5: the window 200:300 s lies outside the run"),
-        (["motor.h5", "--window", "20:10"], 2, "is not A:B with A < B"),
-        (["motor.h5", "--discard", "200s"], 2, "leaves nothing of 0 to 120 s"),
-        (["motor.h5", "--discard", "4"], 2, "a time needs its unit"),
-        (["motor.h5", "--what", "drfit"], 2, "'drfit': did you mean drift?"),
-        (["motor.h5", "--what", "xyzzy"], 2, "allowed: capture, drift, impacts, regime, frequencies"),
-        (["motor.h5", "--what", ","], 2, "allowed: capture"),
-        (["missing.h5"], 6, "missing.h5: No such file"),
-        (["text.h5"], 6, "text.h5: is not an HDF5 file"),
-        (["sweep.h5"], 6, "sweep.h5: holds no single run; analyse takes runs and cases"),
-        (["motor.h5", "missing.h5"], 6, "missing.h5"),
-        (["II-X"], 3, "II-X: is no shipped case"),
-        (["II-B", "-s", "cc=1"], 3, "cc"),
-        ([], 2, "Missing argument"),
-    ],
+    [(["motor.h5", "--window", "200:300"], 2, "motor.h5: the window 200:300 s lies outside the run"),
+     (["motor.h5", "--window", "20:10"], 2, "is not A:B with A < B"),
+     (["motor.h5", "--discard", "200s"], 2, "leaves nothing of 0 to 120 s"),
+     (["motor.h5", "--discard", "4"], 2, "a time needs its unit"),
+     (["motor.h5", "--what", "drfit"], 2, "'drfit': did you mean drift?"),
+     (["motor.h5", "--what", "xyzzy"], 2, "allowed: capture, drift, impacts, regime, frequencies"),
+     (["motor.h5", "--what", ","], 2, "allowed: capture"), (["missing.h5"], 6, "missing.h5: No such file"),
+     (["text.h5"], 6, "text.h5: is not an HDF5 file"),
+     (["sweep.h5"], 6, "sweep.h5: holds no single run; analyse takes runs and cases"),
+     (["motor.h5", "missing.h5"], 6, "missing.h5"), (["II-X"], 3, "II-X: is no shipped case"),
+     (["II-B", "-s", "cc=1"], 3, "cc"), ([], 2, "Missing argument")],
 )  # fmt: skip
 def test_what_is_refused(folder, monkeypatch, words, code, message):
     monkeypatch.chdir(folder)

@@ -96,17 +96,11 @@ def test_what_is_not_installed_is_named(monkeypatch):
 
 @pytest.mark.parametrize(
     ("words", "code", "message"),
-    [
-        (("--methods", "dop85"), 2, "did you mean dop853?"),
-        (("--limit", "0"), 2, "--limit"),
-        (("--t-end", "1ms"), 2, "too short"),
-        (("--t-end", "soon"), 3, "run.t_end"),
-        (("-s", "nonsense=1"), 3, "nonsense"),
-        (("--plot", "b.gif"), 2, "suffix .gif"),
-        (("--truth", "none.h5"), 6, "No such file"),
-        (("-o", "no/b.h5"), 6, "does not exist"),
-    ],
-)
+    [(("--methods", "dop85"), 2, "did you mean dop853?"), (("--limit", "0"), 2, "--limit"),
+     (("--t-end", "1ms"), 2, "too short"), (("--t-end", "soon"), 3, "run.t_end"),
+     (("-s", "nonsense=1"), 3, "nonsense"), (("--plot", "b.gif"), 2, "suffix .gif"),
+     (("--truth", "none.h5"), 6, "No such file"), (("-o", "no/b.h5"), 6, "does not exist")],
+)  # fmt: skip
 def test_what_is_refused(words, code, message, own_folder):
     done = call("bench", "I-A", *(() if "--t-end" in words else ("--t-end", "1s")), *words)
     assert done.exit_code == code and message in done.stderr

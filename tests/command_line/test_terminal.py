@@ -44,26 +44,15 @@ def test_json_is_json_whatever_it_holds(capsys):
 
 @pytest.mark.parametrize(
     "words",
-    [
-        ("check", "nasty.yaml"),
-        ("check", "-v", "nasty.yaml"),
-        ("run", "nasty.yaml", "--dry-run"),
-        ("run", "nasty.yaml", "--color", "never"),
-        ("cases", "./nasty.yaml"),
-        ("sweep", "nasty.yaml", "--omega0", "5,6", "--section", "0"),
-        ("run", f"{HOSTILE}.yaml"),
-        ("run", "nasty.yaml", "-s", f"{HOSTILE}=1"),
-        ("info", f"{HOSTILE}.h5"),
-        ("plot", "nasty.yaml", "--kind", HOSTILE),
-        (HOSTILE,),
-        ("run", f"--{HOSTILE}"),
-        ("verify", HOSTILE),
-        ("export", HOSTILE, "-o", f"{HOSTILE}.csv"),
-        ("compare", HOSTILE, HOSTILE),
-        ("analyse", f"{HOSTILE}.h5", "--window", HOSTILE),
-    ],
+    [("check", "nasty.yaml"), ("check", "-v", "nasty.yaml"), ("run", "nasty.yaml", "--dry-run"),
+     ("run", "nasty.yaml", "--color", "never"), ("cases", "./nasty.yaml"),
+     ("sweep", "nasty.yaml", "--omega0", "5,6", "--section", "0"), ("run", f"{HOSTILE}.yaml"),
+     ("run", "nasty.yaml", "-s", f"{HOSTILE}=1"), ("info", f"{HOSTILE}.h5"),
+     ("plot", "nasty.yaml", "--kind", HOSTILE), (HOSTILE,), ("run", f"--{HOSTILE}"), ("verify", HOSTILE),
+     ("export", HOSTILE, "-o", f"{HOSTILE}.csv"), ("compare", HOSTILE, HOSTILE),
+     ("analyse", f"{HOSTILE}.h5", "--window", HOSTILE)],
     ids=lambda words: " ".join(words[:2]).encode("unicode_escape").decode()[:30],
-)
+)  # fmt: skip
 def test_no_command_lets_a_terminal_obey_user_text(words):
     done = call(*words)
     assert obeyed(done.stdout) == obeyed(done.stderr) == []
@@ -160,18 +149,16 @@ def test_a_misspelt_option_of_every_command_is_guessed(name):
 
 @pytest.mark.parametrize(
     ("words", "told"),
-    [
-        (("run", "II-B", "--method", "tailor"), "(did you mean taylor?)"),
-        (("sweep", "--omega0", "5,6", "--direction", "dwon"), "(did you mean down?)"),
-        (("--color", "nevr", "cases"), "(did you mean never?)"),
-        (("plot", "II-B", "--kind", "stifness"), "did you mean stiffness?"),
-        (("sweep", "I-A", "--omega0", "1:2:1"), "--omega0: the source of I-A is harmonic; use --omega 1:2:1"),
-        (("sweep", "II-B", "--omega", "1:2:1"), "--omega: the source of II-B is motor; use --omega0 1:2:1"),
-        (("sweep", "II-B", "--param", "foo=1:2:1"), "--param foo: unknown key"),
-        (("sweep", "II-B", "--param", "c=1:2"), "--param c: 1:2 has no step"),
-        (("sweep", "II-B", "--omega0", "1e400:2:1"), "--omega0: 1e400:2:1 has 1.00e+400 values"),
-        (("sweep", "II-B", "--omega0", "-1,5"), "--omega0 excitation.Omega0: must be > 0, got -1 Hz"),
-    ],
+    [(("run", "II-B", "--method", "tailor"), "(did you mean taylor?)"),
+     (("sweep", "--omega0", "5,6", "--direction", "dwon"), "(did you mean down?)"),
+     (("--color", "nevr", "cases"), "(did you mean never?)"),
+     (("plot", "II-B", "--kind", "stifness"), "did you mean stiffness?"),
+     (("sweep", "I-A", "--omega0", "1:2:1"), "--omega0: the source of I-A is harmonic; use --omega 1:2:1"),
+     (("sweep", "II-B", "--omega", "1:2:1"), "--omega: the source of II-B is motor; use --omega0 1:2:1"),
+     (("sweep", "II-B", "--param", "foo=1:2:1"), "--param foo: unknown key"),
+     (("sweep", "II-B", "--param", "c=1:2"), "--param c: 1:2 has no step"),
+     (("sweep", "II-B", "--omega0", "1e400:2:1"), "--omega0: 1e400:2:1 has 1.00e+400 values"),
+     (("sweep", "II-B", "--omega0", "-1,5"), "--omega0 excitation.Omega0: must be > 0, got -1 Hz")],
 )  # fmt: skip
 def test_what_was_meant_is_said(words, told):
     done = call(*words)

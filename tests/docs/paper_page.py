@@ -190,16 +190,12 @@ PHRASES = (
     ),
     ("prints {}, {} and {} (in m)", lambda n: amplitudes(n, "printed", "{:.4f}")),
     ("m3 e omega to {} %", lambda n: ratios(n)[:1]),
-    (
-        "demands m3 e omega^2: {}, {} and {} N, {} to {} times more",
-        lambda n: (*amplitudes(n, "eq211", "{:.3f}"), *ratios(n)[1:]),
-    ),
+    ("demands m3 e omega^2: {}, {} and {} N, {} to {} times more",
+     lambda n: (*amplitudes(n, "eq211", "{:.3f}"), *ratios(n)[1:])),
     ("frequency with m1 + m3 is {} Hz", lambda n: [f"{n['facts']['free_hz_II']:.3f}"]),
     ("in Case I it is {} Hz", lambda n: [f"{n['facts']['free_hz_I']:.3f}"]),
-    (
-        "{} Hz in Case I, {} Hz in Case II",
-        lambda n: [f"{n['facts'][f'bilinear_hz_{kind}']:.2f}" for kind in ("I", "II")],
-    ),
+    ("{} Hz in Case I, {} Hz in Case II",
+     lambda n: [f"{n['facts'][f'bilinear_hz_{kind}']:.2f}" for kind in ("I", "II")]),
     (
         "(printed cases: {} to {} mm)",
         lambda n: [
@@ -238,23 +234,15 @@ PHRASES = (
             f"{run(n, 'II-B')['capture']['speed_hz']:.2f}",
         ),
     ),
-    (
-        "Without the stop both motors are captured, at {} and {} Hz",
-        lambda n: [f"{n['without_stop'][name]['capture']['speed_hz']:.2f}" for name in ("II-B", "II-C")],
-    ),
+    ("Without the stop both motors are captured, at {} and {} Hz",
+     lambda n: [f"{n['without_stop'][name]['capture']['speed_hz']:.2f}" for name in ("II-B", "II-C")]),
     ("Of {} gaps from {} to {} mm, those from {} mm on hold II-B at 4.0 Hz", gaps),
-    (
-        "are periodic, with periods {}, {} and {}",
-        lambda n: [run(n, name)["regime"]["period"] for name in PRINTED],
-    ),
-    (
-        "most of {} starts are chaotic at {}, {} and {} Hz",
-        lambda n: [len(n["nearby"][0]["starts"]), *chaotic_hz(n)],
-    ),
-    (
-        "in each of the {} turns of its second half; from {} of {} perturbed starts it does",
-        lambda n: (sum(run(n, "II-C")["cycles"]["impact_counts"].values()), *how_many(n, "II-C", one_impact)),
-    ),
+    ("are periodic, with periods {}, {} and {}",
+     lambda n: [run(n, name)["regime"]["period"] for name in PRINTED]),
+    ("most of {} starts are chaotic at {}, {} and {} Hz",
+     lambda n: [len(n["nearby"][0]["starts"]), *chaotic_hz(n)]),
+    ("in each of the {} turns of its second half; from {} of {} perturbed starts it does",
+     lambda n: (sum(run(n, "II-C")["cycles"]["impact_counts"].values()), *how_many(n, "II-C", one_impact))),
     (
         "as the paper says: {}, {} and {} mm in 300 s as printed, {}, {} and {} mm with equal forces",
         lambda n: [
@@ -266,10 +254,8 @@ PHRASES = (
     ("faster than I in {}, {} and {} % of the pairs", lambda n: percents(n, PAIRS, "drift")),
     ("and in {}, {} and {} % over the whole run", lambda n: percents(n, PAIRS, "overall")),
     ("II-B is faster than II-C in {} % of them", lambda n: percents(n, [("II-B", "II-C")], "drift")),
-    (
-        'peaks at {} s from rest, and "around 170 s" from {} of {} starts',
-        lambda n: (f"{run(n, 'II-C')['peak']['time']:.0f}", *how_many(n, "II-C", peaks_late)),
-    ),
+    ('peaks at {} s from rest, and "around 170 s" from {} of {} starts',
+     lambda n: (f"{run(n, 'II-C')['peak']['time']:.0f}", *how_many(n, "II-C", peaks_late))),
     (
         "cases of 5 it is {} % and {} of {}, but then II-B is faster than I-B in {} % of the "
         "pairs, II-C than I-C in {} %",
@@ -279,26 +265,22 @@ PHRASES = (
             *percents(n, zip(SHIPPED_READINGS, PRINTED[1:], strict=True), "drift"),
         ),
     ),
-    (
-        "here it is {} Hz from rest, {} to {} Hz from perturbed starts",
-        lambda n: (final(n, "II-C"), *finals(n, "II-C")),
-    ),
+    ("here it is {} Hz from rest, {} to {} Hz from perturbed starts",
+     lambda n: (final(n, "II-C"), *finals(n, "II-C"))),
     (
         "II-A comes to {} to {} Hz and II-C to {} to {} Hz from all perturbed starts that settle, "
         "but II-B to {} to {} Hz",
         lambda n: (*finals(n, "II-A"), *finals(n, "II-C"), *finals(n, "II-B")),
     ),
-    (
-        "the amplitude grows by {} % as printed and by {} % in the reading, the speed by {} and {} %",
-        lambda n: (*growth(n, "amplitude", "{:.0f}"), *growth(n, "speed_hz", "{:.1f}")),
-    ),
+    ("the amplitude grows by {} % as printed and by {} % in the reading, the speed by {} and {} %",
+     lambda n: (*growth(n, "amplitude", "{:.0f}"), *growth(n, "speed_hz", "{:.1f}"))),
     (
         "M0 / Omega0 is {}, {} and {} mN m s at 3.5, 5.5 and 6.5 Hz, so these are three motors. "
         "With M0 in proportion ({} "
         "and {} mN m) II-B and II-C are captured from {} and {} of {} starts",
         slopes,
     ),
-)
+)  # fmt: skip
 
 # what is given and not measured: places in the paper, names, the paper's own numbers and those of the cases
 GIVEN = (

@@ -148,31 +148,25 @@ def standing(masses, base, links, stops, **parts):
 STRUCK_SOFTLY = standing(
     (0.5, 1.0, 1.0), 7.0,
     (Link("l0", 0, BASE, 64.0, 0.0), Link("l2", 2, 1, 64.0, 0.0)),
-    (
-        Stop("wall", 1, GROUND, 0.0, COMPRESSION, 64.0, 0.0, at_start=True),
-        Stop("blow", 0, 1, 0.0, EXTENSION, 64.0, 0.0, at_start=True),
-    ),
+    (Stop("wall", 1, GROUND, 0.0, COMPRESSION, 64.0, 0.0, at_start=True),
+     Stop("blow", 0, 1, 0.0, EXTENSION, 64.0, 0.0, at_start=True)),
     frictions=(Friction("f", 0, GROUND, 0.3, 0.3, 0.0),),
 )  # fmt: skip
 TORN_SOFTLY = standing(
     (1.0, 1.0, 1.0, 1.0, 1.0), 5.0,
     tuple(Link(f"l{P}", P, Q, 100.0, 0.0) for P, Q in ((0, BASE), (1, 0), (3, 2), (4, 3))),
-    (
-        RigidStop("touch", 3, 4, 0.0, EXTENSION, 0.8, True),
-        Stop("wall", 1, GROUND, 0.0, EXTENSION, 3000.0, 0.0, at_start=True),
-        Stop("blow", 1, 2, 0.01, COMPRESSION, 3000.0, 0.0),
-    ),
+    (RigidStop("touch", 3, 4, 0.0, EXTENSION, 0.8, True),
+     Stop("wall", 1, GROUND, 0.0, EXTENSION, 3000.0, 0.0, at_start=True),
+     Stop("blow", 1, 2, 0.01, COMPRESSION, 3000.0, 0.0)),
     frictions=(Friction("f", 0, GROUND, 0.3, 0.3, 0.0),),
     forces=(Force("push", 0, 0.0, (harmonic(2.0, 5.0, 0.0),)),),
 )  # fmt: skip
 RELIEVED_AT_ONCE = standing(
     (0.5, 1.0), 9.344,
     (Link("l0", 0, BASE, 87.3, 0.0), Link("l1", 1, 0, 87.3, 1.746)),
-    (
-        Stop("soft", 0, GROUND, 0.0, EXTENSION, 3000.0, 0.0, at_start=True),
-        RigidStop("wall", 1, GROUND, 0.0, COMPRESSION, 0.0, True),
-        RigidStop("pair", 0, 1, 0.0, COMPRESSION, 0.8, True),
-    ),
+    (Stop("soft", 0, GROUND, 0.0, EXTENSION, 3000.0, 0.0, at_start=True),
+     RigidStop("wall", 1, GROUND, 0.0, COMPRESSION, 0.0, True),
+     RigidStop("pair", 0, 1, 0.0, COMPRESSION, 0.8, True)),
 )  # fmt: skip
 
 

@@ -157,30 +157,24 @@ MOTOR, IDEAL = [load_case("II-B")], [load_case("I-C")]
 
 @pytest.mark.parametrize(
     ("text", "name", "bounds"),
-    [
-        ("captured until the end", "capture", (CAPTURES["captured"],) * 2),
-        ("Captured", "capture", (CAPTURES["captured"],) * 2),
-        ("escapes", "capture", (CAPTURES["escaped"],) * 2),
-        ("not met", "capture", (CAPTURES["not met"],) * 2),
-        ("released between 80 and 120 s", "released", (80, 120)),
-        ("released 1 to 2 min", "released", (60, 120)),
-        ("released between 500 ms and 120 s", "released", (0.5, 120)),
-        ("released before 2 min", "released", (-inf, 120)),
-        ("passes 4.5 Hz after 80 s", "passes", (80, inf)),
-        ("settles between 6.1 and 6.3 Hz", "final speed", (6.1, 6.3)),
-        ("settles between 366 and 378 rpm", "final speed", (6.1, 6.3)),
-        ("final speed at least 10 rad/s", "final speed", (10 / (2 * pi), inf)),
-        ("held for at least 30 s", "held for", (30, inf)),
-        ("held at 3.6 to 3.8 Hz", "held at", (3.6, 3.8)),
-        ("x2 falls at least 10 %", "x2 falls", (0.1, inf)),
-        ("x2 falls 0.1 to 0.5", "x2 falls", (0.1, 0.5)),
-        ("drifts between -1 and 1 mm/s", "drift rate", (-1e-3, 1e-3)),
-        ("impacts per cycle at least 0.9", "impacts per cycle", (0.9, inf)),
-        ("vibration of x1 - x2 below 3 cm", "vibration of x1 - x2", (-inf, 0.03)),
-        ("regime is quasi-periodic", "regime", (REGIMES["quasi-periodic"],) * 2),
-        ("period 1 to 1", "period", (1, 1)),
-    ],
-)
+    [("captured until the end", "capture", (CAPTURES["captured"],) * 2),
+     ("Captured", "capture", (CAPTURES["captured"],) * 2),
+     ("escapes", "capture", (CAPTURES["escaped"],) * 2), ("not met", "capture", (CAPTURES["not met"],) * 2),
+     ("released between 80 and 120 s", "released", (80, 120)),
+     ("released 1 to 2 min", "released", (60, 120)),
+     ("released between 500 ms and 120 s", "released", (0.5, 120)),
+     ("released before 2 min", "released", (-inf, 120)), ("passes 4.5 Hz after 80 s", "passes", (80, inf)),
+     ("settles between 6.1 and 6.3 Hz", "final speed", (6.1, 6.3)),
+     ("settles between 366 and 378 rpm", "final speed", (6.1, 6.3)),
+     ("final speed at least 10 rad/s", "final speed", (10 / (2 * pi), inf)),
+     ("held for at least 30 s", "held for", (30, inf)), ("held at 3.6 to 3.8 Hz", "held at", (3.6, 3.8)),
+     ("x2 falls at least 10 %", "x2 falls", (0.1, inf)), ("x2 falls 0.1 to 0.5", "x2 falls", (0.1, 0.5)),
+     ("drifts between -1 and 1 mm/s", "drift rate", (-1e-3, 1e-3)),
+     ("impacts per cycle at least 0.9", "impacts per cycle", (0.9, inf)),
+     ("vibration of x1 - x2 below 3 cm", "vibration of x1 - x2", (-inf, 0.03)),
+     ("regime is quasi-periodic", "regime", (REGIMES["quasi-periodic"],) * 2),
+     ("period 1 to 1", "period", (1, 1))],
+)  # fmt: skip
 def test_what_is_said_is_understood(text, name, bounds):
     found = parse_statement(text, MOTOR)
     assert (found.asked.name, found.case, found.text) == (name, 0, text)

@@ -95,22 +95,10 @@ def test_empty_spans(text):
 
 @pytest.mark.parametrize(
     ("largest", "unit", "label"),
-    [
-        (0.0868, "m", "mm"),
-        (0.352, "m", "mm"),
-        (1.0, "m", "m"),
-        (0.001, "m", "mm"),
-        (0.000999, "m", "µm"),
-        (5.0, "m", "m"),
-        (12e3, "N", "kN"),
-        (0.112, "m/s", "mm/s"),
-        (2.2, "m/s", "m/s"),
-        (0.005, "N m", "mN m"),
-        (0.0, "m", "m"),
-        (3e-13, "m", "fm"),
-        (3e-22, "m", "am"),
-    ],
-)
+    [(0.0868, "m", "mm"), (0.352, "m", "mm"), (1.0, "m", "m"), (0.001, "m", "mm"), (0.000999, "m", "µm"),
+     (5.0, "m", "m"), (12e3, "N", "kN"), (0.112, "m/s", "mm/s"), (2.2, "m/s", "m/s"), (0.005, "N m", "mN m"),
+     (0.0, "m", "m"), (3e-13, "m", "fm"), (3e-22, "m", "am")],
+)  # fmt: skip
 def test_prefix_puts_the_largest_magnitude_between_1_and_1000(largest, unit, label):
     scale = scale_for(unit, [0.0, -largest], np.empty(0))
     assert scale.unit == label

@@ -10,7 +10,7 @@ from matplotlib.text import Text
 from tests.formula_cases import MACHINE, case_of
 from vibsim.cases import load_case
 from vibsim.plots.picture import draw_files
-from vibsim.plots.registry import KINDS, kind_named
+from vibsim.plots.registry import kind_named
 from vibsim.plots.subject import View, as_text, open_subject, open_subjects
 from vibsim.results import simulate_to_file
 
@@ -59,17 +59,7 @@ def test_pictures_of_hostile_files_can_be_read(nasty_run, tmp_path):
         ElementTree.parse(svg)
 
 
-TRAJECTORY_KINDS = [kind.name for kind in KINDS if kind.reads in ("trajectory", "case")]
-TRAJECTORY_KINDS.remove("orbit-portrait")  # of runs that are orbits alone
-MACHINE_KINDS = ["rotor-speed", "states"]  # of runs with rotors and states
-
-
-@pytest.fixture(scope="module")
-def brief_run(tmp_path_factory):
-    """A motor's run with impacts that is drawn soon."""
-    path = tmp_path_factory.mktemp("brief") / "brief.h5"
-    simulate_to_file(load_case("II-B", {"run.t_end": "4 s"}), path)
-    return str(path)
+MACHINE_KINDS = ["rotor-speed", "states"]  # of runs with rotors and states; of the others see test_kinds.py
 
 
 @pytest.fixture(scope="module")
@@ -79,11 +69,11 @@ def brief_machine(tmp_path_factory):
     return str(path)
 
 
-@pytest.mark.parametrize("kind", TRAJECTORY_KINDS)
-def test_no_kind_lets_matplotlib_read_a_name(kind, brief_run, brief_machine, tmp_path):
+@pytest.mark.parametrize("kind", MACHINE_KINDS)
+def test_no_kind_lets_matplotlib_read_a_name(kind, brief_machine, tmp_path):
     paths = [str(tmp_path / f"{name}.h5") for name in ("a$\\frac$", "b_{$")]
     for path in paths:
-        shutil.copy(brief_machine if kind in MACHINE_KINDS else brief_run, path)
+        shutil.copy(brief_machine, path)
     figure = kind_named(kind).draw(open_subjects(paths), View(width="column"))
     figure.draw_without_rendering()  # raises where a name is taken for mathematics and is none
     names = [text.get_text() for text in figure.findobj(Text) if "frac" in text.get_text()]

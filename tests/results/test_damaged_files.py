@@ -125,20 +125,14 @@ def test_damaged_attributes(whole, tmp_path, kind, damage):
 
 @pytest.mark.parametrize(
     ("name", "value", "said"),
-    [
-        ("x1", np.nan, "x1 has the value nan"),
-        ("v2", np.inf, "v2 has the value inf"),
-        ("time", 0.5, None),
-        ("time", -1.0, "time has the value -1"),
-        ("contact", 100, "contact has the value 100; allowed: 0, 1"),
-        ("friction", -128, "friction has the value -128; allowed: -1, 0, 1"),
-        ("events/t", -1e300, "events/t has the value -1e+300"),
-        ("events/t", 2.0, "events/t has the value 2"),
-        ("events/kind", 99, "events/kind has the value 99; allowed: 0, 1, 2, 3, 4, 5, 6, 7, 8"),
-        ("events/contact", 100, "events/contact has the value 100; allowed: 0, 1"),
-        ("events/phase", np.nan, "events/phase has the value nan"),
-    ],
-)
+    [("x1", np.nan, "x1 has the value nan"), ("v2", np.inf, "v2 has the value inf"), ("time", 0.5, None),
+     ("time", -1.0, "time has the value -1"), ("contact", 100, "contact has the value 100; allowed: 0, 1"),
+     ("friction", -128, "friction has the value -128; allowed: -1, 0, 1"),
+     ("events/t", -1e300, "events/t has the value -1e+300"), ("events/t", 2.0, "events/t has the value 2"),
+     ("events/kind", 99, "events/kind has the value 99; allowed: 0, 1, 2, 3, 4, 5, 6, 7, 8"),
+     ("events/contact", 100, "events/contact has the value 100; allowed: 0, 1"),
+     ("events/phase", np.nan, "events/phase has the value nan")],
+)  # fmt: skip
 def test_numbers_that_cannot_be_right(whole, tmp_path, name, value, said):
     path = shutil.copy(whole["run"], tmp_path / "copy.h5")
     with h5py.File(path, "r+") as file:
@@ -174,22 +168,15 @@ def test_digits_that_are_none(whole, tmp_path):
 
 @pytest.mark.parametrize(
     "change",
-    [
-        {"axes": []},
-        {"axes": [{"key": "excitation.Omega0", "unit": "Hz", "from": "3", "step": "1", "count": 10**15}]},
-        {"axes": [{"key": "nothing", "unit": "Hz", "values": ["3", "4", "5"]}]},
-        {"axes": [{"key": "excitation.Omega0", "unit": "mm", "values": ["3", "4", "5"]}]},
-        {"axes": [{"key": "excitation.Omega0", "unit": "Hz", "values": ["3", "4", "1e999999999"]}]},
-        {"axes": [{"key": "excitation.Omega0", "unit": "Hz", "values": ["3", "4", "6"]}]},
-        {"axes": {"key": "excitation.Omega0"}},
-        {"section": 10**15},
-        {"section": -1},
-        {"direction": ["sideways"]},
-        {"every": "soon"},
-        {"compute": ["nothing"]},
-        {"discard": 7},
-    ],
-)
+    [{"axes": []},
+     {"axes": [{"key": "excitation.Omega0", "unit": "Hz", "from": "3", "step": "1", "count": 10**15}]},
+     {"axes": [{"key": "nothing", "unit": "Hz", "values": ["3", "4", "5"]}]},
+     {"axes": [{"key": "excitation.Omega0", "unit": "mm", "values": ["3", "4", "5"]}]},
+     {"axes": [{"key": "excitation.Omega0", "unit": "Hz", "values": ["3", "4", "1e999999999"]}]},
+     {"axes": [{"key": "excitation.Omega0", "unit": "Hz", "values": ["3", "4", "6"]}]},
+     {"axes": {"key": "excitation.Omega0"}}, {"section": 10**15}, {"section": -1},
+     {"direction": ["sideways"]}, {"every": "soon"}, {"compute": ["nothing"]}, {"discard": 7}],
+)  # fmt: skip
 def test_a_sweep_whose_settings_are_damaged(whole, tmp_path, change):
     path = shutil.copy(whole["sweep"], tmp_path / "copy.h5")
     with h5py.File(path, "r+") as file:
@@ -200,19 +187,10 @@ def test_a_sweep_whose_settings_are_damaged(whole, tmp_path, change):
 
 @pytest.mark.parametrize(
     "change",
-    [
-        {"free": []},
-        {"free": [{"key": "nothing"}]},
-        {"statements": []},
-        {"statements": ["II-B: flies"]},
-        {"readings": [{"nothing": "3"}]},
-        {"starts": None},
-        {"starts": {"count": 10**12}},
-        {"search": {"method": "by luck"}},
-        {"search": None},
-        {"fitting": -1},
-    ],
-)
+    [{"free": []}, {"free": [{"key": "nothing"}]}, {"statements": []}, {"statements": ["II-B: flies"]},
+     {"readings": [{"nothing": "3"}]}, {"starts": None}, {"starts": {"count": 10**12}},
+     {"search": {"method": "by luck"}}, {"search": None}, {"fitting": -1}],
+)  # fmt: skip
 def test_a_fit_whose_settings_are_damaged(whole, tmp_path, change):
     path = shutil.copy(whole["fit"], tmp_path / "copy.h5")
     with h5py.File(path, "r+") as file:

@@ -315,20 +315,10 @@ def test_a_field_without_data_has_its_default():
 
 @pytest.mark.parametrize(
     "change",
-    [
-        {"number": "three"},
-        {"number": None},
-        {"inner": {"word": [["impact"]]}},
-        {"inner": {"word": [[0, 1]]}},
-        {"inner": []},
-        {"share": "1/0"},
-        {"pace": [0.1]},
-        {"pace": [0.1, 2, 3]},
-        {"range": [2.0]},
-        {"range": 2.0},
-        {"arrays": {"x": "xyz"}},
-    ],
-)
+    [{"number": "three"}, {"number": None}, {"inner": {"word": [["impact"]]}}, {"inner": {"word": [[0, 1]]}},
+     {"inner": []}, {"share": "1/0"}, {"pace": [0.1]}, {"pace": [0.1, 2, 3]}, {"range": [2.0]},
+     {"range": 2.0}, {"arrays": {"x": "xyz"}}],
+)  # fmt: skip
 def test_data_of_another_kind_are_refused(change):
     with pytest.raises((AttributeError, LookupError, TypeError, ValueError)):
         from_plain(Outer, PLAIN | change, case="here")

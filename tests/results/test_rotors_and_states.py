@@ -167,10 +167,8 @@ def test_velocities_in_front_of_blows_leave_states_out():
 
 @pytest.mark.parametrize(
     ("unit", "written"),
-    (
-        ("A", "A"), ("", "1"), ("N s/m^2", "N s m-2"), ("1/s", "s-1"), ("m^2/s^2/K", "m2 s-2 K-1"),
-        ("J/(kg K)", "J kg-1 K-1"), ("N/m^1.5", "N m-1.5"),
-    ),
+    (("A", "A"), ("", "1"), ("N s/m^2", "N s m-2"), ("1/s", "s-1"), ("m^2/s^2/K", "m2 s-2 K-1"),
+     ("J/(kg K)", "J kg-1 K-1"), ("N/m^1.5", "N m-1.5")),
 )  # fmt: skip
 def test_units_as_files_write_them(unit, written):
     assert written_unit(unit) == written

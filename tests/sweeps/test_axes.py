@@ -39,10 +39,8 @@ def test_axes_of_any_number(key, text, unit, values):
 
 @pytest.mark.parametrize(
     ("text", "by_ratio"),
-    [
-        ("log 1e3:1e6/31 N/m", True), ("log 5000:4000/100 N/m", True), ("1, 2, 4, 8 N/m", True),
-        ("1000:5000/3 N/m", False), ("1, 2, 4, 9 N/m", False), ("1, 10 N/m", False),
-    ],
+    [("log 1e3:1e6/31 N/m", True), ("log 5000:4000/100 N/m", True), ("1, 2, 4, 8 N/m", True),
+     ("1000:5000/3 N/m", False), ("1, 2, 4, 9 N/m", False), ("1, 10 N/m", False)],
 )  # fmt: skip
 def test_values_spaced_by_ratio(text, by_ratio):
     axis = read_axis(short_case(), "k2", text)

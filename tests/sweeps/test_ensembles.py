@@ -28,15 +28,9 @@ def ensemble_plan(count=6, seed=1, axes=((OMEGA0, "3, 4 Hz", ""),), spread=SPREA
 
 @pytest.mark.parametrize(
     ("key", "text", "ends"),
-    [
-        ("x1", "1mm", (-1, 1)),
-        ("phi", "0:360 deg", (0, 360)),
-        ("phi", "-1 rad:2 rad", (-1, 2)),
-        ("v1", "1:3", (1, 3)),
-        ("m1", "10 g", (287, 307)),
-        ("Omega0", "0.5 Hz", (5, 6)),
-    ],
-)
+    [("x1", "1mm", (-1, 1)), ("phi", "0:360 deg", (0, 360)), ("phi", "-1 rad:2 rad", (-1, 2)),
+     ("v1", "1:3", (1, 3)), ("m1", "10 g", (287, 307)), ("Omega0", "0.5 Hz", (5, 6))],
+)  # fmt: skip
 def test_uniform_draws_fill_the_span_that_was_asked_for(key, text, ends):
     """Of n uniform draws the mean is within 4 sigma = 4 width / sqrt(3 n) of the centre; none is outside."""
     drawn = read_spread(short_case(), key, text).draw(seed=5, first=0, count=4000)

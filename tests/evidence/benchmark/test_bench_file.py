@@ -3,7 +3,6 @@
 import json
 import warnings
 
-import h5py
 import numpy as np
 import pytest
 
@@ -121,12 +120,3 @@ def test_a_trajectory_is_no_bench(tmp_path):
     with pytest.raises(ResultFileError, match="holds a trajectory, not a bench"):
         open_bench(path)
     assert truth_at_hand(plan(), path) is None
-
-
-def test_a_damaged_file_is_named(made, tmp_path):
-    path = tmp_path / "damaged.h5"
-    path.write_bytes(made[1].read_bytes())
-    with h5py.File(path, "a") as file:
-        del file["truth"]
-    with pytest.raises(ResultFileError, match="damaged"):
-        open_bench(path)

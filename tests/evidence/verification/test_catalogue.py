@@ -268,10 +268,8 @@ def test_a_preloaded_run_starts_in_contact():
 
 @pytest.mark.parametrize(
     "name",
-    [
-        "stiff-stop", "critical-damping", "overdamped", "undamped-resonance", "no-coupling-spring",
-        "slow-source", "light-block-1", "heavy-block-1",
-    ],
+    ["stiff-stop", "critical-damping", "overdamped", "undamped-resonance", "no-coupling-spring",
+     "slow-source", "light-block-1", "heavy-block-1"],
 )  # fmt: skip
 def test_there_are_impacts(name):
     assert moved(name).attrs["impacts"] >= 5

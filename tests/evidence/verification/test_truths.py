@@ -120,10 +120,8 @@ def test_two_runs_that_differ_make_no_truth():
 
 @pytest.mark.parametrize(
     "name",
-    [
-        "hard/a-million-seconds", "hard/contact-lost-as-it-sticks", "hard/release-at-the-peak",
-        "hard/separatrix-capture", "hard/stiff-stop-motor", "hard/critical-damping", "I-B-eq211",
-    ],
+    ["hard/a-million-seconds", "hard/contact-lost-as-it-sticks", "hard/release-at-the-peak",
+     "hard/separatrix-capture", "hard/stiff-stop-motor", "hard/critical-damping", "I-B-eq211"],
 )  # fmt: skip
 def test_a_fresh_computation_gives_the_same_truth(name):
     """State and event times to the digits stored; strays are of their size, though other signs are drawn."""
