@@ -164,6 +164,7 @@ def test_a_killed_worker_costs_nothing_but_time(cluster, tmp_path):
         return True
 
     with ClusterWorkers(plan.point_settings, cluster.address) as workers:
+        workers._client.wait_for_workers(2, timeout=60)
         assert workers.count == 2
         result, finished = complete(SweepStore(plan, tmp_path / "s.h5"), workers, watch)
         assert killed[0].wait(10) == -signal.SIGKILL
