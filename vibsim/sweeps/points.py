@@ -4,10 +4,12 @@ import math
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import takewhile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -32,6 +34,7 @@ from vibsim.sweeps.sweep_plan import Index, PointSettings, Start, SweepPlan
 
 if TYPE_CHECKING:
     from vibsim.analysis.attractor import KnownOrbits
+    from vibsim.cases import Case
 
 
 # One point of a sweep: computed here, in whatever thread, process or machine it falls to.
@@ -90,11 +93,40 @@ def compute_point(
 
     A point that cannot be run is returned as FAILED with the reason; it raises nothing for that.
     """
+    return run_point(settings, index, made_case(settings, changes, start), go_on)
+
+
+class MadeCase(NamedTuple):
+    """What a point replaces in the case of the settings, the case that it makes, or why that is not allowed,
+    and how long that took [s].
+    """
+
+    changes: Mapping[str, str]
+    case: "Case | CaseError"
+    seconds: float
+
+
+def made_case(settings: PointSettings, changes: Mapping[str, str], start: Start | None = None) -> MadeCase:
+    """The case of a point, with its scene and fingerprint."""
     began = time.perf_counter()
+    case: Case | CaseError
     try:
         case = settings.point_case(changes, start)
+        with suppress(Exception):  # the point comes upon it, too, and tells
+            case.scene(), case.sha256
     except CaseError as error:
-        return SweepPoint(index, FAILED, "", str(error))
+        case = error
+    return MadeCase(changes, case, time.perf_counter() - began)
+
+
+def run_point(
+    settings: PointSettings, index: Index, made: MadeCase, go_on: Callable[[], bool] | None
+) -> SweepPoint | None:
+    """The same of a point whose case is made."""
+    changes, case, seconds = made
+    began = time.perf_counter() - seconds
+    if isinstance(case, CaseError):
+        return SweepPoint(index, FAILED, "", str(case))
     try:
         scene = sampled_for_statistics(case.scene(), settings.every)
         known = _known(settings, changes, go_on)
@@ -257,27 +289,34 @@ def compute_batch(
     settings: PointSettings, pieces: Pieces, go_on: Callable[[], bool] | None = None
 ) -> list[SweepPoint]:
     """The points of all pieces, in their order; those that were done before `go_on` said False."""
-    points: list[SweepPoint] = []
+    follow = _carried if settings.carry else _independent
+    points = takewhile(lambda point: point is not None, follow(settings, pieces, go_on))
+    return list(points)  # type: ignore[arg-type]  # none of them is None
+
+
+def _independent(
+    settings: PointSettings, pieces: Pieces, go_on: Callable[[], bool] | None
+) -> Iterator[SweepPoint | None]:
+    """Points that nothing is carried between. Their cases are made before the first is run: between two runs
+    what makes them falls out of the processor's caches, and making one takes twice the time.
+    """
+    points = (point for piece in pieces for point in piece.points)
+    wanted = takewhile(lambda _: go_on is None or go_on(), points)
+    made = [(index, made_case(settings, changes)) for index, changes in wanted]
+    return (run_point(settings, index, case, go_on) for index, case in made)
+
+
+def _carried(
+    settings: PointSettings, pieces: Pieces, go_on: Callable[[], bool] | None
+) -> Iterator[SweepPoint | None]:
+    """Points that begin where the one before in their piece ended, or where that began if it failed."""
     for piece in pieces:
-        done = list(compute_piece(settings, piece, go_on))
-        points += done
-        if len(done) < len(piece):
-            break
-    return points
-
-
-def compute_piece(
-    settings: PointSettings, piece: BatchPiece, go_on: Callable[[], bool] | None
-) -> Iterator[SweepPoint]:
-    """The points of a piece, up to one that was given up. After a failed one the next begins where it did."""
-    start = piece.start
-    for index, changes in piece.points:
-        point = compute_point(settings, index, changes, start, go_on)
-        if point is None:
-            return
-        if settings.carry and point.done:
-            start = settings.start_after(point.values)
-        yield point
+        start = piece.start
+        for index, changes in piece.points:
+            point = compute_point(settings, index, changes, start, go_on)
+            if point is not None and point.done:
+                start = settings.start_after(point.values)
+            yield point
 
 
 # The points of a sweep as arrays by name, over the axes and the direction.

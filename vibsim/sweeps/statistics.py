@@ -257,10 +257,8 @@ class Statistics:
         """The statistics by name, see `columns`; empty where the run ended before `begin`."""
         if not run.late:
             return {}
-        points = self.points()
-        periods = max(len(points["time"]) - 1, 0)
-        if not periods:
-            points = run.ends()
+        periods = self.periods
+        points = self.points() if periods else run.ends()
         return {
             **self._amplitudes(run, periods),
             **self._per_period(points["time"], periods),
@@ -268,10 +266,17 @@ class Statistics:
             **self._speeds(points, run),
         }
 
+    @property
+    def periods(self) -> int:
+        """Number of whole periods."""
+        return max(sum(len(part["time"]) for part in self._points) - 1, 0)
+
     def window(self, run: MeasuredRun) -> tuple[float, float]:
         """Begin and end of the whole periods [s]; of everything that was taken where there is none."""
+        if not self.periods:
+            return self.begin, run.t_reached
         times = self.points()["time"]
-        return (float(times[0]), float(times[-1])) if len(times) > 1 else (self.begin, run.t_reached)
+        return float(times[0]), float(times[-1])
 
     def points(self) -> dict[str, np.ndarray]:
         """The stroboscopic points: time and states by name, each (n)."""
@@ -288,6 +293,8 @@ class Statistics:
 
         By column: displacements [m] and velocities [m/s], motor speed [Hz].
         """
+        if not count:
+            return {}
         points = {name: column[max(len(column) - count, 0) :] for name, column in self.points().items()}
         known = len(points["time"])
         section = {}
@@ -314,10 +321,10 @@ class Statistics:
 
     def _amplitudes(self, run: MeasuredRun, periods: int) -> dict[str, float]:
         least, greatest, _ = run.extremes
-        rows = np.concatenate(self._extremes, axis=1)[:, 1:] if periods else np.empty((0, 0))
+        rows = np.concatenate(self._extremes, axis=1)[:, 1:] if periods else None
         amplitudes = {}
         for i, motion in enumerate(self.of.motions):
-            if periods:  # of every whole one, else of everything
+            if rows is not None:  # of every whole period, else of everything
                 half = (rows[len(rows) // 2 + i] - rows[i]) / 2
                 of_mean, of_greatest = float(mean(half)), float(half.max())
             else:
