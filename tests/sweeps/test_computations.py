@@ -15,7 +15,7 @@ from vibsim.physics.parts import EVENT_KINDS
 from vibsim.results.simulation import open_result
 from vibsim.sweeps.computations import COMPUTATIONS, read_computations
 from vibsim.sweeps.contact_computations import QUANTILES
-from vibsim.sweeps.points import measure
+from vibsim.sweeps.points import Measurement
 from vibsim.sweeps.quantities import of_two_blocks
 from vibsim.sweeps.statistics import sampled_for_statistics
 from vibsim.sweeps.sweep_file import SweepStore
@@ -27,7 +27,7 @@ def computed(scene, *names, discard="50 %", section=10):
     settings = PointSettings(None, False, parse_discard(discard), section, None, names)
     parts = scene.as_parts()
     vars(settings)["of"] = of_two_blocks(parts)
-    return measure(sampled_for_statistics(parts), settings, None)
+    return Measurement(sampled_for_statistics(parts), settings, None).values()
 
 
 def contact_begins(scene, begin):

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from vibsim.cases import load_case
+from vibsim.engine import c_engine
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.sweeps import statistics
 from vibsim.sweeps.axes import read_members
-from vibsim.sweeps.points import BatchPiece, compute_batch
+from vibsim.sweeps.points import BatchPiece, Measurement, compute_batch
 from vibsim.sweeps.quantities import NOT_REPRODUCIBLE, quantities_of
 from vibsim.sweeps.statistics import MeasuredRun, sampled_for_statistics
 from vibsim.sweeps.sweeping import make_plan
@@ -50,6 +51,32 @@ def test_points_do_not_depend_on_those_before(name):
         assert numbers(point) == numbers(apart)
 
 
+@pytest.mark.parametrize(
+    ("few", "order"), [(c_engine.FEW, ["run"] * 3 + ["measured"] * 3), (0, ["run", "measured"] * 3)]
+)
+def test_short_runs_of_a_batch_end_before_one_is_measured(monkeypatch, few, order):
+    noted = []
+
+    def noting(name, function):
+        def noted_first(self):
+            noted.append(name)
+            return function(self)
+
+        return noted_first
+
+    monkeypatch.setattr(c_engine, "FEW", few)
+    monkeypatch.setattr(MeasuredRun, "hold", noting("run", MeasuredRun.hold))
+    monkeypatch.setattr(Measurement, "values", noting("measured", Measurement.values))
+    case = load_case("gallery/belt-oscillator", {"run.t_end": "12 s"})
+    spreads = STARTS["gallery/belt-oscillator"]
+    plan = make_plan(case, [], ensemble=(read_members(case, 3, 0, spreads),), section=5)
+    piece = BatchPiece(tuple(((member, 0), plan.changes((member, 0))) for member in range(3)))
+    assert all(point.done for point in compute_batch(plan.point_settings, (piece,)))
+    assert noted == order
+    asked = iter([True] * 5 + [False] * 9)  # before each case, then after each run
+    assert len(compute_batch(plan.point_settings, (piece,), lambda: next(asked))) == 2
+
+
 def test_a_run_is_begun_anew_where_the_start_alone_differs(monkeypatch):
     opened = []
 
@@ -64,6 +91,19 @@ def test_a_run_is_begun_anew_where_the_start_alone_differs(monkeypatch):
     for scene in (*scenes, others[0], *scenes, others[1], *scenes):
         list(MeasuredRun(scene, quantities_of(case), 2.0).blocks())
     assert opened == [scenes[0], others[0], scenes[0], others[1], scenes[0]]
+
+
+def test_a_held_run_leaves_nothing_to_the_next():
+    case = load_case("gallery/belt-oscillator", {"run.t_end": "12 s"})
+    scenes = [case.with_start({"initial.block.x": x}).scene() for x in ("0.1 m", "0.2 m")]
+
+    def ends(scene, held):
+        run = MeasuredRun(scene, quantities_of(case), 2.0)
+        assert not held or run.hold()
+        return lambda: [block.events["t"].tobytes() for block in run.blocks()]
+
+    first, second = ends(scenes[0], True), ends(scenes[1], False)
+    assert [second(), first()] == [alone(ends(scene, False)) for scene in reversed(scenes)]
 
 
 def since(begin, blocks, table, clock):

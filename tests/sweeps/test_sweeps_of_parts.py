@@ -14,7 +14,7 @@ from vibsim.cases.case import load_case_text
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import EVENT_KINDS, columns_of
 from vibsim.results.simulation import open_result
-from vibsim.sweeps.points import measure
+from vibsim.sweeps.points import Measurement
 from vibsim.sweeps.quantities import FAILED
 from vibsim.sweeps.statistics import sampled_for_statistics
 from vibsim.sweeps.sweep_file import SweepStore
@@ -66,7 +66,7 @@ def case_named(name):
 def measured(case, *names, discard="50 %", section=10):
     """Values and arrays of one run by name."""
     settings = PointSettings(case, False, parse_discard(discard), section, None, names)
-    return measure(sampled_for_statistics(case.scene()), settings, None)
+    return Measurement(sampled_for_statistics(case.scene()), settings, None).values()
 
 
 def fine_run(case):

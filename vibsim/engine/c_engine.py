@@ -41,6 +41,7 @@ SAMPLE_ROOM, EVENT_ROOM, SECTION_ROOM = 65536, 4096, 1024  # at most
 MOST_BYTES = 1 << 23  # of packed modes that C is told of before it forgets them
 MOST_RECALLED = 16  # modes that a run is told of before it meets them
 SECONDS = 0.1  # between two blocks where Python decides: Ctrl-C is heard there
+FEW = 1 << 13  # numbers of a run that is taken apart from it
 ACCUMULATION, DIVERGED, UNDECIDED, STANDSTILL, SINGULAR = 1, 2, 3, 5, 6
 REASONS = {
     ACCUMULATION: "accumulation",
@@ -313,25 +314,35 @@ class CRun:
         """Block of what C has filled, whose arrays are given away where they hold much and copied where they
         are to be filled again.
         """
-        samples, events, section = counts
-        of = zip(self.arrays, (samples, samples, events, events, section), strict=True)
-        rows = [array[:, :count] for array, count in of]
+        rows = self._rows(counts)
         rooms = self.sample_room, self.event_room, self.section_room
         if any(count > room // 4 for count, room in zip(counts, rooms, strict=True)):
             self._fill_new_arrays()
         elif not finished:
             rows = [row.copy() for row in rows]
             self.run.fill(*self.arrays)
+        return self._filled(rows)
+
+    def whole(self, advanced: _engine.Progress) -> Filled | None:
+        """The block of a run that the first call of C has computed, copied; None where that was not all, or
+        where the block is large.
+        """
+        *counts, finished, status = advanced
+        if not finished or status or sum(counts) * len(self.arrays[2]) > FEW:
+            return None
+        return self._filled([row.copy() for row in self._rows(counts)])
+
+    def _rows(self, counts: Sequence[int]) -> list[np.ndarray]:
+        """What C has filled of each array."""
+        samples, events, section = counts
+        of = zip(self.arrays, (samples, samples, events, events, section), strict=True)
+        return [array[:, :count] for array, count in of]
+
+    def _filled(self, rows: Sequence[np.ndarray]) -> Filled:
+        """A block of these rows, with the times that the run has come to."""
         tally = self.run.tally()
         states, modes, happened, codes, crossings = rows
-        return (
-            states,
-            modes,
-            happened,
-            codes,
-            crossings,
-            (tally["state"][0], tally["worked_to"]),
-        )
+        return states, modes, happened, codes, crossings, (tally["state"][0], tally["worked_to"])
 
     def states_at(self, times: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
         """Columns at ascending times [s]: time, x and v of each body, rotor angle, its speed; and what each

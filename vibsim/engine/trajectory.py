@@ -13,14 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.engine.blocks import Block, by_name, part_offsets
-from vibsim.engine.columns import (
-    event_columns,
-    part_columns,
-    sample_columns,
-    stored_at_events,
-    stored_columns,
-)
+from vibsim.engine.blocks import Block, ColumnMaker, by_name
 from vibsim.engine.errors import State
 from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.modes.ties import Edge
@@ -29,7 +22,8 @@ from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
-    from vibsim.engine.c_engine import CRun
+    from vibsim.engine._engine import Progress
+    from vibsim.engine.c_engine import CRun, Filled
 
 
 def open_trajectory(
@@ -98,42 +92,21 @@ class Trajectory:
 
     def __init__(self, run: CRun) -> None:
         scene = run.scene
-        self.scene, self.run = scene, run
-        self.names, self.event_names = sample_columns(scene), event_columns(scene)
-        self.timed_states, self.parts = ("time", *stored_columns(scene)), part_columns(scene)
-        self.states_happened = stored_at_events(scene)
-        self.first_part = part_offsets(scene)
+        self.scene, self.run, self.columns = scene, run, ColumnMaker(scene)
+        self.advanced: Progress | None = None  # what the first call of C has come to, where it has been made
 
     def blocks(self) -> Iterator[Block]:
         """Yield `Block`s until the run ends; raises EngineError when it fails."""
-        for rows in self.run.blocks():
-            yield self.block(*rows)
+        advanced, self.advanced = self.advanced, None
+        for rows in self.run.blocks(advanced):
+            yield self.columns.block(*rows)
 
-    def block(
-        self,
-        samples: np.ndarray,
-        sample_codes: np.ndarray,
-        events: np.ndarray,
-        event_codes: np.ndarray,
-        section: np.ndarray,
-        reached: tuple[float, float],
-    ) -> Block:
-        """A block from rows: (time, states), part states; (t, states, phase, velocities before), (kind, part,
-        part states); (time, states); (time reached, time worked out to).
+    def whole(self) -> Filled | None:
+        """The rows of a short run, computed from its start, that `columns.block` takes even when the run has
+        begun anew. None of a longer one, which `blocks` then goes on with.
         """
-        sampled = by_name(self.timed_states, samples) | dict(zip(self.parts, sample_codes, strict=True))
-        happened = by_name(self.states_happened, events)
-        happened |= {"kind": event_codes[0], "part": self._parts(event_codes[0], event_codes[1])}
-        happened |= dict(zip(self.parts, event_codes[2:], strict=True))
-        width = 3 + 2 * len(self.scene.bodies)  # of a state
-        return Block(
-            sampled,
-            {name: happened[name] for name in self.event_names},
-            by_name(self.timed_states, section),
-            reached[0],
-            reached[1],
-            section[width:],
-        )
+        self.advanced = self.run.run.advance()
+        return self.run.whole(self.advanced)
 
     def stop(self) -> None:
         """Have `blocks` end with what is computed, from any thread; at once where it decides what follows."""
@@ -144,7 +117,7 @@ class Trajectory:
 
         What the blocks before have shown holds no longer.
         """
-        self.scene = scene
+        self.scene, self.advanced = scene, None
         self.run.begin_anew(scene)
 
     def pause_at(self, time: float) -> None:
@@ -156,7 +129,7 @@ class Trajectory:
         """Time and state from which samples are recorded, as columns of one."""
         row = self.run.form.empty(3 + 2 * self.run.n, 1)
         self.run.run.at_begin(row)
-        return by_name(self.timed_states, row)
+        return by_name(self.columns.timed_states, row)
 
     @property
     def extremes(self) -> tuple[list[float], list[float], list[float]]:
@@ -198,18 +171,7 @@ class Trajectory:
     def state_at(self, times: Iterable[float]) -> dict[str, np.ndarray]:
         """States at ascending times [s] as columns; events on the way are taken."""
         states, codes = self.run.states_at(list(times))
-        table = by_name(self.timed_states, states) | dict(zip(self.parts, codes, strict=True))
-        return {name: table[name] for name in self.names}
-
-    def _parts(self, kinds: np.ndarray, parts: np.ndarray) -> np.ndarray:
-        """Index among `event_parts`, from the index among parts of its sort; -1 for none. Of a switch it is
-        that index already.
-
-        Engines give bytes; read without a sign they number 255 parts of a sort, and -1 is the last number.
-        """
-        numbers: np.ndarray = parts.view("u1") + self.first_part[kinds]
-        numbers[parts == -1] = -1
-        return numbers
+        return self.columns.samples(states, codes)
 
 
 # By which flow a scene is run.

@@ -68,7 +68,7 @@ class WordsTrajectory(Trajectory):
         happened = in_doubles(events)
         count = before + len(stored_before(self.scene))
         to, worked_to = self.kit.rounded(reached)
-        block = self.block(
+        block = self.columns.block(
             in_doubles(samples), codes, happened[:count], event_codes, in_doubles(section), (to, worked_to)
         )
         names = stored_columns(self.scene)

@@ -35,6 +35,7 @@ from vibsim.sweeps.sweep_plan import Index, PointSettings, Start, SweepPlan
 if TYPE_CHECKING:
     from vibsim.analysis.attractor import KnownOrbits
     from vibsim.cases import Case
+    from vibsim.sweeps.attractor_labels import EarlyLabel
 
 
 # One point of a sweep: computed here, in whatever thread, process or machine it falls to.
@@ -93,7 +94,8 @@ def compute_point(
 
     A point that cannot be run is returned as FAILED with the reason; it raises nothing for that.
     """
-    return run_point(settings, index, made_case(settings, changes, start), go_on)
+    steps = run_point(settings, index, made_case(settings, changes, start), go_on)
+    return next((point for point in steps if point is not None), None)
 
 
 class MadeCase(NamedTuple):
@@ -121,29 +123,39 @@ def made_case(settings: PointSettings, changes: Mapping[str, str], start: Start 
 
 def run_point(
     settings: PointSettings, index: Index, made: MadeCase, go_on: Callable[[], bool] | None
-) -> SweepPoint | None:
-    """The same of a point whose case is made."""
+) -> Iterator[SweepPoint | None]:
+    """The same of a point whose case is made, in two steps: None where its run is held, so that others can be
+    run first, then the point; nothing of one that is given up.
+    """
     changes, case, seconds = made
     began = time.perf_counter() - seconds
     if isinstance(case, CaseError):
-        return SweepPoint(index, FAILED, "", str(case))
+        yield SweepPoint(index, FAILED, "", str(case))
+        return
     try:
         scene = sampled_for_statistics(case.scene(), settings.every)
-        known = _known(settings, changes, go_on)
-        values, arrays = measure(scene, settings, go_on, known)
+        measurement = Measurement(scene, settings, go_on, _known(settings, changes, go_on))
+        if measurement.run.hold():
+            ran = time.perf_counter()
+            yield None
+            began += time.perf_counter() - ran
+        values, arrays = measurement.values()
     except (EngineError, TooFineError) as error:
         label = _run_away(settings, error)
         if label is None:
-            return SweepPoint(index, FAILED, case.sha256, str(error))
+            yield SweepPoint(index, FAILED, case.sha256, str(error))
+            return
         values, arrays = label
     except GivenUpError:
-        return None
+        return
     except Exception as error:  # a bug that shows at one point must not cost all the others
-        return SweepPoint(index, FAILED, case.sha256, described_bug(error))
+        yield SweepPoint(index, FAILED, case.sha256, described_bug(error))
+        return
     if settings.carry and not any(name.startswith("end_") for name in values):
-        return SweepPoint(index, FAILED, case.sha256, NOTHING_TO_CARRY if has_section(scene) else NO_PERIOD)
+        yield SweepPoint(index, FAILED, case.sha256, NOTHING_TO_CARRY if has_section(scene) else NO_PERIOD)
+        return
     values["wall_time"] = time.perf_counter() - began
-    return SweepPoint(index, DONE, case.sha256, "", values, arrays)
+    yield SweepPoint(index, DONE, case.sha256, "", values, arrays)
 
 
 def described_bug(error: Exception) -> str:
@@ -188,47 +200,63 @@ def _run_away(settings: PointSettings, error: EngineError | TooFineError) -> Mea
     return None if label is None else _of_label(values_of(label), float(error.state.t))
 
 
-def measure(
-    scene: Scene,
-    settings: PointSettings,
-    go_on: Callable[[], bool] | None,
-    known: "KnownOrbits | None" = None,
-) -> Measured:
-    """Statistics, totals and end state by name; sections and what else has a further dimension by name.
+class Measurement:
+    """What is measured in one run of a scene.
 
     known : orbits of the scene with which the run is compared. Where nothing but its attractor is asked, and
         that is sure before the transient ends, the statistics, which count from there on, are missing
     """
-    begin = settings.discard.time(scene.t_end)
-    kinds = [COMPUTATIONS[name] for name in settings.compute]
-    if not any(kind.samples for kind in kinds):
-        scene = scene.without_samples()
-    statistics = Statistics(scene, settings.of, begin)
-    computed = [kind.make(Task(scene, settings.of, begin, settings.section, known)) for kind in kinds]
-    early = None
-    if known and settings.compute == (NAME,) and not settings.carry:
-        from vibsim.sweeps.attractor_labels import EarlyLabel, values_of
 
-        early = EarlyLabel(scene, begin, known)
-    run = MeasuredRun(scene, settings.of, begin, go_on, _watchers(computed), early)
-    is_timed, end = _is_timed(scene), None
-    for block in run.blocks():
-        statistics.update(block)
-        for computation in computed:
-            computation.update(block)
-        table = block.section if is_timed else block.events
-        if len(table["time" if is_timed else "t"]):
-            end = table
-    if early is not None and early.label is not None:
-        return _of_label(values_of(early.label), early.time)
-    values = {**statistics.values(run), **run.totals, "t_reached": run.t_reached, **_end_state(scene, end)}
-    measured: dict[str, Any] = dict(statistics.section(settings.section))
-    if run.late:
-        for computation in computed:
-            measured |= computation.values(statistics.window(run), run, measured)
-    numbers = {name: value for name, value in measured.items() if isinstance(value, float)}
-    arrays = {name: value for name, value in measured.items() if not isinstance(value, float)}
-    return {**values, **numbers}, arrays
+    def __init__(
+        self,
+        scene: Scene,
+        settings: PointSettings,
+        go_on: Callable[[], bool] | None,
+        known: "KnownOrbits | None" = None,
+    ):
+        begin = settings.discard.time(scene.t_end)
+        kinds = [COMPUTATIONS[name] for name in settings.compute]
+        if not any(kind.samples for kind in kinds):
+            scene = scene.without_samples()
+        self._scene, self._section = scene, settings.section
+        self._statistics = Statistics(scene, settings.of, begin)
+        task = Task(scene, settings.of, begin, settings.section, known)
+        self._computed = [kind.make(task) for kind in kinds]
+        self._early: EarlyLabel | None = None
+        if known and settings.compute == (NAME,) and not settings.carry:
+            from vibsim.sweeps import attractor_labels
+
+            self._early = attractor_labels.EarlyLabel(scene, begin, known)
+        self.run = MeasuredRun(scene, settings.of, begin, go_on, _watchers(self._computed), self._early)
+
+    def values(self) -> Measured:
+        """Statistics, totals and end state by name; what has a further dimension, as sections, by name."""
+        run, scene, statistics = self.run, self._scene, self._statistics
+        is_timed, end = _is_timed(scene), None
+        for block in run.blocks():
+            statistics.update(block)
+            for computation in self._computed:
+                computation.update(block)
+            table = block.section if is_timed else block.events
+            if len(table["time" if is_timed else "t"]):
+                end = table
+        if self._early is not None and self._early.label is not None:
+            from vibsim.sweeps.attractor_labels import values_of
+
+            return _of_label(values_of(self._early.label), self._early.time)
+        values = {
+            **statistics.values(run),
+            **run.totals,
+            "t_reached": run.t_reached,
+            **_end_state(scene, end),
+        }
+        measured: dict[str, Any] = dict(statistics.section(self._section))
+        if run.late:
+            for computation in self._computed:
+                measured |= computation.values(statistics.window(run), run, measured)
+        numbers = {name: value for name, value in measured.items() if isinstance(value, float)}
+        arrays = {name: value for name, value in measured.items() if not isinstance(value, float)}
+        return {**values, **numbers}, arrays
 
 
 def _watchers(computed: list[Computation]) -> Callable[[Block], None] | None:
@@ -297,13 +325,21 @@ def compute_batch(
 def _independent(
     settings: PointSettings, pieces: Pieces, go_on: Callable[[], bool] | None
 ) -> Iterator[SweepPoint | None]:
-    """Points that nothing is carried between. Their cases are made before the first is run: between two runs
-    what makes them falls out of the processor's caches, and making one takes twice the time.
+    """Points that nothing is carried between. All their cases are made before the first is run, and all short
+    ones run before one is measured: what does these falls out of the processor's caches while the engine
+    runs, and would take twice the time between two runs.
     """
     points = (point for piece in pieces for point in piece.points)
     wanted = takewhile(lambda _: go_on is None or go_on(), points)
     made = [(index, made_case(settings, changes)) for index, changes in wanted]
-    return (run_point(settings, index, case, go_on) for index, case in made)
+    running = []
+    for index, case in made:
+        steps = run_point(settings, index, case, go_on)
+        try:
+            running.append((next(steps), steps))
+        except StopIteration:
+            break
+    return (point or next(steps, None) for point, steps in running)
 
 
 def _carried(

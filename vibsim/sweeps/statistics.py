@@ -3,9 +3,10 @@
 import math
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import reduce
+from itertools import starmap
 from operator import add, itemgetter
 from typing import Protocol
 
@@ -91,21 +92,35 @@ class MeasuredRun:
         self._instant: tuple[Mapping[str, np.ndarray], int, Sequence[Row]] | None = None
         self._last: Mapping[str, np.ndarray] = {}  # events of the last block that has some
         self._at_begin: dict[str, np.ndarray] = {}
+        self._begun: Trajectory | None = None
+        self._held: Iterable[Block] | None = None
         ends = [(motion.P, motion.Q) for motion in of.motions]
         self._settings = ends, begin, watch_transient is not None or early is not None
 
+    def hold(self) -> bool:
+        """Compute a short run and keep it apart, so that the engine can begin others before `blocks` is asked
+        for; whether it is one.
+        """
+        if self._early or self._watch_transient:
+            return False
+        trajectory = self._begun = self._trajectory()
+        trajectory.pause_at(math.inf)
+        rows = trajectory.whole()
+        if rows is None:
+            return False
+        self.t_reached, _ = rows[-1]
+        self._held = starmap(trajectory.columns.block, [rows])
+        self._end(trajectory)
+        self._begun, _kept.run = None, (self._settings, trajectory)
+        self.ask()
+        return True
+
     def blocks(self) -> Iterator[Block]:
         """The blocks from the last event before `begin` on; none where the run ended before."""
-        trajectory, shown = self._trajectory(), self.begin == 0
-        stages = deque(self._early.stages if self._early else ())
-        trajectory.pause_at(stages[0] if stages else math.inf)
-        for block in trajectory.blocks():
-            self.ask()
-            self.t_reached = block.t_reached
+        shown = self.begin == 0
+        for block in self._held or self._computed():
             if len(block.events["t"]):
                 self._last = block.events
-            if stages and self._ends_early(stages, block, trajectory):
-                break
             if shown:
                 yield block
                 continue
@@ -115,6 +130,18 @@ class MeasuredRun:
             shown = self.t_reached >= self.begin or self._is_late(block)
             if shown:
                 yield self._from(start, block)
+
+    def _computed(self) -> Iterator[Block]:
+        """The blocks as the engine computes them."""
+        trajectory = self._begun or self._trajectory()
+        stages = deque(self._early.stages if self._early else ())
+        trajectory.pause_at(stages[0] if stages else math.inf)
+        for block in trajectory.blocks():
+            self.ask()
+            self.t_reached = block.t_reached
+            if stages and self._ends_early(stages, block, trajectory):
+                break
+            yield block
         else:
             if not (stages and self._early and self._early.is_sure(stages[0])):
                 self._end(trajectory)
