@@ -73,7 +73,7 @@ def test_short_runs_of_a_batch_end_before_one_is_measured(monkeypatch, few, orde
     piece = BatchPiece(tuple(((member, 0), plan.changes((member, 0))) for member in range(3)))
     assert all(point.done for point in compute_batch(plan.point_settings, (piece,)))
     assert noted == order
-    asked = iter([True] * 5 + [False] * 9)  # before each case, then after each run
+    asked = iter([True, True, False])  # after each run
     assert len(compute_batch(plan.point_settings, (piece,), lambda: next(asked))) == 2
 
 

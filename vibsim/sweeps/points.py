@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
-from itertools import takewhile
+from itertools import islice, takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -311,6 +311,7 @@ class BatchPiece:
 
 
 Pieces = tuple[BatchPiece, ...]
+TOGETHER = 64  # points: what is held of their runs takes some megabytes at most
 
 
 def compute_batch(
@@ -325,21 +326,23 @@ def compute_batch(
 def _independent(
     settings: PointSettings, pieces: Pieces, go_on: Callable[[], bool] | None
 ) -> Iterator[SweepPoint | None]:
-    """Points that nothing is carried between. All their cases are made before the first is run, and all short
-    ones run before one is measured: what does these falls out of the processor's caches while the engine
-    runs, and would take twice the time between two runs.
+    """Points that nothing is carried between, some at a time: their cases are made, then short ones are run,
+    then measured. What does either falls out of the processor's caches while the engine runs, and takes
+    twice the time between two runs.
     """
     points = (point for piece in pieces for point in piece.points)
-    wanted = takewhile(lambda _: go_on is None or go_on(), points)
-    made = [(index, made_case(settings, changes)) for index, changes in wanted]
-    running = []
-    for index, case in made:
-        steps = run_point(settings, index, case, go_on)
-        try:
-            running.append((next(steps), steps))
-        except StopIteration:
-            break
-    return (point or next(steps, None) for point, steps in running)
+    while together := list(islice(points, TOGETHER)):
+        made = [(index, made_case(settings, changes)) for index, changes in together]
+        running = []
+        for index, case in made:
+            steps = run_point(settings, index, case, go_on)
+            try:
+                running.append((next(steps), steps))
+            except StopIteration:  # it was given up
+                break
+        yield from (point or next(steps, None) for point, steps in running)
+        if len(running) < len(made):
+            return
 
 
 def _carried(
