@@ -15,6 +15,10 @@ static inline Real turn_angle(const Real &cycles, const Real &cycles_lo, const R
 /* `angle` moved into [-pi, pi] by whole turns, and the number of turns taken out. */
 static inline Real reduce_angle(const Real &angle, Real *turns)
 {
+    if (fabs(angle) < HALF_TURN) {
+        *turns = Real{};
+        return angle;
+    }
     *turns = floor(angle / (2 * HALF_TURN) + 0.5);
     return angle - *turns * (2 * HALF_TURN);
 }

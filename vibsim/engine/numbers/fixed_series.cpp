@@ -14,6 +14,8 @@
 
 typedef __int128 Signed;
 
+enum { WAVE_TERMS = LIMBS == 2 ? 18 : LIMBS == 3 ? 25 : 32 };
+
 /* Words of a mantissa from the highest on, a word of zeros before them and two behind. */
 STEP void spread(const Real &x, uint64_t *w)
 {
@@ -133,6 +135,16 @@ STEP void fraction_of(const Real &x, long shift, uint64_t *out)
     }
 }
 
+/* The same in two's complement. Signs follow no rule: no branch looks at them. */
+STEP void signed_fraction_of(const Real &x, long shift, uint64_t *out)
+{
+    const uint64_t below = 0 - (uint64_t)(x.sign < 0);
+    unsigned char over = (unsigned char)(below & 1);
+    fraction_of(x, shift, out);
+    UNROLLED for (int i = 0; i < LIMBS; i++)
+        over = __builtin_add_overflow(out[i] ^ below, (uint64_t)over, &out[i]);
+}
+
 FixedTable *fixed_table_new(int rows, size_t columns)
 {
     FixedTable *f = zalloc(1, sizeof(FixedTable));
@@ -174,15 +186,7 @@ void fixed_table_make(FixedTable *f, const Real *table, int rows, int columns, c
             continue;
         one = table + c;
         for (int n = 0; n < rows; n++, one += columns, to += LIMBS) {
-            fraction_of(*one, one->sign ? f->bound[c] - (one->exponent + n * power) : (long)LIMB_BITS, to);
-            if (one->sign < 0) {
-                uint64_t size[LIMBS];
-                UNROLLED for (int i = 0; i < LIMBS; i++) {
-                    size[i] = to[i];
-                    to[i] = 0;
-                }
-                subtract_words<LIMBS>(to, size);
-            }
+            signed_fraction_of(*one, one->sign ? f->bound[c] - (one->exponent + n * power) : (long)LIMB_BITS, to);
         }
     }
 }
@@ -245,6 +249,45 @@ STEP bool number_of(const uint64_t *value, long bound, Real *out)
     out->exponent = (int32_t)(bound - lead);
     out->sign = sign;
     return true;
+}
+
+/* Coefficients of cos x and (sin x) / x in x^2 / 2, a quarter of them: below 1/2 are all sums of |x| < 0.8. */
+static const struct Waves {
+    uint64_t cosine[WAVE_TERMS][LIMBS], sine[WAVE_TERMS][LIMBS];
+    Waves()
+    {
+        Real size = scaled(Real(1), -2);
+        for (int n = 0; n < WAVE_TERMS; n++) {
+            signed_fraction_of(size, -size.exponent, cosine[n]);
+            signed_fraction_of(size / (2 * n + 1), -(size / (2 * n + 1)).exponent, sine[n]);
+            size = -scaled(size, 1) / ((2 * n + 1) * (2 * n + 2));
+        }
+    }
+} waves;
+
+/* The number that a fraction above 0 is in quarters. */
+STEP Real of_quarters(const uint64_t *value)
+{
+    uint64_t w[LIMBS + 1] = {0};
+    UNROLLED for (int i = 0; i < LIMBS; i++)
+        w[i + 1] = value[i];
+    return normal(w, LIMBS + 1, 2, 1);
+}
+
+void wave_sums(const Real &square, Real *cosine, Real *sine)
+{
+    uint64_t time[LIMBS], c[LIMBS], s[LIMBS];
+    fraction_of(square, 1 - square.exponent, time);
+    UNROLLED for (int i = 0; i < LIMBS; i++) {
+        c[i] = waves.cosine[WAVE_TERMS - 1][i];
+        s[i] = waves.sine[WAVE_TERMS - 1][i];
+    }
+    for (int n = WAVE_TERMS - 2; n >= 0; n--) {
+        add_next(c, time, waves.cosine[n]);
+        add_next(s, time, waves.sine[n]);
+    }
+    *cosine = of_quarters(c);
+    *sine = of_quarters(s);
 }
 
 int fixed_values(const FixedTable *f, const uint64_t *time, int rows, int c, int apart, Real *first, Real *second)

@@ -32,6 +32,9 @@ bool digits_of(const Real &x, long up, int count, Digits *out);
 /* Sum of a[i] b[i], i from 0 below count, by their highest `digits` digits; 1 stands for 2^exponent. */
 Real sum_of_products(const Digits *a, const Digits *b, int count, int digits, long exponent);
 
+/* cos x and (sin x) / x of |x| < 0.8, by x^2 that is not 0. */
+void wave_sums(const Real &square, Real *cosine, Real *sine);
+
 /* The columns of a Taylor table as fractions of LIMBS words, two's complement: coefficient n of column c at word[(c * rows + n) LIMBS]. */
 typedef struct {
     uint64_t *word;

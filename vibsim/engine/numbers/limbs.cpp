@@ -7,7 +7,9 @@
 #include "words.h"
 
 #ifndef WORDS_BY_RUN /* see precision_by_run.cpp */
-enum { TERMS = LIMBS == 2 ? 36 : LIMBS == 3 ? 50 : 64, HALVINGS = 8 }; /* of power series at arguments below 0.8 */
+#include "fixed_series.h"
+
+enum { TERMS = LIMBS == 2 ? 14 : LIMBS == 3 ? 19 : 24, HALVINGS = 8 }; /* of the power series of exp */
 
 thread_local Real unit_roundoff;
 
@@ -48,24 +50,18 @@ static const Factorials factorials;
 /* Sine and cosine of |r| < 0.8. */
 static void small_sine_cosine(const Real &r, Real *sine, Real *cosine)
 {
-    Real square, s, c;
-    int n;
-    square = r * r;
-    s = factorials.inverse[TERMS - 1];
-    c = factorials.inverse[TERMS];
-    for (n = TERMS - 2; n >= 2; n -= 2) {
-        c = factorials.inverse[n] - square * c;
-        s = factorials.inverse[n - 1] - square * s;
-    }
-    *cosine = 1 - square * c;
-    *sine = r * s;
+    const Real square = r * r;
+    *cosine = *sine = 1;
+    if (square.sign != 0)
+        wave_sums(square, cosine, sine);
+    *sine = r * *sine;
 }
 
 /* exp(r) - 1 of |r| < 0.4: of r / 2^HALVINGS by its series, then as often (1 + u)^2 - 1 = u (2 + u). */
 static Real small_rise(const Real &r)
 {
     Real part = scaled(r, -HALVINGS), u;
-    int n = LIMBS == 2 ? 14 : LIMBS == 3 ? 19 : 24;
+    int n = TERMS;
     u = factorials.inverse[n];
     for (n -= 1; n >= 1; n--)
         u = factorials.inverse[n] + part * u;
@@ -76,6 +72,8 @@ static Real small_rise(const Real &r)
 }
 #endif
 
+enum { MODERATE = 20 }; /* binary digits of an angle whose quadrant doubles tell */
+static const double PER_HALF_PI = 0.6366197723675814;
 enum { NEAR = 6 }; /* binary digits that a number is small by where its series alone is taken */
 
 static Real nearest_whole(const Real &x)
@@ -91,9 +89,15 @@ void sine_cosine(const Real &angle, Real *sine, Real *cosine)
         *sine = *cosine = NAN;
         return;
     }
-    quarters = nearest_whole(angle / half_pi);
+    if (angle.exponent < MODERATE) {
+        const double near = floor((double)angle * PER_HALF_PI + 0.5);
+        quarters = near;
+        quadrant = (int)near & 3;
+    } else {
+        quarters = nearest_whole(angle / half_pi);
+        quadrant = (int)(double)(quarters - scaled(floor(scaled(quarters, -2)), 2));
+    }
     small_sine_cosine(angle - quarters * half_pi, &s, &c);
-    quadrant = (int)(double)(quarters - scaled(floor(scaled(quarters, -2)), 2));
     *sine = quadrant == 0 ? s : quadrant == 1 ? c : quadrant == 2 ? -s : -c;
     *cosine = quadrant == 0 ? c : quadrant == 1 ? -s : quadrant == 2 ? -c : s;
 }
