@@ -230,6 +230,7 @@ typedef struct {
     Digits (*rotor)[SERIES];    /* series of the rotor, `Scales` of the mode says how */
     const Scales<SERIES> *scales; /* NULL where there are none, or a coefficient did not fit */
     FixedTable *fixed;     /* the table, where values are asked for */
+    Rest rest;             /* orders in doubles; first: 0 where there are none */
 #endif
 } Taylor;
 
@@ -463,6 +464,14 @@ void taylor_value_and_slope(const Run *r, const Event *e, Real tau, Real *value,
 void taylor_expand_base(Run *r, Real t);
 void taylor_expand_loads(Run *r, Real t);
 void taylor_expand(Run *r, const State *state);
+#ifdef FIXED_SERIES
+/* digits_by_order.cpp: the orders from `first` on of the series of a small scene, far: its second column; how right an expansion by
+ * taylor.scales was, and what that tells the next one in this mode
+ */
+void last_orders(Run *r, int first, int bodies, int moving, int far);
+double bits_to_spare(const Run *r);
+void set_digits(Run *r, double spare);
+#endif
 #ifdef WORDS_BY_RUN
 /* module.c: whether a signal ends the expansion, of which order n is to come: one in 1000 digits takes seconds. The error is set then. */
 int is_interrupted(Run *r, int n);

@@ -58,11 +58,19 @@ static inline Power power_of(const Real &h)
 
 static inline Power next_power(Power p, Power h)
 {
-    int shift;
-    Power next;
-    next.mantissa = frexp(p.mantissa * h.mantissa, &shift);
-    next.exponent = p.exponent + h.exponent + shift;
+    const double mantissa = p.mantissa * h.mantissa;
+    const int below = mantissa < 0.5; /* both are from 1/2 to 1 */
+    Power next = {mantissa * (1 + below), p.exponent + h.exponent - below};
     return next;
+}
+
+/* x 2^up, by the highest word. */
+static inline double in_double(const Real &x, long up)
+{
+    const long exponent = x.exponent + up;
+    if (x.sign == 0 || exponent < -900) /* far below the exponents of doubles */
+        return x.exponent == ENDLESS ? NAN : 0.0;
+    return exponent > 900 ? NAN : x.sign * ((double)(int64_t)(x.m[LIMBS - 1] >> 1) * double_of((uint64_t)(exponent - WORD + 1024) << 52));
 }
 
 /* |x| p */
@@ -71,7 +79,7 @@ static inline Magnitude term_size(const Real &x, Power p)
     long exponent = x.exponent + p.exponent;
     if (x.sign == 0 || exponent < -900) /* far below the exponents of doubles */
         return x.exponent == ENDLESS ? NAN : 0.0;
-    return exponent > 1000 ? INFINITY : (double)x.m[LIMBS - 1] * p.mantissa * double_of((uint64_t)(exponent - WORD + 1023) << 52);
+    return exponent > 1000 ? INFINITY : (double)(int64_t)(x.m[LIMBS - 1] >> 1) * p.mantissa * double_of((uint64_t)(exponent - WORD + 1024) << 52);
 }
 
 /* 2^y, right to a double: of steps, which may be any. */

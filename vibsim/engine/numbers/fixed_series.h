@@ -22,9 +22,16 @@ typedef struct {
  */
 template <int ORDERS> struct Scales {
     double gap;
-    int most, power, slack, bound[BLOCKS];
+    int most, power, slack, bound[BLOCKS], words;
     unsigned char digits[ORDERS];
 };
+
+/* Of series of a small scene whose last orders are in doubles: the first of these, and the sizes of all that is summed in it. */
+enum { OF_COSINE, OF_SINE, OF_SPEED, OF_RATE, OF_RATE_FAR, RESTS, LEADING_TERMS = 4 };
+typedef struct {
+    double terms[RESTS];
+    int first;
+} Rest;
 
 /* x 2^up in `count` digits; false where it is 1 or more. */
 bool digits_of(const Real &x, long up, int count, Digits *out);

@@ -14,75 +14,6 @@
  */
 #define FEW_NODES_ORDER 20
 
-#ifdef FIXED_SERIES
-#define LEADING 4 /* coefficients that set the scale of a series */
-enum { LONGER = 5, MARGIN = 2, SPARE = 4 }; /* H at most so many steps; bits that bounds exceed what they were; below the round-off */
-
-/* Binary exponents of what bounds |a_n| H^n, and of the largest of the first of them; a[n * step]: order n. */
-static void bounds_of(const Real *a, int step, int order, int power, long *most, long *leading)
-{
-    int n;
-    *most = *leading = LONG_MIN;
-    for (n = 0; n < order; n++) {
-        const Real *one = a + n * step;
-        const long size = one->sign ? one->exponent + (long)n * power : LONG_MIN;
-        *leading = n < LEADING && size > *leading ? size : *leading;
-        *most = size > *most ? size : *most;
-    }
-}
-
-/* By how many bits the bounds of the factors of a product of the rotor exceed their first coefficients at most, by what the series
- * are; `bound` of those where it is given. -1 where there is none.
- */
-static long slack_of(Taylor *f, int power, const int *bound, int *found)
-{
-    const Real *series[BLOCKS] = {f->cosine, f->sine, f->w_back + f->order, f->a1_back + f->order};
-    long above[BLOCKS], most, leading, of_speeds, of_thrusts;
-    int s;
-    for (s = 0; s < BLOCKS; s++) {
-        bounds_of(series[s], s < SPEEDS ? 1 : -1, f->order, power, &most, &leading);
-        if (leading == LONG_MIN || most > FURTHEST)
-            return -1;
-        if (found)
-            found[s] = (int)most + MARGIN;
-        above[s] = (bound ? bound[s] : found[s]) - leading;
-    }
-    of_speeds = (above[COSINES] > above[SINES] ? above[COSINES] : above[SINES]) + above[SPEEDS];
-    of_thrusts = above[SINES] + above[THRUSTS];
-    return of_speeds > of_thrusts ? of_speeds : of_thrusts;
-}
-
-/* Whether the sums of products in digits were as right as the round-off asks for. */
-static int digits_sufficed(Taylor *f, const Scales<SERIES> *s)
-{
-    return f->scales && isfinite(f->h) && logarithm((double)f->h) * PER_LN_2 <= s->power - s->gap && slack_of(f, s->power, s->bound, NULL) <= s->slack;
-}
-
-/* Digits for the next expansion in this mode, by this one. */
-static void set_digits(Taylor *f, Scales<SERIES> *s)
-{
-    const int bits = 1 - unit_roundoff.exponent;
-    double size;
-    long slack;
-    int n;
-    s->most = 0;
-    if (!isfinite(f->h) || f->h <= 0)
-        return;
-    size = logarithm((int)LONGER * (double)f->h) * PER_LN_2;
-    s->power = (int)floor(size);
-    s->gap = s->power - size + 1.8; /* the next step may be longer by sqrt(2) */
-    slack = slack_of(f, s->power, NULL, s->bound);
-    if (slack < 0 || slack + bits + SPARE + MARGIN > DIGIT * MOST_DIGITS)
-        return;
-    s->slack = (int)slack + MARGIN;
-    s->most = bits + SPARE + s->slack <= DIGIT * LIMBS ? LIMBS : MOST_DIGITS;
-    for (n = 0; n <= f->order; n++) {
-        const int needed = bits + SPARE + s->slack - (int)(s->gap * n), digits = (needed + DIGIT - 1) / DIGIT;
-        s->digits[n] = (unsigned char)(digits < 1 ? 1 : digits < s->most ? digits : s->most);
-    }
-}
-#endif
-
 /* Sizes, step limits of the quadrature and inverses that all steps of a run share. */
 void taylor_set(Run *r)
 {
@@ -99,6 +30,29 @@ void taylor_set(Run *r)
     for (n = 1; n <= f->order + 2; n++)
         f->inverse[n] = 1 / (Real)n;
 }
+
+#ifdef FIXED_SERIES
+/* Expand at `state` by the digits that the expansion before in this mode tells of. Where they do not suffice, those that this one tells
+ * of are taken, and at last all words.
+ */
+static void expand_by_digits(Run *r, const State *state)
+{
+    enum { MOST_TRIES = 3 };
+    Taylor *f = &r->taylor;
+    double spare = -1;
+    int tries;
+    for (tries = 1; spare < 0; tries++) {
+        f->scales = r->mode->scales.most > 0 && tries < MOST_TRIES ? &r->mode->scales : NULL;
+        f->rest.first = 0;
+        spare = f->scales ? -1 : 0;
+        taylor_expand(r, state);
+        f->h = step_length(r);
+        if (spare < 0)
+            spare = bits_to_spare(r);
+        set_digits(r, spare);
+    }
+}
+#endif
 
 /* Expand the motion at `state` in the mode of now. What is tied to the ground or the base moves as that does and as belts carry
  * it; belts by formulas are in its velocity already.
@@ -126,20 +80,14 @@ INLINE void expand_at(Run *r, const State *state)
         taylor_expand_loads(r, state->t);
 #ifdef FIXED_SERIES
     f->fixed->made = 0;
-    f->scales = m->scales.most ? &m->scales : NULL;
+    if (r->has_motor) {
+        expand_by_digits(r, state);
+        return;
+    }
+    f->scales = NULL;
 #endif
     taylor_expand(r, state);
     f->h = step_length(r);
-#ifdef FIXED_SERIES
-    if (r->has_motor) {
-        if (m->scales.most && !digits_sufficed(f, &m->scales)) {
-            f->scales = NULL;
-            taylor_expand(r, state);
-            f->h = step_length(r);
-        }
-        set_digits(f, &m->scales);
-    }
-#endif
 }
 
 void taylor_look(Run *r, const State *state)

@@ -239,6 +239,12 @@ INLINE void advance_small(const Run *r, const Law *law, Rotor *o, Real *row, con
     }
 }
 
+#ifdef FIXED_SERIES
+#define ORDERS_IN_WORDS(f, motor) ((motor) && (f)->scales && (f)->scales->words < (f)->order ? (f)->scales->words : (f)->order)
+#else
+#define ORDERS_IN_WORDS(f, motor) (f)->order
+#endif
+
 /* One body that moves and a second column: another body that moves (`moving` == 2), one that is held, or the ground. */
 INLINE void expand_small(Run *r, const State *state, const int bodies, const int moving, const int far, const int motor)
 {
@@ -258,10 +264,16 @@ INLINE void expand_small(Run *r, const State *state, const int bodies, const int
     if (motor)
         o = rotor_of(r, state);
     advance_small(r, &law, &o, row, 1, 0, p, f->inverse[1], bodies, moving, far, motor);
-    for (n = 1; n < p && !is_interrupted(r, n); n++) {
+    for (n = 1; n < ORDERS_IN_WORDS(f, motor) && !is_interrupted(r, n); n++) {
         row += SMALL_STRIDE;
         advance_small(r, &law, &o, row, 0, n, p, f->inverse[n + 1], bodies, moving, far, motor);
     }
+#ifdef FIXED_SERIES
+    if (n < p) {
+        last_orders(r, n, bodies, moving, far);
+        row = f->table + (p - 1) * SMALL_STRIDE;
+    }
+#endif
     row += SMALL_STRIDE;
     next = row + SMALL_STRIDE;
     for (c = 0; c < SMALL_RATES; c++) {
