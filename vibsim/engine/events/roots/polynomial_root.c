@@ -15,12 +15,47 @@
 #define SHORTER 16 /* times, where a step is too long to prove that */
 #define SHORTEST 64 /* units in the last place of the time, of such a step */
 
+#ifdef LIMBS
+/* Start of the loop below: v and s of the terms that doubles have digits enough for, by what they are at tau; returns the lowest of them.
+ * Their rounding is 2^-FINER times that of the run.
+ */
+static int last_terms(const Real *series, int count, const Real &tau, Real *v, Real *s)
+{
+    enum { DOUBLE = 53, FINER = 10 };
+    const long power = tau.exponent, digits = DOUBLE - FINER - (1 - unit_roundoff.exponent);
+    long most = LONG_MIN, unit;
+    double value = 0, slope = 0, part;
+    int n, first = count - 1;
+    if (tau.sign == 0)
+        return count - 1;
+    for (n = 0; n < count; n++) {
+        const long size = series[n].exponent + n * power;
+        if (series[n].sign != 0 && size > most)
+            most = size;
+    }
+    while (first > 0 && (series[first].sign == 0 || series[first].exponent + first * power <= most + digits))
+        first--;
+    unit = most + digits; /* a term of it is 1 in what follows */
+    part = in_double(tau, -power);
+    for (n = count - 1; n > first; n--) {
+        slope = slope * part + value;
+        value = value * part + in_double(series[n], n * power - unit);
+    }
+    *v = scaled(Real(value), unit - (first + 1) * power);
+    *s = scaled(Real(slope), unit - (first + 2) * power);
+    return first + 1;
+}
+#endif
+
 /* f and f' at tau by Horner's rule. */
 static void value_and_slope(const Real *series, int count, Real tau, Real *value, Real *slope)
 {
     Real v = series[count - 1], s = series[count - 1] * 0;
-    int n;
-    for (n = count - 2; n >= 0; n--) {
+    int n = count - 1;
+#ifdef LIMBS
+    n = last_terms(series, count, tau, &v, &s);
+#endif
+    for (n--; n >= 0; n--) {
         s = s * tau + v;
         v = v * tau + series[n];
     }
@@ -31,11 +66,21 @@ static void value_and_slope(const Real *series, int count, Real tau, Real *value
 /* Rounding bound of the value at tau. */
 static Real noise_at(const Real *series, int count, Real tau)
 {
+#ifdef LIMBS
+    const Power step = power_of(tau);
+    Power power = step;
+    Magnitude total = 0;
+    int n;
+    for (n = 1; n < count; n++, power = next_power(power, step))
+        total = total + term_size(series[n], power);
+    return 4 * EPS * (fabs(series[0]) + total * INFLATED);
+#else
     Real total = fabs(series[count - 1]);
     int n;
     for (n = count - 2; n >= 0; n--)
         total = total * tau + fabs(series[n]);
     return 4 * EPS * total;
+#endif
 }
 
 /* The zero that a Newton step from tau leads to, not before the start of the step. */

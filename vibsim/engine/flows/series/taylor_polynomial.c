@@ -25,23 +25,33 @@ static void load_on(const Run *r, int column, Real *out)
         out[n] = out[n] + (r->unbalance * ((n + 1) * sw[n + 1]) - r->m3 * f->a1_back[f->order - n]);
 }
 
-/* factor (a - b), where a column without place in the table is zero throughout. */
-static void difference(const Real *row, int stride, int a, int b, Real factor, int count, Real *restrict out)
+/* a - b, where a column without place in the table is zero throughout. */
+static void plain_difference(const Real *row, int stride, int a, int b, int count, Real *restrict out)
 {
     int n;
     if (b < 0) {
         for (n = 0; n < count; n++, row += stride)
-            out[n] = factor * row[a];
+            out[n] = row[a];
     } else if (a < 0) {
         for (n = 0; n < count; n++, row += stride)
-            out[n] = factor * (0.0 - row[b]);
-    } else if (factor == 1) { /* most are: the same, without a product */
-        for (n = 0; n < count; n++, row += stride)
-            out[n] = row[a] - row[b];
+            out[n] = 0.0 - row[b];
     } else {
         for (n = 0; n < count; n++, row += stride)
-            out[n] = factor * (row[a] - row[b]);
+            out[n] = row[a] - row[b];
     }
+}
+
+/* factor (a - b); most factors are 1. */
+static void difference(const Real *row, int stride, int a, int b, Real factor, int count, Real *restrict out)
+{
+    int n;
+    plain_difference(row, stride, a, b, count, out);
+    if (factor == -1)
+        for (n = 0; n < count; n++)
+            out[n] = -out[n];
+    else if (factor != 1)
+        for (n = 0; n < count; n++)
+            out[n] = factor * out[n];
 }
 
 /* factor times the series of the force of a coupling, whose offset counts in order 0. */
