@@ -55,6 +55,14 @@ friction:
   g: {between: [b, ground], N: 0.4 N, mu: 1, static: 1.5}
 run: {t_end: 0.6 s, every: 50 ms}
 """
+AT_A_CLOSED_STOP = """
+bodies: {a: 1 kg, b: 1 kg}
+links: {l: {between: [a, b], k: 80 N/m}, k: {between: [a, ground], k: 40 N/m}}
+stops: {s: {between: [b, ground], gap: 0 m, acts: extension, k: 40 N/m}}
+friction: {f: {between: [b, ground], N: 0.33 N, mu: 1}, g: {between: [a, b], N: 0.27 N, mu: 1}}
+initial: {a: {x: 5.32 mm}}
+run: {t_end: 0.45 s, every: 50 ms}
+"""
 STRUCK, STUCK = {"contact_begin", "contact_end", "stick_begin"}, {"stick_begin", "stick_end"}
 SCENES = {
     "damped stop, to its gap": (scene_of(HAMMER), STRUCK),
@@ -72,6 +80,12 @@ def test_chosen_scenes(label):
     # rounding of the state at an event counts by the jump of the field over the rate: here at most 1e3
     columns, kinds = assert_derivative(scene, doubles=1e-11)
     assert columns >= 3 and kinds >= expected
+
+
+def test_a_body_let_go_where_it_touches_a_stop():
+    """The shifted body meets the stop by the cube root of the shift later."""
+    columns, kinds = assert_derivative(scene_of(AT_A_CLOSED_STOP))
+    assert columns == 3 and kinds == {"stick_end", "contact_begin", "stick_begin"}
 
 
 @settings(max_examples=15)
