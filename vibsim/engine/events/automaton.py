@@ -359,10 +359,9 @@ class InitialMode(Generic[N]):
         for i, (g, stop) in enumerate(zip(depths, scene.stops, strict=True)):
             if self.relative.blurred(g, stop, state, stop.sense * stop.gap, met[i]):
                 self.departures.doubt(state)
-            if met[i] and i in self.elastic and i not in self.maker.guarded:
-                sense, order = self.departures.departure(state, status.with_stop(i, OPEN), (GAP, i))
-                status = status.with_stop(i, CONTACT if sense < 0 else OPEN)
-                known[GAP, i] = order
+        touched = [i for i in self.elastic if met[i] and i not in self.maker.guarded]
+        status, orders = self.rigid.parting.left(state, status, touched)
+        known |= {(GAP, i): order for i, order in orders.items()}
         for i, over in enumerate(slacks):
             at = self.relative.met(scene.clearances[i], state)
             if self.relative.blurred(over, scene.clearances[i], state, -scene.clearances[i].distance, at):

@@ -83,12 +83,20 @@ class DerivativeSigns(Generic[N]):
         The sign is 0 where all are zero. The derivative of order 1 is one of velocities where differences
         alone make the function, and no rounding of a flow is in it.
         """
-        event = self.event(self.enter(state, status), key)
-        values = self._derivatives(state, event, first)
+        event, values = self._behind(state, status, key, first)
         order = leading(values, first)
         if self.is_open(state, event, values, first):
             self.doubt(state)
         return sign(values[order]), order
+
+    def order(self, state: State[N], status: Status, key: EventKey, first: int = 1) -> int:
+        """As of `departure`, of a mode that only may come: without doubt."""
+        return leading(self._behind(state, status, key, first)[1], first)
+
+    def _behind(self, state: State[N], status: Status, key: EventKey, first: int) -> tuple[Event[N], list[N]]:
+        """An event function and its derivatives at a state in a mode, see `as_far_as_needed`."""
+        event = self.event(self.enter(state, status), key)
+        return event, self._derivatives(state, event, first)
 
     def is_open(self, state: State[N], event: Event[N], values: Sequence[N], first: int) -> bool:
         """Whether rounding leaves the first of the derivatives `values`, from order `first`, that is not zero
@@ -265,12 +273,11 @@ class TouchingParts(Generic[N]):
         of some order there, which goes into `known`.
         """
         happened: Happened = []
+        after, _ = self.left(state, after, parts[0], order)
         for i in parts[0]:
-            closes = self.departures.departure(state, after.with_stop(i, OPEN), (GAP, i), order)[0] < 0
-            after = after.with_stop(i, CONTACT if closes else OPEN)
             known |= zeros_of_touch(self.maker, after, i, order)
             if status.stops[i] != after.stops[i]:
-                happened.append(("contact_begin" if closes else "contact_end", i))
+                happened.append(("contact_begin" if after.stops[i] == CONTACT else "contact_end", i))
         for i in parts[1]:
             closes = (
                 self.departures.departure(state, after.with_clearance(i, KEPT), (CLEARANCE, i), order)[0] < 0
@@ -280,6 +287,32 @@ class TouchingParts(Generic[N]):
             if status.clearances[i] != after.clearances[i]:
                 happened.append(("violation_begin" if closes else "violation_end", i))
         return after, happened
+
+    def left(
+        self, state: State[N], status: Status, stops: Iterable[int], first: int = 1
+    ) -> tuple[Status, dict[int, int]]:
+        """The status with some elastic stops whose ends just touch as the motion leaves that, and the orders
+        of their zeros, from `first`. Those that are left first are decided first: the force of a stop begins
+        at zero, and makes others leave at higher orders only, as in a row of bodies of which one is pushed.
+        """
+        orders: dict[int, int] = {}
+        waiting = list(stops)
+        while waiting:
+            soonest = waiting
+            if len(waiting) > 1:
+                when = {
+                    i: self.departures.order(state, status.with_stop(i, OPEN), (GAP, i), first)
+                    for i in waiting
+                }
+                least = min(when.values())
+                soonest = [i for i in waiting if when[i] == least]
+            for i in soonest:
+                sense, orders[i] = self.departures.departure(
+                    state, status.with_stop(i, OPEN), (GAP, i), first
+                )
+                status = status.with_stop(i, CONTACT if sense < 0 else OPEN)
+            waiting = [i for i in waiting if i not in orders]
+        return status, orders
 
 
 def zeros_of_touch(maker: RowMaker[N], status: Status, i: int, order: int) -> Known:
