@@ -178,6 +178,10 @@ void run_start(Run *r, int mode, Buffers *b)
     if (violated(r))
         note_violation(r, b);
     tangent_open(r);
+#ifndef LIMBS
+    if (r->state.t > 0) /* restarted at an event, from doubles: the last of an instant perhaps */
+        review_zeros(r, 1);
+#endif
     enter(r); /* though it may be finished: a state is read there */
 }
 
@@ -208,9 +212,10 @@ void run_rewind(Run *r, Real t_end)
 void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, const int *parts)
 {
     const int *before = r->mode->codes;
+    const int again = r->next.t == r->known_since;
     int i, k;
     tangent_cross(r, r->pending_event, r->mode, r->modes[mode]);
-    if (r->next.t == r->known_since || (happened == 0 && r->next.t - r->known_since <= AS_SOON * EPS * r->next.t)) {
+    if (again || (happened == 0 && r->next.t - r->known_since <= AS_SOON * EPS * r->next.t)) {
         for (k = 0; k < r->key_count; k++)
             if (r->behind[k] >= 0)
                 r->known[k] = r->behind[k];
@@ -234,6 +239,8 @@ void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, cons
         if (kinds[i] == VIOLATION_BEGIN)
             note_violation(r, b);
     }
+    if (again && !r->finished)
+        review_zeros(r, 0);
     if (!r->finished)
         enter(r);
     if (!r->finished && r->status == OK && r->pending_end >= r->t_end)

@@ -569,8 +569,12 @@ void impact_count(Run *r, const Impact *done);
 
 void impacts_free(Impacts *b); /* reading_impacts.c */
 
+/* order_of_events.c: whether it matters which of two events at one instant comes first, whose functions have one value and one slope */
+int order_is_open(const Run *r, const Event *one, const Event *other);
+
 /* rules.c; take returns 0 where Python has to decide */
 int rule_take(Run *r, Buffers *b);
+void review_zeros(Run *r, int all); /* of the mode of now: those of events before at the same instant, or all */
 Real derivative_at_next(Run *r, const Mode *m, int key, int order);
 Real forces_of(const Run *r, const Mode *m, Real X, Real V);
 

@@ -2,8 +2,8 @@
  *
  * A stretch between two events is certified where every event function is known to stay positive on it, by more than the bound of
  * its rounding and truncation. An event is certified where its function is known to cross zero, by more than that bound too. Of
- * two events, the first is certified to be the first where their times are further apart than rounding blurs them. All else is a
- * doubt: counted, and the first one timed.
+ * two events, the first is certified to be the first where their times are further apart than rounding blurs them, or where which of
+ * them is first makes no difference (order_of_events.c). All else is a doubt: counted, and the first one timed.
  */
 #ifndef VIBSIM_CERTIFICATE_H
 #define VIBSIM_CERTIFICATE_H

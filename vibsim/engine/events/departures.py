@@ -326,14 +326,16 @@ def zeros_of_touch(maker: RowMaker[N], status: Status, i: int, order: int) -> Kn
 
 
 def released_parts(maker: RowMaker[N], before: Status, behind: Status) -> tuple[list[int], list[int]]:
-    """The numbers of the elastic stops and of the clearances whose ends are tied in the mode `before` and not
-    in the one `behind`.
+    """The numbers of the elastic stops and of the clearances whose ends are at rest on each other in the mode
+    `before` and no longer tied in the one `behind`; those that a belt moves against each other are not.
     """
-    tied, loose = maker.ties(before)[0], maker.ties(behind)[0]
+    (tied, drift), loose = maker.ties(before), maker.ties(behind)[0]
+    courses = maker.courses(before)
 
     def parts(one: Stop[N] | Clearance[N]) -> bool:
         P, Q = maker.ends(one)
-        return tied[P] == tied[Q] and loose[P] != loose[Q]
+        at_rest = tied[P] == tied[Q] and drift[P] == drift[Q] and courses[P] == courses[Q]
+        return at_rest and loose[P] != loose[Q]
 
     stops = [i for i, stop in maker.scene.elastic_stops if i not in maker.guarded and parts(stop)]
     return stops, [i for i, one in enumerate(maker.scene.clearances) if parts(one)]

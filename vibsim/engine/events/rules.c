@@ -17,6 +17,8 @@
 #define GRAZING 0x1p-20 /* of what a rate changes by within a step: Python looks closely at less */
 #define NEAR_ORDER 6 /* of a motion whose second derivatives are asked for */
 #define CLEARLY 4 /* times the bounds of the rounding of switches */
+#define BEYOND 4 /* times the bounds of rounding: a derivative that is so far from zero has a sign */
+#define GRID 8 /* roundings of the time of an event, by which its zeros may be beside it */
 #define NEAR_LIMIT 0x1p-40 /* of all forces of a mode: nearer to its limit than that Python measures the force of a tie closely */
 
 static Real column_value(const Run *r, const Real *values, int c, Real base)
@@ -40,16 +42,16 @@ static Real direct_rate(const Run *r, const Event *e)
     return total;
 }
 
-/* Take the motion from r->next on to no higher an order than what is near needs; returns the order that it has otherwise. In many digits
+/* Take the motion from a state on to no higher an order than what is near needs; returns the order that it has otherwise. In many digits
  * all orders may take seconds, in which no signal is heard.
  */
-static int look_near(Run *r)
+static int look_near(Run *r, const State *state)
 {
     const int order = r->taylor.order;
 #ifdef WORDS_BY_RUN
     r->taylor.order = NEAR_ORDER;
 #endif
-    taylor_look(r, &r->next);
+    taylor_look(r, state);
     return order;
 }
 
@@ -60,7 +62,7 @@ static void flow_series(Run *r, const Mode *m, const Event *e, Real *series, int
     int order = r->taylor.order;
     r->mode = m;
     if (near)
-        order = look_near(r);
+        order = look_near(r, &r->next);
     else
         taylor_look(r, &r->next);
     taylor_polynomial(r, e, series);
@@ -114,6 +116,52 @@ Real derivative_at_next(Run *r, const Mode *m, int key, int order)
     }
     r->evaluations = evaluations;
     return value;
+}
+
+/* The zero of an event function at the instant that was looked at: of order `known`, or of a lower one where a derivative before that
+ * is clear of rounding; 0 where it falls at once.
+ */
+static int order_of_zero(const Run *r, const Event *e, int known, Real span)
+{
+    const Real late = GRID * EPS * r->t0;
+    Series series, bounds;
+    Real factorial = 1.0;
+    int n;
+    if (taylor_polynomial(r, e, series) < known + 2 || !taylor_bounds(r, e, known, r->t0 == 0, 1, span, bounds))
+        return known;
+    for (n = 0; n <= known; n++) {
+        Real value = series[n];
+        factorial = n > 0 ? factorial * n : factorial;
+        if (factorial * fabs(value) > BEYOND * bounds[n] + late * (factorial * (n + 1) * fabs(series[n + 1])))
+            return value > 0 ? n : 0;
+    }
+    return known;
+}
+
+/* Look at the zeros that the mode of now begins with at r->state once more: those of events before, at the same instant, or `all`. What
+ * happens last may turn what an event function does behind a zero, as an impact turns a depth that contact has just begun with.
+ */
+void review_zeros(Run *r, int all)
+{
+    const Mode *m = r->mode;
+    const int order = r->taylor.order;
+    const double evaluations = r->evaluations;
+    Real span;
+    int looked = 0, i;
+    for (i = 0; i < m->event_count; i++) {
+        const Event *e = &m->events[i];
+        if (r->known[e->key] <= 0 || (!all && r->behind[e->key] >= 0))
+            continue;
+        if (!looked) {
+            look_near(r, &r->state);
+            looked = 1;
+        }
+        span = r->taylor.h < r->t0 ? r->taylor.h : r->t0;
+        if (r->known[e->key] + 3 < r->taylor.order)
+            r->known[e->key] = order_of_zero(r, e, r->known[e->key], span);
+    }
+    r->taylor.order = order;
+    r->evaluations = evaluations;
 }
 
 /* Value of a HOLD function of mode m at r->next from its couplings; X, V: of the base. Returns 0 where it has other terms. */
@@ -224,7 +272,7 @@ static int sides_last(Run *r, const Mode *m, int key)
     int i;
     if (m->switch_count == 0)
         return 1;
-    r->taylor.order = look_near(r);
+    r->taylor.order = look_near(r, &r->next);
     if (r->has_base) {
         X = f->table[base_column(r)];
         V = f->table[f->rates + base_column(r)];

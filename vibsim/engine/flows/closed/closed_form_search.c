@@ -71,22 +71,23 @@ static void certify_crossing(Run *r, Real value, Real slope, Real bound, Real no
 }
 
 /* Doubt that the zero of `first` is the first, where that of another of `events` may come as soon; value, slope and noise are
- * those of `first`. A touch is in doubt by itself; two names of one function vanish together.
+ * those of `first`. A touch is in doubt by itself.
  */
 static void certify_order(Run *r, int first, const int *events, int count, Real value, Real slope, Real noise)
 {
     const Search *s = &r->closed_form.search;
+    const Mode *m = r->mode;
     Real latest;
     int i;
     if (slope >= 0)
         return;
     latest = latest_zero(value, slope, noise, s->t);
     for (i = 0; i < count; i++) {
-        const Event *e = &r->mode->events[events[i]];
+        const Event *e = &m->events[events[i]];
         Real other = event_derivative(r, e, 0), fall = event_derivative(r, e, 1);
         Real blur = close_noise(r, e) + s->rounding_bounds[events[i]].residue;
-        int same = events[i] == first || (other == value && fall == slope);
-        if (!same && may_vanish_by(other, fall, blur, latest))
+        int alike = other == value && fall == slope;
+        if (events[i] != first && may_vanish_by(other, fall, blur, latest) && (!alike || order_is_open(r, &m->events[first], e)))
             doubt(&r->certificate, r->t0);
     }
 }

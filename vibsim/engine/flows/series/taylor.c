@@ -170,24 +170,42 @@ static int closes(const Real *coefficients, int count)
     return n < count && coefficients[n] < 0;
 }
 
-/* Doubt that the zero of `first`, at time `end`, is the first, where that of another event may come as soon. A touch is in doubt
- * by itself; two names of one function vanish together.
+/* Whether the base or a belt moves by a formula. Who decides what follows an event takes their velocities on the side of a switch that the
+ * time is on, whichever side the mode still is on.
  */
-static void certify_order(Run *r, int first, Real end)
+static int moved_by_formula(const Mode *m)
+{
+    int i;
+    for (i = 0; i < m->event_count; i++) {
+        const Event *e = &m->events[i];
+        if (e->kind == SLIDE && e->terms > 1)
+            return 1;
+    }
+    return m->base_values.op_count > 0 || m->follower_count > 0;
+}
+
+/* Doubt that the zero of `first`, at time `end`, is the first, where that of another event may come as soon. A touch is in doubt
+ * by itself. Returns the event to be taken: a switch that is due there as well goes before all others where it may move base or belts.
+ */
+static int certify_order(Run *r, int first, Real end)
 {
     const Mode *m = r->mode;
     Real tau = end - r->t0, value = 0, slope = 0, noise = 0, other, fall, blur, latest;
-    int i;
+    int chosen = first, i;
     near_zero(r, &m->events[first], tau, &value, &slope, &noise);
     if (slope >= 0)
-        return;
+        return first;
     latest = latest_zero(value, slope, noise, end);
     for (i = 0; i < m->event_count; i++) {
-        if (i == first || !near_zero(r, &m->events[i], tau, &other, &fall, &blur))
+        const Event *e = &m->events[i];
+        if (i == first || !near_zero(r, e, tau, &other, &fall, &blur) || !may_vanish_by(other, fall, blur, latest))
             continue;
-        if (!(other == value && fall == slope) && may_vanish_by(other, fall, blur, latest))
+        if (!(other == value && fall == slope) || order_is_open(r, &m->events[first], e))
             doubt(&r->certificate, r->t0);
+        if (e->kind == SWITCH && m->events[chosen].kind != SWITCH && end + other / -fall <= end && moved_by_formula(m))
+            chosen = i;
     }
+    return chosen;
 }
 
 /* One step to its end, to the first event within it or to `limit`; returns the time, and in `event` its number or NOTHING. A rigid
@@ -235,7 +253,7 @@ Real taylor_advance(Run *r, Real limit, int *event)
             break;
     }
     if (*event != NOTHING)
-        certify_order(r, *event, end);
+        *event = certify_order(r, *event, end);
     return end;
 }
 
