@@ -25,13 +25,15 @@ import vibsim
 from tests.engine.random_parts import rigid_scenes
 from tests.engine.runs import run
 from vibsim.cases import load_case
-from vibsim.engine.c_engine import CRun
-from vibsim.engine.errors import EngineError
+from vibsim.engine.c_engine import UNDECIDED, CRun
+from vibsim.engine.errors import EngineError, State, start_of
 from vibsim.engine.ledger_integrals import IntegralMaker
 from vibsim.engine.modes import mode_table
 from vibsim.engine.modes.status import CONTACT, OPEN, Status
-from vibsim.engine.number_forms import DOUBLES
+from vibsim.engine.number_forms import DOUBLES, WordsForm
 from vibsim.engine.resume import resume_point
+from vibsim.engine.tangent.carried import free_scene
+from vibsim.engine.tangent.carrying_run import CarryingRun
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.engine.truth import open_truth
 from vibsim.physics.parts import (
@@ -47,6 +49,7 @@ from vibsim.physics.parts import (
     Scene,
     Stop,
 )
+from vibsim.physics.precision import number_kit
 
 WORK_AT_ONCE = 100_000  # evaluations of the motion, as engine.h has it
 
@@ -438,4 +441,55 @@ def test_a_step_that_a_signal_ends_is_made_anew(signals):
     case = vibsim.load_case("II-B", {"run.t_end": "2 s"})
     *expected, never = first_event(0)
     *found, heard = first_event(0.02)
+    assert found == expected and never == 0 < heard
+
+
+def carrying(case, digits, count):
+    """A run of many digits about to begin, with so many disturbances of its start."""
+    kit = number_kit(digits)
+    scene = case.exact_scene(kit.number, kit.pi)
+    run = CarryingRun(free_scene(scene), WordsForm(kit))
+    vectors = [[kit.number(int(i == j)) for j in range(count)] for i in range(count)]
+    run.restart(start_of(scene, kit), scene.t_end, vectors)
+    return run
+
+
+def test_disturbances_of_many_digits_hear_a_signal(signals):
+    """A piece of the six of a motor in 600 digits takes some 4 s, of which the motion has the first 0.5."""
+    run = carrying(vibsim.load_case("II-B", {"run.t_end": "1 s"}), 600, 6)
+    begin = process_time()
+    signals(0.3, 0)
+    with pytest.raises(Heard):
+        run.run_out()
+    assert process_time() - begin < 0.8
+
+
+@pytest.mark.parametrize("carries", [False, True])
+def test_what_a_signal_ends_beside_the_motion_is_made_anew(signals, carries):
+    """Disturbances, and the look of a rule at how a force comes to its limit: with the same bits."""
+
+    def ended(share):
+        """What a run has come to at its end, and how often it was interrupted."""
+        case = vibsim.load_case("I-A", {"run.t_end": "0.3 s", "run.method": "taylor"})
+        run = carrying(case, 300, 4) if carries else open_truth(case.exact_scene, 300).run
+        heard = finished = 0
+        signals(share, share)
+        while not finished:
+            try:
+                *_, finished, status = run.run.advance()
+            except Heard:
+                heard += 1
+                continue
+            signals(0, 0)
+            if status == UNDECIDED:
+                number, event, order, values = run.run.pending()
+                if not run._set_rule(number, event):
+                    *_, finished, _ = run._decide(number, event, State(*values), order)
+            signals(share, share)
+        signals(0, 0)
+        tally = run.run.tally()
+        told = [repr(number) for number in (tally["state"], tally["steps"], tally["counts"])]
+        return told + ([repr(run.outcome(4).vectors.tolist())] if carries else []), heard
+
+    (expected, never), (found, heard) = ended(0), ended(0.02)
     assert found == expected and never == 0 < heard

@@ -410,13 +410,13 @@ static int ruled_meanwhile(Run *r, Buffers *b)
     return 0;
 }
 
-/* Make the expansion that a signal has ended anew. */
+/* Make the expansion that a signal has ended anew; what it has ended elsewhere goes on by itself. */
 static void enter_again(Run *r)
 {
-    if (r->interrupted) {
-        r->interrupted = 0;
+    const int flow = r->interrupted == FLOW;
+    r->interrupted = 0;
+    if (flow)
         taylor_enter(r, &r->state);
-    }
 }
 
 /* Whether the buffer has room for all that one event can record. */

@@ -38,6 +38,7 @@ enum { START, CONTACT_BEGIN, CONTACT_END, REVERSAL, STICK_BEGIN, STICK_END, VIOL
        IMPACT, TRANSMITTED, CHATTER, REST_BEGIN, REST_END, SWITCH_TURN, KINDS };
 enum { OK, ACCUMULATION, DIVERGED, UNDECIDED, NO_MEMORY, STANDSTILL, SINGULAR }; /* status of a run */
 enum { NOTHING = -1, RATE_ALONE = -JET };
+enum { FLOW = 1, ELSEWHERE };
 
 typedef struct {
     Real k, c, offset;
@@ -404,7 +405,7 @@ typedef struct Run {
     Real pending_end, *force;
     double spent, work_at_once;
     double unheard; /* work of an expansion since signals were looked for last */
-    int hears, interrupted; /* whether an expansion may be given up for a signal; whether that of the flow was, and is to be made anew */
+    int hears, interrupted; /* whether an expansion may be given up for a signal; what was, and is to be made anew: FLOW, ELSEWHERE or 0 */
     Ledger ledger;
     Section section;
     Extremes extremes;
@@ -473,10 +474,14 @@ double bits_to_spare(const Run *r);
 void set_digits(Run *r, double spare);
 #endif
 #ifdef WORDS_BY_RUN
-/* module.c: whether a signal ends the expansion, of which order n is to come: one in 1000 digits takes seconds. The error is set then. */
+/* module.c: whether a signal ends the expansion, of which order n is to come: one in 1000 digits takes seconds; or other work, of so many
+ * products since this was asked last. The error is set then.
+ */
 int is_interrupted(Run *r, int n);
+int hears_signal(Run *r, double products);
 #else
 #define is_interrupted(run, n) 0
+#define hears_signal(run, products) ((void)(products), 0)
 #endif
 int taylor_term(const Run *r, const Term *t, Real *out);
 int taylor_polynomial(const Run *r, const Event *e, Real *out);

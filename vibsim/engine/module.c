@@ -26,16 +26,21 @@
 
 int is_interrupted(Run *r, int n)
 {
+    return hears_signal(r, r->columns + (3.0 + r->mode->tape.op_count + 3 * r->rotors.count) * n);
+}
+
+int hears_signal(Run *r, double products)
+{
     const int bits = 1 - unit_roundoff.exponent;
     PyGILState_STATE gil;
     if (!r->hears)
         return 0;
-    r->unheard += (double)WORDS * WORDS * (r->columns + (3.0 + r->mode->tape.op_count + 3 * r->rotors.count) * n);
+    r->unheard += (double)WORDS * WORDS * products;
     if (r->interrupted || r->unheard < MOST_UNHEARD)
         return r->interrupted;
     r->unheard = 0;
     gil = PyGILState_Ensure();
-    r->interrupted = PyErr_CheckSignals() < 0;
+    r->interrupted = PyErr_CheckSignals() < 0 ? FLOW : 0;
     set_precision(bits); /* who is called by a signal may have computed with other numbers */
     PyGILState_Release(gil);
     return r->interrupted;

@@ -78,11 +78,21 @@ static Real flow_derivative(Run *r, const Mode *m, const Event *e, int order)
     return series[order];
 }
 
-/* Rate of an event function at r->next; 0 where it is next to nothing of what it changes by within a step. */
+/* Rate of an event function at r->next; 0 where it is next to nothing of what it changes by within a step, or where a signal has ended
+ * the look: the event waits then.
+ */
 static Real clear_rate(Run *r, const Event *e)
 {
+    const double evaluations = r->evaluations;
     Series series;
+    r->hears = 1;
     flow_series(r, r->mode, e, series, 0);
+    r->hears = 0;
+    if (r->interrupted) {
+        r->interrupted = ELSEWHERE;
+        r->evaluations = evaluations;
+        return 0.0;
+    }
     return fabs(series[1]) <= GRAZING * r->taylor.h * fabs(series[2]) ? 0.0 : series[1];
 }
 

@@ -163,11 +163,12 @@ Real closed_form_piece_end(const Run *r, Real t, Real end, Real mark);
 void closed_form_move(Run *r, Real tau);
 Real taylor_piece_end(Run *r, Real t, Real end);
 void taylor_prepare(Run *r, Real t); /* with formulas: what disturbances share from there on */
-int taylor_move(Run *r, Real t, Real end, Real tau); /* tau: to `end` or behind it; 0 where the piece is too long: as they were disturbances are in b->moved then */
+/* tau: to `end` or behind it; 0 where the piece is too long: as they were disturbances are in b->moved then. A signal leaves them so. */
+int taylor_move(Run *r, Real t, Real end, Real tau);
 
 /* formula_tangent.c; tau: after where all is prepared, by sound_stretch at t */
-void formula_slopes_expand(const Run *r, TapeRoom *room);
-const TapeRoom *formula_slopes_of_step(const Run *r);
+void formula_slopes_expand(Run *r, TapeRoom *room);
+const TapeRoom *formula_slopes_of_step(Run *r);
 Real formula_sound_stretch(Run *r, Real t, Real tau);
 Zeros formula_zeros(Run *r, Real t, Real end); /* of the piece from t to `end` */
 int formula_take_means(Run *r, const Zeros *zeros, Real t, Real tau); /* 0 where there are none: nothing is replaced then */

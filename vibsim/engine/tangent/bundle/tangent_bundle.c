@@ -21,6 +21,11 @@
  * would drown the check.
  */
 #define FLAT 0x1p-7
+#ifdef WORDS_BY_RUN
+#define WHERE_LONG 1 /* signals are heard in the midst of a piece */
+#else
+#define WHERE_LONG 0
+#endif
 #define LOST 0x1p-40 /* of the length of a disturbance in a rank loss: what is left is rounding */
 
 /* Growth counts from here on. */
@@ -308,16 +313,25 @@ int tangent_gather(Run *r)
     late = r->pending_tau - (end - r->t0); /* the instant of an impact is not on the grid of time */
     while (b->t < end || (late != 0 && !b->arrived)) {
         Real ahead = end, tau;
+        r->hears = WHERE_LONG;
         if (b->t < end)
             ahead = r->closed ? closed_form_piece_end(r, b->t, end, b->given ? end : mark(r)) : taylor_piece_end(r, b->t, end);
-        if (r->spent > r->work_at_once)
+        if (r->spent > r->work_at_once) {
+            r->hears = 0;
             return 0;
+        }
         b->arrived = !(ahead < end);
         tau = b->arrived ? (ahead - b->t) + late : ahead - b->t;
         if (r->closed)
             closed_form_move(r, tau);
         else
             ahead = move_by_series(r, ahead, tau);
+        r->hears = 0;
+        if (r->interrupted) { /* the piece is moved anew */
+            r->interrupted = ELSEWHERE;
+            b->arrived = b->taylor.prepared = b->taylor.has_step = 0;
+            return 0;
+        }
         if (!r->closed && b->taylor.undefined)
             tangencies_refuse(&b->tangencies, b->t);
         r->spent += 1 + b->possible;

@@ -12,6 +12,7 @@
 #include "numbers.h"
 #include "tangent.h"
 
+#define OF_A_FUNCTION 1000.0  /* products that one takes on many words, and more */
 #define SHORTENINGS 200       /* of a stretch, each at least by */
 #define LEAST_SHORTENING 0.25 /* binary digits */
 #define BEYOND_ALL 60.0       /* binary digits by which a value that is no number is beyond */
@@ -33,13 +34,13 @@ static int reads_motion(const Op *op)
 }
 
 /* Series of the derivatives along the flow in r->taylor: what is read goes two orders further. */
-void formula_slopes_expand(const Run *r, TapeRoom *room)
+void formula_slopes_expand(Run *r, TapeRoom *room)
 {
     const Taylor *f = &r->taylor;
     const Tape *tape = &r->mode->formula_slopes.tape;
     int n, i;
     tape_start(room, r->t0, f->nearest, f->inverse, f->order);
-    for (n = 0; n < f->order; n++)
+    for (n = 0; n < f->order && !hears_signal(r, (double)tape->op_count * n); n++)
         tape_advance(tape, room, f->table + n * f->stride, n);
     for (i = 0; i < tape->op_count; i++) {
         const Op *op = &tape->ops[i];
@@ -49,7 +50,7 @@ void formula_slopes_expand(const Run *r, TapeRoom *room)
 }
 
 /* The same along the step in hand, once. */
-const TapeRoom *formula_slopes_of_step(const Run *r)
+const TapeRoom *formula_slopes_of_step(Run *r)
 {
     TaylorTangent *of = &r->tangent->taylor;
     if (!of->has_step)
@@ -269,7 +270,7 @@ static Real add_nodes(Run *r, const Zeros *zeros, Real t, Real tau, TapeRoom *ro
         Real *sums = series_along(room->series, i);
         sums[0] = sums[1] = sums[2] = 0.0;
     }
-    for (j = -nodes; j <= nodes; j++) {
+    for (j = -nodes; j <= nodes && !hears_signal(r, OF_A_FUNCTION * (4.0 + tape->op_count)); j++) {
         Real z = j * node, y = TWO_PI / 2 * hyperbolic_sine(z);
         Real before = 1 / (1 + exponential(y)), after = 1 / (1 + exponential(-y));
         Real weight = hyperbolic_cosine(z) * (before * after);

@@ -21,7 +21,7 @@ void rotor_tangent_prepare(Run *r)
     int i, n, k;
     for (i = 0; i < o->count; i++) {
         const Real *s = series_along(o->sine, i), *c = series_along(o->cosine, i), *a = series_along(o->acceleration, group_of(r, o, i));
-        for (n = 0; n < r->taylor.order; n++) {
+        for (n = 0; n < r->taylor.order && !hears_signal(r, n); n++) {
             Real total = 0.0;
             for (k = 0; k <= n; k++)
                 total = total + c[k] * a[n - k];

@@ -33,7 +33,7 @@ static void prepare_motor(Run *r)
     of->first_turning[0] = of->first_turning[1] = f->sine[1];
     for (n = 0; n < p - 1; n++)
         of->joint[n].turning[0] = of->joint[n].turning[1] = (n + 2) * f->sine[n + 2];
-    for (n = 0; n < p - 1; n++) {
+    for (n = 0; n < p - 1 && !hears_signal(r, n); n++) {
         const Real *back = f->a1_back + (p - n); /* back[i]: order n - i */
         Pair sums = make_pair(0, 0);
         for (i = 0; i < n; i += 2)
@@ -324,7 +324,7 @@ INLINE void advance_small(const TaylorTangent *of, const Law *law, Lane *series,
     }
 }
 
-INLINE void expand_small(const Run *r, int pairs, const int bodies, const int moving, const int motor)
+INLINE void expand_small(Run *r, int pairs, const int bodies, const int moving, const int motor)
 {
     const int block = (2 * bodies + 5) * SERIES;
     const Law law = law_of(r);
@@ -334,37 +334,38 @@ INLINE void expand_small(const Run *r, int pairs, const int bodies, const int mo
             advance_small(&r->tangent->taylor, &law, r->tangent->taylor.series + i * block, n, bodies, moving, motor);
 }
 
-SHAPE two_free(const Run *r, int pairs) { expand_small(r, pairs, 2, 2, 0); }
-SHAPE two_free_with_motor(const Run *r, int pairs) { expand_small(r, pairs, 2, 2, 1); }
-SHAPE two_held(const Run *r, int pairs) { expand_small(r, pairs, 2, 1, 0); }
-SHAPE two_held_with_motor(const Run *r, int pairs) { expand_small(r, pairs, 2, 1, 1); }
-SHAPE one(const Run *r, int pairs) { expand_small(r, pairs, 1, 1, 0); }
-SHAPE one_with_motor(const Run *r, int pairs) { expand_small(r, pairs, 1, 1, 1); }
+SHAPE two_free(Run *r, int pairs) { expand_small(r, pairs, 2, 2, 0); }
+SHAPE two_free_with_motor(Run *r, int pairs) { expand_small(r, pairs, 2, 2, 1); }
+SHAPE two_held(Run *r, int pairs) { expand_small(r, pairs, 2, 1, 0); }
+SHAPE two_held_with_motor(Run *r, int pairs) { expand_small(r, pairs, 2, 1, 1); }
+SHAPE one(Run *r, int pairs) { expand_small(r, pairs, 1, 1, 0); }
+SHAPE one_with_motor(Run *r, int pairs) { expand_small(r, pairs, 1, 1, 1); }
 #endif
 
 /* Series of so many pairs of disturbances in any mode, order by order. */
-INLINE void expand_any(const Run *r, int pairs, const int formulas)
+INLINE void expand_any(Run *r, int pairs, const int formulas)
 {
     const Law law = law_of(r);
+    const int slopes = r->mode->formula_slopes.known ? r->mode->formula_slopes.tape.output_count : 0;
     int n, i;
-    for (n = 0; n < law.order - 1; n++)
+    for (n = 0; n < law.order - 1 && !hears_signal(r, 2.0 * pairs * (r->columns + (4.0 + slopes + 4 * r->rotors.count) * n)); n++)
         for (i = 0; i < pairs; i++)
             advance(r, &law, r->tangent->taylor.series + i * components_of(r) * SERIES,
                     r->tangent->taylor.pushed + i * r->rotors.count * SERIES, n, formulas);
 }
 
 #ifndef LIMBS
-SHAPE any(const Run *r, int pairs) { expand_any(r, pairs, 0); }
-SHAPE formulas(const Run *r, int pairs) { expand_any(r, pairs, 1); }
+SHAPE any(Run *r, int pairs) { expand_any(r, pairs, 0); }
+SHAPE formulas(Run *r, int pairs) { expand_any(r, pairs, 1); }
 #endif
 
 /* Series of so many pairs of disturbances, one's chains of operations in the waits of another's. */
-static void expand(const Run *r, int pairs)
+static void expand(Run *r, int pairs)
 {
 #ifdef LIMBS
     expand_any(r, pairs, r->mode->shape == FORMULAS);
 #else
-    static void (*const shapes[])(const Run *, int) = {
+    static void (*const shapes[])(Run *, int) = {
         any, any, two_free, two_free_with_motor, two_held, two_held_with_motor, one, one_with_motor, formulas, formulas,
     };
     shapes[2 * r->mode->shape + r->has_motor](r, pairs);
@@ -462,13 +463,15 @@ int taylor_move(Run *r, Real t, Real end, Real tau)
     const int formulas = r->mode->formula_slopes.known;
     int first, pairs, fits = 1;
     prepare(r, t, end, tau);
-    if (formulas)
+    if (formulas || r->hears)
         memcpy(b->moved, b->vectors, sizeof(Real) * (size_t)(b->size * b->stride));
-    for (first = 0; first < r->tangent->possible; first += 2 * TANGENT_GROUP) {
+    for (first = 0; first < r->tangent->possible && !r->interrupted; first += 2 * TANGENT_GROUP) {
         pairs = (r->tangent->possible - first + 1) / 2;
         pairs = pairs < TANGENT_GROUP ? pairs : TANGENT_GROUP;
         move_group(r, first, pairs);
         fits = fits && !(formulas && is_too_long(r, first, pairs));
     }
-    return fits;
+    if (r->interrupted)
+        memcpy(b->vectors, b->moved, sizeof(Real) * (size_t)(b->size * b->stride));
+    return fits || r->interrupted;
 }
