@@ -17,6 +17,8 @@ COMMON = {"deadline": None, "database": None, "suppress_health_check": [HealthCh
 settings.register_profile("repeatable", derandomize=True, **COMMON)
 settings.register_profile("search", **COMMON)
 settings.load_profile(os.environ.get("VIBSIM_HYPOTHESIS", "repeatable"))
+# Workers and commands begin with memory that holds something: numbers that C reads and never computed show.
+os.environ.setdefault("MALLOC_PERTURB_", "170")
 
 # A shell starts what runs in the background deaf to Ctrl-C, and children inherit that; tests send it.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:

@@ -158,6 +158,17 @@ static int violated(const Run *r)
     return 0;
 }
 
+#ifndef LIMBS
+/* How many event functions begin at zero. */
+static int zeros_known(const Run *r)
+{
+    int count = 0, k;
+    for (k = 0; k < r->key_count; k++)
+        count += r->known[k] > 0;
+    return count;
+}
+#endif
+
 /* Begin a run, or go on with one that is restarted, at r->state in a mode, with the zeros in r->known. Samples begin with the
  * first at that state or behind it, and not before `samples_from`.
  */
@@ -179,7 +190,7 @@ void run_start(Run *r, int mode, Buffers *b)
         note_violation(r, b);
     tangent_open(r);
 #ifndef LIMBS
-    if (r->state.t > 0) /* restarted at an event, from doubles: the last of an instant perhaps */
+    if (r->state.t > 0 && zeros_known(r) > 1) /* restarted at an event, from doubles: the last of an instant perhaps */
         review_zeros(r, 1);
 #endif
     enter(r); /* though it may be finished: a state is read there */

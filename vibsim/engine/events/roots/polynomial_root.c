@@ -17,12 +17,12 @@
 
 #ifdef LIMBS
 /* Start of the loop below: v and s of the terms that doubles have digits enough for, by what they are at tau; returns the lowest of them.
- * Their rounding is 2^-FINER times that of the run.
+ * Their rounding is below that of all words, finer than that of the run: events of one instant keep their order.
  */
 static int last_terms(const Real *series, int count, const Real &tau, Real *v, Real *s)
 {
-    enum { DOUBLE = 53, FINER = 10 };
-    const long power = tau.exponent, digits = DOUBLE - FINER - (1 - unit_roundoff.exponent);
+    enum { DOUBLE = 53 };
+    const long power = tau.exponent, digits = (int)DOUBLE - LIMB_BITS;
     long most = LONG_MIN, unit;
     double value = 0, slope = 0, part;
     int n, first = count - 1;

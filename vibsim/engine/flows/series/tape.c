@@ -126,6 +126,7 @@ static void begin_once(const Tape *tape, TapeRoom *room)
             put(series + op->at, n, op->code == OP_TIME && n == 1 ? 1.0 : 0.0);
     }
     room->tape = tape->number;
+    room->made = room->orders;
 }
 
 /* Whether two numbers are one, and not zeros, which may differ in sign. */
@@ -140,7 +141,7 @@ void tape_begin(const Tape *tape, TapeRoom *room, const Real *row)
     Real cosine = 0.0;
     const int ended = room->latest == tape->number;
     int i;
-    if (room->tape != tape->number)
+    if (room->tape != tape->number || room->made < room->orders)
         begin_once(tape, room);
     for (i = 0; i < tape->op_count; i++) {
         const Op *op = &tape->ops[i];

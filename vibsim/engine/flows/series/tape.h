@@ -146,7 +146,8 @@ typedef struct {
 
 /* By operation: series; values and bounds of their rounding; `checked`: the same at the end of a step; `base`: of the motion of the base.
  * at, blur: what a tape reads, and bounds of that;
- * between: what it reads between two instants; tape: number of the one whose operations ONCE_FOR_ALL have their series here, 0 for none;
+ * between: what it reads between two instants; tape: number of the one whose operations ONCE_FOR_ALL have their series here, 0 for none,
+ * of `made` coefficients;
  * orders: how many coefficients are computed ahead and behind; inverse: 1 over each order; latest: number of the tape whose values are
  * in `checked`, 0 for none.
  */
@@ -155,7 +156,7 @@ typedef struct {
     TapeInputs at, blur, between;
     Real least; /* time [s] nearer than which a zero of the base of a power is one here */
     const Real *inverse;
-    int ops, tape, orders, latest;
+    int ops, tape, made, orders, latest;
 } TapeRoom;
 
 /* Begin series of so many orders at the time t; nearest: time [s] within which a zero of the base of a power is one here in any case. */
