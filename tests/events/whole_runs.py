@@ -170,7 +170,7 @@ class SteppedRun(CRun):
                 *counts, finished, status = self._decide(number, event, State(*values), order)
         if status in REASONS:
             raise self._failure(status)
-        events = Trajectory(self).block(*self._block(counts, finished)).events
+        events = Trajectory(self).columns.block(*self._block(counts, finished)).events
         return [
             {name: column[i].item() for name, column in events.items()} for i in range(len(events["t"]))
         ], finished

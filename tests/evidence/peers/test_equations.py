@@ -64,7 +64,7 @@ def test_motor(state):
 def test_ideal_source_and_none():
     made, state = paper("I-B"), [1e-4, 2.0, 0.0, 0.0]
     force = transmitted_force(made, 1e-4, 2.0, False)
-    driving = made.A * math.sin(made.omega * 0.3) + made.F0  # Eq. (2.3)
+    driving = made.A * math.sin(made.omega * 0.3) + made.F0  # A sin(omega t), Eq. (2.3)
     _, a1, _, _ = motion(made, 0.3, state, "free", "forward")
     assert a1 == pytest.approx((driving - force) / made.m1, rel=1e-14)
     assert motion(scene(), 0.3, state, "free", "forward")[1] == pytest.approx(-force / made.m1, rel=1e-14)
