@@ -57,6 +57,13 @@ def test_random_blocks_go_on_from_every_event(scene):
     assert_restarts(scene.as_parts())
 
 
+def test_a_clearance_that_is_just_touched_goes_on_from_every_event():
+    """Its zeros are near to double: a restart that looked at them again had other last bits than the run."""
+    spring, mark = Link("l", 0, GROUND, 4 * pi**2, 0.0), Clearance("mark", 0, GROUND, 0.010000000000000002)
+    scene = Scene((Body("b", 1.0, 0.0, 0.02 * pi),), (spring,), clearances=(mark,), t_end=6.366)
+    assert_restarts(replace(scene, every_num=2122, every_den=1000))
+
+
 @pytest.mark.parametrize("seed", range(14))
 def test_random_formulas_go_on_from_every_event(seed):
     assert_restarts(replace(formula_scene(seed), t_end=0.3))

@@ -494,10 +494,10 @@ Real taylor_magnitude(const Run *r, const Event *e);
  */
 int taylor_bounds(const Run *r, const Event *e, int count, int exact, int summed, Real span, Real *out);
 
-/* tape.c; sound_step sets the status SINGULAR where no step is short enough */
+/* formula_step.c; shorten_step sets the status SINGULAR where no step is short enough */
 void tape_values(const Run *r, Real tau);
 void tape_values_at(const Run *r, const Mode *m, Real X, Real V, const Real *rates);
-void sound_step(Run *r);
+void shorten_step(Run *r);
 Real overflowing_zero(const Run *r);
 
 /* rotors_on_bodies.c */

@@ -4,6 +4,8 @@
 
 #include "real.h"
 
+#define LEADING_TERMS 4 /* coefficients that set the scale of a series */
+
 #ifdef LIMBS
 /* 2 pi (cycles + cycles_lo) t reduced to [-pi, pi] [rad]. */
 static inline Real turn_angle(const Real &cycles, const Real &cycles_lo, const Real &t)

@@ -4,7 +4,6 @@
 #include "engine.h"
 
 #define MOST_BODIES 64 /* of a scene whose bodies are told apart */
-#define MOST_OPERATIONS 64 /* of a formula that are looked through: one of more than that is taken to read the motion */
 
 /* Whether a column is at rest in the mode of now: the ground, what is tied to it, or a base that a formula has not set into motion. */
 static int rests(const Run *r, int column)
@@ -56,26 +55,13 @@ static int are_one(const Run *r, const Event *one, const Event *other)
     return 1;
 }
 
-/* Whether an operation of the tape of a mode reads the motion, and not the time alone. looked: operations that have been looked at. */
-static int reads_motion(const Tape *tape, int place, int *looked)
-{
-    const Op *op = &tape->ops[place];
-    *looked += 1;
-    if (op->code == OP_CONSTANT || op->code == OP_TIME)
-        return 0;
-    if (op->code == OP_PLACE || op->code == OP_SPEED || op->code == OP_ANGLE || op->code == OP_SPIN || *looked > MOST_OPERATIONS)
-        return 1;
-    return (op->a >= 0 && op->a < place && reads_motion(tape, op->a, looked)) ||
-           (op->b >= 0 && op->b < place && reads_motion(tape, op->b, looked));
-}
-
 /* Whether an event function has a formula that reads the motion, or one of the time alone if `of_time`. */
 static int has_formula(const Mode *m, const Event *e, int of_time)
 {
-    int i, looked = 0;
+    int i;
     for (i = 0; i < e->terms; i++) {
         const Term *term = &m->terms[e->first + i];
-        if (term->kind == FORMULA && reads_motion(&m->tape, m->tape.outputs[term->P], &looked) != of_time)
+        if (term->kind == FORMULA && (m->tape.ops[m->tape.outputs[term->P]].when <= AHEAD) == of_time)
             return 1;
     }
     return 0;

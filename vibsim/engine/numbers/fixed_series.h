@@ -27,7 +27,7 @@ template <int ORDERS> struct Scales {
 };
 
 /* Of series of a small scene whose last orders are in doubles: the first of these, and the sizes of all that is summed in it. */
-enum { OF_COSINE, OF_SINE, OF_SPEED, OF_RATE, OF_RATE_FAR, RESTS, LEADING_TERMS = 4 };
+enum { OF_COSINE, OF_SINE, OF_SPEED, OF_RATE, OF_RATE_FAR, RESTS };
 typedef struct {
     double terms[RESTS];
     int first;

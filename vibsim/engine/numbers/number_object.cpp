@@ -303,13 +303,6 @@ static PyObject *next_after(PyObject *self, PyObject *args)
     return PyArg_ParseTuple(args, "O&O&", number_from, &t, number_from, &towards) ? number_object(nextafter(t, towards)) : NULL;
 }
 
-static PyObject *is_finite(PyObject *self, PyObject *x)
-{
-    Real value;
-    (void)self;
-    return number_from(x, &value) ? PyBool_FromLong(isfinite(value)) : NULL;
-}
-
 /* Numbers as the bytes that C takes, and back. */
 static PyObject *packed(PyObject *self, PyObject *values)
 {
@@ -387,7 +380,6 @@ PyMethodDef number_functions[] = {
     {"floor", floor_value, METH_O, "The largest whole number not above x."},
     {"power", power_of, METH_VARARGS, "power(a, p): a**p for a >= 0, nan of a below 0; 1 for p = 0."},
     {"next_after", next_after, METH_VARARGS, "next_after(t, towards): the next larger time, a unit round-off on."},
-    {"finite", is_finite, METH_O, "Whether a number is finite."},
     {"packed", packed, METH_O, "packed(numbers) -> the bytes that C takes"},
     {"unpacked", unpacked, METH_VARARGS, "unpacked(bytes) -> list of numbers"},
     {"texts", texts, METH_VARARGS, "texts(bytes, digits, width) -> decimal texts of so many characters; None where a number is beyond them"},

@@ -4,7 +4,6 @@
 #include "numbers.h"
 #include "tape_series.h"
 
-#define LEADING 4 /* coefficients that set the scale of a series */
 /* Orders from one to the next that is tried, the least of them; each is kept for so many steps, and left for one by which the motion gets
  * so much further in the time that computing takes. A step takes as long as so many orders beside its own ones.
  */
@@ -86,19 +85,19 @@ static int size_of_load(const Run *r, int n, int c)
  */
 INLINE double longest_step(const Run *r, int (*size)(const Run *, int, int), int c, int highest, double longest)
 {
-    double leading[LEADING];
+    double leading[LEADING_TERMS];
     int last, m;
-    for (m = 0; m < LEADING; m++) {
+    for (m = 0; m < LEADING_TERMS; m++) {
         int exponent = size(r, m, c);
         leading[m] = exponent > NO_EXPONENT ? exponent : -INFINITY; /* a term that is zero allows nothing by itself */
     }
     for (last = highest - 1; last <= highest; last++) {
         int following = size(r, last, c);
         if (following > NO_EXPONENT) {
-            double steps[LEADING], best = -INFINITY;
-            for (m = 0; m < LEADING; m++) /* side by side: most of the time goes into the quotients */
+            double steps[LEADING_TERMS], best = -INFINITY;
+            for (m = 0; m < LEADING_TERMS; m++) /* side by side: most of the time goes into the quotients */
                 steps[m] = (r->tolerance_exponent + (leading[m] - following)) / (last - m);
-            for (m = 0; m < LEADING && m < last; m++)
+            for (m = 0; m < LEADING_TERMS && m < last; m++)
                 best = steps[m] > best ? steps[m] : best;
             longest = best > -INFINITY && best < longest ? best : longest;
         }

@@ -120,7 +120,7 @@ static void take_step(Run *r, const State *state)
     r->steps += 1;
     if (r->mode->tape.op_count == 0)
         return;
-    sound_step(r);
+    shorten_step(r);
     tune_order(r);
     if (r->status != SINGULAR)
         return;
@@ -128,7 +128,7 @@ static void take_step(Run *r, const State *state)
     if (f->nearest > 0) {
         r->status = OK;
         if (expand_unless_interrupted(r, state))
-            sound_step(r);
+            shorten_step(r);
     }
 }
 

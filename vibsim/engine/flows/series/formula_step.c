@@ -308,7 +308,7 @@ Real overflowing_zero(const Run *r)
 /* The step, or a shorter one, at the end of which the formulas have the values that their series say: shortened by the binary
  * digits that the worst of them is beyond, over the order. The status is SINGULAR where no step that moves time is short enough.
  */
-void sound_step(Run *r)
+void shorten_step(Run *r)
 {
     Taylor *f = &r->taylor;
     const Real left = r->t_end - r->t0, tolerance = power_of_two(r->tolerance_exponent);
