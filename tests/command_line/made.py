@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from contextlib import contextmanager
 
 from click.testing import CliRunner
 
@@ -36,3 +37,15 @@ def process(*words, **options):
     """`vibsim words...` as a process of its own; .returncode, .stdout, .stderr."""
     command = [sys.executable, "-m", "vibsim", *map(str, words)]
     return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+
+
+@contextmanager
+def begun(*words, **options):
+    """`vibsim words...` as a process that goes on beside the test, and no longer than the block."""
+    command = [sys.executable, "-m", "vibsim", *map(str, words)]
+    kept = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, **options}
+    with subprocess.Popen(command, **kept) as child:
+        try:
+            yield child
+        finally:
+            child.kill()  # nothing, where it has ended

@@ -4,15 +4,13 @@ import json
 import os
 import re
 import signal
-import subprocess
-import sys
 import time
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
-from tests.command_line.made import call, told
+from tests.command_line.made import begun, call, told
 from vibsim.cases.quantities import number
 from vibsim.evidence.benchmark import open_bench
 from vibsim.evidence.benchmark.plan import FAMILIES
@@ -119,13 +117,12 @@ def test_the_help_names_every_method():
 
 
 def test_interruption_keeps_the_rows_done():
-    command = [sys.executable, "-m", "vibsim", "bench", "I-A", "--t-end", "10s", "-o", "b.h5"]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-    while not (Path("b.h5").exists() and len(open_bench("b.h5").rows) > 2):
-        assert process.poll() is None
-        time.sleep(0.05)
-    process.send_signal(signal.SIGINT)
-    said, complained = process.communicate()
+    with begun("bench", "I-A", "--t-end", "10s", "-o", "b.h5") as process:
+        while not (Path("b.h5").exists() and len(open_bench("b.h5").rows) > 2):
+            assert process.poll() is None
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        said, complained = process.communicate()
     assert process.returncode == 130
     assert "interrupted: b.h5 holds the rows that were done" in complained and "stopped early" in said
     left = open_bench("b.h5")

@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 import vibsim
-from tests.command_line.made import SLOW_SOURCE, call
+from tests.command_line.made import SLOW_SOURCE, begun, call
 from vibsim.results.simulation import open_result
 from vibsim.signals import Interruption, ended_by_signals, heard_from_now_on
 
@@ -310,12 +310,10 @@ def test_signals_that_the_caller_ignores_stay_ignored(monkeypatch):
 
 def killed(folder, words, sign):
     """A command that is killed as soon as a file is there."""
-    command = [sys.executable, "-m", "vibsim", *words.split()]
-    with subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as child:
+    with begun(*words.split(), cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as child:
         while not sign():
             assert child.poll() is None
             time.sleep(0.01)
-        child.kill()
 
 
 def test_what_a_killed_run_has_computed_is_not_replaced_without_a_word(tmp_path, monkeypatch):

@@ -35,6 +35,24 @@ def test_two_who_write_at_once_publish_their_own(tmp_path):
     assert path.read_bytes() == b"1" * 10 and names(tmp_path) == ["a.csv"]
 
 
+@pytest.mark.parametrize("force", [False, True])
+def test_it_can_be_read_from_the_instant_in_which_it_has_its_name(tmp_path, monkeypatch, force):
+    """By HDF5 too, which locks what it reads."""
+    path, seen, sync = tmp_path / "a.h5", [], os.fsync
+    write_hdf5(tmp_path / "b.h5", {"vibsim_kind": "sweep"}, [], {})
+
+    def synced(descriptor):
+        sync(descriptor)
+        if path.exists():
+            with h5py.File(path) as file:
+                seen.append(file.attrs["vibsim_kind"])
+
+    with output_file(path, force) as file:
+        file.write((tmp_path / "b.h5").read_bytes())
+        monkeypatch.setattr(os, "fsync", synced)
+    assert seen == ["sweep"]
+
+
 def test_what_came_meanwhile_is_kept(tmp_path):
     path = tmp_path / "a.csv"
     with pytest.raises(ResultFileError, match="appeared meanwhile; kept"), output_file(path) as file:

@@ -3,13 +3,12 @@
 import os
 import signal
 import socket
-import subprocess
-import sys
 import time
+from contextlib import contextmanager
 
 import pytest
 
-from tests.command_line.made import call
+from tests.command_line.made import begun, call
 from tests.sweeps.clusters import loopback_cluster
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
 from vibsim.results.simulation import open_result
@@ -113,9 +112,16 @@ def test_points_that_kill_every_worker_fail_and_the_others_do_not(cluster, monke
     assert table.status[:, 0].tolist() == [1, FAILED] and table.error[1, 0] == DIED
 
 
-def sweep_process(folder, *words):
-    command = [sys.executable, "-m", "vibsim", "sweep", "II-B", *words, "-o", "s.h5"]
-    return subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+@contextmanager
+def long_sweep(folder, cluster):
+    """A sweep by a cluster as a process of its own, once some points are done."""
+    words = ["--omega0", "3:7:0.01", "--t-end", "60s", "--scheduler", cluster.address, "-o", "s.h5"]
+    with begun("sweep", "II-B", *words, cwd=folder) as process:
+        journal = folder / "s.h5.journal"
+        while not (journal.exists() and journal.read_text().count("\n") > 3):
+            assert process.poll() is None
+            time.sleep(0.01)
+        yield process
 
 
 def test_nobody_there(tmp_path, monkeypatch):
@@ -136,15 +142,9 @@ def test_jobs_do_not_go_with_a_scheduler():
 
 
 def test_interrupting_the_command_keeps_what_is_finished(cluster, tmp_path):
-    process = sweep_process(
-        tmp_path, "--omega0", "3:7:0.01", "--t-end", "60s", "--scheduler", cluster.address
-    )
-    journal = tmp_path / "s.h5.journal"
-    while not (journal.exists() and journal.read_text().count("\n") > 3):
-        assert process.poll() is None
-        time.sleep(0.01)
-    process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=60)
+    with long_sweep(tmp_path, cluster) as process:
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60)
     assert process.returncode == 130 and "interrupted: s.h5 holds what was done" in said
     left = open_result(tmp_path / "s.h5")
     assert not left.complete and left.attrs["points_done"] >= 3
@@ -174,14 +174,7 @@ def test_a_killed_worker_costs_nothing_but_time(cluster, tmp_path):
 
 @pytest.mark.slow
 def test_a_scheduler_that_dies_ends_the_sweep_and_keeps_what_is_finished(tmp_path):
-    with loopback_cluster(tmp_path) as cluster:
-        process = sweep_process(
-            tmp_path, "--omega0", "3:7:0.01", "--t-end", "60s", "--scheduler", cluster.address
-        )
-        journal = tmp_path / "s.h5.journal"
-        while not (journal.exists() and journal.read_text().count("\n") > 3):
-            assert process.poll() is None
-            time.sleep(0.01)
+    with loopback_cluster(tmp_path) as cluster, long_sweep(tmp_path, cluster) as process:
         cluster.scheduler.kill()
         _, said = process.communicate(timeout=100)
     assert process.returncode == 4, said

@@ -301,8 +301,10 @@ def _is_at(descriptor: int, path: Path) -> bool:
 def open_partial(target: Path, folder: bool = False) -> tuple[int, Path]:
     """A new file, or folder, beside an output, under a name of its own: its descriptor and its path.
 
-    It is locked as long as it is open. Those that dead writers of the output have left are removed; where
-    there is no flock nothing says which are, and they stay. Raises OSError. Signals are to be held back.
+    It is locked as long as it is open, in the way that readers share: HDF5 locks what it reads, and may do so
+    from the instant in which the file has the name of the output. Those that dead writers of the output have
+    left are removed; where there is no flock nothing says which are, and they stay. Raises OSError. Signals
+    are to be held back.
     """
     _remove_dead(target)
     for _ in range(TRIES):
@@ -317,7 +319,7 @@ def open_partial(target: Path, folder: bool = False) -> tuple[int, Path]:
             if folder and target.parent.is_dir():  # taken for one of the dead before it was locked
                 continue
             raise
-        if _locked(descriptor) is not False and _is_at(descriptor, path):
+        if _locked(descriptor, shared=True) is not False and _is_at(descriptor, path):
             return descriptor, path
         os.close(descriptor)  # taken for one that a dead writer has left, and removed
     raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST))
@@ -346,12 +348,12 @@ def _remove_dead(target: Path) -> None:
                 os.close(descriptor)
 
 
-def _locked(descriptor: int) -> bool | None:
-    """Lock an open file: whether that went, None where there are no locks."""
+def _locked(descriptor: int, shared: bool = False) -> bool | None:
+    """Lock an open file, alone or beside others: whether that went, None where there are no locks."""
     if fcntl is None:
         return None
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(descriptor, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
     except BlockingIOError:
         return False
     except OSError as error:
