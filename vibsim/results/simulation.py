@@ -83,7 +83,7 @@ def simulate_to_file(
         return truth_to_file(case, path, digits, force, watch)
     recording = Recording(case, trust, tangent)
     with closing(recording):
-        recording.set_off()  # HDF5 is loaded while the engine runs
+        recording.set_off()  # the file is made while the engine runs
 
         writer: TrajectoryWriter | None = None
         try:
