@@ -79,7 +79,7 @@ def test_folds_beside_a_graze_are_followed():
     exact = [fold_of_one_impact(w)[0] for w in locus["second"]]
     np.testing.assert_allclose(locus["parameter"], exact, rtol=1e-11)
     assert locus.ends == (
-        "a rigid stop is grazed: here the locus meets that of the graze",
+        "a rigid stop is grazed: here the locus meets that of the grazing",
         "end of the range",
     )
     assert 0 < locus["second"][0] - np.sqrt(1 - 0.1**2 / 4) < 1e-3 and len(locus) < 60

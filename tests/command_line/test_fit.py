@@ -22,7 +22,7 @@ def test_the_ranking_is_printed_and_read_again(tmp_path):
     assert "  statement 1     passes 3 Hz before 6 s" in lines
     assert any(line.split()[:1] == ["best"] for line in lines)
     assert any("J = 0.002 kg m^2, c = 0.002" in line for line in lines)
-    assert any(line.endswith("hold  price") for line in lines)
+    assert any(line.endswith("hold  penalty") for line in lines)
     info = call("info", path)
     assert info.exit_code == 0
     assert info.stdout.splitlines()[:-1] == lines[:-1]
@@ -61,7 +61,7 @@ def test_what_a_statement_can_be_about_is_listed():
         (["fit", "II-B", "--try", "Jay=1", "--want", "captured"], "Jay: unknown key"),
         (["fit", "II-B", "--free", "c=5:1", "--want", "captured"], "a range must rise, got 5 to 1"),
         (["fit", "II-B", "--free", "J=1:2g.m^2", "--want", "captrued"], "did you mean captured?"),
-        (["fit", "II-B", "--leave", "J=dear", "--want", "captured"], "is not KEY=PRICE, such as J=0.05"),
+        (["fit", "II-B", "--leave", "J=dear", "--want", "captured"], "is not KEY=PENALTY, such as J=0.05"),
         (
             ["fit", "II-B", "--free", "J=1:2", "--free", "J=1:3", "--want", "captured"],
             "--free: J is given twice",

@@ -179,7 +179,8 @@ PHRASES = (
     ),
     ("a run of {} to {} digits, {} or more of them right at 300 s", digits_of),
     (
-        "From rest II-B ends at x2 = {} mm after {} impacts and {} sticks, II-C at {} mm after {} impacts",
+        "From rest II-B ends at x2 = {} mm after {} impacts and {} stick phases, "
+        "II-C at {} mm after {} impacts",
         lambda n: (
             f"{end_mm(n, 'II-B'):.3f}",
             run(n, "II-B")["impacts"],

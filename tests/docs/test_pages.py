@@ -2,6 +2,7 @@
 the motion alone to the last digit; not times and sizes.
 """
 
+import ast
 import re
 import shlex
 import shutil
@@ -139,3 +140,20 @@ def test_long_pages_begin_with_a_summary_and_have_sections(path):
     sections = re.split(r"(?m)^###? ", text)[1:]
     assert len(sections) >= 4
     assert max(len(section.split()) for section in sections) <= 1100
+
+
+# Penalty, impact, a grazing, a stick phase, reported.
+ODD = re.compile(r"\b(blows?|prices?|told|(the|a) graze|a stick|\d sticks?)\b(?! phase)", re.IGNORECASE)
+
+
+def test_messages_have_the_words_of_mechanics():
+    """All texts of the program of several words; names of columns and keys have one."""
+    odd = []
+    for path in sorted((ROOT / "vibsim").rglob("*.py")):
+        nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+        docstrings = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
+        for node in nodes:
+            if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docstrings:
+                found = ODD.search(node.value) if " " in node.value.strip() else None
+                odd += [f"{path.name} {node.lineno}: {found[0]}"] if found else []
+    assert odd == []

@@ -34,7 +34,7 @@ def test_what_is_printed():
     shown = told("orbit", "I-A")
     lines = {line[2:18].strip(): line[18:] for line in shown.splitlines()[1:] if line[2:3] != " "}
     assert lines["period"].startswith("1.42857142857 s, 0.7 Hz: 5 periods of the source, order 1/5")
-    assert "3 impacts, 2 sticks, 8 reversals" in lines["events"]
+    assert "3 impacts, 2 stick phases, 8 reversals" in lines["events"]
     assert "0.10140278 +- 0.79268517i (magnitude 0.79914473), 0" in lines["multipliers"]
     assert lines["stability"] == "stable" and "-inf 1/s" in lines["exponents"]
     assert set(lines) >= {"drift", "state", "margins", "energy", "residual", "certificate"}

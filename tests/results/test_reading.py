@@ -354,4 +354,4 @@ def test_the_bounds_of_the_step_are_a_list():
 def test_one_is_no_plural():
     result = vibsim.simulate("II-B", overrides={"Omega0": "6.5 Hz", "run.t_end": "20 s"})
     assert result.attrs["sticks"] == 1
-    assert dict(result.lines())["motion"] == f"{result.attrs['impacts']} impacts, 1 stick"
+    assert dict(result.lines())["motion"] == f"{result.attrs['impacts']} impacts, 1 stick phase"

@@ -191,7 +191,7 @@ class DriftVerdict(Verdict):
 
 
 class ImpactsVerdict(Verdict):
-    """In how many cycles of the source there are impacts, or of a friction sticks."""
+    """In how many cycles of the source there are impacts, or of a friction stick phases."""
 
     EVERY_CYCLE = "every cycle"
     SOME_CYCLES = "some cycles"

@@ -243,7 +243,7 @@ def counted_parts(scene: Scene) -> tuple[str, ...]:
 
 
 def count_impacts(result: Result, window: Window | None = None, part: str | None = None) -> ImpactsPerCycle:
-    """Impacts and sticks per cycle within `window` [s], by default the second half of the run.
+    """Impacts and stick phases per cycle within `window` [s], by default the second half of the run.
 
     part : the stop or friction whose events count; None: all events
 

@@ -466,7 +466,7 @@ def judge_points(points: np.ndarray, exponent: Exponent | None = None) -> Judged
         return JudgedPoints("transient", reason, near.period, step=near.step)
     if len(points) < FEWEST:
         reason = f"no period up to {min(LONGEST, len(points) // 5)}, and {len(points)} cycles are too few"
-        return JudgedPoints("undecided", f"{reason} to tell chaos, {FEWEST} are needed")
+        return JudgedPoints("undecided", f"{reason} to recognise chaos, {FEWEST} are needed")
     return _irregular(points, exponent)
 
 
@@ -476,7 +476,7 @@ def _irregular(points: np.ndarray, exponent: Exponent | None) -> JudgedPoints:
     prediction = prediction_error(points)
     if isnan(prediction):
         return JudgedPoints(
-            "undecided", "too many points are the same to tell how they follow", chaos_number=k
+            "undecided", "too many points are the same to see how they follow", chaos_number=k
         )
     sign = exponent.sign if exponent else None
     verdict, reason = _weighed(k, prediction, len(points), sign)

@@ -177,7 +177,7 @@ def motion_text(attrs: dict[str, Any]) -> str:
     if attrs.get("transmitted"):
         texts.append(f"{attrs['transmitted']} transmitted")
     texts += [counted(attrs[f"{word}s"], word) for word in ("chatter", "rest") if attrs.get(f"{word}s")]
-    return ", ".join([*texts, *(counted(attrs[f"{word}s"], word) for word in ("stick", "event"))])
+    return ", ".join([*texts, counted(attrs["sticks"], "stick phase"), counted(attrs["events"], "event")])
 
 
 def rest_distance_text(attrs: dict[str, Any], scene: Scene) -> str:

@@ -1,4 +1,4 @@
-"""A fit as users meet it: the call, candidates ranked by price, what became of each statement, horizons."""
+"""A fit as users meet it: the call, candidates ranked by penalty, what became of each statement, horizons."""
 
 from __future__ import annotations
 
@@ -177,7 +177,7 @@ class FitResult(Labelled):
     def heading(self) -> str:
         """Cases, how many candidates and runs, and the best."""
         names = ", ".join(case.name for case in self.plan.cases)
-        best = f"; best {self.best.candidate}, price {self.best.price:.3f}" if self.ranking else ""
+        best = f"; best {self.best.candidate}, penalty {self.best.price:.3f}" if self.ranking else ""
         return f"{names}: {len(self.candidates)} candidates, {len(self.runs)} runs{best}"
 
     def lines(self) -> list[tuple[str, str]]:
@@ -262,7 +262,7 @@ def best_text(fit: FitResult) -> str:
     """The first of the ranking in a sentence."""
     best = fit.best
     return (
-        f"{best.candidate}: {best.explained} of {len(best.results)} statements hold, price {best.price:.3f}"
+        f"{best.candidate}: {best.explained} of {len(best.results)} statements hold, penalty {best.price:.3f}"
     )
 
 
@@ -291,7 +291,7 @@ def horizon_texts(fit: FitResult, judged: Judgement) -> list[str]:
 
 def ranking_table(fit: FitResult, rows: int = SHOWN) -> Table:
     """The first rows of the ranking, and those of the printed values and the readings."""
-    heads = ("", "changed", *(f"{i}" for i in range(1, len(fit.statements) + 1)), "hold", "price")
+    heads = ("", "changed", *(f"{i}" for i in range(1, len(fit.statements) + 1)), "hold", "penalty")
     shown = [
         (rank, each)
         for rank, each in enumerate(fit.ranking, start=1)
@@ -439,7 +439,7 @@ def fit(
     statements : one or several, such as "captured until the end" or "II-C: settles between 6.1 and 6.3 Hz",
         see docs/fit.md
     readings : changes to judge beside what is found, e.g. "J=0.006 kg m^2, c=0.005 N s/m"
-    leave : key -> price of leaving the printed value by a factor of 10; 0.1 by default
+    leave : key -> penalty for leaving the printed value by a factor of 10; 0.1 by default
     ensemble : starts that are drawn, besides each case's own; 0: none
     spread : key -> what varies over them, as of `vibsim.sweep`; with a motor by default the rotor angle
     method : "quasi-random" or "evolution"

@@ -113,7 +113,7 @@ def drift_rate(result: Result, window: Window | None, argument: float) -> float:
 
 
 def per_cycle(name: str) -> Measure:
-    """Mean number of something per cycle: impacts or sticks."""
+    """Mean number of something per cycle: impacts or stick phases."""
 
     def measure(result: Result, window: Window | None, argument: float) -> float:
         count = getattr(count_impacts(result, window), name)

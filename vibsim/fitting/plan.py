@@ -309,7 +309,7 @@ class Work:
 DEFINITIONS = (
     "A shortfall is 0 where a value lies in the range that a statement asks for and grows in proportion to "
     "the distance from it, up to 1 at one width of the range (of an open range: the magnitude of its end); a "
-    "verdict has 0 or 1. The price is the mean shortfall over statements (by weight) and starts, and what "
+    "verdict has 0 or 1. The penalty is the mean shortfall over statements (by weight) and starts, and what "
     "leaving the printed values costs. Start 0 is that of the case, the last n_fresh are not seen by "
     "the search."
 )
@@ -428,7 +428,7 @@ def _measured_datasets() -> list[Dataset]:
     return [
         _text("origin", "where the candidate comes from", CANDIDATE),
         _text("changes", "values changed, as JSON", CANDIDATE),
-        Dataset("leaving", Column("1", "price of leaving the printed values"), (CANDIDATE,)),
+        Dataset("leaving", Column("1", "penalty for leaving the printed values"), (CANDIDATE,)),
         Dataset("status", Column("1", "whether it was run", dtype="i1", flags=STATUS_FLAGS), RUN),
         _text("sha256", "SHA-256 of the case of a run", *RUN),
         _text("error", "why a run failed", *RUN),

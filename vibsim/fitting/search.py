@@ -257,9 +257,9 @@ class Evaluation:
             self._keep(workers.result(future))
 
 
-# What a candidate comes to: from which share of the starts each statement holds, and its price.
+# What a candidate comes to: from which share of the starts each statement holds, and its penalty (`price`).
 #
-# The price is the mean shortfall of the statements over the starts, each statement by its weight, and what
+# The penalty is the mean shortfall of the statements over the starts, each statement by its weight, and what
 # leaving the printed values costs.
 
 

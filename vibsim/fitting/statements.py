@@ -384,7 +384,7 @@ def _decades(value: Quantity, printed: Quantity) -> float:
 # c=linear 0.001:0.05     in equal steps;  c=log 1e-3:2e-3  by ratio
 
 
-LEAVE = 0.1  # price of a factor of 10, or of the whole width of a range in equal steps
+LEAVE = 0.1  # penalty for a factor of 10, or of the whole width of a range in equal steps
 DIGITS = 4  # significant ones of a value that is tried, so that it can be written down
 FAR_APART = 5.0  # ratio of the ends from which a range is divided by ratio
 SCALES = ("log", "linear")
@@ -401,7 +401,7 @@ class FreeParameter:
     low, high : ends of the range
     by_ratio : whether the search divides the range by ratio
     printed : value in each case
-    leave : price of leaving it by a factor of 10 (by the whole width where not `by_ratio`)
+    leave : penalty for leaving it by a factor of 10 (by the whole width where not `by_ratio`)
     """
 
     key: str
@@ -472,7 +472,7 @@ def read_free(cases: list[Case], key: str, text: str, leave: float | None = None
         raise FitError(f"{key}={text}: a range by ratio must begin above 0")
     by_ratio = scale == "log" or (not scale and low > 0 and high / low >= FAR_APART)
     if leave is not None and not 0 <= leave < float("inf"):
-        raise FitError(f"leave {key}={leave:g}: a price is at least 0")
+        raise FitError(f"leave {key}={leave:g}: a penalty is at least 0")
     printed = tuple(printed_value(case, full, unit) for case in cases)
     return FreeParameter(full, unit, low, high, by_ratio, printed, LEAVE if leave is None else leave)
 

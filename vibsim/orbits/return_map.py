@@ -273,7 +273,7 @@ def _rates(scene: Scene) -> list[float]:
     rates = natural_rates(scene, scene.stops)
     if not rates:
         raise OrbitError(
-            "near the start of the case no spring or formula brings a body back, so nothing tells how long a "
+            "near the start of the case no spring or formula brings a body back, so nothing sets how long a "
             "swing takes; start the case where one does"
         )
     return rates

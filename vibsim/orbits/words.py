@@ -116,7 +116,7 @@ def without_landings(word: Word) -> Word:
 
 
 def _over(slips: Iterable[tuple[str, int]]) -> bool:
-    """Whether slips among ends and beginnings of sticks all begin and end among them."""
+    """Whether slips among ends and beginnings of stick phases all begin and end among them."""
     sliding = set[int]()
     for kind, part in slips:
         if (kind == "stick_end") == (part in sliding):

@@ -307,7 +307,7 @@ NAMES = {
     "doubling": "period doublings",
     "neimark-sacker": "Neimark–Sacker points",
     "grazing": "grazings",
-    "sticking": "sticks that come or go",
+    "sticking": "stick phases that come or go",
 }
 END: dict[str, Any] = {"marker": "o", "color": VERMILLION, "markersize": 3, "linestyle": "none"}
 

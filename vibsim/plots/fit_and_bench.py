@@ -32,7 +32,7 @@ from vibsim.plots.subject import PlotError, Subject, View, as_text
 from vibsim.plots.sweep_axes import words_of
 
 FIT_HEIGHT_CM = 7.0
-PRICE = "Price (0: every statement holds)"
+PENALTY = "Penalty (0: every statement holds)"
 SIZE = 26  # of a point [pt^2]
 ROOM = 0.04  # of the range, beside the first and last point
 
@@ -59,27 +59,27 @@ def _is_placed(judged: Judgement, free: Sequence[FreeParameter]) -> bool:
 
 
 def _along(axes: Axes, fit: FitResult, judged: Sequence[Judgement], free: FreeParameter) -> None:
-    """The price against one parameter."""
+    """The penalty against one parameter."""
     axes.plot(
         [_value(each, free) for each in judged], [each.price for each in judged], "o", color=BLUE,
         markersize=3.5, gid="price",
     )  # fmt: skip
     _mark(axes, (_value(fit.best, free), fit.best.price), None)
-    axes.set_ylabel(PRICE)
+    axes.set_ylabel(PENALTY)
     _axis(axes, "x", free)
 
 
 def _plane(
     figure: Figure, axes: Axes, fit: FitResult, judged: Sequence[Judgement], free: Sequence[FreeParameter]
 ) -> None:
-    """The price in colours over two parameters, dear candidates below cheap ones."""
+    """The penalty in colours over two parameters, candidates of a high one below those of a low one."""
     order = sorted(judged, key=lambda each: -each.price)
     x, y = ([_value(each, one) for each in order] for one in free)
     shown = axes.scatter(
         x, y, c=[each.price for each in order], s=SIZE, cmap="viridis_r", edgecolors="white",
         linewidths=0.4, gid="price",
     )  # fmt: skip
-    figure.colorbar(shown, ax=axes, label=PRICE, pad=0.02, aspect=30)
+    figure.colorbar(shown, ax=axes, label=PENALTY, pad=0.02, aspect=30)
     _mark(axes, tuple(_value(fit.best, one) for one in free), tuple(one.printed[0] for one in free))
     for which, one in zip("xy", free, strict=True):
         _axis(axes, which, one)

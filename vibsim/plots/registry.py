@@ -251,7 +251,7 @@ KINDS = (
     PictureKind(
         "fit",
         "fit",
-        "price of the candidates over the free parameters",
+        "penalty of the candidates over the free parameters",
         ("free parameters",),
         alone=True,
         spans=(),

@@ -393,7 +393,7 @@ COUNTED = {
 
 
 def part_counts(result: "Result", scene: Scene) -> dict[str, dict[str, int]]:
-    """By name of the part: numbers of impacts, sticks, reversals and so on; those that are 0 left out
+    """By name of the part: numbers of impacts, stick phases, reversals and so on; those that are 0 left out
     but for the impacts of a stop and the sticks of a friction.
     """
     names = event_parts(scene)

@@ -349,7 +349,8 @@ def lines_of(result: "Result") -> list[tuple[str, str]]:
     attrs = result.attrs
     lines = [("title", one_line(result.case.title))] if result.case.title else []
     lines.append(("method", f"{attrs.get('method')} on the {attrs.get('engine')} engine"))
-    counted = [_counted(attrs[f"{word}s"], word) for word in ("impact", "stick") if f"{word}s" in attrs]
+    words = {"impacts": "impact", "sticks": "stick phase"}
+    counted = [_counted(attrs[name], word) for name, word in words.items() if name in attrs]
     if counted:
         lines.append(("motion", ", ".join(counted)))
     if result.trust_horizon is not None:

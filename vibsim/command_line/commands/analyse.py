@@ -235,7 +235,7 @@ def impact_lines(impacts: ImpactsPerCycle, verbose: bool) -> list[Line]:
     text = f"{_verdict(impacts.verdict)}: {impacts.reason}"
     if impacts.impacts is not None:
         text = f"{_verdict(impacts.verdict)}: {impacts.impacts:.4g} per cycle, {impacts.reason}"
-        text += f"; {impacts.sticks:.4g} sticks per cycle" if impacts.sticks else ""
+        text += f"; {impacts.sticks:.4g} stick phases per cycle" if impacts.sticks else ""
     elif impacts.sticks is not None:
         text = f"{_verdict(impacts.verdict)}: {impacts.sticks:.4g} per cycle, {impacts.reason}"
     lines = [("impacts", text)]

@@ -60,9 +60,9 @@ FREE = PairType("KEY=FROM:TO, such as J=0.5:20g.m^2", some_text)
     help="A number to change; 'log FROM:TO' divides by ratio, 'linear FROM:TO' in equal steps; repeatable.",
 )  # fmt: skip
 @click.option(
-    "--leave", "prices", metavar="KEY=PRICE", multiple=True,
-    type=PairType("KEY=PRICE, such as J=0.05", float),
-    help="Price of a factor of 10 from the printed value (of the whole width in equal steps). [default: 0.1]",
+    "--leave", "prices", metavar="KEY=PENALTY", multiple=True,
+    type=PairType("KEY=PENALTY, such as J=0.05", float),
+    help="Penalty for a factor of 10 from the printed value (or the width, in equal steps). [default: 0.1]",
 )  # fmt: skip
 @click.option(
     "--try", "readings", metavar="KEY=VALUE,...", multiple=True, help="Values to judge as well; repeatable."

@@ -365,7 +365,7 @@ def section_text(orbit: Orbit) -> str:
 
 
 def counts_of(orbit: Orbit) -> dict[str, int]:
-    """Impacts, sticks and reversals of one period."""
+    """Impacts, stick phases and reversals of one period."""
     kinds = [kind for kind, _ in orbit.events]
     return {
         "impacts": sum(kind in IMPACTS for kind in kinds),
@@ -376,7 +376,8 @@ def counts_of(orbit: Orbit) -> dict[str, int]:
 
 def events_text(orbit: Orbit) -> str:
     """The word and its counts."""
-    counts = ", ".join(counted(number, name.removesuffix("s")) for name, number in counts_of(orbit).items())
+    words = ("impact", "stick phase", "reversal")
+    counts = ", ".join(map(counted, counts_of(orbit).values(), words))
     return f"{orbit.spelled or 'none'}: {counts}"
 
 
@@ -400,7 +401,7 @@ def stability_text(orbit: Orbit) -> str:
 
 
 def margins_text(orbit: Orbit) -> str:
-    """Smallest gap at a turn without contact; force between a reversal and sticking, or a stick and slip."""
+    """Smallest gap at a turn without contact; force between a reversal and sticking, or stick and slip."""
     scene = orbit.scene
     margin = metres(orbit.margin, scene.length_unit)
     gap = "no turn of a gap" if orbit.margin == inf else f"{margin} at a turn of a gap"

@@ -116,7 +116,7 @@ def drift_grows(numbers: Numbers) -> Finding:
     if equal and not late[EQUAL_FORCE]:
         remark += (
             " With equal forces the displacement is that of the start, a force A sin(ωt) that sets in at "
-            "full size on blocks at rest; in the second half no growth can be told from nothing."
+            "full size on blocks at rest; in the second half no growth can be distinguished from zero."
         )
     lines.append(f"medians of the starts: {_medians(numbers, PRINTED)}; {_medians(numbers, EQUAL_FORCE)}")
     laws = ("the amplitudes are those of Table 1", "they follow Eq. (2.11)")

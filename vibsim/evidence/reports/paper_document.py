@@ -71,7 +71,7 @@ MECHANISM = (
     "leaves."
 )
 READ = (
-    "Which other numbers would make the account hold? Readings are ranked by price: the mean shortfall of "
+    "Which other numbers would make the account hold? Readings are ranked by penalty: the mean shortfall of "
     "the statements over all starts, and 0.1 for each factor of 10 by which a number is changed (vibsim "
     "fit), or for taking the stop away. Each was run from rest and from 24 starts, x1 up to 1 mm to either "
     "side and the rotor anywhere; a statement holds where it does from four of five. Table 1 has the "
@@ -253,7 +253,7 @@ CHAOS = (
     "{most} of them have: four in five. This rule is ours."
 )
 CAPTURE = (
-    "The paper does not say how a captured motor is told. Here it is held while its mean speed over 12 "
+    "The paper does not say how a captured motor is recognised. Here it is held while its mean speed over 12 "
     "turns stays within ±3 %; a hold counts as capture from 15 times the time that the motor alone would "
     "take through that band. That scale is relative: a rotor with more inertia runs up more slowly, and "
     "must be held for longer to count. Through ±3 % about 3.69 Hz with a no-load speed of 6.5 Hz, the least "
@@ -377,10 +377,10 @@ KINDS = ("captured", "escaped", "passed", "not met", "undecided")
 
 
 def readings_table(ranking: Sequence[Numbers]) -> PageTable:
-    """Every reading: what it changes, from how many starts each statement then holds, and its price."""
-    heads = ("Changed", "Table 1", *(statement.head for statement in STATEMENTS), "Hold", "Price")
+    """Every reading: what it changes, from how many starts each statement then holds, and its penalty."""
+    heads = ("Changed", "Table 1", *(statement.head for statement in STATEMENTS), "Hold", "Penalty")
     return PageTable(
-        "Readings of the printed numbers, the cheapest first",
+        "Readings of the printed numbers, the least penalty first",
         heads,
         tuple(_reading(row) for row in sorted(ranking, key=price_of)),
     )
@@ -404,7 +404,7 @@ def _named(key: str, text: str) -> str:
 
 
 def price_of(row: Numbers) -> float:
-    """The price of a reading."""
+    """The penalty of a reading."""
     price: float = row["price"]
     return price - row["leaving"] + LEAVE if row["changes"] == NO_STOP else price
 

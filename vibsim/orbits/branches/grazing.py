@@ -227,7 +227,7 @@ def _about(return_map: ReturnMap, X: np.ndarray, T: float, stop: int, touch: flo
     others = min((abs(share - middle) for share in shares), default=1.0)
     nearest = min(middle, 1 - middle, others)
     if min(middle, 1 - middle) < AT_SECTION or others < AT_EVENT:
-        raise ContinuationError("the graze comes to the section, or to another event")
+        raise ContinuationError("the grazing comes to the section, or to another event")
     return Window(
         stop, round(middle * 2**20) / 2**20, ldexp(0.5, frexp(min(WIDEST, TOUCHING_SHARE * nearest))[1])
     )
@@ -268,7 +268,7 @@ def touches(return_map: ReturnMap, X: np.ndarray, T: float, stop: int) -> list[f
         if bend > 0:
             near.append((float(rate**2 / (2 * bend)), t))
     if not near:
-        raise ContinuationError("no turn before the stop is left of the graze")
+        raise ContinuationError("no turn before the stop is left of the grazing")
     return [t for _, t in sorted(near)]
 
 

@@ -43,7 +43,7 @@ ASIDE = 2.0**-12  # scaled: beside a kink, far beyond what difference quotients 
 FAMILIES = 4  # values of the second parameter that are kept
 LOCUS_PACE = Pace(first=0.01, least=1e-7, most=0.05)
 END = "end of the range"
-GRAZED = "a rigid stop is grazed: here the locus meets that of the graze"
+GRAZED = "a rigid stop is grazed: here the locus meets that of the grazing"
 INFINITE = 1e6  # scaled derivative of a test value beside which a rigid stop is grazed
 KINDS = (FOLD, DOUBLING, TORUS, GRAZING, STICKING)
 WATCHED = (GRAZING, STICKING)  # changes of order, where multipliers are on no circle

@@ -162,8 +162,8 @@ def holding(special: SpecialPoint) -> int:
     friction = held(special.before, special.after)
     if friction is None:
         raise BranchError(
-            f"{special.label}: loci are followed where a reversal of one friction becomes a stick; here a "
-            "sliding velocity touches zero, a stop comes to rest, or several things happen at once"
+            f"{special.label}: loci are followed where a reversal of one friction becomes a stick phase; "
+            "here a sliding velocity touches zero, a stop comes to rest, or several things happen at once"
         )
     return friction
 

@@ -43,7 +43,7 @@ NAMES = {  # as they are called in sentences
     TORUS: "a Neimark-Sacker point",
     BRANCHING: "a branch point",
     GRAZING: "a grazing",
-    STICKING: "a stick that comes or goes",
+    STICKING: "a stick phase that comes or goes",
     TURNING: "a sliding velocity that touches zero",
     ORDER: "a change of the order of events alone",
     CORNER: "a corner",
@@ -81,8 +81,8 @@ class Special:
 
 
 def kind_of_change(before: Word, after: Word) -> str:
-    """Kind of a change of the order of events: contacts or sticks that come or go, reversals, or the order
-    alone. A stick goes where impacts that a chatter ends follow each other without one between.
+    """Kind of a change of the order of events: contacts or stick phases that come or go, reversals, or the
+    order alone. A stick phase goes where impacts that a chatter ends follow each other without one between.
     """
     gone, come = changes(without_sequences(before), without_sequences(after))
     changed = {kind for kind, _ in gone + come}
