@@ -34,6 +34,7 @@ RUN = {
     "certified": "1: every stretch of motion is proved free of missed events, and every event proved",
     "uncertified": "number of stretches and events in doubt",
     "first_uncertified_time": "when the first of them begins [s]",
+    "doubts_json": "the first of them as JSON: time near which [s], events by the names of the parts, reason",
     "violations": "how often a clearance was violated",
     "first_violation_time": "when first [s]",
     "grazing_margin": "smallest gap at which an open stop turned round without contact [m]",

@@ -69,6 +69,12 @@ def test_a_run_that_touches_the_stop_is_in_doubt():
     assert attrs["uncertified"] >= 1
     assert 0 <= attrs["first_uncertified_time"] <= 0.32  # half a period of the spring
     assert f"in doubt, the first from {attrs['first_uncertified_time']:.6g} s on" in text
+    alike = "contact at stop: a touch so near that it cannot be distinguished from a miss"
+    doubts = json.loads(call("info", "touching.h5", "--json").stdout)["doubts"]
+    assert len(doubts) == attrs["uncertified"]
+    assert {": ".join((*one["events"], one["reason"])) for one in doubts} == {alike}
+    first, last = doubts[0]["time_s"], doubts[-1]["time_s"]
+    assert f" {first:.6g} s: {alike} ({len(doubts)} times until {last:.6g} s)\n" in text
 
 
 def test_the_texts_of_the_summary_stand_in_one_column():

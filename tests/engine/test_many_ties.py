@@ -124,7 +124,7 @@ def test_ties_obey_coulombs_law(monkeypatch):
     for _ in range(40):
         scene = scene_at_rest(rng)
         table = ModeTable(scene)
-        automaton = Automaton(scene, table.maker, Expansion(scene, table), lambda _: None)
+        automaton = Automaton(scene, table.maker, Expansion(scene, table), lambda *_: None)
         state = start_of(scene, Doubles)
         status, _ = automaton.initial(state)
         base = -sum(term.amplitude * term.omega**2 for term in scene.base)

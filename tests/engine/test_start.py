@@ -93,7 +93,10 @@ def test_a_base_that_turns_round_at_the_start_strikes_nothing(phase):
 def decided(of):
     """(mode, known zeros, doubts) of the start by the automaton; the mode by signs alone, or None."""
     table, doubts = ModeTable(of), []
-    maker, automaton = table.maker, Automaton(of, table.maker, Expansion(of, table), doubts.append)
+    maker, automaton = (
+        table.maker,
+        Automaton(of, table.maker, Expansion(of, table), lambda t, *_: doubts.append(t)),
+    )
     plain = UnambiguousStart(of, maker.ends)
     status = plain.status(start_of(of, Doubles)) if plain.known else None
     return (*automaton.initial(start_of(of, Doubles)), len(set(doubts))), status

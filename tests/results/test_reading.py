@@ -45,6 +45,28 @@ def change(path, **attrs):
     return path
 
 
+DOUBT = '{"time_s": 0.5, "events": ["contact at stop"], "reason": "rounding hides it"}'
+
+
+def test_doubts_are_read_where_the_file_tells_of_them(copy):
+    """An older version counted them only."""
+    assert (
+        vibsim.open_result(change(copy, uncertified=1, certified=0, first_uncertified_time=0.5)).doubts == []
+    )
+    (doubt,) = vibsim.open_result(change(copy, doubts_json=f"[{DOUBT}]")).doubts
+    assert doubt == (0.5, ("contact at stop",), "rounding hides it")
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{}7", "5", "[5]", "[" * 100000, f"[{DOUBT}]".replace("0.5", "NaN"), '[{"time_s": 0.5}]']
+)
+def test_doubts_that_are_none(copy, text):
+    assert (
+        refusal(change(copy, doubts_json=text))
+        == "damaged: the attribute doubts_json does not describe doubts"
+    )
+
+
 def test_missing(tmp_path):
     assert refusal(tmp_path / "none.h5") == "No such file or directory"
 

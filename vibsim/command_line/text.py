@@ -73,6 +73,7 @@ def result_lines(result: Result) -> list[tuple[str, str]]:
         lines.append(("trust horizon", trust_text(result)))
     if "certified" in attrs:
         lines.append(("certificate", certificate_text(attrs)))
+        lines += [("", text) for text in doubt_texts(result)]
     if "grazing_margin" in attrs:
         lines.append(
             (
@@ -115,6 +116,22 @@ def certificate_text(attrs: Mapping[str, Any]) -> str:
     count, first = attrs["uncertified"], attrs["first_uncertified_time"]
     stretches = "1 stretch" if count == 1 else f"{count} stretches"
     return style(f"{stretches} in doubt, the first from {first:.6g} s on", fg="yellow")
+
+
+def doubt_texts(result: Result) -> list[str]:
+    """When, which events and why, of the doubts that are described: a line for those alike."""
+    alike: dict[str, list[float]] = {}
+    for doubt in result.doubts:
+        text = ": ".join(filter(None, (" and ".join(doubt.events), doubt.reason)))
+        alike.setdefault(text, []).append(doubt.time)
+    lines = []
+    for text, times in alike.items():
+        again = f" ({len(times)} times until {times[-1]:.6g} s)" if len(times) > 1 else ""
+        lines.append(f"{times[0]:.6g} s: {text}{again}")
+    more = int(result.attrs.get("uncertified", 0)) - sum(map(len, alike.values()))
+    if lines and more > 0:
+        lines.append(f"and {more} more")
+    return [style(line, fg="yellow") for line in lines]
 
 
 def energy_text(attrs: Mapping[str, Any]) -> str:
@@ -217,6 +234,8 @@ def summary_object(result: Result, path: str | Path) -> dict[str, Any]:
     resolved = json.loads(attrs.pop("case_resolved_json"))
     if "lyapunov_exponents" in attrs:
         attrs |= plain(exponent_object(result))
+    if "doubts_json" in attrs:
+        attrs["doubts"] = json.loads(attrs.pop("doubts_json"))
     counts = counts_of(result)
     if counts:
         attrs["parts"] = counts

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from array import array
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -14,6 +14,8 @@ import numpy as np
 
 import vibsim.engine._engine as _engine
 from vibsim.engine.columns import part_columns
+from vibsim.engine.doubts import REASONS as DOUBTED
+from vibsim.engine.doubts import Doubt, few_of, name_of_event
 from vibsim.engine.errors import EngineError, State, Stopped, start_of
 from vibsim.engine.events.automaton import Automaton, UnambiguousStart
 from vibsim.engine.events.rule_maker import RuleMaker
@@ -52,18 +54,20 @@ REASONS = {
 NO_EVENT = -1  # in place of the kind of an event, where nothing is told
 
 
-def doubts_of(run: CRun) -> Callable[[Any], None]:
-    """What tells a run in C of a doubt at a time.
+def doubts_of(run: CRun) -> Callable[[Any, str, Iterable[str]], None]:
+    """What counts a doubt of the automaton for a run: at a time [s], for a reason, by the names of events.
 
     It does not keep that run: flows and automaton refer to each other, so that what they keep is freed by the
     garbage collector only, which knows nothing of the megabytes that C holds.
     """
     kept = ref(run)
 
-    def doubt(t: Any) -> None:
+    def doubt(t: Any, reason: str, names: Iterable[str]) -> None:
         of = kept()
         if of is not None:
-            of.run.doubt(t)
+            number = of.run.doubt(t)
+            if number >= 0:
+                of.described[number] = Doubt(float(t), few_of(names), reason)
 
     return doubt
 
@@ -108,6 +112,7 @@ class CRun:
         self.run = form.run(ints, self._doubles)
         self.stopped = threading.Event()
         self.left_at: State | None = None  # before an event that was left undecided
+        self.described: dict[int, Doubt] = {}  # of the first doubts, by number
         self.told = 0  # bytes of the modes that C knows
         self.numbers: dict[Status, int] = {}
         self.statuses: list[Status] = []
@@ -146,8 +151,24 @@ class CRun:
         if scene.rigid_stops:  # whose automaton sums up what the ends of sequences of impacts leave out
             vars(self).pop("automaton", None)
         self.scene = scene
+        self.described.clear()
         self.run.rewind(scene.t_end)
         self._begin(*self._begun(start_of(scene, self.kit)))
+
+    @property
+    def doubts(self) -> list[Doubt]:
+        """The first doubts of the certificate, in the order in which they came."""
+        self._describe_doubts()
+        return [self.described[number] for number in sorted(self.described)]
+
+    def _describe_doubts(self) -> None:
+        """Name the events of the doubts of C while it knows the modes that they are numbered in."""
+        for number, (at, reason, mode, *events) in enumerate(self.run.doubts()):
+            if number not in self.described:
+                rows = self.rows_of(mode)
+                names = (name_of_event(self.maker, rows, rows.events[i]) for i in events if i >= 0)
+                (time,) = self.kit.rounded([at])
+                self.described[number] = Doubt(time, few_of(names), DOUBTED[reason])
 
     @cached_property
     def maker(self) -> RowMaker:
@@ -255,6 +276,7 @@ class CRun:
 
     def _forget_modes(self) -> None:
         """Have C forget all modes but the one it is in: it is told of them again where it comes back."""
+        self._describe_doubts()
         now = self.statuses[self.run.forget_modes()]
         self.numbers, self.statuses, self.told = {now: 0}, [now], 0
         self.ruled.clear()

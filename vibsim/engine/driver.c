@@ -144,7 +144,7 @@ static void note_violation(Run *r, Buffers *b)
 
 static void use_mode(Run *r, int number)
 {
-    r->mode_number = number;
+    r->mode_number = r->certificate.mode = number;
     r->mode = r->modes[number];
 }
 

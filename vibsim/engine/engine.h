@@ -207,9 +207,22 @@ typedef struct {
     Real t, phase, turns, w, *x, *v;
 } State;
 
+/* Why a stretch or an event is not proved, see certificate.h; as in vibsim/engine/doubts.py */
+enum { DECISION, WHICH_IS_FIRST, TOUCH_OR_MISS, TOO_SHORT_STEPS, WHICH_SIDE, RESTS_AT_ZERO };
+#define MOST_DOUBTS 8 /* that are described */
+
+/* A doubt: near which time [s], for which reason, and the event functions in doubt by their numbers in the mode of then, or NOTHING. */
+typedef struct {
+    Real at;
+    int reason, mode, event, other;
+} Doubt;
+
+/* mode: of now; watched: the event function whose zeros are looked for, by its number in that mode */
 typedef struct {
     Real margin, margin_time, first_doubt, doubted;
     double uncertified;
+    int mode, watched;
+    Doubt doubts[MOST_DOUBTS]; /* the first ones */
 } Certificate;
 
 /* Coefficient n of displacement c is table[n * stride + c], of its rate table[n * stride + rates + c]; columns as in

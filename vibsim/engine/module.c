@@ -3,6 +3,7 @@
 #include "elementary.h"
 #include "roots_alone.h"
 #include "run_object.h"
+#include "certificate.h"
 
 #include <string.h>
 
@@ -302,16 +303,12 @@ static PyObject *add_entry(RunObject *self, PyObject *args)
 static PyObject *doubt_here(RunObject *self, PyObject *args)
 {
     Certificate *c = &self->run.certificate;
-    Real anchor;
-    if (!PyArg_ParseTuple(args, "O&", number_from, &anchor))
+    Real t;
+    int count;
+    if (!PyArg_ParseTuple(args, "O&", number_from, &t))
         return NULL;
-    if (anchor != c->doubted) {
-        if (c->uncertified == 0)
-            c->first_doubt = anchor;
-        c->uncertified += 1;
-        c->doubted = anchor;
-    }
-    Py_RETURN_NONE;
+    count = described(c);
+    return PyLong_FromLong(doubt(c, t, t, DECISION, NOTHING, NOTHING) && count < MOST_DOUBTS ? count : NOTHING);
 }
 
 /* States at ascending times and what each part does then, into their columns, from the time with the index `made` on. Events on
@@ -388,6 +385,7 @@ ALONE(pending)
 ALONE(take)
 ALONE(add_entry)
 ALONE(doubt_here)
+ALONE(run_doubts)
 ALONE(states_at)
 ALONE(run_at_begin)
 ALONE(run_extremes)
@@ -438,7 +436,8 @@ static PyMethodDef methods[] = {
      "take(mode, state, known, kinds, parts) -> as advance\n\n"
      "Go on behind the pending event; known: order by key, -1 where nothing is said."},
     {"add_entry", (PyCFunction)add_entry_alone, METH_VARARGS, "add_entry(entry, value): to the ledger, what an event adds"},
-    {"doubt", (PyCFunction)doubt_here_alone, METH_VARARGS, "doubt(t): count what happened at t as not proved"},
+    {"doubt", (PyCFunction)doubt_here_alone, METH_VARARGS, "doubt(t) -> its number among the doubts that are described: count what happened at t as not proved; -1 where it is counted already or they are enough"},
+    {"doubts", (PyCFunction)run_doubts_alone, METH_NOARGS, "doubts() -> the first of them: (time, reason, mode, event, other)"},
     {"states_at", (PyCFunction)states_at_alone, METH_VARARGS,
      "states_at(times, states, codes, made) -> how many there are now: call again for more; what became of the run"},
     {"at_begin", (PyCFunction)run_at_begin_alone, METH_VARARGS, "at_begin(out): fills a column with the state at the time from which samples are recorded"},

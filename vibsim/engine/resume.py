@@ -61,7 +61,7 @@ def _with_switches(scene: Scene, state: State, status: Status, known: Known) -> 
     if maker.formulas is None or not maker.formulas.switches:
         return status, known
     relative = RelativeMotion(scene, Doubles)
-    departures = DerivativeSigns(relative, maker, Expansion(scene, table), lambda _: None)
+    departures = DerivativeSigns(relative, maker, Expansion(scene, table), lambda *_: None)
     assert departures.switches is not None
     status, zeros = departures.switches.initial(state, departures, status)
     return status, known | zeros

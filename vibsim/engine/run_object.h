@@ -75,6 +75,7 @@ int run_is_ready(RunObject *self);
 PyObject *list_of(const Real *values, int count, int stride);
 PyObject *state_tuple(const Run *r, const State *s);
 PyObject *run_tally(RunObject *self, PyObject *none);
+PyObject *run_doubts(RunObject *self, PyObject *none);
 PyObject *run_at_begin(RunObject *self, PyObject *args);
 PyObject *run_extremes(RunObject *self, PyObject *none);
 PyObject *run_disturbances(RunObject *self, PyObject *none);

@@ -1,6 +1,8 @@
 /* What a run has come to, as objects of Python. */
 #include "run_object.h"
 
+#include "certificate.h"
+
 #include <string.h>
 
 int run_is_ready(RunObject *self)
@@ -46,6 +48,28 @@ PyObject *run_tally(RunObject *self, PyObject *none)
                          "evaluations", r->evaluations, "certificate", r->certificate.uncertified, number_object(r->certificate.first_doubt),
                          number_object(r->certificate.margin), number_object(r->certificate.margin_time), "violated_once", r->violated_once,
                          "first_violation", number_object(r->first_violation), "mode", r->mode_number, "singular", r->singular);
+}
+
+PyObject *run_doubts(RunObject *self, PyObject *none)
+{
+    const Certificate *c = &self->run.certificate;
+    const int count = described(c);
+    PyObject *list;
+    int i;
+    (void)none;
+    if (!run_is_idle(self))
+        return NULL;
+    list = PyList_New(count);
+    for (i = 0; list && i < count; i++) {
+        const Doubt *d = &c->doubts[i];
+        PyObject *one = Py_BuildValue("Niiii", number_object(d->at), d->reason, d->mode, d->event, d->other);
+        if (!one) {
+            Py_CLEAR(list);
+            break;
+        }
+        PyList_SET_ITEM(list, i, one);
+    }
+    return list;
 }
 
 /* The state where samples begin, into the column `out` as samples are written; not before the run has come there. */

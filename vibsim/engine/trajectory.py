@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.engine.blocks import Block, ColumnMaker, by_name
+from vibsim.engine.doubts import Doubt
 from vibsim.engine.errors import State
 from vibsim.engine.ledger import ledger_totals, rigid_totals, totals_of
 from vibsim.engine.modes.ties import Edge
@@ -140,6 +141,11 @@ class Trajectory:
     def left_out(self) -> list[tuple[float, float]]:
         """(time [s], distance [m] that ends of infinite sequences of impacts have left out from then on)."""
         return self.run.automaton.rigid.chatter.cut_off.ends if self.scene.rigid_stops else []
+
+    @property
+    def doubts(self) -> list[Doubt]:
+        """What the first doubts of the certificate are about; the totals count all."""
+        return self.run.doubts
 
     @property
     def totals(self) -> dict[str, Any]:

@@ -23,7 +23,7 @@ from vibsim.results.columns import Digits, Distances, tables_of
 from vibsim.results.file_contents import origin, outcome
 from vibsim.results.recording import MemorySink, Sink, TruthWriter, Watch
 from vibsim.results.result import Result
-from vibsim.results.trajectory_file import TrajectoryFile
+from vibsim.results.trajectory_file import TrajectoryFile, doubt_attributes
 from vibsim.results.trust_horizon import Rows
 from vibsim.signals import held_back
 
@@ -260,7 +260,8 @@ class TruthRecording:
     def end(self) -> dict[str, Any]:
         """Attributes of what came of the run so far."""
         wall_time = time.perf_counter() - self.began
-        return outcome(self.trajectory.totals, self.t_reached, self._rest.attrs, wall_time, self.complete)
+        known = outcome(self.trajectory.totals, self.t_reached, self._rest.attrs, wall_time, self.complete)
+        return {**known, **doubt_attributes(self.trajectory.doubts)}
 
 
 class TruthMemory(MemorySink):

@@ -30,7 +30,7 @@ from vibsim.results.output_files import (
     publish,
 )
 from vibsim.results.parallel_runs import GoOn
-from vibsim.results.trajectory_file import digit_columns, exponent_attributes
+from vibsim.results.trajectory_file import digit_columns, doubt_attributes, exponent_attributes
 from vibsim.results.trust_horizon import NoTrust, Rows, Trust
 from vibsim.signals import held_back
 
@@ -154,7 +154,8 @@ class Recording:
         wall_time = time.perf_counter() - self.began
         totals = self.trajectory.totals
         known = outcome(totals, self.t_reached, self._distances.attrs, wall_time, self.complete)
-        return {**known, **exponent_attributes(totals), **self._trust.attrs(self.t_reached)}
+        doubts = doubt_attributes(self.trajectory.doubts)
+        return {**known, **doubts, **exponent_attributes(totals), **self._trust.attrs(self.t_reached)}
 
 
 def left_out(trajectory: Trajectory, block: Block) -> np.ndarray | float:

@@ -20,6 +20,7 @@ from vibsim.signals import held_back
 
 if TYPE_CHECKING:
     from vibsim.cases import Case
+    from vibsim.engine.doubts import Doubt
     from vibsim.results.columns import Digits, Tables
     from vibsim.results.file_contents import Column
     from vibsim.results.recording import TrajectoryWriter
@@ -114,6 +115,15 @@ class Result(Labelled):
     def error_estimate(self) -> np.ndarray | None:
         """Estimated error of the displacements [m] at each sample; None as above."""
         return self._samples.get("error_estimate")
+
+    @property
+    def doubts(self) -> "list[Doubt]":
+        """What the certificate could not prove, the first few: `time` [s] near which, `events` by the names
+        of the parts, `reason` in words. `attrs["uncertified"]` counts all; older files tell no more.
+        """
+        from vibsim.results.trajectory_file import doubts_in
+
+        return doubts_in(self.attrs)
 
     @property
     def complete(self) -> bool:

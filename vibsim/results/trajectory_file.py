@@ -1,13 +1,15 @@
 """A trajectory file opened for reading: checked once, its columns read when they are asked for."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from math import inf
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
+from vibsim.engine.doubts import Doubt
 from vibsim.results.columns import TIMES, Digits, Tables, tables_of
 from vibsim.results.file_contents import (
     ENGINE,
@@ -75,6 +77,7 @@ class TrajectoryFile:
         """Columns and end [s] that the case and the attributes promise, both checked."""
 
         self.attrs = checked_attributes(self.path, read_attrs(self._file), ATTRIBUTES)
+        doubts_in(self.attrs)
         self.case = stored_case(self.path, self.attrs)
         scene = self.case.scene()
         known = ERROR_ESTIMATE in self._file or "trust_horizon_s" in self.attrs
@@ -212,6 +215,7 @@ ATTRIBUTES = [
     Attribute("certified", WHOLE, optional=True, allowed=(0, 1)),
     Attribute("uncertified", WHOLE, optional=True, where="certified"),
     Attribute("first_uncertified_time", NUMBER, optional=True, where="uncertified"),
+    Attribute("doubts_json", TEXT, optional=True),
     Attribute("violations", WHOLE, optional=True),
     Attribute("first_violation_time", NUMBER, optional=True, where="violations"),
     Attribute("grazing_margin", NUMBER, optional=True, where="grazing_time"),
@@ -305,3 +309,33 @@ def exponent_attributes(totals: Mapping[str, Any]) -> dict[str, Any]:
         if np.isfinite(totals[name]):
             known[f"lyapunov_{name}"] = totals[name]
     return known
+
+
+# The first doubts of the certificate as an attribute.
+
+
+def doubt_attributes(doubts: Sequence[Doubt]) -> dict[str, Any]:
+    """The doubts as JSON; empty where there are none."""
+    return {"doubts_json": json.dumps(doubt_objects(doubts))} if doubts else {}
+
+
+def doubt_objects(doubts: Sequence[Doubt]) -> list[dict[str, Any]]:
+    """Each doubt for JSON: time [s], events by the names of the parts, reason."""
+    return [{"time_s": time, "events": list(events), "reason": reason} for time, events, reason in doubts]
+
+
+def doubts_in(attrs: Mapping[str, Any]) -> list[Doubt]:
+    """The doubts that attributes tell of; none of files of versions that counted them only.
+
+    Raises ValueError where the attribute has another form.
+    """
+    try:
+        read = json.loads(attrs.get("doubts_json", "[]"))
+        doubts = [Doubt(one["time_s"], tuple(one["events"]), one["reason"]) for one in read]
+        texts = [text for doubt in doubts for text in (*doubt.events, doubt.reason)]
+        right = all(isfinite(doubt.time) for doubt in doubts) and all(isinstance(text, str) for text in texts)
+    except (ValueError, TypeError, KeyError, RecursionError, OverflowError):
+        right = False
+    if not right:
+        raise ValueError("the attribute doubts_json does not describe doubts")
+    return doubts

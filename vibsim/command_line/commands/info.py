@@ -42,7 +42,16 @@ def command(
 # Describe a result file: a trajectory here, a sweep by the sweeps, others by their tables.
 
 
-TOLD = ("case_yaml", "case_resolved_json", "case_name", "title", "case_sha256", "date_created", "platform")
+TOLD = (
+    "case_yaml",
+    "case_resolved_json",
+    "case_name",
+    "title",
+    "case_sha256",
+    "date_created",
+    "platform",
+    "doubts_json",
+)
 LONGEST = 80  # characters of an attribute
 
 

@@ -9,10 +9,11 @@ taken one after the other. The mode that a run starts in is decided by the same 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Generic
 
+from vibsim.engine.doubts import SLOW, START, START_AT_REST, called, name_of, name_of_stop
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.departures import DerivativeSigns, TouchingParts, leading, sign
 from vibsim.engine.events.impacts.newton_moreau import rate_of
@@ -57,7 +58,8 @@ from vibsim.physics.parts import Friction, RigidStop, Scene, Stop
 class Automaton(Generic[N]):
     """Decides the modes of a run: at its start, see `InitialMode`, and behind each event.
 
-    doubt : is called with the time [s] of a decision that rounding could turn
+    doubt : is called with the time [s] of a decision that rounding could turn, the reason in words and the
+        names of what is in doubt
     """
 
     def __init__(
@@ -65,7 +67,7 @@ class Automaton(Generic[N]):
         scene: Scene[N],
         maker: RowMaker[N],
         expansion: Expansion[N],
-        doubt: Callable[[N], None],
+        doubt: Callable[[N, str, Iterable[str]], None],
     ) -> None:
         self.scene, self.maker = scene, maker
         self.elastic = dict(scene.elastic_stops)
@@ -358,14 +360,14 @@ class InitialMode(Generic[N]):
         }
         for i, (g, stop) in enumerate(zip(depths, scene.stops, strict=True)):
             if self.relative.blurred(g, stop, state, stop.sense * stop.gap, met[i]):
-                self.departures.doubt(state)
+                self.departures.doubt(state, START, [name_of_stop(scene, i)])
         touched = [i for i in self.elastic if met[i] and i not in self.maker.guarded]
         status, orders = self.rigid.parting.left(state, status, touched)
         known |= {(GAP, i): order for i, order in orders.items()}
         for i, over in enumerate(slacks):
             at = self.relative.met(scene.clearances[i], state)
             if self.relative.blurred(over, scene.clearances[i], state, -scene.clearances[i].distance, at):
-                self.departures.doubt(state)
+                self.departures.doubt(state, START, [name_of(scene, CLEARANCE, i)])
             if at:
                 sense, order = self.departures.departure(
                     state, status.with_clearance(i, KEPT), (CLEARANCE, i)
@@ -378,7 +380,7 @@ class InitialMode(Generic[N]):
         """Whether a start that does not meet a rigid stop rests on it all the same, in doubt."""
         rests = self.relative.rests(stop, g, state)
         if rests:
-            self.departures.doubt(state)
+            self.departures.doubt(state, START_AT_REST, [called("stop", stop)])
         return rests
 
     def _slip(self, friction: Friction[N], state: State[N]) -> N:
@@ -388,7 +390,7 @@ class InitialMode(Generic[N]):
         rate = self.relative.slip(friction, state)
         if not self.relative.turned_by_base(friction, rate, state.t):
             return rate
-        self.departures.doubt(state)
+        self.departures.doubt(state, SLOW, [called("friction", friction)])
         return self.relative.kit.number(0)
 
     def _held(self, state: State[N], status: Status) -> Known:

@@ -3,7 +3,8 @@
  * A stretch between two events is certified where every event function is known to stay positive on it, by more than the bound of
  * its rounding and truncation. An event is certified where its function is known to cross zero, by more than that bound too. Of
  * two events, the first is certified to be the first where their times are further apart than rounding blurs them, or where which of
- * them is first makes no difference (order_of_events.c). All else is a doubt: counted, and the first one timed.
+ * them is first makes no difference (order_of_events.c). All else is a doubt: counted, the first one timed,
+ * and the first MOST_DOUBTS described by the event functions in question.
  */
 #ifndef VIBSIM_CERTIFICATE_H
 #define VIBSIM_CERTIFICATE_H
@@ -16,17 +17,35 @@ static inline void certificate_open(Certificate *c)
     c->margin_time = c->first_doubt = 0.0;
     c->uncertified = 0;
     c->doubted = NAN;
+    c->watched = NOTHING;
 }
 
-/* Count the stretch that starts at the time `anchor` as not proved, once. */
-static inline void doubt(Certificate *c, Real anchor)
+/* How many doubts are described. */
+static inline int described(const Certificate *c)
 {
-    if (anchor != c->doubted) {
-        if (c->uncertified == 0)
-            c->first_doubt = anchor;
-        c->uncertified += 1;
-        c->doubted = anchor;
+    return c->uncertified < MOST_DOUBTS ? (int)c->uncertified : MOST_DOUBTS;
+}
+
+/* Count the stretch that starts at the time `anchor` as not proved, once: for the first reason that there is. at: time [s] near
+ * which the doubt is; event, other: as of a `Doubt`. Whether it has been counted just now.
+ */
+static inline int doubt(Certificate *c, Real anchor, Real at, int reason, int event, int other)
+{
+    if (!(anchor != c->doubted)) /* NaN before the first */
+        return 0;
+    if (c->uncertified == 0)
+        c->first_doubt = anchor;
+    if (c->uncertified < MOST_DOUBTS) {
+        Doubt *d = &c->doubts[described(c)];
+        d->at = at;
+        d->reason = reason;
+        d->mode = c->mode;
+        d->event = event;
+        d->other = other;
     }
+    c->uncertified += 1;
+    c->doubted = anchor;
+    return 1;
 }
 
 /* Keep a minimum of a gap function, of height `value` [m] at time t, if it is the smallest so far; below zero it counts as 0. */

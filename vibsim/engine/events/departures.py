@@ -13,6 +13,7 @@ import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Generic
 
+from vibsim.engine.doubts import CROSSES, LEAVES, SIGN, name_of_event
 from vibsim.engine.errors import State, Stopped
 from vibsim.engine.events.records import Happened
 from vibsim.engine.events.relative_motion import RelativeMotion
@@ -50,7 +51,7 @@ class DerivativeSigns(Generic[N]):
         relative: RelativeMotion[N],
         maker: RowMaker[N],
         expansion: Expansion[N],
-        doubt: Callable[[N], None],
+        doubt: Callable[[N, str, Iterable[str]], None],
     ) -> None:
         self.relative, self.maker, self.expansion, self.kit = relative, maker, expansion, expansion.kit
         self._doubt = doubt
@@ -59,8 +60,14 @@ class DerivativeSigns(Generic[N]):
         self.switches = SwitchSides(maker.scene, maker, relative, self.kit) if formulas else None
         self.stopped = threading.Event()  # set from any thread: what is decided then is left undecided
 
-    def doubt(self, state: State[N]) -> None:
-        self._doubt(state.t)
+    def doubt(self, state: State[N], reason: str, names: Iterable[str]) -> None:
+        """Count a decision that rounding could turn; reason, names of events: as of a `Doubt`."""
+        self._doubt(state.t, reason, names)
+
+    def doubt_event(self, state: State[N], status: Status, event: Event[N], reason: str) -> None:
+        """As `doubt`, of an event function of the mode `status`."""
+        rows = self.maker.rows(self.with_sides(state, status))
+        self.doubt(state, reason, [name_of_event(self.maker, rows, event)])
 
     def enter(self, state: State[N], status: Status) -> ModeRows[N]:
         """The rows of a mode, whose derivatives at a state are asked for next. Raises Stopped."""
@@ -86,7 +93,7 @@ class DerivativeSigns(Generic[N]):
         event, values = self._behind(state, status, key, first)
         order = leading(values, first)
         if self.is_open(state, event, values, first):
-            self.doubt(state)
+            self.doubt_event(state, status, event, LEAVES)
         return sign(values[order]), order
 
     def order(self, state: State[N], status: Status, key: EventKey, first: int = 1) -> int:
@@ -159,7 +166,7 @@ class DerivativeSigns(Generic[N]):
             return -sign(values[first]), first
         bounds = self.bounds(state, event, self.jet)
         if 0 < bounds[first] >= abs(values[first]):
-            self.doubt(state)
+            self.doubt_event(state, status, event, CROSSES)
             plain = (n for n in range(first, self.jet) if abs(values[n]) > bounds[n])
             first = next(plain, 0)
             if first == 0:
@@ -209,7 +216,7 @@ class DerivativeSigns(Generic[N]):
         event = self.event(rows, (PUSH, i))
         values = self.expansion.derivatives(event, self.jet)
         if self.is_open(state, event, values, 0):
-            self.doubt(state)
+            self.doubt_event(state, status, event, SIGN)
         return values[0] < 0
 
     def _direct_hold(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> N:

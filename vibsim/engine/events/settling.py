@@ -7,6 +7,7 @@ from itertools import combinations, product
 from math import prod
 from typing import Generic
 
+from vibsim.engine.doubts import HOLDS, LEAVES, LOADED, name_of_tie
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.departures import DerivativeSigns, first_sign, sign
 from vibsim.engine.flows.accelerations import accelerations
@@ -50,7 +51,7 @@ class StickSlipResolution(Generic[N]):
         settled = self._release(state, after, standing)
         if settled is not None:
             return settled
-        self.departures.doubt(state)
+        self._doubt_ties(state, standing)
         if combinations_count(standing, len(status.frictions)) > MOST_TRIED:
             here = self._accelerations(state, status)
             return self._decided(state, self._descend(state, after, standing, here), standing)
@@ -67,7 +68,7 @@ class StickSlipResolution(Generic[N]):
             after = self._release(state, tied, standing)
             if after is not None:
                 return after
-            self.departures.doubt(state)
+            self._doubt_ties(state, standing)
         if combinations_count(standing, len(status.frictions)) > MOST_TRIED:
             start = (tied, self._accelerations(state, tied)) if possible else self._parted(state, tied)
             return self._decided(
@@ -77,8 +78,12 @@ class StickSlipResolution(Generic[N]):
         if consistent is not None:
             return consistent
         if not possible:
-            self.departures.doubt(state)
+            self._doubt_ties(state, standing)
         return tied
+
+    def _doubt_ties(self, state: State[N], standing: Iterable[int]) -> None:
+        """Doubt which of the ties `standing` hold."""
+        self.departures.doubt(state, HOLDS, (name_of_tie(self.scene, k) for k in standing))
 
     def _first_consistent(
         self, state: State[N], status: Status, standing: Sequence[int], besides: Status | None = None
@@ -224,7 +229,7 @@ class StickSlipResolution(Generic[N]):
                 if abs(values[0]) <= NEAR * (forces + event.size) and self.departures.is_open(
                     state, event, values, 0
                 ):
-                    self.departures.doubt(state)
+                    self.departures.doubt_event(state, rows.status, event, LOADED)
                 if first_sign(values) < 0 and (depth is None or values[0] < depth):
                     if values[0] < 0 < values[1] and self.departures.passes_now(state, event, values):
                         continue  # a load by a formula comes back from nothing: it would slip for no time
@@ -271,7 +276,7 @@ class StickSlipResolution(Generic[N]):
             event = self.departures.event(rows, key)
             values = self.departures.as_far_as_needed(event, order, {})
             if self.departures.is_open(state, event, values, order):
-                self.departures.doubt(state)
+                self.departures.doubt_event(state, status, event, LEAVES)
             if first_sign(values[order:]) < 0:
                 return False
         return True

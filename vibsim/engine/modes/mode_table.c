@@ -90,7 +90,7 @@ int modes_forget(Run *r)
         now->events[i].rule = DECIDE_IN_PYTHON;
     r->modes[0] = now;
     r->mode_count = 1;
-    r->mode_number = 0;
+    r->mode_number = r->certificate.mode = 0;
     return number;
 }
 

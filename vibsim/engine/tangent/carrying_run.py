@@ -77,6 +77,7 @@ class CarryingRun(CRun):
         """Begin anew from `state` at t = 0 and run to `end` [s], with disturbances to be carried as they are:
         one per row, an array where they are doubles.
         """
+        self.described.clear()
         self.run.rewind(end)
         self.moving = len(vectors) > 0
         if self.moving:

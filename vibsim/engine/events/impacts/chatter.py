@@ -34,6 +34,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Generic
 
+from vibsim.engine.doubts import SLOW, name_of
 from vibsim.engine.errors import State
 from vibsim.engine.events.departures import DerivativeSigns
 from vibsim.engine.events.impacts.impacts import ImpactLaw
@@ -105,9 +106,12 @@ class Chatter(Generic[N]):
     def _beyond(self) -> StickSlipResolution[N]:
         """Settles what stands within hops that are only looked at: its doubts are none of the run."""
         expansion = self.departures.expansion
-        departures = DerivativeSigns(self.relative, self.maker, expansion, lambda _: None)
+        departures = DerivativeSigns(self.relative, self.maker, expansion, lambda *_: None)
         departures.stopped = self.departures.stopped
         return StickSlipResolution(self.scene, self.maker, departures)
+
+    def _doubt_speed(self, state: State[N], i: int) -> None:
+        self.departures.doubt(state, SLOW, [name_of(self.scene, STRIKE, i)])
 
     def ends(self, state: State[N], status: Status, touch: SimultaneousImpacts[N]) -> bool:
         """Bring open stops to rest that would be struck again within the resolution of time; whether there
@@ -139,7 +143,7 @@ class Chatter(Generic[N]):
                 soon = 2 * speed <= NEXT * cancelled
                 if soon:
                     hidden = cancelled
-                    self.departures.doubt(state)
+                    self._doubt_speed(state, c.stop)
             low = not soon and self._is_low(state, c.stop, ahead * ahead * height)
             if low and rubbing:
                 soon = c.e < 1 or share < 1
@@ -147,7 +151,7 @@ class Chatter(Generic[N]):
                 soon = self._switches(state, status, c, speed)
             if not soon and self._is_noise(state, touch, c.stop, drive):
                 soon = True
-                self.departures.doubt(state)
+                self._doubt_speed(state, c.stop)
             if soon:
                 one, shrinks = (hop.time, share) if hop else (after, c.e)
                 lasting = one / (1 - shrinks) if shrinks < 1 else one

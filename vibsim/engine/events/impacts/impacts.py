@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Generic
 
+from vibsim.engine.doubts import ENDLESS, ORDER, name_of
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.departures import DerivativeSigns
 from vibsim.engine.events.impacts.newton_moreau import (
@@ -20,6 +21,7 @@ from vibsim.engine.events.impacts.newton_moreau import (
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts, coincident_stops_of, hardest
 from vibsim.engine.events.records import LAST, ROUNDING, unit_of
 from vibsim.engine.modes.row_maker import RowMaker
+from vibsim.engine.modes.rows import STRIKE
 from vibsim.engine.modes.status import OPEN, RESTING, Status
 from vibsim.physics.numbers import N, abs
 from vibsim.physics.parts import RigidStop, Scene, Stop
@@ -111,7 +113,7 @@ class ImpactLaw(Generic[N]):
 
     def _plastic(self, state: State[N], contacts: Sequence[Contact[N]]) -> list[Contact[N]]:
         """The stops with e = 0, which is a doubt."""
-        self.departures.doubt(state)
+        self._doubt_impacts(state, ENDLESS, contacts)
         return [Contact(c.stop, c.P, c.Q, c.sense, self.kit.number(0)) for c in contacts]
 
     def names(self, stops: Iterable[int]) -> str:
@@ -150,9 +152,12 @@ class ImpactLaw(Generic[N]):
             for groups in ([certain, *one_by_one], [*one_by_one, certain]):
                 after = self._outcome(state, groups)
                 if any(abs(a - b) > noise for a, b in zip(together, after, strict=True)):
-                    self.departures.doubt(state)
+                    self._doubt_impacts(state, ORDER, touch.contacts)
             parting = [c for c in loose if c.stop in self.beside[i] and touch.rates[c.stop] < 0]
             touch.collapses = bool(parting) and self._comes_to_nothing(state, [certain, *one_by_one])
+
+    def _doubt_impacts(self, state: State[N], reason: str, contacts: Iterable[Contact[N]]) -> None:
+        self.departures.doubt(state, reason, (name_of(self.scene, STRIKE, c.stop) for c in contacts))
 
     def _comes_to_nothing(self, state: State[N], groups: Sequence[Sequence[Contact[N]]]) -> bool:
         """Whether impacts at groups of stops one after the other, between which there is no way, take all

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Container
 from typing import Generic
 
+from vibsim.engine.doubts import SLOW, START_AT_REST, TOUCHED, called, name_of
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.departures import TouchingParts
 from vibsim.engine.events.impacts.chatter import Chatter
@@ -21,7 +22,7 @@ from vibsim.engine.events.records import NEXT, ROUNDING, Happened, Taken, change
 from vibsim.engine.events.settling import StickSlipResolution
 from vibsim.engine.flows.base_motion import belt_velocity
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import PUSH, SLIDE, STRIKE, Event, Known
+from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Event, Known
 from vibsim.engine.modes.status import BACKWARD, CONTACT, FORWARD, LIFTED, OPEN, RESTING, STICK, Status
 from vibsim.physics.numbers import N, abs
 from vibsim.physics.parts import Scene, Stop
@@ -111,7 +112,7 @@ class RigidStops(Generic[N]):
         slow = self.stops[i].e == 0 and touch.rates[i] <= self.chatter.velocity_uncertainty(state, status, i)
         if not slow or not self.settling.possible(after):
             return None
-        self.departures.doubt(state)
+        self.departures.doubt(state, SLOW, [name_of(self.scene, STRIKE, i)])
         touch.catches += self.rest_projection.join(state, [i])
         self.rest_projection.project(state, [i])
         self.touch = touch
@@ -128,7 +129,7 @@ class RigidStops(Generic[N]):
                 rate = rate_of(self.kit, self.impacts.contacts[j], self.impacts.velocities(state))
                 turned = self.relative.turned_by_base(self.stops[j], rate, state.t)
                 if turned:
-                    self.departures.doubt(state)
+                    self.departures.doubt(state, START_AT_REST, [called("stop", self.stops[j])])
                 if turned or rate == 0:
                     standing.append(j)
                 if turned or rate <= 0:
@@ -173,7 +174,8 @@ class RigidStops(Generic[N]):
             [i for i, one in enumerate(self.scene.clearances) if touch.moved & set(self.maker.ends(one))],
         )
         if (stops or clearances) and state.t != 0:
-            self.departures.doubt(state)
+            kinds = [*((GAP, i) for i in stops), *((CLEARANCE, i) for i in clearances)]
+            self.departures.doubt(state, TOUCHED, (name_of(self.scene, *one) for one in kinds))
         return stops, clearances
 
     def _lifted(

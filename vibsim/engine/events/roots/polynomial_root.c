@@ -149,7 +149,7 @@ static int march(Certificate *c, const Real *series, int count, Real error, Real
                 return zero <= h ? ZERO : POSITIVE;
             }
             near = 1;
-            doubt(c, t0);
+            doubt(c, t0, t, TOUCH_OR_MISS, c->watched, NOTHING);
         }
         if (near)
             floor = noise = noise_at(series, count, tau);
@@ -170,7 +170,7 @@ static int march(Certificate *c, const Real *series, int count, Real error, Real
                 *end = t0 + (sure ? zero_ahead(series, count, tau, value, slope, bound, t0) : newton(tau, value, slope));
                 return ZERO;
             }
-            doubt(c, t0);
+            doubt(c, t0, t, TOO_SHORT_STEPS, c->watched, NOTHING);
             ahead = t + (nextafter(t, INFINITY) - t) * stall;
             stall = stall * 2;
         } else {

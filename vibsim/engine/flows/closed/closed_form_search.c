@@ -63,11 +63,11 @@ static inline Real noise_of(Run *r, const Event *e, Real value, Real reach, Real
     return value <= NEAR * (noise + unit * reach) ? close_noise(r, e) : noise;
 }
 
-/* Doubt that a function taken for zero at `value` falls below zero: it may be higher by `noise`. */
-static void certify_crossing(Run *r, Real value, Real slope, Real bound, Real noise)
+/* Doubt that the function of number `event`, taken for zero at `value`, falls below zero: it may be higher by `noise`. */
+static void certify_crossing(Run *r, int event, Real value, Real slope, Real bound, Real noise)
 {
     if (!crosses(slope, bound, value > 0 ? noise + value : noise))
-        doubt(&r->certificate, r->t0);
+        doubt(&r->certificate, r->t0, r->closed_form.search.t, TOUCH_OR_MISS, event, NOTHING);
 }
 
 /* Doubt that the zero of `first` is the first, where that of another of `events` may come as soon; value, slope and noise are
@@ -88,7 +88,7 @@ static void certify_order(Run *r, int first, const int *events, int count, Real 
         Real blur = close_noise(r, e) + s->rounding_bounds[events[i]].residue;
         int alike = other == value && fall == slope;
         if (events[i] != first && may_vanish_by(other, fall, blur, latest) && (!alike || order_is_open(r, &m->events[first], e)))
-            doubt(&r->certificate, r->t0);
+            doubt(&r->certificate, r->t0, s->t, WHICH_IS_FIRST, first, events[i]);
     }
 }
 
@@ -153,7 +153,7 @@ static int lead(Run *r)
         s->rounding_bounds[i].reach = reach->place * X + reach->speed * V + reach->rest;
         if (order >= FLAT_ORDER) { /* it rests at zero, surely where that are more zeros than the motion has modes */
             if (closed_form_dimension(r) > FLAT_ORDER)
-                doubt(&r->certificate, r->t0);
+                doubt(&r->certificate, r->t0, r->t0, RESTS_AT_ZERO, i, NOTHING);
             continue;
         }
         s->events[s->event_count++] = i;
@@ -161,19 +161,19 @@ static int lead(Run *r)
             return i;
         bound = event_bound(r, e, order + 2, s->window);
         if (known == 0 && order > 0 && first < 0) { /* zero, by no event, and on its way below */
-            doubt(&r->certificate, r->t0);
+            doubt(&r->certificate, r->t0, r->t0, WHICH_SIDE, i, NOTHING);
             return i;
         }
         if (order == 0) {
             Real noise = noise_of(r, e, first, s->rounding_bounds[i].reach, rounding_unit(r)), slope = event_derivative(r, e, 1);
             if (first <= noise && slope <= 0) {
-                certify_crossing(r, first, slope, bound, noise);
+                certify_crossing(r, i, first, slope, bound, noise);
                 certify_leading_order(r, i, first, slope, noise);
                 return i;
             }
             first = first - noise;
             if (first <= 0)
-                doubt(&r->certificate, r->t0);
+                doubt(&r->certificate, r->t0, r->t0, WHICH_SIDE, i, NOTHING);
         }
         first = first > 0 ? first : 0.0;
         ahead = deflated_step(order, first, event_derivative(r, e, order + 1), bound);
@@ -297,10 +297,10 @@ static void polish(Run *r, const Event *e)
     }
 }
 
-/* Length of a step while a function rises within its rounding of zero: one that leaves zero as slowly as t^4 does so for long, and
+/* Length of a step while a function, `held`, rises within its rounding of zero: one that leaves zero as slowly as t^4 does so for long, and
  * certified steps grow too little. So each is at least twice the one before, as far as the others allow, `free_step`.
  */
-static Real leap(Run *r, Real step, Real free_step)
+static Real leap(Run *r, int held, Real step, Real free_step)
 {
     Search *s = &r->closed_form.search;
     Real least = (nextafter(s->t, INFINITY) - s->t) * s->stall;
@@ -308,7 +308,7 @@ static Real leap(Run *r, Real step, Real free_step)
     least = least < free_step ? least : free_step;
     if (step >= least)
         return step;
-    doubt(&r->certificate, r->t0);
+    doubt(&r->certificate, r->t0, s->t, TOO_SHORT_STEPS, held, NOTHING);
     return least;
 }
 
@@ -320,7 +320,7 @@ static int step_ahead(Run *r)
 {
     Search *s = &r->closed_form.search;
     Real step = s->reach, rival = step, free_step = step, near = 0, before, unit, course[3] = {0, 0, 0};
-    int nearest = NOTHING, alone = 0, held = 0, i;
+    int nearest = NOTHING, alone = 0, held = NOTHING, i;
     r->steps += 1;
     closed_form_evaluate(r, s->t - r->t0);
     s->measured = 0;
@@ -336,7 +336,7 @@ static int step_ahead(Run *r)
         if (value < -noise || (value <= noise && slope <= 0)) {
             if (s->t == r->t0 && r->known[e->key] > 0) /* the zero of before */
                 continue;
-            certify_crossing(r, value, slope, bound, noise);
+            certify_crossing(r, which, value, slope, bound, noise);
             certify_order(r, which, s->events, s->event_count, value, slope, noise);
             return which;
         }
@@ -345,7 +345,7 @@ static int step_ahead(Run *r)
         room = value - noise;
         ahead = safe_step(room > 0 ? room : 0.0, slope, bound);
         if (room <= 0)
-            held = 1;
+            held = which;
         else if (ahead < free_step)
             free_step = ahead;
         if (ahead < step) {
@@ -365,24 +365,24 @@ static int step_ahead(Run *r)
         polish(r, &r->mode->events[nearest]);
         return nearest;
     }
-    if (held)
-        step = leap(r, step, free_step);
+    if (held != NOTHING)
+        step = leap(r, held, step, free_step);
     adapt_reach(s, step);
     before = s->t;
     move(r, step);
     if (s->t > before) {
-        s->stall = held ? s->stall : 1.0;
+        s->stall = held != NOTHING ? s->stall : 1.0;
         return NOTHING;
     }
     if (nearest == NOTHING) {
-        doubt(&r->certificate, r->t0);
+        doubt(&r->certificate, r->t0, before, TOO_SHORT_STEPS, held, NOTHING);
         s->t = before + (nextafter(before, INFINITY) - before) * s->stall;
         s->stall = s->stall * 2;
         if (s->reach == 0) /* a step near t = 0 was too short to be a number: bounds have to reach further */
             s->reach = s->window;
     } else {
         Real noise = close_noise(r, &r->mode->events[nearest]) + s->rounding_bounds[nearest].residue;
-        certify_crossing(r, course[0], course[1], course[2], noise);
+        certify_crossing(r, nearest, course[0], course[1], course[2], noise);
         certify_order(r, nearest, s->events, s->event_count, course[0], course[1], noise);
     }
     return nearest;

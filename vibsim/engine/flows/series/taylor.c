@@ -201,7 +201,7 @@ static int certify_order(Run *r, int first, Real end)
         if (i == first || !near_zero(r, e, tau, &other, &fall, &blur) || !may_vanish_by(other, fall, blur, latest))
             continue;
         if (!(other == value && fall == slope) || order_is_open(r, &m->events[first], e))
-            doubt(&r->certificate, r->t0);
+            doubt(&r->certificate, r->t0, end, WHICH_IS_FIRST, first, i);
         if (e->kind == SWITCH && m->events[chosen].kind != SWITCH && end + other / -fall <= end && moved_by_formula(m))
             chosen = i;
     }
@@ -222,7 +222,7 @@ Real taylor_advance(Run *r, Real limit, int *event)
     int i;
     *event = NOTHING;
     if (end <= r->t0) {
-        doubt(&r->certificate, r->t0);
+        doubt(&r->certificate, r->t0, r->t0, TOO_SHORT_STEPS, NOTHING, NOTHING);
         return nextafter(r->t0, INFINITY);
     }
     for (i = 0; i < m->event_count; i++) {
@@ -241,6 +241,7 @@ Real taylor_advance(Run *r, Real limit, int *event)
                 h = end - r->t0;
             }
         }
+        r->certificate.watched = i;
         outcome = polynomial_first_root(&r->certificate, coefficients, count, r->known[e->key], r->t0, h, e->turns,
                                         e->kind == STRIKE, &t);
         r->spent += outcome == UNFINISHED ? MARCH_LIMIT : 0;
