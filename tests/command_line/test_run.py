@@ -41,7 +41,7 @@ def test_the_summary_says_what_ran_and_what_came_of_it():
     assert "5.5 Hz (34.5575 rad/s)" in text
     assert "5 s, a sample every 5 ms: 1001 samples" in text
     assert "taylor series of order 20, tolerance 1.1e-16" in text
-    assert f"{attrs['impacts']} impacts, {attrs['sticks']} sticks, {attrs['events']} events" in text
+    assert f"{attrs['impacts']} impacts, {attrs['sticks']} stick phases, {attrs['events']} events" in text
     assert f"needs {1000 * attrs['rest_distance_needed']:.4g} mm" in text
     assert f"at {attrs['grazing_time']:.3f} s" in text
     assert attrs["certified"] == 1
