@@ -131,6 +131,73 @@ run: {t_end: 2 s, every: 10 ms}
     assert told.attrs["uncertified"] == 0 < (told.events.words("kind") == "contact_end").sum()
 
 
+@pytest.mark.parametrize("gap", [1.9375, 2.0, 2.9])
+@pytest.mark.parametrize(
+    ("force", "numbers"),
+    [
+        ("K*p**1.5 + c*p*pv", "K: 3e5 N/m^1.5, c: 2 kN s/m^2"),
+        ("K*p*sqrt(p) + c*sqrt(p)*pv + k*p", "K: 3e5 N/m^1.5, c: 50 N s/m^1.5, k: 1e3 N/m"),
+        ("K*p**1.5 + c*p**0.25*pv", "K: 3e5 N/m^1.5, c: 20 N s/m^1.25"),
+    ],
+)
+def test_a_contact_of_powers_lets_go_by_force_whatever_rounding_makes_of_its_depth(force, numbers, gap):
+    """What is left of the force beside the depth has a root: next to its zero coefficients, and what is made
+    of them, are no doubles.
+    """
+    text = f"""
+name: pad
+bodies: {{a: 8 g}}
+links: {{l: {{between: [a, ground], k: 300 N/m}}}}
+stops:
+  s: {{between: [a, ground], gap: {gap} mm, acts: compression, release: force, force: "{force}", {numbers}}}
+initial: {{a: {{v: 2 m/s}}}}
+run: {{t_end: 6 ms, every: 0.1 ms}}
+"""
+    result = vibsim.simulate(text)
+    code = compile(force.replace("K", "3e5").replace("k*", "1e3*"), "force", "eval")
+    c = 2e3 if "c*p*pv" in force else 50.0 if "sqrt" in force else 20.0
+
+    def rates(t, y):
+        p, pv = max(y[0] - gap / 1e3, 0.0), y[1]
+        return [pv, (-300 * y[0] - max(eval(code, {"p": p, "pv": pv, "c": c, "sqrt": np.sqrt}), 0.0)) / 8e-3]
+
+    one = solve_ivp(rates, (0, 6e-3), [0, 2], "DOP853", t_eval=[6e-3], rtol=1e-10, atol=1e-13, max_step=1e-5)
+    assert abs(result["x_a"][-1] - one.y[0, -1]) < 1e-9
+    assert result.attrs["uncertified"] == 0 and result.trust_horizon == 6e-3
+
+
+SLIDERS = """
+name: sliders
+bodies: {m: 1 kg}
+links: {s: {between: [m, ground], force: "k0*d + k1*z1 + k2*z2", k0: 50 N/m, k1: 200 N/m, k2: 300 N/m}}
+states:
+  z1: {rate: "where(abs(z1) < d1, v_m, where(v_m*z1 < 0, v_m, 0*v_m))", d1: 5 mm, start: 0 m}
+  z2: {rate: "where(abs(z2) < d2, v_m, where(v_m*z2 < 0, v_m, 0*v_m))", d2: 12 mm, start: 0 m}
+forces: {f: {on: m, A: AMPLITUDE N, omega: FREQUENCY Hz}}
+run: {t_end: 2.8 s, every: 0.5 ms}
+"""
+
+
+@pytest.mark.parametrize(
+    ("A", "f"), [(11.841789979433328, 2.6810194135920047), (8.606115254007317, 2.3544674731518236)]
+)
+def test_elements_that_rest_at_their_limits_leave_each_other_there(A, f):
+    """Iwan's model: each element comes to its limit but for the time between two doubles, and rests there.
+
+    Each follows the body as a play does, and the body's momentum is the sum of the forces on it.
+    """
+    result = vibsim.simulate(SLIDERS.replace("AMPLITUDE", repr(A)).replace("FREQUENCY", repr(f)))
+    t, x, v, z1, z2 = (result[name] for name in ("time", "x_m", "v_m", "z1", "z2"))
+    for z, limit in ((z1, 0.005), (z2, 0.012)):
+        play = 0.0
+        for n in range(1, len(t)):
+            play = min(max(play + x[n] - x[n - 1], -limit), limit)
+            assert abs(z[n] - play) < 2e-6  # of a reversal between two samples
+        assert np.abs(z).max() < limit + 1e-14
+    force = A * np.sin(2 * pi * f * t) - 50 * x - 200 * z1 - 300 * z2
+    assert abs(np.sum(force[1:] + force[:-1]) * (t[1] - t[0]) / 2 - v[-1]) < 1e-4  # of trapezia
+
+
 def test_a_contact_that_begins_at_rest_and_fits_into_one_step_is_felt():
     """A body at rest at Hertz's wall is pressed against it: neither end of the first step shows it."""
     run = vibsim.simulate(

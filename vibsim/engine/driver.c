@@ -191,7 +191,7 @@ void run_start(Run *r, int mode, Buffers *b)
     tangent_open(r);
 #ifndef LIMBS
     if (r->state.t > 0 && zeros_known(r) > 1) /* restarted at an event, from doubles: the last of an instant perhaps */
-        review_zeros(r, 1);
+        review_zeros(r, NULL, 1);
 #endif
     enter(r); /* though it may be finished: a state is read there */
 }
@@ -222,10 +222,11 @@ void run_rewind(Run *r, Real t_end)
  */
 void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, const int *parts)
 {
-    const int *before = r->mode->codes;
+    const Mode *left = r->mode;
+    const int *before = left->codes;
     const int again = r->next.t == r->known_since;
     int i, k;
-    tangent_cross(r, r->pending_event, r->mode, r->modes[mode]);
+    tangent_cross(r, r->pending_event, left, r->modes[mode]);
     if (again || (happened == 0 && r->next.t - r->known_since <= AS_SOON * EPS * r->next.t)) {
         for (k = 0; k < r->key_count; k++)
             if (r->behind[k] >= 0)
@@ -251,7 +252,7 @@ void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, cons
             note_violation(r, b);
     }
     if (again && !r->finished)
-        review_zeros(r, 0);
+        review_zeros(r, left, 0);
     if (!r->finished)
         enter(r);
     if (!r->finished && r->status == OK && r->pending_end >= r->t_end)

@@ -108,7 +108,8 @@ class Automaton(Generic[N]):
             after, happened, known = self._take(state, status, event, order)
             if self.departures.switches is not None:
                 turned = [key[1] for key in known if key[0] == SWITCH and isinstance(key[1], int)]
-                after = self.departures.switches.completed(state, after, turned, before=status)
+                goes_on = event.kind != STRIKE and not self.departures.switches.kinks(event)
+                after = self.departures.switches.completed(state, after, turned, None, status, goes_on)
             return after, happened, known
 
     @contextmanager
@@ -192,7 +193,7 @@ class Automaton(Generic[N]):
         if crossing <= 0:
             return status, [], {event.key: at}
         after = switches.turned(status, event)
-        after = switches.completed(state, after, {i}, before=status)
+        after = switches.completed(state, after, {i}, None, status, not switches.kinks(event))
         known: Known = {event.key: at}
         if switches.base_jumps(state, status, after, i):
             return self._base_turns(state, status, after, event, at)

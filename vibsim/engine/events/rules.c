@@ -128,10 +128,10 @@ Real derivative_at_next(Run *r, const Mode *m, int key, int order)
     return value;
 }
 
-/* The zero of an event function at the instant that was looked at: of order `known`, or of a lower one where a derivative before that
- * is clear of rounding; 0 where it falls at once.
+/* The zero of an event function at the instant that was looked at: of order `known`, or of a lower one, from `first` on, where a
+ * derivative before that is clear of rounding; 0 where it falls at once.
  */
-static int order_of_zero(const Run *r, const Event *e, int known, Real span)
+static int order_of_zero(const Run *r, const Event *e, int first, int known, Real span)
 {
     const Real late = GRID * EPS * r->t0;
     Series series, bounds;
@@ -142,35 +142,56 @@ static int order_of_zero(const Run *r, const Event *e, int known, Real span)
     for (n = 0; n <= known; n++) {
         Real value = series[n];
         factorial = n > 0 ? factorial * n : factorial;
-        if (factorial * fabs(value) > BEYOND * bounds[n] + late * (factorial * (n + 1) * fabs(series[n + 1])))
+        if (n >= first && factorial * fabs(value) > BEYOND * bounds[n] + late * (factorial * (n + 1) * fabs(series[n + 1])))
             return value > 0 ? n : 0;
     }
     return known;
 }
 
+/* Whether an event function of the mode of now has the value at r->state that it had in the mode before, `left` by an event that moves
+ * no velocity. Then it has not jumped from its zero: it is beside it by the time between two doubles, and may rest there.
+ */
+static int as_before(Run *r, const Mode *left, const Event *e)
+{
+    const Event *event = left != NULL && r->pending_event != NOTHING ? &left->events[r->pending_event] : NULL;
+    const Event *other = event != NULL && event->kind != STRIKE ? event_of_key(left, e->key) : NULL;
+    Series now, then, bounds;
+    if (other == NULL)
+        return 0;
+    flow_series(r, left, other, then, 1);
+    flow_series(r, r->mode, e, now, 1);
+    look_near(r, &r->state);
+    return taylor_bounds(r, e, 0, r->t0 == 0, 1, 0.0, bounds) && fabs(now[0] - then[0]) <= BEYOND * bounds[0];
+}
+
 /* Look at the zeros that the mode of now begins with at r->state once more: those of events before, at the same instant, or `all`. What
  * happens last may turn what an event function does behind a zero, as an impact turns a depth that contact has just begun with.
+ * left: the mode before, NULL where none is known.
  */
-void review_zeros(Run *r, int all)
+void review_zeros(Run *r, const Mode *left, int all)
 {
     const Mode *m = r->mode;
-    const int order = r->taylor.order;
+    const int most = r->taylor.order;
     const double evaluations = r->evaluations;
     Real span;
     int looked = 0, i;
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
-        if (r->known[e->key] <= 0 || (!all && r->behind[e->key] >= 0))
+        int order = r->known[e->key];
+        if (order <= 0 || (!all && r->behind[e->key] >= 0))
             continue;
         if (!looked) {
             look_near(r, &r->state);
             looked = 1;
         }
         span = r->taylor.h < r->t0 ? r->taylor.h : r->t0;
-        if (r->known[e->key] + 3 < r->taylor.order)
-            r->known[e->key] = order_of_zero(r, e, r->known[e->key], span);
+        if (order + 3 >= r->taylor.order)
+            continue;
+        r->known[e->key] = order_of_zero(r, e, 0, order, span);
+        if (r->known[e->key] == 0 && as_before(r, left, e))
+            r->known[e->key] = order_of_zero(r, e, 1, order, span);
     }
-    r->taylor.order = order;
+    r->taylor.order = most;
     r->evaluations = evaluations;
 }
 

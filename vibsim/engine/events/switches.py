@@ -76,21 +76,27 @@ class SwitchSides(Generic[N]):
         fixed: Container[int] = (),
         open_ones: list[int] | None = None,
         before: Status | None = None,
+        continuous: bool = False,
     ) -> Status:
         """The status with the sides that the values of their arguments tell; those within rounding of zero,
         and those that are `fixed`, as before, or on their upper side.
 
         open_ones : is given the numbers of those within rounding; before : the mode that led there
+        continuous : whether the motion and its velocities go on from there as they came. Then no argument
+            jumps, but for those that a switch within them has turned: a side that was known stays until its
+            own zero is an event. The value may tell another one, as of a state that rests at a zero and is
+            there to the time between two doubles
         """
         rows, old = self.rows, status.switches or self.none
         if not rows.switches:
             return status._replace(switches=())
+        led = rows.sides(before) if continuous and before is not None else None
         decided: dict[int, int] = {}
         sides: dict[Node, int] = {}
         for node in rows.awake(status, sides):
             i, sign = rows.same[node]
             was = old[i]
-            if i not in decided and was is not None and i in fixed:
+            if i not in decided and was is not None and (i in fixed or self._goes_on(node, sides, led)):
                 decided[i] = was
             if i not in decided and (by_stops := rows.side_by_stops(node, status)):
                 decided[i] = sign * by_stops
@@ -102,6 +108,16 @@ class SwitchSides(Generic[N]):
                     open_ones.append(i)
             sides[node] = sign * decided[i]
         return status._replace(switches=tuple(decided.get(i) for i in range(len(rows.switches))))
+
+    def _goes_on(self, node: Node, sides: Mapping[Node, int], led: Mapping[Node, int] | None) -> bool:
+        """Whether the argument of a switch reads the same formula as before; led: sides then, None where
+        unknown.
+        """
+        return (
+            led is not None
+            and node in led
+            and all(sides.get(one) == led.get(one) for one in self.rows.behind[node])
+        )
 
     def _guard_values(
         self, node: Node, sides: Mapping[Node, int], state: State[N], before: Status | None
@@ -144,6 +160,10 @@ class SwitchSides(Generic[N]):
         if near is None:
             return side, False
         return (before if before in (near - 1, near) and before is not None else near), True
+
+    def kinks(self, event: Event[N]) -> bool:
+        """Whether an event is the turn of a switch in the motion of the base or a belt."""
+        return event.kind == SWITCH and event.part in self.rows.of_courses
 
     def turned(self, status: Status, event: Event[N]) -> Status:
         """The status behind the zero of the event function of a switch."""

@@ -11,6 +11,7 @@
 #define SHORTENINGS 400       /* of a step, each at least by */
 #define LEAST_SHORTENING 0.25 /* binary digits */
 #define BEYOND_ALL 60.0       /* binary digits by which a value that is no number is beyond */
+#define HUGE_EXPONENT 800     /* of two: what is made of such a coefficient, by numbers up to 2^220, may overflow */
 #define NEARER 0.75           /* of a step, where formulas are compared as well */
 #define INPUT_ROUNDING 2      /* of displacements and velocities at the end of a step, in units of EPS */
 #define STATE_ROUNDING 8      /* the same at an event */
@@ -285,11 +286,14 @@ static Real on_grid(const Run *r, Real h)
     return tau > 0 ? tau : h;
 }
 
-/* The time [s] within which the base of a power is at its zero, of powers whose series overflow so near it; 0 where none does. */
+/* The time [s] within which the base of a power is at its zero, of powers whose series grow so near it that they overflow, or that
+ * what is made of them does: products with other numbers, accelerations; 0 where none does.
+ */
 Real overflowing_zero(const Run *r)
 {
     const Taylor *f = &r->taylor;
     const Tape *tape = &r->mode->tape;
+    const Real huge = power_of_two(HUGE_EXPONENT);
     Real nearest = 0.0;
     int k, n;
     for (k = 0; tape->powers && k < tape->op_count; k++) {
@@ -297,7 +301,7 @@ Real overflowing_zero(const Run *r)
         Real time;
         if (tape->ops[k].code != OP_POWER || !(base[0] > 0))
             continue;
-        for (n = 0; n < f->order && isfinite(series[n]); n++)
+        for (n = 0; n < f->order && fabs(series[n]) < huge; n++) /* what is no number is not below it */
             ;
         time = n < f->order && base[1] != 0 ? 2 * (base[0] / fabs(base[1])) : 0.0;
         nearest = time > nearest && isfinite(time) ? time : nearest;
