@@ -166,6 +166,23 @@ run: {{t_end: 6 ms, every: 0.1 ms}}
     assert result.attrs["uncertified"] == 0 and result.trust_horizon == 6e-3
 
 
+def test_in_many_digits_a_contact_of_powers_ends_behind_the_force_that_let_go():
+    """The force that has let go is no force until depth 0: nobody asks for its series there."""
+    text = """
+name: beads
+bodies: {a: 10 g, b: 20 g}
+stops: {s: {between: [a, b], gap: 0 mm, acts: compression, release: force,
+  force: "K*p**1.5 + D*p**0.5*pv", K: 5e7 N/m^1.5, D: 400 N s/m^1.5}}
+initial: {a: {x: -0.1 mm, v: 1 m/s}}
+run: {t_end: 2 ms, every: 20 us}
+"""
+    doubles, words = (vibsim.simulate(text, digits=digits, trust=False) for digits in (None, 30))
+    assert list(words.events.words("kind")) == list(doubles.events.words("kind"))
+    np.testing.assert_allclose(words.events["t"], doubles.events["t"], rtol=0, atol=1e-16)
+    np.testing.assert_allclose(words["v_a"] + 2 * words["v_b"], 1, rtol=0, atol=4e-16)
+    assert abs(words["v_a"][-1] - doubles["v_a"][-1]) < 1e-13
+
+
 SLIDERS = """
 name: sliders
 bodies: {m: 1 kg}

@@ -96,10 +96,12 @@ class SwitchSides(Generic[N]):
         for node in rows.awake(status, sides):
             i, sign = rows.same[node]
             was = old[i]
-            if i not in decided and was is not None and (i in fixed or self._goes_on(node, sides, led)):
+            if i not in decided and was is not None and i in fixed:
                 decided[i] = was
             if i not in decided and (by_stops := rows.side_by_stops(node, status)):
                 decided[i] = sign * by_stops
+            if i not in decided and was is not None and self._goes_on(node, sides, led):
+                decided[i] = was
             if i not in decided:
                 values = self._guard_values(node, sides, state, before)
                 side, unsure = self._side(node, values, None if was is None else sign * was)

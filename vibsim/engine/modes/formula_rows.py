@@ -44,7 +44,7 @@ from vibsim.engine.modes.rows import (
     Term,
     Terms,
 )
-from vibsim.engine.modes.status import CONTACT, OPEN, STICK, Kept, Status
+from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, STICK, Kept, Status
 from vibsim.engine.modes.ties import Cut
 from vibsim.physics.formulas import (
     ONE,
@@ -308,6 +308,8 @@ class FormulaRows(Generic[N]):
                 rows.base_tape = of_base.tape
                 rows.base_values = motion_tape(self.kit, node, sides, text)
                 continue
+            if self._is_idle(maker, role, status, sides):
+                continue
             outputs[role] = k = maker.output(node, text)
             rows.nodes[k] = node
             if role[0] in ("hold", "course"):
@@ -387,6 +389,20 @@ class FormulaRows(Generic[N]):
                 elif value is None and rest != stop.force:
                     outputs["push", i] = k = maker.output(rest, stop.name)
                     rows.nodes[k] = rest
+
+    def _is_idle(
+        self, maker: TapeMaker[N], role: tuple[Any, ...], status: Status, sides: Mapping[Node, int]
+    ) -> bool:
+        """Whether a formula is the force of a stop that has let go, and what is left of it without powers of
+        the depth is read in its place: next to the depth 0 those powers would ask for steps of no length.
+        """
+        if role[0] != "stop" or status.stops[role[1]] != LIFTED:
+            return False
+        stop = self.scene.stops[role[1]]
+        assert isinstance(stop, Stop) and stop.force is not None
+        rest = self._less_depth(maker, stop.force, stop, sides).rest
+        value = value_of(rest)
+        return rest != stop.force if value is None else value > 0
 
     def _less_depth(
         self, maker: TapeMaker[N], node: Node, stop: Stop[N], sides: Mapping[Node, int]

@@ -295,7 +295,7 @@ class RowMaker(Generic[N]):
 
         def push(sign: int) -> Event[N]:
             if stop.force is not None:
-                output = rows.outputs.get(("push", i), rows.outputs["stop", i])
+                output = rows.outputs["push" if ("push", i) in rows.outputs else "stop", i]
                 pushed: Terms[N] = (Term(FORMULA, sign, output),)
                 return Event(PUSH, i, sign, (PUSH, i), pushed, self.zero, self.zero)
             terms: Terms[N] = (Term(DIFFERENCE, -sign * s * k, P, Q), Term(RATE, -sign * s * c, P, Q))
