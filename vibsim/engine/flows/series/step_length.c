@@ -80,13 +80,46 @@ static int size_of_load(const Run *r, int n, int c)
     return binary_exponent(fabs(r->taylor.loaded_on[c][n]));
 }
 
+/* Order of the first term that is not zero of the series number c, up to `highest`, or the order behind that. */
+static int order_of_first(const Run *r, int (*size)(const Run *, int, int), int c, int highest)
+{
+    int n = 0;
+    while (n <= highest && size(r, n, c) <= NO_EXPONENT)
+        n++;
+    return n;
+}
+
+/* Binary exponent of the step that the terms of order `highest` and the one before allow of a series, of the number c that `size` tells
+ * of, that begins so flat that its LEADING_TERMS first terms are zero: as `longest_step`, from those that follow. Where there is none
+ * before them, the step is so short against the run that the next series does not begin at zero.
+ */
+APART double longest_flat_step(const Run *r, int (*size)(const Run *, int, int), int c, int highest, double longest)
+{
+    const int first = order_of_first(r, size, c, highest);
+    int last, m;
+    for (last = highest - 1; last <= highest; last++) {
+        const int following = size(r, last, c);
+        double best = r->tolerance_exponent + binary_exponent(r->t_end);
+        if (following <= NO_EXPONENT)
+            continue;
+        for (m = first; m < first + LEADING_TERMS && m < last; m++) {
+            const int exponent = size(r, m, c);
+            const double step = (r->tolerance_exponent + (exponent - following)) / (last - m);
+            if (exponent > NO_EXPONENT && (m == first || step > best))
+                best = step;
+        }
+        longest = best < longest ? best : longest;
+    }
+    return longest;
+}
+
 /* Binary exponent of the step that the terms of order `highest` and the one before allow, of the series number c that `size` tells
  * of: they stay below the tolerance times the largest of the leading ones (after Jorba & Zou 2005). At most `longest`.
  */
 INLINE double longest_step(const Run *r, int (*size)(const Run *, int, int), int c, int highest, double longest)
 {
-    double leading[LEADING_TERMS];
-    int last, m;
+    double leading[LEADING_TERMS], allowed = longest;
+    int flat = 0, last, m;
     for (m = 0; m < LEADING_TERMS; m++) {
         int exponent = size(r, m, c);
         leading[m] = exponent > NO_EXPONENT ? exponent : -INFINITY; /* a term that is zero allows nothing by itself */
@@ -99,10 +132,11 @@ INLINE double longest_step(const Run *r, int (*size)(const Run *, int, int), int
                 steps[m] = (r->tolerance_exponent + (leading[m] - following)) / (last - m);
             for (m = 0; m < LEADING_TERMS && m < last; m++)
                 best = steps[m] > best ? steps[m] : best;
+            flat = flat || best == -INFINITY;
             longest = best > -INFINITY && best < longest ? best : longest;
         }
     }
-    return longest;
+    return flat ? longest_flat_step(r, size, c, highest, allowed) : longest;
 }
 
 /* Step that the velocities of bodies allow, each column of units of its own, and the turning of rotors on what does not move on its

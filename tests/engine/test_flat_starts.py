@@ -1,0 +1,63 @@
+"""What begins so flat that its first derivatives are zero, under forces that rise as high powers of time."""
+
+from dataclasses import replace
+from fractions import Fraction
+from math import factorial, pi
+
+import numpy as np
+import pytest
+
+from tests.engine.runs import run, scene_of, whole
+from vibsim.cases.case import load_case_text
+from vibsim.engine.truth import open_truth
+from vibsim.physics.parts import EVENT_NAMES, GROUND, Body, Force, Harmonic, Link, Scene
+
+SPRING = "links: {s: {between: [b, ground], k: 100 N/m}}"
+
+
+def pushed(force, part):
+    return f"""
+        bodies: {{b: 1 kg}}
+        {part}
+        forces: {{F: {{on: b, force: "{force}"}}}}
+        run: {{t_end: 3 s, every: 0.25 s}}"""
+
+
+def displacement(n, t):
+    """x [m] of x'' = t^n - 100 x from rest: sum of n! (-100)^j t^(n + 2 + 2 j) / (n + 2 + 2 j)!, exactly."""
+    t = Fraction(t)
+    powers = range(n + 2, n + 130, 2)
+    return float(sum(factorial(n) * (-100) ** ((p - n - 2) // 2) * t**p / factorial(p) for p in powers))
+
+
+def kinds(events):
+    return [EVENT_NAMES[kind] for kind in events["kind"]]
+
+
+@pytest.mark.parametrize("n", [3, 6, 10])
+@pytest.mark.parametrize("part", [SPRING])
+def test_a_force_that_begins_as_a_power_of_the_time_moves_a_body_as_theory_says(n, part):
+    """The rate begins with the power n + 1: of the first terms, that set the scale of a step, none is left.
+    """
+    found = run(scene_of(pushed(f"t**{n}*1 N/s^{n}", part)))
+    expected = [displacement(n, t) for t in found.samples["time"].tolist()]
+    assert np.abs(found.samples["x_b"] / [max(x, 1e-30) for x in expected] - 1)[1:].max() < 1e-13
+    assert kinds(found.events) == ["start", "end"]
+    assert found.totals["uncertified"] == 0
+
+
+def test_many_digits_move_it_so_too():
+    case = load_case_text(pushed("t**6*1 N/s^6", SPRING))
+    samples = whole([block.samples for block in open_truth(case.exact_scene, 40).blocks()])
+    expected = [displacement(6, t) for t in samples["time"].tolist()]
+    np.testing.assert_allclose(samples["x_b"], expected, rtol=1e-15)
+
+
+def test_harmonics_that_begin_so_do_as_in_closed_form():
+    """(1 - cos t)^3 as four harmonics: the rate begins with t^7."""
+    terms = [(-15 / 4, 1.0), (1.5, 2.0), (-0.25, 3.0)]
+    force = Force("F", 0, 2.5, tuple(Harmonic(A, w, w / (2 * pi), 0.0, pi / 2) for A, w in terms))
+    link = Link("s", 0, GROUND, 100.0, 0.0)
+    scene = Scene((Body("b", 1.0, 0.0, 0.0),), (link,), forces=(force,), t_end=3.0)
+    one, other = (run(replace(scene, method=method)).samples["x_b"] for method in ("closed_form", "taylor"))
+    assert one.max() > 0.05 and np.abs(one - other).max() < 1e-15
