@@ -13,6 +13,8 @@ from vibsim.engine.truth import open_truth
 from vibsim.physics.parts import EVENT_NAMES, GROUND, Body, Force, Harmonic, Link, Scene
 
 SPRING = "links: {s: {between: [b, ground], k: 100 N/m}}"
+TOUCHING = "stops: {s: {between: [b, ground], gap: 0 m, acts: compression, k: 100 N/m}}"
+RIGID = "stops: {s: {between: [b, ground], gap: 0 m, acts: compression, law: rigid, e: 0.5}}"
 
 
 def pushed(force, part):
@@ -35,9 +37,10 @@ def kinds(events):
 
 
 @pytest.mark.parametrize("n", [3, 6, 10])
-@pytest.mark.parametrize("part", [SPRING])
+@pytest.mark.parametrize("part", [SPRING, TOUCHING])
 def test_a_force_that_begins_as_a_power_of_the_time_moves_a_body_as_theory_says(n, part):
-    """The rate begins with the power n + 1: of the first terms, that set the scale of a step, none is left.
+    """The rate begins with the power n + 1: of the first terms, that set the scale of a step, none is left. A
+    stop that just touches is pressed from the start on.
     """
     found = run(scene_of(pushed(f"t**{n}*1 N/s^{n}", part)))
     expected = [displacement(n, t) for t in found.samples["time"].tolist()]
@@ -47,7 +50,7 @@ def test_a_force_that_begins_as_a_power_of_the_time_moves_a_body_as_theory_says(
 
 
 def test_many_digits_move_it_so_too():
-    case = load_case_text(pushed("t**6*1 N/s^6", SPRING))
+    case = load_case_text(pushed("t**6*1 N/s^6", TOUCHING))
     samples = whole([block.samples for block in open_truth(case.exact_scene, 40).blocks()])
     expected = [displacement(6, t) for t in samples["time"].tolist()]
     np.testing.assert_allclose(samples["x_b"], expected, rtol=1e-15)
@@ -61,3 +64,18 @@ def test_harmonics_that_begin_so_do_as_in_closed_form():
     scene = Scene((Body("b", 1.0, 0.0, 0.0),), (link,), forces=(force,), t_end=3.0)
     one, other = (run(replace(scene, method=method)).samples["x_b"] for method in ("closed_form", "taylor"))
     assert one.max() > 0.05 and np.abs(one - other).max() < 1e-15
+
+
+@pytest.mark.parametrize(
+    ("force", "part", "happens"),
+    [
+        ("t**8*1 N/s^8", RIGID, []),
+        ("-t**8*1 N/s^8", RIGID, []),
+        ("-t**8*1 N/s^8", TOUCHING, []),
+        ("where(t > 1 s, (t - 1 s)**7*1 N/s^7, 0 N)", TOUCHING, ["contact_begin"]),
+        ("t**8*(2 s - t)*1 N/s^9", RIGID, ["rest_end"]),
+    ],
+)
+def test_what_just_touches_goes_where_a_late_derivative_leads(force, part, happens):
+    """More derivatives are zero than a scene of one body is asked for where forces are harmonic."""
+    assert kinds(run(scene_of(pushed(force, part))).events) == ["start", *happens, "end"]

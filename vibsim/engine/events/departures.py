@@ -129,12 +129,12 @@ class DerivativeSigns(Generic[N]):
 
     def as_far_as_needed(self, event: Event[N], first: int, direct: Mapping[int, N]) -> list[N]:
         """Derivatives of an event function of the mode entered last: at least up to the first, from order
-        `first`, that is not zero; all that are consulted where there is none.
+        `first`, that is not zero; all that a run's own series have where there is none.
 
         direct : derivatives that are known better, by order
         """
         values: list[N] = []
-        for highest in (min(first + FEW, self.jet), self.jet):
+        for highest in (min(first + FEW, self.jet), self.jet, self.expansion.furthest):
             values = self.expansion.derivatives(event, highest)
             for order, value in direct.items():
                 values[order] = value
@@ -160,18 +160,20 @@ class DerivativeSigns(Generic[N]):
             if rate != 0:
                 return -sign(rate), 1
         self.expansion.look(state, rows)
-        values = self._derivatives(state, event, self.jet)
-        first = leading(values, order + 1)
-        if first == 1 and abs(values[1]) > GRAZING * self._span(state) * abs(values[2]):
-            return -sign(values[first]), first
-        bounds = self.bounds(state, event, self.jet)
-        if 0 < bounds[first] >= abs(values[first]):
-            self.doubt_event(state, status, event, CROSSES)
-            plain = (n for n in range(first, self.jet) if abs(values[n]) > bounds[n])
-            first = next(plain, 0)
-            if first == 0:
-                return 0, self.kit.order(self.maker.scene) + 2  # coefficients of a displacement
-        return -sign(values[first]), first
+        for highest in (self.jet, self.expansion.furthest):
+            values = self.expansion.derivatives(event, highest)
+            first = leading(values, order + 1)
+            if first == 1 and abs(values[1]) > GRAZING * self._span(state) * abs(values[2]):
+                return -sign(values[first]), first
+            bounds = self.bounds(state, event, highest)
+            if 0 < bounds[first] >= abs(values[first]):
+                self.doubt_event(state, status, event, CROSSES)
+                plain = (n for n in range(first, highest) if abs(values[n]) > bounds[n])
+                first = next(plain, 0)
+            if first and values[first] != 0:
+                return -sign(values[first]), first
+        self.doubt_event(state, status, event, CROSSES)
+        return 0, self.kit.order(self.maker.scene) + 2  # coefficients of a displacement
 
     def bounds(self, state: State[N], event: Event[N], highest: int) -> list[N]:
         """Bounds of the rounding of the derivatives of an event function of the mode entered last: of what

@@ -39,13 +39,16 @@ class Expansion(Generic[N]):
     It serves one thread. The event functions that are asked for are those of the rows looked at last.
 
     step : longest step [s] of the series from there
+    furthest : order of the highest derivative that may be asked for, about the last that the series of a run
+        have. Those beyond `highest_derivative` are seldom asked for; longer series are made then.
     """
 
-    def __init__(self, scene: Scene[N], table: ModeTable) -> None:
+    def __init__(self, scene: Scene[N], table: ModeTable, order: int = 0) -> None:
         self.scene, self.table = scene, table
         self.form: NumberForm[N] = table.form
         self.kit: Kit[N] = self.form.kit
-        self.order = highest_derivative(scene) + 1
+        self.order = order or highest_derivative(scene) + 1
+        self.furthest = max(self.order, self.kit.order(scene)) - 1
         self._numbers: dict[Status, int] = {}
         self._told = 0  # bytes of the modes that C knows
         self._place: tuple[ModeRows[N], bytes] | None = None  # rows and packed state looked at last
@@ -56,11 +59,26 @@ class Expansion(Generic[N]):
         scene = self.scene
         return self.form.run(*pack_scene(scene, pitches(scene), self.form, self.order))
 
+    @once
+    def further(self) -> Expansion[N]:
+        """The same by series that have all derivatives up to `furthest`."""
+        return Expansion(self.scene, self.table, self.furthest + 1)
+
+    def _that_has(self, count: int) -> Expansion[N]:
+        """This, or `further`, whichever has the derivative of order `count` where was looked at last."""
+        assert self._place is not None  # else nothing was looked at
+        if count < self.order:
+            return self
+        self.further._look(*self._place)
+        return self.further
+
     def look(self, state: State[N], rows: ModeRows[N]) -> None:
         """Expand the motion at `state` in the mode of `rows`; what was looked at last is not
         expanded anew.
         """
-        packed = pack_state(state, self.form)
+        self._look(rows, pack_state(state, self.form))
+
+    def _look(self, rows: ModeRows[N], packed: bytes) -> None:
         if self._place is None or self._place[0] is not rows or self._place[1] != packed:
             self._place = None
             number = self._number(rows)  # which may begin another run
@@ -85,8 +103,8 @@ class Expansion(Generic[N]):
         return next(i for i, one in enumerate(self._place[0].events) if one is event)
 
     def derivatives(self, event: Event[N], count: int) -> list[N]:
-        """Those of order 0 to `count` of an event function, `highest_derivative` at most."""
-        return self.run.derivatives(self._event(event), count)
+        """Those of order 0 to `count` of an event function, `furthest` at most."""
+        return self._that_has(count).run.derivatives(self._event(event), count)
 
     def bounds(self, event: Event[N], count: int, exact: bool, span: N | int = 0) -> list[N]:
         """Bounds of the rounding of `derivatives`. exact: whether the state is a start, and not what a motion
@@ -97,7 +115,7 @@ class Expansion(Generic[N]):
         """
         assert self._place is not None
         summed = has_rounded_constant(self._place[0], event)
-        return self.run.bounds(self._event(event), count, exact, summed, span)
+        return self._that_has(count).run.bounds(self._event(event), count, exact, summed, span)
 
     def formulas(self) -> list[N]:
         """Values of the outputs of the tape of the mode."""
