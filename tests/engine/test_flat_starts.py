@@ -79,3 +79,13 @@ def test_harmonics_that_begin_so_do_as_in_closed_form():
 def test_what_just_touches_goes_where_a_late_derivative_leads(force, part, happens):
     """More derivatives are zero than a scene of one body is asked for where forces are harmonic."""
     assert kinds(run(scene_of(pushed(force, part))).events) == ["start", *happens, "end"]
+
+
+@pytest.mark.parametrize("n", [3, 5, 7, 9])
+def test_a_limit_that_is_passed_flat_is_in_doubt(n):
+    """Friction lets go where 1 N + (t - 1 s)^n passes its limit, 1 N: at 1 s, where rounding hides it."""
+    friction = "friction: {f: {between: [b, ground], N: 2 N, mu: 0.5}}"
+    found = run(scene_of(pushed(f"1 N + (t - 1 s)**{n}*1 N/s^{n}", friction)))
+    assert kinds(found.events) == ["start", "stick_end", "end"]
+    assert found.events["t"][1] == pytest.approx(1.0, abs=3 * (64 * 2.0**-52) ** (1 / n))
+    assert found.totals["uncertified"] > 0

@@ -165,8 +165,14 @@ static int march(Certificate *c, const Real *series, int count, Real error, Real
             step = nearer_step(series, count, tau, room, slope, step, h);
         ahead = t0 + (tau + step);
         if (ahead <= t) {
+            const int crossing = crosses(slope, bound, 2 * error);
+            if (slope < 0 && !near && !crossing) { /* it stays at the bound of its rounding, not at zero */
+                near = 1;
+                doubt(c, t0, t, TOUCH_OR_MISS, c->watched, NOTHING);
+                continue;
+            }
             if (slope < 0) {
-                int sure = sharp && crosses(slope, bound, 2 * error);
+                int sure = sharp && crossing;
                 *end = t0 + (sure ? zero_ahead(series, count, tau, value, slope, bound, t0) : newton(tau, value, slope));
                 return ZERO;
             }
