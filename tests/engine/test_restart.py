@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from tests.engine.random_formulas import formula_scene
 from tests.engine.random_parts import part_scenes
 from tests.engine.runs import Run, outcome, run, same_bits
+from tests.engine.tied_scenes import tied_scene
 from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, paper
 from vibsim.cases import load_case
@@ -67,6 +68,20 @@ def test_a_clearance_that_is_just_touched_goes_on_from_every_event():
 @pytest.mark.parametrize("seed", range(14))
 def test_random_formulas_go_on_from_every_event(seed):
     assert_restarts(replace(formula_scene(seed), t_end=0.3))
+
+
+@pytest.mark.parametrize("seed", [145, 499, 539, 541, 542, 686])
+def test_many_events_at_one_instant_go_on_from_it(seed):
+    """What the first of them left at zero is looked at once more behind the last, by the run; not what one
+    event alone left.
+    """
+    assert_restarts(tied_scene(seed))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(150, 330))
+def test_random_ties_go_on_from_every_event(seed):
+    assert_restarts(tied_scene(seed))
 
 
 @pytest.mark.parametrize("name", CASE_NAMES)

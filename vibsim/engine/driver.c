@@ -158,19 +158,8 @@ static int violated(const Run *r)
     return 0;
 }
 
-#ifndef LIMBS
-/* How many event functions begin at zero. */
-static int zeros_known(const Run *r)
-{
-    int count = 0, k;
-    for (k = 0; k < r->key_count; k++)
-        count += r->known[k] > 0;
-    return count;
-}
-#endif
-
-/* Begin a run, or go on with one that is restarted, at r->state in a mode, with the zeros in r->known. Samples begin with the
- * first at that state or behind it, and not before `samples_from`.
+/* Begin a run, or go on with one that is restarted, at r->state in a mode, with the zeros in r->known; those whose order in r->behind is
+ * below zero are looked at once more. Samples begin with the first at that state or behind it, and not before `samples_from`.
  */
 void run_start(Run *r, int mode, Buffers *b)
 {
@@ -189,10 +178,7 @@ void run_start(Run *r, int mode, Buffers *b)
     if (violated(r))
         note_violation(r, b);
     tangent_open(r);
-#ifndef LIMBS
-    if (r->state.t > 0 && zeros_known(r) > 1) /* restarted at an event, from doubles: the last of an instant perhaps */
-        review_zeros(r, NULL, 1);
-#endif
+    review_zeros(r, NULL);
     enter(r); /* though it may be finished: a state is read there */
 }
 
@@ -252,7 +238,7 @@ void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, cons
             note_violation(r, b);
     }
     if (again && !r->finished)
-        review_zeros(r, left, 0);
+        review_zeros(r, left);
     if (!r->finished)
         enter(r);
     if (!r->finished && r->status == OK && r->pending_end >= r->t_end)

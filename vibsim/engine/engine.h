@@ -592,7 +592,7 @@ int order_is_open(const Run *r, const Event *one, const Event *other);
 
 /* rules.c; take returns 0 where Python has to decide */
 int rule_take(Run *r, Buffers *b);
-void review_zeros(Run *r, const Mode *left, int all); /* of the mode of now, behind `left`: those of events before at the same instant, or all */
+void review_zeros(Run *r, const Mode *left); /* of the mode of now, behind `left`: those of events before the last at the same instant */
 Real derivative_at_next(Run *r, const Mode *m, int key, int order);
 Real forces_of(const Run *r, const Mode *m, Real X, Real V);
 

@@ -170,7 +170,7 @@ static int read_known(const Run *r, const Py_buffer *view, int *known)
         return -1;
     }
     for (k = 0; k < r->key_count; k++)
-        known[k] = values[k] < -1 ? -1 : values[k];
+        known[k] = values[k] < -MAX_ORDER ? -MAX_ORDER : values[k];
     return 0;
 }
 
@@ -186,8 +186,10 @@ static PyObject *start(RunObject *self, PyObject *args)
         if (!PyErr_Occurred())
             PyErr_SetString(PyExc_ValueError, "cannot start here");
     } else if (read_state(r, &v[0], &r->state) == 0 && read_known(r, &v[1], r->known) == 0) {
-        for (k = 0; k < r->key_count; k++)
-            r->known[k] = r->known[k] < 0 ? 0 : r->known[k];
+        for (k = 0; k < r->key_count; k++) {
+            r->behind[k] = r->known[k] < 0 ? NOTHING : 0;
+            r->known[k] = r->known[k] < 0 ? -r->known[k] : r->known[k];
+        }
         self->started = 1;
         self->looked = 0;
         self->buffers.sample_count = self->buffers.event_count = self->buffers.section_count = 0;
@@ -422,7 +424,8 @@ static PyMethodDef methods[] = {
      "set_rule(mode, event, (rule, target, other, hold, kind, part, key, order)): what follows the event"},
     {"fill", (PyCFunction)fill_alone, METH_VARARGS,
      "fill(samples, sample_modes, events, event_codes, section): arrays that take what is computed from now on, from their start"},
-    {"start", (PyCFunction)start_alone, METH_VARARGS, "start(mode, state, known) -> as advance"},
+    {"start", (PyCFunction)start_alone, METH_VARARGS, "start(mode, state, known) -> as advance\n\n"
+     "known: order by key; below zero that of a zero to be looked at once more."},
     {"rewind", (PyCFunction)rewind_run_alone, METH_VARARGS,
      "rewind(t_end): as before the start, without disturbances; modes and rules are kept"},
     {"retune", (PyCFunction)retune_alone, METH_VARARGS,

@@ -1,6 +1,7 @@
 """Going on from a stored event row: the state, status and known zeros that the engine had there."""
 
 from collections.abc import Mapping, Sequence
+from itertools import groupby
 from math import isfinite
 
 import numpy as np
@@ -23,12 +24,13 @@ Point = tuple[State[N], Status, Known]  # what a run goes on from: state, mode, 
 Row = Mapping[str, float]  # of a table of events, by column
 
 IMPACTS = ("impact", "transmitted", "chatter")
-JUMPS = (*IMPACTS, "stick_begin", "reversal", "switch")
+JUMPS = (*IMPACTS, "rest_begin", "stick_begin", "reversal", "switch")
 ROUNDING = 2.0**-40  # of a velocity, above which its change is a jump [-]
 
 
 def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
-    """State, status and known zeros of an event row.
+    """State, status and known zeros of an event row. An order below zero is that of a zero which an event
+    before another one at the same instant left: the run has looked at it once more behind that one.
 
     row: values by column name (t, kind, part, states, phase, part states), or several rows of one instant in
     their order. The turns of the rotor are the whole ones between phi and phase. Raises ValueError for a row
@@ -38,13 +40,15 @@ def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
     known: Known = {}
     for one in rows:
         _check(scene, one)
-    jumps = any(_makes_forces_jump(scene, one) for one in rows)
-    struck = any(EVENT_NAMES[int(one["kind"])] in IMPACTS for one in rows)
-    forced = struck or any(EVENT_NAMES[int(one["kind"])] == "switch" for one in rows)
-    for one in rows:
-        state, status = _state(scene, one), _status(scene, one)
-        known |= _zeros(scene, one, state, status, jumps, struck, forced)
-    known |= _zeros_of_parted(scene, rows, state, status, 2 if jumps else 3)
+    for event in _events_of(scene, rows):
+        jumps = any(_makes_forces_jump(scene, one) for one in event)
+        struck = any(EVENT_NAMES[int(one["kind"])] in IMPACTS for one in event)
+        forced = struck or any(EVENT_NAMES[int(one["kind"])] == "switch" for one in event)
+        known = {key: -abs(order) for key, order in known.items()}
+        for one in event:
+            state, status = _state(scene, one), _status(scene, one)
+            known |= _zeros(scene, one, state, status, jumps, struck, forced)
+        known |= _zeros_of_parted(scene, event, state, status, 2 if jumps else 3)
     return (
         (state, *_with_switches(scene, state, status, known))
         if scene.has_formulas
@@ -81,6 +85,12 @@ def _makes_forces_jump(scene: Scene, row: Row) -> bool:
         return False
     stop = dict(scene.elastic_stops)[part]
     return stop.jumps and RelativeMotion(scene, Doubles).closing(stop, _state(scene, row)) != 0
+
+
+def _events_of(scene: Scene, rows: Sequence[Row]) -> list[list[Row]]:
+    """The rows of one instant, event by event: those of one event are of one state and one mode."""
+    columns = ("t", *state_columns(scene), *part_columns(scene))
+    return [list(group) for _, group in groupby(rows, key=lambda row: [row[name] for name in columns])]
 
 
 def rows_of_instant(events: Mapping[str, np.ndarray], i: int, earlier: Sequence[Row] = ()) -> list[Row]:

@@ -164,11 +164,12 @@ static int as_before(Run *r, const Mode *left, const Event *e)
     return taylor_bounds(r, e, 0, r->t0 == 0, 1, 0.0, bounds) && fabs(now[0] - then[0]) <= BEYOND * bounds[0];
 }
 
-/* Look at the zeros that the mode of now begins with at r->state once more: those of events before, at the same instant, or `all`. What
- * happens last may turn what an event function does behind a zero, as an impact turns a depth that contact has just begun with.
+/* Look at the zeros that the mode of now begins with at r->state once more, but for those of the last event. What happens last may turn
+ * what an event function does behind a zero that an event before it left, at the same instant: as an impact turns a depth that contact
+ * has just begun with.
  * left: the mode before, NULL where none is known.
  */
-void review_zeros(Run *r, const Mode *left, int all)
+void review_zeros(Run *r, const Mode *left)
 {
     const Mode *m = r->mode;
     const int most = r->taylor.order;
@@ -178,7 +179,7 @@ void review_zeros(Run *r, const Mode *left, int all)
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
         int order = r->known[e->key];
-        if (order <= 0 || (!all && r->behind[e->key] >= 0))
+        if (order <= 0 || r->behind[e->key] >= 0)
             continue;
         if (!looked) {
             look_near(r, &r->state);
