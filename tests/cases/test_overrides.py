@@ -123,6 +123,16 @@ def test_problems_of_overrides(overrides, lines):
              "a key is written like stops.wall.k or run.t_end"],
         ),
         (
+            {"anvil.g": "1 mm"},
+            ["overrides anvil.g: unknown key (did you mean stops.anvil.gap?); "
+             "a key is written like stops.wall.k or run.t_end"],
+        ),
+        (
+            {"anvil.x": "1 mm"},
+            ["overrides anvil.x: unknown key; stops.anvil takes between, gap, acts, law, k, c, release, e, "
+             "force; a key is written like stops.wall.k or run.t_end"],
+        ),
+        (
             {"excitation.omega": "1 Hz"},
             ["overrides excitation.omega: unknown key (did you mean forces.drive.omega?); "
              "a key is written like stops.wall.k or run.t_end"],

@@ -95,7 +95,7 @@ def test_what_is_not_installed_is_named(monkeypatch):
 @pytest.mark.parametrize(
     ("words", "code", "message"),
     [(("--methods", "dop85"), 2, "did you mean dop853?"), (("--limit", "0"), 2, "--limit"),
-     (("--t-end", "1ms"), 2, "too short"), (("--t-end", "soon"), 3, "run.t_end"),
+     (("--t-end", "1ms"), 2, "too short"), (("--t-end", "soon"), 3, "--t-end: must be a time"),
      (("-s", "nonsense=1"), 3, "nonsense"), (("--plot", "b.gif"), 2, "suffix .gif"),
      (("--truth", "none.h5"), 6, "No such file"), (("-o", "no/b.h5"), 6, "does not exist")],
 )  # fmt: skip

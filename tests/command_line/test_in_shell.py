@@ -52,6 +52,18 @@ def test_a_value_that_is_not_allowed():
     assert call("run", "II-B", "-s", "mu=-1").stderr == "--set friction.mu: must be >= 0, got -1\n"
 
 
+@pytest.mark.parametrize("words", ["run", "sweep --param c=1,2", "bench", "fit --free c=1:2 --want captured"])
+def test_a_value_that_an_option_of_its_own_brings(words):
+    name, *rest = words.split()
+    wrong = "must be a time in s, ms, us, min or h, got 5kg"
+    done = call(name, "II-B", *rest, "--t-end", "5kg")
+    assert (done.exit_code, done.stderr) == (3, f"--t-end: {wrong}\n")
+    done = call(name, "II-B", *rest, "-s", "t_end=5kg")
+    assert (done.exit_code, done.stderr) == (3, f"--set run.t_end: {wrong}\n")
+    done = call(name, "II-B", *rest, "-s", "t_end=5s", "--t-end", "6s")
+    assert done.exit_code == 2 and "--t-end and --set t_end say the same" in done.stderr
+
+
 def test_a_range_that_is_not_allowed():
     with pytest.raises(vibsim.CaseError, match=r"^axes coupling\.c: must be >= 0, got -1"):
         vibsim.sweep("II-B", {"c": "-1,1 N s/m"})

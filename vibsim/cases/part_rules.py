@@ -76,7 +76,7 @@ def states_exist(draft: Draft) -> Iterator[FoundDefault]:
         elif name in draft.section("states"):
             yield FoundDefault(key, f"a state begins at states.{name}.start", of_the_name=True)
         elif draft.bodies and name not in draft.bodies:
-            allowed = [*draft.bodies, *rotors, "motor"]
+            allowed = [*draft.bodies, *rotors, *(["motor"] if "motor" in draft.values else [])]
             message = f"no body {shown(name)}{did_you_mean(name, allowed)}; allowed: {', '.join(allowed)}"
             yield FoundDefault(key, message, of_the_name=True)
         else:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, NamedTuple, get_args, get_origin
 
-from vibsim.cases.problems import Problem, did_you_mean, nearest, superseded, unsupported
+from vibsim.cases.problems import Problem, did_you_mean, nearest, shown, superseded, unsupported
 from vibsim.cases.quantities import Quantity, is_inertia
 from vibsim.cases.schema import REFERENCE, CaseFile, CaseHead, Key, Section
 from vibsim.cases.schema_kinds import FORMULA_KEYS, ONE_PART, Json, Measured, Tag, of_part, sides_of
@@ -433,8 +433,22 @@ def full_key(key: str, present: Iterable[str] = (), allowed: Iterable[str] | Non
     raise UnknownKeyError(f"unknown key{_hint(key, allowed)}; a key is written like {example} or run.t_end")
 
 
+def _parts_of(allowed: Iterable[str]) -> Iterator[str]:
+    return (key.rpartition(".")[0] for key in allowed)
+
+
 def _hint(key: str, allowed: tuple[str, ...]) -> str:
-    """The key whose end is nearest to what was typed, or the one whose last name is."""
+    """The key whose end is nearest to what was typed, or the one whose last name is; of a part that is there
+    its own keys alone.
+    """
+    part, _, name = key.rpartition(".")
+    around = next((path for path in _parts_of(allowed) if part and f".{path}".endswith(f".{part}")), None)
+    if around is not None:
+        names = [path.rpartition(".")[2] for path in allowed if path.rpartition(".")[0] == around]
+        begun = [one for one in names if one.startswith(name) or name[:-1] == one]  # gap by g, k by kk
+        match = nearest(name, names) or (begun[0] if len(begun) == 1 else None)
+        takes = "" if around.startswith("initial.") else f"; {around} takes {shown(', '.join(names), 200)}"
+        return f" (did you mean {around}.{match}?)" if match else takes
     for typed in (key, key.rpartition(".")[2]):
         depth = typed.count(".") + 1
         ends = {".".join(name.split(".")[-depth:]): name for name in reversed(allowed)}

@@ -3,7 +3,7 @@
 import errno
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from itertools import takewhile
@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from vibsim import __version__, signals
-from vibsim.command_line.options import add_global_options, examples, global_options, refuse_repeated
+from vibsim.command_line.options import Settings, add_global_options, examples, global_options, refuse_repeated
 from vibsim.command_line.terminal import in_shell, open_closed_streams, print_json, problem_in_shell, say
 from vibsim.lazy import named
 from vibsim.signals import Terminated, ended_by_signals, forget_alarm, heard_from_now_on
@@ -56,6 +56,9 @@ EXIT_CODES = {
 }
 
 
+NOWHERE: Mapping[str, str] = {}
+
+
 class OutputClosed(Exception):
     """Nobody reads stdout any more."""
 
@@ -69,10 +72,13 @@ def broken_pipe_named() -> Iterator[None]:
         raise OutputClosed from error
 
 
-def exit_code_of(action: Callable[[], Any], as_json: bool = False) -> int:
+def exit_code_of(
+    action: Callable[[], Any], as_json: bool = False, places: Mapping[str, str] = NOWHERE
+) -> int:
     """Run `action` and say what went wrong; returns the exit code. A bug is raised on.
 
     Errors go to stderr, and where `as_json` to stdout too, as an object with the key `error`.
+    places : options that gave values of a case, by their keys; read when `action` has failed
     """
     try:
         result = action()
@@ -97,7 +103,7 @@ def exit_code_of(action: Callable[[], Any], as_json: bool = False) -> int:
         code = code_for(error)
         if code is None:
             raise
-        return report(error, code, as_json)
+        return report(error, code, as_json, places)
     return result if isinstance(result, int) else 0
 
 
@@ -130,14 +136,14 @@ def code_for(error: Exception) -> int | None:
     return next((code for kind, code in codes.items() if isinstance(error, kind)), None)
 
 
-def report(error: Exception, code: int, as_json: bool) -> int:
+def report(error: Exception, code: int, as_json: bool, places: Mapping[str, str]) -> int:
     """Tell an error of the user's: the lines of a CaseError as they are, others after `Error:`."""
     from vibsim.cases import CaseError
     from vibsim.cases.problems import listed
 
     if not isinstance(error, CaseError):
         return told(f"Error: {error}", code, as_json)
-    problems = [problem_in_shell(problem) for problem in error.problems]
+    problems = [problem_in_shell(problem, places) for problem in error.problems]
     return told(listed(problems), code, as_json, problems=[vars(one) for one in problems])
 
 
@@ -275,11 +281,12 @@ class LazyGroup(click.Group):
             return super().invoke(ctx)
 
     def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
+        settings = extra.setdefault("obj", Settings())
         run: Callable[..., Any] = partial(super().main, *args, standalone_mode=False, **extra)
         if not standalone_mode:
             return run()
         words = args[0] if args and args[0] is not None else extra.get("args") or sys.argv[1:]
-        sys.exit(exit_code_of(run, _wants_json(words)))
+        sys.exit(exit_code_of(run, _wants_json(words), settings.places))
 
 
 def _wants_json(words: Sequence[str]) -> bool:

@@ -3,7 +3,7 @@
 import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
 
@@ -226,14 +226,16 @@ def joined(pairs: Iterable[tuple[str, str]], options: Mapping[str, str | None]) 
     Raises UsageError where one key has both.
     """
     values = dict(pairs)
-    for key, value in options.items():
+    given = {key: value for key, value in options.items() if value is not None}
+    for key in given:
         name = key.rpartition(".")[2]
-        if value is not None and (key in values or name in values):
-            option = "--" + name.replace("_", "-")
+        option = "--" + name.replace("_", "-")
+        if key in values or name in values:
             raise click.UsageError(
                 f"{option} and --set {key if key in values else name} say the same; choose one"
             )
-    return values | {key: value for key, value in options.items() if value is not None}
+        click.get_current_context().ensure_object(Settings).places[key] = option
+    return values | given
 
 
 set_option = click.option(
@@ -256,12 +258,14 @@ class Settings:
     """The global options; `ctx.obj` of every command.
 
     verbose : print more; quiet : print nothing but errors; json : results as JSON on stdout
+    places : options that gave values of a case, by the keys that they stand for; not one of the options
     """
 
     verbose: bool = False
     quiet: bool = False
     json: bool = False
     color: str = "auto"
+    places: dict[str, str] = field(default_factory=dict)
 
 
 def global_options() -> list[click.Option]:

@@ -7,7 +7,7 @@ import os
 import re
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
 from typing import TYPE_CHECKING, Any
@@ -278,8 +278,14 @@ def in_shell(text: str) -> str:
     return text
 
 
-def problem_in_shell(problem: Problem) -> Problem:
-    """A problem of a case; where an argument brought the value, its place is the option."""
-    at_option = problem.line is None and problem.key
-    place = PLACES.get(problem.file, problem.file) if at_option else problem.file
-    return replace(problem, file=place, message=in_shell(problem.message))
+def problem_in_shell(problem: Problem, places: Mapping[str, str]) -> Problem:
+    """A problem of a case; where an argument brought the value, its place is the option.
+
+    places : options that stand for a key and were given, as --t-end does for run.t_end, by their keys
+    """
+    place, key = problem.file, problem.key
+    if problem.line is None and key:
+        place = PLACES.get(place, place)
+    if place == "--set" and key in places:
+        place, key = places[key], ""
+    return replace(problem, file=place, key=key, message=in_shell(problem.message))

@@ -12,7 +12,16 @@ import click
 from vibsim.cases.quantities import number
 from vibsim.command_line.commands.run import check_digits, check_picture, hdf5_name, read_case
 from vibsim.command_line.main import told
-from vibsim.command_line.options import CASE, FILE, FiniteRange, NameList, Settings, examples, set_option
+from vibsim.command_line.options import (
+    CASE,
+    FILE,
+    FiniteRange,
+    NameList,
+    Settings,
+    examples,
+    joined,
+    set_option,
+)
 from vibsim.command_line.terminal import Progress, print_json, say, style
 from vibsim.command_line.text import heading, print_lines, seconds, size
 from vibsim.evidence.benchmark.bench_result import (
@@ -102,6 +111,7 @@ def command(
         source = DEFAULT_CASE
         if not ctx.obj.quiet:
             say(f"no case given: measuring {source}", err=True)
+    joined(changes, {"run.t_end": t_end})  # one of them alone
     plan = read_plan(source, dict(changes), t_end, methods, limit)
     return run_jobs(plan, output, picture, truth, force, ctx.obj)
 
