@@ -22,10 +22,9 @@
 Names are imported when they are used, so `import vibsim` costs next to nothing.
 """
 
-from typing import TYPE_CHECKING
-
 from vibsim.lazy import FRONT, lazy_names
 
+TYPE_CHECKING = False  # to type checkers it is true; typing itself takes longer to load than all of this
 if TYPE_CHECKING:
     from vibsim.analysis import Analysis as Analysis
     from vibsim.analysis import Lyapunov as Lyapunov

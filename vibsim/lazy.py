@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
 
+TYPE_CHECKING = False  # to type checkers it is true
 if TYPE_CHECKING:
-    from typing_extensions import Self
+    from collections.abc import Callable
+    from functools import cached_property
+    from typing import Any
+
+    Lazy = tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]
 
 
 # What lower rooms call of the highest ones, by name -> "module:name"; the package itself fills it in
 FRONT: dict[str, str] = {}
-
-Lazy = tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]
 
 
 def lazy_names(package: str) -> Lazy:
@@ -49,23 +50,20 @@ def named(path: str) -> Any:
 # Attributes that are worked out once, when they are first asked for.
 
 
-T = TypeVar("T")
+if TYPE_CHECKING:
+    once = cached_property
+else:
 
+    class once:
+        """As `functools.cached_property`, whose lock (before Python 3.12) takes longer than most of what a
+        point of a branch works out.
+        """
 
-class once(Generic[T]):
-    """As `functools.cached_property`, whose lock (before Python 3.12) takes longer than most of what a point
-    of a branch works out.
-    """
+        def __init__(self, function: Callable[[Any], Any]):
+            self.function, self.name, self.__doc__ = function, function.__name__, function.__doc__
 
-    def __init__(self, function: Callable[[Any], T]):
-        self.function, self.name, self.__doc__ = function, function.__name__, function.__doc__
-
-    @overload
-    def __get__(self, instance: None, owner: type) -> Self: ...
-    @overload
-    def __get__(self, instance: object, owner: type) -> T: ...
-    def __get__(self, instance: object | None, owner: type) -> Self | T:
-        if instance is None:
-            return self
-        value = instance.__dict__[self.name] = self.function(instance)
-        return value
+        def __get__(self, instance: object | None, owner: type) -> Any:
+            if instance is None:
+                return self
+            value = instance.__dict__[self.name] = self.function(instance)
+            return value

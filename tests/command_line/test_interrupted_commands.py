@@ -254,7 +254,7 @@ STARTING = """
 import signal, sys
 class Finder:
     def find_spec(self, name, path=None, target=None):
-        if name == "click":
+        if name == sys.argv[2]:
             signal.raise_signal(int(sys.argv[1]))
 sys.meta_path.insert(0, Finder())
 from vibsim.__main__ import main
@@ -262,9 +262,13 @@ main()
 """
 
 
-@pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_while_the_command_line_is_imported_ends_without_a_word(signum):
-    command = [sys.executable, "-c", STARTING, str(int(signum))]
+@pytest.mark.parametrize(
+    ("signum", "module"),
+    [(signal.SIGINT, "click"), (signal.SIGTERM, "click"), (signal.SIGINT, "vibsim.signals")],
+)
+def test_a_signal_while_the_command_line_is_imported_ends_without_a_word(signum, module):
+    """The first thing that is imported behind `vibsim` itself, too."""
+    command = [sys.executable, "-c", STARTING, str(int(signum)), module]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (-signum, "")
 

@@ -12,7 +12,13 @@ from typing import Any
 import click
 
 from vibsim import __version__, signals
-from vibsim.command_line.options import Settings, add_global_options, examples, global_options, refuse_repeated
+from vibsim.command_line.options import (
+    Settings,
+    add_global_options,
+    examples,
+    global_options,
+    refuse_repeated,
+)
 from vibsim.command_line.terminal import in_shell, open_closed_streams, print_json, problem_in_shell, say
 from vibsim.lazy import named
 from vibsim.signals import Terminated, ended_by_signals, forget_alarm, heard_from_now_on
