@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from fractions import Fraction
 from itertools import pairwise
 
 import pytest
@@ -112,6 +113,21 @@ def test_a_crossing_taken_for_one_above_zero_is_judged_by_all_that_it_may_miss()
     start = {"x2": 0.01, "rest_distance": None, "t_end": 1.632993161855452}
     result = run(scene(source, **blocks, **start, method="closed_form"))
     assert result.totals["uncertified"] > 0
+
+
+@pytest.mark.parametrize(("part", "way"), [("rest_distance", 1), ("G", 1), ("G", -1)])
+@pytest.mark.parametrize(("x1", "x2", "at", "doubts"), [
+    (0.031400000000000004, 0.0001, 0.0313, 1),  # m; 2.9e-18 beyond, for 1.5 ns
+    (0.5, 0.25, 0.25, 0),
+])  # fmt: skip
+def test_a_start_that_rounding_alone_puts_at_a_limit_is_in_doubt(part, way, x1, x2, at, doubts):
+    """The distance of the blocks less the limit is 0 in doubles."""
+    blocks = {"N": None, "G": None, "k2": None, "stop_sign": 1}
+    if part == "G":
+        blocks |= {"k2": 100.0, "stop_sign": -way}
+    start = scene(**{**blocks, part: at, "x1": way * x1, "x2": way * x2, "t_end": 0.1})
+    assert (Fraction(x1) - Fraction(x2) != Fraction(at)) == doubts and x1 - x2 - at == 0
+    assert run(start).totals["uncertified"] == doubts
 
 
 def missed(scene):

@@ -130,17 +130,14 @@ class RelativeMotion(Generic[N]):
         met: bool,
     ) -> bool:
         """Whether the rounding of the base, of x_P - x_Q and of its sum with `distance` could turn the sign
-        of `value`; of the base alone where the ends are met, of nothing where exact numbers say so.
+        of `value`, or be what makes it zero; no rounding can where exact numbers say that the ends are met.
         """
         if met and part.at_start:
             return False
+        xP, xQ = self.ends(part, state, "x")
+        y = xP - xQ
         lost = self.base_rounding(self.columns(part), state)[0]
-        if not met:
-            xP, xQ = self.ends(part, state, "x")
-            y = xP - xQ
-            lost = (
-                lost + abs(_difference_error(xP, xQ, y)) + abs(_difference_error(y, -distance, y + distance))
-            )
+        lost += abs(_difference_error(xP, xQ, y)) + abs(_difference_error(y, -distance, y + distance))
         return 0 < lost >= abs(value)
 
 
