@@ -69,7 +69,7 @@ def test_sticks_over_two_parameters(branch, tmp_path):
     assert len(whole) == 12 and [p for p in whole.points if p in locus.points] == locus.points
     figure = kind_named("locus").draw([Subject("l.h5", "l", "locus", locus.case, locus)], View())
     (legend,) = figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == ["sticks that come or go"]
+    assert [text.get_text() for text in legend.get_texts()] == ["stick phases that come or go"]
 
 
 @pytest.mark.slow
