@@ -11,8 +11,7 @@ from hypothesis import given, settings
 
 from tests.engine.random_parts import LENGTH, RATE, part_scenes
 from tests.engine.runs import Run, outcome, run, scene_of
-from tests.engine.test_closed_cases import METHODS, harmonic, scene
-from vibsim.physics.parts import BASE, GROUND, Body, Force, Friction, Link
+from tests.engine.test_closed_cases import METHODS, ON_A_BELT, case
 
 # rounding of some hundred stretches of 12 nodes each, of energies and momenta that go in and out many times
 ENERGY, MOMENTUM = 1e-12 * (LENGTH * RATE) ** 2, 1e-12 * LENGTH * RATE
@@ -52,12 +51,7 @@ def test_block_carried_by_a_belt(method):
     of it stored; the belt's impulse is N^2 / (2 k belt), and all of it goes to the ground through the spring.
     """
     k, N, belt = 4.0, 1.0, 0.3
-    parts = {
-        "links": (Link("l", 0, GROUND, k, 0.0),),
-        "frictions": (Friction("f", 0, GROUND, N, N, belt),),
-        "t_end": N / k / belt,
-    }
-    totals = run(scene([Body("m", 1.0, 0.0, belt)], method, **parts), momentum=True).totals
+    totals = run(case(ON_A_BELT, method, t_end=f"{N / k / belt} s"), momentum=True).totals
     assert totals["work.friction.f"] == totals["work_belt"] == pytest.approx(N * N / (2 * k), rel=1e-14)
     assert totals["energy_end"] - totals["energy_start"] == pytest.approx(N * N / (2 * k), rel=1e-14)
     assert totals["loss_friction"] == pytest.approx(0, abs=1e-15)
@@ -70,8 +64,11 @@ def test_block_slipping_on_a_belt(method):
     """A free block on a belt: the belt pulls with N, does N belt t, and half of that heats."""
     m, N, belt = 2.0, 3.0, 0.5
     until = m * belt / N  # it has the speed of the belt
-    parts = {"frictions": (Friction("f", 0, GROUND, N, N, belt),), "t_end": 2 * until}
-    of = scene([Body("m", m, 0.0, 0.0)], method, **parts)
+    text = f"""
+bodies: {{m: {m} kg}}
+friction: {{f: {{between: [m, ground], N: {N} N, mu: 1, belt: {belt} m/s}}}}
+"""
+    of = case(text, method, t_end=f"{2 * until} s")
     result = run(of, momentum=True).totals
     assert "work_belt" not in run(of).totals
     assert result["work_belt"] == pytest.approx(N * belt * until, rel=1e-14)
@@ -85,8 +82,13 @@ def test_base_that_carries_a_stuck_block(method):
     """The base moves a block that sticks to it: work and impulse are what its motion needs."""
     m, a, frequency = 1.7, 0.01, 0.6
     omega, t = 2 * pi * frequency, 0.3
-    parts = {"frictions": (Friction("f", 0, BASE, 1e3, 1e3, 0.0),), "base": (harmonic(a, frequency),)}
-    totals = run(scene([Body("m", m, 0.0, a * omega)], method, t_end=t, **parts), momentum=True).totals
+    text = f"""
+bodies: {{m: {m} kg}}
+friction: {{f: {{between: [m, base], N: 1 kN, mu: 1}}}}
+base: {{a: {a} m, omega: {frequency} Hz}}
+initial: {{m: {{v: {a * omega} m/s}}}}
+"""
+    totals = run(case(text, method, t_end=f"{t} s"), momentum=True).totals
     v = a * omega * np.cos(omega * t)
     assert totals["work_base"] == pytest.approx(m * (v**2 - (a * omega) ** 2) / 2, rel=1e-13)
     assert totals["impulse_base"] == pytest.approx(m * (v - a * omega), rel=1e-13)
@@ -99,9 +101,12 @@ def test_base_that_rubs_on_a_stuck_block(method):
     reversal of what rubs there, N |V| heats, 4 N a a period.
     """
     a, frequency, N = 0.01, 0.5, 1.0
-    frictions = (Friction("held", 0, GROUND, 10.0, 10.0, 0.0), Friction("rubs", 0, BASE, N, N, 0.0))
-    parts = {"frictions": frictions, "base": (harmonic(a, frequency),)}
-    result = run(scene([Body("m", 1.0, 0.0, 0.0)], method, **parts), momentum=True)
+    text = f"""
+bodies: {{m: 1 kg}}
+friction: {{held: {{between: [m, ground], N: 10 N, mu: 1}}, rubs: {{between: [m, base], N: {N} N, mu: 1}}}}
+base: {{a: {a} m, omega: {frequency} Hz}}
+"""
+    result = run(case(text, method), momentum=True)
     turns = result.events["t"][result.events["kind"] == 3]
     assert turns == pytest.approx((np.arange(10) + 0.5) / (2 * frequency), rel=1e-14)
     assert result.totals["sticks"] == result.totals["uncertified"] == 0
@@ -116,21 +121,21 @@ def test_steady_work_of_a_force_and_of_a_base_is_what_the_damper_takes(method):
     m, k, c, F, omega = 1.0, 9.0, 0.4, 0.2, 2 * pi
     X = F / np.hypot(k - m * omega**2, c * omega)
     shift = -np.arctan2(c * omega, k - m * omega**2)
-    body = Body("m", m, X * np.sin(shift), X * omega * np.cos(shift))
-    parts = {"links": (Link("l", 0, GROUND, k, c),), "t_end": 1.0}
-    forced = run(
-        scene([body], method, forces=(Force("F", 0, 0.0, (harmonic(F, 1.0),)),), **parts), ledger=True
-    )
+    text = f"""
+bodies: {{m: {m} kg}}
+links: {{l: {{between: [m, ground], k: {k} N/m%s}}}}
+initial: {{m: {{x: {X * np.sin(shift)} m, v: {X * omega * np.cos(shift)} m/s}}}}
+run: {{t_end: 1 s}}
+"""
+    push = f"forces: {{F: {{on: m, A: {F} N, omega: 1 Hz}}}}"
+    forced = run(scene_of(text % f", c: {c} N s/m" + push, method=method), ledger=True)
     lost = pi * c * omega * X * X
     assert forced.totals["work.forces.F"] == pytest.approx(lost, rel=1e-13)
     assert forced.totals["loss.links.l"] == pytest.approx(lost, rel=1e-13)
     # the same mass on a spring to the ground, its damper to a base that moves as the force would ask
-    shaken = {
-        "links": (Link("l", 0, GROUND, k, 0.0), Link("d", 0, BASE, 0.0, c)),
-        "base": (harmonic(F / (c * omega), 1.0, -pi / 2),),
-        "t_end": 1.0,
-    }
-    totals = run(scene([body], method, **shaken), ledger=True).totals
+    damper = f"}}, d: {{between: [m, base], c: {c} N s/m"
+    base = f"base: {{a: {F / (c * omega)} m, omega: 1 Hz, phase: -90 deg}}"
+    totals = run(scene_of(text % damper + base, method=method), ledger=True).totals
     assert totals["work_base"] == pytest.approx(totals["loss.links.d"], rel=1e-12)
     assert totals["energy_residual_relative"] < 1e-15
 
@@ -139,8 +144,12 @@ def test_steady_work_of_a_force_and_of_a_base_is_what_the_damper_takes(method):
 def test_decay_is_the_loss(method):
     """A mass on a damper alone: v = v0 exp(-c t / m)."""
     m, c, v, t = 1.5, 0.8, 0.4, 3.0
-    parts = {"links": (Link("d", 0, GROUND, 0.0, c),), "t_end": t}
-    totals = run(scene([Body("m", m, 0.0, v)], method, **parts), momentum=True).totals
+    text = f"""
+bodies: {{m: {m} kg}}
+links: {{d: {{between: [m, ground], c: {c} N s/m}}}}
+initial: {{m: {{v: {v} m/s}}}}
+"""
+    totals = run(case(text, method, t_end=f"{t} s"), momentum=True).totals
     lost = m * v * v / 2 * (1 - exp(-2 * c * t / m))
     assert totals["loss_viscous"] == pytest.approx(lost, rel=1e-14)
     assert totals["impulse_ground"] == pytest.approx(-m * v * (1 - exp(-c * t / m)), rel=1e-14)

@@ -12,30 +12,32 @@ from hypothesis import strategies as st
 from tests.engine.bundles import start_components
 from tests.engine.random_parts import part_scenes
 from tests.engine.runs import same_bits
-from tests.engine.test_closed_cases import harmonic, scene
+from tests.engine.test_closed_cases import METHODS, case
 from tests.engine.test_tangent_jacobian import SCENES
 from tests.scenes import paper
 from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.physics.formulas import mul, num
-from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, Friction, Link, RigidStop, Stop
+from vibsim.physics.parts import RigidStop, Stop
 
 OF_CARRIED = ("state", "rate", "vectors", "times", "states", "codes")
-METHODS = ("auto", "taylor")
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_damped_oscillator(method):
     """y'' + 2 a y' + w^2 y = F(t): the load is none of the matrix's business."""
     m, k, c, T = 2.0, 50.0, 0.8, 3.0
-    force = Force("F", 0, 0.2, (harmonic(0.3, 0.7),))
-    of = scene([Body("m", m, 0.0, 0.0)], method, links=(Link("l", 0, GROUND, k, c),), forces=(force,))
+    text = f"""
+bodies: {{m: {m} kg}}
+links: {{l: {{between: [m, ground], k: {k} N/m, c: {c} N s/m}}}}
+forces: {{F: {{on: m, F0: 0.2 N, A: 0.3 N, omega: 0.7 Hz}}}}
+"""
     a, w = c / (2 * m), sqrt(k / m)
     wd = sqrt(w * w - a * a)
     C, S = exp(-a * T) * cos(wd * T), exp(-a * T) * sin(wd * T) / wd
     expected = [[C + a * S, S], [-w * w * S, C - a * S]]
-    carried = Carrier(of).carry([0.01, -0.02], T)
+    carried = Carrier(case(text, method)).carry([0.01, -0.02], T)
     np.testing.assert_allclose(carried.matrix, expected, rtol=0, atol=1e-13)
     at_end = 0.2 / m + 0.3 / m * sin(2 * pi * 0.7 * T) - 2 * a * carried.state[1] - w * w * carried.state[0]
     np.testing.assert_allclose(carried.rate, [carried.state[1], at_end], rtol=0, atol=1e-13)
@@ -45,8 +47,11 @@ def test_a_damped_oscillator(method):
 def test_a_throw_at_a_wall_turns_the_velocity_and_the_shift(method):
     """Half a wave of contact: x = d - v (t - t2) with t2 = d / v + pi / w."""
     d, v, k, m, T = 0.1, 0.7, 800.0, 2.0, 1.0
-    stop = Stop("wall", 0, GROUND, d, COMPRESSION, k, 0.0)
-    carried = Carrier(scene([Body("m", m, 0.0, 0.0)], method, stops=(stop,))).carry([0.0, v], T)
+    text = f"""
+bodies: {{m: {m} kg}}
+stops: {{wall: {{between: [m, ground], gap: {d} m, acts: compression, k: {k} N/m}}}}
+"""
+    carried = Carrier(case(text, method)).carry([0.0, v], T)
     expected = [[-1.0, -T + pi / sqrt(k / m)], [0.0, -1.0]]
     np.testing.assert_allclose(carried.matrix, expected, rtol=0, atol=1e-13)
     assert carried.events == (("contact_begin", 0), ("contact_end", 0)) and carried.uncertified == 0
@@ -54,7 +59,7 @@ def test_a_throw_at_a_wall_turns_the_velocity_and_the_shift(method):
 
 def test_a_body_that_sticks_forgets_its_speed():
     """It stops at x0 + v^2 m / (2 N): the column of v keeps where, that of x keeps all."""
-    of = scene([Body("m", 2.0, 0.0, 0.0)], frictions=(Friction("f", 0, GROUND, 3.0, 3.0, 0.0),))
+    of = case("bodies: {m: 2 kg}\nfriction: {f: {between: [m, ground], N: 3 N, mu: 1}}")
     carried = Carrier(of).carry([0.1, 0.6], 2.0)
     np.testing.assert_allclose(carried.matrix, [[1.0, 0.6 * 2.0 / 3.0], [0.0, 0.0]], rtol=0, atol=1e-15)
     assert carried.events == (("stick_begin", 0),) and carried.codes.tolist() == [[0]]
@@ -102,7 +107,7 @@ def test_disturbances_after_states_alone(label):
 )
 def test_what_cannot_be_carried(state, end, vectors, message):
     with pytest.raises(ValueError, match=message):
-        Carrier(scene([Body("m", 1.0, 0.0, 0.0)])).carry(state, end, vectors)
+        Carrier(case("bodies: {m: 1 kg}")).carry(state, end, vectors)
 
 
 def tuned(of, factor):

@@ -8,31 +8,14 @@ from hypothesis import given, settings
 
 from tests.engine.bundles import PER_PIECE, totals
 from tests.engine.random_parts import part_scenes
-from tests.engine.runs import scene_of
-from tests.engine.test_closed_cases import harmonic, scene
+from tests.engine.runs import run, scene_of
+from tests.engine.test_closed_cases import METHODS, case
 from tests.scenes import paper
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.saltation import Saltation
 from vibsim.engine.tangent.tangent_space import components, dimension, references
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.parts import (
-    AT_GAP,
-    BASE,
-    COMPRESSION,
-    EVENT_KINDS,
-    EXTENSION,
-    GROUND,
-    Body,
-    Force,
-    Friction,
-    Harmonic,
-    Link,
-    RigidStop,
-    Scene,
-    Stop,
-)
-
-METHODS = ("auto", "taylor")
+from vibsim.physics.parts import EVENT_KINDS
 
 
 @settings(max_examples=25)
@@ -49,11 +32,16 @@ def test_a_reversal_that_all_but_sticks_drowns_no_volume():
     """Friction drags the body as hard as the base may hold it: only the motion of the base lets it turn
     round, and the determinant there, some 1e-5, is known to rounding / 1e-5.
     """
-    N, pace = 0.4, 11.3
-    bodies = [Body("a", 1.0, 0.0, 0.0), Body("b", 1.8, 0.0, 0.0)]
-    frictions = (Friction("f", BASE, 0, N, N, 0.0), Friction("g", 0, 1, N, N, 0.0126))
-    base = (harmonic(1e-5, pace / (2 * pi)),)
-    result = totals(scene(bodies, frictions=frictions, base=base, t_end=0.48))
+    result = totals(
+        scene_of("""
+bodies: {a: 1 kg, b: 1.8 kg}
+friction:
+  f: {between: [base, a], N: 0.4 N, mu: 1}
+  g: {between: [a, b], N: 0.4 N, mu: 1, belt: 12.6 mm/s}
+base: {a: 0.01 mm, omega: 11.3 rad/s}
+run: {t_end: 0.48 s}
+""")
+    )
     assert result["reversals"] == 1
     assert abs(result["volume_residual"]) <= PER_PIECE * result["tangent_pieces"]
 
@@ -78,17 +66,6 @@ def test_a_wrong_saltation_is_seen(monkeypatch):
     assert abs(totals(scene_of(RUBBING))["volume_residual"]) > 1.0
 
 
-def chain(method, damping, **parts):
-    """Three bodies on springs between a wall and the open end; damping by link [N s/m]."""
-    bodies = [Body("a", 1.0, 0.01, 0.0), Body("b", 2.0, 0.0, 0.1), Body("c", 0.5, 0.0, 0.0)]
-    ends = [(0, GROUND), (1, 0), (2, 1)]
-    links = [
-        Link(f"l{i}", P, Q, k, c)
-        for i, ((P, Q), k, c) in enumerate(zip(ends, (40.0, 30.0, 20.0), damping, strict=True))
-    ]
-    return scene(bodies, method, links=tuple(links), **parts)
-
-
 def matrix(of):
     """Of (x, v) of a scene of links to each other and the ground, from the balance of forces."""
     n = len(of.bodies)
@@ -108,7 +85,16 @@ def matrix(of):
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("damping", [(0.8, 0.6, 0.4), (0.1, 3.0, 0.0)])  # proportional, and not
 def test_linear_scenes_have_the_real_parts_of_their_eigenvalues(method, damping):
-    of = chain(method, damping, t_end=40.0, forces=(Force("f", 2, 0.1, (harmonic(0.3, 0.7),)),))
+    text = """
+bodies: {a: 1 kg, b: 2 kg, c: 0.5 kg}
+links:
+  l0: {between: [a, ground], k: 40 N/m}
+  l1: {between: [b, a], k: 30 N/m}
+  l2: {between: [c, b], k: 20 N/m}
+forces: {f: {on: c, F0: 0.1 N, A: 0.3 N, omega: 0.7 Hz}}
+initial: {a: {x: 1 cm}, b: {v: 0.1 m/s}}
+"""
+    of = case(text, method, {f"l{i}.c": f"{c} N s/m" for i, c in enumerate(damping)}, t_end="40 s")
     result = totals(of, begin=20.0)
     expected = np.sort(np.linalg.eigvals(matrix(of)).real)[::-1]
     # directions of a pair turn in an ellipse: each exponent is known to the logarithm of its axes over 20 s
@@ -117,27 +103,35 @@ def test_linear_scenes_have_the_real_parts_of_their_eigenvalues(method, damping)
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_volume_of_a_throw_at_a_damped_wall_shrinks_by_the_square_of_the_restitution(method):
+@pytest.mark.parametrize("c", (0.0, 12.0))
+def test_volume_of_a_throw_at_a_wall_shrinks_by_the_square_of_the_restitution(method, c):
     """Half a wave long contact: x' = -e v, e = exp(-pi a / wd), whatever the speed; det = e^2."""
-    m, k, c = 2.0, 800.0, 12.0
-    stop = Stop("wall", 0, GROUND, 0.1, COMPRESSION, k, c, AT_GAP)
-    result = totals(scene([Body("m", m, 0.0, 0.7)], method, stops=(stop,), t_end=3.0))
+    m, k = 2.0, 800.0
+    result = totals(
+        scene_of(f"""
+bodies: {{m: {m} kg}}
+stops: {{wall: {{between: [m, ground], gap: 10 cm, acts: compression, k: {k} N/m, c: {c} N s/m}}}}
+initial: {{m: {{v: 0.7 m/s}}}}
+run: {{t_end: 3 s, method: {method}}}
+""")
+    )
     a = c / (2 * m)
     restitution = exp(-pi * a / sqrt(k / m - a * a))
     grown = result["growth"][-1, 1:]
-    assert sum(grown) == pytest.approx(2 * log(restitution), rel=1e-12)
+    assert sum(grown) == pytest.approx(2 * log(restitution), rel=1e-12, abs=1e-13)
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_each_of_two_bodies_that_stick_in_turn_loses_a_direction(method):
     """Apart from each other: never at rest together when one of them sticks first, yet two directions go."""
-    bodies = [Body("a", 1.0, 0.0, 0.5), Body("b", 1.0, 0.0, 2.0)]
-    frictions = (Friction("f", 0, GROUND, 1.0, 1.0, 0.0), Friction("g", 1, GROUND, 1.0, 1.0, 0.0))
-    drive = (
-        Force("kick", 0, 0.0, (harmonic(3.0, 0.1, -0.3),)),
-    )  # a slips again from 1.02 s on, b sticks at 2 s
-    of = scene(bodies, method, frictions=frictions, forces=drive, t_end=2.4)
-    result = totals(of)
+    text = """
+bodies: {a: 1 kg, b: 1 kg}
+friction: {f: {between: [a, ground], N: 1 N, mu: 1}, g: {between: [b, ground], N: 1 N, mu: 1}}
+forces: {kick: {on: a, A: 3 N, omega: 0.1 Hz, phase: -0.3 rad}}
+initial: {a: {v: 0.5 m/s}, b: {v: 2 m/s}}
+"""
+    # a slips again from 1.02 s on, b sticks at 2 s
+    result = totals(case(text, method, t_end="2.4 s"))
     assert result["rank_losses"] == 2
     assert result["exponents"].tolist() == [-inf, -inf]
     assert abs(result["volume_residual"]) < 1e-11
@@ -148,27 +142,26 @@ def test_a_stack_that_rides_as_one_keeps_one_velocity(method):
     """Three blocks on each other on a spring: (x, v) of the whole swings undamped, two directions are held
     from the start.
     """
-    bodies = [Body(name, m, 0.01, 0.0) for name, m in zip("abc", (3.0, 2.0, 1.0), strict=True)]
-    frictions = tuple(Friction(f"f{i}", i + 1, i, 9.0, 9.0, 0.0) for i in range(2))
-    rate = sqrt(60.0 / 6.0)
-    of = scene(
-        bodies,
-        method,
-        frictions=frictions,
-        links=(Link("l", 0, GROUND, 60.0, 0.0),),
-        t_end=10 * 2 * pi / rate,
-    )
+    text = """
+bodies: {a: 3 kg, b: 2 kg, c: 1 kg}
+links: {l: {between: [a, ground], k: 60 N/m}}
+friction: {f0: {between: [b, a], N: 9 N, mu: 1}, f1: {between: [c, b], N: 9 N, mu: 1}}
+initial: {a: {x: 1 cm}, b: {x: 1 cm}, c: {x: 1 cm}}
+"""
+    of = case(text, method, t_end=f"{20 * pi / sqrt(60.0 / 6.0)} s")
     result = totals(of)
     assert dimension(of) == 4 and result["rank_losses"] == 2
     np.testing.assert_allclose(result["exponents"], [0.0, 0.0, -inf, -inf], rtol=0, atol=1e-12)
 
 
 def test_bodies_that_nothing_ties_to_the_ground_lose_the_shift():
-    bodies = [Body(name, 1.0, 0.0, 0.0) for name in "abcd"]
-    links = (Link("l", 0, 2, 1.0, 0.0),)
-    stops = (Stop("s", 1, BASE, 0.01, EXTENSION, 5.0, 0.0),)
-    rubbing = (Friction("f", 3, 0, 1.0, 1.0, 0.0),)
-    of = scene(bodies, links=links, stops=stops, frictions=rubbing, base=(harmonic(0.001, 1.0),))
+    of = scene_of("""
+bodies: {a: 1 kg, b: 1 kg, c: 1 kg, d: 1 kg}
+links: {l: {between: [a, c], k: 1 N/m}}
+stops: {s: {between: [b, base], gap: 1 cm, acts: extension, k: 5 N/m}}
+friction: {f: {between: [d, a], N: 1 N, mu: 1}}
+base: {a: 1 mm, omega: 1 Hz}
+""")
     assert references(of) == [2, None, 2, 3]
     assert components(of) == [0, 1, 4, 5, 6, 7]
 
@@ -182,23 +175,10 @@ def test_numbers_of_exponents_that_a_scene_has_not_got(count):
 @pytest.mark.parametrize("name", ["I-A", "II-B"])
 def test_a_bundle_changes_no_trajectory(name):
     of = paper(name, t_end=3.0).as_parts()
-    plain, carrying = (open_trajectory(of, tangent=count) for count in (0, dimension(of)))
-    for one, other in zip(whole(plain), whole(carrying), strict=True):
+    plain, carrying = (run(of, tangent=count) for count in (0, dimension(of)))
+    for one, other in ((plain.samples, carrying.samples), (plain.events, carrying.events)):
         assert len(one["v1"]) > 5 and list(one) == list(other)
         assert all(np.array_equal(one[column], other[column]) for column in one)
-
-
-def whole(trajectory):
-    """Samples and events of a run."""
-    blocks = list(trajectory.blocks())
-    for tables in ([b.samples for b in blocks], [b.events for b in blocks]):
-        yield {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
-
-
-def test_volume_of_a_throw_at_an_elastic_wall_is_kept():
-    bare = Stop("wall", 0, GROUND, 0.1, COMPRESSION, 800.0, 0.0, AT_GAP)
-    throw = scene([Body("m", 2.0, 0.0, 0.7)], stops=(bare,), t_end=3.0)
-    assert sum(totals(throw)["growth"][-1, 1:]) == pytest.approx(0.0, abs=1e-13)
 
 
 def test_friction_that_tears_off_beside_a_stop_at_rest():
@@ -207,18 +187,16 @@ def test_friction_that_tears_off_beside_a_stop_at_rest():
     sin(omega t) = H / A, over H times the natural rate sqrt(k / m).
     """
     amplitude, limit, omega, k = 1.1001, 1.1, 3.0, 4.0
-    drive = Harmonic(amplitude, omega, omega / (2 * pi), 0.0, 0.0)
-    of = Scene(
-        bodies=(Body("block", 1.0, 0.0, 0.0),),
-        links=(Link("spring", 0, GROUND, k, 0.1),),
-        stops=(RigidStop("wall", 0, GROUND, 0.0, EXTENSION, 0.5, at_start=True),),
-        frictions=(Friction("rail", 0, GROUND, 0.5, 0.5, 0.0, limit, limit),),
-        forces=(Force("drive", 0, 0.0, (drive,)),),
-        t_end=0.55,  # the crest is at 0.524 s
-    )
-    trajectory = open_trajectory(of, tangent=2)
-    kinds = np.concatenate([block.events["kind"] for block in trajectory.blocks()])
-    assert EVENT_KINDS["rest_end"] in kinds and EVENT_KINDS["stick_end"] in kinds
+    of = scene_of(f"""
+bodies: {{block: 1 kg}}
+links: {{spring: {{between: [block, ground], k: {k} N/m, c: 0.1 N s/m}}}}
+stops: {{wall: {{between: [block, ground], gap: 0 m, acts: extension, law: rigid, e: 0.5}}}}
+friction: {{rail: {{between: [block, ground], N: 0.5 N, mu: 1, static: {limit / 0.5}}}}}
+forces: {{drive: {{on: block, A: {amplitude} N, omega: {omega} rad/s}}}}
+run: {{t_end: 0.55 s}}  # the crest is at 0.524 s
+""")
+    found = run(of, tangent=2)
+    assert {EVENT_KINDS["rest_end"], EVENT_KINDS["stick_end"]} <= set(found.events["kind"])
     rate = omega * sqrt(amplitude**2 - limit**2)
     share = (rate / (limit * sqrt(k))) ** 2
-    assert trajectory.totals["closest_tangency"] == pytest.approx(share, rel=1e-9)
+    assert found.totals["closest_tangency"] == pytest.approx(share, rel=1e-9)

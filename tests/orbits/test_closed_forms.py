@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.engine.test_closed_cases import harmonic, scene
+from tests.engine.runs import scene_of
 from tests.orbits.test_hard_cases import bilinear, rubbing
 from vibsim.cases import load_case
 from vibsim.engine.modes.parametric_rows import differences
 from vibsim.orbits import find_orbit
 from vibsim.orbits.coordinates import OrbitError
-from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, Link, RigidStop
 
 
 def slip(X, ratio, friction):
@@ -99,12 +98,12 @@ def test_a_forced_bilinear_oscillator_without_a_gap(amplitude):
 
 def impacting(ratio, gap, e):
     """x'' + x = cos(ratio t), a rigid stop at x = gap (Shaw and Holmes 1983)."""
-    return scene(
-        [Body("m", 1.0, 0.0, 0.0)],
-        links=(Link("spring", 0, GROUND, 1.0, 0.0),),
-        stops=(RigidStop("wall", 0, GROUND, gap, COMPRESSION, e),),
-        forces=(Force("drive", 0, 0.0, (harmonic(1.0, ratio / (2 * pi), pi / 2),)),),
-    )
+    return scene_of(f"""
+bodies: {{m: 1 kg}}
+links: {{spring: {{between: [m, ground], k: 1 N/m}}}}
+stops: {{wall: {{between: [m, ground], gap: {gap} m, acts: compression, law: rigid, e: {e}}}}}
+forces: {{drive: {{on: m, A: 1 N, omega: {ratio} rad/s, phase: 90 deg}}}}
+""")
 
 
 def shaw_and_holmes(ratio, gap, e, n):

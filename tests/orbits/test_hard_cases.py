@@ -1,28 +1,26 @@
 """Orbits that are hard by name, against closed forms and laws."""
 
-from dataclasses import replace
 from math import cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
 
 import vibsim
-from tests.engine.test_closed_cases import harmonic, scene
+from tests.engine.runs import scene_of
 from vibsim.cases import load_case
 from vibsim.command_line.commands.orbit import stability_text
 from vibsim.orbits import find_orbit
 from vibsim.orbits.stability import neighbours
-from vibsim.physics.parts import COMPRESSION, GROUND, Body, Clearance, Force, Friction, Link, Stop
 
 
 def rubbing(ratio, friction, force=1.0):
     """x'' + x = force sin(ratio t) - friction sgn x'."""
-    return scene(
-        [Body("m", 1.0, 0.0, 0.0)],
-        links=(Link("spring", 0, GROUND, 1.0, 0.0),),
-        frictions=(Friction("floor", 0, GROUND, friction, friction, 0.0),),
-        forces=(Force("drive", 0, 0.0, (harmonic(force, ratio / (2 * pi)),)),),
-    )
+    return scene_of(f"""
+bodies: {{m: 1 kg}}
+links: {{spring: {{between: [m, ground], k: 1 N/m}}}}
+friction: {{floor: {{between: [m, ground], N: {friction} N, mu: 1}}}}
+forces: {{drive: {{on: m, A: {force} N, omega: {ratio} rad/s}}}}
+""")
 
 
 def reversal_factors(of, orbit):
@@ -93,13 +91,13 @@ def test_a_stick_arc_across_the_section():
     assert starts == {True, False}
 
 
-def bilinear(amplitude, gap=0.0, c=0.1):
-    return scene(
-        [Body("m", 1.0, 0.0, 0.0)],
-        links=(Link("spring", 0, GROUND, 1.0, c),),
-        stops=(Stop("wall", 0, GROUND, gap, COMPRESSION, 8.0, 0.0),),
-        forces=(Force("drive", 0, 0.0, (harmonic(amplitude, 0.35),)),),
-    )
+def bilinear(amplitude, more=""):
+    return scene_of(f"""
+bodies: {{m: 1 kg}}
+links: {{spring: {{between: [m, ground], k: 1 N/m, c: 0.1 N s/m}}}}
+stops: {{wall: {{between: [m, ground], gap: 0 m, acts: compression, k: 8 N/m}}}}
+forces: {{drive: {{on: m, A: {amplitude} N, omega: 0.35 Hz}}}}
+{more}""")
 
 
 def test_a_bilinear_oscillator_without_a_gap():
@@ -143,8 +141,8 @@ def test_eighteen_periods():
 
 
 def test_limits_that_are_watched_stop_no_orbit():
-    of = bilinear(1.0)
-    watched = replace(of, clearances=(Clearance("room", 0, GROUND, 0.0),), stop_on_violation=True)
+    limit = "clearances: {room: {between: [m, ground], distance: 1 mm}}\nrun: {on_violation: stop}"
+    of, watched = bilinear(1.0), bilinear(1.0, limit)
     orbit = find_orbit(watched, {"x_m": 0.1, "v_m": 0.1}, 1)
     assert orbit.spelled == find_orbit(of, {"x_m": 0.1, "v_m": 0.1}, 1).spelled
 

@@ -1,6 +1,5 @@
 """Orbits of scenes that nothing drives: looked at where a body on a spring turns round."""
 
-from dataclasses import replace
 from math import pi
 
 import numpy as np
@@ -9,12 +8,11 @@ from scipy.integrate import solve_ivp
 
 import vibsim
 from tests.command_line.made import call
-from tests.engine.test_closed_cases import scene
+from tests.engine.runs import scene_of
 from vibsim.cases import load_case
 from vibsim.orbits import ReturnMap, find_orbit
 from vibsim.orbits.coordinates import NotConverged
 from vibsim.orbits.orbit_digits import refine
-from vibsim.physics.parts import COMPRESSION, GROUND, Body, Friction, Link, Stop
 
 
 @pytest.fixture(scope="module")
@@ -85,19 +83,20 @@ def test_the_corner_from_the_other_side():
     assert branch["residual"].max() < 1e-12
 
 
-def bilinear(gap=0.0):
-    return scene(
-        [Body("m", 1.0, 0.0, 0.0)],
-        links=(Link("spring", 0, GROUND, 1.0, 0.0),),
-        stops=(Stop("wall", 0, GROUND, gap, COMPRESSION, 8.0, 0.0),),
-    )
+BILINEAR = """
+bodies: {m: 1 kg}
+links: {spring: {between: [m, ground], k: 1 N/m}}
+stops: {wall: {between: [m, ground], gap: 0 m, acts: compression, k: 8 N/m}}
+friction: {floor: {between: [m, ground], N: 0.1 N, mu: 0}}
+run: {t_end: 30 s}
+"""
 
 
 def test_a_free_oscillator_belongs_to_a_family():
     """Without a loss every swing of a bilinear oscillator without a gap takes pi (1 + 1/3); the multiplier of
     its energy is 1.
     """
-    orbit = find_orbit(bilinear(), {"x_m": -0.5, "v_m": 0.0}, 1)
+    orbit = find_orbit(scene_of(BILINEAR), {"x_m": -0.5, "v_m": 0.0}, 1)
     assert orbit.period == pytest.approx(pi * 4 / 3, rel=1e-13) and orbit.spelled in ("be", "eb")
     assert abs(orbit.multipliers[0] - 1) < 1e-12 and not orbit.stable
     assert orbit.X[0] == pytest.approx(-0.5, rel=1e-12)
@@ -141,7 +140,7 @@ def test_what_has_none(words, code, message):
 
 def test_a_run_that_comes_to_rest():
     """A block that rubs itself to rest turns round no more."""
-    of = replace(bilinear(0.1), frictions=(Friction("floor", 0, GROUND, 0.1, 0.1, 0.0),), t_end=30.0)
+    of = scene_of(BILINEAR, {"gap": "10 cm", "mu": 1})
     with pytest.raises(vibsim.OrbitError, match=r"does not turn round|turns round|nothing swings"):
         find_orbit(of, {"x_m": 0.05, "v_m": 0.0}, 1)
 
