@@ -16,7 +16,7 @@ from tests.engine.many_digits import exact_parts
 from tests.engine.random_formulas import formula_scene
 from tests.engine.random_parts import part_scenes, rigid_scenes
 from tests.engine.test_formula_tangent import TEXTS
-from tests.engine.test_tangent_jacobian import SCENES
+from tests.engine.test_monodromy import SCENES
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 from vibsim.engine.errors import EngineError

@@ -10,10 +10,9 @@ import pytest
 from hypothesis import given, settings
 
 from tests.engine.impacts import GRAVITY, ball, times
-from tests.engine.many_digits import exact_parts, truth
+from tests.engine.many_digits import exact_parts, faults, truth
 from tests.engine.random_parts import LENGTH, part_scenes, rigid_scenes
 from tests.engine.runs import Run, by_instant, outcome, run
-from tests.engine.whole_truth import faults
 from vibsim.cases import load_case
 from vibsim.physics.parts import (
     AT_GAP,

@@ -6,10 +6,9 @@ from math import inf, pi
 
 import numpy as np
 
-from tests.engine.many_digits import exact_parts, touches, touching
+from tests.engine.many_digits import exact_parts, faults, touches, touching
 from tests.engine.runs import Run, whole
 from tests.engine.test_resources import is_jammed
-from tests.engine.whole_truth import faults
 from vibsim.engine.c_engine import REASONS, UNDECIDED, CRun
 from vibsim.engine.errors import EngineError, State, start_of
 from vibsim.engine.number_forms import WordsForm

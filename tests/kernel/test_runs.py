@@ -1,6 +1,11 @@
 """Which methods there are, what a run that fails says, and random runs with all that goes with them."""
 
 import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
 from itertools import islice, pairwise
 
 import numpy as np
@@ -8,8 +13,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from tests.random_scenes import scenes
-from tests.scenes import TABLE_1, fixed_block, paper
-from tests.trajectories import opened, run
+from tests.scenes import TABLE_1, fixed_block, harmonic, paper, scene
+from tests.trajectories import assert_same_columns, opened, run
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.trajectory import flow_of, open_trajectory
@@ -85,3 +90,114 @@ def test_a_scene_runs_with_all_that_goes_with_it(scene):
     for row, following in list(pairwise(rows))[:5]:
         states = open_trajectory(scene, resume=row).state_at(np.linspace(row["t"], following["t"], 3))
         assert len(states["x1"]) == 3
+
+
+# Output never steers: cadence and end leave every bit of a trajectory alone; samples stand where asked.
+
+
+CASES = [("I-A", "closed_form"), ("I-A", "taylor"), ("II-B", "taylor")]
+
+
+@pytest.mark.parametrize(("name", "method"), CASES)
+def test_cadence_does_not_change_the_events(name, method):
+    scene = paper(name, method=method, t_end=3.0)
+    reference = run(scene)
+    for every in ((7, 1000), (1, 10), (1, 3), (5, 1)):
+        other = run(replace(scene, every_num=every[0], every_den=every[1]))
+        assert_same_columns(other.events, reference.events)
+        assert other.totals["steps"] == reference.totals["steps"]
+        assert len(other.samples["time"]) == scene.t_end * every[1] // every[0] + 1
+
+
+def test_sample_times_are_correctly_rounded():
+    result = run(paper("I-A", t_end=3.0, every_num=7, every_den=1000))
+    assert result.samples["time"].tolist() == [7 * i / 1000 for i in range(429)]
+    assert result.samples["time"][3] == 0.021
+
+
+@pytest.mark.parametrize(
+    "every", ((123456789012347, 10**15), (987654321098765432109, 10**22), (1, 3 * 10**5))
+)
+def test_samples_at_intervals_of_many_digits(every):
+    """Intervals whose numerators leave the integers that doubles hold: i numerator / denominator, each
+    operation rounded once.
+    """
+    scene = fixed_block(x1=0.01, G=None, t_end=30.0, every_num=every[0], every_den=every[1])
+    if scene.sample_count > 10**5:
+        scene = replace(scene, t_end=0.2)
+    times = run(scene).samples["time"].tolist()
+    assert times == [(float(i) * float(every[0])) / float(every[1]) for i in range(len(times))]
+    assert len(times) == scene.sample_count and times[-1] <= scene.t_end < times[-1] + every[0] / every[1]
+
+
+@pytest.mark.parametrize("method", ("closed_form", "taylor"))
+@pytest.mark.parametrize("before", (1e-3, 1e-6, 1e-12))
+def test_nothing_happens_after_the_end(method, before):
+    """The run ends shortly before a contact: that contact is not part of it."""
+    w = np.sqrt(200 / 0.297)
+    contact = float(np.arcsin(0.001 * w / 0.1) / w)
+    scene = fixed_block(
+        k2=12400.0, G=0.001, c=0.0, v1=-0.1, t_end=contact - before, every_den=10**6, method=method
+    )
+    result = run(scene)
+    assert result.kinds == []
+    assert result.events["t"].tolist() == [0.0, scene.t_end]
+    assert result.samples["time"][-1] <= scene.t_end
+    assert len(result.samples["time"]) == scene.sample_count
+
+
+# A run is served in small blocks, whatever it does: Ctrl-C never waits long and memory never grows.
+
+
+QUIET = scene(harmonic(3.5, 1e-9), N=None, G=1.0, t_end=1e9, every_num=10**8)
+BUSY = fixed_block(k2=1e9, G=0.0, c=0.0, v1=-1.0, t_end=1e9, every_num=10**8)
+SAMPLED = fixed_block(x1=0.01, G=None, t_end=1e6, every_num=1, every_den=1000)
+
+
+@pytest.mark.parametrize("method", ("closed_form", "taylor"))
+@pytest.mark.parametrize("scene", (QUIET, BUSY, SAMPLED), ids=("quiet", "busy", "sampled"))
+def test_work_between_two_blocks_is_bounded(scene, method):
+    trajectory = opened(replace(scene, method=method))
+    steps = 0
+    for block in islice(trajectory.blocks(), 4):
+        # a step costs a microsecond or so, a sample less: 0.2 s would be 2e5 of them
+        assert trajectory.totals["steps"] - steps <= 120_000
+        assert len(block.samples["time"]) <= 65_536
+        assert len(block.events["t"]) <= 20_000
+        steps = trajectory.totals["steps"]
+    assert block.t_reached < scene.t_end
+
+
+def test_blocks_go_forward_and_join_without_gap_or_overlap():
+    previous, samples = -1.0, 0
+    for block in opened(paper("I-B", t_end=20.0, every_den=1000)).blocks():
+        assert block.t_reached >= previous
+        previous = block.t_reached
+        samples += len(block.samples["time"])
+    assert previous == 20.0
+    assert samples == 20001
+
+
+PROGRAM = """
+from tests.kernel.test_runs import {name}
+from tests.trajectories import opened
+print("ready", flush=True)
+for block in opened({name}).blocks():
+    pass
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT for one child")
+@pytest.mark.parametrize("name", ("QUIET", "BUSY", "SAMPLED"))
+def test_interrupt_stops_a_long_run(name):
+    command = [sys.executable, "-c", PROGRAM.format(name=name)]
+    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        assert child.stdout.readline() == "ready\n"
+        time.sleep(0.2)
+        assert child.poll() is None
+        child.send_signal(signal.SIGINT)
+        _, errors = child.communicate(timeout=10)  # 0.1 s where nothing else runs
+    finally:
+        child.kill()
+    assert "KeyboardInterrupt" in errors

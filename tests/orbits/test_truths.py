@@ -1,12 +1,22 @@
-"""Orbits against 22 digits of them (truths.json says from where)."""
+"""Orbits against 22 digits of them (truths.json says from where), and against numbers of other programs."""
+
+from decimal import Decimal
+from math import cos, exp, pi, sqrt
 
 import numpy as np
 import pytest
 
-from tests.orbits.truths import TRUTHS
-from vibsim.orbits import find_orbit
+from tests.orbits.truths import STORED, TRUTHS
+from vibsim.cases import load_case
+from vibsim.cases.case import load_case_text
+from vibsim.orbits.coordinates import OrbitError
 from vibsim.orbits.newton import newton_step, tolerance
+from vibsim.orbits.orbit_digits import refine
+from vibsim.orbits.search import find_orbit, orbit
+from vibsim.orbits.stability import characteristic_polynomial, refined_roots, solved
 from vibsim.orbits.words import LETTERS, cyclic, spelled
+from vibsim.physics.numbers import Doubles
+from vibsim.physics.precision import number_kit
 
 GRAZING = "I-A n=5 grazing rsurrbrerrrrrbrerr>rsurberbrerrrrrbrerr"
 FOLDS = ("I-A n=5 isola fold", "II-B c=0.03 captured branch fold")
@@ -124,3 +134,113 @@ def test_words_are_circles():
     assert cyclic(word[3:] + word[:3]) == cyclic(word) != cyclic(word[:-1])
     assert spelled(of.scene, word) == of.word
     assert len(set(LETTERS.values())) == len(LETTERS)
+
+
+# Orbits and multipliers in many digits, against 22 and 16 of them (truths.json).
+
+
+BY_NAME = {stored["name"]: stored for stored in STORED}
+EXACT = ["I-A attractor, period 5", "I-C attractor, period 1", "II-B c=0.03 captured n=1 (2 impacts/turn)"]
+
+
+def case_of(stored):
+    """The case, in the decimals that the truth was computed with."""
+    values = stored["parameters"]
+    if "A" in values:
+        changes = {"omega": f"{stored['free_parameter']['f']} Hz", "A": f"{values['A']} N"}
+        return load_case("I-A", changes)
+    return load_case(
+        "II-B", {"c": f"{values['c']} N s/m", "Omega0": f"{stored['free_parameter']['F0hz']} Hz"}
+    )
+
+
+def started(stored):
+    numbers = {name: float(value) for name, value in stored["state"].items()}
+    return {"x1": numbers.pop("y"), "x2": 0.0, **numbers}
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_the_truths(name):
+    stored = BY_NAME[name]
+    case = case_of(stored)
+    orbit = find_orbit(case.scene(), started(stored), stored["n"], case=case)
+    digits = refine(orbit, 23)
+    assert abs(Decimal(digits.period) / Decimal(stored["period"]) - 1) < Decimal("1e-21")
+    state = [stored["state"][key] for key in ("y", "v1", "v2", "phidot") if key in stored["state"]]
+    size = max(abs(Decimal(value)) for value in state[:3])
+    for text, value in zip(digits.coordinates.values(), state, strict=True):
+        assert abs(Decimal(text) - Decimal(value)) < Decimal("2e-21") * max(size, abs(Decimal(value)))
+    multipliers = [complex(float(re), float(im)) for re, im in digits.multipliers]
+    for re, im in stored["multipliers"]:
+        assert min(abs(mu - complex(float(re), float(im))) for mu in multipliers) < 5e-16
+    assert digits.correction < 1e-23
+
+
+def test_more_digits_begin_with_the_same():
+    """Two precisions, from two starts."""
+    case = load_case("I-C")
+    stored = BY_NAME["I-C attractor, period 1"]
+    orbit = find_orbit(case.scene(), started(stored), 1, case=case)
+    few, many = refine(orbit, 20), refine(orbit, 50)
+    for one, other in zip(few.coordinates.values(), many.coordinates.values(), strict=True):
+        assert len(other.partition("e")[0]) > 50 and abs(Decimal(one) / Decimal(other) - 1) < Decimal("1e-19")
+    sizes = [Decimal(re) ** 2 + Decimal(im) ** 2 for re, im in many.multipliers]
+    assert abs(sizes[0] / sizes[1] - 1) < Decimal("1e-49")  # a conjugate pair
+
+
+def test_a_linear_oscillator_in_closed_form():
+    """Multipliers exp(-a T) exp(+- i w T), whatever the load."""
+    case = load_case(
+        "name: linear\nbodies: {mass: 1 kg}\n"
+        "links: {spring: {between: [mass, ground], k: 10 N/m, c: 0.2 N s/m}}\n"
+        "forces: {drive: {on: mass, A: 1 N, omega: 0.25 Hz}}\nrun: {t_end: 400 s, every: 10 ms}\n"
+    )
+    orbit = find_orbit(case.scene(), {"x_mass": 0.0, "v_mass": 0.0}, 1, case=case)
+    T, a = 4.0, 0.1
+    w = sqrt(10 - a * a)
+    for re, _ in refine(orbit, 25).multipliers:
+        assert float(re) == pytest.approx(exp(-a * T) * cos(w * T), abs=1e-14)
+    assert orbit.multipliers[0].real == pytest.approx(exp(-a * T) * cos(w * T), abs=1e-14)
+    assert orbit.solution.steps <= 1 and orbit.stable  # the map is linear
+    amplitude = 1 / sqrt((10 - (pi / 2) ** 2) ** 2 + (0.2 * pi / 2) ** 2)
+    assert np.hypot(orbit.X[0], orbit.X[1] / (pi / 2)) == pytest.approx(amplitude, rel=1e-12)
+
+
+def test_a_scene_alone_has_no_more_digits():
+    stored = BY_NAME["I-C attractor, period 1"]
+    orbit = find_orbit(load_case("I-C").scene(), started(stored), 1)
+    with pytest.raises(OrbitError, match="its numbers are doubles"):
+        refine(orbit, 30)
+
+
+@pytest.mark.parametrize("kit", [Doubles, number_kit(40)], ids=["doubles", "40 digits"])
+def test_matrices_of_any_kit(kit):
+    matrix = [[2.0, -1.0, 0.5], [0.25, 3.0, 1.0], [-4.0, 1.0, 0.125]]
+    numbers = [[kit.number(value) for value in row] for row in matrix]
+    x = solved(kit, numbers, [kit.number(value) for value in (1.0, -2.0, 3.0)])
+    np.testing.assert_allclose([float(value) for value in x], np.linalg.solve(matrix, [1, -2, 3]), rtol=1e-14)
+    polynomial = characteristic_polynomial(kit, numbers)
+    np.testing.assert_allclose([float(c) for c in polynomial[::-1]], np.poly(matrix), rtol=1e-14)
+    values = np.linalg.eigvals(matrix)
+    roots = refined_roots(kit, polynomial, (values * (1 + 1e-3)).tolist(), 8)
+    np.testing.assert_allclose([complex(float(a), float(b)) for a, b in roots], values, rtol=1e-14)
+
+
+CHATTERING = """
+bodies: {a: 1.036 kg, b: 1.621 kg}
+links:
+  w: {between: [a, ground], k: 88.55 N/m, c: 0.433 N s/m}
+  l: {between: [a, b], k: 169.67 N/m, c: 0.932 N s/m}
+stops: {s: {between: [a, b], law: rigid, e: 0.37, gap: 12.3 mm, acts: compression}}
+friction: {f: {between: [b, ground], N: 0.795 N, mu: 0.495}}
+forces: {p: {on: a, A: 2.997 N, omega: 5.2472 rad/s, phase: 11.5 deg}}
+run: {t_end: 100 s, every: 50 ms}
+"""
+
+
+def test_an_orbit_that_chatters_is_known_in_doubles_only():
+    """Newton's step was no number, and the next motion ended with "the state is no longer finite"."""
+    found = orbit(load_case_text(CHATTERING))
+    assert "c" in found.spelled
+    with pytest.raises(OrbitError, match="orbits that chatter or graze are known in doubles only"):
+        refine(found, 30)

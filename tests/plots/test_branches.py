@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.branches.made import CAPTURED, RESONANT, branch_of
-from tests.branches.test_backbone_bifurcations import trace, twins
+from tests.branches.test_backbone import trace, twins
 from tests.branches.test_families import STUCK
 from tests.plots.artists import clipped_texts, lines, points
 from vibsim import orbit

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from decimal import Decimal
+from fractions import Fraction
 
 import h5py
 import numpy as np
@@ -191,3 +192,24 @@ def test_what_is_moved_from_the_stop_is_not_there():
     """A sweep that starts elsewhere from a scene made for the stop is judged by its numbers."""
     scene = replace(case_at("below", 0.1, "compression").two_blocks(), x1=0.25)
     assert run(scene).events["contact"][0] == 0
+
+
+# The span of a run with digits is the decimal that the case says; its samples are those of doubles.
+
+
+@pytest.mark.parametrize(
+    ("t_end", "every", "exact"),
+    [
+        ("0.1 s", "0.1 s", Fraction(1, 10)),  # the nearest double lies above
+        ("0.3 s", "0.1 s", Fraction(3, 10)),  # and below
+        ("1.1 s", "10 ms", Fraction(11, 10)),
+    ],
+)
+def test_the_end_is_the_decimal(t_end, every, exact):
+    case = vibsim.load_case("I-A", {"run.t_end": t_end, "run.every": every})
+    run, doubles = vibsim.simulate(case, digits=40), vibsim.simulate(case)
+    end = Fraction(run.digits.events["t"][-1])
+    assert abs(end - exact) < Fraction(1, 10**39)
+    assert run.t_reached == float(exact) == doubles.t_reached
+    np.testing.assert_array_equal(run.time, doubles.time)
+    np.testing.assert_allclose(run["x1"], doubles["x1"], rtol=0, atol=1e-16)
