@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import vibsim
+from tests.engine.runs import opened
 from tests.results.made import short_run
-from tests.trajectories import opened
 from vibsim.analysis import analyse, judge_capture, judge_regime
 from vibsim.analysis.analysis import StreamedVerdicts
 from vibsim.analysis.cycles import cycle_ends

@@ -7,6 +7,8 @@ import numpy as np
 from vibsim.cases.case import load_case_text
 from vibsim.engine.errors import EngineError
 from vibsim.engine.trajectory import open_trajectory
+from vibsim.physics.parts import EVENT_NAMES
+from vibsim.physics.two_blocks import TwoBlocks
 
 
 def scene_of(text, changes=None, **run):
@@ -22,12 +24,35 @@ class Run:
     section: dict[str, np.ndarray]
     totals: dict[str, float]
 
+    @property
+    def kinds(self):
+        """Names of the events, without start and end."""
+        return [EVENT_NAMES[code] for code in self.events["kind"][1:-1].tolist()]
+
+    @property
+    def times(self):
+        """Times of the events [s], without start and end."""
+        return self.events["t"][1:-1]
+
+    def final(self, name):
+        """State `name` at the end of the run."""
+        return float(self.events[name][-1])
+
+    def row(self, i):
+        """Row i of the event table by column name."""
+        return {name: column[i] for name, column in self.events.items()}
+
+
+def opened(scene, **options):
+    """A run of `scene`, of two blocks or made of parts, not yet computed."""
+    return open_trajectory(scene.as_parts() if isinstance(scene, TwoBlocks) else scene, **options)
+
 
 def run(scene, most=None, **options):
     """The run of a scene as whole columns, up to its end or to the block with event number `most`; options as
     of `open_trajectory`.
     """
-    trajectory, blocks, events = open_trajectory(scene, **options), [], 0
+    trajectory, blocks, events = opened(scene, **options), [], 0
     for block in trajectory.blocks():
         blocks.append(block)
         events += len(block.events["t"])

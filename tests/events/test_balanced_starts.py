@@ -8,14 +8,12 @@ import numpy as np
 import pytest
 
 from tests.engine.impacts import ball
-from tests.engine.runs import run as run_parts
-from tests.engine.runs import scene_of
+from tests.engine.runs import run, scene_of
 from tests.events.special_scenes import driven, machine, two_blocks
 from tests.events.special_scenes import harmonic as shaking
 from tests.events.test_certificate import assert_none_missed
 from tests.events.whole_runs import MOST_STEPS, Crawling
 from tests.scenes import harmonic, scene
-from tests.trajectories import run
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import (
     BASE,
@@ -77,7 +75,7 @@ def test_a_plain_start_on_the_stop_is_certified(method, x1, F0, A):
 def in_doubt(body, t_end=0.01, **parts):
     """Whether a short run of one body has doubts."""
     scene = Scene((body,), t_end=t_end, every_num=1, every_den=10, **parts)
-    return run_parts(scene).totals["uncertified"] > 0
+    return run(scene).totals["uncertified"] > 0
 
 
 SPRING = (Link("spring", 0, GROUND, 100.0, 0.0),)
@@ -158,7 +156,7 @@ base: {a: 1 cm, omega: 4.671723450719231 rad/s}
 initial: {a: {x: 1 cm}}
 run: {t_end: 0.5 s, every: 20 ms, method: taylor}
 """)
-    assert EVENT_KINDS["rest_end"] in run_parts(scene).events["kind"]
+    assert EVENT_KINDS["rest_end"] in run(scene).events["kind"]
 
 
 def unbalanced(on, frame, e, sense, phi, **parts):
@@ -231,7 +229,7 @@ stops: {{stop: {{between: [b, ground], gap: 0 m, acts: extension, law: rigid, e:
 forces: {{pull: {{on: a, F0: -1 N}}}}
 run: {{t_end: 2 s, every: 20 ms}}
 """)
-    result = run_parts(scene)
+    result = run(scene)
     assert result.totals["events"] < 300 and result.totals["uncertified"] > 0
     t, a, b = (result.samples[name] for name in ("time", "x_a", "x_b"))
     k, w = 187.3, math.sqrt(187.3 / 0.5)
@@ -258,7 +256,7 @@ def test_a_force_that_is_nothing_but_rounding_holds(seed):
     """Two forces balance each other all the time, as of a wall that moves as the body at it would by itself:
     the rest ended and began 64 times at one instant, or 1e5 times. Nothing is struck there, so ledgers close.
     """
-    totals = run_parts(machine(random.Random(seed)), momentum=True).totals
+    totals = run(machine(random.Random(seed)), momentum=True).totals
     assert totals["events"] < 100
     assert totals["uncertified"] > 0
     assert abs(totals["energy_residual"]) < 1e-15
@@ -282,7 +280,7 @@ friction:
 initial: {{b0: {{v: 0.3 m/s}}, b1: {{x: 13 mm, v: 0.1 m/s}}, b2: {{x: 13 mm, v: 0.1 m/s}}}}
 run: {{t_end: 2 s, every: 20 ms, method: {method}}}
 """)
-    samples = run_parts(scene).samples
+    samples = run(scene).samples
     slowing, meet = 0.3 / 0.7, 0.013 / 0.2
     common = (0.3 + 2 * 0.1) / 3 - slowing * meet
     halt = 0.013 + 0.1 * meet - slowing * meet**2 / 2 + common**2 / (2 * slowing)
@@ -322,7 +320,7 @@ def two_beside(gap, x, base=0.0):
 
 def test_a_base_elsewhere_closes_no_gap():
     """Rounding of a base's motion is none of a stop whose bodies do not touch that base."""
-    alone, beside = (run_parts(two_beside(1e-13, 0.0, base)).events for base in (0.0, 1000.0))
+    alone, beside = (run(two_beside(1e-13, 0.0, base)).events for base in (0.0, 1000.0))
     impacts = np.array([EVENT_NAMES[int(kind)] == "impact" for kind in alone["kind"]])
     assert impacts.sum() > 3 and np.array_equal(alone["kind"], beside["kind"])
 
@@ -333,4 +331,4 @@ def test_what_rests_but_for_rounding_is_in_doubt(x):
     for certain; before one that is open beyond that, or none, there is no doubt.
     """
     gaps = {x: 0, x + 2e-12: 0} | ({1.000000000000001: 1} if x else {})
-    assert {gap: run_parts(two_beside(gap, x)).totals["uncertified"] for gap in gaps} == gaps
+    assert {gap: run(two_beside(gap, x)).totals["uncertified"] for gap in gaps} == gaps

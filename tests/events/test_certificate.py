@@ -8,10 +8,10 @@ from itertools import pairwise
 import pytest
 from hypothesis import given, settings
 
+from tests.engine.runs import run
 from tests.events.whole_runs import ExactFlow, stretches
 from tests.random_scenes import scenes
 from tests.scenes import fixed_block, harmonic, scene
-from tests.trajectories import run
 
 EPS = 2.0**-53
 METHODS = ("closed_form", "taylor")

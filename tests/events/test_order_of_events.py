@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from tests.engine.runs import run as run_parts
-from tests.engine.runs import scene_of
+from tests.engine.runs import run, scene_of
 from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, MOTORS, fixed_block, paper, scene
-from tests.trajectories import run
 from vibsim.physics.parts import EVENT_NAMES
 
 METHODS = ("closed_form", "taylor")
@@ -64,7 +62,7 @@ def test_one_place_under_two_names_is_not_in_doubt(method):
     case = fixed_block(c=0.0, k1=300.0, k2=5000.0, G=0.01, v1=-0.5, t_end=0.03, method=method)
     scene = case.as_parts()
     twice = replace(scene, stops=(*scene.stops, replace(scene.stops[0], name="again")))
-    result = run_parts(twice)
+    result = run(twice)
     assert [EVENT_NAMES[code] for code in result.events["kind"][1:3].tolist()] == ["contact_begin"] * 2
     assert result.events["t"][2] - result.events["t"][1] < 1e-15
     assert result.totals["uncertified"] == 0
@@ -82,7 +80,7 @@ base: {a: 0 m, omega: 1 Hz, phase: 0.5 rad}
 initial: {ball: {x: 0.1 m}}
 run: {t_end: 1.5 s, every: 20 ms}
 """)
-    both, alone = run_parts(hopping), run_parts(replace(hopping, stops=hopping.stops[1:]))
+    both, alone = run(hopping), run(replace(hopping, stops=hopping.stops[1:]))
     assert both.totals["impacts"] == alone.totals["impacts"] > 20
     assert both.totals["uncertified"] == alone.totals["uncertified"] == 0
     assert both.samples["x_ball"].tobytes() == alone.samples["x_ball"].tobytes()

@@ -9,8 +9,8 @@ import math
 import numpy as np
 import pytest
 
+from tests.engine.runs import run
 from tests.scenes import NO_SOURCE, fixed_block, harmonic, scene
-from tests.trajectories import run
 from vibsim.engine.trajectory import open_trajectory
 
 EPS = 2.0**-53

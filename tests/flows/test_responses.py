@@ -14,8 +14,8 @@ import mpmath
 import numpy as np
 import pytest
 
+from tests.engine.runs import run
 from tests.scenes import harmonic, motor, scene
-from tests.trajectories import run
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import GROUND, Body, Force, Harmonic, Link, Scene
 

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.engine.runs import run
 from tests.random_scenes import scenes
 from tests.scenes import TABLE_1, motor, paper, scene
-from tests.trajectories import run
 from vibsim.physics.numbers import TWO_PI, TWO_PI_LO, Doubles
 from vibsim.physics.precision import number_kit
 

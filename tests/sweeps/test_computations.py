@@ -8,9 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tests.engine.runs import opened
 from tests.scenes import fixed_block, harmonic, motor, paper, scene
 from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
-from tests.trajectories import opened
 from vibsim.analysis.cycles import parse_discard
 from vibsim.cases.case import load_case_text
 from vibsim.engine.trajectory import Trajectory, open_trajectory

@@ -11,9 +11,9 @@ from scipy.linalg import expm
 from scipy.optimize import root
 
 from tests.engine.bundles import PER_PIECE, totals
+from tests.engine.runs import run
 from tests.random_scenes import scenes
 from tests.scenes import fixed_block, harmonic, motor, paper, scene
-from tests.trajectories import run
 from vibsim.engine.tangent.lyapunov import exponents_of
 
 

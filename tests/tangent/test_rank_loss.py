@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.engine.runs import run
 from tests.scenes import fixed_block, harmonic, paper, scene
 from tests.tangent.test_liouville import exponents
-from tests.trajectories import run
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.tangent.tangent_space import plainly_weighed_alike, weights
 from vibsim.physics.numbers import Doubles

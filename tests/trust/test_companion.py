@@ -7,8 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from tests.engine.runs import run as run_of_parts
-from tests.trajectories import run
+from tests.engine.runs import run
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 from vibsim.engine.errors import EngineError, State
@@ -117,7 +116,7 @@ def test_the_companion_goes_on_where_the_rest_distance_ends_the_run():
 @pytest.mark.parametrize("name", ["I-A", "II-B"])
 def test_samples_come_in_any_portions(name, companions):
     _, other = companion_of(name, run__t_end="40 s", run__every="1 ms")
-    whole = run_of_parts(other, dither=Companion.dither).samples
+    whole = run(other, dither=Companion.dither).samples
     companion = companions(other)
     portions = [companion.take(any_number(count)) for count in (1, 0, 7, 20_000, 19_993)]
     got = np.concatenate(portions, axis=1)
@@ -183,7 +182,7 @@ def test_a_bug_in_the_companion_is_raised(failing):
 def test_a_companion_that_takes_too_many_events_is_given_up_where_it_does(portion, companions):
     """However its blocks and the portions asked for fall, and whether it is asked before it is waited for."""
     _, other = companion_of("I-B", run__t_end="100 s")
-    whole = run_of_parts(other, early=True, dither=Companion.dither)
+    whole = run(other, early=True, dither=Companion.dither)
     taken = np.searchsorted(whole.events["t"], whole.samples["time"], side="right")
     most = np.minimum(taken, taken[9000])
     known = int(np.argmax(taken > most))
@@ -219,7 +218,7 @@ def test_events_lie_one_unit_in_the_last_place_aside(dither):
     motions are the same but for rounding.
     """
     scene = replace(load_case("I-A", {"run.t_end": "20 s"}).scene(), method="taylor")
-    plain, moved = run_of_parts(scene), run_of_parts(scene, dither=dither)
+    plain, moved = run(scene), run(scene, dither=dither)
     one, other = plain.events["t"][1:-1], moved.events["t"][1:-1]
     assert len(one) == len(other) > 100
     assert abs(other[0] - one[0]) == np.spacing(one[0])
@@ -237,6 +236,6 @@ def test_events_at_the_end_of_a_run_stay_within_it():
     )
     case = load_case_text(f"{text}\nforces: {{f: {{on: a, F0: -2 N}}}}\ninitial: {{a: {{x: 1 m}}}}\n{END}")
     for dither in range(4):
-        found = run_of_parts(case.scene(), dither=dither)
+        found = run(case.scene(), dither=dither)
         start, impact, end = found.events["t"].tolist()
         assert start == 0 and 1 - 1e-14 < impact <= end == found.samples["time"][-1] == 1

@@ -11,8 +11,7 @@ import xarray
 
 import vibsim
 from tests.command_line.made import call, told
-from tests.engine.runs import run as run_parts
-from tests.trajectories import run
+from tests.engine.runs import run
 from tests.truth.made import case
 from vibsim.command_line.commands import run as command
 from vibsim.engine.truth import open_truth
@@ -181,7 +180,7 @@ def test_doubles_and_digits_start_in_one_mode(place, v1, acts):
         assert doubles.events["contact"].tolist() == [touches] * 2
         assert doubles.totals["uncertified"] == 0
         assert doubles.totals["violations"] == 0
-    parts = run_parts(case.scene())
+    parts = run(case.scene())
     assert parts.events["kind"].tolist() == block.events["kind"].tolist()
     contact = parts.samples["contact"]
     assert contact.tolist() == [touches] * len(contact)
