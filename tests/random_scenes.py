@@ -7,6 +7,8 @@ Every scale follows from a length L, a mass m and a rate w, so that each drawn f
 import math
 from random import Random
 
+import pytest
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.scenes import NO_SOURCE, RUN, START
@@ -71,6 +73,18 @@ def strategy(drawn):
         return drawn(DrawsOfHypothesis(draw), *args, **options)
 
     return by_hypothesis
+
+
+def always(check, *draws, few, many):
+    """The test that `check` holds for what is drawn: `few` times, and `many` times among slow tests."""
+
+    @pytest.mark.parametrize(
+        "count", (few, pytest.param(many, marks=(pytest.mark.slow, pytest.mark.timeout(7200))))
+    )
+    def test(count):
+        settings(max_examples=count)(given(*draws)(check))()
+
+    return test
 
 
 def two_blocks(draw, sources=("none", "harmonic", "motor"), radians=RADIANS, features=True):

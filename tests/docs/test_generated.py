@@ -1,15 +1,19 @@
 """Pages made from the code say something of everything, and the gallery's numbers are met."""
 
 import re
+import shlex
 
 import pytest
 
 import vibsim
 from from_code import PAGES
 from from_code.attribute_meanings import MEANINGS
-from from_code.gallery import comment
+from from_code.gallery import comment, draw
+from from_code.gallery_equations import equations
 from from_code.gallery_numbers import NUMBERS, SOLVER, Kind, Number, agreement
+from from_code.gallery_studies import STUDIES
 from from_code.markdown import plain
+from tests.command_line.made import call
 from tests.docs.pages import DOCS, README
 from vibsim.cases import load_case
 from vibsim.cases.schema_keys import LONG, SHORT, all_keys
@@ -18,6 +22,7 @@ from vibsim.command_line.main import COMMANDS, EXIT_CODES
 from vibsim.evidence.benchmark import bench_result
 from vibsim.fitting import plan
 from vibsim.orbits.branches import curve as branch_structure
+from vibsim.plots.registry import kind_named
 from vibsim.results import trajectory_file
 from vibsim.sweeps import sweep_file
 
@@ -185,3 +190,66 @@ def test_pictures_have_on_screen_the_width_that_they_have_in_print():
     from from_code.layout import printed_width
 
     assert printed_width(DOCS / "impact-diagram.png") == pytest.approx(3.38, abs=0.01)
+
+
+# Pages of the gallery: their equations, their second pictures, and what they say to try.
+
+
+def formulas(name):
+    return re.findall(r"\$\$\n(.*)\n\$\$", equations(load_case(f"gallery/{name}").text))
+
+
+def test_every_case_has_a_study():
+    assert sorted(STUDIES) == CASES
+    for study in STUDIES.values():
+        assert kind_named(study.kind) and study.shows and study.tries
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_equations_name_every_part(name):
+    """One for each body, and every stop and friction stands in two: its own, and that of a body."""
+    case = load_case(f"gallery/{name}")
+    lines = formulas(name)
+    accelerations = [line for line in lines if re.search(r"^\(?[mJ].*\\ddot\{(x|\\theta)\}", line)]
+    assert len(accelerations) >= len(case.scene().bodies) - 2  # ground and base
+    for section, letter in (("stops", "F"), ("friction", "R")):
+        parts = re.search(rf"(?ms)^{section}:\n(.*?)^(?=\S)", case.text)
+        for part in re.findall(r"(?m)^  (\w+):", parts[1] if parts else ""):
+            symbol = f"{letter}_{{\\text{{{part.replace('_', ' ')}}}}}"
+            assert sum(symbol in line for line in lines) >= 2, symbol
+    for line in lines:
+        assert line.count("{") == line.count("}") and "None" not in line
+
+
+@pytest.mark.parametrize(
+    ("name", "line"),
+    [
+        ("duffing-two-well",
+         r"m\,\ddot{x} = - \left(k_{3}\,x^{3} - k\,x + c\,\dot{x}\right) + A \sin\omega t"),
+        ("impact-oscillator", r"m\,\ddot{x} = - k\,x - F_{\text{wall}} + A \cos\omega t"),
+        ("impact-pair", r"m\,\ddot{x} = F_{\text{left}} - F_{\text{right}}"),
+        ("chain-with-gaps", r"m_{\text{two}}\,\ddot{x}_{\text{two}} = F_{\text{gap 1}} - F_{\text{gap 2}}"),
+        ("captured-motor",
+         r"(J + m_3 e^2)\,\ddot{\varphi} = m_3 e\,\ddot{x}_{1} \sin{\varphi} + K_{\text{t}}\,i"),
+        ("dc-motor-start", r"J\,\ddot{\theta} = \left(k\,i\right) + \left(\left\{0 \;\text{if } t < t_{1},\; "
+         r"\text{else } -T\right\}\right)"),
+    ],
+)  # fmt: skip
+def test_equations_are_those_of_the_case(name, line):
+    """Worked out by hand from the case files and docs/equations.md."""
+    assert line in formulas(name)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_what_is_said_to_try_runs(name, tmp_path):
+    for options, _ in STUDIES[name].tries:
+        out = ("-o", tmp_path / "try.h5", "--force")
+        done = call("run", f"gallery/{name}", *shlex.split(options), "--t-end", "0.02s", "-q", *out)
+        assert done.exit_code == 0, done.output
+
+
+def test_a_case_is_drawn(tmp_path):
+    draw("three-balls", tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {
+        f"three-balls{part}.png" for part in ("", "-machine", "-study")
+    }

@@ -12,8 +12,7 @@ from tests.engine.test_many_ties import rubbing_bodies
 from tests.events.special_scenes import at_once, chain
 from tests.events.test_balanced_starts import balanced, two_beside
 from tests.events.test_chains_at_rest import TORN_SOFTLY
-from tests.events.test_events_at_once import ALIKE
-from tests.events.test_order_of_events import METHODS, TWO_AT_ONCE
+from tests.events.test_order_of_events import ALIKE, METHODS, TWO_AT_ONCE
 from tests.scenes import scene
 from vibsim.engine import c_engine, doubts
 from vibsim.engine.doubts import REASONS

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from tests.engine.bundles import PER_PIECE, assert_derivative, totals
 from tests.engine.random_parts import rigid_scenes
 from tests.engine.runs import run, scene_of
+from tests.random_scenes import always
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.engine.tangent.tangent_space import dimension
@@ -315,10 +316,11 @@ def test_difference_quotients_of_many_random_scenes(of):
         assert_derivative(apart(of))
 
 
-def assert_volumes_grow(of):
+def assert_volumes_grow(of, method):
     """As Liouville says: not where hops fade away, whose S is as large as one over their
     speed, so that rounding takes what is left of a volume.
     """
+    of = replace(of, method=method)
     if ends(of):
         found = run(of, tangent=dimension(of))
         fades = EVENT_KINDS["chatter"] in found.events["kind"]
@@ -326,15 +328,6 @@ def assert_volumes_grow(of):
         assert np.isnan(residual) or abs(residual) < PER_PIECE * (found.totals["tangent_pieces"] + 1)
 
 
-@settings(max_examples=20)
-@given(rigid_scenes(radians=4.0), st.sampled_from(METHODS))
-def test_volumes_of_random_scenes_grow_as_liouville_says(of, method):
-    assert_volumes_grow(replace(of, method=method))
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(3600)
-@settings(max_examples=3000)
-@given(rigid_scenes(radians=4.0), st.sampled_from(METHODS))
-def test_many_bundles(of, method):
-    assert_volumes_grow(replace(of, method=method))
+test_volumes_of_random_scenes_grow_as_liouville_says = always(
+    assert_volumes_grow, rigid_scenes(radians=4.0), st.sampled_from(METHODS), few=20, many=3000
+)

@@ -7,42 +7,25 @@ from math import exp, pi
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
 
 from tests.engine.random_parts import LENGTH, RATE, part_scenes
 from tests.engine.runs import Run, outcome, run, scene_of
 from tests.engine.test_closed_cases import METHODS, ON_A_BELT, case
+from tests.random_scenes import always
 
 # rounding of some hundred stretches of 12 nodes each, of energies and momenta that go in and out many times
 ENERGY, MOMENTUM = 1e-12 * (LENGTH * RATE) ** 2, 1e-12 * LENGTH * RATE
 
 
 def assert_closed(scene):
-    result = outcome(scene, momentum=True)
-    if isinstance(result, Run):
-        assert abs(result.totals["energy_residual"]) < ENERGY
-        assert abs(result.totals["momentum_residual"]) < MOMENTUM
+    for method in METHODS:
+        result = outcome(replace(scene, method=method), momentum=True)
+        if isinstance(result, Run):
+            assert abs(result.totals["energy_residual"]) < ENERGY
+            assert abs(result.totals["momentum_residual"]) < MOMENTUM
 
 
-@settings(max_examples=60)
-@given(part_scenes())
-def test_random_scenes_close(scene):
-    assert_closed(scene)
-
-
-@settings(max_examples=40)
-@given(part_scenes())
-def test_random_scenes_close_by_taylor(scene):
-    assert_closed(replace(scene, method="taylor"))
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(1800)
-@settings(max_examples=5000)
-@given(part_scenes())
-def test_many_random_scenes_close(scene):
-    assert_closed(scene)
-    assert_closed(replace(scene, method="taylor"))
+test_random_scenes_close = always(assert_closed, part_scenes(), few=50, many=5000)
 
 
 @pytest.mark.parametrize("method", METHODS)

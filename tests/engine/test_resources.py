@@ -18,12 +18,12 @@ from time import process_time, sleep
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
 from scipy.optimize import linprog
 
 import vibsim
 from tests.engine.random_parts import rigid_scenes
 from tests.engine.runs import run
+from tests.random_scenes import always
 from vibsim.cases import load_case
 from vibsim.engine.c_engine import UNDECIDED, CRun
 from vibsim.engine.errors import EngineError, State, start_of
@@ -237,18 +237,7 @@ def assert_solved_or_jammed(scene):
         assert sum(stop.name in str(error) for _, stop in scene.rigid_stops) >= 2
 
 
-@settings(max_examples=40)
-@given(rigid_scenes())
-def test_errors_are_of_jammed_bodies(scene):
-    assert_solved_or_jammed(scene)
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(1800)
-@settings(max_examples=3000)
-@given(rigid_scenes())
-def test_many_errors_are_of_jammed_bodies(scene):
-    assert_solved_or_jammed(scene)
+test_errors_are_of_jammed_bodies = always(assert_solved_or_jammed, rigid_scenes(), few=40, many=3000)
 
 
 # Arrays of one run are not faulted in anew by the next.

@@ -11,11 +11,11 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.engine.random_parts import LENGTH, part_scenes, rigid_scenes
 from tests.engine.runs import differences, outcome, run
+from tests.random_scenes import always
 from vibsim.physics.formulas import mul, num
 from vibsim.physics.parts import (
     BASE,
@@ -114,38 +114,12 @@ def assert_twofold_is_one(scene):
     assert told(one, first) == told(two, first, frictions=2)
 
 
-@settings(max_examples=25)
-@given(resting(part_scenes()))
-def test_resting_base_is_ground(scene):
-    assert_same_as_on_ground(scene)
-
-
-@settings(max_examples=10)
-@given(resting(rigid_scenes()))
-def test_resting_base_is_ground_to_rigid_stops(scene):
-    assert_same_as_on_ground(scene)
-
-
-@settings(max_examples=25)
-@given(resting(part_scenes()).map(rehung))
-def test_two_frictions_are_their_sum(scene):
-    assert_twofold_is_one(scene)
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(1800)
-@settings(max_examples=2000)
-@given(st.one_of(resting(part_scenes()), resting(rigid_scenes())))
-def test_many_resting_bases(scene):
-    assert_same_as_on_ground(scene)
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(1800)
-@settings(max_examples=2000)
-@given(resting(part_scenes()).map(rehung))
-def test_many_two_frictions(scene):
-    assert_twofold_is_one(scene)
+test_resting_base_is_ground = always(
+    assert_same_as_on_ground, st.one_of(resting(part_scenes()), resting(rigid_scenes())), few=35, many=2000
+)
+test_two_frictions_are_their_sum = always(
+    assert_twofold_is_one, resting(part_scenes()).map(rehung), few=25, many=2000
+)
 
 
 def oscillators(frictions, bodies=1, x=0.01, stops=()):

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
 
 from tests.engine.impacts import GRAVITY, ball, times
 from tests.engine.many_digits import exact_parts, faults, truth
 from tests.engine.random_parts import LENGTH, part_scenes, rigid_scenes
 from tests.engine.runs import Run, by_instant, outcome, run
+from tests.random_scenes import always
 from vibsim.cases import load_case
 from vibsim.physics.parts import (
     AT_GAP,
@@ -38,9 +38,7 @@ def ends(make, digits):
     return {name: Decimal(texts[-1].decode()) for name, texts in digit_columns.items()}, totals
 
 
-@settings(max_examples=25)
-@given(part_scenes())
-def test_doubles_follow_the_truth(scene):
+def assert_truth_followed(scene):
     doubles = outcome(scene)
     if not isinstance(doubles, Run) or doubles.totals["uncertified"]:
         return  # a start at a gap or at rest, where rounding may decide
@@ -52,12 +50,7 @@ def test_doubles_follow_the_truth(scene):
         assert np.abs(doubles.samples[name] - samples[name]).max() < CLOSE
 
 
-@pytest.mark.slow
-@pytest.mark.timeout(3600)
-@settings(max_examples=1000)
-@given(part_scenes())
-def test_doubles_follow_the_truth_often(scene):
-    test_doubles_follow_the_truth.hypothesis.inner_test(scene)
+test_doubles_follow_the_truth = always(assert_truth_followed, part_scenes(), few=25, many=1000)
 
 
 def place(name):
@@ -114,21 +107,16 @@ def test_a_stick_ends_where_it_should_to_forty_digits():
 IMPACT = EVENT_KINDS["impact"]
 
 
-@settings(max_examples=12)
-@given(rigid_scenes(radians=4.0))
-def test_doubles_follow_the_truth_at_rigid_stops(scene):
+def assert_truth_followed_at_rigid_stops(scene):
     doubles = outcome(scene)
     if not isinstance(doubles, Run) or doubles.totals["uncertified"]:
         return  # rounding may decide, and the run says so
     assert faults(scene, doubles) == []
 
 
-@pytest.mark.slow
-@pytest.mark.timeout(7200)
-@settings(max_examples=4000)
-@given(rigid_scenes(radians=4.0))
-def test_doubles_follow_the_truth_at_rigid_stops_often(scene):
-    test_doubles_follow_the_truth_at_rigid_stops.hypothesis.inner_test(scene)
+test_doubles_follow_the_truth_at_rigid_stops = always(
+    assert_truth_followed_at_rigid_stops, rigid_scenes(radians=4.0), few=12, many=4000
+)
 
 
 def test_a_ball_comes_to_rest_in_many_digits():

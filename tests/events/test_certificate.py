@@ -6,11 +6,11 @@ from fractions import Fraction
 from itertools import pairwise
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from tests.engine.runs import run
 from tests.events.whole_runs import ExactFlow, stretches
-from tests.random_scenes import scenes
+from tests.random_scenes import always, scenes
 from tests.scenes import fixed_block, harmonic, scene
 
 EPS = 2.0**-53
@@ -158,17 +158,10 @@ def assert_none_missed(scene):
     assert not wrong or doubts > 0, (scene, wrong)
 
 
-@pytest.mark.parametrize("method", ("auto", "taylor"))
-@settings(max_examples=25)
-@given(scene=scenes(features=False))
-def test_random_scenes(method, scene):
+def assert_none_missed_by(scene, method):
     assert_none_missed(replace(scene, method=method))
 
 
-@pytest.mark.slow
-@pytest.mark.timeout(3600)
-@pytest.mark.parametrize("method", ("auto", "taylor"))
-@settings(max_examples=4000)
-@given(scene=scenes())
-def test_many_random_scenes(method, scene):
-    assert_none_missed(replace(scene, method=method))
+test_random_scenes = always(
+    assert_none_missed_by, scenes(), st.sampled_from(("auto", "taylor")), few=50, many=8000
+)

@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.engine.random_parts import part_scenes
 from tests.engine.runs import run
-from tests.random_scenes import scenes
+from tests.random_scenes import always, scenes
 from vibsim.engine.flows.closed.matrices import jacobi
 from vibsim.physics.numbers import Doubles
 from vibsim.physics.two_blocks import TwoBlocks
@@ -44,24 +43,12 @@ def assert_flows_agree(scene):
             assert apart <= CLOSE * size, name
 
 
-@settings(max_examples=100)
-@given(scenes(sources=("none", "harmonic")))
-def test_flows_agree_on_random_blocks(scene):
-    assert_flows_agree(scene.as_parts())
-
-
-@settings(max_examples=50)
-@given(part_scenes(motor=False))
-def test_flows_agree_on_random_scenes(scene):
-    assert_flows_agree(scene)
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(1800)
-@settings(max_examples=5000)
-@given(st.one_of(part_scenes(motor=False), scenes(sources=("none", "harmonic")).map(TwoBlocks.as_parts)))
-def test_flows_agree_on_many_random_scenes(scene):
-    assert_flows_agree(scene)
+test_flows_agree_on_random_scenes = always(
+    assert_flows_agree,
+    st.one_of(part_scenes(motor=False), scenes(sources=("none", "harmonic")).map(TwoBlocks.as_parts)),
+    few=150,
+    many=5000,
+)
 
 
 # Normal coordinates: what goes there and back is what it was.

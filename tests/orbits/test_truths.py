@@ -1,11 +1,16 @@
 """Orbits against 22 digits of them (truths.json says from where), and against numbers of other programs."""
 
+import json
 from decimal import Decimal
+from functools import cache
 from math import cos, exp, pi, sqrt
+from pathlib import Path
 
+import mpmath
 import numpy as np
 import pytest
 
+import vibsim
 from tests.orbits.truths import STORED, TRUTHS
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
@@ -244,3 +249,119 @@ def test_an_orbit_that_chatters_is_known_in_doubles_only():
     assert "c" in found.spelled
     with pytest.raises(OrbitError, match="orbits that chatter or graze are known in doubles only"):
         refine(found, 30)
+
+
+# Orbits of vibsim's own in 40 digits (own_digits.json), held to laws that know of no orbit.
+
+
+OWN = {one["case"]: one for one in json.loads(Path(__file__).with_name("own_digits.json").read_text())}
+QUICK = ["gallery/impact-oscillator-coco", "gallery/ball-on-shaken-table"]
+# what the multipliers of a period multiply to: exp(-c T / m), times e^2 at each impact
+LAWS = {
+    "gallery/bilinear-oscillator": lambda T: mpmath.exp(-T / 50),
+    "gallery/impact-oscillator-coco": lambda T: mpmath.mpf("0.64") * mpmath.exp(-T / 10),
+    "gallery/impact-oscillator": lambda T: mpmath.mpf("0.64"),
+    "gallery/ball-on-shaken-table": lambda T: mpmath.mpf("0.64"),
+}
+
+
+def number(text):
+    return mpmath.mpf(text)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_multipliers_multiply_as_liouville_says(name):
+    stored = OWN[name]
+    with mpmath.workdps(50):
+        (re, im), (other, minus) = [[number(text) for text in pair] for pair in stored["multipliers"]]
+        product = re * other - im * minus
+        assert abs(product / LAWS[name](number(stored["period"])) - 1) < mpmath.mpf("1e-38")
+
+
+def test_budd_and_duxs_orbit_in_closed_form():
+    """V13: the trace of the matrix, with the speed of the impact from the closed form, in 40 digits."""
+    stored = OWN["gallery/impact-oscillator"]
+    with mpmath.workdps(50):
+        w, e = mpmath.mpf("3.7"), mpmath.mpf("0.8")
+        T, gain = 4 * mpmath.pi / w, 1 / (1 - w**2)
+        a, b = mpmath.sin(T) / (1 - mpmath.cos(T)) * (1 + e), (1 - e) / w
+        V = 2 * mpmath.sqrt(gain**2 * (a**2 + b**2)) / (a**2 + b**2)
+        load = a * V / 2 / gain
+        trace = -2 * e * mpmath.cos(T) + (1 + e) * load * mpmath.sin(T) / V
+        assert abs(number(stored["period"]) / T - 1) < mpmath.mpf("1e-39")
+        assert abs(sum(number(re) for re, _ in stored["multipliers"]) / trace - 1) < mpmath.mpf("1e-37")
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_doubles_and_digits(name):
+    met(name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in OWN if name not in QUICK])
+def test_doubles_and_digits_of_the_others(name):
+    met(name)
+
+
+def met(name):
+    """The orbit in doubles is the stored one to rounding, and its digits are the stored ones."""
+    stored, orbit = OWN[name], vibsim.orbit(name)
+    assert (orbit.n, orbit.spelled) == (stored["n"], stored["events"])
+    assert orbit.period == pytest.approx(float(stored["period"]), rel=1e-14)
+    size = max(abs(orbit.X))
+    for value, text in zip(orbit.X, stored["coordinates"].values(), strict=True):
+        assert value == pytest.approx(float(text), abs=1e-12 * size)
+    told = refine(orbit, 40)
+    with mpmath.workdps(50):
+        for name_of, text in stored["coordinates"].items():
+            assert abs(number(told.coordinates[name_of]) - number(text)) < mpmath.mpf("1e-38") * size
+    exact = [complex(float(re), float(im)) for re, im in stored["multipliers"]]
+    np.testing.assert_allclose(orbit.multipliers, exact, rtol=0, atol=1e-11)
+
+
+# Orbits of shipped cases beside numbers that programs which share nothing with vibsim came to. Each was
+# written from the equations of its scene alone. Flights under a constant and a sinusoidal force have a closed
+# form, whose zeros Brent's method found; springs went through scipy's DOP853 (rtol 1e-13) from event to
+# event. Multipliers are eigenvalues of central differences of the return map.
+
+
+DIFFERENCED = 1e-7  # of a multiplier: rounding 1e-16 over steps of 1e-5 to 1e-7, and its spread over these
+
+
+@cache
+def orbit_of(case):
+    return orbit(f"gallery/{case}")
+
+
+def test_drift_of_an_oscillator_that_chatters_to_rest():
+    """Closed form of each flight and slide; blows until they part with less than 1e-9 m/s: 15 of the 29.
+
+    The ground's friction stops both bodies while they touch. Rest wipes out all but one multiplier.
+    """
+    drifting = orbit_of("drifting-oscillator")
+    kinds = [kind for kind, _ in drifting.events]
+    assert kinds[-4:] == ["chatter", "rest_begin", "stick_begin", "rest_end"]
+    assert drifting.drift["slider"] == pytest.approx(0.03965442606858631, rel=1e-14)
+    largest, *others = sorted(drifting.multipliers, key=abs, reverse=True)
+    assert largest == pytest.approx(-0.51261714, abs=DIFFERENCED)
+    assert others == [0, 0]
+
+
+def test_multipliers_under_dry_friction_with_reversals():
+    """A body on a spring and dry friction that turns round without a stick, at 0.9 rad/s."""
+    sliding = orbit_of("friction-oscillator")
+    assert sorted(mu.real for mu in sliding.multipliers) == pytest.approx(
+        [0.08723319, 0.56936554], abs=DIFFERENCED
+    )
+
+
+def test_stick_slip_on_a_belt_with_stribeck_friction():
+    """From the onset of slip, where the spring and the damper pull mu_s N, to the belt's speed, and the stick
+    that leads back to it. Slip and stick last 5.8108208155 s and 0.5054855424 s.
+
+    The integrator began 1e-12 m/s slower than the belt: a time of 1e-12 s is what it is good for.
+    """
+    cycle = orbit_of("belt-oscillator")
+    assert cycle.period == pytest.approx(6.3163063578909, abs=2e-12)
+    assert cycle.state["x_block"] == pytest.approx(-0.952825783, abs=1e-9)  # printed to so many digits
+    assert list(cycle.multipliers) == [0]  # the onset of slip has one place

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from tests.trust.judging import judged
-from tests.trust.random_cases import driven_hard, mixed
-from tests.trust.random_hard_scenes import hard_scene
+from tests.trust.random_cases import driven_hard, hard_scene, mixed
 from tests.trust.random_long_cases import scene_of_parts
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
