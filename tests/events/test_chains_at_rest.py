@@ -8,48 +8,47 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from tests.events.special_scenes import harmonic
-from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.parts import (
-    BASE,
-    COMPRESSION,
-    EXTENSION,
-    GROUND,
-    Body,
-    Force,
-    Friction,
-    Link,
-    RigidStop,
-    Scene,
-    Stop,
-)
+from tests.engine.runs import run as run_whole
+from tests.engine.runs import scene_of
 
 K, OMEGA = 87.3, 7.0
-APART = (
-    1e-13  # m; behind such a gap the same motion takes an impact or a contact more, and no start is special
-)
+APART = 1e-13  # m; behind such a gap the same motion takes a contact more, and no start is special
 
 
-def chain(count, law, sense, driven_by):
-    """A chain of `count` bodies of 1 kg, the last of which touches the ground; the first is driven."""
-    bodies = tuple(Body(f"b{i}", 1.0, 0.0, 0.0) for i in range(count))
-    first = BASE if driven_by == "base" else GROUND
-    links = tuple(Link(f"l{i}", i, i - 1 if i else first, K, 0.0) for i in range(count))
-    if law == "rigid":
-        stop = RigidStop("stop", count - 1, GROUND, 0.0, sense, 0.5, True)
-    else:
-        stop = Stop("stop", count - 1, GROUND, 0.0, sense, K, 0.0, at_start=True)
-    forces = (Force("push", 0, 1.0, ()),) if driven_by == "force" else ()
-    base = (harmonic(0.02, OMEGA, 0.0),) if driven_by == "base" else ()
-    return Scene(bodies, links, (stop,), (), forces, base, t_end=2.0, every_num=1, every_den=50)
+DRIVES = {
+    "base": f"base: {{a: 2 cm, omega: {OMEGA} rad/s}}",
+    "force": "forces: {push: {on: b0, F0: 1 N}}",
+    "nothing": "",
+}
+LAWS = {"elastic": f"k: {K} N/m", "rigid": "law: rigid, e: 0.5"}
+HITS = {"elastic": "k: 10 kN/m", "rigid": "law: rigid, e: 0.8"}
+
+
+def chain(count, law, sense, driven_by, hit=None):
+    """A chain of `count` bodies of 1 kg, the last of which touches the ground; the first is driven, or hit by
+    a body that flies at it.
+    """
+    first = "base" if driven_by == "base" else "ground"
+    links = [f"l{i}: {{between: [b{i}, {f'b{i - 1}' if i else first}], k: {K} N/m}}" for i in range(count)]
+    bodies = [f"b{i}: 1 kg" for i in range(count)]
+    stops = [f"stop: {{between: [b{count - 1}, ground], gap: 0 m, acts: {sense}, {LAWS[law]}}}"]
+    if hit:
+        bodies.insert(-1, "hammer: 1 kg")
+        stops.insert(0, f"blow: {{between: [hammer, b0], gap: 0 m, acts: compression, {HITS[hit]}}}")
+    return scene_of(f"""
+bodies: {{{", ".join(bodies)}}}
+links: {{{", ".join(links)}}}
+stops: {{{", ".join(stops)}}}
+{DRIVES[driven_by]}
+initial: {{{"hammer: {x: -10 cm, v: 1 m/s}" if hit else "b0: {x: 0 m}"}}}
+run: {{t_end: 2 s, every: 20 ms}}
+""")
 
 
 def run(scene):
     """Totals, and displacements of the last body [m]."""
-    trajectory = open_trajectory(scene)
-    column = f"x_{scene.bodies[-1].name}"
-    x = np.concatenate([block.samples[column] for block in trajectory.blocks()])
-    return trajectory.totals, x
+    found = run_whole(scene)
+    return found.totals, found.samples[f"x_{scene.bodies[-1].name}"]
 
 
 @pytest.mark.parametrize("method", ["auto", "taylor"])
@@ -58,15 +57,17 @@ def test_a_row_that_touches_is_pressed_together_in_whatever_order_its_stops_are_
     """A force on the first of three bodies: the others close their stops behind it, as t^4 and as t^6. Where
     one of these was named before the one that presses it, the body went through it, in a certified run.
     """
-    bodies = tuple(Body(f"b{i}", 1.0, 0.0, 0.0) for i in range(3))
-    stiff = (64.0, 300.0, 3000.0)
+    stiff, ends = (64.0, 300.0, 3000.0), ("b0", "b1", "b2", "ground")
     row = [
-        Stop(f"s{i}", i, i + 1 if i < 2 else GROUND, 0.0, COMPRESSION, stiff[i], 0.0, at_start=True)
-        for i in range(3)
+        f"s{i}: {{between: [{ends[i]}, {ends[i + 1]}], gap: 0 m, acts: compression, k: {k} N/m}}"
+        for i, k in enumerate(stiff)
     ]
-    stops = tuple(row[i] for i in places)
-    push = (Force("push", 0, 1.0, ()),)
-    scene = Scene(bodies, (), stops, (), push, t_end=0.5, every_num=1, every_den=50, method=method)
+    scene = scene_of(f"""
+bodies: {{b0: 1 kg, b1: 1 kg, b2: 1 kg}}
+stops: {{{", ".join(row[i] for i in places)}}}
+forces: {{push: {{on: b0, F0: 1 N}}}}
+run: {{t_end: 0.5 s, every: 20 ms, method: {method}}}
+""")
     totals, x = run(scene)
     matrix = np.diag([stiff[0], stiff[0] + stiff[1], stiff[1] + stiff[2]])
     matrix[[0, 1, 1, 2], [1, 0, 2, 1]] = -np.array(stiff)[[0, 0, 1, 1]]
@@ -78,7 +79,7 @@ def test_a_row_that_touches_is_pressed_together_in_whatever_order_its_stops_are_
 
 
 @pytest.mark.parametrize("driven_by", ["base", "force"])
-@pytest.mark.parametrize("sense", [EXTENSION, COMPRESSION])
+@pytest.mark.parametrize("sense", ["extension", "compression"])
 @pytest.mark.parametrize("law", ["elastic", "rigid"])
 @pytest.mark.parametrize("count", [2, 3, 5, pytest.param(8, marks=pytest.mark.slow)])
 def test_a_chain_leaves_or_presses_the_stop_that_it_touches(count, law, sense, driven_by):
@@ -92,33 +93,18 @@ def test_a_chain_leaves_or_presses_the_stop_that_it_touches(count, law, sense, d
     _, by_series = run(replace(scene, method="taylor"))
     assert abs(x - beside).max() < 10 * APART
     assert abs(x - by_series).max() < 1e-15
-    assert abs(x).max() > 1e-4 or rests or (law, sense) == ("rigid", COMPRESSION)
-
-
-def struck(count, law, sense, hit):
-    """A chain at rest, the last of whose bodies touches the ground; a body flies at the first."""
-    scene = chain(count, law, sense, "nothing")
-    bodies = (*scene.bodies[:-1], Body("hammer", 1.0, -0.1, 1.0), scene.bodies[-1])
-    last = len(bodies) - 1
-    links = tuple(
-        replace(link, P=last if count - 1 == link.P else link.P, name=link.name) for link in scene.links
-    )
-    if hit == "rigid":
-        blow = RigidStop("blow", count - 1, 0, 0.0, COMPRESSION, 0.8, False)
-    else:
-        blow = Stop("blow", count - 1, 0, 0.0, COMPRESSION, 1e4, 0.0)
-    return replace(scene, bodies=bodies, links=links, stops=(blow, replace(scene.stops[0], P=last)))
+    assert abs(x).max() > 1e-4 or rests or (law, sense) == ("rigid", "compression")
 
 
 @pytest.mark.parametrize("hit", ["elastic", "rigid"])
-@pytest.mark.parametrize("sense", [EXTENSION, COMPRESSION])
+@pytest.mark.parametrize("sense", ["extension", "compression"])
 @pytest.mark.parametrize("law", ["elastic", "rigid"])
 @pytest.mark.parametrize("count", [3, 4, 6])
 def test_a_chain_that_is_struck_leaves_or_presses_the_stop_that_it_touches(count, law, sense, hit):
     """Behind the blow, too, rounding of modal coordinates stood in for derivatives that are zero: runs ended
     with an error, or took up to a thousand events too many.
     """
-    scene = struck(count, law, sense, hit)
+    scene = chain(count, law, sense, "nothing", hit)
     totals, x = run(scene)
     blow, wall = scene.stops
     _, beside = run(replace(scene, stops=(blow, replace(wall, gap=wall.gap + APART, at_start=False))))
@@ -131,9 +117,9 @@ def test_a_chain_that_is_struck_leaves_or_presses_the_stop_that_it_touches(count
 @pytest.mark.parametrize("order", [4, 6, 20])
 def test_few_terms_of_a_series_hold_no_known_zero(order):
     """The zero is of an order beyond the last of the series."""
-    scene = replace(chain(3, "elastic", EXTENSION, "base"), method="taylor", order=order, t_end=0.9)
+    scene = replace(chain(3, "elastic", "extension", "base"), method="taylor", order=order, t_end=0.9)
     totals, x = run(scene)
-    _, true = run(chain(3, "elastic", EXTENSION, "base"))
+    _, true = run(chain(3, "elastic", "extension", "base"))
     assert totals["impacts"] == 1
     assert abs(x - true[: len(x)]).max() < 1e-12
 
@@ -142,21 +128,19 @@ def test_a_body_struck_as_the_run_begins_leaves_the_neighbour_that_it_touches():
     """The touch of the two was still taken for one without velocity, and by the closed form no event of the
     whole run was found.
     """
-    stops = (
-        RigidStop("between", 0, 2, 0.0, EXTENSION, 0.0, True),
-        RigidStop("box", 0, BASE, 0.0, 1, 0.5, True),
-    )
-    scene = Scene(
-        tuple(Body(f"b{i}", 1.0, 0.0, 0.0) for i in range(3)),
-        (Link("l0", 0, BASE, 100.0, 2.0), Link("l1", 1, 0, 100.0, 0.0), Link("l2", 2, 1, 100.0, 2.0)),
-        stops,
-        (Friction("floor", 1, GROUND, 0.3, 0.3, 0.0),),
-        (),
-        (harmonic(0.02, 9.344, 0.0),),
-        t_end=2.0,
-        every_num=1,
-        every_den=50,
-    )
+    scene = scene_of("""
+bodies: {b0: 1 kg, b1: 1 kg, b2: 1 kg}
+links:
+  l0: {between: [b0, base], k: 100 N/m, c: 2 N s/m}
+  l1: {between: [b1, b0], k: 100 N/m}
+  l2: {between: [b2, b1], k: 100 N/m, c: 2 N s/m}
+stops:
+  between: {between: [b0, b2], gap: 0 m, acts: extension, law: rigid, e: 0}
+  box: {between: [b0, base], gap: 0 m, acts: extension, law: rigid, e: 0.5}
+friction: {floor: {between: [b1, ground], N: 0.3 N, mu: 1}}
+base: {a: 2 cm, omega: 9.344 rad/s}
+run: {t_end: 2 s, every: 20 ms}
+""")
     totals, x = run(scene)
     by_series, x_by_series = run(replace(scene, method="taylor"))
     assert (totals["events"], totals["uncertified"]) == (by_series["events"], 0)
@@ -164,36 +148,42 @@ def test_a_body_struck_as_the_run_begins_leaves_the_neighbour_that_it_touches():
     assert abs(x - x_by_series).max() < 1e-14
 
 
-def standing(masses, base, links, stops, **parts):
-    """Bodies that stand, some of them by a shaken base."""
-    bodies = tuple(Body(f"b{i}", m, 0.0, 0.0) for i, m in enumerate(masses))
-    shaken = (harmonic(0.02, base, 0.0),)
-    return Scene(bodies, links, stops, base=shaken, t_end=2.0, every_num=1, every_den=50, **parts)
-
-
-STRUCK_SOFTLY = standing(
-    (0.5, 1.0, 1.0), 7.0,
-    (Link("l0", 0, BASE, 64.0, 0.0), Link("l2", 2, 1, 64.0, 0.0)),
-    (Stop("wall", 1, GROUND, 0.0, COMPRESSION, 64.0, 0.0, at_start=True),
-     Stop("blow", 0, 1, 0.0, EXTENSION, 64.0, 0.0, at_start=True)),
-    frictions=(Friction("f", 0, GROUND, 0.3, 0.3, 0.0),),
-)  # fmt: skip
-TORN_SOFTLY = standing(
-    (1.0, 1.0, 1.0, 1.0, 1.0), 5.0,
-    tuple(Link(f"l{P}", P, Q, 100.0, 0.0) for P, Q in ((0, BASE), (1, 0), (3, 2), (4, 3))),
-    (RigidStop("touch", 3, 4, 0.0, EXTENSION, 0.8, True),
-     Stop("wall", 1, GROUND, 0.0, EXTENSION, 3000.0, 0.0, at_start=True),
-     Stop("blow", 1, 2, 0.01, COMPRESSION, 3000.0, 0.0)),
-    frictions=(Friction("f", 0, GROUND, 0.3, 0.3, 0.0),),
-    forces=(Force("push", 0, 0.0, (harmonic(2.0, 5.0, 0.0),)),),
-)  # fmt: skip
-RELIEVED_AT_ONCE = standing(
-    (0.5, 1.0), 9.344,
-    (Link("l0", 0, BASE, 87.3, 0.0), Link("l1", 1, 0, 87.3, 1.746)),
-    (Stop("soft", 0, GROUND, 0.0, EXTENSION, 3000.0, 0.0, at_start=True),
-     RigidStop("wall", 1, GROUND, 0.0, COMPRESSION, 0.0, True),
-     RigidStop("pair", 0, 1, 0.0, COMPRESSION, 0.8, True)),
-)  # fmt: skip
+STRUCK_SOFTLY = scene_of("""
+bodies: {b0: 0.5 kg, b1: 1 kg, b2: 1 kg}
+links: {l0: {between: [b0, base], k: 64 N/m}, l2: {between: [b2, b1], k: 64 N/m}}
+stops:
+  wall: {between: [b1, ground], gap: 0 m, acts: compression, k: 64 N/m}
+  blow: {between: [b0, b1], gap: 0 m, acts: extension, k: 64 N/m}
+friction: {f: {between: [b0, ground], N: 0.3 N, mu: 1}}
+base: {a: 2 cm, omega: 7 rad/s}
+run: {t_end: 2 s, every: 20 ms}
+""")
+TORN_SOFTLY = scene_of("""
+bodies: {b0: 1 kg, b1: 1 kg, b2: 1 kg, b3: 1 kg, b4: 1 kg}
+links:
+  l0: {between: [b0, base], k: 100 N/m}
+  l1: {between: [b1, b0], k: 100 N/m}
+  l3: {between: [b3, b2], k: 100 N/m}
+  l4: {between: [b4, b3], k: 100 N/m}
+stops:
+  touch: {between: [b3, b4], gap: 0 m, acts: extension, law: rigid, e: 0.8}
+  wall: {between: [b1, ground], gap: 0 m, acts: extension, k: 3000 N/m}
+  blow: {between: [b1, b2], gap: 1 cm, acts: compression, k: 3000 N/m}
+friction: {f: {between: [b0, ground], N: 0.3 N, mu: 1}}
+forces: {push: {on: b0, A: 2 N, omega: 5 rad/s}}
+base: {a: 2 cm, omega: 5 rad/s}
+run: {t_end: 2 s, every: 20 ms}
+""")
+RELIEVED_AT_ONCE = scene_of("""
+bodies: {b0: 0.5 kg, b1: 1 kg}
+links: {l0: {between: [b0, base], k: 87.3 N/m}, l1: {between: [b1, b0], k: 87.3 N/m, c: 1.746 N s/m}}
+stops:
+  soft: {between: [b0, ground], gap: 0 m, acts: extension, k: 3000 N/m}
+  wall: {between: [b1, ground], gap: 0 m, acts: compression, law: rigid, e: 0}
+  pair: {between: [b0, b1], gap: 0 m, acts: compression, law: rigid, e: 0.8}
+base: {a: 2 cm, omega: 9.344 rad/s}
+run: {t_end: 2 s, every: 20 ms}
+""")
 
 
 @pytest.mark.parametrize("scene", [STRUCK_SOFTLY, TORN_SOFTLY, RELIEVED_AT_ONCE])
