@@ -10,25 +10,13 @@ import pytest
 from tests.engine.impacts import ball
 from tests.engine.runs import run, scene_of
 from tests.events.special_scenes import driven, machine, two_blocks
-from tests.events.special_scenes import harmonic as shaking
 from tests.events.test_certificate import assert_none_missed
 from tests.events.whole_runs import MOST_STEPS, Crawling
 from tests.scenes import harmonic, scene
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import (
-    BASE,
-    COMPRESSION,
     EVENT_KINDS,
     EVENT_NAMES,
-    EXTENSION,
-    GROUND,
-    Body,
-    Force,
-    Friction,
-    Link,
-    Motor,
-    RigidStop,
-    Scene,
 )
 
 
@@ -72,36 +60,46 @@ def test_a_plain_start_on_the_stop_is_certified(method, x1, F0, A):
     assert result.totals["uncertified"] == 0
 
 
-def in_doubt(body, t_end=0.01, **parts):
-    """Whether a short run of one body has doubts."""
-    scene = Scene((body,), t_end=t_end, every_num=1, every_den=10, **parts)
-    return run(scene).totals["uncertified"] > 0
-
-
-SPRING = (Link("spring", 0, GROUND, 100.0, 0.0),)
+def in_doubt(text):
+    """Whether a short run has doubts."""
+    return run(scene_of(f"{text}run: {{t_end: 10 ms, every: 100 ms}}")).totals["uncertified"] > 0
 
 
 @pytest.mark.parametrize(("F0", "doubted"), [(1.0, True), (0.9, False), (1.1, False)])
 def test_rest_on_a_rigid_stop_that_only_rounding_relieves_is_in_doubt(F0, doubted):
     """The spring presses by 1 N, the force pulls by as much, in doubles."""
-    stops = (RigidStop("floor", 0, GROUND, -0.01, EXTENSION, 0.5, True),)
-    push = (Force("push", 0, F0, ()),)
-    assert in_doubt(Body("a", 1.0, 0.01, 0.0), links=SPRING, stops=stops, forces=push) == doubted
+    text = f"""
+bodies: {{a: 1 kg}}
+links: {{spring: {{between: [a, ground], k: 100 N/m}}}}
+stops: {{floor: {{between: [a, ground], gap: -1 cm, acts: extension, law: rigid, e: 0.5}}}}
+forces: {{push: {{on: a, F0: {F0} N}}}}
+initial: {{a: {{x: 1 cm}}}}
+"""
+    assert in_doubt(text) == doubted
 
 
 @pytest.mark.parametrize(("limit", "doubted"), [(0.3 * 0.1 * 7.0**2, True), (1.5, False), (1.4, False)])
 def test_whether_inertia_tears_a_body_off_the_base_is_in_doubt_where_rounding_decides(limit, doubted):
     """The base turns round at the start, where its acceleration is the largest."""
-    base, rub = (shaking(0.1, 7.0, math.pi / 2),), (Friction("f", 0, BASE, limit, limit, 0.0),)
-    assert in_doubt(Body("a", 0.3, 0.1, 0.0), frictions=rub, base=base) == doubted
+    text = f"""
+bodies: {{a: 0.3 kg}}
+friction: {{f: {{between: [a, base], N: {limit} N, mu: 1}}}}
+base: {{a: 10 cm, omega: 7 rad/s, phase: 90 deg}}
+initial: {{a: {{x: 10 cm}}}}
+"""
+    assert in_doubt(text) == doubted
 
 
 @pytest.mark.parametrize(("excess", "doubted"), [(2.0**-52, True), (1e-9, False), (0.0, False)])
 def test_sliding_on_the_base_that_only_rounding_tells_is_in_doubt(excess, doubted):
     """A start with the velocity of the base moves with it; one unit in the last place more may do so."""
-    body = Body("a", 0.3, 0.0, 0.1 * 7.0 * (1 + excess))
-    rub = (Friction("f", 0, BASE, 5.0, 5.0, 0.0),)
-    assert in_doubt(body, frictions=rub, base=(shaking(0.1, 7.0, 0.0),)) == doubted
+    text = f"""
+bodies: {{a: 0.3 kg}}
+friction: {{f: {{between: [a, base], N: 5 N, mu: 1}}}}
+base: {{a: 10 cm, omega: 7 rad/s}}
+initial: {{a: {{v: {0.1 * 7.0 * (1 + excess)!r} m/s}}}}
+"""
+    assert in_doubt(text) == doubted
 
 
 def judge(make, seeds):
@@ -159,11 +157,21 @@ run: {t_end: 0.5 s, every: 20 ms, method: taylor}
     assert EVENT_KINDS["rest_end"] in run(scene).events["kind"]
 
 
-def unbalanced(on, frame, e, sense, phi, **parts):
-    """A motor that turns at 8 rad/s; its unbalance first pulls across the line, and then against the stop."""
-    motor = Motor(on, 0.2, 0.05, 1e-3, 0.0, 16.0, phi, 8.0)
-    stop = RigidStop("stop", len(parts["bodies"]) - 1, frame, parts["bodies"][0].x, sense, e, True)
-    return Scene(**parts, stops=(stop,), motor=motor, t_end=1.0, every_num=1, every_den=50)
+UNBALANCED = """
+bodies: {a: 1 kg}
+stops: {stop: {between: [a, ground], gap: 0 m, acts: extension, law: rigid, e: 1}}
+"""
+UNBALANCED_AND_TIED = """
+bodies: {a: 0.7 kg, b: 0.3 kg}
+links: {spring: {between: [a, ground], k: 87.3 N/m}, tie: {between: [b, a], k: 87.3 N/m}}
+stops: {stop: {between: [b, a], gap: 0 m, acts: compression, law: rigid, e: 1}}
+"""
+# it turns at 8 rad/s; its unbalance first pulls across the line, and then against the stop
+TURNING = """
+motor: {on: a, m3: 0.2 kg, e: 5 cm, J: 1e-3 kg m^2, M0: 0 N m, Omega0: 16 rad/s}
+initial: {motor: {phi: 90 deg, phidot: 8 rad/s}}
+run: {t_end: 1 s, every: 20 ms}
+"""
 
 
 def run_to_the_end(scene):
@@ -174,20 +182,12 @@ def run_to_the_end(scene):
     return trajectory.totals
 
 
-@pytest.mark.parametrize("tied", [False, True])
-def test_hops_that_rounding_of_a_force_begins_end(tied):
+@pytest.mark.parametrize("text", [UNBALANCED, UNBALANCED_AND_TIED])
+def test_hops_that_rounding_of_a_force_begins_end(text):
     """sin(pi / 2) of doubles leaves 6e-17 of the force of the unbalance, which parts the ends for 2e-17 s;
     then it presses: with e = 1 1e5 hops of 1e-66 m were taken in 5e-12 s, and no run ended.
     """
-    if tied:
-        bodies = Body("a", 0.7, 0.0, 0.0), Body("b", 0.3, 0.0, 0.0)
-        links = Link("spring", 0, GROUND, 87.3, 0.0), Link("tie", 1, 0, 87.3, 0.0)
-        scene = unbalanced(0, 0, 1.0, COMPRESSION, math.pi / 2, bodies=bodies, links=links)
-    else:
-        scene = unbalanced(
-            0, GROUND, 1.0, EXTENSION, math.pi / 2, bodies=(Body("a", 1.0, 0.0, 0.0),), links=()
-        )
-    totals = run_to_the_end(scene)
+    totals = run_to_the_end(scene_of(text + TURNING))
     assert totals["events"] < 100
     assert totals["uncertified"] > 0
 
@@ -306,16 +306,15 @@ def test_blocks_that_have_come_to_rest_on_each_other_drift_on(k2, v1, v2, x1, se
 
 def two_beside(gap, x, base=0.0):
     """Two bodies before a rigid stop between them, one pushed to and fro by 1e-6 N, a third on a spring."""
-    w = 2 * math.pi
-    return Scene(
-        bodies=(Body("a", 1.0, x, 0.0), Body("b", 1.0, 0.0, 0.0), Body("c", 1.0, 0.0, 0.0)),
-        links=(Link("spring", 2, BASE if base else GROUND, 1.0, 0.0),),
-        stops=(RigidStop("stop", 0, 1, gap, COMPRESSION, 0.5, False),),
-        forces=(Force("drive", 0, 0.0, (shaking(1e-6, w, math.pi / 2),)),),
-        base=(shaking(base, w, 0.0),) if base else (),
-        t_end=1.0,
-        every_den=100,
-    )
+    return scene_of(f"""
+bodies: {{a: 1 kg, b: 1 kg, c: 1 kg}}
+links: {{spring: {{between: [c, {"base" if base else "ground"}], k: 1 N/m}}}}
+stops: {{stop: {{between: [a, b], gap: {gap!r} m, acts: compression, law: rigid, e: 0.5}}}}
+forces: {{drive: {{on: a, A: 1e-6 N, omega: 1 Hz, phase: 90 deg}}}}
+initial: {{a: {{x: {x} m}}}}
+{f"base: {{a: {base} m, omega: 1 Hz}}" if base else ""}
+run: {{t_end: 1 s, every: 10 ms}}
+""")
 
 
 def test_a_base_elsewhere_closes_no_gap():
