@@ -1,5 +1,7 @@
 """What pictures of runs say of themselves: coordinates on axes, walls, belts, Poincare points, marks."""
 
+import shutil
+import xml.etree.ElementTree as ElementTree
 from itertools import combinations
 
 import matplotlib.pyplot as plt
@@ -7,19 +9,22 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.cbook import is_math_text
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
+from tests.formula_cases import MACHINE, case_of
 from tests.plots.artists import lines, points
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 from vibsim.plots import capture_pictures, sweep_pictures, sweep_responses
 from vibsim.plots.capture_pictures import grey_of, lay_classes
-from vibsim.plots.picture import chosen_kinds
+from vibsim.plots.picture import chosen_kinds, draw_files
 from vibsim.plots.registry import kind_named
 from vibsim.plots.sheet import NamedQuantity, Scale, spread, write_names
-from vibsim.plots.subject import PlotError, View, open_subject, subject_of
+from vibsim.plots.subject import PlotError, View, as_text, open_subject, open_subjects, subject_of
 from vibsim.plots.sweep_axes import plane_of
-from vibsim.results import simulate
+from vibsim.results import simulate, simulate_to_file
 from vibsim.sweeps import sweep
 
 
@@ -232,3 +237,92 @@ def test_points_whose_cells_are_hatched_have_shapes_of_their_own():
     markers = [shade.marker for shade in shades if shade.hatch]
     assert len({*markers}) == len(markers)
     assert all(shade.marker == "o" for shade in shades if not shade.hatch)
+
+
+# Titles and file names of the user's in pictures: shown letter by letter, whatever they hold.
+
+
+NASTY = [
+    "$x^{2 $", "{brace $\\frac{1}$", "\\$5 and \\\\$6$ \\alpha", "x\x1b[2J\x1b]0;PWN\x07",
+    "control \x01\x0b\x7f\x9b", "100 % _under_ ^{up} <b>&amp;", "振動 \U0001f600",
+]  # fmt: skip
+
+
+def drawn_with(text):
+    """What matplotlib makes of a text that it takes for no mathematics."""
+    assert not is_math_text(text)
+    return text.replace(r"\$", "$")
+
+
+@pytest.mark.parametrize("title", NASTY)
+def test_a_title_is_drawn_letter_by_letter(title):
+    text = drawn_with(as_text(title))
+    assert text.isprintable()
+    assert [ch for ch in title if not ch.isprintable() or ch not in text] == [
+        ch for ch in title if not ch.isprintable()
+    ]
+
+
+def test_a_name_stays_in_the_legend():
+    assert not as_text("_run").startswith("_")
+    assert as_text("_run").strip() == "_run"
+
+
+@pytest.fixture(scope="module", params=[NASTY[0], " ".join(NASTY)], ids=["power", "all"])
+def nasty_run(request, tmp_path_factory):
+    """A run whose title and file name are hostile."""
+    title = request.param
+    path = tmp_path_factory.mktemp("nasty") / f"_{title[:40]}.h5"
+    simulate_to_file(load_case("II-B", {"title": title, "run.t_end": "0.5 s"}), path)
+    return str(path)
+
+
+def test_pictures_of_hostile_files_can_be_read(nasty_run, tmp_path):
+    [svg] = draw_files([nasty_run], None, View(), str(tmp_path / "one.svg"))
+    ElementTree.parse(svg)
+    other = str(tmp_path / "again.h5")
+    shutil.copy(nasty_run, other)
+    for kind in ("motor", "stiffness"):
+        [svg] = draw_files([nasty_run, other], [kind], View(), str(tmp_path / f"{kind}.svg"))
+        ElementTree.parse(svg)
+
+
+MACHINE_KINDS = ["rotor-speed", "states"]  # of runs with rotors and states; of the others see test_kinds.py
+
+
+@pytest.fixture(scope="module")
+def brief_machine(tmp_path_factory):
+    path = tmp_path_factory.mktemp("machine") / "brief.h5"
+    simulate_to_file(case_of(MACHINE, {"run.t_end": "0.2 s"}), path)
+    return str(path)
+
+
+@pytest.mark.parametrize("kind", MACHINE_KINDS)
+def test_no_kind_lets_matplotlib_read_a_name(kind, brief_machine, tmp_path):
+    paths = [str(tmp_path / f"{name}.h5") for name in ("a$\\frac$", "b_{$")]
+    for path in paths:
+        shutil.copy(brief_machine, path)
+    figure = kind_named(kind).draw(open_subjects(paths), View(width="column"))
+    figure.draw_without_rendering()  # raises where a name is taken for mathematics and is none
+    names = [text.get_text() for text in figure.findobj(Text) if "frac" in text.get_text()]
+    assert all(r"\$\frac\$" in name for name in names)
+
+
+def test_names_are_told_apart(runs, tmp_path):
+    folders = [tmp_path / name for name in ("a", "b")]
+    for folder in folders:
+        folder.mkdir()
+        shutil.copy(runs["motor"], folder / "run.h5")
+    paths = [str(folder / "run.h5") for folder in folders]
+    assert [subject.name for subject in open_subjects(paths)] == ["a/run", "b/run"]
+    assert [subject.stem for subject in open_subjects(paths)] == ["run", "run"]
+
+
+def test_pictures_are_called_after_their_files(runs, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("II-B.h5", "faster.h5", "killed.h5.partial"):
+        shutil.copy(runs["motor"], name)
+    for name, stem in (("II-B.h5", "II-B"), ("faster.h5", "faster"), ("killed.h5.partial", "killed")):
+        assert draw_files([name], ["motor"], View()) == [f"{stem}-motor.png"]
+    assert draw_files(["II-B.h5", "faster.h5"], ["motor"], View()) == ["II-B+faster-motor.png"]
+    assert open_subject("II-C").stem == "II-C"
