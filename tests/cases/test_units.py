@@ -206,6 +206,7 @@ def test_any_number_with_any_unit_reads_back(number, name):
 # Ranges: counted in exact decimals.
 
 
+COUNT = "behind / stands how many values, a whole number, such as 3:7/9, and the unit behind it"
 HOW = "write FROM:TO:STEP, FROM:TO/COUNT, 'log FROM:TO/COUNT' or A,B,C, with a unit at the end"
 BY_RATIO = "a range by ratio is 'log FROM:TO/COUNT', such as 'log 1:1000/31 N/m'"
 
@@ -271,6 +272,7 @@ def test_one_unit_may_stand_anywhere_in_a_range():
     assert texts("0:2 mm / 5") == texts("0:2/5 mm") == texts("0:2 mm:0.5")
     assert texts("3 Hz:4:1") == ["3 Hz", "4 Hz"]
     assert texts("0:1 N/m/2") == texts("0:1/2 N/m") == ["0 N/m", "1 N/m"]
+    assert texts("0:1 / 2 N/m") == texts("0:1/ 2N/m") == ["0 N/m", "1 N/m"]
 
 
 @pytest.mark.parametrize(
@@ -287,6 +289,9 @@ def test_one_unit_may_stand_anywhere_in_a_range():
      ("1:1e9:1", "1:1e9:1 has 1e+09 values; at most 1,000,000 are allowed"),
      ("0:1/2000000", "0:1/2000000 has 2e+06 values; at most 1,000,000 are allowed"),
      ("0:1:1e-999999999", "does not fit double precision (2.3e-308 to 2.2e307), got 1e-999999999"),
+     ("1:2/-3", f"unknown unit /-3 in the range 1:2/-3; {COUNT}"),
+     ("1:2/2.5", f"unknown unit /2.5 in the range 1:2/2.5; {COUNT}"),
+     ("1:2/1e3", f"unknown unit /1e3 in the range 1:2/1e3; {COUNT}"),
      ("1:2:0.1 herz", "unknown unit herz in the range 1:2:0.1 herz (did you mean Hz?)"),
      ("1 mm:2 cm:1 mm", "1 mm:2 cm:1 mm: write one unit, at the end, such as 3:7:0.05 Hz"),
      ("1 mm, 2", "1 mm, 2: write one unit for all values, or one behind each"),

@@ -114,3 +114,9 @@ def test_what_is_refused(folder, monkeypatch, words, code, message):
     assert found.exit_code == code
     assert message in found.stderr
     assert found.stdout == ""
+
+
+def test_a_verdict_asked_for_that_there_is_none_of_is_said(folder):
+    lines = call("analyse", "gallery/van-der-pol", "-s", "run.t_end=1s", "--what", "capture,impacts").stdout
+    assert "capture         none: the case has no motor" in lines
+    assert "impacts         none: the case has no stop" in lines

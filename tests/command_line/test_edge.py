@@ -83,3 +83,13 @@ def test_births_and_deaths_are_printed(tmp_path):
     assert "dies" in text and "at 1.836600972 m/s: a corner" in text
     (change,) = json.loads(call("edge", path, "--changes", "--json").stdout)["changes"]
     assert change["parameter"] == pytest.approx(1.836600972207926, abs=1e-9) and not change["birth"]
+
+
+@pytest.mark.parametrize("words", [["--changes"], ["--between", "0,1"], ["--shock", "0"]])
+def test_a_sweep_without_attractors_is_refused(words, tmp_path):
+    """It says how to make one; no traceback."""
+    out = tmp_path / "plain.h5"
+    told("sweep", "gallery/van-der-pol", "--param", "damper.mu=1,2 N s/m", "--t-end", "1s", "-o", out)
+    done = call("edge", out, *words)
+    assert done.exit_code == 2
+    assert "this sweep has no attractors (sweep with --compute attractor)" in done.stderr

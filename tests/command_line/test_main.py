@@ -321,3 +321,21 @@ def test_lengths_and_durations_in_words():
     assert texts == ["0 s", "1 s", "5 ms", "2 us", "3 ns", "1e-20 s"]
     (span,) = (text for label, text in case_lines(short_run("I-A", "1 ms").case) if label == "span")
     assert span == "1 ms, a sample every 5 ms: 1 sample"
+
+
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [
+        (["sweep", "II-B", "--omega0", "", "--param", "c=0.01:0.02/2"], "--omega0"),
+        (["plot", "run.h5", "--kind", ""], "--kind"),
+        (["bench", "--methods", ""], "--methods"),
+        (["export", "run.h5", "-o", "run.csv", "--along", ""], "--along"),
+        (["sweep", "II-B", "--param", "c=1:2/2", "--compute", ""], "--compute"),
+        (["info", ""], "FILE..."),
+        (["run", "II-B", ""], "CASE..."),
+    ],
+)
+def test_an_empty_value_is_not_taken_for_none(words, name):
+    done = call(*words)
+    assert done.exit_code == 2
+    assert f"Error: {name} is empty: give it a value, or leave it out" in done.stderr

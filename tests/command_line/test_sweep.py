@@ -170,3 +170,9 @@ def test_a_scene_of_named_parts():
 def test_what_a_scene_of_named_parts_has_not(case, options, said):
     done = call("sweep", case, *options)
     assert done.exit_code in (2, 3) and said in done.stderr
+
+
+def test_a_key_named_twice_in_one_axis_is_refused():
+    done = call("sweep", "II-B", "--param", "c=coupling.c=0.01:0.02/2")
+    assert done.exit_code == 2
+    assert "coupling.c is named twice in one axis" in done.stderr

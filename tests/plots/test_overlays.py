@@ -182,6 +182,8 @@ def test_no_line_is_drawn_where_values_leap():
     assert leaps(np.array([1.0, 4, 2, 5, 1, 4])).tolist() == []  # scatter is no leap
     assert leaps(np.sin(np.linspace(0, 6, 40))).tolist() == []
     assert leaps(np.full(5, np.nan)).tolist() == []
+    with np.errstate(all="raise"):
+        assert leaps(np.array([-np.inf, -np.inf, 1.0, 2.0, 3.0])).tolist() == []  # a motion at rest
 
 
 def test_a_sweep_that_leaps_has_all_its_points_and_a_gap_in_its_line():

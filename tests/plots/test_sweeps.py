@@ -95,6 +95,17 @@ def test_sommerfeld_draws_the_speeds(paths):
     assert 3.68 in levels  # half bilinear: 7.37 / 2
 
 
+@pytest.mark.parametrize("rotor", ["left", "right"])
+def test_sommerfeld_draws_and_names_the_rotor_that_was_swept(tmp_path, rotor):
+    """Of two exciters each has a speed of its own; the one whose no-load speed is the axis is drawn."""
+    case, path = load_case("gallery/two-exciters", {"run.t_end": "1 s"}), str(tmp_path / "two.h5")
+    result = sweep(case, {f"rotors.{rotor}.Omega0": "10, 14 Hz"}, out=path)
+    axes = drawn("sommerfeld", path).axes[0]
+    (mean,) = lines(axes, "mean")
+    np.testing.assert_array_equal(mean.get_ydata(), result[f"mean_speed_{rotor}"][:, 0])
+    assert axes.get_ylabel() == f"Steady speed of {rotor} (Hz)"
+
+
 def test_sommerfeld_has_fractions_of_the_bilinear_frequency(tmp_path):
     sweep(load_case("II-B", {"run.t_end": "4 s"}), {"Omega0": "3, 7 Hz"}, out=tmp_path / "x.h5")
     axes = drawn("sommerfeld", str(tmp_path / "x.h5")).axes[0]

@@ -352,6 +352,15 @@ def motions_of(scene: Scene) -> dict[str, Pair]:
     return {pair.name: pair for pair in pairs_of(scene)}
 
 
+def unit_of_motion(scene: Scene, of: str) -> str:
+    """Unit of a displacement by the name that `find_frequencies` takes, m or rad."""
+    pairs = motions_of(scene)
+    pair = next(iter(pairs.values())) if of == RELATIVE else pairs.get(of)
+    if pair is not None:
+        return scene.unit_between(pair.P, pair.Q)
+    return tables_of(scene).samples[of].units or ""
+
+
 def fastest(scene: Scene, source: float | None) -> float:
     """The highest of the frequencies of the source and of the free vibrations [Hz]."""
     return max(source or 0.0, *(rate / (2 * pi) for rate in natural_rates(scene)), 0.0)

@@ -40,8 +40,6 @@ FEWEST_INDEPENDENT = 3.0  # even of blocks that all drift one way: Student's dis
 MEAN = "mean "  # before the name of a state
 OF = " of "  # before the name of the part or body where there are several
 UNITS = {
-    "amplitude": "m",
-    "drift rate": "m/s",
     "motor speed": "Hz",
     "rotor speed": "Hz",
     "impact rate": "1/s",
@@ -69,10 +67,17 @@ def blocks_of(span: Span, period: float) -> list[Span]:
 
 
 def unit_of(statistic: str, scene: Scene) -> str:
-    """The unit of a statistic of `block_values`; displacements of a torsional scene are in rad."""
+    """The unit of a statistic of `block_values`; angles are in rad."""
     if statistic.startswith(MEAN):
         return dict(scene.state_units).get(statistic.removeprefix(MEAN), "")
-    return UNITS[statistic.partition(OF)[0]].replace("m", scene.length_unit, 1)
+    kind, _, name = statistic.partition(OF)
+    if kind == "amplitude":
+        pair = next(pair for pair in pairs_of(scene) if name in ("", pair.name))
+        return scene.unit_between(pair.P, pair.Q)
+    if kind == "drift rate":
+        moving = [scene.bodies[one.reference] for one in drifting_sets(scene)]
+        return f"{scene.unit_of(next(body for body in moving if name in ('', body.name)))}/s"
+    return UNITS[kind]
 
 
 def block_values(result: Result, blocks: list[Span]) -> dict[str, np.ndarray]:

@@ -315,7 +315,7 @@ def speeds(result: Result, span: Span, part: str | None = None) -> RateSpread | 
     values = np.abs(closing_velocities(scene, events))
     own = np.isin(events["part"], [i for i, stop in enumerate(scene.stops) if part in (None, stop.name)])
     values = values[own & ~np.isnan(values)]
-    return spread(values, f"{scene.length_unit}/s") if len(values) else None
+    return spread(values, f"{scene.unit_of_stops(part)}/s") if len(values) else None
 
 
 def spread(values: np.ndarray, unit: str) -> RateSpread:

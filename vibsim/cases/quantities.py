@@ -333,7 +333,7 @@ MOST_VALUES = 1_000_000
 # written down, and as many as a double keeps. A million products of 40 digits are right to 34.
 RATIO_DIGITS = Context(prec=15)
 RATIO_PRODUCTS = Context(prec=40)
-_PART = rf"\s*(?P<number>{NUMBER})(?P<over>/\d+)?(?P<unit>.*?)(?P<behind>\s*/\s*\d+)?\s*"
+_PART = rf"\s*(?P<number>{NUMBER})(?P<over>\s*/\s*\d+(?![\d.eE]))?(?P<unit>.*?)(?P<behind>\s*/\s*\d+)?\s*"
 
 
 class RangeError(ValueError):
@@ -448,6 +448,8 @@ def _unit(name: str, text: str) -> str:
     if unit is None:
         near = nearest(name, filter(None, UNITS))
         hint = f" (did you mean {near}?)" if near else ""
+        if name[0] in "./+-,;:0123456789":  # what follows the number begins as no unit does
+            hint = "; behind / stands how many values, a whole number, such as 3:7/9, and the unit behind it"
         raise RangeError(f"unknown unit {shown(name)} in the range {shown(text)}{hint}")
     return unit.name
 

@@ -17,7 +17,7 @@ from vibsim.command_line.options import (
     add_global_options,
     examples,
     global_options,
-    refuse_repeated,
+    refuse_unclear,
 )
 from vibsim.command_line.terminal import in_shell, open_closed_streams, print_json, problem_in_shell, say
 from vibsim.lazy import named
@@ -263,7 +263,7 @@ class LazyGroup(click.Group):
             signals.of_the_command = True
         command: click.Command = named(f"vibsim.command_line.commands.{COMMANDS[cmd_name][0]}:command")
         add_global_options(command)
-        refuse_repeated(command)
+        refuse_unclear(command)
         return command
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
@@ -328,7 +328,7 @@ group = LazyGroup(
     ),
 )
 click.version_option(__version__, message="vibsim %(version)s")(group)
-refuse_repeated(group)
+refuse_unclear(group)
 
 
 def main() -> None:

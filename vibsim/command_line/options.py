@@ -351,11 +351,12 @@ def spread_option(over: str) -> Decorator:
     )  # fmt: skip
 
 
-# An option that is given twice is an error: the second one would silently take the place of the first.
+# An option that is given twice is an error: the second one would silently take the place of the first. So is
+# an empty value, such as that of an unset variable of a script: it would pass for an option not given.
 
 
-def refuse_repeated(command: click.Command) -> None:
-    """Let a command refuse to be given an option twice that is not meant to be; flags may be."""
+def refuse_unclear(command: click.Command) -> None:
+    """Let a command refuse empty values, and an option twice that is not meant to be; flags may be."""
     if getattr(command.make_parser, "refuses", False):
         return
     make = command.make_parser
@@ -369,6 +370,11 @@ def refuse_repeated(command: click.Command) -> None:
             for option in _repeated(order):
                 name = max(option.opts, key=len)
                 raise click.UsageError(f"{name} is given twice, and takes one value", ctx)
+            for param in _empty(order, options):
+                name = (
+                    max(param.opts, key=len) if isinstance(param, click.Option) else param.make_metavar(ctx)
+                )
+                raise click.UsageError(f"{name} is empty: give it a value, or leave it out", ctx)
             return options, rest, order
 
         parser.parse_args = parse_args  # type: ignore[method-assign]
@@ -385,6 +391,16 @@ def _repeated(order: list[click.Parameter]) -> list[click.Option]:
         for option, count in Counter(order).items()
         if count > 1 and isinstance(option, click.Option) and not (option.multiple or option.count)
         if not option.is_flag or option.secondary_opts
+    ]
+
+
+def _empty(order: list[click.Parameter], options: Mapping[str, Any]) -> list[click.Parameter]:
+    """Parameters one of whose values is an empty text."""
+    given = {param: options.get(str(param.name)) for param in order}
+    return [
+        param
+        for param, value in given.items()
+        if "" in (value if isinstance(value, list | tuple) else [value])
     ]
 
 

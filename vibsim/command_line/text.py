@@ -78,7 +78,7 @@ def result_lines(result: Result) -> list[tuple[str, str]]:
         lines.append(
             (
                 "grazing margin",
-                f"{metres(attrs['grazing_margin'], scene.length_unit)} at {attrs['grazing_time']:.3f} s",
+                f"{metres(attrs['grazing_margin'], scene.unit_of_stops())} at {attrs['grazing_time']:.3f} s",
             )
         )
     if "energy_residual" in attrs:
@@ -214,7 +214,8 @@ def rest_distance_text(attrs: dict[str, Any], scene: Scene) -> str:
 def print_lines(lines: Iterable[tuple[str, str]]) -> None:
     """Print labelled lines, the texts in one column."""
     for label, text in lines:
-        say(f"  {style(f'{label:{LABEL_WIDTH}}', dim=True)}{text}")
+        padded = f"{label:{LABEL_WIDTH}}"
+        say(f"  {style(padded if padded[-1] == ' ' else f'{padded}  ', dim=True)}{text}")
 
 
 def print_columns(rows: Sequence[Sequence[str]], right: Collection[int] = (), indent: str = "  ") -> None:
@@ -358,10 +359,10 @@ def clearance_lines(scene: Scene, attrs: Mapping[str, Any], counts: Mapping[str,
     """Width that each clearance needs, and the one that it has, as lines."""
     needed = attrs.get("clearances_needed", [None] * len(scene.clearances))
     for i, (part, distance) in enumerate(zip(scene.clearances, needed, strict=True)):
-        text = "unknown: the samples are too far apart"
+        text, unit = "unknown: the samples are too far apart", scene.unit_between(part.P, part.Q)
         if distance is not None:
-            text = f"needs {metres(distance, scene.length_unit)}"
-        text += f", has {metres(part.distance, scene.length_unit)}"
+            text = f"needs {metres(distance, unit)}"
+        text += f", has {metres(part.distance, unit)}"
         violations = counts[part.name].get("violations", 0)
         said = f": {counted(violations, 'violation')}" if violations else ""
         yield ("" if i else "clearances"), f"{part.name} {text}" + style(said, fg="yellow")

@@ -235,7 +235,8 @@ def make_plan(
     prices = dict(leave)
     read = tuple(read_free(cases, key, text, prices.pop(key, None)) for key, text in free.items())
     if prices:
-        raise FitError(f"leave {next(iter(prices))}: must name a free parameter: {', '.join(free)}")
+        free_text = f"free are {', '.join(free)}" if free else "none is free"
+        raise FitError(f"leave {next(iter(prices))}: must name a free parameter, and {free_text}")
     plan = FitPlan(
         tuple(cases),
         read,

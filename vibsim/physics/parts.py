@@ -372,6 +372,15 @@ class Scene(Sampled[N], Generic[N]):
         """Unit of the displacement of a body or rotor."""
         return "rad" if body.turns or body.kind == ROTOR else self.length_unit
 
+    def unit_between(self, *ends: int) -> str:
+        """Unit of the displacement between the ends of a part: rad where one of them turns."""
+        return next((self.unit_of(self.bodies[end]) for end in ends if end >= 0), self.length_unit)
+
+    def unit_of_stops(self, name: str | None = None) -> str:
+        """Unit of the gap of a stop; without a name of all stops, m where some turn and others do not."""
+        units = {self.unit_between(stop.P, stop.Q) for stop in self.stops if name in (None, stop.name)}
+        return units.pop() if len(units) == 1 else self.length_unit
+
     @property
     def force_unit(self) -> str:
         """Unit of forces: N m of a torsional scene, where they are torques."""

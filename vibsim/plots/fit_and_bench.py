@@ -20,6 +20,7 @@ from vibsim.fitting.search import Judgement
 from vibsim.fitting.statements import FreeParameter
 from vibsim.plots.sheet import (
     NamedQuantity,
+    amount,
     draw_by_ratio,
     legend_below,
     letter_panels,
@@ -184,10 +185,10 @@ def work_precision_picture(subjects: Sequence[Subject], view: View) -> Figure:
     axes, beside = figure.subplots(**shape)
     _draw_curves(axes, drawn)
     axes.set_xlabel("Processor time per second of motion (s)")
-    axes.set_ylabel(f"Largest error of the displacements until {bench.telling_time:g} s (m)")
+    axes.set_ylabel(f"Largest error of the displacements until {bench.telling_time:g} s ({bench.error_unit})")
     leads = _leads(axes, bench, drawn)
     note(axes, f"{as_text(bench.attrs['case_name'])}; {_legend(drawn, leads)}")
-    note(beside, f"error within {1e3 * bench.faithful_error:.3g} mm")
+    note(beside, f"error within {amount(bench.faithful_error, bench.error_unit)}")
     _draw_faithful(beside, drawn, float(bench["time"][-1]))
     letter_panels([axes, beside])
     write_names(axes, [*leads, *_names(drawn)])

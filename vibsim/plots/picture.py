@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 from vibsim.cases.problems import did_you_mean
 from vibsim.plots import style
 from vibsim.plots import style as styles
-from vibsim.plots.registry import COLUMNS, KINDS, PictureKind, choose
+from vibsim.plots.registry import COLUMNS, KINDS, NOT_OF_BODIES, PictureKind, choose
 from vibsim.plots.samples import rows, window_of
 from vibsim.plots.sheet import LeanPages, legend_above, sheet
 from vibsim.plots.style import BLUE, overlay
@@ -35,6 +35,7 @@ from vibsim.plots.subject import (
     Subject,
     View,
     as_text,
+    check_one_unit,
     open_subject,
     open_subjects,
     parse_span,
@@ -50,6 +51,7 @@ FORMATS = (".png", ".pdf", ".svg")
 PAGE = ".html"  # which is no picture: it answers
 DPI = {".png": 300, ".pdf": 600, ".svg": 600}  # of a vector file: what is rasterized in it
 POINTS_PER_INCH = 72  # the resolution at which matplotlib lays out a vector file
+WORDS_ABREAST = 4  # words beside each other along an axis; more of them stand upright
 NAMED_AT_MOST = 3  # subjects spelt out in a default file name
 
 
@@ -103,6 +105,9 @@ def chosen_kinds(subjects: Sequence[Subject], names: Sequence[str] | None, view:
             shown = ", ".join(kind.name for kind in kinds)
             fitting = ", ".join(kind.name for kind in KINDS if span in kind.spans)
             raise PlotError(f"{span}: kind {shown} has none; kinds that have: {fitting}")
+    for kind in kinds:
+        if kind.name not in NOT_OF_BODIES:
+            check_one_unit(f"kind {kind.name}", [(subject.path, subject.unit("m")) for subject in subjects])
     return kinds
 
 
@@ -380,7 +385,7 @@ def columns_picture(subjects: Sequence[Subject], view: View) -> Figure:
     if not view.x or not view.y:
         raise PlotError("two columns go against each other: give both of them, x and y")
     figure = sheet(view, 6.4)
-    axes = figure.subplots()
+    axes, named = figure.subplots(), list[tuple[str, str]]()
     for i, subject in enumerate(subjects):
         table, names = _table(subject, (view.x, view.y))
         of_samples = table.dims == ("time",)
@@ -390,6 +395,9 @@ def columns_picture(subjects: Sequence[Subject], view: View) -> Figure:
             look |= {"linestyle": "none", "marker": "o", "markersize": 1.5}
         many = len(drawn.x) > VECTOR_UP_TO
         axes.plot(drawn.x, drawn.y, label=subject.name, gid="columns", linewidth=0.5, rasterized=many, **look)
+        units = (printed_units(table.arrays.column(name).units or "1") for name in names)
+        named += [(subject.path, " and ".join(units))]
+        check_one_unit(f"{names[0]} and {names[1]}", named)
         if i == 0:
             _label(axes, table, names)
     axes.margins(0.04)
@@ -458,6 +466,8 @@ def _label(axes: Axes, table: Tidy, names: Sequence[str]) -> None:
         axis.set_label_text(as_text(name) + unit)
         if column.flags:
             axis.set_ticks(list(column.flags.values()), list(column.flags))
+            if axis is axes.xaxis and len(column.flags) > WORDS_ABREAST:
+                axes.tick_params(axis="x", labelrotation=90)
 
 
 def printed_units(units: str) -> str:

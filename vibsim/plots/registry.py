@@ -261,6 +261,12 @@ KINDS = (
     ),
 )
 
+# kinds that show no displacement, velocity or force; of the others all files must share the units
+NOT_OF_BODIES = {
+    *("capture", "columns", "fit", "load-curve", "locus", "lyapunov", "motor", "motor-speed"),
+    *("multipliers", "power", "regime", "rotor-speed", "sommerfeld", "states", "work-precision"),
+}
+
 # other names by which kinds are known in the field; the first that shows a result is drawn
 ALIASES: dict[str, tuple[str, ...]] = {
     "poincare": ("stroboscopic",),

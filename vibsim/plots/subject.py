@@ -252,6 +252,17 @@ class PlotError(Exception):
 HAIR_SPACE = "\u200a"
 
 
+def check_one_unit(what: str, units: Sequence[tuple[str, str]]) -> None:
+    """Raise PlotError where `what` has not the same unit in all files; units : of (path, unit)."""
+    (first, unit), *rest = units
+    for path, other in rest:
+        if other != unit:
+            raise PlotError(
+                f"{what}: in {unit or 'no unit'} in {first}, in {other or 'no unit'} in {path}; draw them in "
+                "pictures of their own"
+            )
+
+
 def as_text(text: object) -> str:
     """A user's text as matplotlib draws it letter by letter, on one line."""
     line = one_line(text).replace("$", r"\$")

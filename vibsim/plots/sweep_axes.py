@@ -89,8 +89,19 @@ def speed_column(subject: Subject) -> str:
     """The column with the mean speeds of the motor, or of the rotor that drives a scene; empty for none."""
     if subject.scene.has_motor:
         return "mean_speed"
+    name = speed_rotor(subject)
+    return name and f"mean_speed_{name}"
+
+
+def speed_rotor(subject: Subject) -> str:
+    """Name of the rotor whose speed is drawn: the one whose number was swept, or the one that drives the
+    scene; empty for a motor, and where nothing turns.
+    """
     rotor = turning_rotor(subject.scene)
-    return "" if rotor is None else f"mean_speed_{subject.scene.bodies[rotor].name}"
+    if subject.scene.has_motor or rotor is None:
+        return ""
+    section, *names = _drawn_along(subject.result).key.split(".")
+    return names[0] if section == "rotors" else subject.scene.bodies[rotor].name
 
 
 def along(result: Any) -> int:

@@ -296,6 +296,7 @@ def leaps(values: np.ndarray) -> np.ndarray:
     """Places i at which values (n) leap from i to i + 1: by more than LEAP of their range, and than STEEPER
     times the steps on both sides.
     """
+    values = np.where(np.isfinite(values), values, np.nan)  # an exponent of -inf is drawn nowhere
     steps = np.abs(np.diff(values))
     if len(steps) < 2:
         return np.empty(0, dtype=int)

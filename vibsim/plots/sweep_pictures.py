@@ -43,7 +43,7 @@ from vibsim.plots.sheet import (
 )
 from vibsim.plots.slow_passages import run_power_picture
 from vibsim.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PINK, SKY, VERMILLION, YELLOW
-from vibsim.plots.subject import Subject, View
+from vibsim.plots.subject import Subject, View, as_text
 from vibsim.plots.sweep_axes import (
     along,
     ascending,
@@ -56,6 +56,7 @@ from vibsim.plots.sweep_axes import (
     plane_of,
     show_span,
     speed_column,
+    speed_rotor,
 )
 from vibsim.plots.sweep_curves import (
     PAGE_CM,
@@ -391,7 +392,7 @@ def sommerfeld_picture(subjects: Sequence[Subject], view: View) -> Figure:
         marks += [(axes, lay_branches(axes, group, branches, speeds, OVER_SPEEDS))]
         last = (i + 1) % columns == 0 or i + 1 == len(groups)
         draw_levels(axes, levels, (height_cm - 1.6) / rows * 28, named=last)
-    finish(grid, len(groups), axis_label(subjects), STEADY_SPEED if len(groups) == 1 else SHORT)
+    finish(grid, len(groups), axis_label(subjects), _speed_label(subjects, len(groups) == 1))
     panels = list(grid.ravel()[: len(groups)])
     remarks = [panels[0].get_title(loc="right") if len(panels) == 1 else "", omitted, ensemble_note(drawn)]
     note(panels[columns - 1], "; ".join(filter(None, remarks)))
@@ -403,6 +404,14 @@ def sommerfeld_picture(subjects: Sequence[Subject], view: View) -> Figure:
     for axes, labels in marks:
         label_points(axes, labels)
     return figure
+
+
+def _speed_label(subjects: Sequence[Subject], alone: bool) -> str:
+    """Label of the speeds; in a scene of rotors it names the one that is drawn."""
+    rotors = dict.fromkeys(filter(None, map(speed_rotor, subjects)))
+    if rotors:
+        return f"Steady speed of {as_text(', '.join(rotors))} (Hz)"
+    return STEADY_SPEED if alone else SHORT
 
 
 def _sommerfeld_panel(axes: Axes, drawn: Sequence[Curve], titled: bool) -> None:

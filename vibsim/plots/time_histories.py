@@ -53,7 +53,7 @@ from vibsim.plots.sheet import (
     time_axis,
 )
 from vibsim.plots.style import BLUE, GREY, SHADE, SKY, THIN, dashed, nested, overlay, points
-from vibsim.plots.subject import Span, Subject, View, as_text
+from vibsim.plots.subject import Span, Subject, View, as_text, check_one_unit
 from vibsim.plots.traces import (
     annotate_runs,
     dense,
@@ -466,7 +466,9 @@ def _state_panel(axes: Axes, subjects: Sequence[Subject], name: str, window: Spa
         HistoryCurve(one, name, one.name, look, count == 1) for one, look in zip(subjects, looks, strict=True)
     ]
     panel = Panel(axes, curves, window)
-    unit = dict(subjects[0].scene.state_units).get(name, "")
+    units = [(one.path, dict(one.scene.state_units).get(name, "")) for one in subjects]
+    check_one_unit(f"state {name}", units)
+    unit = units[0][1]
     scale = scale_for(unit, *(values for _, values in panel.drawn)) if unit in PREFIXED else Scale(1.0, unit)
     for curve, (t, values) in zip(curves, panel.drawn, strict=True):
         axes.plot(t, scale(values), label=curve.label, gid=name, zorder=above_wider(values), **curve.look)

@@ -120,7 +120,7 @@ def contact_section_columns(of: Quantities) -> Columns:
         at = "at the last beginnings of contact" + (f" with {stop}" if stop else "")
         rate = f"velocity v_P - v_Q of {stop}" if stop else RELATIVE_RATE
         columns_of_parts[_name("velocity", stop)] = Column(
-            f"{of.length} s-1", f"{rate} {at}", dimension="contact"
+            f"{of.gaps[stop]} s-1", f"{rate} {at}", dimension="contact"
         )
         if of.has_source:
             columns_of_parts[_name("phase", stop)] = Column(
@@ -174,7 +174,7 @@ QUANTILES = np.arange(21) / 20
 
 def impact_velocity_columns(of: Quantities) -> Columns:
     """Mean and quantiles; none without a stop."""
-    return distinct(*(_columns_of(stop, of.length) for stop in ("", *of.stops))) if of.has_stop else {}
+    return distinct(*(_columns_of(stop, of.gaps[stop]) for stop in ("", *of.stops))) if of.has_stop else {}
 
 
 def _columns_of(stop: str, length: str) -> Iterator[tuple[str, Column]]:
@@ -231,7 +231,9 @@ def grazing_columns(of: Quantities) -> Columns:
     words = "smallest gap at a turn without contact{} after the transient"
     names = ("", *of.stops) if of.has_stop else ()
     return {
-        f"{NAME}_{stop}" if stop else NAME: Column(of.length, words.format(f" with {stop}" if stop else ""))
+        f"{NAME}_{stop}" if stop else NAME: Column(
+            of.gaps[stop], words.format(f" with {stop}" if stop else "")
+        )
         for stop in names
     }
 

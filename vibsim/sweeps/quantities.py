@@ -33,6 +33,7 @@ class MeasuredMotion:
     words, rate_words : what they are, for definitions
     P, Q : the ends, as of a part of a scene
     part : the stop or link that joins them, of a pair
+    unit : of the displacement, m or rad
     """
 
     name: str
@@ -42,6 +43,7 @@ class MeasuredMotion:
     P: int
     Q: int = GROUND
     part: str = ""
+    unit: str = "m"
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ class Quantities:
     powers : column of a part's mean power -> (its entry in the energy ledger, what it is)
     starts : state (x_ram, phi) -> key of its start value in the case, and its unit there
     of_parts : whether the case has the long form
-    length : unit of displacements
+    gaps : unit of the gap of each stop by name, of all of them by ""
     rotors : name of each rotor -> columns of its angle and speed; states : name of each -> its unit
     """
 
@@ -79,7 +81,7 @@ class Quantities:
     powers: dict[str, tuple[str, str]]
     starts: dict[str, tuple[str, str]]
     of_parts: bool
-    length: str = "m"
+    gaps: dict[str, str] = field(default_factory=lambda: {"": "m"})
     rotors: dict[str, tuple[str, str]] = field(default_factory=dict)
     states: dict[str, str] = field(default_factory=dict)
 
@@ -140,7 +142,7 @@ def of_parts(scene: Scene, frictions: Iterable[str]) -> Quantities:
         powers=_powers(scene, frictions),
         starts=starts_of(scene, is_long=True),
         of_parts=True,
-        length=scene.length_unit,
+        gaps={"": scene.unit_of_stops(), **{s.name: scene.unit_of_stops(s.name) for s in scene.stops}},
         rotors={name: (phi, w) for name, (phi, w) in turning.items() if phi is not None},
         states={
             body.name: written_unit(units.get(body.name, "")) for body in scene.bodies if body.kind == STATE
@@ -151,7 +153,7 @@ def of_parts(scene: Scene, frictions: Iterable[str]) -> Quantities:
 def _bodies(scene: Scene) -> Iterator[MeasuredMotion]:
     for i, body in enumerate(scene.line):
         x, v = columns_of(body.name)
-        yield MeasuredMotion(x, v, x, v, i)
+        yield MeasuredMotion(x, v, x, v, i, unit=scene.unit_of(scene.bodies[i]))
 
 
 def _pairs(scene: Scene) -> Iterator[MeasuredMotion]:
@@ -167,7 +169,8 @@ def _pairs(scene: Scene) -> Iterator[MeasuredMotion]:
             listed.add(ends)
             (x, v), (other_x, other_v) = (_end_columns(scene, end) for end in (part.P, part.Q))
             names = f"relative_{part.name}", f"velocity_{part.name}"
-            yield MeasuredMotion(*names, f"{x} - {other_x}", f"{v} - {other_v}", part.P, part.Q, part.name)
+            words, unit = (f"{x} - {other_x}", f"{v} - {other_v}"), scene.unit_between(part.P, part.Q)
+            yield MeasuredMotion(*names, *words, part.P, part.Q, part.name, unit)
 
 
 def _end_columns(scene: Scene, end: int) -> tuple[str, str]:
@@ -271,14 +274,14 @@ def statistics(of: Quantities) -> Columns:
 
 def _amplitudes(of: Quantities) -> Iterator[tuple[str, Column]]:
     for motion in of.motions:
-        yield f"amplitude_{motion.name}", Column(of.length, _HALF.format(motion.words, "mean"))
-        yield f"amplitude_{motion.name}_max", Column(of.length, _HALF.format(motion.words, "greatest"))
+        yield f"amplitude_{motion.name}", Column(motion.unit, _HALF.format(motion.words, "mean"))
+        yield f"amplitude_{motion.name}_max", Column(motion.unit, _HALF.format(motion.words, "greatest"))
 
 
 def _drifts(of: Quantities) -> Iterator[tuple[str, Column]]:
     for name, motion in of.drifting.items():
         line = f"slope of the least-squares line through {motion.words} at the stroboscopic points {_LATE}"
-        yield name, Column(f"{of.length} s-1", line)
+        yield name, Column(f"{motion.unit} s-1", line)
 
 
 def _speeds() -> Columns:
@@ -298,8 +301,8 @@ def _ranges(of: Quantities) -> Iterator[tuple[str, Column]]:
     """Least and greatest displacements; of the two blocks the greatest is the rest distance needed."""
     for name, motion in of.ranged.items():
         words, needed = (motion.words, "") if of.of_parts else (RELATIVE, ": the rest distance needed")
-        yield f"{name}_min", Column(of.length, f"least {words} {_LATE}")
-        yield f"{name}_max", Column(of.length, f"greatest {words} {_LATE}{needed}")
+        yield f"{name}_min", Column(motion.unit, f"least {words} {_LATE}")
+        yield f"{name}_max", Column(motion.unit, f"greatest {words} {_LATE}{needed}")
 
 
 def _counts(name: str, what: str, parts: Iterable[str]) -> Columns:
@@ -312,7 +315,7 @@ def _counts(name: str, what: str, parts: Iterable[str]) -> Columns:
 def totals(of: Quantities) -> Columns:
     """Totals of the whole run."""
     whole = "in the whole run"
-    margin = Column(of.length, f"smallest gap at a turn without contact {whole}")
+    margin = Column(of.gaps[""], f"smallest gap at a turn without contact {whole}")
     return {
         **({"impacts": Column("1", f"beginnings of contact {whole}")} if of.has_stop else {}),
         **({"sticks": Column("1", f"beginnings of stick {whole}")} if of.has_friction else {}),
@@ -343,9 +346,9 @@ def section(of: Quantities) -> Columns:
     """The last stroboscopic points."""
     points = "at the last stroboscopic points"
     columns = {
-        name: Column(f"{of.length} s-1", f"{motion.rate_words} {points}", dimension="section")
+        name: Column(f"{motion.unit} s-1", f"{motion.rate_words} {points}", dimension="section")
         if is_rate
-        else Column(of.length, f"{motion.words if of.of_parts else RELATIVE} {points}", dimension="section")
+        else Column(motion.unit, f"{motion.words if of.of_parts else RELATIVE} {points}", dimension="section")
         for name, (motion, is_rate) in of.sections.items()
     }
     for name, (_, w) in of.rotors.items():

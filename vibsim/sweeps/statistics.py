@@ -489,7 +489,11 @@ def sampled_for_statistics(scene: Scene, every: Fraction | None = None) -> Scene
     num, den = (1, math.ceil(samples_per_second(scene))) if every is None else every.as_integer_ratio()
     top, bottom = float(scene.t_end).as_integer_ratio()
     if top * den > MOST_SAMPLES * bottom * num:  # whole numbers, so that it is exact
-        raise TooFineError("the run takes more than 1e10 samples to resolve its motion, and may not")
+        raise TooFineError(
+            "the run takes more than 1e10 samples to resolve its motion; make it shorter"
+            if every is None
+            else f"samples every {float(every):.3g} s are more than 1e10 in this run; take a longer interval"
+        )
     return scene.but(every_num=num, every_den=den)
 
 

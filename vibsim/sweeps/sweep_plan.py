@@ -193,6 +193,8 @@ class SweepPlan:
         keys = [key for axis in self.axes for key in axis.keys]
         if len(set(keys)) < len(keys):
             twice = next(key for key in keys if keys.count(key) > 1)
+            if sum(twice in axis.keys for axis in self.axes) == 1:
+                raise PlanError(f"{twice} is named twice in one axis")
             raise PlanError(f"{twice} is both swept and spread over the ensemble; choose one")
 
     def _check_columns(self) -> None:

@@ -34,7 +34,7 @@ from vibsim.sweeps.sweep_file import (
     read_sweep,
     write_sweep,
 )
-from vibsim.sweeps.sweep_plan import DIRECTION_NAMES, Index, Start, SweepPlan
+from vibsim.sweeps.sweep_plan import DIRECTION_NAMES, Index, PlanError, Start, SweepPlan
 
 if TYPE_CHECKING:
     from vibsim.sweeps.attractors import Attractors
@@ -109,9 +109,9 @@ class SweepResult(Labelled):
 
     @cached_property
     def attractors(self) -> "Attractors":
-        """The attractors on which the points end. Raises ValueError where the sweep did not ask for them."""
+        """The attractors on which the points end. Raises PlanError where the sweep did not ask for them."""
         if NAME not in self.plan.compute:
-            raise ValueError(f"this sweep has no attractors; give compute={NAME!r}")
+            raise PlanError(f"this sweep has no attractors (sweep with compute={NAME!r})")
         if self._stored is not None:
             found: Attractors = self._stored()
             return found

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 import click
 
 from vibsim.analysis import Analysis, Capture, DominantFrequencies, Drift, ImpactsPerCycle, Regime, analyse
+from vibsim.analysis.analysis import unit_of_motion
 from vibsim.analysis.cycles import parse_discard
 from vibsim.analysis.drift import RateSpread
 from vibsim.cases.problems import nearest
@@ -20,6 +21,11 @@ from vibsim.results.result import Window
 from vibsim.results.simulation import open_result
 
 VERDICTS = ("capture", "drift", "impacts", "regime", "frequencies")
+LACKING = {  # why there is no verdict that was asked for by its name
+    "capture": "none: the case has no motor",
+    "drift": "none: no body is free to drift",
+    "impacts": "none: the case has no stop",
+}
 
 
 def _check_verdicts(names: Sequence[str], text: str) -> None:
@@ -111,7 +117,7 @@ def judge_all(
             verdicts = analyse(result, window=window, discard=left_out, what=what, exponent=exponent)
         except ValueError as error:
             raise click.UsageError(f"{source}: {error}") from error
-        _print(source, changes, result, verdicts, settings)
+        _print(source, changes, result, verdicts, what, settings)
 
 
 def _transient(text: str | None) -> Any:
@@ -136,13 +142,20 @@ def _opened(source: str, changes: dict[str, str]) -> Any:
 
 
 def _print(
-    source: str, changes: dict[str, str], result: Result, verdicts: Analysis, settings: Settings
+    source: str,
+    changes: dict[str, str],
+    result: Result,
+    verdicts: Analysis,
+    what: tuple[str, ...],
+    settings: Settings,
 ) -> None:
     if settings.json:
         print_json({"file": source, **({"changes": changes} if changes else {}), **asdict(verdicts)})
     elif not settings.quiet:
         say(heading(result.case.name, result.case.title))
-        print_lines(analysis_lines(_judged(source, changes), result, verdicts, settings.verbose))
+        lines = analysis_lines(_judged(source, changes), result, verdicts, settings.verbose)
+        asked = () if set(what) == set(VERDICTS) else what
+        print_lines([*lines, *((name, LACKING[name]) for name in asked if getattr(verdicts, name) is None)])
 
 
 def _judged(source: str, changes: dict[str, str]) -> str:
@@ -173,12 +186,21 @@ def analysis_lines(source: str, result: Result, verdicts: Analysis, verbose: boo
         lines.append(("judged", _span(verdicts.steady.window) + _trusted(verdicts.steady.trusted)))
     if verdicts.capture:
         lines += capture_lines(verdicts.capture, verbose)
-    unit = result.case.scene().length_unit
-    lines += _of_each(verdicts.drift, lambda one: [("drift", drift_text(one, unit))], "drift")
+    scene = result.case.scene()
+    units = {body.columns[0]: scene.unit_of(body) for body in scene.line}
+    lines += _of_each(
+        verdicts.drift,
+        lambda one: [("drift", drift_text(one, units.get(one.of, scene.length_unit)))],
+        "drift",
+    )
     lines += _of_each(verdicts.impacts, lambda one: impact_lines(one, verbose), "impacts")
     if verdicts.regime:
         lines += regime_lines(verdicts.regime)
-    lines += _of_each(verdicts.frequencies, lambda one: list(frequency_lines(one, unit)), "frequencies")
+    lines += _of_each(
+        verdicts.frequencies,
+        lambda one: list(frequency_lines(one, unit_of_motion(scene, one.of))),
+        "frequencies",
+    )
     return lines
 
 

@@ -23,7 +23,7 @@ from vibsim.command_line.options import (
     set_option,
 )
 from vibsim.command_line.terminal import Progress, print_json, say, style
-from vibsim.command_line.text import heading, print_lines, seconds, size
+from vibsim.command_line.text import heading, metres, print_lines, seconds, size
 from vibsim.evidence.benchmark.bench_result import (
     FAILED,
     SLOWER,
@@ -228,7 +228,7 @@ def head_lines(bench: BenchResult) -> list[tuple[str, str]]:
         ("span", f"{seconds(float(time[-1]))}, compared at {len(time)} instants"),
         ("truth", f"{truth}; {attrs['truth_library']}, {attrs['truth_wall_time_s']:.3g} s"),
         ("times", "milliseconds per second of motion, medians; impacts per second of computing"),
-        ("faithful", f"errors within {number(1e3 * bench.faithful_error, 3)} mm"),
+        ("faithful", f"errors within {metres(bench.faithful_error, bench.error_unit)}"),
         ("machine", f"{attrs['processor']}, {attrs['cores']} cores; {attrs['platform']}"),
         ("versions", f"vibsim {attrs['vibsim_version']}, {', '.join(versions)}"),
     ]
@@ -261,9 +261,10 @@ def _note(group: list[BenchRow]) -> str:
 def _header(bench: BenchResult) -> list[str]:
     times = [f"{t:g} s" for t in bench.check_times]
     errors = "".join(f"{t:>9}" for t in times)
+    largest = f"largest error [{bench.error_unit}] until"
     return [
         f"{'':{SETTING + 2}}{'time':>9}{'CPU':>9}{'impacts':>10}{'':>9}{'right-':>12}"
-        f"{'largest error [m] until':>{9 * len(times)}}{'faithful':>10}{'events until then':>21}",
+        f"{largest:>{9 * len(times)}}{'faithful':>10}{'events until then':>21}",
         f"{'':{SETTING + 2}}{'ms/s':>9}{'ms/s':>9}{'per s':>10}{'steps':>9}{'hand sides':>12}"
         f"{errors}{'until':>10}{'found':>7}{'missed':>7}{'extra':>7}",
     ]
@@ -311,8 +312,8 @@ def verdict_lines(bench: BenchResult) -> list[tuple[str, str]]:
     if ours is None:
         return []
     t = bench.telling_time
-    error = _error_text(ours.error_until(bench["time"], t))
-    numbers = f"{_short(1e3 * ours.time_per_second)} ms per second of motion, error {error} m until {t:g} s"
+    error = f"{_error_text(ours.error_until(bench['time'], t))} {bench.error_unit}"
+    numbers = f"{_short(1e3 * ours.time_per_second)} ms per second of motion, error {error} until {t:g} s"
     lines = [
         ("vibsim", f"{family_of(ours.method).label.removeprefix('vibsim, ')}, {ours.setting}: {numbers}")
     ]

@@ -336,8 +336,8 @@ def orbit_lines(orbit: Orbit, digits: Any = None) -> Lines:
 
 
 def _drift(orbit: Orbit) -> Lines:
-    unit = orbit.scene.length_unit
-    texts = [f"{metres(value, unit)} of {name}" for name, value in orbit.drift.items()]
+    units = {body.name: orbit.scene.unit_of(body) for body in orbit.scene.bodies}
+    texts = [f"{metres(value, units[name])} of {name}" for name, value in orbit.drift.items()]
     return [("drift", f"{', '.join(texts)} per period")] if texts else []
 
 
@@ -403,7 +403,7 @@ def stability_text(orbit: Orbit) -> str:
 def margins_text(orbit: Orbit) -> str:
     """Smallest gap at a turn without contact; force between a reversal and sticking, or stick and slip."""
     scene = orbit.scene
-    margin = metres(orbit.margin, scene.length_unit)
+    margin = metres(orbit.margin, scene.unit_of_stops())
     gap = "no turn of a gap" if orbit.margin == inf else f"{margin} at a turn of a gap"
     force = (
         "no sliding velocity at 0"

@@ -166,9 +166,14 @@ class BenchResult:
         """The instants at which errors are told [s]."""
         return [float(t) for t in np.atleast_1d(self.attrs["check_times_s"])]
 
+    @property
+    def error_unit(self) -> str:
+        """Unit of errors: m, of torsional scenes rad."""
+        return tables_of(self.case.scene()).error_unit
+
     @cached_property
     def faithful_error(self) -> float:
-        """The largest error of a faithful run [m]."""
+        """The largest error of a faithful run [`error_unit`]."""
         return faithful_error(self.truth, self.case.scene())
 
     @cached_property
@@ -477,7 +482,8 @@ def _rows(scene: Scene) -> list[Dataset]:
     scales = [Dataset(name, column, (name,)) for name, column in scales_of(scene).items()]
     of_rows = {**TEXTS, "status": STATUS, **ROW}
     rows = [Dataset(name, column, ("row",), gaps=True) for name, column in of_rows.items()]
-    errors = Dataset("error", ERROR, ("row", "time"), gaps=True)
+    error = replace(ERROR, units=tables_of(scene).error_unit)
+    errors = Dataset("error", error, ("row", "time"), gaps=True)
     counts = [Dataset(name, column, ("row", "kind")) for name, column in COUNTS.items()]
     return [*scales, *rows, errors, *counts]
 
