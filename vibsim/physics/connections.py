@@ -229,10 +229,9 @@ def switching_parts(scene: Scene[Any]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-@lru_cache(maxsize=1024)
 def has_switches(formula: Node) -> bool:
     """Whether a formula has several sides: abs, sign, min, max, step, where, mod, tables."""
-    return reads([formula], SWITCHES)
+    return formula[0] in SWITCHES or any(map(has_switches, children(formula)))
 
 
 # Which places of bodies formulas read.

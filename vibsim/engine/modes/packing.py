@@ -180,9 +180,9 @@ def packed_mode(
             pack_tape(pack, rows.base_values)
     doubles += slope_constants
     for term in terms:
-        kind, paired = term.kind, term.kind in (DIFFERENCE, RATE)
-        ints += (kind, term.P, term.Q, pairs[term.P, term.Q] if modal and paired else -1)
-        doubles.append(term.coefficient)
+        pair = pairs[term.P, term.Q] if modal and term.kind in (DIFFERENCE, RATE) else -1
+        ints += (term.kind, term.P, term.Q, pair)
+    doubles += [term.coefficient for term in terms]
     for first, count, first_constant, constants, mass, factor in slopes:
         ints += (first, count, first_constant, constants)
         doubles += (mass, factor)
@@ -196,11 +196,11 @@ def packed_mode(
 
 
 def pack_tape(pack: Packer, tape: Tape) -> None:
-    ints, doubles = pack.ints, pack.doubles
+    ints = pack.ints
     ints.append(len(tape.outputs))
-    for code, a, b, value in tape.ops:
-        ints += (code, a, b)
-        doubles.append(value)
+    for op in tape.ops:
+        ints += op[:3]
+    pack.doubles += [op.value for op in tape.ops]
     ints += tape.outputs
 
 

@@ -22,23 +22,23 @@ class Status(NamedTuple):
     switches: tuple[int | None, ...] = ()
 
     def with_stop(self, i: int, value: int) -> "Status":
-        return self._replace(stops=replaced(self.stops, i, value))
+        return Status(replaced(self.stops, i, value), *self[1:])
 
     def with_frictions(self, values: Mapping[int, int]) -> "Status":
         """values: {index: status}."""
-        frictions = tuple(values.get(i, old) for i, old in enumerate(self.frictions))
-        return self._replace(frictions=frictions)
+        frictions = tuple([values.get(i, old) for i, old in enumerate(self.frictions)])
+        return Status(self.stops, frictions, *self[2:])
 
     def with_ties(self, values: Mapping[int, int]) -> "Status":
         """values: {number of the tie: status of a friction}; ties are the frictions, then the stops, of which
         those that do not stick are open.
         """
         count = len(self.frictions)
-        stops = tuple(
+        stops = self.stops and tuple(
             old if count + i not in values else RESTING if values[count + i] == STICK else OPEN
             for i, old in enumerate(self.stops)
         )
-        return self.with_frictions(values)._replace(stops=stops)
+        return Status(stops, *self.with_frictions(values)[1:])
 
     @property
     def tied(self) -> list[int]:
@@ -48,7 +48,7 @@ class Status(NamedTuple):
         return sticking + [count + i for i, value in enumerate(self.stops) if value == RESTING]
 
     def with_clearance(self, i: int, value: int) -> "Status":
-        return self._replace(clearances=replaced(self.clearances, i, value))
+        return Status(*self[:2], replaced(self.clearances, i, value), self.switches)
 
     @property
     def codes(self) -> tuple[int, ...]:

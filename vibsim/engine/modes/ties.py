@@ -58,14 +58,14 @@ class Groups:
 
         for _, P, Q in ties:
             one, other = root(P), root(Q)
-            if one != other:
-                first, second = sorted((one, other), key=self._rank)
+            if one != other:  # the ground leads, then the base, then the first body
+                first, second = (one, other) if one < other else (other, one)
+                first, second = (second, first) if second >= bodies > first else (first, second)
                 parent[second] = first
         self.leader = [root(c) for c in range(bodies + 2)]
-        self.members = {c: [d for d in range(bodies + 2) if self.leader[d] == c] for c in set(self.leader)}
-
-    def _rank(self, column: int) -> tuple[int, int]:
-        return (0, column) if column >= self.ground else (1, column)
+        self.members: dict[int, list[int]] = {c: [] for c in set(self.leader)}
+        for c, leader in enumerate(self.leader):
+            self.members[leader].append(c)
 
     def moves(self, column: int) -> bool:
         """Whether the column is free to move: not tied to the ground or the base."""
