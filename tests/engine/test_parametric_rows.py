@@ -3,6 +3,7 @@
 import gc
 import weakref
 import zlib
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from math import sqrt
@@ -11,12 +12,14 @@ import numpy as np
 import pytest
 
 from tests.engine import runs
+from tests.engine.random_formulas import formula_scene
 from tests.engine.runs import run
 from tests.formula_cases import case_of
 from tests.random_scenes import Draws
 from vibsim.cases import load_case
 from vibsim.engine import c_engine
-from vibsim.engine.errors import start_of
+from vibsim.engine.errors import EngineError, start_of
+from vibsim.engine.modes import formula_rows
 from vibsim.engine.modes import mode_table as tables
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.modes.parametric_rows import differences
@@ -245,6 +248,26 @@ def test_a_run_is_the_same_whatever_ran_before(no_tables, name, change):
     after = run(change(scene), ledger=True)
     assert len(tables._tables) == 1
     assert runs.differences(after, alone) == []
+
+
+def test_the_tape_of_a_mode_is_the_same_whatever_modes_were_made_before(no_tables, monkeypatch):
+    modes = 0
+    for seed in range(8):
+        scene = replace(formula_scene(seed), t_end=0.2)
+        with suppress(EngineError):
+            runs.run(scene, most=20)
+        made = list(tables.mode_table(scene).maker.by_status.values())
+        for most in (formula_rows.MOST_OPERATIONS, 0):  # operations that are kept from mode to mode
+            backwards = tables.ModeTable(scene).maker
+            with monkeypatch.context() as patched:
+                patched.setattr(formula_rows, "MOST_OPERATIONS", most)
+                again = [backwards.rows(rows.status) for rows in reversed(made)]
+            assert [one.tape for one in reversed(again)] == [one.tape for one in made]
+            assert [[event.terms for event in one.events] for one in reversed(again)] == [
+                [event.terms for event in one.events] for one in made
+            ]
+        modes += len(made)
+    assert modes > 20
 
 
 def test_scenes_of_other_modes_share_nothing(no_tables):

@@ -267,7 +267,7 @@ class IntegralMaker(Generic[N]):
         frictions that hold the group together. The sums of the ledgers do not depend on that.
         """
         frictions = len(self.scene.frictions)
-        stuck = sorted(self.maker.stuck(rows.status), key=lambda tie: tie[0] < frictions)
+        stuck = sorted(self.maker.tied(rows.status).stuck, key=lambda tie: tie[0] < frictions)
         tree: list[Tie] = []
         joined = 0
         for tie in stuck:

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from itertools import chain
 from typing import Any, NamedTuple
 
 Node = tuple[Any, ...]
@@ -204,9 +205,15 @@ def children(node: Node) -> tuple[Node, ...]:
 
 
 class HashedNode(tuple[Any, ...]):
-    """A node that knows its hash, which for a tuple is made anew of all that is below it."""
+    """A node that knows its hash, which for a tuple is made anew of all that is below it.
+
+    switches : those in it, in the order of `walk`; outer: those of them that are in no other one, from the
+        last to the first
+    """
 
     hashed: int
+    switches: tuple[Node, ...] = ()
+    outer: tuple[Node, ...] = ()
 
     def __hash__(self) -> int:
         try:
@@ -216,17 +223,25 @@ class HashedNode(tuple[Any, ...]):
             return self.hashed
 
 
-def hashed(formulas: Iterable[Node]) -> list[Node]:
+def hashed(formulas: Iterable[Node]) -> list[HashedNode]:
     """The same formulas of nodes that know their hashes, equal ones being one."""
-    known: dict[Node, Node] = {}
-    made: dict[int, Node] = {}  # by identity: a node within other ones is gone into once, and not hashed
+    known: dict[HashedNode, HashedNode] = {}
+    # by identity: a node within other ones is gone into once, and not hashed
+    made: dict[int, HashedNode] = {}
 
-    def of(node: Node) -> Node:
+    def of(node: Node) -> HashedNode:
         one = made.get(id(node))
         if one is None:
             below = children(node)
-            one = HashedNode((node[0], *map(of, below), *node[1 + len(below) :]))
+            parts = [of(child) for child in below]
+            one = HashedNode((node[0], *parts, *node[1 + len(below) :]))
             made[id(node)] = one = known.setdefault(one, one)
+            inside = dict.fromkeys(switch for part in parts if part.switches for switch in part.switches)
+            if node[0] in SWITCHES:
+                one.switches, one.outer = (*inside, one), (one,)
+            elif inside:
+                outer = dict.fromkeys(chain.from_iterable(part.outer for part in reversed(parts)))
+                one.switches, one.outer = (*inside,), (*outer,)
         return one
 
     return [of(node) for node in formulas]

@@ -203,7 +203,7 @@ class Automaton(Generic[N]):
         if sense < 0:
             raise EngineError("held", state, switches.rows.owners[i])
         after, pressed = self._pressed(state, after)
-        happened: Happened = [("switch", switches.part_of[i]), *pressed]
+        happened: Happened = [("switch", switches.rows.part_of[i]), *pressed]
         tied, belts = after, switches.jumping_belts(state, status, after)
         after = after.with_frictions(belts)
         if after.tied:
@@ -237,7 +237,7 @@ class Automaton(Generic[N]):
         switches, base = self.departures.switches, self.maker.n + 1
         assert switches is not None
         switches.step_behind_kink(state, after)
-        happened: Happened = [("switch", switches.part_of[event.part])]
+        happened: Happened = [("switch", switches.rows.part_of[event.part])]
         senses = switches.jumping_belts(state, status, after, base=True)
         after, pressed = self._pressed(state, after, base=True)
         happened += pressed

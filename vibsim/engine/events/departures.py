@@ -338,8 +338,8 @@ def released_parts(maker: RowMaker[N], before: Status, behind: Status) -> tuple[
     """The numbers of the elastic stops and of the clearances whose ends are at rest on each other in the mode
     `before` and no longer tied in the one `behind`; those that a belt moves against each other are not.
     """
-    (tied, drift), loose = maker.ties(before), maker.ties(behind)[0]
-    courses = maker.courses(before)
+    bodies, loose = maker.tied(before), maker.tied(behind).groups.leader
+    tied, drift, courses = bodies.groups.leader, bodies.drift, bodies.courses
 
     def parts(one: Stop[N] | Clearance[N]) -> bool:
         P, Q = maker.ends(one)

@@ -102,7 +102,7 @@ class StickSlipResolution(Generic[N]):
         rest for an instant.
         """
         ground = self.maker.n
-        tied = self.maker.ties(status)[0][ground + 1] == ground
+        tied = self.maker.tied(status).groups.leader[ground + 1] == ground
         return not (tied and self.scene.base_moves) and self.maker.can_last(status)
 
     def _release(self, state: State[N], candidate: Status, standing: Sequence[int]) -> Status | None:
@@ -191,7 +191,7 @@ class StickSlipResolution(Generic[N]):
 
     def _with_kept(self, status: Status, standing: Sequence[int]) -> Status:
         """The status with those of the ties `standing` that others keep from slipping or opening."""
-        leader, _ = self.maker.ties(status)
+        leader = self.maker.tied(status).groups.leader
         kept = self.maker.resting(status)
         for k in self._apart(status, standing):
             P, Q = self.maker.ends(self.maker.tie(k))
@@ -291,8 +291,8 @@ class StickSlipResolution(Generic[N]):
 
     def drift(self, status: Status, state: State[N]) -> list[N]:
         """Velocity of each column against its group, with those of belts by formulas [m/s]."""
-        drift = list(self.maker.ties(status)[1])
-        for c, signs in enumerate(self.maker.courses(status)):
+        drift = list(self.maker.tied(status).drift)
+        for c, signs in enumerate(self.maker.tied(status).courses):
             for course, sense in signs.items():
                 drift[c] = drift[c] + sense * course_velocity(course, self.kit, state.t)
         return drift

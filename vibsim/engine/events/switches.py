@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Any, Generic, cast
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.flows.accelerations import accelerations, left_open
-from vibsim.engine.flows.tape import Inputs, TapeMaker, TapeValues
+from vibsim.engine.flows.tape import Inputs, TapeValues
 from vibsim.engine.modes.formula_rows import FormulaRows
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import SWITCH, Event, Known
 from vibsim.engine.modes.status import BACKWARD, FORWARD, STICK, Kept, Status
-from vibsim.physics.connections import event_parts
 from vibsim.physics.formulas import TIME, ZERO, Node, derivative, resolved, sub
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Scene
@@ -42,10 +41,6 @@ class SwitchSides(Generic[N]):
         self._place: tuple[Any, ...] | None = None  # state, and mode before, whose inputs were asked for last
         self._inputs: tuple[Inputs[N], Inputs[N]]
         self._guards: dict[Any, list[N]] = {}  # values of arguments of switches there
-        names = event_parts(scene)
-        self.part_of = [
-            names.index(owner) for owner in self.rows.owners
-        ]  # of each switch, as events number parts
 
     def inputs(self, state: State[N], before: Status | None = None) -> tuple[Inputs[N], Inputs[N]]:
         """Values that formulas read at a state, and their uncertainty by rounding: that of the state, and of
@@ -93,8 +88,7 @@ class SwitchSides(Generic[N]):
         led = rows.sides(before) if continuous and before is not None else None
         decided: dict[int, int] = {}
         sides: dict[Node, int] = {}
-        for node in rows.awake(status, sides):
-            i, sign = rows.same[node]
+        for node, i, sign in rows.awake(status, sides):
             was = old[i]
             if i not in decided and was is not None and i in fixed:
                 decided[i] = was
@@ -109,7 +103,9 @@ class SwitchSides(Generic[N]):
                 if unsure and open_ones is not None:
                     open_ones.append(i)
             sides[node] = sign * decided[i]
-        return status._replace(switches=tuple(decided.get(i) for i in range(len(rows.switches))))
+        completed = Status(*status[:3], tuple(map(decided.get, range(len(rows.switches)))))
+        rows.awake_in.keep(completed, set(decided))
+        return completed
 
     def _goes_on(self, node: Node, sides: Mapping[Node, int], led: Mapping[Node, int] | None) -> bool:
         """Whether the argument of a switch reads the same formula as before; led: sides then, None where
@@ -225,10 +221,9 @@ class SwitchSides(Generic[N]):
         """
         start = state.t
         sides = self.rows.sides(after)
-        maker = TapeMaker(self.kit, sides, self.maker.columns)
-        k = maker.output(self._base_velocity(sides))
+        tape = self.rows.tape([self._base_velocity(sides)], sides)
         for _ in range(LATE):
-            behind = TapeValues(self.kit, maker.tape, *self.inputs(state)).output(k)[0]
+            behind = TapeValues(self.kit, tape, *self.inputs(state)).output(0)[0]
             if abs(self.relative.base(state, "v") - behind) <= NO_JUMP * abs(behind):
                 return
             state.t = self.kit.next_after(state.t, inf)
@@ -253,9 +248,7 @@ class SwitchSides(Generic[N]):
             on_base = base and self.maker.n + 1 in (P, Q)
             if on_base or (course is not None and self._jumps([course] * 2, sides, inputs)):
                 slip = sub(sub(("v", P), ("v", Q)), course or ZERO)
-                maker = TapeMaker(self.kit, sides[1], self.maker.columns)
-                k_slip = maker.output(slip)
-                value, bound = TapeValues(self.kit, maker.tape, *inputs).output(k_slip)
+                value, bound = TapeValues(self.kit, self.rows.tape([slip], sides[1]), *inputs).output(0)
                 value, bound = value - friction.belt, bound + self.kit.eps * abs(friction.belt)
                 found[k] = STICK if abs(value) <= bound else FORWARD if value > 0 else BACKWARD
         return found

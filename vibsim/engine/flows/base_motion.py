@@ -55,9 +55,9 @@ class BaseFormula:
         return self.tapes[key]
 
     def _side(self, node: Node, t: Any, sides: dict[Node, int]) -> int:
-        maker = TapeMaker(self.kit, sides, {})
-        places = [maker.output(one) for one in node[1 : 3 if node[0] == "mod" else 2]]
-        values = [_values(self.kit, maker.tape, t).output(k)[0] for k in places]
+        maker, read = TapeMaker(self.kit, {}), node[1 : 3 if node[0] == "mod" else 2]
+        at = _values(self.kit, maker.tape([maker.place(one, sides) for one in read]), t)
+        values = [at.output(k)[0] for k in range(len(read))]
         if node[0] == "choose":
             return 1 if values[0] >= 0 else -1
         if node[0] == "mod":

@@ -8,13 +8,14 @@ and the coefficients of series, by the usual recurrences (Jorba & Zou 2005): `ta
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import chain
 from typing import Any, Generic, NamedTuple, cast
 
+from vibsim.physics.formulas import SWITCHES, HashedNode, Node, children, derivative, resolved
 from vibsim.physics.formulas import TIME as TIME_NODE
-from vibsim.physics.formulas import Node, derivative, resolved
 from vibsim.physics.numbers import TWO_PI, Doubles, Kit, N, abs
 
 # Operations, the same numbers in tape.h.
@@ -55,63 +56,88 @@ class Tape:
     outputs: list[int] = field(default_factory=list)
     texts: list[str] = field(default_factory=list)
 
-    def behind(self, place: int) -> set[int]:
-        """The places of all that a result is made of, itself among them."""
-        ahead, found = [place], set[int]()
-        while ahead:
-            one = ahead.pop()
-            if one not in found:
-                found.add(one)
-                op = self.ops[one]
-                if op.code not in INPUTS:
-                    ahead += [operand for operand in (op.a, op.b) if operand >= 0]
-        return found
-
 
 class TapeMaker(Generic[N]):
-    """Writes formulas on a tape.
+    """Writes formulas as operations, each once for all formulas and all sides of their switches; a tape has
+    those of them that its outputs need.
 
-    sides : of the switches among them; columns : {end: column}
+    columns : {end: column}; ops : all operations, with their places here
     """
 
-    def __init__(self, kit: Kit[N], sides: Mapping[Node, int], columns: Mapping[int, int]) -> None:
-        self.kit, self.sides, self.columns = kit, sides, columns
-        self.tape = Tape()
-        self.bases: list[int] = []  # places of what must not become negative
-        self.probed: dict[tuple[int, str | None], dict[int, float]] = {}  # values, by place, see FormulaRows
-        self._places: dict[Node, int] = {}
-        self._ops: dict[Op, int] = {}
+    def __init__(self, kit: Kit[N], columns: Mapping[int, int]) -> None:
+        self.kit, self.columns = kit, columns
+        self.ops: list[Op] = []
+        self._places: dict[tuple[Any, ...], int] = {}
+        self._place_of: dict[Op, int] = {}
+        self._together: dict[int, range] = {}  # places of operations that go on a tape as one
+        self._within: dict[Node, tuple[Node, ...]] = {}
+        self._behind: dict[int, dict[int, None]] = {}
 
-    def output(self, node: Node, text: str = "") -> int:
-        """The number of an output that is a formula."""
-        return self._output(self.place(node), text)
+    def tape(self, places: Sequence[int], texts: Sequence[str] = ()) -> Tape:
+        """A tape whose outputs are the results at some places; texts: what they belong to."""
+        needed = self.needed(places)
+        on_tape = {one: i for i, one in enumerate(needed)} | {-1: -1}
+        ops = [
+            op if op.code in INPUTS else Op(op.code, on_tape[op.a], on_tape[op.b], op.value)
+            for op in map(self.ops.__getitem__, needed)
+        ]
+        return Tape(ops, [on_tape[place] for place in places], [*texts])
 
-    def scaled_output(self, node: Node, factor: N, text: str) -> int:
-        """The same of factor times a formula."""
-        return self._output(self._scaled(factor, self.place(node)), text)
+    def needed(self, places: Iterable[int]) -> dict[int, None]:
+        """The places of all that some results are made of, themselves among them, operands first."""
+        needed: dict[int, None] = {}
+        for place in places:
+            behind = self._behind.get(place)
+            if behind is None:
+                behind = self._behind[place] = {}
+                self._find_behind(place, behind)
+            needed |= behind
+        return needed
 
-    def _output(self, place: int, text: str) -> int:
-        self.tape.outputs.append(place)
-        self.tape.texts.append(text)
-        return len(self.tape.outputs) - 1
+    def _find_behind(self, place: int, found: dict[int, None]) -> None:
+        if place not in found:
+            together = self._together.get(place) or (place,)
+            for one in together:
+                code, *operands, _ = self.ops[one]
+                for operand in operands if code not in INPUTS else ():
+                    if operand >= 0 and operand not in together:
+                        self._find_behind(operand, found)
+            found |= dict.fromkeys(together)
 
-    def place(self, node: Node) -> int:
-        """The place of a formula on the tape: what it is made of is written first, where it is not there."""
-        place = self._places.get(node)
+    def within(self, node: Node) -> tuple[Node, ...]:
+        """The switches in a formula."""
+        if isinstance(node, HashedNode):
+            return node.switches
+        known = self._within.get(node)
+        if known is None:
+            below = dict.fromkeys(chain.from_iterable(map(self.within, children(node))))
+            known = self._within[node] = (*below, node) if node[0] in SWITCHES else (*below,)
+        return known
+
+    def place(self, node: Node, sides: Mapping[Node, int]) -> int:
+        """The place of a formula on these sides of its switches: what it is made of is written first, where
+        it is not there.
+        """
+        switches = self.within(node)
+        key = (node, *map(sides.get, switches)) if switches else node
+        place = self._places.get(key)
         if place is None:
-            kind = node[0]
-            if kind in ("add", "sub", "mul", "div", "mod"):
-                a, b = self.place(node[1]), self.place(node[2])
-                place = self._remainder(node, a, b) if kind == "mod" else self._arithmetic(kind, a, b)
-            elif kind == "choose":
-                place = self.place(chosen(node, self.sides))
-            elif kind in LEAVES:
-                place = self._leaf(node)
-            else:
-                a = self.place(node[1])
-                place = self._table(node, a) if kind == "table" else self._function(node, a)
-            self._places[node] = place
+            place = self._places[key] = self._written(node, sides)
         return place
+
+    def _written(self, node: Node, sides: Mapping[Node, int]) -> int:
+        kind = node[0]
+        if kind in LEAVES:
+            return self._leaf(node)
+        if kind == "choose":
+            return self.place(chosen(node, sides), sides)
+        a = self.place(node[1], sides)
+        if kind in ARITHMETIC:
+            return self._arithmetic(kind, a, self.place(node[2], sides))
+        if kind == "mod":
+            b = self.place(node[2], sides)
+            return self._two(SUB, a, self.scaled(self.kit.number(sides.get(node, 0)), b))
+        return self._table(node, a, sides) if kind == "table" else self._function(node, a)
 
     def _leaf(self, node: Node) -> int:
         """The place of a number, or of what formulas read."""
@@ -127,63 +153,59 @@ class TapeMaker(Generic[N]):
             return self._op(Op(PLACE if kind == "x" else SPEED, column))
         return self._op(Op(ANGLE if kind == "phi" else SPIN))
 
-    def _remainder(self, node: Node, a: int, b: int) -> int:
-        """a - k b of a `mod`."""
-        return self._two(SUB, a, self._scaled(self.kit.number(self.sides.get(node, 0)), b))
-
     def _arithmetic(self, kind: str, a: int, b: int) -> int:
-        ops = self.tape.ops
+        ops = self.ops
         if kind == "mul":
             if a == b:
                 return self._folded(Op(SQUARE, a))
             if ops[a].code == CONSTANT:
-                return self._scaled(ops[a].value, b)
+                return self.scaled(ops[a].value, b)
             if ops[b].code == CONSTANT:
-                return self._scaled(ops[b].value, a)
+                return self.scaled(ops[b].value, a)
         elif kind == "div" and ops[b].code == CONSTANT and ops[a].code != CONSTANT:
-            return self._scaled(1 / ops[b].value, a)
+            return self.scaled(1 / ops[b].value, a)
         return self._two(ARITHMETIC[kind], a, b)
 
     def _function(self, node: Node, a: int) -> int:
         kind, kit = node[0], self.kit
         if kind == "pow":
-            place = self._folded(Op(POWER, a, -1, kit.number(node[2])))
-            if self.tape.ops[a].code != CONSTANT and a not in self.bases:
-                self.bases.append(a)
-            return place
+            return self._folded(Op(POWER, a, -1, kit.number(node[2])))
         if kind in FUNCTIONS:
             return self._folded(Op(FUNCTIONS[kind], a))
-        if self.tape.ops[a].code == CONSTANT:
-            return self._constant(getattr(kit, kind)(self.tape.ops[a].value))
+        if self.ops[a].code == CONSTANT:
+            return self._constant(getattr(kit, kind)(self.ops[a].value))
         if kind in PAIRS:
             return self._pair(kind, a)
         one = self._constant(kit.number(1))
         if kind == "tanh":
-            place = self._append(Op(TANH, a, len(self.tape.ops) + 2))
-            self._append(Op(SQUARE, place))
-            self._append(Op(SUB, one, place + 1))
-            return place
+            place = len(self.ops)
+            return self._as_one(Op(TANH, a, place + 2), Op(SQUARE, place), Op(SUB, one, place + 1))
         square = self._folded(Op(SQUARE, a))
         if kind == "atan":
             return self._folded(Op(ATAN, a, self._two(ADD, one, square)))
         inside = self._two(SUB, one, square)
-        self.bases.append(inside)
         root = self._folded(Op(POWER, inside, -1, kit.number(Fraction(1, 2))))
         return self._folded(Op(ASIN if kind == "asin" else ACOS, a, root))
 
     def _pair(self, kind: str, a: int) -> int:
         first, second = (SIN, COS) if kind in ("sin", "cos") else (SINH, COSH)
-        place = len(self.tape.ops)
-        found = self._ops.get(Op(first, a))
-        if found is None:
-            self._ops[Op(first, a)] = found = place
-            self._append(Op(first, a, place + 1))
-            self._append(Op(second, a, place))
-        return found if kind in ("sin", "sinh") else found + 1
+        place = self._place_of.get(Op(first, a))
+        if place is None:
+            place = len(self.ops)
+            self._place_of[Op(first, a)] = self._as_one(Op(first, a, place + 1), Op(second, a, place))
+        return place if kind in ("sin", "sinh") else place + 1
 
-    def _table(self, node: Node, a: int) -> int:
+    def _as_one(self, *ops: Op) -> int:
+        """The place of the first of several operations, which go on a tape together."""
+        first = len(self.ops)
+        self.ops += ops
+        places = range(first, len(self.ops))
+        self._together |= dict.fromkeys(places, places)
+        return first
+
+    def _table(self, node: Node, a: int, sides: Mapping[Node, int]) -> int:
         _, _, knots, pieces, _ = node
-        side = self.sides.get(node, 0)
+        side = sides.get(node, 0)
         if side < 0 or side >= len(pieces):
             piece, knot = (_end_value(knots, pieces, side < 0),), Fraction(0)
         else:
@@ -198,7 +220,8 @@ class TapeMaker(Generic[N]):
     def _constant(self, value: N) -> int:
         return self._op(Op(CONSTANT, -1, -1, value))
 
-    def _scaled(self, factor: N | float, a: int) -> int:
+    def scaled(self, factor: N | float, a: int) -> int:
+        """The place of factor times the result at a place."""
         if factor == 1:
             return a
         return self._folded(Op(SCALE, a, -1, self.kit.number(factor)))
@@ -208,21 +231,18 @@ class TapeMaker(Generic[N]):
 
     def _folded(self, op: Op) -> int:
         """The place of an operation, which is done at once where its operands are constants."""
-        ops = self.tape.ops
+        ops = self.ops
         if ops[op.a].code == CONSTANT and (op.b < 0 or ops[op.b].code == CONSTANT):
             values = {i: ops[i].value for i in (op.a, op.b) if i >= 0}
             return self._constant(start_value(self.kit, op, values))
         return self._op(op)
 
     def _op(self, op: Op) -> int:
-        place = self._ops.get(op)
+        place = self._place_of.get(op)
         if place is None:
-            place = self._ops[op] = self._append(op)
+            place = self._place_of[op] = len(self.ops)
+            self.ops.append(op)
         return place
-
-    def _append(self, op: Op) -> int:
-        self.tape.ops.append(op)
-        return len(self.tape.ops) - 1
 
 
 def chosen(node: Node, sides: Mapping[Node, int]) -> Node:
@@ -301,11 +321,10 @@ def start_value(kit: Kit[N], op: Op, values: Mapping[int, N] | Sequence[N]) -> N
 
 def motion_tape(kit: Kit[N], formula: Node, sides: Mapping[Node, int], text: str) -> Tape:
     """A formula in the time alone, on these sides of its switches, and its first two derivatives."""
-    maker, node = TapeMaker(kit, {}, {}), resolved(formula, sides)
-    for _ in range(3):
-        maker.output(node, text)
-        node = derivative(node, TIME_NODE)
-    return maker.tape
+    maker, nodes = TapeMaker(kit, {}), [resolved(formula, sides)]
+    nodes += [derivative(nodes[0], TIME_NODE)]
+    nodes += [derivative(nodes[1], TIME_NODE)]
+    return maker.tape([maker.place(node, {}) for node in nodes], [text] * 3)
 
 
 def quotient(kit: Kit[N], a: N, b: N) -> N:

@@ -14,12 +14,14 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import chain, islice
+from threading import RLock
 from typing import Any, Generic, NamedTuple
 
 from vibsim.engine.flows.tape import (
     CONSTANT,
     INPUTS,
     PLACE,
+    POWER,
     SUB,
     Inputs,
     Op,
@@ -46,11 +48,12 @@ from vibsim.engine.modes.rows import (
 )
 from vibsim.engine.modes.status import CONTACT, LIFTED, OPEN, STICK, Kept, Status
 from vibsim.engine.modes.ties import Cut
+from vibsim.physics.connections import event_parts
 from vibsim.physics.formulas import (
     ONE,
-    SWITCHES,
     TIME,
     ZERO,
+    HashedNode,
     Node,
     add,
     children,
@@ -64,7 +67,6 @@ from vibsim.physics.formulas import (
     resolved,
     sub,
     value_of,
-    walk,
 )
 from vibsim.physics.numbers import Doubles, Kit, N, abs
 from vibsim.physics.parts import BASE, Scene, Stop
@@ -74,16 +76,31 @@ PROBES = (0.618, 1.414, 2.236)  # depths at which functions are compared, of no 
 IRRATIONALS = (0.7548776662, 0.5698402910, 0.8191725134)  # whose multiples give all else that they read
 MOST_SIDES = 10_000  # of switches, which are not asked for anew
 MOST_MODES = 1000  # whose sides are kept by node
-UNKNOWN: Node = ()  # in place of a switch that has not been looked for
+MOST_OPERATIONS = 5000  # of tapes, from which on all are forgotten
+UNKNOWN: Node = ()  # in place of a switch, where there is none more
 SAME = 2.0**-40  # ratios of two functions that differ by less are one
 
 
 class Root(NamedTuple):
     """A formula that a mode reads: for what, and the name of its part."""
 
-    node: Node
+    node: HashedNode
     role: tuple[Any, ...]
     text: str
+
+
+# By the sides of the switches before it: the next switch that a mode reads, as `FormulaRows.awake` says.
+Steps = Kept[tuple[int | None, ...], tuple[Node, int, int]]
+
+
+class Read(NamedTuple):
+    """What a mode reads: its formulas, and the switches in them that are in no other one, the same for many
+    modes.
+    """
+
+    roots: list[Root]
+    outer: tuple[Node, ...]
+    steps: Steps
 
 
 class _LessDepth(NamedTuple):
@@ -94,6 +111,31 @@ class _LessDepth(NamedTuple):
     exponent: Fraction
     rest: Node
     depth: Node | None = None
+
+
+Guard = tuple[int, Node, int]  # of a switch: number of the zero, formula, sign with which it is positive
+
+
+class Outputs(Generic[N]):
+    """The outputs of the tape of a mode: their places among the operations, and what they belong to."""
+
+    def __init__(self, maker: TapeMaker[N], rows: ModeRows[N]) -> None:
+        self.maker, self.rows = maker, rows
+        self.places: list[int] = []
+        self.texts: list[str] = []
+
+    def add(self, node: Node, text: str, factor: N | int = 1) -> int:
+        """The number of a new output, factor times a formula."""
+        place = self.maker.place(node, self.rows.sides)
+        return self.add_place(place if factor == 1 else self.maker.scaled(factor, place), text, node)
+
+    def add_place(self, place: int, text: str, node: Node | None = None) -> int:
+        """The number of a new output, the result at a place; node: its formula, if it has slopes."""
+        if node is not None:
+            self.rows.nodes[len(self.places)] = node
+        self.places.append(place)
+        self.texts.append(text)
+        return len(self.places) - 1
 
 
 def watched_by(node: Node) -> tuple[Node, int]:
@@ -114,27 +156,24 @@ def watched_by(node: Node) -> tuple[Node, int]:
 class FormulaRows(Generic[N]):
     """Makes what formulas add to the rows of the modes of a scene.
 
-    switches : all of them; owners : name of the part that has each, and its place among `event_parts`
+    switches : all of them; owners : name of the part that has each
     """
 
     def __init__(self, scene: Scene[N], kit: Kit[N], columns: Mapping[int, int]) -> None:
         self.scene, self.kit, self.columns = scene, kit, columns
-        self.n = len(scene.bodies)
+        self.n, self.elastic = len(scene.bodies), scene.elastic_stops
         self.switches: list[Node] = []
         self.owners: list[str] = []
         self.same: dict[Node, tuple[int, int]] = {}  # by node: its switch, and -1 where it is turned round
         known: dict[Node, tuple[int, int]] = {}
+        self._lock = RLock()  # one thread at a time writes operations
+        self._forget_operations()
         roots = list(self._all_roots())
-        nodes = hashed(root.node for root in roots)
-        self.all_roots = [Root(node, *root[1:]) for node, root in zip(nodes, roots, strict=True)]
-        self._outer: dict[Node, tuple[Node, ...]] = {}  # the switches in a node that are in no other one
+        nodes = hashed(node for node, _, _ in roots)
+        self.all_roots = [Root(node, root[1], root[2]) for node, root in zip(nodes, roots, strict=True)]
         for root in self.all_roots:
-            for node in walk([root.node]):
-                if node not in self._outer:
-                    below = (self._outer[child] for child in reversed(children(node)))
-                    inside = dict.fromkeys(chain.from_iterable(below))
-                    self._outer[node] = (node,) if node[0] in SWITCHES else tuple(inside)
-                if node[0] in SWITCHES and node not in self.same:
+            for node in root.node.switches:
+                if node not in self.same:
                     watched, sign = watched_by(node)
                     if watched not in known:
                         known[watched] = len(self.switches), sign
@@ -143,59 +182,79 @@ class FormulaRows(Generic[N]):
                     number, first = known[watched]
                     self.same[node] = number, sign * first
         by_speed: list[Joined] = [*self.scene.frictions, *(stop for _, stop in self.scene.rigid_stops)]
-        by_speed += [stop for _, stop in self.scene.elastic_stops if stop.c != 0 or stop.force is not None]
+        by_speed += [stop for _, stop in self.elastic if stop.c != 0 or stop.force is not None]
         by_speed += [link for link in self.scene.links if link.c != 0 or link.force is not None]
         on_base = any(BASE in (part.P, part.Q) for part in by_speed)
         moving = ("course", "base") if on_base else ("course",)
-        of_courses = walk([root.node for root in self.all_roots if root.role[0] in moving])
-        self.of_courses = {self.same[node][0] for node in of_courses if node[0] in SWITCHES}
-        self._read = Kept[tuple[tuple[int, ...], tuple[int, ...]], list[Root]](MOST_SIDES)
+        of_courses = [
+            node for root in self.all_roots if root.role[0] in moving for node in root.node.switches
+        ]
+        self.of_courses = {self.same[node][0] for node in of_courses}
+        self._readings = list(self._all_readings())
+        self._read = Kept[tuple[Any, ...], Read](MOST_SIDES)
+        self._steps = Kept[tuple[Node, ...], Steps](MOST_MODES)
+        self.awake_in = Kept[Status, set[int]](MOST_MODES)  # numbers of the switches that modes read
         self._sides = Kept[tuple[int | None, ...], dict[Node, int]](MOST_MODES)
-        self._awake = Kept[tuple[Any, ...], Node | None](MOST_SIDES)
         self._bending: dict[int, bool] = {}
-        self._by_stops = Kept[tuple[Node, tuple[int, ...]], int](MOST_SIDES)
         self._tapes = Kept[tuple[Any, ...], Tape](MOST_SIDES)
-        self._within = Kept[Node, list[Node]](MOST_SIDES)
+        self._guards = Kept[tuple[int, int], list[Guard]](MOST_SIDES)
         self.behind = {node: self.within(node[1]) for node in self.same}
 
-    def _all_roots(self) -> Iterator[Root]:
-        """Every formula of the scene."""
+    def _forget_operations(self) -> None:
+        """Begin with no operations of tapes, nor with what is known of their results."""
+        self.maker = TapeMaker(self.kit, self.columns)
+        self._probed: dict[tuple[int, int | None], dict[int, float]] = {}  # values by place, of each probe
+        self._ratios: dict[tuple[int, int], float] = {}
+        self._rests: dict[tuple[Any, ...], Node] = {}
+
+    def _all_roots(self) -> Iterator[tuple[Node, tuple[Any, ...], str]]:
+        """Every formula of the scene, what for, and the name of its part."""
         if self.scene.base_formula is not None:
-            yield Root(self.scene.base_formula, ("base",), "base")
+            yield (self.scene.base_formula, ("base",), "base")
         for i, force in enumerate(self.scene.forces):
             if force.formula is not None:
-                yield Root(force.formula, ("force", i), force.name)
+                yield (force.formula, ("force", i), force.name)
         for i, link in enumerate(self.scene.links):
             if link.force is not None:
-                yield Root(link.force, ("link", i), link.name)
-        for i, stop in self.scene.elastic_stops:
+                yield (link.force, ("link", i), link.name)
+        for i, stop in self.elastic:
             if stop.force is not None:
-                yield Root(stop.force, ("stop", i), stop.name)
+                yield (stop.force, ("stop", i), stop.name)
         for k, friction in enumerate(self.scene.frictions):
             for sense, node in zip((1, -1), friction.slips or (), strict=False):
-                yield Root(node, ("slip", k, sense), friction.name)
+                yield (node, ("slip", k, sense), friction.name)
             for sense, node in zip((1, -1), friction.holds or (), strict=False):
-                yield Root(node, ("hold", k, sense), friction.name)
+                yield (node, ("hold", k, sense), friction.name)
             if friction.course is not None:
-                yield Root(friction.course, ("course", k), friction.name)
+                yield (friction.course, ("course", k), friction.name)
 
     def roots(self, status: Status) -> list[Root]:
         """The formulas that a mode reads."""
-        key = status[:2]
-        known = self._read.get(key)
+        return self._read_in(status).roots
+
+    def _read_in(self, status: Status) -> Read:
+        known = self._read.get(status[:2])
         if known is None:
-            known = self._read.keep(key, [root for root in self.all_roots if self._is_read(root, status)])
+            roots = [
+                root for root, of, i, in_states in self._readings if not of or status[of - 1][i] in in_states
+            ]
+            outer = tuple(dict.fromkeys(chain.from_iterable(root.node.outer for root in reversed(roots))))
+            steps = self._steps.get(outer)
+            if steps is None:
+                steps = self._steps.keep(outer, Kept(MOST_SIDES))
+            known = self._read.keep(status[:2], Read(roots, outer, steps))
         return known
 
-    @staticmethod
-    def _is_read(root: Root, status: Status) -> bool:
-        role = root.role
-        if role[0] == "stop":
-            return bool(status.stops[role[1]] != OPEN)
-        if role[0] in ("slip", "hold"):
-            side = status.frictions[role[1]]
-            return bool(side == (role[2] if role[0] == "slip" else STICK))
-        return True
+    def _all_readings(self) -> Iterator[tuple[Root, int, int, tuple[int, ...]]]:
+        """Each formula with the parts whose state tells whether a mode reads it, 1 for stops, 2 for frictions
+        and 0 where all modes do; which of them; and in which of its states.
+        """
+        for root in self.all_roots:
+            kind, i, *sense = *root.role, 0
+            if kind in ("slip", "hold"):
+                yield root, 2, i, (sense[0] if kind == "slip" else STICK,)
+            else:
+                yield root, int(kind == "stop"), i, (CONTACT, LIFTED)
 
     def only_bends(self, i: int) -> bool:
         """Whether switch `i` is one of continuous formulas alone, as |a|: where it turns nothing jumps, nor
@@ -220,25 +279,28 @@ class FormulaRows(Generic[N]):
             known = self._sides.keep(status.switches, known)
         return known
 
-    def awake(self, status: Status, sides: Mapping[Node, int]) -> Iterator[Node]:
-        """The switches that a mode reads, those first that others stand behind; `sides` may come to hold each
-        before the next is asked for. What follows on the sides of those before it is found once.
+    def awake(self, status: Status, sides: Mapping[Node, int]) -> Iterator[tuple[Node, int, int]]:
+        """The switches that a mode reads, as nodes with what `same` says of them, those first that others
+        stand behind; `sides` may come to hold each before the next is asked for. What follows on the sides of
+        those before it is found once.
         """
-        key: tuple[Any, ...] = status[:2]
+        _, outer, steps = self._read_in(status)
+        key: tuple[int | None, ...] = ()
         found: Iterator[Node] | None = None
         for count in itertools.count():
-            node = self._awake.get(key, UNKNOWN)
-            if node is UNKNOWN:
-                found = found or islice(self._found_awake(status, sides), count, None)
-                node = self._awake.keep(key, next(found, None))
-            if node is None:
+            known = steps.get(key)
+            if known is None:
+                found = found or islice(self._found_awake(outer, sides), count, None)
+                node = next(found, UNKNOWN)
+                known = steps.keep(key, (node, *self.same.get(node, (0, 0))))
+            if known[0] is UNKNOWN:
                 return
-            yield node
-            key = (*key, sides.get(node))
+            yield known
+            key = (*key, sides.get(known[0]))
 
-    def _found_awake(self, status: Status, sides: Mapping[Node, int]) -> Iterator[Node]:
+    def _found_awake(self, outer: Sequence[Node], sides: Mapping[Node, int]) -> Iterator[Node]:
         """The same, by going through the formulas."""
-        ahead = [node for root in self.roots(status) for node in reversed(self._outer[root.node])]
+        ahead = [*reversed(outer)]
         seen: set[Node] = set()
         while ahead:
             node = ahead.pop()
@@ -250,9 +312,9 @@ class FormulaRows(Generic[N]):
                 continue
             seen.add(node)
             yield node
-            below = (node[1], chosen(node, sides)) if node[0] == "choose" else children(node)
-            for one in below:
-                ahead += reversed(self._outer[one])
+            below: tuple[Any, ...] = children(node)
+            for one in (node[1], chosen(node, sides)) if node[0] == "choose" else below:
+                ahead += reversed(one.outer)
 
     def watched(self, rows: ModeRows[N]) -> bool:
         """Whether the sides of a mode are those of the switches that its formulas read, no more and no less,
@@ -262,9 +324,7 @@ class FormulaRows(Generic[N]):
         if awake != {i for i, side in enumerate(rows.status.switches) if side is not None}:
             return False
         return all(
-            ("switch", i, key) in rows.outputs
-            for i in awake
-            for key, _, _ in self._guards(i, self.switches[i], rows.sides)
+            ("switch", i, key) in rows.outputs for i in awake for key, _, _ in self.guards(i, rows.status)
         )
 
     def guard_values(self, node: Node, sides: Mapping[Node, int], at: Inputs[N], blur: Inputs[N]) -> list[N]:
@@ -280,141 +340,138 @@ class FormulaRows(Generic[N]):
         key = *nodes, *(sides.get(one) for node in nodes for one in self.within(node))
         tape = self._tapes.get(key)
         if tape is None:
-            maker = TapeMaker(self.kit, sides, self.columns)
-            for node in nodes:
-                maker.output(node)
-            tape = self._tapes.keep(key, maker.tape)
+            with self._lock:
+                made = self.maker.tape([self.maker.place(node, sides) for node in nodes])
+            tape = self._tapes.keep(key, made)
         return tape
 
-    def within(self, node: Node) -> list[Node]:
-        """The switches in a formula."""
-        known = self._within.get(node)
-        if known is None:
-            known = self._within.keep(node, [one for one in walk([node]) if one[0] in SWITCHES])
-        return known
+    @cached_property
+    def part_of(self) -> list[int]:
+        """The part that has each switch, as events number parts."""
+        names = event_parts(self.scene)
+        return [names.index(owner) for owner in self.owners]
 
-    def write(self, rows: ModeRows[N], courses: Sequence[Mapping[Node, int]] = ()) -> None:
-        """Write the tape of a mode and its forces into its rows.
+    def within(self, node: Node) -> tuple[Node, ...]:
+        """The switches in a formula."""
+        return self.maker.within(node)
+
+    def write(self, rows: ModeRows[N], courses: Sequence[Mapping[Node, int]] = ()) -> list[Event[N]]:
+        """Write the tape of a mode and its forces into its rows; the event functions of its switches, and of
+        what must not become negative under a root.
 
         courses : of each column, the belts by formulas between it and the group that it is in, with signs
         """
-        status, sides = rows.status, self.sides(rows.status)
-        maker = TapeMaker(self.kit, sides, self.columns)
-        outputs: dict[tuple[object, ...], int] = {}
+        with self._lock:
+            if len(self.maker.ops) > MOST_OPERATIONS:
+                self._forget_operations()
+            return self._write(rows, courses)
+
+    def _write(self, rows: ModeRows[N], courses: Sequence[Mapping[Node, int]]) -> list[Event[N]]:
+        status, maker, outputs = rows.status, self.maker, rows.outputs
+        rows.sides = sides = self.sides(status)
+        rows.columns = dict(self.columns)
+        made = Outputs(maker, rows)
         for node, role, text in self.roots(status):
             if role[0] == "base":
-                of_base = TapeMaker(self.kit, sides, self.columns)
-                of_base.output(node, text)
-                rows.base_tape = of_base.tape
+                rows.base_tape = maker.tape([maker.place(node, sides)], [text])
                 rows.base_values = motion_tape(self.kit, node, sides, text)
                 continue
-            if self._is_idle(maker, role, status, sides):
+            if self._is_idle(role, rows):
                 continue
-            outputs[role] = k = maker.output(node, text)
-            rows.nodes[k] = node
+            outputs[role] = k = made.add(node, text)
             if role[0] in ("hold", "course"):
                 continue
             P, Q, sign = self._ends(role, status)
             course = self.scene.frictions[role[1]].course if role[0] == "slip" else None
             if course is not None:
-                outputs["power", role[1]] = k_power = maker.output(mul(node, course), text)
-                rows.nodes[k_power] = mul(node, course)
+                outputs["power", role[1]] = made.add(mul(node, course), text)
             if sign:
                 rows.formulas.append(FormulaForce(k, P, Q, sign))
-        self._carry(rows, courses, maker, sides)
-        roots = len(maker.tape.outputs)
-        self._write_pushes(rows, maker, outputs, sides)
-        rows.awake = {self.same[node][0] for node in self.awake(status, sides)}
-        watched = {
-            i: list(self._guards(i, self.switches[i], sides))
-            for i in sorted(rows.awake)
-            if self.switches[i] in sides
-        }
-        for i, guards in watched.items():
-            for key, node, sign in guards:
-                if self._sign_by_stops(maker, maker.place(node), status) != sign:
-                    outputs["switch", i, key] = k = maker.output(node, self.owners[i])
-                    rows.nodes[k] = node
-        kept = [(maker.place(node), sign) for guards in watched.values() for _, node, sign in guards]
-        for place in maker.bases:
-            if not (self._kept(maker, place, kept) or self._sign_by_stops(maker, place, status) > 0):
-                outputs["base", place] = len(maker.tape.outputs)
-                maker.tape.texts.append(self._owner(maker.tape, place, roots))
-                maker.tape.outputs.append(place)
-        rows.tape, rows.outputs, rows.sides = maker.tape, outputs, sides
-        rows.columns = dict(self.columns)
+        self._carry(rows, courses, made)
+        roots = [*made.places]
+        self._write_pushes(rows, made)
+        rows.awake = self.awake_in.get(status) or {i for _, i, _ in self.awake(status, sides)}
+        events: list[Event[N]] = []
+        guards: list[tuple[int, int]] = []
+        for i in sorted(rows.awake):
+            for key, guard, sign in self.guards(i, status):
+                place = maker.place(guard, sides)
+                guards.append((place, sign))
+                if self._sign_by_stops(place, status) != sign:
+                    outputs["switch", i, key] = k = made.add_place(place, self.owners[i], guard)
+                    events.append(self._event(SWITCH, i, sign, (SWITCH, i, key), k))
+        powers = [op for op in map(maker.ops.__getitem__, maker.needed(made.places)) if op.code == POWER]
+        for place in dict.fromkeys(op.a for op in powers):
+            if not (self._kept(place, guards) or self._sign_by_stops(place, status) > 0):
+                needing = (k for k, root in enumerate(roots) if place in maker.needed([root]))
+                outputs["base", place] = k = made.add_place(place, made.texts[next(needing, 0)])
+                events.append(self._event(DOMAIN, k, 1, (DOMAIN, place), k))
+        rows.tape = maker.tape(made.places, made.texts)
+        return events
 
-    def _carry(
-        self,
-        rows: ModeRows[N],
-        courses: Sequence[Mapping[Node, int]],
-        maker: TapeMaker[N],
-        sides: Mapping[Node, int],
-    ) -> None:
+    def _carry(self, rows: ModeRows[N], courses: Sequence[Mapping[Node, int]], made: Outputs[N]) -> None:
         """What belts by formulas do to those who stick on them: the acceleration r of each beside that of its
         group, the force m r that this takes, and the torque u sin(phi) r on each rotor that it has.
         """
-        names = {one.course: one.name for one in self.scene.frictions if one.course is not None}
         for c, signs in enumerate(courses[: self.n]):
             if not signs:
                 continue
             rate = ZERO
             for course, sign in signs.items():
-                rate = add(rate, mul(num(sign), derivative(resolved(course, dict(sides)), TIME)))
+                rate = add(rate, mul(num(sign), derivative(resolved(course, rows.sides), TIME)))
+            names = {one.course: one.name for one in self.scene.frictions if one.course is not None}
             text = names[next(iter(signs))]
-            rows.follow[c] = k = maker.output(rate, text)
-            rows.nodes[k] = rate
-            inertia = maker.scaled_output(rate, self.scene.bodies[c].m, text)
-            rows.nodes[inertia] = rate
+            rows.follow[c] = made.add(rate, text)
+            inertia = made.add(rate, text, self.scene.bodies[c].m)
             rows.formulas.append(FormulaForce(inertia, c, -1, -1))
             for rotor in self.scene.rotors:
                 if rotor.on == c and rotor.unbalance:
-                    node = mul(("sin", ("x", rotor.column)), rate)
-                    torque = maker.scaled_output(node, rotor.unbalance, text)
-                    rows.nodes[torque], rows.factors[torque] = node, rotor.unbalance
+                    torque = made.add(mul(("sin", ("x", rotor.column)), rate), text, rotor.unbalance)
+                    rows.factors[torque] = rotor.unbalance
                     rows.formulas.append(FormulaForce(torque, rotor.column, -1, 1))
 
-    def _write_pushes(
-        self, rows: ModeRows[N], maker: TapeMaker[N], outputs: dict[tuple[object, ...], int], sides: Any
-    ) -> None:
+    def _write_pushes(self, rows: ModeRows[N], made: Outputs[N]) -> None:
         """For stops that let go at zero force: what is left of it without powers of the depth, which
         tells its sign up to depth 0 and goes through the zeros that it has.
         """
-        for i, stop in self.scene.elastic_stops:
+        for i, stop in self.elastic:
             if stop.force is not None and stop.lets_go and rows.status.stops[i] != OPEN:
-                rest = self._less_depth(maker, stop.force, stop, sides).rest
+                rest = self._rest(i, stop, stop.force, rows)
                 value = value_of(rest)
                 if value is not None and value > 0:
-                    outputs["push", i] = NO_ZERO
+                    rows.outputs["push", i] = NO_ZERO
                 elif value is None and rest != stop.force:
-                    outputs["push", i] = k = maker.output(rest, stop.name)
-                    rows.nodes[k] = rest
+                    rows.outputs["push", i] = made.add(rest, stop.name)
 
-    def _is_idle(
-        self, maker: TapeMaker[N], role: tuple[Any, ...], status: Status, sides: Mapping[Node, int]
-    ) -> bool:
+    def _is_idle(self, role: tuple[Any, ...], rows: ModeRows[N]) -> bool:
         """Whether a formula is the force of a stop that has let go, and what is left of it without powers of
         the depth is read in its place: next to the depth 0 those powers would ask for steps of no length.
         """
-        if role[0] != "stop" or status.stops[role[1]] != LIFTED:
+        if role[0] != "stop" or rows.status.stops[role[1]] != LIFTED:
             return False
         stop = self.scene.stops[role[1]]
         assert isinstance(stop, Stop) and stop.force is not None
-        rest = self._less_depth(maker, stop.force, stop, sides).rest
+        rest = self._rest(role[1], stop, stop.force, rows)
         value = value_of(rest)
         return rest != stop.force if value is None else value > 0
 
-    def _less_depth(
-        self, maker: TapeMaker[N], node: Node, stop: Stop[N], sides: Mapping[Node, int]
-    ) -> _LessDepth:
+    def _rest(self, i: int, stop: Stop[N], force: Node, rows: ModeRows[N]) -> Node:
+        """What is left of the force of a stop without powers of its depth."""
+        key = i, *map(rows.sides.get, self.within(force))
+        rest = self._rests.get(key)
+        if rest is None:
+            rest = self._rests[key] = self._less_depth(force, i, stop, rows.sides).rest
+        return rest
+
+    def _less_depth(self, node: Node, i: int, stop: Stop[N], sides: Mapping[Node, int]) -> _LessDepth:
         """A formula without its factors that are powers of the depth of a stop; of a sum those that all its
         terms have.
         """
         kind = node[0]
         if kind == "choose" and node in sides:
-            return self._less_depth(maker, chosen(node, sides), stop, sides)
+            return self._less_depth(chosen(node, sides), i, stop, sides)
         if kind in ("mul", "add", "sub"):
-            a, b = (self._less_depth(maker, one, stop, sides) for one in node[1:3])
+            a, b = (self._less_depth(one, i, stop, sides) for one in node[1:3])
             if kind == "mul":
                 depth = a.depth if b.exponent == 0 else b.depth if a.exponent == 0 else a.depth and b.depth
                 if a.exponent + b.exponent > 0:
@@ -424,10 +481,10 @@ class FormulaRows(Generic[N]):
                 a_rest, b_rest = (mul(one.rest, power(depth, num(one.exponent - common))) for one in (a, b))
                 return _LessDepth(common, (add if kind == "add" else sub)(a_rest, b_rest), depth)
         if kind == "div":
-            a = self._less_depth(maker, node[1], stop, sides)
+            a = self._less_depth(node[1], i, stop, sides)
             return a._replace(rest=div(a.rest, node[2]))
         base, exponent = (node[1], node[2]) if kind == "pow" and node[2] > 0 else (node, Fraction(1))
-        ratio = 0.0 if value_of(base) else max(0.0, self._ratio(maker, maker.place(base), stop))
+        ratio = 0.0 if value_of(base) else max(0.0, self._ratio(self.maker.place(base, sides), i, stop))
         if not ratio:
             return _LessDepth(Fraction(0), node)
         if base[0] == "mul" and base[1][0] == "num" and base is node:  # c p, which a gap of 0 makes one
@@ -459,56 +516,42 @@ class FormulaRows(Generic[N]):
         P, Q = (end if end >= 0 else self.columns[end] for end in (part.P, part.Q))
         return P, Q, sign
 
-    @staticmethod
-    def _guards(i: int, node: Node, sides: Mapping[Node, int]) -> Iterator[tuple[int, Node, int]]:
-        """Event functions of a switch: (number of the zero, formula, sign with which it is positive)."""
-        side = sides[node]
-        if node[0] == "choose":
-            yield 0, node[1], side
-        elif node[0] == "mod":
-            yield side, sub(node[1], mul(num(side), node[2])), 1
-            yield side + 1, sub(node[1], mul(num(side + 1), node[2])), -1
-        else:
-            _, u, knots, pieces, _ = node
-            if side >= 0:
-                yield side, sub(u, num(knots[side])), 1
-            if side < len(pieces):
-                yield side + 1, sub(u, num(knots[side + 1])), -1
+    def guards(self, i: int, status: Status) -> list[Guard]:
+        """Event functions of switch `i` on the side that it has in a mode, none where it has none."""
+        side = status.switches[i] if status.switches else None
+        if side is None:
+            return []
+        return self._guards.get((i, side)) or self._guards.keep((i, side), [*_guards(self.switches[i], side)])
 
-    @staticmethod
-    def _owner(tape: Tape, place: int, roots: int) -> str:
-        """Part of the first output that needs the result at a place of the tape; `roots` are
-        asked.
-        """
-        needing = (k for k in range(roots) if place in tape.behind(tape.outputs[k]))
-        return tape.texts[next(needing, 0)]
-
-    def _sign_by_stops(self, maker: TapeMaker[N], place: int, status: Status) -> int:
-        """Sign of a function on the tape that is the depth of an elastic stop but for a factor; 0 where it is
-        that of none.
-        """
-        for i, stop in self.scene.elastic_stops:
-            ratio = self._ratio(maker, place, stop)
+    def _sign_by_stops(self, place: int, status: Status) -> int:
+        """Sign of a result that is the depth of an elastic stop but for a factor; else 0."""
+        for i, stop in self.elastic:
+            ratio = self._ratio(place, i, stop)
             if ratio != 0:
                 return 1 if (ratio > 0) == (status.stops[i] != OPEN) else -1
         return 0
 
-    def _ratio(self, maker: TapeMaker[N], place: int, stop: Stop[N]) -> float:
-        """A function on the tape over the depth of a stop, where that is one number; else 0."""
+    def _ratio(self, place: int, i: int, stop: Stop[N]) -> float:
+        """A result over the depth of elastic stop `i`, where that is one number; else 0."""
+        if (place, i) not in self._ratios:
+            self._ratios[place, i] = self._ratio_by_probes(place, i, stop)
+        return self._ratios[place, i]
+
+    def _ratio_by_probes(self, place: int, i: int, stop: Stop[N]) -> float:
         P, Q = (end if end >= 0 else self.columns[end] for end in (stop.P, stop.Q))
         moved = P if self.n > P else Q
-        ops = maker.tape.ops
+        ops = self.maker.ops
         if self._is_depth(ops, place, stop, (P, Q)):
             return 1.0  # which needs no probe, nor does what does not read that column
-        if not any(ops[one].code == PLACE and ops[one].a == moved for one in maker.tape.behind(place)):
+        if not any(ops[one].code == PLACE and ops[one].a == moved for one in self.maker.needed([place])):
             return 0.0
         ratios = []
-        for i, depth in enumerate(PROBES):
-            at, gap = self.probes[i], as_double(stop.gap)
+        for k, depth in enumerate(PROBES):
+            at, gap = self.probes[k], as_double(stop.gap)
             x = [*at.x]
             x[moved] = x[Q] - stop.sense * (gap + depth) if moved == P else x[P] + stop.sense * (gap + depth)
             depth = -(stop.sense * (x[P] - x[Q])) - gap
-            ratios.append(self._probed(maker, (i, stop.name), replace(at, x=x), place) / depth)
+            ratios.append(self._value((k, i), replace(at, x=x), place) / depth)
         sign = -1 if ratios[0] < 0 else 1
         return ratios[0] if _is_one_ratio([sign * ratio for ratio in ratios]) else 0.0
 
@@ -524,16 +567,15 @@ class FormulaRows(Generic[N]):
             return False
         return (ops[op.a].a, ops[op.b].a) == (ends[::-1] if stop.sense > 0 else ends)
 
-    def _kept(self, maker: TapeMaker[N], place: int, guards: Sequence[tuple[int, int]]) -> bool:
-        """Whether a function on the tape is what a switch keeps positive, but for a positive factor: abs(z),
+    def _kept(self, place: int, guards: Sequence[tuple[int, int]]) -> bool:
+        """Whether a result is what a switch keeps positive, but for a positive factor: abs(z),
         or d - g within `where(d > g, ...)`. guards : place of each guard, and the sign with which it is
         positive
         """
         if not guards:
             return False
-        probes = [((i, None), at) for i, at in enumerate(self.probes)]
         values = {
-            one: [self._probed(maker, *probe, one) for probe in probes]
+            one: [self._value((k, None), at, one) for k, at in enumerate(self.probes)]
             for one in (place, *(k for k, _ in guards))
         }
         return any(
@@ -555,14 +597,13 @@ class FormulaRows(Generic[N]):
         x[self.n] = v[self.n] = 0.0
         return Inputs(t, x, v, phi, w)
 
-    @staticmethod
-    def _probed(maker: TapeMaker[N], probe: tuple[int, str | None], at: Inputs[float], place: int) -> float:
-        """The result at a place of a tape that reads the values of a probe, in doubles."""
-        values = maker.probed.setdefault(probe, {})
+    def _value(self, probe: tuple[int, int | None], at: Inputs[float], place: int) -> float:
+        """The result at a place that reads the values of a probe, in doubles."""
+        values = self._probed.setdefault(probe, {})
         if place not in values:
-            for one in sorted(maker.tape.behind(place)):
+            for one in self.maker.needed([place]):
                 if one not in values:
-                    op = maker.tape.ops[one]
+                    op = self.maker.ops[one]
                     plain = op if isinstance(op.value, float) else op._replace(value=as_double(op.value))
                     read = op.code in INPUTS
                     values[one] = (
@@ -574,29 +615,10 @@ class FormulaRows(Generic[N]):
         """On which side an elastic stop keeps a switch that watches its depth: the upper one, 1, in contact
         and the lower one, -1, where it is open; 0 where none does.
         """
-        key = node, status.stops
-        side = self._by_stops.get(key)
-        if side is None:
-            maker = TapeMaker(self.kit, {}, self.columns)
-            plain = node[0] == "choose" and not self.behind[node]
-            place = maker.place(node[1]) if plain else 0
-            side = self._by_stops.keep(key, self._sign_by_stops(maker, place, status) if plain else 0)
-        return side
-
-    def events(self, rows: ModeRows[N]) -> list[Event[N]]:
-        """The event functions of the switches of a mode, and of what must not become negative under a
-        root.
-        """
-        events: list[Event[N]] = []
-        for role, k in rows.outputs.items():
-            if role[0] == "switch":
-                _, i, key = role
-                guards = self._guards(i, self.switches[i], rows.sides)
-                sign = next(sign for number, _, sign in guards if number == key)
-                events.append(self._event(SWITCH, i, sign, (SWITCH, i, key), k))
-            elif role[0] == "base":
-                events.append(self._event(DOMAIN, k, 1, (DOMAIN, role[1]), k))
-        return events
+        if not self.elastic or node[0] != "choose" or self.behind[node]:
+            return 0
+        with self._lock:
+            return self._sign_by_stops(self.maker.place(node[1], {}), status)
 
     def _event(self, kind: int, part: int, sign: int, key: tuple[int, ...], k: int) -> Event[N]:
         zero = self.kit.number(0)
@@ -615,3 +637,18 @@ class FormulaRows(Generic[N]):
 def _is_one_ratio(ratios: Sequence[float]) -> bool:
     """Whether ratios of two functions at several places are one positive number."""
     return bool(ratios[0] > 0 and all(abs(one - ratios[0]) <= SAME * ratios[0] for one in ratios))
+
+
+def _guards(node: Node, side: int) -> Iterator[Guard]:
+    """Event functions of a switch on one of its sides."""
+    if node[0] == "choose":
+        yield 0, node[1], side
+    elif node[0] == "mod":
+        yield side, sub(node[1], mul(num(side), node[2])), 1
+        yield side + 1, sub(node[1], mul(num(side + 1), node[2])), -1
+    else:
+        _, u, knots, pieces, _ = node
+        if side >= 0:
+            yield side, sub(u, num(knots[side])), 1
+        if side < len(pieces):
+            yield side + 1, sub(u, num(knots[side + 1])), -1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Generic
 
@@ -23,6 +24,7 @@ from vibsim.engine.modes.rows import (
     Acceleration,
     Coupling,
     Event,
+    ForceTerms,
     Joined,
     ModeRows,
     RotorOn,
@@ -49,6 +51,24 @@ def with_course(courses: Courses, tie: Friction[N] | RigidStop[N], sign: int) ->
     return {one: times for one, times in (courses | {course: count}).items() if times}
 
 
+@dataclass
+class TiedColumns(Generic[N]):
+    """What follows from the ties that hold in a mode alone, as in `ModeRows`; stuck: these ties.
+
+    courses : belts by formulas between each column and the leading one of its group, with their signs: what
+        it has in velocity beside its drift
+    resting : frictions whose ends the ties keep from sliding, once they are asked for
+    """
+
+    stuck: list[Tie]
+    groups: Groups
+    mass: list[N | None]
+    mobility: list[N]
+    drift: list[N]
+    courses: list[Courses]
+    resting: set[int] | None = None
+
+
 class RowMaker(Generic[N]):
     """Makes the rows of the modes of a scene, each once.
 
@@ -62,8 +82,8 @@ class RowMaker(Generic[N]):
         self.columns = {GROUND: self.n, BASE: self.n + moves}
         self.zero = kit.number(0)
         self.by_status = Kept[Status, ModeRows[N]](MOST_EVENTS)
-        self.resting_by_status = Kept[Status, set[int]](MOST_MODES)
-        self.ties_by_status = Kept[Status, tuple[list[int], list[N]]](MOST_MODES)
+        self._tied = Kept[tuple[int, ...], TiedColumns[N]](MOST_MODES)
+        self._events_of_stops: dict[tuple[int, int], list[Event[N]]] = {}  # those that no mode changes
         self.guarded = self._guarded()
         self.formulas = FormulaRows(scene, kit, self.columns) if scene.has_formulas else None
 
@@ -102,10 +122,6 @@ class RowMaker(Generic[N]):
         """
         return self.formulas is None or self.formulas.watched(self.rows(status))
 
-    def stuck(self, status: Status) -> list[Tie]:
-        """The ties that hold: (number, columns of P and Q)."""
-        return [(k, *self.ends(self.tie(k))) for k in status.tied]
-
     def tie(self, k: int) -> Friction[N] | RigidStop[N]:
         """The part that is tie number k: a friction, or a rigid stop."""
         count = len(self.scene.frictions)
@@ -129,30 +145,34 @@ class RowMaker(Generic[N]):
         part = self.tie(k)
         return self.zero if isinstance(part, RigidStop) else part.belt
 
-    def ties(self, status: Status) -> tuple[list[int], list[N]]:
-        """Leading column of each column, and its velocity against that one [m/s]."""
-        ties = self.ties_by_status.get(status)
-        if ties is None:
-            stuck = self.stuck(status)
+    def tied(self, status: Status) -> TiedColumns[N]:
+        """What follows from the ties of a mode alone."""
+        tied = tuple(status.tied)
+        bodies = self._tied.get(tied)
+        if bodies is None:
+            stuck: list[Tie] = [(k, *self.ends(self.tie(k))) for k in tied]
             groups = Groups(self.n, stuck)
-            ties = self.ties_by_status.keep(status, (groups.leader, self._drifts(groups, stuck)))
-        return ties
+            drift, courses = self._drifts(groups, stuck), self._courses(groups, stuck)
+            bodies = TiedColumns(stuck, groups, *self._masses(groups), drift, courses)
+            bodies = self._tied.keep(tied, bodies)
+        return bodies
 
     def resting(self, status: Status) -> set[int]:
         """The frictions whose ends the ties of a mode keep from sliding. Speeds of belts are added along the
         ties, so those that differ by no more than the rounding of these sums are equal: 0.1 + 0.2 and 0.3.
         """
-        resting = self.resting_by_status.get(status)
-        return self.resting_by_status.keep(status, self._resting(status)) if resting is None else resting
+        bodies = self.tied(status)
+        if bodies.resting is None:
+            bodies.resting = self._resting(bodies)
+        return bodies.resting
 
-    def _resting(self, status: Status) -> set[int]:
-        leader, drift = self.ties(status)
+    def _resting(self, bodies: TiedColumns[N]) -> set[int]:
+        leader, drift, courses = bodies.groups.leader, bodies.drift, bodies.courses
         belts = self.zero
-        for k in status.tied:
+        for k, _, _ in bodies.stuck:
             belts = belts + abs(self.belt(k))
-        lost = (len(status.tied) + 2) * self.kit.eps  # of each belt, and of each sum
+        lost = (len(bodies.stuck) + 2) * self.kit.eps  # of each belt, and of each sum
         resting = set()
-        courses = self.courses(status)
         for k, friction in enumerate(self.scene.frictions):
             P, Q = self.ends(friction)
             if leader[P] == leader[Q]:
@@ -161,14 +181,10 @@ class RowMaker(Generic[N]):
                     resting.add(k)
         return resting
 
-    def courses(self, status: Status) -> list[Courses]:
-        """The belts by formulas between each column and the leading one of its group, with their signs: what
-        it has in velocity beside its drift.
-        """
+    def _courses(self, groups: Groups, stuck: Sequence[Tie]) -> list[Courses]:
         courses: list[Courses] = [{} for _ in range(self.n + 2)]
         if self.scene.has_courses:
-            stuck = self.stuck(status)
-            for i, one, other, sign in self._walk(Groups(self.n, stuck), stuck):
+            for i, one, other, sign in self._walk(groups, stuck):
                 courses[other] = with_course(courses[one], self.tie(i), sign)
         return courses
 
@@ -183,30 +199,30 @@ class RowMaker(Generic[N]):
         """Whether the belts by formulas in the ties of a mode agree: two that do not may only stand for an
         instant.
         """
-        courses = self.courses(status)
+        courses = self.tied(status).courses
         return all(self._goes_along(courses, self.tie(k)) for k in status.tied)
 
     def _make(self, status: Status) -> ModeRows[N]:
-        scene, stuck = self.scene, self.stuck(status)
-        groups = Groups(self.n, stuck)
-        mass, mobility = self._masses(groups)
-        rows = ModeRows(
-            status, groups, groups.leader, mass, mobility, self._couplings(status), self._constants(status)
-        )
-        rows.drift = self._drifts(groups, stuck)
+        scene, tied = self.scene, self.tied(status)
+        groups, parts = tied.groups, (self._couplings(status), self._constants(status))
+        rows = ModeRows(status, groups, groups.leader, tied.mass, tied.mobility, *parts, drift=tied.drift)
         rows.rotors = [
             RotorOn(one.column, one.on, one.unbalance, scene.bodies[one.column].m) for one in scene.rotors
         ]
-        if self.formulas:
-            self.formulas.write(rows, self.courses(status))
+        switch_events = self.formulas.write(rows, tied.courses) if self.formulas else []
         rows.tied = [c for c in range(self.n) if len(groups.members[groups.leader[c]]) > 1]
         for i, stop in enumerate(scene.stops):
-            rows.events += self._stop_events(rows, i, stop, status.stops[i])
-        self._friction_events(rows, stuck)
+            state = status.stops[i]
+            events = self._events_of_stops.get((i, state))
+            if events is None:
+                events = self._stop_events(rows, i, stop, state)
+                if state == OPEN or isinstance(stop, RigidStop) or stop.force is None:
+                    self._events_of_stops[i, state] = events
+            rows.events += events
+        self._friction_events(rows, tied.stuck)
         for i, clearance in enumerate(scene.clearances):
             rows.events.append(self._clearance_event(i, clearance, status.clearances[i]))
-        if self.formulas:
-            rows.events += self.formulas.events(rows)
+        rows.events += switch_events
         return rows
 
     def _masses(self, groups: Groups) -> tuple[list[N | None], list[N]]:
@@ -344,13 +360,11 @@ class RowMaker(Generic[N]):
 
     def _slide_event(self, rows: ModeRows[N], i: int, friction: Friction[N], sign: int) -> Event[N]:
         P, Q = self.ends(friction)
-        slope = tuple(
-            self._acceleration(rows, rows.leader[end], sign * side)
-            for end, side in ((P, 1), (Q, -1))
-            if rows.leader[end] != self.n
-        )
         terms: Terms[N] = (Term(RATE, sign, P, Q),)
-        if friction.course is not None:
+        if friction.course is None:
+            ends = (rows.leader[P], sign), (rows.leader[Q], -sign)
+            slope = tuple([self._acceleration(rows, *end) for end in ends if end[0] != self.n])
+        else:
             terms, slope = (*terms, Term(FORMULA, -sign, rows.outputs["course", i])), ()
         constant = -(sign * friction.belt)
         return Event(SLIDE, i, sign, (SLIDE, i), terms, constant, abs(friction.belt), slope)
@@ -359,11 +373,11 @@ class RowMaker(Generic[N]):
         """factor times the acceleration of a group, or of the base."""
         if leader > self.n:
             return Acceleration(self.kit.number(1), factor, (Term(ACCELERATION, 1, leader),), ())
-        members = rows.groups.members[leader]
-        terms, constants = self._force_on(rows, members)
-        return Acceleration(rows.own_mass(leader), factor, terms, constants)
+        if leader not in rows.forces:
+            rows.forces[leader] = self._force_on(rows, rows.groups.members[leader])
+        return Acceleration(rows.own_mass(leader), factor, *rows.forces[leader])
 
-    def _force_on(self, rows: ModeRows[N], members: Iterable[int]) -> tuple[Terms[N], tuple[N, ...]]:
+    def _force_on(self, rows: ModeRows[N], members: Iterable[int]) -> ForceTerms[N]:
         """Terms and constants of the force from outside on a set of columns."""
         inside = set(members)
         terms: list[Term[N]] = []
@@ -374,7 +388,7 @@ class RowMaker(Generic[N]):
         for one in rows.formulas:
             if (one.P in inside) != (one.Q in inside):
                 terms.append(Term(FORMULA, one.sign if one.P in inside else -one.sign, one.output))
-        return tuple(terms), tuple(value for column, value in rows.constants if column in inside)
+        return tuple(terms), tuple([value for column, value in rows.constants if column in inside])
 
     @cached_property
     def _loaded(self) -> set[int]:
@@ -393,7 +407,7 @@ class RowMaker(Generic[N]):
         for direction, limit in ((1, cut.below), (-1, cut.above)):
             if limit is None:
                 continue
-            turned = tuple(Term(t.kind, -direction * t.coefficient, t.P, t.Q) for t in terms)
+            turned = tuple([Term(t.kind, -direction * t.coefficient, t.P, t.Q) for t in terms])
             if self.formulas:
                 turned = (*self.formulas.limits(rows, cut, direction), *turned)
             constant = limit
@@ -403,7 +417,7 @@ class RowMaker(Generic[N]):
             events.append(Event(HOLD, number, direction, key, turned, constant, abs(constant)))
         return events
 
-    def _unbalanced(self, rows: ModeRows[N], columns: Sequence[int]) -> tuple[Terms[N], tuple[N, ...]]:
+    def _unbalanced(self, rows: ModeRows[N], columns: Sequence[int]) -> ForceTerms[N]:
         """Terms and constants of F - m a, what the force from outside on a part of a group is too much for
         its motion.
         """

@@ -92,6 +92,7 @@ class Term(Generic[N]):
 
 
 Terms = tuple[Term[N], ...]
+ForceTerms = tuple[Terms[N], tuple[N, ...]]  # terms and constants of the force on a set of columns
 
 
 @dataclass(slots=True)
@@ -145,6 +146,7 @@ class ModeRows(Generic[N]):
     cuts: list[Cut[N]] = field(default_factory=list)
     drift: list[N] = field(default_factory=list)  # velocity of a column against its leader [m/s]
     tied: list[int] = field(default_factory=list)  # bodies that are tied to another column
+    forces: dict[int, ForceTerms[N]] = field(default_factory=dict)  # on groups by leader, once asked for
     tape: Tape | None = None  # formulas of the mode, where it has some
     nodes: dict[int, Node] = field(default_factory=dict)  # the formulas of the outputs
     factors: dict[int, N] = field(default_factory=dict)  # of outputs that are a factor times their formula

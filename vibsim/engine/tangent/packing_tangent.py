@@ -121,21 +121,16 @@ def slopes_of(kit: Kit[N], rows: ModeRows[N]) -> Slopes:
     """The derivatives of the formulas of a mode, made when they are first asked for."""
     if rows.slopes is None:
         n = len(rows.leader) - 2
-        maker = TapeMaker(kit, {}, rows.columns)
+        maker, places = TapeMaker(kit, rows.columns), list[int]()
         found: dict[int, list[Slope]] = {}
         for k, node in rows.nodes.items():
             node, factor = resolved(node, rows.sides), rows.factors.get(k, kit.number(1))
-            found[k] = [
-                Slope(
-                    k,
-                    of[0],
-                    of[1] if len(of) > 1 else -1,
-                    maker.scaled_output(slope, factor, ""),
-                )
-                for of in _inputs(node, n)
-                if (slope := derivative(node, of))[:2] != ("num", 0)
-            ]
-        rows.slopes = Slopes(maker.tape, found)
+            found[k] = []
+            for of in _inputs(node, n):
+                if (slope := derivative(node, of))[:2] != ("num", 0):
+                    found[k].append(Slope(k, of[0], of[1] if len(of) > 1 else -1, len(places)))
+                    places.append(maker.scaled(factor, maker.place(slope, {})))
+        rows.slopes = Slopes(maker.tape(places), found)
     slopes: Slopes = rows.slopes
     return slopes
 

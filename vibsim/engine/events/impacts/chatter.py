@@ -245,7 +245,7 @@ class Chatter(Generic[N]):
 
     def _hopping(self, status: Status, contact: Contact[N]) -> set[int]:
         """The bodies at the ends of a stop, and all that move with them."""
-        leader, n = self.maker.ties(status)[0], self.maker.n
+        leader, n = self.maker.tied(status).groups.leader, self.maker.n
         hopping = {leader[column] for column in (contact.P, contact.Q) if leader[column] < n}
         return {column for column in range(n) if leader[column] in hopping}
 

@@ -90,7 +90,7 @@ class RigidStops(Generic[N]):
         """Give what rests or sticks on the base its velocity, which that of the stretch has but for rounding:
         where an impact meets them, they do not close.
         """
-        leader, _ = self.maker.ties(status)
+        leader = self.maker.tied(status).groups.leader
         carried = [c for c in range(self.maker.n) if leader[c] == self.maker.n + 1]
         if carried:
             base, drift = self.relative.base(state, "v"), self.settling.drift(status, state)
