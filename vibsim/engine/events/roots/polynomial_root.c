@@ -165,15 +165,12 @@ static int march(Certificate *c, const Real *series, int count, Real error, Real
             step = nearer_step(series, count, tau, room, slope, step, h);
         ahead = t0 + (tau + step);
         if (ahead <= t) {
-            const int crossing = crosses(slope, bound, 2 * error);
-            if (slope < 0 && !near && !crossing) { /* it stays at the bound of its rounding, not at zero */
-                near = 1;
-                doubt(c, t0, t, TOUCH_OR_MISS, c->watched, NOTHING);
-                continue;
-            }
             if (slope < 0) {
-                int sure = sharp && crossing;
-                *end = t0 + (sure ? zero_ahead(series, count, tau, value, slope, bound, t0) : newton(tau, value, slope));
+                const int crossing = crosses(slope, bound, 2 * error);
+                if (!crossing && !near) /* it stays at the bound of its rounding, not at zero */
+                    doubt(c, t0, t, TOUCH_OR_MISS, c->watched, NOTHING);
+                *end = t0 + (sharp && crossing ? zero_ahead(series, count, tau, value, slope, bound, t0)
+                                               : newton(tau, value, slope));
                 return ZERO;
             }
             doubt(c, t0, t, TOO_SHORT_STEPS, c->watched, NOTHING);
