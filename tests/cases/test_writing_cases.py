@@ -103,5 +103,6 @@ def test_new_keeps_what_is_there(tmp_path, monkeypatch):
 def test_new_needs_a_name(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     done = call("new", name)
-    assert done.exit_code == 2 and "a file needs a name, such as capsule; got" in done.stderr
+    said = "a file needs a name, such as capsule; got" if name else "Error: NAME is empty: give it a value\n"
+    assert done.exit_code == 2 and said in done.stderr
     assert not any(tmp_path.iterdir())

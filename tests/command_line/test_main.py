@@ -338,4 +338,4 @@ def test_lengths_and_durations_in_words():
 def test_an_empty_value_is_not_taken_for_none(words, name):
     done = call(*words)
     assert done.exit_code == 2
-    assert f"Error: {name} is empty: give it a value, or leave it out" in done.stderr
+    assert f"Error: {name} is empty: give it a value" in done.stderr

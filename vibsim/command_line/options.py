@@ -374,7 +374,8 @@ def refuse_unclear(command: click.Command) -> None:
                 name = (
                     max(param.opts, key=len) if isinstance(param, click.Option) else param.make_metavar(ctx)
                 )
-                raise click.UsageError(f"{name} is empty: give it a value, or leave it out", ctx)
+                otherwise = "" if param.required else ", or leave it out"
+                raise click.UsageError(f"{name} is empty: give it a value{otherwise}", ctx)
             return options, rest, order
 
         parser.parse_args = parse_args  # type: ignore[method-assign]
