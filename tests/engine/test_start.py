@@ -138,7 +138,7 @@ run: {t_end: 2e14 s, every: 1e14 s, method: taylor}
 
 
 def standstill(scene):
-    with pytest.raises(EngineError, match="steps brought the run no further") as caught:
+    with pytest.raises(EngineError, match="steps or more brought the run no further") as caught:
         run(scene)
     return caught.value
 

@@ -1,5 +1,6 @@
 """Runs of many digits of scenes made of parts check each other, and the engines in doubles."""
 
+from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 from math import sqrt
@@ -10,10 +11,13 @@ import pytest
 
 from tests.engine.impacts import GRAVITY, ball, times
 from tests.engine.many_digits import exact_parts, faults, truth
+from tests.engine.random_formulas import formula_scene
 from tests.engine.random_parts import LENGTH, part_scenes, rigid_scenes
 from tests.engine.runs import Run, by_instant, outcome, run
 from tests.random_scenes import always
 from vibsim.cases import load_case
+from vibsim.engine.errors import EngineError
+from vibsim.engine.truth import open_truth
 from vibsim.physics.parts import (
     AT_GAP,
     COMPRESSION,
@@ -148,3 +152,12 @@ def test_bodies_at_rest_on_each_other_meet_the_wall_in_many_digits():
     assert len(walls[0]) == len(walls[1]) == 1
     assert abs(walls[0] - walls[1]) < 1e-12
     assert samples["x_b"].min() >= -0.001
+
+
+@pytest.mark.slow
+def test_a_run_that_creeps_towards_a_singularity_ends():
+    """By steps that move the time, but come to nothing: two minutes in 30 digits, where it had no end."""
+    scene = replace(formula_scene(28), t_end=0.3)
+    with pytest.raises(EngineError, match="steps or more brought the run no further"):
+        for _ in open_truth(exact_parts(scene), 30).blocks():
+            pass

@@ -6,9 +6,10 @@
 
 #include "certificate.h"
 #include "event_functions.h"
+#include "numbers.h"
 
 #define EVENTS_AT_ONE_INSTANT 64 /* more than that are an accumulation, which ends the run */
-#define MOST_STRETCHES 50000 /* that a run in doubles may take for PROGRESS of it */
+#define MOST_STRETCHES 50000 /* that a run in doubles may take for PROGRESS of it, one of more digits as many times more */
 #define PROGRESS 0x1p-30 /* share of the run that so many stretches must bring it on: it would take 5e13 */
 /* Roundings of a time: what only bends so soon behind an event leaves its zeros known. A law that has a kink where a sliding velocity
  * is zero bends there once the friction has let go: that velocity is still zero then.
@@ -346,18 +347,13 @@ static void open_stretch(Run *r)
 /* Whether a run would never end, stretch by stretch within its rounding. */
 static int stands_still(Run *r)
 {
-#ifdef LIMBS
-    (void)r;
-    return 0;
-#else
     if (r->state.t > r->progress_deadline) {
         r->progress_deadline = r->state.t + PROGRESS * r->t_end;
         r->stretches = 0;
         return 0;
     }
     r->stretches += 1;
-    return r->stretches > MOST_STRETCHES;
-#endif
+    return r->stretches > MOST_STRETCHES * (binary_exponent(EPS) / -52.0);
 }
 
 /* The stretch from `state` to the next event, or as far as the flow advances at once: stage by stage. Returns 0 when the

@@ -48,7 +48,7 @@ REASONS = {
         "make stops softer or friction smaller, or change the start values slightly",
     ),
     "standstill": (
-        "50,000 steps brought the run no further: the motion cannot be continued at double precision",
+        "50,000 steps or more brought the run no further: the motion cannot be continued with its digits",
         "change the start values slightly, or make stops softer or friction smaller",
     ),
     "crushed": (
