@@ -15,13 +15,13 @@ from tests.events.test_chains_at_rest import TORN_SOFTLY
 from tests.events.test_order_of_events import ALIKE, METHODS, TWO_AT_ONCE
 from tests.scenes import scene
 from vibsim.engine import c_engine, doubts
-from vibsim.engine.doubts import REASONS
+from vibsim.engine.doubts import REASONS_OF_C
 from vibsim.engine.errors import EngineError
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import GROUND, Clearance
 
 MOST = 8  # that are described
-_, ORDER, TOUCH, SHORT_STEPS, SIDE, AT_ZERO = REASONS
+_, ORDER, TOUCH, SHORT_STEPS, SIDE, AT_ZERO = REASONS_OF_C
 
 
 def told(scene, **options):

@@ -433,18 +433,15 @@ def full_key(key: str, present: Iterable[str] = (), allowed: Iterable[str] | Non
     raise UnknownKeyError(f"unknown key{_hint(key, allowed)}; a key is written like {example} or run.t_end")
 
 
-def _parts_of(allowed: Iterable[str]) -> Iterator[str]:
-    return (key.rpartition(".")[0] for key in allowed)
-
-
 def _hint(key: str, allowed: tuple[str, ...]) -> str:
     """The key whose end is nearest to what was typed, or the one whose last name is; of a part that is there
     its own keys alone.
     """
     part, _, name = key.rpartition(".")
-    around = next((path for path in _parts_of(allowed) if part and f".{path}".endswith(f".{part}")), None)
+    known = [(path, last) for path, _, last in (one.rpartition(".") for one in allowed)]
+    around = next((path for path, _ in known if part and f".{path}".endswith(f".{part}")), None)
     if around is not None:
-        names = [path.rpartition(".")[2] for path in allowed if path.rpartition(".")[0] == around]
+        names = [last for path, last in known if path == around]
         begun = [one for one in names if one.startswith(name) or name[:-1] == one]  # gap by g, k by kk
         match = nearest(name, names) or (begun[0] if len(begun) == 1 else None)
         takes = "" if around.startswith("initial.") else f"; {around} takes {shown(', '.join(names), 200)}"

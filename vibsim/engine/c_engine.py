@@ -14,8 +14,7 @@ import numpy as np
 
 import vibsim.engine._engine as _engine
 from vibsim.engine.columns import part_columns
-from vibsim.engine.doubts import REASONS as DOUBTED
-from vibsim.engine.doubts import Doubt, few_of, name_of_event
+from vibsim.engine.doubts import REASONS_OF_C, Doubt, few_of, name_of_event
 from vibsim.engine.errors import EngineError, State, Stopped, start_of
 from vibsim.engine.events.automaton import Automaton, UnambiguousStart
 from vibsim.engine.events.rule_maker import RuleMaker
@@ -168,7 +167,7 @@ class CRun:
                 rows = self.rows_of(mode)
                 names = (name_of_event(self.maker, rows, rows.events[i]) for i in events if i >= 0)
                 (time,) = self.kit.rounded([at])
-                self.described[number] = Doubt(time, few_of(names), DOUBTED[reason])
+                self.described[number] = Doubt(time, few_of(names), REASONS_OF_C[reason])
 
     @cached_property
     def maker(self) -> RowMaker:

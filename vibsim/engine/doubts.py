@@ -42,7 +42,7 @@ class Doubt(NamedTuple):
 
 
 # Reasons of C, in the order of its codes; the first stands for those of the automaton.
-REASONS = (
+REASONS_OF_C = (
     "",
     "in one instant, in an order that is not known",
     "a touch so near that it cannot be distinguished from a miss",

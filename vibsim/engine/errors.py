@@ -44,11 +44,11 @@ def start_of(scene: Scene[N], kit: Kit[N]) -> State[N]:
 
 REASONS = {
     "accumulation": (
-        "more than 64 events at one instant: the motion cannot be continued at double precision",
+        "more than 64 events at one instant: the motion cannot be continued at this precision",
         "make stops softer or friction smaller, or change the start values slightly",
     ),
     "standstill": (
-        "50,000 steps or more brought the run no further: the motion cannot be continued with its digits",
+        "50,000 steps or more brought the run no further: the motion cannot be continued at this precision",
         "change the start values slightly, or make stops softer or friction smaller",
     ),
     "crushed": (
@@ -56,7 +56,7 @@ REASONS = {
         "make one of them elastic, or leave the bodies more room (a wider gap, a smaller motion of the base)",
     ),
     "undecided": (
-        "which frictions and stops hold cannot be decided at double precision",
+        "which frictions and stops hold cannot be decided at this precision",
         "change the start values or one of their limits slightly",
     ),
     "entangled": (

@@ -119,7 +119,7 @@ class Result(Labelled):
     @property
     def doubts(self) -> "list[Doubt]":
         """What the certificate could not prove, the first few: `time` [s] near which, `events` by the names
-        of the parts, `reason` in words. `attrs["uncertified"]` counts all; older files tell no more.
+        of the parts, `reason` in words. `attrs["uncertified"]` counts all; older files say no more.
         """
         from vibsim.results.trajectory_file import doubts_in
 

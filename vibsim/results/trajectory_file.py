@@ -325,7 +325,7 @@ def doubt_objects(doubts: Sequence[Doubt]) -> list[dict[str, Any]]:
 
 
 def doubts_in(attrs: Mapping[str, Any]) -> list[Doubt]:
-    """The doubts that attributes tell of; none of files of versions that counted them only.
+    """The doubts that attributes describe; none of files of versions that counted them only.
 
     Raises ValueError where the attribute has another form.
     """
