@@ -478,24 +478,17 @@ static void describe_type(void)
 }
 
 #ifndef LIMBS
-#define ELEMENTARY(name, of)                                                                              \
+#define FUNCTION(CODE, name, of, sign, text)                                                              \
     static PyObject *name##_value(PyObject *self, PyObject *x)                                            \
     {                                                                                                     \
         const double value = PyFloat_AsDouble(x);                                                         \
         (void)self;                                                                                       \
         return value == -1.0 && PyErr_Occurred() ? NULL : PyFloat_FromDouble(of(value));                  \
     }
-ELEMENTARY(sin, sine_of)
-ELEMENTARY(cos, cosine_of)
-ELEMENTARY(exp, exponential)
-ELEMENTARY(expm1, exponential_less_1)
-ELEMENTARY(log, logarithm)
-ELEMENTARY(sinh, hyperbolic_sine)
-ELEMENTARY(cosh, hyperbolic_cosine)
-ELEMENTARY(tanh, hyperbolic_tangent)
-ELEMENTARY(asin, arcsine)
-ELEMENTARY(acos, arccosine)
-ELEMENTARY(atan, arctangent)
+#define METHOD(CODE, name, of, sign, text) {#name, name##_value, METH_O, text},
+#define NAME(CODE, name, of, sign, text) #name " "
+ELEMENTARY_FUNCTIONS(FUNCTION)
+FUNCTION(EXPM1, expm1, exponential_less_1, 0, )
 
 static PyObject *sine_cosine_value(PyObject *self, PyObject *x)
 {
@@ -534,19 +527,10 @@ static PyObject *power_value(PyObject *self, PyObject *args)
 }
 
 static PyMethodDef functions[] = {
-    {"sin", sin_value, METH_O, "Sine of an angle [rad]."},
-    {"cos", cos_value, METH_O, "Cosine of an angle [rad]."},
+    ELEMENTARY_FUNCTIONS(METHOD)
+    {"expm1", expm1_value, METH_O, "exp(x) - 1."},
     {"sine_cosine", sine_cosine_value, METH_O, "Sine and cosine of an angle [rad]; beyond a million radians with the error that n eps in it makes."},
     {"sines_cosines", sines_cosines, METH_VARARGS, "sines_cosines(angles, sines, cosines): of arrays of doubles, the last two to be filled."},
-    {"exp", exp_value, METH_O, "exp(x); 0 or infinite where that is what is nearest."},
-    {"expm1", expm1_value, METH_O, "exp(x) - 1."},
-    {"log", log_value, METH_O, "Natural logarithm; -infinity of 0, nan of what is below it."},
-    {"sinh", sinh_value, METH_O, "Hyperbolic sine."},
-    {"cosh", cosh_value, METH_O, "Hyperbolic cosine."},
-    {"tanh", tanh_value, METH_O, "Hyperbolic tangent."},
-    {"asin", asin_value, METH_O, "Angle [rad] from -pi/2 to pi/2 of a sine; nan beyond 1."},
-    {"acos", acos_value, METH_O, "Angle [rad] from 0 to pi of a cosine; nan beyond 1."},
-    {"atan", atan_value, METH_O, "Angle [rad] from -pi/2 to pi/2 of a tangent."},
     {"power", power_value, METH_VARARGS, "power(a, p): a**p for a >= 0, nan of a below 0; 1 for p = 0."},
     {"product", matrix_product, METH_VARARGS, "product(a, b, out): matrix product; vectors are a row a, a column b"},
     {"dot", matrix_dot, METH_VARARGS, "dot(a, b) -> sum of the products of two vectors"},
@@ -581,6 +565,8 @@ PyMODINIT_FUNC INIT(void)
         return NULL;
 #else
     keep_freed_memory();
+    if (PyModule_AddStringConstant(made, "FUNCTIONS", ELEMENTARY_FUNCTIONS(NAME)) < 0)
+        return NULL;
 #endif
 #ifdef Py_GIL_DISABLED
     PyUnstable_Module_SetGIL(made, Py_MOD_GIL_NOT_USED);

@@ -13,24 +13,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibsim.engine._engine import acos as acos
+from vibsim.engine import _engine
 from vibsim.engine._engine import asin as asin
-from vibsim.engine._engine import atan as atan
 from vibsim.engine._engine import cos as cos
-from vibsim.engine._engine import cosh as cosh
 from vibsim.engine._engine import exp as exp
-from vibsim.engine._engine import expm1 as expm1
 from vibsim.engine._engine import log as log
 from vibsim.engine._engine import power as power
 from vibsim.engine._engine import sin as sin
 from vibsim.engine._engine import sine_cosine as sine_cosine
 from vibsim.engine._engine import sines_cosines
-from vibsim.engine._engine import sinh as sinh
-from vibsim.engine._engine import tanh as tanh
 
 TWO_PI = 6.283185307179586
 PER_LN_2, PER_LN_10 = 1.4426950408889634, 0.4342944819032518
 VELTKAMP = 134217729.0  # 2**27 + 1: splits a double into two halves of 26 bits
+
+
+def function(name: str) -> Callable[[float], float]:
+    """The elementary function that formulas call by that name."""
+    of: Callable[[float], float] = getattr(_engine, name)
+    return of
 
 
 def log2(x: float) -> float:

@@ -59,7 +59,7 @@ def _value(node: Node, below: list[np.ndarray], inputs: Inputs) -> np.ndarray:
             return _turned(below[0])[kind == "cos"]
         if kind == "table":
             return _of_table(below[0], node[2], node[3])
-        return _by_elements(getattr(elementary, kind), below[0])
+        return _by_elements(elementary.function(kind), below[0])
 
 
 ARITHMETIC: dict[str, Callable[..., Any]] = {

@@ -366,8 +366,8 @@ class _Derivative:
         return FUNCTIONS[node[0]].slope(node, a)
 
 
-# The functions of one argument, by name. Checks of cases, values in pictures and peers go by what is said of
-# them here; the engine has to know them too (`engine/flows/tape.py`, `series/tape.c`, `tape_series.h`).
+# The functions of one argument, by name. Checks of cases, values in pictures, peers and the engine go by what
+# is said of them here; how their values are computed is in `engine/functions.h`.
 
 
 class Function(NamedTuple):
@@ -378,6 +378,7 @@ class Function(NamedTuple):
     least, most : ends of the numbers that it is of, None without; strictly : whether the least is none of
         them
     harmless : an argument of which its value is not large; None where that is so everywhere
+    divisor : of a function whose derivative is 1 or -1 over it, that as a formula of the argument
     """
 
     slope: Callable[[Node, Node], Node]
@@ -386,11 +387,22 @@ class Function(NamedTuple):
     most: int | None = None
     strictly: bool = False
     harmless: float | None = None
+    divisor: Callable[[Node], Node] | None = None
 
     def covers(self, x: Fraction) -> bool:
         """Whether it has a value at x."""
         above = self.least is None or x > self.least or (x == self.least and not self.strictly)
         return above and (self.most is None or x <= self.most)
+
+
+def _over(divisor: Callable[[Node], Node], sign: int = 1) -> Callable[[Node, Node], Node]:
+    """The derivative of a function by its divisor."""
+    return lambda _, a: div(num(sign), divisor(a))
+
+
+def _square_and_one(a: Node) -> Node:
+    """1 + a^2"""
+    return add(ONE, mul(a, a))
 
 
 def _root_beside_one(a: Node) -> Node:
@@ -407,7 +419,7 @@ FUNCTIONS = {
     "sinh": Function(lambda _, a: ("cosh", a), (0, ZERO), harmless=0.0),
     "cosh": Function(lambda _, a: ("sinh", a), (0, ONE), harmless=0.0),
     "tanh": Function(lambda y, _: sub(ONE, mul(y, y)), (0, ZERO)),
-    "atan": Function(lambda _, a: div(ONE, add(ONE, mul(a, a))), (0, ZERO)),
-    "asin": Function(lambda _, a: div(ONE, _root_beside_one(a)), (0, ZERO), -1, 1, harmless=0.0),
-    "acos": Function(lambda _, a: div(num(-1), _root_beside_one(a)), (1, ZERO), -1, 1, harmless=0.0),
+    "atan": Function(_over(_square_and_one), (0, ZERO), divisor=_square_and_one),
+    "asin": Function(_over(_root_beside_one), (0, ZERO), -1, 1, harmless=0.0, divisor=_root_beside_one),
+    "acos": Function(_over(_root_beside_one, -1), (1, ZERO), -1, 1, harmless=0.0, divisor=_root_beside_one),
 }

@@ -8,7 +8,7 @@ need.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from functools import lru_cache
 from importlib import import_module
@@ -81,13 +81,16 @@ class DigitsKit(Generic[N]):
         self.name, self.library = f"{WORD * self.words}-bit", f"vibsim {__version__}"
         of: Any = import_module(engine_name(engine))
         self.engine = of
-        self.sin, self.cos, self.sine_cosine, self.tanh = of.sin, of.cos, of.sine_cosine, of.tanh
-        self.exp, self.log, self.sinh, self.cosh = of.exp, of.log, of.sinh, of.cosh
-        self.asin, self.acos, self.atan = of.asin, of.acos, of.atan
+        self.sin, self.cos, self.sine_cosine = of.sin, of.cos, of.sine_cosine
         self.power, self.sqrt, self.next_after = of.power, of.sqrt, of.next_after
         self.activate()
         self.eps, self.pi, self.zero = of.number(1, -self.bits), of.pi(), of.number(0, 0)
         self.inf, self.two_pi = self.number(float("inf")), 2 * self.pi
+
+    def function(self, name: str) -> Callable[[N], N]:
+        """The elementary function that formulas call by that name."""
+        of: Callable[[N], N] = getattr(self.engine, name)
+        return of
 
     def activate(self) -> None:
         """Have this thread compute with the kit's precision."""

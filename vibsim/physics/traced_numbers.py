@@ -15,7 +15,6 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from vibsim.physics.formulas import FUNCTIONS
 from vibsim.physics.numbers import Doubles
 
 Operation = Callable[[Any, Any], Any]
@@ -237,6 +236,12 @@ def _recorded(function: Callable[[float], float]) -> Callable[[Any], Any]:
 class RecordedNumbers(Doubles):
     """The kit of `Recorded` numbers, among which plain doubles are constants."""
 
+    sin, cos = staticmethod(_recorded(Doubles.sin)), staticmethod(_recorded(Doubles.cos))
+
+    @staticmethod
+    def function(name: str) -> Callable[[Any], Any]:
+        return _recorded(Doubles.function(name))
+
     @staticmethod
     def number(value: Any) -> Any:
         return as_double(value) if isinstance(value, int | Fraction | Recorded) else value
@@ -248,8 +253,3 @@ class RecordedNumbers(Doubles):
     @staticmethod
     def power(x: Any, p: float) -> Any:
         return x.record.result(Doubles.power, x, p) if isinstance(x, Recorded) else Doubles.power(x, p)
-
-
-for _name in FUNCTIONS:
-    if hasattr(Doubles, _name):
-        setattr(RecordedNumbers, _name, staticmethod(_recorded(getattr(Doubles, _name))))

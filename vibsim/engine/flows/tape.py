@@ -8,24 +8,27 @@ and the coefficients of series, by the usual recurrences (Jorba & Zou 2005): `ta
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import chain
 from typing import Any, Generic, NamedTuple, cast
 
-from vibsim.physics.formulas import SWITCHES, HashedNode, Node, children, derivative, resolved
+from vibsim.engine import _engine
+from vibsim.physics.formulas import FUNCTIONS, SWITCHES, HashedNode, Node, children, derivative, resolved
 from vibsim.physics.formulas import TIME as TIME_NODE
 from vibsim.physics.numbers import TWO_PI, Doubles, Kit, N, abs
 
-# Operations, the same numbers in tape.h.
+# Operations, the same numbers in tape.h; of functions, as functions.h lists them.
 CONSTANT, TIME, PLACE, SPEED, ANGLE, SPIN, ADD, SUB, SCALE, MUL, SQUARE, DIV = range(12)
-SIN, COS, SINH, COSH, EXP, LOG, TANH, ATAN, ASIN, ACOS, POWER = range(12, 23)
 INPUTS = (CONSTANT, TIME, PLACE, SPEED, ANGLE, SPIN)
-NAMES = dict(enumerate(("sin", "cos", "sinh", "cosh", "exp", "log", "tanh", "atan", "asin", "acos"), SIN))
+NAMES = dict(enumerate(_engine.FUNCTIONS.split(), DIV + 1))
+CODES = {name: code for code, name in NAMES.items()}
+SIN, COS, SINH, COSH = CODES["sin"], CODES["cos"], CODES["sinh"], CODES["cosh"]
+EXP, LOG, TANH, ATAN = CODES["exp"], CODES["log"], CODES["tanh"], CODES["atan"]
+POWER = DIV + 1 + len(NAMES)
 ARITHMETIC = {"add": ADD, "sub": SUB, "mul": MUL, "div": DIV}
 LEAVES = ("num", "pi", "t", "x", "v", "phi", "w")  # nodes that are made of no others
-FUNCTIONS = {"exp": EXP, "log": LOG}
 PAIRS = {"sin": (SIN, "cos"), "cos": (COS, "sin"), "sinh": (SINH, "cosh"), "cosh": (COSH, "sinh")}
 ULPS = 4  # rounding of an elementary function, in units of eps
 
@@ -47,8 +50,7 @@ class Tape:
     """Operations in order, and the places of the results that are asked for.
 
     ops : each writes its own place; b of SIN, COS, SINH, COSH is the place of the other one of the two, of
-    TANH
-        that of 1 - tanh^2, of ATAN, ASIN and ACOS that of the divisor of their derivative
+        TANH that of 1 - tanh^2, of a function by a divisor that of the divisor
     outputs : places by number of the output; texts : what each output belongs to, for messages
     """
 
@@ -137,7 +139,7 @@ class TapeMaker(Generic[N]):
         if kind == "mod":
             b = self.place(node[2], sides)
             return self._two(SUB, a, self.scaled(self.kit.number(sides.get(node, 0)), b))
-        return self._table(node, a, sides) if kind == "table" else self._function(node, a)
+        return self._table(node, a, sides) if kind == "table" else self._function(node, a, sides)
 
     def _leaf(self, node: Node) -> int:
         """The place of a number, or of what formulas read."""
@@ -166,26 +168,21 @@ class TapeMaker(Generic[N]):
             return self.scaled(1 / ops[b].value, a)
         return self._two(ARITHMETIC[kind], a, b)
 
-    def _function(self, node: Node, a: int) -> int:
+    def _function(self, node: Node, a: int, sides: Mapping[Node, int]) -> int:
         kind, kit = node[0], self.kit
         if kind == "pow":
             return self._folded(Op(POWER, a, -1, kit.number(node[2])))
-        if kind in FUNCTIONS:
-            return self._folded(Op(FUNCTIONS[kind], a))
+        if kind in ("exp", "log"):
+            return self._folded(Op(CODES[kind], a))
         if self.ops[a].code == CONSTANT:
-            return self._constant(getattr(kit, kind)(self.ops[a].value))
+            return self._constant(kit.function(kind)(self.ops[a].value))
         if kind in PAIRS:
             return self._pair(kind, a)
-        one = self._constant(kit.number(1))
-        if kind == "tanh":
-            place = len(self.ops)
-            return self._as_one(Op(TANH, a, place + 2), Op(SQUARE, place), Op(SUB, one, place + 1))
-        square = self._folded(Op(SQUARE, a))
-        if kind == "atan":
-            return self._folded(Op(ATAN, a, self._two(ADD, one, square)))
-        inside = self._two(SUB, one, square)
-        root = self._folded(Op(POWER, inside, -1, kit.number(Fraction(1, 2))))
-        return self._folded(Op(ASIN if kind == "asin" else ACOS, a, root))
+        divisor = FUNCTIONS[kind].divisor
+        if divisor is not None:
+            return self._folded(Op(CODES[kind], a, self.place(divisor(node[1]), sides)))
+        one, place = self._constant(kit.number(1)), len(self.ops)
+        return self._as_one(Op(TANH, a, place + 2), Op(SQUARE, place), Op(SUB, one, place + 1))
 
     def _pair(self, kind: str, a: int) -> int:
         first, second = (SIN, COS) if kind in ("sin", "cos") else (SINH, COSH)
@@ -266,7 +263,7 @@ def pi_of(kit: Kit[N]) -> N:
     if isinstance(kit, type) and issubclass(kit, Doubles):
         half: Any = TWO_PI / 2
         return cast("N", half)
-    return 4 * kit.atan(kit.number(1))
+    return 4 * kit.function("atan")(kit.number(1))
 
 
 @dataclass(slots=True)
@@ -315,8 +312,7 @@ def start_value(kit: Kit[N], op: Op, values: Mapping[int, N] | Sequence[N]) -> N
         return kit.power(a, op.value) if a > 0 else 0 * a if op.value < 0 else kit.power(0 * a, op.value)
     if code == LOG and not a > 0:
         return kit.inf * 0
-    of: Callable[[N], N] = getattr(kit, NAMES[code])
-    return of(a)
+    return kit.function(NAMES[code])(a)
 
 
 def motion_tape(kit: Kit[N], formula: Node, sides: Mapping[Node, int], text: str) -> Tape:
@@ -394,7 +390,7 @@ class TapeValues(Generic[N]):
         if op.code == EXP:
             return value
         if op.code in (SINH, COSH):
-            return self.kit.cosh(a)
+            return self.kit.function("cosh")(a)
         if op.code == POWER:
             return quotient(self.kit, abs(op.value) * value, a) if a > 0 else 0 * one
         if op.code == LOG:

@@ -2,6 +2,7 @@
 #ifndef VIBSIM_LIMBS_FUNCTIONS_H
 #define VIBSIM_LIMBS_FUNCTIONS_H
 
+#include "functions.h"
 #include "limbs.h"
 
 /* SPARE_BITS: that the words in use have beyond the unit round-off of a run, at least, as in number_forms.py; MOST_BITS of these. */
@@ -39,17 +40,9 @@ extern const Real HALF_TURN; /* pi */
 
 void sine_cosine(const Real &angle, Real *sine, Real *cosine);
 void rounded_sine_cosine(const Real &angle, Real *sine, Real *cosine);
-Real sine_of(const Real &angle);
-Real cosine_of(const Real &angle);
-Real exponential(const Real &x);
+#define DECLARED(CODE, name, of, sign, text) Real of(const Real &x);
+ELEMENTARY_FUNCTIONS(DECLARED)
 Real exponential_less_1(const Real &x);
-Real hyperbolic_sine(const Real &x);
-Real hyperbolic_cosine(const Real &x);
-Real hyperbolic_tangent(const Real &x);
-Real arctangent(const Real &x);
-Real arcsine(const Real &x);
-Real arccosine(const Real &x);
-Real logarithm(const Real &x);
 Real real_power(const Real &a, const Real &p);
 
 /* Numbers as decimal texts of so many significant digits, each in `width` characters, the rest of them 0; false where one is not

@@ -248,26 +248,17 @@ static PyObject *half_turn(PyObject *self, PyObject *none)
     return number_object(HALF_TURN);
 }
 
-#define OF_ONE(name, of)                                                                       \
+#define FUNCTION(CODE, name, of, sign, text)                                                                       \
     static PyObject *name##_value(PyObject *self, PyObject *x)                                 \
     {                                                                                          \
         Real value;                                                                            \
         (void)self;                                                                            \
         return number_from(x, &value) ? number_object(of(value)) : NULL;                       \
     }
-OF_ONE(sin, sine_of)
-OF_ONE(cos, cosine_of)
-OF_ONE(exp, exponential)
-OF_ONE(expm1, exponential_less_1)
-OF_ONE(log, logarithm)
-OF_ONE(sinh, hyperbolic_sine)
-OF_ONE(cosh, hyperbolic_cosine)
-OF_ONE(tanh, hyperbolic_tangent)
-OF_ONE(asin, arcsine)
-OF_ONE(acos, arccosine)
-OF_ONE(atan, arctangent)
-OF_ONE(floor, floor)
-#undef OF_ONE
+#define METHOD(CODE, name, of, sign, text) {#name, name##_value, METH_O, text},
+ELEMENTARY_FUNCTIONS(FUNCTION)
+FUNCTION(EXPM1, expm1, exponential_less_1, 0, )
+FUNCTION(FLOOR, floor, floor, 0, )
 
 /* 0 of what rounding has left below 0. */
 static PyObject *root(PyObject *self, PyObject *x)
@@ -364,18 +355,9 @@ PyMethodDef number_functions[] = {
     {"precision", precision, METH_VARARGS, "precision(bits): of what this thread computes from now on"},
     {"number", number, METH_VARARGS, "number(m, e) -> m 2**e; m of no more bits than the words have"},
     {"pi", half_turn, METH_NOARGS, "pi() -> half a turn [rad]"},
-    {"sin", sin_value, METH_O, "Sine of an angle [rad]."},
-    {"cos", cos_value, METH_O, "Cosine of an angle [rad]."},
-    {"sine_cosine", sine_and_cosine, METH_O, "Sine and cosine of an angle [rad]."},
-    {"exp", exp_value, METH_O, "exp(x)."},
+    ELEMENTARY_FUNCTIONS(METHOD)
     {"expm1", expm1_value, METH_O, "exp(x) - 1."},
-    {"log", log_value, METH_O, "Natural logarithm; nan of what is below 0."},
-    {"sinh", sinh_value, METH_O, "Hyperbolic sine."},
-    {"cosh", cosh_value, METH_O, "Hyperbolic cosine."},
-    {"tanh", tanh_value, METH_O, "Hyperbolic tangent."},
-    {"asin", asin_value, METH_O, "Angle [rad] from -pi/2 to pi/2 of a sine; nan beyond 1."},
-    {"acos", acos_value, METH_O, "Angle [rad] from 0 to pi of a cosine; nan beyond 1."},
-    {"atan", atan_value, METH_O, "Angle [rad] from -pi/2 to pi/2 of a tangent."},
+    {"sine_cosine", sine_and_cosine, METH_O, "Sine and cosine of an angle [rad]."},
     {"sqrt", root, METH_O, "Square root; 0 of what rounding has left below 0."},
     {"floor", floor_value, METH_O, "The largest whole number not above x."},
     {"power", power_of, METH_VARARGS, "power(a, p): a**p for a >= 0, nan of a below 0; 1 for p = 0."},

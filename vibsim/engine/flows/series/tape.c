@@ -6,6 +6,9 @@
 #define NEAR_ZERO 16          /* units in the last place of the time within which a zero of the base of a power is one here */
 #define ULPS 4                /* rounding of an elementary function, in units of EPS */
 
+#define VALUE(CODE, name, of, sign, text) \
+    case OP_##CODE: return OP_##CODE != OP_LOG || a > 0 ? of(a) : NAN;
+
 /* The value of an operation on values. A power of what is negative is that of 0, which with an exponent below 0 counts as 0: of
  * slopes, whose instant of being infinite a step leaves behind.
  */
@@ -18,16 +21,7 @@ static Real start_value(const Op *op, Real a, Real b)
     case OP_MUL: return a * b;
     case OP_SQUARE: return a * a;
     case OP_DIV: return quotient(a, b);
-    case OP_SIN: return sine_of(a);
-    case OP_COS: return cosine_of(a);
-    case OP_SINH: return hyperbolic_sine(a);
-    case OP_COSH: return hyperbolic_cosine(a);
-    case OP_EXP: return exponential(a);
-    case OP_LOG: return a > 0 ? logarithm(a) : NAN;
-    case OP_TANH: return hyperbolic_tangent(a);
-    case OP_ATAN: return arctangent(a);
-    case OP_ASIN: return arcsine(a);
-    case OP_ACOS: return arccosine(a);
+        ELEMENTARY_FUNCTIONS(VALUE)
     default: return a > 0 ? real_power(a, op->value) : op->value < 0 ? 0 * a : real_power(0 * a, op->value);
     }
 }

@@ -4,6 +4,7 @@
 
 #include <stddef.h>
 
+#include "functions.h"
 #include "real.h"
 
 #define TAPE_ORDERS (MAX_ORDER + 3) /* coefficients of a series along a tape; that of the base has three beyond the order */
@@ -15,6 +16,8 @@ static inline Real *series_along(Real *series, int i)
 {
     return series + (ptrdiff_t)i * TAPE_WIDTH;
 }
+
+#define OPERATION(CODE, name, of, sign, text) OP_##CODE,
 
 /* Operations, the same numbers in tape.py. */
 enum {
@@ -30,16 +33,7 @@ enum {
     OP_MUL,
     OP_SQUARE,
     OP_DIV,
-    OP_SIN,
-    OP_COS,
-    OP_SINH,
-    OP_COSH,
-    OP_EXP,
-    OP_LOG,
-    OP_TANH,
-    OP_ATAN,
-    OP_ASIN,
-    OP_ACOS,
+    ELEMENTARY_FUNCTIONS(OPERATION)
     OP_POWER,
     OPERATIONS
 };

@@ -66,6 +66,11 @@ INLINE Real quotient_coefficient(Real newest, const Real *b, const Real *back, R
     return value;
 }
 
+#define SIGN(CODE, name, of, sign, text) sign,
+
+/* By function: see functions.h. */
+static const int divisor_signs[] = {ELEMENTARY_FUNCTIONS(SIGN)};
+
 /* Coefficient n > 0 of an operation; now, back: series + n, and where coefficient n - i of the first of them is number i; last:
  * coefficient n of the operation just before. What is known of a sum before order n comes first, and what has just been computed is not
  * read back, so that little waits for it.
@@ -103,10 +108,10 @@ INLINE Real following(const Op *op, Real *series, const Real *now, const Real *b
         weights = WEIGHTED(series + op->second);
         return -((middle(weights, back + op->second, n - 1) + weights[n] * series[op->second]) * inverse);
     case OP_LOG: return quotient_coefficient(now[op->first], a, back + op->first, series + op->at, n, inverse);
-    case OP_ATAN:
-    case OP_ASIN: return quotient_coefficient(now[op->first], series + op->second, back + op->second, series + op->at, n, inverse);
-    case OP_ACOS: return quotient_coefficient(-now[op->first], series + op->second, back + op->second, series + op->at, n, inverse);
-    default: return power_coefficient(a, back + op->first, series + op->at, op->value, n, inverse, least);
+    case OP_POWER: return power_coefficient(a, back + op->first, series + op->at, op->value, n, inverse, least);
+    default: /* by a divisor */
+        newest = divisor_signs[op->code - OP_SIN] * now[op->first];
+        return quotient_coefficient(newest, series + op->second, back + op->second, series + op->at, n, inverse);
     }
 }
 
