@@ -325,7 +325,7 @@ def _harmonic_response(scene: Scene, w: float, force: float) -> np.ndarray | Non
 
 
 def _joined(part: Link | Friction, n: int) -> np.ndarray:
-    """What a unit of stiffness between the ends of a part adds to the matrix of n bodies (n, n)."""
+    """Stiffness matrix (n, n) of n bodies with a unit of stiffness between the ends of a part."""
     row = np.array([float(i == part.P) - float(i == part.Q) for i in range(n)])
     joined: np.ndarray = row[:, None] * row
     return joined

@@ -122,7 +122,7 @@ def _at_rest(scene: FormulaScene, place: FormulaPlace) -> Iterator[FoundDefault]
 
 
 def _bare_word(scene: FormulaScene, place: FormulaPlace) -> FoundDefault | None:
-    """A word in place of a number, where that is no name: it is told as in a case without formulas."""
+    """A word in place of a number, where that is no name: it is reported as in a case without formulas."""
     word = place.text.strip()
     measured = all_keys(scene.form).get(scene.form.pattern(place.path))
     if measured is None or not NAME.fullmatch(word):

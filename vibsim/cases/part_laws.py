@@ -48,7 +48,7 @@ class Direction(NamedTuple):
 
     @property
     def start(self) -> Fraction:
-        """What slip begins with."""
+        """The coefficient of friction with which slip begins."""
         return self.slip + self.drop
 
 

@@ -245,7 +245,7 @@ def _read_chain(source: SourceText, chain: list[str], tree: Tree) -> yaml_nodes_
 
 
 def _is_no_case(mapping: yaml_nodes_Mapping) -> bool:
-    """Whether a file holds many keys, and none of a case: its lines are nobody's to be told one by one."""
+    """Whether a file holds many keys, and none of a case: errors are not reported line by line then."""
     known = {*OWN_KEYS, "vibsim_case", *SHORT.sections, *LONG.sections}
     return len(mapping.values) > FEW_KEYS and known.isdisjoint(mapping.values)
 
@@ -275,7 +275,7 @@ def _parent(extends: Text, source: SourceText, chain: list[str], tree: Tree) -> 
 
 
 def _blamed(problem: Problem, place: Place) -> Problem:
-    """A problem of a parent that cannot be read at all, told at the line that asks for it."""
+    """A problem of a parent that cannot be read at all, reported at the line that names it."""
     if problem.line is not None:
         return problem
     return place.problem("extends", f"{shown(problem.file, limit=200)}: {problem.message}")

@@ -54,7 +54,7 @@ NO_EVENT = -1  # in place of the kind of an event, where nothing is told
 
 
 def doubts_of(run: CRun) -> Callable[[Any, str, Iterable[str]], None]:
-    """What counts a doubt of the automaton for a run: at a time [s], for a reason, by the names of events.
+    """A function that counts a doubt of the automaton: at a time [s], for a reason, by the names of events.
 
     It does not keep that run: flows and automaton refer to each other, so that what they keep is freed by the
     garbage collector only, which knows nothing of the megabytes that C holds.
@@ -354,7 +354,7 @@ class CRun:
         return self._filled([row.copy() for row in self._rows(counts)])
 
     def _rows(self, counts: Sequence[int]) -> list[np.ndarray]:
-        """What C has filled of each array."""
+        """The part of each array that C has filled."""
         samples, events, section = counts
         of = zip(self.arrays, (samples, samples, events, events, section), strict=True)
         return [array[:, :count] for array, count in of]
@@ -430,7 +430,7 @@ class CRun:
 
     @property
     def disturbances(self) -> dict[str, Any]:
-        """What C tells of disturbances, by name; near: how close events were to tangency."""
+        """Disturbances as C has them, by name; near: how close events were to tangency."""
         entries = self.run.disturbances()
         near = *entries["near"], max(entries["fastest"], default=0)
         return entries | {"lost": [bool(one) for one in entries["lost"]], "near": near}

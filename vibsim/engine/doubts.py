@@ -30,7 +30,7 @@ MOST_NAMED = 3  # events of one doubt
 
 
 class Doubt(NamedTuple):
-    """What a run could not prove.
+    """A point that a run could not prove.
 
     time : near which it is [s]; events : by the names of the parts, empty where no event is singled out;
     reason : in words

@@ -1,4 +1,4 @@
-"""How a run can fail inside an engine, and the sentence that tells it."""
+"""How a run can fail inside an engine, and the sentence that reports it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -88,7 +88,7 @@ REASONS = {
         "end it earlier: digits are lost in proportion to its length",
     ),
 }
-MOST_NUMBERS = 4  # of displacements and of velocities, told in the sentence
+MOST_NUMBERS = 4  # of displacements and of velocities, given in the sentence
 
 
 class Stopped(Exception):

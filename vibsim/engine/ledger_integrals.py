@@ -1,4 +1,4 @@
-"""What the ledgers integrate in a mode, made from its rows when it is met.
+"""The integrals of the ledgers in a mode, made from its rows when it is met.
 
 An integral adds factor times an integral over each stretch of the mode to one entry of a ledger:
 

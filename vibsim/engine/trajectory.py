@@ -144,7 +144,7 @@ class Trajectory:
 
     @property
     def doubts(self) -> list[Doubt]:
-        """What the first doubts of the certificate are about; the totals count all."""
+        """The first doubts of the certificate, described; the totals count all."""
         return self.run.doubts
 
     @property

@@ -313,7 +313,7 @@ END: dict[str, Any] = {"marker": "o", "color": VERMILLION, "markersize": 3, "lin
 
 
 def locus_picture(subjects: Sequence[Subject], view: View) -> Figure:
-    """A line per locus, its kind told by dashes and colour; a mark where Neimark-Sacker points end."""
+    """A line per locus, its kind shown by dashes and colour; a mark where Neimark-Sacker points end."""
     figure = sheet(view, LOCUS_HEIGHT_CM)
     axes = figure.subplots()
     for subject in subjects:
@@ -463,7 +463,7 @@ def magnitudes_along(branch: Any) -> np.ndarray:
 
 
 def _along(branch: Any, tell: Callable[[Any, Any], Sequence[float]]) -> np.ndarray:
-    """The parameter and what is told of the orbits of a family (n, 1 + m), smooth along a branch."""
+    """The parameter and values of the orbits of a family (n, 1 + m), smooth along a branch."""
     family, parameter = branch.plan.family(), parameter_of(branch)
 
     def value(orbit: Any) -> tuple[float, ...]:
@@ -483,7 +483,7 @@ def traces_at(family: Any, orbit: Any) -> list[tuple[float, float]]:
 
 
 def multipliers_at(family: Any, orbit: Any) -> Any:
-    """Those of an orbit of a branch, or of what lies between two; the map decides where it is not told."""
+    """Those of an orbit of a branch, or of what lies between two; the map decides where it is not stored."""
     if isinstance(orbit, OrbitRecord):
         return orbit.multipliers
     try:

@@ -100,7 +100,7 @@ def packed(values: Any, dtype: str) -> str:
 
 
 STABILITY = ("unstable", "stable")  # what the pieces of a curve are, by number
-WORDS = ("label", "kind", "before", "after")  # what is told of a special point beside its numbers
+WORDS = ("label", "kind", "before", "after")  # texts of a special point beside its numbers
 
 
 def lines_data(branch: Any) -> dict[str, Any]:

@@ -345,7 +345,7 @@ def _free_place(axes: Axes, line: MotorLine, avoided: np.ndarray) -> float | Non
 
 TURNING_BACK = 0.01  # of the parameter's range: how far the branch may go on unstable before it turns back
 FAR = 0.05  # of the speeds drawn: a leap that can be seen
-ARROW = 0.6  # of the way to the last place on the line: where on it the motor comes to stay is not told
+ARROW = 0.6  # of the way to the last place on the line: where on it the motor comes to stay is not known
 LEAP_PT = 7
 
 

@@ -79,8 +79,8 @@ class Subject:
         return f"{unit}, {turned}" if any(body.turns for body in self.scene.bodies) else unit
 
     def word(self, unit: str, relative: bool = False) -> str:
-        """What is measured in the unit that stands for m, m/s or N: in a torsional scene an angle, an angular
-        velocity or a torque; relative : of two ends that may both move.
+        """The name of the quantity measured in the unit that stands for m, m/s or N: in a torsional scene an
+        angle, an angular velocity or a torque; relative : of two ends that may both move.
         """
         words = {
             "m": ("displacement", "angle"),

@@ -118,8 +118,8 @@ class Result(Labelled):
 
     @property
     def doubts(self) -> "list[Doubt]":
-        """What the certificate could not prove, the first few: `time` [s] near which, `events` by the names
-        of the parts, `reason` in words. `attrs["uncertified"]` counts all; older files say no more.
+        """The first few points that the certificate could not prove: `time` [s] near which, `events` by the
+        names of the parts, `reason` in words. `attrs["uncertified"]` counts all; older files say no more.
         """
         from vibsim.results.trajectory_file import doubts_in
 

@@ -82,7 +82,7 @@ def _writers(kind: Any) -> list[tuple[str, str, Callable[[Any], Any] | None]]:
 
 
 def _writer(kind: Any) -> Callable[[Any], Any] | None:
-    """What writes values of a kind; None where they are plain data."""
+    """The function that writes values of a kind; None where they are plain data."""
     origin, parts = get_origin(kind), get_args(kind)
     if kind in LEAVES or (origin is dict and parts[1] in LEAVES):
         return None

@@ -99,7 +99,7 @@ def compute_point(
 
 
 class MadeCase(NamedTuple):
-    """What a point replaces in the case of the settings, the case that it makes, or why that is not allowed,
+    """The values that a point replaces in the case, the case that results, or why that is not allowed,
     and how long that took [s].
     """
 
@@ -201,7 +201,7 @@ def _run_away(settings: PointSettings, error: EngineError | TooFineError) -> Mea
 
 
 class Measurement:
-    """What is measured in one run of a scene.
+    """The measurements of one run of a scene.
 
     known : orbits of the scene with which the run is compared. Where nothing but its attractor is asked, and
         that is sure before the transient ends, the statistics, which count from there on, are missing

@@ -50,7 +50,7 @@ class GivenUpError(Exception):
 
 
 class EarlyEnd(Protocol):
-    """What ends a run before its transient does.
+    """A condition that ends a run before its transient is over.
 
     stages : ascending times [s], the last one the end of the transient, at which it is asked
     """
@@ -332,7 +332,7 @@ class Statistics:
         return section
 
     def _sections(self) -> dict[str, Callable[[States], np.ndarray]]:
-        """What takes each column of `section` from points."""
+        """The function that takes each column of `section` from points."""
 
         def of_motion(motion: MeasuredMotion, is_rate: bool) -> Callable[[States], np.ndarray]:
             return lambda points: (velocities if is_rate else displacements)(self.scene, (motion,), points)[0]
@@ -507,7 +507,7 @@ def samples_per_second(scene: Scene) -> float:
 
 @of_parts_alone
 def _samples_for_parts(scene: Scene) -> tuple[float, bool]:
-    """What of these the start has no say in; whether it has in others (rotors, formulas that push)."""
+    """The part that does not depend on the start; whether another part does (rotors, formulas that push)."""
     rate = max([fastest(scene, scene.links), *source_rates(scene)]) / LARGEST_ANGLE
     stops = [stop for _, stop in scene.elastic_stops]
     if stops:

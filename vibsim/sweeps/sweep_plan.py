@@ -63,7 +63,7 @@ class PointSettings:
 
     @cached_property
     def for_probes(self) -> tuple[Any, ...]:
-        """What decides, beside the parameters of a point, where the probes end."""
+        """All that decides, beside the parameters of a point, where the probes end."""
         probes = tuple(tuple(sorted(probe.items())) for probe in self.probes)
         return self.case.sha256, probes, str(self.discard), self.every
 

@@ -103,7 +103,7 @@ def _turn_rotors(kit: Kit[N], rows: ModeRows[N], state: State[N], F: list[N], ow
 def left_open(
     kit: Kit[N], state: State[N], x: Sequence[N], v: Sequence[N], a: Sequence[N], w: N, alpha: N
 ) -> Inputs[N]:
-    """What rounding leaves open of a state, and of the time at which it is taken.
+    """Uncertainty of a state by its rounding, and by that of the time at which it is taken.
 
     x, v, a : displacements, velocities and accelerations of all columns; w, alpha : speed and acceleration
     with which the rotor goes on in the meantime

@@ -37,7 +37,7 @@ SAME = 2.0**-40  # ratios of two functions that differ by less are one
 
 
 class _LessDepth(NamedTuple):
-    """What is left of a formula without a power of the depth of a stop; depth: that power is of this node,
+    """A formula divided by a power of the depth of a stop; depth: that power is of this node,
     None where it is of a multiple.
     """
 
@@ -47,7 +47,7 @@ class _LessDepth(NamedTuple):
 
 
 class DepthComparison(Generic[N]):
-    """What the results of the operations of a scene are but for a factor.
+    """The results of the operations of a scene, compared but for a factor.
 
     columns : of ground and base, by end; maker : whose operations are compared
     """
@@ -60,7 +60,7 @@ class DepthComparison(Generic[N]):
         self._rests: dict[tuple[int | None, ...], Node] = {}
 
     def rest(self, i: int, stop: Stop[N], force: Node, sides: Mapping[Node, int]) -> Node:
-        """What is left of the force of a stop without powers of its depth."""
+        """The force of a stop divided by powers of its depth."""
         key = i, *map(sides.get, self.maker.within(force))
         rest = self._rests.get(key)
         if rest is None:
@@ -161,7 +161,7 @@ class DepthComparison(Generic[N]):
 
     @cached_property
     def probes(self) -> list[Inputs[float]]:
-        """What formulas read where functions are compared."""
+        """The inputs of formulas at which functions are compared."""
         return [self._probe(i) for i in range(len(PROBES))]
 
     def _probe(self, i: int) -> Inputs[float]:

@@ -78,9 +78,7 @@ Steps = Kept[tuple[int | None, ...], tuple[Node, int, int]]
 
 
 class Read(NamedTuple):
-    """What a mode reads: its formulas, and the switches in them that are in no other one, the same for many
-    modes.
-    """
+    """The formulas of a mode, and the switches in them that are in no other one, the same for many modes."""
 
     roots: list[Root]
     outer: tuple[Node, ...]
@@ -382,8 +380,8 @@ class FormulaRows(Generic[N]):
         return events
 
     def _carry(self, rows: ModeRows[N], courses: Sequence[Mapping[Node, int]], made: Outputs[N]) -> None:
-        """What belts by formulas do to those who stick on them: the acceleration r of each beside that of its
-        group, the force m r that this takes, and the torque u sin(phi) r on each rotor that it has.
+        """Effects of belts by formulas on bodies that stick on them: the acceleration r of each beside that
+        of its group, the force m r that this takes, and the torque u sin(phi) r on each rotor that it has.
         """
         for c, signs in enumerate(courses[: self.n]):
             if not signs:

@@ -53,7 +53,7 @@ def with_course(courses: Courses, tie: Friction[N] | RigidStop[N], sign: int) ->
 
 @dataclass
 class TiedColumns(Generic[N]):
-    """What follows from the ties that hold in a mode alone, as in `ModeRows`; stuck: these ties.
+    """The columns of a mode that its ties alone decide, as in `ModeRows`; stuck: these ties.
 
     courses : belts by formulas between each column and the leading one of its group, with their signs: what
         it has in velocity beside its drift
@@ -146,7 +146,7 @@ class RowMaker(Generic[N]):
         return self.zero if isinstance(part, RigidStop) else part.belt
 
     def tied(self, status: Status) -> TiedColumns[N]:
-        """What follows from the ties of a mode alone."""
+        """The columns that the ties of a mode alone decide."""
         tied = tuple(status.tied)
         bodies = self._tied.get(tied)
         if bodies is None:

@@ -165,8 +165,8 @@ class LinearImpact(Generic[N]):
         return after, dw
 
     def _shifts(self, dx: Sequence[N]) -> dict[int, N]:
-        """What the impact as it is adds to velocities of bodies where the angles of their rotors are
-        disturbed, which changes what impulses meet there.
+        """Changes of the velocities of bodies by the undisturbed impact where the angles of their rotors are
+        disturbed, which changes the masses that impulses meet there.
         """
         shifts: dict[int, N] = {}
         for one in self.turned:

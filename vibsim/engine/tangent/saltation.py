@@ -363,7 +363,7 @@ class EventCrossing(ModeChange[N]):
         return [b - a for a, b in zip(one, other, strict=True)], turned - rotor
 
     def _left_open(self) -> Inputs[N]:
-        """What rounding leaves open of the state, the time of which is rounded too."""
+        """Uncertainty of the state by rounding, that of its time among it."""
         scene, kit, state, zero = self.scene, self.kit, self.state, self.kit.number(0)
         X, V = base_motion(scene, kit, state.t, self.before)
         a, alpha = accelerations(scene, kit, self.before, state)

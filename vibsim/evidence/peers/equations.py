@@ -112,7 +112,7 @@ class Equations:
         self.driven = [*[self.base[2]] * scene.has_base, *map(self.formulas.value, course_rates(scene))]
 
     def _inputs(self) -> dict[Node, Number]:
-        """What formulas read, but for the base."""
+        """The inputs of formulas, but for the base."""
         inputs: dict[Node, Number] = {("t",): self.t, ("x", GROUND): 0.0, ("v", GROUND): 0.0}
         inputs |= {("x", i): x for i, x in enumerate(self.x)} | {("v", i): v for i, v in enumerate(self.v)}
         return inputs | dict(zip((("phi",), ("w",)), self.rotor, strict=False))

@@ -350,8 +350,8 @@ def _in_piece(u: Any, knot: Any, *coefficients: Any) -> Any:
 
 
 def switch_key(node: Node) -> Node:
-    """What switches that turn together share: the guard of choices, number and step of remainders, argument
-    and knots of tables.
+    """The key that switches which turn together share: the guard of choices, number and step of remainders,
+    argument and knots of tables.
     """
     return {"choose": node[:2], "mod": node[:3]}.get(node[0], node[:3])
 
