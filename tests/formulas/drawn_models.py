@@ -8,12 +8,8 @@ from __future__ import annotations
 
 import random
 
-from tests.formulas.second_expressions import call, numbers_of, par, product, text, total
+from tests.formulas.second_expressions import Law, law_of
 from tests.formulas.second_model import Base, Force, Friction, Link, Model, Rotor, Stop
-
-T = ("name", "t")
-D, V, DEPTH, PV, S = (("name", word) for word in ("d", "v", "p", "pv", "s"))
-ONE = ("num", 1)
 
 
 def spread(rng, low, high):
@@ -54,6 +50,13 @@ class Drawn:
             v = 0.0 if rng.random() < 0.4 else even(rng, -0.3, 0.3)
             self.model.bodies[name] = (spread(rng, 0.5, 2.0), x, v)
 
+    def _spread(self, **limits):
+        """Numbers with their units, as texts: of each the limits and the unit."""
+        return {key: f"{spread(self.rng, *of)!r} {unit}" for key, (*of, unit) in limits.items()}
+
+    def _even(self, **limits):
+        return {key: f"{even(self.rng, *of)!r} {unit}".strip() for key, (*of, unit) in limits.items()}
+
     def _links(self) -> None:
         rng, names = self.rng, list(self.model.bodies)
         self.uses_base = rng.random() < 0.25
@@ -61,57 +64,42 @@ class Drawn:
         if "b" in names:
             ends.append(("b", "a"))
         for k, (P, Q) in enumerate(ends):
-            force = self._spring()
-            self.model.links.append(Link(f"link{k}", P, Q, force))
+            self.model.links.append(Link(f"link{k}", P, Q, self._spring()))
 
-    def _spring(self):
-        rng = self.rng
-        k = par("k", spread(rng, 40, 300), "N/m")
-        d0 = par("d0", spread(rng, 5, 40), "mm")
-        c = par("c", spread(rng, 0.05, 2), "N s/m")
-        ratio = ("/", D, d0)
+    def _spring(self) -> Law:
+        numbers = self._spread(k=(40, 300, "N/m"), d0=(5, 40, "mm"), c=(0.05, 2, "N s/m"))
+        numbers |= {"F": "1.0 N", "v0": "0.1 m/s"}
         restoring = [
-            lambda: product(k, D),
-            lambda: total(product(k, D), product(par("k3", spread(rng, 2e4, 5e5), "N/m^3"), ("**", D, 3))),
-            lambda: product(k, d0, call("tanh", ratio)),
-            lambda: product(k, d0, call("atan", ratio)),
-            lambda: product(k, d0, call("sinh", product(("num", 0.3), ratio))),
-            lambda: ("/", product(k, D), call("sqrt", total(ONE, ("**", ratio, 2)))),
-            lambda: product(k, D, total(ONE, call("exp", ("-", ("num", 0), ("**", ratio, 2))))),
-            lambda: product(k, D, total(ONE, call("log", total(ONE, ("**", ratio, 2))))),
-            lambda: product(k, d0, call("asin", product(("num", 0.6), call("tanh", ratio)))),
-            lambda: product(k, total(("max", ("-", D, d0), ("num", 0)), ("min", total(D, d0), ("num", 0)))),
-            lambda: ("/", product(k, D, ("abs", D)), d0),
-            lambda: (
-                "where",
-                D,
-                "<",
-                ("num", 0),
-                product(k, D),
-                product(par("kp", spread(rng, 100, 900), "N/m"), D),
-            ),
-            lambda: product(
-                k,
-                D,
-                total(
-                    ONE, product(("num", 0.4), call("cos", product(par("w0", even(rng, 0.5, 4), "Hz"), T)))
-                ),
-            ),
-            lambda: product(k, d0, ("-", call("cosh", ratio), ONE), ("/", D, total(d0, ("abs", D)))),
-            lambda: product(
-                par("F", 1.0, "N"),
-                ("table", ratio, ((-2.0, -3.0), (-0.5, -1.0), (0.4, 0.9), (3.0, 6.0)), ("", ""), "linear"),
-            ),
+            "k*d",
+            "k*d + k3*d**3",
+            "k*d0*tanh(d/d0)",
+            "k*d0*atan(d/d0)",
+            "k*d0*sinh(0.3*(d/d0))",
+            "k*d/sqrt(1 + (d/d0)**2)",
+            "k*d*(1 + exp(0 - (d/d0)**2))",
+            "k*d*(1 + log(1 + (d/d0)**2))",
+            "k*d0*asin(0.6*tanh(d/d0))",
+            "k*(max(d - d0, 0) + min(d + d0, 0))",
+            "k*d*abs(d)/d0",
+            "where(d < 0, k*d, kp*d)",
+            "k*d*(1 + 0.4*cos(w0*t))",
+            "k*d0*(cosh(d/d0) - 1)*(d/(d0 + abs(d)))",
+            "F*table(d/d0, [[-2.0, -3.0], [-0.5, -1.0], [0.4, 0.9], [3.0, 6.0]], 'linear')",
         ]
-        damping = [
-            lambda: product(c, V),
-            lambda: total(product(c, V), product(par("q", spread(rng, 0.5, 6), "N s^2/m^2"), V, ("abs", V))),
-            lambda: product(c, V, total(("num", 0.2), ("**", ratio, 2))),
-            lambda: product(
-                par("cf", spread(rng, 0.1, 1), "N"), call("tanh", ("/", V, par("v0", 0.1, "m/s")))
-            ),
-        ]
-        return total(rng.choice(restoring)(), rng.choice(damping)())
+        damping = ["c*v", "c*v + q*v*abs(v)", "c*v*(0.2 + (d/d0)**2)", "cf*tanh(v/v0)"]
+        spring = self.rng.choice(restoring)
+        if "k3" in spring:
+            numbers |= self._spread(k3=(2e4, 5e5, "N/m^3"))
+        if "kp" in spring:
+            numbers |= self._spread(kp=(100, 900, "N/m"))
+        if "w0" in spring:
+            numbers |= self._even(w0=(0.5, 4, "Hz"))
+        damper = self.rng.choice(damping)
+        if "q" in damper:
+            numbers |= self._spread(q=(0.5, 6, "N s^2/m^2"))
+        if "cf" in damper:
+            numbers |= self._spread(cf=(0.1, 1, "N"))
+        return law_of(f"{spring} + ({damper})", numbers)
 
     def _stops(self) -> None:
         rng, contact = self.rng, self.rng.random()
@@ -135,19 +123,19 @@ class Drawn:
 
     def _stop(self, name: str, ends: tuple[str, str], sense: int) -> None:
         rng, gap = self.rng, self._gap(ends, sense)
-        K, lam = par("K", spread(rng, 3e3, 3e4), "N/m"), par("lam", spread(rng, 0.05, 1), "s/m")
-        KH, l0 = par("KH", spread(rng, 3e4, 5e5), "N/m^1.5"), par("l0", 10.0, "mm")
+        numbers = self._spread(K=(3e3, 3e4, "N/m"), lam=(0.05, 1, "s/m"), KH=(3e4, 5e5, "N/m^1.5"))
+        numbers |= self._spread(C=(1, 20, "N s/m"), K3=(1e7, 1e8, "N/m^3")) | {"l0": "10.0 mm"}
         laws = [
-            total(product(K, DEPTH), product(par("C", spread(rng, 1, 20), "N s/m"), PV)),
-            product(KH, ("**", DEPTH, 1.5)),
-            product(KH, ("**", DEPTH, 1.5), total(ONE, product(lam, PV))),
-            product(K, l0, ("**", ("/", DEPTH, l0), 2), total(ONE, product(lam, PV))),
-            product(K, l0, ("**", ("/", DEPTH, l0), 2.5)),
-            total(product(K, DEPTH), product(par("K3", spread(rng, 1e7, 1e8), "N/m^3"), ("**", DEPTH, 3))),
+            "K*p + C*pv",
+            "KH*p**1.5",
+            "KH*p**1.5*(1 + lam*pv)",
+            "K*l0*(p/l0)**2*(1 + lam*pv)",
+            "K*l0*(p/l0)**2.5",
+            "K*p + K3*p**3",
         ]
         law = rng.choice(laws)
         release = "force" if law is laws[0] and rng.random() < 0.5 else "gap"
-        self.model.stops.append(Stop(name, *ends, gap, sense, law, release))
+        self.model.stops.append(Stop(name, *ends, gap, sense, law_of(law, numbers), release))
 
     def _frictions(self) -> None:
         rng, bodies = self.rng, list(self.model.bodies)
@@ -159,24 +147,16 @@ class Drawn:
 
     def _friction(self, name: str, P: str, Q: str, belt: float) -> None:
         rng = self.rng
-        n0, w = par("n0", spread(rng, 1, 12), "N"), par("wn", even(rng, 0.3, 3), "Hz")
-        loads = [
-            n0,
-            total(n0, product(par("n1", spread(rng, 1, 12), "N"), call("sin", product(w, T)))),
-            ("-", n0, product(par("kn", spread(rng, 50, 600), "N/m"), ("name", f"x_{P}"))),
-            ("where", T, "<", par("tn", even(rng, 0.3, 1.5), "s"), n0, par("n2", spread(rng, 1, 12), "N")),
-            product(n0, call("exp", ("-", ("num", 0), ("/", T, par("tau", even(rng, 0.5, 2), "s"))))),
-        ]
-        mu_s, mu_d = par("mu_s", even(rng, 0.15, 0.3)), par("mu_d", even(rng, 0.05, 0.15))
-        ratio = ("/", S, par("vs", even(rng, 0.03, 0.2), "m/s"))
-        falling = [
-            call("exp", ("-", ("num", 0), ("**", ratio, 2))),
-            call("exp", ("-", ("num", 0), ratio)),
-            ("/", ONE, total(ONE, ratio)),
-        ]
-        laws = [mu_d, total(mu_d, product(("-", mu_s, mu_d), rng.choice(falling)))]
+        numbers = self._spread(n0=(1, 12, "N")) | self._even(wn=(0.3, 3, "Hz"))
+        numbers |= self._spread(n1=(1, 12, "N"), kn=(50, 600, "N/m")) | self._even(tn=(0.3, 1.5, "s"))
+        numbers |= self._spread(n2=(1, 12, "N")) | self._even(tau=(0.5, 2, "s"))
+        numbers |= self._even(mu_s=(0.15, 0.3, ""), mu_d=(0.05, 0.15, ""), vs=(0.03, 0.2, "m/s"))
+        loads = ["n0", "n0 + n1*sin(wn*t)", f"n0 - kn*x_{P}", "where(t < tn, n0, n2)", "n0*exp(0 - t/tau)"]
+        falling = rng.choice(["exp(0 - (s/vs)**2)", "exp(0 - s/vs)", "1/(1 + s/vs)"])
+        laws = ["mu_d", f"mu_d + (mu_s - mu_d)*({falling})"]
         static = rng.choice([1.0, 1.0, 1.2])
-        self.model.frictions.append(Friction(name, P, Q, rng.choice(loads), rng.choice(laws), static, belt))
+        load, mu = (law_of(rng.choice(texts), numbers) for texts in (loads, laws))
+        self.model.frictions.append(Friction(name, P, Q, load, mu, static, belt))
 
     def _rotors(self) -> None:
         rng = self.rng
@@ -184,79 +164,61 @@ class Drawn:
             return
         for name in ("left", "right")[: rng.choice([1, 1, 2])]:
             m, e, J = spread(rng, 0.02, 0.2), spread(rng, 10, 60), spread(rng, 1e-5, 1e-3)
-            T0, w0 = par("T0", spread(rng, 0.005, 0.1), "N m"), par("w0", even(rng, 1, 5), "Hz")
-            w = ("name", "w")
-            line = product(T0, ("-", ONE, ("/", w, w0)))
-            weight = product(
-                ("name", "m"), par("g", 9.81, "m/s^2"), ("name", "e"), call("cos", ("name", "phi"))
-            )
-            torque = rng.choice([line, ("-", line, weight), ("-", ("num", 0), weight), None])
+            numbers = self._spread(T0=(0.005, 0.1, "N m")) | self._even(w0=(1, 5, "Hz")) | {"g": "9.81 m/s^2"}
+            line, weight = "T0*(1 - w/w0)", "m*g*e*cos(phi)"
+            torque = rng.choice([line, f"{line} - {weight}", f"0 - {weight}", None])
             start = even(rng, -3, 3), even(rng, -10, 20)
-            self.model.rotors.append(
-                Rotor(name, rng.choice(list(self.model.bodies)), m, e * 1e-3, J, torque, *start)
-            )
+            on, law = rng.choice(list(self.model.bodies)), torque and law_of(torque, numbers)
+            self.model.rotors.append(Rotor(name, on, m, e * 1e-3, J, law, *start))
 
     def _states(self) -> None:
         rng = self.rng
         if rng.random() < 0.6:
             return
         body = rng.choice(list(self.model.bodies))
-        z, v, x = ("name", "z"), ("name", f"v_{body}"), ("name", f"x_{body}")
-        u = par("u", spread(rng, 5, 20), "mm")
-        yielding = (
-            "-",
-            v,
-            ("/", total(product(par("be", 0.6), ("abs", v), z), product(par("ga", 0.4), v, ("abs", z))), u),
-        )
-        lag = ("/", ("-", x, z), par("tau", spread(rng, 0.02, 0.5), "s"))
-        square = (
-            "-",
-            product(par("r", spread(rng, 1, 5), "1/s"), x),
-            ("/", product(("abs", z), z, par("q", 1.0, "1/s")), u),
-        )
-        self.model.states["z"] = (rng.choice([yielding, lag, square]), 0.0)
-        kz = par("kz", spread(rng, 20, 100), "N/m")
-        self.model.forces.append(Force("hysteresis", body, ("-", ("num", 0), product(kz, z))))
+        numbers = self._spread(u=(5, 20, "mm"), tau=(0.02, 0.5, "s"), r=(1, 5, "1/s"))
+        numbers |= {"be": "0.6", "ga": "0.4", "q": "1.0 1/s"}
+        rates = [
+            f"v_{body} - (be*abs(v_{body})*z + ga*v_{body}*abs(z))/u",
+            f"(x_{body} - z)/tau",
+            f"r*x_{body} - abs(z)*z*q/u",
+        ]
+        self.model.states["z"] = (law_of(rng.choice(rates), numbers), 0.0)
+        force = law_of("0 - kz*z", self._spread(kz=(20, 100, "N/m")))
+        self.model.forces.append(Force("hysteresis", body, force))
 
     def _forces(self) -> None:
         rng = self.rng
         if rng.random() < 0.2:
             return
-        A, w = par("A", spread(rng, 0.3, 5), "N"), par("w0", even(rng, 0.5, 4), "Hz")
-        T1, T2 = par("T1", even(rng, 0.1, 0.7), "s"), par("T2", even(rng, 0.8, 1.5), "s")
-        wave = call("sin", product(w, T))
-        zero = ("num", 0)
-        pairs = ((0.1, 0.0), (0.35, even(rng, -4, 4)), (0.8, even(rng, -4, 4)), (1.3, 0.0))
+        numbers = self._spread(A=(0.3, 5, "N"))
+        numbers |= self._even(w0=(0.5, 4, "Hz"), T1=(0.1, 0.7, "s"), T2=(0.8, 1.5, "s"))
+        middle = f"[0.35 s, {even(rng, -4, 4)!r} N], [0.8 s, {even(rng, -4, 4)!r} N]"
+        pairs = f"[[0.1 s, 0.0 N], {middle}, [1.3 s, 0.0 N]]"
+        numbers |= self._even(r=(1, 10, "1/s^2"))
         laws = [
-            product(A, wave),
-            product(
-                A,
-                call("sin", total(product(w, T), product(par("r", even(rng, 1, 10), "1/s^2"), ("**", T, 2)))),
-            ),
-            ("where", T, "<", T1, product(A, call("sin", ("/", product(("name", "pi"), T), T1))), zero),
-            product(A, ("step", ("-", T, T1))),
-            product(A, ("-", ("step", ("-", T, T1)), ("step", ("-", T, T2)))),
-            product(A, ("min", ("/", T, T1), ONE), wave),
-            product(A, call("exp", ("-", zero, ("/", T, T1))), call("cos", product(w, T))),
-            product(A, ("-", ("/", ("mod", T, T1), T1), ("num", 0.5))),
-            product(A, ("sign", wave)),
-            ("table", T, pairs, ("s", "N"), "linear"),
-            ("table", T, pairs, ("s", "N"), "cubic"),
-            ("/", product(A, wave), total(ONE, ("**", ("/", T, T1), 2))),
-            product(A, ("max", wave, ("num", 0.2))),
+            "A*sin(w0*t)",
+            "A*sin(w0*t + r*t**2)",
+            "where(t < T1, A*sin(pi*t/T1), 0)",
+            "A*step(t - T1)",
+            "A*(step(t - T1) - step(t - T2))",
+            "A*min(t/T1, 1)*sin(w0*t)",
+            "A*exp(0 - t/T1)*cos(w0*t)",
+            "A*(mod(t, T1)/T1 - 0.5)",
+            "A*sign(sin(w0*t))",
+            f"table(t, {pairs}, 'linear')",
+            f"table(t, {pairs}, 'cubic')",
+            "A*sin(w0*t)/(1 + (t/T1)**2)",
+            "A*max(sin(w0*t), 0.2)",
         ]
-        self.model.forces.append(Force("push", rng.choice(list(self.model.bodies)), rng.choice(laws)))
+        on = rng.choice(list(self.model.bodies))
+        self.model.forces.append(Force("push", on, law_of(rng.choice(laws), numbers)))
 
     def _base(self) -> None:
-        if not self.uses_base:
-            return
-        rng = self.rng
-        a, w = par("a0", spread(rng, 1, 8), "mm"), par("wb", even(rng, 0.5, 3), "Hz")
-        phase = product(w, T)
-        sine, cosine = call("sin", phase), call("cos", phase)
-        self.model.base = Base(
-            product(a, sine), product(a, w, cosine), ("-", ("num", 0), product(a, w, w, sine))
-        )
+        if self.uses_base:
+            numbers = self._spread(a0=(1, 8, "mm")) | self._even(wb=(0.5, 3, "Hz"))
+            motion = "a0*sin(wb*t)", "a0*wb*cos(wb*t)", "0 - a0*wb*wb*sin(wb*t)"
+            self.model.base = Base(*(law_of(text, numbers) for text in motion))
 
     def _set_in_motion(self) -> None:
         """What nothing moves may rest for ever, where a load that vanishes makes stick a matter of words."""
@@ -289,11 +251,11 @@ class Drawn:
         return "\n".join(lines) + "\n"
 
     @staticmethod
-    def _with(first: str, **formulas) -> str:
+    def _with(first: str, **laws: Law) -> str:
         """Keys of a part: its formulas, and the numbers beside them."""
         words = [first] if first else []
-        words += [f'{key}: "{text(e)}"' for key, e in formulas.items()]
-        words += [f"{name}: {value}" for name, value in numbers_of(*formulas.values()).items()]
+        words += [f'{key}: "{law.text}"' for key, law in laws.items()]
+        words += [f"{name}: {value}" for law in laws.values() for name, value in law.numbers.items()]
         return ", ".join(words)
 
     @staticmethod
@@ -310,12 +272,11 @@ class Drawn:
         return self._with(f"{head}, release: {o.release}", force=o.force)
 
     def _friction_text(self, o: Friction) -> str:
-        head = f"between: [{o.P}, {o.Q}], static: {o.static!r}, belt: {o.belt!r} m/s"
-        plain = {key: e for key, e in (("N", o.load), ("mu", o.mu)) if e[0] == "par"}
-        formulas = {key: e for key, e in (("N", o.load), ("mu", o.mu)) if key not in plain}
-        words = [f"{key}: {e[2]!r} {e[3]}".strip() for key, e in plain.items()]
-        rest = self._with("", **formulas)
-        return ", ".join([head, *words, *([rest] if rest else [])])
+        words = [f"between: [{o.P}, {o.Q}], static: {o.static!r}, belt: {o.belt!r} m/s"]
+        for key, law in (("N", o.load), ("mu", o.mu)):
+            plain = law.numbers.get(law.text)
+            words.append(f"{key}: {plain}" if plain else self._with("", **{key: law}))
+        return ", ".join(words)
 
     def _rotor_text(self, o: Rotor) -> str:
         head = f"on: {o.on}, m: {o.m!r} kg, e: {o.e!r} m, J: {o.J!r} kg m^2"

@@ -1,213 +1,158 @@
-"""Formulas of random scenes as trees of our own: as text for a case, and as numbers for the second solver.
+"""Formulas of random scenes for the second solver: as Python functions with the sides of switches fixed.
 
-An expression is a tuple: ("par", name, value, unit), a number beside the formula; ("num", value);
-("name", name); ("+", a, b), and so "-", "*", "/"; ("**", a, p); ("call", function, a); and the switches
-("abs", a), ("sign", a), ("step", a), ("max", a, b), ("min", a, b), ("where", a, "<", b, then, else),
-("mod", a, b) and ("table", a, pairs, units, kind). Values are floats in SI units. Nothing here is vibsim's.
+They are read by Python's own parser; nothing here is vibsim's.
 """
 
 from __future__ import annotations
 
+import ast
+import re
+from dataclasses import dataclass
+from itertools import pairwise
 from math import floor, pi
 from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-Expression = tuple[Any, ...]
-SWITCHES = ("abs", "sign", "step", "max", "min", "where", "mod", "table")
-UNIT_VALUES = {"Hz": 2 * pi, "mm": 1e-3, "ms": 1e-3, "deg": pi / 180}
+FUNCTIONS = {name: f"np.{name}" for name in ("exp", "log", "sqrt", "sin", "cos", "sinh", "cosh", "tanh")}
+FUNCTIONS |= {"asin": "np.arcsin", "atan": "np.arctan"}
+OPERATORS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**"}
+UNIT_VALUES = {"Hz": 2 * pi, "mm": 1e-3}
+UNIT_IN_TABLE = re.compile(r"(?<=\d) [A-Za-z]+(?=[],])")
 
 
-def par(name, value, unit=""):
-    """A number beside the formula, `value` in `unit`."""
-    return ("par", name, value, unit)
+@dataclass(frozen=True)
+class Law:
+    """A formula of a case, and the numbers beside it as texts with units."""
+
+    text: str
+    numbers: dict[str, str]
+
+    @property
+    def tree(self) -> ast.expr:
+        return ast.parse(UNIT_IN_TABLE.sub("", self.text), mode="eval").body
 
 
-def total(*terms):
-    """The sum of expressions."""
-    result = terms[0]
-    for term in terms[1:]:
-        result = ("+", result, term)
-    return result
+def law_of(text: str, numbers: dict[str, str]) -> Law:
+    """A formula with those of the numbers that it names."""
+    names = {node.id for node in ast.walk(Law(text, {}).tree) if isinstance(node, ast.Name)}
+    return Law(text, {name: value for name, value in numbers.items() if name in names})
 
 
-def product(*factors):
-    """The product of expressions."""
-    result = factors[0]
-    for factor in factors[1:]:
-        result = ("*", result, factor)
-    return result
+def si_value(text: str) -> float:
+    """A number with its unit, in SI units."""
+    value, _, unit = text.partition(" ")
+    return float(value) * UNIT_VALUES.get(unit, 1.0)
 
 
-def call(function, argument):
-    """A function of one argument."""
-    return ("call", function, argument)
+@dataclass
+class Switch:
+    """A switch of a part: its guard, a function of (t, y, S), the step of a mod, the knots of a table."""
 
+    owner: str
+    text: str
+    kind: str
+    guard: Any
+    step: float = 0.0
+    knots: tuple[float, ...] = ()
 
-def children(e: Expression) -> tuple[Expression, ...]:
-    """The expressions in an expression."""
-    kind = e[0]
-    if kind in ("par", "num", "name"):
-        return ()
-    if kind == "**":
-        return (e[1],)
-    if kind == "call":
-        return (e[2],)
-    if kind == "where":
-        return (e[1], e[3], e[4], e[5])
-    if kind == "table":
-        return (e[1],)
-    return e[1:]
+    def side(self, t, y, S) -> int:
+        """+1 or -1 by the sign of the guard; of mod the whole number of turns, of a table its piece."""
+        value = self.guard(t, y, S)
+        if self.kind == "mod":
+            return floor(value / self.step)
+        if self.kind == "table":
+            return sum(1 for u in self.knots if value >= u)
+        return 1 if value >= 0 else -1
 
-
-def walk(e: Expression):
-    """An expression and all that is in it."""
-    yield e
-    for child in children(e):
-        yield from walk(child)
-
-
-def numbers_of(*expressions):
-    """Names of the numbers beside formulas, and their texts with units."""
-    found = {}
-    for e in expressions:
-        for one in walk(e):
-            if one[0] == "par":
-                found[one[1]] = f"{one[2]!r} {one[3]}".strip()
-    return found
-
-
-def text(e: Expression) -> str:
-    """An expression as a formula of a case; every operation in brackets."""
-    kind = e[0]
-    if kind in ("par", "name"):
-        return str(e[1])
-    if kind == "num":
-        return repr(e[1])
-    if kind in ("+", "-", "*", "/"):
-        return f"({text(e[1])} {kind} {text(e[2])})"
-    if kind == "**":
-        return f"{text(e[1])}**{e[2]!r}"
-    if kind == "call":
-        return f"{e[1]}({text(e[2])})"
-    if kind == "where":
-        return f"where({text(e[1])} {e[2]} {text(e[3])}, {text(e[4])}, {text(e[5])})"
-    if kind == "table":
-        pairs = ", ".join(f"[{u!r} {e[3][0]}, {f!r} {e[3][1]}]" for u, f in e[2])
-        return f"table({text(e[1])}, [{pairs}], '{e[4]}')"
-    return f"{kind}({', '.join(text(child) for child in e[1:])})"
+    def margins(self, side, t, y, S) -> list[tuple[float, int]]:
+        """What stays positive while the switch is on a side, and the side behind each zero."""
+        value = self.guard(t, y, S)
+        if self.kind == "mod":
+            return [(value - side * self.step, side - 1), ((side + 1) * self.step - value, side + 1)]
+        if self.kind == "table":
+            below = [(value - self.knots[side - 1], side - 1)] if side > 0 else []
+            return below + ([(self.knots[side] - value, side + 1)] if side < len(self.knots) else [])
+        return [(value * side, -side)]
 
 
 class Compiled:
-    """Expressions as one Python function each, with the sides of their switches fixed.
-
-    names : what each name stands for, as Python; switches : all of them, each once, in order
-    """
+    """Formulas as one Python function each. names : what each name stands for, as Python"""
 
     def __init__(self, names: dict[str, str]) -> None:
         self.names = names
         self.functions: dict[str, Any] = {"np": np, "clip": _clip, "horner": _horner}
-        self.switches: list[Expression] = []
-        self.guards: list[Any] = []
-        self.owners: list[str] = []
+        self.switches: list[Switch] = []
 
-    def function(self, e: Expression, owner: str, locals_: dict[str, str] | None = None):
-        """(t, y, S) -> value of an expression; owner: name of the part; locals_: names of its place."""
-        source = self._code(e, owner, locals_ or {})
-        return eval(f"lambda t, y, S: {source}", self.functions)
+    def function(self, law: Law, owner: str, places: dict[str, str] | None = None):
+        """(t, y, S) -> value of the law of a part; places: names of its place."""
+        numbers = {name: repr(si_value(text)) for name, text in law.numbers.items()}
+        return self._made(self._code(law.tree, owner, self.names | (places or {}) | numbers))
 
-    def used(self, e: Expression, owner: str) -> list[int]:
-        """Numbers of the switches of an expression of a part."""
-        return [self.switches.index((owner, one)) for one in walk(e) if one[0] in SWITCHES]
+    def _made(self, code: str):
+        return eval(f"lambda t, y, S: {code}", self.functions)
 
-    def _code(self, e, owner, places) -> str:
-        kind = e[0]
-        if kind == "par":
-            return repr(e[2] * UNIT_VALUES.get(e[3], 1.0))
-        if kind == "num":
-            return repr(e[1])
-        if kind == "name":
-            return places.get(e[1]) or self.names[e[1]]
-        code = [self._code(child, owner, places) for child in children(e)]
-        if kind in ("+", "-", "*", "/"):
-            return f"({code[0]} {kind} {code[1]})"
-        if kind == "**":
-            whole = float(e[2]).is_integer()
-            return f"({code[0]})**{e[2]!r}" if whole else f"clip({code[0]})**{e[2]!r}"
-        if kind == "call":
-            name = {"asin": "arcsin", "acos": "arccos", "atan": "arctan"}.get(e[1], e[1])
-            return f"np.{name}({code[0]})"
-        i = self._switch(e, owner, code)
-        return _side_code(e, i, code)
+    def _code(self, node, owner, names) -> str:
+        if isinstance(node, ast.Constant):
+            return repr(node.value)
+        if isinstance(node, ast.Name):
+            return names[node.id]
+        if isinstance(node, ast.UnaryOp):
+            return f"(-{self._code(node.operand, owner, names)})"
+        if isinstance(node, ast.BinOp):
+            a, b = (self._code(each, owner, names) for each in (node.left, node.right))
+            if isinstance(node.op, ast.Pow) and not float(b).is_integer():
+                a = f"clip({a})"
+            return f"({a} {OPERATORS[type(node.op)]} {b})"
+        if node.func.id in FUNCTIONS:
+            return f"{FUNCTIONS[node.func.id]}({self._code(node.args[0], owner, names)})"
+        return self._switched(node, owner, names)
 
-    def _switch(self, e, owner, code) -> int:
-        if (owner, e) in self.switches:
-            return self.switches.index((owner, e))
-        guard = {"max": "{0} - {1}", "min": "{1} - {0}", "where": "{1} - {0}"}.get(e[0], "{0}")
-        self.switches.append((owner, e))
-        self.owners.append(owner)
-        source = guard.format(*code)
-        self.guards.append(eval(f"lambda t, y, S: {source}", self.functions))
+    def _switched(self, node, owner, names) -> str:
+        """A switch on the side that it has."""
+        kind, first = node.func.id, node.args[0]
+        compared = [first.left, *first.comparators] if kind == "where" else [first]
+        arguments = compared if kind == "table" else [*compared, *node.args[1:]]
+        code = [self._code(each, owner, names) for each in arguments]
+        pairs = ast.literal_eval(node.args[1]) if kind == "table" else []
+        i = self._number(node, owner, code, tuple(u for u, _ in pairs))
+        on = f"S[{i}]"
+        if kind == "table":
+            return _piece_code(pairs, node.args[2].value, on, code[0])
+        return {
+            "abs": "({on} * {0})",
+            "sign": "{on}",
+            "step": "(1.0 if {on} > 0 else 0.0)",
+            "max": "({0} if {on} > 0 else {1})",
+            "min": "({0} if {on} > 0 else {1})",
+            "where": "({2} if {on} > 0 else {3})",
+            "mod": "({0} - {on} * {1})",
+        }[kind].format(*code, on=on)
+
+    def _number(self, node, owner, code, knots) -> int:
+        """The place of a switch among all, where each is once."""
+        text, kind = ast.unparse(node), node.func.id
+        for i, switch in enumerate(self.switches):
+            if (switch.owner, switch.text) == (owner, text):
+                return i
+        guard = {"max": "{0} - {1}", "min": "{1} - {0}", "where": "{1} - {0}"}.get(kind, "{0}")
+        step = float(code[1]) if kind == "mod" else 0.0
+        self.switches.append(Switch(owner, text, kind, self._made(guard.format(*code)), step, knots))
         return len(self.switches) - 1
-
-    # Sides: +1 or -1 of the sign of the guard; of mod the whole number of turns, of a table its piece.
-
-    def side(self, i: int, t, y, S) -> int:
-        """The side on which switch i is at a state."""
-        e, value = self.switches[i][1], self.guards[i](t, y, S)
-        if e[0] == "mod":
-            return floor(value / _number(e[2]))
-        if e[0] == "table":
-            return sum(1 for u, _ in e[2] if value >= u)
-        return 1 if value >= 0 else -1
-
-    def margins(self, i: int, t, y, S) -> list[tuple[float, int]]:
-        """What stays positive while switch i is on its side, and the side behind each zero."""
-        e, value, side = self.switches[i][1], self.guards[i](t, y, S), S[i]
-        if e[0] == "mod":
-            step = _number(e[2])
-            return [(value - side * step, side - 1), ((side + 1) * step - value, side + 1)]
-        if e[0] == "table":
-            knots = [u for u, _ in e[2]]
-            below = [(value - knots[side - 1], side - 1)] if side > 0 else []
-            return below + ([(knots[side] - value, side + 1)] if side < len(knots) else [])
-        return [(value * side, -side)]
 
 
 def _clip(value):
     return value if value > 0 else 0.0
 
 
-def _number(e: Expression) -> float:
-    return e[2] * UNIT_VALUES.get(e[3], 1.0) if e[0] == "par" else e[1]
-
-
-def _side_code(e, i, code) -> str:
-    kind, on = e[0], f"S[{i}]"
-    if kind == "abs":
-        return f"({on} * ({code[0]}))"
-    if kind == "sign":
-        return f"{on}"
-    if kind == "step":
-        return f"(1.0 if {on} > 0 else 0.0)"
-    if kind in ("max", "min"):
-        return f"({code[0]} if {on} > 0 else {code[1]})"
-    if kind == "where":
-        return f"({code[2]} if {on} > 0 else {code[3]})"
-    if kind == "mod":
-        return f"({code[0]} - {on} * {code[1]})"
-    return _piece_code(e, on, code[0])
-
-
-def _piece_code(e, on, u) -> str:
+def _piece_code(pairs, kind, on, u) -> str:
     """A table on one of its pieces: the polynomial of it, or an end value."""
-    knots, values = zip(*e[2], strict=True)
-    if e[4] == "cubic":
+    knots, values = zip(*pairs, strict=True)
+    if kind == "cubic":
         pieces = CubicSpline(knots, values, bc_type="not-a-knot").c[::-1].T.tolist()  # lowest power first
     else:
-        pairs = zip(e[2], e[2][1:], strict=False)
-        pieces = [[f, (g - f) / (w - u)] for (u, f), (w, g) in pairs]
+        pieces = [[f, (g - f) / (w - u)] for (u, f), (w, g) in pairwise(pairs)]
     table = [[values[0]], *pieces, [values[-1]]]
     starts = [0.0, *knots]
     return f"horner({table!r}[{on}], {u} - {starts!r}[{on}])"

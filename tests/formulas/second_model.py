@@ -1,6 +1,6 @@
 """What the second solver solves: bodies, links, stops, frictions, forces, rotors and states with their laws.
 
-Numbers are floats in SI units, laws are expressions of `second_expressions`. An end of a part is the name of
+Numbers are floats in SI units, laws are those of `second_expressions`. An end of a part is the name of
 a body, GROUND or BASE. A positive force of a link drives its ends together, as on the page on scenes.
 """
 
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from tests.formulas.second_expressions import Expression
+from tests.formulas.second_expressions import Law
 
 GROUND, BASE = "ground", "base"
 
@@ -20,7 +20,7 @@ class Link:
     name: str
     P: str
     Q: str
-    force: Expression
+    force: Law
 
 
 @dataclass
@@ -32,7 +32,7 @@ class Stop:
     Q: str
     gap: float
     sense: int
-    force: Expression | None = None
+    force: Law | None = None
     release: str = "gap"
     e: float | None = None
 
@@ -44,8 +44,8 @@ class Friction:
     name: str
     P: str
     Q: str
-    load: Expression
-    mu: Expression
+    load: Law
+    mu: Law
     static: float = 1.0
     belt: float = 0.0
 
@@ -54,7 +54,7 @@ class Friction:
 class Force:
     name: str
     on: str
-    force: Expression
+    force: Law
 
 
 @dataclass
@@ -64,7 +64,7 @@ class Rotor:
     m: float
     e: float
     J: float
-    torque: Expression | None
+    torque: Law | None
     phi: float
     w: float
 
@@ -73,9 +73,9 @@ class Rotor:
 class Base:
     """X(t) and its two derivatives."""
 
-    x: Expression
-    v: Expression
-    a: Expression
+    x: Law
+    v: Law
+    a: Law
 
 
 @dataclass
@@ -88,6 +88,6 @@ class Model:
     frictions: list[Friction] = field(default_factory=list)
     forces: list[Force] = field(default_factory=list)
     rotors: list[Rotor] = field(default_factory=list)
-    states: dict[str, tuple[Expression, float]] = field(default_factory=dict)
+    states: dict[str, tuple[Law, float]] = field(default_factory=dict)
     base: Base | None = None
     t_end: float = 1.0

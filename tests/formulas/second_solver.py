@@ -199,12 +199,12 @@ class SecondSolver:
         for i, o in enumerate(self.model.frictions):
             found += self._of_friction(i, o, mode)
         for i in mode.sides:
-            for k in range(2 if self.compiled.switches[i][1][0] in ("mod", "table") else 1):
+            for k in range(2 if self.compiled.switches[i].kind in ("mod", "table") else 1):
                 found.append((("switch", i, k), lambda t, y, i=i, k=k: self._margin(i, k, t, y, mode)))
         return found
 
     def _margin(self, i, k, t, y, mode) -> float:
-        margins = self.compiled.margins(i, t, y, mode.sides)
+        margins = self.compiled.switches[i].margins(mode.sides[i], t, y, mode.sides)
         return margins[k][0] if k < len(margins) else 1.0
 
     def depth(self, t, y, o: Stop) -> float:
@@ -243,17 +243,13 @@ class SecondSolver:
     # Switches that are awake, and their sides.
 
     def _awake(self, mode: Mode) -> list[int]:
-        model, used = self.model, self.compiled.used
-        owners = [(o.force, o.name) for o in (*model.links, *model.forces)]
-        owners += [
-            (o.force, o.name) for i, o in enumerate(model.stops) if mode.contacts[i] and o.force is not None
-        ]
-        owners += [(o.torque, o.name) for o in model.rotors if o.torque is not None]
-        owners += [(rate, name) for name, (rate, _) in model.states.items()]
-        for o, side in zip(model.frictions, mode.frictions, strict=True):
-            owners.append((o.load, o.name))
-            owners.append((o.mu, f"{o.name}|{'0' if side == 0 else '+' if side > 0 else '-'}"))
-        return [i for e, owner in owners for i in used(e, owner)]
+        model = self.model
+        owners = {o.name for o in (*model.links, *model.forces, *model.rotors, *model.frictions)}
+        owners |= {*model.states}
+        owners |= {o.name for o, contact in zip(model.stops, mode.contacts, strict=True) if contact}
+        sides = zip(model.frictions, mode.frictions, strict=True)
+        owners |= {f"{o.name}|{'0' if side == 0 else '+' if side > 0 else '-'}" for o, side in sides}
+        return [i for i, switch in enumerate(self.compiled.switches) if switch.owner in owners]
 
     def with_sides(self, t, y, mode: Mode, turned: dict[int, int] | None = None) -> Mode:
         """The mode with the sides of all switches that are awake, those of before as they were."""
@@ -264,7 +260,7 @@ class SecondSolver:
             elif i in mode.sides:
                 sides[i] = mode.sides[i]
             else:
-                sides[i] = self.compiled.side(i, t, y, {**mode.sides, **sides})
+                sides[i] = self.compiled.switches[i].side(t, y, {**mode.sides, **sides})
         return Mode(mode.contacts, mode.frictions, sides)
 
     # The run.
@@ -439,10 +435,10 @@ class SecondSolver:
             frictions[i] = 1 if kind == "stick+" else -1
             self._record("stick_end", self.model.frictions[i].name)
         else:
-            margins = self.compiled.margins(i, t, y, mode.sides)
+            margins = self.compiled.switches[i].margins(mode.sides[i], t, y, mode.sides)
             turned[i] = margins[key[2]][1]
             if self._jumps(mode, turned):
-                self._record("switch", self.compiled.owners[i].partition("|")[0])
+                self._record("switch", self.compiled.switches[i].owner.partition("|")[0])
         new = self.with_sides(t, y, Mode(contacts, frictions, mode.sides), turned)
         return self._settled(t, y, new)
 
