@@ -13,24 +13,13 @@ from tests.engine.impacts import GRAVITY, ball, times
 from tests.engine.many_digits import exact_parts, faults, truth
 from tests.engine.random_formulas import formula_scene
 from tests.engine.random_parts import LENGTH, part_scenes, rigid_scenes
-from tests.engine.runs import Run, by_instant, outcome, run
+from tests.engine.runs import Run, by_instant, outcome, run, scene_of
 from tests.random_scenes import always
 from vibsim.cases import load_case
+from vibsim.cases.case import load_case_text
 from vibsim.engine.errors import EngineError
 from vibsim.engine.truth import open_truth
-from vibsim.physics.parts import (
-    AT_GAP,
-    COMPRESSION,
-    EVENT_KINDS,
-    EXTENSION,
-    GROUND,
-    Body,
-    Friction,
-    Link,
-    RigidStop,
-    Scene,
-    Stop,
-)
+from vibsim.physics.parts import EVENT_KINDS
 
 GALLERY = Path(__file__).parents[2] / "cases" / "gallery"
 CLOSE = 1e-12 * LENGTH  # rounding of some hundred stretches of 1e-16 each, grown by a few impacts
@@ -68,7 +57,7 @@ def apart(one, other):
     return max(float(abs(one[name] - other[name]) / max(abs(other[name]), Decimal("1e-3"))) for name in one)
 
 
-@pytest.mark.parametrize("name", ["I-B", "drifting-capsule", "percussive-drill", "stack-of-blocks"])
+@pytest.mark.parametrize("name", ["I-A", "I-B", "I-C", "drifting-capsule", "percussive-drill", "stack-of-blocks"])
 def test_two_precisions_agree(name):
     case = load_case(place(name), {"run.t_end": "0.5 s", "run.every": "50 s"})
     coarse, _ = ends(case.exact_scene, 30)
@@ -77,7 +66,7 @@ def test_two_precisions_agree(name):
     assert totals["events"] > 5
 
 
-@pytest.mark.parametrize("name", ["I-C", "drifting-capsule", "stack-of-blocks"])
+@pytest.mark.parametrize("name", ["I-A", "I-B", "I-C", "I-C-eq211", "drifting-capsule", "stack-of-blocks"])
 def test_closed_form_and_taylor_agree(name):
     found = []
     for method in ("auto", "taylor"):
@@ -92,13 +81,14 @@ def test_a_stick_ends_where_it_should_to_forty_digits():
     t = N / (k belt).
     """
 
-    def make(number, pi):
-        link = Link("l", 0, GROUND, number(4), number(0))
-        friction = Friction("f", 0, GROUND, number(1), number(1), number(Fraction(3, 10)))
-        body = Body("m", number(1), number(0), number(Fraction(3, 10)))
-        return Scene((body,), (link,), (), (friction,), t_end=number(2), every_num=1, every_den=1)
-
-    _, events, digits, totals = truth(make, 40, momentum=True)
+    case = load_case_text("""
+bodies: {m: 1 kg}
+links: {l: {between: [m, ground], k: 4 N/m}}
+friction: {f: {between: [m, ground], N: 1 N, mu: 1, belt: 0.3 m/s}}
+initial: {m: {v: 0.3 m/s}}
+run: {t_end: 2 s, every: 1 s}
+""")
+    _, events, digits, totals = truth(case.exact_scene, 40, momentum=True)
     assert events["kind"].tolist()[:2] == [0, 5]
     assert abs(Fraction(digits["t"][1].decode()) - Fraction(5, 6)) < Fraction(1, 10**38)
     assert abs(totals["energy_residual"]) < 1e-15
@@ -137,14 +127,17 @@ def test_bodies_at_rest_on_each_other_meet_the_wall_in_many_digits():
     """They went through it: the friction between bodies that rest on each other has no sliding velocity,
     which was zero only within the radius of a ball; no step is known to be shorter than what that allows.
     """
-    a, b = Body("a", 0.75, 0.01, 0.06), Body("b", 0.95, 0.0, 0.0)
-    stops = (
-        RigidStop("wall", 1, GROUND, 0.001, EXTENSION, 0.5, False),
-        Stop("soft", GROUND, 0, 0.0, EXTENSION, 109.0, 0.0, AT_GAP, False),
-        RigidStop("between", 1, 0, -0.01, COMPRESSION, 0.5, True),
-    )
-    links, frictions = (Link("l", 1, 0, 56.6, 0.0),), (Friction("f", 1, 0, 0.27, 0.27, 0.0, 0.27, 0.35),)
-    scene = Scene((a, b), links, stops, frictions, t_end=0.12, every_num=1, every_den=200)
+    scene = scene_of("""
+bodies: {a: 0.75 kg, b: 0.95 kg}
+links: {l: {between: [b, a], k: 56.6 N/m}}
+stops:
+  wall: {between: [b, ground], gap: 1 mm, acts: extension, law: rigid, e: 0.5}
+  soft: {between: [ground, a], gap: 0 m, acts: extension, k: 109 N/m}
+  between: {between: [b, a], gap: -1 cm, acts: compression, law: rigid, e: 0.5}
+friction: {f: {between: [b, a], N: 0.27 N, plus: {mu: 1}, minus: {mu: 1, static: 1.3}}}
+initial: {a: {x: 1 cm, v: 6 cm/s}}
+run: {t_end: 0.12 s, every: 5 ms}
+""")
     doubles, (samples, events, *_) = outcome(scene), truth(exact_parts(scene), 40)
     walls = [
         table["t"][(table["kind"] == IMPACT) & (table["part"] == 0)] for table in (doubles.events, events)

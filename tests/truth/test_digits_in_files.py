@@ -201,6 +201,7 @@ def test_what_is_moved_from_the_stop_is_not_there():
     [
         ("0.1 s", "0.1 s", Fraction(1, 10)),  # the nearest double lies above
         ("0.3 s", "0.1 s", Fraction(3, 10)),  # and below
+        ("0.7 s", "0.1 s", Fraction(7, 10)),
         ("1.1 s", "10 ms", Fraction(11, 10)),
     ],
 )
@@ -209,6 +210,6 @@ def test_the_end_is_the_decimal(t_end, every, exact):
     run, doubles = vibsim.simulate(case, digits=40), vibsim.simulate(case)
     end = Fraction(run.digits.events["t"][-1])
     assert abs(end - exact) < Fraction(1, 10**39)
-    assert run.t_reached == float(exact) == doubles.t_reached
+    assert run.t_reached == float(exact) == doubles.t_reached == doubles.events["t"][-1]
     np.testing.assert_array_equal(run.time, doubles.time)
     np.testing.assert_allclose(run["x1"], doubles["x1"], rtol=0, atol=1e-16)
