@@ -30,6 +30,11 @@ def totals(scene, count=None, begin=0.0):
     return trajectory.totals
 
 
+def volume_bound(found, span):
+    """Of the residual of a run of `span` [s]: free masses shear the vectors by the length of a piece."""
+    return PER_PIECE * found["tangent_pieces"] * max(1.0, span / found["tangent_pieces"]) ** 2
+
+
 def start_components(scene):
     """Components of the start of a scene: x and v of all bodies, angle and speed of a motor."""
     rotor = (scene.motor.phi, scene.motor.phidot) if scene.motor is not None else ()

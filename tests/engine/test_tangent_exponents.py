@@ -1,31 +1,37 @@
 """Exponents of scenes made of parts whose growth is known, and those of the engine of two blocks."""
 
+from dataclasses import replace
 from math import exp, inf, log, pi, sqrt
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from tests.engine.bundles import PER_PIECE, totals
+from tests.engine.bundles import PER_PIECE, totals, volume_bound
 from tests.engine.random_parts import part_scenes
 from tests.engine.runs import run, scene_of
 from tests.engine.test_closed_cases import METHODS, case
+from tests.random_scenes import scenes
 from tests.scenes import paper
 from vibsim.engine.errors import EngineError
 from vibsim.engine.tangent.saltation import Saltation
 from vibsim.engine.tangent.tangent_space import components, dimension, references
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import EVENT_KINDS
+from vibsim.physics.two_blocks import TwoBlocks
+
+TWO_BLOCKS = scenes(features=False).map(TwoBlocks.as_parts)
 
 
-@settings(max_examples=25)
-@given(part_scenes())
-def test_volumes_of_random_scenes_grow_as_liouville_says(scene):
+@settings(max_examples=200)
+@given(st.one_of(part_scenes(), TWO_BLOCKS, TWO_BLOCKS), st.sampled_from(METHODS))
+def test_volumes_of_random_scenes_grow_as_liouville_says(scene, method):
     try:
-        result = totals(scene)
+        result = totals(replace(scene, method=method))
     except EngineError:
         return  # a scene that accumulates events, say: nothing to compare
-    assert abs(result["volume_residual"]) <= PER_PIECE * result["tangent_pieces"]
+    assert abs(result["volume_residual"]) <= volume_bound(result, scene.t_end)
 
 
 def test_a_reversal_that_all_but_sticks_drowns_no_volume():

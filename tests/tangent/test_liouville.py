@@ -6,28 +6,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
 from scipy.linalg import expm
 from scipy.optimize import root
 
-from tests.engine.bundles import PER_PIECE, totals
+from tests.engine.bundles import totals, volume_bound
 from tests.engine.runs import run
-from tests.random_scenes import scenes
 from tests.scenes import fixed_block, harmonic, motor, paper, scene
 from vibsim.engine.tangent.lyapunov import exponents_of
-
-
-def bound(found, span):
-    """Of the residual of a run of `span` [s]: free masses shear the vectors by the length of a piece."""
-    return PER_PIECE * found["tangent_pieces"] * max(1.0, span / found["tangent_pieces"]) ** 2
-
-
-@pytest.mark.parametrize("method", ("auto", "taylor"))
-@settings(max_examples=150)
-@given(scene=scenes(features=False))
-def test_random_scenes(method, scene):
-    found = totals(replace(scene, method=method).as_parts())
-    assert abs(found["volume_residual"]) <= bound(found, scene.t_end)
 
 
 def test_free_masses_over_one_long_piece():
@@ -37,7 +22,7 @@ def test_free_masses_over_one_long_piece():
     one = replace(still, m1=1.0, m2=1.0, t_end=400.0, every_num=133333334, every_den=10**6, method="taylor")
     found = totals(one.as_parts())
     assert found["tangent_pieces"] <= 4
-    assert abs(found["volume_residual"]) <= bound(found, one.t_end) < 1e-8
+    assert abs(found["volume_residual"]) <= volume_bound(found, one.t_end) < 1e-8
 
 
 def exponents(scene, count=None, begin=0.0):
@@ -60,19 +45,6 @@ def turns(a, b, count):
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize(
-    "source", [None, harmonic(3.5, 0.07), harmonic(math.sqrt(k1 / m1) / 2 / math.pi, 0.1, 0.2)]
-)
-@pytest.mark.parametrize("c", [0.001, 0.5, 10.0])
-def test_a_damped_oscillator(method, source, c):
-    a = c / (2 * m1)
-    t_end = turns(a, k1 / m1, 30)
-    found = exponents(fixed_block(source, c=c, G=None, x1=0.01, t_end=t_end, method=method))
-    np.testing.assert_allclose(found.exponents, -a, rtol=0, atol=ROUNDING * (1 + a))
-    assert found.span == (0.0, t_end)
-
-
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("c", [20.0, 100.0])
 def test_an_overdamped_oscillator(method, c):
     a = c / (2 * m1)
@@ -91,14 +63,8 @@ def test_two_blocks_without_friction(c):
     t_end = settled + turns(a, b, 50)
     two = scene(harmonic(3.5, 0.07), c=c, N=None, k2=None, G=None, t_end=t_end)
     found = exponents(two, begin=settled)
+    assert found.span == (settled, t_end)
     np.testing.assert_allclose(found.exponents, [0.0, -a, -a], rtol=0, atol=ROUNDING * (1 + a))
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_blocks_without_damping(method):
-    """Nothing grows or shrinks but by turning in an ellipse: the exponents vanish like 1 / t."""
-    free = scene(c=0.0, N=None, k2=None, G=None, x1=0.01, t_end=turns(0.0, k1 * MOBILITY, 40), method=method)
-    np.testing.assert_allclose(exponents(free).exponents, 0.0, atol=1e-12)
 
 
 def test_the_motor_alone():
@@ -110,14 +76,6 @@ def test_the_motor_alone():
     np.testing.assert_allclose(found.exponents[3], -rate, rtol=1e-5)
     np.testing.assert_allclose(found.exponents[:3], 0.0, atol=1e-5)
     assert sum(found.exponents) == pytest.approx(-rate, rel=1e-12)
-
-
-def test_all_exponents_add_up_to_the_mean_contraction():
-    """Sum = -c (1/m1 + 1/m2), with or without the friction that never turns round here."""
-    sliding = scene(harmonic(3.5, 0.07), v1=5.0, v2=5.0, c=0.3, k2=None, G=None, t_end=30.0)
-    found = exponents(sliding, begin=5.0)
-    assert sum(found.exponents) == pytest.approx(-0.3 * MOBILITY, rel=1e-12)
-    assert found.rank_losses == 0
 
 
 # The largest exponent against the growth of the distance between two runs (Benettin et al. 1976). Every few
