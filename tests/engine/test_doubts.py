@@ -1,24 +1,24 @@
 """Which events the doubts of a certificate are about, and why: a scene for each reason."""
 
 import random
-from dataclasses import replace
 
 import pytest
 
 import vibsim
 from tests.command_line.test_run import TOUCHING
 from tests.engine.runs import run, scene_of
+from tests.engine.test_chatter_ends import walls
 from tests.engine.test_many_ties import rubbing_bodies
+from tests.engine.test_release import closing
 from tests.events.special_scenes import at_once, chain
-from tests.events.test_balanced_starts import balanced, two_beside
+from tests.events.test_balanced_starts import RELIEVED, along_with_the_base, balanced, two_beside
 from tests.events.test_chains_at_rest import TORN_SOFTLY
-from tests.events.test_order_of_events import ALIKE, METHODS, TWO_AT_ONCE
+from tests.events.test_order_of_events import ALIKE, AS_THE_BASE_BEGINS_TO_MOVE, METHODS, TWO_AT_ONCE
 from tests.scenes import scene
 from vibsim.engine import c_engine, doubts
 from vibsim.engine.doubts import REASONS_OF_C
 from vibsim.engine.errors import EngineError
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.parts import GROUND, Clearance
 
 MOST = 8  # that are described
 _, ORDER, TOUCH, SHORT_STEPS, SIDE, AT_ZERO = REASONS_OF_C
@@ -51,20 +51,13 @@ def test_two_events_in_one_instant(method):
 
 
 def test_the_places_are_called_by_the_names_of_the_case():
+    """Which friction sticks first decides whether the other does, as it holds more than it slips with."""
     told_of, _ = told(scene_of(ALIKE, method="taylor"))
     assert told_of == [(("end of sliding at friction fa", "end of sliding at friction fb"), ORDER)] * 4
 
 
 def test_a_switch_is_called_by_its_formula():
-    told_of, times = told(
-        scene_of("""
-bodies: {b: 1 kg}
-stops: {wall: {between: [b, base], gap: 1 m, acts: compression, law: rigid, e: 0.5}}
-base: {x: "V*max(t - 1 s, 0)", V: 0.5 m/s}
-initial: {b: {v: 1 m/s}}
-run: {t_end: 2 s, every: 1/8 s}
-""")
-    )
+    told_of, times = told(scene_of(AS_THE_BASE_BEGINS_TO_MOVE))
     assert told_of[0] == (("impact at stop wall", "switch in the formula of base"), ORDER)
     assert times[0] == 1.0
 
@@ -91,38 +84,15 @@ def test_functions_that_stay_at_zero(seed, told_first):
 # Doubts of the automaton.
 
 
-def on_the_floor():
-    """The spring presses by 1 N, the force pulls by as much, in doubles."""
-    return scene_of("""
-bodies: {a: 1 kg}
-links: {spring: {between: [a, ground], k: 100 N/m}}
-stops: {floor: {between: [a, ground], gap: -0.01 m, acts: extension, law: rigid, e: 0.5}}
-forces: {push: {on: a, F0: 1 N}}
-initial: {a: {x: 0.01 m}}
-run: {t_end: 0.01 s, every: 0.1 s}
-""")
-
-
-def on_the_base(base, body, part):
-    return scene_of(f"""
-bodies: {{a: 1 kg}}
-base: {{{base}}}
-{part}
-initial: {{a: {{{body}}}}}
-run: {{t_end: 0.05 s, every: 10 ms}}
-""")
-
-
 def beside_the_base():
     """The base begins 20 mm sin 30 deg from zero, but for rounding."""
-    wall = "stops: {wall: {between: [a, base], gap: 0 m, acts: compression, k: 30 N/m}}"
-    return on_the_base("a: 20 mm, omega: 7 rad/s, phase: 30 deg", "x: 0.010000000000000002 m", wall)
-
-
-def along_with_the_base():
-    """It has the velocity of the base, 0.1 m times 7 rad/s, but for one unit in the last place."""
-    friction = "friction: {f: {between: [a, base], N: 5 N, mu: 1}}"
-    return on_the_base("a: 100 mm, omega: 7 rad/s", "v: 0.7000000000000002 m/s", friction)
+    return scene_of("""
+bodies: {a: 1 kg}
+base: {a: 20 mm, omega: 7 rad/s, phase: 30 deg}
+stops: {wall: {between: [a, base], gap: 0 m, acts: compression, k: 30 N/m}}
+initial: {a: {x: 0.010000000000000002 m}}
+run: {t_end: 0.05 s, every: 10 ms}
+""")
 
 
 def pushed_and_pulled():
@@ -136,44 +106,19 @@ run: {t_end: 0.05 s, every: 10 ms}
 """)
 
 
-def struck_between_touching_ones():
-    """c meets b as that just touches a spring at a, and a limit."""
-    row = scene_of("""
-bodies: {a: 1 kg, b: 1 kg, c: 1 kg}
-stops:
-  ab: {between: [b, a], gap: 0 m, acts: extension, k: 40 N/m}
-  bc: {between: [c, b], gap: 0 m, acts: extension, law: rigid, e: 0.5}
-initial: {c: {x: 0.125 m, v: -1 m/s}}
-run: {t_end: 0.25 s, every: 1/32 s}
-""")
-    return replace(row, clearances=(Clearance("limit", GROUND, 1, 0.0),))
-
-
-def between_walls():
-    """Two walls, 5e-17 m from each other: the first that is struck tells the speed behind."""
-    return scene_of("""
-bodies: {ball: 1 kg}
-stops:
-  soft: {between: [ball, ground], gap: 0.3 m, acts: compression, law: rigid, e: 0.8}
-  hard: {between: [ball, ground], gap: 0.30000000000000004 m, acts: compression, law: rigid, e: 0.3}
-initial: {ball: {v: 0.7 m/s}}
-run: {t_end: 1 s, every: 20 ms}
-""")
-
-
 AUTOMATON = {
     doubts.LEAVES: (lambda: balanced("auto").as_parts(), ("contact at stop",)),
     doubts.CROSSES: (lambda: TORN_SOFTLY, ("release at stop touch",)),
-    doubts.LOADED: (on_the_floor, ("release at stop floor",)),
+    doubts.LOADED: (lambda: scene_of(RELIEVED), ("release at stop floor",)),
     doubts.SIGN: (pushed_and_pulled, ("zero force at stop wall",)),
     doubts.HOLDS: (
         lambda: scene_of(rubbing_bodies(8), t_end=0.4),
         ("friction f0_1", "friction f0_2", "friction f0_3", "26 more"),
     ),
-    doubts.SLOW: (along_with_the_base, ("friction f",)),
-    doubts.ORDER: (between_walls, ("impact at stop soft", "impact at stop hard")),
+    doubts.SLOW: (lambda: along_with_the_base(2.0**-52), ("friction f",)),
+    doubts.ORDER: (lambda: walls((0.8, 0.3), 2.0**-54), ("impact at stop wall0", "impact at stop wall1")),
     doubts.ENDLESS: (lambda: at_once(random.Random(60)), ("impact at stop s0", "impact at stop s1")),
-    doubts.TOUCHED: (struck_between_touching_ones, ("contact at stop ab", "limit of clearance limit")),
+    doubts.TOUCHED: (lambda: closing(1, 0.125), ("contact at stop ab", "limit of clearance limit")),
     doubts.START: (beside_the_base, ("contact at stop wall",)),
     doubts.START_AT_REST: (lambda: two_beside(1.000000000000001, 1.0), ("stop",)),
 }

@@ -251,6 +251,13 @@ run: {t_end: 0.5 s, every: 1/32 s}
 """
 
 
+def closing(side, away, **run):
+    """c strikes b from one side, after 0 s or more, as that touches the spring at a, and a limit."""
+    text = CLOSED.replace("compression", "extension") if side > 0 else CLOSED
+    scene = scene_of(text, {"c.x": side * away, "c.v": -side}, t_end=away + 0.5, **run)
+    return replace(scene, clearances=(Clearance("limit", *((GROUND, 1) if side > 0 else (1, GROUND)), 0.0),))
+
+
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("away", [0.0, 0.125])
 @pytest.mark.parametrize("side", [1, -1])
@@ -259,10 +266,7 @@ def test_an_impact_closes_what_just_touched(method, away, side):
     they part. Where the impact was at the start, b went through the spring.
     """
     speed, rate = 0.75, sqrt(2 * 40.0)
-    text = CLOSED.replace("compression", "extension") if side > 0 else CLOSED
-    scene = scene_of(text, {"c.x": side * away, "c.v": -side}, method=method, t_end=away + 0.5)
-    limit = Clearance("limit", *((GROUND, 1) if side > 0 else (1, GROUND)), 0.0)
-    result = run(replace(scene, clearances=(limit,)))
+    result = run(closing(side, away, method=method))
     told = [EVENT_NAMES[kind] for kind in result.events["kind"].tolist()]
     assert told == ["start", "impact", "contact_begin", "violation_begin", "contact_end", "end"]
     assert times(result, "contact_begin") == pytest.approx([away], abs=1e-15)

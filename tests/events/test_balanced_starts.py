@@ -60,46 +60,51 @@ def test_a_plain_start_on_the_stop_is_certified(method, x1, F0, A):
     assert result.totals["uncertified"] == 0
 
 
-def in_doubt(text):
-    """Whether a short run has doubts."""
-    return run(scene_of(f"{text}run: {{t_end: 10 ms, every: 100 ms}}")).totals["uncertified"] > 0
+def in_doubt(scene):
+    return run(scene).totals["uncertified"] > 0
+
+
+# The spring presses by 1 N, the force pulls by as much, in doubles.
+RELIEVED = """
+bodies: {a: 1 kg}
+links: {spring: {between: [a, ground], k: 100 N/m}}
+stops: {floor: {between: [a, ground], gap: -1 cm, acts: extension, law: rigid, e: 0.5}}
+forces: {push: {on: a, F0: 1 N}}
+initial: {a: {x: 1 cm}}
+run: {t_end: 10 ms, every: 100 ms}
+"""
 
 
 @pytest.mark.parametrize(("F0", "doubted"), [(1.0, True), (0.9, False), (1.1, False)])
 def test_rest_on_a_rigid_stop_that_only_rounding_relieves_is_in_doubt(F0, doubted):
-    """The spring presses by 1 N, the force pulls by as much, in doubles."""
-    text = f"""
-bodies: {{a: 1 kg}}
-links: {{spring: {{between: [a, ground], k: 100 N/m}}}}
-stops: {{floor: {{between: [a, ground], gap: -1 cm, acts: extension, law: rigid, e: 0.5}}}}
-forces: {{push: {{on: a, F0: {F0} N}}}}
-initial: {{a: {{x: 1 cm}}}}
+    assert in_doubt(scene_of(RELIEVED, {"push.F0": F0})) == doubted
+
+
+ON_THE_BASE = """
+bodies: {a: 0.3 kg}
+friction: {f: {between: [a, base], N: 5 N, mu: 1}}
+base: {a: 10 cm, omega: 7 rad/s}
+initial: {a: {v: 0.7 m/s}}
+run: {t_end: 10 ms, every: 100 ms}
 """
-    assert in_doubt(text) == doubted
 
 
 @pytest.mark.parametrize(("limit", "doubted"), [(0.3 * 0.1 * 7.0**2, True), (1.5, False), (1.4, False)])
 def test_whether_inertia_tears_a_body_off_the_base_is_in_doubt_where_rounding_decides(limit, doubted):
     """The base turns round at the start, where its acceleration is the largest."""
-    text = f"""
-bodies: {{a: 0.3 kg}}
-friction: {{f: {{between: [a, base], N: {limit} N, mu: 1}}}}
-base: {{a: 10 cm, omega: 7 rad/s, phase: 90 deg}}
-initial: {{a: {{x: 10 cm}}}}
-"""
-    assert in_doubt(text) == doubted
+    turning = {"f.N": limit, "base.phase": "90 deg", "a.x": "10 cm", "a.v": 0}
+    assert in_doubt(scene_of(ON_THE_BASE, turning)) == doubted
+
+
+def along_with_the_base(excess):
+    """It has the velocity of the base but for a share."""
+    return scene_of(ON_THE_BASE, {"a.v": 0.1 * 7.0 * (1 + excess)})
 
 
 @pytest.mark.parametrize(("excess", "doubted"), [(2.0**-52, True), (1e-9, False), (0.0, False)])
 def test_sliding_on_the_base_that_only_rounding_tells_is_in_doubt(excess, doubted):
     """A start with the velocity of the base moves with it; one unit in the last place more may do so."""
-    text = f"""
-bodies: {{a: 0.3 kg}}
-friction: {{f: {{between: [a, base], N: 5 N, mu: 1}}}}
-base: {{a: 10 cm, omega: 7 rad/s}}
-initial: {{a: {{v: {0.1 * 7.0 * (1 + excess)!r} m/s}}}}
-"""
-    assert in_doubt(text) == doubted
+    assert in_doubt(along_with_the_base(excess)) == doubted
 
 
 def judge(make, seeds):

@@ -42,6 +42,7 @@ def test_grazing_amplitudes(method, sign, k):
     if sign < 0:
         assert result.kinds == []
         assert result.totals["grazing_margin"] == pytest.approx(G * 10.0**-k, abs=64 * EPS * G)
+        assert math.sin(OMEGA * result.totals["grazing_time"]) == pytest.approx(1, abs=1e-11)
     else:
         assert result.kinds[:2] == ["contact_begin", "contact_end"]
         before_peak = math.acos(1 / (1 + 10.0**-k)) / OMEGA
