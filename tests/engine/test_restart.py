@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from itertools import pairwise
-from math import pi
 
 import numpy as np
 import pytest
@@ -10,13 +9,13 @@ from hypothesis import given, settings
 
 from tests.engine.random_formulas import formula_scene
 from tests.engine.random_parts import part_scenes
-from tests.engine.runs import Run, outcome, run, same_bits
+from tests.engine.runs import Run, outcome, run, same_bits, scene_of
 from tests.engine.tied_scenes import tied_scene
 from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, paper
 from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.parts import BASE, GROUND, Body, Clearance, Force, Harmonic, Link, Scene
+from vibsim.physics.parts import GROUND, Clearance
 from vibsim.physics.rates import common_period
 from vibsim.results.simulation import simulate
 
@@ -60,9 +59,15 @@ def test_random_blocks_go_on_from_every_event(scene):
 
 def test_a_clearance_that_is_just_touched_goes_on_from_every_event():
     """Its zeros are near to double: a restart that looked at them again had other last bits than the run."""
-    spring, mark = Link("l", 0, GROUND, 4 * pi**2, 0.0), Clearance("mark", 0, GROUND, 0.010000000000000002)
-    scene = Scene((Body("b", 1.0, 0.0, 0.02 * pi),), (spring,), clearances=(mark,), t_end=6.366)
-    assert_restarts(replace(scene, every_num=2122, every_den=1000))
+    assert_restarts(
+        scene_of("""
+bodies: {b: 1 kg}
+links: {l: {between: [b, ground], k: 39.47841760435743 N/m}}
+clearances: {mark: {between: [b, ground], distance: 0.010000000000000002 m}}
+initial: {b: {v: 0.06283185307179587 m/s}}
+run: {t_end: 6.366 s, every: 2.122 s}
+""")
+    )
 
 
 @pytest.mark.parametrize("seed", range(14))
@@ -172,23 +177,24 @@ def test_states_between_events_follow_no_event_of_the_instant_before_once_more(t
 # The stroboscopic section: the state at the end of every period of what drives a scene.
 
 
-def harmonic(amplitude, frequency):
-    return Harmonic(amplitude, 2 * pi * frequency, frequency, 0.0, 0.0)
-
-
-def scene(forces=(), base=(), method="auto", t_end=10.0):
-    link = Link("l", 0, BASE if base else GROUND, 30.0, 10.0)
-    drives = tuple(Force(f"F{i}", 0, 0.0, (term,)) for i, term in enumerate(forces))
-    bodies = (Body("m", 1.0, 0.01, 0.0),)
-    return Scene(bodies, (link,), forces=drives, base=base, method=method, t_end=t_end, every_den=4)
+def driven(*rates, base="a: 0 m, omega: 1 Hz", method="auto"):
+    """A body under forces of so many rates, on a base."""
+    forces = [f"F{i}: {{on: m, A: 0.01 N, omega: {rate}}}" for i, rate in enumerate(rates)]
+    return scene_of(f"""
+bodies: {{m: 1 kg}}
+links: {{l: {{between: [m, base], k: 30 N/m, c: 10 N s/m}}}}
+forces: {{{", ".join(forces)}}}
+base: {{{base}}}
+initial: {{m: {{x: 1 cm}}}}
+run: {{t_end: 10 s, every: 0.25 s, method: {method}}}
+""")
 
 
 @pytest.mark.parametrize("method", ("auto", "taylor"))
 def test_harmonics_of_one_force_and_the_base_share_a_period(method):
     """2 and 3 Hz repeat every second, 4 and 6 Hz every half."""
-    for frequencies, period in (((2.0, 3.0), 1.0), ((4.0, 6.0), 0.5), ((5.0, 5.0), 0.2)):
-        forced, shaken = (harmonic(0.01, f) for f in frequencies)
-        drive = scene((forced,), (shaken,), method)
+    for forced, shaken, period in ((2, 3, 1.0), (4, 6, 0.5), (5, 5, 0.2)):
+        drive = driven(f"{forced} Hz", base=f"a: 1 cm, omega: {shaken} Hz", method=method)
         section = run(drive, section=True).section
         assert section["time"] == pytest.approx(period * np.arange(1, round(10 / period) + 1), rel=1e-15)
         # what is read there is the motion; its transient exp(-5 t) is gone, the steady one repeats
@@ -199,18 +205,16 @@ def test_harmonics_of_one_force_and_the_base_share_a_period(method):
         assert same_bits(section["x_m"][at], samples["x_m"][np.isin(samples["time"], section["time"])])
 
 
-@pytest.mark.parametrize("frequencies", [(1.0, 2**0.5), (1.0, 1.0 + 1e-9), ()])
-def test_no_section_without_a_common_period(frequencies):
-    drive = scene(tuple(harmonic(0.01, f) for f in frequencies))
+@pytest.mark.parametrize("rates", [("1 Hz", f"{2**0.5} Hz"), ("1 Hz", "1.000000001 Hz"), ("1 Hz", "1 rad/s")])
+def test_no_section_without_a_common_period(rates):
+    drive = driven(*rates)
     assert common_period(drive) is None
     assert len(run(drive, section=True).section["time"]) == 0
 
 
 def test_frequencies_of_no_exact_double_have_their_period():
-    """0.1 and 0.3 Hz as double-doubles: 10 s."""
-    slow = Harmonic(1.0, 0.2 * pi, 0.1, -5.551115123125783e-18, 0.0)
-    fast = Harmonic(1.0, 0.6 * pi, 0.3, 1.1102230246251565e-17, 0.0)
-    period = common_period(scene((fast, slow)))
+    """10 s."""
+    period = common_period(driven("0.1 Hz", "0.3 Hz"))
     assert period.end(1) == 10.0 and period.end(7) == 70.0
 
 
