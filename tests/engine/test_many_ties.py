@@ -5,13 +5,12 @@ import subprocess
 import sys
 import threading
 from itertools import combinations
-from math import pi
 
 import numpy as np
 import pytest
 from scipy.optimize import linprog, lsq_linear
 
-from tests.engine.runs import differences, run
+from tests.engine.runs import differences, run, scene_of
 from vibsim.cases import load_case
 from vibsim.engine import c_engine
 from vibsim.engine.columns import part_columns
@@ -25,36 +24,27 @@ from vibsim.engine.modes.status import STICK
 from vibsim.engine.modes.ties import TooManyCuts, connected_sides
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.numbers import Doubles
-from vibsim.physics.parts import (
-    BASE,
-    COMPRESSION,
-    EXTENSION,
-    GROUND,
-    Body,
-    Force,
-    Friction,
-    Harmonic,
-    Link,
-    RigidStop,
-    Scene,
-)
+from vibsim.physics.parts import GROUND, Friction
 from vibsim.results.simulation import simulate_to_file
 
 HEAVY = 1e9  # kg: a base that no force of some newtons moves
 
 
-def rubbing_bodies(count, static="1.2"):
-    """`count` bodies of which each rubs on each other one, as text of a case; one on the ground too."""
+def rubbing_bodies(count, driven=1):
+    """`count` bodies of which each rubs on each other one, as text of a case; one on the ground too. So many
+    of them are driven, each at a rate of its own.
+    """
     pairs = combinations(range(count), 2)
     ground = "g0: {between: [b3, ground], N: 1 N, mu: 1}"
-    frictions = [
-        f"f{i}_{j}: {{between: [b{i}, b{j}], N: 1 N, mu: 0.{i}{j}, static: {static}}}" for i, j in pairs
-    ]
+    frictions = [f"f{i}_{j}: {{between: [b{i}, b{j}], N: 1 N, mu: 0.{i}{j}, static: 1.2}}" for i, j in pairs]
+    links = [f"s{i}: {{between: [b{i}, ground], k: {100 - 7 * i} N/m}}" for i in range(driven)]
+    rates = [f"omega: {1 + 0.2 * i} Hz, phase: {40 * i} deg" for i in range(driven)]
+    forces = [f"d{i}: {{on: b{i}, A: 20 N, {rate}}}" for i, rate in enumerate(rates)]
     return f"""
 bodies: {{{", ".join(f"b{i}: 1 kg" for i in range(count))}}}
-links: {{s: {{between: [b0, ground], k: 100 N/m}}}}
+links: {{{", ".join(links)}}}
 friction: {{{", ".join(frictions).replace("mu: 0.0", "mu: 0.1")}, {ground}}}
-forces: {{d: {{on: b0, A: 20 N, omega: 1 Hz}}}}
+forces: {{{", ".join(forces)}}}
 run: {{t_end: 3 s, every: 10 ms}}
 """
 
@@ -97,23 +87,30 @@ def scene_at_rest(rng):
     """Three to eight bodies at rest that rub on each other, on the ground and on a base that turns round,
     some of them on rigid stops.
     """
-    n, places = rng.randint(3, 8), [GROUND]
-    base = ()
+    n, base, places = rng.randint(3, 8), "", ["ground"]
     if rng.random() < 0.4:
-        base, places = (Harmonic(rng.uniform(0.01, 0.3), 2 * pi, 1.0, 0.0, pi / 2),), [GROUND, BASE]
-    frictions = []
-    for P in range(n):
-        for Q in [*range(P + 1, n), *places]:
-            if rng.random() < 0.9:
-                slip = rng.uniform(0.1, 2.0)
-                frictions.append(Friction(f"f{P}_{Q}", P, Q, slip, slip * rng.choice((1.0, 0.5)), 0.0))
-    stops = tuple(
-        RigidStop(f"r{k}", k, GROUND, 0.0, rng.choice((EXTENSION, COMPRESSION)), 0.5, True)
+        places = ["ground", "base"]
+        base = f"base: {{a: {rng.uniform(0.01, 0.3)} m, omega: 1 Hz, phase: 90 deg}}"
+    names = [f"b{i}" for i in range(n)]
+    pairs = [(P, Q) for i, P in enumerate(names) for Q in [*names[i + 1 :], *places] if rng.random() < 0.9]
+    frictions = [
+        f"f{P}_{Q}: {{between: [{P}, {Q}], N: {rng.uniform(0.1, 2.0)} N, plus: {{mu: 1}}, "
+        f"minus: {{mu: {rng.choice((1, 0.5))}}}}}"
+        for P, Q in pairs
+    ]
+    stops = [
+        f"r{k}: {{between: [b{k}, ground], gap: 0 m, "
+        f"acts: {rng.choice(('extension', 'compression'))}, law: rigid, e: 0.5}}"
         for k in range(rng.choice((0, 0, 2)))
-    )
-    forces = tuple(Force(f"F{i}", i, rng.uniform(-12, 12), ()) for i in range(n))
-    bodies = tuple(Body(f"b{i}", rng.uniform(0.5, 2.0), 0.0, 0.0) for i in range(n))
-    return Scene(bodies, (), stops, tuple(frictions), forces, base, t_end=1.0)
+    ]
+    return scene_of(f"""
+bodies: {{{", ".join(f"{name}: {rng.uniform(0.5, 2.0)} kg" for name in names)}}}
+stops: {{{", ".join(stops)}}}
+friction: {{{", ".join(frictions)}}}
+forces: {{{", ".join(f"F{name}: {{on: {name}, F0: {rng.uniform(-12, 12)} N}}" for name in names)}}}
+{base}
+run: {{t_end: 1 s}}
+""")
 
 
 def test_ties_obey_coulombs_law(monkeypatch):
@@ -195,32 +192,9 @@ def test_the_command_runs_them(eight, tmp_path):
     assert done.returncode == 0 and "energy residual" in done.stdout
 
 
-def shaken_bodies(count, t_end):
-    """Bodies on springs that rub on each other and on the ground, each driven at a rate of its own: they
-    hardly ever come back to a mode.
-    """
-    rng = random.Random(3)
-    ends = [(P, Q) for P in range(count) for Q in (*range(P + 1, count), GROUND)]
-    slips = [rng.uniform(0.1, 1.0) for _ in ends]
-    rates = [rng.uniform(4.0, 9.0) for _ in range(count)]
-    terms = [Harmonic(20.0, rate, rate / (2 * pi), 0.0, rng.uniform(0, 3)) for rate in rates]
-    return Scene(
-        tuple(Body(f"b{i}", rng.uniform(0.5, 2.0), 0.0, 0.0) for i in range(count)),
-        tuple(Link(f"l{i}", i, GROUND, rng.uniform(50.0, 300.0), 0.5) for i in range(count)),
-        frictions=tuple(
-            Friction(f"f{k}", *edge, slip, slip, 0.0, 1.2 * slip, 1.2 * slip)
-            for k, (edge, slip) in enumerate(zip(ends, slips, strict=True))
-        ),
-        forces=tuple(Force(f"F{i}", i, 0.0, (term,)) for i, term in enumerate(terms)),
-        t_end=t_end,
-        every_num=1,
-        every_den=50,
-    )
-
-
 def test_modes_that_are_forgotten_come_back(monkeypatch):
     """A run that keeps no modes has the bits of one that keeps them all."""
-    scene = shaken_bodies(4, 4.0)
+    scene = scene_of(rubbing_bodies(4, driven=4))
     kept = run(scene, ledger=True)
     monkeypatch.setattr(c_engine, "MOST_BYTES", 0)
     monkeypatch.setattr(row_maker, "MOST_EVENTS", 0)
@@ -237,14 +211,15 @@ def test_modes_without_end_take_bounded_memory(monkeypatch):
     for module, name, most in ((c_engine, "MOST_BYTES", 200_000), (mode_table, "MOST_BYTES", 200_000)):
         monkeypatch.setattr(module, name, most)
     monkeypatch.setattr(row_maker, "MOST_EVENTS", 4000)
-    trajectory = open_trajectory(shaken_bodies(6, 4.0))
-    engine, met = trajectory.run, set()
+    met, forget = set(), c_engine.CRun._forget_modes
+    monkeypatch.setattr(c_engine.CRun, "_forget_modes", lambda run: (met.update(run.statuses), forget(run)))
+    trajectory = open_trajectory(scene_of(rubbing_bodies(6, driven=6)))
+    engine = trajectory.run
     for _ in trajectory.blocks():
-        met |= set(engine.statuses)
         assert engine.told <= 200_000 + 20_000  # one of them
         assert sum(1 + len(rows.events) for rows in engine.table.maker.by_status.values()) <= 4000
         assert sum(map(mode_table.bytes_of, engine.table._packed.values())) <= 200_000
-    assert len(met) > 2 * len(engine.statuses) > 0
+    assert len(met | {*engine.statuses}) > 100 > 2 * len(engine.statuses) > 0
     mode_table._tables.clear()
 
 
