@@ -9,14 +9,17 @@ from itertools import chain
 from math import isnan
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from tests.engine.bundles import start_components
 from tests.engine.many_digits import exact_parts
 from tests.engine.random_formulas import formula_scene
 from tests.engine.random_parts import part_scenes, rigid_scenes
+from tests.engine.runs import scene_of
 from tests.engine.test_formula_tangent import TEXTS
+from tests.engine.test_impact_disturbances import THROWN
 from tests.engine.test_monodromy import SCENES
+from tests.random_scenes import always
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 from vibsim.engine.errors import EngineError
@@ -24,7 +27,6 @@ from vibsim.engine.number_forms import WordsForm
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.orbits import orbit_digits
 from vibsim.orbits.search import orbit
-from vibsim.physics.parts import COMPRESSION, GROUND, Body, Force, RigidStop, Scene
 from vibsim.physics.precision import WORDS, DigitsKit, is_built, number_kit
 
 pytestmark = pytest.mark.skipif(not all(map(is_built, (*WORDS, 5))), reason="built without numbers of words")
@@ -82,25 +84,17 @@ def test_chosen_scenes(label):
     assert assert_same(exact_parts(scene), PAIRED[list(SCENES).index(label) % 2]) >= expected
 
 
-@settings(max_examples=4)
-@given(scene=part_scenes(radians=6.0, bodies=3))
-def test_random_scenes(scene):
-    assert_same(exact_parts(scene), 45)
-
-
-@settings(max_examples=3)
-@given(scene=rigid_scenes(bodies=3))
-def test_random_scenes_with_rigid_stops(scene):
-    assert_same(exact_parts(scene), 30)
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(7200)
-@pytest.mark.parametrize("digits", PAIRED)
-@settings(max_examples=150)
-@given(scene=rigid_scenes(radians=6.0))
-def test_many_random_scenes(digits, scene):
+def assert_same_parts(scene, digits):
     assert_same(exact_parts(scene), digits)
+
+
+test_random_scenes = always(
+    assert_same_parts,
+    st.one_of(part_scenes(radians=6.0), rigid_scenes(radians=6.0)),
+    st.sampled_from(PAIRED),
+    few=7,
+    many=300,
+)
 
 
 @pytest.mark.slow
@@ -143,18 +137,16 @@ def test_formulas_and_rotors(name, end):
     assert_same(load_case(name).exact_scene, 25, end, lost=5)
 
 
-def impacts(v, *more):
+def impacts(v):
     """A body thrown at a wall 1 m ahead against a force that stops it there where v is 2 m/s."""
-    wall = RigidStop("wall", 0, GROUND, 1.0, COMPRESSION, 0.5)
-    body = Body("m", 1.0, 0.0, v)
-    return Scene((body, *more), stops=(wall,), forces=(Force("g", 0, -2.0, ()),), t_end=1.5)
+    return exact_parts(scene_of(THROWN, {"m.v": v, "wall.e": 0.5}))
 
 
 @pytest.mark.parametrize("digits", DIGITS)
 def test_an_impact_in_closed_form(digits):
     """v^2 = v0^2 - 4 at the wall, S = [[-e, 0], [(1 + e) a / v, -e]]."""
     kit = number_kit(digits)
-    end = carried(exact_parts(impacts(2.5)), kit)
+    end = carried(impacts(2.5), kit)
     v, e, a = kit.sqrt(kit.number(2.25)), kit.number(0.5), kit.number(-2)
     first = (kit.number(2.5) - v) / 2
     left = kit.number(1.5) - first
@@ -173,8 +165,8 @@ def product(one, other):
 
 
 def test_what_has_no_derivative_is_told():
-    grazed = carried(exact_parts(impacts(2.0)), number_kit(30))
-    missed = carried(exact_parts(impacts(1.9)), number_kit(30))
+    grazed = carried(impacts(2.0), number_kit(30))
+    missed = carried(impacts(1.9), number_kit(30))
     assert not isnan(grazed.undefined_at) and isnan(missed.undefined_at)
 
 

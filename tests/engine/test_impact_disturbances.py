@@ -7,7 +7,6 @@ from math import cos, exp, isnan, pi, sin, sqrt
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.engine.bundles import PER_PIECE, assert_derivative, totals
@@ -300,20 +299,14 @@ def ends(of, most=MOST):
         return False
 
 
-@settings(max_examples=12)
-@given(rigid_scenes(radians=3.0, bodies=2))
-def test_difference_quotients_of_random_scenes(of):
+def assert_derivative_apart(of):
     if ends(apart(of), 100):
         assert_derivative(apart(of))
 
 
-@pytest.mark.slow
-@pytest.mark.timeout(3600)
-@settings(max_examples=300)
-@given(rigid_scenes(radians=6.0, bodies=3))
-def test_difference_quotients_of_many_random_scenes(of):
-    if ends(apart(of), 100):
-        assert_derivative(apart(of))
+test_difference_quotients_of_random_scenes = always(
+    assert_derivative_apart, rigid_scenes(radians=6.0, bodies=3), few=12, many=300
+)
 
 
 def assert_volumes_grow(of, method):

@@ -13,6 +13,7 @@ from tests.engine.bundles import assert_derivative, start_components
 from tests.engine.random_parts import part_scenes
 from tests.engine.runs import same_bits, scene_of
 from tests.engine.test_closed_cases import METHODS, case
+from tests.random_scenes import always
 from tests.scenes import paper
 from vibsim.cases import load_case
 from vibsim.engine.errors import EngineError
@@ -259,19 +260,11 @@ def test_a_body_let_go_where_it_touches_a_stop():
     assert columns == 3 and kinds == {"stick_end", "contact_begin", "stick_begin"}
 
 
-@settings(max_examples=15)
-@given(part_scenes(radians=8.0, bodies=3))
-def test_random_scenes(scene):
-    assert_derivative(scene)
+def assert_derivative_by(scene, method):
+    assert_derivative(replace(scene, method=method))
 
 
-@pytest.mark.slow
-@pytest.mark.timeout(3600)
-@settings(max_examples=300)
-@given(part_scenes())
-def test_many_random_scenes(scene):
-    assert_derivative(scene)
-    assert_derivative(replace(scene, method="taylor"))
+test_random_scenes = always(assert_derivative_by, part_scenes(), st.sampled_from(METHODS), few=15, many=600)
 
 
 @pytest.mark.parametrize("label", SCENES)
