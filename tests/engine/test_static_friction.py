@@ -12,22 +12,11 @@ from tests.engine.impacts import times
 from tests.engine.many_digits import exact_parts, truth
 from tests.engine.runs import differences, run, scene_of
 from tests.engine.test_restart import assert_restarts, rows_at_each_instant
-from tests.scenes import falling
 from vibsim.cases import load_case
 from vibsim.engine.modes.rows import SLIDE
 from vibsim.engine.resume import resume_point
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.parts import (
-    EVENT_KINDS,
-    EVENT_NAMES,
-    EXPONENTIAL,
-    GROUND,
-    HYPERBOLIC,
-    Body,
-    Friction,
-    Link,
-    Scene,
-)
+from vibsim.physics.parts import EVENT_KINDS, EVENT_NAMES, GROUND, Friction
 
 M, K, BELT = 2.0, 50.0, 0.3
 SLIP, HOLD = 4.0, 7.0
@@ -258,20 +247,22 @@ def test_a_freewheel_without_loss_touches_rest_once_a_period():
 
 
 FALLS = {
-    HYPERBOLIC: ((HYPERBOLIC, 3.0, 2.5), lambda v: (v + 2.5 * v * v / 2) / 3.0),
-    EXPONENTIAL: ((EXPONENTIAL, 3.0, 2.5), lambda v: (exp(2.5 * v) - 1) / 2.5 / 3.0),
+    "law: stribeck hyperbolic, mu_s: 3, mu_d: 0, d: 2.5 s/m": lambda v: (v + 2.5 * v * v / 2) / 3.0,
+    "law: stribeck exponential, mu_s: 3, mu_d: 0, v0: 0.4 m/s": lambda v: (exp(2.5 * v) - 1) / 2.5 / 3.0,
 }
+ALONE = """
+bodies: {m: 2 kg}
+friction: {floor: {between: [m, ground], N: 1 N, LAW}}
+run: {t_end: 12 s, every: 20 ms}
+"""
 
 
 @pytest.mark.parametrize("sign", (1, -1))
 @pytest.mark.parametrize("law", FALLS)
 def test_a_sliding_block_stops_when_it_should_and_stays(law, sign):
     """m v' = -D f(rate v): the time left is m/D (v + rate v^2 / 2), and m/D (exp(rate v) - 1) / rate."""
-    fall, left = FALLS[law]
-    mass, start = 2.0, 1.3
-    friction = falling(Friction("floor", 0, GROUND, 0.0, 0.0, 0.0), fall)
-    scene = Scene((Body("m", mass, 0.0, sign * start),), frictions=(friction,), t_end=12.0, every_den=50)
-    result = run(scene, ledger=True)
+    left, mass, start = FALLS[law], 2.0, 1.3
+    result = run(scene_of(ALONE.replace("LAW", law), {"m.v": sign * start}), ledger=True)
     assert times(result, "stick_begin") == pytest.approx([mass * left(start)], rel=1e-14)
     v, t = sign * result.samples["v_m"], result.samples["time"]
     for speed, time in zip(v[::20], t[::20], strict=True):
@@ -282,44 +273,40 @@ def test_a_sliding_block_stops_when_it_should_and_stays(law, sign):
     assert result.totals["loss.friction.floor"] == pytest.approx(mass * start**2 / 2, rel=1e-14)
 
 
-@pytest.mark.parametrize("law", FALLS)
-def test_the_mirrored_scene_moves_mirrored_bit_for_bit(law):
-    one, other = (law, 1.2, 3.0), (law, 0.7, 9.0)
-    plain = Scene(
-        (Body("a", 1.0, 0.0, 0.3), Body("b", 0.5, 0.1, 0.0)),
-        links=(Link("k", 0, GROUND, 30.0, 0.1), Link("l", 1, 0, 20.0, 0.0)),
-        frictions=(
-            falling(Friction("f", 0, GROUND, 0.5, 0.6, 0.3), one, other),
-            falling(Friction("g", 1, 0, 0.1, 0.0, 0.0), None, other),
-        ),
-        t_end=10.0,
-        every_den=20,
+MIRRORED = """
+bodies: {a: 1 kg, b: 0.5 kg}
+links: {k: {between: [a, ground], k: 30 N/m, c: 0.1 N s/m}, l: {between: [b, a], k: 20 N/m}}
+friction:
+  f: {between: [a, ground], N: 1 N, LAW, ONE: {mu_s: 1.7, mu_d: 0.5, SLOW},
+      OTHER: {mu_s: 1.3, mu_d: 0.6, FAST}, belt: SIGN0.3 m/s}
+  g: {between: [b, a], N: 1 N, LAW, ONE: {mu_s: 0.1, mu_d: 0.1, SLOW}, OTHER: {mu_s: 0.7, mu_d: 0, FAST}}
+initial: {a: {v: SIGN0.3 m/s}, b: {x: SIGN0.1 m}}
+run: {t_end: 10 s, every: 50 ms}
+"""
+
+
+@pytest.mark.parametrize(
+    ("law", "slow", "fast"),
+    [("stribeck hyperbolic", "d: 3 s/m", "d: 9 s/m"), ("stribeck exponential", "v0: 0.3 m/s", "v0: 0.1 m/s")],
+)
+def test_the_mirrored_scene_moves_mirrored_bit_for_bit(law, slow, fast):
+    text = MIRRORED.replace("LAW", f"law: {law}").replace("SLOW", slow).replace("FAST", fast)
+    left, right = (
+        run(scene_of(text.replace("ONE", one).replace("OTHER", other).replace("SIGN", sign)))
+        for one, other, sign in (("plus", "minus", ""), ("minus", "plus", "-"))
     )
-    mirrored = replace(
-        plain,
-        bodies=tuple(replace(body, x=-body.x, v=-body.v) for body in plain.bodies),
-        frictions=(
-            falling(Friction("f", 0, GROUND, 0.6, 0.5, -0.3), other, one),
-            falling(Friction("g", 1, 0, 0.0, 0.1, 0.0), other, None),
-        ),
-    )
-    left, right = run(plain), run(mirrored)
     assert left.totals["sticks"] > 2
     assert all((left.samples[name] == -right.samples[name]).all() for name in ("x_a", "v_a", "x_b", "v_b"))
     assert (left.events["t"] == right.events["t"]).all()
 
 
-def test_a_fall_at_no_rate_is_a_constant():
-    """f(0) = 1 throughout: the drop is as good as force."""
-    constant = Friction("f", 0, GROUND, 1.0, 1.0, 0.2)
-    scene = Scene(
-        (Body("m", 1.0, 0.0, 0.0),), (Link("k", 0, GROUND, 9.0, 0.0),), frictions=(constant,),
-        t_end=20.0, every_den=20, method="taylor",
-    )  # fmt: skip
-    falls = falling(replace(constant, forward=0.5, backward=0.5), (HYPERBOLIC, 0.5, 0.0))
-    one, other = run(scene), run(replace(scene, frictions=(falls,)))
-    assert one.events["kind"].tolist() == other.events["kind"].tolist()
-    assert np.abs(one.samples["x_m"] - other.samples["x_m"]).max() < 1e-15
+ON_A_BELT = """
+bodies: {m: 1 kg}
+links: {k: {between: [m, ground], k: 1 N/m}}
+friction: {belt: {between: [m, ground], N: 1 N, belt: 0.2 m/s, LAW}}
+initial: {m: {v: 0.2 m/s}}
+run: {t_end: 60 s, every: 1 s}
+"""
 
 
 def test_equal_coefficients_are_coulombs_law():
@@ -328,16 +315,14 @@ def test_equal_coefficients_are_coulombs_law():
     assert parts == (Friction("belt", 0, GROUND, 1.0, 1.0, 1.5),)
 
 
-@pytest.mark.parametrize("law", FALLS)
+@pytest.mark.parametrize(
+    "law", ["law: stribeck hyperbolic, d: 1e6 s/m", "law: stribeck exponential, v0: 1 um/s"]
+)
 def test_steep_laws_are_followed(law):
     """A law that has fallen at 1 um/s: every stretch is proved, and slip is that of what is left."""
-    friction = falling(Friction("belt", 0, GROUND, 1.0, 1.0, 0.2), (law, 1.0, 1e6))
-    scene = Scene(
-        (Body("m", 1.0, 0.0, 0.2),), (Link("k", 0, GROUND, 1.0, 0.0),), frictions=(friction,), t_end=60.0,
-        every_den=1,
-    )  # fmt: skip
-    drop = Friction("belt", 0, GROUND, 1.0, 1.0, 0.2, 2.0, 2.0)
-    steep, jump = run(scene), run(replace(scene, frictions=(drop,)))
+    steep, jump = (
+        run(scene_of(ON_A_BELT.replace("LAW", of))) for of in (f"{law}, mu_s: 2, mu_d: 1", "mu: 1, static: 2")
+    )
     assert steep.totals["uncertified"] == 0
     assert times(steep, "stick_end") == pytest.approx(times(jump, "stick_end"), abs=1e-3)
     assert len(times(steep, "stick_end")) == len(times(jump, "stick_end")) >= 3
@@ -350,10 +335,10 @@ def test_a_fast_block_feels_in_time_what_it_has_left_far_behind(many):
     At its start the falling part is as small as exp(-many), and its series says nothing of how it will grow.
     """
     v0, a, b = 0.05, 1.0, 3.5
-    friction = falling(Friction("floor", 0, GROUND, a, a, 0.0), (EXPONENTIAL, b, 1 / v0))
     start = many * v0
     left = (start + v0 * log((a + b * exp(-many)) / (a + b))) / a
-    result = run(Scene((Body("m", 1.0, 0.0, start),), frictions=(friction,), t_end=left + 1, every_den=1))
+    text = ALONE.replace("LAW", "law: stribeck exponential, mu_s: 4.5, mu_d: 1, v0: 50 mm/s")
+    result = run(scene_of(text, {"bodies.m": 1, "m.v": start}, t_end=left + 1, every=1))
     assert times(result, "stick_begin") == pytest.approx([left], rel=4e-15)
 
 
