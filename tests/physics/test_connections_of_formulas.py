@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from tests.engine.runs import scene_of
 from vibsim.physics import rates
-from vibsim.physics.connections import Pair, event_parts, paces_of, pairs_read, reads_time
+from vibsim.physics.connections import event_parts, paces_of, pairs_read, reads_time
 from vibsim.physics.formula_values import (
     driven_rotors,
     inputs_at,
@@ -18,52 +19,40 @@ from vibsim.physics.formula_values import (
     start_inputs,
     values_of,
 )
-from vibsim.physics.formulas import PI, TIME, absolute, add, call, choose, div, mul, num, power, sub
-from vibsim.physics.parts import (
-    BASE,
-    GROUND,
-    ROTOR,
-    STATE,
-    Body,
-    Force,
-    Friction,
-    Harmonic,
-    Link,
-    Rotor,
-    Scene,
-)
+from vibsim.physics.formulas import absolute, add, call, div, mul, num, power, sub
+from vibsim.physics.parts import BASE, GROUND, Link
 
 X, V = ("x", 0), ("v", 0)
+NUMBERS = "{F: 1 N, L: 1 m, two: 2 Hz, three: 3 Hz, more: 4.5 Hz, pace: 2 rad/s, T: 0.25 s, I: 1 A}"
 
 
-def scene(*formulas, **parts):
+def scene(*formulas, more="", bodies="a: 2 kg", changes=None):
     """A body under forces with formulas."""
-    forces = tuple(Force(f"f{i}", 0, 0.0, (), formula) for i, formula in enumerate(formulas))
-    bodies = parts.pop("bodies", (Body("a", 2.0, 0.3, 0.1),))
-    return Scene(bodies=bodies, forces=parts.pop("forces", forces), t_end=1.0, **parts)
-
-
-def hertz(f):
-    """2 pi f t."""
-    return mul(mul(num(2 * Fraction(f)), PI), TIME)
-
-
-def wave(rate, shift=0):
-    """sin(rate t + shift)."""
-    return call("sin", add(rate, num(shift)))
+    forces = "".join(f'\n  f{i}: {{on: a, force: "{formula}"}}' for i, formula in enumerate(formulas))
+    return scene_of(
+        f"""
+parameters: {NUMBERS}
+bodies: {{{bodies}}}
+initial: {{a: {{x: 0.3 m, v: 0.1 m/s}}}}
+{"forces:" if formulas else ""}{forces}
+{more}
+run: {{t_end: 1 s}}
+""",
+        changes,
+    )
 
 
 @pytest.mark.parametrize(
     ("formulas", "cycles", "turns"),
     (
-        ((wave(hertz(3)),), 3.0, 1),
-        ((mul(call("cos", hertz(3)), X), wave(hertz(2))), 3.0, 3),
-        ((wave(hertz(3)), wave(hertz("4.5"), 1)), 3.0, 2),
-        ((absolute(wave(hertz(3)), "abs"),), 3.0, 1),
-        ((wave(mul(num(2), TIME)),), 1 / math.pi, 1),
-        ((("mod", TIME, num(Fraction(1, 4)), "mod(t, 0.25)"),), 4.0, 1),
-        ((call("sin", add(hertz(3), X)),), 3.0, 1),  # what reads no time may stand beside it
-        ((power(wave(hertz(3)), num(2)),), 3.0, 1),
+        (("F*x_a/L*sin(three*t)",), 3.0, 1),
+        (("F*cos(three*t)*x_a/L*sin(two*t)",), 2.0, 2),
+        (("F*x_a/L*sin(three*t)", "F*x_a/L*sin(more*t + 1)"), 3.0, 2),
+        (("F*abs(sin(three*t))",), 3.0, 1),
+        (("F*x_a/L*sin(pace*t)",), 1 / math.pi, 1),
+        (("F*mod(t, T)/T",), 4.0, 1),
+        (("F*sin(three*t + x_a/L)",), 3.0, 1),  # what reads no time may stand beside it
+        (("F*sin(three*t)**2",), 3.0, 1),
     ),
 )
 def test_the_period_of_formulas_of_time(formulas, cycles, turns):
@@ -76,7 +65,7 @@ def test_the_period_of_formulas_of_time(formulas, cycles, turns):
 
 def test_a_period_in_turns_of_pi_is_right_to_thirty_digits():
     """1/pi Hz as a double-double against 50 digits."""
-    period = rates.common_period(scene(wave(mul(num(2), TIME))))
+    period = rates.common_period(scene("F*x_a/L*sin(pace*t)"))
     exact = 1 / Fraction("3.14159265358979323846264338327950288419716939937510")
     assert abs(Fraction(period.cycles) + Fraction(period.cycles_lo) - exact) < Fraction(1, 10**32)
 
@@ -84,11 +73,11 @@ def test_a_period_in_turns_of_pi_is_right_to_thirty_digits():
 @pytest.mark.parametrize(
     "formulas",
     (
-        (TIME,),
-        (wave(mul(TIME, TIME)),),
-        (mul(wave(hertz(3)), call("exp", mul(num(-1), TIME))),),
-        (wave(hertz(3)), wave(mul(num(2), TIME))),  # 3 Hz and 1/pi Hz
-        (choose(sub(TIME, num(1)), num(1), num(0), "where"),),
+        ("F*t/T",),
+        ("F*sin((pace*t)**2)",),
+        ("F*sin(three*t)*exp(-t/T)",),
+        ("F*x_a/L*sin(three*t)", "F*x_a/L*sin(pace*t)"),  # 3 Hz and 1/pi Hz
+        ("F*where(t > 4*T, 1, 0)",),
     ),
 )
 def test_formulas_without_a_period(formulas):
@@ -97,12 +86,13 @@ def test_formulas_without_a_period(formulas):
 
 
 def test_formulas_that_read_no_time_have_no_rate():
-    assert paces_of(scene(mul(X, V))) == [] and not rates.is_driven(scene(mul(X, V)))
+    still = scene("F*x_a*v_a*T/L**2")
+    assert paces_of(still) == [] and not rates.is_driven(still)
 
 
 def test_a_harmonic_beside_a_formula_has_their_common_period():
-    push = Force("push", 0, 0.0, (Harmonic(1.0, 4 * math.pi, 2.0, 0.0, 0.0),), wave(hertz(3)))
-    period = rates.common_period(scene(forces=(push,)))
+    beside = "\n  push: {on: a, A: 1 N, omega: 2 Hz}"
+    period = rates.common_period(scene("F*x_a/L*sin(three*t)", more=beside))
     assert period is not None and float(period.end(1)) == 1.0
 
 
@@ -110,15 +100,16 @@ def test_a_harmonic_beside_a_formula_has_their_common_period():
 
 
 def test_parts_whose_formulas_jump_follow_on_those_with_states():
-    jump = choose(X, num(1), num(2), "where(x_a < 0, 2, 1)")
-    rub = Friction("rub", 0, GROUND, 0.0, 0.0, 0.0, slips=(jump, jump), holds=(jump, jump))
-    parts = {
-        "links": (Link("smooth", 0, GROUND, 0.0, 0.0, X), Link("kinked", 0, GROUND, 0.0, 0.0, jump)),
-        "frictions": (rub,),
-        "base_formula": absolute(TIME, "abs(t)"),
-    }
-    assert event_parts(scene(jump, X, **parts)) == ("rub", "kinked", "f0", "base")
-    assert event_parts(scene(X)) == ()
+    jump = "F*where(x_a < 0, 2, 1)"
+    parts = f"""
+links:
+  smooth: {{between: [a, base], force: "F*d/L"}}
+  kinked: {{between: [a, ground], force: "{jump}"}}
+friction: {{rub: {{between: [a, ground], N: "{jump}", mu: 1}}}}
+base: {{x: "L*abs(t/T)"}}
+"""
+    assert event_parts(scene(jump, "F*x_a/L", more=parts)) == ("rub", "kinked", "f0", "base")
+    assert event_parts(scene("F*x_a/L")) == ()
 
 
 # Values.
@@ -149,12 +140,13 @@ def test_a_table_keeps_its_end_values():
 
 def test_a_base_and_its_velocity():
     times = np.linspace(0, 1, 7)
-    x, v, _ = motion_of_base(scene(base_formula=mul(num(Fraction(1, 100)), wave(hertz(2), 1))), times)
+    base = 'links: {s: {between: [a, base], k: 1 N/m}}\nbase: {x: "0.01*L*sin(two*t + 1)"}'
+    x, v, _ = motion_of_base(scene(more=base), times)
     angle = 4 * np.pi * times + 1
     assert x == pytest.approx(0.01 * np.sin(angle), abs=1e-16)
     assert v == pytest.approx(0.04 * np.pi * np.cos(angle), abs=1e-15)
-    assert inputs_at(scene(base_formula=wave(hertz(2))), 0.1, [], [])["x", BASE] == pytest.approx(
-        math.sin(0.4 * math.pi)
+    assert inputs_at(scene(more=base), 0.1, [], [])["x", BASE] == pytest.approx(
+        0.01 * math.sin(0.4 * math.pi + 1)
     )
 
 
@@ -174,8 +166,8 @@ def test_the_energy_of_a_link_is_the_integral_of_its_force():
 
 def test_springs_and_dampers_near_the_start():
     """k x + k3 x^3 at x = 0.3: k + 3 k3 x^2; sin has slope cos."""
-    cubic = add(mul(num(40), X), add(mul(num(100), power(X, num(3))), mul(num(5), V)))
-    one = scene(mul(num(-7), call("sin", X)), links=(Link("s", 0, GROUND, 0.0, 0.0, cubic),))
+    link = 'links: {s: {between: [a, ground], force: "F*(40*d/L + 100*(d/L)**3 + 20*v*T/L)"}}'
+    one = scene("-7*F*sin(x_a/L)", more=link)
     spring, gravity = linear_parts(one)
     assert (spring.k, spring.c) == (pytest.approx(40 + 300 * 0.09), 5)
     assert gravity.k == pytest.approx(7 * math.cos(0.3)) and gravity.Q == GROUND
@@ -185,47 +177,42 @@ def test_springs_and_dampers_near_the_start():
 
 
 def test_a_link_between_two_bodies_is_a_spring_between_them():
-    two = (Body("a", 1.0, 0.0, 0.0), Body("b", 4.0, 0.0, 0.0))
-    d = sub(("x", 0), ("x", 1))
-    for P, Q, distance in ((0, 1, d), (1, 0, sub(("x", 1), ("x", 0)))):
-        one = scene(bodies=two, links=(Link("s", P, Q, 0.0, 0.0, mul(num(20), distance)),))
+    for ends in ("[a, b]", "[b, a]"):
+        link = f'links: {{s: {{between: {ends}, force: "20*F*sin(d/L)"}}}}'
+        one = scene(bodies="a: 1 kg, b: 4 kg", more=link, changes={"initial.a.x": 0})
         assert rates.all_rates(one) == [0.0, pytest.approx(5.0)]
-    assert [Pair(*pair) for pair in pairs_read(one)] == [Pair("s", 1, 0)]
+        assert [(pair.name, {pair.P, pair.Q}) for pair in pairs_read(one)] == [("s", {0, 1})]
 
 
 def test_a_pendulum_swings_by_its_inertia():
     """Torque -m g e cos(phi), hanging at -90 degrees: rate sqrt(m g e / J)."""
-    bodies = (Body("a", 1.0, 0.0, 0.0), Body("bob", 0.04, -math.pi / 2, 0.0, kind=ROTOR))
-    torque = Force("bob", 1, 0.0, (), mul(num(-2), call("cos", ("x", 1))))
-    one = scene(bodies=bodies, forces=(torque,), rotors=(Rotor(1, 0, 0.2),))
+    bob = 'rotors: {bob: {on: a, m: 0.1 kg, e: 0.2 m, J: 0.036 kg m^2, torque: "-2*F*L*cos(phi)"}}'
+    one = scene(more=bob, changes={"initial.bob.phi": "-90 deg"})
     assert rates.natural_rates(one) == [pytest.approx(math.sqrt(2 / 0.04))]
     assert driven_rotors(one) == [] and rates.turning_rotor(one) is None
 
 
+def turned(left, right=None, formulas=()):
+    """A body with one or two rotors under such torques, and a current."""
+    torques = {"left": left} | ({"right": right} if right else {})
+    rotor = "on: a, m: 0.1 kg, e: 0.2 m, J: 0.036 kg m^2"
+    rotors = [f'{name}: {{{rotor}, torque: "{torque}"}}' for name, torque in torques.items()]
+    more = f'rotors: {{{", ".join(rotors)}}}\nstates: {{i: {{rate: "0*I/T", start: 0 A}}}}'
+    return scene(*formulas, more=more, changes={"initial.left.w": "3 rad/s"})
+
+
 def test_the_rotor_that_turns_a_scene():
     """The first whose torque works forwards in a turn, or reads a current; none beside a periodic source."""
-    bodies = (
-        Body("a", 1.0, 0.0, 0.0),
-        Body("left", 0.04, 0.0, 3.0, kind=ROTOR),
-        Body("i", 1.0, 0.0, 0.0, kind=STATE),
-    )
-    drag = mul(num(-1), ("v", 1))
-    steady = Force("left", 1, 0.0, (), add(num(2), drag))
-    current = Force("left", 1, 0.0, (), add(("v", 2), drag))
-    for torque in (steady, current):
-        one = scene(bodies=bodies, forces=(torque,), rotors=(Rotor(1, 0, 0.2),))
+    steady, current, braked = (turned(f"F*L*({torque} - w*T)") for torque in ("2", "i/I", "0"))
+    for one in (steady, current):
         assert rates.turning_rotor(one) == 1 and rates.turning_columns(one) == ("phi_left", "w_left")
         assert rates.spins(one) == [3.0]
-    braked = scene(bodies=bodies, forces=(Force("left", 1, 0.0, (), drag),))
     assert rates.turning_rotor(braked) is None
-    pushed = scene(bodies=bodies, forces=(steady, Force("push", 0, 0.0, (), wave(hertz(3)))))
-    assert rates.turning_rotor(pushed) is None
-    two = (*bodies[:2], Body("right", 0.04, 0.0, 0.0, kind=ROTOR))
-    backwards = Force("left", 1, 0.0, (), num(-2))
-    forwards = Force("right", 2, 0.0, (), num(1))
-    assert rates.turning_rotor(scene(bodies=two, forces=(steady, forwards))) == 1
-    assert rates.turning_rotor(scene(bodies=two, forces=(backwards, forwards))) == 2
-    assert rates.turning_rotor(scene(bodies=two, forces=(backwards,))) == 1
+    forwards, backwards = "2*F*L", "-2*F*L"
+    assert rates.turning_rotor(turned(forwards, formulas=("F*x_a/L*sin(three*t)",))) is None
+    assert rates.turning_rotor(turned(forwards, forwards)) == 1
+    assert rates.turning_rotor(turned(backwards, forwards)) == 2
+    assert rates.turning_rotor(turned(backwards)) == 1
 
 
 def test_a_start_has_what_formulas_read():
