@@ -272,9 +272,7 @@ NUMBERS = "V: 0.2 m/s, t1: 1 s, A: 0.1 m/s^2"
 
 
 def test_a_kink_of_the_base_tears_off_what_a_damper_holds_to_it():
-    """The damper's force jumps to 4 N and then falls, on friction that holds 1 N: as the same force from the
-    ground does. It stayed stuck, as if the force had come from beyond.
-    """
+    """The damper's force jumps to 4 N on friction that holds 1 N: as the same force from the ground does."""
     base = f'base: {{x: "V*max(t - t1, 0) - A*max(t - t1, 0)**2", {NUMBERS}}}'
     force = "where(t < t1, 0, k*(V*(t - t1) - A*(t - t1)**2) + c*(V - 2*A*(t - t1)))"
     pull = f'forces: {{g: {{on: a, force: "{force}", k: 1 N/m, c: 20 N s/m, {NUMBERS}}}}}'
@@ -330,9 +328,7 @@ run: {t_end: 0.2 s, every: 10 ms}
 
 
 def test_two_switches_of_a_base_that_turn_at_one_instant_turn_in_many_digits_too():
-    """Where mod goes back the table inside it does, and the velocity of the base is neither's alone: the time
-    went on by 40 units of its last digit, past the second of them, and the base stood from there on.
-    """
+    """Where mod goes back the table inside it does: the velocity of the base is neither's alone."""
     text = """\
 name: two
 bodies: {a: 1 kg}

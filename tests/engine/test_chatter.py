@@ -37,9 +37,7 @@ run: {t_end: 0.5 s, every: 20 ms}
 
 @everywhere
 def test_free_bodies_that_hop_on_each_other_lose_what_moved_them_apart(method):
-    """Forces press two bodies onto each other, ground and base are far: the stop takes the energy of their
-    relative motion, and momentum is that of the forces, as if nothing had been struck.
-    """
+    """The stop takes the energy of their relative motion; momentum is that of the forces on both."""
     totals, _ = ended(scene_of(PRESSED, method=method))
     reduced, closing = 1.0 * 0.6 / 1.6, 2.0 / 1.0 + 1.5 / 0.6
     assert totals["loss.stops.between"] == pytest.approx(reduced * (0.2**2 / 2 + closing * 0.01), rel=1e-14)
@@ -160,9 +158,7 @@ run: {t_end: 0.6 s, every: 250 ms}
 
 @pytest.mark.parametrize("wall", (False, True))
 def test_rotor_takes_part_in_the_end_of_chatter(wall):
-    """Friction ends the hops at some 1e-7 m/s, which come to rest: the momentum of the line is kept, or the
-    wall takes it (no ledger has what chatter left out), and that of the rotor's angle is kept.
-    """
+    """Friction ends the hops at some 1e-7 m/s: momenta of the line and of the rotor's angle are kept."""
     text, m3, e, J = TURNING.replace("FACE", "ground" if wall else "b"), 0.14, 0.02, 2.4e-4
     result = run(scene_of(text, {"B.F0": 0 if wall else -1}), momentum=True)
     ends = {name: column(result, "chatter", name) for name in result.events}

@@ -29,9 +29,7 @@ def worst(scene):
 
 
 def test_a_rotor_takes_part_in_the_end_of_a_chatter():
-    """Friction turns round at the top of each hop, so the last ones are left out, from 2e-7 m/s on: the
-    bodies came to rest on each other as if no rotor hung on one, and were 7e-9 m off half a second later.
-    """
+    """Friction turns round at the top of each hop: those from 2e-7 m/s on are left out."""
     rotor = """
 friction: {f: {between: [a, b], N: 0.05 N, mu: 1}}
 motor: {on: b, m3: 0.4 kg, e: 2 cm, J: 4e-4 kg m^2, M0: 0.01 N m, Omega0: 9.4 rad/s}
@@ -79,9 +77,7 @@ run: {t_end: 0.1 s, every: 20 ms}
 
 
 def test_bodies_without_play_come_to_rest_on_each_other_in_many_digits():
-    """Stops on both sides of a body are struck in turn, each impact half as hard, a hundred times at one
-    instant: radii grew until none could be told from rest, and the run failed.
-    """
+    """Stops on both sides are struck in turn, each impact half as hard, a hundred times at one instant."""
     scene = scene_of("""
 bodies: {a: 2.1 kg, b: 1.7 kg}
 stops:
@@ -96,9 +92,7 @@ run: {t_end: 0.1 s, every: 20 ms}
 
 
 def test_a_stop_that_passes_nothing_is_not_struck():
-    """A ball meets a wall and a body that touches it on the same side: turned round by the wall it parts from
-    the body as the law asks, by no impulse, of which 40 digits made 1e-52 N s and an impact.
-    """
+    """Turned round by a wall, a ball parts as the law asks from a body that it touches: by no impulse."""
     scene = scene_of("""
 bodies: {body: 0.586 kg, ball: 0.787 kg}
 stops:
@@ -114,9 +108,7 @@ run: {t_end: 10 ms, every: 10 ms}
 
 @pytest.mark.parametrize(("wall", "moved"), (("ground", ""), ("base", "base: {a: 0.5 mm, omega: 2 rad/s}")))
 def test_the_ledgers_have_what_the_end_of_a_chatter_gives_to_the_ground(wall, moved):
-    """Friction ends it with 2e-7 m/s to go, at a wall that stands or at one that moves: residuals of the same
-    times 0.57 kg were told, as if momentum came from nowhere.
-    """
+    """Friction ends it with 2e-7 m/s to go, at a wall that stands or at one that moves."""
     scene = scene_of(f"""{moved}
 bodies: {{b: 0.57 kg}}
 stops: {{wall: {{between: [b, {wall}], gap: 1 m, acts: compression, law: rigid, e: 0.8}}}}
@@ -152,9 +144,7 @@ run: {{t_end: 4 s, every: 20 ms}}
     [((0.8, 0.3), np.spacing(0.3), True), ((0.8, 0.8), 0.0, False), ((0.8, 0.3), 0.0, False)],
 )
 def test_an_impact_is_in_doubt_where_the_order_of_two_makes_a_difference(restitutions, beyond, doubted):
-    """Struck one after the other, the first wall tells the speed behind; both at once, the harder one. Walls
-    at one place are struck at once, whatever rounding does.
-    """
+    """Of walls struck in turn the first tells the speed behind; those at one place are struck at once."""
     fast = run(walls(restitutions, beyond))
     assert (fast.totals["uncertified"] > 0) == doubted
 
@@ -166,9 +156,7 @@ CUT_OFF = ("chatters", "chatter_time", "chatter_speed", "chatter_distance")
 @pytest.mark.parametrize("softer", ((0.7,), (0.3,), (0.0,), (0.3, 0.7)))
 @pytest.mark.parametrize("first", (True, False))
 def test_of_stops_at_one_place_the_hardest_decides(softer, first, friction):
-    """L >= 0 and g'(after) <= -e g'(before) of all is the law of the greatest e alone. Each impact was a
-    doubt, the softest wall ended the sequence early, and what was cut off was counted once a wall.
-    """
+    """L >= 0 and g'(after) <= -e g'(before) of all is the law of the greatest e alone."""
     restitutions = (0.7, *softer) if first else (*softer, 0.7)
     single = run(walls((0.7,), friction=friction), momentum=True)
     fast = run(walls(restitutions, 0.0, friction), momentum=True)
@@ -185,9 +173,7 @@ def test_of_stops_at_one_place_the_hardest_decides(softer, first, friction):
 
 @pytest.mark.parametrize("e", (0.3, 0.7))
 def test_two_stops_at_one_place_act_as_one(e):
-    """One passes the impulses; rounding told that the other did not part any more while the bodies moved on
-    faster than they hopped: it came to rest 1e-14 s early, without a chatter.
-    """
+    """One passes the impulses, while rounding may tell that the other parts or not."""
     scene = scene_of(f"""
 bodies: {{a: 0.8 kg, b: 0.35 kg}}
 stops:
@@ -207,9 +193,7 @@ run: {{t_end: 0.4 s, every: 20 ms}}
 
 
 def test_friction_on_a_body_that_rests_on_the_one_that_hops_ends_the_chatter_too():
-    """It turns round at the top of each hop of both: only that of the struck body itself was looked for, and
-    hops went on within the rounding of displacements, in doubt, without a chatter.
-    """
+    """It turns round at the top of each hop of both, not at the struck body itself."""
     scene = scene_of("""
 bodies: {front: 1 kg, back: 0.7 kg}
 stops:
@@ -229,10 +213,7 @@ run: {t_end: 0.6 s, every: 20 ms}
 
 
 def test_friction_alone_ends_a_chatter_on_a_stop_that_loses_nothing():
-    """Each hop rises against push and friction, returns against what friction leaves of the push, and is
-    shorter by the root of their ratio: only stops with e < 1 were ended, and the run crept on in hops that
-    rounding held at 1e-9 m/s, 1e-7 s of motion a second.
-    """
+    """e = 1: each hop is shorter by the root of what rises against and what friction leaves of the push."""
     scene = scene_of("""
 bodies: {a: 1 kg}
 stops: {wall: {between: [a, ground], gap: 1 cm, acts: compression, law: rigid, e: 1}}
@@ -252,9 +233,7 @@ run: {t_end: 1 s, every: 20 ms}
 
 @pytest.mark.parametrize("c", [0.1, 0.4, 2.0])
 def test_a_chatter_ends_where_an_elastic_stop_lets_go(c):
-    """An elastic stop closes with each hop and lets go within it, so the motion started anew from rounded
-    displacements: hops of two of their units went on for ever, or were lost in one step, 8e-7 s early.
-    """
+    """An elastic stop closes with each hop and lets go within it: the motion starts anew from roundings."""
     scene = scene_of(f"""
 bodies: {{a: 1 kg}}
 stops:

@@ -62,9 +62,7 @@ initial: {m: {v: 0.3 m/s}}
 
 @pytest.mark.parametrize("method", METHODS)
 def test_block_on_a_belt_sticks_where_the_spring_pulls_as_hard_as_friction(method):
-    """Coulomb friction on a belt: after it sticks, it is carried to x = N / k and slips from there for good
-    around its equilibrium, the amplitude being belt speed / w.
-    """
+    """Carried to x = N / k, it slips from there for good around its equilibrium, by belt speed / w."""
     k, N, belt = 4.0, 1.0, 0.3
     result = run(case(ON_A_BELT, method))
     kinds, times = result.events["kind"].tolist(), result.events["t"]
@@ -100,9 +98,7 @@ initial: {{a: {{v: {v1} m/s}}}}
 
 @pytest.mark.parametrize("method", METHODS)
 def test_stack_of_stuck_blocks_moves_as_one_until_its_weakest_tie_gives_way(method):
-    """A force on the lowest of three blocks at rest on each other: the top block slips where its acceleration
-    passes N_top / m_top.
-    """
+    """Of three blocks on each other the top one slips where its acceleration passes N_top / m_top."""
     text = """
 bodies: {a: 3 kg, b: 2 kg, c: 1 kg}
 friction:
@@ -212,9 +208,7 @@ initial: {m: {x: 2 cm}}
 
 @pytest.mark.parametrize("method", METHODS)
 def test_stuck_block_breaks_loose_where_its_force_passes_friction(method):
-    """The force A sin(2 pi f t) moves nothing until it passes N: at arcsin(N / A) / (2 pi f), though no
-    velocity tells the Taylor flow how fast it changes.
-    """
+    """A sin(2 pi f t) moves nothing until it passes N: at arcsin(N / A) / (2 pi f)."""
     A, N, f = 1.0, 0.9, 1.0
     text = f"""
 bodies: {{m: 1 kg}}
@@ -230,9 +224,7 @@ forces: {{F: {{on: m, A: {A} N, omega: {f} Hz}}}}
 
 @pytest.mark.parametrize("method", METHODS)
 def test_body_between_ground_and_moving_base_follows_the_stronger_friction(method):
-    """Where the base rests for an instant the body rests against both, but cannot stick to both: the weaker
-    friction turns round. X = a sin(nu t), the body starts with the base.
-    """
+    """It cannot stick to both where the base rests for an instant; it starts with the base, a sin(nu t)."""
     a, nu, weak, strong = 0.01, pi, 0.02, 5.0
 
     def rubbing(on_base, on_ground):

@@ -179,9 +179,7 @@ run: {t_end: 3 s, every: 50 ms}
 
 
 def test_what_sticks_on_the_base_is_struck_with_its_velocity():
-    """A body that rides on a shaken base, another that hops on it: rounding of the stretch is left out of the
-    impact.
-    """
+    """A body rides on a shaken base, another hops on it; rounding of the stretch is no approach."""
     of = scene_of("""
 bodies: {rider: 1 kg, carriage: 1.0023052380778996 kg}
 stops: {buffer: {between: [carriage, rider], gap: 0 m, acts: extension, law: rigid, e: 0.3}}

@@ -101,17 +101,13 @@ test_random_scenes = always(
 @pytest.mark.timeout(7200)
 @pytest.mark.parametrize("seed", range(30))
 def test_many_random_formulas(seed):
-    """To 0.3 s: soon behind, a force that grows with time and speed sends a body through 1e15 jumps of
-    another one (seed 18).
-    """
+    """To 0.3 s: soon behind, a body goes through 1e15 jumps of another one's force (seed 18)."""
     assert_same(exact_parts(replace(formula_scene(seed), t_end=0.3)), 30)
 
 
 @pytest.mark.parametrize(("label", "end"), [("mathieu", 1.0), ("hertz", 0.1)])
 def test_formulas_keep_the_digits(label, end):
-    """A law that varies so fast with time that pieces are halved, and a contact by a power: 30 digits against
-    difference quotients in 51.
-    """
+    """Pieces that are halved, and a contact by a power: 30 digits against difference quotients in 51."""
     case = load_case_text(TEXTS[label], {"run.t_end": f"{end} s"})
     found, many, shift = carried(case.exact_scene, number_kit(30)), number_kit(51), Fraction(1, 10**19)
     scene = case.exact_scene(many.number, many.pi)

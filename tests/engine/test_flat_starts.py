@@ -39,9 +39,7 @@ def kinds(events):
 @pytest.mark.parametrize("n", [3, 6, 10])
 @pytest.mark.parametrize("part", [SPRING, TOUCHING])
 def test_a_force_that_begins_as_a_power_of_the_time_moves_a_body_as_theory_says(n, part):
-    """The rate begins with the power n + 1: of the first terms, that set the scale of a step, none is left. A
-    stop that just touches is pressed from the start on.
-    """
+    """The rate begins with the power n + 1; a stop that just touches is pressed from the start on."""
     found = run(scene_of(pushed(f"t**{n}*1 N/s^{n}", part)))
     expected = [displacement(n, t) for t in found.samples["time"].tolist()]
     assert np.abs(found.samples["x_b"] / [max(x, 1e-30) for x in expected] - 1)[1:].max() < 1e-13

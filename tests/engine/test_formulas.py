@@ -99,9 +99,7 @@ run: {t_end: 2 s, every: 10 ms}
     ],
 )
 def test_a_contact_of_powers_lets_go_by_force_whatever_rounding_makes_of_its_depth(force, numbers, gap):
-    """What is left of the force beside the depth has a root: next to its zero coefficients, and what is made
-    of them, are no doubles.
-    """
+    """What is left of the force beside the depth has a root."""
     text = f"""
 name: pad
 bodies: {{a: 8 g}}
@@ -157,10 +155,7 @@ run: {t_end: 2.8 s, every: 0.5 ms}
     ("A", "f"), [(11.841789979433328, 2.6810194135920047), (8.606115254007317, 2.3544674731518236)]
 )
 def test_elements_that_rest_at_their_limits_leave_each_other_there(A, f):
-    """Iwan's model: each element comes to its limit but for the time between two doubles, and rests there.
-
-    Each follows the body as a play does, and the body's momentum is the sum of the forces on it.
-    """
+    """Iwan's model: each element is a play; the body's momentum is the sum of the forces on it."""
     result = vibsim.simulate(SLIDERS.replace("AMPLITUDE", repr(A)).replace("FREQUENCY", repr(f)))
     t, x, v, z1, z2 = (result[name] for name in ("time", "x_m", "v_m", "z1", "z2"))
     for z, limit in ((z1, 0.005), (z2, 0.012)):

@@ -49,9 +49,7 @@ run: {t_end: 0.2 s, every: 20 ms}
 @pytest.mark.parametrize("static", (1, 2))
 @pytest.mark.parametrize("acts", ("compression", "extension"))
 def test_a_stop_that_a_stuck_body_touches_closes_or_parts_as_it_is_torn_off(acts, static, c, release, method):
-    """It moves as (t - t0)^3 from there, or as (t - t0)^2 where the friction drops: in many digits the sign
-    of what rounding made of lower orders decided, more than 64 times at one instant.
-    """
+    """It moves as (t - t0)^3 from there, or as (t - t0)^2 where the friction drops."""
     changes = {"s.acts": acts, "s.c": c, "s.release": release, "f.static": static}
     room = Clearance("room", 0, GROUND, 0.0, True)  # of 0 m, which no case has
     scene = replace(scene_of(TOUCHING, changes, method=method), clearances=(room,))
@@ -81,9 +79,7 @@ run: {t_end: 0.1 s, every: 25 ms}
 
 
 def test_a_spring_between_bodies_that_touch_moves_the_second_by_the_fourth_power():
-    """All touch and rest; the base draws c, whose spring to b is slack. So a stop at b parts by t^4, which
-    modal coordinates do not tell from rounding: it closed, and steps of 1e-17 s had no end.
-    """
+    """The base draws c, whose spring to b is slack: a stop at b parts by t^4."""
     found = run(untold(scene_of(DRAWN)))
     assert names(found.events) == [("end", -1)] and found.totals["uncertified"] == 0
     assert found.totals["evaluations"] < 1000 and not found.samples["x_a"].any()
@@ -100,9 +96,7 @@ run: {t_end: 0.4 s, every: 20 ms}
 
 
 def test_friction_beside_a_stop_holds_a_body_that_came_to_rest_by_chatter():
-    """Pressed to a wall by A cos(omega t) it bounces to rest, where it sticks to the wall as well: it leaves
-    where the force pulls with what the friction holds, three times what it slips with, and not before.
-    """
+    """It leaves the wall where the force pulls with the most that friction holds, three times its slip."""
     scene = scene_of(PRESSED)
     found = run(scene)
     order = ["chatter", "rest_begin", "stick_end", "rest_end"]
@@ -184,9 +178,7 @@ run: {t_end: 3 s, every: 250 ms}
 
 @pytest.mark.parametrize("method", METHODS)
 def test_body_crushed_between_walls_that_close(method):
-    """Two heavy walls close on a light ball, e = 0.5: bounces without end in a finite time, then all move as
-    one with the momentum of all.
-    """
+    """e = 0.5: bounces without end in a finite time, then all move as one with the momentum of all."""
     result = run(scene_of(CRUSHED, method=method), ledger=True, momentum=True)
     gaps = result.samples["x_ball"] - result.samples["x_l"], result.samples["x_r"] - result.samples["x_ball"]
     assert min(gap.min() for gap in gaps) > -1e-15
@@ -214,9 +206,7 @@ run: {t_end: 2.5 s, every: 0.5 s}
 
 
 def test_a_stop_that_rounding_leaves_open_where_its_twin_is_struck_is_struck():
-    """Two stops with the same ends and gap: the law of impacts takes the larger e. The closed form tells the
-    first zero with a depth of 9e-15 m, and the other stop was taken to be open by as much.
-    """
+    """Two stops with the same ends and gap: the law of impacts takes the larger e."""
     events = run(scene_of(TWINS)).events
     struck = events["kind"] == EVENT_KINDS["impact"]
     behind, before = (
@@ -262,9 +252,7 @@ def closing(side, away, **run):
 @pytest.mark.parametrize("away", [0.0, 0.125])
 @pytest.mark.parametrize("side", [1, -1])
 def test_an_impact_closes_what_just_touched(method, away, side):
-    """c strikes b, which touches a spring at a: both go on with half of what b gets and swing about it until
-    they part. Where the impact was at the start, b went through the spring.
-    """
+    """Both go on with half of what b gets and swing about it until they part."""
     speed, rate = 0.75, sqrt(2 * 40.0)
     result = run(closing(side, away, method=method))
     told = [EVENT_NAMES[kind] for kind in result.events["kind"].tolist()]
@@ -281,9 +269,7 @@ def test_an_impact_closes_what_just_touched(method, away, side):
 
 
 def test_a_heavy_body_strikes_a_light_one_before_a_wall_to_rounding():
-    """The light one, which rests, passes impulses that are large beside its momentum and cancel; speeds
-    behind were 50 roundings off. The heavy one returns with e of its speed, in exact numbers.
-    """
+    """The light one passes large impulses that cancel; the heavy one returns with e of its speed."""
     rng = random.Random(5)
     for _ in range(200):
         light, heavy = rng.uniform(0.05, 0.2), rng.uniform(2, 20)

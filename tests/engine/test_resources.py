@@ -135,9 +135,7 @@ def test_a_state_far_from_its_event_takes_many_calls():
 
 @pytest.mark.parametrize("gap", ("1e-300 m", "1e-40 m"))
 def test_a_gap_that_opens_by_the_fourth_power_of_time_takes_few_steps(gap):
-    """A motor that sets off from rest parts the blocks in proportion to t^4. Bounds that hold for a whole
-    Taylor step would allow steps of the root of the gap, and 1e9 of them or more.
-    """
+    """A motor that sets off from rest parts the blocks as t^4; steps of the root of the gap would be 1e9."""
     case = load_case("II-B", {"x1": gap, "G": "0 m", "run.t_end": "0.05 s"})
     trajectory = open_trajectory(case.scene())
     samples = [block.samples["x1"] for block in islice(trajectory.blocks(), 40)]

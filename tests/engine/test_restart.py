@@ -77,9 +77,7 @@ def test_random_formulas_go_on_from_every_event(seed):
 
 @pytest.mark.parametrize("seed", [145, 499, 539, 541, 542, 686])
 def test_many_events_at_one_instant_go_on_from_it(seed):
-    """What the first of them left at zero is looked at once more behind the last, by the run; not what one
-    event alone left.
-    """
+    """What the first of them left at zero is looked at once more behind the last."""
     assert_restarts(tied_scene(seed))
 
 
@@ -164,9 +162,7 @@ run: {t_end: 10 s, every: 0.05 s}
 
 @pytest.mark.parametrize("text", (TORN_OFF, TWINS), ids=("torn_off", "twins"))
 def test_states_between_events_follow_no_event_of_the_instant_before_once_more(text):
-    """A body that another tears off its stop leaves with the rounding of its velocity; of two stops with one
-    depth one is struck, and both are left. Steps were extrapolated behind events that came of it, to 1e27 m.
-    """
+    """A body torn off its stop leaves with a rounding of velocity; of two stops one is struck, both left."""
     result = simulate(load_case(text), trust=False)
     states = result.at(result.time)
     assert result.attrs["impacts"] > 0

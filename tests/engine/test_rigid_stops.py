@@ -288,9 +288,7 @@ run: {t_end: 12 s, every: 250 ms}
 @pytest.mark.parametrize("e", (0.0, 0.5))
 @pytest.mark.parametrize("method", METHODS)
 def test_what_rests_on_a_shaken_base_is_not_struck_where_an_impact_falls_elsewhere(method, e):
-    """The velocities of base and body are computed apart and differ by rounding, which was taken for an
-    approach: impacts and ends of chatter were told at a stop where a body rests all the time.
-    """
+    """Velocities of base and body are computed apart: what they differ by is rounding, not an approach."""
     result = run(scene_of(SEATED, {"seat.e": e}, method=method))
     assert len(times(result, "impact", 0)) == len(times(result, "transmitted")) == 0
     assert len(times(result, "impact", 1)) > 100 and len(times(result, "chatter")) == 1

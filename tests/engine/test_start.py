@@ -39,9 +39,7 @@ base: {a: 5 mm, omega: 9 rad/s}
 
 
 def test_a_damper_that_is_touched_at_the_start_sets_the_sense_of_slip():
-    """The stop brakes a with c v = 3 N against a force of 1.6 N that alone would have it overtake b: b slips
-    forwards under -LIMIT, a under 1.6 - 3 + LIMIT [N].
-    """
+    """The stop brakes a with 3 N against 1.6 N: b slips forwards under -LIMIT, a under LIMIT - 1.4 N."""
     more = """
 stops: {s: {between: [ground, a], gap: 0 m, acts: extension, k: 10 N/m, c: 20 N s/m}}
 forces: {push: {on: a, F0: 1.6 N}}

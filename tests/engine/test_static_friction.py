@@ -88,9 +88,7 @@ def test_block_on_a_belt_in_many_digits():
 
 
 def test_what_a_release_tears_with_it():
-    """At the release the accelerations jump from 0 to (F_s - F_k) / (m1 + m2) = 4 m/s^2: a lid that holds
-    less than m2 a = 2 N slips at the same instant, one that holds more goes along.
-    """
+    """Accelerations jump to (F_s - F_k) / (m1 + m2) = 4 m/s^2: a lid that holds less than 2 N slips too."""
     release = np.arcsin(8.0 / 40.0) / 0.5
     torn = run(scene_of(CARRIAGE))
     ends = torn.events["kind"] == EVENT_KINDS["stick_end"]
@@ -143,10 +141,7 @@ run: {{t_end: 12 s, every: 50 ms}}
     ("plus: {mu: 0.1, static: 1.5}, minus: {mu: 0.2}", "plus: {mu: 0.2}, minus: {mu: 0.1, static: 1.5}"),
 )
 def test_a_load_by_a_formula_keeps_the_limits_of_the_two_directions(sides):
-    """The force drops where slip begins in the direction that has a static limit, and in that one alone: as
-    with a load that is a number. The other direction took its slip for one that begins with a jump of the
-    acceleration, and rounding let it stick again at once.
-    """
+    """The force drops where slip begins in the direction that has a static limit, and in that one alone."""
     formula = "'N0*max(1, t/T)', N0: 10 N, T: 100 s"  # 10 N until 100 s
     plain, by_formula = (
         vibsim.simulate(LIMITS_OF_TWO_DIRECTIONS.format(load=load, sides=sides)) for load in ("10 N", formula)
@@ -191,9 +186,7 @@ def test_a_damped_stop_tears_a_block_off():
 
 @pytest.mark.parametrize("method", ("closed_form", "taylor"))
 def test_the_stick_slip_cycle_is_found_at_once_and_kept(method):
-    """Sticking takes all disturbances of a block on a belt: its exponents are 0, along the motion without
-    drive, and minus infinity.
-    """
+    """Exponents of a block on a belt: 0, along the motion without drive, and minus infinity."""
     result = totals(scene_of(CARRIED, method=method, t_end=20), begin=5.0)
     assert result["exponents"][0] == pytest.approx(0, abs=1e-12)
     assert result["exponents"][1] == -np.inf

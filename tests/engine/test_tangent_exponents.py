@@ -145,9 +145,7 @@ initial: {a: {v: 0.5 m/s}, b: {v: 2 m/s}}
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_stack_that_rides_as_one_keeps_one_velocity(method):
-    """Three blocks on each other on a spring: (x, v) of the whole swings undamped, two directions are held
-    from the start.
-    """
+    """(x, v) of the whole swings undamped on a spring, two directions are held from the start."""
     text = """
 bodies: {a: 3 kg, b: 2 kg, c: 1 kg}
 links: {l: {between: [a, ground], k: 60 N/m}}

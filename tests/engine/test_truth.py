@@ -77,9 +77,7 @@ def test_closed_form_and_taylor_agree(name):
 
 
 def test_a_stick_ends_where_it_should_to_forty_digits():
-    """A block on a belt, started at the belt's speed, slips where the spring pulls as hard as friction, at
-    t = N / (k belt).
-    """
+    """A block on a belt slips where the spring pulls as hard as friction, at t = N / (k belt)."""
 
     case = load_case_text("""
 bodies: {m: 1 kg}
@@ -124,9 +122,7 @@ def test_a_ball_comes_to_rest_in_many_digits():
 
 
 def test_bodies_at_rest_on_each_other_meet_the_wall_in_many_digits():
-    """They went through it: the friction between bodies that rest on each other has no sliding velocity,
-    which was zero only within the radius of a ball; no step is known to be shorter than what that allows.
-    """
+    """The friction between bodies that rest on each other has no sliding velocity."""
     scene = scene_of("""
 bodies: {a: 0.75 kg, b: 0.95 kg}
 links: {l: {between: [b, a], k: 56.6 N/m}}

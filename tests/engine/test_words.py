@@ -124,9 +124,7 @@ def number_of(kit, mantissa, exponent):
 
 @pytest.mark.parametrize(("digits", "tries"), [(30, 40), (45, 40), (70, 40), (100, 40), (300, 15), (1000, 5)])
 def test_operations_are_those_of_arb(digits, tries):
-    """Of numbers with all bits of their words; errors in units of the last one, of which 2^SPARE_BITS
-    make the round-off.
-    """
+    """Errors in units of the last bit of all words, of which 2^SPARE_BITS make the round-off."""
     kit, draw = number_kit(digits), Random(digits)
     length = WORD * kit.words
     flint.ctx.prec = length + 100

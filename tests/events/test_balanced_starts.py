@@ -119,9 +119,7 @@ def judge(make, seeds):
 
 
 def test_a_stop_met_where_the_friction_gives_way_does_not_stand_still():
-    """Spring and limit are 1 N at the gap: block 2 is let go within 2e-16 s of the contact. What begins to
-    slip there was taken to stick again, 64 times.
-    """
+    """Spring and limit are 1 N at the gap: block 2 is let go within 2e-16 s of the contact."""
     blocks = {"m1": 0.7, "m2": 0.7, "k1": 100.0, "c": 0.0, "k2": 100.0, "G": 0.01, "stop_sign": -1, "N": 1.0}
     start = {"x1": -0.01, "v2": 0.1, "t_end": 2.3664319132398464, "every_den": 50}
     omega = 8.451542547285166
@@ -146,9 +144,7 @@ def test_a_motion_that_leaves_a_stop_as_the_fourth_power_of_time_goes_on():
 
 
 def test_a_rest_that_is_relieved_as_the_friction_turns_round_ends_there():
-    """Where the base turns round the force of the stop falls to zero and comes there with no slope but for
-    rounding: it was taken to rise again, 64 times.
-    """
+    """Where the base turns round the force of the stop falls to zero, with no slope but for rounding."""
     scene = scene_of("""
 bodies: {a: 1 kg}
 links: {spring: {between: [a, base], k: 87.3 N/m}}
@@ -189,9 +185,7 @@ def run_to_the_end(scene):
 
 @pytest.mark.parametrize("text", [UNBALANCED, UNBALANCED_AND_TIED])
 def test_hops_that_rounding_of_a_force_begins_end(text):
-    """sin(pi / 2) of doubles leaves 6e-17 of the force of the unbalance, which parts the ends for 2e-17 s;
-    then it presses: with e = 1 1e5 hops of 1e-66 m were taken in 5e-12 s, and no run ended.
-    """
+    """sin(pi / 2) of doubles leaves 6e-17 of the unbalance, which parts the ends for 2e-17 s."""
     totals = run_to_the_end(scene_of(text + TURNING))
     assert totals["events"] < 100
     assert totals["uncertified"] > 0
@@ -207,9 +201,7 @@ def test_hops_that_are_motion_stay_however_low(height):
 
 
 def test_a_rest_that_ends_by_rounding_though_the_ends_close_by_rounding_goes_on():
-    """Spring and force are 1 N, and the motor turns backwards: the tie lets go, the acceleration of 3e-17
-    m/s^2 closes, and the same zero was taken 64 times.
-    """
+    """Spring and force are 1 N, and the motor turns backwards: the ends close by 3e-17 m/s^2."""
     scene = scene_of("""
 bodies: {a: 1 kg}
 links: {spring: {between: [a, ground], k: 100 N/m}}
@@ -224,9 +216,7 @@ run: {t_end: 1 s, every: 20 ms}
 
 @pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
 def test_a_rest_whose_force_touches_zero_once_a_period_goes_on(e):
-    """Body a swings from 0 and back, x = (1 - cos(w t)) F0 / k, and presses b on its stop meanwhile. Rounding
-    of where a has come back to parts them for 2e-8 s; with e = 1 hops of 1e-33 m went on 4e10 times a second.
-    """
+    """a swings from 0 and back, x = (1 - cos(w t)) F0 / k, and presses b on its stop meanwhile."""
     scene = scene_of(f"""
 bodies: {{a: 0.5 kg, b: 0.5 kg}}
 links: {{spring: {{between: [a, ground], k: 100 N/m}}, tie: {{between: [b, a], k: 87.3 N/m}}}}
@@ -258,9 +248,7 @@ def test_many_coincidences(make, count):
 
 @pytest.mark.parametrize("seed", [4006, 4087, 5155, 5214, 5555, 7578, 8664])
 def test_a_force_that_is_nothing_but_rounding_holds(seed):
-    """Two forces balance each other all the time, as of a wall that moves as the body at it would by itself:
-    the rest ended and began 64 times at one instant, or 1e5 times. Nothing is struck there, so ledgers close.
-    """
+    """Two forces balance each other all the time; nothing is struck, so ledgers close."""
     totals = run(machine(random.Random(seed)), momentum=True).totals
     assert totals["events"] < 100
     assert totals["uncertified"] > 0
@@ -270,9 +258,7 @@ def test_a_force_that_is_nothing_but_rounding_holds(seed):
 
 @pytest.mark.parametrize("method", ["auto", "taylor"])
 def test_blocks_that_are_alike_slide_on_side_by_side(method):
-    """One catches up with two that slide before it: friction slows all alike, and no force is between them
-    until they halt, v^2 / (2 mu g) further on, with mu g = 0.3 / 0.7 N / kg.
-    """
+    """One catches up with two: friction slows all alike until they halt, v^2 / (2 mu g) further on."""
     scene = scene_of(f"""
 bodies: {{b0: 0.7 kg, b1: 0.7 kg, b2: 0.7 kg}}
 stops:
@@ -298,9 +284,7 @@ run: {{t_end: 2 s, every: 20 ms, method: {method}}}
     ("k2", "v1", "v2", "x1", "sense"), [(100.0, 0.1, 0.2, 0.0, 1), (1000.0, 0.3, -0.1, 0.01, -1)]
 )
 def test_blocks_that_have_come_to_rest_on_each_other_drift_on(k2, v1, v2, x1, sense):
-    """A damper ends their motion against each other at the stop, G = 0; what is left of the distance is the
-    rounding of where they are, whose zero was taken 64 times at one instant by Taylor series.
-    """
+    """A damper ends their motion against each other at the stop, G = 0, but for rounding."""
     start = {"x1": x1, "v1": v1, "x2": 0.0, "v2": v2, "t_end": 20.0, "every_num": 1, "every_den": 10}
     blocks = {"m1": 1.0, "m2": 1.0, "k1": 100.0, "c": 20.0, "k2": k2, "G": 0.0, "stop_sign": sense, "N": None}
     result = run(scene(None, **blocks, **start, method="taylor"))
@@ -331,8 +315,6 @@ def test_a_base_elsewhere_closes_no_gap():
 
 @pytest.mark.parametrize("x", [1.0, 0.0])
 def test_what_rests_but_for_rounding_is_in_doubt(x):
-    """A gap of a few units in the last place, which a start may have by rounding, is taken for rest, but not
-    for certain; before one that is open beyond that, or none, there is no doubt.
-    """
+    """A gap of a few units in the last place is taken for rest, but not for certain."""
     gaps = {x: 0, x + 2e-12: 0} | ({1.000000000000001: 1} if x else {})
     assert {gap: run(two_beside(gap, x)).totals["uncertified"] for gap in gaps} == gaps

@@ -95,9 +95,7 @@ TOUCHES = [(2.0, 100.0, 1), (2.0, 87.3, 1), (1.0, 100.0, 1), (0.7, 87.3, 1), (0.
 
 @pytest.mark.parametrize(("m2", "k1", "sense"), TOUCHES)
 def test_a_motion_from_rest_that_touches_its_stop_once_a_period(m2, k1, sense):
-    """1 - cos of the undamped motion under a constant force is zero after each period, its rounding is not:
-    whether the stop at G = 0 is touched there nobody can tell, who sees the response and not its terms.
-    """
+    """1 - cos of the undamped motion is zero after each period; its rounding is not."""
     source = harmonic(1.0, 0.0, 5.0 * sense)
     blocks = {"m1": 1.0, "m2": m2, "k1": k1, "c": 0.0, "k2": 3000.0, "G": 0.0, "N": None}
     result = run(scene(source, **blocks, t_end=6.0, every_num=1, method="closed_form"))
@@ -105,9 +103,7 @@ def test_a_motion_from_rest_that_touches_its_stop_once_a_period(m2, k1, sense):
 
 
 def test_a_crossing_taken_for_one_above_zero_is_judged_by_all_that_it_may_miss():
-    """Blocks of 1 and 2 kg apart by the rounding of 0.01 m: by 40 digits block 2 does not come to rest here.
-    A value of up to a rounding above zero is taken for zero, and is up to another one higher.
-    """
+    """Blocks apart by the rounding of 0.01 m: by 40 digits block 2 does not come to rest here."""
     omega = 12.24744871391589
     source = {**harmonic(1.0, 0.0, 1.0), "omega": omega, "cycles": omega / (2 * math.pi)}
     blocks = {"m1": 1.0, "m2": 2.0, "k1": 0.0, "c": 0.0, "k2": 400.0, "G": 0.0, "stop_sign": -1, "N": 1.0}

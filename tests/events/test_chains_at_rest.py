@@ -54,9 +54,7 @@ def run(scene):
 @pytest.mark.parametrize("method", ["auto", "taylor"])
 @pytest.mark.parametrize("places", list(permutations(range(3))), ids=str)
 def test_a_row_that_touches_is_pressed_together_in_whatever_order_its_stops_are_given(places, method):
-    """A force on the first of three bodies: the others close their stops behind it, as t^4 and as t^6. Where
-    one of these was named before the one that presses it, the body went through it, in a certified run.
-    """
+    """A force on the first of three bodies: the others close their stops behind it, as t^4 and as t^6."""
     stiff, ends = (64.0, 300.0, 3000.0), ("b0", "b1", "b2", "ground")
     row = [
         f"s{i}: {{between: [{ends[i]}, {ends[i + 1]}], gap: 0 m, acts: compression, k: {k} N/m}}"
@@ -101,9 +99,7 @@ def test_a_chain_leaves_or_presses_the_stop_that_it_touches(count, law, sense, d
 @pytest.mark.parametrize("law", ["elastic", "rigid"])
 @pytest.mark.parametrize("count", [3, 4, 6])
 def test_a_chain_that_is_struck_leaves_or_presses_the_stop_that_it_touches(count, law, sense, hit):
-    """Behind the blow, too, rounding of modal coordinates stood in for derivatives that are zero: runs ended
-    with an error, or took up to a thousand events too many.
-    """
+    """Derivatives of modal coordinates that are zero behind the blow are rounding."""
     scene = chain(count, law, sense, "nothing", hit)
     totals, x = run(scene)
     blow, wall = scene.stops
@@ -125,9 +121,7 @@ def test_few_terms_of_a_series_hold_no_known_zero(order):
 
 
 def test_a_body_struck_as_the_run_begins_leaves_the_neighbour_that_it_touches():
-    """The touch of the two was still taken for one without velocity, and by the closed form no event of the
-    whole run was found.
-    """
+    """The touch of the two is one with a velocity then."""
     scene = scene_of("""
 bodies: {b0: 1 kg, b1: 1 kg, b2: 1 kg}
 links:
@@ -188,9 +182,7 @@ run: {t_end: 2 s, every: 20 ms}
 
 @pytest.mark.parametrize("scene", [STRUCK_SOFTLY, TORN_SOFTLY, RELIEVED_AT_ONCE])
 def test_what_stood_at_zero_is_set_into_motion_by_a_later_derivative(scene):
-    """A contact or a release elsewhere begins with the rounding of where it was met: the derivative before
-    the one that moves what stood is rounding, by which ends closed and parted 64 times at one instant.
-    """
+    """A contact or a release elsewhere begins with the rounding of where it was met."""
     _, x = run(scene)
     _, by_series = run(replace(scene, method="taylor"))
     assert abs(x - by_series).max() < 1e-15

@@ -212,9 +212,7 @@ run: {t_end: 0.75 s, every: 1/64 s}
 
 
 def test_a_force_that_turns_as_friction_lets_go_takes_the_body_its_way():
-    """Friction lets b go forwards at the instant from which the sum of forces is -2 N: it slides back with
-    (-2 + 1) N / 2 kg. It was taken to slide forwards, with friction behind it.
-    """
+    """Let go forwards at the instant from which the forces are -2 N, b slides back with -1 N / 2 kg."""
     result = run(scene_of(RELEASED))
     late = np.maximum(result.samples["time"] - 0.375, 0)
     np.testing.assert_allclose(result.samples["x_b"], -0.5 * late**2 / 2, rtol=0, atol=1e-15)
@@ -240,9 +238,7 @@ run: {t_end: 1 s, every: 1/64 s}
 @pytest.mark.parametrize("method", BOTH)
 @pytest.mark.parametrize("closer", [0.0, 1e-16, -1e-16])
 def test_a_body_between_two_that_mirror_each_other_stays(method, closer):
-    """a and b turn round at one instant; between the two reversals c is let go and caught again. It went off
-    by some millimetres where it was not.
-    """
+    """a and b turn round at one instant; between the two reversals c is let go and caught again."""
     scene = scene_of(MIRRORED, method=method)
     one, other = scene.stops
     result = run(replace(scene, stops=(one, replace(other, gap=other.gap + closer))))
@@ -271,9 +267,7 @@ run: {t_end: 0.75 s, every: 1/64 s}
 
 
 def test_a_belt_that_lets_go_as_it_carries_a_body_into_a_stop_does_not_open_it():
-    """b goes into contact with the belt's speed, which is what it is tied to; contact was told to end there,
-    and b went through the stop.
-    """
+    """b goes into contact with the belt's speed, which is what it is tied to."""
     samples = run(
         scene_of("""
 bodies: {b: 3 kg}

@@ -47,18 +47,14 @@ def test_many_special_scenes(wrong, make, seeds):
 
 
 def test_bodies_between_which_no_force_acts_go_on_side_by_side():
-    """Two of 0.5 kg that rub alike slide on together; what rounding leaves between them ended their rest and
-    began it again 64 times at one instant.
-    """
+    """Two of 0.5 kg that rub alike slide on together, but for what rounding leaves between them."""
     totals = run(at_once(random.Random(283))).totals
     assert totals["uncertified"] > 0
     assert totals["events"] < 2000
 
 
 def test_a_rest_whose_force_only_grazes_zero_goes_on():
-    """Behind a plastic blow the force between two of a row is 0 and its rate -4e-16 N/s, where rounding can
-    make 6e-14, while it rises by 2 t^2 N/s^2: that rate ended the rest 64 times at one instant.
-    """
+    """Behind a plastic blow the force between two is 0, its rate rounding; it rises by 2 t^2 N/s^2."""
     assert run(at_once(random.Random(219))).totals["uncertified"] > 0
 
 

@@ -29,9 +29,7 @@ def period(k, p, amplitude):
 
 @pytest.mark.parametrize("power", ["1/3", "1/2", "2/3", "0.9", "1.2", "1.5"])
 def test_a_period_of_a_free_oscillation(power):
-    """Its energy is kept, so that M = [[1, 0], [a dT/dA, 1]] over a period T(A) with the acceleration -a at
-    the start. It was wrong by 0.06 at 1/2, and by 310 of 158 at 1/3 with a hundred times the force.
-    """
+    """Energy is kept: M = [[1, 0], [a dT/dA, 1]] over a period T(A), with -a at the start."""
     p, k, A = eval(power), 100.0, 0.5
     T = period(k, p, A)
     carried = Carrier(scene(f"k*abs(d)**({power})*sign(d)", f"k: {k} N/m^({power})")).carry([A, 0.0], T)
@@ -62,9 +60,7 @@ def test_quotients_of_45_digits(force, numbers, more, start, end, matrix):
 
 
 def test_no_derivative_is_told():
-    """From rest at the zero x grows like t^2, and the derivative of sqrt(x) like 1 / t, which has no
-    integral. It was sought for without end.
-    """
+    """From rest x grows like t^2, and the derivative of sqrt(x) like 1 / t, which has no integral."""
     pushed = "forces: {f: {on: a, F0: 1 N}}"
     carried = Carrier(scene("k*sqrt(abs(d))*sign(d)", "k: 2 N/m^0.5", pushed)).carry([0.0, 0.0], 0.5)
     assert carried.undefined_at == 0 and np.isnan(carried.matrix).all()

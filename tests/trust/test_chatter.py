@@ -72,9 +72,7 @@ CASES = Path(__file__).parent / "cases"
     [("hops-turned-in-a-fifth", "5.4 s", 3e-10), ("hops-held-in-a-sixth", "4.2 s", 3e-10)],
 )
 def test_the_estimate_covers_hops_that_shrink_fast_under_friction(name, t_end, error):
-    """Their speeds shrink to a fifth and to a sixth: the companion ended these sequences at the same hop as
-    the run, and the estimate was 1e5 and 1e3 times too low. The truth has 36 digits.
-    """
+    """Their speeds shrink to a fifth and to a sixth. The truth has 36 digits."""
     case = load_case(CASES / f"{name}.yaml", overrides={"run.t_end": t_end})
     run, truth = simulate(case), simulate(case, digits=36)
     errors = np.max([abs(run[x] - truth[x]) for x in ("x_a", "x_b")], axis=0)
@@ -86,9 +84,7 @@ def test_the_estimate_covers_hops_that_shrink_fast_under_friction(name, t_end, e
 
 
 def test_the_time_that_a_chatter_under_friction_leaves_out_is_that_of_its_hops():
-    """Forces of the last hop tell it to four digits, though its friction stops on the way up and sets off
-    again at the blow; it was said to be twice as long.
-    """
+    """Forces of the last hop tell it, though its friction stops on the way up and sets off again."""
     case = load_case(CASES / "hops-held-in-a-sixth.yaml", overrides={"run.t_end": "4.1291 s"})
     run, truth = simulate(case), simulate(case, digits=36)
     begun = [one.events["t"][one.events["kind"] == EVENT_KINDS["rest_begin"]][-1] for one in (run, truth)]
@@ -100,9 +96,7 @@ def test_the_time_that_a_chatter_under_friction_leaves_out_is_that_of_its_hops()
 @pytest.mark.timeout(120)
 @pytest.mark.parametrize(("name", "doubts"), [("hops-without-loss", False), ("hops-on-two-stops", True)])
 def test_hops_come_to_an_end(name, doubts):
-    """Friction takes from hops with e = 1 in one by standing in part of each, and in the other two stops hop
-    together: by rounding they hopped on for days, in the companion of a run of 0.1 s.
-    """
+    """Of hops with e = 1 friction takes by standing in part of each; on two stops in turn rounding does."""
     result = simulate(load_case(CASES / f"{name}.yaml"))
     assert result.trust_horizon == 4 and result.error_estimate[-1] < 1e-9
     assert result.attrs["chatters"] > 0
@@ -111,9 +105,7 @@ def test_hops_come_to_an_end(name, doubts):
 
 @pytest.mark.parametrize("seed", [470, 20251])
 def test_a_body_between_two_stops_comes_to_rest(seed):
-    """It is struck by them in turn, on a way that comes below the rounding of displacements while its speed
-    is far from it: it bounced on 14,000 times, or to where the truth is 5 mm away.
-    """
+    """Struck in turn, on a way below the rounding of displacements while its speed is far from it."""
     case, _ = pushed(seed)
     run = simulate(case)
     assert len(run.events["t"]) < 200

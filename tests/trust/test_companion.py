@@ -214,9 +214,7 @@ def test_of_a_third_run_that_takes_too_many_events_nothing_is_known():
 
 @pytest.mark.parametrize("dither", [1, 2])
 def test_events_lie_one_unit_in_the_last_place_aside(dither):
-    """Of the first one before which nothing was moved exactly, of the others but for what comes of it; the
-    motions are the same but for rounding.
-    """
+    """The first exactly, the others but for what comes of it; motions are the same but for rounding."""
     scene = replace(load_case("I-A", {"run.t_end": "20 s"}).scene(), method="taylor")
     plain, moved = run(scene), run(scene, dither=dither)
     one, other = plain.events["t"][1:-1], moved.events["t"][1:-1]

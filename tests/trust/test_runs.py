@@ -210,9 +210,7 @@ def test_what_judges_a_run_is_freed_with_it(monkeypatch):
 
 @pytest.mark.parametrize("who", ["companion", "third run"])
 def test_a_run_beside_that_takes_too_many_events_is_given_up(who, monkeypatch, tmp_path):
-    """Nothing is known from there on, whatever the tolerance; the file and what is printed say so, and the
-    motion is all there.
-    """
+    """Nothing is known from there on; the file and what is printed say so, and the motion is all there."""
     case = short_case("II-B", "119 s", run__trust_tolerance="100 m")
     plain = simulate(case)
     assert plain.trust_horizon == 119 and "trust_known_to_s" not in plain.attrs
