@@ -55,6 +55,8 @@ def test_values_may_be_numbers_of_numpy(number):
 def test_overrides_are_a_mapping(wrong):
     with pytest.raises(TypeError, match="overrides must be a mapping such as"):
         vibsim.load_case("II-B", wrong)
+    with pytest.raises(TypeError, match=r"overrides must be a (dict|mapping) such as"):
+        vibsim.simulate("II-B", wrong)
 
 
 @pytest.mark.parametrize("wrong", ("many", 30.5))
@@ -67,19 +69,12 @@ def test_one_verdict_may_be_named_alone(saved):
     assert vibsim.analyse(saved, what="frequencies") == vibsim.analyse(saved, what=["frequencies"])
 
 
-def test_an_unknown_column_of_events_is_told(saved):
-    with pytest.raises(KeyError, match="no column speed; these events have t, kind, part, x1"):
-        vibsim.open_result(saved).events["speed"]
-
-
 @pytest.mark.parametrize("wrong", [3, None, ["II-B"], b"II-B"])
 def test_anything_else_is_named(wrong):
     with pytest.raises(TypeError, match="a case must be a Case, the path of a case file, the name of a"):
         vibsim.load_case(wrong)
     for call in (vibsim.simulate, vibsim.analyse, vibsim.lyapunov, vibsim.sweep):
-        with pytest.raises(
-            TypeError, match="a case must be a Case, the path of a case file, the name of a shipped"
-        ):
+        with pytest.raises(TypeError, match="a case must be a Case, the path of a case file, the name of a"):
             call(wrong)
     with pytest.raises(vibsim.CaseError, match="is no shipped case"):
         vibsim.simulate("nosuch")
@@ -111,22 +106,15 @@ def test_a_case_may_be_a_dict_or_yaml_text(tmp_path):
     assert case.sha256 == vibsim.load_case(text).sha256 == vibsim.load_case(path).sha256
     runs = [vibsim.simulate(source)["x_hammer"].tobytes() for source in (HAMMER, text, path)]
     assert len(set(runs)) == 1
-    assert (
-        vibsim.orbit(HAMMER, {"run.t_end": "10 s"}).state == vibsim.orbit(text, {"run.t_end": "10 s"}).state
-    )
-    assert (
-        vibsim.analyse(HAMMER, what="impacts").impacts.impacts
-        == vibsim.analyse(path, what="impacts").impacts.impacts
-    )
-    swept = vibsim.sweep(HAMMER, {"stops.anvil.e": [0.5, 0.6]}, jobs=1, section=0)
-    assert (
-        swept["impacts"].tolist()
-        == vibsim.sweep(text, {"stops.anvil.e": "0.5,0.6"}, jobs=1, section=0)["impacts"].tolist()
-    )
-    assert (
-        vibsim.lyapunov("{extends: I-A}", SHORT, count=1).exponents
-        == vibsim.lyapunov("I-A", SHORT, count=1).exponents
-    )
+    orbits = [vibsim.orbit(source, {"run.t_end": "10 s"}).state for source in (HAMMER, text)]
+    assert orbits[0] == orbits[1]
+    verdicts = [vibsim.analyse(source, what="impacts").impacts for source in (HAMMER, path)]
+    assert verdicts[0] == verdicts[1]
+    axes = (HAMMER, [0.5, 0.6]), (text, "0.5,0.6")
+    swept = [vibsim.sweep(of, {"stops.anvil.e": axis}, jobs=1, section=0) for of, axis in axes]
+    assert swept[0]["impacts"].tolist() == swept[1]["impacts"].tolist()
+    exponents = [vibsim.lyapunov(of, SHORT, count=1).exponents for of in ("{extends: I-A}", "I-A")]
+    assert exponents[0] == exponents[1]
 
 
 def test_problems_of_a_dict_have_keys_and_no_lines():
@@ -223,11 +211,6 @@ def test_values_may_be_changed_in_every_call():
     assert one.tobytes() == vibsim.lyapunov(changed, count=1).exponents.tobytes()
 
 
-def test_what_is_no_change_of_values_is_refused():
-    with pytest.raises(TypeError, match=r"overrides must be a dict such as \{'?\"?Omega0.*, got 'c'"):
-        vibsim.simulate("II-B", "c")
-
-
 def test_verdicts_are_members_and_texts(saved):
     found = vibsim.analyse(saved, exponent=False)
     for verdict, kind in (
@@ -278,11 +261,6 @@ def test_an_orbit_can_be_saved(tmp_path):
     with pytest.raises(vibsim.ResultFileError, match="exists"):
         orbit.save(path)
     assert orbit.save(path, force=True) == path
-
-
-def test_more_exponents_than_there_are():
-    with pytest.raises(ValueError, match="count must be 1 to 3 for this case, got 9"):
-        vibsim.lyapunov("I-A", count=9)
 
 
 def _follow(path):

@@ -83,6 +83,7 @@ def test_i_c_is_on_its_way_to_period_1():
     multipliers = np.array([complex(*pair) for pair in found.multipliers])
     exact = [0.8486435858373631 - 0.5215168804985694j, 0.8486435858373631 + 0.5215168804985694j]
     np.testing.assert_allclose(multipliers, [*exact, 0.9303994608203476], rtol=0, atol=1e-12)
+    assert (found.exponent, found.exponents) == (None, pytest.approx(np.log(np.abs(multipliers)) * 6.5))
 
 
 def test_a_stable_orbit_beside_the_run_is_none_it_goes_to():

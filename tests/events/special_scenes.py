@@ -50,23 +50,12 @@ def two_blocks(draw):
     mobility = 1 / m1 + (1 / m2 if m2 else 0)
     omega = math.sqrt((k1 or k2) * mobility) * pick([1.0, 1.0, 0.5, 2.0])
     source = {"A": A, "F0": F0, "omega": omega, "cycles": omega / TURN, "cycles_lo": 0.0}
-    blocks = {
-        **{
-            "m1": m1,
-            "m2": m2,
-            "k1": k1,
-            "k2": k2,
-            "c": pick([0.0, 0.0, 2 * math.sqrt((k1 or k2) / mobility)]),
-        },
-        **{"G": pick([0.0, 0.0, 0.01, abs(F0) / k1 if k1 else 0.01]), "stop_sign": pick([1, -1])},
-        "N": pick([None, abs(F0) or 1.0, abs(F0) + abs(A) or 1.0, abs(A) or 1.0]) if m2 else None,
-    }
-    start = {
-        "x1": pick([0.0, 0.01, -0.01, -blocks["G"] * blocks["stop_sign"]]),
-        "v1": pick([0.0, 0.0, 0.1, -0.1]),
-        "x2": None,
-        "v2": None,
-    }
+    damping = pick([0.0, 0.0, 2 * math.sqrt((k1 or k2) / mobility)])
+    gap, sense = pick([0.0, 0.0, 0.01, abs(F0) / k1 if k1 else 0.01]), pick([1, -1])
+    limit = pick([None, abs(F0) or 1.0, abs(F0) + abs(A) or 1.0, abs(A) or 1.0]) if m2 else None
+    blocks = {"m1": m1, "m2": m2, "k1": k1, "k2": k2, "c": damping, "G": gap, "stop_sign": sense, "N": limit}
+    start = {"x1": pick([0.0, 0.01, -0.01, -gap * sense]), "v1": pick([0.0, 0.0, 0.1, -0.1])}
+    start |= {"x2": None, "v2": None}
     if m2:
         start |= {"x2": pick([0.0, 0.0, 0.01]), "v2": pick([0.0, 0.0, 0.1, -0.1])}
     run = {"t_end": 20 / max(omega, 1), "every_num": 1, "every_den": 50}

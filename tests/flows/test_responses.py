@@ -14,40 +14,18 @@ import mpmath
 import numpy as np
 import pytest
 
-from tests.engine.runs import run
+from tests.engine.runs import run, scene_of
 from tests.scenes import harmonic, motor, scene
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.parts import GROUND, Body, Force, Harmonic, Link, Scene
 
 EPS = 2.0**-53
 UNITS = {"C": 6, "S": 6, "I": 8, "H": 16, "H'": 24}
 UNDERFLOW = 1e-290  # below it doubles lose digits by their format
 
 W0 = 25.956  # [rad/s], about the free mode of the paper's blocks
-SHARES = (
-    0.0,
-    1e-9,
-    1e-3,
-    0.3,
-    0.9,
-    1 - 1e-6,
-    1 - 1e-12,
-    1.0,
-    1 + 1e-12,
-    1 + 1e-6,
-    1.5,
-    10.0,
-    1e3,
-    1e6,
-)  # a / w0
-SOFT = (
-    (0.0, 0.0),
-    (1e-3, 0.0),
-    (0.7, 0.0),
-    (80.0, 0.0),
-    (0.0, 1e-12),
-    (0.7, 1e-12),
-)  # (a, b) with b = 0 or nearly
+# a / w0, and (a, b) with b = 0 or nearly
+SHARES = (0.0, 1e-9, 1e-3, 0.3, 0.9, 1 - 1e-6, 1 - 1e-12, 1.0, 1 + 1e-12, 1 + 1e-6, 1.5, 10.0, 1e3, 1e6)
+SOFT = ((0.0, 0.0), (1e-3, 0.0), (0.7, 0.0), (80.0, 0.0), (0.0, 1e-12), (0.7, 1e-12))
 TIMES = (1e-7, 1e-4, 0.0191, 0.07, 0.31, 1.7, 12.0)
 LOADS = (1e-9, 1e-3, 0.999, 1.0, 1 + 1e-9, 30.0, 1e4)  # omega over w0, or over 1 rad/s
 MORE_TIMES = (1e-12, 1e-7, 1e-4, 3e-3, 0.0191, 0.03, 0.07, 0.31, 1.7, 12.0, 97.0, 1000.0)
@@ -58,12 +36,17 @@ def oscillators(a, b, omega):
     """Five bodies of 1 kg, each on b [N/m] and 2 a [N s/m], which their motion shows C, S, I and H of: let go
     at 1 m, struck to 1 m/s, under 1 N, under cos(omega t) and sin(omega t) [N].
     """
-    starts = ((1.0, 0.0), (0.0, 1.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
-    bodies = tuple(Body(f"b{i}", 1.0, x, v) for i, (x, v) in enumerate(starts))
-    links = tuple(Link(f"l{i}", i, GROUND, b, 2 * a) for i in range(5))
-    waves = (Harmonic(1.0, omega, omega / (2 * math.pi), 0.0, phase) for phase in (math.pi / 2, 0.0))
-    forces = (Force("F2", 2, 1.0, ()), *(Force(f"F{i}", i, 0.0, (wave,)) for i, wave in enumerate(waves, 3)))
-    return Scene(bodies, links, forces=forces, t_end=1e4, every_num=10**4, every_den=1, method="closed_form")
+    links = [f"l{i}: {{between: [b{i}, ground], k: {b} N/m, c: {2 * a} N s/m}}" for i in range(5)]
+    return scene_of(f"""
+bodies: {{{", ".join(f"b{i}: 1 kg" for i in range(5))}}}
+links: {{{", ".join(links)}}}
+forces:
+  step: {{on: b2, F0: 1 N}}
+  cosine: {{on: b3, A: 1 N, omega: {omega!r} rad/s, phase: 90 deg}}
+  sine: {{on: b4, A: 1 N, omega: {omega!r} rad/s}}
+initial: {{b0: {{x: 1 m}}, b1: {{v: 1 m/s}}}}
+run: {{t_end: 10000 s, every: 10000 s, method: closed_form}}
+""")
 
 
 def computed(a, b, omega, times):

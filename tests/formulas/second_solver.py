@@ -109,19 +109,17 @@ class SecondSolver:
 
     # The balance of forces.
 
-    def place(self, t, y, end) -> float:
+    def motion(self, t, y, end, order) -> float:
+        """Displacement (order 0) or velocity (1) of an end."""
         if end == GROUND:
             return 0.0
         if end == BASE:
-            return self.base[0](t, y, {}) if self.base else 0.0
-        return y[self.names.index(end)]
+            return self.base[order](t, y, {}) if self.base else 0.0
+        return y[order * self.n + self.names.index(end)]
 
-    def speed(self, t, y, end) -> float:
-        if end == GROUND:
-            return 0.0
-        if end == BASE:
-            return self.base[1](t, y, {}) if self.base else 0.0
-        return y[self.n + self.names.index(end)]
+    def between(self, t, y, o, order) -> float:
+        """The same of the first end of a part against the second."""
+        return self.motion(t, y, o.P, order) - self.motion(t, y, o.Q, order)
 
     def _row(self, o) -> np.ndarray:
         """Of the relative motion of a part in the coordinates."""
@@ -208,7 +206,7 @@ class SecondSolver:
         return margins[k][0] if k < len(margins) else 1.0
 
     def depth(self, t, y, o: Stop) -> float:
-        return o.sense * (self.place(t, y, o.P) - self.place(t, y, o.Q)) - o.gap
+        return o.sense * self.between(t, y, o, 0) - o.gap
 
     def _of_stop(self, i, o, mode):
         state = mode.contacts[i]
@@ -221,7 +219,7 @@ class SecondSolver:
         return functions
 
     def slip(self, t, y, o: Friction) -> float:
-        return self.speed(t, y, o.P) - self.speed(t, y, o.Q) - o.belt
+        return self.between(t, y, o, 1) - o.belt
 
     def hold(self, i, t, y, mode) -> float:
         load, mu, static = self.holds[i]
@@ -498,7 +496,7 @@ class SecondSolver:
     def _impact(self, mode: Mode, i: int) -> None:
         o = self.model.stops[i]
         n, r, row = self.n, self.r, o.sense * self._row(o)
-        rate = o.sense * (self.speed(self.t, self.y, o.P) - self.speed(self.t, self.y, o.Q))
+        rate = o.sense * self.between(self.t, self.y, o, 1)
         if rate < 1e-5:
             raise TooHard("an impact too slow to follow")
         kick = np.linalg.solve(self.mass(self.y), row)

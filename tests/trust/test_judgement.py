@@ -61,6 +61,11 @@ def paper(name):
     return load_case(name, {"run.t_end": f"{PAPER[name]} s", "run.every": "50 ms"})
 
 
+def all_judged(cases):
+    with ProcessPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(judged, cases))
+
+
 def check(found):
     """Hold judged runs to what is required, the share to two standard errors; a line per run for the log.
 
@@ -110,9 +115,7 @@ def test_a_few_scenes_driven_hard():
 @pytest.mark.timeout(7200)
 def test_scenes_driven_hard():
     """No horizon is late by more than 10 %, and no estimate too low for long."""
-    cases = [*map(hard_scene, range(1, HARD + 1)), *(load_case_text(text) for text, *_ in LATE)]
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
-        found = list(pool.map(judged, cases))
+    found = all_judged([*map(hard_scene, range(1, HARD + 1)), *(load_case_text(text) for text, *_ in LATE)])
     assert sum(len(one.horizons) for one in found) > HARD // 2
     assert max(one.latest for one in found) <= 1.1
     assert max(one.too_low for one in found) <= 0.1
@@ -122,9 +125,7 @@ def test_scenes_driven_hard():
 @pytest.mark.timeout(7200)
 def test_two_hundred_scenes_of_parts():
     """No horizon for tolerances from 1e-10 to 1e-4 m is late by more than 10 %."""
-    cases = list(map(scene_of_parts, [*range(1, 201), CANCELLING]))
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
-        found = list(pool.map(judged, cases))
+    found = all_judged(map(scene_of_parts, [*range(1, 201), CANCELLING]))
     assert sum(len(one.horizons) for one in found) > 200
     check(found)
 
@@ -132,9 +133,7 @@ def test_two_hundred_scenes_of_parts():
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
 def test_the_nine_cases_and_a_hundred_random_ones():
-    cases = [*map(paper, PAPER), *map(mixed, range(1, 71)), *map(driven_hard, range(1, 31))]
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
-        found = list(pool.map(judged, cases))
+    found = all_judged([*map(paper, PAPER), *map(mixed, range(1, 71)), *map(driven_hard, range(1, 31))])
     assert sum(1e-6 in one.horizons for one in found) >= 12
     check(found)
     check(found[: len(PAPER)])
