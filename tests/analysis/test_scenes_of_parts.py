@@ -13,6 +13,7 @@ import pytest
 
 import vibsim
 from tests.command_line.made import call
+from tests.engine.test_impact_disturbances import THROWN
 from tests.formula_cases import CURRENT, DRIVE, MACHINE, case_of
 from vibsim import simulate
 from vibsim.analysis import analyse, compare, count_impacts, find_frequencies, judge_regime, measure_drift
@@ -168,16 +169,10 @@ run: {t_end: 1 s, every: 5 ms}
         ("free 2", hz[1]),
     ]
     bilinear = hz[0], 2 * hz[1] * hz[3] / (hz[1] + hz[3])
+    expected = {f"bilinear {i}": f for i, f in enumerate(bilinear, 1)}
+    expected |= {f"half {name}": f / 2 for name, f in expected.items()}
     found = {one.name: one.hz for one in resonances(scene, True)}
-    assert found == pytest.approx(
-        {
-            "bilinear 1": bilinear[0],
-            "bilinear 2": bilinear[1],
-            "half bilinear 1": bilinear[0] / 2,
-            "half bilinear 2": bilinear[1] / 2,
-        },
-        rel=1e-12,
-    )
+    assert found == pytest.approx(expected, rel=1e-12)
     assert sorted(found.values()) == [one.hz for one in resonances(scene, True)]
 
 
@@ -190,12 +185,8 @@ def test_runs_are_compared_by_all_their_bodies_and_parts():
     found = compare(run, softer, 1e-6)
     assert {difference.key for difference in found.differences} == {"stops.left.k"}
     names = [statistic.name for statistic in found.statistics]
-    assert names == [
-        "amplitude of spring",
-        "amplitude of left",
-        "impact rate of left",
-        "impact rate of right",
-    ]
+    impacts = "impact rate of left", "impact rate of right"
+    assert names == ["amplitude of spring", "amplitude of left", *impacts]
     assert [statistic.unit for statistic in found.statistics] == ["m", "m", "1/s", "1/s"]
 
 
@@ -295,20 +286,10 @@ def test_a_sweep_computes_all_of_them():
     assert np.all(sweep["lyapunov_spectrum"] < 1.0)
 
 
-GRAZING = """
-name: grazing
-bodies: {m: 1 kg}
-stops: {wall: {between: [m, ground], gap: 1 m, acts: compression, law: rigid, e: 0.8}}
-forces: {weight: {on: m, F0: -2 N}}
-initial: {m: {x: 0 m, v: 2 m/s}}
-run: {t_end: 1.5 s}
-"""
-
-
 def test_a_motion_that_grazes_has_no_exponents(tmp_path, monkeypatch):
     """2 t - t^2 just comes up to 1 at t = 1 s."""
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "grazing.yaml").write_text(GRAZING)
+    (tmp_path / "grazing.yaml").write_text(THROWN)
     text = call("run", "grazing.yaml", "--lyapunov", "all", "--discard", "0").stdout
     assert "exponents       none, none 1/s" in text
     assert (
@@ -397,12 +378,7 @@ def test_states_alone_do_not_make_runs_differ():
 
 def test_the_centre_of_mass_has_unbalances_in_it():
     """m x + m_r e cos(phi), by the mass of all."""
-    case = case_of(
-        MACHINE.replace("e: 0 m", "e: 0.02 m").replace(
-            "between: [cart, ground], force", "between: [cart, ground], force"
-        )
-    )
-    run = vibsim.simulate(case)
+    run = vibsim.simulate(case_of(MACHINE.replace("e: 0 m", "e: 0.02 m")))
     expected = (1.1 * run["x_cart"] + 0.1 * 0.02 * np.cos(run["phi_left"])) / 1.1
     assert displacement(run, slice(None), "centre") == pytest.approx(expected, abs=1e-16)
 

@@ -15,11 +15,8 @@ from vibsim.physics.parts import EVENT_NAMES
 
 STATES = ("x1", "v1", "x2", "v2", "phi", "phidot")
 CHECKED = {"II-A": (20, 40), "II-B": (20, 50), "II-C": (20, 40)}  # s
-AGREED = {
-    "II-A": 45.0,
-    "II-B": 60.0,
-    "II-C": 45.0,
-}  # s; chaos parts two runs in doubles by more than SAME later on
+# s; chaos parts two runs in doubles by more than SAME later on
+AGREED = {"II-A": 45.0, "II-B": 60.0, "II-C": 45.0}
 SAME = 1e-4  # s between two records of one event; two events of one kind are at least 7.9 ms apart
 REPETITIONS = 7
 FULL = 2.0**-52  # tolerance of heyoka, its default

@@ -14,9 +14,8 @@ IMPORTS = [sys.executable, "-c", "import numpy, h5py, click, yaml"]
 PAIRS = 11
 # an installed vibsim has its bytecode, as numpy and the others have theirs
 ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-ENVIRONMENT |= {
-    "OPENBLAS_NUM_THREADS": "1"
-}  # as the command has it: numpy's threads are not vibsim's to count
+# as the command has it: numpy's threads are not vibsim's to count
+ENVIRONMENT |= {"OPENBLAS_NUM_THREADS": "1"}
 
 
 def rows():

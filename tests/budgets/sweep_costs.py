@@ -109,16 +109,12 @@ def keeping(points: int, section: int):
             store._next = float("inf")
             keeping = _cpu(lambda: [store.add(moved[i : i + 20]) for i in range(0, points, 20)], 1) / points
             journal = store._journal.path.stat().st_size / points
-            reading = (
-                _cpu(
-                    lambda: [
-                        table.put(from_plain(SweepPoint, each))
-                        for each in store._journal.read(plan.fingerprint)
-                    ],
-                    1,
-                )
-                / points
-            )
+
+            def read():
+                for each in store._journal.read(plan.fingerprint):
+                    table.put(from_plain(SweepPoint, each))
+
+            reading = _cpu(read, 1) / points
         writing = _cpu(lambda: write_sweep(path, plan, table, store.all_attrs), 1) / points
         size = path.stat().st_size / points
     held = sum(array.nbytes for array in table.numbers.values()) / points

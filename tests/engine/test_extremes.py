@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given, settings
 
 from tests.engine.random_parts import part_scenes
+from tests.engine.runs import scene_of
 from tests.scenes import fixed_block, harmonic, motor
 from vibsim.engine.trajectory import open_trajectory
-from vibsim.physics.parts import GROUND, Body, Force, Harmonic, Link, Scene, Stop
+from vibsim.physics.parts import GROUND
 
 RARELY = {"every_num": 10**6, "every_den": 1}  # no samples
 
@@ -24,15 +25,23 @@ def run(scene, ends, since=0.0):
     return rows, trajectory.extremes, np.concatenate([block.section["time"] for block in blocks])
 
 
-def free(x, v=0.0, t_end=10.0, method="auto", **parts):
-    """A mass of 1 kg on a spring of 4 pi^2 N/m: 1 Hz."""
-    links = (Link("s", 0, GROUND, 4 * math.pi**2, 0.0),)
-    return Scene((Body("a", 1.0, x, v),), links, t_end=t_end, method=method, **parts)
+# A mass of 1 kg on a spring of 4 pi^2 N/m: 1 Hz.
+FREE = """
+bodies: {a: 1 kg}
+links: {s: {between: [a, ground], k: 39.47841760435743 N/m}}
+initial: {a: {x: 1 mm}}
+run: {t_end: 10 s}
+"""
+PUSHED = """
+bodies: {a: 1 kg}
+forces: {f: {on: a, A: 1 N, omega: 1 Hz}}
+run: {t_end: 1 s, every: 1 us}
+"""
 
 
 @pytest.mark.parametrize("method", ["auto", "taylor"])
 def test_the_amplitude_of_a_free_vibration_is_exact_to_rounding(method):
-    scene = free(0.001, 2 * math.pi * 0.002, method=method)
+    scene = scene_of(FREE, {"a.v": 2 * math.pi * 0.002}, method=method)
     _, (least, greatest, _), _ = run(scene, [(0, GROUND)], 1.234)
     amplitude = math.hypot(0.001, 0.002)
     assert greatest == pytest.approx([amplitude], rel=4e-15)
@@ -41,8 +50,7 @@ def test_the_amplitude_of_a_free_vibration_is_exact_to_rounding(method):
 
 def test_each_period_has_its_own():
     """A force that moves a heavy mass steadily on: x = v t + ripple; every period begins where one ended."""
-    term = Harmonic(1.0, 2 * math.pi, 1.0, 0.0, 0.0)
-    scene = Scene((Body("a", 1e3, 0.0, 0.5),), forces=(Force("f", 0, 0.0, (term,)),), t_end=6.5)
+    scene = scene_of(PUSHED, {"bodies.a": 1000, "a.v": 0.5}, t_end=6.5, every=1)
     rows, (least, greatest, _), times = run(scene, [(0, GROUND)], 2.5)
     assert times.tolist() == [1, 2, 3, 4, 5, 6]
     mean = 0.5 + 1 / (1e3 * 2 * math.pi)  # x = mean t - sin(2 pi t) / (1000 (2 pi)^2), ascending
@@ -54,13 +62,11 @@ def test_each_period_has_its_own():
 
 def test_what_turns_twice_between_two_nodes_is_found():
     """A drift slower than the ripple on it turns twice a period, however short the way back."""
-    term = Harmonic(1.0, 2 * math.pi, 1.0, 0.0, math.pi / 2)
     ripple = 1 / (2 * math.pi)  # of the velocity, F / (m w)
     for excess in (1e-2, 1e-4, 1e-6):
         speed = ripple * (1 - excess)
-        scene = Scene((Body("a", 1.0, 0.0, speed),), forces=(Force("f", 0, 0.0, (term,)),), t_end=1.0)
-        fine = open_trajectory(replace(scene, every_num=1, every_den=10**6))
-        x = np.concatenate([block.samples["x_a"] for block in fine.blocks()])
+        scene = scene_of(PUSHED, {"a.v": speed, "f.phase": "90 deg"})
+        x = np.concatenate([block.samples["x_a"] for block in open_trajectory(scene).blocks()])
         _, (least, greatest, _), _ = run(scene, [(0, GROUND)])
         turn = math.asin(-speed / ripple)  # v = speed + ripple sin(2 pi t) = 0
         assert least[0] <= x.min() and greatest[0] >= x.max()
@@ -70,13 +76,13 @@ def test_what_turns_twice_between_two_nodes_is_found():
             assert max(values) <= greatest[0] * (1 + 1e-12)
 
 
-@pytest.mark.parametrize("sense", [1, -1])
-def test_the_smallest_gap_is_kept_of_open_stops_alone(sense):
-    stops = (Stop("near", 0, GROUND, 0.0011, sense, 1e5, 0.0), Stop("far", 0, GROUND, 0.004, sense, 1e5, 0.0))
-    _, (_, _, margins), _ = run(free(0.001, stops=stops), [(0, GROUND)])
+@pytest.mark.parametrize("acts", ["extension", "compression"])
+def test_the_smallest_gap_is_kept_of_open_stops_alone(acts):
+    stop = f"between: [a, ground], acts: {acts}, k: 1e5 N/m"
+    text = f"{FREE}stops: {{near: {{{stop}, gap: 1.1 mm}}, far: {{{stop}, gap: 4 mm}}}}"
+    _, (_, _, margins), _ = run(scene_of(text), [(0, GROUND)])
     assert margins == pytest.approx([0.0001, 0.003], rel=1e-12)
-    touching = replace(free(0.002, stops=stops), t_end=3.0)
-    _, (_, _, margins), _ = run(touching, [(0, GROUND)])
+    _, (_, _, margins), _ = run(scene_of(text, {"a.x": 0.002}, t_end=3), [(0, GROUND)])
     assert margins[0] == math.inf and 0.00199 < margins[1] < 0.003
 
 
@@ -122,8 +128,7 @@ def test_random_scenes(scene):
 
 def test_a_long_run_without_events_can_be_left():
     """A call of C works out no more than a slice of the nodes: 3e4 vibrations come in many blocks."""
-    trajectory = open_trajectory(
-        replace(free(0.001, t_end=3e4), **RARELY), section=True, extremes=([(0, GROUND)], 0.0)
-    )
+    scene = scene_of(FREE, t_end=3e4, every=1e4)
+    trajectory = open_trajectory(scene, section=True, extremes=([(0, GROUND)], 0.0))
     assert sum(1 for _ in trajectory.blocks()) > 4
     assert trajectory.extremes[1] == pytest.approx([0.001], rel=4e-15)

@@ -3,7 +3,6 @@
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
-from math import exp
 
 import numpy as np
 import pytest
@@ -199,13 +198,6 @@ def assert_same(one, other, start, end):
     for name in ("state", "rate", "vectors", "happened", "table"):
         assert getattr(one, name).tobytes() == getattr(other, name).tobytes(), name
     assert (one.events, one.uncertified, one.margin) == (other.events, other.uncertified, other.margin)
-
-
-def test_a_volume_shrinks_as_liouville_says():
-    """det M = exp(-c T) for any law of displacement and time."""
-    for scene, factor in ((SCENES["duffing"], exp(-0.1 * 5.0)), (SCENES["mathieu"], exp(-0.1 * 3.0))):
-        matrix = Carrier(scene).carry(start_components(scene), scene.t_end).matrix
-        assert np.linalg.det(matrix) == pytest.approx(factor, rel=1e-13)
 
 
 KINKED = 'base: {x: "a*abs(sin(w0*t))", a: 1/30 m, w0: 11 rad/s}\nrun: {t_end: 2 s, every: 20 ms}\n'

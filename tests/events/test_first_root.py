@@ -49,20 +49,18 @@ def searched(p, order, t0, h, keep_margin=False):
         start, order = t, 0
 
 
-def curvature_bound(p, h):
-    """sum |coefficients of p''| h^n."""
-    return float(sum(abs(value) * h**n for n, value in enumerate(p.deriv(2).coef)))
+def size_of(p, h):
+    """sum |coefficients of p| h^n."""
+    return float(np.polynomial.Polynomial(np.abs(p.coef))(h))
 
 
 @settings(max_examples=50)
 @given(roots_ahead, complex_pairs)
 def test_safe_step_never_passes_a_root(roots, pairs):
     p, h = polynomial(roots, pairs), 3.5
-    bound, first, t = curvature_bound(p, h), min(roots), 0.0
+    bound, first, t = size_of(p.deriv(2), h), min(roots), 0.0
     derivative = p.deriv()
-    noise = (
-        16 * EPS * float(np.polynomial.Polynomial(np.abs(p.coef))(h))
-    )  # rounding of the value by its terms
+    noise = 16 * EPS * size_of(p, h)  # rounding of the value by its terms
     for _ in range(200):
         value, slope = float(p(t)), float(derivative(t))
         if value <= noise:
@@ -109,8 +107,7 @@ def test_convergence_of_order_2_at_a_simple_root():
 def test_deflated_step_never_passes_a_root(roots, order):
     p, h = polynomial(roots, order=order), 3.5
     lead, following = (float(p.deriv(n)(0.0)) for n in (order, order + 1))
-    high = p.deriv(order + 2)
-    bound = float(np.polynomial.Polynomial(np.abs(high.coef))(h))
+    bound = size_of(p.deriv(order + 2), h)
     assert 0 < deflated_step(order, lead, following, bound) <= min(roots) * (1 + 8 * EPS)
 
 
@@ -128,20 +125,17 @@ def test_a_zero_that_is_not_known_is_met():
 
 
 @given(roots_ahead, complex_pairs, st.integers(0, 2), st.integers(0, 10**6))
-@example(
-    [1.85, 1.9, 2.2, 2.4], [(0, 500), (136, 501)], 0, 0
-)  # whose coefficients' rounding moves it by 3e-12
+@example([1.85, 1.9, 2.2, 2.4], [(0, 500), (136, 501)], 0, 0)  # rounding of coefficients moves it by 3e-12
 def test_polynomial_search_finds_the_first_root(roots, pairs, order, t0):
     p, h = polynomial(roots, pairs, order), 3.5
     search = searched(p, order, float(t0), h)
     found = search.found
     assert found is not None
     q = polynomial(roots, pairs)
-    total = float(np.polynomial.Polynomial(np.abs(q.coef))(h))
+    total = size_of(q, h)
     first, tau = min(roots), found - t0
-    moved = (
-        16 * EPS * total / max(abs(float(q.deriv()(first))), 1e-6 * total)
-    )  # by rounding of the coefficients
+    slope = max(abs(float(q.deriv()(first))), 1e-6 * total)
+    moved = 16 * EPS * total / slope  # by rounding of the coefficients
     assert tau <= first * (1 + 1e-12) + 2 * EPS * t0 + moved
     # taken for zero: what lies within the rounding bound 4 eps sum |b_n| h^n, or one grid step of time away
     reach = float(np.max(np.abs(q.deriv()(np.linspace(tau, first, 20)))))
@@ -152,7 +146,7 @@ def test_polynomial_search_finds_the_first_root(roots, pairs, order, t0):
 @given(complex_pairs.filter(bool))
 def test_polynomial_search_finds_no_root_where_there_is_none(pairs):
     p = polynomial([], pairs)
-    total = float(np.polynomial.Polynomial(np.abs(p.coef))(3.5))
+    total = size_of(p, 3.5)
     assume(np.min(p(np.linspace(0, 3.5, 2001))) > 1e-6 * total)
     search = searched(p, 0, 0.0, 3.5)
     assert search.found is None and search.doubts == 0

@@ -10,10 +10,8 @@ from itertools import product
 
 getcontext().prec = 120
 ZERO, HALF = Decimal(0), Decimal("0.5")
-STILL, SHUT = (
-    Decimal("1e-40"),
-    Decimal("1e-76"),
-)  # speeds [m/s] and gaps [m] that are none, such as these speeds make
+# speeds [m/s] and gaps [m] that are none, such as these speeds make
+STILL, SHUT = Decimal("1e-40"), Decimal("1e-76")
 FAR = Decimal("1e9")  # of a force that has no limit [N]
 GROUND = -1
 
@@ -174,9 +172,8 @@ class Line:
         for mode in sorted(product(*rubs, *walls), key=lambda mode: sum(state != 0 for state in mode)):
             A = self._tried(mode[: len(rubs)], mode[len(rubs) :], rubs, walls)
             if A is not None:
-                self._join(
-                    [part for part, state in zip([*self.rubs, *self.walls], mode, strict=True) if state == 0]
-                )
+                parts = zip([*self.rubs, *self.walls], mode, strict=True)
+                self._join([part for part, state in parts if state == 0])
                 return A
         raise AssertionError("no consistent mode")
 
