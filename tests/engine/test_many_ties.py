@@ -1,8 +1,6 @@
 """Many frictions that come to rest or let go together: against solvers that share nothing with the engine."""
 
 import random
-import subprocess
-import sys
 import threading
 from itertools import combinations
 
@@ -183,13 +181,6 @@ def test_eight_bodies_that_rub_on_each_other(eight):
         row = {name: column[i] for name, column in fast.samples.items()}
         over, wrong = excess(scene, row)
         assert over < 1e-9 and wrong < 1e-14
-
-
-@pytest.mark.timeout(60)
-def test_the_command_runs_them(eight, tmp_path):
-    words = [sys.executable, "-m", "vibsim", "run", str(eight), "-o", str(tmp_path / "eight.h5")]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=50, check=False)
-    assert done.returncode == 0 and "energy residual" in done.stdout
 
 
 def test_modes_that_are_forgotten_come_back(monkeypatch):

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from tests.engine.random_formulas import formula_scene
 from tests.engine.random_parts import part_scenes
@@ -17,7 +18,10 @@ from vibsim.cases import load_case
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import GROUND, Clearance
 from vibsim.physics.rates import common_period
+from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.results.simulation import simulate
+
+METHODS = ("auto", "taylor")
 
 
 def rows_at_each_instant(events):
@@ -43,18 +47,11 @@ def assert_restarts(scene):
             assert same_bits(values[1:], whole.events[name][later]), (name, t)
 
 
-@settings(max_examples=60)
-@given(part_scenes())
-def test_random_scenes_go_on_from_every_event(scene):
-    assert_restarts(scene)
-    assert_restarts(replace(scene, method="taylor"))
-
-
-@settings(max_examples=50)
-@given(scenes())
-def test_random_blocks_go_on_from_every_event(scene):
-    """Rest distances among their parts, at which a run may stop."""
-    assert_restarts(scene.as_parts())
+@settings(max_examples=150)
+@given(st.one_of(part_scenes(), part_scenes(), scenes().map(TwoBlocks.as_parts)), st.sampled_from(METHODS))
+def test_random_scenes_go_on_from_every_event(scene, method):
+    """Rest distances of two blocks among their parts, at which a run may stop."""
+    assert_restarts(replace(scene, method=method))
 
 
 def test_a_clearance_that_is_just_touched_goes_on_from_every_event():

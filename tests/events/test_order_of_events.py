@@ -5,7 +5,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.engine.impacts import METHODS as BOTH
@@ -103,20 +102,19 @@ def smallest_turn(scene):
     return float(np.min((here - shift)[turn], initial=np.inf)), float(np.max(np.abs(distance)))
 
 
-def assert_margin(scene):
+def assert_margin(scene, method):
+    scene = replace(scene, method=method)
     expected, size = smallest_turn(scene)
     margin = run(scene).totals["grazing_margin"]
     # a turn at an event itself may count or not: only what sampling sees between events must be covered
     if np.isfinite(expected):
         assert margin <= expected + 1e-6 * size
-    return margin
 
 
-@pytest.mark.parametrize("method", ("auto", "taylor"))
-@settings(max_examples=60)
-@given(scene=scenes(features=False).filter(lambda scene: scene.has_stop))
-def test_margins_of_random_scenes(method, scene):
-    assert_margin(replace(scene, method=method))
+WITH_STOP = scenes(features=False).filter(lambda scene: scene.has_stop)
+test_margins_of_random_scenes = always(
+    assert_margin, WITH_STOP, st.sampled_from(("auto", "taylor")), few=120, many=4000
+)
 
 
 # No missed event: on samples as dense as wanted the state never contradicts the mode it is reported in.
@@ -175,17 +173,13 @@ def test_papers_cases(name, method):
     assert result.totals["impacts"] > 5
 
 
-def assert_modes_hold(scene):
-    scene = dense(scene)
+def assert_modes_hold(scene, method):
+    scene = replace(dense(scene), method=method)
     assert violations(scene, run(scene).samples) == set()
 
 
-def assert_modes_hold_by(scene, method):
-    assert_modes_hold(replace(scene, method=method))
-
-
 test_modes_of_random_scenes_hold = always(
-    assert_modes_hold_by, scenes(radians=200.0), st.sampled_from(("auto", "taylor")), few=80, many=8000
+    assert_modes_hold, scenes(radians=200.0), st.sampled_from(("auto", "taylor")), few=80, many=8000
 )
 
 

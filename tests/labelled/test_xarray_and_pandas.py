@@ -152,7 +152,6 @@ def test_what_is_judged_shows_itself_in_a_few_lines(judge, lines):
 
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory):
-    """Two axes; one point fails in time for a text with a comma."""
     case = vibsim.load_case("II-B", {"run.t_end": "4 s"})
     path = tmp_path_factory.mktemp("sweep") / "sweep.h5"
     axes = {"Omega0": "5,6 Hz", "c": "0.01,0.02,0.03"}
