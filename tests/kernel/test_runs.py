@@ -115,10 +115,12 @@ def test_sample_times_are_correctly_rounded():
     "every", ((123456789012347, 10**15), (987654321098765432109, 10**22), (1, 3 * 10**5))
 )
 def test_samples_at_intervals_of_many_digits(every):
-    """Numerators beyond the integers that doubles hold: i numerator / denominator, each rounded once."""
+    """Numerators beyond the integers that doubles hold: i numerator / denominator, each rounded once; over
+    one block or several.
+    """
     scene = fixed_block(x1=0.01, G=None, t_end=30.0, every_num=every[0], every_den=every[1])
     if scene.sample_count > 10**5:
-        scene = replace(scene, t_end=0.2)
+        scene = replace(scene, t_end=0.5)
     times = run(scene).samples["time"].tolist()
     assert times == [(float(i) * float(every[0])) / float(every[1]) for i in range(len(times))]
     assert len(times) == scene.sample_count and times[-1] <= scene.t_end < times[-1] + every[0] / every[1]
