@@ -12,6 +12,7 @@ from tests.engine.runs import run, scene_of
 from tests.random_scenes import always, scenes
 from tests.scenes import CASE_NAMES, MOTORS, fixed_block, paper, scene
 from vibsim.physics.parts import EVENT_NAMES
+from vibsim.physics.two_blocks import transmitted_force
 
 METHODS = ("closed_form", "taylor")
 everywhere = pytest.mark.parametrize("method", METHODS)
@@ -148,9 +149,9 @@ def violations(scene, samples):
         broken |= {"contact within the gap"} if np.any(gap[contact == 1] < -room) else set()
     if scene.has_friction:
         friction = samples["friction"]
-        spring = scene.k1 * y + scene.c * u
+        spring = transmitted_force(scene, y, u, False)
         if scene.has_stop:
-            spring = spring + contact * scene.k2 * (y + scene.stop_sign * scene.G)
+            spring = np.where(contact, transmitted_force(scene, y, u, True), spring)
         stiffness = scene.k1 + (scene.k2 or 0.0)
         room = ROUNDING * (stiffness * largest(samples["x1"], x2) + scene.c * largest(u) + scene.N)
         broken |= {"slips while held"} if np.any(v2[friction == 0] != 0) else set()
