@@ -1,5 +1,6 @@
 """Ways to call vibsim from a test, and what to call it with."""
 
+import signal
 import subprocess
 import sys
 from contextlib import contextmanager
@@ -33,6 +34,14 @@ def told(*words, **options):
     return done.stdout
 
 
+def refused(*words, code=2, **options):
+    """What `vibsim words...` says inside this process as it ends with an exit code other than 0."""
+    done = call(*words, **options)
+    assert done.exit_code == code, done.output
+    assert "Traceback" not in done.output
+    return done.stderr
+
+
 def process(*words, **options):
     """`vibsim words...` as a process of its own; .returncode, .stdout, .stderr."""
     command = [sys.executable, "-m", "vibsim", *map(str, words)]
@@ -49,3 +58,14 @@ def begun(*words, **options):
             yield child
         finally:
             child.kill()  # nothing, where it has ended
+
+
+@contextmanager
+def own_handlers():
+    """Handlers of signals that a command sets are set back behind the block."""
+    before = {each: signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)}
+    try:
+        yield
+    finally:
+        for each, handler in before.items():
+            signal.signal(each, handler)

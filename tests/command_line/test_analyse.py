@@ -33,14 +33,13 @@ def test_a_block_of_verdicts_for_each_file(folder):
     assert "periodic, period 5" in found
 
 
-def test_a_case_is_run_first_and_values_can_be_changed(folder, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_case_is_run_first_and_values_can_be_changed(folder, here):
     words = ("analyse", "-s", "c=0.03 N s/m", "-s", "run.t_end=120 s", "--what", "capture")
     for source in ("II-B", folder / "motor.h5"):
         found = call(*words, source)
         assert "captured: held to the end" in found.stdout
         assert labels(found.stdout) == ["run", "capture"]
-    assert list(tmp_path.iterdir()) == []
+    assert list(here.iterdir()) == []
 
 
 def test_json_has_every_number(folder):

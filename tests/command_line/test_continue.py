@@ -5,7 +5,7 @@ import json
 import pytest
 
 from tests.branches.made import orbit_of, parameter
-from tests.command_line.made import call, told
+from tests.command_line.made import call, refused, told
 from vibsim.results import simulate_to_file
 from vibsim.results.simulation import open_result
 
@@ -83,8 +83,7 @@ def test_from_a_stored_orbit_and_from_a_run(tmp_path, followed):
     ],
 )
 def test_what_is_refused(given, code, message):
-    result = call(*given)
-    assert result.exit_code == code and message in result.stderr, result.stderr
+    assert message in refused(*given, code=code)
 
 
 def test_a_branch_is_no_orbit(followed):

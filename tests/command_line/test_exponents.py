@@ -10,10 +10,7 @@ import vibsim
 from tests.command_line.made import call
 from vibsim.analysis.regime import stored_exponents
 
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def run(*words, code=0):

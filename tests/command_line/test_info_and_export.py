@@ -10,16 +10,15 @@ from scipy.io import loadmat
 
 import vibsim
 import vibsim.sweeps
-from tests.command_line.made import call
+from tests.command_line.made import call, refused, told
 from tests.results.made import short_run
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
+def folder(here):
     """Every test runs in a folder with one result, II-B.h5."""
-    monkeypatch.chdir(tmp_path)
     short_run("II-B").save("II-B.h5")
-    return tmp_path
+    return here
 
 
 def test_info_says_what_run_said_and_more():
@@ -48,17 +47,15 @@ def test_info_prints_the_case_as_it_was_given():
 def test_info_of_a_sweep_asks_the_sweeps(monkeypatch):
     with h5py.File("sweep.h5", "w") as file:
         file.attrs.update(vibsim_format=1, vibsim_kind="sweep")
-    monkeypatch.setattr(
-        vibsim.sweeps, "describe", lambda path: ([("points", "81")], {"points": 81}), raising=False
-    )
+    described = [("points", "81")], {"points": 81}
+    monkeypatch.setattr(vibsim.sweeps, "describe", lambda path: described, raising=False)
     assert call("info", "sweep.h5").stdout == "  points          81\n"
     assert json.loads(call("info", "sweep.h5", "--json").stdout) == {"file": "sweep.h5", "points": 81}
 
 
 @pytest.mark.parametrize("command", [["info"], ["export", "-o", "a.csv"]])
 def test_what_is_no_result_file(command):
-    done = call(*command, "none.h5")
-    assert (done.exit_code, done.stderr) == (6, "Error: none.h5: No such file or directory\n")
+    assert refused(*command, "none.h5", code=6) == "Error: none.h5: No such file or directory\n"
 
 
 def test_info_of_a_file_without_its_end():
@@ -75,8 +72,7 @@ def test_info_of_a_file_without_its_end():
 
 
 def test_export_csv():
-    done = call("export", "II-B.h5", "-o", "a.csv", "--window", "1:2")
-    assert (done.exit_code, done.stdout) == (0, "")
+    assert told("export", "II-B.h5", "-o", "a.csv", "--window", "1:2") == ""
     rows = list(csv.reader(Path("a.csv").read_text().splitlines()))
     assert rows[0] == vibsim.open_result("II-B.h5").keys()
     assert (rows[1][0], rows[-1][0], len(rows)) == ("1.0", "2.0", 202)
@@ -116,7 +112,5 @@ def test_an_existing_export_is_kept_unless_forced():
     ],
 )
 def test_misuse_of_export(words, message):
-    done = call("export", "II-B.h5", *words)
-    assert done.exit_code == 2
-    assert message in done.stderr
+    assert message in refused("export", "II-B.h5", *words)
     assert not Path("a.csv").exists()

@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 import vibsim
-from tests.command_line.made import SLOW_SOURCE, begun, call
+from tests.command_line.made import SLOW_SOURCE, begun, call, own_handlers, refused, told
 from vibsim.results.simulation import open_result
 from vibsim.signals import Interruption, ended_by_signals, heard_from_now_on
 
@@ -111,6 +111,14 @@ def inputs(tmp_path_factory):
     return folder
 
 
+@pytest.fixture
+def linked(inputs, here):
+    """They are in the present folder; their names."""
+    for path in inputs.iterdir():
+        os.link(path, path.name)
+    return {*os.listdir()}
+
+
 class Signal(threading.Thread):
     """Sends a signal to this process a moment after a file is there, or after it listens for signals."""
 
@@ -160,7 +168,6 @@ def sends_when_called(sender, monkeypatch):
 
 def interrupted(words, sign, signum, monkeypatch):
     """The outcome of a command that gets a signal, and how long it took to answer [s]."""
-    before = {each: signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)}
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
     Signal.listening.clear()
     sender = Signal(signum, sign)
@@ -168,23 +175,19 @@ def interrupted(words, sign, signum, monkeypatch):
         sends_when_called(sender, monkeypatch)
     else:
         sender.start()
-    heard_from_now_on()
-    try:
-        done = call(*words.split())
-        answered = time.monotonic()
-    finally:
-        sender.end()
-        for each, handler in before.items():
-            signal.signal(each, handler)
+    with own_handlers():
+        heard_from_now_on()
+        try:
+            done = call(*words.split())
+            answered = time.monotonic()
+        finally:
+            sender.end()
     assert sender.sent, f"was over before: {done.stdout}"
     return done, answered - sender.sent
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_every_command_ends_at_once_and_says_what_is_kept(name, inputs, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    for path in inputs.iterdir():
-        os.link(path, tmp_path / path.name)
+def test_every_command_ends_at_once_and_says_what_is_kept(name, linked, monkeypatch):
     enter = Interruption.__enter__
     monkeypatch.setattr(Interruption, "__enter__", lambda self: (enter(self), Signal.listening.set())[0])
     words, sign, said, left = COMMANDS[name]
@@ -193,8 +196,8 @@ def test_every_command_ends_at_once_and_says_what_is_kept(name, inputs, tmp_path
     assert done.exit_code == (143 if by_sigterm else 130), done.stderr
     assert re.search(said, done.stderr) and "interrupted" in done.stderr and "Traceback" not in done.stderr
     assert seconds < 60  # half a second on a machine that does nothing else
-    files = sorted({each.name for each in tmp_path.iterdir()} - {each.name for each in inputs.iterdir()})
-    assert left is None or files == left
+    files = sorted({*os.listdir()} - linked)
+    assert files == left
     for each in files:
         if each.endswith(".h5"):
             assert open_result(each).attrs["complete"] == (name in ("search", "refine"))
@@ -218,12 +221,8 @@ WRITERS = {
 
 
 @pytest.mark.parametrize("name", WRITERS)
-def test_a_signal_between_opening_a_file_and_keeping_it_leaves_none_open(name, inputs, tmp_path, monkeypatch):
+def test_a_signal_between_opening_a_file_and_keeping_it_leaves_none_open(name, linked, monkeypatch):
     """There Python drops what was opened, and warns of it; the suite makes warnings errors."""
-    monkeypatch.chdir(tmp_path)
-    for path in inputs.iterdir():
-        os.link(path, tmp_path / path.name)
-    before = sorted(os.listdir())
     opened, signum, sent = open, signal.SIGINT, []
 
     def open_and_signal(file, *args, **options):
@@ -234,20 +233,15 @@ def test_a_signal_between_opening_a_file_and_keeping_it_leaves_none_open(name, i
         return stream
 
     monkeypatch.setattr(builtins, "open", open_and_signal)
-    handlers = {each: signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)}
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
-    heard_from_now_on()
-    with warnings.catch_warnings(record=True) as warned:
+    with own_handlers(), warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always", ResourceWarning)
-        try:
-            done = call(*WRITERS[name].split())
-            gc.collect()
-        finally:
-            for each, handler in handlers.items():
-                signal.signal(each, handler)
+        heard_from_now_on()
+        done = call(*WRITERS[name].split())
+        gc.collect()
     assert sent and done.exit_code == 130 and "Traceback" not in done.stderr
     assert not [each for each in warned if issubclass(each.category, ResourceWarning)]
-    assert set(os.listdir()) - {"s.h5"} == set(before)
+    assert {*os.listdir()} - {"s.h5"} == linked
 
 
 STARTING = """
@@ -299,17 +293,15 @@ def test_an_interruption_that_python_swallows_is_raised_again():
 
 def test_signals_that_the_caller_ignores_stay_ignored(monkeypatch):
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
-    before = {each: signal.signal(each, signal.SIG_IGN) for each in (signal.SIGINT, signal.SIGTERM)}
-    try:
+    with own_handlers():
+        for each in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(each, signal.SIG_IGN)
         heard_from_now_on()
         with Interruption() as interruption:
             signal.raise_signal(signal.SIGINT)
             assert interruption.signum is None
         ended_by_signals()
         assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
-    finally:
-        for each, handler in before.items():
-            signal.signal(each, handler)
 
 
 def killed(folder, words, sign):
@@ -320,26 +312,21 @@ def killed(folder, words, sign):
             time.sleep(0.01)
 
 
-def test_what_a_killed_run_has_computed_is_not_replaced_without_a_word(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_what_a_killed_run_has_computed_is_not_replaced_without_a_word(here):
     partial = Path("II-B.h5.partial")
-    killed(tmp_path, "run II-B --t-end 1e6s", lambda: partial.exists() and partial.stat().st_size > 8e6)
+    killed(here, "run II-B --t-end 1e6s", lambda: partial.exists() and partial.stat().st_size > 8e6)
     held = partial.read_bytes()
     reached = open_result(partial).column("time")[-1]
     assert reached > 10
     said = f"II-B.h5.partial: holds a run that did not come to its end, until {reached:g} s; kept"
     for words in ("run II-B", "sweep II-B --omega0 3,4 -o II-B.h5", "orbit I-A -o II-B.h5"):
-        done = call(*words.split())
-        assert done.exit_code == 6 and said in done.stderr
+        assert said in refused(*words.split(), code=6)
     assert partial.read_bytes() == held
-    assert call("run", "II-B", "--t-end", "1s", "--force").exit_code == 0
+    told("run", "II-B", "--t-end", "1s", "--force")
     assert os.listdir() == ["II-B.h5"]
-
-
-def test_a_killed_run_that_had_computed_nothing_is_in_nobodys_way(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("II-B.h5.partial").write_bytes(b"")
-    assert call("run", "II-B", "--t-end", "1s").exit_code == 0
+    os.remove("II-B.h5")
+    partial.write_bytes(b"")  # of one that had computed nothing
+    told("run", "II-B", "--t-end", "1s")
     assert os.listdir() == ["II-B.h5"]
 
 
@@ -348,11 +335,9 @@ def test_orbits_of_a_killed_search_are_there(tmp_path):
     assert open_result(tmp_path / "o-1.h5").orbit is not None
 
 
-def test_a_search_does_not_begin_where_its_orbits_could_not_be_stored(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_search_does_not_begin_where_its_orbits_could_not_be_stored(here):
     Path("o-1.h5").write_text("another")
-    done = call(*f"orbit {CAPTURED} --search 900 -o o.h5".split())
-    assert done.exit_code == 6 and "o-1.h5: exists; kept" in done.stderr
+    assert "o-1.h5: exists; kept" in refused(*f"orbit {CAPTURED} --search 900 -o o.h5".split(), code=6)
 
 
 def test_a_run_that_fills_its_chunks_slowly_is_on_file_all_the_same(tmp_path, monkeypatch):

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.command_line.made import SLOW_SOURCE, call
+from tests.command_line.made import SLOW_SOURCE, begun, call, own_handlers
+from vibsim.cases.case import load_case_text
 from vibsim.command_line.main import exit_code_of
 from vibsim.command_line.terminal import SlowRun
-from vibsim.physics.parts import COMPRESSION, GROUND, Body, Link, Scene, Stop
 from vibsim.physics.rates import fastest_damping
 from vibsim.signals import Interruption, Terminated, heard_from_now_on
 
@@ -56,9 +56,8 @@ def test_an_interrupted_run_is_finished_as_incomplete(tmp_path, signum, code, wo
 
 def test_a_long_run_on_a_terminal_shows_its_progress(tmp_path):
     terminal, its_end = pty.openpty()
-    with subprocess.Popen(
-        ENDLESS, cwd=tmp_path, stdout=its_end, stderr=its_end, env={**os.environ, "TERM": "xterm"}
-    ) as run:
+    environment = {**os.environ, "TERM": "xterm"}
+    with subprocess.Popen(ENDLESS, cwd=tmp_path, stdout=its_end, stderr=its_end, env=environment) as run:
         os.close(its_end)
         text = b""
         while b"of 1e+06 s" not in text:
@@ -122,30 +121,24 @@ def test_a_signal_that_meets_a_command_as_it_ends_changes_nothing():
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no alarms there")
 def test_no_alarm_goes_off_behind_a_command_that_a_signal_met_as_it_began(capsys):
     """It was raised again 0.2 s later, in whatever ran by then."""
-    before = {each: signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)}
-    heard_from_now_on()
-    try:
-        code = exit_code_of(lambda: signal.raise_signal(signal.SIGINT))
-        assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        for each, handler in before.items():
-            signal.signal(each, handler)
+    with own_handlers():
+        heard_from_now_on()
+        try:
+            code = exit_code_of(lambda: signal.raise_signal(signal.SIGINT))
+            assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
     assert code == 130 and capsys.readouterr().err == "interrupted\n"
 
 
 def test_a_slow_run_is_told_with_its_rate_and_an_estimate(tmp_path):
     (tmp_path / "slow.yaml").write_text(SLOW_SOURCE)
-    command = [sys.executable, "-m", "vibsim", "run", "slow.yaml"]
-    with subprocess.Popen(
-        command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
-    ) as child:
+    with begun("run", "slow.yaml", cwd=tmp_path, stdout=subprocess.DEVNULL) as child:
         line = child.stderr.readline()
         child.send_signal(signal.SIGINT)
         child.communicate(timeout=10)
-    assert re.fullmatch(
-        r"slow: slow: [\d.e-]+ s of the motion per second, about .* more; Ctrl-C ends it\n", line
-    )
+    said = r"slow: slow: [\d.e-]+ s of the motion per second, about .* more; Ctrl-C ends it\n"
+    assert re.fullmatch(said, line)
 
 
 def noted(marks, t_end, capsys, **options):
@@ -158,9 +151,8 @@ def noted(marks, t_end, capsys, **options):
 
 
 def test_what_is_said_of_a_slow_run(capsys):
-    assert noted([(0.5, 0.1), (2.0, 4.0), (4.0, 8.0)], 3604.0, capsys) == (
-        "case: slow: 2 s of the motion per second, about 30 minutes more; Ctrl-C ends it\n"
-    )
+    said = "case: slow: 2 s of the motion per second, about 30 minutes more; Ctrl-C ends it\n"
+    assert noted([(0.5, 0.1), (2.0, 4.0), (4.0, 8.0)], 3604.0, capsys) == said
     assert "no further than t = 3 s" in noted([(1.5, 3.0), (3.0, 3.0)], 50.0, capsys)
     assert noted([(2.0, 3.0), (3.5, 6.0)], 50.0, capsys) == ""  # over in half a minute
     assert noted([(2.0, 3e4), (3.5, 6e4)], 1e9, capsys) == ""  # as fast as its span suggests
@@ -170,9 +162,7 @@ def test_what_is_said_of_a_slow_run(capsys):
 
 def test_slow_run_tells_of_a_stiff_damper(capsys):
     stiff = noted([(2.0, 0.01)], 10.0, capsys, damping=("joint", 2e8))
-    assert (
-        "; the damper of joint (c / m = 2e+08 1/s) asks for steps of some 4e-08 s: with a smaller c" in stiff
-    )
+    assert "; the damper of joint (c / m = 2e+08 1/s) asks for steps of some 4e-08 s: with a smaller" in stiff
     assert "damper" not in noted([(2.0, 0.01)], 10.0, capsys, damping=("joint", 2e4))
     state = noted([(2.0, 0.01)], 10.0, capsys, damping=("i", 2e8), states=["i"])
     assert "; the state i, which comes to rest at 2e+08 1/s, asks for steps of some 4e-08 s:" in state
@@ -185,28 +175,32 @@ def test_a_run_that_gets_far_slower_is_told_again(capsys):
         "case: slow: 5 s of the motion per second, about 3.3 minutes more",
         "case: slow: 0.05 s of the motion per second, about 5.5 hours more",
     ]
-    assert told[-1].endswith(
-        "; hops on floor, wall (e = 1) that die out come ever faster and never end; with e < 1 they end"
-    )
+    hops = "hops on floor, wall (e = 1) that die out come ever faster and never end; with e < 1 they end"
+    assert told[-1].endswith(f"; {hops}")
 
 
-def test_fastest_damper_is_that_of_the_lightest_ends():
-    bodies = Body("a", 1.0, 0.0, 0.0), Body("b", 3.0, 0.0, 0.0)
-    links = Link("held", 0, GROUND, 0.0, 4.0), Link("joint", 0, 1, 0.0, 6.0)
-    assert fastest_damping(Scene(bodies, links)) == ("joint", 8.0)
-    stop = Stop("wall", 1, GROUND, 0.0, COMPRESSION, 1.0, 30.0, "gap")
-    assert fastest_damping(Scene(bodies, links, (stop,))) == ("wall", 10.0)
-    assert fastest_damping(Scene(bodies)) == ("", 0.0)
+BODIES = "bodies: {a: 1 kg, b: 3 kg}\n"
+LINKS = """
+links:
+  held: {between: [a, ground], k: 0 N/m, c: 4 N s/m}
+  joint: {between: [a, b], k: 0 N/m, c: 6 N s/m}
+"""
+STOP = "stops: {wall: {between: [b, ground], gap: 0 m, acts: compression, k: 1 N/m, c: 30 N s/m}}\n"
+
+
+@pytest.mark.parametrize(
+    ("parts", "fastest"), [("", ("", 0.0)), (LINKS, ("joint", 8.0)), (LINKS + STOP, ("wall", 10.0))]
+)
+def test_fastest_damper_is_that_of_the_lightest_ends(parts, fastest):
+    assert fastest_damping(load_case_text(BODIES + parts).scene()) == fastest
 
 
 def test_work_that_does_not_ask_is_interrupted_after_a_while(monkeypatch):
     monkeypatch.setattr("vibsim.signals.PATIENCE_FOR_END", 0.2)
-    with pytest.raises(KeyboardInterrupt), Interruption():
-        signal.raise_signal(signal.SIGINT)
-        time.sleep(5)
-    with pytest.raises(Terminated), Interruption():
-        signal.raise_signal(signal.SIGTERM)
-        time.sleep(5)
+    for signum, raised in ((signal.SIGINT, KeyboardInterrupt), (signal.SIGTERM, Terminated)):
+        with pytest.raises(raised), Interruption():
+            signal.raise_signal(signum)
+            time.sleep(5)
     with Interruption() as interruption:
         signal.raise_signal(signal.SIGINT)
         assert interruption.signum == signal.SIGINT

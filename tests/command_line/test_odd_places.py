@@ -15,7 +15,7 @@ import pytest
 from matplotlib import font_manager
 
 import vibsim
-from tests.command_line.made import call, process
+from tests.command_line.made import call, process, refused
 from tests.command_line.test_ro_crate import graph
 from vibsim.command_line.main import group
 from vibsim.command_line.options import FILE, CaseSource
@@ -29,11 +29,10 @@ def run(tmp_path_factory):
 
 
 @pytest.fixture
-def files(run, tmp_path, monkeypatch):
+def files(run, here):
     """A folder with a run in it, where commands are called."""
-    monkeypatch.chdir(tmp_path)
     shutil.copy(run, "a.h5")
-    return tmp_path
+    return here
 
 
 @pytest.mark.parametrize("name", ["sur\udcffrogate.h5", "two words 50%.h5", "grüße.h5", "new\nline.h5"])
@@ -42,9 +41,7 @@ def test_a_crate_of_a_file_of_any_name(files, name):
     for force in ([], ["--force"]):
         done = call("export", name, "--ro-crate", "-o", "crate", *force)
         assert (done.exit_code, done.stderr) == (0, "crate written\n")
-    assert sorted(os.listdir("crate")) == sorted(
-        ["case-resolved.yaml", "case.yaml", name, "ro-crate-metadata.json"]
-    )
+    assert {*os.listdir("crate")} == {"case-resolved.yaml", "case.yaml", name, "ro-crate-metadata.json"}
     (result,) = (each for each in graph("crate").values() if str(each.get("@id")).endswith(".h5"))
     assert result["@id"].isascii() and "%" in result["@id"] and " " not in result["@id"]
     assert vibsim.open_result(f"crate/{name}").complete
@@ -83,16 +80,13 @@ def test_an_output_where_nothing_can_be_made_is_called_as_it_was_given(files, wo
 
 
 def test_a_file_that_is_no_case_is_not_told_line_by_line(files):
-    with open("secrets", "w") as file:
-        file.write("".join(f"user{i}: secret{i}\n" for i in range(40)))
-    with open("a.yaml", "w") as file:
-        file.write("name: a\nextends: ./secrets\n")
+    Path("secrets").write_text("".join(f"user{i}: secret{i}\n" for i in range(40)))
+    Path("a.yaml").write_text("name: a\nextends: ./secrets\n")
     for words in ("check a.yaml", "run a.yaml"):
         done = call(*words.split())
         assert done.exit_code == 3 and "secret0" not in done.output.replace("secrets", "")
         assert "secrets:1:1: is no case file: none of its 40 keys is one of a case" in done.output
-    with open("b.yaml", "w") as file:
-        file.write("name: b\n" + "".join(f"key{i}: {i}\n" for i in range(40)))
+    Path("b.yaml").write_text("name: b\n" + "".join(f"key{i}: {i}\n" for i in range(40)))
     done = call("check", "b.yaml")
     assert len(done.stdout.splitlines()) == 27 and "and 17 more problems" in done.stdout
     with pytest.raises(vibsim.CaseError) as caught:
@@ -101,10 +95,8 @@ def test_a_file_that_is_no_case_is_not_told_line_by_line(files):
 
 
 def test_a_style_sheet_of_an_impossible_name(files):
-    done = call("plot", "a.h5", "--style", "x" * 300)
-    assert done.exit_code == 2 and done.stderr.endswith(
-        ": must be a file, or a style of matplotlib such as ggplot\n"
-    )
+    said = refused("plot", "a.h5", "--style", "x" * 300)
+    assert said.endswith(": must be a file, or a style of matplotlib such as ggplot\n")
 
 
 NO_HOME = {"HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME", "MPLCONFIGDIR"}
@@ -199,18 +191,8 @@ def test_every_parameter_that_takes_a_file_is_in_the_table():
     assert files - {("new", "name")} == set(INPUTS)  # of `new` NAME is what it writes
 
 
-@pytest.fixture(scope="module")
-def stored(tmp_path_factory):
-    """A run that is there, for commands that read two."""
-    path = tmp_path_factory.mktemp("runs") / "a.h5"
-    vibsim.simulate("I-A", trust=False, overrides={"run.t_end": "1 s"}).save(path)
-    return path
-
-
 @pytest.mark.parametrize(("line", "takes"), LINES, ids=[line for line, _ in LINES])
-def test_a_missing_file_ends_by_what_is_asked_for(stored, tmp_path, monkeypatch, line, takes):
-    monkeypatch.chdir(tmp_path)
-    Path("a.h5").symlink_to(stored)
+def test_a_missing_file_ends_by_what_is_asked_for(files, line, takes):
     for name, code in takes.items():
         done = call(*line.format(name).split())
         told = done.stderr + done.stdout
@@ -221,10 +203,8 @@ def test_a_missing_file_ends_by_what_is_asked_for(stored, tmp_path, monkeypatch,
 
 
 @pytest.fixture
-def unreadable(stored, tmp_path, monkeypatch):
+def unreadable(files, monkeypatch):
     """A folder with a run and a style sheet that this user must not read; root may read everything."""
-    monkeypatch.chdir(tmp_path)
-    Path("a.h5").write_bytes(stored.read_bytes())
     Path("a.mplstyle").write_text("lines.linewidth: 3")
     access, opened = os.access, builtins.open
 
@@ -238,7 +218,6 @@ def unreadable(stored, tmp_path, monkeypatch):
 
     monkeypatch.setattr(os, "access", may)
     monkeypatch.setattr(builtins, "open", refuse)
-    return tmp_path
 
 
 READ = [line for (takes, lines) in INPUTS.values() if takes in (EITHER, RESULTS) for line in lines]
@@ -246,8 +225,7 @@ READ = [line for (takes, lines) in INPUTS.values() if takes in (EITHER, RESULTS)
 
 @pytest.mark.parametrize("line", READ)
 def test_a_result_that_must_not_be_read(unreadable, line):
-    done = call(*line.format("a.h5").split())
-    assert (done.exit_code, done.stderr) == (6, "Error: a.h5: Permission denied\n")
+    assert refused(*line.format("a.h5").split(), code=6) == "Error: a.h5: Permission denied\n"
 
 
 def test_a_file_to_go_on_with_that_must_not_be_read(unreadable):
@@ -256,8 +234,7 @@ def test_a_file_to_go_on_with_that_must_not_be_read(unreadable):
 
 
 def test_an_output_that_must_not_be_read_is_there_all_the_same(unreadable):
-    done = call("run", "I-A", "-o", "a.h5")
-    assert (done.exit_code, done.stderr) == (6, "Error: a.h5: exists; kept (--force replaces it)\n")
+    assert refused("run", "I-A", "-o", "a.h5", code=6) == "Error: a.h5: exists; kept (--force replaces it)\n"
 
 
 def test_a_style_sheet_that_must_not_be_read(unreadable):
@@ -277,8 +254,7 @@ def test_a_style_sheet_that_must_not_be_read(unreadable):
         ("font.size 9\n", "line 1"),
     ],
 )
-def test_a_style_sheet_of_which_a_part_would_be_left_out(tmp_path, monkeypatch, text, said):
-    monkeypatch.chdir(tmp_path)
+def test_a_style_sheet_of_which_a_part_would_be_left_out(here, text, said):
     Path("a.mplstyle").write_text(text)
     done = call("plot", "I-A", "--style", "a.mplstyle", "-o", "a.png")
     assert done.exit_code == 2 and not Path("a.png").exists()
@@ -287,9 +263,7 @@ def test_a_style_sheet_of_which_a_part_would_be_left_out(tmp_path, monkeypatch, 
 
 
 @pytest.mark.parametrize("line", [line for line in READ if "--truth" not in line])  # which is a bench's
-def test_a_result_of_a_later_kind_is_named_by_every_command(stored, tmp_path, monkeypatch, line):
-    monkeypatch.chdir(tmp_path)
-    Path("a.h5").write_bytes(stored.read_bytes())
+def test_a_result_of_a_later_kind_is_named_by_every_command(files, line):
     with h5py.File("a.h5", "r+") as file:
         file.attrs["vibsim_kind"] = "spiral"
     done = call(*line.format("a.h5").split())

@@ -12,12 +12,7 @@ from vibsim.cases.ramps import no_load_speed
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.trajectory import open_trajectory
 
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    """Every test runs in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def files(folder="."):
@@ -109,14 +104,14 @@ def test_options_become_part_of_the_case():
     assert scene.method == "taylor"
 
 
-def test_several_cases_into_a_folder(folder):
-    (folder / "out").mkdir()
+def test_several_cases_into_a_folder(here):
+    (here / "out").mkdir()
     run("I-A", "II-A", *SHORT, "-o", "out")
     assert files("out") == ["I-A.h5", "II-A.h5"]
     run("I-B", *SHORT, "-o", "made/", "-q")
     assert files("made") == ["I-B.h5"]
-    done = run("I-A", *SHORT, "-o", "no/folder/", code=6)
-    assert "no/folder: cannot make the folder: No such file" in done.stderr
+    said = run("I-A", *SHORT, "-o", "no/folder/", code=6).stderr
+    assert "no/folder: cannot make the folder: No such file" in said
 
 
 @pytest.mark.parametrize(
@@ -171,12 +166,6 @@ def test_a_result_file_runs_again_bit_for_bit(name):
         assert first.events[column].tobytes() == again.events[column].tobytes()
     for text in ("case_yaml", "case_resolved_json", "case_sha256"):
         assert first.attrs[text] == again.attrs[text]
-
-
-def test_a_result_file_runs_again_with_changes():
-    run("II-B", *SHORT)
-    run("II-B.h5", "-o", "again.h5", "--t-end", "6s")
-    assert vibsim.open_result("again.h5").time[-1] == 6.0
 
 
 def test_the_input_is_not_overwritten_by_its_own_run():
@@ -243,21 +232,17 @@ def test_a_run_that_fails_is_told_and_the_others_go_on(monkeypatch):
 
 
 def test_violations_of_the_rest_distance_are_shown():
-    limits = ("-s", "rest_distance.value=1 mm", "-s", "rest_distance.on_violation=")
-    warned = run("I-A", "--t-end", "20s", *limits[:3], limits[3] + "warn").stdout
+    words = ("I-A", "--t-end", "20s", "-s", "value=1 mm", "-s")
+    warned = run(*words, "on_violation=warn").stdout
     attrs = vibsim.open_result("I-A.h5").attrs
-    assert (
-        f"has 1 mm: {attrs['violations']} violations, first at {attrs['first_violation_time']:.3f} s"
-        in warned
-    )
-    stopped = run("I-A", "--t-end", "20s", *limits[:3], limits[3] + "stop", "--force").stdout
+    first = f"{attrs['violations']} violations, first at {attrs['first_violation_time']:.3f} s"
+    assert f"has 1 mm: {first}" in warned
+    stopped = run(*words, "on_violation=stop", "--force").stdout
     assert f"stopped         at {attrs['first_violation_time']:.6g} s, by the rest distance" in stopped
 
 
 def test_too_coarse_an_output_is_told():
-    text = run(
-        "I-A", "-s", "rest_distance.value=1 m", "-s", "rest_distance.on_violation=warn", "--every", "1s"
-    ).stdout
+    text = run("I-A", "-s", "value=1 m", "-s", "on_violation=warn", "--every", "1s").stdout
     assert "unknown: the samples are too far apart, has 1 m" in text
 
 
@@ -289,9 +274,9 @@ def test_torque_and_no_load_speed_as_a_voltage_drives_them():
 
 def test_a_run_from_a_file_gets_another_ramp():
     run("II-B", "--ramp", "Omega0=3:7Hz", "--over", "1s", "-o", "up.h5")
-    run("up.h5", "--ramp", "Omega0=7:3Hz", "--over", "2s", "-o", "down.h5")
+    run("up.h5", "--ramp", "Omega0=7:3Hz", "--over", "2s", "--t-end", "3s", "-o", "down.h5")
     down = vibsim.open_result("down.h5")
-    assert down.time[-1] == 2
+    assert down.time[-1] == 3
     assert no_load_speed(down.case, np.array([0.0, 2.0])) == pytest.approx([7, 3])
 
 
@@ -308,7 +293,7 @@ def test_a_run_from_a_file_gets_another_ramp():
         (("--ramp", "Omega0=3:4Hz", "-s", "excitation.Omega0=4 Hz", "--over", "3s"), "give one value"),
     ],
 )
-def test_what_is_refused(words, message, folder):
+def test_what_is_refused(words, message, here):
     done = run("II-B", *words, code=2)
     assert message in " ".join(done.stderr.split())
-    assert not list(folder.iterdir())
+    assert not list(here.iterdir())

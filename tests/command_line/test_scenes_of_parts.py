@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.command_line.made import call
+from tests.command_line.made import call, told
 from tests.formula_cases import CURRENT, DRIVE, MACHINE, case_of, machine_file
 from vibsim.command_line.text import case_lines, happened, metres
 from vibsim.evidence.benchmark.plan import FAMILIES
@@ -32,12 +32,9 @@ run: {t_end: 20 s, every: 5 ms}
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("parts")
     (folder / "shaker.yaml").write_text(MOTOR)
-    words = ("--lyapunov", "all", "-o", folder / "damper.h5", "--t-end", "60 s")
-    assert call("run", CASE, *words).exit_code == 0
-    assert (
-        call("run", CASE, "-o", folder / "again.h5", "--t-end", "60 s", "--method", "taylor").exit_code == 0
-    )
-    assert call("run", folder / "shaker.yaml", "-o", folder / "shaker.h5").exit_code == 0
+    told("run", CASE, "--t-end", "60 s", "--lyapunov", "all", "-o", folder / "damper.h5")
+    told("run", CASE, "--t-end", "60 s", "--method", "taylor", "-o", folder / "again.h5")
+    told("run", folder / "shaker.yaml", "-o", folder / "shaker.h5")
     return folder
 
 
@@ -175,7 +172,7 @@ def test_analyse_says_drift_in_radians(files):
 
 def test_a_machine_is_drawn(machine_file, tmp_path):
     out = tmp_path / "machine.png"
-    assert call("cases", machine_file[1], "--draw", "-o", out).exit_code == 0
+    told("cases", machine_file[1], "--draw", "-o", out)
     assert out.stat().st_size > 1000
 
 

@@ -6,17 +6,14 @@ import os
 import numpy as np
 import pytest
 
-from tests.command_line.made import call, told
+from tests.command_line.made import call, refused, told
 from vibsim.results.simulation import open_result
 from vibsim.sweeps.computations import COMPUTATIONS
 
 SHORT = ("--t-end", "2s", "-j", "2")
 
 
-@pytest.fixture(autouse=True)
-def own_folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def test_without_a_case_it_is_II_B_and_says_so():
@@ -56,16 +53,14 @@ def test_a_finished_sweep_is_not_computed_again():
     options = ("sweep", "II-B", "--omega0", "3,4", *SHORT)
     assert call(*options).exit_code == 0
     written = os.stat("II-B-omega0.h5").st_mtime_ns
-    done = call(*options)
-    assert done.exit_code == 0 and "was complete: nothing to compute" in done.stdout
+    assert "was complete: nothing to compute" in told(*options)
     assert os.stat("II-B-omega0.h5").st_mtime_ns == written
 
 
 def test_another_sweep_in_the_file_is_refused():
     assert call("sweep", "II-B", "--omega0", "3,4", *SHORT).exit_code == 0
-    done = call("sweep", "II-B", "--omega0", "3,5", *SHORT)
-    assert done.exit_code == 6
-    assert "excitation.Omega0: in the file 3, 4 Hz (2 values), here 3, 5 Hz (2 values)" in done.stderr
+    said = refused("sweep", "II-B", "--omega0", "3,5", *SHORT, code=6)
+    assert "excitation.Omega0: in the file 3, 4 Hz (2 values), here 3, 5 Hz (2 values)" in said
     assert call("sweep", "II-B", "--omega0", "3,5", *SHORT, "--force").exit_code == 0
     assert open_result("II-B-omega0.h5")["omega0"].tolist() == [3.0, 5.0]
 
@@ -100,11 +95,9 @@ def test_failed_points_end_in_exit_code_5():
         (("--ensemble", "3", "--spread", "m1=1kg"), 3, "--spread blocks.m1: must be > 0"),
     ],
 )
-def test_what_is_refused(words, code, message, own_folder):
-    done = call("sweep", "II-B", *SHORT, *words)
-    assert done.exit_code == code
-    assert message in done.stderr
-    assert list(own_folder.iterdir()) == []
+def test_what_is_refused(words, code, message, here):
+    assert message in refused("sweep", "II-B", *SHORT, *words, code=code)
+    assert list(here.iterdir()) == []
 
 
 def test_fresh_directions_get_a_remark():
@@ -115,8 +108,7 @@ def test_fresh_directions_get_a_remark():
 
 def test_info_describes_a_sweep():
     call("sweep", "II-B", "--omega0", "3,4", *SHORT)
-    done = call("info", "II-B-omega0.h5")
-    assert done.exit_code == 0 and "2 of 2 done" in done.stdout
+    assert "2 of 2 done" in told("info", "II-B-omega0.h5")
     facts = json.loads(call("info", "II-B-omega0.h5", "--json").stdout)
     assert facts["vibsim_kind"] == "sweep" and facts["case"]["name"] == "II-B"
 
@@ -138,13 +130,13 @@ def test_the_help_lists_everything_that_can_be_computed():
     assert all(f" {name}" in said for name in COMPUTATIONS)
 
 
-def test_what_can_be_computed_is_listed(own_folder):
+def test_what_can_be_computed_is_listed(here):
     done = call("sweep", "--list")
     lines = done.stdout.splitlines()
     assert done.exit_code == 0 and [line.split()[0] for line in lines] == list(COMPUTATIONS)
     assert lines[3] == "grazing            grazing margin after the transient: grazing_margin_late"
     listed = json.loads(call("sweep", "--list", "--json").stdout)
-    assert listed["capture"]["columns"][0] == "capture" and list(own_folder.iterdir()) == []
+    assert listed["capture"]["columns"][0] == "capture" and list(here.iterdir()) == []
 
 
 def test_a_scene_of_named_parts():
@@ -173,6 +165,5 @@ def test_what_a_scene_of_named_parts_has_not(case, options, said):
 
 
 def test_a_key_named_twice_in_one_axis_is_refused():
-    done = call("sweep", "II-B", "--param", "c=coupling.c=0.01:0.02/2")
-    assert done.exit_code == 2
-    assert "coupling.c is named twice in one axis" in done.stderr
+    said = refused("sweep", "II-B", "--param", "c=coupling.c=0.01:0.02/2")
+    assert "coupling.c is named twice in one axis" in said

@@ -6,7 +6,6 @@ import click
 import pytest
 
 from tests.command_line.made import call, process, told
-from vibsim.command_line.main import COMMANDS
 from vibsim.command_line.terminal import print_json, say, style
 
 HOSTILE = "x\x1b[2J\x1b]0;PWN\x07\x9b31m\u202e"
@@ -15,10 +14,9 @@ CASE = 'extends: II-B\ntitle: "x\\e[2J\\e]0;PWN\\a\\x9b31m\\u202e"\nrun: {t_end:
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "nasty.yaml").write_text(CASE, encoding="utf-8")
-    return tmp_path
+def folder(here):
+    (here / "nasty.yaml").write_text(CASE, encoding="utf-8")
+    return here
 
 
 def obeyed(text):
@@ -87,15 +85,8 @@ def test_a_line_end_in_a_name_begins_no_line(words):
 
 def test_runs_and_files_of_hostile_cases():
     assert call("run", "nasty.yaml", "-q").exit_code == 0
-    for words in (
-        ("info", "-v"),
-        ("info", "--case"),
-        ("info", "--json"),
-        ("analyse",),
-        ("analyse", "--json"),
-    ):
-        done = call(*words, "nasty.h5")
-        assert (done.exit_code, obeyed(done.stdout)) == (0, [])
+    for words in ("info -v", "info --case", "info --json", "analyse", "analyse --json"):
+        assert obeyed(told(*words.split(), "nasty.h5")) == []
 
 
 WRONG = [
@@ -138,15 +129,6 @@ def test_export_and_stored_cases_are_json():
     assert json.loads(call("--json", "info", "--case", "nasty.h5").stdout)["case_yaml"] == CASE
 
 
-@pytest.mark.parametrize("name", COMMANDS)
-def test_a_misspelt_option_of_every_command_is_guessed(name):
-    done = call(name, "--jsn")
-    assert (done.exit_code, done.stderr.splitlines()[-1]) == (
-        2,
-        "Error: no option --jsn; did you mean --json?",
-    )
-
-
 @pytest.mark.parametrize(
     ("words", "told"),
     [(("run", "II-B", "--method", "tailor"), "(did you mean taylor?)"),
@@ -180,9 +162,7 @@ def test_a_dry_run_needs_no_free_name():
     shown = told("run", "nasty.yaml", "--dry-run")
     assert "nasty.h5 (not written: dry run; it exists, and --force would replace it)" in shown
     assert json.loads(call("run", "nasty.yaml", "--dry-run", "--json").stdout)["file_exists"] is True
-    assert (
-        call("run", "II-B", "--dry-run", "--json", "-o", "new.h5").stdout.count('"file_exists": false') == 1
-    )
+    assert json.loads(told("run", "II-B", "--dry-run", "--json", "-o", "new.h5"))["file_exists"] is False
 
 
 def test_verbose_info_tells_every_number_of_a_file():
