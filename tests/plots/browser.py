@@ -115,6 +115,10 @@ class Browser:
         found = f"document.querySelectorAll({selector!r})[{number}].getBoundingClientRect()"
         return self.value(f"(() => {{const b = {found}; return [b.left, b.top, b.width, b.height]}})()")
 
+    def shown(self):
+        """The data attributes of the page."""
+        return json.loads(self.value("JSON.stringify(document.querySelector('main').dataset)"))
+
     def picture(self, path):
         """Write what the window shows to a PNG file."""
         data = self.call("Page.captureScreenshot", captureBeyondViewport=False)["data"]

@@ -6,6 +6,7 @@ import pytest
 from matplotlib.backends import backend_agg
 from matplotlib.mathtext import MathTextParser
 
+from tests.plots.browser import Browser, program
 from vibsim.cases import load_case
 from vibsim.plots import style
 from vibsim.plots.subject import open_subject
@@ -72,3 +73,13 @@ def house_style():
     """Figures are drawn under the settings that `draw_files` applies."""
     with style.applied():
         yield
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    """A headless browser, where there is one."""
+    if program() is None:
+        pytest.skip("no Chromium on this machine")
+    opened = Browser(tmp_path_factory.mktemp("browser"))
+    yield opened
+    opened.close()

@@ -12,9 +12,8 @@ import pytest
 from PIL import Image
 
 import vibsim
-from tests.command_line.made import call
-from tests.plots.browser import Browser, program
-from tests.plots.test_pages import data_of, numbers
+from tests.command_line.made import call, refused, told
+from tests.plots.html_data import data_of, numbers
 from vibsim.plots import style
 from vibsim.plots.animated_machine import NOSE_CM, attached, channels_of, display_list, moving_shapes, sketch
 from vibsim.plots.animation import SIZES, Film, FilmWish, animate, comfortable
@@ -80,12 +79,8 @@ def test_bumpers_touch_plates_just_where_the_stop_is_closed(channels, name):
         stop = stops[element.key]
         left = attached(stage, element, slot, -1) + column(film, element.left)
         right = attached(stage, element, slot, 1) + column(film, element.right)
-        plate = column(film, element.key)
-        drawn = (
-            plate - (left + NOSE_CM)
-            if element.kind == "stop"
-            else plate - (right - stage.bracket(element, slot))
-        )
+        met = left + NOSE_CM if element.kind == "stop" else right - stage.bracket(element, slot)
+        drawn = column(film, element.key) - met
         ends = {end: column(film, scene.end_name(end)) for end in (stop.P, stop.Q)}
         free = stage.scale * stop.gap - stop.sense * (ends[stop.Q] - ends[stop.P])
         assert np.abs(drawn - np.maximum(free, 0)).max() <= 1e-9, element.key
@@ -112,11 +107,8 @@ def test_the_rotor_turns(channels):
 
 def test_a_gif_has_its_frames(runs, tmp_path):
     out = tmp_path / "a.gif"
-    done = call("animate", runs["motor"], "-o", str(out), "--window", "10:10.4", "--speed", "0.5")
-    assert (done.exit_code, done.stdout) == (
-        0,
-        f"{out}: 17 frames, 2 times slower; --speed 0.08 makes it some 5 s long\n",
-    )
+    said = told("animate", runs["motor"], "-o", out, "--window", "10:10.4", "--speed", "0.5")
+    assert said == f"{out}: 17 frames, 2 times slower; --speed 0.08 makes it some 5 s long\n"
     with Image.open(out) as picture:
         assert picture.n_frames == 17 and picture.info["loop"] == 0 and picture.info["duration"] == 50
         first = np.asarray(picture.convert("RGB"), int)
@@ -127,12 +119,9 @@ def test_a_gif_has_its_frames(runs, tmp_path):
 def test_an_mp4_has_its_frames(runs, tmp_path):
     encoder = shutil.which("ffmpeg") or pytest.importorskip("imageio_ffmpeg").get_ffmpeg_exe()
     out = tmp_path / "a.mp4"
-    assert (
-        call("animate", runs["motor"], "-o", str(out), "--window", "10:10.5", "--speed", "1", "-q").exit_code
-        == 0
-    )
-    told = subprocess.run([encoder, "-i", str(out), "-f", "null", "-"], capture_output=True, text=True)
-    assert "1280x720" in told.stderr and re.findall(r"frame=\s*(\d+)", told.stderr)[-1] == "16"
+    told("animate", runs["motor"], "-o", out, "--window", "10:10.5", "--speed", "1", "-q")
+    done = subprocess.run([encoder, "-i", str(out), "-f", "null", "-"], capture_output=True, text=True)
+    assert "1280x720" in done.stderr and re.findall(r"frame=\s*(\d+)", done.stderr)[-1] == "16"
 
 
 ENCODER = """#!/bin/sh
@@ -160,18 +149,16 @@ def test_a_full_disk_is_told_in_our_words(runs, tmp_path, monkeypatch):
         (["-o", "a.gif", "--speed", "0.00001"], "frames are too many, 60000 go"),
     ],
 )
-def test_what_cannot_be_shown_is_named(runs, words, message, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_what_cannot_be_shown_is_named(runs, words, message, here):
     done = call("animate", runs["motor"], *words)
     assert done.exit_code == 2 and message in done.stderr.lower()
-    assert not list(tmp_path.iterdir())
+    assert not list(here.iterdir())
 
 
 def test_without_an_encoder_the_extra_is_named(runs, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     monkeypatch.setattr(shutil, "which", lambda name: None)
-    done = call("animate", runs["motor"], "-o", str(tmp_path / "a.mp4"))
-    assert done.exit_code == 2 and "pip install 'vibsim[video]'" in done.stderr
+    assert "pip install 'vibsim[video]'" in refused("animate", runs["motor"], "-o", str(tmp_path / "a.mp4"))
 
 
 def test_a_case_has_no_motion(tmp_path):
@@ -181,7 +168,7 @@ def test_a_case_has_no_motion(tmp_path):
 
 def test_a_page_holds_the_motion(runs, tmp_path):
     out = tmp_path / "a.html"
-    assert call("animate", runs["motor"], "-o", str(out), "--window", "10:12", "-q").exit_code == 0
+    told("animate", runs["motor"], "-o", out, "--window", "10:12", "-q")
     data, subject = data_of(out), open_subject(runs["motor"])
     times = data["begin"] + data["step"] * np.arange(data["count"])
     x1 = numbers(data["history"]["curves"][0]["data"], "f4")
@@ -189,52 +176,43 @@ def test_a_page_holds_the_motion(runs, tmp_path):
     assert len(numbers(data["values"], "f4")) == data["count"] * data["channels"]
 
 
-@pytest.mark.skipif(program() is None, reason="no Chromium on this machine")
 @pytest.mark.parametrize("width", [pytest.param(1200, marks=pytest.mark.slow), 400])
-def test_a_page_goes_stops_and_slows(runs, tmp_path, width):
-    out = tmp_path / "a.html"
-    assert (
-        call("animate", runs["motor"], "-o", str(out), "--window", "10:12", "--speed", "1", "-q").exit_code
-        == 0
-    )
-    browser = Browser(tmp_path / "browser")
-    try:
-        browser.open(out, width)
-
-        def shown():
-            return json.loads(browser.value("JSON.stringify(document.querySelector('main').dataset)"))
-
-        browser.settle()
-        if shown()["going"] == "true":
-            browser.key(" ")
-        begun = float(shown()["now"])
-        browser.settle()
-        assert float(shown()["now"]) == begun
-        browser.key("ArrowRight")
-        assert float(shown()["now"]) > begun
-        browser.key("-")
-        assert shown()["speed"] == "0.5"
+def test_a_page_goes_stops_and_slows(browser, runs, tmp_path, width):
+    told("animate", runs["motor"], "-o", tmp_path / "a.html", "--window", "10:12", "--speed", "1", "-q")
+    browser.open(tmp_path / "a.html", width)
+    browser.settle()
+    if browser.shown()["going"] == "true":
         browser.key(" ")
-        browser.value("new Promise((done) => setTimeout(done, 300))")
-        assert shown()["going"] == "true" and float(shown()["now"]) != begun
-        assert browser.value("document.documentElement.scrollWidth") <= width
-        assert browser.said == []
-    finally:
-        browser.close()
+    begun = float(browser.shown()["now"])
+    browser.settle()
+    assert float(browser.shown()["now"]) == begun
+    browser.key("ArrowRight")
+    assert float(browser.shown()["now"]) > begun
+    browser.key("-")
+    assert browser.shown()["speed"] == "0.5"
+    browser.key(" ")
+    browser.value("new Promise((done) => setTimeout(done, 300))")
+    assert browser.shown()["going"] == "true" and float(browser.shown()["now"]) != begun
+    assert browser.value("document.documentElement.scrollWidth") <= width
+    assert browser.said == []
 
 
-def test_a_film_that_is_too_short_says_how_to_make_it_longer(tmp_path, monkeypatch):
+@pytest.fixture(scope="module")
+def chain(tmp_path_factory):
+    """A run of 0.04 s of a chain of bodies, on file."""
+    return vibsim.simulate("gallery/chain-with-gaps").save(tmp_path_factory.mktemp("chain") / "chain.h5")
+
+
+def test_a_film_that_is_too_short_says_how_to_make_it_longer(chain, here):
     """0.04 s of a chain of bodies are less than a frame in real time; 5 s of a film at 0.008."""
-    monkeypatch.chdir(tmp_path)
-    vibsim.simulate("gallery/chain-with-gaps").save("chain.h5")
     vibsim.simulate("gallery/three-balls").save("balls.h5")
-    done = call("animate", "chain.h5", "-o", "chain.gif", "--speed", "1")
+    done = call("animate", chain, "-o", "chain.gif", "--speed", "1")
     said = "chain.gif: 0.04 s are one frame at this speed; --speed 0.008 makes it some 5 s long"
-    assert (done.exit_code, done.stderr) == (2, f"Error: {said}\n") and not (tmp_path / "chain.gif").exists()
+    assert (done.exit_code, done.stderr) == (2, f"Error: {said}\n") and not (here / "chain.gif").exists()
     done = call("animate", "balls.h5", "-o", "balls.gif", "--speed", "1")
     assert done.stdout.startswith("balls.gif: 6 frames, real time; --speed 0.05 makes it some 5 s long")
-    told = call("animate", "balls.h5", "-o", "b.html", "--speed", "0.05").stdout
-    assert re.fullmatch(r"b\.html: 3\d\d frames, 20 times slower\n", told)  # 6 s, 60 a second
+    said = told("animate", "balls.h5", "-o", "b.html", "--speed", "0.05")
+    assert re.fullmatch(r"b\.html: 3\d\d frames, 20 times slower\n", said)  # 6 s, 60 a second
 
 
 @pytest.mark.parametrize(
@@ -248,46 +226,33 @@ def test_a_film_of_a_short_run_is_slowed_until_it_can_be_looked_at(length, slowe
         assert 5 * (1 - 1e-12) <= length / comfortable(length) < 12.5
 
 
-def test_a_short_film_is_slowed_unless_its_speed_is_given(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    vibsim.simulate("gallery/chain-with-gaps").save("chain.h5")
-    done = call("animate", "chain.h5", "-o", "chain.html")
-    assert done.stdout.endswith(" frames, 200 times slower\n")
-    data = data_of(tmp_path / "chain.html")
+def test_a_short_film_is_slowed_unless_its_speed_is_given(chain, here):
+    assert told("animate", chain, "-o", "chain.html").endswith(" frames, 200 times slower\n")
+    data = data_of(here / "chain.html")
     assert data["speed"] == 0.005 and data["step"] <= 0.005 / 60 and data["decimals"] == 5
-    told = json.loads(call("animate", "chain.h5", "-o", "b.html", "--json").stdout)
-    assert told == {"written": ["b.html"], "frames": data["count"], "speed": 0.005}
-    call("animate", "chain.h5", "-o", "real.html", "--speed", "1")
-    assert data_of(tmp_path / "real.html")["speed"] == 1
+    said = json.loads(told("animate", chain, "-o", "b.html", "--json"))
+    assert said == {"written": ["b.html"], "frames": data["count"], "speed": 0.005}
+    told("animate", chain, "-o", "real.html", "--speed", "1")
+    assert data_of(here / "real.html")["speed"] == 1
 
 
-@pytest.mark.skipif(program() is None, reason="no Chromium on this machine")
-def test_a_narrow_page_names_all_of_many_bodies(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    vibsim.simulate("gallery/chain-with-gaps").save("chain.h5")
-    assert call("animate", "chain.h5", "-o", "film.html", "-q").exit_code == 0
-    assert call("plot", "chain.h5", "-o", "run.html", "-q").exit_code == 0
-    browser = Browser(tmp_path / "browser")
-    try:
-        for page, axes in (("film.html", "history_"), ("run.html", "panels[0].axes")):
-            browser.open(tmp_path / page, 400)
-            browser.settle()
-            ends = browser.value(
-                f"(() => {{const a = {axes}, at = a._places(a.g); return a.legend.map(([name], i) => "
-                "[name, at[i][0] + 28 + a.g.measureText(name).width, at[i][1]])})()"
-            )
-            assert [name for name, _, _ in ends] == [
-                f"x_{n}" for n in ("one", "two", "three", "four", "five")
-            ]
-            room = browser.value(f"{axes}.width")
-            assert all(end <= room for _, end, _ in ends) and ends[0][2] < ends[-1][2] < browser.value(
-                f"{axes}.top"
-            )
-            browser.size(1200)
-            browser.settle()
-            assert browser.value(f"{axes}.rows") == 1 and browser.said == []
-    finally:
-        browser.close()
+@pytest.mark.parametrize(
+    ("command", "axes"), [("animate", "history_"), ("plot", "panels[0].axes")], ids=["film", "run"]
+)
+def test_a_narrow_page_names_all_of_many_bodies(browser, chain, tmp_path, command, axes):
+    told(command, chain, "-o", tmp_path / "a.html", "-q")
+    browser.open(tmp_path / "a.html", 400)
+    browser.settle()
+    ends = browser.value(
+        f"(() => {{const a = {axes}, at = a._places(a.g); return a.legend.map(([name], i) => "
+        "[name, at[i][0] + 28 + a.g.measureText(name).width, at[i][1]])})()"
+    )
+    assert [name for name, _, _ in ends] == [f"x_{n}" for n in ("one", "two", "three", "four", "five")]
+    room, top = browser.value(f"[{axes}.width, {axes}.top]")
+    assert all(end <= room for _, end, _ in ends) and ends[0][2] < ends[-1][2] < top
+    browser.size(1200)
+    browser.settle()
+    assert browser.value(f"{axes}.rows") == 1 and browser.said == []
 
 
 @pytest.mark.parametrize(("name", "speed"), [("chain-with-gaps", 0.01), ("energy-sink", 1.0)])

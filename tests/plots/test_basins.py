@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.plots.artists import BLANK, assert_cells, laid_out, lines
+from tests.plots.artists import BLANK, assert_cells, collections, laid_out, legend, lines
 from vibsim.cases import load_case
 from vibsim.plots.registry import choose, fitting
 from vibsim.plots.subject import PlotError, open_subject
@@ -16,86 +16,72 @@ STARTS = {"tip.x": "-4, 0, 4 mm", "tip.v": "-400, -100, 200 mm/s"}
 BELT = {"block.x": "-2:2 m", "block.v": "0:2 m/s"}
 
 
-def test_a_plane_of_starts(tmp_path):
-    case = load_case("gallery/cantilever", {"run.t_end": "20 s"})
-    result = sweep(case, STARTS, section=0, compute="attractor", out=tmp_path / "a.h5")
-    assert [kind.name for kind in choose(None, [open_subject(str(tmp_path / "a.h5"))])] == ["basins"]
-    figure = laid_out("basins", tmp_path / "a.h5")
-    (mesh,) = [each for each in figure.axes[0].collections if each.get_gid() == "attractor"]
+@pytest.fixture
+def counted(tmp_path):
+    """Sweeps a case of the gallery and counts its attractors: the result, and the path of its file."""
+
+    def make(name, axes, t_end=None, compute="attractor", **settings):
+        case = load_case(f"gallery/{name}", {"run.t_end": t_end} if t_end else {})
+        path = str(tmp_path / "a.h5")
+        return sweep(case, axes, section=0, compute=compute, out=path, **settings), path
+
+    return make
+
+
+def test_a_plane_of_starts(counted):
+    result, path = counted("cantilever", STARTS, "20 s")
+    assert [kind.name for kind in choose(None, [open_subject(path)])] == ["basins"]
+    figure = laid_out("basins", path)
+    (mesh,) = collections(figure.axes[0], "attractor")
     assert_cells(mesh, result["attractor"][..., 0].T.astype(float))
-    texts = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert texts == ["period 1, multiplier 0.806: 77.8 %", "period 1, multiplier 0.923: 22.2 %"]
+    assert legend(figure) == ["period 1, multiplier 0.806: 77.8 %", "period 1, multiplier 0.923: 22.2 %"]
 
 
-def test_undecided_points_are_marked(tmp_path):
-    case = load_case("gallery/cantilever", {"run.t_end": "0.3 s"})
-    sweep(case, STARTS, section=0, compute="attractor", out=tmp_path / "a.h5")
-    figure = laid_out("basins", tmp_path / "a.h5")
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["undecided (9)"]
+def test_undecided_points_are_marked(counted):
+    figure = laid_out("basins", counted("cantilever", STARTS, "0.3 s")[1])
+    assert legend(figure) == ["undecided (9)"]
     (patch,) = figure.axes[0].patches
     assert patch.get_gid() == "hatch undecided" and patch.get_hatch() == UNDECIDED.hatch
 
 
-def test_two_parameters_are_coloured_by_period(tmp_path):
+def test_two_parameters_are_coloured_by_period(counted):
     """One impact in one, two and three periods (Shaw and Holmes 1983), at two restitutions each."""
-    case = load_case("gallery/impact-oscillator", {"run.t_end": "100 s"})
     ranges = {"drive.omega": "2, 4, 6 rad/s", "wall.e": "0.5, 0.6"}
-    sweep(case, ranges, section=0, compute="attractor", out=tmp_path / "a.h5", jobs=1)
-    figure = laid_out("basins", tmp_path / "a.h5")
-    (mesh,) = [each for each in figure.axes[0].collections if each.get_gid() == "attractor"]
+    figure = laid_out("basins", counted("impact-oscillator", ranges, "100 s", jobs=1)[1])
+    (mesh,) = collections(figure.axes[0], "attractor")
     assert set(np.ma.masked_invalid(mesh.get_array()).compressed()) == {0, 1, 2}
-    texts = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert texts == ["period 1", "period 2", "period 3"]
+    assert legend(figure) == ["period 1", "period 2", "period 3"]
 
 
-def test_starts_of_an_ensemble(tmp_path):
-    result = sweep(
-        "gallery/belt-oscillator",
-        {},
-        ensemble=24,
-        spread=BELT,
-        section=0,
-        compute="attractor",
-        discard="150 s",
-        out=tmp_path / "a.h5",
-    )
-    axes = laid_out("basins", tmp_path / "a.h5").axes[0]
+def test_starts_of_an_ensemble(counted):
+    result, path = counted("belt-oscillator", {}, ensemble=24, spread=BELT, discard="150 s")
+    axes = laid_out("basins", path).axes[0]
     drawn = result.members.drawn
     starts = np.column_stack([drawn["initial.block.x"], drawn["initial.block.v"]])
     labels = result["attractor"].ravel()
-    lines = [line for line in axes.get_lines() if len(line.get_xdata())]
-    assert len(lines) == 2
-    for line in lines:
-        label = 0 if line.get_gid() == lines[0].get_gid() else 1
+    drawn_starts = [line for line in axes.get_lines() if len(line.get_xdata())]
+    assert len(drawn_starts) == len({line.get_gid() for line in drawn_starts}) == 2
+    for label, line in enumerate(drawn_starts):
         np.testing.assert_array_equal(line.get_xydata(), starts[labels == label])
 
 
-def test_shares_over_a_parameter(tmp_path):
-    result = sweep(
-        "gallery/belt-oscillator",
-        {"belt.belt": "1.4, 1.9 m/s"},
-        ensemble=20,
-        spread=BELT,
-        section=0,
-        compute="attractor",
-        discard="150 s",
-        out=tmp_path / "a.h5",
-    )
-    axes = laid_out("basins", tmp_path / "a.h5").axes[0]
-    lines = {line.get_gid(): line.get_xydata() for line in axes.get_lines() if line.get_gid()}
+def test_shares_over_a_parameter(counted):
+    belts = {"belt.belt": "1.4, 1.9 m/s"}
+    result, path = counted("belt-oscillator", belts, ensemble=20, spread=BELT, discard="150 s")
+    axes = laid_out("basins", path).axes[0]
+    shares = [line.get_xydata() for line in lines_of(axes).values()]
     rest = result["attractor_kind"][..., 0] == 1
     values = [rest[0].mean(), rest[1].mean()]
-    at_rest = next(xy for xy in lines.values() if len(xy) == 2)
+    at_rest = next(xy for xy in shares if len(xy) == 2)
     np.testing.assert_allclose(at_rest, [[1.4, values[0]], [1.9, values[1]]])
-    cycle = next(xy for xy in lines.values() if len(xy) == 1)
+    cycle = next(xy for xy in shares if len(xy) == 1)
     np.testing.assert_allclose(cycle, [[1.4, 1 - values[0]]])
 
 
 @pytest.mark.parametrize("compute", [(), "attractor"])
-def test_what_has_no_basins_has_no_such_picture(tmp_path, compute):
-    case = load_case("gallery/cantilever", {"run.t_end": "2 s"})
-    sweep(case, {"tip.x": "0, 1 mm"}, section=0, compute=compute, out=tmp_path / "a.h5")
-    assert "basins" not in {kind.name for kind in fitting([open_subject(str(tmp_path / "a.h5"))])}
+def test_what_has_no_basins_has_no_such_picture(counted, compute):
+    _, path = counted("cantilever", {"tip.x": "0, 1 mm"}, "2 s", compute)
+    assert "basins" not in {kind.name for kind in fitting([open_subject(path)])}
 
 
 # Pictures of ensembles: median and quantiles of the members, counted here by numpy.
@@ -115,10 +101,6 @@ def paths(tmp_path_factory):
     return {name: str(folder / f"{name}.h5") for name in ("range", "alone")}
 
 
-def quantile_areas(axes):
-    return [area for area in axes.collections if area.get_gid() == "quantiles"]
-
-
 @pytest.mark.parametrize("kind", COLUMNS)
 def test_median_and_bands(paths, kind):
     gid, column = COLUMNS[kind]
@@ -129,7 +111,7 @@ def test_median_and_bands(paths, kind):
     factor = FACTOR[axes.get_ylabel().rpartition("(")[2][:-1]]
     members = factor * result[column][..., 0]
     np.testing.assert_allclose(line.get_ydata(), np.median(members, axis=1))
-    for area, q in zip(quantile_areas(axes), (0.05, 0.25), strict=True):
+    for area, q in zip(collections(axes, "quantiles"), (0.05, 0.25), strict=True):
         corners = area.get_paths()[0].vertices
         for x, values in zip(result["omega0"], members, strict=True):
             at = corners[corners[:, 0] == x][:, 1]
@@ -143,14 +125,13 @@ def test_exponents_of_an_ensemble(paths):
     (line,) = lines(axes.figure, "exponent")
     values = open_subject(paths["range"]).result["lyapunov"][..., 0]
     np.testing.assert_allclose(line.get_ydata(), np.median(values, axis=1))
-    assert len(quantile_areas(axes)) == 2
-    assert not [bar for bar in axes.collections if bar.get_gid() == "interval"]
+    assert len(collections(axes, "quantiles")) == 2 and not collections(axes, "interval")
 
 
 def test_powers_of_an_ensemble_add_up(paths):
     (axes,) = laid_out("power", paths["range"]).axes
     (line,) = lines(axes.figure, "power_source")
-    tops = next(area for area in axes.collections if area.get_gid() == "power_stored").get_paths()[0].vertices
+    tops = collections(axes, "power_stored")[0].get_paths()[0].vertices
     for x, source in zip(*line.get_data(), strict=True):
         assert np.abs(tops[tops[:, 0] == x][:, 1] - source).min() == pytest.approx(0, abs=1e-9)  # first law
 
@@ -262,7 +243,7 @@ def test_a_basin_over_two_ranges_of_starts(swept):
     verdicts = np.array([[REST, VIBRATION], [VIBRATION, VIBRATION]])
     path = swept("end-state", {"block.x": "-1, 1 m", "block.v": "0, 1 m/s"}, verdicts, ensemble=0)
     panel = laid_out("end-state", path).axes[0]
-    (mesh,) = [artist for artist in panel.collections if artist.get_gid() == "end_state"]
+    (mesh,) = collections(panel, "end_state")
     assert_cells(mesh, [[REST, BLANK, VIBRATION], [BLANK] * 3, [VIBRATION, BLANK, VIBRATION]])
 
 
@@ -278,7 +259,7 @@ def test_shares_over_two_ranges(swept, kind, axes, counted, settings):
     verdicts[1, 2] = counted
     verdicts[0, 1, :1] = counted
     (panel, *_) = laid_out(kind, swept(kind, axes, verdicts, **settings)).axes
-    (mesh,) = [artist for artist in panel.collections if artist.get_gid() == "share"]
+    (mesh,) = collections(panel, "share")
     assert_cells(mesh, [[0, BLANK, 0], [0.25, BLANK, 0], [0, BLANK, 1]])
 
 
@@ -295,7 +276,6 @@ def test_three_start_values_are_too_many(swept):
         choose(["capture"], [open_subject(path)])
 
 
-def test_sweeps_without_end_states_have_no_such_picture(tmp_path):
-    case = load_case("gallery/belt-oscillator", {"run.t_end": "2 s"})
-    sweep(case, {}, out=tmp_path / "e.h5", ensemble=4, spread=BELT, jobs=1)
-    assert "end-state" not in {kind.name for kind in fitting([open_subject(str(tmp_path / "e.h5"))])}
+def test_sweeps_without_end_states_have_no_such_picture(counted):
+    _, path = counted("belt-oscillator", {}, "2 s", (), ensemble=4, spread=BELT, jobs=1)
+    assert "end-state" not in {kind.name for kind in fitting([open_subject(path)])}

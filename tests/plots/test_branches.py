@@ -6,7 +6,7 @@ import pytest
 from tests.branches.made import CAPTURED, RESONANT, branch_of
 from tests.branches.test_backbone import trace, twins
 from tests.branches.test_families import STUCK
-from tests.plots.artists import clipped_texts, lines, points
+from tests.plots.artists import legend, lines, notes, on_paper, points, words
 from vibsim import orbit
 from vibsim.analysis import judge_capture, judge_regime
 from vibsim.cases import load_case
@@ -18,7 +18,7 @@ from vibsim.plots.branches_over_sweeps import belongs
 from vibsim.plots.load_curves import LEAVES, NEAR, STAYS, LoadCurve, crossings, dead_ends, leaps_of, torque_of
 from vibsim.plots.registry import choose, kind_named
 from vibsim.plots.sheet import Scale
-from vibsim.plots.subject import PlotError, Subject, View
+from vibsim.plots.subject import PlotError, Subject, View, subject_of
 from vibsim.plots.sweep_curves import curves, families
 from vibsim.results import simulate
 from vibsim.sweeps.sweep_file import SweepStore
@@ -26,50 +26,38 @@ from vibsim.sweeps.sweeping import complete, make_plan
 from vibsim.sweeps.workers import LocalWorkers
 
 
-def subject_of(name, span):
-    branch = branch_of(name, span)
-    return Subject("branch.h5", branch.case.name, "branch", branch.case, branch)
-
-
 @pytest.fixture
 def captured():
-    return subject_of(CAPTURED, "4.9:6 Hz")
+    return subject_of(branch_of(CAPTURED, "4.9:6 Hz"))
 
 
 @pytest.fixture
 def resonant():
-    return subject_of(RESONANT, "3.8:6.6 Hz")
+    return subject_of(branch_of(RESONANT, "3.8:6.6 Hz"))
 
 
 @pytest.mark.parametrize("kind", ["branch", "multipliers", "load-curve"])
 def test_kinds_fit_and_nothing_is_cut_off(captured, kind):
     (chosen,) = choose([kind], [captured])
-    figure = chosen.draw([captured], View(width=chosen.width))
-    figure.draw_without_rendering()
-    assert clipped_texts(figure) == []
+    on_paper(chosen.draw([captured], View(width=chosen.width)))
 
 
 def test_multipliers_of_a_backbone_curve_are_drawn_as_pairs():
     """mu + 1 / mu against the frequency, by Hill's equation; magnitudes are 1, and tell nothing."""
-    case = twins(0.75, 5.8)
-    branch = continue_branch(case, energy="3.6:6.4 J")
-    subject = Subject("twins.h5", case.name, "branch", case, branch)
-    figure = kind_named("multipliers").draw([subject], View(width="page"))
-    (line,) = lines(figure, "trace")
-    x, y = line.get_data()
+    branch = continue_branch(twins(0.75, 5.8), energy="3.6:6.4 J")
+    (line,) = lines(kind_named("multipliers").draw([subject_of(branch)], View(width="page")), "trace")
+    x, y = np.array(line.get_data())[:, np.argsort(line.get_xdata())]
     exact = [(1 / p.orbit.period, trace(p.orbit.parameter, 0.75)) for p in branch.points]
     for frequency, tau in exact:
-        assert np.interp(frequency, *(np.array([x, y])[:, np.argsort(x)])) == pytest.approx(tau, abs=1e-8)
+        assert np.interp(frequency, x, y) == pytest.approx(tau, abs=1e-8)
     assert min(y) < -2 < max(y) < -1.9
 
 
 def test_multipliers_that_are_all_one_are_refused():
     overrides = {"excitation": "none", "c": "0", "friction": "none", "x1": "5 mm"}
-    case = load_case("I-A", overrides)
-    branch = continue_branch(case, energy="1e-4:0.01 J")
-    subject = Subject("backbone.h5", case.name, "branch", case, branch)
+    branch = continue_branch(load_case("I-A", overrides), energy="1e-4:0.01 J")
     with pytest.raises(PlotError, match="backbone curve of one body: its multipliers are those of energy"):
-        kind_named("multipliers").draw([subject], View(width="page"))
+        kind_named("multipliers").draw([subject_of(branch)], View(width="page"))
 
 
 @pytest.mark.parametrize("kind", ["branch", "load-curve"])
@@ -80,27 +68,19 @@ def test_several_are_told_apart_in_grey_print(kind):
         branch = continue_branch(orbit("II-B", overrides={"c": c, "Omega0": "3.8 Hz"}), "Omega0", "3.7:6 Hz")
         subjects.append(Subject(f"{name}.h5", name, "branch", branch.case, branch))
     (chosen,) = choose([kind], subjects)
-    figure = chosen.draw(subjects, View(width=chosen.width))
-    figure.draw_without_rendering()
-    (axes,) = figure.axes
+    (axes,) = on_paper(chosen.draw(subjects, View(width=chosen.width))).axes
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["1: one", "2: other"]
-    numbers = [text for text in axes.texts if text.get_gid() == "number of a branch"]
+    numbers, to_paper = notes(axes, "number of a branch"), axes.transData.transform
     assert [text.get_text() for text in numbers] == ["1", "2"]
     colours = [line.get_color() for line in axes.get_legend().get_lines()]
     assert [text.get_color() for text in numbers] == colours
-    own = [line for line in axes.get_lines() if line.get_gid() in ("stable", "unstable")]
     for text, colour in zip(numbers, colours, strict=True):
-        place = axes.transData.transform(text.xy)
-        gaps = {
-            line.get_color(): min(
-                np.linalg.norm(axes.transData.transform(np.column_stack(points(each))) - place, axis=1).min()
-                for each in own
-                if each.get_color() == line.get_color()
-            )
-            for line in own
-        }
-        assert min(gaps, key=gaps.get) == colour and gaps[colour] < 0.01
-    assert clipped_texts(figure) == []
+        gaps = [
+            (np.linalg.norm(to_paper(line.get_xydata()) - to_paper(text.xy), axis=1).min(), line.get_color())
+            for line in lines(axes, "stable") + lines(axes, "unstable")
+        ]
+        gap, nearest = min(gaps)
+        assert nearest == colour and gap < 0.01
 
 
 def test_one_alone_has_no_number(captured):
@@ -159,23 +139,25 @@ def test_the_motor_gives_what_vibration_takes(captured):
     By the trapezoidal rule over 400 samples, x1'' by central differences: 1 in 400 and impacts.
     """
     branch = captured.result
-    record = branch.points[5].orbit
-    case = case_on_orbit(branch.plan.family().at(record.parameter), state_of(branch, record), record.period)
-    run, motor = simulate(case), captured.scene.motor
+    record, run = run_of(branch, 5)
+    motor = captured.scene.motor
     taken = -motor.m3 * motor.e * np.gradient(run["v1"], run["time"]) * np.sin(run["phi"])
     time = run["time"]
     mean = (taken[1:] + taken[:-1]) / 2 @ np.diff(time) / (time[-1] - time[0])
     assert torque_of(branch)(record) == pytest.approx(mean, rel=1e-2)
 
 
-def state_of(branch, record):
-    return branch.map.coordinates.state(np.array(record.state))
+def run_of(branch, number):
+    """An orbit of a branch, and its run."""
+    record = branch.points[number].orbit
+    state = branch.map.coordinates.state(np.array(record.state))
+    return record, simulate(case_on_orbit(branch.plan.family().at(record.parameter), state, record.period))
 
 
 def test_operating_points_lie_on_the_lines_of_the_motor(captured):
     figure = kind_named("load-curve").draw([captured], View(width="page"))
     motor = captured.scene.motor
-    texts = [float(text.get_text()) for text in figure.axes[0].texts if text.get_gid() == "no-load speed"]
+    texts = [float(text) for text in words(figure.axes[0], "no-load speed")]
     drawn = lines(figure, "operating point")
     assert len(drawn) >= 4 and len(lines(figure, "motor line")) >= len(texts) >= 2
     for one in drawn:
@@ -188,12 +170,9 @@ def test_operating_points_lie_on_the_lines_of_the_motor(captured):
 
 
 def test_amplitudes_are_those_of_a_run(resonant):
-    branch = resonant.result
-    record = branch.points[3].orbit
-    case = case_on_orbit(branch.plan.family().at(record.parameter), state_of(branch, record), record.period)
-    run = simulate(case)
+    record, run = run_of(resonant.result, 3)
     sampled = np.ptp(run["x1"] - run["x2"]) / 2
-    exact = amplitude_of(branch)(record)
+    exact = amplitude_of(resonant.result)(record)
     assert sampled <= exact == pytest.approx(sampled, rel=1e-3)
 
 
@@ -201,14 +180,10 @@ def test_branches_lie_over_a_sweep_of_their_values(captured):
     plan = make_plan(load_case("II-B"), [("Omega0", "5:6:0.5 Hz", "", ""), ("c", "0.01, 0.03", "", "")])
     with LocalWorkers(plan.point_settings, 1) as workers:
         swept, _ = complete(SweepStore(plan), workers, lambda table: False)
-    sweep = Subject("sweep.h5", "II-B", "sweep", swept.plan.case, swept)
-    groups = families(curves([sweep]))
+    groups = families(curves([subject_of(swept)]))
     assert [[belongs(captured, curve) for curve in group] for group in groups] == [[False], [True]]
-    figure = kind_named("sommerfeld").draw([sweep, captured], View(width="page"))
-    (named,) = figure.legends
-    assert [text.get_text() for text in named.get_texts()][-4:] == [
-        "stable", "unstable", "fold", "Neimark–Sacker",
-    ]  # fmt: skip
+    figure = kind_named("sommerfeld").draw([subject_of(swept), captured], View(width="page"))
+    assert legend(figure)[-4:] == ["stable", "unstable", "fold", "Neimark–Sacker"]
 
 
 PASSED = {"x1": 0.01999, "x2": 0.0, "v1": 0.001247, "v2": -0.0001133, "phi": 0.0, "phidot": 35.55}
@@ -217,8 +192,8 @@ PASSED = {"x1": 0.01999, "x2": 0.0, "v1": 0.001247, "v2": -0.0001133, "phi": 0.0
 def passed_with(changes, span):
     """The orbits at the right of the resonance, near the no-load speed at which the captured ones end."""
     case = load_case("II-B", {"c": "0.03", "excitation.Omega0": "5.76 Hz", **changes})
-    branch = continue_branch(find_orbit(case.scene(), PASSED, 1, case=case), "excitation.Omega0", span)
-    return Subject("passed.h5", "passed", "branch", case, branch)
+    orbit = find_orbit(case.scene(), PASSED, 1, case=case)
+    return subject_of(continue_branch(orbit, "excitation.Omega0", span))
 
 
 def test_an_operating_point_stays_up_to_the_neimark_sacker_point_and_no_further(captured):
@@ -244,10 +219,9 @@ def test_a_motor_stays_where_its_orbit_is_only_doubled(slow):
     regime, capture = judge_regime(settled), judge_capture(settled)
     assert (regime.verdict, regime.period) == ("periodic", 2)
     assert capture.final_speed_hz == pytest.approx(place.speed, rel=1e-3)
-    figure = kind_named("load-curve").draw([Subject("s.h5", "s", "branch", slow.case, slow)], View())
-    looks = [one.get_fillstyle() for one in lines(figure, "operating point")]
-    assert set(looks) <= {STAYS.fill, NEAR.fill} and NEAR.fill in looks
-    assert LEAVES.face not in {one.get_markerfacecolor() for one in lines(figure, "operating point")}
+    places = lines(kind_named("load-curve").draw([subject_of(slow)], View()), "operating point")
+    assert NEAR.fill in {one.get_fillstyle() for one in places} <= {STAYS.fill, NEAR.fill}
+    assert LEAVES.face not in {one.get_markerfacecolor() for one in places}
 
 
 def test_a_motor_leaves_behind_a_fold_and_behind_the_loss_to_a_growing_beat(captured):
@@ -269,8 +243,7 @@ def test_the_motor_leaps_along_its_line_from_where_captures_end(captured):
     assert no_load == pytest.approx([end.parameter] * 2, rel=1e-12)
     beyond = np.interp(end.parameter, passed.result["parameter"], 1 / passed.result["period"])
     assert speed[1] == pytest.approx(beyond, rel=1e-4)
-    figure.draw_without_rendering()
-    assert clipped_texts(figure) == []
+    on_paper(figure)
 
 
 def test_a_motor_does_not_leap_to_orbits_of_another_machine(captured):

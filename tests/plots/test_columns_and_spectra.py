@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.command_line.made import call
+from tests.command_line.made import refused
+from tests.plots.artists import collections, lines
 from vibsim.cases import load_case
 from vibsim.plots import frequency_pictures, picture
 from vibsim.plots.frequency_pictures import pieces, spectra
@@ -27,10 +28,8 @@ run: {{t_end: 50 s, every: 10 ms}}
 
 
 @pytest.fixture(scope="module")
-def forced(tmp_path_factory):
-    path = tmp_path_factory.mktemp("forced") / "forced.yaml"
-    path.write_text(FORCED)
-    return subject_of(vibsim.simulate(path))
+def forced():
+    return subject_of(vibsim.simulate(FORCED))
 
 
 @pytest.fixture(scope="module")
@@ -40,8 +39,14 @@ def sweep():
 
 
 def line(axes, gid):
-    (found,) = [each for each in axes.lines if each.get_gid() == gid]
+    (found,) = lines(axes, gid)
     return found.get_xydata().T
+
+
+def columns(subject, x, y, **view):
+    """The axes of two columns against each other, and what is drawn there."""
+    (axes,) = picture.columns_picture([subject], View(x=x, y=y, **view)).axes
+    return axes, line(axes, "columns")
 
 
 def test_a_spectrum_has_the_amplitude_of_a_sine_at_its_frequency(forced):
@@ -64,14 +69,14 @@ def test_pieces_tell_when_what_vibrates(forced):
 
 def test_a_spectrogram_and_a_waterfall_are_drawn(forced):
     axes = frequency_pictures.spectrogram_picture([forced], View()).axes[0]
-    (picture,) = [mesh for mesh in axes.collections if mesh.get_gid() == "spectrogram"]
+    (mesh,) = collections(axes, "spectrogram")
     assert axes.figure.axes[1].get_ylabel().startswith("Amplitude of $")  # a coordinate, not a stop
-    covered = picture.get_coordinates()[..., 0]
+    covered = mesh.get_coordinates()[..., 0]
     assert (covered.min(), covered.max()) == axes.get_xlim() == (0.0, 50.0)  # no white margins
-    values = np.asarray(picture.get_array())
+    values = np.asarray(mesh.get_array())
     assert values.max() == pytest.approx(1e3 * abs(AMPLITUDE), rel=0.02)
     (axes,) = frequency_pictures.waterfall_picture([forced], View()).axes
-    rows = [each for each in axes.lines if each.get_gid() == "spectrum"]
+    rows = lines(axes, "spectrum")
     assert max(axes.get_yticks()) <= forced.result.t_reached  # lines reach higher, the run does not
     assert 5 < len(rows) <= 40
     assert len(frequency_pictures.waterfall_picture([forced, forced], View()).axes[0].lines) == 2
@@ -79,29 +84,26 @@ def test_a_spectrogram_and_a_waterfall_are_drawn(forced):
 
 def test_two_columns_of_a_run(runs):
     subject = open_subject(runs["motor"])
-    axes = picture.columns_picture([subject], View(x="time", y="error_estimate", window=(1, 2))).axes[0]
-    x, y = line(axes, "columns")
+    axes, (x, y) = columns(subject, "time", "error_estimate", window=(1, 2))
     assert (x[0], x[-1], len(x)) == (1.0, 2.0, 201)
     rows = slice(200, 401)
     assert np.array_equal(y, subject.result["error_estimate"][rows])
     assert axes.get_xlabel() == "time (s)" and axes.get_ylabel() == "error_estimate (m)"
-    states = line(
-        picture.columns_picture([subject], View(x="x1", y="v1", window=(10, 11))).axes[0], "columns"
-    )
-    inside = np.isin(subject.result["x1"][2000:2201], states[0])
-    assert inside.all() and len(states[0]) > 400  # the samples, and instants between them
+    _, (x1, _) = columns(subject, "x1", "v1", window=(10, 11))
+    inside = np.isin(subject.result["x1"][2000:2201], x1)
+    assert inside.all() and len(x1) > 400  # the samples, and instants between them
 
 
 def test_two_columns_of_events_and_of_a_sweep(runs, sweep):
     subject = open_subject(runs["motor"])
-    axes = picture.columns_picture([subject], View(x="events/t", y="events/kind")).axes[0]
-    assert np.array_equal(line(axes, "columns")[1], subject.result.events["kind"])
+    axes, (_, kinds) = columns(subject, "events/t", "events/kind")
+    assert np.array_equal(kinds, subject.result.events["kind"])
     assert "contact_begin" in [text.get_text() for text in axes.get_yticklabels()]
-    points = line(picture.columns_picture([sweep], View(x="omega0", y="mean_speed")).axes[0], "columns")
+    _, points = columns(sweep, "omega0", "mean_speed")
     assert np.array_equal(points, [sweep.result["omega0"], sweep.result["mean_speed"][:, 0]])
-    section = line(picture.columns_picture([sweep], View(x="omega0", y="section_speed")).axes[0], "columns")
+    _, (_, section) = columns(sweep, "omega0", "section_speed")
     known = sweep.result["section_speed"].ravel()
-    assert np.array_equal(section[1], known[~np.isnan(known)])
+    assert np.array_equal(section, known[~np.isnan(known)])
 
 
 @pytest.mark.parametrize(
@@ -118,11 +120,9 @@ def test_two_columns_of_events_and_of_a_sweep(runs, sweep):
         (["--style", "no.mplstyle"], "no.mplstyle: must be a file, or a style of matplotlib"),
     ],
 )
-def test_what_cannot_be_drawn_is_named(runs, words, message, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    done = call("plot", runs["motor"], *words)
-    assert done.exit_code == 2 and message in done.stderr
-    assert not list(tmp_path.iterdir())
+def test_what_cannot_be_drawn_is_named(runs, words, message, here):
+    assert message in refused("plot", runs["motor"], *words)
+    assert not list(here.iterdir())
 
 
 def test_a_case_has_no_columns_and_a_short_run_no_spectrum(forced):

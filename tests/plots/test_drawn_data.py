@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.plots.artists import figure_of, lines, points
+from tests.plots.artists import figure_of, lines, patches, points
 from vibsim.physics.parts import EVENT_KINDS, columns_of
 from vibsim.plots import samples, time_histories, traces
 from vibsim.plots.poincare_sections import _bins
@@ -105,10 +105,8 @@ def test_window_outside_the_run(subject):
 
 
 def test_window_is_cut_to_the_run(subject):
-    assert figure_of("displacement", [subject("motor")], window=(19.0, math.inf)).axes[0].get_xlim() == (
-        19.0,
-        20.0,
-    )
+    figure = figure_of("displacement", [subject("motor")], window=(19.0, math.inf))
+    assert figure.axes[0].get_xlim() == (19.0, 20.0)
 
 
 @pytest.mark.parametrize(("name", "columns"), [("motor", ("x1", "x2")), ("fixed", ("x1",))])
@@ -117,18 +115,14 @@ def test_phase_portraits(subject, name, columns):
     figure = figure_of("phase", [one], window=span)
     assert len(figure.axes) == len(columns)
     for axes, column in zip(figure.axes, columns, strict=True):
-        x, v = points(lines(figure, column)[0])
-        factors = [
-            1000 if label.endswith(("(mm)", "(mm/s)")) else 1
-            for label in (axes.get_xlabel(), axes.get_ylabel())
+        names, labels = (column, f"v{column[1]}"), (axes.get_xlabel(), axes.get_ylabel())
+        factors = [1000 if label.endswith(("(mm)", "(mm/s)")) else 1 for label in labels]
+        stored = [
+            factor * within(one.result, name, span)[1] for name, factor in zip(names, factors, strict=True)
         ]
-        stored = {
-            (round(a * factors[0], 9), round(b * factors[1], 9))
-            for a, b in zip(
-                within(one.result, column, span)[1], within(one.result, f"v{column[1]}", span)[1], strict=True
-            )
-        }
-        assert stored <= {(round(a, 9), round(b, 9)) for a, b in zip(x, v, strict=True)}
+        drawn = points(lines(figure, column)[0])
+        path, asked = ({*map(tuple, np.round(np.transpose(pair), 9))} for pair in (drawn, stored))
+        assert asked <= path
         assert "5–7 s" in axes.get_title(loc="right")
 
 
@@ -253,12 +247,10 @@ def test_trust_horizon_is_drawn(subject):
     figure = figure_of("displacement", [one])
     assert points(lines(figure, "trust-horizon")[0])[0][0] == 7.5
     assert "trust horizon 7.5 s" in figure.axes[0].get_title(loc="right")
-    [beyond] = [patch for patch in figure.axes[0].patches if patch.get_gid() == "beyond-trust"]
+    [beyond] = patches(figure.axes[0], "beyond-trust")
     assert (beyond.get_x(), beyond.get_x() + beyond.get_width()) == (7.5, figure.axes[0].get_xlim()[1])
-    assert (
-        figure.axes[1].get_title(loc="right")
-        == "rings: impacts; grey: contact\nbeyond the trust horizon, 7.5 s"
-    )
+    signs = "rings: impacts; grey: contact\nbeyond the trust horizon, 7.5 s"
+    assert figure.axes[1].get_title(loc="right") == signs
 
 
 def test_a_run_that_is_right_to_the_end_is_not_marked(subject):

@@ -10,14 +10,13 @@ from vibsim.plots.fit_and_bench import fit_picture
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import fitting
 from vibsim.plots.sheet import Powers
-from vibsim.plots.subject import PlotError, Subject, View
+from vibsim.plots.subject import PlotError, View, subject_of
 
 WANTED = ["passes 3 Hz before 5 s"]
 
 
-def subject_of(free, readings=()):
-    found = done(plan_of([light_motor(run__t_end="8 s")], free, WANTED, readings, candidates=8))
-    return Subject("fit.h5", found.case.name, "fit", found.case, found)
+def fitted(free, readings=()):
+    return subject_of(done(plan_of([light_motor(run__t_end="8 s")], free, WANTED, readings, candidates=8)))
 
 
 def artist(figure, gid):
@@ -33,7 +32,7 @@ def drawn(subject):
 
 
 def test_two_parameters_are_a_plane_of_prices():
-    subject = subject_of({"J": "0.2:5 g m^2", "M0": "2:10 mN m"})
+    subject = fitted({"J": "0.2:5 g m^2", "M0": "2:10 mN m"})
     figure = drawn(subject)
     prices = [each.price for each in subject.result.ranking]
     assert sorted(artist(figure, "price").get_array()) == sorted(prices)
@@ -45,19 +44,18 @@ def test_two_parameters_are_a_plane_of_prices():
 
 
 def test_one_parameter_is_a_line_of_prices():
-    subject = subject_of({"J": "linear 0.2:5 g m^2"})
+    subject = fitted({"J": "linear 0.2:5 g m^2"})
     figure = drawn(subject)
     assert len(artist(figure, "price").get_xdata()) == len(subject.result.ranking)
     assert figure.axes[0].get_xscale() == "linear"
 
 
 def test_readings_alone_have_no_picture():
-    assert [kind.name for kind in fitting([subject_of({}, ["J=0.002"])]) if kind.reads == "fit"] == []
+    assert [kind.name for kind in fitting([fitted({}, ["J=0.002"])]) if kind.reads == "fit"] == []
 
 
-def test_it_is_drawn_from_its_file(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    subject_of({"J": "0.2:5 g m^2", "M0": "2:10 mN m"}).result.save("found.h5")
+def test_it_is_drawn_from_its_file(here):
+    fitted({"J": "0.2:5 g m^2", "M0": "2:10 mN m"}).result.save("found.h5")
     assert draw_files(["found.h5"], None, View(), None, False)[0].endswith("-fit.png")
     with pytest.raises(PlotError, match=r"it shows a sweep, and found\.h5 is a fit"):
         draw_files(["found.h5"], ["sommerfeld"], View(), None, False)
@@ -65,7 +63,7 @@ def test_it_is_drawn_from_its_file(tmp_path, monkeypatch):
 
 def test_points_are_whole_and_ticks_stand_apart():
     """Of ranges of one, two and four decades."""
-    figure = drawn(subject_of({"J": "0.2:5 g m^2", "M0": "0.01:100 mN m"}))
+    figure = drawn(fitted({"J": "0.2:5 g m^2", "M0": "0.01:100 mN m"}))
     figure.draw_without_rendering()
     axes = figure.axes[0]
     (low, high), (left, right) = axes.get_ylim(), axes.get_xlim()

@@ -1,6 +1,5 @@
 """Pictures of runs with rotors, further states and formulas show the numbers of their columns."""
 
-import json
 import re
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 
 from tests.formula_cases import CURRENT, DRIVE, MACHINE, case_of, fading, machine_file, turned
 from tests.plots.artists import lines, points
+from tests.plots.html_data import data_of
 from vibsim.physics.connections import joined_pairs
 from vibsim.plots.html_pages import write_page
 from vibsim.plots.overview import motions_of, spring_force, stiffness_characteristic
@@ -21,15 +21,17 @@ __all__ = ["machine_file"]
 
 @pytest.fixture(scope="module")
 def run(machine_file, tmp_path_factory):
-    path = tmp_path_factory.mktemp("run") / "machine.h5"
-    simulate_to_file(machine_file[0], path)
-    return open_subject(str(path))
+    return stored(machine_file[0], tmp_path_factory)
 
 
 @pytest.fixture(scope="module")
 def drive(tmp_path_factory):
-    path = tmp_path_factory.mktemp("run") / "drive.h5"
-    simulate_to_file(case_of(DRIVE), path)
+    return stored(case_of(DRIVE), tmp_path_factory)
+
+
+def stored(case, tmp_path_factory):
+    path = tmp_path_factory.mktemp("run") / f"{case.name}.h5"
+    simulate_to_file(case, path)
     return open_subject(str(path))
 
 
@@ -62,9 +64,6 @@ def test_states(run):
     t, values = points(lines(figure, "i")[0])
     assert values == pytest.approx([1000 * fading(each) for each in t], rel=1e-12)
     assert labels(figure) == ["Time (s)", "i (mA)"]
-
-
-def test_states_of_several_runs_share_their_panels(run):
     figure = figure_of("states", [run, run])
     assert len(figure.axes) == 1 and len(lines(figure, "i")) == 2
 
@@ -122,30 +121,20 @@ def test_the_characteristic_of_a_formula_from_the_other_end():
     assert spring_force(scene, pair, np.array([0.01])) == pytest.approx([400 * 0.01 + 1e5 * 1e-6])
 
 
-def test_a_page_has_rotors_and_states(run, tmp_path):
-    out = tmp_path / "run.html"
-    write_page([run], str(out))
-    text = out.read_text(encoding="utf-8")
-    data = json.loads(re.search(r"<script[^>]*application/json[^>]*>(.*?)</script>", text, re.S).group(1))
+def test_a_page_has_rotors_and_states(run, drive, tmp_path):
+    write_page([run], str(tmp_path / "run.html"))
+    data = data_of(tmp_path / "run.html")
     panels = {panel["label"]: [curve["column"] for curve in panel["curves"]] for panel in data["panels"]}
     assert panels["rotor speed (Hz)"] == ["w_left"] and panels["i (A)"] == ["i"]
     assert data["parts"] == ["wall", "push"] and data["kinds"]["14"] == "switch"
-
-
-def test_a_page_without_switches_knows_of_none(drive, tmp_path):
-    out = tmp_path / "drive.html"
-    write_page([drive], str(out))
-    assert '"14"' not in out.read_text(encoding="utf-8")
+    write_page([drive], str(tmp_path / "drive.html"))
+    assert "14" not in data_of(tmp_path / "drive.html")["kinds"]  # which has no switches
 
 
 def test_impacts_have_the_phase_of_the_rotor_that_turns_the_scene(tmp_path):
-    text = CURRENT.replace(
-        "states:",
-        "stops: {wall: {between: [cart, ground], gap: 0 mm, acts: compression, k: 1e4 N/m}}\nstates:",
-    )
-    path = tmp_path / "current.h5"
-    simulate_to_file(case_of(text), path)
-    figure = figure_of("impact-velocity", [open_subject(str(path))])
+    wall = "stops: {wall: {between: [cart, ground], gap: 0 mm, acts: compression, k: 1e4 N/m}}\n"
+    simulate_to_file(case_of(CURRENT + wall), tmp_path / "current.h5")
+    figure = figure_of("impact-velocity", [open_subject(str(tmp_path / "current.h5"))])
     phases = points(lines(figure, "impacts")[-1])[0]
     assert len(phases) and phases.min() >= 0 and phases.max() <= 360
     assert "Phase of the source at impact (°)" in labels(figure)

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from PIL import Image
 
 import vibsim
+from tests.plots.artists import lines
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import KINDS, kind_named
 from vibsim.plots.subject import PlotError, View, open_subject
@@ -26,48 +27,51 @@ def pyplot():
     pyplot.close("all")
 
 
-def drawn(axes, gid):
-    """Data of the lines that bear a name."""
-    return [line.get_xydata() for line in axes.lines if line.get_gid() == gid]
+FIRST = """
+import matplotlib, sys, vibsim
+class Interactive:
+    def find_spec(self, name, path=None, target=None):
+        if name == 'matplotlib.pyplot':
+            matplotlib.rcParams['interactive'] = True
+sys.meta_path.insert(0, Interactive())
+vibsim.plot('II-B', 'stiffness')
+assert 'matplotlib.pyplot' in sys.modules and matplotlib.is_interactive()
+"""
+LATER = """
+import matplotlib, vibsim
+assert not matplotlib.is_interactive()
+vibsim.plot('II-B', 'stiffness')
+assert matplotlib.is_interactive()
+matplotlib.interactive(False)
+vibsim.plot('II-B', 'stiffness')
+assert not matplotlib.is_interactive()
+"""
+
+
+def run_in_notebook(program, **environment):
+    words = [sys.executable, "-c", program]
+    done = subprocess.run(words, env={**os.environ, **environment}, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 def test_a_first_picture_leaves_a_notebook_as_it_is():
     """Their backend turns matplotlib interactive when pyplot is imported, by the first picture here."""
-    lines = [
-        "import matplotlib, sys, vibsim", "class Interactive:",
-        "    def find_spec(self, name, path=None, target=None):", "        if name == 'matplotlib.pyplot':",
-        "            matplotlib.rcParams['interactive'] = True", "sys.meta_path.insert(0, Interactive())",
-        "vibsim.plot('II-B', 'stiffness')", "assert 'matplotlib.pyplot' in sys.modules",
-        "assert matplotlib.is_interactive()",
-    ]  # fmt: skip
-    done = subprocess.run(
-        [sys.executable, "-c", "\n".join(lines)], env={**os.environ, "MPLBACKEND": "agg"}, capture_output=True
-    )
-    assert done.returncode == 0, done.stderr.decode()
+    run_in_notebook(FIRST, MPLBACKEND="agg")
 
 
 def test_a_notebook_shows_later_pictures_too(tmp_path):
     """Its backend, which the first figure loads, turns matplotlib interactive."""
-    backend = (
-        "from matplotlib.backends.backend_agg import *\nimport matplotlib\nmatplotlib.interactive(True)\n"
-    )
+    backend = "from matplotlib.backends.backend_agg import *\nimport matplotlib\nmatplotlib.interactive(True)"
     (tmp_path / "of_notebooks.py").write_text(backend)
-    lines = [
-        "import matplotlib, vibsim", "assert not matplotlib.is_interactive()",
-        "vibsim.plot('II-B', 'stiffness')", "assert matplotlib.is_interactive()",
-        "matplotlib.interactive(False)", "vibsim.plot('II-B', 'stiffness')",
-        "assert not matplotlib.is_interactive()",
-    ]  # fmt: skip
-    env = {**os.environ, "MPLBACKEND": "module://of_notebooks", "PYTHONPATH": str(tmp_path)}
-    done = subprocess.run([sys.executable, "-c", "\n".join(lines)], env=env, capture_output=True)
-    assert done.returncode == 0, done.stderr.decode()
+    path = os.pathsep.join(filter(None, (str(tmp_path), os.environ.get("PYTHONPATH"))))
+    run_in_notebook(LATER, MPLBACKEND="module://of_notebooks", PYTHONPATH=path)
 
 
 def test_given_axes_are_drawn_into_and_returned(runs, pyplot):
     result = vibsim.open_result(runs["motor"])
     figure, (left, right) = pyplot.subplots(1, 2)
     assert result.plot("relative", ax=left, window=(10, 12)) is left
-    assert len(drawn(left, "relative")) == 1 and not right.lines
+    assert len(lines(left, "relative")) == 1 and not right.lines
     assert figure.axes == [left, right]
 
 

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from tests.branches.made import CAPTURED, branch_of
-from tests.plots.artists import lines
+from tests.plots.artists import legend, lines, notes, on_paper, words
 from vibsim import orbit
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
@@ -26,15 +26,6 @@ links: {{spring: {{between: [mass, ground], k: {K} N/m, c: {C} N s/m}}}}
 forces: {{drive: {{on: mass, A: {A} N, omega: 1.5 Hz}}}}
 run: {{t_end: 40 s, every: 10 ms}}
 """
-
-
-def as_subject(branch):
-    return Subject("branch.h5", branch.case.name, "branch", branch.case, branch)
-
-
-def on_paper(figure):
-    figure.draw_without_rendering()
-    return figure
 
 
 @pytest.fixture(scope="module")
@@ -55,33 +46,28 @@ def impacts():
 def test_a_frequency_response_of_any_source_has_its_branch(linear):
     """The amplitude in the steady state is A / |k - m w^2 + i c w|."""
     swept, branch = linear
-    figure = kind_named("amplitude").draw([subject_of(swept), as_subject(branch)], View())
+    figure = kind_named("amplitude").draw([subject_of(swept), subject_of(branch)], View())
     (line,) = lines(figure, "stable")
     hertz, drawn = line.get_data()
     w = 2 * math.pi * hertz
     exact = 1e3 * A / np.hypot(K - M * w**2, C * w)  # mm
     np.testing.assert_allclose(drawn, exact, rtol=1e-4)
     assert hertz.min() == pytest.approx(1) and hertz.max() == pytest.approx(3)
-    assert {"stable"} <= {text.get_text() for legend in figure.legends for text in legend.get_texts()}
+    assert "stable" in legend(figure)
 
 
 def test_a_bifurcation_diagram_has_a_line_for_each_period_of_an_orbit(impacts):
     """At every frequency that was swept too, the lines lie where the settled run has its points."""
     swept, branch = impacts
     assert branch.plan.n == 2
-    figure = kind_named("bifurcation").draw([subject_of(swept), as_subject(branch)], View())
+    figure = kind_named("bifurcation").draw([subject_of(swept), subject_of(branch)], View())
     axes = figure.axes[0]
-    own = [line for line in axes.get_lines() if line.get_gid() == "stable"]
+    own = [np.array(line.get_data())[:, np.argsort(line.get_xdata())] for line in lines(axes, "stable")]
     assert len(own) == 2
     (dots,) = [line for line in axes.get_lines() if line.get_gid().startswith("section")]
     x, y = dots.get_data()
-    for hertz in np.unique(x):
-        runs = np.unique(np.round(y[x == hertz], 6))
-        on_lines = [
-            np.interp(hertz, *np.array(line.get_data())[:, np.argsort(line.get_xdata())]) for line in own
-        ]
-        for value in runs:
-            assert min(abs(np.array(on_lines) - value)) < 1e-3 * np.ptp(y)
+    for hertz, value in zip(x, y, strict=True):
+        assert min(abs(np.interp(hertz, *curve) - value) for curve in own) < 1e-3 * np.ptp(y)
 
 
 def test_a_branch_over_something_else_is_refused(linear):
@@ -89,25 +75,23 @@ def test_a_branch_over_something_else_is_refused(linear):
     case = load_case_text(LINEAR)
     branch = continue_branch(case, "links.spring.k", "250:350 N/m")
     with pytest.raises(PlotError, match=r"a branch over links.spring.k does not lie over a sweep along"):
-        kind_named("amplitude").draw([subject_of(swept), as_subject(branch)], View())
+        kind_named("amplitude").draw([subject_of(swept), subject_of(branch)], View())
 
 
 def test_a_branch_of_another_machine_is_named(linear):
     swept, _ = linear
     other = continue_branch(load_case_text(LINEAR.replace("c: 4.0", "c: 9")), "omega", "1:3 Hz")
-    figure = kind_named("amplitude").draw([subject_of(swept), as_subject(other)], View())
+    figure = kind_named("amplitude").draw([subject_of(swept), subject_of(other)], View())
     assert "another value of: Damping $c$ of spring" in figure.axes[0].get_title(loc="right")
 
 
 def test_kinds_go_by_the_names_of_the_field(linear):
     swept, branch = linear
-    run, both = subject_of(swept), [subject_of(swept), as_subject(branch)]
+    both = run, curve = [subject_of(swept), subject_of(branch)]
     assert [kind.name for kind in choose(["bifurcation"], [run])] == ["orbit"]
-    assert [kind.name for kind in choose(["bifurcation"], [as_subject(branch)])] == ["branch"]
-    assert [kind.name for kind in choose(["frequency-response", "bifurcation"], both)] == [
-        "amplitude",
-        "orbit",
-    ]
+    assert [kind.name for kind in choose(["bifurcation"], [curve])] == ["branch"]
+    names = ["frequency-response", "bifurcation"]
+    assert [kind.name for kind in choose(names, both)] == ["amplitude", "orbit"]
     assert kind_named("poincare").name == "stroboscopic"
     with pytest.raises(PlotError, match="did you mean poincare"):
         kind_named("poincar")
@@ -122,14 +106,10 @@ def held():
 @pytest.mark.parametrize("kind", ["branch", "load-curve"])
 @pytest.mark.parametrize("width", ["column", "page"])
 def test_special_points_carry_the_labels_of_the_list_and_none_hides_another(held, kind, width):
-    branch = held
-    figure = on_paper(kind_named(kind).draw([as_subject(branch)], View(width=width)))
-    (axes,) = figure.axes
-    labels = [text for text in axes.texts if text.get_gid() == "special label"]
-    listed = {special.label for special in branch.specials}
-    assert {text.get_text() for text in labels} <= listed
-    assert {"F1", "PD1"} <= {text.get_text() for text in labels}
-    boxes = [text.get_window_extent() for text in labels]
+    (axes,) = on_paper(kind_named(kind).draw([subject_of(held)], View(width=width))).axes
+    listed = {special.label for special in held.specials}
+    assert {"F1", "PD1"} <= {*words(axes, "special label")} <= listed
+    boxes = [text.get_window_extent() for text in notes(axes, "special label")]
     assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
     assert all(axes.bbox.x0 < box.x0 and box.x1 < axes.bbox.x1 for box in boxes)
 
@@ -154,26 +134,18 @@ def speeds():
 def test_one_branch_labels_its_points_over_a_sweep_of_speeds(speeds):
     swept, branch = speeds
     for kind in ("sommerfeld", "amplitude"):
-        figure = on_paper(kind_named(kind).draw([subject_of(swept), as_subject(branch)], View(width="page")))
-        written = {
-            text.get_text()
-            for axes in figure.axes
-            for text in axes.texts
-            if text.get_gid() == "special label"
-        }
-        assert written & {special.label for special in branch.specials}
+        figure = on_paper(kind_named(kind).draw([subject_of(swept), subject_of(branch)], View(width="page")))
+        assert {*words(figure, "special label")} & {special.label for special in branch.specials}
 
 
 def test_labels_of_several_branches_say_whose_they_are(speeds):
     swept, branch = speeds
     several = [Subject(f"{name}.h5", name, "branch", branch.case, branch) for name in "ab"]
     figure = on_paper(kind_named("sommerfeld").draw([subject_of(swept), *several], View(width="page")))
-    texts = [text for axes in figure.axes for text in axes.texts if text.get_gid() == "special label"]
-    assert {text.get_text().partition(":")[0] for text in texts} == {"1", "2"}
-    legend = {text.get_text() for one in figure.legends for text in one.get_texts()}
-    assert {"1: a", "2: b"} <= legend
+    assert {text.partition(":")[0] for text in words(figure, "special label")} == {"1", "2"}
+    assert {"1: a", "2: b"} <= {*legend(figure)}
     crowd = kind_named("sommerfeld").draw([subject_of(swept), *several * 3], View(width="page"))
-    assert not [text for axes in crowd.axes for text in axes.texts if text.get_gid() == "special label"]
+    assert not words(crowd, "special label")
 
 
 def test_no_line_is_drawn_where_values_leap():
@@ -188,11 +160,9 @@ def test_no_line_is_drawn_where_values_leap():
 
 def test_a_sweep_that_leaps_has_all_its_points_and_a_gap_in_its_line():
     """Up the stop holds the motion long: it falls off between two frequencies."""
-    swept = sweep(
-        load_case("I-A", {"c": "0.05", "run.t_end": "40 s"}), {"omega": "2:8:0.1 Hz"}, carry_state=True
-    )
-    figure = kind_named("amplitude").draw([subject_of(swept)], View())
-    (points,) = [line for line in figure.axes[0].get_lines() if line.get_gid() == "relative"]
-    (joined,) = [line for line in figure.axes[0].get_lines() if line.get_gid() == "joined"]
+    case = load_case("I-A", {"c": "0.05", "run.t_end": "40 s"})
+    swept = sweep(case, {"omega": "2:8:0.1 Hz"}, carry_state=True)
+    axes = kind_named("amplitude").draw([subject_of(swept)], View()).axes[0]
+    (points,), (joined,) = lines(axes, "relative"), lines(axes, "joined")
     assert points.get_linestyle() == "None" and len(points.get_xdata()) == 61
     assert np.isnan(joined.get_ydata()).sum() >= 1

@@ -1,9 +1,8 @@
 """Pages that answer: what is in them, and in a headless browser zoom, hover, keys, two widths, no error."""
 
-import base64
-import json
 import re
 import shlex
+import shutil
 
 import matplotlib
 import numpy as np
@@ -12,35 +11,26 @@ from matplotlib.colors import to_rgb
 
 import vibsim
 from tests.branches.made import CAPTURED, branch_of
-from tests.command_line.made import call
-from tests.plots.browser import Browser, program
+from tests.command_line.made import call, refused, told
+from tests.plots.html_data import data_of, numbers
 from vibsim.plots.capture_pictures import grey_of
 from vibsim.plots.html_pages import ROOM, thinned
 
-
-def data_of(path):
-    text = path.read_text(encoding="utf-8")
-    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S)[1])
-
-
-def numbers(text, dtype):
-    return np.frombuffer(base64.b64decode(text), f"<{dtype}")
+AXES = {"Omega0": "5:6:0.5 Hz", "c": "0.01,0.03"}
 
 
 @pytest.fixture(scope="module")
 def folder(runs, tmp_path_factory):
     """Pages of a run with a motor, of one with rigid stops, and of a sweep."""
     folder = tmp_path_factory.mktemp("pages")
-    assert call("plot", runs["motor"], "-o", str(folder / "run.html")).exit_code == 0
-    rigid = vibsim.simulate("gallery/impact-pair", overrides={"run.t_end": "5 s"})
-    assert call("plot", str(rigid.save(folder / "rigid.h5")), "-o", str(folder / "rigid.html")).exit_code == 0
     overrides = {"run.t_end": "6 s", "title": "</script><b>bold</b>"}
-    axes = {"Omega0": "5:6:0.5 Hz", "c": "0.01,0.03"}
-    vibsim.sweep("II-B", axes, section=3, jobs=1, out=folder / "sweep.h5", overrides=overrides)
-    done = call("plot", str(folder / "sweep.h5"), "-o", str(folder / "sweep.html"))
-    assert (done.exit_code, done.stdout) == (0, f"{folder / 'sweep.html'}\n")
-    saved = branch_of(CAPTURED, "4.8:5.9 Hz").save(folder / "branch.h5")
-    assert call("plot", str(saved), "-o", str(folder / "branch.html")).exit_code == 0
+    vibsim.sweep("II-B", AXES, section=3, jobs=1, out=folder / "sweep.h5", overrides=overrides)
+    vibsim.simulate("gallery/impact-pair", overrides={"run.t_end": "5 s"}).save(folder / "rigid.h5")
+    branch_of(CAPTURED, "4.8:5.9 Hz").save(folder / "branch.h5")
+    shutil.copy(runs["motor"], folder / "run.h5")
+    for name in ("run", "rigid", "sweep", "branch"):
+        page = folder / f"{name}.html"
+        assert told("plot", folder / f"{name}.h5", "-o", page) == f"{page}\n"
     return folder
 
 
@@ -89,13 +79,12 @@ def test_the_command_of_a_point_runs_it(folder, tmp_path, monkeypatch):
     assert vibsim.open_result("point.h5").attrs["case_sha256"] == result["sha256"].ravel()[3]
 
 
-def test_the_command_of_a_carried_point_begins_where_it_began(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_command_of_a_carried_point_begins_where_it_began(here):
     case = vibsim.load_case("II-B", {"run.t_end": "4 s"})
     vibsim.sweep(case, {"Omega0": "5,6 Hz"}, carry_state=True, section=0, jobs=1, out="s.h5")
-    assert call("plot", "s.h5", "-o", "s.html").exit_code == 0
-    words = shlex.split(data_of(tmp_path / "s.html")["commands"][1])
-    assert call(*words[1:], "-q").exit_code == 0
+    told("plot", "s.h5", "-o", "s.html")
+    words = shlex.split(data_of(here / "s.html")["commands"][1])
+    told(*words[1:], "-q")
     assert vibsim.open_result("point.h5").attrs["case_sha256"] == vibsim.open_result("s.h5")["sha256"][1, 0]
 
 
@@ -108,19 +97,16 @@ def test_the_command_of_a_carried_point_begins_where_it_began(tmp_path, monkeypa
     ],
 )
 def test_what_a_page_does_not_take(folder, words, message, tmp_path):
-    done = call("plot", str(folder / "rigid.h5"), *words, "-o", str(tmp_path / "a.html"))
-    assert done.exit_code == 2 and message in done.stderr and not list(tmp_path.iterdir())
-    done = call("plot", "II-B", "-o", str(tmp_path / "a.html"))
-    assert done.exit_code == 2 and "II-B is a case" in done.stderr
+    assert message in refused("plot", str(folder / "rigid.h5"), *words, "-o", str(tmp_path / "a.html"))
+    assert not list(tmp_path.iterdir())
+    assert "II-B is a case" in refused("plot", "II-B", "-o", str(tmp_path / "a.html"))
 
 
 def test_a_page_of_a_branch_has_its_curve(folder):
     """Orbits between its points, which close as well as the line is drawn; it ends at special points."""
     data, branch = data_of(folder / "branch.html"), vibsim.open_result(folder / "branch.h5")
-    columns = {
-        name: numbers(one["data"], "f8").reshape(-1, one["width"])
-        for name, one in data["lines"]["columns"].items()
-    }
+    stored = data["lines"]["columns"]
+    columns = {name: numbers(one["data"], "f8").reshape(-1, one["width"]) for name, one in stored.items()}
     assert [bool(stable) for *_, stable in data["lines"]["pieces"]] == [True, False]
     assert len(columns["parameter"]) > 1.5 * len(branch)
     fold, torus = branch.special("F1"), branch.special("NS1")
@@ -137,55 +123,38 @@ def test_a_page_of_a_branch_has_its_curve(folder):
     assert data["marks"]["texts"]["label"] == [one.label for one in branch.specials]
 
 
-needs_browser = pytest.mark.skipif(program() is None, reason="no Chromium on this machine")
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    made = Browser(tmp_path_factory.mktemp("browser"))
-    yield made
-    made.close()
-
-
-def shown(browser):
-    """The data attributes of the page."""
-    return json.loads(browser.value("JSON.stringify(document.querySelector('main').dataset)"))
-
-
 def readout(browser):
     return browser.value("document.getElementById('readout').innerText")
 
 
-@needs_browser
 def test_zoom_keys_and_hover_of_a_run(browser, folder, runs):
     result = vibsim.open_result(runs["motor"])
     impacts = result.events["t"][result.events["kind"] == 1]
     browser.open(folder / "run.html")
     browser.settle()
-    assert (float(shown(browser)["from"]), float(shown(browser)["to"])) == (0, 20)
-    assert int(shown(browser)["impacts"]) == len(impacts)
+    assert (float(browser.shown()["from"]), float(browser.shown()["to"])) == (0, 20)
+    assert int(browser.shown()["impacts"]) == len(impacts)
     x, y, width, height = browser.box("canvas")
     browser.mouse("Wheel", x + width / 2, y + height / 2, deltaX=0, deltaY=-600)
-    wheel = shown(browser)
+    wheel = browser.shown()
     assert 0 < float(wheel["from"]) < float(wheel["to"]) < 20
     browser.key("0")
     for number in range(3):
         browser.key("n")
-        near = shown(browser)
+        near = browser.shown()
         assert float(near["from"]) < impacts[number] < float(near["to"]) and int(near["impacts"]) >= 1
         assert "contact_begin of stop" in readout(browser)
     assert float(near["to"]) - float(near["from"]) < 0.1  # from 20 s to one impact
     value = float(re.search(r"x1\s+(\S+) (\S+)", readout(browser))[1])
     assert value == pytest.approx(1e3 * result.events["x1"][result.events["kind"] == 1][2], rel=1e-5)
     browser.key("ArrowRight")
-    assert float(shown(browser)["from"]) > float(near["from"])
+    assert float(browser.shown()["from"]) > float(near["from"])
     browser.key("0")
     browser.mouse("Moved", x + width * 0.7, y + height / 2)
     assert re.search(r"t\s+1\d\.\d+ s", readout(browser)) and "motor speed" in readout(browser)
     assert browser.said == []
 
 
-@needs_browser
 def test_between_rows_a_page_shows_the_motion(browser, folder, runs):
     """Its cubics are within what cubics leave: h^4/384 of the fourth derivative, h = 5 ms at 34 Hz: 0.4 %."""
     result = vibsim.open_result(runs["motor"])
@@ -197,7 +166,6 @@ def test_between_rows_a_page_shows_the_motion(browser, folder, runs):
         assert np.abs(found - states[name]).max() <= (0.004 if name == "x1" else 0.03) * np.ptp(states[name])
 
 
-@needs_browser
 @pytest.mark.parametrize("width", [pytest.param(1200, marks=pytest.mark.slow), 400])
 @pytest.mark.parametrize("name", ["run", "rigid", "sweep", "branch"])
 def test_both_widths_and_both_themes(browser, folder, name, width):
@@ -216,18 +184,17 @@ def test_both_widths_and_both_themes(browser, folder, name, width):
     assert browser.said == []
 
 
-@needs_browser
 def test_a_point_tells_its_numbers_and_its_command(browser, folder):
     result = vibsim.open_result(folder / "sweep.h5")
     browser.open(folder / "sweep.html")
     browser.settle()
     browser.key("n")
-    assert shown(browser)["chosen"] == "0" and "vibsim run sweep.h5 -s" in readout(browser)
+    assert browser.shown()["chosen"] == "0" and "vibsim run sweep.h5 -s" in readout(browser)
     place = "[panels[0].px(columns.omega0.values[5]), panels[0].py(columns[y[0].value].values[5])]"
     dx, dy = browser.value(place)
     left, top, _, _ = browser.box("canvas")
     browser.mouse("Moved", left + dx + 2, top + dy + 2)
-    assert shown(browser)["chosen"] == "5"
+    assert browser.shown()["chosen"] == "5"
     assert "No-load speed\t6 Hz" in readout(browser) and "Damping\t0.03 N s/m" in readout(browser)
     told = float(re.search(r"mean motor speed\s+(\S+)", readout(browser))[1])
     assert told == pytest.approx(result["mean_speed"].ravel()[5], rel=1e-6)
@@ -236,11 +203,10 @@ def test_a_point_tells_its_numbers_and_its_command(browser, folder):
     assert browser.said == []
 
 
-@needs_browser
 def test_values_spaced_by_ratio_stand_evenly(browser, tmp_path):
     axes = {"k2": "log 1e4:1e6/5 N/m", "Omega0": "5,6 Hz"}
     vibsim.sweep("II-B", axes, section=3, jobs=1, out=tmp_path / "log.h5", overrides={"run.t_end": "3 s"})
-    assert call("plot", str(tmp_path / "log.h5"), "-o", str(tmp_path / "log.html")).exit_code == 0
+    told("plot", tmp_path / "log.h5", "-o", tmp_path / "log.html")
     names = [column["name"] for column in data_of(tmp_path / "log.html")["columns"] if column.get("log")]
     assert names == ["k2"]
     browser.open(tmp_path / "log.html")
@@ -252,11 +218,10 @@ def test_values_spaced_by_ratio_stand_evenly(browser, tmp_path):
     left, top, _, _ = browser.box("canvas")
     dy = browser.value("panels[0].py(columns[y[0].value].places[5])")
     browser.mouse("Moved", left + places[2] + 1, top + dy + 1)
-    assert shown(browser)["chosen"] == "5" and "Stiffness of the stop\t100000 N/m" in readout(browser)
+    assert browser.shown()["chosen"] == "5" and "Stiffness of the stop\t100000 N/m" in readout(browser)
     assert browser.said == []
 
 
-@needs_browser
 def test_a_branch_is_a_line_with_marks(browser, folder):
     """Solid and dashed between points that are far apart; a special point tells itself."""
     browser.open(folder / "branch.html")
@@ -291,7 +256,6 @@ def test_a_branch_is_a_line_with_marks(browser, folder):
     assert browser.said == []
 
 
-@needs_browser
 def test_lines_of_a_panel_differ_in_dashes_where_they_are_no_bands(browser, folder):
     browser.open(folder / "run.html")
     browser.value(
@@ -307,7 +271,6 @@ def test_lines_of_a_panel_differ_in_dashes_where_they_are_no_bands(browser, fold
     assert browser.value("dashes.filter(([k, d]) => k === 2 && d === '8,3').length") == 0  # a lone line
 
 
-@needs_browser
 def test_long_ticks_have_room_and_columns_the_names_of_pictures(browser, folder):
     browser.open(folder / "branch.html")
     assert browser.value("panels[1].xLabel") == "No-load speed (Hz)"
@@ -322,13 +285,9 @@ def test_long_ticks_have_room_and_columns_the_names_of_pictures(browser, folder)
 
 
 def test_up_and_down_differ_at_first_sight_and_columns_have_words(tmp_path):
-    overrides = {"run.t_end": "6 s"}
-    axes = {"Omega0": "5:6:0.5 Hz", "c": "0.01,0.03"}
-    out = tmp_path / "both.h5"
-    vibsim.sweep(
-        "II-B", axes, section=3, jobs=1, out=out, overrides=overrides, carry_state=True, direction="both"
-    )
-    assert call("plot", str(out), "-o", str(tmp_path / "both.html")).exit_code == 0
+    settings = {"section": 3, "jobs": 1, "carry_state": True, "direction": "both"}
+    vibsim.sweep("II-B", AXES, out=tmp_path / "both.h5", overrides={"run.t_end": "6 s"}, **settings)
+    told("plot", tmp_path / "both.h5", "-o", tmp_path / "both.html")
     data = data_of(tmp_path / "both.html")
     assert data["colour"] == "direction"
     titles = {column["name"]: column.get("title") for column in data["columns"]}

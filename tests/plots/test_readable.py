@@ -46,6 +46,13 @@ def turning():
     return subject_of(simulate(load_case_text(PENDULUM)))
 
 
+def characteristic(subject):
+    """The panel of the force over the motion, and the places of its line."""
+    axes = Figure().subplots()
+    stiffness_panel(axes, [subject])
+    return axes, points(lines(axes, "stiffness")[0])[0]
+
+
 def test_ticks_of_long_numbers_are_few():
     """Numbers and the room between them go into the width, in characters."""
     assert len(FewTicks(40).tick_values(0.0, 1.0)) == 6
@@ -104,29 +111,24 @@ def test_what_turns_has_angles_and_torques(turning):
     assert displacement_picture([turning], COLUMN).axes[0].get_ylabel() == "Angle (rad)"
     axes = relative_picture([turning], COLUMN).axes[0]
     assert axes.get_ylabel().startswith("Angular velocity")
-    axes = Figure().subplots()
-    stiffness_panel(axes, [turning])
+    axes, angles = characteristic(turning)
     assert "torque" in axes.get_ylabel() and axes.get_xlabel().startswith("Angle")
-    assert float(np.abs(points(lines(axes.figure, "stiffness")[0])[0]).max()) == pytest.approx(2 * math.pi)
+    assert np.abs(angles).max() == pytest.approx(2 * math.pi)
 
 
 def test_a_characteristic_reaches_as_far_as_the_run():
     text = """
-name: far
 bodies: {m: 1 kg}
 links: {s: {between: [m, ground], k: 1 N/m}}
 initial: {m: {v: 2 m/s}}
 run: {t_end: 7 s, every: 10 ms}
 """
-    far = subject_of(simulate(load_case_text(text)))
-    axes = Figure().subplots()
-    stiffness_panel(axes, [far])
-    x, _ = points(lines(axes.figure, "stiffness")[0])
+    run = subject_of(simulate(load_case_text(text)))
+    _, x = characteristic(run)
     assert x.max() == pytest.approx(2.4, rel=1e-3)  # 1.2 times the amplitude v sqrt(m/k)
-    axes = Figure().subplots()
     driven = text.replace("initial: {m: {v: 2 m/s}}", "forces: {f: {on: m, A: 3 N, omega: 2 rad/s}}")
-    stiffness_panel(axes, [subject_of(load_case_text(driven))])
-    assert points(lines(axes.figure, "stiffness")[0])[0].max() == pytest.approx(3.0)  # A/k
+    _, x = characteristic(subject_of(load_case_text(driven)))
+    assert x.max() == pytest.approx(3.0)  # A/k
 
 
 def test_a_motion_at_rest_is_a_point():
@@ -162,20 +164,16 @@ def test_speeds_over_a_voltage():
 
 def test_the_angle_of_a_shaft_grows():
     """No force feels it: it is not drawn up to whole turns."""
-    text = PENDULUM.replace('links: {weight: {between: [rod, ground], force: "M*sin(d)", M: 1 N m}}', "")
-    shaft = text.replace(
-        "initial", 'forces: {drive: {on: rod, force: "T*cos(t/s)", T: 1 N m, s: 1 s}}\ninitial'
-    )
+    weight = 'links: {weight: {between: [rod, ground], force: "M*sin(d)", M: 1 N m}}'
+    shaft = PENDULUM.replace(weight, 'forces: {drive: {on: rod, force: "T*cos(t/s)", T: 1 N m, s: 1 s}}')
     figure = phase_picture([subject_of(simulate(load_case_text(shaft)))], COLUMN)
     assert points(lines(figure, "x_rod")[0])[0].max() > 20
 
 
 def test_speeds_of_a_rotor_whose_torque_has_no_straight_line():
     """There is no M0 and Omega0: the speeds are drawn over U without a line of the no-load speed."""
-    text = FED.replace("M0: a*U, Omega0: b*U", 'torque: "a*U*(1 - (w/(b*U))**3)"').replace(
-        "t_end: 3 s", "t_end: 2 s"
-    )
-    swept = subject_of(sweep(load_case_text(text), {"U": "3, 4 V"}, jobs=1))
+    text = FED.replace("M0: a*U, Omega0: b*U", 'torque: "a*U*(1 - (w/(b*U))**3)"')
+    swept = subject_of(sweep(load_case_text(text, {"run.t_end": "2 s"}), {"U": "3, 4 V"}, jobs=1))
     assert [kind.name for kind in choose(None, [swept])] == ["sommerfeld"]
     figure = sommerfeld_picture([swept], COLUMN)
     np.testing.assert_array_equal(points(lines(figure, "mean")[0])[1], swept.result["mean_speed_motor"][:, 0])

@@ -14,13 +14,13 @@ import pytest
 from click.testing import CliRunner
 from matplotlib.text import Text
 
-from tests.plots.artists import clipped_texts, colliding_legends, letters
+from tests.plots.artists import letters, on_paper
 from tests.plots.conftest import RUNS
 from vibsim.cases import load_case
 from vibsim.command_line.commands.plot import KIND_NAMES
 from vibsim.command_line.main import group
 from vibsim.plots.registry import KINDS, NEEDS, choose, fitting, kind_named
-from vibsim.plots.sheet import amount, rounded, scale_for, seconds, symbol
+from vibsim.plots.sheet import amount, rounded, scale_for, symbol
 from vibsim.plots.subject import PlotError, View, open_subject, open_subjects, parse_span
 from vibsim.results import simulate_to_file
 
@@ -96,16 +96,14 @@ def test_spans(text, span):
     assert parse_span(text) == span
 
 
-@pytest.mark.parametrize("text", ["100", "a:b", "nan:3", "1:2:3", ""])
-def test_what_is_no_span(text):
-    with pytest.raises(PlotError, match="write FIRST:LAST in seconds"):
-        parse_span(text)
-
-
-@pytest.mark.parametrize("text", ["3:3", "5:2"])
-def test_empty_spans(text):
-    with pytest.raises(PlotError, match="is empty"):
-        parse_span(text)
+@pytest.mark.parametrize(
+    ("message", "texts"),
+    [("write FIRST:LAST in seconds", ["100", "a:b", "nan:3", "1:2:3", ""]), ("is empty", ["3:3", "5:2"])],
+)
+def test_what_is_no_span(message, texts):
+    for text in texts:
+        with pytest.raises(PlotError, match=message):
+            parse_span(text)
 
 
 @pytest.mark.parametrize(
@@ -120,16 +118,13 @@ def test_prefix_puts_the_largest_magnitude_between_1_and_1000(largest, unit, lab
     assert 1 <= scale(largest) < 1000 or largest in (0.0, 3e-22)
 
 
-def test_label_carries_the_unit():
+def test_numbers_with_units_and_symbols_as_texts():
     assert scale_for("m", [0.02]).label("Displacement") == "Displacement (mm)"
-
-
-def test_nan_is_no_magnitude():
-    assert scale_for("m", [np.nan, 0.02], [np.nan]).unit == "mm"
-
-
-def test_seconds():
-    assert seconds((290.0, 300.0)) == "290–300 s"
+    assert scale_for("m", [np.nan, 0.02], [np.nan]).unit == "mm"  # nan is no magnitude
+    assert scale_for("m", [3e7]).unit == "km"
+    assert amount(12600, "N/m") == "12.6 kN/m" and amount(1.00022e6, "N/m") == "1 MN/m"
+    assert amount(200, "N/m") == "200 N/m"
+    assert symbol("x1") == "$x_{1}$" and symbol("v_drill") == r"$v_\mathrm{drill}$"
 
 
 def test_rounded_decimals_tell_values_apart():
@@ -138,18 +133,6 @@ def test_rounded_decimals_tell_values_apart():
     assert rounded([2.5, 2.5]) == ["2.5", "2.5"]
     assert rounded([12345.6]) == ["12300"]
     assert rounded([]) == []
-
-
-def test_amounts():
-    assert amount(12600, "N/m") == "12.6 kN/m"
-    assert amount(1.00022e6, "N/m") == "1 MN/m"
-    assert amount(200, "N/m") == "200 N/m"
-    assert scale_for("m", [3e7]).unit == "km"
-
-
-def test_symbols():
-    assert symbol("x1") == "$x_{1}$"
-    assert symbol("v_drill") == r"$v_\mathrm{drill}$"
 
 
 # Every kind on every make of scene: it is drawn, its axes carry units, nothing is clipped or covered.
@@ -173,9 +156,7 @@ def assert_fit_to_print(figure):
     panels = [axes for axes in figure.axes if axes.get_label() not in ("<colorbar>", "<machine>")]
     expected = [f"({letter})" for letter in ascii_lowercase[: len(panels)]] if len(panels) > 1 else []
     assert sorted(letters(figure)) == expected
-    figure.draw_without_rendering()
-    assert clipped_texts(figure) == []
-    assert colliding_legends(figure) == []
+    on_paper(figure)
 
 
 @pytest.mark.parametrize(("run", "name"), [(run, name) for run in RUNS for name in sorted(FITTING[run])])
@@ -225,9 +206,8 @@ def test_a_window_of_a_few_samples(subject, kind):
 
 
 @pytest.fixture
-def plot(tmp_path, monkeypatch):
+def plot(here):
     """Runs `vibsim plot ...` in an empty folder."""
-    monkeypatch.chdir(tmp_path)
     return lambda *words: CliRunner().invoke(group, ["plot", *words])
 
 
@@ -276,10 +256,6 @@ def test_mistakes(plot, runs, words, code, message):
     assert outcome.exit_code == code
     assert message in outcome.stderr
     assert "Traceback" not in outcome.output
-
-
-def test_help_has_examples(plot):
-    assert "vibsim plot II-B.h5 --kind relative -o II-B.pdf" in plot("--help").stdout
 
 
 def test_matplotlib_is_imported_only_to_draw():

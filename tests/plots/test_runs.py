@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.plots.artists import clipped_texts, figure_of, letters, lines, patches, points
+from tests.plots.artists import collections, figure_of, letters, lines, notes, on_paper, patches, points
 from vibsim.cases import load_case
 from vibsim.orbits.orbit import save_orbit
 from vibsim.physics.parts import EVENT_KINDS
-from vibsim.plots import style
 from vibsim.plots.poincare_sections import drift_rate, turn_times
 from vibsim.plots.portraits import POINTS, orbit_portrait_picture
 from vibsim.plots.registry import choose
@@ -56,6 +55,7 @@ def test_runs_of_one_file_name_keep_axis_and_legend(twins, kind):
     axes = figure_of(kind, twins).axes[0]
     assert axes.get_ylabel().startswith("$x_{1}$ (")
     assert len(set(legend(axes))) == 2 and all(name.endswith("run") for name in legend(axes))
+    assert [one.stem for one in twins] == ["run", "run"]
 
 
 def test_bands_do_not_hide_each_other(twins):
@@ -210,7 +210,7 @@ def test_drift_leaves_out_the_transient_and_blocks_that_are_held():
 def test_many_turns_are_drawn_by_their_extremes(subject):
     run = subject("motor")
     figure = figure_of("displacement-frequency", [run])
-    (dots,) = [artist for artist in figure.axes[0].collections if artist.get_gid() == "extremes"]
+    (dots,) = collections(figure.axes[0], "extremes")
     times = turn_times(run.result, (0.0, 20.0))
     x, t, n = run.result["x1"], run.result.time, len(times) - 1
     parts = [x[(t >= a) & (t < b)] for a, b in pairwise(times)]
@@ -244,7 +244,7 @@ def test_slopes_are_named_inside_the_frame(k2):
     figure = figure_of("stiffness", [subject_of(case)])
     figure.draw_without_rendering()
     (axes,) = figure.axes
-    names = [text for text in axes.texts if text.get_gid() == "slope"]
+    names = notes(axes, "slope")
     assert len(names) == 2
     for text in names:
         box = text.get_window_extent()
@@ -279,10 +279,8 @@ def stored(tmp_path_factory):
 @pytest.mark.parametrize("width", ["column", "page"])
 def test_what_is_drawn(stored, width):
     orbit, subject = stored
-    with style.applied():
-        figure = orbit_portrait_picture([subject], View(width=width))
-        figure.draw_without_rendering()
-    assert letters(figure) == ["(a)", "(b)"] and clipped_texts(figure) == []
+    figure = on_paper(orbit_portrait_picture([subject], View(width=width)))
+    assert letters(figure) == ["(a)", "(b)"]
     (curve,) = lines(figure, "orbit")
     y, u = points(curve)  # in mm and mm/s
     assert len(y) >= POINTS and abs(y[0] - y[-1]) < 1e-9 and abs(u[0] - u[-1]) < 1e-8  # it closes

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.plots.artists import clipped_texts, colliding_legends
+from tests.plots.artists import lines, on_paper
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 from vibsim.cases.ramps import no_load_speed, ramped, read_ramp
@@ -33,15 +33,7 @@ def under():
 
 
 def drawn(name, subjects, view=None):
-    figure = kind_named(name).draw(subjects, view or View())
-    figure.draw_without_rendering()
-    assert clipped_texts(figure) == []
-    assert colliding_legends(figure) == []
-    return figure
-
-
-def lines(axes, gid):
-    return [line for line in axes.lines if line.get_gid() == gid]
+    return on_paper(kind_named(name).draw(subjects, view or View()))
 
 
 def test_motors_with_formulas_have_the_pictures_of_motors(passage):
@@ -68,10 +60,7 @@ def test_up_and_down_in_two_colours(passage):
 
 def test_speeds_and_amplitudes_are_those_of_the_samples(passage):
     figure = drawn("run-up", [passage])
-    amplitude, speed = (
-        lines(axes, f"{name}-of-turn")[0]
-        for axes, name in zip(figure.axes, ("amplitude", "speed"), strict=False)
-    )
+    amplitude, speed = (lines(figure, f"{name}-of-turn")[0] for name in ("amplitude", "speed"))
     result, k = passage.result, 7
     x = (speed.get_xdata()[k] - 3) * 8 / 2  # the time at which the ramp is there
     turn = np.floor(np.interp(x, result["time"], result["phi"]) / (2 * np.pi))
@@ -126,13 +115,10 @@ def test_powers_are_those_of_the_laws(passage):
     means = np.diff(np.interp(history.edges, time, work)) / np.diff(history.edges)
     (motor,) = history.given.values()
     assert motor == pytest.approx(means, abs=2e-4 * np.abs(means).max())
-    slip = np.diff(
-        np.interp(
-            history.edges, time, 0.03 * np.cumsum((passage.result["v1"] - passage.result["v2"]) ** 2) * 0.005
-        )
-    )
+    loss = 0.03 * np.cumsum((passage.result["v1"] - passage.result["v2"]) ** 2) * 0.005
+    losses = np.diff(np.interp(history.edges, time, loss)) / np.diff(history.edges)
     damper = history.taken["loss", "links", "coupling"]
-    assert damper == pytest.approx(slip / np.diff(history.edges), abs=0.05 * damper.max())
+    assert damper == pytest.approx(losses, abs=0.05 * damper.max())
 
 
 def test_the_first_law_holds_in_every_span(passage):
@@ -146,14 +132,9 @@ def test_the_first_law_holds_in_every_span(passage):
 def test_the_work_of_all_spans_is_that_of_the_run():
     ideal = subject_of(vibsim.simulate(load_case("I-B", {"run.t_end": "5 s"}), trust=False))
     history = power_history(ideal, (0.0, 5.0))
-    before = history.edges[-1]
-    rest = power_history(ideal, (float(before), 5.0))
+    spans = history, power_history(ideal, (float(history.edges[-1]), 5.0))
     for entry in history.given | history.taken:
-        powers = {**history.given, **history.taken}, {**rest.given, **rest.taken}
-        total = sum(
-            float(np.dot(of[entry], np.diff(one.edges)))
-            for of, one in zip(powers, (history, rest), strict=True)
-        )
+        total = sum(np.dot((each.given | each.taken)[entry], np.diff(each.edges)) for each in spans)
         name = ".".join(filter(None, entry))
         assert total == pytest.approx(float(ideal.result.attrs[name]), rel=1e-9)
 

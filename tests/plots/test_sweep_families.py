@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.plots.artists import clipped_texts, colliding_legends, laid_out, letters, lines
+from tests.plots.artists import laid_out, letters, lines, on_paper
 from vibsim.cases import load_case
 from vibsim.plots.capture_pictures import speed_classes
 from vibsim.plots.registry import fitting, kind_named
@@ -37,15 +37,17 @@ def test_values_are_rounded_decimals(paths):
     assert not any("/7000" in text or "/3500" in text for text in value_texts(axis))
 
 
-@pytest.mark.parametrize("kind", ["sommerfeld", "amplitude"])
-def test_many_values_have_a_colour_bar(paths, kind):
+CURVES = {"sommerfeld": "mean", "amplitude": "x1"}
+
+
+@pytest.mark.parametrize(("kind", "gid"), CURVES.items())
+def test_many_values_have_a_colour_bar(paths, kind, gid):
     figure = laid_out(kind, paths["fractions"])
     (bar,) = [axes for axes in figure.axes if axes.get_label() == "<colorbar>"]
     assert bar.get_xlabel() == "Damping $c$ (N s/m)"
     assert bar.get_xlim() == pytest.approx((0.001, 0.1))
     assert not figure.legends
-    drawn = lines(figure, "mean" if kind == "sommerfeld" else "x1")
-    assert len({tuple(line.get_color()) for line in drawn}) == 8
+    assert len({tuple(line.get_color()) for line in lines(figure, gid)}) == 8
 
 
 def test_up_and_down_have_orbits_of_their_own(paths):
@@ -91,20 +93,17 @@ def test_equal_steps_of_colour_are_equal_steps_of_speed():
     assert extend == "max" and edges[0] <= 3.605 and 3.675 <= edges[-1] < 4.9
     for speeds, low, high in ((near, 3.601, 3.679), (np.array([3.6, 3.6]), 3.6, 3.6), (np.empty(0), 0, 1)):
         edges, extend = speed_classes(speeds)
-        assert (
-            extend == "neither" and edges[0] <= low and edges[-1] >= high and np.ptp(np.diff(edges)) < 1e-12
-        )
+        assert extend == "neither" and np.ptp(np.diff(edges)) < 1e-12
+        assert edges[0] <= low and edges[-1] >= high
 
 
-@pytest.mark.parametrize("kind", ["sommerfeld", "amplitude"])
-def test_a_few_families_differ_in_their_marks_too(paths, kind):
+@pytest.mark.parametrize(("kind", "gid"), CURVES.items())
+def test_a_few_families_differ_in_their_marks_too(paths, kind, gid):
     """In grey print; a family swept both ways has one mark, closed and open."""
-    drawn = lines(laid_out(kind, paths["few"]), "mean" if kind == "sommerfeld" else "x1")
-    assert [line.get_marker() for line in drawn] == ["o", "s", "^"]
-    up, down = lines(laid_out(kind, paths["both"]), "mean" if kind == "sommerfeld" else "x1")
-    assert up.get_marker() == down.get_marker() == "o"
-    assert up.get_markerfacecolor() != down.get_markerfacecolor()
-    many = lines(laid_out(kind, paths["fractions"]), "mean" if kind == "sommerfeld" else "x1")
+    few, both, many = (lines(laid_out(kind, paths[name]), gid) for name in ("few", "both", "fractions"))
+    assert [line.get_marker() for line in few] == ["o", "s", "^"]
+    assert [line.get_marker() for line in both] == ["o", "o"]
+    assert len({line.get_markerfacecolor() for line in both}) == 2
     assert {line.get_marker() for line in many} == {"o"}  # of which colours tell the value
 
 
@@ -138,18 +137,14 @@ def subjects(tmp_path_factory):
 def test_what_fits_parts_is_drawn_and_fit_to_print(subjects, name):
     assert {kind.name for kind in fitting([subjects[name]])} == KINDS_OF_PARTS[name]
     for kind in KINDS_OF_PARTS[name]:
-        figure = kind_named(kind).draw([subjects[name]], View())
-        figure.draw_without_rendering()
-        assert clipped_texts(figure) == [] and colliding_legends(figure) == []
+        on_paper(kind_named(kind).draw([subjects[name]], View()))
 
 
 def test_panels_have_the_names_of_coordinates(subjects):
     figure = kind_named("amplitude").draw([subjects["drill"]], View())
-    labels = [axes.get_ylabel() for axes in figure.axes]
-    assert (
-        labels[0] == r"$x_\mathrm{hammer} - x_\mathrm{bit}$ (mm)" and labels[1] == r"$x_\mathrm{hammer}$ (mm)"
-    )
-    (line,) = [line for line in figure.axes[0].get_lines() if line.get_gid() == "relative_shank"]
+    labels = [axes.get_ylabel() for axes in figure.axes[:2]]
+    assert labels == [r"$x_\mathrm{hammer} - x_\mathrm{bit}$ (mm)", r"$x_\mathrm{hammer}$ (mm)"]
+    (line,) = lines(figure.axes[0], "relative_shank")
     shown = subjects["drill"].result["amplitude_relative_shank"][:, 0]
     np.testing.assert_allclose(line.get_ydata() / line.get_ydata()[0], shown / shown[0], rtol=1e-14)
     assert figure.axes[-1].get_xlabel() == "Amplitude $A$ of feed (N)"

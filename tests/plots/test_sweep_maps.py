@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.plots.artists import laid_out
+from tests.plots.artists import collections, laid_out, legend, lines
 from vibsim.cases import load_case
 from vibsim.plots.registry import choose, kind_named
 from vibsim.plots.subject import PlotError, View, open_subject
@@ -33,20 +33,12 @@ def grid(tmp_path_factory):
     return str(path)
 
 
-def mesh(axes, gid):
-    (found,) = [artist for artist in axes.collections if artist.get_gid() == gid]
-    return found
-
-
-def cells(found, across=(3, 4, 6), up=(0.01, 0.02)):
+def cells(axes, gid, across=(3, 4, 6), up=(0.01, 0.02)):
     """What a map shows at the points of the grid, as rows of the picture."""
-    corners = found.get_coordinates()
+    (mesh,) = collections(axes, gid)
+    corners = mesh.get_coordinates()
     x, y = corners[0, :, 0], corners[:, 0, 1]
-    return found.get_array()[np.ix_(np.searchsorted(y, up) - 1, np.searchsorted(x, across) - 1)]
-
-
-def legend(figure):
-    return [text.get_text() for text in figure.legends[0].get_texts()]
+    return mesh.get_array()[np.ix_(np.searchsorted(y, up) - 1, np.searchsorted(x, across) - 1)]
 
 
 @pytest.fixture
@@ -67,19 +59,18 @@ def test_a_map_without_capture_says_so(grid, none_held):
 @pytest.mark.parametrize("width", ["column", "page"])
 def test_verdicts_on_capture(grid, width):
     figure = laid_out("capture", grid, width)
-    classes = mesh(figure.axes[0], "capture")
-    np.testing.assert_array_equal(cells(classes), VERDICTS.T)
+    np.testing.assert_array_equal(cells(figure.axes[0], "capture"), VERDICTS.T)
     assert legend(figure) == ["not met (1)", "passed (1)", "escaped (1)", "captured (3)"]
 
 
 def test_cells_claim_no_area_between_values_that_are_far_apart(grid):
     """3, 4 and 6 Hz, and two dampings: cells of a tenth of the whole, and nothing in between or beyond."""
     axes = laid_out("capture", grid, "page").axes[0]
-    found = mesh(axes, "capture")
-    corners = found.get_coordinates()
+    (mesh,) = collections(axes, "capture")
+    corners = mesh.get_coordinates()
     np.testing.assert_allclose(corners[0, :, 0], [2.85, 3.15, 3.85, 4.15, 5.85, 6.15])
     np.testing.assert_allclose(corners[:, 0, 1], [0.0095, 0.0105, 0.0195, 0.0205])
-    blank = np.ma.getmaskarray(found.get_array())
+    blank = np.ma.getmaskarray(mesh.get_array())
     assert blank[1].all() and blank[:, [1, 3]].all() and blank.sum() == 9
     assert (axes.get_xlim(), axes.get_ylim()) == ((2.85, 6.15), pytest.approx((0.0095, 0.0205)))
     assert "Omega_0" in axes.get_xlabel() and axes.get_ylabel() == "Damping $c$ (N s/m)"
@@ -88,22 +79,21 @@ def test_cells_claim_no_area_between_values_that_are_far_apart(grid):
 def test_cells_of_even_values_touch(tmp_path):
     case = load_case("II-B", {"run.t_end": "1 s"})
     sweep(case, {"Omega0": "3:5:1 Hz", "c": "0.001:0.003/3"}, out=tmp_path / "even.h5", compute=["regime"])
-    axes = laid_out("regime", str(tmp_path / "even.h5"), "page").axes[0]
-    corners = mesh(axes, "regime").get_coordinates()
+    (mesh,) = collections(laid_out("regime", tmp_path / "even.h5", "page").axes[0], "regime")
+    corners = mesh.get_coordinates()
     np.testing.assert_allclose(corners[0, :, 0], [2.5, 3.5, 4.5, 5.5])  # between and beyond
     np.testing.assert_allclose(corners[:, 0, 1], [0.0005, 0.0015, 0.0025, 0.0035])
 
 
 def test_speed_only_where_the_motor_was_held(grid):
-    speeds = cells(mesh(laid_out("capture", grid, "page").axes[1], "capture_speed"))
+    speeds = cells(laid_out("capture", grid, "page").axes[1], "capture_speed")
     held = np.isin(VERDICTS, [CAPTURED, ESCAPED]).T
     np.testing.assert_array_equal(~np.ma.getmaskarray(speeds), held)
     np.testing.assert_array_equal(speeds[held], SPEEDS.T[held])
 
 
 def test_regimes_by_their_period(grid):
-    figure = laid_out("regime", grid, "column")
-    classes = cells(mesh(figure.axes[0], "regime"))
+    classes = cells(laid_out("regime", grid).axes[0], "regime")
     names = ["period 1", "period 2", "period 3", "period 4", "longer period", "quasi-periodic", "chaotic"]
     shown = [[[*names, "transient"][int(code)] for code in row] for row in classes]
     assert shown == [["period 1", "longer period", "transient"], ["period 2", "chaotic", "period 4"]]
@@ -117,26 +107,25 @@ def test_what_is_missing_stays_blank_and_is_said(grid, tmp_path):
         for name in ("capture", "capture_speed"):
             file[name][0, 0, 0] = file[name][2, 1, 0] = np.nan
     figure = laid_out("capture", str(path), "page")
-    blank = np.ma.getmaskarray(cells(mesh(figure.axes[0], "capture")))
+    blank = np.ma.getmaskarray(cells(figure.axes[0], "capture"))
     np.testing.assert_array_equal(blank, [[True, False, False], [False, False, True]])
     assert figure.axes[1].get_title(loc="right") == "1 not computed yet, 1 failed"
 
 
 def test_maps_say_what_to_sweep_with(grid, tmp_path):
     case = load_case("II-B", {"run.t_end": "2 s"})
-    sweep(case, {"Omega0": "3, 4 Hz"}, out=tmp_path / "line.h5", compute=["regime"])
-    line = open_subject(str(tmp_path / "line.h5"))
-    with pytest.raises(PlotError, match=r"needs verdicts on capture \(sweep with compute='capture'\)"):
-        choose(["capture"], [line])
-    with pytest.raises(PlotError, match=r"it needs two ranges without .* \(sweep with axes=\{KEY: RANGE\}\)"):
-        choose(["regime"], [line])
-    sweep(case, {"Omega0": "3, 4 Hz"}, out=tmp_path / "captured.h5", compute=["capture"])
-    with pytest.raises(PlotError, match="it needs two ranges, or an ensemble of at most two start values"):
-        choose(["capture"], [open_subject(str(tmp_path / "captured.h5"))])
-    with pytest.raises(PlotError, match=r"it needs powers \(sweep with compute='power'\)"):
-        choose(["power"], [open_subject(grid)])
-    with pytest.raises(PlotError, match=r"Lyapunov exponents \(sweep with compute='lyapunov'\)"):
-        choose(["lyapunov"], [open_subject(grid)])
+    paths = {"grid": grid, **{name: str(tmp_path / f"{name}.h5") for name in ("regime", "capture")}}
+    for name in ("regime", "capture"):
+        sweep(case, {"Omega0": "3, 4 Hz"}, out=paths[name], compute=[name])
+    for name, kind, message in (
+        ("regime", "capture", r"needs verdicts on capture \(sweep with compute='capture'\)"),
+        ("regime", "regime", r"it needs two ranges without .* \(sweep with axes=\{KEY: RANGE\}\)"),
+        ("capture", "capture", "it needs two ranges, or an ensemble of at most two start values"),
+        ("grid", "power", r"it needs powers \(sweep with compute='power'\)"),
+        ("grid", "lyapunov", r"Lyapunov exponents \(sweep with compute='lyapunov'\)"),
+    ):
+        with pytest.raises(PlotError, match=message):
+            choose([kind], [open_subject(paths[name])])
 
 
 def test_a_window_in_the_unit_of_the_axis(grid):
@@ -165,7 +154,7 @@ def test_up_and_down_have_a_map_each(tmp_path):
         file["regime"][..., 0], file["regime"][..., 1] = CHAOTIC, TRANSIENT
     up, down = laid_out("regime", str(tmp_path / "both.h5"), "page").axes
     assert (up.get_title(loc="left"), down.get_title(loc="left")) == ("up", "down")
-    shown = [cells(mesh(axes, "regime"), (3, 4), (0.01, 0.02, 0.03)) for axes in (up, down)]
+    shown = [cells(axes, "regime", (3, 4), (0.01, 0.02, 0.03)) for axes in (up, down)]
     assert len({int(code) for each in shown for code in each.ravel()}) == 2
 
 
@@ -200,27 +189,24 @@ def path(tmp_path_factory):
     return str(out)
 
 
-def heights(axes, gid, x):
-    """Ordinates of the corners of an area at x."""
-    (area,) = [area for area in axes.collections if area.get_gid() == gid]
-    corners = area.get_paths()[0].vertices
-    return corners[corners[:, 0] == x][:, 1]
-
-
 @pytest.mark.parametrize("width", ["column", "page"])
 def test_areas_add_up_to_the_power_of_the_source(path, width):
     result = open_subject(path).result
     panels = laid_out("power", path, width).axes
     factor = {"W": 1, "mW": 1e3, "µW": 1e6}[panels[0].get_ylabel().rpartition("(")[2][:-1]]
     for j, axes in enumerate(panels):
-        (line,) = [line for line in axes.get_lines() if line.get_gid() == "power_source"]
+        (line,) = lines(axes, "power_source")
+        corners = {
+            name: collections(axes, f"power_{name}")[0].get_paths()[0].vertices
+            for name in ("damper", "friction", "stored")
+        }
         np.testing.assert_allclose(line.get_ydata(), factor * result["power_source"][:, j, 0])
         for i, x in enumerate(result["omega0"]):
             damper, friction = (factor * result[f"power_{name}"][i, j, 0] for name in ("damper", "friction"))
-            assert heights(axes, "power_damper", x).max() == pytest.approx(damper)
-            assert heights(axes, "power_friction", x).max() == pytest.approx(damper + friction)
-            top = heights(axes, "power_stored", x)
-            assert np.abs(top - line.get_ydata()[i]).min() == pytest.approx(0, abs=1e-9)  # first law
+            at = {name: each[each[:, 0] == x][:, 1] for name, each in corners.items()}
+            assert at["damper"].max() == pytest.approx(damper)
+            assert at["friction"].max() == pytest.approx(damper + friction)
+            assert np.abs(at["stored"] - line.get_ydata()[i]).min() == pytest.approx(0, abs=1e-9)  # first law
 
 
 def test_some_of_too_many_curves(tmp_path):
@@ -243,19 +229,19 @@ def test_exponents_with_their_intervals(path, kind):
     panels = figure.axes[2::3] if kind == "orbit" else figure.axes
     assert len(figure.axes) == (6 if kind == "orbit" else 2)
     for j, axes in enumerate(panels):
-        (line,) = [line for line in axes.get_lines() if line.get_gid() == "exponent"]
+        (line,) = lines(axes, "exponent")
         np.testing.assert_array_equal(line.get_xdata(), result["omega0"])
         np.testing.assert_array_equal(line.get_ydata(), result["lyapunov"][:, j, 0])
-        (bars,) = [bar for bar in axes.collections if bar.get_gid() == "interval"]
+        (bars,) = collections(axes, "interval")
         ends = np.array([segment[:, 1] for segment in bars.get_segments()])
         np.testing.assert_allclose(ends.mean(axis=1), result["lyapunov"][:, j, 0])
         np.testing.assert_allclose(np.diff(ends)[:, 0] / 2, result["lyapunov_half_width"][:, j, 0])
-        further = [line for line in axes.get_lines() if line.get_gid() == "further exponent"]
+        further = lines(axes, "further exponent")
         for i, other in enumerate(further):
             np.testing.assert_array_equal(other.get_ydata(), result["lyapunov_spectrum"][:, j, 0, i + 1])
         assert len(further) == result["lyapunov_spectrum"].shape[-1] - 1
         looks = {(other.get_color(), other.get_marker()) for other in (line, *further)}
         assert len(looks) == len(further) + 1  # told apart
         assert axes.get_ylabel().endswith("(1/s)")
-    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    names = legend(figure)
     assert names[:2] == [r"$\lambda_1$", r"$\lambda_{2}$"] and len(names) == len(further) + 1

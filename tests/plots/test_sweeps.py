@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from tests.plots.artists import clipped_texts, colliding_legends
+from tests.plots.artists import legend, lines, on_paper
 from vibsim.cases import load_case
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import choose, fitting, kind_named
@@ -41,18 +41,7 @@ def drawn(kind, *paths):
     return kind_named(kind).draw([open_subject(path) for path in paths], View())
 
 
-def lines(axes, gid):
-    return [line for line in axes.get_lines() if line.get_gid() == gid]
-
-
-FITTING = {
-    "motor": set(KINDS),
-    "carried": set(KINDS),
-    "family": set(KINDS),
-    "grid": set(KINDS),
-    "damping": {"amplitude"},
-    "ideal": {"amplitude", "orbit"},
-}
+FITTING = {name: set(KINDS) for name in SWEEPS} | {"damping": {"amplitude"}, "ideal": {"amplitude", "orbit"}}
 
 
 @pytest.mark.parametrize("name", SWEEPS)
@@ -60,13 +49,10 @@ def test_what_fits_is_drawn_and_fit_to_print(paths, name):
     subject = open_subject(paths[name])
     assert {kind.name for kind in fitting([subject])} == FITTING[name]
     for kind in FITTING[name]:
-        figure = drawn(kind, paths[name])
-        assert UNIT.search(figure.axes[0].get_ylabel())
-        for axes in figure.axes:
-            assert not axes.get_ylabel() or UNIT.search(axes.get_ylabel()), axes.get_ylabel()
-            assert not axes.get_xlabel() or UNIT.search(axes.get_xlabel()), axes.get_xlabel()
-        figure.draw_without_rendering()
-        assert clipped_texts(figure) == [] and colliding_legends(figure) == []
+        figure = on_paper(drawn(kind, paths[name]))
+        assert figure.axes[0].get_ylabel()
+        for label in (label for axes in figure.axes for label in (axes.get_xlabel(), axes.get_ylabel())):
+            assert not label or UNIT.search(label), label
 
 
 def test_the_default_suits_the_sweep(paths):
@@ -75,12 +61,12 @@ def test_the_default_suits_the_sweep(paths):
 
 
 def test_sommerfeld_says_what_it_needs(paths):
-    with pytest.raises(
-        PlotError, match=r"it needs a motor, and .*ideal\.h5 has none; kinds that fit: amplitude"
+    for name, message in (
+        ("ideal", r"it needs a motor, and .*ideal\.h5 has none; kinds that fit: amplitude"),
+        ("damping", r"it needs a sweep over Omega0, or .*, and .*damping\.h5 has none"),
     ):
-        choose(["sommerfeld"], [open_subject(paths["ideal"])])
-    with pytest.raises(PlotError, match=r"it needs a sweep over Omega0, or .*, and .*damping\.h5 has none"):
-        choose(["sommerfeld"], [open_subject(paths["damping"])])
+        with pytest.raises(PlotError, match=message):
+            choose(["sommerfeld"], [open_subject(paths[name])])
 
 
 def test_sommerfeld_draws_the_speeds(paths):
@@ -121,8 +107,7 @@ def test_up_and_down_are_told_apart(paths):
     assert (named["up"], named["down"]) == (up.get_color(), down.get_color())
     np.testing.assert_array_equal(down.get_ydata(), result["mean_speed"][:, 1])
     assert up.get_color() != down.get_color() and up.get_markerfacecolor() != down.get_markerfacecolor()
-    named = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert named == ["no-load speed", "up", "down", "hysteresis"]
+    assert legend(figure) == ["no-load speed", "up", "down", "hysteresis"]
 
 
 def test_hysteresis_is_shaded_between_up_and_down_but_not_across_leaps(paths):
@@ -144,8 +129,7 @@ def test_up_and_down_of_several_have_panels_of_their_own(paths, width):
     for i, axes in enumerate(figure.axes):
         for d, line in enumerate(lines(axes, "mean")):
             np.testing.assert_array_equal(line.get_ydata(), result["mean_speed"][:, i, d])
-    figure.draw_without_rendering()
-    assert clipped_texts(figure) == []
+    on_paper(figure)
 
 
 def test_a_grid_has_a_curve_per_other_value(paths):

@@ -1,12 +1,13 @@
 """The work-precision diagram: what is drawn is what the file holds, and nothing is clipped or covered."""
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
 
 from tests.evidence.benchmark.made import planted
-from tests.plots.artists import clipped_texts, lines, points
+from tests.plots.artists import lines, notes, on_paper, points, words
 from vibsim.evidence.benchmark import make_plan, open_bench
 from vibsim.evidence.benchmark.bench_result import DONE, FAILED, SLOWER, BenchRow, EventCount, write_bench
 from vibsim.evidence.benchmark.plan import FAMILIES
@@ -76,27 +77,26 @@ def test_what_did_not_come_so_far_is_not_drawn(figure):
 
 
 def test_every_family_is_named_beside_its_curve(figure):
-    names = {text.get_text(): text for text in figure.axes[0].texts if text.get_gid() == "name"}
-    assert set(names) == {"vibsim, Taylor", "heyoka", "DOP853", "RK4, sgn"}
-    boxes = [text.get_window_extent() for text in names.values()]
-    assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i])
+    names, boxes = words(figure, "name"), [text.get_window_extent() for text in notes(figure, "name")]
+    assert sorted(names) == ["DOP853", "RK4, sgn", "heyoka", "vibsim, Taylor"]
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
     frame = figure.axes[0].bbox
     assert all(frame.x0 <= box.x0 and box.x1 <= frame.x1 for box in boxes)
-    assert [label.get_text() for label in figure.axes[1].get_yticklabels()] == list(names)
+    assert [label.get_text() for label in figure.axes[1].get_yticklabels()] == names
 
 
 def test_the_lead_is_that_at_no_larger_error(figure):
-    leads = [text.get_text() for text in figure.axes[0].texts if text.get_gid() == "lead"]
-    assert leads == ["4 x faster", "1000 x faster"]  # heyoka and DOP853 beside the row of 6e-4 s
+    assert words(figure.axes[0], "lead") == [
+        "4 x faster",
+        "1000 x faster",
+    ]  # heyoka and DOP853 beside the row of 6e-4 s
 
 
 def test_rows_that_missed_events_are_ringed_and_signs_are_explained(figure, path):
     (rings,) = lines(figure, "missed")
     assert points(rings)[1].tolist() == [1e-5]
-    words = figure.axes[0].get_title(loc="right").replace("\n", "; ")
-    assert words == (
-        "II-B; dashed: events not located; ringed: events missed; arrows: vibsim at no larger error"
-    )
+    said = "II-B; dashed: events not located; ringed: events missed; arrows: vibsim at no larger error"
+    assert figure.axes[0].get_title(loc="right").replace("\n", "; ") == said
 
 
 def test_vibsim_stands_out(figure):
@@ -105,8 +105,7 @@ def test_vibsim_stands_out(figure):
 
 
 def test_nothing_is_clipped_and_axes_have_units(figure):
-    figure.draw_without_rendering()
-    assert clipped_texts(figure) == []
+    on_paper(figure)
     assert figure.axes[0].get_xlabel().endswith("(s)") and figure.axes[1].get_xlabel().endswith("(s)")
     assert figure.axes[0].get_ylabel() == "Largest error of the displacements until 10 s (m)"
 
@@ -115,9 +114,8 @@ def test_it_is_what_a_bench_file_is_drawn_as(path):
     subject = open_subject(path)
     assert [kind.name for kind in choose(None, [subject])] == ["work-precision"]
     assert {kind.name for kind in fitting([subject])} == {"work-precision", "stiffness", "motor"}
-    with pytest.raises(
-        PlotError, match=r"it shows a trajectory, and .*II-B-bench\.h5 is a bench; kinds that fit"
-    ):
+    message = r"it shows a trajectory, and .*II-B-bench\.h5 is a bench; kinds that fit"
+    with pytest.raises(PlotError, match=message):
         choose(["overview"], [subject])
 
 
