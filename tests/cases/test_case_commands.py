@@ -103,12 +103,6 @@ def test_check_as_json():
     ]
 
 
-@pytest.mark.parametrize("name", ["cases", "check", "schema"])
-def test_help_ends_with_examples(name):
-    out = vibsim(name, "--help")[1]
-    assert f"vibsim {name}" in out.partition("Examples:")[2]
-
-
 NAMED = ("additionalProperties", "items")  # parts by name, harmonics by number
 
 

@@ -89,9 +89,8 @@ def test_deep_nesting_ends_quickly_with_a_problem(text, tmp_path):
     assert problems_of(path)
 
 
-def test_a_folder_is_told_with_what_is_in_it(tmp_path, monkeypatch):
+def test_a_folder_is_told_with_what_is_in_it(here):
     """Where the folder of shipped models is meant, and is not here, its models are named."""
-    monkeypatch.chdir(tmp_path)
     for source, begin in (
         ("gallery/", "gallery: no such file; shipped are gallery/ball-on-shaken-table, "),
         ("gallery", "gallery: is no shipped case; shipped are gallery/ball-on-shaken-table, "),
@@ -99,7 +98,7 @@ def test_a_folder_is_told_with_what_is_in_it(tmp_path, monkeypatch):
     ):
         (line,) = problems_of(source)
         assert line.startswith(begin)
-    folder = tmp_path / "mine"
+    folder = here / "mine"
     folder.mkdir()
     assert problems_of("mine/") == ["mine: is a folder, not a case file"]
     (folder / "a.yml").touch()
@@ -116,13 +115,12 @@ def test_a_strange_key_stays_on_one_line(tmp_path):
     assert line.endswith("...: unknown key; allowed: m1, m2")
 
 
-def test_files_that_do_not_exist(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "folder.yaml").mkdir()
-    (tmp_path / "trial").write_text("")
+def test_files_that_do_not_exist(here):
+    (here / "folder.yaml").mkdir()
+    (here / "trial").write_text("")
     assert problems_of("II-B.yaml") == ["II-B.yaml: no such file; the shipped case is called II-B"]
     assert problems_of("other/trial.yml") == ["other/trial.yml: no such file"]
-    (tmp_path / "machines").mkdir()
+    (here / "machines").mkdir()
     for name in ("folder.yaml", "machines"):
         assert problems_of(name) == [f"{name}: is a folder, not a case file"]
     [line] = problems_of("trial")
@@ -132,15 +130,15 @@ def test_files_that_do_not_exist(tmp_path, monkeypatch):
     for name in ("gallery/bouncing-ball", "hard/zeno-ball"):
         [line] = problems_of(name.partition("/")[2])
         assert f": is no shipped case (did you mean {name}?); shipped are I-A, " in line
-    (tmp_path / "mine.yaml").write_text("")
+    (here / "mine.yaml").write_text("")
     [line] = problems_of("mine")
     assert line.startswith("mine: is no shipped case; did you mean the file mine.yaml?; shipped are I-A, ")
-    (tmp_path / "run.h5").write_bytes(b"\x89HDF\r\n\x1a\n")
+    (here / "run.h5").write_bytes(b"\x89HDF\r\n\x1a\n")
     assert problems_of("run.h5") == [
         "run.h5: is a result and no case file; vibsim info --case prints its case"
     ]
-    (tmp_path / "text.h5").write_text("name: trial")
-    (tmp_path / "folder.h5").mkdir()
+    (here / "text.h5").write_text("name: trial")
+    (here / "folder.h5").mkdir()
     assert problems_of("text.h5") == [
         "text.h5: is not an HDF5 file, as its name says; a case file ends in .yaml"
     ]

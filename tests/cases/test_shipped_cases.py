@@ -134,10 +134,9 @@ def test_a_name_that_is_nearly_right_gets_a_hint():
         load_case("hard/stif-stop")
 
 
-def test_a_file_of_the_same_name_is_reached_by_its_path(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "hard").mkdir()
-    (tmp_path / "hard/stiff-stop").write_text("extends: I-A\nname: mine\n")
+def test_a_file_of_the_same_name_is_reached_by_its_path(here):
+    (here / "hard").mkdir()
+    (here / "hard/stiff-stop").write_text("extends: I-A\nname: mine\n")
     assert load_case("./hard/stiff-stop").name == "mine"
     assert load_case("hard/stiff-stop").name == "stiff-stop"
 

@@ -50,16 +50,10 @@ TURNS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("dimension", "text", "value"), EXACT)
+@pytest.mark.parametrize(("dimension", "text", "value"), EXACT + TURNS)
 def test_value_is_exact(dimension, text, value):
-    quantity = parse_quantity(text, dimension)
-    assert (quantity.value, quantity.per_turn, quantity.text) == (Fraction(value), False, text)
-
-
-@pytest.mark.parametrize(("dimension", "text", "value"), TURNS)
-def test_turns_are_exact(dimension, text, value):
-    quantity = parse_quantity(text, dimension)
-    assert (quantity.value, quantity.per_turn, quantity.text) == (Fraction(value), True, text)
+    quantity, per_turn = parse_quantity(text, dimension), (dimension, text, value) in TURNS
+    assert (quantity.value, quantity.per_turn, quantity.text) == (Fraction(value), per_turn, text)
 
 
 def test_every_unit_is_tested():
@@ -139,12 +133,8 @@ def test_two_pi_is_enclosed():
         exact = 2 * mpmath.pi
         for bits in (64, 192, 1000):
             low, high = two_pi_bounds(bits)
-            assert (
-                mpmath.mpf(low.numerator) / low.denominator
-                < exact
-                < mpmath.mpf(high.numerator) / high.denominator
-            )
-            assert 0 < high - low < Fraction(1, 2**bits)
+            below, above = (mpmath.mpf(bound.numerator) / bound.denominator for bound in (low, high))
+            assert below < exact < above and 0 < high - low < Fraction(1, 2**bits)
 
 
 @given(st.fractions(min_value=Fraction(-(10**9)), max_value=10**9))

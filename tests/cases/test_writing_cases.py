@@ -51,8 +51,7 @@ def test_a_case_shows_itself_in_a_line():
     assert repr(vibsim.load_case("gallery/stack-of-blocks")).startswith("<Case stack-of-blocks: ")
 
 
-def test_new_begins_a_case_that_is_right(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_new_begins_a_case_that_is_right(here):
     done = call("new", "capsule")
     assert (done.exit_code, done.stderr) == (0, "")
     assert done.stdout == "capsule.yaml written; vibsim check capsule.yaml says whether it is right\n"
@@ -69,9 +68,8 @@ def test_the_table_of_cases_has_frequencies_of_six_digits():
     assert "5.5 Hz " in table and "constant  - " in table
 
 
-def test_new_tells_what_keys_mean_to_the_end(tmp_path, monkeypatch):
+def test_new_tells_what_keys_mean_to_the_end(here):
     """Long descriptions go on in the next line; they ended in three dots."""
-    monkeypatch.chdir(tmp_path)
     for start in ("gallery/drifting-capsule", "II-B"):
         assert call("new", "mine", "--from", start, "--force", "-q").exit_code == 0
         text = Path("mine.yaml").read_text()
@@ -81,16 +79,14 @@ def test_new_tells_what_keys_mean_to_the_end(tmp_path, monkeypatch):
         assert "closed_form: the same, but refused with a motor; taylor: series in every mode" in comments
 
 
-def test_new_from_a_case_of_the_users(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_new_from_a_case_of_the_users(here):
     Path("base.yaml").write_text("extends: II-C\nrun: {t_end: 7 s}\n")
     assert call("new", "mine.yml", "--from", "base.yaml").exit_code == 0
     assert vibsim.load_case("mine.yml").sha256 == vibsim.load_case("base.yaml").sha256
     assert "stiffness of the impact spring" in Path("mine.yml").read_text()
 
 
-def test_new_keeps_what_is_there(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_new_keeps_what_is_there(here):
     Path("mine.yaml").write_text("precious")
     done = call("new", "mine")
     assert done.exit_code == 6 and "mine.yaml: exists; kept" in done.stderr
@@ -100,9 +96,8 @@ def test_new_keeps_what_is_there(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("name", ("", " ", ".", ".."))
-def test_new_needs_a_name(tmp_path, monkeypatch, name):
-    monkeypatch.chdir(tmp_path)
+def test_new_needs_a_name(here, name):
     done = call("new", name)
     said = "a file needs a name, such as capsule; got" if name else "Error: NAME is empty: give it a value\n"
     assert done.exit_code == 2 and said in done.stderr
-    assert not any(tmp_path.iterdir())
+    assert not any(here.iterdir())

@@ -116,14 +116,12 @@ def test_a_case_of_the_gallery_is_found_and_drawn(tmp_path):
         ("--draw", "II-B", "./II-B.yaml"),
     ],
 )
-def test_options_that_do_not_go_together(options, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "II-B.yaml").write_text("extends: II-B\n")
+def test_options_that_do_not_go_together(options, here):
+    (here / "II-B.yaml").write_text("extends: II-B\n")
     assert call("cases", *options).exit_code == 2
 
 
-def test_a_case_of_the_gallery_runs_from_the_command_line(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_case_of_the_gallery_runs_from_the_command_line(here):
     shown = told("run", "gallery/drifting-capsule", "--t-end", "2s")
     for line in (
         "  bodies          hammer 0.1 kg, capsule 0.5 kg",
@@ -135,7 +133,7 @@ def test_a_case_of_the_gallery_runs_from_the_command_line(tmp_path, monkeypatch)
     assert "by part         anvil:" in described
     assert "  events          " in described
     assert call("export", "drifting-capsule.h5", "-o", "events.csv", "--events").exit_code == 0
-    names, first, second, *_ = (tmp_path / "events.csv").read_text().splitlines()
+    names, first, second, *_ = (here / "events.csv").read_text().splitlines()
     assert names == "t,kind,part,x_hammer,v_hammer,x_capsule,v_capsule,anvil,floor"
     assert first.startswith("0.0,start,none,")
     assert second.split(",")[1:3] == ["contact_begin", "anvil"]

@@ -295,13 +295,3 @@ def test_a_part_of_a_taken_name_is_refused_with_the_others(name):
     others = WORDS if name in WORDS else COLUMNS + GROUPS
     assert f"stops.{name}: the name is taken" in str(problem)
     assert all(other in str(problem) for other in others)
-
-
-@pytest.mark.parametrize(("name", "what"), [("pi", "the number pi"), ("sin", "a function")])
-def test_a_state_has_no_name_that_formulas_have(name, what):
-    """A state pi was read in place of the number, without a word."""
-    text = (
-        f"bodies: {{m: 1 kg}}\nstates: {{{name}: {{rate: 1 1/s, start: 0}}}}\nrun: {{t_end: 1 s, every: 1 s}}"
-    )
-    with pytest.raises(CaseError, match=f"taken in formulas: {name} is {what}"):
-        load_case_text(text)
