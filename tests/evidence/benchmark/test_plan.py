@@ -76,31 +76,25 @@ def test_the_fingerprint_knows_what_the_truth_depends_on():
     assert plan(t_end="3 s").fingerprint != print_of
 
 
-def test_the_closed_form_needs_an_ideal_source():
-    def methods(name):
-        return {family.name for family, _ in plan(name, methods=()).rows()}
+def methods(name, t_end="2 s"):
+    return {family.name for family, _ in plan(name, t_end, methods=()).rows()}
 
+
+def test_the_closed_form_needs_an_ideal_source():
     assert "closed-form" in methods("I-A") and "closed-form" not in methods("II-B")
 
 
 def test_methods_without_events_cannot_take_rigid_stops():
-    def methods(name):
-        return {family.name for family, _ in plan(name, "1 s", methods=()).rows()}
-
-    assert methods("gallery/chain-with-gaps") - methods("gallery/bouncing-ball") == {"rk45", "tanh", "rk4"}
-    assert "rigid stops, which need located events" in family_of("rk4").refusal(
-        load_case("hard/zeno-ball").scene()
-    )
+    chain, ball = (methods(f"gallery/{name}", "1 s") for name in ("chain-with-gaps", "bouncing-ball"))
+    assert chain - ball == {"rk45", "tanh", "rk4"}
+    refusal = family_of("rk4").refusal(load_case("hard/zeno-ball").scene())
+    assert "rigid stops, which need located events" in refusal
 
 
-def test_a_clearance_stops_no_run():
-    found = plan("gallery/chain-with-gaps", "1 s", run__on_violation="stop")
-    assert not found.case.scene().stop_on_violation
-
-
-def test_a_rest_distance_stops_no_run():
-    found = plan(rest_distance__value="1 mm", rest_distance__on_violation="stop")
-    assert not found.case.scene().stop_on_violation
+def test_a_clearance_and_a_rest_distance_stop_no_run():
+    clearance = plan("gallery/chain-with-gaps", "1 s", run__on_violation="stop")
+    rest = plan(rest_distance__value="1 mm", rest_distance__on_violation="stop")
+    assert not clearance.case.scene().stop_on_violation and not rest.case.scene().stop_on_violation
 
 
 def test_what_is_not_installed_is_left_out(monkeypatch):
@@ -293,9 +287,8 @@ def test_an_existing_file_is_not_replaced(made):
 def test_the_truth_is_taken_over_where_it_fits(made, tmp_path):
     assert truth_from(plan(methods=["rk4"]), made[1]).fingerprint == plan().fingerprint
     other = plan(coupling__c="0.01")
-    with pytest.raises(
-        BenchError, match=r"it differs in coupling\.c \(0\.001 N s/m there, 0\.01 N s/m here\)"
-    ):
+    message = r"it differs in coupling\.c \(0\.001 N s/m there, 0\.01 N s/m here\)"
+    with pytest.raises(BenchError, match=message):
         truth_from(other, made[1])
     assert truth_at_hand(other, made[1]) is None and truth_at_hand(plan(), tmp_path / "no.h5") is None
 

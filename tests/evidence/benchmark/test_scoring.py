@@ -110,40 +110,31 @@ def counted(found, true=TRUE, until=EVER, widest=0.2):
     return count_events(table(true), [(t, BEGIN) for t in found], until, widest)["contact_begin"]
 
 
+LIMITED, UNLIMITED, TWO = {"until": 3.0}, {"widest": 9.0}, {"true": [1.0, 1.0, 2.0]}
+
+
 @pytest.mark.parametrize(
-    ("found", "count"),
+    ("found", "settings", "count"),
     [
-        ([1.0, 2.0, 2.1, 5.0], EventCount(4, 0, 0)),
-        ([1.1, 2.04, 2.06, 4.9], EventCount(4, 0, 0)),  # shifted within the windows
-        ([1.0, 2.1, 5.0], EventCount(3, 1, 0)),  # one missed
-        ([1.0, 2.0, 2.1, 3.5, 5.0], EventCount(4, 0, 1)),  # one made up
-        ([1.0, 1.1, 2.0, 2.1, 5.0], EventCount(4, 0, 1)),  # one twice
-        ([1.3, 2.0, 2.1, 5.0], EventCount(3, 1, 1)),  # too far: missed, and made up
-        ([1.0, 2.03, 2.04, 5.0], EventCount(3, 1, 1)),  # both nearer to 2.0 than to 2.1
-        ([], EventCount(0, 4, 0)),
+        ([1.0, 2.0, 2.1, 5.0], {}, EventCount(4, 0, 0)),
+        ([1.1, 2.04, 2.06, 4.9], {}, EventCount(4, 0, 0)),  # shifted within the windows
+        ([1.0, 2.1, 5.0], {}, EventCount(3, 1, 0)),  # one missed
+        ([1.0, 2.0, 2.1, 3.5, 5.0], {}, EventCount(4, 0, 1)),  # one made up
+        ([1.0, 1.1, 2.0, 2.1, 5.0], {}, EventCount(4, 0, 1)),  # one twice
+        ([1.3, 2.0, 2.1, 5.0], {}, EventCount(3, 1, 1)),  # too far: missed, and made up
+        ([1.0, 2.03, 2.04, 5.0], {}, EventCount(3, 1, 1)),  # both nearer to 2.0 than to 2.1
+        ([], {}, EventCount(0, 4, 0)),
+        ([1.0, 2.1, 3.5, 4.0], LIMITED, EventCount(2, 1, 0)),  # only those up to the limit
+        ([1.0, 2.1, 2.9, 4.0], LIMITED, EventCount(2, 1, 1)),
+        ([5.1], {"until": 5.05}, EventCount(1, 3, 0)),  # found beyond it, and true before it
+        ([1.4, 2.04, 2.06, 6.4], UNLIMITED, EventCount(4, 0, 0)),  # half way to the next of the kind
+        ([1.6], UNLIMITED, EventCount(0, 4, 1)),
+        ([1.01, 1.02, 2.0], TWO, EventCount(3, 0, 0)),  # those of two parts at one instant are two
+        ([1.01, 2.0], TWO, EventCount(2, 1, 0)),
     ],
 )
-def test_planted_events(found, count):
-    assert counted(found) == count
-
-
-def test_only_events_up_to_the_limit_count():
-    assert counted([1.0, 2.1, 3.5, 4.0], until=3.0) == EventCount(2, 1, 0)
-    assert counted([1.0, 2.1, 2.9, 4.0], until=3.0) == EventCount(2, 1, 1)
-
-
-def test_a_true_event_beside_the_limit_may_be_found_beyond_it():
-    assert counted([5.1], until=5.05) == EventCount(1, 3, 0)
-
-
-def test_windows_end_half_way_to_the_next_of_the_kind():
-    assert counted([1.4, 2.04, 2.06, 6.4], widest=9.0) == EventCount(4, 0, 0)
-    assert counted([1.6], widest=9.0) == EventCount(0, 4, 1)
-
-
-def test_events_of_two_parts_at_one_instant_are_two():
-    assert counted([1.01, 1.02, 2.0], true=[1.0, 1.0, 2.0]) == EventCount(3, 0, 0)
-    assert counted([1.01, 2.0], true=[1.0, 1.0, 2.0]) == EventCount(2, 1, 0)
+def test_planted_events(found, settings, count):
+    assert counted(found, **settings) == count
 
 
 def test_kinds_are_not_mistaken_for_each_other():
@@ -170,10 +161,10 @@ def test_every_event_is_counted_once(true, found, until):
 def test_every_double_is_the_nearest_to_a_run_of_many_more_digits(name):
     found = truth(name, "3 s")
     blocks = list(open_truth(plan(name, "3 s").case.exact_scene, 60).blocks())
-    for column, values in found.samples.items():
-        np.testing.assert_array_equal(values, np.concatenate([block.samples[column] for block in blocks]))
-    for column, values in found.events.items():
-        np.testing.assert_array_equal(values, np.concatenate([block.events[column] for block in blocks]))
+    for table in ("samples", "events"):
+        for column, values in getattr(found, table).items():
+            whole = np.concatenate([getattr(block, table)[column] for block in blocks])
+            np.testing.assert_array_equal(values, whole)
     assert found.attrs["truth_digits_right"] >= RIGHT
     assert len(found.events["t"]) > 5
 

@@ -5,7 +5,7 @@ from textwrap import dedent
 import numpy as np
 import pytest
 
-from tests.evidence.peers.test_scenes_of_parts import PEERS, displaced, reference, solved
+from tests.evidence.peers.test_scenes_of_parts import PEERS, displaced, reference, sample_times, solved
 from tests.formulas.drawn_models import Drawn
 from vibsim import simulate
 from vibsim.cases import load_case
@@ -32,7 +32,7 @@ def motion_of(peer, text, t_end="2 s"):
     """Times, states and events (time, name) of a peer on a case."""
     run = f"run: {{t_end: {t_end}, every: 0.1 s}}"
     scene = load_case_text(f"{dedent(text)}\n{run}", name="scene").scene()
-    times = np.array([scene.sample_time(i) for i in range(scene.sample_count)])
+    times = sample_times(scene)
     attempt = peer(scene).run(times, TimeLimit())
     return times, attempt.states, [(t, EVENT_NAMES[kind]) for t, kind in attempt.events]
 
@@ -94,9 +94,8 @@ def test_a_force_by_remainder_table_and_step(peer, allowed):
     times, states, _ = motion_of(peer, text)
     turns = np.floor(times / 0.3 + 1e-9)
     saw = 0.15 * turns + (times - 0.3 * turns) ** 2 / 0.6
-    triangle = np.where(
-        times < 1, 2 * np.clip(times - 0.5, 0, 1) ** 2, 1 - 2 * np.clip(1.5 - times, 0, 1) ** 2
-    )
+    rising, falling = 2 * np.clip(times - 0.5, 0, 1) ** 2, 1 - 2 * np.clip(1.5 - times, 0, 1) ** 2
+    triangle = np.where(times < 1, rising, falling)
     assert states[:, 1] == pytest.approx(saw + triangle + np.clip(times - 1.5, 0, 1), abs=allowed)
 
 
@@ -179,9 +178,8 @@ def test_powers_without_a_series_on_either_side_are_none_for_heyoka():
     run: {t_end: 1 s, every: 10 ms}
     """
     scene = load_case_text(text, name="root").scene()
-    assert family_of("heyoka").refusal(scene) == (
-        "left out: abs(d)**0.5 has no Taylor series where it is 0, on neither side"
-    )
+    refusal = "left out: abs(d)**0.5 has no Taylor series where it is 0, on neither side"
+    assert family_of("heyoka").refusal(scene) == refusal
     assert family_of("dop853").refusal(scene) is None
     assert family_of("heyoka").refusal(load_case("gallery/hertz-chain").scene()) is None
 

@@ -180,8 +180,7 @@ def test_motors_held_at_the_natural_frequency_are_captured_there():
 
 
 def test_captured_as_printed_needs_no_condition():
-    table = numbers()
-    table["runs"]["II-B"]["capture"] = capture("captured", 11.0, None, 3.69, 3.69)
+    table = planted(("runs", "II-B", "capture"), capture("captured", 11.0, None, 3.69, 3.69))
     table["ensembles"]["II-B"]["outcomes"] = [CAPTURED]
     assert findings(table)["II-B-captured"].verdicts == (ClaimVerdict(HOLDS), ClaimVerdict(HOLDS))
 
@@ -198,9 +197,8 @@ def test_other_numbers_are_an_example_and_not_the_only_ones():
     finding = findings(numbers())["II-B-captured"]
     assert str(finding.rest).startswith("holds, for example, with c = 0.0035 N s/m")
     assert "c = 0.03 N s/m (25 of 25 starts)" in finding.measured[-1]
-    assert not any(
-        "only if c" in str(verdict) for each in findings(numbers()).values() for verdict in each.verdicts
-    )
+    verdicts = [str(verdict) for each in findings(numbers()).values() for verdict in each.verdicts]
+    assert not any("only if c" in verdict for verdict in verdicts)
 
 
 def test_gaps_are_among_the_readings_tried():

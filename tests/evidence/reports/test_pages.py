@@ -100,24 +100,18 @@ def document(picture, tmp_path):
 def audit_pictures(folder):
     for name in AUDIT:
         (folder / f"{name}.png").write_bytes(PIXEL)
-    return {
-        name: Picture(folder / f"{name}.png", name, f"Of the {name}.", f"The {name}, in words.")
-        for name in AUDIT
-    }
+    words = {name: (name, f"Of the {name}.", f"The {name}, in words.") for name in AUDIT}
+    return {name: Picture(folder / f"{name}.png", *said) for name, said in words.items()}
 
 
 def test_the_page_stands_alone(document):
-    reader = read(render_html(document))
+    page = render_html(document)
+    reader = read(page)
     assert_stands_alone(reader)
     assert_accessible(reader)
     assert len(reader.all("img")) == 1 + len(AUDIT)
-
-
-def test_the_page_suits_dark_screens_and_paper(document):
-    page = render_html(document)
-    assert "@media (prefers-color-scheme: dark)" in page
-    assert "@media print" in page
-    assert 'name="viewport"' in page
+    for word in ("@media (prefers-color-scheme: dark)", "@media print", 'name="viewport"'):
+        assert word in page
 
 
 def test_pictures_are_inside_with_their_words(document):
@@ -128,10 +122,9 @@ def test_pictures_are_inside_with_their_words(document):
 
 def test_text_is_escaped():
     hostile = '<script>alert("x")</script> & <b>'
-    sections = (
-        PageSection("s", hostile, (Paragraph(hostile), PageTable(hostile, (hostile,), ((hostile,),)))),
-    )
-    reader = read(render_html(Document(hostile, hostile, sections, ((hostile, hostile),))))
+    table = PageTable(hostile, (hostile,), ((hostile,),))
+    section = PageSection("s", hostile, (Paragraph(hostile), table))
+    reader = read(render_html(Document(hostile, hostile, (section,), ((hostile, hostile),))))
     assert not reader.all("script") and not reader.all("b")
     assert hostile in reader.text
 

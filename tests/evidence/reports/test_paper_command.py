@@ -12,7 +12,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from tests.command_line.made import call, told
+from tests.command_line.made import call, refused, told
 from tests.docs.paper_page import stored_numbers
 from tests.evidence.reports.test_pages import assert_accessible, assert_stands_alone, finding_in, read
 from vibsim.analysis import judge_capture
@@ -41,29 +41,17 @@ from vibsim.results.simulation import open_result
 ROOT = Path(__file__).resolve().parents[3]
 
 
-def test_help_ends_with_examples():
-    result = told("paper", "--help")
-    assert "vibsim paper -o audit" in result
-
-
 @pytest.mark.parametrize("formats", ["gif", "png,tiff", ","])
 def test_unknown_formats_are_usage_errors(tmp_path, formats):
-    result = call("paper", "-o", tmp_path, "--format", formats)
-    assert result.exit_code == 2
-    assert "formats are png, pdf, svg" in result.stderr
+    assert "formats are png, pdf, svg" in refused("paper", "-o", tmp_path, "--format", formats)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_file_in_the_way_is_a_usage_error(tmp_path):
+    """And a folder that cannot be made is trouble with files."""
     (tmp_path / "taken").write_text("")
     assert call("paper", "-o", tmp_path / "taken").exit_code == 2
-
-
-def test_a_folder_that_cannot_be_made_is_file_trouble(tmp_path):
-    (tmp_path / "taken").write_text("")
-    result = call("paper", "-o", tmp_path / "taken" / "paper")
-    assert result.exit_code == 6
-    assert "cannot write" in result.stderr
+    assert "cannot write" in refused("paper", "-o", tmp_path / "taken" / "paper", code=6)
 
 
 def test_an_interrupted_report_keeps_what_was_done(tmp_path):
@@ -165,13 +153,7 @@ def test_a_run_is_simulated_once(tmp_path, case):
     assert (anew, once_more) == (True, False)
     assert (tmp_path / "I-A.h5").read_bytes() == written
     assert again["x1"].tolist() == first["x1"].tolist()
-
-
-def test_a_run_of_another_case_is_replaced(tmp_path, case):
-    obtain_run(load_case("I-A", {**SHORT, "coupling.c": "0.002"}), tmp_path)
-    found, anew = obtain_run(case, tmp_path)
-    assert anew
-    assert found.case.number("coupling.c") == 0.001
+    assert obtain_run(case, tmp_path, fresh=True)[1]
 
 
 def test_a_run_of_another_version_is_replaced(tmp_path, case, monkeypatch):
@@ -180,21 +162,18 @@ def test_a_run_of_another_version_is_replaced(tmp_path, case, monkeypatch):
     assert stored_run(case, tmp_path / "I-A.h5") is None
 
 
-def test_a_run_without_a_trust_horizon_is_replaced(tmp_path, case):
-    simulate(case, trust=False).save(tmp_path / "I-A.h5")
+LEFT = {  # in the place of the run
+    "another case": lambda path: obtain_run(load_case("I-A", {**SHORT, "c": "0.002"}), path.parent),
+    "no trust horizon": lambda path: simulate(load_case("I-A", SHORT), trust=False).save(path),
+    "a damaged file": lambda path: path.write_text("no HDF5"),
+}
+
+
+@pytest.mark.parametrize("leave", LEFT.values(), ids=LEFT)
+def test_what_is_no_such_run_is_replaced(tmp_path, case, leave):
+    leave(tmp_path / "I-A.h5")
     found, anew = obtain_run(case, tmp_path)
-    assert anew
-    assert found.trust_horizon == 2.0
-
-
-def test_a_damaged_file_is_replaced(tmp_path, case):
-    (tmp_path / "I-A.h5").write_text("no HDF5")
-    assert obtain_run(case, tmp_path)[1]
-
-
-def test_fresh_simulates_again(tmp_path, case):
-    obtain_run(case, tmp_path)
-    assert obtain_run(case, tmp_path, fresh=True)[1]
+    assert anew and (found.case.number("coupling.c"), found.trust_horizon) == (0.001, 2.0)
 
 
 def test_an_interrupted_run_is_not_taken_over(tmp_path, case):

@@ -8,6 +8,7 @@ from matplotlib.image import imread, imsave
 
 from tests.branches.made import CAPTURED, branch_of, parameter
 from tests.evidence.reports.made import numbers
+from tests.plots.artists import lines
 from vibsim.analysis import judge_capture
 from vibsim.cases import load_case
 from vibsim.evidence.reports import figures
@@ -25,7 +26,7 @@ from vibsim.evidence.reports.paper_figures import (
 from vibsim.evidence.reports.readings import followed_cases, measure_ends
 from vibsim.physics.rates import bilinear_frequencies
 from vibsim.plots.style import BLUE
-from vibsim.plots.subject import Subject
+from vibsim.plots.subject import subject_of
 
 pytestmark = pytest.mark.usefixtures("house_style")
 
@@ -45,10 +46,6 @@ SHOWN = {
     "fig-16-reading": ["II-C-escape"],
 }
 FIGURES = {figure.key: figure for figure in [*paper_figures(), growth_figure()]}
-
-
-def lines(figure, gid):
-    return [line for axes in figure.get_axes() for line in axes.lines if line.get_gid() == gid]
 
 
 def test_every_figure_is_of_its_cases():
@@ -80,9 +77,8 @@ def test_displacements_are_those_of_the_runs(subjects):
 
 
 def test_details_mark_impacts(subjects):
-    figure = FIGURES["fig-07"].figure(subjects)
-    marked = [line for line in lines(figure, "impacts") if line.get_marker() == "o"]
-    assert sum(len(line.get_xdata()) for line in marked) > 0
+    marks = lines(FIGURES["fig-07"].figure(subjects), "impacts")
+    assert any(len(line.get_xdata()) for line in marks if line.get_marker() == "o")
 
 
 def test_portraits_set_the_ideal_source_beside_the_motor(subjects):
@@ -196,14 +192,11 @@ def test_the_motors_followed_are_the_printed_one_and_the_readings():
 @pytest.mark.parametrize(("key", "name"), [("fig-01", "I-A"), ("fig-03", "II-A")])
 def test_the_sketches_are_drawn_from_the_cases(key, name):
     """Every part of the case is there: the source is a force in Fig. 1, a rotor in Fig. 3."""
-    case = load_case(name)
-    drawn = FIGURES[key].figure({name: Subject(name, name, "case", case)})
-    (axes,) = drawn.axes
+    (axes,) = FIGURES[key].figure({name: subject_of(load_case(name))}).axes
     gids = {artist.get_gid() for artist in axes.get_children()}
     assert {"bodies.1", "bodies.2", "links.coupling", "stops.stop", "friction.friction"} <= gids
-    assert ("motor" in gids) == (key == "fig-03") and any("force" in str(gid) for gid in gids) == (
-        key == "fig-01"
-    )
+    assert ("motor" in gids) == (key == "fig-03")
+    assert any("force" in str(gid) for gid in gids) == (key == "fig-01")
 
 
 def test_the_sommerfeld_diagram_has_both_ways_with_and_without_the_stop(tmp_path, monkeypatch):
@@ -216,7 +209,7 @@ def test_the_sommerfeld_diagram_has_both_ways_with_and_without_the_stop(tmp_path
         for row, (name, factor) in enumerate((("mean_speed", 1), ("amplitude_relative", 1e3))):
             axes = drawn.axes[2 * row + column]
             for way, number in (("up", 0), ("down", 1)):
-                (line,) = [one for one in axes.get_lines() if one.get_gid() == f"{name} {way}"]
+                (line,) = lines(axes, f"{name} {way}")
                 np.testing.assert_allclose(line.get_ydata(), factor * result[name][:, number])
     stamps = [path.stat().st_mtime_ns for path in sorted(tmp_path.glob("*.h5"))]
     figures.obtain_sweeps(tmp_path, lambda *_: True)  # taken over
@@ -231,9 +224,9 @@ def test_load_curves_are_enlarged_about_half_the_bilinear_frequency():
     half = bilinear_frequencies(branch.map.scene)[0] / 2
     assert half == pytest.approx(3.685, abs=0.005)
     assert sum(inset.get_xlim()) / 2 == pytest.approx(half)
-    (level,) = [line for line in inset.get_lines() if line.get_gid() == "half bilinear"]
+    (level,) = lines(inset, "half bilinear")
     assert level.get_xdata()[0] == half
-    assert [line for line in inset.get_lines() if line.get_gid() in ("stable", "unstable")]
+    assert lines(inset, "stable") + lines(inset, "unstable")
 
 
 def test_what_is_given_over_time_is_taken_or_stored(subjects):

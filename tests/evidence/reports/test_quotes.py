@@ -9,6 +9,7 @@ import pytest
 
 from tests.evidence.reports.made import numbers, plane, reading
 from tests.evidence.reports.test_pages import audit_pictures
+from tests.plots.artists import collections
 from vibsim.cases import load_case
 from vibsim.evidence.reports import readings
 from vibsim.evidence.reports.claims import QUOTES
@@ -131,9 +132,8 @@ def test_every_reading_and_range_suits_both_motors():
 
 
 def test_the_shipped_cases_are_the_shipped_reading():
-    (changes,) = make_plan(
-        motors(), {}, [s.text for s in STATEMENTS], [SHIPPED], {}, 0, {}, Search()
-    ).readings
+    statements = [said.text for said in STATEMENTS]
+    (changes,) = make_plan(motors(), {}, statements, [SHIPPED], {}, 0, {}, Search()).readings
     for name, printed in zip(CASES, motors(), strict=True):
         assert load_case(name).sha256 == printed.with_values(changes).sha256
 
@@ -165,14 +165,12 @@ def test_the_map_shows_the_least_share_of_its_statements():
     places, shares = points_of(plane(), (0, 1))
     assert len(places) == POINTS and set(shares) == {0.0}
     places, shares = points_of(plane(), (0,))
-    assert all(
-        share == (1.0 if inertia > 5 else 0.0) for (inertia, _), share in zip(places, shares, strict=True)
-    )
+    assert shares == [float(inertia > 5) for inertia, _ in places]
     with style.applied():
         figure = draw_search({"ranking": plane()}, (1.0, 0.001), (8.5, 0.0035))
         figure.canvas.draw()
     panels = [axes for axes in figure.axes if axes.get_title()]
-    (left,) = [each for each in panels[0].collections if each.get_gid() == "share"]
+    (left,) = collections(panels[0], "share")
     assert sorted(left.get_array()) == sorted(shares)
     assert [line.get_marker() for line in panels[1].lines] == ["x", "o"]
 
@@ -187,9 +185,8 @@ def test_the_table_says_what_each_reading_changes_and_explains():
 
 
 def test_single_numbers_that_capture_are_named():
-    assert captured_by(numbers()["search"]["readings"]["ranking"]) == (
-        "Of single changes, c = 0.03 N s/m, no stop capture II-B for good."
-    )
+    said = captured_by(numbers()["search"]["readings"]["ranking"])
+    assert said == "Of single changes, c = 0.03 N s/m, no stop capture II-B for good."
     assert "none tried" in captured_by([reading({}, 0, 0.6)])
 
 

@@ -119,19 +119,14 @@ def test_a_section_is_measured_once(tmp_path):
     assert measure.calls == 1
 
 
-def test_a_section_of_something_else_is_measured_again(tmp_path):
+def test_a_section_of_something_else_or_another_version_is_measured_again(tmp_path, monkeypatch):
     path, measure = tmp_path / "numbers.json", Measure()
-    NumbersFile(path).section("runs", {"I-A": "sha"}, measure)
-    NumbersFile(path).section("runs", {"I-A": "other"}, measure)
-    assert measure.calls == 2
-
-
-def test_a_section_of_another_version_is_measured_again(tmp_path, monkeypatch):
-    path, measure = tmp_path / "numbers.json", Measure()
-    NumbersFile(path).section("runs", 1, measure)
+    for number, made_of in enumerate(({"I-A": "sha"}, {"I-A": "other"}), 1):
+        NumbersFile(path).section("runs", made_of, measure)
+        assert measure.calls == number
     monkeypatch.setattr(measurements, "__version__", "0.0")
-    NumbersFile(path).section("runs", 1, measure)
-    assert measure.calls == 2
+    NumbersFile(path).section("runs", {"I-A": "other"}, measure)
+    assert measure.calls == 3
 
 
 def test_what_was_measured_before_a_failure_is_kept(tmp_path):

@@ -66,9 +66,8 @@ def test_an_unknown_name_is_a_usage_error():
 
 
 def test_a_planted_wrong_expectation_falls_short(monkeypatch):
-    monkeypatch.setattr(
-        vibrations, "BILINEAR_OSCILLATOR_PERIOD", vibrations.BILINEAR_OSCILLATOR_PERIOD * (1 + 1e-12)
-    )
+    wrong = vibrations.BILINEAR_OSCILLATOR_PERIOD * (1 + 1e-12)
+    monkeypatch.setattr(vibrations, "BILINEAR_OSCILLATOR_PERIOD", wrong)
     done = call("verify", "V2", "V3")
     assert done.exit_code == 4
     assert done.stdout.count("FALLS SHORT") == 2
@@ -91,7 +90,7 @@ def broken(monkeypatch, change):
         result = sound(*given, **options)
         samples = {name: column.copy() for name, column in result._samples.items()}
         events = {name: column.copy() for name, column in result.events.items()}
-        samples, events = change(samples, events)
+        change(samples, events)
         return Result(result.attrs, samples, events, result.case)
 
     monkeypatch.setattr(checks, "simulate", simulate)
@@ -104,7 +103,6 @@ def fallen(*names):
 def test_an_engine_that_is_a_little_wrong_falls_short(monkeypatch):
     def change(samples, events):
         samples["x1"][-1] *= 1 + 3e-11
-        return samples, events
 
     broken(monkeypatch, change)
     assert fallen("hard/light-rotor") == ["hard/light-rotor/taylor: x1 at 10 s"]
@@ -113,7 +111,7 @@ def test_an_engine_that_is_a_little_wrong_falls_short(monkeypatch):
 
 def test_a_missed_event_falls_short(monkeypatch):
     def change(samples, events):
-        return samples, {name: np.delete(column, 40) for name, column in events.items()}
+        events.update({name: np.delete(column, 40) for name, column in events.items()})
 
     broken(monkeypatch, change)
     assert fallen("hard/light-rotor") == ["hard/light-rotor/taylor: events"]
@@ -122,7 +120,7 @@ def test_a_missed_event_falls_short(monkeypatch):
 
 def test_a_spurious_event_falls_short(monkeypatch):
     def change(samples, events):
-        return samples, {name: np.insert(column, 40, column[40]) for name, column in events.items()}
+        events.update({name: np.insert(column, 40, column[40]) for name, column in events.items()})
 
     broken(monkeypatch, change)
     assert "258 events, 0 missed, 1 spurious" in call("verify", "hard/light-rotor").stdout
@@ -131,7 +129,6 @@ def test_a_spurious_event_falls_short(monkeypatch):
 def test_a_number_that_is_none_falls_short(monkeypatch):
     def change(samples, events):
         samples["v1"][:] = float("nan")
-        return samples, events
 
     broken(monkeypatch, change)
     assert fallen("hard/light-rotor", "V2/taylor")
@@ -147,12 +144,6 @@ def test_a_run_that_fails_is_a_row(monkeypatch):
     done = call("verify", "V2/taylor")
     assert done.exit_code == 4
     assert "failed: " in done.stdout and "FALLS SHORT" in done.stdout
-
-
-def test_verification_works_as_a_library():
-    rows = list(verify(["V3/taylor"]))
-    assert [row.check for row in rows] == ["V3/taylor"] * 3
-    assert all(row.passed for row in rows)
 
 
 def test_an_interrupted_verification_prints_what_it_has(monkeypatch):
