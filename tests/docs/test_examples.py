@@ -24,8 +24,7 @@ def test_every_public_name_has_an_example(name):
 
 
 @pytest.mark.parametrize("name", MODULES)
-def test_the_examples_run(name, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_examples_run(name, here, monkeypatch):
     monkeypatch.setenv("MPLBACKEND", "agg")
     done = doctest.testmod(import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS)
     assert done.attempted > 0 and done.failed == 0

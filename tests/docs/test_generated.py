@@ -13,7 +13,7 @@ from from_code.gallery_equations import equations
 from from_code.gallery_numbers import NUMBERS, SOLVER, Kind, Number, agreement
 from from_code.gallery_studies import STUDIES
 from from_code.markdown import plain
-from tests.command_line.made import call
+from tests.command_line.made import told
 from tests.docs.pages import DOCS, README
 from vibsim.cases import load_case
 from vibsim.cases.schema_keys import LONG, SHORT, all_keys
@@ -44,13 +44,11 @@ def test_tables_are_whole(page):
 
 
 def test_every_attribute_has_a_meaning():
-    declared = [
-        attribute.name
-        for structure in (trajectory_file, sweep_file, plan, bench_result)
-        for attribute in structure.ATTRIBUTES
+    structures = [
+        part.ATTRIBUTES for part in (trajectory_file, sweep_file, plan, bench_result, branch_structure)
     ]
-    declared += [each.name for each in (*branch_structure.ATTRIBUTES, *branch_structure.LOCUS_ATTRIBUTES)]
-    assert set(declared) == set(MEANINGS)
+    structures.append(branch_structure.LOCUS_ATTRIBUTES)
+    assert {each.name for attributes in structures for each in attributes} == set(MEANINGS)
 
 
 def test_every_key_is_on_the_page_of_keys():
@@ -107,9 +105,10 @@ def test_a_number_of_the_gallery_is_met(name, number):
 
 
 def test_a_number_that_is_off_stops_the_build():
-    off = Number(
-        "rest", Kind.NONE, 4.0, "s", "nobody", lambda run: run().attrs["t_reached_s"], 1e-3, "no reason"
-    )
+    def reached(run):
+        return run().attrs["t_reached_s"]
+
+    off = Number("rest", Kind.NONE, 4.0, "s", "nobody", reached, 1e-3, "no reason")
     with pytest.raises(ArithmeticError, match=r"bouncing-ball: rest: 5\.0, expected 4\.0"):
         off.measured("bouncing-ball")
 
@@ -179,10 +178,8 @@ def test_cells_of_wide_tables_know_the_heads_of_their_columns():
     assert 'class="docutils cards"' in long_words  # 41 characters that no line can break
     stacked = TABLE.sub(stackable, table(["", "a &amp; b", "c", "d"]))
     assert 'class="docutils cards"' in stacked
-    assert re.findall(r"<td([^>]*)>", stacked) == [
-        "",
-        *(f' data-head="{each}"' for each in ("a &amp; b", "c", "d")),
-    ]
+    heads = [f' data-head="{each}"' for each in ("a &amp; b", "c", "d")]
+    assert re.findall(r"<td([^>]*)>", stacked) == ["", *heads]
 
 
 def test_pictures_have_on_screen_the_width_that_they_have_in_print():
@@ -244,12 +241,10 @@ def test_equations_are_those_of_the_case(name, line):
 def test_what_is_said_to_try_runs(name, tmp_path):
     for options, _ in STUDIES[name].tries:
         out = ("-o", tmp_path / "try.h5", "--force")
-        done = call("run", f"gallery/{name}", *shlex.split(options), "--t-end", "0.02s", "-q", *out)
-        assert done.exit_code == 0, done.output
+        told("run", f"gallery/{name}", *shlex.split(options), "--t-end", "0.02s", "-q", *out)
 
 
 def test_a_case_is_drawn(tmp_path):
     draw("three-balls", tmp_path)
-    assert {path.name for path in tmp_path.iterdir()} == {
-        f"three-balls{part}.png" for part in ("", "-machine", "-study")
-    }
+    names = {f"three-balls{part}.png" for part in ("", "-machine", "-study")}
+    assert {path.name for path in tmp_path.iterdir()} == names

@@ -60,12 +60,11 @@ def marked(path):
 
 
 @pytest.mark.parametrize("path", [marked(path) for path in WITH_COMMANDS])
-def test_the_commands_run_as_printed(path, tmp_path, monkeypatch):
+def test_the_commands_run_as_printed(path, here):
     if path not in IN_AN_EMPTY_FOLDER:
-        shutil.copytree(ROOT / "cases", tmp_path / "cases")
+        shutil.copytree(ROOT / "cases", here / "cases")
     for name, text in files(path).items():
-        (tmp_path / name).write_text(text, encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
+        (here / name).write_text(text, encoding="utf-8")
     for command, shown in commands(path):
         if command.startswith("vibsim"):
             said = run(command)
@@ -75,8 +74,7 @@ def test_the_commands_run_as_printed(path, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("path", [path for path in WITH_PYTHON if path not in WITH_COMMANDS], ids=name_of)
-def test_the_python_runs(path, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_python_runs(path, here):
     run_python(path)
 
 
@@ -88,8 +86,7 @@ def run_python(path):
 
 
 @pytest.mark.slow
-def test_the_commands_in_the_text_of_readme_run_in_an_empty_folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_commands_in_the_text_of_readme_run_in_an_empty_folder(here):
     for name, text in files(README).items():
         Path(name).write_text(text, encoding="utf-8")
     run("vibsim run II-B --t-end 20s")

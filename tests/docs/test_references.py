@@ -27,13 +27,8 @@ USERS = {"cases/hammer.yaml"}  # what examples of commands call files that a use
 @cache
 def tracked():
     """Files of the repository; all that lie there where git is not."""
-    listed = subprocess.run(
-        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    command = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
+    listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if listed.returncode:
         return {str(path.relative_to(ROOT)) for path in ROOT.rglob("*") if path.is_file()}
     return {*listed.stdout.splitlines()}

@@ -16,15 +16,8 @@ CHUNK = 4096
 
 def through_hdf5(values, path, chunk=CHUNK):
     with h5py.File(path, "w") as file:
-        dataset = file.create_dataset(
-            "x",
-            values.shape,
-            values.dtype,
-            chunks=(chunk,),
-            compression="gzip",
-            shuffle=True,
-            fletcher32=True,
-        )
+        filters = {"compression": "gzip", "shuffle": True, "fletcher32": True}
+        dataset = file.create_dataset("x", values.shape, values.dtype, chunks=(chunk,), **filters)
         dataset.id.write_direct_chunk((0,), encoded(values))
     with h5py.File(path) as file:
         return file["x"][:]

@@ -76,16 +76,15 @@ def test_a_disk_without_links(tmp_path, monkeypatch, refused):
 
 def test_only_what_the_dead_have_left_is_removed(tmp_path):
     dead, alive = (tmp_path / f"a.csv.{token}.partial" for token in ("0123abcd", "00000000"))
-    others = [
-        tmp_path / name for name in ("a.csv.partial", "a.csv.0123abcd.partial.txt", "b.csv.0123abcd.partial")
-    ]
+    kept = ("a.csv.partial", "a.csv.0123abcd.partial.txt", "b.csv.0123abcd.partial")
+    others = [tmp_path / name for name in kept]
     for path in (dead, alive, *others):
         path.write_text("half")
     with open(alive) as writing:
         fcntl.flock(writing, fcntl.LOCK_EX)
         with output_file(tmp_path / "a.csv") as file:
             file.write(b"whole")
-    assert names(tmp_path) == sorted(["a.csv", alive.name, *(path.name for path in others)])
+    assert names(tmp_path) == sorted(["a.csv", alive.name, *kept])
 
 
 def test_a_new_folder_that_another_takes_for_one_of_the_dead(tmp_path, monkeypatch):
@@ -109,9 +108,8 @@ def test_a_new_folder_that_another_takes_for_one_of_the_dead(tmp_path, monkeypat
 def test_one_writer_at_a_time_holds_the_lock(tmp_path):
     path = tmp_path / "a.h5"
     lock = Lock(path, "a.h5")
-    with pytest.raises(
-        ResultFileError, match=rf"^a.h5: another command is writing it \(process {os.getpid()} "
-    ):
+    ours = rf"^a.h5: another command is writing it \(process {os.getpid()} "
+    with pytest.raises(ResultFileError, match=ours):
         Lock(path, "a.h5")
     check_unlocked(path, "a.h5")  # by others, that is
     lock.release()
@@ -176,27 +174,27 @@ def test_processes_that_export_at_once_publish_no_mixture(tmp_path):
         )
         for span in spans
     ]  # fmt: skip
+
+    def export(words, *children):
+        """Each child exports at once with words of its own, and succeeds."""
+        for child, own in zip(children, words, strict=True):
+            child.stdin.write(f"{own} --force\n")
+            child.stdin.flush()
+        assert all(child.stdout.readline().startswith("0 ") for child in children)
+
     try:
         assert all(child.stdout.readline() == "ready\n" for child in children)
         for suffix in (".csv", ".parquet", ".mat"):
             alone = []
             for child, span in zip(children, spans, strict=True):
-                child.stdin.write(f"--window {span} -o alone{suffix} --force\n")
-                child.stdin.flush()
-                assert child.stdout.readline().startswith("0 ")
+                export([f"--window {span} -o alone{suffix}"], child)
                 alone.append((tmp_path / f"alone{suffix}").read_bytes())
             for _ in range(3):
-                for child, span in zip(children, spans, strict=True):
-                    child.stdin.write(f"--window {span} -o both{suffix} --force\n")
-                    child.stdin.flush()
-                assert all(child.stdout.readline().startswith("0 ") for child in children)
+                export([f"--window {span} -o both{suffix}" for span in spans], *children)
                 written = (tmp_path / f"both{suffix}").read_bytes()
                 # a MAT file begins with the time at which it was written
                 assert written[128:] in [each[128:] for each in alone]
-        for child in children:
-            child.stdin.write("--ro-crate -o crate --force\n")
-            child.stdin.flush()
-        assert all(child.stdout.readline().startswith("0 ") for child in children)
+        export(["--ro-crate -o crate"] * 2, *children)
         assert len(names(tmp_path / "crate")) == 4
     finally:
         for child in children:

@@ -14,15 +14,9 @@ from vibsim.sweeps.points import share
 def test_a_planted_inertia_is_found(method):
     """A free motor passes 3 Hz after T ln(W/(W - w)): the time tells J, whatever the search."""
     when = run_up(3.0, J=0.0007)
-    plan = plan_of(
-        [light_motor(run__t_end="15 s")],
-        {"J": "0.2:5 g m^2"},
-        [f"passes 3 Hz between {when - 0.1} and {when + 0.1} s"],
-        leave={"J": 0.0},
-        method=method,
-        candidates=120,
-    )
-    found = done(plan)
+    wanted, free = [f"passes 3 Hz between {when - 0.1} and {when + 0.1} s"], {"J": "0.2:5 g m^2"}
+    search = {"leave": {"J": 0.0}, "method": method, "candidates": 120}
+    found = done(plan_of([light_motor(run__t_end="15 s")], free, wanted, **search))
     assert found.best.price == 0.0 and found.best.explained == 1
     inertia = found.case_of(found.best.candidate).number("J")
     assert inertia == pytest.approx(0.0007, rel=0.1)  # within 0.1 s and a lag of 0.12 s in 3.8 s
@@ -45,13 +39,8 @@ def test_more_workers_come_to_the_same_bits():
 
 def test_evolution_goes_on_where_all_are_equally_bad():
     """No inertia lets the motor pass what is far beyond its no-load speed: all of the budget is tried."""
-    plan = plan_of(
-        [light_motor(run__t_end="1 s")],
-        {"J": "0.2:5 g m^2"},
-        ["passes 1000 Hz between 0.2 and 0.4 s"],
-        method="evolution",
-        candidates=40,
-    )
+    motor, wanted = light_motor(run__t_end="1 s"), ["passes 1000 Hz between 0.2 and 0.4 s"]
+    plan = plan_of([motor], {"J": "0.2:5 g m^2"}, wanted, method="evolution", candidates=40)
     assert len(done(plan).candidates) >= 40
 
 
@@ -68,11 +57,9 @@ def test_another_seed_tries_something_else():
 def test_screened_candidates_go_on_by_price():
     """Of 16 candidates 4 are judged from all starts; each of them did no worse from the first two."""
     found = done(small_plan(screen=2, confirm=0))
-    searched = [one for one in found.candidates if one.origin == "search"]
-    runs = {
-        one.number: sum(index[0] == one.number and index[2] >= 0 for index in found.runs) for one in searched
-    }
-    assert sorted(runs.values()) == [2] * 12 + [4] * 4
+    searched = [one.number for one in found.candidates if one.origin == "search"]
+    counts = [sum(i == number and start >= 0 for i, _, start in found.runs) for number in searched]
+    assert sorted(counts) == [2] * 12 + [4] * 4
     assert len(found.ranking) == 4 + 2
 
 
@@ -86,16 +73,13 @@ def test_the_best_are_judged_again_from_starts_that_the_search_has_not_seen():
     assert {each.candidate.origin for each in again[:2]} <= {"search", "reading", "as given"}
     assert len(again) >= 3  # the printed values, the reading, and the two best, which may be these
     assert all(found.is_confirmed(each) for each in again)
-    assert [found.is_confirmed(each) for each in found.ranking] == sorted(
-        (found.is_confirmed(each) for each in found.ranking), reverse=True
-    )
+    confirmed = [found.is_confirmed(each) for each in found.ranking]
+    assert confirmed == sorted(confirmed, reverse=True)
 
 
 def test_readings_alone_are_judged_from_all_starts_at_once():
-    plan = plan_of(
-        [light_motor(run__t_end="12 s")], {}, ["passes 3 Hz before 6 s"], ["J=0.003", "M0=0.01"], ensemble=3
-    )
-    found = done(plan)
+    motor, readings = light_motor(run__t_end="12 s"), ["J=0.003", "M0=0.01"]
+    found = done(plan_of([motor], {}, ["passes 3 Hz before 6 s"], readings, ensemble=3))
     assert [str(one) for one in found.candidates] == ["as given", "J = 0.003", "M0 = 0.01"]
     counts = {str(each.candidate): each.results[0].count for each in found.ranking}
     assert counts == {"as given": 4, "M0 = 0.01": 4, "J = 0.003": 0}
@@ -110,13 +94,9 @@ def test_shares_have_wilsons_interval():
 
 
 def test_parameters_can_be_changed_one_or_two_at_a_time():
-    plan = plan_of(
-        [light_motor(run__t_end="5 s")],
-        {"J": "0.5:2 g m^2", "M0": "3:8 mN m", "e": "0.1:0.2"},
-        ["final speed at least 3 Hz"],
-        at_most=2,
-        candidates=12,
-    )
+    motor, wanted = light_motor(run__t_end="5 s"), ["final speed at least 3 Hz"]
+    free = {"J": "0.5:2 g m^2", "M0": "3:8 mN m", "e": "0.1:0.2"}
+    plan = plan_of([motor], free, wanted, at_most=2, candidates=12)
     names = [tuple(each.name for each in subset) for subset in subsets(plan)]
     assert names == [("J",), ("M0",), ("e",), ("J", "M0"), ("J", "e"), ("M0", "e")]
     made = [len(one.changes) for one in done(plan).candidates if one.origin == "search"]
@@ -136,13 +116,8 @@ def test_a_run_that_fails_fulfils_nothing():
 
 def test_the_trust_horizon_is_told_beside_what_is_decided():
     """II-B as printed: right until some 80 s. It passes 4 Hz before; its final speed is beyond."""
-    plan = plan_of(
-        [load_case("II-B", {"run.t_end": "150 s"})],
-        {},
-        ["passes 4 Hz before 60 s", "final speed at least 5 Hz", "impacts at least 1 over 5 to 50 s"],
-        ["c=0.03"],
-    )
-    found = done(plan)
+    wanted = ["passes 4 Hz before 60 s", "final speed at least 5 Hz", "impacts at least 1 over 5 to 50 s"]
+    found = done(plan_of([load_case("II-B", {"run.t_end": "150 s"})], {}, wanted, ["c=0.03"]))
     printed, damped = found.candidates
     assert 70 < found.horizon(printed, 0) < 90
     assert [found.within_horizon(printed, each) for each in found.statements] == [True, False, True]
@@ -151,33 +126,21 @@ def test_the_trust_horizon_is_told_beside_what_is_decided():
 
 
 def test_several_cases_share_what_is_changed():
-    cases = [
-        light_motor(run__t_end="5 s"),
-        light_motor(name="other", excitation__Omega0="3 Hz", run__t_end="5 s"),
-    ]
-    plan = plan_of(
-        cases, {}, ["II-B: mean speed at least 1 Hz", "other: mean speed at most 3 Hz"], ["J=0.002"]
-    )
-    found = done(plan)
+    other = light_motor(name="other", excitation__Omega0="3 Hz", run__t_end="5 s")
+    cases = [light_motor(run__t_end="5 s"), other]
+    wanted = ["II-B: mean speed at least 1 Hz", "other: mean speed at most 3 Hz"]
+    found = done(plan_of(cases, {}, wanted, ["J=0.002"]))
     for position, case in enumerate(cases):
         expected = case.with_values({"J": "0.002"}).sha256
-        assert (
-            found.runs[1, position, 0].sha256
-            == expected
-            == found.case_of(found.candidates[1], position).sha256
-        )
+        assert found.runs[1, position, 0].sha256 == expected
+        assert found.case_of(found.candidates[1], position).sha256 == expected
 
 
 def test_an_ideal_source_can_be_fitted():
     """The frequency at which I-C strikes once in every cycle; one part of the range does, one does not."""
-    found = fit(
-        load_case("I-C", {"run.t_end": "60 s"}),
-        {"omega": "3.5:6.5 Hz"},
-        ["impacts per cycle between 0.99 and 1.01 in the last 20 s"],
-        ensemble=0,
-        candidates=8,
-        seed=3,
-    )
+    case = load_case("I-C", {"run.t_end": "60 s"})
+    wanted = "impacts per cycle between 0.99 and 1.01 in the last 20 s"
+    found = fit(case, {"omega": "3.5:6.5 Hz"}, [wanted], ensemble=0, candidates=8, seed=3)
     assert found.best.explained == 1
     assert {each.explained for each in found.ranking} == {0, 1}
     assert found.attrs["complete"] == 1 and "best" in repr(found)
@@ -224,10 +187,7 @@ MANY = {key: f"1:2 {unit}".strip() for unit, keys in UNITS.items() for key in ke
         ({"cases": ["II-B", "II-B"], "statements": ["II-B: captured"]}, "two cases are called II-B"),
         ({"cases": ["II-B", "II-C"], "statements": ["II-B: captured"]}, "no statement is on II-C"),
         ({"cases": []}, "a fit needs a case"),
-        (
-            {"cases": "I-A", "free": {"c": "0.001:1"}, "statements": ["chaotic"]},
-            "say what varies over the starts",
-        ),
+        ({"cases": "I-A", "free": {"c": "0.001:1"}, "statements": ["chaotic"]}, "say what varies over the"),
     ],
 )
 def test_wishes_that_cannot_be_used_are_refused(wishes, message):

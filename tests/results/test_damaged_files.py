@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import vibsim
+from tests.command_line.made import told
 from tests.results.damages import OF_ATTRIBUTES, OF_DATASETS, damage_attribute, datasets
 from tests.results.made import short_case
-from vibsim.command_line.main import group
 from vibsim.evidence.benchmark.bench_result import ATTRIBUTES as OF_BENCH
 from vibsim.fitting import fit
 from vibsim.fitting.fit_result import FitStore
@@ -29,12 +29,10 @@ from vibsim.sweeps.sweep_file import ATTRIBUTES as OF_SWEEP
 from vibsim.sweeps.sweep_file import SweepStore
 
 ATTRIBUTES = {
-    "run": OF_TRAJECTORY,
-    "digits": OF_TRAJECTORY,
+    **dict.fromkeys(("run", "digits", "orbit"), OF_TRAJECTORY),
     "sweep": OF_SWEEP,
     "bench": OF_BENCH,
     "fit": OF_FIT,
-    "orbit": OF_TRAJECTORY,
     "branch": OF_BRANCH,
     "locus": OF_LOCUS,
 }
@@ -50,26 +48,14 @@ def whole(tmp_path_factory):
     vibsim.simulate(short_case("II-B", "1 s")).save(folder / "run.h5")
     vibsim.simulate(short_case("I-A", "0.1 s"), digits=20).save(folder / "digits.h5")
     sweep(short_case("II-B", "1 s"), {"Omega0": "3, 4, 5 Hz"}, section=3, jobs=1, out=folder / "sweep.h5")
-    fit(
-        [short_case("II-B", "1 s")],
-        {"J": "1:2 g m^2"},
-        ["impacts at most 0", "mean speed at least 1 Hz"],
-        readings=["c=0.01 N s/m"],
-        ensemble=1,
-        candidates=4,
-        confirm=1,
-        fresh=1,
-        jobs=1,
-        out=folder / "fit.h5",
-    )
+    statements = ["impacts at most 0", "mean speed at least 1 Hz"]
+    search = {"ensemble": 1, "candidates": 4, "confirm": 1, "fresh": 1, "jobs": 1, "out": folder / "fit.h5"}
+    fit([short_case("II-B", "1 s")], {"J": "1:2 g m^2"}, statements, readings=["c=0.01 N s/m"], **search)
     captured = vibsim.orbit("II-B", {"c": "0.03 N s/m", "Omega0": "5.7 Hz"})
     captured.save(folder / "orbit.h5")
     omega0 = vibsim.continue_branch(captured, "excitation.Omega0", "5.6:5.8 Hz", out=folder / "branch.h5")
     vibsim.continue_locus(omega0, {"c": "0.028:0.032"}, label="F1", max_points=3, out=folder / "locus.h5")
-    group.main(
-        ["-q", "bench", "I-A", "--t-end", "0.5s", "--methods", "taylor", "-o", str(folder / "bench.h5")],
-        standalone_mode=False,
-    )
+    told("bench", "I-A", "--t-end", "0.5s", "--methods", "taylor", "-o", folder / "bench.h5")
     return {name: folder / f"{name}.h5" for name in ATTRIBUTES}
 
 
@@ -166,37 +152,31 @@ def test_digits_that_are_none(whole, tmp_path):
     assert refusal(path) == "digits/x1 has a text that is no number"
 
 
-@pytest.mark.parametrize(
-    "change",
-    [{"axes": []},
-     {"axes": [{"key": "excitation.Omega0", "unit": "Hz", "from": "3", "step": "1", "count": 10**15}]},
-     {"axes": [{"key": "nothing", "unit": "Hz", "values": ["3", "4", "5"]}]},
-     {"axes": [{"key": "excitation.Omega0", "unit": "mm", "values": ["3", "4", "5"]}]},
-     {"axes": [{"key": "excitation.Omega0", "unit": "Hz", "values": ["3", "4", "1e999999999"]}]},
-     {"axes": [{"key": "excitation.Omega0", "unit": "Hz", "values": ["3", "4", "6"]}]},
-     {"axes": {"key": "excitation.Omega0"}}, {"section": 10**15}, {"section": -1},
-     {"direction": ["sideways"]}, {"every": "soon"}, {"compute": ["nothing"]}, {"discard": 7}],
-)  # fmt: skip
-def test_a_sweep_whose_settings_are_damaged(whole, tmp_path, change):
-    path = shutil.copy(whole["sweep"], tmp_path / "copy.h5")
+SETTINGS = {
+    "sweep": [
+        {"axes": []}, {"axes": {"key": "excitation.Omega0"}}, {"section": 10**15}, {"section": -1},
+        {"axes": [{"key": "excitation.Omega0", "unit": "Hz", "from": "3", "step": "1", "count": 10**15}]},
+        {"axes": [{"key": "nothing", "unit": "Hz", "values": ["3", "4", "5"]}]},
+        {"axes": [{"key": "excitation.Omega0", "unit": "mm", "values": ["3", "4", "5"]}]},
+        {"axes": [{"key": "excitation.Omega0", "unit": "Hz", "values": ["3", "4", "1e999999999"]}]},
+        {"axes": [{"key": "excitation.Omega0", "unit": "Hz", "values": ["3", "4", "6"]}]},
+        {"direction": ["sideways"]}, {"every": "soon"}, {"compute": ["nothing"]}, {"discard": 7},
+    ],
+    "fit": [
+        {"free": []}, {"free": [{"key": "nothing"}]}, {"statements": []}, {"statements": ["II-B: flies"]},
+        {"readings": [{"nothing": "3"}]}, {"starts": None}, {"starts": {"count": 10**12}},
+        {"search": {"method": "by luck"}}, {"search": None}, {"fitting": -1},
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "change"), [(kind, each) for kind in SETTINGS for each in SETTINGS[kind]])
+def test_settings_that_are_damaged(whole, tmp_path, kind, change):
+    path, name = shutil.copy(whole[kind], tmp_path / "copy.h5"), f"{kind}_settings_json"
     with h5py.File(path, "r+") as file:
-        settings = json.loads(file.attrs["sweep_settings_json"])
-        file.attrs["sweep_settings_json"] = json.dumps(settings | change)
+        file.attrs[name] = json.dumps(json.loads(file.attrs[name]) | change)
+    assert kind == "sweep" or refusal(path).startswith(f"the attribute {name}")
     assert refusal(path)
-
-
-@pytest.mark.parametrize(
-    "change",
-    [{"free": []}, {"free": [{"key": "nothing"}]}, {"statements": []}, {"statements": ["II-B: flies"]},
-     {"readings": [{"nothing": "3"}]}, {"starts": None}, {"starts": {"count": 10**12}},
-     {"search": {"method": "by luck"}}, {"search": None}, {"fitting": -1}],
-)  # fmt: skip
-def test_a_fit_whose_settings_are_damaged(whole, tmp_path, change):
-    path = shutil.copy(whole["fit"], tmp_path / "copy.h5")
-    with h5py.File(path, "r+") as file:
-        settings = json.loads(file.attrs["fit_settings_json"])
-        file.attrs["fit_settings_json"] = json.dumps(settings | change)
-    assert refusal(path).startswith("the attribute fit_settings_json")
 
 
 @pytest.mark.parametrize(
@@ -226,26 +206,20 @@ def test_a_pipe_is_no_result_file(tmp_path):
         vibsim.open_result(tmp_path / "pipe.h5")
 
 
-def go_on(kind, whole, path):
-    """Go on with what is in a whole file, on that at `path`."""
-    there = vibsim.open_result(whole[kind])
-    STORES[kind](there.plan, path)
-
-
 STORES = {"sweep": SweepStore, "fit": FitStore, "branch": BranchStore, "locus": LocusStore}
 
 
 @pytest.mark.parametrize("kind", STORES)
-def test_what_cannot_be_gone_on_from_is_named_as_it_was_typed(whole, tmp_path, monkeypatch, kind):
-    monkeypatch.chdir(tmp_path)
+def test_what_cannot_be_gone_on_from_is_named_as_it_was_typed(whole, here, kind):
     Path("a.h5").write_bytes(whole[kind].read_bytes()[:-100])
+    plan = vibsim.open_result(whole[kind]).plan
     with pytest.raises(ResultFileError, match=r"^a\.h5: is truncated"):
-        go_on(kind, whole, "a.h5")
+        STORES[kind](plan, "a.h5")
     shutil.copy(whole[kind], "a.h5")
     with h5py.File("a.h5", "r+") as file:
         file.attrs["vibsim_format"] = 1000
     with pytest.raises(ResultFileError, match=r"^a\.h5: has format 1000, written by vibsim"):
-        go_on(kind, whole, "a.h5")
+        STORES[kind](plan, "a.h5")
     assert [each.name for each in Path().iterdir()] == ["a.h5"]
 
 

@@ -85,12 +85,8 @@ def test_no_point_of_the_cubic_is_above_and_one_attains_it(numbers):
     y0, y1, d0, d1 = numbers
     found = largest_of_cubics(np.array([0.0, 1.0]), np.array([y0, y1]), np.array([d0, d1]))
     s = np.linspace(0, 1, 2001)
-    curve = (
-        (1 + 2 * s) * (1 - s) ** 2 * y0
-        + s**2 * (3 - 2 * s) * y1
-        + s * (1 - s) ** 2 * d0
-        + s**2 * (s - 1) * d1
-    )
+    curve = (1 + 2 * s) * (1 - s) ** 2 * y0 + s**2 * (3 - 2 * s) * y1
+    curve += s * (1 - s) ** 2 * d0 + s**2 * (s - 1) * d1
     # between grid points h apart it rises by at most h^2/8 max|y''|, and |y''| <= 6|y1 - y0| + 6 max|d|
     assert curve.max() - 1e-12 <= found <= curve.max() + 60 / 8 * (1 / 2000) ** 2 + 1e-12
 
@@ -105,7 +101,6 @@ def test_too_coarse_an_output_says_nothing():
 def test_the_output_interval_hardly_matters():
     fine = short_run(run__every="0.5 ms").attrs["rest_distance_needed"]
     for every in ("5 ms", "20 ms"):
-        bound = (
-            10 * fine * (28 * float(every.split()[0]) / 1000) ** 4 / 384
-        )  # amplitudes below 10 x the maximum
+        # amplitudes below 10 x the maximum
+        bound = 10 * fine * (28 * float(every.split()[0]) / 1000) ** 4 / 384
         assert short_run(run__every=every).attrs["rest_distance_needed"] == pytest.approx(fine, abs=bound)

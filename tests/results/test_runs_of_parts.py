@@ -163,6 +163,15 @@ def test_the_data_of_the_companion_lie_on_the_other_side_of_their_decimals():
     assert (other.method, other.order, other.clearances) == ("taylor", 25, ())
 
 
+ROOM = """
+bodies: {b: 1 kg}
+base: {a: 20 mm, omega: 1 Hz}
+clearances: {other: {between: [base, b], distance: 1 m}, room: {between: %s, distance: 1 m}}
+initial: {b: {v: 0.1 m/s}}
+run: {t_end: 3 s, every: 10 ms}
+"""
+
+
 @pytest.mark.parametrize(
     ("ends", "needed"),
     [
@@ -173,15 +182,10 @@ def test_the_data_of_the_companion_lie_on_the_other_side_of_their_decimals():
     ],
 )
 def test_what_a_clearance_needs(ends, needed):
-    text = (
-        f"bodies: {{b: 1 kg}}\nbase: {{a: 20 mm, omega: 1 Hz}}\ninitial: {{b: {{v: 0.1 m/s}}}}\n"
-        "clearances:\n  other: {between: [base, b], distance: 1 m}\n"
-        f"  room: {{between: {ends}, distance: 1 m}}\nrun: {{t_end: 3 s, every: 10 ms}}\n"
-    )
     if needed is None:
         t = 3 - np.arccos(0.1 / (0.04 * np.pi)) / (2 * np.pi)
         needed = max(0.1 * t - 0.02 * np.sin(2 * np.pi * t), 0.3)
-    attrs = vibsim.simulate(load_case_text(text)).attrs
+    attrs = vibsim.simulate(load_case_text(ROOM % ends)).attrs
     assert attrs["clearances_needed"][1] == pytest.approx(needed, abs=1e-9)
 
 
@@ -223,10 +227,10 @@ def test_events_name_any_of_many_parts():
 
 def test_a_run_that_fails_says_where_and_what_helps():
     error = EngineError("diverged", State(1.5, [np.inf], [2.0], 0.0, 0.0, 0.0))
-    assert str(error) == (
-        "t = 1.5 s: the state is no longer finite (x = inf m, v = 2.0 m/s); check the parameters for values "
-        "far outside each other's scale"
+    said = (
+        "t = 1.5 s: the state is no longer finite (x = inf m, v = 2.0 m/s); check the parameters for values"
     )
+    assert str(error) == f"{said} far outside each other's scale"
 
 
 # Rotors and further states in results: columns with units, files, exports, errors, events of formulas.
@@ -345,9 +349,8 @@ def test_where_no_body_is_on_the_line_angles_and_states_decide():
 def test_torsional_scenes_are_in_radians(tmp_path):
     turning = vibsim.simulate(case_of(DRIVE))
     columns = turning.arrays().datasets
-    assert [columns[name].column.units for name in ("x_disc", "v_load", "error_estimate")] == [
-        "rad", "rad s-1", "rad",
-    ]  # fmt: skip
+    units = [columns[name].column.units for name in ("x_disc", "v_load", "error_estimate")]
+    assert units == ["rad", "rad s-1", "rad"]
     assert dict(turning.lines())["right"] == "to 1e-6 rad over the whole run"
 
 

@@ -22,12 +22,13 @@ def files(folder):
     return sorted(path.name for path in folder.iterdir())
 
 
-def test_an_existing_file_is_kept(tmp_path):
+def test_an_existing_file_is_kept_unless_it_is_replaced_by_force(tmp_path):
     path = tmp_path / "a.h5"
     path.write_text("precious")
     with pytest.raises(ResultFileError, match=r"a\.h5: exists; kept"):
         short_run().save(path)
     assert path.read_text() == "precious"
+    assert len(vibsim.open_result(short_run().save(path, force=True))) == len(short_run())
     assert files(tmp_path) == ["a.h5"]
 
 
@@ -37,12 +38,6 @@ def test_an_existing_file_is_noticed_before_anything_is_computed(tmp_path):
     with pytest.raises(ResultFileError):
         simulate_to_file(short_case(), tmp_path / "a.h5", watch=never.append)
     assert never == []
-
-
-def test_force_replaces_it(tmp_path):
-    (tmp_path / "a.h5").write_text("precious")
-    assert len(vibsim.open_result(short_run().save(tmp_path / "a.h5", force=True))) == len(short_run())
-    assert files(tmp_path) == ["a.h5"]
 
 
 def test_a_file_that_appears_meanwhile_is_kept(tmp_path):
@@ -207,9 +202,8 @@ def test_a_second_run_does_not_disturb_the_first_one(tmp_path, locks_of_hdf5):
 
 def test_a_run_stopped_before_its_energy_ledger_began_states_no_residual(tmp_path):
     """The ledger of a free vibration is taken of the whole run at once; of none of it nothing is known."""
-    case = vibsim.load_case(
-        "I-A", {"stop": "none", "friction": "none", "x1": "1 mm", "omega": "1e6 Hz", "t_end": "20 s"}
-    )
+    free = {"stop": "none", "friction": "none", "x1": "1 mm", "omega": "1e6 Hz", "t_end": "20 s"}
+    case = vibsim.load_case("I-A", free)
     path = tmp_path / "a.h5"
     simulate_to_file(case, path, watch=lambda reached: False)
     stopped = vibsim.open_result(path)

@@ -59,6 +59,13 @@ def complete(plan, path, **options):
     return result, [tuple(index) for index in np.argwhere(before != DONE).tolist()]
 
 
+def swept(plan, path=None, jobs=2):
+    """The result of a plan, every point of which is reached; nothing on file unless a path is given."""
+    result, finished = run_stored(SweepStore(plan, path), jobs)
+    assert finished
+    return result
+
+
 def in_memory(plan):
     """All points of a plan, nothing on file."""
-    return run_stored(SweepStore(plan), 2)[0].table
+    return swept(plan).table

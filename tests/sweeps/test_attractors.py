@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.sweeps.made import assert_same_points, complete, in_memory, run_stored, short_plan
+from tests.sweeps.made import assert_same_points, complete, in_memory, run_stored, short_plan, swept
 from vibsim.analysis.attractor import observables
 from vibsim.cases.case import load_case, load_case_text
 from vibsim.results.hdf5_reading import ResultFileError
@@ -17,7 +17,13 @@ from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError, shard
 
 STARTS = {"tip.x": "-4:4/8 mm", "tip.v": "-450:450/8 mm/s"}
-BELT = {"block.x": "-2:2 m", "block.v": "0:2 m/s"}
+STARTS_ON_BELT = {
+    "ensemble": 40,
+    "spread": {"block.x": "-2:2 m", "block.v": "0:2 m/s"},
+    "overrides": {"run.t_end": "300 s"},
+    "discard": "200 s",
+    "section": 0,
+}
 
 
 def cantilever_plan(axes=STARTS, compute="attractor", **settings):
@@ -73,12 +79,10 @@ def test_the_clear_motion_is_the_linear_oscillator(basins):
 
 def test_shares_count_the_points(basins):
     path, result = basins
-    counts = [(result["attractor"] == i).sum() for i in range(2)]
-    shares = np.array(counts) / 64
+    shares = np.array([(result["attractor"] == i).mean() for i in range(2)])
     np.testing.assert_allclose(result.attractors["share"], shares, rtol=1e-15)
-    np.testing.assert_allclose(
-        result.attractors["share_error"], np.sqrt(shares * (1 - shares) / 64), rtol=1e-12
-    )
+    errors = np.sqrt(shares * (1 - shares) / 64)
+    np.testing.assert_allclose(result.attractors["share_error"], errors, rtol=1e-12)
     with h5py.File(path) as file:
         np.testing.assert_array_equal(file["attractor"][...], result["attractor"])
         assert file["attractors/period"][...].tolist() == [1, 1]
@@ -104,11 +108,9 @@ def test_the_order_of_points_and_the_number_of_workers_change_no_bit(basins):
     assert_same_points(points, result.table)
     for index in [(7, 7, 0), (0, 3, 0), (4, 4, 0)]:  # alone, the last first
         alone = compute_point(plan.point_settings, index, plan.changes(index), None)
-        assert alone is not None
-        np.testing.assert_array_equal(
-            alone.arrays["attractor_state"], points.point(index).arrays["attractor_state"]
-        )
-        assert alone.values["attractor_multiplier"] == points.point(index).values["attractor_multiplier"]
+        beside = points.point(index)
+        np.testing.assert_array_equal(alone.arrays["attractor_state"], beside.arrays["attractor_state"])
+        assert alone.values["attractor_multiplier"] == beside.values["attractor_multiplier"]
 
 
 def test_a_sweep_that_is_stopped_goes_on_to_the_same_file(basins, tmp_path):
@@ -131,7 +133,7 @@ def test_shards_have_the_points_of_the_whole(basins, tmp_path):
     plan = cantilever_plan()
     paths = [tmp_path / f"{k}.h5" for k in (1, 2)]
     for k, path in enumerate(paths, 1):
-        complete(shard(plan, k, 2), path)
+        swept(shard(plan, k, 2), path)
     joined = vibsim.join(paths)
     np.testing.assert_array_equal(joined["attractor"], result["attractor"])
     np.testing.assert_array_equal(joined["attractor_state"], result["attractor_state"])
@@ -149,10 +151,7 @@ def test_a_damaged_number_of_an_attractor_is_told(basins, tmp_path):
 
 def test_rest_and_stick_slip_are_those_of_end_state():
     """Of the belt oscillator, by another rule: whether the friction goes on to change its state."""
-    case = load_case("gallery/belt-oscillator", {"run.t_end": "300 s"})
-    result = vibsim.sweep(
-        case, {}, ensemble=40, spread=BELT, discard="200 s", section=0, compute=["attractor", "end-state"]
-    )
+    result = vibsim.sweep("gallery/belt-oscillator", {}, compute=["attractor", "end-state"], **STARTS_ON_BELT)
     at_rest = result.verdict("end_state") == "rest"
     assert 0 < at_rest.sum() < 40
     np.testing.assert_array_equal(result["attractor_kind"] == KINDS["rest"], at_rest)
@@ -164,16 +163,8 @@ def test_rest_and_stick_slip_are_those_of_end_state():
 
 
 def test_shares_over_a_parameter_keep_their_branches():
-    result = vibsim.sweep(
-        "gallery/belt-oscillator",
-        {"belt.belt": "1.4, 1.7, 1.9 m/s"},
-        ensemble=40,
-        spread=BELT,
-        overrides={"run.t_end": "300 s"},
-        discard="200 s",
-        section=0,
-        compute="attractor",
-    )
+    belts = {"belt.belt": "1.4, 1.7, 1.9 m/s"}
+    result = vibsim.sweep("gallery/belt-oscillator", belts, compute="attractor", **STARTS_ON_BELT)
     found = result.attractors
     branches = {kind: set(found["branch"][found["period"] == kind].tolist()) for kind in (0, 1)}
     assert len(branches[0]) == len(branches[1]) == 1 and branches[0] != branches[1]
@@ -191,15 +182,9 @@ def test_two_periods_of_one_scene():
 
 
 def test_chaos_is_one_set_and_told_from_orbits():
-    result = vibsim.sweep(
-        "gallery/impact-oscillator",
-        {},
-        ensemble=6,
-        spread={"mass.x": "-0.5:-0.1 m"},
-        overrides={"run.t_end": "3000 s", "forces.drive.omega": "2.8 rad/s"},
-        section=0,
-        compute="attractor",
-    )
+    case = load_case("gallery/impact-oscillator", {"run.t_end": "3000 s", "drive.omega": "2.8 rad/s"})
+    spread = {"mass.x": "-0.5:-0.1 m"}
+    result = vibsim.sweep(case, {}, ensemble=6, spread=spread, section=0, compute="attractor")
     assert result.verdict("attractor_kind").ravel().tolist() == ["chaotic"] * 6
     assert result.attractors["period"].tolist() == [-1] and result.attractors["share"].tolist() == [1.0]
     assert np.isnan(result.attractors["largest_multiplier"][0])
@@ -233,30 +218,26 @@ def test_a_limit_cycle_without_events():
     assert early[0] > 3 and early[1] == 0
 
 
-def test_what_nothing_moves_rests():
-    """A force below what the friction holds."""
-    text = """
-    bodies: {block: 1 kg}
-    links: {spring: {between: [block, ground], k: 10 N/m}}
-    friction: {floor: {between: [block, ground], mu: 0.5, N: 10 N}}
-    forces: {drive: {on: block, A: 1 N, omega: 1 Hz}}
-    run: {t_end: 60 s}
-    """
-    case = load_case_text(text, name="held")
-    result = vibsim.sweep(case, {"block.x": "-0.3:0.3/4 m"}, section=0, compute="attractor")
-    assert result.verdict("attractor_kind").ravel().tolist() == ["rest"] * 4
-    assert result.attractors["period"].tolist() == [0]  # any place that the friction holds
+HELD = """
+links: {spring: {between: [block, ground], k: 10 N/m}}
+friction: {floor: {between: [block, ground], mu: 0.5, N: 10 N}}
+forces: {drive: {on: block, A: 1 N, omega: 1 Hz}}
+"""
+ROCKET = "forces: {drive: {on: block, A: 1 N, omega: 1 Hz, F0: 0.1 N}}\n"
 
 
-def test_what_runs_away_is_told():
-    text = """
-    bodies: {block: 1 kg}
-    forces: {drive: {on: block, A: 1 N, omega: 1 Hz, F0: 0.1 N}}
-    run: {t_end: 60 s}
-    """
-    case = load_case_text(text, name="rocket")
-    result = vibsim.sweep(case, {"block.v": "0, 1 m/s"}, section=0, compute="attractor")
-    assert result.verdict("attractor_kind").ravel().tolist() == ["running away"] * 2
+@pytest.mark.parametrize(
+    ("parts", "axes", "kind", "periods"),
+    [
+        (HELD, {"block.x": "-0.3:0.3/4 m"}, "rest", [0]),  # any place that the friction holds
+        (ROCKET, {"block.v": "0, 1 m/s"}, "running away", None),
+    ],
+)
+def test_what_nothing_moves_rests_and_what_nothing_holds_runs_away(parts, axes, kind, periods):
+    case = load_case_text(f"bodies: {{block: 1 kg}}\n{parts}run: {{t_end: 60 s}}\n", name="block")
+    result = vibsim.sweep(case, axes, section=0, compute="attractor")
+    assert {*result.verdict("attractor_kind").ravel()} == {kind}
+    assert periods is None or result.attractors["period"].tolist() == periods
 
 
 def test_what_is_undecided_says_why():
@@ -279,12 +260,7 @@ def test_mirror_images_are_one_orbit_and_counted_apart():
     text = """
     bodies: {mass: 1 kg}
     links:
-      spring:
-        between: [mass, ground]
-        force: "k0*(d**3/L**2 - d) + c0*v"
-        k0: 1 N/m
-        L: 1 m
-        c0: 0.15 N s/m
+      spring: {between: [mass, ground], force: "k3*d**3 - k1*d + c*v", k1: 1 N/m, k3: 1 N/m^3, c: 0.15 N s/m}
     forces: {drive: {on: mass, A: 0.2 N, omega: 1 rad/s, phase: 90 deg}}
     run: {t_end: 250 s, every: 100 ms}
     """
@@ -359,10 +335,8 @@ run: {t_end: 400 s, every: 50 ms}
 """
 
 
-def changes_of(axes, case, path, **settings):
-    return attractor_changes(
-        complete(short_plan(axes, case, compute="attractor", section=0, **settings), path)[0]
-    )
+def changes_of(axes, case, path):
+    return attractor_changes(swept(short_plan(axes, case, compute="attractor", section=0), path))
 
 
 def test_rest_on_a_belt_is_born_in_a_hopf_point_and_its_cycle_dies_in_a_corner(tmp_path):
@@ -396,9 +370,8 @@ def test_the_resonant_motion_of_an_escape_equation_dies_in_a_fold(tmp_path):
             slopes = np.array([[0, 1], [-1 + 2 * x, -0.1]]) @ D
             return [v, A * np.sin(0.85 * t) - x + x * x - 0.1 * v, *slopes.ravel()]
 
-        end = solve_ivp(
-            rates, (0, 2 * np.pi / 0.85), [*y, 1, 0, 0, 1], method="DOP853", rtol=1e-12, atol=1e-13
-        ).y[:, -1]
+        tight = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13}
+        end = solve_ivp(rates, (0, 2 * np.pi / 0.85), [*y, 1, 0, 0, 1], **tight).y[:, -1]
         return end[:2], end[2:].reshape(2, 2)
 
     def at_fold(unknowns):
@@ -416,8 +389,7 @@ def test_the_resonant_motion_of_an_escape_equation_dies_in_a_fold(tmp_path):
 def _orbit_near(fold, axes, tmp_path):
     """Where the dying orbit meets the section at the last point that has it."""
     plan = short_plan(axes, load_case_text(ESCAPE), compute="attractor", section=0)
-    sweep, _ = complete(plan, tmp_path / "escape.h5")
-    return sweep.attractors["state"][fold.attractor]
+    return swept(plan, tmp_path / "escape.h5").attractors["state"][fold.attractor]
 
 
 @pytest.mark.slow
@@ -454,6 +426,5 @@ def test_chaos_between_two_wells_dies_in_a_boundary_crisis(tmp_path):
 
 def test_births_are_those_of_a_parameter(tmp_path):
     plan = short_plan({"tip.x": "-4:4/4 mm"}, load_case("gallery/cantilever"), compute="attractor", section=0)
-    sweep, _ = complete(plan, tmp_path / "plane.h5")
     with pytest.raises(PlanError, match="are those of a sweep over one parameter"):
-        attractor_changes(sweep)
+        attractor_changes(swept(plan, tmp_path / "plane.h5"))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
+from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan, swept
 from vibsim.analysis.cycles import parse_discard
 from vibsim.cases import CaseError, RangeError, UnknownKeyError
 from vibsim.results.simulation import open_result
@@ -245,22 +245,21 @@ def test_ensembles_that_are_refused():
 @pytest.mark.parametrize("settings", [{}, CARRIED], ids=["fresh", "carried"])
 def test_any_number_of_jobs_and_resuming_give_the_same_bits(tmp_path, settings):
     plan, path = ensemble_plan(**settings), tmp_path / "e.h5"
-    one = run_stored(SweepStore(plan), 1)[0]
-    assert_same_points(run_stored(SweepStore(plan), 3)[0].table, one.table)
+    one = swept(plan, jobs=1)
+    assert_same_points(swept(plan, jobs=3).table, one.table)
     run_stored(SweepStore(plan, path), 2, watch=lambda table: table.count(1) < 5)
     assert open_result(path).attrs["complete"] == 0
-    assert_same_points(run_stored(SweepStore(plan, path), 2)[0].table, one.table)
+    assert_same_points(swept(plan, path).table, one.table)
     assert open_result(path).plan.fingerprint == plan.fingerprint
 
 
 def test_a_member_is_the_run_with_its_start():
-    plan = ensemble_plan()
-    result = run_stored(SweepStore(plan), 2)[0]
+    result = swept(ensemble_plan())
     case = result.case_at((1, 4, 0))
     assert case.number("x1") == pytest.approx(result["member_x1"][4] * 1e-3, rel=1e-15)
     assert case.number("phi") == pytest.approx(math.radians(result["member_phi"][4]), rel=1e-15)
     assert vibsim.simulate(case, trust=False).attrs["impacts"] == result["impacts"][1, 4, 0]
-    larger = run_stored(SweepStore(ensemble_plan(count=8, axes=((OMEGA0, "4 Hz", ""),))), 2)[0]
+    larger = swept(ensemble_plan(count=8, axes=((OMEGA0, "4 Hz", ""),)))
     assert larger["end_x1"][0, :6].tobytes() == result["end_x1"][1].tobytes()
 
 
@@ -299,13 +298,12 @@ def test_wilson_intervals():
 
 
 def test_probabilities_of_a_sweep():
-    result = run_stored(SweepStore(ensemble_plan()), 2)[0]
+    result = swept(ensemble_plan())
     fast = result["mean_speed"] > np.median(result["mean_speed"])
     found = result.probability(fast)
     assert found.estimate.shape == (2, 1) and (found.count == 6).all()
     assert found.estimate.tolist() == fast.mean(axis=1).tolist()
     assert result.over_members("impacts").mean.tolist() == result["impacts"].mean(axis=1).tolist()
+    alone = swept(short_plan({OMEGA0: "3 Hz"}, short_case(t_end="1 s")))
     with pytest.raises(ValueError, match="no ensemble"):
-        run_stored(SweepStore(short_plan({OMEGA0: "3 Hz"}, short_case(t_end="1 s"))), 1)[0].over_members(
-            "impacts"
-        )
+        alone.over_members("impacts")

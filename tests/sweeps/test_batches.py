@@ -12,15 +12,7 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.sweeps.made import (
-    OMEGA0,
-    assert_same_points,
-    complete,
-    in_memory,
-    run_stored,
-    short_case,
-    short_plan,
-)
+from tests.sweeps.made import OMEGA0, assert_same_points, complete, in_memory, short_case, short_plan, swept
 from vibsim.cases import load_case
 from vibsim.engine import c_engine
 from vibsim.engine.errors import EngineError, State
@@ -155,17 +147,7 @@ def test_a_failed_point_is_retried_alone_when_those_behind_it_hold():
 # A point does not depend on when, where and beside which others it is computed.
 
 
-SETTINGS = {
-    "fresh": {},
-    "carried up and down": {"carry_state": True, "direction": "both"},
-    "carried down": {"carry_state": True, "direction": "down"},
-}
-
-
-def table(plan, jobs):
-    result, finished = run_stored(SweepStore(plan), jobs)
-    assert finished and result.complete
-    return result.table
+SETTINGS = {"fresh": {}, "up and down": CARRIED, "down": {**CARRIED, "direction": "down"}}
 
 
 @pytest.mark.parametrize("settings", SETTINGS.values(), ids=SETTINGS)
@@ -173,15 +155,14 @@ def table(plan, jobs):
 def test_any_number_of_jobs_gives_the_same_bits(settings, case):
     axis = {OMEGA0 if case == "II-B" else "omega": "3:5:0.5 Hz", "c": "0.001, 0.03"}
     plan = short_plan(axis, short_case(case), **settings)
-    one = table(plan, 1)
+    one = swept(plan, jobs=1).table
     assert one.count(DONE) == plan.count == 5 * 2 * len(plan.directions)
     for jobs in (2, 5):
-        assert_same_points(table(plan, jobs), one)
+        assert_same_points(swept(plan, jobs=jobs).table, one)
 
 
 def test_a_carried_point_begins_where_the_one_before_ended():
-    plan = short_plan({OMEGA0: "3, 4 Hz"}, carry_state=True, direction="both")
-    result, _ = run_stored(SweepStore(plan), 1)
+    result = swept(short_plan({OMEGA0: "3, 4 Hz"}, **CARRIED))
     order = [(0, 0), (1, 0), (1, 1), (0, 1)]  # up, then back down
     assert result.case_at(order[0]).number("initial.x1") == 0.0
     for before, after in pairwise(order):
@@ -193,8 +174,7 @@ def test_a_carried_point_begins_where_the_one_before_ended():
 
 def test_a_carried_harmonic_force_has_no_jump():
     """4 s at 3.3 Hz end in a period; the state carried on is that at its last whole one, 13/3.3 s."""
-    plan = short_plan({"omega": "3.3, 3.4 Hz"}, short_case("I-B"), carry_state=True)
-    result, _ = run_stored(SweepStore(plan), 1)
+    result = swept(short_plan({"omega": "3.3, 3.4 Hz"}, short_case("I-B"), carry_state=True))
     state = vibsim.simulate(result.case_at((0, 0))).at(13 / 3.3)
     for name in ("x1", "v1", "x2", "v2"):
         # an instant is rounded to 1e-16 of 4 s, and the state changes at up to 100 units per second
@@ -202,7 +182,7 @@ def test_a_carried_harmonic_force_has_no_jump():
 
 
 def test_fresh_points_do_not_depend_on_the_direction():
-    result, _ = run_stored(SweepStore(short_plan(direction="both")), 2)
+    result = swept(short_plan(direction="both"))
     for name in ("mean_speed", "amplitude_x1", "end_x2"):
         assert (result[name][:, 0] == result[name][:, 1]).all()
 
@@ -230,8 +210,7 @@ def test_a_failed_point_is_kept_with_its_reason_and_tried_again(tmp_path, monkey
 
 def test_a_point_whose_case_is_not_allowed_fails_alone():
     """Each value alone is allowed; together t_end and every make too many samples."""
-    plan = short_plan({"t_end": "1, 100 s", "every": "1e-9, 1 s"}, short_case(run__every="1 s"))
-    result, _ = run_stored(SweepStore(plan), 1)
+    result = swept(short_plan({"t_end": "1, 100 s", "every": "1e-9, 1 s"}, short_case(run__every="1 s")))
     assert result["status"][:, :, 0].tolist() == [[DONE, DONE], [FAILED, DONE]]
     assert "samples" in result["error"][1, 0, 0]
 
@@ -246,19 +225,18 @@ def test_a_bug_at_one_point_does_not_stop_the_others(monkeypatch):
             super().update(block)
 
     monkeypatch.setattr(points, "Statistics", Faulty)
-    result, _ = run_stored(SweepStore(short_plan({OMEGA0: "3, 4, 5 Hz"})), 2)
+    result = swept(short_plan({OMEGA0: "3, 4, 5 Hz"}))
     assert result["status"].ravel().tolist() == [DONE, FAILED, DONE]
-    assert result["error"][1, 0].startswith(
-        "a bug in vibsim, please report it: ZeroDivisionError: by nothing (test_"
-    )
+    said = "a bug in vibsim, please report it: ZeroDivisionError: by nothing (test_"
+    assert result["error"][1, 0].startswith(said)
 
 
 def test_a_motion_too_fast_to_take_statistics_of_fails_alone():
     """10^300 turns a second over 2 s are no 10^10 samples; nor are 2 s in steps of 10^-30 s."""
-    result, _ = run_stored(SweepStore(short_plan({OMEGA0: "1e300, 4 Hz"})), 1)
+    result = swept(short_plan({OMEGA0: "1e300, 4 Hz"}))
     assert result["status"].ravel().tolist() == [FAILED, DONE]
     assert "more than 1e10 samples" in result["error"][0, 0]
-    result, _ = run_stored(SweepStore(short_plan({OMEGA0: "4 Hz"}, every="1e-30 s")), 1)
+    result = swept(short_plan({OMEGA0: "4 Hz"}, every="1e-30 s"))
     assert "are more than 1e10 in this run" in result["error"][0, 0]
 
 

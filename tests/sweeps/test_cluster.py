@@ -10,7 +10,7 @@ import pytest
 
 from tests.command_line.made import begun, call
 from tests.sweeps.clusters import loopback_cluster
-from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
+from tests.sweeps.made import OMEGA0, assert_same_points, in_memory, short_case, short_plan, swept
 from vibsim.results.simulation import open_result
 from vibsim.sweeps.quantities import FAILED
 from vibsim.sweeps.sweep_file import SweepStore
@@ -38,7 +38,7 @@ def test_a_cluster_gives_the_same_bits(cluster, settings):
     plan = short_plan({OMEGA0: "3:5:0.25 Hz", "c": "0.001, 0.03"}, compute=["all"], **settings)
     result, finished = on(cluster, SweepStore(plan))
     assert finished and result.table.done
-    assert_same_points(result.table, run_stored(SweepStore(plan), 2)[0].table)
+    assert_same_points(result.table, in_memory(plan))
 
 
 def test_an_interrupted_cluster_sweep_goes_on_here(cluster, tmp_path):
@@ -46,8 +46,8 @@ def test_an_interrupted_cluster_sweep_goes_on_here(cluster, tmp_path):
     _, finished = on(cluster, SweepStore(plan, path), lambda table: table.count(1) < 4)
     left = open_result(path)
     assert not finished and 4 <= left.table.count(1) < plan.count
-    result = run_stored(SweepStore(plan, path), 2)[0]
-    assert_same_points(result.table, run_stored(SweepStore(plan), 2)[0].table)
+    result = swept(plan, path)
+    assert_same_points(result.table, in_memory(plan))
 
 
 def test_batches_in_flight_are_bounded(cluster):
@@ -124,16 +124,15 @@ def long_sweep(folder, cluster):
         yield process
 
 
-def test_nobody_there(tmp_path, monkeypatch):
+def test_nobody_there(here, monkeypatch):
     monkeypatch.setattr("vibsim.sweeps.workers.TIMEOUT", 0.5)
-    monkeypatch.chdir(tmp_path)
     with socket.socket() as unused:
         unused.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{unused.getsockname()[1]}"
         done = call("sweep", "II-B", "--omega0", "3,4", "--scheduler", address)
     assert done.exit_code == 4
     assert done.stderr.startswith(f"Error: no scheduler at {address}: ")
-    assert list(tmp_path.iterdir()) == []
+    assert list(here.iterdir()) == []
 
 
 def test_jobs_do_not_go_with_a_scheduler():
@@ -169,7 +168,7 @@ def test_a_killed_worker_costs_nothing_but_time(cluster, tmp_path):
         result, finished = complete(SweepStore(plan, tmp_path / "s.h5"), workers, watch)
         assert killed[0].wait(10) == -signal.SIGKILL
         assert finished and result.table.done
-    assert_same_points(open_result(tmp_path / "s.h5").table, run_stored(SweepStore(plan), 1)[0].table)
+    assert_same_points(open_result(tmp_path / "s.h5").table, in_memory(plan))
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ import pytest
 
 from tests.engine.runs import opened
 from tests.scenes import fixed_block, harmonic, motor, paper, scene
-from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
+from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan, swept
 from vibsim.analysis.cycles import parse_discard
 from vibsim.cases.case import load_case_text
 from vibsim.engine.trajectory import Trajectory, open_trajectory
@@ -22,7 +22,6 @@ from vibsim.sweeps.contact_computations import QUANTILES
 from vibsim.sweeps.points import Measurement
 from vibsim.sweeps.quantities import of_two_blocks
 from vibsim.sweeps.statistics import GivenUpError, MeasuredRun, Statistics, sampled_for_statistics
-from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError, PointSettings
 
 
@@ -43,13 +42,17 @@ def contact_begins(scene, begin):
     return {name: column[chosen] for name, column in events.items()}, marks[marks >= begin]
 
 
+def linear(hertz=4.0, t_end=40.0, **changes):
+    """Block 1 alone under 0.1 N, damped by 1 N s/m, and its response A / (k1 - m1 w^2 + i c w) [m]."""
+    driven, w = fixed_block(harmonic(hertz, 0.1), c=1.0, t_end=t_end, **changes), 2 * math.pi * hertz
+    return driven, 0.1 / (driven.k1 - driven.m1 * w * w + 1j * w)
+
+
 def test_power_of_a_driven_linear_oscillator():
-    """Mean power c (w X)^2 / 2 in the damper, X = A / |k1 - m1 w^2 + i c w|; nothing stored per period."""
-    c, w = 1.0, 2 * math.pi * 4.0
-    driven = fixed_block(harmonic(4.0, 0.1), c=c, t_end=40.1)  # ends within a period
+    """Mean power c (w X)^2 / 2 in the damper; nothing stored per period."""
+    driven, response = linear(t_end=40.1)  # ends within a period
     values, _ = computed(driven, "power")
-    amplitude = 0.1 / math.hypot(driven.k1 - driven.m1 * w * w, c * w)
-    expected = c * (w * amplitude) ** 2 / 2
+    expected = (2 * math.pi * 4.0 * abs(response)) ** 2 / 2
     # the transient has died to exp(-20 c / 2 m1) = 2e-15; sums of 1 J are kept to 1e-15, over 20 s
     assert values["power_source"] == pytest.approx(expected, rel=1e-12)
     assert values["power_damper"] == pytest.approx(expected, rel=1e-12)
@@ -126,13 +129,12 @@ def test_the_section_at_contact(name):
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_the_grazing_margin_of_a_steady_motion(side):
-    """V5: without contact the gap that is left is G - A / |k1 - m1 w^2 + i c w|, on either side."""
-    c, w, gap = 1.0, 2 * math.pi * 4.0, 0.01
-    driven = fixed_block(harmonic(4.0, 0.1), c=c, k2=12400.0, G=gap, stop_sign=side, t_end=40.0)
+    """V5: without contact the gap that is left is G less the amplitude, on either side."""
+    driven, response = linear(k2=12400.0, G=0.01, stop_sign=side)
     values, _ = computed(driven, "grazing")
-    amplitude = 0.1 / math.hypot(driven.k1 - driven.m1 * w * w, c * w)
     assert values["impacts"] == 0
-    assert values["grazing_margin_late"] == pytest.approx(gap - amplitude, abs=1e-12 * amplitude)
+    left = pytest.approx(0.01 - abs(response), abs=1e-12 * abs(response))
+    assert values["grazing_margin_late"] == left
 
 
 @pytest.mark.parametrize("name", ["I-A", "I-C-eq211", "II-B"])
@@ -164,26 +166,19 @@ def test_names():
     assert set(read_computations(["all"], harmonic_force)) == set(with_a_motor) - {"capture"}
     with pytest.raises(ValueError, match=r"'powr' \(did you mean power\?\); allowed: power, impact-velocity"):
         read_computations(["powr"], motor)
-    with pytest.raises(
-        PlanError, match="impact-velocity is for cases with a stop; bare is another kind of case"
-    ):
-        text = "blocks: {m1: 1 kg, m2: fixed}\ncoupling: {k1: 9 N/m}"
-        short_plan({"k1": "1, 2"}, load_case_text(text, name="bare"), compute=["impact-velocity"])
+    bare = load_case_text("blocks: {m1: 1 kg, m2: fixed}\ncoupling: {k1: 9 N/m}", name="bare")
+    with pytest.raises(PlanError, match="impact-velocity is for cases with a stop; bare is another kind of"):
+        short_plan({"k1": "1, 2"}, bare, compute=["impact-velocity"])
 
 
-@pytest.mark.parametrize("jobs", [2])
-def test_computed_columns_on_file_are_the_same_bits_for_any_number_of_jobs(tmp_path, jobs):
+def test_computed_columns_on_file_are_the_same_bits_for_any_number_of_jobs(tmp_path):
     plan = short_plan({OMEGA0: "3:5:1 Hz"}, short_case(t_end="8 s"), compute=["all"], section=6)
-    one = run_stored(SweepStore(plan), 1)[0]
-    two = run_stored(SweepStore(plan, tmp_path / "s.h5"), jobs)[0]
+    one, two = swept(plan, jobs=1), swept(plan, tmp_path / "s.h5")
     assert_same_points(two.table, one.table)
     read = open_result(tmp_path / "s.h5")
     assert_same_points(read.table, one.table)
-    assert read["impact_velocity"].shape == (3, 1, len(QUANTILES)) and read["contact_phase"].shape == (
-        3,
-        1,
-        6,
-    )
+    assert read["impact_velocity"].shape == (3, 1, len(QUANTILES))
+    assert read["contact_phase"].shape == (3, 1, 6)
     assert np.isfinite(read["power_source"]).all()
     assert set(read.plan.compute) == set(COMPUTATIONS) - {"end-state"}  # the source decides
     assert read.column("power_source").units == "W"
@@ -216,31 +211,27 @@ def measured(scene, begin, every=None):
 
 @pytest.mark.parametrize("frequency", [1.0, 4.0, 7.3])
 def test_amplitude_of_a_driven_linear_oscillator(frequency):
-    """V4: A / sqrt((k1 - m1 w^2)^2 + (c w)^2), after a transient of exp(-c t / 2 m1) < 1e-14."""
-    c, w, t_end = 1.0, 2 * math.pi * frequency, 40.0
-    driven = fixed_block(harmonic(frequency, 0.1), c=c, t_end=t_end)
+    """V4: that of the response, after a transient of exp(-c t / 2 m1) < 1e-14."""
+    driven, response = linear(frequency)
     statistics, run = measured(driven, 20.0)
-    values = statistics.values(run)
-    amplitude = 0.1 / math.hypot(driven.k1 - driven.m1 * w * w, c * w)
+    values, amplitude = statistics.values(run), abs(response)
     # what is left of the transient is 1e-14 of the amplitude, the rounding of the flow a few 1e-16
     assert values["amplitude_x1"] == pytest.approx(amplitude, rel=1e-12)
     assert values["amplitude_x1_max"] == pytest.approx(amplitude, rel=1e-12)
     assert values["relative_max"] == pytest.approx(amplitude, rel=1e-12)
     assert values["relative_min"] == pytest.approx(-amplitude, rel=1e-12)
-    assert values["periods"] == math.floor(t_end * frequency) - math.ceil(20.0 * frequency)
+    assert values["periods"] == math.floor(40.0 * frequency) - math.ceil(20.0 * frequency)
     assert "drift_rate" not in values and "mean_speed" not in values
 
 
 def test_section_of_a_driven_linear_oscillator():
-    """At t = k/f: x = A Im(H), v = A w Re(H) with H = 1 / (k1 - m1 w^2 + i c w)."""
-    c, w = 1.0, 2 * math.pi * 4.0
-    driven = fixed_block(harmonic(4.0, 0.1), c=c, t_end=40.0)
+    """At t = k/f: x = Im(R), v = w Re(R) with the response R."""
+    driven, response = linear()
     statistics, _ = measured(driven, 20.0)
-    response = 0.1 / (driven.k1 - driven.m1 * w * w + 1j * c * w)
     x, v = (statistics.section(100)[f"section_{name}"] for name in ("displacement", "velocity"))
     assert np.isnan(x[:19]).all() and not np.isnan(x[19:]).any()
     np.testing.assert_allclose(x[19:], response.imag, rtol=1e-11)
-    np.testing.assert_allclose(v[19:], w * response.real, rtol=1e-9)
+    np.testing.assert_allclose(v[19:], 2 * math.pi * 4.0 * response.real, rtol=1e-9)
 
 
 def test_free_vibration_has_no_periods_but_an_amplitude():
@@ -264,11 +255,8 @@ def test_free_flight_drifts_at_the_speed_of_the_centre_of_mass():
 
 def test_extremes_do_not_depend_on_the_sampling():
     """They are those of the motion, not of samples."""
-    case = paper("II-B", t_end=20.0)
-    coarse, fine = (
-        statistics.values(run)
-        for statistics, run in (measured(case, 10.0, every=every) for every in (None, Fraction(1, 2000)))
-    )
+    runs = [measured(paper("II-B", t_end=20.0), 10.0, every=every) for every in (None, Fraction(1, 2000))]
+    coarse, fine = (statistics.values(run) for statistics, run in runs)
     assert coarse == fine
 
 

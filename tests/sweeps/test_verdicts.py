@@ -8,7 +8,8 @@ import pytest
 from scipy.optimize import brentq
 
 import vibsim
-from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan
+from tests.sweeps import made
+from tests.sweeps.made import OMEGA0, assert_same_points, short_case, short_plan
 from vibsim.analysis import capture, judge_capture, judge_regime
 from vibsim.analysis.analysis import StreamedVerdicts
 from vibsim.analysis.sections import Exponent
@@ -20,13 +21,12 @@ from vibsim.results.simulation import open_result
 from vibsim.sweeps import computations, sweep
 from vibsim.sweeps.contact_computations import VERDICTS
 from vibsim.sweeps.quantities import KINDS
-from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import PlanError
 
 
 def swept(case, *names, key="c", values=None, **settings):
     values = values or str(case.quantity(key))
-    return run_stored(SweepStore(short_plan({key: values}, case, compute=names, **settings)), 1)[0]
+    return made.swept(short_plan({key: values}, case, compute=names, **settings), jobs=1)
 
 
 def only(result, name):
@@ -121,20 +121,14 @@ def test_an_exponent_decides_where_the_section_does_not(monkeypatch):
 
 
 def test_verdicts_on_file(tmp_path):
-    plan = short_plan(
-        {OMEGA0: "3, 5 Hz"}, short_case(t_end="30 s"), compute=["capture", "lyapunov-spectrum", "regime"]
-    )
-    result = run_stored(SweepStore(plan, tmp_path / "s.h5"), 2)[0]
+    computed = ["capture", "lyapunov-spectrum", "regime"]
+    plan = short_plan({OMEGA0: "3, 5 Hz"}, short_case(t_end="30 s"), compute=computed)
+    result = made.swept(plan, tmp_path / "s.h5")
     assert_same_points(open_result(tmp_path / "s.h5").table, result.table)
     with h5py.File(tmp_path / "s.h5") as file:
-        flags = dict(
-            zip(
-                file["capture"].attrs["flag_meanings"].split(),
-                file["capture"].attrs["flag_values"],
-                strict=True,
-            )
-        )
-        assert flags == {"undecided": 0, "not_met": 1, "passed": 2, "escaped": 3, "captured": 4}
+        attrs = file["capture"].attrs
+        assert attrs["flag_meanings"].split() == ["undecided", "not_met", "passed", "escaped", "captured"]
+        assert attrs["flag_values"].tolist() == [0, 1, 2, 3, 4]
         assert file["exponent"][:].tolist() == list(range(1, len(file["exponent"]) + 1))
         assert file["lyapunov_spectrum"].dims[2].keys() == ["exponent"]
 
@@ -147,7 +141,6 @@ def test_capture_needs_a_motor():
 # End states: rest and vibration where theory says so.
 
 
-NAMES = {code: name for name, code in VERDICTS.items()}
 OSCILLATOR = """
 bodies: {a: 1 kg}
 links: {s: {between: [a, ground], k: 4 N/m, c: 0.1 N s/m}}
@@ -159,7 +152,7 @@ run: {t_end: 40 s}
 def ends(case, axes, **settings):
     """The verdicts of a sweep, in words."""
     result = sweep(case, axes, compute=["end-state"], jobs=1, **settings)
-    return [NAMES[int(code)] for code in result["end_state"].ravel()]
+    return result.verdict("end_state").ravel().tolist()
 
 
 def test_a_damped_oscillator_rests_and_an_undamped_one_is_undecided():
@@ -182,32 +175,21 @@ def test_a_ball_that_chatters_to_rest_and_one_that_loses_nothing():
     ("speed", "states"), [(1.1, {"vibration"}), (1.5, {"rest", "vibration"}), (1.85, {"rest"})]
 )
 def test_the_belt_oscillator_is_bistable_between_its_two_bounds(speed, states):
-    """Rest is stable above ln(10)/2 = 1.151 m/s, the stick-slip cycle lives up to 1.8366 m/s."""
-    spread = {"block.x": "-2:2 m", "block.v": "0:2 m/s"}
-    case = load_case("gallery/belt-oscillator", {"run.t_end": "300 s"})
-    axes = {"belt.belt": f"{speed} m/s"}
-    found = ends(case, axes, ensemble=12, spread=spread, discard="200 s")
-    assert set(found) == states
-
-
-def test_the_verdict_agrees_with_the_amplitude():
-    """Rest and cycle are far apart: the cycle swings by about the belt speed."""
+    """Rest is stable above ln(10)/2 = 1.151 m/s, the stick-slip cycle lives up to 1.8366 m/s; it swings by
+    about the belt speed.
+    """
     case = load_case("gallery/belt-oscillator", {"run.t_end": "300 s"})
     spread = {"block.x": "-2:2 m", "block.v": "0:2 m/s"}
-    result = sweep(
-        case, {"belt.belt": "1.4:1.8:0.2 m/s"}, compute=["end-state"], ensemble=8, spread=spread,
-        discard="200 s", jobs=1,
-    )  # fmt: skip
-    np.testing.assert_array_equal(
-        result["end_state"] == VERDICTS["vibration"], result["amplitude_x_block"] > 0.5
-    )
+    settings = {"ensemble": 12, "spread": spread, "discard": "200 s", "jobs": 1}
+    result = sweep(case, {"belt.belt": f"{speed} m/s"}, compute=["end-state"], **settings)
+    assert set(result.verdict("end_state").ravel()) == states
+    large = result["amplitude_x_block"] > 0.5
+    np.testing.assert_array_equal(result["end_state"] == VERDICTS["vibration"], large)
 
 
 def test_a_source_leaves_it_to_the_regime():
-    wanted = (
-        "end-state is for cases that move freely, under constant forces alone; impact-pair is another kind"
-    )
-    with pytest.raises(PlanError, match=wanted):
+    needs = "cases that move freely, under constant forces alone"
+    with pytest.raises(PlanError, match=f"end-state is for {needs}; impact-pair is another kind"):
         sweep(load_case("gallery/impact-pair"), {"base.a": "1, 2 mm"}, compute=["end-state"])
 
 
@@ -215,10 +197,8 @@ def test_a_limit_cycle_with_sharp_peaks_is_no_rest():
     """Van der Pol's oscillator swings for ever at one amplitude; its period of 6.6633 s is 20 samples but
     for 0.05 %, which come to the peak of its speed in one half of the time and miss it in the other.
     """
-    found = ends(
-        "gallery/van-der-pol", {"mass.x": "-3, 3 m"}, overrides={"run.t_end": "2000 s"}, discard="90 %"
-    )
-    assert found == ["undecided"] * 2
+    case = load_case("gallery/van-der-pol", {"run.t_end": "2000 s"})
+    assert ends(case, {"mass.x": "-3, 3 m"}, discard="90 %") == ["undecided"] * 2
 
 
 # The map of Shaw and Holmes (1983): motions with one impact in n periods before a wall at x = 0.
@@ -247,9 +227,8 @@ def test_labels_on_both_sides_of_a_doubling(n, low, high):
         CASE, {"drive.omega": values}, overrides={"wall.e": "0.6", "run.t_end": "600 s"}, section=0,
         compute="attractor", jobs=1,
     )  # fmt: skip
-    kind, period, multiplier = (
-        found[f"attractor_{name}"].ravel() for name in ("kind", "period", "multiplier")
-    )
+    names = ("kind", "period", "multiplier")
+    kind, period, multiplier = (found[f"attractor_{name}"].ravel() for name in names)
     word = found.attractors["word"][found["attractor"].ravel()[0]]
     assert (kind[0], period[0], word) == (KINDS["periodic"], n, "i")
     t = trace(edge + 0.02 * inside, 0.6, n)
