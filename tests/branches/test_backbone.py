@@ -9,7 +9,8 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import vibsim
-from tests.command_line.made import call
+from tests.branches.made import K1, free_frequency, machine_rates
+from tests.command_line.made import refused, told
 from vibsim.cases import load_case
 from vibsim.orbits import ReturnMap
 from vibsim.orbits.branches.branch import read_branch
@@ -20,18 +21,6 @@ from vibsim.orbits.branches.plan import BranchError, read_energy_span
 
 FREE = {"excitation": "none", "coupling.c": "0", "friction": "none"}
 FREE_WORDS = ["I-A", *(f"-s{key}={value}" for key, value in FREE.items()), "-s"]
-K1, K2, MASS = 200.0, 12400.0, 1 / (1 / 0.297 + 1 / 2.94)  # of the paper's machine
-W1, W2 = sqrt(K1 / MASS), sqrt((K1 + K2) / MASS)
-
-
-def frequency(a, G):
-    """Of the machine with the free amplitude a [m] before its stop at G: half a swing takes t1 without
-    contact and t2 with it.
-    """
-    if a <= G:
-        return W1 / (2 * pi)
-    d, V = G * K1 / (K1 + K2), a * W1 * sqrt(1 - (G / a) ** 2)
-    return 1 / (2 * (acos(-G / a) / W1 + acos(d / sqrt(d**2 + (V / W2) ** 2)) / W2))
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +33,7 @@ def machine(tmp_path_factory):
 def test_the_machine_against_the_closed_form(machine):
     branch, _ = machine
     amplitudes = np.sqrt(2 * branch["parameter"] / K1)
-    exact = [frequency(a, 1e-3) for a in amplitudes]
+    exact = [free_frequency(a) for a in amplitudes]
     assert branch["parameter"][[0, -1]] == pytest.approx([8e-5, 6e-4], rel=1e-14)
     np.testing.assert_allclose(1 / branch["period"], exact, rtol=1e-12)
     assert (np.diff(1 / branch["period"]) > -1e-12).all() and 1 / branch["period"][-1] < 7.6975
@@ -69,8 +58,8 @@ def test_on_file_gone_on_with_and_drawn(machine, tmp_path):
     assert len(part) < len(branch)
     whole = continue_branch(branch.case, energy="0.08:0.6 mJ", out=tmp_path / "part.h5")
     assert whole.points == branch.points
-    assert call("plot", path, "-o", tmp_path / "backbone.png").exit_code == 0
-    shown = call("info", path).stdout
+    told("plot", path, "-o", tmp_path / "backbone.png")
+    shown = told("info", path)
     assert "orbits of 1 swing over energy from 8e-5 to 0.0006 J" in shown and "frequency" in shown
     run = vibsim.simulate(branch.case_at(0))
     assert run["x1"][0] - run["x2"][0] == pytest.approx(branch["x1-x2"][0], rel=1e-12)
@@ -80,8 +69,8 @@ def test_without_a_gap_the_frequency_is_bilinear():
     """V3: 2 f1 f2 / (f1 + f2) = 7.6975 Hz at every energy."""
     case = load_case("I-A", FREE | {"G": "0 mm", "x1": "1 mm"})
     branch = continue_branch(case, energy="0.05:0.2 mJ")
-    f1, f2 = W1 / (2 * pi), W2 / (2 * pi)
-    np.testing.assert_allclose(1 / branch["period"], 2 * f1 * f2 / (f1 + f2), rtol=1e-12)
+    w1, w2 = machine_rates(m1=0.297)
+    np.testing.assert_allclose(1 / branch["period"], w1 * w2 / (w1 + w2) / pi, rtol=1e-12)
     assert 1 / branch["period"][0] == pytest.approx(7.6975, abs=5e-5) and branch.specials == []
 
 
@@ -107,9 +96,8 @@ def test_a_run_and_its_file_begin_as_their_case_does(machine, tmp_path):
     branch, _ = machine
     run = vibsim.simulate(branch.case, overrides={"run.t_end": "1 s"})
     run.save(tmp_path / "run.h5")
-    of_run, of_file = (
-        continue_branch(one, energy="0.08:0.6 mJ", max_points=3) for one in (run, str(tmp_path / "run.h5"))
-    )
+    starts = (run, str(tmp_path / "run.h5"))
+    of_run, of_file = (continue_branch(one, energy="0.08:0.6 mJ", max_points=3) for one in starts)
     np.testing.assert_array_equal(of_run["period"], of_file["period"])
     assert len(of_file) == 3
 
@@ -162,16 +150,14 @@ def test_the_gradient_of_the_energy():
     ],
 )
 def test_what_is_refused(words, code, message):
-    done = call("continue", *words)
-    assert done.exit_code == code and message in done.stderr and "Traceback" not in done.stderr
+    assert message in refused("continue", *words, code=code)
 
 
 def test_the_command(tmp_path):
-    words = [*FREE_WORDS, "x1=1.2mm"]
-    told = json.loads(
-        call("continue", *words, "--energy", "0.1:0.2 mJ", "-o", tmp_path / "b.h5", "--json").stdout
-    )
-    assert told["key"] == "energy" and told["unit"] == "J" and told["parameter_to"] == pytest.approx(2e-4)
+    words = [*FREE_WORDS, "x1=1.2mm", "--energy", "0.1:0.2 mJ", "-o", tmp_path / "b.h5"]
+    found = json.loads(told("continue", *words, "--json"))
+    assert found["key"] == "energy" and found["unit"] == "J"
+    assert found["parameter_to"] == pytest.approx(2e-4)
 
 
 def test_units_of_energies():

@@ -3,18 +3,14 @@
 import numpy as np
 import pytest
 
+from tests.branches.made import word
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
 from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.orbits.search import orbit
-from vibsim.orbits.words import LETTERS, circle
+from vibsim.orbits.words import circle
 
 OMEGA = 99.045444115315068  # [rad/s]
-KINDS = {letter: kind for kind, letter in LETTERS.items()}
-
-
-def word(letters):
-    return tuple((KINDS[letter], 0) for letter in letters)
 
 
 def test_a_sequence_is_one_letter_wherever_the_section_cuts_it():
@@ -29,9 +25,7 @@ def test_a_sequence_is_one_letter_wherever_the_section_cuts_it():
 
 @pytest.mark.slow
 def test_what_rests_in_each_period_is_followed():
-    """The state on the section is forgotten, and comes back but for the rounding of its scale: Newton's
-    method took more than 8 steps. The number of impacts before the rest is no change of the order of events.
-    """
+    """The number of impacts before the rest is no change of the order of events."""
     branch = continue_branch("gallery/chattering-oscillator", "stops.wall.e", "0.79:0.81")
     assert branch.specials == [] and branch.ends == ("end of the range", "end of the range")
     assert np.abs(branch["multipliers"]).max() == 0.0 and set(branch["word"]) == {"cho"}
@@ -54,9 +48,8 @@ def test_blows_at_a_moving_face():
 
 
 def test_a_rest_on_a_shaken_base_across_the_section_goes_on():
-    """A plastic ball rests on the table at phase 0: a period later its gap and their rate are rounding. It
-    began with a flight of that and came to rest at once, here and there along the branch. Of itself it rests
-    for ever up to a w^2 = g, and is thrown up once a period beyond.
+    """A plastic ball rests on the table at phase 0: a period later its gap and their rate are rounding. Of
+    itself it rests for ever up to a w^2 = g, and is thrown up once a period beyond.
     """
     set_up = {"stops.table.e": "0", "base.phase": "0 deg", "base.a": "1.2 mm", "initial.ball.x": "10 mm"}
     start = orbit(load_case("gallery/ball-on-shaken-table", set_up))
@@ -91,17 +84,14 @@ def test_bodies_at_rest_on_each_other_across_the_section_stay_so():
     """
     start = orbit(load_case("gallery/drifting-oscillator", {"drive.F0": "5.5 N"}))
     branch = continue_branch(start, "drive.F0", "4.9:7 N")
-    words = [branch.spelled(branch.specials[0].before)] + [
-        branch.spelled(one.after) for one in branch.specials
-    ]
-    assert words == ["chsusoiu", "cuhsuso", "hsusou", "su"]
+    words = [branch.specials[0].before] + [one.after for one in branch.specials]
+    assert [branch.spelled(each) for each in words] == ["chsusoiu", "cuhsuso", "hsusou", "su"]
     assert branch.specials[-1].parameter == pytest.approx(5.0, rel=1e-11)
 
 
 def test_a_chatter_that_passes_the_section_is_followed():
-    """Between two of its blows nothing holds, and all is forgotten: the last bit goes to and fro, and
-    Newton's method took more than 8 steps. Seen from another phase nothing comes to the section, and the
-    slider begins to stick between two blows at the same place.
+    """Seen from another phase nothing comes to the section, and the slider begins to stick between two blows
+    at the same place.
     """
     places = []
     for phase in ("0 deg", "90 deg"):
@@ -147,9 +137,8 @@ def test_blows_that_a_chatter_loses_one_by_one_are_told_one_by_one():
     (those of a chatter of more than 9 blows are told at once) to the last but one.
     """
     set_up = {"stops.table.e": "0.2", "base.a": "2 mm", "initial.ball.x": "9 mm"}
-    branch = continue_branch(
-        orbit(load_case("gallery/ball-on-shaken-table", set_up)), "base.a", "1.9:2.19 mm"
-    )
+    start = orbit(load_case("gallery/ball-on-shaken-table", set_up))
+    branch = continue_branch(start, "base.a", "1.9:2.19 mm")
     assert all(one.kind != "unresolved" for one in branch.specials)
     lost = [one for one in branch.specials if one.kind in ("grazing", "corner")]
     assert [len(one.after) for one in lost] == [9, 8, 7, 6, 5, 4]

@@ -9,13 +9,10 @@ from vibsim.orbits.branches.curve import complete
 from vibsim.orbits.branches.locus_result import LocusStore, locus_plan, read_locus
 from vibsim.orbits.branches.plan import read_span
 
-AT = {"omega": "4.2 Hz"}
-
 
 def branch_at(c):
-    return vibsim.continue_branch(
-        vibsim.orbit("I-C", {**AT, "c": f"{c} N s/m"}, period=1), "omega", "4:4.3 Hz"
-    )
+    start = vibsim.orbit("I-C", {"omega": "4.2 Hz", "c": f"{c} N s/m"}, period=1)
+    return vibsim.continue_branch(start, "omega", "4:4.3 Hz")
 
 
 @pytest.fixture(scope="module")
@@ -37,9 +34,8 @@ def test_it_ends_at_the_doubling_of_another_branch(branch, locus):
 
 def test_into_a_file_and_gone_on_with(branch, locus, tmp_path):
     path, stored = tmp_path / "locus.h5", branch.save(tmp_path / "branch.h5")
-    part = vibsim.continue_locus(
-        stored, {"c": ((0.001, 0.0015), "N s/m")}, label="PD1", max_points=6, out=path
-    )
+    second = {"c": ((0.001, 0.0015), "N s/m")}
+    part = vibsim.continue_locus(stored, second, label="PD1", max_points=6, out=path)
     assert len(part) < len(locus)
     whole = vibsim.continue_locus(branch, {"coupling.c": (0.001, 0.0015)}, label="PD1", out=path)
     assert np.array_equal(whole["parameter"], read_locus(path)["parameter"])

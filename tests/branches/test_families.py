@@ -66,9 +66,8 @@ def test_a_branch_ends_where_nothing_damps_a_resonance():
     Python had no more room.
     """
     branch = continue_branch("gallery/two-masses-with-friction", "drive.omega", "0.1:2 rad/s")
-    assert set(branch.ends) == {
-        "orbits come in a family at this value, in which more than one number is free"
-    }
+    family = "orbits come in a family at this value, in which more than one number is free"
+    assert set(branch.ends) == {family}
     ends = branch["parameter"][[0, -1]]
     np.testing.assert_allclose(ends, [np.sqrt(2) / 5, np.sqrt(2) / 3], rtol=1e-11)
     assert [one.kind for one in branch.specials] == ["sticking"] * 4
@@ -136,5 +135,5 @@ def test_the_command_goes_on_with_what_ended_there(tmp_path):
     assert "holds everywhere" in told and "HO1  hopf" in told
     assert "HO1  hopf" in call(*words).stdout  # which has nothing to add
     assert vibsim.open_result(path).specials[-1].kind == "hopf"
-    assert call("plot", path, "-o", tmp_path / "b.png").exit_code == 0
-    assert call("plot", path, "-o", tmp_path / "b.html").exit_code == 0
+    for suffix in ("png", "html"):
+        assert call("plot", path, "-o", tmp_path / f"b.{suffix}").exit_code == 0

@@ -5,7 +5,7 @@ from math import hypot, pi
 import numpy as np
 import pytest
 
-from tests.branches.made import KEYS, PERIOD_5, orbit_of
+from tests.branches.made import KEYS, PERIOD_5, nearest, orbit_of
 from tests.branches.test_closed_forms import GRAZING
 from tests.command_line.made import call
 from vibsim.cases import load_case
@@ -35,9 +35,9 @@ def branches(tmp_path_factory):
     return made
 
 
-def locus_of(branch, key, span, path=None):
-    plan = locus_plan(branch, "GR1", *read_span(branch.case, key, span))
-    return complete(LocusStore(plan, path))[0]
+def locus_of(branch, key, span, path=None, label="GR1", most=None):
+    plan = locus_plan(branch, label, *read_span(branch.case, key, span))
+    return complete(LocusStore(plan, path), most)[0]
 
 
 def test_a_branch_ends_at_the_graze_of_a_rigid_stop(branches):
@@ -99,9 +99,8 @@ def test_grazings_under_a_motor():
     locus = locus_of(branch, "wall.gap", "10:30 mm")
     assert len(locus) > 5
     for i in range(0, len(locus), 4):
-        free = case.with_values(
-            {"motor.Omega0": f"{float(locus['parameter'][i])!r} Hz", "stops.wall.gap": "10 m"}
-        )
+        speed = f"{float(locus['parameter'][i])!r} Hz"
+        free = case.with_values({"motor.Omega0": speed, "stops.wall.gap": "10 m"})
         assert locus["second"][i] / 1e3 == pytest.approx(greatest(free), rel=1e-9)
 
 
@@ -109,13 +108,8 @@ def test_grazings_under_a_motor():
 def test_a_graze_among_other_contacts():
     """The known graze of I-A's orbits of five periods: three other contacts in the word, one stop."""
     branch = continue_branch(orbit_of(PERIOD_5), KEYS["I"], "3.47:3.53 Hz")
-    graze = min(
-        (one for one in branch.specials if one.kind == "grazing"),
-        key=lambda s: abs(s.parameter - 3.50596783345624),
-    )
-    locus = complete(
-        LocusStore(locus_plan(branch, graze.label, *read_span(branch.case, "c", "0.0009:0.0011"))), 30
-    )[0]
+    graze = nearest(branch, "grazing", 3.50596783345624)
+    locus = locus_of(branch, "c", "0.0009:0.0011", label=graze.label, most=30)
     start = int(np.argmin(abs(locus["second"] - 0.001)))
     assert locus["parameter"][start] == pytest.approx(3.50596783345623924804, rel=1e-13)
 
@@ -184,19 +178,13 @@ def test_a_graze_is_told_where_a_step_leads_across_it():
     assert 0 < find_orbit(near.scene(), beside, 2).margin < 1e-10
 
 
-LOST = {
-    8: 2.184256262374388,
-    7: 2.1843229669115924,
-    6: 2.184666585838982,
-}  # by the impacts in front, see below
+LOST = {8: 2.184256262374388, 7: 2.1843229669115924, 6: 2.184666585838982}  # by the impacts in front: below
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("begun", "span", "counts"),
-    [
-        pytest.param("2.18427 mm", "2.1842:2.18427 mm", (8,), marks=pytest.mark.slow),
-        pytest.param("2.1845 mm", "2.184:2.1847 mm", (8, 7, 6), marks=pytest.mark.slow),
-    ],
+    [("2.18427 mm", "2.1842:2.18427 mm", (8,)), ("2.1845 mm", "2.184:2.1847 mm", (8, 7, 6))],
 )
 def test_a_chatter_that_is_complete_no_more_loses_one_impact_after_the_other(begun, span, counts):
     """A ball thrown up by a table bounces ever less until it is thrown again. Each impact is lost in a graze,

@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 
 import vibsim
+from tests.branches.made import word
 from tests.command_line.made import call
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit, search_orbits
@@ -47,9 +48,8 @@ STATE = {"x_a": 0.1287625, "v_a": 5.7147503, "x_b": 0.4531174, "v_b": 0.8672522}
 @pytest.fixture(scope="module")
 def branch():
     case = load_case(SCENE)
-    return vibsim.continue_branch(
-        find_orbit(case.scene(), STATE, 1, case=case), "bodies.a", "0.813:0.8133 kg"
-    )
+    start = find_orbit(case.scene(), STATE, 1, case=case)
+    return vibsim.continue_branch(start, "bodies.a", "0.813:0.8133 kg")
 
 
 def test_it_goes_on_behind_a_kink(branch):
@@ -64,31 +64,20 @@ def test_it_goes_on_behind_a_kink(branch):
 def test_there_a_sliding_velocity_touches_zero(branch):
     """On the orbit at the special point, by its least distance from the speed of the belt."""
     (stick,) = branch.specials
-    state = dict(zip(branch.names, stick.orbit.state, strict=True))
-    case = branch.case.with_values({"bodies.a": f"{stick.parameter!r} kg"})
-    run = vibsim.simulate(
-        case.with_values(
-            {
-                f"initial.{name[2:]}.{name[0]}": f"{value!r} {'m' if name[0] == 'x' else 'm/s'}"
-                for name, value in state.items()
-            }
-        )
-    )
-    times = np.linspace(0.04, 0.08, 9)  # [s]
-    at = min(times, key=lambda t: abs(run.at(t)["v_b"] - BELT))
-    least = minimize_scalar(
-        lambda t: run.at(t)["v_b"] - BELT,
-        bounds=(at - 0.01, at + 0.01),
-        method="bounded",
-        options={"xatol": 1e-9},
-    )
+    values = {"bodies.a": f"{stick.parameter!r} kg"}
+    for name, value in zip(branch.names, stick.orbit.state, strict=True):
+        values[f"initial.{name[2:]}.{name[0]}"] = f"{value!r} {'m' if name[0] == 'x' else 'm/s'}"
+    run = vibsim.simulate(branch.case.with_values(values))
+
+    def over_belt(t):
+        return run.at(t)["v_b"] - BELT
+
+    at = min(np.linspace(0.04, 0.08, 9), key=lambda t: abs(over_belt(t)))  # [s]
+    least = minimize_scalar(over_belt, bounds=(at - 0.01, at + 0.01), options={"xatol": 1e-9})
     assert abs(least.fun) < 1e-8
 
 
 # Changes of the order of events, located by what goes to zero there.
-
-
-KINDS = {letter: kind for kind, letter in LETTERS.items()}
 
 
 @pytest.mark.parametrize("power", [1.0, 0.5])
@@ -121,13 +110,12 @@ def test_a_polynomial_goes_through_places_and_slopes():
 def node_at(place, letters, smallest=1.0):
     """A node of one unknown and the parameter, whose equations have this smallest singular value."""
     point = SimpleNamespace(jacobian=lambda: np.array([[smallest, 0.0]]))
-    word = tuple((KINDS[letter], 0) for letter in letters)
-    return SimpleNamespace(z=np.array([place, 1.0]), word=word, ahead=1.0, level=False, point=point)
+    return SimpleNamespace(z=np.array([place, 1.0]), word=word(letters), ahead=1.0, level=False, point=point)
 
 
 def change_at(place, before, after, smallest=1.0):
     """A change of the order of events between two words."""
-    ends = (node_at(place, word, smallest) for word in (before, after))
+    ends = (node_at(place, letters, smallest) for letters in (before, after))
     return Special(STICKING, node_at(place, after, smallest), *ends)
 
 
@@ -135,8 +123,8 @@ def told(*specials):
     return [(one.node.z[0], spelled(one.before.word), spelled(one.after.word)) for one in _gathered(specials)]
 
 
-def spelled(word):
-    return "".join(LETTERS[kind] for kind, _ in word)
+def spelled(events):
+    return "".join(LETTERS[kind] for kind, _ in events)
 
 
 @pytest.mark.parametrize(("smallest", "count"), [(5e-7, 1), (1e-3, 2)])
@@ -231,8 +219,8 @@ def test_it_is_told_in_words_and_on_file(tmp_path):
     assert facts(branch)["unresolved"] == [] and read_branch(path).attrs["unresolved"] == 0
     points, (first, *rest) = branch.records
     doubtful = Branch(branch.plan, points, [replace(first, kind=UNRESOLVED), *rest], branch.attrs)
-    told = dict(branch_lines(doubtful))["index check"]
-    assert told.startswith("does not hold at 0.36") and told.endswith(" N")
+    check = dict(branch_lines(doubtful))["index check"]
+    assert check.startswith("does not hold at 0.36") and check.endswith(" N")
     assert facts(doubtful)["unresolved"] == [doubtful.special("UR1").parameter]
     assert "index check     holds everywhere" in call("info", path).stdout
     assert json.loads(call("info", path, "--json").stdout)["unresolved"] == []
@@ -338,11 +326,10 @@ def test_sticking_until_an_impact_ends_orbits_at_a_corner():
     """
     branch = continue_branch(load_case(SHAKEN), "friction.f.mu", "0.254:0.266")
     corner = branch.special("CO1")
-    at = corner.between
-    one, other = (branch["multipliers"][i].real.max() for i in (at[0] - 1, at[1] + 1))
+    beside = [corner.between[0] - 1, corner.between[1] + 1]
+    one, other = branch["multipliers"][beside].real.max(axis=1)
     assert (one - 1) * (other - 1) < 0 and corner.jump == -1
-    beside = branch["parameter"][[at[0] - 1, at[1] + 1]]
-    assert np.all(beside > corner.parameter)
+    assert np.all(branch["parameter"][beside] > corner.parameter)
     assert branch.ends == ("end of the range", "end of the range")
 
 
@@ -372,7 +359,6 @@ def test_no_step_goes_over_a_fold_or_a_graze_to_other_orbits():
     assert (fold.kind, graze.kind) == ("fold", "grazing")
     assert branch["parameter"].max() <= fold.parameter and set(branch["word"]) == {"irr"}
     values = {"friction.g.mu": f"{graze.parameter!r}", "stops.w": "none"}
-    free = orbit(load_case(MOTOR).with_values(values))
-    events = free.run.events
+    events = orbit(load_case(MOTOR).with_values(values)).run.events
     turns = events["x_f"][events["kind"] == EVENT_KINDS["reversal"]]
     assert turns.max() == pytest.approx(3e-3, rel=1e-9)

@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from tests.branches.made import CAPTURED, KEYS, branch_of, parameter
-from tests.command_line.made import call
+from tests.branches.made import CAPTURED, KEYS, branch_of, orbit_of, parameter
+from tests.command_line.made import refused, told
 from tests.orbits.truths import TRUTHS
 from vibsim.cases import load_case
 from vibsim.orbits import find_orbit
@@ -37,9 +37,8 @@ def tori():
 def branch_at(c):
     """The captured branch at another damping [N s/m], from scratch."""
     case = load_case("II-B", {"c": repr(c), "excitation.Omega0": "5 Hz"})
-    return continue_branch(
-        find_orbit(case.scene(), TRUTHS[CAPTURED].state, 1, case=case), KEYS["II"], "4.99:6.2 Hz"
-    )
+    start = find_orbit(case.scene(), TRUTHS[CAPTURED].state, 1, case=case)
+    return continue_branch(start, KEYS["II"], "4.99:6.2 Hz")
 
 
 def test_they_begin_at_the_special_points_of_the_branch(folds, tori):
@@ -83,28 +82,20 @@ def test_on_file_and_gone_on_with(tmp_path, folds):
 
 
 def test_the_command(tmp_path):
-    branch = tmp_path / "branch.h5"
-    continue_branch(orbit(), KEYS["II"], "4.99:6 Hz", out=branch)
-    words = ["continue", branch, "--locus", "F1", "--param", "c=0.0299:0.0301", "-o", tmp_path / "l.h5"]
-    listed = json.loads(call(*words, "--json").stdout)
+    branch, path = tmp_path / "branch.h5", tmp_path / "l.h5"
+    continue_branch(orbit_of(CAPTURED), KEYS["II"], "4.99:6 Hz", out=branch)
+    words = ["continue", branch, "--locus", "F1"]
+    listed = json.loads(told(*words, "--param", "c=0.0299:0.0301", "-o", path, "--json"))
     assert listed["kind"] == "fold" and listed["keys"] == ["excitation.Omega0", "coupling.c"]
     assert listed["points"][-1][1] == pytest.approx(0.0301, rel=1e-12)
-    assert (
-        call("info", tmp_path / "l.h5").stdout.splitlines()[0].startswith("  locus           II-B: fold F1")
-    )
-    assert call("plot", tmp_path / "l.h5", "-o", tmp_path / "l.png").exit_code == 0
-    refused = call("continue", branch, "--locus", "F1")
-    assert refused.exit_code == 2 and "needs the second parameter: --param KEY=FROM:TO" in refused.stderr
-    refused = call("continue", "II-B", "--locus", "F1", "--param", "c=0:1")
-    assert refused.exit_code == 2 and "II-B is no branch; give the file of one" in refused.stderr
-    for words in (("--locus", "F1", "--param", "c=0:1"), ("--switch", "PD1")):
-        missing = call("continue", tmp_path / "none.h5", *words)
-        assert missing.exit_code == 6 and "none.h5: No such file" in missing.stderr
-
-
-def orbit():
-    case = load_case("II-B", {"c": "0.03", "excitation.Omega0": "5 Hz"})
-    return find_orbit(case.scene(), TRUTHS[CAPTURED].state, 1, case=case)
+    assert told("info", path).startswith("  locus           II-B: fold F1")
+    told("plot", path, "-o", tmp_path / "l.png")
+    assert "needs the second parameter: --param KEY=FROM:TO" in refused(*words)
+    second = ("--locus", "F1", "--param", "c=0:1")
+    assert "II-B is no branch; give the file of one" in refused("continue", "II-B", *second)
+    for options in (second, ("--switch", "PD1")):
+        said = refused("continue", tmp_path / "none.h5", *options, code=6)
+        assert "none.h5: No such file" in said
 
 
 @pytest.mark.parametrize(

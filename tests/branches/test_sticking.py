@@ -98,9 +98,8 @@ def test_a_stick_that_is_born_from_a_touch_is_refused_in_words(branch, monkeypat
     special = branch.special("ST1")
     monkeypatch.setitem(vars(special), "before", ())
     monkeypatch.setitem(vars(special), "after", (("stick_begin", 0), ("stick_end", 0)))
-    with pytest.raises(
-        BranchError, match="ST1: loci are followed where a reversal of one friction becomes a stick"
-    ):
+    words = "ST1: loci are followed where a reversal of one friction becomes a stick"
+    with pytest.raises(BranchError, match=words):
         locus_of(branch, "drive.omega", "0.6:0.8 rad/s", 3)
 
 
@@ -115,9 +114,7 @@ def test_a_motion_that_begins_to_stick_on_both_sides_at_once_is_followed_fast(mo
         counts[0] += 1
         return call(self, z)
 
-    start = orbit(
-        load_case("gallery/friction-oscillator", {"floor.static": "1.1", "drive.omega": "0.76 rad/s"})
-    )
+    start = orbit("gallery/friction-oscillator", {"floor.static": "1.1", "drive.omega": "0.76 rad/s"})
     monkeypatch.setattr(Family, "__call__", counted)
     branch = continue_branch(start, "drive.omega", "0.74:0.77 rad/s")
     (special,) = branch.specials

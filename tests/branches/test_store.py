@@ -11,8 +11,8 @@ import pytest
 
 import vibsim
 from tests.branches.made import CAPTURED, KEYS, RESONANT, orbit_of
-from tests.command_line.made import call
-from tests.plots.test_pages import data_of
+from tests.command_line.made import told
+from tests.plots.html_data import data_of
 from vibsim.cases import UnknownKeyError
 from vibsim.orbits import find_orbit
 from vibsim.orbits.branches.branch import BranchStore, read_branch
@@ -188,11 +188,7 @@ def test_the_dataset_is_the_one_that_xarray_reads_from_the_file(branch):
     with xarray.open_dataset(branch[1], engine="h5netcdf") as data:
         data.load()
     found = branch[0].to_xarray()
-    assert set(found.variables) == {
-        *data.variables,
-        "index",
-        "stable",
-    }  # stability is told of its multipliers
+    assert set(found.variables) == {*data.variables, "index", "stable"}  # these are told of its multipliers
     for name in data.variables:
         assert data[name].variable.identical(found[name].variable), name
 
@@ -230,37 +226,19 @@ def test_a_range_may_be_a_pair(branch, span):
     assert np.array_equal(again["parameter"], text["parameter"])
 
 
-@pytest.mark.parametrize(
-    ("key", "span", "message"),
-    [
-        ("frequency", "3:4 Hz", "frequency: unknown key"),
-        ("", "", "name what is to vary"),
-        (KEYS["I"], 3, "a range is a text"),
-        (KEYS["I"], (3, "x", 4), "a range is a text"),
-    ],
-)
-def test_what_is_no_range_of_a_key(key, span, message):
-    with pytest.raises((vibsim.OrbitError, KeyError, ValueError), match=message):
-        continue_branch(orbit_of(RESONANT), key, span)
-
-
 def test_exports_and_pages(branch, tmp_path, monkeypatch):
     found, path = branch
     monkeypatch.chdir(path.parent)
-    assert call("export", "branch.h5", "-o", str(tmp_path / "a.csv"), "-q").exit_code == 0
-    assert len((tmp_path / "a.csv").read_text().splitlines()) == len(found) + 1
-    words = ["-o", str(tmp_path / "s.csv"), "--along", "special"]
-    assert call("export", "branch.h5", *words).exit_code == 0
-    assert len((tmp_path / "s.csv").read_text().splitlines()) == len(found.specials) + 1
-    assert call("plot", "branch.h5", "-o", str(tmp_path / "a.html"), "-q").exit_code == 0
+    for rows, along in ((found, []), (found.specials, ["--along", "special"])):
+        told("export", "branch.h5", "-o", tmp_path / "a.csv", "--force", *along)
+        assert len((tmp_path / "a.csv").read_text().splitlines()) == len(rows) + 1
+    told("plot", "branch.h5", "-o", tmp_path / "a.html")
     data = data_of(tmp_path / "a.html")
     assert (data["x"], data["y"]) == ("parameter", ["period", "multiplier_re"])
     middle = len(found) // 2
-    words = shlex.split(data["commands"][middle])
-    assert call(*words[1:], "-q").exit_code == 0  # one period on the orbit: it ends where it began
+    told(*shlex.split(data["commands"][middle])[1:])  # one period on the orbit: it ends where it began
     run = vibsim.open_result("point.h5")
-    end = run.at(run.t_reached)
-    start = run.at(0.0)
+    end, start = run.at(run.t_reached), run.at(0.0)
     travel = np.ptp(run["x1"])
     assert abs(end["v1"] - start["v1"]) < 1e-9 * np.ptp(run["v1"])
     assert abs((end["x1"] - end["x2"]) - (start["x1"] - start["x2"])) < 1e-9 * travel

@@ -1,7 +1,5 @@
 """From cases, runs, stored orbits and random starts to orbits."""
 
-import re
-
 import numpy as np
 import pytest
 
@@ -9,8 +7,7 @@ import vibsim
 from tests.orbits.truths import TRUTHS
 from vibsim.analysis.attractor import is_mirrored, lies_on, neighbourhood_of
 from vibsim.cases import load_case
-from vibsim.orbits.branches.plan import BranchError
-from vibsim.orbits.coordinates import NoSection, OrbitError
+from vibsim.orbits.coordinates import OrbitError
 from vibsim.orbits.newton import likely_periods
 from vibsim.orbits.orbit import save_orbit
 from vibsim.orbits.search import (
@@ -94,11 +91,12 @@ def test_a_run_that_starts_on_it_stays_there(tmp_path):
 
 
 def test_a_search_lists_each_orbit_once():
-    """The bilinear oscillator of the gallery: a stable orbit of two periods and, beside it, one of one."""
+    """V12: a stable orbit of two periods, beside it one of one; multipliers multiply to exp(-c T / m)."""
     case = load_case("gallery/bilinear-oscillator")
     orbits = [one for attempt in search_attempts(case, 12, seed=3) for one in attempt.orbits]
     assert {(one.n, one.stable) for one in orbits} >= {(2, True), (1, False)}
     for i, one in enumerate(orbits):
+        assert np.prod(one.multipliers).real == pytest.approx(np.exp(-0.02 * one.period), rel=1e-11)
         assert not any(same(one, other) for other in orbits[:i])
     again = [one.spelled for one in search_orbits(case, count=12, seed=3)]
     assert again == [one.spelled for one in orbits]
@@ -122,13 +120,7 @@ def test_more_periods_than_points_are_looked_at():
     assert time_of_returns(times, 4) == pytest.approx(16 / 3)
 
 
-def test_what_has_no_orbit():
-    with pytest.raises(NoSection, match="an orbit needs a periodic source"):
-        orbit("gallery/bouncing-ball")
-    with pytest.raises(NoSection, match="an orbit needs a periodic source"):
-        orbit("gallery/three-balls")
-    with pytest.raises(OrbitError, match="period must be a whole number"):
-        orbit("I-C", start={"x1": 0, "x2": 0, "v1": 0, "v2": 0}, period=-1)
+def test_what_is_no_state_of_an_orbit():
     with pytest.raises(OrbitError, match="misses v2"):
         orbit("I-C", start={"x1": 0, "x2": 0, "v1": 0})
     with pytest.raises(OrbitError, match="no stored orbit"):
@@ -169,16 +161,6 @@ def test_a_state_by_name_or_in_the_order_of_the_columns():
 def test_what_is_no_time(T):
     with pytest.raises(OrbitError, match="T must be a number of seconds above 0"):
         vibsim.monodromy("I-C", state={}, T=T)
-
-
-def test_what_is_no_branch_and_no_range():
-    found = orbit("I-C")
-    with pytest.raises(BranchError, match="switch needs a branch or the file of one, got <Orbit"):
-        vibsim.continue_branch(found, switch="PD1")
-    with pytest.raises(BranchError, match="name what is to vary"):
-        vibsim.continue_branch(found, 3, "6:7 Hz")
-    with pytest.raises(BranchError, match=re.escape('a range is a text such as "0.01:1 J", (0.01, 1)')):
-        vibsim.continue_branch(found, energy=3)
 
 
 # How complete a search for orbits is, and what it finds on the way of runs.

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.orbits.truths import STORED, TRUTHS
+from tests.branches.made import CAPTURED, PERIOD_5, RESONANT, orbit_of
+from tests.orbits.truths import STORED, TRUTHS, landing
 from vibsim.cases import load_case
 from vibsim.cases.case import load_case_text
 from vibsim.orbits.coordinates import OrbitError
@@ -84,8 +85,8 @@ def test_stability():
     exact = {name: find_orbit(of.scene, of.state, of.n) for name, of in TRUTHS.items()}
     for name in OTHERS:
         assert distance(exact[name].multipliers, TRUTHS[name].multipliers) < 1e-11
-    simple = ["I-C attractor, period 1", "II-B c=0.03 captured n=1 (2 impacts/turn)"]
-    assert max(distance(exact[name].multipliers, TRUTHS[name].multipliers) for name in simple) < 1e-12
+    for name in (RESONANT, CAPTURED):
+        assert distance(exact[name].multipliers, TRUTHS[name].multipliers) < 1e-12
     stable = {name for name, orbit in exact.items() if orbit.stable}
     assert {name for name in TRUTHS if "attractor" in name or "impacts/turn" in name} <= stable
     assert not stable & {GRAZING, "II-B c=0.03 saddle on the captured branch, n=1", FOLDS[1]}
@@ -100,7 +101,7 @@ def test_the_least_period(name):
     assert orbit.spelled == of.word
 
 
-@pytest.mark.parametrize("name", ["I-A attractor, period 5", "II-B c=0.03 captured n=1 (2 impacts/turn)"])
+@pytest.mark.parametrize("name", [PERIOD_5, CAPTURED])
 def test_the_derivative_of_the_map(name):
     """By difference quotients of the map itself, beside the orbit, the time of return free as it is."""
     of = TRUTHS[name]
@@ -112,18 +113,8 @@ def test_the_derivative_of_the_map(name):
         np.testing.assert_allclose((images[0] - images[1]) / (2e-6 * size), derivative[:, k], atol=2e-5)
 
 
-def landing(return_map, X, T):
-    """Where the motion from X meets the section."""
-    for _ in range(4):
-        end = return_map(X, T)
-        if end.tilt is None:
-            return end.image
-        T -= end.ahead / end.tilt[1]
-    return end.image
-
-
 def test_a_step_solves_the_linearised_equations():
-    of = TRUTHS["II-B c=0.03 captured n=1 (2 impacts/turn)"]
+    of = TRUTHS[CAPTURED]
     orbit = find_orbit(of.scene, of.state, 1)
     end = orbit.return_map(orbit.X * (1 + 1e-5), orbit.period * (1 - 1e-5))
     change, longer = newton_step(end)
@@ -134,7 +125,7 @@ def test_a_step_solves_the_linearised_equations():
 
 
 def test_words_are_circles():
-    of = TRUTHS["I-A attractor, period 5"]
+    of = TRUTHS[PERIOD_5]
     word = find_orbit(of.scene, of.state, 5).events
     assert cyclic(word[3:] + word[:3]) == cyclic(word) != cyclic(word[:-1])
     assert spelled(of.scene, word) == of.word
@@ -145,31 +136,11 @@ def test_words_are_circles():
 
 
 BY_NAME = {stored["name"]: stored for stored in STORED}
-EXACT = ["I-A attractor, period 5", "I-C attractor, period 1", "II-B c=0.03 captured n=1 (2 impacts/turn)"]
 
 
-def case_of(stored):
-    """The case, in the decimals that the truth was computed with."""
-    values = stored["parameters"]
-    if "A" in values:
-        changes = {"omega": f"{stored['free_parameter']['f']} Hz", "A": f"{values['A']} N"}
-        return load_case("I-A", changes)
-    return load_case(
-        "II-B", {"c": f"{values['c']} N s/m", "Omega0": f"{stored['free_parameter']['F0hz']} Hz"}
-    )
-
-
-def started(stored):
-    numbers = {name: float(value) for name, value in stored["state"].items()}
-    return {"x1": numbers.pop("y"), "x2": 0.0, **numbers}
-
-
-@pytest.mark.parametrize("name", EXACT)
+@pytest.mark.parametrize("name", [PERIOD_5, RESONANT, CAPTURED])
 def test_the_truths(name):
-    stored = BY_NAME[name]
-    case = case_of(stored)
-    orbit = find_orbit(case.scene(), started(stored), stored["n"], case=case)
-    digits = refine(orbit, 23)
+    stored, digits = BY_NAME[name], refine(orbit_of(name), 23)
     assert abs(Decimal(digits.period) / Decimal(stored["period"]) - 1) < Decimal("1e-21")
     state = [stored["state"][key] for key in ("y", "v1", "v2", "phidot") if key in stored["state"]]
     size = max(abs(Decimal(value)) for value in state[:3])
@@ -182,10 +153,7 @@ def test_the_truths(name):
 
 
 def test_more_digits_begin_with_the_same():
-    """Two precisions, from two starts."""
-    case = load_case("I-C")
-    stored = BY_NAME["I-C attractor, period 1"]
-    orbit = find_orbit(case.scene(), started(stored), 1, case=case)
+    orbit = orbit_of(RESONANT)
     few, many = refine(orbit, 20), refine(orbit, 50)
     for one, other in zip(few.coordinates.values(), many.coordinates.values(), strict=True):
         assert len(other.partition("e")[0]) > 50 and abs(Decimal(one) / Decimal(other) - 1) < Decimal("1e-19")
@@ -212,8 +180,7 @@ def test_a_linear_oscillator_in_closed_form():
 
 
 def test_a_scene_alone_has_no_more_digits():
-    stored = BY_NAME["I-C attractor, period 1"]
-    orbit = find_orbit(load_case("I-C").scene(), started(stored), 1)
+    orbit = find_orbit(load_case("I-C").scene(), TRUTHS[RESONANT].state, 1)
     with pytest.raises(OrbitError, match="its numbers are doubles"):
         refine(orbit, 30)
 
@@ -265,17 +232,13 @@ LAWS = {
 }
 
 
-def number(text):
-    return mpmath.mpf(text)
-
-
 @pytest.mark.parametrize("name", LAWS)
 def test_multipliers_multiply_as_liouville_says(name):
     stored = OWN[name]
     with mpmath.workdps(50):
-        (re, im), (other, minus) = [[number(text) for text in pair] for pair in stored["multipliers"]]
+        (re, im), (other, minus) = [[mpmath.mpf(text) for text in pair] for pair in stored["multipliers"]]
         product = re * other - im * minus
-        assert abs(product / LAWS[name](number(stored["period"])) - 1) < mpmath.mpf("1e-38")
+        assert abs(product / LAWS[name](mpmath.mpf(stored["period"])) - 1) < mpmath.mpf("1e-38")
 
 
 def test_budd_and_duxs_orbit_in_closed_form():
@@ -288,8 +251,8 @@ def test_budd_and_duxs_orbit_in_closed_form():
         V = 2 * mpmath.sqrt(gain**2 * (a**2 + b**2)) / (a**2 + b**2)
         load = a * V / 2 / gain
         trace = -2 * e * mpmath.cos(T) + (1 + e) * load * mpmath.sin(T) / V
-        assert abs(number(stored["period"]) / T - 1) < mpmath.mpf("1e-39")
-        assert abs(sum(number(re) for re, _ in stored["multipliers"]) / trace - 1) < mpmath.mpf("1e-37")
+        assert abs(mpmath.mpf(stored["period"]) / T - 1) < mpmath.mpf("1e-39")
+        assert abs(sum(mpmath.mpf(re) for re, _ in stored["multipliers"]) / trace - 1) < mpmath.mpf("1e-37")
 
 
 @pytest.mark.parametrize("name", QUICK)
@@ -314,7 +277,7 @@ def met(name):
     told = refine(orbit, 40)
     with mpmath.workdps(50):
         for name_of, text in stored["coordinates"].items():
-            assert abs(number(told.coordinates[name_of]) - number(text)) < mpmath.mpf("1e-38") * size
+            assert abs(mpmath.mpf(told.coordinates[name_of]) - mpmath.mpf(text)) < mpmath.mpf("1e-38") * size
     exact = [complex(float(re), float(im)) for re, im in stored["multipliers"]]
     np.testing.assert_allclose(orbit.multipliers, exact, rtol=0, atol=1e-11)
 
@@ -329,7 +292,7 @@ DIFFERENCED = 1e-7  # of a multiplier: rounding 1e-16 over steps of 1e-5 to 1e-7
 
 
 @cache
-def orbit_of(case):
+def of_gallery(case):
     return orbit(f"gallery/{case}")
 
 
@@ -338,7 +301,7 @@ def test_drift_of_an_oscillator_that_chatters_to_rest():
 
     The ground's friction stops both bodies while they touch. Rest wipes out all but one multiplier.
     """
-    drifting = orbit_of("drifting-oscillator")
+    drifting = of_gallery("drifting-oscillator")
     kinds = [kind for kind, _ in drifting.events]
     assert kinds[-4:] == ["chatter", "rest_begin", "stick_begin", "rest_end"]
     assert drifting.drift["slider"] == pytest.approx(0.03965442606858631, rel=1e-14)
@@ -347,12 +310,13 @@ def test_drift_of_an_oscillator_that_chatters_to_rest():
     assert others == [0, 0]
 
 
-def test_multipliers_under_dry_friction_with_reversals():
+def test_dry_friction_with_reversals():
     """A body on a spring and dry friction that turns round without a stick, at 0.9 rad/s."""
-    sliding = orbit_of("friction-oscillator")
-    assert sorted(mu.real for mu in sliding.multipliers) == pytest.approx(
-        [0.08723319, 0.56936554], abs=DIFFERENCED
-    )
+    sliding = of_gallery("friction-oscillator")
+    assert sliding.stable and sliding.spelled == "rr"
+    np.testing.assert_allclose(np.abs(sliding.end.carried.states[:, 0]), 2.42023635057437, rtol=1e-14)
+    multipliers = sorted(mu.real for mu in sliding.multipliers)
+    assert multipliers == pytest.approx([0.08723319, 0.56936554], abs=DIFFERENCED)
 
 
 def test_stick_slip_on_a_belt_with_stribeck_friction():
@@ -361,7 +325,7 @@ def test_stick_slip_on_a_belt_with_stribeck_friction():
 
     The integrator began 1e-12 m/s slower than the belt: a time of 1e-12 s is what it is good for.
     """
-    cycle = orbit_of("belt-oscillator")
+    cycle = of_gallery("belt-oscillator")
     assert cycle.period == pytest.approx(6.3163063578909, abs=2e-12)
     assert cycle.state["x_block"] == pytest.approx(-0.952825783, abs=1e-9)  # printed to so many digits
     assert list(cycle.multipliers) == [0]  # the onset of slip has one place

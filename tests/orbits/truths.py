@@ -27,16 +27,14 @@ class Truth:
 
 def truth(stored):
     numbers = {name: float(value) for name, value in stored["state"].items()}
-    state = {"x1": numbers["y"], "x2": 0.0, "v1": numbers["v1"], "v2": numbers["v2"]}
-    if "phidot" in numbers:
-        state["phidot"] = numbers["phidot"]
+    rates = {name: numbers[name] for name in ("v1", "v2", "phidot") if name in numbers}
     return Truth(
         stored["name"],
         stored["n"],
         scene_of(stored).as_parts(),
         float(stored["period"]),
-        state,
-        np.array([numbers["y"], *list(state.values())[2:]]),
+        {"x1": numbers["y"], "x2": 0.0, **rates},
+        np.array([numbers["y"], *rates.values()]),
         [complex(float(re), float(im)) for re, im in stored["multipliers"]],
         stored["sequence"],
     )
@@ -51,3 +49,13 @@ def scene_of(stored):
 
 
 TRUTHS = {stored["name"]: truth(stored) for stored in STORED}
+
+
+def landing(return_map, X, T):
+    """Where the motion from X meets the section, near the time T."""
+    for _ in range(5):
+        end = return_map(X, T)
+        if end.tilt is None:
+            return end.image
+        T -= end.ahead / end.tilt[1]
+    return end.image
