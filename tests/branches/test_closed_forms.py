@@ -79,6 +79,17 @@ def trace_at(family, special, amplitude):
     return float(np.trace(solve(family.map(amplitude), np.array(special.orbit.state)).end.derivative))
 
 
+def test_the_fold_of_budd_and_dux():
+    """V13: one impact in two periods at a rigid stop; its closed form has a double root at the fold."""
+    found = continue_branch("gallery/impact-oscillator", "stops.wall.gap", "0:0.4 m", max_points=250)
+    fold = found.special("F1")
+    assert found.plan.n == 2 and fold.kind == "fold"
+    assert fold.parameter == pytest.approx(0.34514712445281, rel=1e-13)
+    flat = np.abs(found["multipliers"]).max(axis=1) < 10
+    products = np.prod(found["multipliers"][flat], axis=1)
+    np.testing.assert_allclose(products, 0.64, rtol=1e-11)  # e^2: nothing else takes energy
+
+
 @pytest.fixture(scope="module")
 def coco():
     return continue_branch(load_case("gallery/impact-oscillator-coco"), "A", "0.05:1.1 N")
