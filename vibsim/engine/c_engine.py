@@ -26,8 +26,8 @@ from vibsim.engine.ledger_integrals import pack_extremes, pack_impacts, pack_led
 from vibsim.engine.modes.mode_table import ModeTable, bytes_of, mode_table
 from vibsim.engine.modes.packing import pack_scene, pack_state
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import DOMAIN, Known, ModeRows
-from vibsim.engine.modes.status import Status
+from vibsim.engine.modes.rows import DOMAIN, HOLD, SLIDE, Known, ModeRows
+from vibsim.engine.modes.status import STICK, Status
 from vibsim.engine.modes.ties import Edge
 from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.engine.resume import Point
@@ -387,6 +387,8 @@ class CRun:
         rows = self.rows_of(number)
         status, happened, known = self.automaton.take(state, rows.status, rows.events[event], order)
         target, touch = self._mode(status), self.automaton.touch(rows.events[event])
+        if rows.events[event].kind == SLIDE:
+            self._tell_release(rows.status.with_frictions({rows.events[event].part: STICK}), status)
         if self.moving:
             after = self.rows_of(target)
             if not self.jumps.in_c(rows, after, rows.events[event], touch):
@@ -427,6 +429,17 @@ class CRun:
         numbers = rule.kind, target, other, rule.hold, kind, rule.part, self.keys[rule.key], rule.order
         self.run.set_rule(number, event, numbers)
         return True
+
+    def _tell_release(self, stuck: Status, after: Status) -> None:
+        """Tell C what follows where the one tie lets go that did as another came to rest: next time it takes
+        both. stuck, after : the modes in which all hold, and all but that one.
+        """
+        released = set(stuck.tied) - set(after.tied)
+        if stuck in self.numbers and len(released) == 1:
+            rows = self.maker.rows(stuck)
+            for number, event in enumerate(rows.events):
+                if event.kind == HOLD and {tie for tie, _ in rows.cuts[event.part].ties} == released:
+                    self._set_rule(self.numbers[stuck], number)
 
     @property
     def disturbances(self) -> dict[str, Any]:

@@ -68,7 +68,8 @@ class RuleMaker:
             return None
         tie, orientation = cut.ties[0]
         if tie >= len(status.frictions):
-            return None
+            i = tie - len(status.frictions)
+            return self._cross(status.with_stop(i, OPEN), "rest_end", i, (STRIKE, i), 3)
         after = status.with_frictions({tie: orientation * event.direction})
         drops = self.scene.frictions[tie].drops(after.frictions[tie])
         if drops and after.tied:  # the drop may tear those too

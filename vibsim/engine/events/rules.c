@@ -4,7 +4,8 @@
  *   RIGID_IMPACT  one rigid stop is struck, and nothing else touches: on in the mode that slips as the velocities say, see
  *          impacts.c
  *   STICK_OR_REVERSE  a sliding velocity is zero: on to `target`, where it sticks, if every tie of that mode holds, or to
- *          `other`, where it slides the other way, if the tie `hold` gives way
+ *          `other`, where it slides the other way, if the tie `hold` gives way; where another tie gives way first, on by the rule of
+ *          that to the mode in which it alone has let go
  *   CROSS_IF_TIES_HOLD  as CROSS, where forces jump: if every tie of the mode `target` holds, and what a tie that gave way
  *          has let go slips
  */
@@ -78,13 +79,14 @@ static Real flow_derivative(Run *r, const Mode *m, const Event *e, int order)
     return series[order];
 }
 
-/* Rate of an event function at r->next; 0 where it is next to nothing of what it changes by within a step, or where a signal has ended
- * the look: the event waits then.
+/* Derivative of an event function at r->next over its factorial: of order 1, or 2 where the rate is zero. 0 where its sign is not clear, or
+ * where a signal has ended the look: the event waits then. Clear is a rate that is more than next to nothing of what it changes by within
+ * a step, and a second derivative beyond its rounding.
  */
-static Real clear_rate(Run *r, const Event *e)
+static Real clear_derivative(Run *r, const Event *e, int order)
 {
     const double evaluations = r->evaluations;
-    Series series;
+    Series series, bounds;
     r->hears = 1;
     flow_series(r, r->mode, e, series, 0);
     r->hears = 0;
@@ -93,7 +95,11 @@ static Real clear_rate(Run *r, const Event *e)
         r->evaluations = evaluations;
         return 0.0;
     }
-    return fabs(series[1]) <= GRAZING * r->taylor.h * fabs(series[2]) ? 0.0 : series[1];
+    if (order == 1)
+        return fabs(series[1]) <= GRAZING * r->taylor.h * fabs(series[2]) ? 0.0 : series[1];
+    if (series[1] != 0 || !taylor_bounds(r, e, 2, r->t0 == 0, 1, r->taylor.h < r->t0 ? r->taylor.h : r->t0, bounds))
+        return 0.0;
+    return 2 * fabs(series[2]) > BEYOND * bounds[2] ? series[2] : 0.0;
 }
 
 static const Event *event_of_key(const Mode *m, int key)
@@ -249,11 +255,14 @@ Real forces_of(const Run *r, const Mode *m, Real X, Real V)
     return total;
 }
 
-/* 1: every tie of mode m holds; -1: the tie `hold` gives way, and no other one is overloaded as much; 0: not clear. */
-static int stands(Run *r, const Mode *m, int hold)
+/* 1: every tie of mode m holds; -1: the tie `hold` gives way, and no other one is overloaded as much; 0: neither, or not clear.
+ * other: the event of a tie that clearly is overloaded most and is not `hold`, else NOTHING.
+ */
+static int stands(Run *r, const Mode *m, int hold, int *other)
 {
-    Real X = 0.0, V = 0.0, forces, lacking = 0.0, lacking_elsewhere = 0.0;
-    int i;
+    Real X = 0.0, V = 0.0, forces, margin, lacking = 0.0, lacking_elsewhere = 0.0, next = 0.0;
+    int worst = NOTHING, i;
+    *other = NOTHING;
     if (r->has_base && r->next.t == 0) /* of a start Python knows more, as that the base turns round */
         return 0;
     if (r->has_base)
@@ -267,30 +276,50 @@ static int stands(Run *r, const Mode *m, int hold)
             value = flow_derivative(r, m, &m->events[i], 0);
         if (!(fabs(value) > 2 * NEAR_LIMIT * (forces + m->events[i].size))) /* Python looks closely at half of that */
             return 0;
-        if (i == hold)
+        if (i == hold) {
             lacking = value < 0 ? value : 0.0;
-        else if (value < lacking_elsewhere)
+        } else if (value < lacking_elsewhere) {
+            next = lacking_elsewhere;
             lacking_elsewhere = value;
+            worst = i;
+        } else if (value < next) {
+            next = value;
+        }
     }
+    margin = 2 * NEAR_LIMIT * forces;
+    if (lacking_elsewhere < 0 && lacking_elsewhere < (next < lacking ? next : lacking) - margin)
+        *other = worst;
     if (lacking < 0)
-        return lacking < lacking_elsewhere - 2 * NEAR_LIMIT * forces ? -1 : 0;
+        return lacking < lacking_elsewhere - margin ? -1 : 0;
     return lacking_elsewhere < 0 ? 0 : 1;
 }
 
-/* Whether what slips in mode m by the event function `key` goes on doing so, while every tie of it holds. */
-static int slips(Run *r, const Mode *m, int key)
+/* Whether every tie of mode m holds. */
+static int holds(Run *r, const Mode *m)
+{
+    int other;
+    return stands(r, m, NOTHING, &other) > 0;
+}
+
+/* Whether what slips or parts in mode m by the event function `key` goes on doing so, while every tie of it holds. */
+static int departs(Run *r, const Mode *m, int key)
 {
     const Event *e = event_of_key(m, key);
-    Real X = 0.0, V = 0.0, lightest = INFINITY;
+    Real X = 0.0, V = 0.0, lightest = INFINITY, acceleration;
     int c;
-    if (m->untied) /* then Python does not look either */
-        return 1;
-    if (e == NULL || stands(r, m, NOTHING) <= 0)
+    if (e == NULL || !holds(r, m))
         return 0;
     base_motion_at(r, r->mode, r->next.t, &X, &V);
     for (c = 0; c < r->bodies; c++)
         lightest = r->masses[c] < lightest ? r->masses[c] : lightest;
-    return flow_derivative(r, m, e, 1) > NEAR_LIMIT * forces_of(r, m, X, V) / lightest;
+    acceleration = e->kind == STRIKE ? 2 * flow_derivative(r, m, e, 2) : flow_derivative(r, m, e, 1);
+    return acceleration > NEAR_LIMIT * forces_of(r, m, X, V) / lightest;
+}
+
+/* The same of what alone was let go: where nothing is tied in m then Python does not look either. */
+static int slips(Run *r, const Mode *m, int key)
+{
+    return m->untied || departs(r, m, key);
 }
 
 /* Whether rounding leaves every switch of mode m, but that of the event function `key`, on its side at r->next, where the mode of now
@@ -385,6 +414,30 @@ static int touches(const Run *r)
     return 0;
 }
 
+/* Stick in mode `target` at the pending event e, at which another tie lets go by the event `released`, or none does (NULL). 0 where a switch
+ * may turn.
+ */
+static int stick(Run *r, Buffers *b, const Event *e, int target, const Event *released)
+{
+    int kinds[2] = {STICK_BEGIN, NOTHING}, parts[2] = {e->event_part, NOTHING}, count = 1;
+    join(r, r->modes[target], r->mode->terms[e->first].P);
+    if (!sides_last(r, r->modes[target], NOTHING)) {
+        memcpy(r->next.v, r->before_v, sizeof(Real) * (size_t)r->bodies);
+        return 0;
+    }
+    if (released != NULL) { /* what happens to frictions is told first, in their order */
+        const int before = released->event == STICK_END && released->event_part < e->event_part;
+        kinds[before] = STICK_BEGIN;
+        parts[before] = e->event_part;
+        kinds[!before] = released->event;
+        parts[!before] = released->event_part;
+        r->behind[released->event_key] = released->event == REST_END ? 2 : 1;
+        count = 2;
+    }
+    run_take(r, b, target, count, kinds, parts);
+    return 1;
+}
+
 /* Take the pending event by its rule; 0 where Python has to decide. */
 int rule_take(Run *r, Buffers *b)
 {
@@ -393,22 +446,29 @@ int rule_take(Run *r, Buffers *b)
     for (k = 0; k < r->key_count; k++)
         r->behind[k] = -1;
     if (e->rule == CROSS || e->rule == CROSS_IF_TIES_HOLD) {
-        Real rate = e->kind == HOLD || e->kind == PUSH || e->kind == SWITCH ? clear_rate(r, e) : direct_rate(r, e);
-        int own = e->kind == SWITCH ? e->key : NOTHING;
-        int again = r->known[e->key] > 0 && r->pending_tau == 0;
-        if (rate == 0 || rate != rate || again || (e->kind == HOLD && touches(r)))
+        const int of_places = e->kind != HOLD && e->kind != PUSH && e->kind != SWITCH;
+        const int own = e->kind == SWITCH ? e->key : NOTHING;
+        Real rate = of_places ? direct_rate(r, e) : clear_derivative(r, e, 1);
+        int order = 1;
+        if (r->known[e->key] > 0 && r->pending_tau == 0)
+            return 0;
+        if (of_places && rate == 0) { /* as of a body that a force growing from zero has just set into motion */
+            order = 2;
+            rate = clear_derivative(r, e, order);
+        }
+        if (rate == 0 || rate != rate || (e->kind == HOLD && touches(r)))
             return 0;
         if (!sides_last(r, rate > 0 ? r->mode : r->modes[e->target], own))
             return 0;
         if (rate > 0) {
-            r->behind[e->key] = 1;
+            r->behind[e->key] = order;
             run_take(r, b, r->mode_number, 0, NULL, NULL);
             return 1;
         }
         if (e->rule == CROSS_IF_TIES_HOLD &&
-            (e->kind == HOLD ? !slips(r, r->modes[e->target], e->event_key) : stands(r, r->modes[e->target], NOTHING) <= 0))
+            (e->kind == HOLD ? !slips(r, r->modes[e->target], e->event_key) : !holds(r, r->modes[e->target])))
             return 0;
-        r->behind[e->event_key] = e->order;
+        r->behind[e->event_key] = order == 1 ? e->order : order;
         run_take(r, b, e->target, kind == NOTHING ? 0 : 1, &kind, &part);
         return 1;
     }
@@ -423,19 +483,16 @@ int rule_take(Run *r, Buffers *b)
         return 1;
     }
     if (e->rule == STICK_OR_REVERSE) {
-        int answer = stands(r, r->modes[e->target], e->hold);
+        const Mode *stuck = r->modes[e->target];
+        int other, answer = stands(r, stuck, e->hold, &other);
+        const Event *released = other == NOTHING ? NULL : &stuck->events[other];
+        if (answer > 0)
+            return stick(r, b, e, e->target, NULL);
+        if (released != NULL && released->rule != DECIDE_IN_PYTHON && r->tangent == NULL &&
+            !(released->event == STICK_END && released->event_part == e->event_part)) /* which would slide on */
+            return departs(r, r->modes[released->target], released->event_key) && stick(r, b, e, released->target, released);
         if (answer == 0)
             return 0;
-        if (answer > 0) {
-            join(r, r->modes[e->target], r->mode->terms[e->first].P);
-            if (!sides_last(r, r->modes[e->target], NOTHING)) {
-                memcpy(r->next.v, r->before_v, sizeof(Real) * (size_t)r->bodies);
-                return 0;
-            }
-            kind = STICK_BEGIN;
-            run_take(r, b, e->target, 1, &kind, &part);
-            return 1;
-        }
         if (!slips(r, r->modes[e->other], e->event_key) || !sides_last(r, r->modes[e->other], NOTHING))
             return 0;
         kind = REVERSAL;
