@@ -397,6 +397,8 @@ class InitialMode(Generic[N]):
     def _held(self, state: State[N], status: Status) -> Known:
         """Orders of the zeros from which what ties may carry begins to grow."""
         known: Known = {}
+        if not status.tied:
+            return known
         rows = self.departures.enter(state, status)
         for event in rows.events:
             if event.kind == HOLD:

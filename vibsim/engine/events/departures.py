@@ -138,7 +138,7 @@ class DerivativeSigns(Generic[N]):
             values = self.expansion.derivatives(event, highest)
             for order, value in direct.items():
                 values[order] = value
-            if any(value != 0 for value in values[first:]):
+            if any(values[first:]):
                 break
         return values
 

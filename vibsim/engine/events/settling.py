@@ -36,12 +36,13 @@ class StickSlipResolution(Generic[N]):
         frictions that others which hold then keep from sliding.
         """
         standing = {*more, *status.tied}
-        while True:
+        while any(k not in standing for k in range(len(status.frictions))):
             tied = status.with_ties(dict.fromkeys(standing, STICK))
             resting = self.maker.resting(tied) - standing
             if not resting:
-                return sorted(standing)
+                break
             standing |= resting
+        return sorted(standing)
 
     def settle_behind(self, state: State[N], status: Status, after: Status) -> Status:
         """The mode behind a release at which a friction force drops: the jump of the accelerations may tear
@@ -101,9 +102,10 @@ class StickSlipResolution(Generic[N]):
         """Whether the ties of a mode can last: a base that moves cannot be tied to the ground, though it may
         rest for an instant.
         """
-        ground = self.maker.n
-        tied = self.maker.tied(status).groups.leader[ground + 1] == ground
-        return not (tied and self.scene.base_moves) and self.maker.can_last(status)
+        ground, moves = self.maker.n, self.scene.base_moves
+        if moves and self.maker.tied(status).groups.leader[ground + 1] == ground:
+            return False
+        return self.maker.can_last(status)
 
     def _release(self, state: State[N], candidate: Status, standing: Sequence[int]) -> Status | None:
         """As long as cuts are overloaded, the ties of the one that is so most let go. None where that is not

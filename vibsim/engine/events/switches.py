@@ -41,6 +41,7 @@ class SwitchSides(Generic[N]):
         self._place: tuple[Any, ...] | None = None  # state, and mode before, whose inputs were asked for last
         self._inputs: tuple[Inputs[N], Inputs[N]]
         self._guards: dict[Any, list[N]] = {}  # values of arguments of switches there
+        self._here: dict[Status, Status] = {}  # statuses there with all their sides
 
     def inputs(self, state: State[N], before: Status | None = None) -> tuple[Inputs[N], Inputs[N]]:
         """Values that formulas read at a state, and their uncertainty by rounding: that of the state, and of
@@ -51,7 +52,7 @@ class SwitchSides(Generic[N]):
         if place != self._place:
             self._inputs = self._made_inputs(state, before)
             self._place = place
-            self._guards = {}
+            self._guards, self._here = {}, {}
         return self._inputs
 
     def _made_inputs(self, state: State[N], before: Status | None) -> tuple[Inputs[N], Inputs[N]]:
@@ -133,12 +134,16 @@ class SwitchSides(Generic[N]):
         known = self._with_sides.get(status)
         if known is not None:
             return known
-        sides = status.switches or self.none
-        there = [i for i, side in enumerate(sides) if side is not None]
-        completed = self.completed(state, status, there)
-        if all(side is None or i in there for i, side in enumerate(completed.switches)):
-            self._with_sides.keep(status, completed)  # whatever the state
-        return completed
+        there = {i for i, side in enumerate(status.switches) if side is not None}
+        if there == self.rows.awake_in.get(status):
+            return self._with_sides.keep(status, status)
+        self.inputs(state)  # which forgets what other states have
+        known = self._here.get(status)
+        if known is None:
+            known = self._here[status] = self.completed(state, status, there)
+            if all(side is None or i in there for i, side in enumerate(known.switches)):
+                self._with_sides.keep(status, known)  # whatever the state
+        return known
 
     def _side(self, node: Node, values: list[N], before: int | None) -> tuple[int, bool]:
         """The side of a switch by the value of its argument, and whether rounding leaves it open."""
@@ -262,6 +267,8 @@ class SwitchSides(Generic[N]):
         unsure: list[int] = []
         status = self.completed(state, status, (), unsure)
         known: Known = {}
+        if not unsure:
+            return status, known
         for _ in range(MOST_TURNS):
             known.clear()
             for event in departures.enter(state, status).events:

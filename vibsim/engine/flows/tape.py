@@ -89,6 +89,8 @@ class TapeMaker(Generic[N]):
         """The places of all that some results are made of, themselves among them, operands first."""
         needed: dict[int, None] = {}
         for place in places:
+            if place in needed:
+                continue
             behind = self._behind.get(place)
             if behind is None:
                 behind = self._behind[place] = {}

@@ -199,6 +199,8 @@ class RowMaker(Generic[N]):
         """Whether the belts by formulas in the ties of a mode agree: two that do not may only stand for an
         instant.
         """
+        if not self.scene.has_courses:
+            return True
         courses = self.tied(status).courses
         return all(self._goes_along(courses, self.tie(k)) for k in status.tied)
 

@@ -33,18 +33,22 @@ class Status(NamedTuple):
         """values: {number of the tie: status of a friction}; ties are the frictions, then the stops, of which
         those that do not stick are open.
         """
-        count = len(self.frictions)
-        stops = self.stops and tuple(
+        count, after = len(self.frictions), self.with_frictions(values)
+        if all(k < count for k in values):
+            return after
+        stops = tuple(
             old if count + i not in values else RESTING if values[count + i] == STICK else OPEN
             for i, old in enumerate(self.stops)
         )
-        return Status(stops, *self.with_frictions(values)[1:])
+        return Status(stops, *after[1:])
 
     @property
     def tied(self) -> list[int]:
         """Numbers of the ties that hold: frictions that stick, then stops that rest."""
         count = len(self.frictions)
         sticking = [i for i, value in enumerate(self.frictions) if value == STICK]
+        if RESTING not in self.stops:
+            return sticking
         return sticking + [count + i for i, value in enumerate(self.stops) if value == RESTING]
 
     def with_clearance(self, i: int, value: int) -> "Status":

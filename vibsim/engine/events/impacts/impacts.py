@@ -123,6 +123,8 @@ class ImpactLaw(Generic[N]):
         """The stops that touch between the ends of stop `i` and on its side, itself first: their depths are
         one.
         """
+        if len(touch.contacts) == 1:
+            return [i]
         one = self.contacts[i]
         ways = [(one.P, one.Q, one.sense), (one.Q, one.P, -one.sense)]
         return [i, *(c.stop for c in touch.contacts if c.stop != i and (c.P, c.Q, c.sense) in ways)]

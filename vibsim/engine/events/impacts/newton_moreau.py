@@ -138,7 +138,8 @@ def impact(
     before = [rate_of(kit, contact, v) for contact in contacts]
     demands = [(1 + c.e) * rate for c, rate in zip(contacts, before, strict=True)]
     couplings = [[coupling(bodies, a, b) for b in contacts] for a in contacts]
-    active, impulses = _least(kit, couplings, demands)
+    alone = len(contacts) == 1 and demands[0] > 0 and couplings[0][0] > 0
+    active, impulses = ([0], demands) if alone else _least(kit, couplings, demands)
     if len(active) == 1:
         after, speed, only = _single(bodies, contacts[active[0]], v, w)
         return _with_rotors(bodies, v, after), speed, only

@@ -99,6 +99,8 @@ class RestProjection(Generic[N]):
         """Give bodies that touch without closing at some stops one velocity; momentum is kept where they move
         freely, and that of the rotor everywhere. Tells what they gave away.
         """
+        if not stops:
+            return []
         n, zero, motor = self.maker.n, self.kit.number(0), self.scene.motor
         edges = {j: self.maker.ends(self.stops[j]) for j in stops}
         groups = Groups(n, [(0, *edge) for edge in edges.values()])
