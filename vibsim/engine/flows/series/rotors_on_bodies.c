@@ -12,6 +12,7 @@
 #include "engine.h"
 #include "numbers.h"
 #include "tape_series.h"
+#include "wide.h"
 
 /* Speed of rotor `one`, coefficient k. */
 static Real speed_of(const Taylor *f, const RotorOn *one, int k)
@@ -107,7 +108,7 @@ INLINE Sums sums_of(const Real *c, const Real *s, const Real *w, const Real *a, 
 /* Coefficient n + 1 of sine and cosine, and the pull; returns coefficient n of s a, a the acceleration of the group, without the term of
  * the one that is not known yet.
  */
-static Real rotate(const Taylor *f, Rotors *o, int i, int n, int group)
+INLINE Real rotate(const Taylor *f, Rotors *o, int i, int n, int group)
 {
     Real *s = series_along(o->sine, i), *c = series_along(o->cosine, i), *w = series_along(o->speed, i);
     const Real *a = series_along(o->acceleration, group), speed = speed_of(f, &o->of[i], n), inverse = f->inverse[n + 1];
@@ -130,7 +131,7 @@ static Real rotate(const Taylor *f, Rotors *o, int i, int n, int group)
 /* Acceleration of order n of the group number g under the force F, and of its rotors. Of a group that does not move on its own the
  * acceleration is that of ground or base.
  */
-static void turn_group(Run *r, int g, int n, const Real *F)
+INLINE void turn_group(Run *r, int g, int n, const Real *F)
 {
     const Taylor *f = &r->taylor;
     const Mode *m = r->mode;
@@ -160,7 +161,7 @@ static void turn_group(Run *r, int g, int n, const Real *F)
 }
 
 /* Accelerations of order n of rotors and of the groups that they are on, under the forces and torques r->force. */
-void rotors_turn(Run *r, int n)
+WIDE void rotors_turn(Run *r, int n)
 {
     const Rotors *o = &r->rotors;
     int g;
