@@ -13,11 +13,12 @@ from vibsim.cases import Case, load_case
 from vibsim.cases.problems import nearest
 from vibsim.cases.quantities import decimal_text
 from vibsim.cases.validation import exact_pairs, fingerprint_of
+from vibsim.engine.columns import of_kinds
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.evidence.peers.solvers import SHARE, TIGHTEST, Attempt, OutOfTime, TimeLimit, kinds_of
 from vibsim.evidence.peers.straight_line import two_sided_power
 from vibsim.lazy import named
-from vibsim.physics.parts import EVENT_KINDS, Scene
+from vibsim.physics.parts import Scene
 from vibsim.results.columns import tables_of
 
 # Who takes part: the families of methods, each with a ladder of settings from fast to accurate.
@@ -276,6 +277,8 @@ class OwnEngine:
 
     def __init__(self, scene: Scene, method: str, order: int | None = None, tol: float = 2.0**-53):
         self.scene = replace(scene, method=method, order=order or scene.order, tol=tol)
+        self.names, self.kinds = tables_of(scene).states, kinds_of(scene)
+        self.compared = of_kinds(self.kinds)
 
     def run(self, times: np.ndarray, limit: TimeLimit) -> Attempt:
         """States at `times` [s], which are the instants that the scene is sampled at. Raises EngineError."""
@@ -287,10 +290,9 @@ class OwnEngine:
                 limit.check()
         except OutOfTime:
             stopped = True
-        names, compared = tables_of(self.scene).states, kinds_of(self.scene)
-        samples = np.concatenate([np.column_stack([b.samples[name] for name in names]) for b in blocks])
+        samples = np.concatenate([np.column_stack([b.samples[name] for name in self.names]) for b in blocks])
         t, kinds = (np.concatenate([block.events[name] for block in blocks]) for name in ("t", "kind"))
-        counted = np.isin(kinds, [EVENT_KINDS[name] for name in compared])
+        counted = self.compared[kinds]
         events = list(zip(t[counted].tolist(), kinds[counted].tolist(), strict=True))
         steps = int(trajectory.totals["steps"])
-        return Attempt(samples, blocks[-1].t_reached, steps, None, events, compared, stopped)
+        return Attempt(samples, blocks[-1].t_reached, steps, None, events, self.kinds, stopped)
