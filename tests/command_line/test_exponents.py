@@ -85,7 +85,7 @@ def test_the_run_is_the_same_with_and_without():
         (("--lyapunov", "0"), "must be a whole number above 0, or all, got '0'"),
         (("--lyapunov", "some"), "must be a whole number above 0, or all, got 'some'"),
         (("--discard", "5s"), "--discard leaves a transient out of --lyapunov, which is not given"),
-        (("--lyapunov", "1", "--discard", "40s"), "--discard 40s: leaves nothing of I-A, 40 s"),
+        (("--lyapunov", "1", "--discard", "40s"), "--discard 40 s: leaves nothing of I-A, 40 s"),
         (("--lyapunov", "1", "--discard", "1.5"), "must be at least 0 and below 1"),
         (("--lyapunov", "1", "--digits", "30"), "--lyapunov needs doubles; leave --digits out"),
     ],

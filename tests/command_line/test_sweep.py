@@ -83,7 +83,11 @@ def test_failed_points_end_in_exit_code_5():
         (("--param", "Omega=3,4"), 2, "did you mean"),
         (("--param", "c"), 2, "is not KEY=RANGE"),
         (("--param", "c=-1,1"), 3, "--param coupling.c: must be >= 0"),
-        (("--omega0", "3,4", "--discard", "200%"), 2, "below 1"),
+        (
+            ("--omega0", "3,4", "--discard", "200%"),
+            2,
+            "'--discard': a fraction must be at least 0 and below 1",
+        ),
         (("--omega0", "3,4", "--discard", "3s"), 2, "leaves nothing"),
         (("--omega0", "3,4", "--every", "soon"), 2, "time"),
         (("--omega0", "3,4", "-s", "nonsense=1"), 3, "nonsense"),

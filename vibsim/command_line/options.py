@@ -153,6 +153,20 @@ class WindowType(click.ParamType):
         return window
 
 
+class DiscardType(click.ParamType):
+    """A transient that is left out: a time or a share of the run, as a `vibsim.analysis.cycles.Discard`."""
+
+    name = "discard"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        from vibsim.analysis.cycles import parse_discard
+
+        try:
+            return parse_discard(value) if isinstance(value, str) else value
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+
+
 class DigitCount(click.ParamType):
     """A number of decimal digits, or auto."""
 
@@ -199,6 +213,7 @@ class ExponentCount(click.ParamType):
 
 CASE = CaseSource()
 CHECK = CheckName()
+DISCARD = DiscardType()
 DIGITS = DigitCount()
 EXPONENTS = ExponentCount()
 ASSIGNMENT = PairType("KEY=VALUE, such as excitation.Omega0='6.5 Hz'")

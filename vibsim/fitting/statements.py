@@ -159,7 +159,11 @@ def _parsed(text: str, cases: Sequence[Case]) -> Statement:
         raise FitError(f"{phrase.name} needs {' and '.join(missing)}; {cases[position].name} lacks it")
     tail, argument = _argument(claim[len(phrase.words) :].strip(), phrase, observable)
     tail, asked = _windowed(tail, Asked(phrase.name, argument), observable, cases[position])
-    return Statement(rest, position, asked, _bounds(tail, phrase, observable), share, weight)
+    bounds = _bounds(tail, phrase, observable)
+    t_end = cases[position].number("run.t_end")
+    if observable.dimension == "time" and not (bounds.low <= t_end and bounds.high >= 0):
+        raise FitError(f"no time in its range is within the run, 0 to {t_end:g} s (run.t_end)")
+    return Statement(rest, position, asked, bounds, share, weight)
 
 
 def _case_of(text: str, cases: Sequence[Case]) -> tuple[int, str]:
@@ -252,11 +256,11 @@ def _windowed(tail: str, asked: Asked, observable: Observable, case: Case) -> tu
         begin, end = t_end - asked.last, t_end
     else:
         begin, end = (
-            _ends(over["low"], over["high"], "time") if over else (_number(match["after"], "time"), inf)
+            _ends(over["low"], over["high"], "time") if over else (_number(match["after"], "time"), t_end)
         )
-        asked = Asked(asked.name, asked.argument, (begin, end))
-    if not 0 <= begin < min(end, t_end):
-        raise FitError(f"its span of time is not within the run, 0 to {t_end:g} s")
+        asked = Asked(asked.name, asked.argument, (begin, end if over else inf))
+    if not 0 <= begin < end <= t_end:
+        raise FitError(f"its span of time is not within the run, 0 to {t_end:g} s (run.t_end)")
     return padded[: match.start()].strip(), asked
 
 

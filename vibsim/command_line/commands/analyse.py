@@ -8,12 +8,12 @@ import click
 
 from vibsim.analysis import Analysis, Capture, DominantFrequencies, Drift, ImpactsPerCycle, Regime, analyse
 from vibsim.analysis.analysis import unit_of_motion
-from vibsim.analysis.cycles import parse_discard
+from vibsim.analysis.cycles import Discard
 from vibsim.analysis.drift import RateSpread
 from vibsim.cases.problems import nearest
 from vibsim.cases.quantities import number
 from vibsim.command_line.commands.run import read_case
-from vibsim.command_line.options import CASE, WINDOW, NameList, Settings, examples, set_option
+from vibsim.command_line.options import CASE, DISCARD, WINDOW, NameList, Settings, examples, set_option
 from vibsim.command_line.terminal import print_json, say, style
 from vibsim.command_line.text import heading, metres, multiplier_text, print_lines, trust_text
 from vibsim.results import Result, ResultFileError, kind_of, names_a_result, simulate
@@ -61,6 +61,7 @@ def _check_verdicts(names: Sequence[str], text: str) -> None:
 @click.option("--window", type=WINDOW, metavar="A:B", help="Look only at this span, in seconds.")
 @click.option(
     "--discard",
+    type=DISCARD,
     metavar="TIME|SHARE",
     help="Transient that only capture takes in, such as 100s or 0.5. [default: 0.5; 0 with --window]",
 )
@@ -76,7 +77,7 @@ def command(
     sources: tuple[str, ...],
     what: tuple[str, ...],
     window: tuple[float, float] | None,
-    discard: str | None,
+    discard: Discard | None,
     exponent: bool,
     changes: tuple[tuple[str, str], ...],
 ) -> None:
@@ -98,7 +99,7 @@ def judge_all(
     sources: tuple[str, ...],
     what: tuple[str, ...],
     window: Window | None,
-    discard: str | None,
+    discard: Discard | None,
     exponent: bool,
     changes: dict[str, str],
     settings: Settings,
@@ -108,23 +109,15 @@ def judge_all(
     Raises CaseError and ResultFileError before anything is judged, UsageError for a window or transient that
     a run cannot have.
     """
-    transient = _transient(discard)
     opened = [_opened(source, changes) for source in sources]
     for source, ready in zip(sources, opened, strict=True):
         result = ready if isinstance(ready, Result) else simulate(ready)
         try:
-            left_out = None if transient is None else transient.time(_length(result, window))
+            left_out = None if discard is None else discard.time(_length(result, window))
             verdicts = analyse(result, window=window, discard=left_out, what=what, exponent=exponent)
         except ValueError as error:
             raise click.UsageError(f"{source}: {error}") from error
         _print(source, changes, result, verdicts, what, settings)
-
-
-def _transient(text: str | None) -> Any:
-    try:
-        return None if text is None else parse_discard(text)
-    except ValueError as error:
-        raise click.BadParameter(str(error), param_hint="'--discard'") from error
 
 
 def _length(result: Result, window: Window | None) -> float:

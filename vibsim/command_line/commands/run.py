@@ -16,6 +16,7 @@ from vibsim.command_line.main import RUN_FAILED, told
 from vibsim.command_line.options import (
     CASE,
     DIGITS,
+    DISCARD,
     EXPONENTS,
     FILE,
     RAMP,
@@ -46,6 +47,7 @@ from vibsim.results.simulation import open_result
 from vibsim.signals import Interruption, interrupted_with
 
 if TYPE_CHECKING:
+    from vibsim.analysis.cycles import Discard
     from vibsim.cases import Case
 
 
@@ -111,6 +113,7 @@ METHODS = ["auto", "closed_form", "taylor"]
 )
 @click.option(
     "--discard",
+    type=DISCARD,
     metavar="TIME|SHARE",
     help="Transient that --lyapunov leaves out, such as 100s or 0.5. [default: 0.5]",
 )
@@ -131,7 +134,7 @@ def command(
     trust: bool,
     digits: int | str | None,
     lyapunov: int | str | None,
-    discard: str | None,
+    discard: "Discard | None",
     dry_run: bool,
     force: bool,
 ) -> int:
@@ -292,7 +295,7 @@ def check_digits(digits: int | str | None) -> None:
 
 
 def with_exponents(
-    jobs: list[Job], count: int | str | None, discard: str | None, digits: int | str | None
+    jobs: list[Job], count: int | str | None, discard: "Discard | None", digits: int | str | None
 ) -> list[Job]:
     """The jobs with so many Lyapunov exponents ("all": as many as each case has) behind a transient.
 
@@ -308,16 +311,13 @@ def with_exponents(
     return [replace(job, tangent=_tangent(job.case, count, discard)) for job in jobs]
 
 
-def _tangent(case: "Case", count: int | str, discard: str | None) -> tuple[int, float]:
-    from vibsim.analysis.cycles import HALF, parse_discard
+def _tangent(case: "Case", count: int | str, discard: "Discard | None") -> tuple[int, float]:
+    from vibsim.analysis.cycles import HALF
 
     scene = case.scene()
     if count != "all" and int(count) > dimension(scene):
         raise click.UsageError(f"--lyapunov {count}: {case.name} has {dimension(scene)} exponents")
-    try:
-        begin = (HALF if discard is None else parse_discard(discard)).time(scene.t_end)
-    except ValueError as error:
-        raise click.BadParameter(str(error), param_hint="'--discard'") from error
+    begin = (HALF if discard is None else discard).time(scene.t_end)
     if not begin < scene.t_end:
         raise click.UsageError(f"--discard {discard}: leaves nothing of {case.name}, {scene.t_end:g} s")
     return (dimension(scene) if count == "all" else int(count)), begin

@@ -12,6 +12,7 @@ from vibsim.command_line.commands.run import hdf5_name, read_case, to_be_complet
 from vibsim.command_line.main import FAILED_POINTS
 from vibsim.command_line.options import (
     CASE,
+    DISCARD,
     KEY_RANGE,
     OneOf,
     Settings,
@@ -90,7 +91,7 @@ DEFAULT_CASE = "II-B"
     help="Start each point from the end of the one before, or as the case says. [default: fresh]",
 )  # fmt: skip
 @click.option(
-    "--discard", default="50%", metavar="TIME|SHARE", help="Transient left out, such as 100s or 0.5.",
+    "--discard", default="50%", type=DISCARD, metavar="TIME|SHARE", help="Transient left out, such as 100s or 0.5.",
     show_default=True,
 )  # fmt: skip
 @count_option("--section", "Stroboscopic points kept per point.", default=100)
@@ -157,6 +158,7 @@ def command(
     values = joined(changes, run_settings)
     axes = [("", text, "Hz", option) for option, text in (("--omega0", omega0), ("--omega", omega)) if text]
     axes += [(key, text, "", "--param") for key, text in params]
+    settings["discard"] = str(settings["discard"])
     settings["compute"] = [name.strip() for name in computed.split(",") if name.strip()]
     if seed is not None and not ensemble:
         raise click.UsageError("--seed draws the members of --ensemble, which is not given")
