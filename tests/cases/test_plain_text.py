@@ -1,6 +1,8 @@
 """User text is shown as text, whatever it holds."""
 
+import ast
 import random
+import re
 import unicodedata
 from pathlib import Path
 
@@ -8,8 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import vibsim
 from vibsim.cases import yaml_nodes
-from vibsim.cases.problems import one_line, plain_text
+from vibsim.cases.problems import counted, one_line, plain_text
 from vibsim.cases.quantities import number
 from vibsim.cases.yaml_nodes import BOTH_READ, FAST_PARSER, read_yaml
 
@@ -104,3 +107,60 @@ def test_what_libyaml_reads_python_reads_alike(seed, monkeypatch):
     monkeypatch.setattr(yaml_nodes, "FAST_PARSER", None)
     assert with_libyaml == [read_yaml(text, "case") for text in texts]
     assert sum(not problems for _, problems in with_libyaml) > 100
+
+
+# A number before its word, in all texts.
+
+
+@pytest.mark.parametrize(
+    ("number", "word", "text"),
+    [
+        (0, "impact", "0 impacts"),
+        (1, "impact", "1 impact"),
+        (2, "impact", "2 impacts"),
+        ("1", "point", "1 point"),
+        ("1 or 2", "member", "1 or 2 members"),
+        (1, "rank loss", "1 rank loss"),
+        (2, "rank loss", "2 rank losses"),
+        (2, "body", "2 bodies"),
+        (2, "day", "2 days"),
+        (2, "box", "2 boxes"),
+        (2, "branch", "2 branches"),
+    ],
+)
+def test_a_count_has_the_form_of_its_word(number, word, text):
+    assert counted(number, word) == text
+
+
+COUNTED = (
+    "blocks columns cycles events frames impacts periods points reversals rows runs samples starts values"
+)
+MANY = re.compile(rf"(?<!of )%(?: [a-z]+)? (?:{'|'.join(COUNTED.split())})(?![a-z]| are too)")
+
+
+def counts_of(source):
+    """Lines of the texts in which the length of something stands before a word that is always plural."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.JoinedStr) and MANY.search("".join(map(shape_of, node.values))):
+            yield node.lineno
+
+
+def shape_of(part):
+    """% for what has a length, # for another value, and the text itself."""
+    if isinstance(part, ast.Constant):
+        return part.value
+    call = part.value
+    return "%" if isinstance(call, ast.Call) and ast.unparse(call.func) in ("len", "sum") else "#"
+
+
+def test_no_text_has_a_plural_where_there_may_be_one():
+    """In the reports on the paper the counts are known."""
+    assert list(counts_of('f"{len(x)} points"')) == list(counts_of('f"{sum(x)} late impacts"')) == [1]
+    assert not [*counts_of('f"1 of {len(x)} points"'), *counts_of('f"{len(x)} pointsmen"')]
+    found = {
+        f"{path.name}:{line}"
+        for path in Path(vibsim.__file__).parent.rglob("*.py")
+        if path.parent.name != "reports"
+        for line in counts_of(path.read_text("utf-8"))
+    }
+    assert not found

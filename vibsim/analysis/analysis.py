@@ -327,7 +327,7 @@ def find_frequencies(
         rows = slice(rows.stop - GREATEST, rows.stop)
         span = replace(span, begin=float(result.column("time")[rows.start]))
     if rows.stop - rows.start < FEWEST:
-        reason = f"{rows.stop - rows.start} samples are too few, {FEWEST} are needed"
+        reason = f"too few samples: {rows.stop - rows.start}, and {FEWEST} are needed"
         return DominantFrequencies("undecided", reason, span, of)
     every = scene.every_num / scene.every_den
     source = source_hz(result, span)

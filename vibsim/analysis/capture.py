@@ -140,7 +140,7 @@ def capture_of_turns(turn_times: np.ndarray, impact_times: np.ndarray, scene: Sc
     assert motor is not None
     no_load = motor.Omega0 / TURN
     if len(turn_times) < FEWEST_TURNS:
-        return Capture("undecided", f"{len(turn_times)} turns are too few to judge", span, no_load)
+        return Capture("undecided", f"too few turns to judge: {len(turn_times)}", span, no_load)
     times, speeds = mean_speeds(turn_times)
     holds = holds_of(times, speeds, motor)
     passed = passages(*_from_start(turn_times, times, speeds, motor, span), scene)

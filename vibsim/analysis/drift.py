@@ -27,6 +27,7 @@ from vibsim.analysis.cycles import (
     name_verdict,
     steady_span,
 )
+from vibsim.cases.problems import counted
 from vibsim.physics.connections import drifting_sets, event_parts
 from vibsim.physics.elementary import dot, mean, sine_cosine_of_arrays, total
 from vibsim.physics.parts import EVENT_KINDS, Scene, columns_of
@@ -117,8 +118,8 @@ def _measured(result: Result, span: Span, of: str) -> Drift:
     """The drift within a span, from its samples."""
     edges = block_edges(result, span)
     if len(edges) - 1 < FEWEST_BLOCKS:
-        reason = f"too short: {max(len(edges) - 1, 0)} blocks of {CYCLES} cycles, {FEWEST_BLOCKS} are needed"
-        return Drift("undecided", reason, span, of)
+        blocks_text = f"{counted(max(len(edges) - 1, 0), 'block')} of {CYCLES} cycles"
+        return Drift("undecided", f"too short: {blocks_text}, {FEWEST_BLOCKS} are needed", span, of)
     places = np.searchsorted(result.time, edges).tolist()
     if min(b - a for a, b in pairwise(places)) < 2 * CYCLES:
         return Drift("undecided", "too few samples to a block", span, of)
@@ -132,7 +133,7 @@ def drift_of_blocks(means: np.ndarray, middles: np.ndarray, span: Span, of: str 
     """The drift from the mean displacements [m] of neighbouring blocks and their mean times [s]."""
     velocity = average(np.diff(means) / np.diff(middles), DOUBT)
     rate, half_width = velocity.mean, velocity.half_width
-    verdict, reason = _way(rate, half_width), f"{1 - DOUBT:.0%} interval from {len(means)} blocks"
+    verdict, reason = _way(rate, half_width), f"{1 - DOUBT:.0%} interval from {counted(len(means), 'block')}"
     reason += ", which contains 0" if verdict == "undecided" else ""
     return Drift(verdict, reason, span, of, rate, half_width, len(means))
 
@@ -266,7 +267,7 @@ def count_impacts(result: Result, window: Window | None = None, part: str | None
     verdict = f"no {noun}" if not happened else "every cycle" if happened == cycles else "some cycles"
     counts = ImpactsPerCycle(
         verdict,
-        f"{noun} in {happened} of {cycles} cycles",
+        f"{noun} in {happened} of {counted(cycles, 'cycle')}",
         span,
         cycles,
         sum(impacts) / cycles,

@@ -34,6 +34,7 @@ from vibsim.analysis.sections import (
     section_of,
 )
 from vibsim.cases.case import by_key, load_case, whole_number
+from vibsim.cases.problems import counted
 from vibsim.cases.quantities import number
 from vibsim.engine.columns import state_columns
 from vibsim.engine.errors import EngineError
@@ -480,7 +481,7 @@ def _warnings(lyapunov: LyapunovExponents, tolerance: float) -> Iterator[str]:
         )
     if lyapunov.tangencies:
         yield (
-            f"{lyapunov.tangencies} events crossed almost tangentially, the closest at"
+            f"{counted(lyapunov.tangencies, 'event')} crossed almost tangentially, the closest at"
             f" {lyapunov.closest_tangency_time:.6g} s: first order holds there for tiny disturbances only"
         )
     bound = PIECE * max(tolerance, UNIT_ROUNDOFF) * lyapunov.tangent_pieces

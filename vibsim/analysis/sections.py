@@ -23,6 +23,7 @@ from math import isnan, pi
 import numpy as np
 
 from vibsim.analysis.cycles import ROWS, TURN, RegimeVerdict, Span, cycle_ends, events_within, name_verdict
+from vibsim.cases.problems import counted
 from vibsim.cases.quantities import number
 from vibsim.physics.connections import body_sets, felt_angles, force_pairs, whole_turn_angles
 from vibsim.physics.elementary import dot, mean, sine_cosine_of_arrays, total
@@ -453,11 +454,11 @@ class JudgedPoints:
 def judge_points(points: np.ndarray, exponent: Exponent | None = None) -> JudgedPoints:
     """The regime of points (n, d), each coordinate scaled to the size of the vibration."""
     if len(points) < LEAST_POINTS:
-        return JudgedPoints("undecided", f"{len(points)} cycles are too few, {LEAST_POINTS} are needed")
+        return JudgedPoints("undecided", f"too few cycles: {len(points)}, and {LEAST_POINTS} are needed")
     repeated = find_period(points)
     if repeated is not None:
         lasted = len(points) - repeated.onset
-        reason = f"the section repeats itself within {number(TOLERANCE, 6)}, over {lasted} cycles"
+        reason = f"the section repeats itself within {number(TOLERANCE, 6)}, over {counted(lasted, 'cycle')}"
         return JudgedPoints("periodic", reason, repeated.period, repeated.onset, repeated.step)
     near = approached_period(points)
     if near is not None:

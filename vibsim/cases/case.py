@@ -9,7 +9,7 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, TypeGuard, Union
 
-from vibsim.cases.problems import CaseError, Problem
+from vibsim.cases.problems import CaseError, Problem, counted
 from vibsim.cases.quantities import Quantity, number
 from vibsim.cases.scene_building import (
     DOUBLES,
@@ -305,8 +305,8 @@ class Case:
     def __repr__(self) -> str:
         scene = self.scene()
         count = sum(body.kind == BODY for body in scene.bodies)
-        bodies = f"{count} bod{'y' if count == 1 else 'ies'}"
-        stops = f", {len(scene.stops)} stop{'' if len(scene.stops) == 1 else 's'}" if scene.stops else ""
+        bodies = counted(count, "body")
+        stops = f", {counted(len(scene.stops), 'stop')}" if scene.stops else ""
         frequency = f" at {self.frequency()}" if self.frequency() else ""
         source = f"source {self.source_kind}{frequency}"
         return f"<Case {self.name}: {bodies}{stops}, {source}, {self.quantity('run.t_end')}>"

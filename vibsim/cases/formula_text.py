@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from vibsim.cases.any_unit import PURE, AnyUnit, Dimension, any_quantity, read_unit
-from vibsim.cases.problems import did_you_mean, shown
+from vibsim.cases.problems import counted, did_you_mean, shown
 from vibsim.cases.quantities import QuantityError, exact_number
 from vibsim.physics import formulas as nodes
 
@@ -280,7 +280,7 @@ class _Parser:
         least, most = ARGUMENTS[name.text]
         if not least <= len(arguments) <= most:
             count = str(least) if least == most else f"{least} to {most}"
-            message = f"{name.text} has {count} argument{'' if most == 1 else 's'}, got {len(arguments)}"
+            message = f"{name.text} has {counted(count, 'argument')}, got {len(arguments)}"
             raise FormulaError(message, name.start, end)
         return FormulaTerm("call", name.start, end, tuple(arguments), name.text)
 
@@ -471,7 +471,7 @@ def pairs_of(text: str) -> str:
     pairs = []
     for i, row in enumerate(rows[1:], 2):
         if len(row) != 2:
-            raise ValueError(f"row {i} has {len(row)} columns, must have 2")
+            raise ValueError(f"row {i} has {counted(len(row), 'column')}, must have 2")
         try:
             for cell in row:
                 exact_number(cell.strip())

@@ -57,7 +57,7 @@ class CaseError(Exception):
 def listed(problems: Sequence[Problem]) -> list[str]:
     """A line for each problem, of many for the first ones: a file that is no case is wrong in every line."""
     more = len(problems) - MOST_LISTED
-    rest = [f"and {more} more problem{'s' if more > 1 else ''}"] if more > 0 else []
+    rest = [f"and {counted(more, 'more problem')}"] if more > 0 else []
     return [*map(str, problems[:MOST_LISTED]), *rest]
 
 
@@ -199,6 +199,15 @@ def did_you_mean(word: str, allowed: Iterable[str]) -> str:
     """ " (did you mean X?)", or an empty text where nothing allowed is near."""
     match = nearest(word, allowed)
     return f" (did you mean {match}?)" if match else ""
+
+
+def counted(number: int | str, word: str) -> str:
+    """A number with its word: 1 impact, 2 impacts, 1 loss, 2 losses, 1 body, 2 bodies."""
+    if str(number) == "1":
+        return f"1 {word}"
+    if re.search(r"[^aeou]y$", word):
+        return f"{number} {word[:-1]}ies"
+    return f"{number} {word}{'es' if word.endswith(('s', 'x', 'ch', 'sh')) else 's'}"
 
 
 def unsupported(word: str) -> str:

@@ -9,7 +9,7 @@ from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vibsim.cases.problems import one_line
+from vibsim.cases.problems import counted, one_line
 from vibsim.cases.quantities import Quantity, number
 from vibsim.command_line.terminal import say, style
 from vibsim.physics.connections import reads_time
@@ -114,8 +114,7 @@ def certificate_text(attrs: Mapping[str, Any]) -> str:
     if attrs["certified"]:
         return "no event missed, none invented: every stretch proved"
     count, first = attrs["uncertified"], attrs["first_uncertified_time"]
-    stretches = "1 stretch" if count == 1 else f"{count} stretches"
-    return style(f"{stretches} in doubt, the first from {first:.6g} s on", fg="yellow")
+    return style(f"{counted(count, 'stretch')} in doubt, the first from {first:.6g} s on", fg="yellow")
 
 
 def doubt_texts(result: Result) -> list[str]:
@@ -411,7 +410,7 @@ def checks(lyapunov: Lyapunov, rests: bool) -> str:
     """Rank losses, and how well volumes obey Liouville's identity."""
     parts = []
     if lyapunov.rank_losses:
-        losses = f"{lyapunov.rank_losses} rank loss{'' if lyapunov.rank_losses == 1 else 'es'}"
+        losses = f"{counted(lyapunov.rank_losses, 'rank loss')}"
         parts.append(f"{losses} by {'sticking, rest and impacts' if rests else 'sticking'}")
     if not math.isnan(lyapunov.volume_residual):
         parts.append(f"volume residual {number(lyapunov.volume_residual, 2)}")
@@ -424,11 +423,6 @@ def checks(lyapunov: Lyapunov, rests: bool) -> str:
 PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "um"), (1e-9, "nm"))
 DURATIONS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns"))
 SIZES = ((1e9, "GB"), (1e6, "MB"), (1e3, "kB"))
-
-
-def counted(number: int, word: str) -> str:
-    """1 impact, 2 impacts."""
-    return f"{number} {word}{'' if number == 1 else 's'}"
 
 
 def metres(x: float, unit: str = "m") -> str:
@@ -468,7 +462,7 @@ def completed_file(path: Path, count: int, had: int, took: float) -> str:
     text = f"{path} ({size(path)})"
     if had == count:
         return f"{text}, was complete: nothing to compute"
-    return f"{text}, {took:.2f} s" + (f", {had} points were there" if had else "")
+    return f"{text}, {took:.2f} s" + (f", {counted(had, 'point')} there before" if had else "")
 
 
 # A Floquet multiplier in words.

@@ -16,6 +16,7 @@ import numpy as np
 
 from vibsim.cases import Case
 from vibsim.cases.case import CaseLike, by_key, load_case, texts
+from vibsim.cases.problems import counted
 from vibsim.engine.blocks_ahead import available_cores
 from vibsim.fitting.measures import FitError, FitInterrupted
 from vibsim.fitting.plan import (
@@ -178,7 +179,9 @@ class FitResult(Labelled):
         """Cases, how many candidates and runs, and the best."""
         names = ", ".join(case.name for case in self.plan.cases)
         best = f"; best {self.best.candidate}, penalty {self.best.price:.3f}" if self.ranking else ""
-        return f"{names}: {len(self.candidates)} candidates, {len(self.runs)} runs{best}"
+        return (
+            f"{names}: {counted(len(self.candidates), 'candidate')}, {counted(len(self.runs), 'run')}{best}"
+        )
 
     def lines(self) -> list[tuple[str, str]]:
         """The statements, the ranges of the free parameters, and whether the search reached its end."""
@@ -250,12 +253,12 @@ def starts_text(fit: FitResult) -> str:
 def search_text(fit: FitResult) -> str:
     """Method of the search, and how much of it was done."""
     search, searched = fit.plan.search, sum(one.origin == "search" for one in fit.candidates)
-    readings = f"{len(fit.plan.readings)} reading{'' if len(fit.plan.readings) == 1 else 's'}"
-    how = [f"{searched} candidates, {search.method}, seed {search.seed}"] if fit.plan.free else []
+    readings = counted(len(fit.plan.readings), "reading")
+    how = [f"{counted(searched, 'candidate')}, {search.method}, seed {search.seed}"] if fit.plan.free else []
     if fit.plan.free and search.at_most:
         how.append(f"at most {search.at_most} changed at a time")
     how += [readings] if fit.plan.readings else []
-    return f"{'; '.join(how)}; {len(fit.runs)} runs"
+    return f"{'; '.join(how)}; {counted(len(fit.runs), 'run')}"
 
 
 def best_text(fit: FitResult) -> str:

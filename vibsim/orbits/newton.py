@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibsim.cases.problems import counted
 from vibsim.cases.quantities import number
 from vibsim.engine.errors import EngineError, start_of
 from vibsim.engine.resume import Row, rows_of_instant
@@ -123,11 +124,10 @@ def _bound(end: Return) -> float:
 
 
 def _failure(return_map: ReturnMap, end: Return, steps: int) -> NotConverged:
-    periods = f"{return_map.n} period{'s' * (return_map.n > 1)}"
     return NotConverged(
-        f"no orbit of {periods} near the start: Newton's method came to a residual of "
-        f"{number(end.residual, 2)} m/s after {steps} steps; start from a run that has settled more, "
-        "or an orbit at a parameter nearby",
+        f"no orbit of {counted(return_map.n, 'period')} near the start: Newton's method came to a residual "
+        f"of {number(end.residual, 2)} m/s after {counted(steps, 'step')}; start from a run that has settled "
+        "more, or an orbit at a parameter nearby",
         end.residual,
     )
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.cases.problems import counted
 from vibsim.cases.quantities import number
 from vibsim.engine.number_forms import WordsForm
 from vibsim.engine.tangent.monodromy import Carrier
@@ -118,7 +119,7 @@ def _brief(orbit: Orbit, word: Word) -> str:
     """A word in letters, or how many impacts where it is long."""
     if len(word) <= LONGEST:
         return spelled(orbit.scene, word) or "none"
-    return f"{sum(kind in IMPACTS for kind, _ in word)} impacts"
+    return counted(sum(kind in IMPACTS for kind, _ in word), "impact")
 
 
 class _ExactMap:

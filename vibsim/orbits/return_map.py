@@ -16,6 +16,7 @@ from math import inf, isfinite, pi
 
 import numpy as np
 
+from vibsim.cases.problems import counted
 from vibsim.engine.modes.status import RESTING, STICK
 from vibsim.engine.resume import Row
 from vibsim.engine.tangent.carried import Carried
@@ -240,7 +241,8 @@ class ReturnMap:
         times, _ = returns(scene, self.coordinates, first=self.n)
         if len(times) < self.n:
             raise OrbitError(
-                f"{self.section.body} does not turn round {self.n} times within {scene.t_end:.4g} s"
+                f"{self.section.body} does not turn round {counted(self.n, 'time')} "
+                f"within {scene.t_end:.4g} s"
             )
         return float(times[self.n - 1])
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibsim.cases.case import by_key, load_case
+from vibsim.cases.problems import counted
 from vibsim.cases.quantities import number
 from vibsim.engine.errors import EngineError
 from vibsim.orbits.coordinates import (
@@ -154,7 +155,8 @@ def _after(more: int, case: Case, result: Result | None, return_map: ReturnMap, 
     course = course_of(case.scene(), at, more=more) if result is None else course_of_result(result, at, more)
     if len(course.points) < 4:
         raise OrbitError(
-            f"the run meets the section {len(course.points)} times only; give a longer one, or a start"
+            f"the run meets the section {counted(len(course.points), 'time')} only; give a longer one, "
+            "or a start"
         )
     numbers, distances = ([period], None) if period else likely_periods(course.points)
     near = NEAR * np.ptp(course.points, axis=0).max(initial=0.0)
@@ -200,10 +202,10 @@ def _nowhere(failure: OrbitError | EngineError, distances: list[float] | None) -
     if distances is None or min(distances) < FAR:
         return failure
     n = int(np.argmin(distances)) + 1
-    after = "1 period" if n == 1 else f"{n} periods"
     return OrbitError(
-        f"the run does not come near itself: nearest after {after}, to {number(min(distances), 2)} of "
-        "its spread; look for orbits that it leaves (search_orbits), or give period=N"
+        f"the run does not come near itself: nearest after {counted(n, 'period')}, to "
+        f"{number(min(distances), 2)} of its spread; look for orbits that it leaves (search_orbits), or give "
+        "period=N"
     )
 
 

@@ -14,6 +14,7 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 
+from vibsim.cases.problems import counted
 from vibsim.plots.branches_over_sweeps import lay_loci
 from vibsim.plots.samples import mark_frequencies
 from vibsim.plots.sheet import draw_by_ratio, legend_below, letter_panels, note, rounded, say_inside, sheet
@@ -62,7 +63,7 @@ def draw_probability(subject: Subject, view: View) -> Figure:
     show_span(axes, (x[0], x[-1]), 0.0, draws_by_ratio(axis), view)
     axes.set_xlabel(label_of(axis))
     axes.set_ylabel("Probability of capture")
-    say(axes, f"{len(result.members)} starts each; band: 95 %", subject)
+    say(axes, f"{counted(len(result.members), 'start')} each; band: 95 %", subject)
     if is_speed(axis.key):
         mark_frequencies([axes], frequencies([subject]), (view.width_cm - 1.6) * 28)
     if len(directions) > 1:
@@ -133,7 +134,7 @@ def share_map(column: str, code: int, verdict: str) -> Picture:
         figure, panels = map_sheet(plane, 1, view)
         for d, axes in enumerate(panels):
             drawn = plane.lay(axes, plane.grid(shares, d), cmap="viridis", vmin=0, vmax=1, gid="share")
-            label = f"Share {verdict} of {len(result.members)} starts"
+            label = f"Share {verdict} of {counted(len(result.members), 'start')}"
             figure.colorbar(drawn, ax=axes, label=label, pad=0.02, aspect=30)
         return figure
 

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
+from vibsim.cases.problems import counted
 from vibsim.evidence.benchmark.bench_result import BenchRow, error_at, faster, most_accurate
 from vibsim.evidence.benchmark.plan import SolverFamily, family_of
 from vibsim.fitting.fit_result import FitResult
@@ -49,7 +50,7 @@ def fit_picture(subjects: Sequence[Subject], view: View) -> Figure:
         _along(axes, fit, judged, free[0])
     else:
         _plane(figure, axes, fit, judged, free)
-    note(axes, f"{len(judged)} of {len(fit.candidates)} candidates")
+    note(axes, f"{len(judged)} of {counted(len(fit.candidates), 'candidate')}")
     marks = [mark for mark in axes.get_lines() if mark.get_gid() in ("best", "printed")]
     legend_below(figure, marks, [str(mark.get_label()) for mark in marks], markerscale=0.7)
     return figure

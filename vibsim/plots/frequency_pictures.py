@@ -201,7 +201,7 @@ def pieces(subject: Subject, span: Span, column: str, count: int = 200) -> Piece
     x, every = _samples(subject, span, column)
     length = min(max(FEWEST, round(PERIODS / slowest(subject, span) / every)), len(x) // 2)
     if length < FEWEST:
-        raise PlotError(f"{subject.path}: {len(x)} samples are too few for spectra of pieces of the span")
+        raise PlotError(f"{subject.path}: too few samples for spectra of pieces of the span: {len(x)}")
     hop = max(round(length * (1 - OVERLAP)), -(-(len(x) - length) // (count - 1)), 1)
     begins = range(0, len(x) - length + 1, hop)
     transforms = [_amplitudes(x[i : i + length], every) for i in begins]

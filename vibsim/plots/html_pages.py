@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from vibsim.cases.problems import one_line
+from vibsim.cases.problems import counted, one_line
 from vibsim.orbits.branches.tracing import curve_of, drawn, stretches
 from vibsim.physics.connections import event_parts
 from vibsim.physics.parts import EVENT_KINDS, IMPACTS, ROTOR, STATE, SWITCH
@@ -413,7 +413,7 @@ def run_data(subject: Subject) -> dict[str, Any]:
     """The data of `run.js`. Raises PlotError for a run without samples."""
     result, scene = subject.result, subject.scene
     if len(result) < 2:
-        raise PlotError(f"{subject.path}: the run holds {len(result)} samples: nothing to draw")
+        raise PlotError(f"{subject.path}: the run holds {counted(len(result), 'sample')}: nothing to draw")
     rows = table_of(subject)
     pair = pair_of(subject)
     x, v = pair.plane({**rows, "time": rows["time"]})

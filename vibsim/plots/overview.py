@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from vibsim.cases.problems import counted
 from vibsim.physics.connections import Pair, joined_pairs
 from vibsim.physics.formulas import Node
 from vibsim.physics.parts import GROUND, Link, RigidStop, Scene, Stop
@@ -279,7 +280,7 @@ def stiffness_picture(subjects: Sequence[Subject], view: View) -> Figure:
     for axes, motion in zip(panels, shown, strict=True):
         stiffness_panel(axes, subjects, motion)
     if len(motions) > MOST:
-        note(panels[-1], f"{len(motions) - MOST} more pairs of ends are not shown")
+        note(panels[-1], f"not shown: {counted(len(motions) - MOST, 'more pair')} of ends")
     letter_panels(panels)
     return figure
 

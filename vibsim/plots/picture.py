@@ -21,7 +21,7 @@ from matplotlib.axes import Axes
 from matplotlib.backend_bases import get_registered_canvas_class
 from matplotlib.figure import Figure
 
-from vibsim.cases.problems import did_you_mean
+from vibsim.cases.problems import counted, did_you_mean
 from vibsim.plots import style
 from vibsim.plots import style as styles
 from vibsim.plots.registry import COLUMNS, KINDS, NOT_OF_BODIES, PictureKind, choose
@@ -517,9 +517,9 @@ class GivenAxes:
 
     def _check(self, count: int) -> None:
         if count != len(self._axes):
-            panels = "1 panel" if count == 1 else f"{count} panels"
             raise PlotError(
-                f"this picture has {panels}, and ax gives {len(self._axes)}: give as many, or leave ax out"
+                f"this picture has {counted(count, 'panel')}, and ax gives {len(self._axes)}: give as many, "
+                "or leave ax out"
             )
 
     def add_gridspec(self, *args: Any, **options: Any) -> Any:

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from vibsim.cases.problems import counted
 from vibsim.cases.ramps import drive_turns
 from vibsim.physics.connections import drifting_sets
 from vibsim.physics.parts import Scene, columns_of
@@ -294,7 +295,7 @@ def stroboscopic_picture(subjects: Sequence[Subject], view: View) -> Figure:
     if not count:
         say_inside(axes, "no period of the source ends here")
         axes.set(xticks=[], yticks=[])
-    remarks = [f"{count} point{'' if count == 1 else 's'}", *dict.fromkeys(map(seconds, spans))]
+    remarks = [counted(count, "point"), *dict.fromkeys(map(seconds, spans))]
     remarks += [UP_TO_TURNS] if pairs[0].whole_turns else []
     named = count > 0 and len(subjects) == 1 and _stops_if_near(axes, pairs[0], scales[0])
     note(axes, "; ".join(filter(None, [*remarks, trust_remark(subjects, spans)])), above=1 if named else 0)
@@ -421,7 +422,7 @@ def _say(
     lines = colours if len(subjects) > 1 else [GREY]
     trust = trust_marks(over_time, subjects, spans[0], lines)
     count = sum(len(impacts.t) for impacts in settled)
-    words = f"{count} impact{'' if count == 1 else 's'}"
+    words = counted(count, "impact")
     listed = "; ".join(dict.fromkeys(map(seconds, spans[1])))
     if over_phase is None:
         note(over_time, "; ".join(filter(None, [trust, f"histogram: {words}, {listed}"])))

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vibsim.cases.problems import counted
 from vibsim.physics.parts import columns_of
 from vibsim.physics.rates import turning_columns
 from vibsim.plots.poincare_sections import draw_poincare, drift_rate, states_at
@@ -240,7 +241,7 @@ def _orbit_portrait(axes: Axes, subjects: Sequence[Subject]) -> None:
 def _said(subject: Subject) -> str:
     """Length of an orbit, in periods or turns and in seconds."""
     n, of = subject.result.attrs["orbit_periods"], "turn" if turning_columns(subject.scene) else "period"
-    return f"{n} {of}{'s' * (n > 1)}, {seconds((0.0, subject.result.t_reached))}"
+    return f"{counted(n, of)}, {seconds((0.0, subject.result.t_reached))}"
 
 
 def _curve(subject: Subject, pair: PlottedPair) -> Curve:

@@ -15,6 +15,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.text import Text
 
+from vibsim.cases.problems import counted
 from vibsim.engine.columns import part_columns
 from vibsim.engine.modes.status import CONTACT, RESTING
 from vibsim.physics import rates
@@ -37,7 +38,7 @@ def whole_span(result: Any) -> Span:
     """First and last sampled instant [s]."""
     time = result.column("time")
     if len(time) < 2:
-        raise PlotError(f"{result.case.name}: the run holds {len(time)} samples: nothing to draw")
+        raise PlotError(f"{result.case.name}: the run holds {counted(len(time), 'sample')}: nothing to draw")
     return float(time[0]), float(time[-1])
 
 

@@ -14,6 +14,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 
+from vibsim.cases.problems import counted
 from vibsim.cases.schema_keys import LONG
 from vibsim.plots.samples import Frequency, fractions, natural_frequencies
 from vibsim.plots.sheet import legend_below, letter_panels, sheet
@@ -319,7 +320,7 @@ def ensemble_note(drawn: Sequence[Curve]) -> str:
     if not members:
         return ""
     percent = ", ".join(f"{100 * low:.0f}–{100 * high:.0f} %" for low, high in BANDS)
-    return f"median and {percent} of {' or '.join(map(str, sorted(members)))} members"
+    return f"median and {percent} of {counted(' or '.join(map(str, sorted(members))), 'member')}"
 
 
 def limit(axes: Axes, drawn: Sequence[Curve], view: View) -> None:

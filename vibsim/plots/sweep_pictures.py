@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vibsim.cases.problems import counted
 from vibsim.plots.branch_curves import LabelledPoint, label_points
 from vibsim.plots.branches_over_sweeps import (
     OVER_SPEEDS,
@@ -128,7 +129,7 @@ def _draw_shares(subject: Subject, view: View) -> Figure:
     figure.legend(loc="outside lower center", ncols=2)
     doubts = int(np.count_nonzero(result["end_state"] == VERDICTS["undecided"]))
     doubts_text = f"; {doubts} undecided" if doubts else ""
-    say(axes, f"{len(result.members)} starts each; bars: 95 %{doubts_text}", subject)
+    say(axes, f"{counted(len(result.members), 'start')} each; bars: 95 %{doubts_text}", subject)
     return figure
 
 
@@ -300,7 +301,9 @@ def power_picture(subjects: Sequence[Subject], view: View) -> Figure:
     for axes, curve in zip(panels, sheet.drawn, strict=True):
         _power_panel(axes, curve, scale)
     label_outer(sheet.panels, axis_label(subjects), [scale.label("Mean power")])
-    members = [f"mean of {c.members} members, source with bands" for c in sheet.drawn if c.members][:1]
+    members = [
+        f"mean of {counted(c.members, 'member')}, source with bands" for c in sheet.drawn if c.members
+    ][:1]
     note(sheet.top_right, "; ".join(filter(None, [sheet.omitted, *members])))
     if all(is_speed(subject.result.axes[along(subject.result)].key) for subject in subjects):
         columns = len({axes.get_subplotspec().colspan.start for axes in panels})

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from vibsim.cases.problems import counted
 from vibsim.physics.parts import GROUND
 from vibsim.plots.branch_curves import label_points
 from vibsim.plots.branches_over_sweeps import (
@@ -243,7 +244,8 @@ def _sections(subject: Subject) -> list[PictureQuantity]:
 def _orbit_say(sheets: CurvePanels, subjects: Sequence[Subject], drawn: Sequence[Curve], below: bool) -> None:
     """Note above the panels which points are drawn and which are left out; name the exponents under them."""
     count = max(subject.result.plan.section for subject in subjects)
-    words = f"the last {count} stroboscopic points of each run" if len(drawn) == 1 else f"{count} points each"
+    of_one = f"the last {counted(count, 'stroboscopic point')} of each run"
+    words = of_one if len(drawn) == 1 else f"{counted(count, 'point')} each"
     note(sheets.top_right, "; ".join(filter(None, [sheets.omitted, words])))
     if below:
         lowest = sheets.panels[0, -1]
@@ -439,7 +441,7 @@ def _draw_shares(subject: Subject, view: View) -> Figure:
     remarks = [
         "bars: standard errors",
         f"{undecided} undecided" if undecided else "",
-        f"{more} more attractors, not drawn" if more > 0 else "",
+        f"{counted(more, 'more attractor')}, not drawn" if more > 0 else "",
         missing_note(subject),
     ]
     note(axes, "; ".join(filter(None, remarks)))

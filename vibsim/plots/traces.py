@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 
+from vibsim.cases.problems import counted
 from vibsim.physics.connections import formulas_of, pairs_of, whole_turn_angles
 from vibsim.physics.formulas import walk
 from vibsim.physics.parts import GROUND
@@ -438,7 +439,7 @@ def impact_ticks(axes: Axes, subject: Subject, span: Span) -> str:
         distinct, np.zeros(len(distinct)), linestyle="none", marker=2, markersize=2.2, markeredgewidth=0.3,
         color="0.6", transform=axes.get_xaxis_transform(), gid="impacts",
     )  # fmt: skip
-    return f"{len(t)} impact{'' if len(t) == 1 else 's'}"
+    return counted(len(t), "impact")
 
 
 def horizon_within(subject: Subject, span: Span) -> float | None:

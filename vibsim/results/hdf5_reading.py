@@ -20,7 +20,7 @@ import numpy as np
 from h5py import h5a, h5s, h5t
 
 from vibsim import __version__
-from vibsim.cases.problems import CaseError
+from vibsim.cases.problems import CaseError, counted
 from vibsim.results.file_contents import EXTENDED, FORMAT, LIST, NUMBER, ROWS, WHOLE, Attribute, Dataset
 from vibsim.results.file_contents import TEXT as file_contents_TEXT
 
@@ -107,14 +107,18 @@ def check_datasets(
         if not _of_type(item.dtype, dtype := dataset.column.dtype):
             raise damaged(path, f"{dataset.name} holds {_type_name(item.dtype)}, not {TYPES[dtype]}")
         if item.shape is None or len(item.shape) != len(dataset.dims):
-            had = "nothing" if item.shape is None else f"{len(item.shape)}"
-            raise damaged(path, f"{dataset.name} has {had} dimensions, not {len(dataset.dims)}")
+            had = "nothing" if item.shape is None else counted(len(item.shape), "dimension")
+            raise damaged(path, f"{dataset.name} has {had}, not {len(dataset.dims)}")
         for dimension, length in zip(dataset.dims, item.shape, strict=True):
             if dimension_lengths.setdefault(dimension, length) != length:
                 expected = f"the {dimension_lengths[dimension]} along {dimension.strip('/')}"
-                raise damaged(path, f"{dataset.name} has {length} values where there should be {expected}")
+                raise damaged(
+                    path, f"{dataset.name} has {counted(length, 'value')} where there should be {expected}"
+                )
         if not _wholly_on_file(item):
-            raise damaged(path, f"{dataset.name} claims {item.size} values, more than the file holds")
+            raise damaged(
+                path, f"{dataset.name} claims {counted(item.size, 'value')}, more than the file holds"
+            )
     return dimension_lengths
 
 

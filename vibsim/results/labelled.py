@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from vibsim.cases.problems import one_line
+from vibsim.cases.problems import counted, one_line
 from vibsim.lazy import FRONT, named
 from vibsim.results.file_contents import Column, Dataset
 from vibsim.results.hdf5_reading import plain
@@ -398,7 +398,7 @@ def _columns(arrays: Arrays) -> str:
     columns = "".join(_column(name, arrays) for name in arrays.datasets)
     head = "".join(f"<th {CELL}>{word}</th>" for word in ("name", "dimensions", "unit", "what it is"))
     return (
-        f"<details><summary>{len(arrays.datasets)} columns</summary>"
+        f"<details><summary>{counted(len(arrays.datasets), 'column')}</summary>"
         f"<table><thead><tr>{head}</tr></thead><tbody>{columns}</tbody></table></details>"
     )
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.cases.problems import one_line
+from vibsim.cases.problems import counted, one_line
 from vibsim.cases.quantities import number
 from vibsim.results.file_contents import Dataset
 from vibsim.results.hdf5_reading import ResultFileError
@@ -217,7 +217,8 @@ class Result(Labelled):
         """Name of the case, span, and how many samples and events."""
         count = self.attrs.get("events", len(self.event_column("t")))
         state = "" if self.complete else ", incomplete"
-        return f"{self.case.name}: 0 to {self.t_reached:g} s, {len(self)} samples, {count} events{state}"
+        counts = f"{counted(len(self), 'sample')}, {counted(count, 'event')}"
+        return f"{self.case.name}: 0 to {self.t_reached:g} s, {counts}{state}"
 
     def lines(self) -> list[tuple[str, str]]:
         """Title, method, what happened, until when the run is right, and the names of the columns."""
@@ -360,19 +361,15 @@ def lines_of(result: "Result") -> list[tuple[str, str]]:
     lines = [("title", one_line(result.case.title))] if result.case.title else []
     lines.append(("method", f"{attrs.get('method')} on the {attrs.get('engine')} engine"))
     words = {"impacts": "impact", "sticks": "stick phase"}
-    counted = [_counted(attrs[name], word) for name, word in words.items() if name in attrs]
-    if counted:
-        lines.append(("motion", ", ".join(counted)))
+    counts = [counted(attrs[name], word) for name, word in words.items() if name in attrs]
+    if counts:
+        lines.append(("motion", ", ".join(counts)))
     if result.trust_horizon is not None:
         lines.append(("right", _trust(result)))
     if "certified" in attrs:
-        doubt = f"{attrs.get('uncertified')} stretches in doubt"
+        doubt = f"{counted(attrs.get('uncertified', 0), 'stretch')} in doubt"
         lines.append(("certificate", "every event proved" if attrs["certified"] else doubt))
     return [*lines, ("columns", few(result.keys()))]
-
-
-def _counted(count: int, word: str) -> str:
-    return f"{count} {word}{'' if count == 1 else 's'}"
 
 
 def _trust(result: "Result") -> str:

@@ -36,6 +36,7 @@ from typing import Any, Generic, NamedTuple, TypeVar, get_args, get_origin, get_
 
 import numpy as np
 
+from vibsim.cases.problems import counted
 from vibsim.cases.quantities import decimal_text, exact_number
 from vibsim.results.hdf5_reading import ResultFileError, reason, reserve
 from vibsim.results.output_files import Lock, check_leftover, check_result_output
@@ -379,8 +380,7 @@ class Journal:
         """Remarks for the user on what `read` came upon."""
         if not self.damaged:
             return []
-        count = f"{self.damaged} damaged record{'s' if self.damaged > 1 else ''}"
-        return [f"{self.path}: {count} left out; computed again"]
+        return [f"{self.path}: {counted(self.damaged, 'damaged record')} left out; computed again"]
 
     def go_on(self, fingerprint: str, records: Sequence[Any]) -> None:
         """Make ready for more records behind those that `read` has given; damaged ones are taken out."""

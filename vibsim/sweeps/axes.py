@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibsim.cases.problems import CaseError
+from vibsim.cases.problems import CaseError, counted
 from vibsim.cases.quantities import (
     UNITS,
     Quantity,
@@ -433,8 +433,7 @@ class Members:
         return replace(self, count=end - begin, first=self.first + begin)
 
     def __str__(self) -> str:
-        count = f"{self.count} member{'' if self.count == 1 else 's'}"
-        return f"{count}, seed {self.seed}: {'; '.join(map(str, self.spreads))}"
+        return f"{counted(self.count, 'member')}, seed {self.seed}: {'; '.join(map(str, self.spreads))}"
 
 
 def axis_from_plain(data: Mapping[str, Any]) -> Axis | Members:

@@ -39,6 +39,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibsim.cases.problems import counted
 from vibsim.engine.tangent.tangent_space import weights
 from vibsim.orbits.coordinates import component_names, start_by_column
 from vibsim.physics.elementary import log, mean
@@ -355,7 +356,7 @@ def attractor_lines(result: SweepResult, most: int = 12) -> list[tuple[str, str]
     undecided = _undecided(result)
     if undecided:
         listed = ", ".join(f"{count} {reason}" for reason, count in undecided.items())
-        lines.append(("undecided", f"{sum(undecided.values())} points: {listed}"))
+        lines.append(("undecided", f"{counted(sum(undecided.values()), 'point')}: {listed}"))
     measures = basin_measures(result)
     if measures is not None:
         lines += _measure_lines(measures)
@@ -418,7 +419,7 @@ def _measure_lines(measures: BasinMeasures) -> list[tuple[str, str]]:
             ("uncertainty", f"exponent {alpha}; boundary of dimension {measures.boundary_dimension:.3f}")
         )
     if measures.boxes:
-        text = f"{measures.entropy:.4f} over {measures.boxes} boxes"
+        text = f"{measures.entropy:.4f} over {counted(measures.boxes, 'box')}"
         if measures.boundary_boxes:
             text += f"; {measures.boundary_entropy:.4f} over {measures.boundary_boxes} on the boundary"
         lines.append(("basin entropy", text))

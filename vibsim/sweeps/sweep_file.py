@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from vibsim.cases import Case
+from vibsim.cases.problems import counted
 from vibsim.engine.trajectory import flow_of
 from vibsim.results.file_contents import (
     ENGINE,
@@ -296,7 +297,7 @@ def _check_count(path: Path, file: h5py.File, axes: list[Mapping[str, Any]]) -> 
     there = status.size if isinstance(status, h5py.Dataset) and status.size is not None else 0
     expected = prod(map(_length, axes))
     if not 0 < expected <= there:
-        raise damaged(path, f"{SETTINGS} names {expected} points, and status has {there}")
+        raise damaged(path, f"{SETTINGS} names {counted(expected, 'point')}, and status has {there}")
 
 
 def _check_axes(case: "Case", plan: SweepPlan) -> None:
@@ -360,7 +361,11 @@ class SweepStore(Store[SweepPoint]):
         """
         if self.path is not None and not self._journal.reserve(count * self._record_bytes):
             done = self.table.count(DONE)
-            held = f"it holds {done} points, and the same command resumes it" if done else "no point was done"
+            held = (
+                f"it holds {counted(done, 'point')}, and the same command resumes it"
+                if done
+                else "no point was done"
+            )
             raise ResultFileError(f"{self.shown}: disk full; {held}")
 
 
@@ -473,7 +478,7 @@ def _axis(axis: Mapping[str, Any] | None) -> str:
     read = axis_from_plain(axis)
     values = [read.text(i).removesuffix(read.unit).strip() for i in _few(len(read))]
     text = ", ".join(values if len(read) <= 3 else [*values[:2], f"... {values[2]}"])
-    return f"{text} {read.unit}".strip() + f" ({len(read)} values)"
+    return f"{text} {read.unit}".strip() + f" ({counted(len(read), 'value')})"
 
 
 def _few(count: int) -> list[int]:

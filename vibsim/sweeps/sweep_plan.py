@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.analysis.cycles import HALF, Discard, parse_discard
-from vibsim.cases.problems import CaseError
+from vibsim.cases.problems import CaseError, counted
 from vibsim.cases.quantities import Quantity, parse_quantity
 from vibsim.physics.connections import reads_time
 from vibsim.physics.rates import common_period
@@ -395,7 +395,9 @@ def shard(plan: SweepPlan, number: int, parts: int) -> SweepPlan:
     cut = max(free, key=lambda i: len(plan.axes[i]))
     axis = plan.axes[cut]
     if parts > len(axis):
-        raise PlanError(f"the longest axis that can be cut, {axis.name}, has {len(axis)} values, not {parts}")
+        raise PlanError(
+            f"the longest axis that can be cut, {axis.name}, has {counted(len(axis), 'value')}, not {parts}"
+        )
     begin, end = (len(axis) * i // parts for i in (number - 1, number))
     axes = [axis.part(begin, end) if i == cut else other for i, other in enumerate(plan.axes)]
     return replace(plan, axes=tuple(axes))

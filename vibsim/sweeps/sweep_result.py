@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.cases import Case
-from vibsim.cases.problems import one_line
+from vibsim.cases.problems import counted, one_line
 from vibsim.cases.quantities import decimal_text
 from vibsim.results.file_contents import Column
 from vibsim.results.hdf5_reading import ResultFileError
@@ -231,7 +231,8 @@ class SweepResult(Labelled):
     def heading(self) -> str:
         """Name of the case, axes, and how many points were computed."""
         axes = " x ".join(str(a) if isinstance(a, Members) else f"{len(a)} {a}" for a in self.axes)
-        return f"{self.case.name}: {axes}, {self.attrs['points_done']} of {self.attrs['points']} points"
+        points = counted(self.attrs["points"], "point")
+        return f"{self.case.name}: {axes}, {self.attrs['points_done']} of {points}"
 
     def lines(self) -> list[tuple[str, str]]:
         """Axes, points, how they begin, what was computed, and the first columns."""
@@ -287,7 +288,7 @@ def sweep_lines(result: SweepResult) -> Lines:
     lines.append(("run", f"{_ends(plan)}, transient of {plan.discard} left out of the statistics"))
     if plan.compute:
         lines.append(("computed", ", ".join(plan.compute)))
-    lines.append(("section", f"the last {plan.section} stroboscopic points of each"))
+    lines.append(("section", f"the last {counted(plan.section, 'stroboscopic point')} of each"))
     if NAME in plan.compute:
         from vibsim.sweeps.basin_measures import attractor_lines
 
@@ -324,7 +325,7 @@ def axis_text(axis: Axis | Members) -> str:
     """The values of an axis: 3 to 7 Hz in steps of 0.05, 81 values."""
     if isinstance(axis, Members):
         return str(axis)
-    values, count = axis.values, f"{len(axis)} value{'' if len(axis) == 1 else 's'}"
+    values, count = axis.values, counted(len(axis), "value")
     steps = {after - before for before, after in pairwise(values)}
     if len(values) > 2 and len(steps) == 1:
         span = f"{decimal_text(values[0])} to {decimal_text(values[-1])} {axis.unit}".strip()

@@ -10,7 +10,7 @@ from vibsim.analysis import Analysis, Capture, DominantFrequencies, Drift, Impac
 from vibsim.analysis.analysis import unit_of_motion
 from vibsim.analysis.cycles import Discard
 from vibsim.analysis.drift import RateSpread
-from vibsim.cases.problems import nearest
+from vibsim.cases.problems import counted, nearest
 from vibsim.cases.quantities import number
 from vibsim.command_line.commands.run import read_case
 from vibsim.command_line.options import CASE, DISCARD, WINDOW, NameList, Settings, examples, set_option
@@ -250,7 +250,7 @@ def impact_lines(impacts: ImpactsPerCycle, verbose: bool) -> list[Line]:
     text = f"{_verdict(impacts.verdict)}: {impacts.reason}"
     if impacts.impacts is not None:
         text = f"{_verdict(impacts.verdict)}: {impacts.impacts:.4g} per cycle, {impacts.reason}"
-        text += f"; {impacts.sticks:.4g} stick phases per cycle" if impacts.sticks else ""
+        text += f"; {counted(f'{impacts.sticks:.4g}', 'stick phase')} per cycle" if impacts.sticks else ""
     elif impacts.sticks is not None:
         text = f"{_verdict(impacts.verdict)}: {impacts.sticks:.4g} per cycle, {impacts.reason}"
     lines = [("impacts", text)]

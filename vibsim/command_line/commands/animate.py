@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from vibsim.cases.problems import counted
 from vibsim.command_line.options import FILE, WINDOW, FiniteRange, examples
 from vibsim.command_line.terminal import PROGRESS_AFTER, Progress, print_json, say
 from vibsim.signals import interrupted_with
@@ -61,4 +62,5 @@ def command(
     if ctx.obj.json:
         print_json({"written": [output], "frames": written.frames, "speed": written.speed})
     elif not ctx.obj.quiet:
-        say(f"{output}: {written.frames} frames, {speed_text(written.speed)}{too_short(output, written)}")
+        frames, speed_words = counted(written.frames, "frame"), speed_text(written.speed)
+        say(f"{output}: {frames}, {speed_words}{too_short(output, written)}")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from vibsim.cases.problems import counted
 from vibsim.cases.quantities import number
 from vibsim.command_line.commands.run import check_digits, check_picture, hdf5_name, read_case
 from vibsim.command_line.main import told
@@ -225,11 +226,11 @@ def head_lines(bench: BenchResult) -> list[tuple[str, str]]:
         f"{name} {attrs[f'{name.lower()}_version']}" for name in ("Python", "numpy", "scipy", "heyoka")
     ]
     lines = [
-        ("span", f"{seconds(float(time[-1]))}, compared at {len(time)} instants"),
+        ("span", f"{seconds(float(time[-1]))}, compared at {counted(len(time), 'instant')}"),
         ("truth", f"{truth}; {attrs['truth_library']}, {attrs['truth_wall_time_s']:.3g} s"),
         ("times", "milliseconds per second of motion, medians; impacts per second of computing"),
         ("faithful", f"errors within {metres(bench.faithful_error, bench.error_unit)}"),
-        ("machine", f"{attrs['processor']}, {attrs['cores']} cores; {attrs['platform']}"),
+        ("machine", f"{attrs['processor']}, {counted(attrs['cores'], 'core')}; {attrs['platform']}"),
         ("versions", f"vibsim {attrs['vibsim_version']}, {', '.join(versions)}"),
     ]
     return lines if bench.complete else [*lines, ("incomplete", style("stopped early", fg="yellow"))]

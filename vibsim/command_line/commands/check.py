@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from vibsim.cases.problems import listed
+from vibsim.cases.problems import counted, listed
 from vibsim.cases.quantities import number
 from vibsim.command_line.main import INVALID_CASE
 from vibsim.command_line.options import Settings, examples
@@ -67,8 +67,7 @@ def _print(report: Report, settings: Settings) -> None:
     for line in listed(problems):
         say(line)
     if case is None:
-        count = len(problems)
-        say(f"{source}: {style('invalid', fg='red')}, {count} problem{'s' if count > 1 else ''}")
+        say(f"{source}: {style('invalid', fg='red')}, {counted(len(problems), 'problem')}")
     elif not settings.quiet:
         say(f"{source}: {style('ok', fg='green')} ({case.name}: {_summary(case)})")
         if settings.verbose:

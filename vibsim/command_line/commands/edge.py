@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from vibsim.cases.problems import counted
 from vibsim.cases.quantities import number
 from vibsim.command_line.commands.orbit import Lines, orbit_lines, orbit_object
 from vibsim.command_line.commands.run import hdf5_name
 from vibsim.command_line.main import FILE_TROUBLE, told
 from vibsim.command_line.options import CASE, FILE, Settings, examples, set_option
 from vibsim.command_line.terminal import print_json, say
-from vibsim.command_line.text import counted, heading, print_lines, size
+from vibsim.command_line.text import heading, print_lines, size
 from vibsim.orbits.orbit import save_orbit
 from vibsim.results.hdf5_reading import ResultFileError
 from vibsim.results.output_files import check_output

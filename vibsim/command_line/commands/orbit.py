@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from vibsim.cases import Case
+from vibsim.cases.problems import counted
 from vibsim.cases.quantities import number
 from vibsim.command_line.commands.run import check_digits, hdf5_name, read_case
 from vibsim.command_line.main import FILE_TROUBLE, told
@@ -23,7 +24,7 @@ from vibsim.command_line.options import (
     set_option,
 )
 from vibsim.command_line.terminal import Progress, print_json, say, style
-from vibsim.command_line.text import counted, heading, metres, multiplier_text, print_lines, size
+from vibsim.command_line.text import heading, metres, multiplier_text, print_lines, size
 from vibsim.engine.columns import state_columns
 from vibsim.orbits.orbit import Orbit, save_orbit
 from vibsim.orbits.search import INITIAL, SearchTally, orbit, search_attempts
@@ -265,7 +266,7 @@ def search_all(wish: OrbitWish, count: int, seed: int, settings: Settings) -> in
         _print_list(case, rows, done, tally)
     if interruption.signum is not None:
         files = f"; what was found is in {rows[0].file} and on" if rows and rows[0].file else ""
-        say(f"interrupted after {done} of {count} starts{files}", err=True)
+        say(f"interrupted after {done} of {counted(count, 'start')}{files}", err=True)
         return interruption.exit_code
     return _code(trouble)
 

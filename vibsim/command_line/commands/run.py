@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
+from vibsim.cases.problems import counted
 from vibsim.command_line.main import RUN_FAILED, told
 from vibsim.command_line.options import (
     CASE,
@@ -316,7 +317,7 @@ def _tangent(case: "Case", count: int | str, discard: "Discard | None") -> tuple
 
     scene = case.scene()
     if count != "all" and int(count) > dimension(scene):
-        raise click.UsageError(f"--lyapunov {count}: {case.name} has {dimension(scene)} exponents")
+        raise click.UsageError(f"--lyapunov {count}: {case.name} has {counted(dimension(scene), 'exponent')}")
     begin = (HALF if discard is None else discard).time(scene.t_end)
     if not begin < scene.t_end:
         raise click.UsageError(f"--discard {discard}: leaves nothing of {case.name}, {scene.t_end:g} s")
@@ -451,7 +452,9 @@ def _print_summary(job: Job, result: Result, took: float, settings: Settings) ->
     attrs = result.attrs
     lines = result_lines(result)
     if settings.verbose:
-        lines.append(("work", f"{attrs['steps']} steps, {attrs['evaluations']} evaluations"))
+        lines.append(
+            ("work", f"{counted(attrs['steps'], 'step')}, {counted(attrs['evaluations'], 'evaluation')}")
+        )
         lines.append(("fingerprint", attrs["case_sha256"]))
     say(heading(job.case.name, job.case.title))
     print_lines([*lines, ("file", f"{job.output} ({size(job.output)}), {took:.2f} s")])

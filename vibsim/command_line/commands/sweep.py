@@ -91,9 +91,13 @@ DEFAULT_CASE = "II-B"
     help="Start each point from the end of the one before, or as the case says. [default: fresh]",
 )  # fmt: skip
 @click.option(
-    "--discard", default="50%", type=DISCARD, metavar="TIME|SHARE", help="Transient left out, such as 100s or 0.5.",
+    "--discard",
+    default="50%",
+    type=DISCARD,
+    metavar="TIME|SHARE",
+    help="Transient left out, such as 100s or 0.5.",
     show_default=True,
-)  # fmt: skip
+)
 @count_option("--section", "Stroboscopic points kept per point.", default=100)
 @click.option(
     "--compute", "computed", metavar="NAME,...", default="",

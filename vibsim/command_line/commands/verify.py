@@ -9,11 +9,11 @@ from typing import Any
 
 import click
 
+from vibsim.cases.problems import counted
 from vibsim.cases.quantities import number
 from vibsim.command_line.main import RUN_FAILED
 from vibsim.command_line.options import CHECK, Settings, examples
 from vibsim.command_line.terminal import Progress, print_json, say, style
-from vibsim.command_line.text import counted
 from vibsim.evidence.verification.catalogue import all_checks, rows_of, selected
 from vibsim.evidence.verification.checks import Check, CheckPoint, CheckRow
 from vibsim.signals import Interruption

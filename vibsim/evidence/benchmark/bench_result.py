@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases import Case
+from vibsim.cases.problems import counted
 from vibsim.evidence.benchmark.plan import family_of
 from vibsim.evidence.peers.solvers import kinds_of
 from vibsim.physics.parts import EVENT_KINDS, IMPACTS, Scene, columns_of
@@ -189,8 +190,8 @@ class BenchResult:
         return max(right, default=self.check_times[0])
 
     def __repr__(self) -> str:
-        span = f"{self['time'][-1]:g} s"
-        return f"<BenchResult {self.case.name}: {len(self.rows)} rows, {span}; {', '.join(self.keys())}>"
+        size = f"{counted(len(self.rows), 'row')}, {self['time'][-1]:g} s"
+        return f"<BenchResult {self.case.name}: {size}; {', '.join(self.keys())}>"
 
 
 def open_bench(path: str | Path) -> BenchResult:

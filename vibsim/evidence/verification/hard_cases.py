@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases import hard_case_names, load_case
+from vibsim.cases.problems import counted
 from vibsim.evidence.verification.checks import (
     BOTH,
     REASON,
@@ -137,8 +138,8 @@ def event_row(name: str, truth: StoredTruth, result: Result, flow: str) -> Check
     return CheckRow(
         name,
         shown.what if shown.what == "events" else f"events, {shown.what}",
-        f"{len(truth.events)} events{_open(len(truth.undecided))}",
-        f"{len(events)} events{_flaws(matching)}, {certificate(result)}",
+        f"{counted(len(truth.events), 'event')}{_open(len(truth.undecided))}",
+        f"{counted(len(events), 'event')}{_flaws(matching)}, {certificate(result)}",
         shown.error,
         shown.bound,
         shown.unit,
@@ -161,13 +162,13 @@ def _flaws(matching: Matching) -> str:
 
 
 def _open(touches: int) -> str:
-    return f", {touches} touches open" if touches else ""
+    return f", {counted(touches, 'touch')} open" if touches else ""
 
 
 def certificate(result: Result) -> str:
     """Certificate of the event search of a run, in words."""
     uncertified = int(result.attrs["uncertified"])
-    return "certified" if uncertified == 0 else f"{uncertified} stretches in doubt"
+    return "certified" if uncertified == 0 else f"{counted(uncertified, 'stretch')} in doubt"
 
 
 def events_of(result: Result) -> list[Event]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases import Case, shipped_case_names
+from vibsim.cases.problems import counted
 from vibsim.cases.quantities import Quantity
 from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.engine.trajectory import open_trajectory
@@ -273,7 +274,7 @@ def determinant_rows(name: str, case: Case, flow: str, span: float) -> Iterator[
     expected = exp(smooth_logarithm(scene, result, begin, end) + sum(jumps))
     obtained = exp(float(np.sum(totals["growth"][-1, 1:])))
     bound = expected * (totals["tangent_pieces"] * PIECE_UNITS * UNIT + rounding)
-    what = f"determinant over {span:.4g} s, {len(jumps)} reversals"
+    what = f"determinant over {span:.4g} s, {counted(len(jumps), 'reversal')}"
     yield number_row(name, compared(what, expected, obtained, bound), BECAUSE)
 
 

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.cases import Case, hard_case_names, load_case
+from vibsim.cases.problems import counted
 from vibsim.engine.c_engine import CRun
 from vibsim.engine.columns import state_columns
 from vibsim.engine.number_forms import WordsForm
@@ -190,7 +191,8 @@ def main(names: list[str], say: Callable[[str], object] = print) -> None:
     for name in names or stored_names():
         truth = make_truth(name)
         write_truth(truth, truth_path(name))
-        say(f"{name}: {len(truth.events)} events, {len(truth.undecided)} spans undecided")
+        events, spans = counted(len(truth.events), "event"), counted(len(truth.undecided), "span")
+        say(f"{name}: {events}, {spans} undecided")
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.cases.problems import counted
 from vibsim.cases.quantities import number
 from vibsim.orbits.branches.curve import (
     ATTRIBUTES,
@@ -197,8 +198,8 @@ class Branch(OrbitCurve):
     def heading(self) -> str:
         """Name of the case, what was continued over what, and how many points."""
         what = branch_lines(self)[0][1]
-        special = f"{len(self.specials)} special point" + "s" * (len(self.specials) != 1)
-        return f"{what}, {len(self)} points, {special}"
+        special = counted(len(self.specials), "special point")
+        return f"{what}, {counted(len(self), 'point')}, {special}"
 
     def lines(self) -> list[tuple[str, str]]:
         """Points, ends, special points, and the names of the arrays."""
@@ -286,9 +287,9 @@ def branch_lines(branch: Branch) -> list[tuple[str, str]]:
     span = f"{branch.key} from {number(low, 6)} to {number(high, 6)} {branch.unit}".rstrip()
     count = int(branch["stable"].sum())
     stable = "without a multiplier outside the unit circle" if branch.key == ENERGY else "stable"
-    turns = branch.map.section.of_return.partition(" ")[0] + "s" * (branch.plan.n > 1)
+    turns = counted(branch.plan.n, branch.map.section.of_return.partition(" ")[0])
     lines = [
-        ("branch", f"{branch.case.name}: orbits of {branch.plan.n} {turns} over {span}"),
+        ("branch", f"{branch.case.name}: orbits of {turns} over {span}"),
         ("points", f"{len(branch)}, {count} of them {stable}"),
         ("ends", _ends(branch)),
     ]

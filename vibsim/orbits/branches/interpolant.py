@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.cases.problems import counted
 from vibsim.engine.tangent.monodromy import Carrier
 from vibsim.orbits import ReturnMap
 from vibsim.orbits.branches.correction import ContinuationError
@@ -299,7 +300,7 @@ def joining(family: Family, one: Node, other: Node) -> tuple[Node, str] | None:
 
 
 def _words(periods: int) -> str:
-    return f"{JOINS} the orbits of {periods} period{'s' * (periods > 1)}"
+    return f"{JOINS} the orbits of {counted(periods, 'period')}"
 
 
 def repetition(family: Family, node: Node) -> str | None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vibsim.cases.problems import counted
 from vibsim.cases.quantities import number
 from vibsim.orbits.branches.branch import Branch, SpecialPoint
 from vibsim.orbits.branches.correction import correct, tangent
@@ -238,7 +239,7 @@ class Locus(OrbitCurve):
 
     def heading(self) -> str:
         """Name of the case, which bifurcation in which two parameters, and how many points."""
-        return f"{locus_lines(self)[0][1]}, {len(self)} points"
+        return f"{locus_lines(self)[0][1]}, {counted(len(self), 'point')}"
 
     def lines(self) -> list[tuple[str, str]]:
         """Points, ends, and the names of the arrays."""
