@@ -9,7 +9,8 @@ BOTH = """
 name: both
 bodies: {mass: 1 kg, disc: 0.1 kg m^2, pin: 0.1 kg m^2}
 links: {spring: {between: [mass, ground], k: 40 N/m, c: 1 N s/m}}
-stops: {dog: {between: [disc, pin], law: rigid, gap: 0.1 rad, acts: compression, e: 0.5}}
+stops:
+  dog: {between: [disc, pin], law: rigid, gap: 0.1 rad, acts: compression, e: 0.5}
 forces:
   drive: {on: mass, A: 1 N, omega: 1 Hz}
   turn: {on: disc, force: "T - b*v_disc", T: 1 N m, b: 0.05 N m s/rad}
@@ -104,3 +105,79 @@ def test_errors_of_a_bench_are_in_radians_where_all_turns(folder):
     assert "largest error [rad] until" in text
     assert " rad until" in text
     assert "[m]" not in text
+
+
+# Pictures of a scene with both: what turns has panels of its own, in its own unit.
+
+
+def labels_of(file, kind, direction="y"):
+    """Labels of the panels of a picture along y or x, each once."""
+    import matplotlib.pyplot as plt
+
+    import vibsim
+
+    axes = vibsim.plot(str(file), kind)
+    panels = axes if isinstance(axes, list) else [axes]
+    labels = [getattr(panel, f"get_{direction}label")() for panel in panels]
+    plt.close("all")
+    return list(dict.fromkeys(labels))
+
+
+@pytest.mark.parametrize(
+    ("kind", "labels"),
+    [
+        ("displacement", ["Displacement (mm)", "Angle (rad)"]),
+        ("velocity", ["Velocity (mm/s)", "Angular velocity (rad/s)"]),
+        ("spectrum", ["Amplitude (mm)", "Amplitude (mrad)"]),
+        ("stiffness", ["Spring force (N)", "Spring torque (N m)"]),
+        ("impact-velocity", ["Closing velocity (rad/s)", ""]),
+    ],
+)
+def test_bodies_that_turn_have_panels_of_their_own(folder, kind, labels):
+    assert labels_of(folder / "both.h5", kind) == labels
+
+
+def test_phase_portraits_have_the_unit_of_their_body(folder):
+    x, v = (labels_of(folder / "both.h5", "phase", direction) for direction in "xy")
+    assert [label.rpartition(" (")[2] for label in x] == ["mm)", "rad)", "rad)"]
+    assert [label.rpartition(" (")[2] for label in v] == ["mm/s)", "rad/s)", "rad/s)"]
+
+
+def test_panels_of_a_sweep_have_the_unit_of_their_motion(folder):
+    out = folder / "both-axis.h5"
+    told("sweep", folder / "both.yaml", "--param", "forces.drive.omega=1,1.1,1.2 Hz", "-o", out)
+    units = {"rad)": 0, "mrad)": 0, "mm)": 0}
+    for label in labels_of(out, "amplitude"):
+        units[label.rpartition(" (")[2]] += 1
+    assert units["mm)"] == 1
+    assert units["rad)"] + units["mrad)"] == 3
+
+
+def test_a_wall_stands_in_the_panel_of_the_body_that_strikes_it(folder):
+    import matplotlib.pyplot as plt
+
+    import vibsim
+
+    wall = "  wall: {between: [mass, ground], law: rigid, gap: 1 mm, acts: extension, e: 0.5}"
+    case = vibsim.load_case(BOTH.replace("stops:", f"stops:\n{wall}"))
+    above, below = vibsim.plot(vibsim.simulate(case), "displacement")[:2]
+    names = [[line.get_gid() for line in axes.get_lines()] for axes in (above, below)]
+    plt.close("all")
+    assert "wall" in names[0]
+    assert "wall" not in names[1]
+
+
+def test_runs_with_a_body_of_one_name_and_unit_go_into_one_picture(folder):
+    out = folder / "two.svg"
+    told("plot", folder / "line.h5", folder / "both.h5", "--kind", "displacement", "-o", out)
+    assert out.exists()
+
+
+@pytest.mark.parametrize(("case", "unit"), [("line", "m"), ("shaft", "rad"), ("both", "1")])
+def test_amplitudes_of_attractors_have_the_unit_of_the_bodies(folder, case, unit):
+    out = folder / f"{case}-attractors.h5"
+    at = "mass.x=1cm" if case != "shaft" else "mass.x=0.1rad"
+    told("sweep", folder / f"{case}.yaml", "--ensemble", "2", "--spread", at, "--t-end", "20s",
+         "--compute", "attractor", "-o", out)  # fmt: skip
+    with h5py.File(out) as file:
+        assert file["attractors/amplitude"].attrs["units"] == unit

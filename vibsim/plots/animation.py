@@ -31,7 +31,16 @@ from vibsim.plots.samples import draw_stop_line, shortest_period, window_of
 from vibsim.plots.sheet import scale_for, symbol
 from vibsim.plots.style import BLUE, VERMILLION, dashed
 from vibsim.plots.subject import PlotError, Span, Subject, open_subject
-from vibsim.plots.traces import dense, draw_trace, folded, label_relative, pair_of, trace, within_a_turn
+from vibsim.plots.traces import (
+    columns_beside,
+    dense,
+    draw_trace,
+    folded,
+    label_relative,
+    pair_of,
+    trace,
+    within_a_turn,
+)
 from vibsim.results.hdf5_reading import DISK_FULL, ResultFileError
 from vibsim.results.labelled import MissingExtra, extra
 from vibsim.results.output_files import output_file
@@ -129,7 +138,7 @@ def _still(
     span = float(channels.times[0]), float(channels.times[-1])
     pair = pair_of(subject)
     x, y = pair.plane({**channels.states, "time": channels.times})
-    scales = scale_for(subject.unit("m"), x), scale_for(subject.unit("m/s"), y)
+    scales = scale_for(pair.units[0], x), scale_for(pair.units[1], y)
     curve = trace(subject.result, pair.names, pair.plane, span)
     if pair.whole_turns:
         curve, x = folded(curve), within_a_turn(x)
@@ -138,16 +147,16 @@ def _still(
         draw_stop_line(portrait, position, scales[0], name)
     portrait.margins(0.06)
     label_relative(portrait, pair, scales)
-    columns = subject.columns_in("m")
+    columns = columns_beside(subject, pair)
     smooth = dense(subject.result, columns, span)
-    scale = scale_for(subject.unit("m"), *(smooth[name] for name in columns))
+    scale = scale_for(pair.units[0], *(smooth[name] for name in columns))
     for i, name in enumerate(columns):
         look = {"linewidth": 0.8, "label": symbol(name), "gid": name, **dashed(i)}
         history.plot(smooth["time"], scale(smooth[name]), **look)
     history.legend(loc="lower left", bbox_to_anchor=(0, 1.02), ncols=len(columns))
     history.set_xlim(channels.times[0], channels.times[-1])
     history.set_xlabel("Time (s)")
-    history.set_ylabel(scale.label(subject.word("m").capitalize()))
+    history.set_ylabel(scale.label(subject.word("m", columns[0]).capitalize()))
     return scales[0](x), scales[1](y)
 
 
@@ -372,9 +381,9 @@ def moving_data(subject: Subject, channels: Channels, step: float, speed: float)
     """The data of `animate.js`."""
     pair = pair_of(subject)
     x, v = pair.plane({**channels.states, "time": channels.times})
-    scales = scale_for(subject.unit("m"), x), scale_for(subject.unit("m/s"), v)
-    names = subject.columns_in("m")
-    scale = scale_for(subject.unit("m"), *(channels.states[name] for name in names))
+    scales = scale_for(pair.units[0], x), scale_for(pair.units[1], v)
+    names = columns_beside(subject, pair)
+    scale = scale_for(pair.units[0], *(channels.states[name] for name in names))
     return {
         "begin": float(channels.times[0]),
         "step": step,
@@ -395,7 +404,7 @@ def moving_data(subject: Subject, channels: Channels, step: float, speed: float)
             "stops": [float(scales[0](position)) for position, _ in pair.stops],
         },
         "history": {
-            "label": scale.label(subject.word("m")),
+            "label": scale.label(subject.word("m", names[0])),
             "unit": scale.unit,
             "curves": [{"name": name, "data": packed(scale(channels.states[name]), "f4")} for name in names],
         },

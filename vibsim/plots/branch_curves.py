@@ -412,7 +412,7 @@ def branch_picture(subjects: Sequence[Subject], view: View) -> Figure:
     motor = all(turning_columns(subject.scene) is not None for subject in subjects)
     values = [mean_speed_of(branch) if motor else amplitude_of(branch) for branch in branches]
     every = [[value(p.orbit) for p in b.points] for b, value in zip(branches, values, strict=True)]
-    unit = Scale(1.0, "Hz") if motor else scale_for(subjects[0].unit("m"), *every)
+    unit = Scale(1.0, "Hz") if motor else scale_for(branches[0].map.coordinates.units[0], *every)
     drawn = draw_branches(
         axes,
         subjects,

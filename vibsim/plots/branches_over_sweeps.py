@@ -226,11 +226,11 @@ def speeds(branch: Subject) -> list[Value]:
     return [mean_speed_of(branch.result)]
 
 
-def amplitudes(name: str, scale: Scale) -> Callable[[Subject], list[Value]]:
-    """Amplitudes of a motion in the unit of a scale, for `lay_branches`."""
+def amplitudes(column: str, scale: Scale) -> Callable[[Subject], list[Value]]:
+    """Amplitudes of the motion of a column in the unit of a scale, for `lay_branches`."""
 
     def values(branch: Subject) -> list[Value]:
-        value = values_of(branch).amplitude(name)
+        value = values_of(branch).amplitude(column.removeprefix("amplitude_"))
         return [lambda orbit: float(scale(value(orbit)))]
 
     return values

@@ -12,7 +12,15 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize, to_rgb
 from matplotlib.figure import Figure
 
-from vibsim.analysis.analysis import displacement, fastest, is_still, motions_of, spectrum_of, without_line
+from vibsim.analysis.analysis import (
+    displacement,
+    fastest,
+    is_still,
+    motions_of,
+    spectrum_of,
+    unit_of_motion,
+    without_line,
+)
 from vibsim.physics.rates import motor_columns, source_rates
 from vibsim.plots.poincare_sections import TurnExtremes, turn_extremes
 from vibsim.plots.portraits import moving
@@ -42,7 +50,7 @@ from vibsim.plots.sheet import (
     time_axis,
 )
 from vibsim.plots.style import BLUE, dashed, overlay
-from vibsim.plots.subject import PlotError, Span, Subject, View
+from vibsim.plots.subject import PlotError, Span, Subject, View, check_one_unit
 from vibsim.plots.time_histories import SPEED, mean_speed
 from vibsim.plots.traces import Block, Trace, draw_trace, trace, trust_remark
 
@@ -97,13 +105,15 @@ def displacement_frequency_panels(
     """The displacements `columns`, each in given axes; the artist whose colours tell the time, if any."""
     spans = [window_of(subject, view.window) for subject in subjects]
     drawn = [_passages(subjects, spans, column) for column in columns]
-    scale = scale_for(subjects[0].unit("m"), *(passage.loops.y for passages in drawn for passage in passages))
+    units = [passages[0].subject.unit("m", column) for column, passages in zip(columns, drawn, strict=True)]
     shown = None
-    for axes, column, passages in zip(panels, columns, drawn, strict=True):
+    for axes, column, unit, passages in zip(panels, columns, units, drawn, strict=True):
+        alike = [each for each, other in zip(drawn, units, strict=True) if other == unit]
+        scale = scale_for(unit, *(passage.loops.y for each in alike for passage in each))
         for passage in passages:
             shown = _draw(axes, passage, column, scale, alone=len(subjects) == 1) or shown
         axes.margins(0.04)
-        axes.set_ylabel(scale.label(f"{subjects[0].word('m').capitalize()} {symbol(column)}"))
+        axes.set_ylabel(scale.label(f"{passages[0].subject.word('m', column).capitalize()} {symbol(column)}"))
     return shown
 
 
@@ -264,18 +274,61 @@ def spectrum_picture(subjects: Sequence[Subject], view: View) -> Figure:
 
     Of several runs that of the first body.
     """
-    figure = sheet(view, 7.4)
-    axes = figure.subplots()
     spans = [shown(subject, view.window, last_half) for subject in subjects]
+    alone = len(subjects) == 1
     curves = [
         curve
         for subject, span in zip(subjects, spans, strict=True)
-        for curve in _curves(subject, span, len(subjects) == 1)
+        for curve in _curves(subject, span, alone)
     ]
-    scale = scale_for(subjects[0].unit("m"), *(amplitudes for _, _, amplitudes in curves))
-    largest = max(float(scale(amplitudes).max()) for _, _, amplitudes in curves)
-    for i, (name, hz, amplitudes) in enumerate(curves):
-        axes.plot(hz, scale(amplitudes), label=name, gid="spectrum", **dashed(i))
+    units = list(dict.fromkeys(curve.unit for curve in curves))
+    if not alone:
+        firsts = zip(subjects, curves, strict=True)
+        check_one_unit("the first body", [(subject.path, curve.unit) for subject, curve in firsts])
+    figure = sheet(view, 7.4 if len(units) == 1 else 4.0 + 3.4 * len(units))
+    panels = list(figure.subplots(len(units), 1, squeeze=False, sharex=True)[:, 0])
+    looks = [dashed(i) for i in range(len(curves))]
+    for axes, unit in zip(panels, units, strict=True):
+        _spectra_panel(axes, [each for each in zip(curves, looks, strict=True) if each[0].unit == unit])
+    panels[0].set_xlim(0, max(curve.hz[-1] for curve in curves))
+    panels[-1].set_xlabel("Frequency (Hz)")
+    remarks = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
+    note(panels[0], "; ".join(filter(None, remarks)))
+    if alone:
+        mark_frequencies(panels, natural_frequencies(subjects[0].scene), (view.width_cm - 1.6) * CM * 72)
+        lines = [line for axes in panels for line in axes.get_lines() if line.get_gid() == "spectrum"]
+        legend_below(figure, lines, [str(line.get_label()) for line in lines])
+    else:
+        legend_above(panels[0])
+    return figure
+
+
+@dataclass(frozen=True)
+class SpectrumCurve:
+    """The spectrum of a body: name, frequencies [Hz] and amplitudes, in `unit`."""
+
+    name: str
+    hz: np.ndarray
+    amplitudes: np.ndarray
+    unit: str
+
+
+def _curves(subject: Subject, span: Span, alone: bool) -> list[SpectrumCurve]:
+    """The spectrum of each body, or of the first one where runs are several."""
+    columns = subject.columns_in("m")[: None if alone else 1]
+    hz, amplitudes = spectra(subject, span, columns)
+    return [
+        SpectrumCurve(symbol(column) if alone else subject.name, hz, sizes, subject.unit("m", column))
+        for column, sizes in zip(columns, amplitudes, strict=True)
+    ]
+
+
+def _spectra_panel(axes: Axes, drawn: Sequence[tuple[SpectrumCurve, dict[str, Any]]]) -> None:
+    """Spectra in one unit, each with its look."""
+    scale = scale_for(drawn[0][0].unit, *(curve.amplitudes for curve, _ in drawn))
+    for curve, look in drawn:
+        axes.plot(curve.hz, scale(curve.amplitudes), label=curve.name, gid="spectrum", **look)
+    largest = max(float(scale(curve.amplitudes).max()) for curve, _ in drawn)
     if largest:
         axes.set_yscale("log")
         axes.set_ylim(largest * FLOOR, 2 * largest)
@@ -283,25 +336,7 @@ def spectrum_picture(subjects: Sequence[Subject], view: View) -> Figure:
         axes.set_ylim(0, 1)
         axes.set_yticks([])
         say_inside(axes, NOTHING)
-    axes.set_xlim(0, max(hz[-1] for _, hz, _ in curves))
-    axes.set_xlabel("Frequency (Hz)")
     axes.set_ylabel(scale.label("Amplitude"))
-    remarks = [*dict.fromkeys(map(seconds, spans)), trust_remark(subjects, spans)]
-    note(axes, "; ".join(filter(None, remarks)))
-    if len(subjects) > 1:
-        legend_above(axes)
-    else:
-        mark_frequencies([axes], natural_frequencies(subjects[0].scene), (view.width_cm - 1.6) * CM * 72)
-        legend_below(figure, *axes.get_legend_handles_labels())
-    return figure
-
-
-def _curves(subject: Subject, span: Span, alone: bool) -> list[tuple[str, np.ndarray, np.ndarray]]:
-    """Name, frequencies [Hz] and amplitudes [m] of each body, or of the first one where runs are several."""
-    columns = subject.columns_in("m")[: None if alone else 1]
-    hz, amplitudes = spectra(subject, span, columns)
-    names = [symbol(column) if alone else subject.name for column in columns]
-    return [(name, hz, sizes) for name, sizes in zip(names, amplitudes, strict=True)]
 
 
 # How the spectrum of a motion changes in time, the speed of the motor and its multiples drawn in.
@@ -317,7 +352,7 @@ def spectrogram_picture(subjects: Sequence[Subject], view: View) -> Figure:
     cut = pieces(subject, span, first_motion(subject), count=600)
     figure = sheet(view, 7.0)
     axes = figure.subplots()
-    scale = scale_for(subject.unit("m"), cut.amplitudes)
+    scale = scale_for(_unit(subject), cut.amplitudes)
     values = scale(cut.amplitudes)
     largest = float(values.max()) or 1.0
     least = largest * 10.0**-DECADES
@@ -370,6 +405,7 @@ class SpectrumRow:
 def waterfall_picture(subjects: Sequence[Subject], view: View) -> Figure:
     """Spectra of the first relative motion, each raised to its time, or of several runs to their number."""
     alone = len(subjects) == 1
+    check_one_unit("the first motion", [(subject.path, _unit(subject)) for subject in subjects])
     drawn = _of_pieces(subjects[0], view) if alone else _of_runs(subjects, view)
     largest = max(float(row.amplitudes.max()) for row in drawn)
     apart = (drawn[-1].place - drawn[0].place) / max(len(drawn) - 1, 1) or 1.0
@@ -394,8 +430,13 @@ def waterfall_picture(subjects: Sequence[Subject], view: View) -> Figure:
         return figure
     coordinates = dict.fromkeys(_coordinate(subject) for subject in subjects)
     what = f"amplitude of {', '.join(coordinates)}"
-    note(axes, f"{what}; largest line {amount(largest, subjects[0].unit('m'))}")
+    note(axes, f"{what}; largest line {amount(largest, _unit(subjects[0]))}")
     return figure
+
+
+def _unit(subject: Subject) -> str:
+    """Unit of the motion that spectra are of, m or rad."""
+    return unit_of_motion(subject.scene, first_motion(subject))
 
 
 def _coordinate(subject: Subject) -> str:

@@ -418,7 +418,7 @@ def run_data(subject: Subject) -> dict[str, Any]:
     pair = pair_of(subject)
     x, v = pair.plane({**rows, "time": rows["time"]})
     rows |= {"<x>": x, "<v>": v}
-    scales = scale_for(subject.unit("m"), x), scale_for(subject.unit("m/s"), v)
+    scales = scale_for(pair.units[0], x), scale_for(pair.units[1], v)
     return {
         "t": packed(rows["time"], "f8"),
         "columns": {
@@ -477,15 +477,19 @@ def thinned(rows: Table, most: int) -> Table:
 def panels(subject: Subject, rows: Table) -> list[dict[str, Any]]:
     """Displacements, velocities, the speeds of a motor and of rotors, states."""
     listed = []
-    for unit in ("m", "m/s"):
-        words = subject.word(unit)
-        names = subject.columns_in(unit)
-        scale = scale_for(subject.unit(unit), *(rows[name] for name in names))
+    alike = [(quantity, names) for quantity in ("m", "m/s") for names in subject.columns_alike(quantity)]
+    for quantity, names in alike:
+        scale = scale_for(subject.unit(quantity, names[0]), *(rows[name] for name in names))
         curves = [
             {"name": name, "column": name, "colour": i, **_interpolated(name)} for i, name in enumerate(names)
         ]
         listed.append(
-            {"label": scale.label(words), "unit": scale.unit, "factor": scale.factor, "curves": curves}
+            {
+                "label": scale.label(subject.word(quantity, names[0])),
+                "unit": scale.unit,
+                "factor": scale.factor,
+                "curves": curves,
+            }
         )
     if subject.scene.has_motor:
         curve = {"name": "motor speed", "column": "phidot", "colour": 2, "rate": None, "of": "phi"}

@@ -51,7 +51,7 @@ from vibsim.plots.sheet import (
     write_names,
 )
 from vibsim.plots.style import BLUE, SHADE, nested, points
-from vibsim.plots.subject import Subject, View
+from vibsim.plots.subject import Subject, View, measured
 from vibsim.plots.time_histories import (
     DISPLACEMENT,
     VELOCITY,
@@ -153,7 +153,8 @@ def _finish(figure: Figure, page: Page, subjects: Sequence[Subject]) -> None:
     if len(subjects) == 1:
         page.bottom.set_title("", loc="right")
         legend_above(page.bottom)
-    legend_above(page.tops[0])
+    for axes in page.tops[: None if len(subjects) == 1 else 1]:
+        legend_above(axes)
     letter_panels(page.panels)
     figure.align_ylabels()
     room = LABEL_SHARE * characters(figure.get_figwidth())
@@ -265,6 +266,7 @@ NO_GAP = 1e-3  # a range to show where the scene gives none [m]
 MOST = 6  # panels
 POINTS_OF_FORMULA = 401
 HEIGHT_CM = 6.0
+STIFFNESS = {"m": "N/m", "rad": "N m/rad"}
 SYMBOLS = {"coupling": "k_1", "stop": "k_2"}  # of the springs of the short form
 
 
@@ -303,7 +305,8 @@ def stiffness_panel(axes: Axes, subjects: Sequence[Subject], motion: str | None 
     gaps = [abs(at) for subject, pair in shown for at, _ in all_stops(subject.scene, pair)]
     reach = _reach(shown, REACH * max(gaps, default=0.0))
     curves = [stiffness_characteristic(subject.scene, pair, reach) for subject, pair in shown]
-    units = subjects[0].unit("m"), subjects[0].unit("N")
+    turning = shown[0][0].scene.unit_between(shown[0][1].P, shown[0][1].Q) == "rad"
+    units = ("rad", "N m") if turning else ("m", "N")
     scales = scale_for(units[0], *(y for y, _ in curves)), scale_for(units[1], *(f for _, f in curves))
     looks = [nested(i, len(shown), 1.0) for i in range(len(shown))]
     looks = looks if len(shown) > 1 else [{"color": BLUE, "linewidth": 1.0}]
@@ -317,8 +320,8 @@ def stiffness_panel(axes: Axes, subjects: Sequence[Subject], motion: str | None 
     )
     axes.axhline(0, color="0.8", linewidth=0.4, zorder=0)
     axes.axvline(0, color="0.8", linewidth=0.4, zorder=0)
-    words = subjects[0].word("m", relative=" - " in motion).capitalize()
-    label_axes(axes, (words, scales[0].label(motion)), ("Spring", scales[1].label(subjects[0].word("N"))))
+    words = f"{'relative ' if ' - ' in motion else ''}{measured('m', turning)}".capitalize()
+    label_axes(axes, (words, scales[0].label(motion)), ("Spring", scales[1].label(measured("N", turning))))
     if len(subjects) == 1:
         _name_slopes(axes, subjects[0].scene, shown[0][1], reach, scales)
     else:
@@ -510,7 +513,7 @@ def _slope(scene: Scene, pair: Pair, y: float) -> str:
     acting = [link for link in scene.links if {link.P, link.Q} == {pair.P, pair.Q}]
     touched = [stop for at, stop in corners(scene, pair) if _side(stop, pair) * (y - at) > 0]
     springs = [*((link.name, link.k) for link in acting), *((stop.name, stop.k) for stop in touched)]
-    value = amount(sum(k for _, k in springs), "N m/rad" if scene.torsional else "N/m")
+    value = amount(sum(k for _, k in springs), STIFFNESS[scene.unit_between(pair.P, pair.Q)])
     if not acting and not corners(scene, pair):
         return "no spring"
     if springs and all(name in SYMBOLS for name, _ in springs):

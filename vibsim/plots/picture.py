@@ -107,7 +107,10 @@ def chosen_kinds(subjects: Sequence[Subject], names: Sequence[str] | None, view:
             raise PlotError(f"{span}: kind {shown} has none; kinds that have: {fitting}")
     for kind in kinds:
         if kind.name not in NOT_OF_BODIES:
-            check_one_unit(f"kind {kind.name}", [(subject.path, subject.unit("m")) for subject in subjects])
+            for column in dict.fromkeys(name for subject in subjects for name in subject.columns_in("m")):
+                having = [subject for subject in subjects if column in subject.columns_in("m")]
+                units = [(subject.path, subject.unit("m", column)) for subject in having]
+                check_one_unit(f"kind {kind.name}, {column}", units)
     return kinds
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -40,7 +40,7 @@ from vibsim.plots.sheet import (
     time_axis,
 )
 from vibsim.plots.style import BLUE, GREY, MARKERS, VERMILLION, dot_size, overlay
-from vibsim.plots.subject import Span, Subject, View
+from vibsim.plots.subject import Span, Subject, View, check_one_unit
 from vibsim.plots.traces import (
     UP_TO_TURNS,
     Block,
@@ -53,6 +53,7 @@ from vibsim.plots.traces import (
     relative_traces,
     root_time,
     samples_are_sparse,
+    shown_part,
     trust_marks,
     trust_remark,
     within_a_turn,
@@ -278,7 +279,7 @@ def stroboscopic_picture(subjects: Sequence[Subject], view: View) -> Figure:
     spans = [shown(subject, view.window, last_half) for subject in subjects]
     pairs = common_pairs(subjects)
     drawn = [section(*each) for each in zip(subjects, pairs, spans, strict=True)]
-    units = subjects[0].unit("m"), subjects[0].unit("m/s")
+    units = pairs[0].units
     scales = scale_for(units[0], *(y for y, _ in drawn)), scale_for(units[1], *(u for _, u in drawn))
     for i, (subject, (y, u)) in enumerate(zip(subjects, drawn, strict=True)):
         colour = overlay(i)["color"] if len(subjects) > 1 else BLUE
@@ -355,18 +356,21 @@ NO_IMPACTS = "no impacts"
 
 @dataclass(frozen=True)
 class Impacts:
-    """Instants [s], closing velocities [m/s] (into the stop: > 0), phases of the source [turns]; (n)."""
+    """Instants [s], closing velocities (into the stop: > 0) in `unit`, m/s or rad/s, phases of the source
+    [turns]; (n). others : how many impacts in the other unit there are besides, which are not among them.
+    """
 
     t: np.ndarray
     closing: np.ndarray
     phase: np.ndarray | None
+    unit: str
+    others: int
 
     def within(self, span: Span) -> Impacts:
         """Those within a span [s]."""
         inside = (self.t >= span[0]) & (self.t <= span[1])
-        return Impacts(
-            self.t[inside], self.closing[inside], self.phase[inside] if self.phase is not None else None
-        )
+        phase = None if self.phase is None else self.phase[inside]
+        return replace(self, t=self.t[inside], closing=self.closing[inside], phase=phase)
 
 
 def impact_velocity_picture(subjects: Sequence[Subject], view: View) -> Figure:
@@ -378,7 +382,10 @@ def impact_velocity_picture(subjects: Sequence[Subject], view: View) -> Figure:
     of_subjects = [impacts_of(subject, window_of(subject, window)) for subject in subjects]
     spans = [_settled(subject, view, impacts) for subject, impacts in zip(subjects, of_subjects, strict=True)]
     settled = [impacts.within(span) for impacts, span in zip(of_subjects, spans, strict=True)]
-    scale = scale_for(subjects[0].unit("m/s"), *(impacts.closing for impacts in of_subjects))
+    paths = [subject.path for subject in subjects]
+    units = [impacts.unit for impacts in of_subjects]
+    check_one_unit("impacts", list(zip(paths, units, strict=True)))
+    scale = scale_for(units[0], *(impacts.closing for impacts in of_subjects))
     with_phase = any(impacts.phase is not None for impacts in of_subjects)
     figure = sheet(view, 8.8 if with_phase else 5.0)
     grid = figure.add_gridspec(2 if with_phase else 1, 2, width_ratios=(4, 1))
@@ -424,31 +431,35 @@ def _say(
     count = sum(len(impacts.t) for impacts in settled)
     words = counted(count, "impact")
     listed = "; ".join(dict.fromkeys(map(seconds, spans[1])))
+    others = sum(impacts.others for impacts in settled)
+    left_out = f"{others} in {'rad/s' if settled[0].unit == 'm/s' else 'm/s'} not shown" if others else ""
     if over_phase is None:
-        note(over_time, "; ".join(filter(None, [trust, f"histogram: {words}, {listed}"])))
+        note(over_time, "; ".join(filter(None, [trust, left_out, f"histogram: {words}, {listed}"])))
         return
-    note(over_time, trust)
+    note(over_time, "; ".join(filter(None, [trust, left_out])))
     note(over_phase, f"{words}, {listed}")
     if len(listed) <= LONGEST_NOTE:
         note(histogram, listed)
 
 
 def impacts_of(subject: Subject, span: Span) -> Impacts:
-    """The impacts of a run within the span, at all its stops; the phase is that of the common period of the
-    forces and the base, or the angle of the rotor.
+    """The impacts of a run within the span, at all its stops in the unit of the one that is struck most; the
+    phase is that of the common period of the forces and the base, or the angle of the rotor.
     """
-    scene = subject.scene
+    scene, part = subject.scene, shown_part(subject)
+    unit = scene.unit_between(part.P, part.Q)
+    alike = [i for i, stop in enumerate(scene.stops) if scene.unit_between(stop.P, stop.Q) == unit]
     events = events_within(subject.result, None, span)
     t, closing = events["t"], closing_velocities(scene, events)
-    rows, period = ~np.isnan(closing), common_period(scene)
-    t, closing = t[rows], closing[rows]
+    impacts, period = ~np.isnan(closing), common_period(scene)
+    rows = impacts & np.isin(events["part"], alike)
+    t, closing, phase = t[rows], closing[rows], None
     turning = turning_columns(scene)
     if turning is not None:
-        return Impacts(t, closing, np.mod(events[turning[0]][rows] / (2 * math.pi), 1.0))
-    if period is not None:
-        turns = t * period.cycles + t * period.cycles_lo
-        return Impacts(t, closing, np.mod(turns / period.turns, 1.0))
-    return Impacts(t, closing, None)
+        phase = np.mod(events[turning[0]][rows] / (2 * math.pi), 1.0)
+    elif period is not None:
+        phase = np.mod((t * period.cycles + t * period.cycles_lo) / period.turns, 1.0)
+    return Impacts(t, closing, phase, f"{unit}/s", int(impacts.sum() - rows.sum()))
 
 
 def _say_none(over_time: Axes, histogram: Axes, over_phase: Axes | None) -> None:

@@ -57,11 +57,12 @@ from vibsim.plots.traces import (
 
 @dataclass(frozen=True)
 class Portrait:
-    """The portrait of one block of one run: curve, impacts, span [s], drift taken out [m/s], its look, and
-    whether it is an angle that is drawn up to whole turns.
+    """The portrait of one block of one run: unit of its displacement, curve, impacts, span [s], drift taken
+    out [m/s], its look, and whether it is an angle that is drawn up to whole turns.
     """
 
     subject: Subject
+    unit: str
     span: Span
     curve: Trace
     impacts: Trace | None
@@ -98,24 +99,28 @@ def phase_panels(
     columns: Sequence[str],
     less_drift: bool = False,
 ) -> None:
-    """The portraits of the blocks whose displacements are `columns`, in given axes, all in the same units.
+    """The portraits of the blocks whose displacements are `columns`, in given axes; those of bodies that move
+    are in the same units, and those of bodies that turn.
 
     less_drift : whether to take the mean velocity of each block out, so that a steady motion closes
     """
     drawn = [_portraits(subjects, view, column, less_drift) for column in columns]
-    every = [portrait.curve for portraits in drawn for portrait in portraits]
-    units = subjects[0].unit("m"), subjects[0].unit("m/s")
-    scales = (
-        scale_for(units[0], *(each.x for each in every)),
-        scale_for(units[1], *(each.y for each in every)),
-    )
+    scales_of = {unit: _scales(drawn, unit) for unit in ("m", "rad")}
     for axes, column, portraits in zip(panels, columns, drawn, strict=True):
+        subject = portraits[0].subject
+        scales = scales_of[subject.unit("m", column)]
         _panel(axes, portraits, column, scales, view.poincare)
         less = " less drift" if less_drift else ""
-        x, v = (subjects[0].word(unit).capitalize() for unit in ("m", "m/s"))
+        x, v = (subject.word(unit, column).capitalize() for unit in ("m", "m/s"))
         few_ticks(axes)
         axes.set_xlabel(scales[0].label(f"{x} {symbol(column)}{less}"))
         axes.set_ylabel(scales[1].label(f"{v} {symbol('v' + column[1:])}{less}"))
+
+
+def _scales(drawn: Sequence[Sequence[Portrait]], unit: str) -> tuple[Scale, Scale]:
+    """Scales of the displacements in that unit, m or rad, and of their velocities."""
+    curves = [each.curve for portraits in drawn for each in portraits if each.unit == unit]
+    return scale_for(unit, *(one.x for one in curves)), scale_for(f"{unit}/s", *(one.y for one in curves))
 
 
 def _portraits(subjects: Sequence[Subject], view: View, column: str, less_drift: bool) -> list[Portrait]:
@@ -137,7 +142,16 @@ def _portrait(subject: Subject, column: str, span: Span, less_drift: bool, look:
     turns = not less_drift and any(
         columns_of(scene.bodies[i].name)[0] == column for i in folded_angles(scene)
     )
-    return Portrait(subject, span, folded(curve) if turns else curve, impacts, drift, look, turns)
+    return Portrait(
+        subject,
+        subject.unit("m", column),
+        span,
+        folded(curve) if turns else curve,
+        impacts,
+        drift,
+        look,
+        turns,
+    )
 
 
 def _less_drift(column: str, drift: float, begin: float) -> Plane:
@@ -168,7 +182,7 @@ def _panel(
     impacts = [len(p.impacts.x) for p in portraits if p.impacts is not None and len(p.impacts.x)]
     marks = "rings: impacts" if impacts and max(impacts) <= RINGS_UP_TO else "black dots: impacts"
     drifts = [portrait.drift for portrait in portraits if portrait.drift]
-    scale = scale_for(portraits[0].subject.unit("m/s"), drifts)
+    scale = scale_for(f"{portraits[0].unit}/s", drifts)
     remarks = [
         *dict.fromkeys(map(seconds, spans)),
         f"drift {', '.join(signed(float(scale(drift))) for drift in drifts)} {scale.unit}" if drifts else "",
@@ -218,7 +232,7 @@ def _orbit_portrait(axes: Axes, subjects: Sequence[Subject]) -> None:
     """The orbits in the plane of the motion of two ends against each other."""
     pairs = common_pairs(subjects)
     curves = [_curve(subject, pair) for subject, pair in zip(subjects, pairs, strict=True)]
-    units = subjects[0].unit("m"), subjects[0].unit("m/s")
+    units = pairs[0].units
     scales = scale_for(units[0], *(x for x, _ in curves)), scale_for(units[1], *(y for _, y in curves))
     for i, (subject, pair, (x, y)) in enumerate(zip(subjects, pairs, curves, strict=True)):
         colour = overlay(i)["color"]
@@ -323,7 +337,7 @@ def relative_panel(axes: Axes, subjects: Sequence[Subject], view: View) -> None:
     spans = [shown(subject, view.window, steady_span) for subject in subjects]
     pairs = common_pairs(subjects)
     traces = relative_traces(subjects, pairs, spans)
-    units = subjects[0].unit("m"), subjects[0].unit("m/s")
+    units = pairs[0].units
     scales = (
         scale_for(units[0], *(each.x for each in traces)),
         scale_for(units[1], *(each.y for each in traces)),

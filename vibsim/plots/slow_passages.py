@@ -215,7 +215,7 @@ def _amplitudes(
 ) -> None:
     known = [(curve, name) for curve in under if (name := _column_of(curve, passages[0].subject))]
     scale = scale_for(
-        passages[0].subject.unit("m"),
+        pair.units[0],
         *(w.amplitude for w in passages),
         *(c.values(name) for c, name in known),
     )

@@ -64,30 +64,41 @@ class Subject:
         return tables_of(self.scene)
 
     def columns_in(self, unit: str) -> tuple[str, ...]:
-        """Names of the sampled states of bodies: displacements for m, velocities for m/s, in torsional scenes
-        too.
+        """Names of the sampled states of bodies, of those that turn too: displacements for m, velocities for
+        m/s.
         """
         return {"m": self.tables.displacements, "m/s": self.tables.velocities}[unit]
 
-    def unit(self, unit: str) -> str:
-        """The unit of the scene that stands for m, m/s, N or N/m: of rad and N m in a torsional scene, both
-        where only some bodies turn.
-        """
-        turned = {"m": "rad", "m/s": "rad/s", "N": "N m", "N/m": "N m/rad"}[unit]
-        if self.scene.torsional:
-            return turned
-        return f"{unit}, {turned}" if any(body.turns for body in self.scene.bodies) else unit
+    def columns_alike(self, unit: str) -> list[tuple[str, ...]]:
+        """The same in groups of one unit: of bodies that move along the line, and of those that turn."""
+        columns = self.columns_in(unit)
+        groups = [tuple(name for name in columns if self.turns(name) is turn) for turn in (False, True)]
+        return [group for group in groups if group]
 
-    def word(self, unit: str, relative: bool = False) -> str:
-        """The name of the quantity measured in the unit that stands for m, m/s or N: in a torsional scene an
-        angle, an angular velocity or a torque; relative : of two ends that may both move.
-        """
-        words = {
-            "m": ("displacement", "angle"),
-            "m/s": ("velocity", "angular velocity"),
-            "N": ("force", "torque"),
-        }
-        return ("relative " if relative else "") + words[unit][self.scene.torsional]
+    def turns(self, column: str) -> bool:
+        """Whether a displacement or velocity is that of a body that turns."""
+        return (self.tables.samples[column].units or "").startswith("rad")
+
+    def unit(self, unit: str, column: str) -> str:
+        """The unit that stands for m, m/s or N in the motion of a column: rad, rad/s or N m of what turns."""
+        return TURNED[unit][1] if self.turns(column) else unit
+
+    def word(self, unit: str, column: str) -> str:
+        """The quantity measured in the unit that stands for m, m/s or N in the motion of a column."""
+        return measured(unit, self.turns(column))
+
+
+# by the unit of what moves along the line: its name there; unit and name of what turns
+TURNED = {
+    "m": ("displacement", "rad", "angle"),
+    "m/s": ("velocity", "rad/s", "angular velocity"),
+    "N": ("force", "N m", "torque"),
+}
+
+
+def measured(unit: str, turns: bool) -> str:
+    """What is measured in m, m/s or N, or in the units that stand for them where bodies turn."""
+    return TURNED[unit][2 if turns else 0]
 
 
 def open_subject(path: str) -> Subject:

@@ -152,7 +152,7 @@ def _draw_starts(subject: Subject, view: View) -> Figure:
 
     def displacement() -> tuple[np.ndarray, str]:
         name = next(name for name in result.plan.columns if name.startswith("end_x"))
-        return result[name], f"{name.removeprefix('end_')} at the end ({subject.unit('m')})"
+        return result[name], f"{name.removeprefix('end_')} at the end ({result.plan.columns[name].units})"
 
     figure, axes = starts_sheet(subject, view, END_STATE_HEIGHT_CM, verdicts, SHADES, displacement)
     say(axes, f"rest: {percent_of(result, result['end_state'] == VERDICTS['rest'])}", subject)

@@ -84,17 +84,17 @@ def amplitude_picture(subjects: Sequence[Subject], view: View) -> Figure:
     check_branches(subjects, branches)
     drawn = curves(subjects)
     every = motions_of(subjects)
-    labels = dict(list(every.items())[:MOST])
-    names = list(labels)
-    figure = sheet(view, 2.4 + PANEL_CM * len(names))
-    panels = figure.subplots(len(names), 1, squeeze=False, sharex=True)[:, 0]
-    scale = _common_scale(drawn, names)
-    for axes, name in zip(panels, names, strict=True):
-        _panel(axes, [curve for curve in drawn if f"amplitude_{name}" in curve.subject.result], name, scale)
-        axes.set_ylabel(scale.label(labels[name]))
+    shown = every[:MOST]
+    figure = sheet(view, 2.4 + PANEL_CM * len(shown))
+    panels = figure.subplots(len(shown), 1, squeeze=False, sharex=True)[:, 0]
+    scales = _scales(drawn, shown)
+    for axes, motion in zip(panels, shown, strict=True):
+        having = [curve for curve in drawn if motion.column in curve.subject.result]
+        _panel(axes, having, motion.column, scales[motion.unit])
+        axes.set_ylabel(scales[motion.unit].label(motion.label))
     limit(panels[0], drawn, view)
     banded = len(drawn) <= BANDS_UP_TO and any(map(_is_banded, drawn))
-    omitted = f"{len(labels)} of {len(every)} motions" if len(labels) < len(every) else ""
+    omitted = f"{len(shown)} of {len(every)} motions" if len(shown) < len(every) else ""
     words = ensemble_note(drawn) or ("band: up to the greatest" if banded else "")
     note(panels[0], "; ".join(filter(None, [omitted, words])))
     if all(is_speed(subject.result.axes[along(subject.result)].key) for subject in subjects):
@@ -103,8 +103,8 @@ def amplitude_picture(subjects: Sequence[Subject], view: View) -> Figure:
     panels[-1].set_xlabel(axis_label(subjects))
     name_curves(figure, list(panels), drawn)
     marks = [
-        (axes, lay_branches(axes, drawn, branches, amplitudes(name, scale)))
-        for axes, name in zip(panels, names, strict=True)
+        (axes, lay_branches(axes, drawn, branches, amplitudes(motion.column, scales[motion.unit])))
+        for axes, motion in zip(panels, shown, strict=True)
     ]
     name_branches(figure, panels[0], subjects, branches, drawn)
     letter_panels(list(panels))
@@ -113,36 +113,36 @@ def amplitude_picture(subjects: Sequence[Subject], view: View) -> Figure:
     return figure
 
 
-def motions_of(subjects: Sequence[Subject]) -> dict[str, str]:
-    """Labels of the motions of all sweeps by name, as coordinates: those of two ends against each other, then
-    those of bodies.
-    """
-    by_word: dict[str, str] = {}
+def motions_of(subjects: Sequence[Subject]) -> list[PictureQuantity]:
+    """Amplitudes of the motions of all sweeps: those of two ends against each other, then those of bodies."""
+    by_name: dict[str, PictureQuantity] = {}
     for subject in subjects:
         motions = subject.result.plan.point_settings.of.motions
         for motion in sorted(motions, key=lambda motion: motion.Q == GROUND):
-            by_word.setdefault(motion.name, difference(subject.scene, motion, "x"))
-    return by_word
+            label = difference(subject.scene, motion, "x")
+            by_name.setdefault(motion.name, PictureQuantity(f"amplitude_{motion.name}", label, motion.unit))
+    return list(by_name.values())
 
 
-def _common_scale(drawn: Sequence[Curve], names: Sequence[str]) -> Scale:
-    """One unit for all panels."""
+def _scales(drawn: Sequence[Curve], motions: Sequence[PictureQuantity]) -> dict[str, Scale]:
+    """By unit, m or rad, the scale of all panels that have it."""
     ends = "_max" if len(drawn) <= BANDS_UP_TO else ""
-    return scale_for(drawn[0].subject.unit("m"), *(
-        curve.every(f"amplitude_{name}{ends}")
-        for curve in drawn for name in names if f"amplitude_{name}" in curve.subject.result
-    ))  # fmt: skip
+    values: dict[str, list[np.ndarray]] = {motion.unit: [] for motion in motions}
+    for motion in motions:
+        having = [curve for curve in drawn if motion.column in curve.subject.result]
+        values[motion.unit] += [curve.every(f"{motion.column}{ends}") for curve in having]
+    return {unit: scale_for(unit, *amplitudes) for unit, amplitudes in values.items()}
 
 
-def _panel(axes: Axes, drawn: Sequence[Curve], name: str, scale: Scale) -> None:
-    means = [curve.values(f"amplitude_{name}") for curve in drawn]
+def _panel(axes: Axes, drawn: Sequence[Curve], column: str, scale: Scale) -> None:
+    means = [curve.values(column) for curve in drawn]
     for curve, mean in zip(drawn, means, strict=True):
-        draw_bands(axes, curve, f"amplitude_{name}", scale)
+        draw_bands(axes, curve, column, scale)
         if len(drawn) <= BANDS_UP_TO and _is_banded(curve):
-            most = curve.values(f"amplitude_{name}_max")
+            most = curve.values(f"{column}_max")
             look = {"color": curve.colour, "alpha": 0.2, "linewidth": 0, "gid": "band"}
             fill(axes, curve.x, scale(mean), scale(most), leaps(mean), **look)
-        draw_curve(axes, curve, scale(mean), name)
+        draw_curve(axes, curve, scale(mean), column.removeprefix("amplitude_"))
     if all(np.isnan(mean).all() for mean in means):
         axes.set_ylim(0, 1)
         axes.set_yticks([])
@@ -218,11 +218,11 @@ def quantities_of(subjects: Sequence[Subject]) -> list[PictureQuantity]:
     """Quantities of which all sweeps have stroboscopic points. Raises PlotError where there are none."""
     rows = _sections(subjects[0])
     rows = [row for row in rows if all(row.column in subject.result for subject in subjects)]
-    displacements = [row for row in rows if row.unit == "m"]
+    displacements = [row for row in rows if row.unit in ("m", "rad")]
     if not displacements:
         raise PlotError("the sweeps have no stroboscopic points of the same motion")
     speeds = [row for row in rows if row.unit == "Hz"]
-    rates = [row for row in rows if row.unit == "m/s"]
+    rates = [row for row in rows if row.unit in ("m/s", "rad/s")]
     return [*displacements[:ROWS], *(speeds or (rates if len(displacements) == 1 else []))]
 
 
@@ -232,7 +232,9 @@ def _sections(subject: Subject) -> list[PictureQuantity]:
     pairs = {name: each for name, each in of.sections.items() if each[0].Q != GROUND}
     rows = [
         PictureQuantity(
-            name, difference(subject.scene, motion, "v" if is_rate else "x"), "m/s" if is_rate else "m"
+            name,
+            difference(subject.scene, motion, "v" if is_rate else "x"),
+            f"{motion.unit}/s" if is_rate else motion.unit,
         )
         for name, (motion, is_rate) in (pairs or of.sections).items()
     ]
@@ -258,7 +260,7 @@ def _orbit_say(sheets: CurvePanels, subjects: Sequence[Subject], drawn: Sequence
 def _scale(drawn: Sequence[Curve], row: PictureQuantity) -> Scale:
     if row.unit == "Hz":
         return Scale(1.0, row.unit)
-    return scale_for(drawn[0].subject.unit(row.unit), *(curve.every(row.column) for curve in drawn))
+    return scale_for(row.unit, *(curve.every(row.column) for curve in drawn))
 
 
 def _orbit_panel(axes: Axes, curve: Curve, name: str, scale: Scale) -> None:

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from vibsim.cases.ramps import no_load_speed
 from vibsim.physics.connections import Pair
-from vibsim.physics.parts import BASE, ROTOR, STATE, Scene
+from vibsim.physics.parts import BASE, ROTOR, STATE, Scene, columns_of
 from vibsim.plots.poincare_sections import TURNS, turn_times
 from vibsim.plots.samples import (
     DETAIL_PERIODS,
@@ -91,6 +91,10 @@ class Panel:
     curves: list[HistoryCurve]
     span: Span
 
+    def unit(self, quantity: str) -> str:
+        """The unit that stands for that of a quantity in these curves."""
+        return self.curves[0].subject.unit(quantity, self.curves[0].column)
+
     @cached_property
     def is_short(self) -> bool:
         """Whether single periods can be seen."""
@@ -113,8 +117,8 @@ class Panel:
 def draw_history(subjects: Sequence[Subject], view: View, quantity: str) -> Figure:
     """Panels of the whole window above, of the detail below.
 
-    One subject: all bodies in one panel. Several: a panel per body, and a detail only where the view asks
-    for it (runs that drift apart leave nothing to be seen in a common one).
+    One subject: all bodies in one panel, those that turn in another. Several: a panel per body, and a detail
+    only where the view asks for it (runs that drift apart leave nothing to be seen in a common one).
     """
     groups = curve_groups(subjects, quantity)
     spans = _spans(subjects, view)
@@ -131,7 +135,8 @@ def draw_history(subjects: Sequence[Subject], view: View, quantity: str) -> Figu
             axes.set_xlabel("")
         if row < len(groups) and len(spans) == 2:
             mark_detail(axes, spans[1])
-    legend_above(panels[0])
+    for axes in panels[: len(groups) if len(subjects) == 1 else 1]:
+        legend_above(axes)
     letter_panels(panels)
     figure.align_ylabels()
     return figure
@@ -150,15 +155,16 @@ def is_short(subject: Subject, span: Span) -> bool:
 
 
 def curve_groups(subjects: Sequence[Subject], quantity: str) -> list[list[HistoryCurve]]:
-    """The curves of each panel: all bodies of one subject together, or one body of all subjects."""
-    present = [subject.columns_in(quantity) for subject in subjects]
+    """The curves of each panel: bodies of one subject together, those that turn in a panel of their own; or
+    one body of all subjects.
+    """
     if len(subjects) == 1:
+        looks = {name: dashed(i) for i, name in enumerate(subjects[0].columns_in(quantity))}
         return [
-            [
-                HistoryCurve(subjects[0], name, symbol(name), dashed(i), True)
-                for i, name in enumerate(present[0])
-            ]
+            [HistoryCurve(subjects[0], name, symbol(name), looks[name], True) for name in names]
+            for names in subjects[0].columns_alike(quantity)
         ]
+    present = [subject.columns_in(quantity) for subject in subjects]
     count = len(subjects)
     return [
         [
@@ -171,21 +177,21 @@ def curve_groups(subjects: Sequence[Subject], quantity: str) -> list[list[Histor
 
 
 def histories(panels: Sequence[Panel], quantity: str) -> None:
-    """Draw panels of one quantity, all in the same unit.
+    """Draw panels of one quantity, all of what moves in one unit and all of what turns in another.
 
     A short span is smooth, with impacts and contact marked; a long one an envelope with a tick per impact.
     """
-    unit = panels[0].curves[0].subject.unit(quantity)
+    units = [panel.unit(quantity) for panel in panels]
     greatest = [_greatest(panel) for panel in panels]
-    common = scale_for(unit, greatest)
-    for panel, own in zip(panels, greatest, strict=True):
-        scale = common if own > TINY * max(greatest) else scale_for(unit, [own])
+    for panel, unit, own in zip(panels, units, greatest, strict=True):
+        alike = [each for each, other in zip(greatest, units, strict=True) if other == unit]
+        scale = scale_for(unit, alike if own > TINY * max(alike) else [own])
         draw = _draw_short if panel.is_short else _draw_long
         draw(panel, scale)
         if quantity == DISPLACEMENT and panel.curves[0].alone:
             _draw_walls(panel, scale)
         first = panel.curves[0]
-        words = first.subject.word(quantity).capitalize()
+        words = first.subject.word(quantity, first.column).capitalize()
         panel.axes.set_ylabel(scale.label(words if first.alone else symbol(first.column)))
         time_axis(panel.axes, panel.span)
 
@@ -247,10 +253,11 @@ def _draw_walls(panel: Panel, scale: Scale) -> None:
     does, dashed, and named at the right; of the base it moves along.
     """
     subject, (begin, end) = panel.curves[0].subject, panel.span
-    scene, struck = subject.scene, set(impact_events(subject.result, panel.span, "part")[1].tolist())
+    scene, drawn = subject.scene, {curve.column for curve in panel.curves}
+    struck = set(impact_events(subject.result, panel.span, "part")[1].tolist())
     for number, stop in enumerate(scene.stops):
         fixed, moving = sorted((stop.P, stop.Q))
-        if number not in struck or fixed >= 0:
+        if number not in struck or fixed >= 0 or columns_of(scene.bodies[moving].name)[0] not in drawn:
             continue
         at = stop_position(stop, Pair(stop.name, moving, fixed))
         t = np.linspace(begin, end, WALL_POINTS) if fixed == BASE else np.array([begin, end])

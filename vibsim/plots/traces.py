@@ -33,7 +33,7 @@ from vibsim.plots.samples import (
 )
 from vibsim.plots.sheet import Scale, above_wider, label_axes, note, pixel_columns
 from vibsim.plots.style import GREY, SHADE, points
-from vibsim.plots.subject import PlotError, Span, Subject, as_text
+from vibsim.plots.subject import PlotError, Span, Subject, as_text, measured
 from vibsim.results.columns import IMPACT_CODES, PairMotion
 
 Block = Mapping[str, np.ndarray]
@@ -304,7 +304,8 @@ class PlottedPair:
     names : columns of a run that their relative motion needs
     plane : from these to relative displacement [m] and velocity [m/s]
     displacement, velocity : symbols of these
-    words : their names in words: relative ones of two ends that may move, angles in torsional scenes
+    words : their names in words: relative ones of two ends that may move, angles of ends that turn
+    units : their SI units, m and m/s or rad and rad/s
     stops : relative displacement [m] at which each stop between them is met, and its name
     belts : relative velocity [m/s] at which the body rides on each belt between them, and its name
     whole_turns : whether it is an angle that whole turns bring back to where it was, as of a pendulum
@@ -315,6 +316,7 @@ class PlottedPair:
     displacement: str
     velocity: str
     words: tuple[str, str]
+    units: tuple[str, str]
     stops: tuple[tuple[float, str], ...]
     belts: tuple[tuple[float, str], ...] = ()
     whole_turns: bool = False
@@ -332,11 +334,13 @@ def pair_of(subject: Subject) -> PlottedPair:
         return x, v
 
     x, v = (difference(scene, part, letter) for letter in "xv")
-    first, second = (subject.word(unit, relative=" - " in x).capitalize() for unit in ("m", "m/s"))
+    turning, relative = scene.unit_between(part.P, part.Q) == "rad", "relative " if " - " in x else ""
+    first, second = (f"{relative}{measured(unit, turning)}".capitalize() for unit in ("m", "m/s"))
+    units = ("rad", "rad/s") if turning else ("m", "m/s")
     stops = [(stop_position(stop, part), stop_label(stop)) for stop in stops_between(scene, part)]
     turns = part.Q == GROUND and part.P in folded_angles(scene)
     names, belts = ("time", *motion.columns), tuple(_belts(scene, part))
-    return PlottedPair(names, plane, x, v, (first, second), tuple(stops), belts, turns)
+    return PlottedPair(names, plane, x, v, (first, second), units, tuple(stops), belts, turns)
 
 
 def _belts(scene: Any, part: Any) -> Iterator[tuple[float, str]]:
@@ -348,6 +352,12 @@ def _belts(scene: Any, part: Any) -> Iterator[tuple[float, str]]:
             and friction.belt
         ):
             yield (friction.belt if friction.P == part.P else -friction.belt), as_text(friction.name)
+
+
+def columns_beside(subject: Subject, pair: PlottedPair) -> tuple[str, ...]:
+    """Columns of the displacements in the unit of a pair, of all bodies that have it."""
+    columns = subject.columns_in("m")
+    return tuple(name for name in columns if subject.unit("m", name) == pair.units[0])
 
 
 def common_pairs(subjects: Sequence[Subject]) -> list[PlottedPair]:

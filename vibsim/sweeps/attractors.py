@@ -12,7 +12,7 @@ were computed.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import nan, sqrt
@@ -58,7 +58,7 @@ COLUMNS = {
     "word": Column(None, "events of its orbit, in letters", dtype="text"),
 }
 OVER_UNKNOWNS = Column("1", "a state of it on the section, by the unknowns of its orbits, SI")
-OVER_BODIES = Column("m", "half of the way from the least to the greatest displacement of each body")
+OVER_BODIES = "half of the way from the least to the greatest displacement of each body"
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,16 +88,18 @@ class Attractors:
         return f"period {self['period'][i]}, multiplier {self['largest_multiplier'][i]:.3g}"
 
 
-def datasets_of_attractors(unknowns: tuple[str, ...], bodies: int) -> list[Dataset]:
-    """Datasets of the group of attractors; unknowns : names, bodies : how many."""
+def datasets_of_attractors(unknowns: tuple[str, ...], units: Sequence[str]) -> list[Dataset]:
+    """Datasets of the group of attractors; unknowns : names; units : of the displacement of each body."""
     path = GROUP + "/"
+    unit, of_each = (units[0], "") if len(set(units)) == 1 else ("1", f", SI: in {', '.join(units)}")
+    amplitudes = Column(unit, f"{OVER_BODIES}{of_each}")
     scales = {
         NUMBER: Column("1", "number of the attractor", dtype="i8"),
         BODY: Column("1", "number of the body", dtype="i8"),
     }
     datasets = [Dataset(path + name, column, (name,)) for name, column in scales.items()]
     datasets += [Dataset(path + name, column, (NUMBER,), gaps=True) for name, column in COLUMNS.items()]
-    datasets.append(Dataset(path + "amplitude", OVER_BODIES, (NUMBER, BODY), gaps=True))
+    datasets.append(Dataset(path + "amplitude", amplitudes, (NUMBER, BODY), gaps=True))
     if unknowns:
         named = Column(None, "unknown of the orbits", dtype="text")
         datasets.insert(0, Dataset(path + UNKNOWN, named, (UNKNOWN,)))

@@ -85,7 +85,8 @@ def group_of(plan: SweepPlan) -> list[Dataset]:
         return []
     from vibsim.sweeps.attractors import datasets_of_attractors
 
-    return datasets_of_attractors(names_of_unknowns(plan), len(plan.case.scene().line))
+    scene = plan.case.scene()
+    return datasets_of_attractors(names_of_unknowns(plan), [scene.unit_of(body) for body in scene.line])
 
 
 def read_attractors(path: Path, file: h5py.File, plan: SweepPlan) -> "Attractors":
