@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 from matplotlib.colors import to_hex
-from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
+from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
 
 from vibsim.engine.columns import part_columns
 from vibsim.physics.parts import ANGLE, MOTOR, ROTOR, Scene, columns_of
 from vibsim.plots import machine_symbols
 from vibsim.plots.machine import LANE_CM, MOTOR_CM, Layout, layout
-from vibsim.plots.machine_symbols import BASE, FIXED, GROUND, Element, floors, rotors_on, short
+from vibsim.plots.machine_symbols import BASE, FIXED, GROUND, Element, floors, rotors_on
 from vibsim.plots.samples import PUSHING, impact_events, period_of
 from vibsim.plots.style import GREY, ORANGE, VERMILLION
 from vibsim.plots.subject import PlotError, Span, Subject
@@ -365,6 +365,8 @@ def _corners(patch: Any) -> np.ndarray:
     if isinstance(patch, Circle):
         x, y = patch.center
         return np.column_stack([x + patch.radius * np.cos(ROUND), y + patch.radius * np.sin(ROUND)])
+    if isinstance(patch, Polygon):
+        return np.asarray(patch.get_xy())
     assert isinstance(patch, Rectangle | FancyBboxPatch)
     x, y, width, height = patch.get_x(), patch.get_y(), patch.get_width(), patch.get_height()
     return np.array([[x, y], [x + width, y], [x + width, y + height], [x, y + height], [x, y]])
@@ -444,8 +446,8 @@ def sketch(axes: Any, stage: Stage, at: dict[str, float]) -> None:
         bracket = stage.bracket(element, slot) if element.kind == "hook" else 0.0
         _element(axes, element, x0, x1, y, at, bracket)
     for box in plan.boxes:
-        mass = short(stage.values["bodies"][box.name])
-        machine_symbols.body(axes, box.x + at[box.name], box.width, plan.height, box.name, mass)
+        shift = at[box.name]
+        machine_symbols.body(axes, box.x, box.width, plan.height, stage.values, box.name, shift)
     for box in plan.boxes:
         for i, (key, _) in enumerate(rotors_on(stage.values, box.name)):
             name = "" if key == MOTOR else f" {key.partition('.')[2]}"
@@ -500,6 +502,8 @@ def _ground(axes: Any, stage: Stage, at: dict[str, float]) -> None:
     for box in stage.plan.boxes:
         own = floors(stage.values, box.name)
         x0, x1 = box.x - 0.9, box.right + 0.9
+        if not own and machine_symbols.turns(stage.values, box.name):
+            continue
         if not own:
             machine_symbols.line(axes, [x0, x1], [-0.16, -0.16], color=GREY, linewidth=0.6)
             for x in (box.x + 0.3, box.right - 0.3):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from vibsim.cases.quantities import is_inertia
 from vibsim.plots import machine_symbols, style
 from vibsim.plots.machine_symbols import (
     BASE,
@@ -90,7 +89,7 @@ def _frame(values: dict[str, Any], plan: Layout) -> tuple[float, float, float, f
 def draw_machine(axes: Axes, values: dict[str, Any], plan: Layout) -> None:
     """The drawing in given axes, whose units are centimetres."""
     for box in plan.boxes:
-        machine_symbols.body(axes, box.x, box.width, plan.height, box.name, short(values["bodies"][box.name]))
+        machine_symbols.body(axes, box.x, box.width, plan.height, values, box.name)
         _below(axes, values, box)
         _on_top(axes, values, box, plan.height)
     for number, (slot, edges) in enumerate(zip(plan.slots, plan.edges, strict=True)):
@@ -121,7 +120,7 @@ def _outer_edges(values: dict[str, Any], plan: Layout) -> tuple[float, float]:
 def _below(axes: Axes, values: dict[str, Any], box: Box) -> None:
     """Draw the surfaces on which a body rubs, side by side; wheels where there are none."""
     own = floors(values, box.name)
-    if not own and not _rubs(values, box.name):
+    if not own and not _rubs(values, box.name) and not machine_symbols.turns(values, box.name):
         machine_symbols.wheels(axes, box.x, box.right, -0.02)
     width = (box.width + 0.3) / max(len(own), 1)
     for i, (name, friction) in enumerate(own):
@@ -155,7 +154,8 @@ def _on_top(axes: Axes, values: dict[str, Any], box: Box, y: float) -> None:
     for i, (key, text) in enumerate(source_labels(values, box.name)):
         level = y + SOURCE_CM * i + 0.17
         ways = machine_symbols.ways_of(values["forces"][key.partition(".")[2]])
-        machine_symbols.force_arrow(axes, box.centre, level, ways, key)
+        torque = machine_symbols.turns(values, box.name)
+        machine_symbols.force_arrow(axes, box.centre, level, ways, key, torque)
         machine_symbols.label(axes, box.centre, level + 0.22, text, bbox=machine_symbols.PAPER)
 
 
@@ -235,9 +235,10 @@ def _direction(axes: Axes, values: dict[str, Any], plan: Layout, y: float) -> No
     if "base" in values:
         machine_symbols.arrow(axes, x, x + 0.6, y + BASE_CM, "base", both=True)
         machine_symbols.label(axes, x + 0.7, y + BASE_CM, f"base: {base_label(values)}", ha="left")
-    machine_symbols.arrow(axes, x, x + 0.8, y)
-    turns = all(is_inertia(str(mass)) for mass in values["bodies"].values())
-    machine_symbols.label(axes, x + 0.95, y, "$x$ (angle)" if turns else "$x$", ha="left", fontsize=7)
+    turning = [machine_symbols.turns(values, name) for name in values["bodies"]]
+    machine_symbols.arrow(axes, x, x + 0.8, y, bent=all(turning))
+    words = "$x$ (angle)" if all(turning) else "$x$ (angle of discs)" if any(turning) else "$x$"
+    machine_symbols.label(axes, x + 0.95, y, words, ha="left", fontsize=7)
 
 
 # Where everything stands in the drawing of a scene, in centimetres.
@@ -369,6 +370,7 @@ def _widest(labels: list[str]) -> float:
 def _body_width(values: dict[str, Any], name: str) -> float:
     """Room for name and mass, and for what drives the body."""
     inside = max(len(name), len(short(values["bodies"][name]))) * 0.15 + 0.4
+    inside += 2 * machine_symbols.FACE_CM if machine_symbols.turns(values, name) else 0.0
     return max(LEAST_WIDTH_CM, inside, OVERHANG * label_width(values, name))
 
 

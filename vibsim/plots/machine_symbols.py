@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
+from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
 
 from vibsim.cases.problems import one_line
+from vibsim.cases.quantities import is_inertia
 from vibsim.cases.schema_kinds import Formula
 from vibsim.plots.style import BLUE, GREEN, GREY, ORANGE, VERMILLION
 
@@ -261,7 +262,10 @@ LINE = 0.8  # width of lines [pt]
 SMALL = 6  # size of labels [pt]
 COILS = 5
 FORCE_CM = 0.45  # half the length of the arrow of a force
+BENT, BENT_CM = 0.3, 0.1  # by which the arrow of a torque is bent, and stands lower [cm]
 LAW_CM = 0.32  # height of the box of a formula
+FACE_CM = 0.16  # half the width of the face of a disc, which is seen from its side
+HALF = 24  # sides of half of its rim
 PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}  # behind a label that a line may cross
 PARTS: dict[str, Any] = {
     "color": INK,
@@ -279,15 +283,40 @@ def label(axes: Axes, x: float, y: float, text: str, **look: Any) -> None:
     axes.text(x, y, text, **{"fontsize": SMALL, "ha": "center", "va": "center", "color": INK, **look})
 
 
-def body(axes: Axes, x: float, width: float, height: float, name: str, mass: str) -> None:
-    """A box with name and mass."""
-    patch = FancyBboxPatch(
-        (x, 0), width, height, boxstyle="round,pad=0,rounding_size=0.08",
-        facecolor="0.93", edgecolor=INK, linewidth=LINE, gid=f"bodies.{name}", zorder=3,
-    )  # fmt: skip
-    axes.add_patch(patch)
+def turns(values: dict[str, Any], name: str) -> bool:
+    """Whether a body is a disc that turns: its mass is a moment of inertia."""
+    return is_inertia(str(values["bodies"][name]))
+
+
+def body(
+    axes: Axes, x: float, width: float, height: float, values: dict[str, Any], name: str, shift: float = 0.0
+) -> None:
+    """A box with name and mass, or a disc with its inertia; shift : to the right [cm]."""
+    x += shift
+    look: dict[str, Any] = {
+        "facecolor": "0.93",
+        "edgecolor": INK,
+        "linewidth": LINE,
+        "gid": f"bodies.{name}",
+        "zorder": 3,
+    }
+    if turns(values, name):
+        face = x + width - FACE_CM
+        far, near = _rim(x + FACE_CM, height), _rim(face, height)
+        axes.add_patch(Polygon(np.concatenate([far[HALF:], near[: HALF + 1]]), **look))
+        axes.add_patch(Polygon(near, fill=False, edgecolor=INK, linewidth=0.6 * LINE, zorder=3))
+        width -= 2 * FACE_CM
+    else:
+        style = "round,pad=0,rounding_size=0.08"
+        axes.add_patch(FancyBboxPatch((x, 0), width, height, boxstyle=style, **look))
     label(axes, x + width / 2, height / 2 + 0.16, name, fontsize=7.5, weight="bold", zorder=4)
-    label(axes, x + width / 2, height / 2 - 0.2, mass, zorder=4)
+    label(axes, x + width / 2, height / 2 - 0.2, short(values["bodies"][name]), zorder=4)
+
+
+def _rim(x: float, height: float) -> np.ndarray:
+    """Points (n, 2) of a rim of a disc [cm]: from below over its right half upwards, and back."""
+    angles = np.linspace(-np.pi / 2, 3 * np.pi / 2, 2 * HALF + 1)
+    return np.column_stack([x + FACE_CM * np.cos(angles), height / 2 * (1 + np.sin(angles))])
 
 
 def spring(axes: Axes, x0: float, x1: float, y: float, gid: str = "") -> None:
@@ -440,20 +469,25 @@ def wheels(axes: Axes, x0: float, x1: float, y: float) -> None:
     line(axes, [x0, x1], [y - 0.16, y - 0.16], color=GREY, linewidth=0.6)
 
 
-def force_arrow(axes: Axes, middle: float, y: float, ways: tuple[bool, bool], gid: str) -> None:
-    """The ways that a force points, against x and along it."""
+def force_arrow(
+    axes: Axes, middle: float, y: float, ways: tuple[bool, bool], gid: str, torque: bool = False
+) -> None:
+    """The ways that a force or a torque points, against x and along it."""
     against, along = ways
     reach = -FORCE_CM if against and not along else FORCE_CM
-    arrow(axes, middle - reach, middle + reach, y, gid, both=against and along)
+    y -= BENT_CM if torque else 0.0
+    arrow(axes, middle - reach, middle + reach, y, gid, both=against and along, bent=torque)
 
 
-def arrow(axes: Axes, x0: float, x1: float, y: float, gid: str = "", both: bool = False) -> None:
-    """An arrow from x0 to x1, or with heads at both ends."""
+def arrow(
+    axes: Axes, x0: float, x1: float, y: float, gid: str = "", both: bool = False, bent: bool = False
+) -> None:
+    """An arrow from x0 to x1, or with heads at both ends; bent : as of a torque."""
     look = {"linewidth": LINE, "color": INK, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 7}
-    style = "<|-|>" if both else "-|>"
-    note = axes.annotate(
-        "", (x1, y), (x0, y), arrowprops={"arrowstyle": style, **look}, annotation_clip=False
-    )
+    style = {"arrowstyle": "<|-|>" if both else "-|>"}
+    if bent:
+        style["connectionstyle"] = f"arc3,rad={-BENT if x1 > x0 else BENT}"
+    note = axes.annotate("", (x1, y), (x0, y), arrowprops={**style, **look}, annotation_clip=False)
     note.set_gid(gid or None)
 
 

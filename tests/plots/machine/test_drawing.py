@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.patches import Circle, FancyBboxPatch
+from matplotlib.patches import Circle, FancyBboxPatch, Polygon
 
 from tests.formula_cases import CURRENT, EVERYWHERE, MACHINE, case_of
 from tests.plots.artists import notes
@@ -171,8 +171,13 @@ def inside(line, box):
 
 
 def boxes_of(axes):
-    bodies = [patch for patch in axes.patches if isinstance(patch, FancyBboxPatch)]
-    return [(b.get_x(), b.get_y(), b.get_x() + b.get_width(), b.get_y() + b.get_height()) for b in bodies]
+    to_data = axes.transData.inverted()
+    extents = [body.get_window_extent().transformed(to_data) for body in bodies_of(axes)]
+    return [(extent.x0, extent.y0, extent.x1, extent.y1) for extent in extents]
+
+
+def bodies_of(axes):
+    return [patch for patch in axes.patches if str(patch.get_gid()).startswith("bodies.")]
 
 
 def overlap(one, other):
@@ -204,7 +209,7 @@ def test_no_word_lies_upon_another(source):
 def test_words_beside_a_body_do_not_lie_upon_it(source):
     case, axes = drawing(source)
     own = {word for name, mass in case.long_values()["bodies"].items() for word in (name, str(mass))}
-    bodies = [patch.get_window_extent() for patch in axes.patches if isinstance(patch, FancyBboxPatch)]
+    bodies = [patch.get_window_extent() for patch in bodies_of(axes)]
     for text in axes.texts:
         box = text.get_window_extent()
         if not text.get_text() or text.get_text() in own or text.get_weight() == "bold":
@@ -236,6 +241,29 @@ def arrows(axes, gid):
     """x of tail and tip of the arrows of a part, and whether they have two heads."""
     arrows = notes(axes, gid)
     return [(one.xyann[0], one.xy[0], one.arrowprops["arrowstyle"].startswith("<")) for one in arrows]
+
+
+def test_what_turns_is_a_disc_under_a_bent_arrow():
+    """It stands on no wheels; what moves along the line beside it is a box that does."""
+    disc = drawn(load_case("gallery/driven-pendulum"))
+    cart = drawn(load_case("gallery/duffing-two-well"))
+    of_disc, of_cart = bodies_of(disc) + bodies_of(cart)
+    assert isinstance(of_disc, Polygon)
+    assert isinstance(of_cart, FancyBboxPatch)
+    wheels = [len([one for one in axes.patches if isinstance(one, Circle)]) for axes in (disc, cart)]
+    assert wheels == [0, 2]
+    bent = [
+        ["connectionstyle" in text.arrowprops for text in axes.texts if text.get_gid() == "forces.drive"]
+        for axes in (disc, cart)
+    ]
+    assert bent == [[True], [False]]
+
+
+def test_a_disc_of_a_film_is_a_disc():
+    subject = subject_of(simulate(load_case("gallery/driven-pendulum", {"run.t_end": "1 s"})))
+    shapes = display_list(channels_of(subject, (0.0, 1.0), 0.1, 1.0))
+    [disc] = [each.shape for each in shapes if each.shape.key.startswith("bodies.")]
+    assert len(disc.vertices) > 20
 
 
 def test_a_constant_force_points_as_it_acts():
