@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from tests.plots.artists import legend, lines, on_paper
+from vibsim import orbit
 from vibsim.cases import load_case
+from vibsim.orbits.branches.continuing import continue_branch
 from vibsim.plots.picture import draw_files
 from vibsim.plots.registry import choose, fitting, kind_named
 from vibsim.plots.subject import PlotError, View, open_subject
@@ -172,3 +174,18 @@ def test_two_sweeps_in_one_picture(paths, tmp_path):
     out = tmp_path / "two.pdf"
     assert draw_files([paths["motor"], paths["carried"]], None, View(), str(out)) == [str(out)]
     assert len(lines(drawn("sommerfeld", paths["motor"], paths["carried"]).axes[0], "mean")) == 3
+
+
+def test_a_branch_over_a_sommerfeld_picture_has_the_speed_of_the_rotor_drawn(tmp_path):
+    """Exciters that turn against each other: the second one's turns are backwards."""
+    against = {"rotors.right.M0": "-0.3 N m", "rotors.right.Omega0": "-10 Hz", "run.t_end": "6 s"}
+    case, key = load_case("gallery/two-exciters", against), "rotors.right.Omega0"
+    swept, branched = str(tmp_path / "swept.h5"), str(tmp_path / "branch.h5")
+    sweep(case, {key: "-10.1, -10, -9.9 Hz"}, out=swept)
+    continue_branch(orbit(case), {key: "-10.05:-9.95 Hz"}, out=branched)
+    axes = drawn("sommerfeld", swept, branched).axes[0]
+    (mean,), branch = lines(axes, "mean"), [*lines(axes, "stable"), *lines(axes, "unstable")]
+    assert mean.get_ydata()[1] == pytest.approx(-10, abs=0.02)
+    assert branch
+    for line in branch:
+        np.testing.assert_allclose(line.get_ydata(), -10, atol=0.1)

@@ -86,6 +86,17 @@ class OrbitValues:
 
         return value
 
+    def speed(self, rotor: str) -> Value:
+        """Mean speed of a rotor [Hz]: its whole turns over an orbit, by their time."""
+        angle, _ = self._of.rotors[rotor]
+
+        def value(orbit: Any) -> float:
+            began = self._family.map(orbit.parameter).coordinates.state(np.array(orbit.state))[angle]
+            turns = round(float(self._course(orbit).ends[angle][-1] - began) / TURN)
+            return turns / float(orbit.period)
+
+        return value
+
     def section(self, column: str, number: int) -> Value:
         """A column of stroboscopic points at the end of period `number` of an orbit [m, m/s or Hz]."""
         if column == "section_speed":
@@ -221,9 +232,13 @@ def _across(branch: Subject, sweep: Subject) -> Value:
     return lambda orbit: factor * value(orbit)
 
 
-def speeds(branch: Subject) -> list[Value]:
-    """The mean speed of the motor [Hz], for `lay_branches`."""
-    return [mean_speed_of(branch.result)]
+def speeds(rotor: str) -> Callable[[Subject], list[Value]]:
+    """The mean speed [Hz] of a rotor, or of the motor where that is empty, for `lay_branches`."""
+
+    def values(branch: Subject) -> list[Value]:
+        return [values_of(branch).speed(rotor) if rotor else mean_speed_of(branch.result)]
+
+    return values
 
 
 def amplitudes(column: str, scale: Scale) -> Callable[[Subject], list[Value]]:

@@ -97,7 +97,7 @@ TURNED = {
 
 
 def measured(unit: str, turns: bool) -> str:
-    """What is measured in m, m/s or N, or in the units that stand for them where bodies turn."""
+    """The quantity measured in m, m/s or N, or in the units that stand for them where bodies turn."""
     return TURNED[unit][2 if turns else 0]
 
 

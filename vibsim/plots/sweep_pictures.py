@@ -392,7 +392,8 @@ def sommerfeld_picture(subjects: Sequence[Subject], view: View) -> Figure:
         if np.isfinite(free[i][1]).any():
             axes.plot(*free[i], scalex=False, scaley=False, **look)
         _sommerfeld_panel(axes, group, len(groups) > 1)
-        marks += [(axes, lay_branches(axes, group, branches, speeds, OVER_SPEEDS))]
+        of_branches = speeds(speed_rotor(group[0].subject))
+        marks += [(axes, lay_branches(axes, group, branches, of_branches, OVER_SPEEDS))]
         last = (i + 1) % columns == 0 or i + 1 == len(groups)
         draw_levels(axes, levels, (height_cm - 1.6) / rows * 28, named=last)
     finish(grid, len(groups), axis_label(subjects), _speed_label(subjects, len(groups) == 1))
