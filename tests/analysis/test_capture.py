@@ -166,7 +166,7 @@ def test_resonances_of_a_scene_with_rigid_stops_are_its_natural_frequencies():
 
 
 @pytest.mark.parametrize(
-    ("t_end", "reason"), [(8.0, "turns are too few"), (14.0, "still changing"), (20.0, "lingers")]
+    ("t_end", "reason"), [(8.0, "too few turns"), (14.0, "still changing"), (20.0, "lingers")]
 )
 def test_too_short_a_run_is_undecided(t_end, reason):
     found = judged(held(3.69)[1], t_end, IMPACTS)

@@ -215,7 +215,7 @@ def test_chance_recurrences_are_not_approached():
 
 
 def test_too_few_points():
-    assert "cycles are too few" in judge_points(known_maps.logistic(3.97, 30)).reason
+    assert "too few cycles" in judge_points(known_maps.logistic(3.97, 30)).reason
     found = judge_points(known_maps.logistic(3.97, 150))
     assert (found.verdict, found.chaos_number) == ("undecided", None)
     assert judge_points(known_maps.logistic(3.5, 60)).verdict == "periodic"

@@ -1,6 +1,6 @@
 """Scenes with formulas against closed forms, other solvers, difference quotients and their own ledgers."""
 
-from math import pi
+from math import cos, pi
 
 import numpy as np
 import pytest
@@ -167,6 +167,30 @@ def test_elements_that_rest_at_their_limits_leave_each_other_there(A, f):
         assert np.abs(z).max() < limit + 1e-14
     force = A * np.sin(2 * pi * f * t) - 50 * x - 200 * z1 - 300 * z2
     assert abs(np.sum(force[1:] + force[:-1]) * (t[1] - t[0]) / 2 - v[-1]) < 1e-4  # of trapezia
+    assert result.doubts
+    for doubt in result.doubts:  # where both leave at one reversal; none of an element that rests
+        assert abs(result.at(doubt.time)["v_m"]) < 1e-12
+
+
+@pytest.mark.parametrize("power", [2, 3, 4, 5])
+def test_a_force_that_rounds_to_zero_soon_after_the_start_presses_on_a_contact(power):
+    """1 - cos(w t) is 0 in doubles until 5 ns: its powers had no rounding bound there."""
+    text = f"""
+name: soft
+bodies: {{a: 1 kg}}
+stops: {{s: {{between: [a, ground], gap: 0 m, acts: compression, force: "K*p**1.5", K: 1e5 N/m^1.5}}}}
+forces: {{f: {{on: a, force: "F*(1 - cos(w*t))**{power}", F: 1 N, w: 3 rad/s}}}}
+run: {{t_end: 1 s, every: 20 ms}}
+"""
+    result = vibsim.simulate(text)
+
+    def rates(t, y):
+        return [y[1], (1 - cos(3 * t)) ** power - 1e5 * max(y[0], 0.0) ** 1.5]
+
+    one = solve_ivp(
+        rates, (0, 1), [0, 0], "DOP853", t_eval=result.time, rtol=1e-12, atol=1e-18, max_step=1e-3
+    )
+    assert np.abs(result["x_a"] - one.y[0]).max() < 1e-10
 
 
 def test_a_contact_that_begins_at_rest_and_fits_into_one_step_is_felt():

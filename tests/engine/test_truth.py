@@ -143,10 +143,9 @@ run: {t_end: 0.12 s, every: 5 ms}
     assert samples["x_b"].min() >= -0.001
 
 
-@pytest.mark.slow
 def test_a_run_that_creeps_towards_a_singularity_ends():
-    """By steps that move the time, but come to nothing: two minutes in 30 digits, where it had no end."""
+    """By steps within the rounding of the time, which move it all the same: for minutes in 30 digits."""
     scene = replace(formula_scene(28), t_end=0.3)
-    with pytest.raises(EngineError, match="steps or more brought the run no further"):
+    with pytest.raises(EngineError, match="no step is short enough"):
         for _ in open_truth(exact_parts(scene), 30).blocks():
             pass

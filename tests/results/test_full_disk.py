@@ -169,7 +169,7 @@ def test_a_killed_sweep(work, monkeypatch):
     told("plot", "killed/s.h5", "-o", "p.png")
     said = refused("sweep", "killed/s.h5", "--section", "9")
     assert "by the plan that it holds; leave --section out" in said
-    assert f"{kill.there} points were there" in told("sweep", "killed/s.h5", "-j", "1")
+    assert f"{kill.there} points there before" in told("sweep", "killed/s.h5", "-j", "1")
     assert np.array_equal(open_result("killed/s.h5")["drift_rate"], whole["drift_rate"], equal_nan=True)
     assert "nothing to compute" in told("sweep", "killed/s.h5", "-j", "1")
 

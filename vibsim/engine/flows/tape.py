@@ -363,7 +363,7 @@ class TapeValues(Generic[N]):
         return self.values[place], self.bounds[place]
 
     def _bound(self, i: int, op: Op) -> N:
-        """Rounding bound of a result from that of its operands and its own, to first order."""
+        """Rounding bound of a result from those of its operands and its own, of products in full."""
         values, bounds, eps = self.values, self.bounds, self.kit.eps
         value, a, lost = abs(values[i]), abs(values[op.a]), bounds[op.a]
         if op.code in (ADD, SUB):
@@ -371,9 +371,9 @@ class TapeValues(Generic[N]):
         if op.code == SCALE:
             return self._size(op) * lost + 2 * eps * value
         if op.code == SQUARE:
-            return 2 * a * lost + eps * value
+            return (2 * a + lost) * lost + eps * value
         if op.code == MUL:
-            return a * bounds[op.b] + abs(values[op.b]) * lost + eps * value
+            return a * bounds[op.b] + (abs(values[op.b]) + bounds[op.b]) * lost + eps * value
         if op.code == DIV:
             b = abs(values[op.b])
             return quotient(self.kit, lost + value * bounds[op.b], b) + eps * value

@@ -330,7 +330,7 @@ void shorten_step(Run *r)
         }
         digits = (most + 1) / f->order;
         h = on_grid(r, h * power_of_two(-(digits > LEAST_SHORTENING ? digits : LEAST_SHORTENING)));
-        if (r->t0 + h == r->t0)
+        if (h <= EPS * r->t0) /* in doubles: t0 + h is t0; numbers of more words would still move, far within their rounding */
             break;
     }
     r->status = SINGULAR;

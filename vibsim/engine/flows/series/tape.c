@@ -202,7 +202,9 @@ static Real slope_of(const Op *op, Real a, Real value, const Real *values)
     }
 }
 
-/* What the rounding of its operands and its own make of the result of an operation, to first order. */
+/* What the rounding of its operands and its own make of the result of an operation: to first order, of products in full, as one
+ * of what rounds to zero, such as (1 - cos(w t))^2 soon after t = 0, has nothing else.
+ */
 INLINE Real bound_of(const Op *op, Real result, const Real *values, const Real *bounds)
 {
     Real value = fabs(result), a = fabs(values[op->a]), lost = bounds[op->a], b;
@@ -210,8 +212,8 @@ INLINE Real bound_of(const Op *op, Real result, const Real *values, const Real *
     case OP_ADD:
     case OP_SUB: return lost + bounds[op->b] + EPS * value;
     case OP_SCALE: return fabs(op->value) * lost + 2 * EPS * value;
-    case OP_SQUARE: return 2 * a * lost + EPS * value;
-    case OP_MUL: return a * bounds[op->b] + fabs(values[op->b]) * lost + EPS * value;
+    case OP_SQUARE: return (2 * a + lost) * lost + EPS * value;
+    case OP_MUL: return a * bounds[op->b] + (fabs(values[op->b]) + bounds[op->b]) * lost + EPS * value;
     case OP_DIV:
         b = fabs(values[op->b]);
         return quotient(lost + value * bounds[op->b], b) + EPS * value;

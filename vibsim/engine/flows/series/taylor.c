@@ -13,6 +13,8 @@
  * 5e-17 of the power of a velocity, (2 h)^16 (8!)^4 / (2 * 17 (16!)^3); 3e-15 at order 22.
  */
 #define FEW_NODES_ORDER 20
+/* Of the numbers that a switch compares: what the rounding of the time at which one came to the other leaves between them. */
+#define AT_LIMIT 0x1p-40
 
 /* Sizes, step limits of the quadrature and inverses that all steps of a run share. */
 void taylor_set(Run *r)
@@ -208,6 +210,19 @@ static int certify_order(Run *r, int first, Real end)
     return chosen;
 }
 
+/* Whether what a switch reads does not change, at zero but for what rounding has left: it turns neither now nor in this step. So is
+ * a state that rests at the limit which the switch compares it with.
+ */
+static int rests_at_limit(const Run *r, const Event *e, const Real *coefficients, int count)
+{
+    int n = 1;
+    if (e->kind != SWITCH)
+        return 0;
+    while (n < count && coefficients[n] == 0)
+        n++;
+    return n >= count && fabs(coefficients[0]) <= AT_LIMIT * taylor_magnitude(r, e);
+}
+
 /* One step to its end, to the first event within it or to `limit`; returns the time, and in `event` its number or NOTHING. A rigid
  * stop that closes from exactly zero is struck at the start of the step. Each zero that is found shortens the step for the event
  * functions behind it.
@@ -241,6 +256,8 @@ Real taylor_advance(Run *r, Real limit, int *event)
                 h = end - r->t0;
             }
         }
+        if (rests_at_limit(r, e, coefficients, count))
+            continue;
         r->certificate.watched = i;
         outcome = polynomial_first_root(&r->certificate, coefficients, count, r->known[e->key], r->t0, h, e->turns,
                                         e->kind == STRIKE, &t);
