@@ -163,7 +163,7 @@ def test_pages_of_the_paper_s_machine_in_the_long_form(kind, drawn):
 
 def test_runs_without_a_common_relative_motion_are_told(row):
     other = run_of("gallery/friction-oscillator", {"run.t_end": "5 s"})
-    with pytest.raises(PlotError, match="no relative motion is common"):
+    with pytest.raises(PlotError, match="common to the runs: x_right - x_ball_1, x_mass; draw"):
         figure_of("relative", [row, other])
     figure_of("displacement", [row, other])
 
@@ -232,8 +232,11 @@ def test_the_characteristic_of_links_and_stops_has_a_panel_for_each_pair_of_ends
 
 def test_a_case_of_parts_without_springs_has_no_characteristic():
     stack = subject_of(load_case("gallery/stack-of-blocks"))
-    with pytest.raises(PlotError, match="no kind shows"):
-        choose(None, [stack])
+    for names in (None, ["all"]):
+        with pytest.raises(
+            PlotError, match=r"no kind shows .*, a case without spring or motor; vibsim cases "
+        ):
+            choose(names, [stack])
     with pytest.raises(PlotError, match="it needs springs or stops"):
         choose(["stiffness"], [stack])
 
@@ -259,6 +262,15 @@ def test_runs_laid_over_each_other_have_no_machine():
     runs = [run_of("gallery/friction-oscillator", {"run.t_end": "20 s"}) for _ in range(2)]
     figure = figure_of("overview", runs, width="page")
     assert not [axes for axes in figure.axes if axes.get_label() == "<machine>"]
+
+
+@pytest.mark.parametrize("width", ["page", "column"])
+def test_runs_of_several_bodies_have_a_panel_for_each(row, width):
+    """Of three bodies and more a page had none, and ended in an IndexError."""
+    axes = figure_of("overview", [row, row], width=width).axes
+    drawn = [[line.get_gid() for line in panel.get_lines()] for panel in axes]
+    for name in ("x_left", "x_ball_1", "x_right", "x_idle"):
+        assert any(name in gids for gids in drawn)
 
 
 @pytest.mark.parametrize("name", ["stack-of-blocks", "energy-sink", "drifting-capsule"])

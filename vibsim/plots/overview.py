@@ -176,11 +176,17 @@ def _page(view: View, subjects: Sequence[Subject], groups: int, whole: bool) -> 
     size, wide = _machine(subjects, view), view.width == "page"
     beside = beside_levels(view) if _shows_speed(subjects) else {}
     if size is None:
-        figure = sheet(view, PANEL_CM * (3 if wide else _rows(groups, whole)) + _legends_cm(view, subjects))
+        figure = sheet(
+            view,
+            PANEL_CM * (2 + _top_rows(groups) if wide else _rows(groups, whole))
+            + _legends_cm(view, subjects),
+        )
         return _panels(figure, wide, groups, whole, beside)
     if wide and size[0] <= BESIDE_CM:
         return _beside(view, size, groups, whole)
-    height = size[1] + HEADING_CM + APART_CM + PANEL_CM * (3 if wide else _rows(groups, whole))
+    height = (
+        size[1] + HEADING_CM + APART_CM + PANEL_CM * (2 + _top_rows(groups) if wide else _rows(groups, whole))
+    )
     height += _legends_cm(view, subjects)
     figure = sheet(view, height)
     engine = figure.get_layout_engine()
@@ -198,6 +204,11 @@ def _legends_cm(view: View, subjects: Sequence[Subject]) -> float:
 def _rows(groups: int, whole: bool) -> int:
     """Panels of a column."""
     return groups + (2 if whole else 3)
+
+
+def _top_rows(groups: int) -> int:
+    """Rows of a page that the displacements take: two panels to a row."""
+    return -(-groups // 2)
 
 
 def _head(figure: Figure, size: tuple[float, float]) -> Axes:
@@ -230,10 +241,11 @@ def _panels(figure: Figure, wide: bool, groups: int, whole: bool, beside: dict[s
         axes = figure.subplots(_rows(groups, whole), 1, gridspec_kw=beside)
         page = _listed(list(axes), groups, whole)
         return replace(page, narrow=True)
-    grid = figure.add_gridspec(3, 2, width_ratios=(1.25, 1))
-    tops = [grid[0, :]] if groups == 1 else [grid[0, 0], grid[0, 1]]
-    left = [] if whole else [grid[1, 0]]
-    cells = [*tops, *left, grid[1:, 1], grid[1 if whole else 2 :, 0]]
+    top = _top_rows(groups)
+    grid = figure.add_gridspec(top + 2, 2, width_ratios=(1.25, 1))
+    tops = [grid[0, :]] if groups == 1 else [grid[i // 2, i % 2] for i in range(groups)]
+    left = [] if whole else [grid[top, 0]]
+    cells = [*tops, *left, grid[top:, 1], grid[top if whole else top + 1 :, 0]]
     return _listed([figure.add_subplot(cell) for cell in cells], groups, whole)
 
 

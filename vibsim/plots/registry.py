@@ -494,12 +494,13 @@ def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Pic
     Raises PlotError for an unknown kind, or for one that does not fit (with those that do).
     """
     fit = fitting(subjects)
+    if not fit and (names is None or "all" in names):
+        paths = ", ".join(subject.path for subject in subjects)
+        together = " together" if len(subjects) > 1 else ""
+        raise PlotError(f"no kind shows {paths}{together}{_run_first(subjects)}")
     if names is None:
         preferred = _preferred(subjects)
         names = [kind.name for kind in fit if kind.name in preferred] or [kind.name for kind in fit[:1]]
-        if not names:
-            paths = ", ".join(subject.path for subject in subjects)
-            raise PlotError(f"no kind shows {paths}{' together' if len(subjects) > 1 else ''}")
     elif "all" in names:
         return fit
     chosen = list(dict.fromkeys(kind_named(own_name(name, fit)) for name in names))
@@ -514,6 +515,14 @@ def choose(names: Sequence[str] | None, subjects: Sequence[Subject]) -> list[Pic
             if reason:
                 raise PlotError(f"kind {kind.name}: {reason}; {_those_that_fit(fit)}")
     return chosen
+
+
+def _run_first(subjects: Sequence[Subject]) -> str:
+    """What to do with a case that has neither springs nor a motor, of which a picture is drawn."""
+    if len(subjects) > 1 or subjects[0].reads != "case":
+        return ""
+    path = subjects[0].path
+    return f", a case without spring or motor; vibsim cases {path} --draw draws it, vibsim run {path} runs it"
 
 
 def _preferred(subjects: Sequence[Subject]) -> tuple[str, ...]:

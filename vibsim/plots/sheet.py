@@ -116,7 +116,12 @@ def legend_lines(labels: Sequence[str], width_cm: float) -> int:
 
 def _shown(label: str) -> int:
     """Characters that are seen of a label, the marks of mathtext left out."""
-    return len(re.sub(r"\\mathrm|[$_{}\\]", "", label))
+    return len(plain_symbols(label).replace("_", ""))
+
+
+def plain_symbols(label: str) -> str:
+    """A label without the marks of mathtext, as messages have it: x_disc - x_pin."""
+    return re.sub(r"\\mathrm|[${}\\]", "", label)
 
 
 def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str], **options: Any) -> None:

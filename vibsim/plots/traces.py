@@ -31,7 +31,7 @@ from vibsim.plots.samples import (
     stops_between,
     window_of,
 )
-from vibsim.plots.sheet import Scale, above_wider, label_axes, note, pixel_columns
+from vibsim.plots.sheet import Scale, above_wider, label_axes, note, pixel_columns, plain_symbols
 from vibsim.plots.style import GREY, SHADE, points
 from vibsim.plots.subject import PlotError, Span, Subject, as_text, measured
 from vibsim.results.columns import IMPACT_CODES, PairMotion
@@ -364,7 +364,7 @@ def common_pairs(subjects: Sequence[Subject]) -> list[PlottedPair]:
     """The pair of each subject; PlotError where they are not the motion of the same ends."""
     pairs = [pair_of(subject) for subject in subjects]
     if len({pair.displacement for pair in pairs}) > 1:
-        several = ", ".join(pair.displacement for pair in pairs)
+        several = ", ".join(plain_symbols(pair.displacement) for pair in pairs)
         raise PlotError(f"no relative motion is common to the runs: {several}; draw them one by one")
     return pairs
 
