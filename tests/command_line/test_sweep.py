@@ -25,6 +25,12 @@ def test_without_a_case_it_is_II_B_and_says_so():
     assert "3 of 3 done" in done.stdout and "II-B-omega0.h5 (" in done.stdout
 
 
+def test_counts_of_one_are_in_the_singular():
+    printed = told("sweep", "II-B", "--omega0", "3 Hz", "--section", "1", *SHORT)
+    assert "3 Hz, 1 value" in printed
+    assert "the last stroboscopic point of each" in printed
+
+
 def test_81_values():
     done = call("sweep", "--omega0", "3:7:0.05", "--t-end", "0.2s", "--json", "-q")
     assert done.exit_code == 0 and json.loads(done.stdout)["points_done"] == 81

@@ -288,7 +288,8 @@ def sweep_lines(result: SweepResult) -> Lines:
     lines.append(("run", f"{_ends(plan)}, transient of {plan.discard} left out of the statistics"))
     if plan.compute:
         lines.append(("computed", ", ".join(plan.compute)))
-    lines.append(("section", f"the last {counted(plan.section, 'stroboscopic point')} of each"))
+    points = counted(plan.section, "stroboscopic point").removeprefix("1 ")
+    lines.append(("section", f"the last {points} of each"))
     if NAME in plan.compute:
         from vibsim.sweeps.basin_measures import attractor_lines
 
