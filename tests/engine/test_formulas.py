@@ -123,6 +123,31 @@ run: {{t_end: 6 ms, every: 0.1 ms}}
     assert result.attrs["uncertified"] == 0 and result.trust_horizon == 6e-3
 
 
+@pytest.mark.parametrize(
+    "nothing",
+    ["(1 N)*max(0, -t/(1 s))", "(1 N)*tanh(max(0, v_a/(1 m/s) - 1))", "(1 N)*where(t < 1 s, 0, 1)"],
+)
+@pytest.mark.parametrize("force", ["K*p**1.5 + NOTHING", "NOTHING - (-K*p**1.5)"])
+def test_a_stop_lets_go_with_its_depth_where_a_term_is_zero_throughout(force, nothing):
+    """On its side of a switch the term is 0, and the force is what it is without it."""
+    text = """
+name: pad
+bodies: {a: 1 kg}
+links: {l: {between: [a, ground], k: 100 N/m}}
+stops: {s: {between: [a, ground], gap: 5.59 mm, acts: compression, release: force, force: "FORCE",
+  K: 1000 N/m^1.5}}
+initial: {a: {v: 0.3 m/s}}
+run: {t_end: 0.3 s, every: 10 ms}
+"""
+    alone = vibsim.simulate(text.replace("FORCE", "K*p**1.5"), trust=False)
+    summed = text.replace("FORCE", force.replace("NOTHING", nothing))
+    for digits in (None, 20, 40):
+        result = vibsim.simulate(summed, trust=False, digits=digits)
+        assert result.attrs["uncertified"] == 0
+        assert list(result.events.words("kind")) == list(alone.events.words("kind"))
+        np.testing.assert_allclose(result.events["t"], alone.events["t"], rtol=0, atol=1e-15)
+
+
 def test_in_many_digits_a_contact_of_powers_ends_behind_the_force_that_let_go():
     """The force that has let go is no force until depth 0: nobody asks for its series there."""
     text = """

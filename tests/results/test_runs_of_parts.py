@@ -18,10 +18,11 @@ from vibsim.engine.errors import EngineError, State
 from vibsim.engine.resume import resume_point
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.connections import event_parts
+from vibsim.physics.formula_values import motion_of_base, motion_of_belt
 from vibsim.physics.formulas import Node
 from vibsim.physics.parts import EVENT_KINDS, ROTOR, STATE, Body, Scene
 from vibsim.results import ResultFileError, simulate_to_file
-from vibsim.results.columns import part_counts, starts_of, tables_of, written_unit
+from vibsim.results.columns import closing_velocities, part_counts, starts_of, tables_of, written_unit
 from vibsim.results.many_digits import agreement
 from vibsim.results.parallel_runs import companion_scene, towards, with_numbers
 from vibsim.results.result import write_csv
@@ -407,3 +408,27 @@ def test_the_companion_has_other_roundings_in_formulas(machine):
     third = replace(scene.links[0], force=("num", vibsim.load_case("II-B").quantity("c").value / 3))
     (number,) = with_numbers((third,), (third,), towards)
     assert abs(number.force[1] - third.force[1]) > 0 and float(number.force[1]) != float(third.force[1])
+
+
+@pytest.mark.parametrize("kind", ["linear", "cubic"])
+def test_what_moves_by_a_table_rests_outside_of_its_knots(kind):
+    """Its slope at the first knot, and at the last, is that within."""
+    text = f"""
+bodies: {{a: 1 kg}}
+stops: {{w: {{between: [a, base], gap: 5 mm, acts: extension, law: rigid, e: 0.8}}}}
+friction: {{f: {{between: [a, ground], N: 0 N, mu: 0.1, V: 1 m/s, T: 50 ms,
+  belt: "V*table(t/T, [[1, 0], [2, 0.5], [3, 1], [4, 3]], '{kind}')"}}}}
+forces: {{g: {{on: a, F0: -9.81 N}}}}
+base: {{x: "A*table(t/T, [[1, 0], [2, 0.5], [3, 1], [4, 3]], '{kind}')", A: 1 mm, T: 50 ms}}
+initial: {{a: {{x: 50 mm}}}}
+run: {{t_end: 1 s, every: 1 ms}}
+"""
+    run = vibsim.simulate(text, trust=False)
+    scene = run.case.scene()
+    for t in (0.0, 0.04, 0.2, 0.6):
+        assert motion_of_base(scene, t)[1:] == (0, 0) == (motion_of_belt(scene.frictions[0], t)[1], 0)
+    assert motion_of_base(scene, 0.12)[1] > 0
+    speeds = closing_velocities(scene, run.events)
+    late = speeds[(run.events["t"] > 0.2) & (speeds > 1e-6)]
+    np.testing.assert_allclose(late[1:], 0.8 * late[:-1], rtol=1e-9)  # on a base at rest
+    assert len(late) > 10

@@ -17,7 +17,7 @@ import numpy as np
 from vibsim.physics import elementary
 from vibsim.physics.connections import base_formulas
 from vibsim.physics.elementary import mean, sine_cosine_of_arrays
-from vibsim.physics.formulas import TIME, Node, children, derivative, reads, walk
+from vibsim.physics.formulas import TIME, Node, children, derivative, piece_of_table, reads, walk
 from vibsim.physics.parts import BASE, GROUND, ROTOR, STATE, Link, Scene
 
 Inputs = Mapping[Node, np.ndarray | float]  # what formulas read: node -> values [SI]
@@ -58,7 +58,7 @@ def _value(node: Node, below: list[np.ndarray], inputs: Inputs) -> np.ndarray:
         if kind in ("sin", "cos"):
             return _turned(below[0])[kind == "cos"]
         if kind == "table":
-            return _of_table(below[0], node[2], node[3])
+            return _of_table(node, below[0])
         return _by_elements(elementary.function(kind), below[0])
 
 
@@ -90,14 +90,15 @@ def _or_nan(function: Callable[[float], float], value: float) -> float:
         return float("nan")
 
 
-def _of_table(u: np.ndarray, knots: tuple[Fraction, ...], pieces: tuple[Any, ...]) -> np.ndarray:
-    """The polynomial of the piece that u lies in; the end values outside."""
-    edges = np.array([float(knot) for knot in knots])
+def _of_table(table: Node, u: np.ndarray) -> np.ndarray:
+    """The polynomial of the piece that u lies in, or what holds outside of the knots."""
+    edges = np.array([float(knot) for knot in table[2]])
+    pieces = [piece_of_table(table, side) for side in range(-1, len(edges))]
+    longest = max(len(piece) for _, piece in pieces)
+    powers = np.array([[float(c) for c in one] + [0.0] * (longest - len(one)) for _, one in pieces])
+    piece = np.searchsorted(edges, u, side="right")
     inside = np.clip(u, edges[0], edges[-1])
-    piece = np.clip(np.searchsorted(edges, inside, side="right") - 1, 0, len(pieces) - 1)
-    longest = max(len(one) for one in pieces)
-    powers = np.array([[float(c) for c in one] + [0.0] * (longest - len(one)) for one in pieces])
-    value, s = np.zeros_like(inside), inside - edges[piece]
+    value, s = np.zeros_like(inside), inside - np.array([float(knot) for knot, _ in pieces])[piece]
     for n in reversed(range(longest)):
         value = value * s + powers[piece, n]
     return np.asarray(value)

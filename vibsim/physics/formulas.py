@@ -13,7 +13,8 @@ A formula is a tree of nodes; a node is a tuple whose first entry says what it i
     ("choose", g, a, b, text)   a where g > 0, b where g < 0; text: as it stands in the case, "abs(v)"
     ("mod", a, b, text)    a - k b, k the whole number with 0 <= a - k b < b; b a positive number
     ("table", u, knots, pieces, text)   the polynomial pieces[k](u - knots[k]) between knots k and k + 1; the
-                           end values outside; knots: Fractions, pieces: Fractions, lowest power first
+                           end values outside, of a derivative one more piece, (0,); knots: Fractions,
+                           pieces: Fractions, lowest power first
 
 Nodes compare by what they say, so equal parts of formulas are one. Make them with the functions of this
 module, which compute what is made of numbers alone exactly.
@@ -295,14 +296,28 @@ def resolved(node: Node, sides: Mapping[Node, int]) -> Node:
 
 def _piece(node: Node, u: Node, side: int) -> Node:
     """A table between two of its knots, or outside of them."""
-    _, _, knots, pieces, _ = node
-    if side < 0:
-        return num(pieces[0][0])
-    at = sub(u, num(knots[side])) if side < len(pieces) else num(knots[-1] - knots[-2])
-    result = ZERO
-    for coefficient in reversed(pieces[min(side, len(pieces) - 1)]):
+    knot, coefficients = piece_of_table(node, side)
+    at, result = sub(u, num(knot)), ZERO
+    for coefficient in reversed(coefficients):
         result = add(num(coefficient), mul(result, at))
     return result
+
+
+def piece_of_table(node: Node, side: int) -> tuple[Fraction, tuple[Fraction, ...]]:
+    """Knot from which a table counts on a side, and its coefficients, lowest power first: between the knots
+    `side` and `side` + 1; before the first knot, on side -1, and behind the last one a constant.
+    """
+    _, _, knots, pieces, _ = node
+    if 0 <= side < len(knots) - 1:
+        return knots[side], pieces[side]
+    if len(pieces) == len(knots):
+        return Fraction(0), pieces[-1]
+    if side < 0:
+        return Fraction(0), pieces[0][:1]
+    width, value = knots[-1] - knots[-2], Fraction(0)
+    for coefficient in reversed(pieces[-1]):
+        value = value * width + coefficient
+    return Fraction(0), (value,)
 
 
 def is_periodic(node: Node, of: Node) -> bool:
@@ -320,7 +335,7 @@ def is_periodic(node: Node, of: Node) -> bool:
 
 def derivative(node: Node, of: Node) -> Node:
     """The partial derivative of a formula with respect to the input `of`; of one with switches it has these
-    as well, so that of a table is not 0 outside of its knots.
+    as well.
     """
     return _Derivative(of).of_node(node)
 
@@ -356,7 +371,8 @@ class _Derivative:
         if kind == "table":
             _, u, knots, pieces, text = node
             rates = tuple(tuple(n * c for n, c in enumerate(piece))[1:] or (Fraction(0),) for piece in pieces)
-            return mul(("table", u, knots, rates, text), slopes[0])
+            outside = ((Fraction(0),),) * (len(rates) < len(knots))
+            return mul(("table", u, knots, rates + outside, text), slopes[0])
         return mul(self._slope(node, below[0]), slopes[0])
 
     @staticmethod

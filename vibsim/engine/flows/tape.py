@@ -10,12 +10,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from itertools import chain
 from typing import Any, Generic, NamedTuple, cast
 
 from vibsim.engine import _engine
-from vibsim.physics.formulas import FUNCTIONS, SWITCHES, HashedNode, Node, children, derivative, resolved
+from vibsim.physics.formulas import (
+    FUNCTIONS,
+    SWITCHES,
+    HashedNode,
+    Node,
+    children,
+    derivative,
+    piece_of_table,
+    resolved,
+)
 from vibsim.physics.formulas import TIME as TIME_NODE
 from vibsim.physics.numbers import TWO_PI, Doubles, Kit, N, abs
 
@@ -203,12 +211,7 @@ class TapeMaker(Generic[N]):
         return first
 
     def _table(self, node: Node, a: int, sides: Mapping[Node, int]) -> int:
-        _, _, knots, pieces, _ = node
-        side = sides.get(node, 0)
-        if side < 0 or side >= len(pieces):
-            piece, knot = (_end_value(knots, pieces, side < 0),), Fraction(0)
-        else:
-            piece, knot = pieces[side], knots[side]
+        knot, piece = piece_of_table(node, sides.get(node, 0))
         from_knot = self._two(SUB, a, self._constant(self.kit.number(knot)))
         place = self._constant(self.kit.number(piece[-1]))
         for coefficient in reversed(piece[:-1]):
@@ -248,16 +251,6 @@ def chosen(node: Node, sides: Mapping[Node, int]) -> Node:
     """The formula that a `choose` is on the side that holds."""
     result: Node = node[2] if sides.get(node, 1) > 0 else node[3]
     return result
-
-
-def _end_value(knots: Sequence[Fraction], pieces: Sequence[Sequence[Fraction]], before: bool) -> Fraction:
-    """The value of a table at its first knot, or at its last."""
-    if before:
-        return pieces[0][0]
-    length, value = knots[-1] - knots[-2], Fraction(0)
-    for coefficient in reversed(pieces[-1]):
-        value = value * length + coefficient
-    return value
 
 
 def pi_of(kit: Kit[N]) -> N:

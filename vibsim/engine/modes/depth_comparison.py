@@ -26,7 +26,7 @@ from vibsim.engine.flows.tape import (
     start_value,
 )
 from vibsim.engine.modes.status import OPEN, Status
-from vibsim.physics.formulas import ONE, Node, add, div, mul, num, power, sub, value_of
+from vibsim.physics.formulas import ONE, ZERO, Node, add, div, mul, neg, num, power, sub, value_of
 from vibsim.physics.numbers import Doubles, N, abs
 from vibsim.physics.parts import Scene, Stop
 from vibsim.physics.traced_numbers import RecordedNumbers, as_double
@@ -69,13 +69,19 @@ class DepthComparison(Generic[N]):
 
     def _less_depth(self, node: Node, i: int, stop: Stop[N], sides: Mapping[Node, int]) -> _LessDepth:
         """A formula without its factors that are powers of the depth of a stop; of a sum those that all its
-        terms have.
+        terms have but for those that are 0 on these sides.
         """
         kind = node[0]
+        if self._is_zero(node, sides):
+            return _LessDepth(Fraction(0), ZERO)
         if kind == "choose" and node in sides:
             return self._less_depth(chosen(node, sides), i, stop, sides)
         if kind in ("mul", "add", "sub"):
             a, b = (self._less_depth(one, i, stop, sides) for one in node[1:3])
+            if kind != "mul" and b.rest == ZERO:
+                return a
+            if kind != "mul" and a.rest == ZERO:
+                return b if kind == "add" else b._replace(rest=neg(b.rest))
             if kind == "mul":
                 depth = a.depth if b.exponent == 0 else b.depth if a.exponent == 0 else a.depth and b.depth
                 if a.exponent + b.exponent > 0:
@@ -96,6 +102,10 @@ class DepthComparison(Generic[N]):
             if abs(ratio - as_double(c)) <= SAME * as_double(c):
                 return _LessDepth(exponent, num(c), mul(num(1 / c), base))
         return _LessDepth(exponent, ONE, base if abs(ratio - 1) <= SAME else None)
+
+    def _is_zero(self, node: Node, sides: Mapping[Node, int]) -> bool:
+        op = self.maker.ops[self.maker.place(node, sides)]
+        return op.code == CONSTANT and op.value == 0
 
     def sign_by_stops(self, place: int, status: Status) -> int:
         """Sign of a result that is the depth of an elastic stop but for a factor; else 0."""

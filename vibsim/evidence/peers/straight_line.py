@@ -16,7 +16,19 @@ from typing import Any
 import numpy as np
 
 from vibsim.physics.connections import base_formulas, formulas_of
-from vibsim.physics.formulas import FUNCTIONS, SWITCHES, TIME, ZERO, Node, derivative, mul, num, reads, walk
+from vibsim.physics.formulas import (
+    FUNCTIONS,
+    SWITCHES,
+    TIME,
+    ZERO,
+    Node,
+    derivative,
+    mul,
+    num,
+    piece_of_table,
+    reads,
+    walk,
+)
 from vibsim.physics.parts import AT_FORCE, BASE, Friction, RigidStop, Scene
 
 NAMES: dict[str, Any] = {
@@ -329,14 +341,9 @@ def table_side(knots: Sequence[Any], u: float) -> int:
 
 
 def piece_of(node: Node, side: int) -> list[float]:
-    """Knot from which a piece of a table counts, and its coefficients, lowest power first: outside of the
-    knots the end value.
-    """
-    knots, pieces, degree = node[2], node[3], table_degree(node)
-    if 0 <= side < len(pieces):
-        return [float(knots[side]), *map(float, pieces[side]), *[0.0] * (degree + 1 - len(pieces[side]))]
-    width, piece = (0, pieces[0]) if side < 0 else (knots[-1] - knots[-2], pieces[-1])
-    return [0.0, float(sum(c * width**n for n, c in enumerate(piece))), *[0.0] * degree]
+    """Knot from which a table counts on a side, and its coefficients, lowest power first, as many on all."""
+    knot, piece = piece_of_table(node, side)
+    return [float(knot), *map(float, piece), *[0.0] * (table_degree(node) + 1 - len(piece))]
 
 
 def _in_piece(u: Any, knot: Any, *coefficients: Any) -> Any:
