@@ -10,6 +10,7 @@ from tests.engine.bundles import assert_derivative
 from tests.engine.runs import scene_of
 from vibsim import simulate
 from vibsim.cases.case import load_case_text
+from vibsim.engine.errors import EngineError
 from vibsim.engine.truth import open_truth
 from vibsim.physics.parts import EVENT_KINDS
 
@@ -341,3 +342,57 @@ run: {t_end: 8 s, every: 1 s}
     *_, last = open_truth(case.exact_scene, 40).blocks()
     there = float(last.event_digits["x_a"][-1].decode())
     assert simulate(case, trust=False)["x_a"][-1] == pytest.approx(there, abs=1e-16)
+
+
+@pytest.mark.parametrize("digits", [None, 30])
+@pytest.mark.parametrize(("base", "begins"), [("(t/T)**2.5", 0.0), ("max(0, (t - T)/T)**2.5", 0.3)])
+def test_a_base_that_begins_as_a_power_carries_along_what_sticks_to_it(base, begins, digits):
+    """All coefficients of its series are zero there, and it moves."""
+    text = f"""
+name: power
+bodies: {{a: 1 kg, b: 1 kg}}
+links: {{l: {{between: [b, base], k: 100 N/m, c: 0.5 N s/m}}}}
+friction: {{f: {{between: [a, base], N: 500 N, mu: 0.3}}}}
+base: {{x: "A*{base}", A: 3 mm, T: 0.3 s}}
+run: {{t_end: 1 s, every: 10 ms}}
+"""
+    run = simulate(load_case_text(text, name="power"), digits=digits)
+    ahead = np.maximum(run.time - begins, 0) / 0.3
+    np.testing.assert_allclose(run["x_a"], 3e-3 * ahead**2.5, rtol=0, atol=1e-16)
+    np.testing.assert_allclose(run["v_a"], 25e-3 * ahead**1.5, rtol=0, atol=1e-15)
+    assert run.attrs["uncertified"] == 0 and (digits or run.trust_horizon == 1)
+
+    def rates(t, y):
+        u = max(t - begins, 0) / 0.3
+        return [y[1], 100 * (3e-3 * u**2.5 - y[0]) + 0.5 * (25e-3 * u**1.5 - y[1])]
+
+    one = solve_ivp(rates, (0, 1), [0, 0], "DOP853", t_eval=[1], rtol=1e-11, atol=1e-14, max_step=1e-3)
+    assert abs(run["x_b"][-1] - one.y[0, -1]) < 1e-10
+
+
+@pytest.mark.parametrize("digits", [None, 30])
+@pytest.mark.parametrize("power", [1.5, 2.5])
+def test_a_belt_that_begins_as_a_power_of_the_time_carries_along_what_sticks_to_it(power, digits):
+    text = f"""
+name: power
+bodies: {{a: 1 kg}}
+friction: {{f: {{between: [a, ground], N: 500 N, mu: 0.3, belt: "V*(t/T)**{power}", V: 20 mm/s, T: 0.3 s}}}}
+run: {{t_end: 1 s, every: 10 ms}}
+"""
+    run = simulate(load_case_text(text, name="power"), digits=digits)
+    ahead = run.time / 0.3
+    np.testing.assert_allclose(run["v_a"], 20e-3 * ahead**power, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(run["x_a"], 6e-3 / (power + 1) * ahead ** (power + 1), rtol=0, atol=1e-15)
+    assert run.attrs["uncertified"] == 0 and (digits or run.trust_horizon == 1)
+
+
+def test_a_base_ends_the_run_where_its_root_becomes_negative():
+    text = """
+name: root
+bodies: {a: 1 kg}
+links: {l: {between: [a, base], k: 100 N/m}}
+base: {x: "A*(1 - t/T)**2.5", A: 3 mm, T: 0.3 s}
+run: {t_end: 1 s, every: 10 ms}
+"""
+    with pytest.raises(EngineError, match=r"t = 0\.3.* base"):
+        simulate(load_case_text(text, name="root"), trust=False)

@@ -511,7 +511,7 @@ int taylor_bounds(const Run *r, const Event *e, int count, int exact, int summed
 void tape_values(const Run *r, Real tau);
 void tape_values_at(const Run *r, const Mode *m, Real X, Real V, const Real *rates);
 void shorten_step(Run *r);
-Real overflowing_zero(const Run *r);
+Real overflowing_zero(const Tape *tape, const TapeRoom *room, int count);
 
 /* rotors_on_bodies.c */
 void rotors_expand(Run *r);

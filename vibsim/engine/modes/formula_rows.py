@@ -345,8 +345,9 @@ class FormulaRows(Generic[N]):
             if role[0] == "base":
                 rows.base_tape = maker.tape([maker.place(node, sides)], [text])
                 rows.base_values = motion_tape(self.kit, node, sides, text)
+                outputs[role] = made.add(node, text)  # which no force reads: steps are checked by it
                 continue
-            if self._is_idle(role, rows):
+            if self._is_idle(role, rows) or (role[0] == "course" and status.frictions[role[1]] == STICK):
                 continue
             outputs[role] = k = made.add(node, text)
             if role[0] in ("hold", "course"):

@@ -99,12 +99,30 @@ static Real speed_of(const Run *r, int leader, Real h)
     return total;
 }
 
+/* Whether an output is a motion that time alone gives: of the base, the first output where that moves by a formula, or of a belt. */
+static int is_given(const Mode *m, int k)
+{
+    int i, j;
+    if (k == 0 && m->base_tape.op_count > 0)
+        return 1;
+    for (i = 0; i < m->follower_count; i++)
+        if (m->followers[i].place == m->tape.outputs[k])
+            return 1;
+    for (i = 0; i < m->event_count; i++)
+        for (j = 0; m->events[i].kind == SLIDE && j < m->events[i].terms; j++)
+            if (m->terms[m->events[i].first + j].kind == FORMULA && m->terms[m->events[i].first + j].P == k)
+                return 1;
+    return 0;
+}
+
 /* What a force that moves nothing has to be small beside: what holds the ties that it pulls at. Where none may give way,
- * the force of which the impulse over the rest of the run is that of `value` over the step; of what is no force 0.
+ * the force of which the impulse over the rest of the run is that of `value` over the step. What moves base or belt is small beside
+ * what it is over the step, or where it has hardly begun beside that over the rest of the run; 0 of all else.
  */
 static Real held_by(const Run *r, int k, Real h, Real value)
 {
     const Mode *m = r->mode;
+    const Real start = fabs(*series_along(r->taylor.tapes.series, m->tape.outputs[k])), end = fabs(value);
     Real least = INFINITY;
     int i, j;
     for (i = 0; i < m->event_count; i++) {
@@ -123,8 +141,10 @@ static Real held_by(const Run *r, int k, Real h, Real value)
         return least;
     for (i = 0; i < m->formula_count; i++)
         if (m->formulas[i].output == k && (m->formulas[i].to_P >= 0 || m->formulas[i].to_Q >= 0))
-            return fabs(value) * (r->t_end - r->t0) / h;
-    return 0.0;
+            return end * (r->t_end - r->t0) / h;
+    if (!is_given(m, k))
+        return 0.0;
+    return 2 * start > end ? (start > end ? start : end) : end * (r->t_end - r->t0) / h;
 }
 
 /* How wrong a force may be so that velocities are not wrong beyond the tolerance of the step; of what is at rest and begins
@@ -286,24 +306,22 @@ static Real on_grid(const Run *r, Real h)
     return tau > 0 ? tau : h;
 }
 
-/* The time [s] within which the base of a power is at its zero, of powers whose series grow so near it that they overflow, or that
- * what is made of them does: products with other numbers, accelerations; 0 where none does.
+/* The time [s] within which the base of a power is at its zero, of powers whose series of so many coefficients grow so near it that
+ * they overflow, or that what is made of them does: products with other numbers, accelerations; 0 where none does.
  */
-Real overflowing_zero(const Run *r)
+Real overflowing_zero(const Tape *tape, const TapeRoom *room, int count)
 {
-    const Taylor *f = &r->taylor;
-    const Tape *tape = &r->mode->tape;
     const Real huge = power_of_two(HUGE_EXPONENT);
     Real nearest = 0.0;
     int k, n;
     for (k = 0; tape->powers && k < tape->op_count; k++) {
-        const Real *base = series_along(f->tapes.series, tape->ops[k].a < 0 ? 0 : tape->ops[k].a), *series = series_along(f->tapes.series, k);
+        const Real *base = series_along(room->series, tape->ops[k].a < 0 ? 0 : tape->ops[k].a), *series = series_along(room->series, k);
         Real time;
         if (tape->ops[k].code != OP_POWER || !(base[0] > 0))
             continue;
-        for (n = 0; n < f->order && fabs(series[n]) < huge; n++) /* what is no number is not below it */
+        for (n = 0; n < count && fabs(series[n]) < huge; n++) /* what is no number is not below it */
             ;
-        time = n < f->order && base[1] != 0 ? 2 * (base[0] / fabs(base[1])) : 0.0;
+        time = n < count && base[1] != 0 ? 2 * (base[0] / fabs(base[1])) : 0.0;
         nearest = time > nearest && isfinite(time) ? time : nearest;
     }
     return nearest;

@@ -110,6 +110,13 @@ static int expand_unless_interrupted(Run *r, const State *state)
     return !r->interrupted;
 }
 
+/* Whether the series of the base, by a formula with powers, overflow. */
+static int base_overflows(const Run *r)
+{
+    const Taylor *f = &r->taylor;
+    return r->mode->base_tape.powers && !isfinite(f->table[(f->order + 1) * f->stride + f->rates + base_column(r)]);
+}
+
 /* Expand the motion at `state` for a step. With formulas the step is shortened until at its end they agree with their series;
  * where that fails because the series of a power overflow near a zero of its base, once more with that zero taken to be here.
  */
@@ -124,9 +131,10 @@ static void take_step(Run *r, const State *state)
         return;
     shorten_step(r);
     tune_order(r);
-    if (r->status != SINGULAR)
-        return;
-    f->nearest = overflowing_zero(r);
+    if (base_overflows(r))
+        f->nearest = overflowing_zero(&r->mode->base_tape, &f->base_tapes, f->order + 3);
+    else if (r->status == SINGULAR)
+        f->nearest = overflowing_zero(&r->mode->tape, &f->tapes, f->order);
     if (f->nearest > 0) {
         r->status = OK;
         if (expand_unless_interrupted(r, state))

@@ -22,7 +22,7 @@ static void expand_base_formula(Run *r, const Tape *tape, Real t)
     const Real *X = series_along(f->base_tapes.series, tape->outputs[0]);
     Real *row = f->table;
     int at = base_column(r), n;
-    tape_start(&f->base_tapes, t, 0.0, f->inverse, f->order + 3);
+    tape_start(&f->base_tapes, t, f->nearest, f->inverse, f->order + 3);
     tape_begin(tape, &f->base_tapes, NULL);
     for (n = 0; n < f->order + 2; n++, row += f->stride) {
         if (r->has_base == 2) {
