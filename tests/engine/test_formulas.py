@@ -148,6 +148,37 @@ run: {t_end: 0.3 s, every: 10 ms}
         np.testing.assert_allclose(result.events["t"], alone.events["t"], rtol=0, atol=1e-15)
 
 
+@pytest.mark.parametrize("digits", [None, 30])
+@pytest.mark.parametrize(
+    ("force", "load", "plain"),
+    [
+        ("A*max(0, max(0, cos(w*t)))", "sin((5 1/s)*t)", "A*max(0, cos(w*t))"),
+        ("A*abs(max(cos(w*t), 0))", "sin((5 1/s)*t)", "A*max(0, cos(w*t))"),
+        ("A*abs(mod(w*t, 1))", "sin((5 1/s)*t)", "A*mod(w*t, 1)"),
+        ("A*max(0, 2*abs(cos(w*t)))", "sin((5 1/s)*t)", "A*2*abs(cos(w*t))"),
+        ("A*cos(w*t)", "max(0, sin((5 1/s)*t))", "A*cos(w*t)"),
+    ],
+)
+def test_nobody_asks_for_the_sign_of_what_is_never_negative(force, load, plain, digits):
+    """N of a friction is max(0, N) in any case."""
+    text = """
+name: twice
+bodies: {a: 1 kg}
+links: {l: {between: [a, ground], k: 100 N/m}}
+friction: {f: {between: [a, ground], N: "(1 N)*LOAD", mu: 0.2}}
+forces: {f1: {on: a, force: "FORCE", A: 1 N, w: 1.1 Hz}}
+initial: {a: {v: 0.1 m/s}}
+run: {t_end: 2 s, every: 10 ms}
+"""
+    twice, once = (
+        vibsim.simulate(text.replace("LOAD", N).replace("FORCE", F), trust=False, digits=digits)
+        for F, N in ((force, load), (plain, "sin((5 1/s)*t)"))
+    )
+    assert twice.attrs["uncertified"] == 0 < twice.attrs["events"]
+    np.testing.assert_allclose(twice.events["t"], once.events["t"], rtol=0, atol=1e-14)
+    np.testing.assert_allclose(twice["x_a"], once["x_a"], rtol=0, atol=1e-15)
+
+
 def test_in_many_digits_a_contact_of_powers_ends_behind_the_force_that_let_go():
     """The force that has let go is no force until depth 0: nobody asks for its series there."""
     text = """

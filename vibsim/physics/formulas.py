@@ -131,7 +131,7 @@ def choose(g: Node, a: Node, b: Node, text: str) -> Node:
 
 def absolute(a: Node, text: str) -> Node:
     """|a|."""
-    return choose(a, a, neg(a), text)
+    return a if is_never_negative(a) else choose(a, a, neg(a), text)
 
 
 def where_positive(node: Node, known: Node) -> Node:
@@ -173,7 +173,28 @@ def _sense(node: Node, base: Node) -> int:
 
 def largest(a: Node, b: Node, text: str) -> Node:
     """The larger of a and b."""
+    for one, other in ((a, b), (b, a)):
+        if other == ZERO and is_never_negative(one):
+            return one
     return choose(sub(a, b), a, b, text)
+
+
+def is_never_negative(node: Node) -> bool:
+    """Whether a formula is written so, as max(a, 0), |a|, mod(a, b), and products of these with numbers above
+    0: a switch that watched it would find its zeros, and none that it goes through.
+    """
+    if node[0] == "mod":
+        return True
+    if node[0] == "mul":
+        return is_never_negative(node[1]) and is_never_negative(node[2])
+    if node[0] != "choose":
+        value = value_of(node)
+        return value is not None and value >= 0
+    sides = zip(node[2:4], (1, -1), strict=True)
+    return all(
+        is_never_negative(one) or (_sense(one, node[1]) or _sense(node[1], one)) == sign
+        for one, sign in sides
+    )
 
 
 def smallest(a: Node, b: Node, text: str) -> Node:
