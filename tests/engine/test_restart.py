@@ -72,7 +72,7 @@ def test_random_formulas_go_on_from_every_event(seed):
     assert_restarts(replace(formula_scene(seed), t_end=0.3))
 
 
-@pytest.mark.parametrize("seed", [145, 499, 539, 541, 542, 686])
+@pytest.mark.parametrize("seed", [145, 497, 499, 539, 686])
 def test_many_events_at_one_instant_go_on_from_it(seed):
     """What the first of them left at zero is looked at once more behind the last."""
     assert_restarts(tied_scene(seed))

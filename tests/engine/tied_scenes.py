@@ -56,7 +56,9 @@ def tied_scene(seed):
 
 
 def _stops(draw, n, w, signs, x):
-    """One stop of each body against the ground, perhaps some between neighbours, most of them alike."""
+    """One stop of each body against the ground, perhaps some between neighbours, most of them alike. A rigid
+    one that the bodies would start beyond, which no case may say, acts on the other side.
+    """
     pick = draw.choice
     gap, rigid = pick([0.0, 0.01, 0.005, 0.02]), draw.random() < 0.5
     e, k, c, release = (
@@ -69,7 +71,8 @@ def _stops(draw, n, w, signs, x):
 
     def stop(name, P, Q, gap, sense, rigid):
         if rigid:
-            return RigidStop(name, P, Q, gap, sense, e, at_start)
+            beyond = -sense * (signs[P] - (signs[Q] if Q != GROUND else 0)) * x > gap
+            return RigidStop(name, P, Q, gap, -sense if beyond else sense, e, at_start)
         return Stop(name, P, Q, gap, sense, k, c, release, at_start)
 
     for i in range(n):

@@ -25,12 +25,14 @@ Row = Mapping[str, float]  # of a table of events, by column
 
 IMPACTS = ("impact", "transmitted", "chatter")
 JUMPS = (*IMPACTS, "rest_begin", "stick_begin", "reversal", "switch")
+OF_PLACES = (GAP, STRIKE, CLEARANCE)  # event functions of displacements, by kind
 ROUNDING = 2.0**-40  # of a velocity, above which its change is a jump [-]
 
 
 def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
     """State, status and known zeros of an event row. An order below zero is that of a zero which an event
-    before another one at the same instant left: the run has looked at it once more behind that one.
+    before another one at the same instant left: the run has looked at it once more behind that one. What
+    moves no velocity leaves a displacement that passes zero as it was.
 
     row: values by column name (t, kind, part, states, phase, part states), or several rows of one instant in
     their order. The turns of the rotor are the whole ones between phi and phase. Raises ValueError for a row
@@ -44,7 +46,11 @@ def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
         jumps = any(_makes_forces_jump(scene, one) for one in event)
         struck = any(EVENT_NAMES[int(one["kind"])] in IMPACTS for one in event)
         forced = struck or any(EVENT_NAMES[int(one["kind"])] == "switch" for one in event)
-        known = {key: -abs(order) for key, order in known.items()}
+        moved = struck or any(EVENT_NAMES[int(one["kind"])] == "rest_begin" for one in event)
+        known = {
+            key: order if order == 1 and key[0] in OF_PLACES and not moved else -abs(order)
+            for key, order in known.items()
+        }
         for one in event:
             state, status = _state(scene, one), _status(scene, one)
             known |= _zeros(scene, one, state, status, jumps, struck, forced)
