@@ -66,6 +66,10 @@ def test_what_a_statement_can_be_about_is_listed():
             ["fit", "II-B", "--free", "J=1:2", "--free", "J=1:3", "--want", "captured"],
             "--free: J is given twice",
         ),
+        (
+            ["fit", "II-B", "--free", "J=1:2g.m^2", "--want", "drifts above 0 m/s over 200 to 400 s"],
+            "its span of time is not within the run, 0 to 300 s (run.t_end)",
+        ),
         (["fit", "I-A", "--try", "c=1", "--want", "captured"], "capture needs a motor; I-A lacks it"),
     ],
 )

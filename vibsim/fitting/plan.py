@@ -246,6 +246,8 @@ def make_plan(
         settings,
     )
     plan.check()
+    for statement in plan.statements:
+        statement.check_window(cases)
     return plan
 
 

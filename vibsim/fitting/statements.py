@@ -73,6 +73,13 @@ class Statement:
     share: float = MOST
     weight: float = 1.0
 
+    def check_window(self, cases: Sequence[Case]) -> None:
+        """Raises FitError where its span of time ends behind the run of its case."""
+        t_end = cases[self.case].number("run.t_end")
+        if self.asked.window is not None and t_end < self.asked.window[1] < inf:
+            what = f"its span of time is not within the run, 0 to {t_end:g} s (run.t_end)"
+            raise FitError(f"statement {self.text!r}: {what}")
+
     def shortfall(self, value: float) -> float:
         """0 where a measured value fulfils it, up to 1 where it is far off."""
         if self.asked.observable.words is not None:
@@ -159,11 +166,7 @@ def _parsed(text: str, cases: Sequence[Case]) -> Statement:
         raise FitError(f"{phrase.name} needs {' and '.join(missing)}; {cases[position].name} lacks it")
     tail, argument = _argument(claim[len(phrase.words) :].strip(), phrase, observable)
     tail, asked = _windowed(tail, Asked(phrase.name, argument), observable, cases[position])
-    bounds = _bounds(tail, phrase, observable)
-    t_end = cases[position].number("run.t_end")
-    if observable.dimension == "time" and not (bounds.low <= t_end and bounds.high >= 0):
-        raise FitError(f"no time in its range is within the run, 0 to {t_end:g} s (run.t_end)")
-    return Statement(rest, position, asked, bounds, share, weight)
+    return Statement(rest, position, asked, _bounds(tail, phrase, observable), share, weight)
 
 
 def _case_of(text: str, cases: Sequence[Case]) -> tuple[int, str]:
@@ -256,10 +259,10 @@ def _windowed(tail: str, asked: Asked, observable: Observable, case: Case) -> tu
         begin, end = t_end - asked.last, t_end
     else:
         begin, end = (
-            _ends(over["low"], over["high"], "time") if over else (_number(match["after"], "time"), t_end)
+            _ends(over["low"], over["high"], "time") if over else (_number(match["after"], "time"), inf)
         )
-        asked = Asked(asked.name, asked.argument, (begin, end if over else inf))
-    if not 0 <= begin < end <= t_end:
+        asked = Asked(asked.name, asked.argument, (begin, end))
+    if not 0 <= begin < min(end, t_end):
         raise FitError(f"its span of time is not within the run, 0 to {t_end:g} s (run.t_end)")
     return padded[: match.start()].strip(), asked
 
