@@ -255,9 +255,21 @@ def test_slopes_are_named_inside_the_frame(k2):
     assert names[1].get_text().endswith(f"= {shown}")
 
 
-def test_the_section_of_a_periodic_motion_is_no_wider_than_can_be_read():
-    """Once a period a block on a shaken table is where it was, to rounding: labels of 13 digits met."""
-    figure = figure_of("stroboscopic", [subject_of(vibsim.simulate("gallery/stack-of-blocks"))])
+CARRIED = """
+name: carried
+bodies: {disc: 0.1 kg m^2, pin: 0.1 kg m^2}
+stops: {dog: {between: [disc, pin], law: rigid, gap: 0.1 rad, acts: compression, e: 0.5}}
+forces:
+  turn: {on: disc, force: "T - b*v_disc", T: 1 N m, b: 0.05 N m s/rad}
+  ripple: {on: disc, A: 1 mN m, omega: 1 Hz}
+run: {t_end: 20 s, every: 10 ms}
+"""
+
+
+@pytest.mark.parametrize("case", ["gallery/stack-of-blocks", CARRIED], ids=["returns", "rests on a stop"])
+def test_the_section_of_what_is_a_point_is_no_narrower_than_can_be_read(case):
+    """Once a period bodies are where they were, to rounding: labels of 13 digits met."""
+    figure = figure_of("stroboscopic", [subject_of(vibsim.simulate(case))])
     figure.draw_without_rendering()
     (axes,) = figure.axes
     for axis in (axes.xaxis, axes.yaxis):

@@ -267,6 +267,7 @@ def free_columns(scene: Scene) -> set[str]:
 
 
 LEAST = 1e-2  # of the extent of the motion: the least that is shown
+AT_REST = 0.1  # of a displacement: what stays there is drawn as if it moved by so much
 
 
 def stroboscopic_picture(subjects: Sequence[Subject], view: View) -> Figure:
@@ -312,13 +313,14 @@ def _no_narrower_than_rounding(
     spans: Sequence[Span],
     scales: tuple[Scale, Scale],
 ) -> None:
-    """Widen axes to a share of the motion: a periodic motion is a point, whose scatter is rounding."""
+    """Widen axes to a share of the motion, or of where it rests: a point scatters by rounding alone."""
     traces = relative_traces(subjects, pairs, spans)
     motions = [each.x for each in traces], [each.y for each in traces]
     for axis, scale, values in zip((axes.xaxis, axes.yaxis), scales, motions, strict=True):
         low, high = axis.get_view_interval()
         every = scale(np.concatenate(values))
-        least = LEAST * float(np.nanmax(every) - np.nanmin(every))
+        top, bottom = float(np.nanmax(every)), float(np.nanmin(every))
+        least = LEAST * max(top - bottom, AT_REST * max(top, -bottom))
         if high - low < least:
             middle = (low + high) / 2
             axis.set_view_interval(middle - least / 2, middle + least / 2, ignore=True)
