@@ -106,6 +106,17 @@ run: {t_end: 0.05 s, every: 10 ms}
 """)
 
 
+def chosen_at_rest():
+    """Where a comes before 20 mm the choice is by c, which rests where it turns."""
+    return scene_of("""
+bodies: {a: 1 kg, c: 1 kg}
+links: {s: {between: [a, ground], k: 100 N/m}}
+forces: {f: {on: a, force: "A*step(where(x_a < d, x_c - rest, -x_a))", A: 2 N, d: 20 mm, rest: 1 mm}}
+initial: {a: {v: 1 m/s}, c: {x: 1 mm}}
+run: {t_end: 0.5 s, every: 10 ms}
+""")
+
+
 AUTOMATON = {
     doubts.LEAVES: (lambda: balanced("auto").as_parts(), ("contact at stop",)),
     doubts.CROSSES: (lambda: TORN_SOFTLY, ("release at stop touch",)),
@@ -120,6 +131,7 @@ AUTOMATON = {
     doubts.ENDLESS: (lambda: at_once(random.Random(60)), ("impact at stop s0", "impact at stop s1")),
     doubts.TOUCHED: (lambda: closing(1, 0.125), ("contact at stop ab", "limit of clearance limit")),
     doubts.START: (beside_the_base, ("contact at stop wall",)),
+    doubts.SIDE: (chosen_at_rest, ("switch in the formula of f",)),
     doubts.START_AT_REST: (lambda: two_beside(1.000000000000001, 1.0), ("stop",)),
 }
 

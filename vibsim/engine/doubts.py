@@ -62,6 +62,7 @@ ORDER = "in one instant, and their order would change the motion"
 ENDLESS = "in one instant without end, and taken without restitution"
 TOUCHED = "rounding hides whether it touches in the instant of an impact"
 START = "rounding hides on which side it starts"
+SIDE = "rounding hides on which side it goes on"
 START_AT_REST = "rounding hides whether it starts at rest"
 
 
@@ -70,11 +71,17 @@ def name_of_event(maker: RowMaker[Any], rows: ModeRows[Any], event: Event[Any]) 
     part, scene = event.part, maker.scene
     if event.kind == HOLD:
         return f"release at {' with '.join(name_of_tie(scene, k) for k, _ in rows.cuts[part].ties)}"
-    if event.kind == SWITCH and maker.formulas is not None:
-        return f"switch in the formula of {maker.formulas.owners[part]}"
+    if event.kind == SWITCH:
+        return name_of_switch(maker, part)
     if event.kind == DOMAIN and rows.tape is not None:
         return f"zero under a root in the formula of {rows.tape.texts[part]}"
     return name_of(scene, event.kind, part)
+
+
+def name_of_switch(maker: RowMaker[Any], i: int) -> str:
+    """The turn of switch number i of the formulas of a scene."""
+    assert maker.formulas is not None
+    return f"switch in the formula of {maker.formulas.owners[i]}"
 
 
 def name_of(scene: Scene[Any], kind: int, part: int) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Container, Mapping, Sequence
 from math import inf
 from typing import TYPE_CHECKING, Any, Generic, cast
 
+from vibsim.engine.doubts import START, name_of_switch
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.flows.accelerations import accelerations, left_open
@@ -70,14 +71,15 @@ class SwitchSides(Generic[N]):
         state: State[N],
         status: Status,
         fixed: Container[int] = (),
-        open_ones: list[int] | None = None,
+        open_ones: dict[int, bool] | None = None,
         before: Status | None = None,
         continuous: bool = False,
     ) -> Status:
         """The status with the sides that the values of their arguments tell; those within rounding of zero,
         and those that are `fixed`, as before, or on their upper side.
 
-        open_ones : is given the numbers of those within rounding; before : the mode that led there
+        open_ones : is given the numbers of those within rounding, and whether they are zero exactly; before :
+            the mode that led there
         continuous : whether the motion and its velocities go on from there as they came. Then no argument
             jumps, but for those that a switch within them has turned: a side that was known stays until its
             own zero is an event. The value may tell another one, as of a state that rests at a zero and is
@@ -86,7 +88,7 @@ class SwitchSides(Generic[N]):
         rows, old = self.rows, status.switches or self.none
         if not rows.switches:
             return status._replace(switches=())
-        led = rows.sides(before) if continuous and before is not None else None
+        led = rows.sides(before) if before is not None else None
         decided: dict[int, int] = {}
         sides: dict[Node, int] = {}
         for node, i, sign in rows.awake(status, sides):
@@ -95,14 +97,16 @@ class SwitchSides(Generic[N]):
                 decided[i] = was
             if i not in decided and (by_stops := rows.side_by_stops(node, status)):
                 decided[i] = sign * by_stops
-            if i not in decided and was is not None and self._goes_on(node, sides, led):
+            same = i not in decided and self._goes_on(node, sides, led)
+            if i not in decided and was is not None and continuous and same:
                 decided[i] = was
             if i not in decided:
                 values = self._guard_values(node, sides, state, before)
-                side, unsure = self._side(node, values, None if was is None else sign * was)
+                kept = was is not None and (led is None or same)  # else it was the side of another formula
+                side, unsure = self._side(node, values, sign * cast("int", was) if kept else None)
                 decided[i] = sign * side
                 if unsure and open_ones is not None:
-                    open_ones.append(i)
+                    open_ones[i] = values[0] == values[1] == 0
             sides[node] = sign * decided[i]
         completed = Status(*status[:3], tuple(map(decided.get, range(len(rows.switches)))))
         rows.awake_in.keep(completed, set(decided))
@@ -149,8 +153,8 @@ class SwitchSides(Generic[N]):
         """The side of a switch by the value of its argument, and whether rounding leaves it open."""
         value, bound = values[:2]
         if node[0] == "choose":
-            if abs(value) <= bound:
-                return before or 1, True
+            if abs(value) <= bound:  # of what is zero exactly the upper side holds, whatever it was before
+                return (before or 1) if bound > 0 else 1, True
             return (1 if value > 0 else -1), False
         if node[0] == "mod":
             turns = value / values[2]
@@ -264,7 +268,7 @@ class SwitchSides(Generic[N]):
         """The sides at a start, or at any state, in the mode `status`, and the known zeros: those that are
         zero go where their first derivative leads.
         """
-        unsure: list[int] = []
+        unsure: dict[int, bool] = {}
         status = self.completed(state, status, (), unsure)
         known: Known = {}
         if not unsure:
@@ -286,6 +290,10 @@ class SwitchSides(Generic[N]):
                 if sense > 0:
                     known[event.key] = order
             else:
+                led = {key[1] for key in known}
+                for i in (i for i, exact in unsure.items() if not exact and i not in led):
+                    if not self.rows.only_bends(i):
+                        departures.doubt(state, START, [name_of_switch(self.maker, i)])
                 return status, known
         raise EngineError("held", state, ", ".join({self.rows.owners[i] for i in unsure}))
 
