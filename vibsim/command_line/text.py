@@ -410,7 +410,7 @@ def checks(lyapunov: Lyapunov, rests: bool) -> str:
     """Rank losses, and how well volumes obey Liouville's identity."""
     parts = []
     if lyapunov.rank_losses:
-        losses = f"{counted(lyapunov.rank_losses, 'rank loss')}"
+        losses = counted(lyapunov.rank_losses, "rank loss")
         parts.append(f"{losses} by {'sticking, rest and impacts' if rests else 'sticking'}")
     if not math.isnan(lyapunov.volume_residual):
         parts.append(f"volume residual {number(lyapunov.volume_residual, 2)}")

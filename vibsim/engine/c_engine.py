@@ -388,7 +388,7 @@ class CRun:
         status, happened, known = self.automaton.take(state, rows.status, rows.events[event], order)
         target, touch = self._mode(status), self.automaton.touch(rows.events[event])
         if rows.events[event].kind == SLIDE:
-            self._tell_release(rows.status.with_frictions({rows.events[event].part: STICK}), status)
+            self._rule_release(rows.status.with_frictions({rows.events[event].part: STICK}), status)
         if self.moving:
             after = self.rows_of(target)
             if not self.jumps.in_c(rows, after, rows.events[event], touch):
@@ -430,9 +430,9 @@ class CRun:
         self.run.set_rule(number, event, numbers)
         return True
 
-    def _tell_release(self, stuck: Status, after: Status) -> None:
-        """Tell C what follows where the one tie lets go that did as another came to rest: next time it takes
-        both. stuck, after : the modes in which all hold, and all but that one.
+    def _rule_release(self, stuck: Status, after: Status) -> None:
+        """Give C the rule of a tie that has let go as another one came to rest, so that C decides both the
+        next time. stuck, after : the modes in which all ties hold, and all but that one.
         """
         released = set(stuck.tied) - set(after.tied)
         if stuck in self.numbers and len(released) == 1:

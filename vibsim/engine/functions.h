@@ -2,7 +2,7 @@
  *
  * CODE, name: of the operation, and in Python; of: its value, in elementary.h of doubles, in limbs.cpp of numbers of words; text: what
  * Python says of it. sign: where its derivative is 1 or -1 over a divisor, which is an operation of its own before it (`divisor` in
- * vibsim/physics/formulas.py), that number; such functions stand last. The others have recurrences of their own in tape_series.h.
+ * vibsim/physics/formulas.py), that number. The others, with 0, have recurrences of their own in tape_series.h.
  */
 #ifndef VIBSIM_FUNCTIONS_H
 #define VIBSIM_FUNCTIONS_H
@@ -18,5 +18,8 @@
     F(ATAN, atan, arctangent, 1, "Angle [rad] from -pi/2 to pi/2 of a tangent.")                  \
     F(ASIN, asin, arcsine, 1, "Angle [rad] from -pi/2 to pi/2 of a sine; nan beyond 1.")          \
     F(ACOS, acos, arccosine, -1, "Angle [rad] from 0 to pi of a cosine; nan beyond 1.")
+
+/* The entry of a function in the table of a module of Python, where it is name_value. */
+#define METHOD(CODE, name, of, sign, text) {#name, name##_value, METH_O, text},
 
 #endif

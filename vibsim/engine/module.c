@@ -485,7 +485,6 @@ static void describe_type(void)
         (void)self;                                                                                       \
         return value == -1.0 && PyErr_Occurred() ? NULL : PyFloat_FromDouble(of(value));                  \
     }
-#define METHOD(CODE, name, of, sign, text) {#name, name##_value, METH_O, text},
 #define NAME(CODE, name, of, sign, text) #name " "
 ELEMENTARY_FUNCTIONS(FUNCTION)
 FUNCTION(EXPM1, expm1, exponential_less_1, 0, )

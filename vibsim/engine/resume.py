@@ -44,9 +44,9 @@ def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
         _check(scene, one)
     for event in _events_of(scene, rows):
         jumps = any(_makes_forces_jump(scene, one) for one in event)
-        struck = any(EVENT_NAMES[int(one["kind"])] in IMPACTS for one in event)
-        forced = struck or any(EVENT_NAMES[int(one["kind"])] == "switch" for one in event)
-        moved = struck or any(EVENT_NAMES[int(one["kind"])] == "rest_begin" for one in event)
+        kinds = {EVENT_NAMES[int(one["kind"])] for one in event}
+        struck = not kinds.isdisjoint(IMPACTS)
+        forced, moved = struck or "switch" in kinds, struck or "rest_begin" in kinds
         known = {
             key: order if order == 1 and key[0] in OF_PLACES and not moved else -abs(order)
             for key, order in known.items()

@@ -180,8 +180,8 @@ def largest(a: Node, b: Node, text: str) -> Node:
 
 
 def is_never_negative(node: Node) -> bool:
-    """Whether a formula is written so, as max(a, 0), |a|, mod(a, b), and products of these with numbers above
-    0: a switch that watched it would find its zeros, and none that it goes through.
+    """Whether the form of a formula keeps it from being negative, as of max(a, 0), |a|, mod(a, b) and their
+    products with numbers above 0. At its zeros it does not change its sign: no switch has to watch them.
     """
     if node[0] == "mod":
         return True

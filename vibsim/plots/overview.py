@@ -51,7 +51,7 @@ from vibsim.plots.sheet import (
     write_names,
 )
 from vibsim.plots.style import BLUE, SHADE, nested, points
-from vibsim.plots.subject import Subject, View, measured
+from vibsim.plots.subject import Subject, View, measured, unit_for
 from vibsim.plots.time_histories import (
     DISPLACEMENT,
     VELOCITY,
@@ -318,7 +318,7 @@ def stiffness_panel(axes: Axes, subjects: Sequence[Subject], motion: str | None 
     reach = _reach(shown, REACH * max(gaps, default=0.0))
     curves = [stiffness_characteristic(subject.scene, pair, reach) for subject, pair in shown]
     turning = shown[0][0].scene.unit_between(shown[0][1].P, shown[0][1].Q) == "rad"
-    units = ("rad", "N m") if turning else ("m", "N")
+    units = unit_for("m", turning), unit_for("N", turning)
     scales = scale_for(units[0], *(y for y, _ in curves)), scale_for(units[1], *(f for _, f in curves))
     looks = [nested(i, len(shown), 1.0) for i in range(len(shown))]
     looks = looks if len(shown) > 1 else [{"color": BLUE, "linewidth": 1.0}]

@@ -81,7 +81,7 @@ class Subject:
 
     def unit(self, unit: str, column: str) -> str:
         """The unit that stands for m, m/s or N in the motion of a column: rad, rad/s or N m of what turns."""
-        return TURNED[unit][1] if self.turns(column) else unit
+        return unit_for(unit, self.turns(column))
 
     def word(self, unit: str, column: str) -> str:
         """The quantity measured in the unit that stands for m, m/s or N in the motion of a column."""
@@ -94,6 +94,11 @@ TURNED = {
     "m/s": ("velocity", "rad/s", "angular velocity"),
     "N": ("force", "N m", "torque"),
 }
+
+
+def unit_for(unit: str, turns: bool) -> str:
+    """The unit that stands for m, m/s or N: rad, rad/s or N m where bodies turn."""
+    return TURNED[unit][1] if turns else unit
 
 
 def measured(unit: str, turns: bool) -> str:

@@ -63,7 +63,7 @@ from vibsim.plots.sweep_curves import (
 )
 from vibsim.plots.sweep_pictures import exponent_label, exponent_note, exponent_panel, has_exponents
 from vibsim.sweeps.attractors import Attractors, parameter_axes
-from vibsim.sweeps.quantities import DONE, NONE
+from vibsim.sweeps.quantities import DONE, NONE, last_points
 
 # Amplitudes of a sweep against the frequency of the source, or whatever else was swept.
 
@@ -246,7 +246,7 @@ def _sections(subject: Subject) -> list[PictureQuantity]:
 def _orbit_say(sheets: CurvePanels, subjects: Sequence[Subject], drawn: Sequence[Curve], below: bool) -> None:
     """Note above the panels which points are drawn and which are left out; name the exponents under them."""
     count = max(subject.result.plan.section for subject in subjects)
-    of_one = f"the last {counted(count, 'stroboscopic point').removeprefix('1 ')} of each run"
+    of_one = f"{last_points(count)} of each run"
     words = of_one if len(drawn) == 1 else f"{counted(count, 'point')} each"
     note(sheets.top_right, "; ".join(filter(None, [sheets.omitted, words])))
     if below:

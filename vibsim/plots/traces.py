@@ -33,7 +33,7 @@ from vibsim.plots.samples import (
 )
 from vibsim.plots.sheet import Scale, above_wider, label_axes, note, pixel_columns, plain_symbols
 from vibsim.plots.style import GREY, SHADE, points
-from vibsim.plots.subject import PlotError, Span, Subject, as_text, measured
+from vibsim.plots.subject import PlotError, Span, Subject, as_text, measured, unit_for
 from vibsim.results.columns import IMPACT_CODES, PairMotion
 
 Block = Mapping[str, np.ndarray]
@@ -336,7 +336,7 @@ def pair_of(subject: Subject) -> PlottedPair:
     x, v = (difference(scene, part, letter) for letter in "xv")
     turning, relative = scene.unit_between(part.P, part.Q) == "rad", "relative " if " - " in x else ""
     first, second = (f"{relative}{measured(unit, turning)}".capitalize() for unit in ("m", "m/s"))
-    units = ("rad", "rad/s") if turning else ("m", "m/s")
+    units = unit_for("m", turning), unit_for("m/s", turning)
     stops = [(stop_position(stop, part), stop_label(stop)) for stop in stops_between(scene, part)]
     turns = part.Q == GROUND and part.P in folded_angles(scene)
     names, belts = ("time", *motion.columns), tuple(_belts(scene, part))

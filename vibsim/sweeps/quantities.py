@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from itertools import chain
 from typing import TYPE_CHECKING
 
+from vibsim.cases.problems import counted
 from vibsim.physics.parts import BODY, GROUND, ROTOR, STATE, Link, RigidStop, Scene, Stop, columns_of
 from vibsim.physics.rates import is_driven
 from vibsim.results.columns import starts_of, written_unit
@@ -340,6 +341,11 @@ def end_state(of: Quantities) -> Columns:
         f"end_{name}": known.get(name) or Column(written_unit(unit), _END.format(name))
         for name, (_, unit) in of.starts.items()
     }
+
+
+def last_points(count: int) -> str:
+    """In words: "the last 100 stroboscopic points"; of one "the last stroboscopic point"."""
+    return f"the last {counted(count, 'stroboscopic point').removeprefix('1 ')}"
 
 
 def section(of: Quantities) -> Columns:

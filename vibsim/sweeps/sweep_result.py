@@ -21,7 +21,7 @@ from vibsim.results.output_files import check_result_output
 from vibsim.results.store import Waiting
 from vibsim.sweeps.axes import Axis, Members
 from vibsim.sweeps.points import TEXTS_AND_STATUS, Share, Summary, SweepPoint, Table, share, summary
-from vibsim.sweeps.quantities import DONE, MISSING, NAME
+from vibsim.sweeps.quantities import DONE, MISSING, NAME, last_points
 from vibsim.sweeps.sweep_file import (
     DERIVED,
     coordinates,
@@ -288,8 +288,7 @@ def sweep_lines(result: SweepResult) -> Lines:
     lines.append(("run", f"{_ends(plan)}, transient of {plan.discard} left out of the statistics"))
     if plan.compute:
         lines.append(("computed", ", ".join(plan.compute)))
-    points = counted(plan.section, "stroboscopic point").removeprefix("1 ")
-    lines.append(("section", f"the last {points} of each"))
+    lines.append(("section", f"{last_points(plan.section)} of each"))
     if NAME in plan.compute:
         from vibsim.sweeps.basin_measures import attractor_lines
 
@@ -410,8 +409,8 @@ def join(paths: Iterable[str | PathLike[str]]) -> SweepResult:
         return np.concatenate([part[name] for part in parts], axis=along)
 
     attrs = origin(plan)
-    counted = ("points", "points_done", "points_failed", "wall_time_s")
-    attrs |= {name: sum(part.attrs[name] for part in parts) for name in counted}
+    summed = ("points", "points_done", "points_failed", "wall_time_s")
+    attrs |= {name: sum(part.attrs[name] for part in parts) for name in summed}
     attrs["complete"] = min(part.attrs["complete"] for part in parts)
     return SweepResult(attrs, plan, read)
 

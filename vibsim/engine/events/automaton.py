@@ -13,16 +13,7 @@ from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Generic
 
-from vibsim.engine.doubts import (
-    SIDE,
-    SLOW,
-    START,
-    START_AT_REST,
-    called,
-    name_of,
-    name_of_stop,
-    name_of_switch,
-)
+from vibsim.engine.doubts import SIDE, SLOW, START, START_AT_REST, called, name_of, name_of_stop
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.departures import DerivativeSigns, TouchingParts, leading, sign
 from vibsim.engine.events.impacts.newton_moreau import rate_of
@@ -118,22 +109,18 @@ class Automaton(Generic[N]):
             if self.departures.switches is not None:
                 turned = [key[1] for key in known if key[0] == SWITCH and isinstance(key[1], int)]
                 goes_on = event.kind != STRIKE and not self.departures.switches.kinks(event)
-                after = self._with_sides(state, after, turned, status, goes_on)
+                after = self._sides_behind(state, after, turned, status, goes_on)
             return after, happened, known
 
-    def _with_sides(
+    def _sides_behind(
         self, state: State[N], after: Status, fixed: Container[int], before: Status, goes_on: bool
     ) -> Status:
-        """The mode behind an event with the sides of its switches, see `SwitchSides.completed`. A doubt where
-        rounding leaves a side open and a formula jumps.
-        """
+        """The mode behind an event with the sides of its switches, see `SwitchSides.completed`."""
         switches = self.departures.switches
         assert switches is not None
         open_ones: dict[int, bool] = {}
         after = switches.completed(state, after, fixed, open_ones, before, goes_on)
-        for i, exact in open_ones.items():
-            if not exact and not switches.rows.only_bends(i):
-                self.departures.doubt(state, SIDE, [name_of_switch(self.maker, i)])
+        switches.doubt(state, self.departures, open_ones, SIDE)
         return after
 
     @contextmanager
@@ -217,7 +204,7 @@ class Automaton(Generic[N]):
         if crossing <= 0:
             return status, [], {event.key: at}
         after = switches.turned(status, event)
-        after = self._with_sides(state, after, {i}, status, not switches.kinks(event))
+        after = self._sides_behind(state, after, {i}, status, not switches.kinks(event))
         known: Known = {event.key: at}
         if switches.base_jumps(state, status, after, i):
             return self._base_turns(state, status, after, event, at)

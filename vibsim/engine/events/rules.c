@@ -4,8 +4,8 @@
  *   RIGID_IMPACT  one rigid stop is struck, and nothing else touches: on in the mode that slips as the velocities say, see
  *          impacts.c
  *   STICK_OR_REVERSE  a sliding velocity is zero: on to `target`, where it sticks, if every tie of that mode holds, or to
- *          `other`, where it slides the other way, if the tie `hold` gives way; where another tie gives way first, on by the rule of
- *          that to the mode in which it alone has let go
+ *          `other`, where it slides the other way, if the tie `hold` gives way; if another tie is overloaded most, on to the mode in
+ *          which that one has let go, by the rule of its event
  *   CROSS_IF_TIES_HOLD  as CROSS, where forces jump: if every tie of the mode `target` holds, and what a tie that gave way
  *          has let go slips
  */
@@ -425,7 +425,7 @@ static int stick(Run *r, Buffers *b, const Event *e, int target, const Event *re
         memcpy(r->next.v, r->before_v, sizeof(Real) * (size_t)r->bodies);
         return 0;
     }
-    if (released != NULL) { /* what happens to frictions is told first, in their order */
+    if (released != NULL) { /* events of frictions are recorded first, by their numbers */
         const int before = released->event == STICK_END && released->event_part < e->event_part;
         kinds[before] = STICK_BEGIN;
         parts[before] = e->event_part;

@@ -75,8 +75,9 @@ class SwitchSides(Generic[N]):
         before: Status | None = None,
         continuous: bool = False,
     ) -> Status:
-        """The status with the sides that the values of their arguments tell; those within rounding of zero,
-        and those that are `fixed`, as before, or on their upper side.
+        """The status with the sides of its switches by the values of their arguments. `fixed` ones stay as
+        they were. So do those within rounding of zero whose argument is the same formula; else, or where the
+        value is zero exactly, the upper side holds.
 
         open_ones : is given the numbers of those within rounding, and whether they are zero exactly; before :
             the mode that led there
@@ -97,30 +98,36 @@ class SwitchSides(Generic[N]):
                 decided[i] = was
             if i not in decided and (by_stops := rows.side_by_stops(node, status)):
                 decided[i] = sign * by_stops
-            same = i not in decided and self._goes_on(node, sides, led)
-            if i not in decided and was is not None and continuous and same:
-                decided[i] = was
             if i not in decided:
-                values = self._guard_values(node, sides, state, before)
-                kept = was is not None and (led is None or same)  # else it was the side of another formula
-                side, unsure = self._side(node, values, sign * cast("int", was) if kept else None)
-                decided[i] = sign * side
-                if unsure and open_ones is not None:
-                    open_ones[i] = values[0] == values[1] == 0
+                if led is not None and not self._goes_on(node, sides, led):
+                    was = None  # the side of another formula
+                if was is not None and led is not None and continuous:
+                    decided[i] = was
+                else:
+                    values = self._guard_values(node, sides, state, before)
+                    side, unsure = self._side(node, values, None if was is None else sign * was)
+                    decided[i] = sign * side
+                    if unsure and open_ones is not None:
+                        open_ones[i] = values[0] == values[1] == 0
             sides[node] = sign * decided[i]
         completed = Status(*status[:3], tuple(map(decided.get, range(len(rows.switches)))))
         rows.awake_in.keep(completed, set(decided))
         return completed
 
-    def _goes_on(self, node: Node, sides: Mapping[Node, int], led: Mapping[Node, int] | None) -> bool:
-        """Whether the argument of a switch reads the same formula as before; led: sides then, None where
-        unknown.
+    def _goes_on(self, node: Node, sides: Mapping[Node, int], led: Mapping[Node, int]) -> bool:
+        """Whether the argument of a switch reads the same formula as before; led: sides then."""
+        return node in led and all(sides.get(one) == led.get(one) for one in self.rows.behind[node])
+
+    def doubt(
+        self, state: State[N], departures: DerivativeSigns[N], open_ones: Mapping[int, bool], reason: str
+    ) -> None:
+        """Count a doubt for each switch whose side rounding leaves open and at which a formula jumps.
+
+        open_ones : as `completed` gives them
         """
-        return (
-            led is not None
-            and node in led
-            and all(sides.get(one) == led.get(one) for one in self.rows.behind[node])
-        )
+        for i, exact in open_ones.items():
+            if not exact and not self.rows.only_bends(i):
+                departures.doubt(state, reason, [name_of_switch(self.maker, i)])
 
     def _guard_values(
         self, node: Node, sides: Mapping[Node, int], state: State[N], before: Status | None
@@ -290,10 +297,9 @@ class SwitchSides(Generic[N]):
                 if sense > 0:
                     known[event.key] = order
             else:
-                led = {key[1] for key in known}
-                for i in (i for i, exact in unsure.items() if not exact and i not in led):
-                    if not self.rows.only_bends(i):
-                        departures.doubt(state, START, [name_of_switch(self.maker, i)])
+                going = {key[1] for key in known}
+                resting = {i: exact for i, exact in unsure.items() if i not in going}
+                self.doubt(state, departures, resting, START)
                 return status, known
         raise EngineError("held", state, ", ".join({self.rows.owners[i] for i in unsure}))
 

@@ -38,7 +38,7 @@ static void read_op(const Run *r, Reader *in, Op *op, int i, int count, int time
     else
         op->a = read_index(in, op->code > OP_SPIN ? 0 : -1, op->code > OP_SPIN ? i - 1 : -1);
     binary = op->code == OP_ADD || op->code == OP_SUB || op->code == OP_MUL || op->code == OP_DIV ||
-             (op->code > OP_TANH && op->code < OP_POWER); /* functions by a divisor */
+             divisor_sign(op->code) != 0;
     if (binary)
         op->b = read_index(in, 0, i - 1);
     else if ((op->code >= OP_SIN && op->code <= OP_COSH) || op->code == OP_TANH)

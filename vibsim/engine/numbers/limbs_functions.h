@@ -42,6 +42,7 @@ void sine_cosine(const Real &angle, Real *sine, Real *cosine);
 void rounded_sine_cosine(const Real &angle, Real *sine, Real *cosine);
 #define DECLARED(CODE, name, of, sign, text) Real of(const Real &x);
 ELEMENTARY_FUNCTIONS(DECLARED)
+#undef DECLARED
 Real exponential_less_1(const Real &x);
 Real real_power(const Real &a, const Real &p);
 

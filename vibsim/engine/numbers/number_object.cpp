@@ -255,7 +255,6 @@ static PyObject *half_turn(PyObject *self, PyObject *none)
         (void)self;                                                                            \
         return number_from(x, &value) ? number_object(of(value)) : NULL;                       \
     }
-#define METHOD(CODE, name, of, sign, text) {#name, name##_value, METH_O, text},
 ELEMENTARY_FUNCTIONS(FUNCTION)
 FUNCTION(EXPM1, expm1, exponential_less_1, 0, )
 FUNCTION(FLOOR, floor, floor, 0, )

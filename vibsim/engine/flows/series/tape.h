@@ -37,6 +37,16 @@ enum {
     OP_POWER,
     OPERATIONS
 };
+#undef OPERATION
+
+#define SIGN(CODE, name, of, sign, text) sign,
+/* Of a function by a divisor the sign of its derivative, of all other operations 0: see functions.h. */
+static inline int divisor_sign(int code)
+{
+    static const int signs[] = {ELEMENTARY_FUNCTIONS(SIGN)};
+    return code < OP_SIN || code >= OP_POWER ? 0 : signs[code - OP_SIN];
+}
+#undef SIGN
 
 enum { FIRST_IS_NEWEST = 1, SECOND_IS_NEWEST };
 

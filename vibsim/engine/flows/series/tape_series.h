@@ -66,11 +66,6 @@ INLINE Real quotient_coefficient(Real newest, const Real *b, const Real *back, R
     return value;
 }
 
-#define SIGN(CODE, name, of, sign, text) sign,
-
-/* By function: see functions.h. */
-static const int divisor_signs[] = {ELEMENTARY_FUNCTIONS(SIGN)};
-
 /* Coefficient n > 0 of an operation; now, back: series + n, and where coefficient n - i of the first of them is number i; last:
  * coefficient n of the operation just before. What is known of a sum before order n comes first, and what has just been computed is not
  * read back, so that little waits for it.
@@ -110,7 +105,7 @@ INLINE Real following(const Op *op, Real *series, const Real *now, const Real *b
     case OP_LOG: return quotient_coefficient(now[op->first], a, back + op->first, series + op->at, n, inverse);
     case OP_POWER: return power_coefficient(a, back + op->first, series + op->at, op->value, n, inverse, least);
     default: /* by a divisor */
-        newest = divisor_signs[op->code - OP_SIN] * now[op->first];
+        newest = divisor_sign(op->code) * now[op->first];
         return quotient_coefficient(newest, series + op->second, back + op->second, series + op->at, n, inverse);
     }
 }

@@ -13,7 +13,7 @@
  * 5e-17 of the power of a velocity, (2 h)^16 (8!)^4 / (2 * 17 (16!)^3); 3e-15 at order 22.
  */
 #define FEW_NODES_ORDER 20
-/* Of the numbers that a switch compares: what the rounding of the time at which one came to the other leaves between them. */
+/* Share of the numbers that a switch compares. A state came to its limit at a rounded time, so that they differ by less; a judgement. */
 #define AT_LIMIT 0x1p-40
 
 /* Sizes, step limits of the quadrature and inverses that all steps of a run share. */
