@@ -152,31 +152,55 @@ def test_fingerprints_of_stored_files_stay(name):
 
 
 @pytest.mark.parametrize(
-    ("name", "starts"),
+    ("name", "numbers"),
     [
         ("II-B", {"initial.x1": "2 mm", "initial.phi": "30 deg"}),
         ("gallery/impact-oscillator", {"initial.mass.x": "-1 mm"}),
         ("gallery/driven-pendulum", {"initial.pendulum.x": "170 deg", "initial.pendulum.v": "0.5 rad/s"}),
+        ("II-B", {"excitation.Omega0": "390 rpm", "coupling.c": 0.01}),
+        ("II-B", {"friction.mu": "0", "blocks.m2": "2 kg"}),
+        ("I-A-eq211", {"excitation.A.m3": "20 g", "initial.x1": "1 mm"}),
+        ("gallery/impact-oscillator", {"stops.wall.gap": "2 mm", "run.t_end": "3 s"}),
+        ("gallery/belt-oscillator", {"friction.belt.mu_d": "0.4"}),
     ],
 )
-def test_another_start_is_the_case_with_these_values(name, starts):
-    case = load_case(name)
-    known = {key: value for key, value in starts.items() if key in case.values}
-    assert known
-    whole, quick = case.with_values(known), case.with_start(known)
-    assert quick.values == whole.values and quick.sha256 == whole.sha256 and quick.scene() == whole.scene()
+def test_other_numbers_make_the_case_that_is_read_with_them(name, numbers):
+    whole, quick, one_by_one = load_case(name, numbers), load_case(name).with_values(numbers), load_case(name)
+    for key, value in numbers.items():
+        one_by_one = one_by_one.with_values({key: value})
+    for case in (quick, one_by_one):
+        assert list(case.values.items()) == list(whole.values.items())
+        assert (case.sha256, case.resolved_json()) == (whole.sha256, whole.resolved_json())
+        assert case.scene() == whole.scene() and case.to_yaml() == whole.to_yaml()
 
 
-def test_another_start_is_refused_as_any_value():
-    case = load_case("gallery/impact-oscillator")
-    (gap,) = (key for key in case.values if key.endswith(".gap"))
-    wrong = [("initial.mass.x", "3 kg"), ("initial.nobody.x", "1 m"), ("initial.mass.x", "1e6 m")]
-    for starts in (dict([one]) for one in [*wrong, (gap, "1 kg")]):
-        with pytest.raises(CaseError) as quick:
-            case.with_start(starts)
-        with pytest.raises(CaseError) as whole:
-            case.with_values(starts)
-        assert str(quick.value) == str(whole.value)
+@pytest.mark.parametrize(
+    ("name", "numbers"),
+    [
+        ("gallery/impact-oscillator", {"initial.mass.x": "3 kg"}),
+        ("gallery/impact-oscillator", {"initial.nobody.x": "1 m"}),
+        ("gallery/impact-oscillator", {"stops.wall.gap": "1 kg"}),
+        ("gallery/chattering-oscillator", {"initial.mass.x": "1 mm"}),  # inside the wall
+        ("gallery/belt-oscillator", {"friction.belt.mu_d": "2"}),  # above mu_s
+        ("II-B", {"run.t_end": "1e9 s"}),
+        ("II-B", {"excitation.m3": "1e-200 kg", "excitation.e": "1e-200 m"}),
+        ("II-B", {"excitation.Omega0": "0 Hz"}),
+    ],
+)
+def test_other_numbers_are_refused_as_where_they_are_read(name, numbers):
+    with pytest.raises(CaseError) as quick:
+        load_case(name).with_values(numbers)
+    with pytest.raises(CaseError) as whole:
+        load_case(name, numbers)
+    told = [[(problem.key, problem.message) for problem in each.value.problems] for each in (quick, whole)]
+    assert told[0] == told[1]
+
+
+def test_numbers_are_replaced_as_often_as_one_likes():
+    case = without = load_case("II-B", {"mu": "0"})
+    for mu in ("0.001", "0", "0.001") * 200:
+        case = case.with_values({"friction.mu": mu})
+    assert case.scene() == without.with_values({"friction.mu": "0.001"}).scene() == load_case("II-B").scene()
 
 
 # Arguments of Python calls: what is wrong is named with what is allowed, before anything runs.

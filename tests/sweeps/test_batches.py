@@ -363,7 +363,7 @@ def test_a_run_is_begun_anew_where_the_start_alone_differs(monkeypatch):
 
     monkeypatch.setattr(statistics, "open_trajectory", noted)
     case = load_case("gallery/belt-oscillator", {"run.t_end": "4 s"})
-    scenes = [case.with_start({"initial.block.x": x}).scene() for x in ("0.1 m", "0.2 m")]
+    scenes = [case.with_values({"initial.block.x": x}).scene() for x in ("0.1 m", "0.2 m")]
     others = [case.with_values({"belt.mu_s": "1.1"}).scene(), case.scene().but(t_end=5.0)]
     for scene in (*scenes, others[0], *scenes, others[1], *scenes):
         list(MeasuredRun(scene, quantities_of(case), 2.0).blocks())
@@ -372,7 +372,7 @@ def test_a_run_is_begun_anew_where_the_start_alone_differs(monkeypatch):
 
 def test_a_held_run_leaves_nothing_to_the_next():
     case = load_case("gallery/belt-oscillator", {"run.t_end": "12 s"})
-    scenes = [case.with_start({"initial.block.x": x}).scene() for x in ("0.1 m", "0.2 m")]
+    scenes = [case.with_values({"initial.block.x": x}).scene() for x in ("0.1 m", "0.2 m")]
 
     def ends(scene, held):
         run = MeasuredRun(scene, quantities_of(case), 2.0)

@@ -15,14 +15,13 @@ from vibsim.cases.problems import nearest, shown
 from vibsim.cases.quantities import (
     FACTORS,
     FURTHER_UNITS,
-    LARGEST,
     NUMBER,
-    SMALLEST,
     UNITS,
     Quantity,
     QuantityError,
     Unit,
     exact_number,
+    fits_double,
 )
 
 Dimension = tuple[Fraction, ...]  # exponents of kg, m, s, A, K
@@ -377,7 +376,7 @@ def any_quantity(text: str) -> tuple[Quantity, Dimension]:
         raise QuantityError(f"must be a number with its unit, such as 3 N/m^2; got {shown(text)}")
     unit = _unit_behind(text, match.end())
     value = exact_number(match["number"]) * unit.factor
-    if value and not SMALLEST <= abs(value) <= LARGEST:
+    if not fits_double(value):
         raise QuantityError(f"does not fit double precision (2.3e-308 to 2.2e307), got {shown(text)}")
     return Quantity(f"{match['number']} {unit.name}".strip(), value, unit.turns), unit.dimension
 

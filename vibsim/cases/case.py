@@ -18,8 +18,9 @@ from vibsim.cases.scene_building import (
     build_parts,
     build_two_blocks,
     exact_numbers,
+    rebuild_parts,
 )
-from vibsim.cases.schema import CaseFile, CaseHead, HarmonicKeys
+from vibsim.cases.schema import CaseFile, CaseHead, HarmonicKeys, Section
 from vibsim.cases.schema_keys import (
     UnknownKeyError,
     form_of,
@@ -36,12 +37,14 @@ from vibsim.cases.sources import (
     case_name_from,
     find_source,
     read_tree,
+    value_text,
 )
 from vibsim.cases.validation import (
     derived_facts,
     exact_pairs,
     fingerprint_of,
     flat_values,
+    has_contradictions,
     has_rigid_stops,
     nested_values,
     resolved_text,
@@ -73,8 +76,8 @@ class Case:
     model: CaseHead
     text: str
     source: str
-    _origin: "Case | None" = field(default=None, repr=False, compare=False)  # differs in the start alone,
-    _starts: Mapping[str, Quantity] = field(default_factory=dict, repr=False, compare=False)  # by dotted keys
+    _origin: "Case | None" = field(default=None, repr=False, compare=False)  # it differs from in these alone:
+    _numbers: Mapping[str, Quantity] = field(default_factory=dict, repr=False, compare=False)  # dotted keys
 
     @property
     def name(self) -> str:
@@ -97,20 +100,23 @@ class Case:
     def _scene(self) -> Scene:
         if self._origin is None:
             return self._builder.scene()
-        return self._origin._builder.from_start(self._origin._scene, self._long_start(self._origin))
+        builder, scene = self._origin._builder, self._origin._scene
+        if self._is_start:
+            model = self.model
+            start = long_start(model) if isinstance(model, CaseFile) else self._nested["initial"]
+            return builder.from_start(scene, start)
+        before, values = builder.values, self.long_values()
+        sections = [name for name in {**before, **values} if values.get(name) != before.get(name)]
+        return rebuild_parts(scene, values, sections)
 
     @cached_property
     def _builder(self) -> SceneBuilder:
         return SceneBuilder(self.long_values(), DOUBLES)
 
-    def _long_start(self, origin: "Case") -> dict[str, Any]:
-        """Initial values by part, in the long form."""
-        if isinstance(self.model, CaseFile):
-            return long_start(self.model)
-        initial: dict[str, Any] = _with_parts(
-            origin._nested["initial"], _nested_from(self._starts)["initial"]
-        )
-        return initial
+    @property
+    def _is_start(self) -> bool:
+        """Whether it differs from its origin in initial values alone."""
+        return all(map(_is_initial, self._numbers))
 
     def exact_scene(self, number: Callable[[Fraction], Any], pi: Any = None) -> Scene[Any]:
         """The scene in another number type, such as those of words (`vibsim.physics.precision`).
@@ -186,13 +192,13 @@ class Case:
     def values(self) -> dict[str, Any]:
         """Every value under its dotted key, defaults filled in: Quantity, word or whole number."""
         if self._origin is not None:
-            return {**self._origin.values, **self._starts}
+            return {**self._origin.values, **self._numbers}
         return flat_values(self.model)
 
     @cached_property
     def _nested(self) -> dict[str, Any]:
         if self._origin is not None:
-            nested: dict[str, Any] = _with_parts(self._origin._nested, _nested_from(self._starts))
+            nested: dict[str, Any] = _with_parts(self._origin._nested, _nested_from(self._numbers))
             return nested
         return nested_values(self.model)
 
@@ -260,38 +266,43 @@ class Case:
 
         Raises CaseError (file "overrides") for unknown keys and for values that are not allowed.
         """
+        case = self._with_numbers(changes)
+        if case is not None:
+            return case
         tree = Tree(dict(self._nested), Place(self.source))
         apply_overrides(tree, changes, self.values.keys())
         return Case(validated(tree), self.text, self.source)
 
-    def with_start(self, starts: Mapping[str, str]) -> "Case":
-        """This case with some initial values replaced, by dotted keys. Raises CaseError.
-
-        It is the case that `with_values` makes, in a fraction of the time.
+    def _with_numbers(self, changes: Mapping[str, object]) -> "Case | None":
+        """The same, in a fraction of the time, where numbers alone are replaced; None where a value is none
+        of these or not plainly allowed.
         """
-        case = self._started(starts) if starts else self
-        return self.with_values(starts) if case is None else case
-
-    def _started(self, starts: Mapping[str, str]) -> "Case | None":
-        """The same; None where a value is none of the start, or not plainly allowed."""
-        kinds = self._start_kinds
-        quantities = _read_starts(kinds, starts) if kinds.keys() >= starts.keys() else None
-        if quantities is None:
+        kinds = self._number_kinds
+        if not (isinstance(changes, Mapping) and changes and kinds.keys() >= changes.keys()):
             return None
-        origin, given = self._origin or self, {**self._starts, **quantities}
-        model = _with_parts(origin._resolved, _nested_from(given))
-        case = Case(model, self.text, self.source, origin, given)
+        faults: list[Fault] = []
+        read = {key: kinds[key].read(value_text(value), (), faults) for key, value in changes.items()}
+        if faults or not all(isinstance(number, Quantity) for number in read.values()):
+            return None
+        origin = self._origin if self._origin and self._is_start else self
+        numbers = read if origin is self else {**self._numbers, **read}
+        model = _with_parts(origin._resolved, _nested_from(numbers))
+        case = Case(model, self.text, self.source, origin, numbers)
+        if not case._is_start:
+            return None if origin._origin or has_contradictions(case._nested, case.values) else case
         if self.is_long and has_rigid_stops(origin._nested) and starts_inside(case._nested, case.values):
             return None
         return case
 
     @cached_property
-    def _start_kinds(self) -> dict[str, KeyKind]:
-        """Kinds of the initial numbers that can be replaced alone, by dotted key."""
+    def _number_kinds(self) -> dict[str, KeyKind]:
+        """Kinds of the numbers that can be replaced alone, by dotted key; beside formulas initial ones."""
         if self._origin is not None:
-            return self._origin._start_kinds
-        keys = [key for key, value in self.values.items() if isinstance(value, Quantity)]
-        return {} if form_of(self._nested).mixed else _start_kinds(self._resolved, keys)
+            return self._origin._number_kinds
+        if form_of(self._nested).mixed:
+            return {}
+        keys = self.numeric_keys()
+        return _kinds_at(self._resolved, filter(_is_initial, keys) if has_formulas(self._nested) else keys)
 
     @cached_property
     def _resolved(self) -> CaseHead:
@@ -327,7 +338,7 @@ class Case:
     @cached_property
     def _exact_pairs(self) -> dict[str, str]:
         if self._origin is not None:
-            return {**self._origin._exact_pairs, **exact_pairs(self._starts)}
+            return {**self._origin._exact_pairs, **exact_pairs(self._numbers)}
         return exact_pairs(self.values)
 
     @staticmethod
@@ -458,27 +469,25 @@ def texts(name: str, values: Any) -> list[str]:
     return listed
 
 
-# Cases that differ in the start alone, as the points of a sweep over starts: what they share is kept.
+# Cases that differ in numbers alone, as the points of a sweep: what they share is kept.
 
 
-def _start_kinds(model: CaseHead, keys: Iterable[str]) -> dict[str, KeyKind]:
-    """Kinds of the initial values among dotted keys that the model has, by key."""
+def _is_initial(key: str) -> bool:
+    """Whether a dotted key is one of an initial value."""
+    return key.startswith("initial.")
+
+
+def _kinds_at(model: CaseHead, keys: Iterable[str]) -> dict[str, KeyKind]:
+    """Kinds of the numbers at dotted keys of sections that the model has, by key."""
     kinds = {}
     for key in keys:
         *around, name = key.split(".")
-        if around[:1] == ["initial"]:
-            section: Any = model
-            for part in around:
-                section = (section if isinstance(section, dict) else vars(section))[part]
+        section: Any = model
+        for part in around:
+            section = (section if isinstance(section, dict) else vars(section))[part]
+        if isinstance(section, Section):
             kinds[key] = section.keys[name].kind
     return kinds
-
-
-def _read_starts(kinds: Mapping[str, KeyKind], starts: Mapping[str, str]) -> dict[str, Quantity] | None:
-    """Initial values by dotted keys from their texts; None where one of them is not allowed by itself."""
-    faults: list[Fault] = []
-    values = {key: kinds[key].read(text, (), faults) for key, text in starts.items()}
-    return None if faults else values
 
 
 def _nested_from(flat: Mapping[str, Any]) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from vibsim.cases.formula_text import (
     parsed,
 )
 from vibsim.cases.problems import did_you_mean, shown
-from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity
+from vibsim.cases.quantities import Quantity, fits_double
 from vibsim.physics import formulas as nodes
 from vibsim.physics.formulas import ONE, PI, ZERO, Node
 
@@ -125,7 +125,7 @@ class _Evaluation:
         number = nodes.value_of(value.node)
         if number is not None and (
             max(number.numerator.bit_length(), number.denominator.bit_length()) > MOST_BITS
-            or (number and not SMALLEST <= abs(number) <= LARGEST)
+            or not fits_double(number)
         ):
             raise self.error("does not fit double precision (2.3e-308 to 2.2e307)", term)
         return value

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from math import prod
 from typing import Any
 
 from vibsim.cases.part_laws import (
@@ -13,7 +12,7 @@ from vibsim.cases.part_laws import (
     stops_have_their_law,
 )
 from vibsim.cases.problems import did_you_mean, shown
-from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity, si_unit
+from vibsim.cases.quantities import Quantity, product_fits, si_unit
 from vibsim.cases.schema_keys import MIXED, Form, all_keys
 from vibsim.cases.schema_kinds import has_formula, of_part, sides_of
 from vibsim.cases.short_form import BASE, CALLED, NO_BODIES, PARTS, Draft, Ends, FoundDefault
@@ -308,8 +307,8 @@ def _formulas(draft: Draft) -> Iterator[str]:
 def products_fit(draft: Draft) -> Iterator[FoundDefault]:
     """Problems of values computed from several others: they must fit a double too."""
     for key, name, factors in _products(draft):
-        numbers = [factor.number() for factor in factors if factor is not None]
-        if len(numbers) == len(factors) and all(numbers) and not SMALLEST <= abs(prod(numbers)) <= LARGEST:
+        known = [factor for factor in factors if factor is not None]
+        if len(known) == len(factors) and not product_fits(known):
             yield FoundDefault(
                 key, f"{name} does not fit double precision (2.3e-308 to 2.2e307)", of_the_name=True
             )

@@ -1,11 +1,12 @@
 """Quantities: decimal text to exact fraction to SI, with one rounding to a double at the very end."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from decimal import Context, Decimal
 from fractions import Fraction
 from functools import lru_cache
+from math import prod
 from typing import NamedTuple
 
 from vibsim.cases.problems import nearest, shown
@@ -187,15 +188,21 @@ def parse_quantity(text: str, dimension: str, alternative: str = "") -> Quantity
     value = exact_number(number)
     if unit.factor != 1:
         value *= unit.factor
-    if not _fits_double(value):
+    if not fits_double(value):
         raise _out_of_range(text)
     return Quantity(f"{number} {unit.name}".strip(), value, unit.per_turn)
 
 
-def _fits_double(value: Fraction) -> bool:
+def fits_double(value: Fraction) -> bool:
     """Whether a value is 0 or lies between SMALLEST and LARGEST; mostly its digits tell."""
     size = value.numerator.bit_length() - value.denominator.bit_length()
     return abs(size) < 1000 or not value or SMALLEST <= abs(value) <= LARGEST
+
+
+def product_fits(factors: Iterable[Quantity]) -> bool:
+    """Whether a product fits a double as its factors do; in doubles an overflow is inf."""
+    numbers = [factor.number() for factor in factors]
+    return not all(numbers) or 2.0**-1022 <= abs(prod(numbers)) < 2.0**1021
 
 
 def quantity_unit(text: str) -> str:

@@ -1,6 +1,6 @@
 """The seam between case and engine: exact quantities become the numbers of a scene, each rounded once."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -195,15 +195,16 @@ def build_parts(values: Values, numbers: NumberType = DOUBLES) -> Scene:
     return SceneBuilder(values, numbers).scene()
 
 
-def rebuild_parts(scene: Scene, values: Values, section: str, numbers: NumberType = DOUBLES) -> Scene:
-    """The scene of values that differ from those of `scene` in one section; the other parts are the same
+def rebuild_parts(
+    scene: Scene, values: Values, sections: Iterable[str], numbers: NumberType = DOUBLES
+) -> Scene:
+    """The scene of values that differ from those of `scene` in some sections; the other parts are the same
     objects. Bodies have a say in other parts, and no section of their own here.
     """
     builder = SceneBuilder(values, numbers)
-    if section not in FIELDS or (section == "motor" and has_formulas(values)):
+    if not FIELDS.keys() >= set(sections) or ("motor" in sections and has_formulas(values)):
         return builder.scene()
-    changed: dict[str, Any] = {FIELDS[section]: builder.section(section)}
-    return scene.but(**changed)
+    return scene.but(**{FIELDS[name]: builder.section(name) for name in sections})
 
 
 class SceneBuilder:

@@ -89,7 +89,7 @@ def excludes(name: str, one: FormulaKey) -> str:
 
 def of_part(section: str, part: object) -> list[FormulaKey]:
     """The keys of a part, or of base and motor, that hold formulas; not those of plus and minus in it."""
-    if section not in FORMULA_KEYS or not isinstance(part, Mapping):
+    if section not in FORMULA_KEYS or not isinstance(part, dict):
         return []
     return active_keys(FORMULA_KEYS[section], part)
 
@@ -105,7 +105,7 @@ def has_formulas(values: Mapping[str, Any]) -> bool:
         return True
     for section in FORMULA_KEYS:
         content = values.get(section)
-        if not isinstance(content, Mapping):
+        if not isinstance(content, dict):
             continue
         parts = [content] if section in ONE_PART else content.values()
         if any(of_part(section, part) or sides_of(section, part) for part in parts):
@@ -115,11 +115,11 @@ def has_formulas(values: Mapping[str, Any]) -> bool:
 
 def sides_of(section: str, part: object) -> dict[str, list[FormulaKey]]:
     """The sections inside a part that hold a formula: plus and minus of a friction."""
-    if not isinstance(part, Mapping):
+    if section not in SIDES or not isinstance(part, dict):
         return {}
-    keys = FORMULA_KEYS.get(section, ())[:1]
-    sides = {side: part.get(side) for side in SIDES.get(section, ())}
-    active = {side: active_keys(keys, inner) for side, inner in sides.items() if isinstance(inner, Mapping)}
+    keys = FORMULA_KEYS[section][:1]
+    sides = {side: part.get(side) for side in SIDES[section]}
+    active = {side: active_keys(keys, inner) for side, inner in sides.items() if isinstance(inner, dict)}
     return {side: keys for side, keys in active.items() if keys}
 
 

@@ -410,7 +410,7 @@ def apply_overrides(tree: Tree, overrides: Mapping[str, object], known: Collecti
 
 def _with_unit(values: dict[str, Any], key: str, value: object) -> object:
     """A bare number in place of one beside a formula, or of a parameter, is in the SI unit of that."""
-    if not isinstance(value, str | int | float) or BARE.fullmatch(_text(value)) is None:
+    if not isinstance(value, str | int | float) or BARE.fullmatch(value_text(value)) is None:
         return value
     old: Any = values
     for name in key.split("."):
@@ -421,7 +421,7 @@ def _with_unit(values: dict[str, Any], key: str, value: object) -> object:
         return value
     from vibsim.cases.any_unit import bare_as
 
-    return bare_as(str(old), _text(value))
+    return bare_as(str(old), value_text(value))
 
 
 BARE = re.compile(rf"\s*{NUMBER}(\s*/\s*\d+)?\s*", re.ASCII)
@@ -520,10 +520,10 @@ def with_leaf(values: dict[str, Any], path: list[str], value: object) -> dict[st
         inner = values.get(name)
         return values | {name: with_leaf(inner if isinstance(inner, dict) else {}, rest, value)}
     return values | {
-        name: value if isinstance(value, str | dict | Formula) or value is BROKEN else _text(value)
+        name: value if isinstance(value, str | dict | Formula) or value is BROKEN else value_text(value)
     }
 
 
-def _text(value: object) -> str:
+def value_text(value: object) -> str:
     """A number given from Python as text; repr of a float, also one of numpy, is its shortest decimal."""
     return repr(float(value)) if isinstance(value, float) else str(value)

@@ -4,11 +4,11 @@ import json
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from json.encoder import encode_basestring_ascii as quoted
-from math import inf, isfinite, pi, prod, sqrt
+from math import inf, isfinite, pi, sqrt
 from typing import Any, NamedTuple
 
 from vibsim.cases.problems import CaseError, Problem, did_you_mean, shown, unsupported
-from vibsim.cases.quantities import LARGEST, SMALLEST, Quantity, QuantityError
+from vibsim.cases.quantities import Quantity, QuantityError, product_fits
 from vibsim.cases.schema import USUAL_ORDER, CaseFile, CaseHead, MotorKeys, Section
 from vibsim.cases.schema_keys import (
     SHORT,
@@ -383,6 +383,20 @@ def validated(tree: Tree) -> CaseHead:
     raise CaseError(sorted(dict.fromkeys(problems), key=_file_order(tree)))
 
 
+def has_contradictions(values: dict[str, Any], flat: Mapping[str, Any]) -> bool:
+    """Whether numbers that are right by themselves contradict each other, in a case without formulas whose
+    keys and words are right.
+    """
+    if contradictions(flat):
+        return True
+    form = form_of(values)
+    if form is SHORT:
+        return False
+    from vibsim.cases.part_rules import findings
+
+    return bool(findings(flat, values, form))
+
+
 def has_rigid_stops(values: dict[str, Any]) -> bool:
     """Whether a case in the long form has a rigid stop."""
     return any(stop.get("law") == "rigid" for stop in values.get("stops", {}).values())
@@ -543,16 +557,16 @@ def _output_interval(flat: Flat) -> Iterator[Contradiction]:
     if every is None:
         return
     span = every + (t_end or 0)
-    held = max(Fraction(every.numerator), span * every.denominator) < LARGEST_WHOLE
-    if not held and span / every <= MOST_SAMPLES:
-        every_text = f"as p/q seconds, {flat['run.every']} has too many digits"
-        what = f"{every_text}: p, and q times run.t_end, must be below 2^53; a fraction such as 1/60 s may do"
-        yield ("run.every", "run.t_end"), what
-    elif span / every > MOST_SAMPLES:
-        count = f"{float(span / every):.3g}"
+    samples = span / every
+    if samples > MOST_SAMPLES:
+        count = f"{float(samples):.3g}"
         what = (
             f"{flat['run.t_end']} every {flat['run.every']} makes {count} samples; at most 1e10 are allowed"
         )
+        yield ("run.every", "run.t_end"), what
+    elif every.numerator >= LARGEST_WHOLE or span * every.denominator >= LARGEST_WHOLE:
+        every_text = f"as p/q seconds, {flat['run.every']} has too many digits"
+        what = f"{every_text}: p, and q times run.t_end, must be below 2^53; a fraction such as 1/60 s may do"
         yield ("run.every", "run.t_end"), what
 
 
@@ -562,14 +576,11 @@ def _exact(flat: Flat, key: str) -> Fraction | None:
 
 
 def _derived_numbers_fit(flat: Flat) -> Iterator[Contradiction]:
-    """Values computed from several others must fit a double as they do; in doubles an overflow is inf."""
+    """Values computed from several others must fit a double as they do."""
     for name, factors in PRODUCTS.items():
-        values = [flat.get(factor) for factor in factors]
-        numbers = [factor.number() for factor in values if isinstance(factor, Quantity)]
-        if len(numbers) == len(factors) and all(numbers):
-            product = abs(prod(numbers))
-            if not SMALLEST <= product <= LARGEST:
-                yield factors, f"{name} does not fit double precision (2.3e-308 to 2.2e307)"
+        values = [factor for factor in map(flat.get, factors) if isinstance(factor, Quantity)]
+        if len(values) == len(factors) and not product_fits(values):
+            yield factors, f"{name} does not fit double precision (2.3e-308 to 2.2e307)"
 
 
 PRODUCTS = {

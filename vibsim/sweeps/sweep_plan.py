@@ -89,7 +89,7 @@ class PointSettings:
                 case = self._cases[others] = self.case.with_values(dict(others)) if others else self.case
             except CaseError:  # which may name starts too
                 return self.case.with_values(every)
-        return case.with_start(starts)
+        return case.with_values(starts) if starts else case
 
     @cached_property
     def _cases(self) -> dict[tuple[tuple[str, str], ...], "Case"]:

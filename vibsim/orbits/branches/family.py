@@ -92,9 +92,7 @@ class ScenePath:
         if scene is None:
             scene = self._scene = build_parts(values)
             return scene
-        for section in self._sections:
-            scene = rebuild_parts(scene, values, section)
-        return scene
+        return rebuild_parts(scene, values, self._sections)
 
     def _quantity(self, value: float) -> Quantity:
         """Result of `parse_quantity` for a value and the unit, faster for ordinary numbers."""
