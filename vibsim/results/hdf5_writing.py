@@ -47,15 +47,17 @@ def write_hdf5(
 
 def write_datasets(file: h5py.File, declared: Iterable[Dataset], values: Mapping[str, Any]) -> None:
     """Write datasets to an open file: scales first, then what is attached to them."""
+    scales: dict[str, h5py.Dataset] = {}
     for dataset in sorted(declared, key=lambda each: not each.is_scale):
-        group = dataset.name.rpartition("/")[0]
         if dataset.is_scale:
-            _written(file, dataset, values[dataset.name]).make_scale(dataset.dims[0])
+            scales[dataset.name] = _written(file, dataset, values[dataset.name])
+            h5ds.set_scale(scales[dataset.name].id, dataset.dims[0].encode())
             continue
-        scales = [file[f"{group}/{name}"] for name in dataset.dims]
-        item = _written(file, dataset, np.reshape(values[dataset.name], [len(scale) for scale in scales]))
-        for dimension, scale in zip(item.dims, scales, strict=True):
-            dimension.attach_scale(scale)
+        group = dataset.name.rpartition("/")[0]
+        own = [scales[f"{group}/{name}" if group else name] for name in dataset.dims]
+        item = _written(file, dataset, np.reshape(values[dataset.name], [len(scale) for scale in own]))
+        for dimension, scale in enumerate(own):
+            h5ds.attach_scale(item.id, scale.id, dimension)
 
 
 def _written(file: h5py.File, dataset: Dataset, values: Any) -> h5py.Dataset:
