@@ -191,13 +191,14 @@ def test_fresh_points_do_not_depend_on_the_direction():
 
 
 def test_a_failed_point_is_kept_with_its_reason_and_tried_again(tmp_path, monkeypatch):
-    def failing(scene, *arguments, **options):
-        if abs(scene.motor.Omega0 / 2 / np.pi - 4) < 1e-9:
+    def failing(run):
+        if abs(run.scene.motor.Omega0 / 2 / np.pi - 4) < 1e-9:
             raise EngineError("diverged", State(1.5, [1.5], [1.5], 1.5, 1.5, 1.5))
-        return open_trajectory(scene, *arguments, **options)
+        return opened(run)
 
+    opened = MeasuredRun._trajectory
     plan, path = short_plan({OMEGA0: "3, 4, 5 Hz"}, carry_state=True), tmp_path / "sweep.h5"
-    monkeypatch.setattr(statistics, "open_trajectory", failing)
+    monkeypatch.setattr(MeasuredRun, "_trajectory", failing)
     result, _ = complete(plan, path)
     assert result["status"].ravel().tolist() == [DONE, FAILED, DONE]
     assert "t = 1.5 s: the state is no longer finite" in result["error"][1, 0]
@@ -315,10 +316,33 @@ def numbers(point):
     return point.error, point.sha256, values, {name: one.tobytes() for name, one in point.arrays.items()}
 
 
+NUMBERS = [  # case, key, values; of the last some make other modes
+    ("II-B", "Omega0", "4:7:1 Hz"),
+    ("II-B", "G", "1, 2, 3, 4 mm"),  # from which the smallest gaps are
+    ("I-A-eq211", "omega", "3:6:1 Hz"),
+    ("I-B", "mu", "1e-3, 0.1, 2e-3, 3e-3"),  # from the second on it sticks at first
+    ("gallery/chattering-oscillator", "wall.e", "0.6:0.75:0.05"),
+    ("gallery/belt-oscillator", "spring.k", "1:1.3:0.1 N/m"),
+    ("gallery/belt-oscillator", "belt.belt", "1.2:1.8:0.2 m/s"),  # the block begins with 1.5 m/s
+    ("gallery/energy-harvester", "run.t_end", "2:8:2 s"),
+    ("I-B", "mu", "1e-3, 0, 2e-3, 0.1"),
+]
+
+
 @pytest.mark.parametrize("name", STARTS)
-def test_points_do_not_depend_on_those_before(name):
+def test_points_do_not_depend_on_starts_before(name):
     case = load_case(name, {"run.t_end": "12 s"})
-    plan = make_plan(case, [], ensemble=(read_members(case, 4, 0, STARTS[name]),), section=5)
+    check_apart(make_plan(case, [], ensemble=(read_members(case, 4, 0, STARTS[name]),), section=5))
+
+
+@pytest.mark.parametrize(("name", "key", "values"), NUMBERS)
+def test_points_do_not_depend_on_numbers_before(name, key, values):
+    changes = {"run.t_end": "12 s"} | ({"x1": "0.2 mm"} if name == "I-B" else {})
+    check_apart(make_plan(load_case(name, changes), [(key, values)], section=5, compute="all"))
+
+
+def check_apart(plan):
+    """Four points, computed one after another, have the bits of each alone."""
     indices = [(member, 0) for member in (0, 1, 2, 3, 1)]  # one twice, other motions between
     piece = BatchPiece(tuple((index, plan.changes(index)) for index in indices))
     together = alone(lambda: compute_batch(plan.point_settings, (piece,)))
@@ -341,20 +365,21 @@ def test_short_runs_of_a_batch_end_before_one_is_measured(monkeypatch, few, orde
 
         return noted_first
 
-    monkeypatch.setattr(c_engine, "FEW", few)
-    monkeypatch.setattr(MeasuredRun, "hold", noting("run", MeasuredRun.hold))
-    monkeypatch.setattr(Measurement, "values", noting("measured", Measurement.values))
     case = load_case("gallery/belt-oscillator", {"run.t_end": "12 s"})
     spreads = STARTS["gallery/belt-oscillator"]
     plan = make_plan(case, [], ensemble=(read_members(case, 3, 0, spreads),), section=5)
     piece = BatchPiece(tuple(((member, 0), plan.changes((member, 0))) for member in range(3)))
+    compute_batch(plan.point_settings, (piece,))  # behind which C knows what follows each event
+    monkeypatch.setattr(c_engine, "FEW", few)
+    monkeypatch.setattr(MeasuredRun, "hold", noting("run", MeasuredRun.hold))
+    monkeypatch.setattr(Measurement, "values", noting("measured", Measurement.values))
     assert all(point.done for point in compute_batch(plan.point_settings, (piece,)))
     assert noted == order
     asked = iter([True, True, False])  # after each run
     assert len(compute_batch(plan.point_settings, (piece,), lambda: next(asked))) == 2
 
 
-def test_a_run_is_begun_anew_where_the_start_alone_differs(monkeypatch):
+def test_a_run_is_begun_anew_where_numbers_alone_differ(monkeypatch):
     opened = []
 
     def noted(scene, **wishes):
@@ -364,10 +389,15 @@ def test_a_run_is_begun_anew_where_the_start_alone_differs(monkeypatch):
     monkeypatch.setattr(statistics, "open_trajectory", noted)
     case = load_case("gallery/belt-oscillator", {"run.t_end": "4 s"})
     scenes = [case.with_values({"initial.block.x": x}).scene() for x in ("0.1 m", "0.2 m")]
-    others = [case.with_values({"belt.mu_s": "1.1"}).scene(), case.scene().but(t_end=5.0)]
-    for scene in (*scenes, others[0], *scenes, others[1], *scenes):
-        list(MeasuredRun(scene, quantities_of(case), 2.0).blocks())
-    assert opened == [scenes[0], others[0], scenes[0], others[1], scenes[0]]
+    others = [case.with_values(one).scene() for one in ({"spring.k": "1.1 N/m"}, {"run.t_end": "5 s"})]
+    undamped = case.with_values({"spring.c": "0 N s/m"}).scene()  # whose rows have another form
+
+    def run_all():
+        for scene in (*scenes, *others, undamped, *scenes):
+            list(MeasuredRun(scene, quantities_of(case), 2.0).blocks())
+
+    alone(run_all)
+    assert opened == [scenes[0], undamped, scenes[0]]
 
 
 def test_a_held_run_leaves_nothing_to_the_next():

@@ -25,6 +25,7 @@ from vibsim.engine.ledger import struck_entries
 from vibsim.engine.ledger_integrals import pack_extremes, pack_impacts, pack_ledger
 from vibsim.engine.modes.mode_table import ModeTable, bytes_of, mode_table
 from vibsim.engine.modes.packing import pack_scene, pack_state
+from vibsim.engine.modes.parametric_rows import differences
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import DOMAIN, HOLD, SLIDE, Known, ModeRows
 from vibsim.engine.modes.status import STICK, Status
@@ -32,7 +33,7 @@ from vibsim.engine.modes.ties import Edge
 from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.engine.resume import Point
 from vibsim.engine.tangent.tangent_space import length
-from vibsim.physics.parts import EVENT_KINDS, Scene
+from vibsim.physics.parts import EVENT_KINDS, ROTOR, Scene
 from vibsim.physics.rates import common_period, turning_rotor
 
 if TYPE_CHECKING:
@@ -102,13 +103,13 @@ class CRun:
         self.scene, self.n, self.size, self.early = scene, len(scene.bodies), length(scene), early
         self.form, self.kit, self.momentum = form, form.kit, momentum
         if form is DOUBLES:
-            self.table = mode_table(scene, harmonic_keys=not carries)
+            self.table = self.origin = mode_table(scene, harmonic_keys=not carries)
         else:
-            self.table = ModeTable(scene, form)
+            self.table = self.origin = ModeTable(scene, form)
         self.keys = self.table.keys
         self.carries = carries or tangent[0] > 0  # disturbances, now or later, by which rules are made
-        ints, self._doubles = pack_scene(scene, pitches(scene), form)
-        self.run = form.run(ints, self._doubles)
+        self._ints, self._doubles = pack_scene(scene, pitches(scene), form)
+        self.run = form.run(self._ints, self._doubles)
         self.stopped = threading.Event()
         self.left_at: State | None = None  # before an event that was left undecided
         self.described: dict[int, Doubt] = {}  # of the first doubts, by number
@@ -133,10 +134,11 @@ class CRun:
             from vibsim.engine.tangent.packing_tangent import pack_bundle
 
             self.run.keep_tangent(*pack_bundle(scene, count, begin, self.maker.ends))
-        if extremes:
-            self.run.keep_extremes(*pack_extremes(scene, *extremes))
+        self.measured, self._packed_extremes = extremes, extremes and pack_extremes(scene, *extremes)
+        if self._packed_extremes:
+            self.run.keep_extremes(*self._packed_extremes)
         self.extremes = (len(extremes[0]) + (scene.motor is not None)) if extremes else 0
-        self.sample_room = min(scene.sample_index(scene.t_end) + 2, form.room(SAMPLE_ROOM))
+        self.sample_room = self._room_for_samples(scene)
         parts = len(part_columns(scene))
         self.event_room = max(form.room(EVENT_ROOM), min(EVENT_ROOM, 64 + 4 * parts))
         self.section_room = form.room(SECTION_ROOM) if section and self._keep_section() else 0
@@ -145,14 +147,63 @@ class CRun:
         if not carries:
             self._begin(*(resume or self._begun(start_of(scene, self.kit))))
 
-    def begin_anew(self, scene: Scene) -> None:
-        """Begin anew, from the start of a scene that differs in that alone."""
+    def begin_anew(self, scene: Scene) -> bool:
+        """Begin anew, from the start of a scene that differs in that and in numbers of its modes at most;
+        whether it does, else nothing can be done with this run any more.
+        """
+        self.run.rewind(scene.t_end)
+        if not self.scene.same_but_for_start(scene) and not self._takes_over(scene):
+            return False
         if scene.rigid_stops:  # whose automaton sums up what the ends of sequences of impacts leave out
             vars(self).pop("automaton", None)
         self.scene = scene
         self.described.clear()
-        self.run.rewind(scene.t_end)
         self._begin(*self._begun(start_of(scene, self.kit)))
+        return True
+
+    def _takes_over(self, scene: Scene) -> bool:
+        """Go over to a scene whose modes have the same form; whether they have, and all else that C was told
+        at first holds for it.
+        """
+        ints, doubles = pack_scene(scene, pitches(scene), self.form)
+        extremes = self.measured and pack_extremes(scene, *self.measured)
+        if self.integrals or (ints, extremes) != (self._ints, self._packed_extremes):
+            return False
+        numbers = differences(self.origin.scene, scene)
+        if numbers is None or any(body.kind == ROTOR for body in scene.bodies):
+            return False
+        try:
+            self.retune(scene, doubles, self.origin.retuned(scene, numbers))
+        except ValueError:  # a mode has another form all the same
+            return False
+        self._keep_section()
+        room = self._room_for_samples(scene)
+        if room > self.sample_room:
+            self.sample_room = room
+            self._fill_new_arrays()
+        return True
+
+    def retune(self, scene: Scene, doubles: bytes, table: ModeTable) -> None:
+        """Go over to a scene whose modes have the same form (`parametric_rows.differences`); a new start has
+        to follow. Raises ValueError where a mode has not.
+
+        doubles : of the packed scene; table : of its modes
+        """
+        for name in ("expansion", "automaton", "jumps", "maker"):
+            self.__dict__.pop(name, None)
+        before, self.scene = self.scene, scene
+        if doubles != self._doubles:
+            self.run.retune(doubles)
+            self._doubles = doubles
+        if table is not self.table:
+            self.table = table
+            for number, status in enumerate(self.statuses):
+                self.run.renew_mode(number, *table.packed(status))
+                self._set_slopes(number, status)
+        if before.stops is not scene.stops or before.frictions is not scene.frictions:
+            vars(self).pop("plain", None)
+            if scene.rigid_stops:
+                self.run.keep_impacts(*pack_impacts(scene, [], self.maker.ends, self.early))
 
     @property
     def doubts(self) -> list[Doubt]:
@@ -241,6 +292,10 @@ class CRun:
         elif rotor is not None:
             self.run.keep_section(0.0, 0.0, 0.0, rotor)
         return period is not None or rotor is not None or self.scene.motor is not None
+
+    def _room_for_samples(self, scene: Scene) -> int:
+        """How many samples of a scene C gives back at a time."""
+        return min(scene.sample_index(scene.t_end) + 2, self.form.room(SAMPLE_ROOM))
 
     def _fill_new_arrays(self) -> None:
         """Let C fill new arrays, one row per column: samples, sample modes, events, event codes, section."""

@@ -113,13 +113,14 @@ class Trajectory:
         """Have `blocks` end with what is computed, from any thread; at once where it decides what follows."""
         self.run.stopped.set()
 
-    def restart(self, scene: Scene) -> None:
-        """Begin anew, from the start of a scene that differs from that of the run in its start alone.
+    def restart(self, scene: Scene) -> bool:
+        """Begin anew, from the start of a scene that differs in that and in numbers of its modes at most;
+        whether it does, else nothing can be done with this run any more.
 
         What the blocks before have shown holds no longer.
         """
         self.scene, self.advanced = scene, None
-        self.run.begin_anew(scene)
+        return self.run.begin_anew(scene)
 
     def pause_at(self, time: float) -> None:
         """Have the block end with which the run reaches a time [s]; the next one where there is no other."""

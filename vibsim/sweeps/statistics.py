@@ -35,7 +35,7 @@ States = Mapping[str, np.ndarray]  # time [s] and the states by name, each (n)
 # One run of a scene for its statistics: the transient, of which nothing is recorded but events, and the rest.
 #
 # What counts is shown from the last event of the transient on, which stands as a start. A run is kept for the
-# next point in the same thread: where that differs in its start alone, C has all that it is to know.
+# next point in the same thread: where that differs in numbers alone, C has most of what it is to know.
 
 
 COUNTED_IN_ALL = ("impacts", "sticks", "events", "uncertified", "grazing_margin")
@@ -180,8 +180,7 @@ class MeasuredRun:
         """The run, not yet computed: the kept one where that can begin anew."""
         (settings, kept), _kept.run = getattr(_kept, "run", None) or (None, None), None
         trajectory: Trajectory | None = kept if settings == self._settings else None
-        if trajectory is not None and trajectory.scene.same_but_for_start(self.scene):
-            trajectory.restart(self.scene)
+        if trajectory is not None and trajectory.restart(self.scene):
             return trajectory
         ends, begin, watched = self._settings
         record_from = begin, 0.0 if watched else begin

@@ -9,7 +9,6 @@ import numpy as np
 
 from vibsim.engine.c_engine import REASONS, UNDECIDED, CRun
 from vibsim.engine.errors import State
-from vibsim.engine.ledger_integrals import pack_impacts
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.engine.tangent.packing_tangent import bundle_form, bundle_numbers
@@ -45,33 +44,12 @@ class CarryingRun(CRun):
         super().__init__(scene, carries=True, form=form)
 
     def retune(self, scene: Scene, doubles: bytes, table: ModeTable) -> None:
-        """Go over to a scene whose modes have the same form (`parametric_rows.differences`); a restart has to
-        follow.
-
-        doubles : of the packed scene; table : of its modes
-        """
-        for name in ("expansion", "automaton", "jumps", "maker"):
-            self.__dict__.pop(name, None)
-        before, self.scene = self.scene, scene
-        if doubles != self._doubles:
-            self.run.retune(doubles)
-            self._doubles = doubles
-        if table is not self.table:
-            self.table = table
-            for number, status in enumerate(self.statuses):
-                self.run.renew_mode(number, *table.packed(status))
-                self._set_slopes(number, status)
-        self._renew_starts(before, scene)
-
-    def _renew_starts(self, before: Scene, scene: Scene) -> None:
-        """Renew what starts, disturbances and impacts are told by, where that has changed."""
+        """As of any run, what disturbances are measured by too."""
+        before = self.scene
         touching = before.stops is not scene.stops or before.frictions is not scene.frictions
-        if touching:
-            vars(self).pop("plain", None)
-        if self._measures is not None and (touching or not plainly_weighed_alike(before, scene)):
+        if touching or not plainly_weighed_alike(before, scene):
             self._measures = None
-        if touching and scene.rigid_stops:
-            self.run.keep_impacts(*pack_impacts(scene, [], self.maker.ends, self.early))
+        super().retune(scene, doubles, table)
 
     def restart(self, state: State[Any], end: Any, vectors: Any) -> None:
         """Begin anew from `state` at t = 0 and run to `end` [s], with disturbances to be carried as they are:
