@@ -18,7 +18,6 @@ from vibsim.cases.scene_building import (
     build_parts,
     build_two_blocks,
     exact_numbers,
-    rebuild_parts,
 )
 from vibsim.cases.schema import CaseFile, CaseHead, HarmonicKeys, Section
 from vibsim.cases.schema_keys import (
@@ -107,7 +106,8 @@ class Case:
             return builder.from_start(scene, start)
         before, values = builder.values, self.long_values()
         sections = [name for name in {**before, **values} if values.get(name) != before.get(name)]
-        return rebuild_parts(scene, values, sections)
+        others = SceneBuilder(values, DOUBLES) if builder.formulas else builder.of_numbers(values)
+        return others.rebuilt(scene, sections)
 
     @cached_property
     def _builder(self) -> SceneBuilder:

@@ -195,18 +195,6 @@ def build_parts(values: Values, numbers: NumberType = DOUBLES) -> Scene:
     return SceneBuilder(values, numbers).scene()
 
 
-def rebuild_parts(
-    scene: Scene, values: Values, sections: Iterable[str], numbers: NumberType = DOUBLES
-) -> Scene:
-    """The scene of values that differ from those of `scene` in some sections; the other parts are the same
-    objects. Bodies have a say in other parts, and no section of their own here.
-    """
-    builder = SceneBuilder(values, numbers)
-    if not FIELDS.keys() >= set(sections) or ("motor" in sections and has_formulas(values)):
-        return builder.scene()
-    return scene.but(**{FIELDS[name]: builder.section(name) for name in sections})
-
-
 class SceneBuilder:
     """The values of one case, the numbers they become and the bodies they speak of."""
 
@@ -234,12 +222,25 @@ class SceneBuilder:
             tol=self.numbers.of(run["tol"]),
         )
 
+    def rebuilt(self, scene: Scene, sections: Iterable[str]) -> Scene:
+        """The scene, which has the parts of another one but for those of sections that differ from its own.
+        Bodies have a say in other parts, and no section of their own here.
+        """
+        if not FIELDS.keys() >= set(sections) or ("motor" in sections and has_formulas(self.values)):
+            return self.scene()
+        return scene.but(**{FIELDS[name]: self.section(name) for name in sections})
+
+    def of_numbers(self, values: Values) -> "SceneBuilder":
+        """The builder of values that differ in numbers which no formula reads."""
+        other = object.__new__(SceneBuilder)  # copy.copy takes as long as all the rest
+        vars(other).update(vars(self), values=values)
+        return other
+
     def from_start(self, scene: Scene, initial: Values) -> Scene:
         """The scene that these values make with other initial ones; what does not depend on these are the
         parts of `scene`, which the values themselves make.
         """
-        other = object.__new__(SceneBuilder)  # copy.copy takes as long as all the rest
-        vars(other).update(vars(self), values={**self.values, "initial": initial})
+        other = self.of_numbers({**self.values, "initial": initial})
         motor = scene.motor
         if motor is not None:
             phi, phidot = other.several(initial["motor"], "phi", "phidot")

@@ -1,6 +1,5 @@
 """Base of every kind of result: shows itself, and becomes an xarray Dataset or a pandas DataFrame."""
 
-import csv
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -278,6 +277,8 @@ def write_table(table: Tidy, path: str | Path, force: bool = False) -> None:
 
     Raises ResultFileError when `path` exists and `force` is not given, or cannot be written.
     """
+    import csv
+
     with output_file(path, force, "utf-8") as file:
         lines = csv.writer(file)
         lines.writerow(table.columns)

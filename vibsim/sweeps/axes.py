@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
-from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -295,6 +294,8 @@ class Spread:
     def _deviations(self, share: np.ndarray) -> np.ndarray:
         if self.shape == UNIFORM:
             return 2 * share - 1
+        from statistics import NormalDist
+
         return np.array([NormalDist().inv_cdf(part) for part in share.tolist()])
 
     def __str__(self) -> str:

@@ -347,16 +347,16 @@ class Statistics:
 
     def _amplitudes(self, run: MeasuredRun, periods: int) -> dict[str, float]:
         least, greatest, _ = run.extremes
-        rows = np.concatenate(self._extremes, axis=1)[:, 1:] if periods else None
+        if periods:  # of every whole period, else of everything
+            low, high = np.split(np.concatenate(self._extremes, axis=1)[:, 1:], 2)
+            halves = (high - low) / 2
+            means, largest = mean(halves).tolist(), halves.max(axis=1).tolist()
+        else:
+            means = largest = [(high - low) / 2 for low, high in zip(least, greatest, strict=True)]
         amplitudes = {}
         for i, motion in enumerate(self.of.motions):
-            if rows is not None:  # of every whole period, else of everything
-                half = (rows[len(rows) // 2 + i] - rows[i]) / 2
-                of_mean, of_greatest = float(mean(half)), float(half.max())
-            else:
-                of_mean = of_greatest = (greatest[i] - least[i]) / 2
-            amplitudes[f"amplitude_{motion.name}"] = of_mean
-            amplitudes[f"amplitude_{motion.name}_max"] = of_greatest
+            amplitudes[f"amplitude_{motion.name}"] = means[i]
+            amplitudes[f"amplitude_{motion.name}_max"] = largest[i]
         for name, motion in self.of.ranged.items():
             i = self.of.motions.index(motion)
             amplitudes[f"{name}_min"], amplitudes[f"{name}_max"] = float(least[i]), float(greatest[i])

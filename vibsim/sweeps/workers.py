@@ -8,7 +8,7 @@ import json
 import logging
 import math
 import os
-import socket
+import platform
 import threading
 import time
 from collections import deque
@@ -427,7 +427,7 @@ def compute_there(settings: PointSettings, pieces: Pieces, expected: dict[str, s
     """On a worker: the points of a batch. Raises WorkerMismatch where they would have other bits."""
     difference = differing(settings.compute, expected)
     if difference:
-        raise WorkerMismatch(f"worker {socket.gethostname()}, process {os.getpid()}, {difference}")
+        raise WorkerMismatch(f"worker {platform.node()}, process {os.getpid()}, {difference}")
     return compute_batch(settings, pieces)
 
 

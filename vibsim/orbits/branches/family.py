@@ -20,7 +20,7 @@ from numpy.polynomial import chebyshev
 
 from vibsim.cases import Case, CaseError
 from vibsim.cases.quantities import UNITS, Quantity, in_own_unit, number
-from vibsim.cases.scene_building import build_parts, rebuild_parts
+from vibsim.cases.scene_building import DOUBLES, SceneBuilder, build_parts
 from vibsim.cases.schema_kinds import Measured
 from vibsim.engine.errors import EngineError
 from vibsim.lazy import once
@@ -92,7 +92,7 @@ class ScenePath:
         if scene is None:
             scene = self._scene = build_parts(values)
             return scene
-        return rebuild_parts(scene, values, self._sections)
+        return SceneBuilder(values, DOUBLES).rebuilt(scene, self._sections)
 
     def _quantity(self, value: float) -> Quantity:
         """Result of `parse_quantity` for a value and the unit, faster for ordinary numbers."""
