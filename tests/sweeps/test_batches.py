@@ -6,7 +6,7 @@ import sys
 import threading
 from concurrent.futures import Future
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 
 import numpy as np
 import pytest
@@ -341,6 +341,14 @@ def test_points_do_not_depend_on_numbers_before(name, key, values):
     check_apart(make_plan(load_case(name, changes), [(key, values)], section=5, compute="all"))
 
 
+def test_modes_of_another_form_are_told_to_a_new_run(monkeypatch):
+    def refused(*_):
+        raise ValueError("the packed numbers are none of that mode")
+
+    monkeypatch.setattr(c_engine.CRun, "retune", refused)
+    check_apart(make_plan(load_case("II-B", {"run.t_end": "3 s"}), [("Omega0", "4:7:1 Hz")], section=5))
+
+
 def check_apart(plan):
     """Four points, computed one after another, have the bits of each alone."""
     indices = [(member, 0) for member in (0, 1, 2, 3, 1)]  # one twice, other motions between
@@ -393,11 +401,12 @@ def test_a_run_is_begun_anew_where_numbers_alone_differ(monkeypatch):
     undamped = case.with_values({"spring.c": "0 N s/m"}).scene()  # whose rows have another form
 
     def run_all():
-        for scene in (*scenes, *others, undamped, *scenes):
-            list(MeasuredRun(scene, quantities_of(case), 2.0).blocks())
+        for together in ([scenes[0]], [scenes[1]], *zip(others), [undamped], scenes, scenes):
+            runs = [MeasuredRun(scene, quantities_of(case), 2.0).blocks() for scene in together]
+            list(zip_longest(*runs))  # by turns
 
     alone(run_all)
-    assert opened == [scenes[0], undamped, scenes[0]]
+    assert opened == [scenes[0], undamped, *scenes]
 
 
 def test_a_held_run_leaves_nothing_to_the_next():

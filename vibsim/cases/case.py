@@ -75,8 +75,8 @@ class Case:
     model: CaseHead
     text: str
     source: str
-    _origin: "Case | None" = field(default=None, repr=False, compare=False)  # it differs from in these alone:
-    _numbers: Mapping[str, Quantity] = field(default_factory=dict, repr=False, compare=False)  # dotted keys
+    _origin: "Case | None" = field(default=None, repr=False, compare=False)  # whose numbers it has,
+    _numbers: Mapping[str, Quantity] = field(default_factory=dict, repr=False, compare=False)  # but for these
 
     @property
     def name(self) -> str:

@@ -72,6 +72,11 @@ def doubts_of(run: CRun) -> Callable[[Any, str, Iterable[str]], None]:
     return doubt
 
 
+def touch_alike(one: Scene, other: Scene) -> bool:
+    """Whether two scenes have the same stops and frictions, which tell the mode of a start."""
+    return one.stops is other.stops and one.frictions is other.frictions
+
+
 # rows of samples, sample modes, events, event codes, section; time reached, time worked out to [s]
 Filled = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, tuple[float, float]]
 
@@ -108,8 +113,8 @@ class CRun:
             self.table = self.origin = ModeTable(scene, form)
         self.keys = self.table.keys
         self.carries = carries or tangent[0] > 0  # disturbances, now or later, by which rules are made
-        self._ints, self._doubles = pack_scene(scene, pitches(scene), form)
-        self.run = form.run(self._ints, self._doubles)
+        ints, self._doubles = pack_scene(scene, pitches(scene), form)
+        self.run = form.run(ints, self._doubles)
         self.stopped = threading.Event()
         self.left_at: State | None = None  # before an event that was left undecided
         self.described: dict[int, Doubt] = {}  # of the first doubts, by number
@@ -134,9 +139,10 @@ class CRun:
             from vibsim.engine.tangent.packing_tangent import pack_bundle
 
             self.run.keep_tangent(*pack_bundle(scene, count, begin, self.maker.ends))
-        self.measured, self._packed_extremes = extremes, extremes and pack_extremes(scene, *extremes)
-        if self._packed_extremes:
-            self.run.keep_extremes(*self._packed_extremes)
+        self._measured, packed_extremes = extremes, extremes and pack_extremes(scene, *extremes)
+        if packed_extremes:
+            self.run.keep_extremes(*packed_extremes)
+        self._told_once = ints, packed_extremes
         self.extremes = (len(extremes[0]) + (scene.motor is not None)) if extremes else 0
         self.sample_room = self._room_for_samples(scene)
         parts = len(part_columns(scene))
@@ -165,12 +171,12 @@ class CRun:
         """Go over to a scene whose modes have the same form; whether they have, and all else that C was told
         at first holds for it.
         """
-        ints, doubles = pack_scene(scene, pitches(scene), self.form)
-        extremes = self.measured and pack_extremes(scene, *self.measured)
-        if self.integrals or (ints, extremes) != (self._ints, self._packed_extremes):
+        if self.integrals or any(body.kind == ROTOR for body in scene.bodies):
             return False
-        numbers = differences(self.origin.scene, scene)
-        if numbers is None or any(body.kind == ROTOR for body in scene.bodies):
+        ints, doubles = pack_scene(scene, pitches(scene), self.form)
+        extremes = self._measured and pack_extremes(scene, *self._measured)
+        numbers = differences(self.origin.scene, scene) if self._told_once == (ints, extremes) else None
+        if numbers is None:
             return False
         try:
             self.retune(scene, doubles, self.origin.retuned(scene, numbers))
@@ -200,7 +206,7 @@ class CRun:
             for number, status in enumerate(self.statuses):
                 self.run.renew_mode(number, *table.packed(status))
                 self._set_slopes(number, status)
-        if before.stops is not scene.stops or before.frictions is not scene.frictions:
+        if not touch_alike(before, scene):
             vars(self).pop("plain", None)
             if scene.rigid_stops:
                 self.run.keep_impacts(*pack_impacts(scene, [], self.maker.ends, self.early))

@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import reduce
 from itertools import starmap
 from operator import add, itemgetter
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -42,7 +42,15 @@ COUNTED_IN_ALL = ("impacts", "sticks", "events", "uncertified", "grazing_margin"
 START = {"kind": EVENT_KINDS["start"], "part": -1}
 BEFORE = "before_"  # of velocities in front of an event, which impacts on rigid stops change
 
-_kept = threading.local()  # `run`: the last run of this thread that came to its end, with its settings
+
+class _KeptRuns(threading.local):
+    """The runs of a thread that came to their ends, with their settings."""
+
+    def __init__(self) -> None:
+        self.runs: list[tuple[Any, Trajectory]] = []
+
+
+_kept = _KeptRuns()
 
 
 class GivenUpError(Exception):
@@ -111,7 +119,8 @@ class MeasuredRun:
         self.t_reached, _ = rows[-1]
         self._held = starmap(trajectory.columns.block, [rows])
         self._end(trajectory)
-        self._begun, _kept.run = None, (self._settings, trajectory)
+        self._begun = None
+        _kept.runs.append((self._settings, trajectory))
         self.ask()
         return True
 
@@ -145,7 +154,7 @@ class MeasuredRun:
         else:
             if not (stages and self._early and self._early.is_sure(stages[0])):
                 self._end(trajectory)
-        _kept.run = self._settings, trajectory
+        _kept.runs.append((self._settings, trajectory))
 
     def _ends_early(self, stages: deque[float], block: Block, trajectory: Trajectory) -> bool:
         """Whether the run ends at one of the stages that a block has come to, which are done with."""
@@ -178,9 +187,8 @@ class MeasuredRun:
 
     def _trajectory(self) -> Trajectory:
         """The run, not yet computed: the kept one where that can begin anew."""
-        (settings, kept), _kept.run = getattr(_kept, "run", None) or (None, None), None
-        trajectory: Trajectory | None = kept if settings == self._settings else None
-        if trajectory is not None and trajectory.restart(self.scene):
+        settings, trajectory = _kept.runs.pop() if _kept.runs else (None, None)
+        if trajectory is not None and settings == self._settings and trajectory.restart(self.scene):
             return trajectory
         ends, begin, watched = self._settings
         record_from = begin, 0.0 if watched else begin

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vibsim.engine.c_engine import REASONS, UNDECIDED, CRun
+from vibsim.engine.c_engine import REASONS, UNDECIDED, CRun, touch_alike
 from vibsim.engine.errors import State
 from vibsim.engine.modes.mode_table import ModeTable
 from vibsim.engine.number_forms import DOUBLES, NumberForm
@@ -44,11 +44,9 @@ class CarryingRun(CRun):
         super().__init__(scene, carries=True, form=form)
 
     def retune(self, scene: Scene, doubles: bytes, table: ModeTable) -> None:
-        """As of any run, what disturbances are measured by too."""
-        before = self.scene
-        touching = before.stops is not scene.stops or before.frictions is not scene.frictions
-        if touching or not plainly_weighed_alike(before, scene):
-            self._measures = None
+        """As of any run, and with what disturbances are measured by."""
+        alike = touch_alike(self.scene, scene) and plainly_weighed_alike(self.scene, scene)
+        self._measures = self._measures if alike else None
         super().retune(scene, doubles, table)
 
     def restart(self, state: State[Any], end: Any, vectors: Any) -> None:
