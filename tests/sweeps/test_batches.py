@@ -18,9 +18,9 @@ from vibsim.engine import c_engine
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.results.simulation import open_result
-from vibsim.sweeps import statistics
+from vibsim.sweeps import points, statistics
 from vibsim.sweeps.axes import read_members
-from vibsim.sweeps.points import BatchPiece, Measurement, SweepPoint, compute_batch
+from vibsim.sweeps.points import BatchPiece, Measurement, SweepPoint, compute_batch, compute_point
 from vibsim.sweeps.quantities import DONE, FAILED, NOT_REPRODUCIBLE, quantities_of
 from vibsim.sweeps.statistics import MeasuredRun, sampled_for_statistics
 from vibsim.sweeps.sweep_file import SweepStore
@@ -83,7 +83,7 @@ def test_every_point_comes_once(settings, seconds):
 
 
 def test_a_batch_takes_its_time_and_the_last_are_short():
-    plan = short_plan({OMEGA0: "3:5:0.001 Hz"})  # 2001 points of 50 ms: 20 fill a batch of 1 s
+    plan = short_plan({"c": "0:0.2:0.0001"}, short_case("I-B"))  # 2001 points of 50 ms: 20 fill a second
     workers = ImmediateWorkers(plan, 0.05)
     run_through(plan, workers)
     assert max(workers.lengths) == 20
@@ -92,16 +92,27 @@ def test_a_batch_takes_its_time_and_the_last_are_short():
     assert len(workers.lengths) <= 2001 / 20 + 2 * workers.count + 6 * ROUNDS * workers.count
 
 
-def test_the_pace_follows_the_points():
-    plan = short_plan({OMEGA0: "3:5:0.001 Hz"})
+def batch_lengths(plan, paces):
+    """Points of the batches of a second that one worker is handed, whose points take so long [s]."""
     backlog = Backlog(plan, SweepStore(plan).table, seconds=1.0)
-    lengths = []
-    for seconds in (0.1, 0.1, 0.1, 0.5, 0.5, 0.5, 0.5, 0.5):
+    for seconds in paces:
         handed = backlog.batch(1)
         points = [invented(index, seconds) for _, piece in handed for index, _ in piece.points]
-        lengths.append(len(points))
+        yield len(points)
         backlog.take(handed, points)
+
+
+def test_the_pace_follows_the_points():
+    plan = short_plan({"c": "0:0.2:0.0001"}, short_case("I-B"))
+    lengths = list(batch_lengths(plan, (0.1, 0.1, 0.1, 0.5, 0.5, 0.5, 0.5, 0.5)))
     assert lengths[:3] == [1, 10, 10] and lengths[-1] == 2
+
+
+def test_runs_that_share_lanes_come_in_batches_that_fill_them():
+    plan = short_plan({OMEGA0: "3:5:0.001 Hz"})
+    assert list(batch_lengths(plan, (0.05, 0.3, 0.55, 2.0, 2.0))) == [1, 20, 16, 16, 6]
+    few = short_plan({OMEGA0: "3:5:0.2 Hz"})  # 11 points: the last ones are shared out
+    assert list(batch_lengths(few, (0.05, 0.05))) == [1, 10]
 
 
 def test_a_carried_batch_is_the_points_one_by_one():
@@ -380,11 +391,52 @@ def test_short_runs_of_a_batch_end_before_one_is_measured(monkeypatch, few, orde
     compute_batch(plan.point_settings, (piece,))  # behind which C knows what follows each event
     monkeypatch.setattr(c_engine, "FEW", few)
     monkeypatch.setattr(MeasuredRun, "hold", noting("run", MeasuredRun.hold))
-    monkeypatch.setattr(Measurement, "values", noting("measured", Measurement.values))
+    monkeypatch.setattr(Measurement, "steps", noting("measured", Measurement.steps))
     assert all(point.done for point in compute_batch(plan.point_settings, (piece,)))
     assert noted == order
     asked = iter([True, True, False])  # after each run
     assert len(compute_batch(plan.point_settings, (piece,), lambda: next(asked))) == 2
+
+
+MANY = ("capture", "certificate", "power", "impact-velocity", "attractor")
+
+
+@pytest.mark.parametrize("compute", [(), MANY, ("attractor",)])
+def test_points_whose_runs_share_lanes_are_those_of_each_alone(compute):
+    plan = short_plan({OMEGA0: "3:5:0.1 Hz"}, short_case(t_end="12 s"), section=5, compute=compute)
+    piece = BatchPiece(tuple(((i, 0), plan.changes((i, 0))) for i in range(19)))
+    together = compute_batch(plan.point_settings, (piece,))
+    assert [point.index for point in together] == [index for index, _ in piece.points]
+    for point, (index, changes) in zip(together, piece.points, strict=True):
+        other = compute_point(plan.point_settings, index, changes, None)
+        assert (point.status, point.sha256, point.error) == (other.status, other.sha256, other.error)
+        assert repr(reproducible(point.values)) == repr(reproducible(other.values))
+        assert {name: array.tobytes() for name, array in point.arrays.items()} == {
+            name: array.tobytes() for name, array in other.arrays.items()
+        }
+
+
+def reproducible(values):
+    """Values of a point without those that are another each time."""
+    return {name: value for name, value in values.items() if name not in NOT_REPRODUCIBLE}
+
+
+def test_points_that_are_done_beside_others_that_are_given_up_are_kept(monkeypatch):
+    calls = []
+
+    def short_ones_first(runs):
+        calls.append(len(runs))
+        for one in runs:
+            if len(calls) > 1 or one.scene.t_end < 2:
+                one.run.advanced = one.run.run.advance()
+
+    monkeypatch.setattr(points, "advance_together", short_ones_first)
+    plan = short_plan({OMEGA0: "3:5:0.5 Hz"}, short_case(t_end="60 s"))
+    ends = ("60 s", "1 s", "60 s", "1 s", "60 s")
+    changes = [{**plan.changes((i, 0)), "run.t_end": end} for i, end in enumerate(ends)]
+    piece = BatchPiece(tuple(((i, 0), change) for i, change in enumerate(changes)))
+    done = compute_batch(plan.point_settings, (piece,), lambda: len(calls) < 2)
+    assert calls == [5, 3] and [point.index for point in done] == [(1, 0), (3, 0)]
 
 
 def test_a_run_is_begun_anew_where_numbers_alone_differ(monkeypatch):

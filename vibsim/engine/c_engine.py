@@ -116,6 +116,7 @@ class CRun:
         ints, self._doubles = pack_scene(scene, pitches(scene), form)
         self.run = form.run(ints, self._doubles)
         self.stopped = threading.Event()
+        self.advanced: _engine.Progress | None = None  # what a call of C came to that others made
         self.left_at: State | None = None  # before an event that was left undecided
         self.described: dict[int, Doubt] = {}  # of the first doubts, by number
         self.told = 0  # bytes of the modes that C knows
@@ -350,16 +351,22 @@ class CRun:
                 orders[self.keys[key]] = order
         return orders.tobytes()
 
-    def blocks(self, advanced: _engine.Progress | None = None) -> Iterator[Filled]:
+    def blocks(self) -> Iterator[Filled]:
         """Yield (samples, sample modes, events, event codes, section), arrays of one row per column, and
         (time reached, time worked out to); raises EngineError. What is yielded holds until a restart.
+        """
+        return filter(None, self.blocks_beside())
 
-        advanced : what the first call of C has come to, where it has been made
+    def blocks_beside(self) -> Iterator[Filled | None]:
+        """The same, and None in front of each call of C, which others may make then: `advanced` is what it
+        came to.
         """
         finished, last_told = 0, monotonic()
         while not finished:
-            *counts, finished, status = advanced or self.run.advance()
-            advanced = None
+            if not self.advanced:
+                yield None
+            *counts, finished, status = self.advanced or self.run.advance()
+            self.advanced = None
             if status == UNDECIDED:
                 number, event, order, values = self.run.pending()
                 if self.told > MOST_BYTES and (number, event) not in self.ruled:  # else half of it is told

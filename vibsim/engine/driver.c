@@ -6,6 +6,7 @@
 
 #include "certificate.h"
 #include "event_functions.h"
+#include "lanes.h"
 #include "numbers.h"
 
 #define EVENTS_AT_ONE_INSTANT 64 /* more than that are an accumulation, which ends the run */
@@ -92,6 +93,9 @@ static void enter(Run *r)
 {
     const State *state = &r->state;
     kick(r);
+    r->waits = r->abreast && suits_lanes(r);
+    if (r->waits)
+        return;
     if (leaves_flat(r, state)) {
         taylor_enter(r, state);
         return;
@@ -192,7 +196,8 @@ void run_rewind(Run *r, Real t_end)
         r->counts[k] = 0;
     for (k = 0; k < r->ledger.count; k++)
         r->ledger.entries[k] = 0.0;
-    r->evaluations = r->steps = 0;
+    r->evaluations = r->steps = r->steps_beside = 0;
+    r->waits = 0;
     r->first_violation = 0;
     r->events_at_instant = r->finished = r->violated_once = r->dithered = r->interrupted = 0;
     r->status = OK;
@@ -386,7 +391,9 @@ static void carry_on(Run *r, Buffers *b)
     if (r->pending_end < r->t_end && !r->closed) {
         memset(r->known, 0, sizeof(int) * (size_t)r->key_count);
         kick(r);
-        taylor_continue(r, &r->state);
+        r->waits = r->abreast && suits_lanes(r);
+        if (!r->waits)
+            taylor_continue(r, &r->state);
     }
     if (b && r->pending_end >= r->t_end)
         finish(r, b);
@@ -404,11 +411,17 @@ static int ruled_meanwhile(Run *r, Buffers *b)
     return 0;
 }
 
-/* Make the expansion that a signal has ended anew; what it has ended elsewhere goes on by itself. */
+/* Make the expansion that a signal has ended anew; what it has ended elsewhere goes on by itself. Take the step by itself that was to be
+ * taken beside others.
+ */
 static void enter_again(Run *r)
 {
     const int flow = r->interrupted == FLOW;
     r->interrupted = 0;
+    if (r->waits && !r->abreast) {
+        r->waits = 0;
+        taylor_continue(r, &r->state);
+    }
     if (flow)
         taylor_enter(r, &r->state);
 }
@@ -419,16 +432,10 @@ static int room_for_events(const Run *r, const Buffers *b)
     return b->event_count + 3 + 3 * r->parts < b->event_room;
 }
 
-/* Advance until the run ends, pauses or fails, or the room or the work of this call is spent. An event without a rule leaves the
- * status UNDECIDED: Python takes it, or makes its rule.
- */
-void run_advance(Run *r, Buffers *b)
+/* Stretch by stretch as far as `run_advance` goes, or to where the run waits for a step that is taken beside others. */
+static void go_on(Run *r, Buffers *b)
 {
-    r->spent = 0;
-    enter_again(r);
-    if (!ruled_meanwhile(r, b))
-        return;
-    while (!r->finished && r->status == OK && !r->interrupted && r->spent < r->work_at_once && r->state.t < r->pause) {
+    while (!r->waits && !r->finished && r->status == OK && !r->interrupted && r->spent < r->work_at_once && r->state.t < r->pause) {
         if (!room_for_events(r, b))
             return;
         if (r->stage == ADVANCE && stands_still(r)) {
@@ -444,6 +451,60 @@ void run_advance(Run *r, Buffers *b)
             r->status = UNDECIDED;
     }
 }
+
+static void set_off(Run *r, Buffers *b)
+{
+    r->spent = 0;
+    enter_again(r);
+    if (ruled_meanwhile(r, b))
+        go_on(r, b);
+}
+
+/* Advance until the run ends, pauses or fails, or the room or the work of this call is spent. An event without a rule leaves the
+ * status UNDECIDED: Python takes it, or makes its rule.
+ */
+void run_advance(Run *r, Buffers *b)
+{
+    set_off(r, b);
+}
+
+#ifndef LIMBS
+/* Advance several runs, each as by itself, with their steps in lanes where these suit: as many as there are lanes, and where one has come
+ * as far as it goes the next one in its place. When none is left for a free lane, and one has stopped that is not at its end, the
+ * others wait for the next call. widest: lanes in a vector at most.
+ */
+void runs_advance(Run **runs, Buffers **buffers, int count, int widest)
+{
+    Lanes lanes;
+    Run *of[RUNS_AT_ONCE] = {NULL};
+    Buffers *filled[RUNS_AT_ONCE] = {NULL};
+    int next = 0, wanted, i;
+    unsigned waiting;
+    lanes_open(&lanes, runs, count, widest);
+    for (;;) {
+        waiting = 0;
+        wanted = 0;
+        for (i = 0; i < RUNS_AT_ONCE; i++) {
+            if (of[i])
+                go_on(of[i], filled[i]);
+            while (next < count && !(of[i] && of[i]->waits)) {
+                of[i] = runs[next];
+                filled[i] = buffers[next++];
+                set_off(of[i], filled[i]);
+            }
+            if (of[i] && of[i]->waits)
+                waiting |= 1u << i;
+            else
+                wanted |= of[i] && !of[i]->finished;
+        }
+        if (!waiting || (wanted && waiting != (1u << RUNS_AT_ONCE) - 1))
+            break;
+        lanes_step(&lanes, of, waiting);
+    }
+    for (i = 0; i < count; i++)
+        runs[i]->abreast = 0;
+}
+#endif
 
 /* Time that the run has been worked out to [s]: within a long stretch ahead of its state. */
 Real run_worked_to(const Run *r)

@@ -26,6 +26,7 @@
 #define WORK_AT_ONCE 100000 /* evaluations of the motion of two bodies between two returns to Python */
 #endif
 #define UNHURRIED 1e100 /* window of a free mass [s]: longer than any run, yet finite, for 0 times infinity is no bound */
+#define MOST_WATCHED 6 /* event functions of a mode whose signs are looked at ahead of the search for zeros */
 #define MARCH_LIMIT 1000 /* evaluations of an event function in one march; a longer one needs a new expansion, of tighter bounds */
 
 enum { GAP, PUSH, SLIDE, HOLD, CLEARANCE, STRIKE, SWITCH, DOMAIN_EDGE }; /* kinds of event functions */
@@ -235,9 +236,11 @@ typedef struct {
     Real h, turns, longest; /* longest: piece of a step that one quadrature rule takes [s] */
     Real nearest; /* time [s] within which zeros of bases of powers are zeros in any case */
     Real *latest, latest_at; /* columns where they were asked for last, and when [s]; 0: nowhere */
+    Real spin_rate, spin_rate_at; /* of the rotor's speed, where it is known, and when [s]; 0: nowhere */
     Real *checked, checked_at; /* columns at the end of the step and before it, where formulas are compared; the former [s], or 0 */
     int order, most, next, since; /* of the series in hand, of those behind an event, of the next ones; steps behind that event */
     int rates, stride, *loaded, loaded_count, few_nodes;
+    unsigned clear; /* bits: event functions that are known to stay positive on the whole step */
     Real *acceleration; /* by leading column, where a mode has formulas or rotors */
     TapeRoom tapes, base_tapes; /* of the formulas of modes; of the motion of the base */
 #ifdef FIXED_SERIES
@@ -404,7 +407,7 @@ typedef struct Run {
     Real samples_from, section_from; /* times before which neither is recorded [s]; the state at the former is kept */
     Real pause; /* time at which a call of `advance` ends [s] */
     State at_begin; /* at samples_from, once that is reached; its time is negative until then */
-    double evaluations, steps, counts[KINDS];
+    double evaluations, steps, steps_beside, counts[KINDS]; /* steps_beside: of the steps, those taken beside other runs */
     Real progress_deadline; /* time up to which `stretches` are counted */
     int stretches, dither;
     unsigned dithered; /* events so far whose times were moved by `dither` */
@@ -412,6 +415,7 @@ typedef struct Run {
     Certificate certificate;
     long long next_sample;
     int events_at_instant, finished, status, violated_once, stage, pending_event; /* stage: of the stretch in hand, which may take many calls */
+    int abreast, waits; /* whether the run is one of several that take steps together; and waits for its next one */
     int arrived; /* whether `next` is the state at the end of that stretch */
     int singular; /* output of the tape that no step is short enough for, where the status is SINGULAR */
     Real pending_tau, *before_v, before_w; /* from the start of the flow to the pending event [s]; velocities in front of it */
@@ -572,6 +576,7 @@ void flow_state(Run *r, Real t, State *out);
 void run_rewind(Run *r, Real t_end);
 void run_start(Run *r, int mode, Buffers *b);
 void run_advance(Run *r, Buffers *b);
+void runs_advance(Run **runs, Buffers **buffers, int count, int widest);
 void run_arrive(Run *r);
 void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, const int *parts);
 Real run_worked_to(const Run *r);

@@ -4,6 +4,7 @@
 #include "roots_alone.h"
 #include "run_object.h"
 #include "certificate.h"
+#include "lanes.h"
 
 #include <string.h>
 
@@ -47,6 +48,11 @@ int hears_signal(Run *r, double products)
     return r->interrupted;
 }
 #endif
+
+#ifdef __GNUC__
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers" /* what is not said of a type is 0 */
+#endif
+static PyTypeObject run_type = {PyVarObject_HEAD_INIT(NULL, 0)};
 
 static PyObject *Run_new(PyTypeObject *type, PyObject *args, PyObject *named)
 {
@@ -246,6 +252,62 @@ static PyObject *advance(RunObject *self, PyObject *args)
     return self->run.interrupted ? NULL : progress(self);
 }
 
+/* Without the GIL two threads may call one Run: each call holds it, and while it computes `busy` turns others away. */
+#if PY_VERSION_HEX < 0x030D0000
+#define Py_BEGIN_CRITICAL_SECTION(object) {
+#define Py_END_CRITICAL_SECTION() }
+#endif
+
+#ifndef LIMBS
+/* Several runs, each as by `advance`: their steps are taken side by side. */
+static PyObject *advance_together(PyObject *module, PyObject *args)
+{
+    enum { MOST = 64 };
+    PyObject *list, *answer = NULL;
+    int widest = MOST;
+    Run *runs[MOST];
+    Buffers *buffers[MOST];
+    Py_ssize_t count, held, i;
+    (void)module;
+    if (!PyArg_ParseTuple(args, "O!|i", &PyTuple_Type, &list, &widest))
+        return NULL;
+    count = PyTuple_GET_SIZE(list);
+    for (held = 0; held < count && held < MOST; held++) {
+        RunObject *one = (RunObject *)PyTuple_GET_ITEM(list, held);
+        int free;
+        if (Py_TYPE(one) != &run_type)
+            break;
+        Py_BEGIN_CRITICAL_SECTION(one);
+        free = run_is_ready(one);
+        one->busy = free || one->busy;
+        Py_END_CRITICAL_SECTION();
+        if (!free)
+            break;
+        runs[held] = &one->run;
+        buffers[held] = &one->buffers;
+    }
+    if (held == count) {
+        Py_BEGIN_ALLOW_THREADS
+        runs_advance(runs, buffers, (int)count, widest);
+        Py_END_ALLOW_THREADS
+        answer = PyList_New(count);
+    } else if (!PyErr_Occurred()) {
+        PyErr_SetString(PyExc_ValueError, "up to 64 runs that have been started are needed");
+    }
+    for (i = 0; i < held; i++)
+        ((RunObject *)PyTuple_GET_ITEM(list, i))->busy = 0;
+    for (i = 0; answer && i < count; i++) {
+        RunObject *one = (RunObject *)PyTuple_GET_ITEM(list, i);
+        PyObject *of = one->run.waits ? Py_NewRef(Py_None) : progress(one);
+        if (!of)
+            Py_CLEAR(answer);
+        else
+            PyList_SET_ITEM(answer, i, of);
+    }
+    return answer;
+}
+#endif
+
 /* Order of the zero of the pending event's function that the stretch began with. */
 static int pending_order(const Run *r)
 {
@@ -349,11 +411,6 @@ static PyObject *states_at(RunObject *self, PyObject *args)
     return answer;
 }
 
-/* Without the GIL two threads may call one Run: each call holds it, and while it computes `busy` turns others away. */
-#if PY_VERSION_HEX < 0x030D0000
-#define Py_BEGIN_CRITICAL_SECTION(object) {
-#define Py_END_CRITICAL_SECTION() }
-#endif
 #define ALONE(method)                                                                                                 \
     static PyObject *method##_alone(RunObject *self, PyObject *args)                                                  \
     {                                                                                                                 \
@@ -461,11 +518,6 @@ static PyMethodDef methods[] = {
     {NULL, NULL, 0, NULL},
 };
 
-#ifdef __GNUC__
-#pragma GCC diagnostic ignored "-Wmissing-field-initializers" /* what is not said of a type is 0 */
-#endif
-static PyTypeObject run_type = {PyVarObject_HEAD_INIT(NULL, 0)};
-
 static void describe_type(void)
 {
     run_type.tp_name = "vibsim.engine." MODULE ".Run";
@@ -526,6 +578,10 @@ static PyObject *power_value(PyObject *self, PyObject *args)
 }
 
 static PyMethodDef functions[] = {
+    {"advance_together", advance_together, METH_VARARGS,
+     "advance_together(runs, widest) -> list of what `advance()` gives of each of up to 64 runs in a tuple, computed side by side;\n"
+     "None of one that waits for the next call, as there is something to be done first for another.\n"
+     "widest: lanes in a vector at most, where fewer than the processor has are wanted; 0: none."},
     ELEMENTARY_FUNCTIONS(METHOD)
     {"expm1", expm1_value, METH_O, "exp(x) - 1."},
     {"sine_cosine", sine_cosine_value, METH_O, "Sine and cosine of an angle [rad]; beyond a million radians with the error that n eps in it makes."},
@@ -564,7 +620,8 @@ PyMODINIT_FUNC INIT(void)
         return NULL;
 #else
     keep_freed_memory();
-    if (PyModule_AddStringConstant(made, "FUNCTIONS", ELEMENTARY_FUNCTIONS(NAME)) < 0)
+    if (PyModule_AddStringConstant(made, "FUNCTIONS", ELEMENTARY_FUNCTIONS(NAME)) < 0 ||
+        PyModule_AddIntConstant(made, "LANES", lanes_in_a_vector(RUNS_AT_ONCE)) < 0)
         return NULL;
 #endif
 #ifdef Py_GIL_DISABLED

@@ -44,7 +44,7 @@ PyObject *run_tally(RunObject *self, PyObject *none)
         PyTuple_SET_ITEM(entries, i, number_object(r->ledger.entries[i]));
     for (i = 0; i < KINDS; i++)
         PyTuple_SET_ITEM(counts, i, PyLong_FromDouble((double)r->counts[i]));
-    return Py_BuildValue("{sNsNsNsNsdsds(dNNN)sisNsisi}", "state", state_tuple(r, &r->state), "counts", counts, "entries", entries, "worked_to", number_object(run_worked_to(r)), "steps", r->steps,
+    return Py_BuildValue("{sNsNsNsNsdsdsds(dNNN)sisNsisi}", "state", state_tuple(r, &r->state), "counts", counts, "entries", entries, "worked_to", number_object(run_worked_to(r)), "steps", r->steps, "steps_beside", r->steps_beside,
                          "evaluations", r->evaluations, "certificate", r->certificate.uncertified, number_object(r->certificate.first_doubt),
                          number_object(r->certificate.margin), number_object(r->certificate.margin_time), "violated_once", r->violated_once,
                          "first_violation", number_object(r->first_violation), "mode", r->mode_number, "singular", r->singular);

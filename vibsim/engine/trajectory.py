@@ -23,7 +23,6 @@ from vibsim.engine.tangent.tangent_space import dimension
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
-    from vibsim.engine._engine import Progress
     from vibsim.engine.c_engine import CRun, Filled
 
 
@@ -88,26 +87,54 @@ def open_trajectory(
     )
 
 
+RUNS_AT_ONCE = 8  # that share a processor's vectors, see `lanes.c`
+
+
+def suits_lanes(scene: Scene) -> bool:
+    """Whether several runs of scenes like this one take their steps side by side: those of one body or two
+    with a motor, whose motion no formula or moving base makes.
+    """
+    return scene.has_motor and len(scene.bodies) <= 2 and not scene.has_formulas and not scene.base_moves
+
+
+def advance_together(trajectories: Sequence[Trajectory]) -> None:
+    """Make the next call of C of runs that are at a None of their `blocks_beside`: side by side where they
+    suit lanes, and with the numbers that each has by itself. Those that are not `advanced` then stay there.
+    """
+    import vibsim.engine._engine as _engine
+
+    advanced = _engine.advance_together(tuple(one.run.run for one in trajectories))
+    for trajectory, progress in zip(trajectories, advanced, strict=True):
+        trajectory.run.advanced = progress
+
+
 class Trajectory:
     """A run on the C engine, whose rows of numbers become columns by name; see `open_trajectory`."""
 
     def __init__(self, run: CRun) -> None:
         scene = run.scene
         self.scene, self.run, self.columns = scene, run, ColumnMaker(scene)
-        self.advanced: Progress | None = None  # what the first call of C has come to, where it has been made
+
+    @property
+    def advanced(self) -> bool:
+        """Whether `advance_together` has made the call of C that the blocks wait for."""
+        return self.run.advanced is not None
 
     def blocks(self) -> Iterator[Block]:
         """Yield `Block`s until the run ends; raises EngineError when it fails."""
-        advanced, self.advanced = self.advanced, None
-        for rows in self.run.blocks(advanced):
-            yield self.columns.block(*rows)
+        return filter(None, self.blocks_beside())
+
+    def blocks_beside(self) -> Iterator[Block | None]:
+        """The same, and None wherever `advance_together` may compute on; else the run does that itself."""
+        for rows in self.run.blocks_beside():
+            yield self.columns.block(*rows) if rows else None
 
     def whole(self) -> Filled | None:
         """The rows of a short run, computed from its start, that `columns.block` takes even when the run has
         begun anew. None of a longer one, which `blocks` then goes on with.
         """
-        self.advanced = self.run.run.advance()
-        return self.run.whole(self.advanced)
+        self.run.advanced = self.run.run.advance()
+        return self.run.whole(self.run.advanced)
 
     def stop(self) -> None:
         """Have `blocks` end with what is computed, from any thread; at once where it decides what follows."""
@@ -119,7 +146,7 @@ class Trajectory:
 
         What the blocks before have shown holds no longer.
         """
-        self.scene, self.advanced = scene, None
+        self.scene, self.run.advanced = scene, None
         return self.run.begin_anew(scene)
 
     def pause_at(self, time: float) -> None:

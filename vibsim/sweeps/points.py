@@ -3,11 +3,12 @@
 import math
 import time
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections import defaultdict
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
-from itertools import islice, takewhile
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -17,6 +18,7 @@ from vibsim.cases import CaseError
 from vibsim.engine.blocks import Block
 from vibsim.engine.columns import state_columns
 from vibsim.engine.errors import EngineError
+from vibsim.engine.trajectory import RUNS_AT_ONCE, Trajectory, advance_together, suits_lanes
 from vibsim.physics.elementary import total
 from vibsim.physics.parts import ROTOR, Scene
 from vibsim.physics.rates import has_section, of_parts_alone, source_rates, turning_columns
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
 # One point of a sweep: computed here, in whatever thread, process or machine it falls to.
 
 
+Steps = Generator["SweepPoint | Trajectory | None", float | None, None]
 Measured = tuple[dict[str, float], dict[str, np.ndarray]]
 
 NOTHING_TO_CARRY = (
@@ -95,7 +98,7 @@ def compute_point(
     A point that cannot be run is returned as FAILED with the reason; it raises nothing for that.
     """
     steps = run_point(settings, index, made_case(settings, changes, start), go_on)
-    return next((point for point in steps if point is not None), None)
+    return next((point for point in steps if isinstance(point, SweepPoint)), None)
 
 
 class MadeCase(NamedTuple):
@@ -123,9 +126,10 @@ def made_case(settings: PointSettings, changes: Mapping[str, str], start: Start 
 
 def run_point(
     settings: PointSettings, index: Index, made: MadeCase, go_on: Callable[[], bool] | None
-) -> Iterator[SweepPoint | None]:
-    """The same of a point whose case is made, in two steps: None where its run is held, so that others can be
-    run first, then the point; nothing of one that is given up.
+) -> Steps:
+    """The same of a point whose case is made, in steps where others can be computed: None where its run is
+    held, or its run where that may be advanced beside theirs, for which the time taken [s] is sent; then the
+    point. Nothing of one that is given up.
     """
     changes, case, seconds = made
     began = time.perf_counter() - seconds
@@ -136,10 +140,15 @@ def run_point(
         scene = sampled_for_statistics(case.scene(), settings.every)
         measurement = Measurement(scene, settings, go_on, _known(settings, changes, go_on))
         if measurement.run.hold():
-            ran = time.perf_counter()
+            left = time.perf_counter()
             yield None
-            began += time.perf_counter() - ran
-        values, arrays = measurement.values()
+            began += time.perf_counter() - left
+        steps = measurement.steps()
+        while (measured := next(steps)) is None:
+            left = time.perf_counter()
+            took = yield measurement.run.begun
+            began += time.perf_counter() - left - (took or 0.0)
+        values, arrays = measured
     except (EngineError, TooFineError) as error:
         label = _run_away(settings, error)
         if label is None:
@@ -231,9 +240,16 @@ class Measurement:
 
     def values(self) -> Measured:
         """Statistics, totals and end state by name; what has a further dimension, as sections, by name."""
+        return next(filter(None, self.steps()))
+
+    def steps(self) -> Iterator[Measured | None]:
+        """The same, and None before where the run that is `begun` may be computed beside others."""
         run, scene, statistics = self.run, self._scene, self._statistics
         is_timed, end = _is_timed(scene), None
-        for block in run.blocks():
+        for block in run.blocks_beside():
+            if block is None:
+                yield None
+                continue
             statistics.update(block)
             for computation in self._computed:
                 computation.update(block)
@@ -243,7 +259,8 @@ class Measurement:
         if self._early is not None and self._early.label is not None:
             from vibsim.sweeps.attractor_labels import values_of
 
-            return _of_label(values_of(self._early.label), self._early.time)
+            yield _of_label(values_of(self._early.label), self._early.time)
+            return
         values = {
             **statistics.values(run),
             **run.totals,
@@ -256,7 +273,7 @@ class Measurement:
                 measured |= computation.values(statistics.window(run), run, measured)
         numbers = {name: value for name, value in measured.items() if isinstance(value, float)}
         arrays = {name: value for name, value in measured.items() if not isinstance(value, float)}
-        return {**values, **numbers}, arrays
+        yield {**values, **numbers}, arrays
 
 
 def _watchers(computed: list[Computation]) -> Callable[[Block], None] | None:
@@ -312,6 +329,7 @@ class BatchPiece:
 
 Pieces = tuple[BatchPiece, ...]
 TOGETHER = 64  # points: what is held of their runs takes some megabytes at most
+SIDE_BY_SIDE = 2 * RUNS_AT_ONCE  # points whose runs share lanes; half of them where samples take memory
 
 
 def compute_batch(
@@ -319,41 +337,70 @@ def compute_batch(
 ) -> list[SweepPoint]:
     """The points of all pieces, in their order; those that were done before `go_on` said False."""
     follow = _carried if settings.carry else _independent
-    points = takewhile(lambda point: point is not None, follow(settings, pieces, go_on))
-    return list(points)  # type: ignore[arg-type]  # none of them is None
+    return list(follow(settings, pieces, go_on))
 
 
 def _independent(
     settings: PointSettings, pieces: Pieces, go_on: Callable[[], bool] | None
-) -> Iterator[SweepPoint | None]:
+) -> Iterator[SweepPoint]:
     """Points that nothing is carried between, some at a time: their cases are made, then short ones are run,
-    then measured. What does either falls out of the processor's caches while the engine runs, and takes
-    twice the time between two runs.
+    or steps taken side by side, then measured. What does either falls out of the processor's caches while the
+    engine runs, and takes twice the time between two runs.
     """
-    points = (point for piece in pieces for point in piece.points)
-    while together := list(islice(points, TOGETHER)):
+    left = (point for piece in pieces for point in piece.points)
+    at_once = TOGETHER
+    if suits_lanes(settings.case.scene()):
+        sampled = any(COMPUTATIONS[name].samples for name in settings.compute)
+        at_once = RUNS_AT_ONCE if sampled else SIDE_BY_SIDE
+    while together := list(islice(left, at_once)):
         made = [(index, made_case(settings, changes)) for index, changes in together]
-        running = []
+        running: list[Steps] = []
+        points: list[SweepPoint | Trajectory | None] = []
         for index, case in made:
             steps = run_point(settings, index, case, go_on)
             try:
-                running.append((next(steps), steps))
+                points.append(next(steps))
             except StopIteration:  # it was given up
                 break
-        yield from (point or next(steps, None) for point, steps in running)
-        if len(running) < len(made):
+            running.append(steps)
+        _advance(points, running)
+        count = 0
+        for point, steps in zip(points, running, strict=True):
+            done = point or next(steps, None)
+            if isinstance(done, SweepPoint):
+                count += 1
+                yield done
+        if count < len(made):
             return
+
+
+def _advance(points: list[Any], running: list[Steps]) -> None:
+    """Put points in the place of runs that are advanced beside each other; None of one that is given up."""
+    times: dict[int, float] = defaultdict(float)  # of those that wait, since their steps [s]
+    while runs := {i: run for i, run in enumerate(points) if isinstance(run, Trajectory)}:
+        began = time.perf_counter()
+        advance_together(list(runs.values()))
+        share = (time.perf_counter() - began) / len(runs)
+        for i in runs:
+            times[i] += share
+            if runs[i].advanced:
+                try:
+                    points[i] = running[i].send(times.pop(i))
+                except StopIteration:
+                    points[i] = None
 
 
 def _carried(
     settings: PointSettings, pieces: Pieces, go_on: Callable[[], bool] | None
-) -> Iterator[SweepPoint | None]:
+) -> Iterator[SweepPoint]:
     """Points that begin where the one before in their piece ended, or where that began if it failed."""
     for piece in pieces:
         start = piece.start
         for index, changes in piece.points:
             point = compute_point(settings, index, changes, start, go_on)
-            if point is not None and point.done:
+            if point is None:
+                return
+            if point.done:
                 start = settings.start_after(point.values)
             yield point
 

@@ -16,7 +16,7 @@ from vibsim.cases.validation import MOST_SAMPLES
 from vibsim.engine.blocks import Block
 from vibsim.engine.columns import of_kinds, part_columns, section_columns, stop_column
 from vibsim.engine.resume import Row, rows_of_instant
-from vibsim.engine.trajectory import Trajectory, open_trajectory
+from vibsim.engine.trajectory import Trajectory, open_trajectory, suits_lanes
 from vibsim.physics.elementary import dot, mean
 from vibsim.physics.parts import BASE, BODY, EVENT_KINDS, GROUND, IMPACTS, Link, Scene, Stop, columns_of
 from vibsim.physics.rates import (
@@ -78,9 +78,9 @@ class MeasuredRun:
     `totals` are those of the whole run, up to date after the last block. `extremes` are least and greatest
     displacements and smallest gaps of the time from `begin` on, see `extremes.c`, of the motions that are
     measured.
-    `watch_transient` is shown the blocks of the transient, which have no samples, and `early` may end the run
-    there. `go_on` is asked before every block, those of the transient too; where it says False, GivenUpError
-    is raised.
+    `begun` is the run of the engine. `watch_transient` is shown the blocks of the transient, which have no
+    samples, and `early` may end the run there. `go_on` is asked before every block, those of the transient
+    too; where it says False, GivenUpError is raised.
     """
 
     def __init__(
@@ -100,7 +100,8 @@ class MeasuredRun:
         self._instant: tuple[Mapping[str, np.ndarray], int, Sequence[Row]] | None = None
         self._last: Mapping[str, np.ndarray] = {}  # events of the last block that has some
         self._at_begin: dict[str, np.ndarray] = {}
-        self._begun: Trajectory | None = None
+        self.begun: Trajectory | None = None
+        self.suits_lanes = suits_lanes(scene)
         self._held: Iterable[Block] | None = None
         ends = [(motion.P, motion.Q) for motion in of.motions]
         self._settings = ends, begin, watch_transient is not None or early is not None
@@ -109,9 +110,9 @@ class MeasuredRun:
         """Compute a short run and keep it apart, so that the engine can begin others before `blocks` is asked
         for; whether it is one.
         """
-        if self._early or self._watch_transient:
+        if self._early or self._watch_transient or self.suits_lanes:
             return False
-        trajectory = self._begun = self._trajectory()
+        trajectory = self.begun = self._trajectory()
         trajectory.pause_at(math.inf)
         rows = trajectory.whole()
         if rows is None:
@@ -119,15 +120,22 @@ class MeasuredRun:
         self.t_reached, _ = rows[-1]
         self._held = starmap(trajectory.columns.block, [rows])
         self._end(trajectory)
-        self._begun = None
+        self.begun = None
         _kept.runs.append((self._settings, trajectory))
         self.ask()
         return True
 
     def blocks(self) -> Iterator[Block]:
         """The blocks from the last event before `begin` on; none where the run ended before."""
+        return filter(None, self.blocks_beside())
+
+    def blocks_beside(self) -> Iterator[Block | None]:
+        """The same, and None where the run that is `begun` may be computed beside others that suit lanes."""
         shown = self.begin == 0
         for block in self._held or self._computed():
+            if block is None:
+                yield None
+                continue
             if len(block.events["t"]):
                 self._last = block.events
             if shown:
@@ -140,13 +148,16 @@ class MeasuredRun:
             if shown:
                 yield self._from(start, block)
 
-    def _computed(self) -> Iterator[Block]:
+    def _computed(self) -> Iterator[Block | None]:
         """The blocks as the engine computes them."""
-        trajectory = self._begun or self._trajectory()
+        trajectory = self.begun = self.begun or self._trajectory()
         stages = deque(self._early.stages if self._early else ())
         trajectory.pause_at(stages[0] if stages else math.inf)
-        for block in trajectory.blocks():
+        for block in trajectory.blocks_beside() if self.suits_lanes else trajectory.blocks():
             self.ask()
+            if block is None:
+                yield None
+                continue
             self.t_reached = block.t_reached
             if stages and self._ends_early(stages, block, trajectory):
                 break

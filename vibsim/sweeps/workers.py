@@ -23,6 +23,7 @@ from typing import Any, Protocol
 from vibsim import __version__
 from vibsim.analysis.cycles import HALF
 from vibsim.cases import load_case
+from vibsim.engine.trajectory import RUNS_AT_ONCE, suits_lanes
 from vibsim.results.hdf5_reading import ResultFileError
 from vibsim.sweeps.computations import fitting
 from vibsim.sweeps.points import BatchPiece, Pieces, SweepPoint, Table, compute_batch, compute_point
@@ -159,6 +160,7 @@ class Chain:
 
 ROUNDS = 4  # what is left is shared out in at least so many rounds, so that no worker idles at the end
 LARGEST = 1000  # points in a batch
+LONGER = 8  # times: batches of a few points whose runs share lanes, which take the less the more they are
 
 Handed = list[tuple[Chain, BatchPiece]]
 
@@ -173,6 +175,8 @@ class Backlog:
         self._chains = (Chain(plan, table, indices) for indices in plan.chains())
         self._begun: deque[Chain] = deque()  # chains whose last piece has come back
         self._left = plan.count - table.count(DONE)
+        lanes = suits_lanes(plan.case.scene()) and not plan.carry
+        self._abreast = 2 * RUNS_AT_ONCE if lanes else 1
         self._seconds = seconds
         self._pace = 0.0  # computing time of a point [s], of the last ones more than of the first; 0: unknown
 
@@ -199,9 +203,13 @@ class Backlog:
         self._note(points)
 
     def _batch_size(self, workers: int) -> int:
-        share = ceil(max(self._left, 1) / (ROUNDS * workers))
-        fitting = int(self._seconds / self._pace) if self._pace else 1
-        return max(1, min(share, fitting, LARGEST))
+        left = max(self._left, 1)
+        share = max(ceil(left / (ROUNDS * workers)), min(self._abreast, ceil(left / workers)))
+        if not self._pace:
+            return 1
+        fitting = self._seconds / self._pace
+        fitting = max(fitting, min(self._abreast, LONGER * fitting))
+        return max(1, min(share, int(fitting), LARGEST))
 
     def _next_chain(self) -> Chain | None:
         return self._begun.popleft() if self._begun else next(self._chains, None)

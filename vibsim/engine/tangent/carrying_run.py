@@ -69,12 +69,13 @@ class CarryingRun(CRun):
         """Run to the end: (states, codes) of the events, one row per column, which hold until a restart.
         Raises EngineError.
         """
-        first = self.run.advance()
-        *counts, finished, status = first
+        self.advanced = self.run.advance()
+        *counts, finished, status = self.advanced
         if finished and status != UNDECIDED and status not in REASONS:
+            self.advanced = None
             _, _, states, codes, _ = self.arrays
             return states[:, : counts[1]], codes[:, : counts[1]]
-        blocks = [(states, codes) for _, _, states, codes, *_ in self.blocks(first)]
+        blocks = [(states, codes) for _, _, states, codes, *_ in self.blocks()]
         return (
             np.concatenate([states for states, _ in blocks], axis=1),
             np.concatenate([codes for _, codes in blocks], axis=1),

@@ -67,8 +67,9 @@ INLINE void expand_at(Run *r, const State *state)
     int c;
     r->closed = 0;
     r->t0 = state->t;
-    f->checked_at = f->latest_at = 0.0;
+    f->checked_at = f->latest_at = f->spin_rate_at = 0.0;
     f->turns = state->turns;
+    f->clear = 0;
     if (r->has_base)
         taylor_expand_base(r, state->t);
     for (c = 0; c < r->bodies; c++) {
@@ -250,8 +251,10 @@ Real taylor_advance(Run *r, Real limit, int *event)
     }
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
-        int count = taylor_polynomial(r, e, coefficients);
-        int outcome;
+        int count, outcome;
+        if (i < MOST_WATCHED && f->clear >> i & 1)
+            continue;
+        count = taylor_polynomial(r, e, coefficients);
         if (e->kind == STRIKE && r->known[e->key] == 0 && coefficients[0] == 0 && closes(coefficients, count)) {
             *event = i;
             return r->t0;
@@ -389,6 +392,8 @@ Real taylor_spin_rate(const Run *r, Real tau)
 #ifndef LIMBS
     if (tau == 0 && w[f->stride] != 0)
         return w[f->stride];
+    if (tau != 0 && tau == f->spin_rate_at)
+        return f->spin_rate;
 #endif
     for (n = f->order - 1; n > 0; n--)
         rate = rate * tau + n * w[n * f->stride];
