@@ -10,9 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "columns.h"
 #include "modes.h"
-#include "zalloc.h"
 #include "numbers.h"
+#include "zalloc.h"
 
 #define NODES_OF_CLOSED_FORM 4 /* in a piece of 2.25 rad of the fastest rate */
 #define ORDERS_TO_A_NODE 10 /* of a Taylor step, which spans 1.3 rad with order 20 */
@@ -24,11 +25,6 @@
 typedef struct {
     Real t, value, rate;
 } Node;
-
-static Real column(const Run *r, const Real *values, int c, Real base)
-{
-    return c < r->bodies ? values[c] : c == r->bodies ? 0.0 : base;
-}
 
 /* Displacements and their rates at t; of pair `only` alone where that is not negative. */
 static void measure(Run *r, Real t, int only, Real *values, Real *rates)
@@ -48,8 +44,8 @@ static void measure(Run *r, Real t, int only, Real *values, Real *rates)
         base_motion_at(r, r->mode, t, &X, &V);
     for (q = only < 0 ? 0 : only; q < (only < 0 ? e->count : only + 1); q++) {
         if (q < e->pairs) {
-            values[q] = column(r, x, e->P[q], X) - column(r, x, e->Q[q], X);
-            rates[q] = column(r, v, e->P[q], V) - column(r, v, e->Q[q], V);
+            values[q] = column_value(r, x, e->P[q], X) - column_value(r, x, e->Q[q], X);
+            rates[q] = column_value(r, v, e->P[q], V) - column_value(r, v, e->Q[q], V);
         } else {
             values[q] = *w;
             rates[q] = taylor_spin_rate(r, t - r->t0);

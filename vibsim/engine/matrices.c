@@ -133,6 +133,16 @@ PyObject *matrix_dot(PyObject *module, PyObject *args)
     return released(t, 2, PyFloat_FromDouble(dot(t[0].view.buf, t[1].view.buf, (int)count)));
 }
 
+static void exchange(double *one, double *other, int n)
+{
+    int i;
+    for (i = 0; i < n; i++) {
+        double kept = one[i];
+        one[i] = other[i];
+        other[i] = kept;
+    }
+}
+
 /* Gaussian elimination in place of n rows of some width, the largest pivot of each column first: the sign of exchanges of rows, 0
  * where a pivot is 0.
  */
@@ -151,12 +161,7 @@ static double eliminate(double *rows, int n, int width)
         if (largest == 0.0)
             return 0.0;
         if (place != k) {
-            double *other = row_of(rows, width, place);
-            for (j = 0; j < width; j++) {
-                double kept = pivot[j];
-                pivot[j] = other[j];
-                other[j] = kept;
-            }
+            exchange(pivot, row_of(rows, width, place), width);
             sign = -sign;
         }
         for (i = k + 1; i < n; i++) {
@@ -282,16 +287,6 @@ static int turned(double *W, double *V, int n, int m, int p, int q, double least
     rotate(one, other, m, c, s);
     rotate(row_of(V, n, p), row_of(V, n, q), n, c, s);
     return 1;
-}
-
-static void exchange(double *one, double *other, int n)
-{
-    int i;
-    for (i = 0; i < n; i++) {
-        double kept = one[i];
-        one[i] = other[i];
-        other[i] = kept;
-    }
 }
 
 /* Singular values squared of n rows of W (m each), the largest first, which turns W and V; both sorted alike. Rows are turned in

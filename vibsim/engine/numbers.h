@@ -188,9 +188,14 @@ static inline Real horner(const Real *c, int count, Real t)
     return (high * square + c[0]) + t * low;
 }
 
-static inline int sign_of(Real x)
+/* Sum of the sizes of the terms of a series of `count` coefficients, lowest first, at t >= 0. */
+static inline Real sizes_at(const Real *c, int count, Real t)
 {
-    return x > 0 ? 1 : x < 0 ? -1 : 0;
+    Real total = fabs(c[count - 1]);
+    int n;
+    for (n = count - 2; n >= 0; n--)
+        total = total * t + fabs(c[n]);
+    return total;
 }
 
 #endif

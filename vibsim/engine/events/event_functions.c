@@ -93,10 +93,9 @@ Real sum_of_terms(const Run *r, int first, int count, int n)
     return total;
 }
 
-/* Bound of the n-th derivative of a sum of harmonics at any time: sum of |amplitude| omega^n. */
-static Real harmonics_bound(const Harmonic *terms, int count, int n)
+/* Bound of the n-th derivative of a sum of harmonics at any time: sum of |amplitude| omega^n, which is added to `total`. */
+static Real harmonics_bound(Real total, const Harmonic *terms, int count, int n)
 {
-    Real total = 0.0;
     int i, k;
     for (i = 0; i < count; i++) {
         Real size = fabs(terms[i].amplitude);
@@ -111,15 +110,10 @@ static Real harmonics_bound(const Harmonic *terms, int count, int n)
 static Real load_bound(const Run *r, int column, int n)
 {
     Real total = 0.0;
-    int i, j, k;
+    int i;
     for (i = 0; i < r->force_count; i++)
         if (r->forces[i].on == column)
-            for (j = 0; j < r->forces[i].count; j++) {
-                Real size = fabs(r->forces[i].terms[j].amplitude);
-                for (k = 0; k < n; k++)
-                    size = size * r->forces[i].terms[j].omega;
-                total = total + size;
-            }
+            total = harmonics_bound(total, r->forces[i].terms, r->forces[i].count, n);
     return total;
 }
 
@@ -135,7 +129,7 @@ static Real difference_bound(const Run *r, int pair, int n, Real reach)
         Real part = fabs(share->share) * coordinate_bound(r, share->m, n, reach);
         total = i == 0 ? part : total + part;
     }
-    return p->base ? total + harmonics_bound(r->base, r->base_count, n) : total;
+    return p->base ? total + harmonics_bound(0.0, r->base, r->base_count, n) : total;
 }
 
 /* Bound of the n-th derivative of a term up to `reach` ahead, without its coefficient. */
@@ -156,7 +150,7 @@ static Real term_bound(const Run *r, const Term *t, int n, Real reach)
         return load_bound(r, t->P, n);
     default: {
         const Place *place = &modal->places[t->P];
-        Real total = place->base ? harmonics_bound(r->base, r->base_count, n + 2) : 0.0;
+        Real total = place->base ? harmonics_bound(0.0, r->base, r->base_count, n + 2) : 0.0;
         int i;
         for (i = 0; i < place->shares; i++) {
             const Share *share = &modal->shares[place->first_share + i];
@@ -196,7 +190,7 @@ static Real difference_scale(const Run *r, int pair, int order, int measure)
     if (order == 0)
         for (i = 0; i < p->fixed; i++)
             total = total + fabs(f->x0[modal->fixed[p->first_fixed + i].column]);
-    return p->base ? total + harmonics_bound(r->base, r->base_count, order) : total;
+    return p->base ? total + harmonics_bound(0.0, r->base, r->base_count, order) : total;
 }
 
 /* The same of the acceleration of a column, which the close measure knows. */
@@ -204,7 +198,7 @@ static Real acceleration_scale(const Run *r, const Term *t, int measure)
 {
     const Modal *modal = r->mode->modal;
     const Place *place = &modal->places[t->P];
-    Real total = place->base ? harmonics_bound(r->base, r->base_count, 2) : 0.0;
+    Real total = place->base ? harmonics_bound(0.0, r->base, r->base_count, 2) : 0.0;
     int i;
     for (i = 0; i < place->shares; i++) {
         const Share *share = &modal->shares[place->first_share + i];

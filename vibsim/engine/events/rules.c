@@ -11,6 +11,7 @@
  */
 #include <string.h>
 
+#include "columns.h"
 #include "event_functions.h"
 #include "numbers.h"
 
@@ -21,11 +22,6 @@
 #define BEYOND 4 /* times the bounds of rounding: a derivative that is so far from zero has a sign */
 #define GRID 8 /* roundings of the time of an event, by which its zeros may be beside it */
 #define NEAR_LIMIT 0x1p-40 /* of all forces of a mode: nearer to its limit than that Python measures the force of a tie closely */
-
-static Real column_value(const Run *r, const Real *values, int c, Real base)
-{
-    return c < r->bodies ? values[c] : c > r->bodies ? base : 0.0;
-}
 
 /* Rate of a function made of differences, from the velocities: no rounding of a flow in it. */
 static Real direct_rate(const Run *r, const Event *e)
@@ -209,13 +205,10 @@ static int direct_hold(const Run *r, const Mode *m, const Event *e, Real X, Real
     int i;
     for (i = 0; i < e->terms; i++) {
         const Term *t = &m->terms[e->first + i];
-        const Coupling *c = &m->couplings[t->P];
-        Real y, u, part;
+        Real part;
         if (t->kind != COUPLING)
             return 0;
-        y = column_value(r, r->next.x, c->P, X) - column_value(r, r->next.x, c->Q, X);
-        u = column_value(r, r->next.v, c->P, V) - column_value(r, r->next.v, c->Q, V);
-        part = t->coefficient * (c->k * y + c->c * u + c->offset);
+        part = t->coefficient * force_of_coupling(r, &m->couplings[t->P], r->next.x, r->next.v, X, V);
         total = i == 0 ? part : total + part;
     }
     *value = total + e->constant;
@@ -403,8 +396,7 @@ static int touches(const Run *r)
             continue;
         for (j = 0; j < e->terms; j++) {
             const Term *t = &m->terms[e->first + j];
-            Real P = t->P < r->bodies ? r->next.x[t->P] : t->P == r->bodies ? 0.0 : X;
-            Real Q = t->Q < r->bodies ? r->next.x[t->Q] : t->Q == r->bodies ? 0.0 : X;
+            Real P = column_value(r, r->next.x, t->P, X), Q = column_value(r, r->next.x, t->Q, X);
             value = value + t->coefficient * (P - Q);
             size = size + fabs(P) + fabs(Q);
         }

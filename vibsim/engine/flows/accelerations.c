@@ -1,4 +1,5 @@
 /* The vector field of a mode at a state, as vibsim/engine/flows/accelerations.py has it for what Python decides. */
+#include "columns.h"
 #include "numbers.h"
 #include "tangent.h"
 
@@ -59,30 +60,16 @@ Real base_acceleration_at(const Run *r, const Mode *m, Real t)
     return total;
 }
 
-/* Displacement and velocity of a column. */
-static void motion_of(const Run *r, const State *state, int column, Real X, Real V, Real *x, Real *v)
-{
-    *x = column < r->bodies ? state->x[column] : column == r->bodies ? 0.0 : X;
-    *v = column < r->bodies ? state->v[column] : column == r->bodies ? 0.0 : V;
-}
-
-/* Force of a coupling at a state. */
-static Real coupling_force(const Run *r, const Coupling *q, const State *state, Real X, Real V)
-{
-    Real xP, xQ, vP, vQ;
-    motion_of(r, state, q->P, X, V, &xP, &vP);
-    motion_of(r, state, q->Q, X, V, &xQ, &vQ);
-    return q->k * (xP - xQ) + q->c * (vP - vQ) + q->offset;
-}
-
 /* Add the forces by formulas. */
 static void add_formulas(const Run *r, const Mode *m, const State *state, Real X, Real V, Real *F)
 {
     const TapeRoom *room = &r->taylor.tapes;
     TapeInputs at = room->at;
     int i;
-    for (i = 0; i < r->columns; i++)
-        motion_of(r, state, i, X, V, &at.x[i], &at.v[i]);
+    for (i = 0; i < r->columns; i++) {
+        at.x[i] = column_value(r, state->x, i, X);
+        at.v[i] = column_value(r, state->v, i, V);
+    }
     at.t = state->t;
     at.phi = unwind(state->phase, state->turns);
     at.w = state->w;
@@ -112,7 +99,7 @@ Real accelerations(const Run *r, const Mode *m, const State *state, Real *out)
     }
     for (i = 0; i < m->coupling_count; i++) {
         const Coupling *q = &m->couplings[i];
-        Real force = coupling_force(r, q, state, X, V);
+        Real force = force_of_coupling(r, q, state->x, state->v, X, V);
         F[q->to_P] = F[q->to_P] - force;
         F[q->to_Q] = F[q->to_Q] + force;
     }

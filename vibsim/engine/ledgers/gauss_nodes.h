@@ -1,8 +1,11 @@
-/* Gauss-Legendre quadrature on [0, 1]: n nodes integrate polynomials of degree 2 n - 1 exactly. */
+/* Gauss-Legendre quadrature on [0, 1]: n nodes integrate polynomials of degree 2 n - 1 exactly. Series at its nodes. */
 #ifndef VIBSIM_ENGINE_GAUSS_NODES_H
 #define VIBSIM_ENGINE_GAUSS_NODES_H
 
 #include "engine.h"
+#include "inlining.h"
+
+#define POINTS (NODE_COUNT + 2) /* the nodes, then end and start */
 
 typedef struct {
     int count;
@@ -34,5 +37,25 @@ static const Quadrature EIGHT = {
         0.181341891689181, 0.15685332293894363, 0.11119051722668721, 0.05061426814518813,
     },
 };
+
+/* A series of `count` coefficients `stride` apart at `points` times: `horner` time by time, side by side. */
+INLINE void series_at(const Real *c, int count, int stride, const Real *tau, const Real *square, Real *out, const int points)
+{
+    Real high[POINTS], low[POINTS];
+    int n, i;
+    for (i = 0; i < points; i++) {
+        high[i] = c[(count - 1) * stride];
+        low[i] = c[(count - 2) * stride];
+    }
+    for (n = count - 3; n > 0; n -= 2) {
+        Real a = c[n * stride], b = c[(n - 1) * stride];
+        for (i = 0; i < points; i++)
+            high[i] = high[i] * square[i] + a;
+        for (i = 0; i < points; i++)
+            low[i] = low[i] * square[i] + b;
+    }
+    for (i = 0; i < points; i++)
+        out[i] = count % 2 == 0 ? low[i] + tau[i] * high[i] : (high[i] * square[i] + c[0]) + tau[i] * low[i];
+}
 
 #endif

@@ -9,31 +9,11 @@
  */
 #include <string.h>
 
+#include "columns.h"
 #include "event_functions.h"
 #include "gauss_nodes.h"
-#include "inlining.h"
 #include "numbers.h"
 #include "wide.h"
-
-/* A series of `count` coefficients `stride` apart at `nodes` times: `horner` time by time, side by side. */
-INLINE void series_at(const Real *c, int count, int stride, const Real *tau, const Real *square, Real *out, const int nodes)
-{
-    Real high[NODE_COUNT], low[NODE_COUNT];
-    int n, i;
-    for (i = 0; i < nodes; i++) {
-        high[i] = c[(count - 1) * stride];
-        low[i] = c[(count - 2) * stride];
-    }
-    for (n = count - 3; n > 0; n -= 2) {
-        Real a = c[n * stride], b = c[(n - 1) * stride];
-        for (i = 0; i < nodes; i++)
-            high[i] = high[i] * square[i] + a;
-        for (i = 0; i < nodes; i++)
-            low[i] = low[i] * square[i] + b;
-    }
-    for (i = 0; i < nodes; i++)
-        out[i] = count % 2 == 0 ? low[i] + tau[i] * high[i] : (high[i] * square[i] + c[0]) + tau[i] * low[i];
-}
 
 WIDE static void series_at_all(const Real *c, int count, int stride, const Real *tau, const Real *square, Real *out)
 {
@@ -225,12 +205,6 @@ static void integrate(Run *r, const LedgerIntegrals *m, Real tau, Real length)
         entries[m->integrals[i].entry] = entries[m->integrals[i].entry] + length * (m->integrals[i].factor * integral(r, &m->integrals[i], rule));
 }
 
-/* Displacement of a column at `state`. */
-static Real place(const Run *r, const State *state, int column, Real X)
-{
-    return column < r->bodies ? state->x[column] : column == r->bodies ? 0.0 : X;
-}
-
 /* Longest stretch from tau that one quadrature rule integrates to round-off: a Taylor step, or 3 rad of the fastest force. Behind
  * an event the fast transient of strong damping wants short pieces of the closed form, which may grow as it decays.
  */
@@ -303,7 +277,7 @@ void ledger_cross(Run *r, const State *state, const int *before, const int *afte
             continue;
         if (r->has_base)
             base_motion_at(r, r->mode, state->t, &X, &V);
-        depth = -(j->sense * (place(r, state, j->P, X) - place(r, state, j->Q, X))) - j->gap;
+        depth = -(j->sense * (column_value(r, state->x, j->P, X) - column_value(r, state->x, j->Q, X))) - j->gap;
         held = j->k * (depth * depth) / 2;
         l->entries[j->entry] = pressed ? l->entries[j->entry] + held : l->entries[j->entry] - held;
     }

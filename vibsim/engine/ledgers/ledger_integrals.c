@@ -53,19 +53,6 @@ static int alloc_functions(Nodes *at, int count)
     return 1;
 }
 
-/* How many there are of what a term of a kind names. */
-static int count_of_kind(const Run *r, const Mode *m, int kind)
-{
-    switch (kind) {
-    case COUPLING:
-        return m->coupling_count;
-    case FORMULA:
-        return m->tape.output_count;
-    default:
-        return r->columns;
-    }
-}
-
 /* The functions of the rows that integrals read; their terms follow those of the event functions, from number `first` on. */
 static void read_functions(Run *r, Mode *m, Reader *in, int first)
 {
@@ -79,7 +66,7 @@ static void read_functions(Run *r, Mode *m, Reader *in, int first)
         for (k = 0; k < count && !in->short_of; k++) {
             Term *t = &m->terms[first++];
             t->kind = read_index(in, COUPLING, FORMULA);
-            t->P = read_index(in, 0, count_of_kind(r, m, t->kind) - 1);
+            t->P = read_index(in, 0, named_by(r, m, t->kind) - 1);
             t->Q = t->pair = -1;
             t->coefficient = read_double(in);
         }

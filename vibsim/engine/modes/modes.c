@@ -17,8 +17,7 @@ static void place_term(const Run *r, Term *t)
         t->to = column_in_table(r, t->Q) + rates;
 }
 
-/* How many of what a kind of term names by its P a mode has. */
-static int named_by(const Run *r, const Mode *m, int kind)
+int named_by(const Run *r, const Mode *m, int kind)
 {
     switch (kind) {
     case COUPLING: return m->coupling_count;

@@ -7,6 +7,7 @@
 
 int scene_read(Run *r, Reader *in);       /* whether the numbers made a scene */
 int scene_retune(Run *r, Reader *in);     /* the numbers of another scene of that shape; whether they were as many */
+int named_by(const Run *r, const Mode *m, int kind); /* how many of what a kind of term names by its P a mode has */
 Mode *mode_read(Run *r, Reader *in);      /* NULL without memory; look at the reader for what else was wrong */
 int mode_add(Run *r, Mode *m);
 int modes_forget(Run *r); /* all but that of now, which is number 0 then and without rules; its number before */

@@ -73,7 +73,6 @@ typedef struct {
     Real to_a1, to_w, cross, tau, reach;
     Real (*series)[2], (*force)[2];
     Taylor spare; /* for an expansion within the step */
-    Real *spare_values;
     TapeRoom step, here; /* series of the derivatives of formulas: along the step, and along an expansion within it */
     const TapeRoom *along; /* that which is prepared */
     Real *entries, prepared_at;

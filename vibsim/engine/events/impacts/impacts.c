@@ -4,6 +4,7 @@
  * may let go has no rule. Whatever is not clear is left to Python: another stop that touches, an approach, a departure or a
  * sliding velocity that rounding or the resolution of time could tell otherwise, a mode that has not been met.
  */
+#include "columns.h"
 #include "modes.h"
 #include "numbers.h"
 
@@ -36,27 +37,22 @@ static Real unit_of(const Run *r)
     return nextafter(r->next.t, INFINITY) - r->next.t;
 }
 
-static Real column(const Run *r, const Real *values, int c, Real base)
-{
-    return c < r->bodies ? values[c] : c == r->bodies ? 0.0 : base;
-}
-
 /* Rate of the depth of a stop; 0 where rounding cannot tell it from that. */
 static Real rate_of(const Run *r, const RigidStop *s, Real V)
 {
-    Real P = column(r, r->next.v, s->P, V), Q = column(r, r->next.v, s->Q, V);
+    Real P = column_value(r, r->next.v, s->P, V), Q = column_value(r, r->next.v, s->Q, V);
     Real rate = -(s->sense * (P - Q)), noise = ROUNDING * EPS * (fabs(P) + fabs(Q));
     return fabs(rate) > noise ? rate : 0.0;
 }
 
 static Real depth_of(const Run *r, const RigidStop *s, Real X)
 {
-    return -(s->sense * (column(r, r->next.x, s->P, X) - column(r, r->next.x, s->Q, X))) - s->gap;
+    return -(s->sense * (column_value(r, r->next.x, s->P, X) - column_value(r, r->next.x, s->Q, X))) - s->gap;
 }
 
 static Real size_of(const Run *r, const RigidStop *s, Real X)
 {
-    return fabs(column(r, r->next.x, s->P, X)) + fabs(column(r, r->next.x, s->Q, X)) + fabs(s->gap);
+    return fabs(column_value(r, r->next.x, s->P, X)) + fabs(column_value(r, r->next.x, s->Q, X)) + fabs(s->gap);
 }
 
 /* Whether a stop is open by so much that it takes no part in what happens to `struck` at r->next, whose seating
@@ -66,7 +62,7 @@ static int stands_off(
     const Run *r, const RigidStop *s, const RigidStop *struck, Real X, Real V, Real unit)
 {
     Real size = fmax(size_of(r, s, X), size_of(r, struck, X));
-    Real rate = -(s->sense * (column(r, r->next.v, s->P, V) - column(r, r->next.v, s->Q, V)));
+    Real rate = -(s->sense * (column_value(r, r->next.v, s->P, V) - column_value(r, r->next.v, s->Q, V)));
     return -depth_of(r, s, X) > NEAR * (fabs(rate) * unit + EPS * size) + fabs(depth_of(r, struck, X));
 }
 
@@ -90,7 +86,7 @@ static void project_to_rest(Run *r, const RigidStop *s, Real X)
 /* Whether the ends of an elastic stop or a clearance may just touch where an impact moves one of them. */
 static int borders(const Run *r, const Bound *b, const RigidStop *struck, Real X)
 {
-    Real P = column(r, r->next.x, b->P, X), Q = column(r, r->next.x, b->Q, X);
+    Real P = column_value(r, r->next.x, b->P, X), Q = column_value(r, r->next.x, b->Q, X);
     int moved = b->P == struck->P || b->P == struck->Q || b->Q == struck->P || b->Q == struck->Q;
     return moved && fabs(b->sense * (P - Q) + b->gap) <= NEAR * EPS * (fabs(P) + fabs(Q) + fabs(b->gap));
 }
@@ -130,7 +126,7 @@ static void strike(Run *r, Impact *done)
 {
     const RigidStop *s = done->stop;
     Real turning = 0.0, own = mobility(r, s->P, &turning), other = mobility(r, s->Q, &turning), together = own + other;
-    Real vP = column(r, r->next.v, s->P, done->V), vQ = column(r, r->next.v, s->Q, done->V), between = vP - vQ;
+    Real vP = column_value(r, r->next.v, s->P, done->V), vQ = column_value(r, r->next.v, s->Q, done->V), between = vP - vQ;
     Real afterP = vP, afterQ = vQ;
     if (other == 0) {
         afterP = vQ - s->e * between;
@@ -164,7 +160,7 @@ static int moves(const Run *r, const RigidStop *s, const Rubbing *f)
 /* Sliding velocity of a friction. */
 static Real slip_of(const Run *r, const Rubbing *f, Real V)
 {
-    return (column(r, r->next.v, f->P, V) - column(r, r->next.v, f->Q, V)) - f->belt;
+    return (column_value(r, r->next.v, f->P, V) - column_value(r, r->next.v, f->Q, V)) - f->belt;
 }
 
 /* Number of the mode with the codes of r->impacts; NOTHING where it has not been met. */
@@ -196,7 +192,7 @@ static int turned(Run *r, Impact *done)
         if (!moves(r, done->stop, f))
             continue;
         slip = slip_of(r, f, done->V);
-        own = fabs(column(r, r->next.v, f->P, done->V)) + fabs(column(r, r->next.v, f->Q, done->V)) + fabs(f->belt);
+        own = fabs(column_value(r, r->next.v, f->P, done->V)) + fabs(column_value(r, r->next.v, f->Q, done->V)) + fabs(f->belt);
         if (!(fabs(slip) > ROUNDING * EPS * fmax(own, done->size)))
             return 0;
         sense = slip > 0 ? 1 : -1;

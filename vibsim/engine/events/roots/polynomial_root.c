@@ -75,11 +75,7 @@ static Real noise_at(const Real *series, int count, Real tau)
         total = total + term_size(series[n], power);
     return 4 * EPS * (fabs(series[0]) + total * INFLATED);
 #else
-    Real total = fabs(series[count - 1]);
-    int n;
-    for (n = count - 2; n >= 0; n--)
-        total = total * tau + fabs(series[n]);
-    return 4 * EPS * total;
+    return 4 * EPS * sizes_at(series, count, tau);
 #endif
 }
 
@@ -294,16 +290,6 @@ int polynomial_near_zero(const Real *coefficients, int count, int known, Real ta
     return 1;
 }
 
-/* sum |b_n| h^n. */
-static Real total_of(const Real *series, int count, Real h)
-{
-    Real total = fabs(series[count - 1]);
-    int n;
-    for (n = count - 2; n >= 0; n--)
-        total = total * h + fabs(series[n]);
-    return total;
-}
-
 /* The step h, or a shorter one where rounding over all of h would hide on which side of zero the function begins, though its value
  * there tells. size: sum of the magnitudes that coefficient 0 is made of.
  */
@@ -312,7 +298,7 @@ Real polynomial_nearer(const Real *coefficients, int count, Real t0, Real h, Rea
     Real start = coefficients[0], least = SHORTEST * (nextafter(t0, INFINITY) - t0);
     if (!(start > BEYOND * EPS * size))
         return h;
-    while (h > least && start <= BEYOND * EPS * total_of(coefficients, count, h))
+    while (h > least && start <= BEYOND * EPS * sizes_at(coefficients, count, h))
         h = h / SHORTER;
     return h;
 }

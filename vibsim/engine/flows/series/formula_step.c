@@ -3,14 +3,12 @@
  * What a series leaves out may grow where its last terms do not show it: exp far from zero, roots near zero. So a step with
  * formulas is shortened until, at its end and at a place before it, the formulas have the values that their series say.
  */
-#include "engine.h"
-#include "numbers.h"
+#include "columns.h"
 #include "pair.h"
+#include "sound_steps.h"
 
 #define SHORT_CONTACT 16.0    /* binary digits by which a step is too long that ends behind a contact that it begins */
 #define SHORTENINGS 400       /* of a step, each at least by */
-#define LEAST_SHORTENING 0.25 /* binary digits */
-#define BEYOND_ALL 60.0       /* binary digits by which a value that is no number is beyond */
 #define HUGE_EXPONENT 800     /* of two: what is made of such a coefficient, by numbers up to 2^220, may overflow */
 #define NEARER 0.75           /* of a step, where formulas are compared as well */
 #define INPUT_ROUNDING 2      /* of displacements and velocities at the end of a step, in units of EPS */
@@ -21,20 +19,12 @@ static void evaluate_from(const Run *r, const Real *columns, Real tau, Real *val
 {
     const Taylor *f = &r->taylor;
     TapeInputs at = f->tapes.at, blur = f->tapes.blur;
-    int c;
-    for (c = 0; c < r->columns; c++) {
-        int from = c < r->bodies ? c : c > r->bodies && r->has_base ? base_column(r) : -1;
-        at.x[c] = from < 0 ? 0.0 : columns[from];
-        at.v[c] = from < 0 ? 0.0 : columns[f->rates + from];
-        blur.x[c] = INPUT_ROUNDING * EPS * fabs(at.x[c]);
-        blur.v[c] = INPUT_ROUNDING * EPS * fabs(at.v[c]);
-    }
+    read_columns(r, columns, &at);
     at.t = r->t0 + tau;
-    blur.t = EPS * fabs(at.t);
     at.phi = r->has_motor ? columns[r->bodies] : 0.0;
     at.w = r->has_motor ? columns[f->rates + r->bodies] : 0.0;
-    blur.phi = INPUT_ROUNDING * EPS * fabs(at.phi);
-    blur.w = INPUT_ROUNDING * EPS * fabs(at.w);
+    blur_inputs(r, &at, INPUT_ROUNDING * EPS, &blur);
+    blur.t = EPS * fabs(at.t);
     tape_evaluate(&r->mode->tape, &at, &blur, values, bounds);
 }
 
@@ -58,8 +48,8 @@ void tape_values_at(const Run *r, const Mode *m, Real X, Real V, const Real *rat
     const Real lost = STATE_ROUNDING * EPS, late = lost * fabs(state->t);
     int c;
     for (c = 0; c < r->columns; c++) {
-        at.x[c] = c < r->bodies ? state->x[c] : c == r->bodies ? 0.0 : X;
-        at.v[c] = c < r->bodies ? state->v[c] : c == r->bodies ? 0.0 : V;
+        at.x[c] = column_value(r, state->x, c, X);
+        at.v[c] = column_value(r, state->v, c, V);
         blur.x[c] = lost * fabs(at.x[c]) + late * fabs(at.v[c]);
         blur.v[c] = lost * fabs(at.v[c]);
         if (rates && c != r->bodies && (c < r->bodies || r->has_base))
@@ -190,28 +180,6 @@ static Pair twice_horner(const Real *series, int count, Pair time)
     return add_product(add_product(twice(series[0]), high, square), time, low);
 }
 
-/* Bound of the rounding of a series at a time. */
-static Real rounding_of(const Real *series, int count, Real tau)
-{
-    Real sizes = fabs(series[count - 1]);
-    int n;
-    for (n = count - 2; n >= 0; n--)
-        sizes = sizes * tau + fabs(series[n]);
-    return 2 * EPS * sizes;
-}
-
-/* By how many binary digits one at least, a value that is off by so much is beyond what it may be; 0 where it is not. */
-static double digits_beyond(Real off, Real allowed)
-{
-    double beyond;
-    if (off <= allowed && isfinite(allowed)) /* a value that overflows has no bound */
-        return 0.0;
-    if (!(isfinite(off) && allowed > 0))
-        return BEYOND_ALL;
-    beyond = binary_exponent(off) - binary_exponent(allowed);
-    return beyond > 1.0 ? beyond : 1.0;
-}
-
 /* Whether the base of a power begins at its zero: it rises from there, of whatever order the zero is. */
 static int begins(const Real *base, int count, Real least)
 {
@@ -268,7 +236,7 @@ static double excess(Run *r, Real h, Real tolerance)
             const Real share = share_of(r, k, tau[i], values[i][place], tolerance);
             double beyond = digits_beyond(off, bound + share);
             if (beyond > 0) /* the rounding of the series is seldom needed */
-                beyond = digits_beyond(off, bound + rounding_of(series, f->order, h) + share);
+                beyond = digits_beyond(off, bound + 2 * EPS * sizes_at(series, f->order, h) + share);
             if (beyond > worst[i]) {
                 worst[i] = beyond;
                 singular[i] = k;
@@ -341,13 +309,12 @@ void shorten_step(Run *r)
     shortest = shortest_step(r);
     r->singular = NOTHING;
     for (i = 0; i < SHORTENINGS; i++) {
-        double most = excess(r, h, tolerance), digits;
+        double most = excess(r, h, tolerance);
         if (most <= 0 || (h <= shortest && most < BEYOND_ALL)) {
             f->h = h == left ? f->h : h;
             return;
         }
-        digits = (most + 1) / f->order;
-        h = on_grid(r, h * power_of_two(-(digits > LEAST_SHORTENING ? digits : LEAST_SHORTENING)));
+        h = on_grid(r, shortened(h, most, f->order));
         if (h <= EPS * r->t0) /* in doubles: t0 + h is t0; numbers of more words would still move, far within their rounding */
             break;
     }

@@ -8,37 +8,15 @@
 #include "numbers.h"
 #include "tangent.h"
 
-#define POINTS (NODE_COUNT + 2) /* the nodes, then end and start */
-
-/* The rotor's angle at times after the expansion point: `horner` point by point, side by side. */
-static void angles(const Run *r, const Real *tau, Real *out)
-{
-    const Taylor *f = &r->taylor;
-    const Real *c = f->table + r->bodies;
-    Real square[POINTS], high[POINTS], low[POINTS];
-    int count = f->order + 2, n, i;
-    for (i = 0; i < POINTS; i++) {
-        square[i] = tau[i] * tau[i];
-        high[i] = c[(count - 1) * f->stride];
-        low[i] = c[(count - 2) * f->stride];
-    }
-    for (n = count - 3; n > 0; n -= 2) {
-        Real a = c[n * f->stride], b = c[(n - 1) * f->stride];
-        for (i = 0; i < POINTS; i++)
-            high[i] = high[i] * square[i] + a;
-        for (i = 0; i < POINTS; i++)
-            low[i] = low[i] * square[i] + b;
-    }
-    for (i = 0; i < POINTS; i++)
-        out[i] = count % 2 == 0 ? low[i] + tau[i] * high[i] : (high[i] * square[i] + c[0]) + tau[i] * low[i];
-}
-
 /* b = m3 e sin phi and det M = (m + m3)(J + m3 e^2) - b^2 at the points. */
 static void determinants(const Run *r, Real mass, Real inertia, const Real *tau, Real *couplings, Real *out)
 {
-    Real turns;
+    const Taylor *f = &r->taylor;
+    Real turns, square[POINTS];
     int i;
-    angles(r, tau, out);
+    for (i = 0; i < POINTS; i++)
+        square[i] = tau[i] * tau[i];
+    series_at(f->table + r->bodies, f->order + 2, f->stride, tau, square, out, POINTS);
     for (i = 0; i < POINTS; i++) {
         couplings[i] = r->unbalance * sine_of(reduce_angle(out[i], &turns));
         out[i] = mass * inertia - couplings[i] * couplings[i];

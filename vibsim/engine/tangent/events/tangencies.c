@@ -1,6 +1,7 @@
 /* Events that are crossed almost tangentially; vibsim/engine/tangent/tangencies.py says what they are, and judges those that
  * Python decides.
  */
+#include "columns.h"
 #include "tangent.h"
 
 #define CLOSE 1e-6 /* share below which a crossing counts as a tangency: a rate of 1/1000 of the largest */
@@ -22,18 +23,13 @@ void tangencies_refuse(Tangencies *near, Real t)
     near->undefined++;
 }
 
-static Real column(const Run *r, const Real *values, int c, Real base)
-{
-    return c < r->bodies ? values[c] : c == r->bodies ? 0.0 : base;
-}
-
 /* x_P - x_Q and v_P - v_Q of a stop. */
 static void between(const Run *r, const Mode *m, const StopEnds *stop, const State *state, Real *distance, Real *rate)
 {
     Real X, V;
     base_motion_at(r, m, state->t, &X, &V);
-    *distance = column(r, state->x, stop->P, X) - column(r, state->x, stop->Q, X);
-    *rate = column(r, state->v, stop->P, V) - column(r, state->v, stop->Q, V);
+    *distance = column_value(r, state->x, stop->P, X) - column_value(r, state->x, stop->Q, X);
+    *rate = column_value(r, state->v, stop->P, V) - column_value(r, state->v, stop->Q, V);
 }
 
 /* Learn how fast the ends of the stops move against each other. */

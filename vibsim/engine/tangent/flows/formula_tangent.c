@@ -9,13 +9,11 @@
  * there are series. So nothing of the integral is left out.
  */
 #include "elementary.h"
-#include "numbers.h"
+#include "sound_steps.h"
 #include "tangent.h"
 
 #define OF_A_FUNCTION 1000.0  /* products that one takes on many words, and more */
 #define SHORTENINGS 200       /* of a stretch, each at least by */
-#define LEAST_SHORTENING 0.25 /* binary digits */
-#define BEYOND_ALL 60.0       /* binary digits by which a value that is no number is beyond */
 #define ROUNDING 4            /* of displacements and velocities at its end, in units of EPS */
 /* Of the quadrature: between two nodes; their number on either side of the middle. By the bits of the round-off the outermost ones are
  * as far out as a power above -0.9 at an end asks for.
@@ -67,16 +65,6 @@ static Real slope_at(const Run *r, const TapeRoom *room, int k, Real tau)
     return horner(series_along(room->series, place), r->taylor.order + (reads_motion(&tape->ops[place]) ? 2 : 0), tau);
 }
 
-/* Sum of the sizes of the terms of a series at tau. */
-static Real size_of(const Real *series, int count, Real tau)
-{
-    Real total = fabs(series[count - 1]);
-    int n;
-    for (n = count - 2; n >= 0; n--)
-        total = total * tau + fabs(series[n]);
-    return total;
-}
-
 /* The flow that is expanded at t. */
 static const Taylor *flow_at(const Run *r, Real t)
 {
@@ -88,13 +76,8 @@ static TapeInputs inputs_at(const Run *r, const Taylor *f, Real t, Real tau, Tap
 {
     const Real *values = f->values;
     Real turns, phase;
-    int c;
     taylor_values(f, tau, f->values);
-    for (c = 0; c < r->columns; c++) {
-        int from = c < r->bodies ? c : c > r->bodies && r->has_base ? base_column(r) : -1;
-        at.x[c] = from < 0 ? 0.0 : values[from];
-        at.v[c] = from < 0 ? 0.0 : values[f->rates + from];
-    }
+    read_columns(r, values, &at);
     at.t = t + tau;
     at.phi = at.w = 0.0;
     if (r->has_motor) {
@@ -110,14 +93,8 @@ static void values_at(const Run *r, const Taylor *f, const TapeRoom *room, Real 
 {
     const Real lost = ROUNDING * EPS;
     TapeInputs at = inputs_at(r, f, t, tau, r->taylor.tapes.at), blur = r->taylor.tapes.blur;
-    int c;
-    for (c = 0; c < r->columns; c++) {
-        blur.x[c] = lost * fabs(at.x[c]);
-        blur.v[c] = lost * fabs(at.v[c]);
-    }
+    blur_inputs(r, &at, lost, &blur);
     blur.t = lost * fabs(at.t);
-    blur.phi = lost * fabs(at.phi);
-    blur.w = lost * fabs(at.w);
     tape_evaluate(&r->mode->formula_slopes.tape, &at, &blur, room->values, room->bounds);
 }
 
@@ -131,15 +108,10 @@ static double excess(const Run *r, const TapeRoom *room, Real tau, Real toleranc
     for (k = 0; k < tape->output_count; k++) {
         int place = tape->outputs[k];
         const Real *series = series_along(room->series, place);
-        Real allowed = 2 * room->bounds[place] + order * tolerance * size_of(series, order, tau);
+        Real allowed = 2 * room->bounds[place] + order * tolerance * sizes_at(series, order, tau);
         Real off = fabs(room->values[place] - horner(series, order, tau));
-        double beyond = BEYOND_ALL;
-        if (off <= allowed && isfinite(allowed)) /* a value that overflows has no bound */
-            continue;
-        if (isfinite(off) && allowed > 0)
-            beyond = binary_exponent(off) - binary_exponent(allowed);
+        double beyond = digits_beyond(off, allowed);
         worst = beyond > worst ? beyond : worst;
-        worst = worst > 1.0 ? worst : 1.0;
     }
     return worst;
 }
@@ -153,13 +125,12 @@ Real formula_sound_stretch(Run *r, Real t, Real tau)
     int i;
     taylor_prepare(r, t);
     for (i = 0; i < SHORTENINGS; i++) {
-        double beyond, digits;
+        double beyond;
         values_at(r, f, of->along, t, tau);
         beyond = excess(r, of->along, tau, tolerance);
         if (beyond <= 0 || tau <= shortest)
             return tau;
-        digits = (beyond + 1) / r->taylor.order;
-        tau = tau * power_of_two(-(digits > LEAST_SHORTENING ? digits : LEAST_SHORTENING));
+        tau = shortened(tau, beyond, r->taylor.order);
     }
     return tau;
 }
