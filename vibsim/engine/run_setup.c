@@ -154,7 +154,6 @@ PyObject *run_set_slopes(RunObject *self, PyObject *args)
     else if (mode < 0 || mode >= self->run.mode_count || self->run.modes[mode]->formula_slopes.tape.ops)
         PyErr_SetString(PyExc_ValueError, "no mode that waits for derivatives");
     else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = slopes_read(&self->run, &in, self->run.modes[mode]))) {
-        slopes_free(&self->run.modes[mode]->formula_slopes);
         memset(&self->run.modes[mode]->formula_slopes, 0, sizeof(FormulaSlopes));
         PyErr_SetString(PyExc_ValueError, "the packed numbers are no derivatives");
     }

@@ -82,6 +82,7 @@ int integrals_read(Run *r, Mode *m, Reader *in)
     LedgerIntegrals *to = &m->integrals;
     int terms, more, i;
     Term *grown;
+    in->owner = m;
     to->count = read_index(in, 0, MOST);
     to->function_count = read_index(in, 0, MOST);
     to->column_count = read_index(in, 0, r->columns);
@@ -89,12 +90,12 @@ int integrals_read(Run *r, Mode *m, Reader *in)
     more = read_index(in, 0, MOST);
     to->forces = read_index(in, 0, 1);
     to->spins = read_index(in, 0, r->has_motor);
-    to->integrals = zalloc((size_t)to->count, sizeof(LedgerIntegral));
-    to->functions = zalloc((size_t)to->function_count, sizeof(Event));
-    to->columns = zalloc((size_t)to->column_count, sizeof(int));
+    to->integrals = room(in, to->count, sizeof(LedgerIntegral));
+    to->functions = room(in, to->function_count, sizeof(Event));
+    to->columns = room(in, to->column_count, sizeof(int));
     grown = regrown(m->terms, sizeof(Term) * (size_t)(terms + more + 1));
     m->terms = grown ? grown : m->terms;
-    if (in->short_of || !to->integrals || !to->functions || !to->columns || !grown || !alloc_functions(&r->ledger.nodes, to->function_count))
+    if (in->short_of || !grown || !alloc_functions(&r->ledger.nodes, to->function_count))
         return 0;
     for (i = 0; i < to->column_count; i++)
         to->columns[i] = read_index(in, 0, r->columns - 1);
@@ -112,13 +113,6 @@ int integrals_read(Run *r, Mode *m, Reader *in)
     }
     read_functions(r, m, in, terms);
     return read_through(in);
-}
-
-void integrals_free(LedgerIntegrals *m)
-{
-    free(m->integrals);
-    free(m->functions);
-    free(m->columns);
 }
 
 void ledger_free(Ledger *l)

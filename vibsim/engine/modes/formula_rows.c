@@ -4,7 +4,6 @@
 #include <stdlib.h>
 
 #include "modes.h"
-#include "zalloc.h"
 
 /* Where what an operation reads is in the table of Taylor series. */
 static void place_input(const Run *r, Reader *in, Op *op)
@@ -186,17 +185,15 @@ static void take_moving(Tape *tape)
         tape->powers = tape->powers || tape->ops[i].code == OP_POWER;
 }
 
-static int read_tape(Run *r, Reader *in, Tape *tape, int count, int timely)
+static void read_tape(Run *r, Reader *in, Tape *tape, int count, int timely)
 {
     int i;
     tape->output_count = read_index(in, 0, MOST);
-    tape->ops = zalloc(2 * (size_t)count, sizeof(Op));
-    tape->outputs = zalloc((size_t)tape->output_count, sizeof(int));
-    if (!tape->ops || !tape->outputs)
-        return 0;
+    tape->ops = room(in, 2 * count, sizeof(Op));
+    tape->outputs = room(in, tape->output_count, sizeof(int));
     for (i = 0; i < count && !in->short_of; i++)
         read_op(r, in, &tape->ops[i], i, count, timely);
-    for (i = 0; i < tape->output_count; i++)
+    for (i = 0; i < tape->output_count && !in->short_of; i++)
         tape->outputs[i] = read_index(in, 0, count - 1);
     tape->op_count = count;
     tape->number = ++r->tapes_read;
@@ -205,7 +202,6 @@ static int read_tape(Run *r, Reader *in, Tape *tape, int count, int timely)
         take_times(tape);
         take_turned(tape);
     }
-    return 1;
 }
 
 static void read_force(const Run *r, Reader *in, const Mode *m, FormulaForce *one)
@@ -241,20 +237,15 @@ int alloc_tapes(TapeRoom *tapes, int ops)
 int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops)
 {
     int i;
-    if (!read_tape(r, in, &m->tape, ops, 0))
-        return 0;
+    read_tape(r, in, &m->tape, ops, 0);
     m->formula_count = read_index(in, 0, MOST);
-    m->formulas = zalloc((size_t)m->formula_count, sizeof(FormulaForce));
-    if (!m->formulas)
-        return 0;
+    m->formulas = room(in, m->formula_count, sizeof(FormulaForce));
     for (i = 0; i < m->formula_count && !in->short_of; i++) {
         read_force(r, in, m, &m->formulas[i]);
         m->formulas[i].place = in->short_of ? 0 : m->tape.outputs[m->formulas[i].output];
     }
     m->follower_count = read_index(in, 0, r->bodies);
-    m->followers = zalloc((size_t)m->follower_count, sizeof(Follower));
-    if (!m->followers)
-        return 0;
+    m->followers = room(in, m->follower_count, sizeof(Follower));
     for (i = 0; i < m->follower_count && !in->short_of; i++) {
         Follower *one = &m->followers[i];
         int output;
@@ -268,16 +259,15 @@ int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops)
         for (i = 0; i < m->formula_count && m->tape.moving_count > m->tape.read_count; i++)
             m->formulas[i].newest = m->formulas[i].place * TAPE_WIDTH == m->tape.moving[m->tape.moving_count - 1].at;
     }
-    if (base_ops > 0 && !read_tape(r, in, &m->base_tape, base_ops, 1))
-        return 0;
-    if (base_ops > 0 && !read_tape(r, in, &m->base_values, read_index(in, 1, MOST), 1))
-        return 0;
-    if (base_ops > 0 && (m->base_tape.output_count < 1 || m->base_values.output_count < 3))
-        in->short_of = 1;
-    if (base_ops > 0 && !in->short_of)
+    if (base_ops > 0) {
+        read_tape(r, in, &m->base_tape, base_ops, 1);
+        read_tape(r, in, &m->base_values, read_index(in, 1, MOST), 1);
+        if (in->short_of || m->base_tape.output_count < 1 || m->base_values.output_count < 3)
+            return 0;
         take_moving(&m->base_tape);
-    if (base_ops > 0 && !alloc_tapes(&r->taylor.base_tapes, base_ops))
-        return 0;
+        if (!alloc_tapes(&r->taylor.base_tapes, base_ops))
+            return 0;
+    }
     base_ops = m->base_values.op_count > base_ops ? m->base_values.op_count : base_ops;
     if (in->short_of || !alloc_tapes(&r->taylor.tapes, ops > base_ops ? ops : base_ops))
         return 0;
@@ -285,75 +275,59 @@ int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops)
 }
 
 /* What the derivatives of the formulas of a mode by displacements, or by velocities, do to accelerations. */
-static int read_rows(const Run *r, Reader *in, const Mode *m, SlopeRows *rows)
+static void read_rows(const Run *r, Reader *in, const Mode *m, SlopeRows *rows)
 {
     int i;
     rows->entry_count = read_index(in, 0, MOST);
     rows->share_count = read_index(in, 0, MOST);
-    rows->entries = zalloc((size_t)rows->entry_count, sizeof(SlopeEntry));
-    rows->shares = zalloc((size_t)rows->share_count, sizeof(SlopeShare));
-    if (!rows->entries || !rows->shares)
-        return 0;
-    for (i = 0; i < rows->entry_count; i++) {
+    rows->entries = room(in, rows->entry_count, sizeof(SlopeEntry));
+    rows->shares = room(in, rows->share_count, sizeof(SlopeShare));
+    for (i = 0; i < rows->entry_count && !in->short_of; i++) {
         rows->entries[i].row = read_index(in, 0, r->columns - 1);
         rows->entries[i].column = read_index(in, 0, r->columns - 1);
         rows->entries[i].back = read_index(in, -1, rows->entry_count - 1);
     }
-    for (i = 0; i < rows->share_count; i++) {
+    for (i = 0; i < rows->share_count && !in->short_of; i++) {
         rows->shares[i].entry = read_index(in, 0, rows->entry_count - 1);
         rows->shares[i].force = read_index(in, 0, m->formula_count - 1);
         rows->shares[i].end = read_index(in, 0, 1);
         rows->shares[i].output = read_index(in, 0, m->formula_slopes.tape.output_count - 1);
     }
-    return 1;
 }
 
 /* The derivatives of each output of the tape of a mode. */
-static int read_slopes(const Run *r, Reader *in, Mode *m)
+static void read_slopes(const Run *r, Reader *in, Mode *m)
 {
     FormulaSlopes *s = &m->formula_slopes;
     int count = read_index(in, 0, MOST), i;
-    s->all = zalloc((size_t)count, sizeof(FormulaSlope));
-    s->first = zalloc((size_t)m->tape.output_count + 1, sizeof(int));
-    if (!s->all || !s->first)
-        return 0;
-    for (i = 0; i <= m->tape.output_count; i++)
+    s->all = room(in, count, sizeof(FormulaSlope));
+    s->first = room(in, m->tape.output_count + 1, sizeof(int));
+    for (i = 0; i <= m->tape.output_count && !in->short_of; i++)
         s->first[i] = read_index(in, i == 0 ? 0 : s->first[i - 1], i == 0 ? 0 : count);
-    for (i = 0; i < count; i++) {
+    for (i = 0; i < count && !in->short_of; i++) {
         FormulaSlope *one = &s->all[i];
         one->kind = read_index(in, BY_PLACE, r->has_motor ? BY_SPIN : BY_SPEED);
         one->column = read_index(in, one->kind > BY_SPEED ? -1 : 0, one->kind > BY_SPEED ? -1 : r->bodies - 1);
         one->output = read_index(in, 0, s->tape.output_count - 1);
     }
-    return 1;
 }
 
 int slopes_read(Run *r, Reader *in, Mode *m)
 {
     FormulaSlopes *s = &m->formula_slopes;
-    int ops = read_index(in, 0, MOST), i;
-    if (in->short_of || !read_tape(r, in, &s->tape, ops, 0) || in->short_of || !read_slopes(r, in, m))
-        return 0;
-    for (i = 0; i < 2; i++) {
-        if (in->short_of || !read_rows(r, in, m, &s->rows[i]))
-            return 0;
-        r->slope_entries = s->rows[i].entry_count > r->slope_entries ? s->rows[i].entry_count : r->slope_entries;
-    }
-    r->slope_ops = ops > r->slope_ops ? ops : r->slope_ops;
+    int ops, i;
+    in->owner = m;
+    ops = read_index(in, 0, MOST);
+    read_tape(r, in, &s->tape, ops, 0);
+    read_slopes(r, in, m);
+    for (i = 0; i < 2; i++)
+        read_rows(r, in, m, &s->rows[i]);
     s->known = read_through(in);
+    if (!s->known)
+        return 0;
+    for (i = 0; i < 2; i++)
+        r->slope_entries = s->rows[i].entry_count > r->slope_entries ? s->rows[i].entry_count : r->slope_entries;
+    r->slope_ops = ops > r->slope_ops ? ops : r->slope_ops;
     take_moving(&s->tape);
-    return s->known && (!r->tangent || tangent_alloc_formulas(r, r->tangent));
-}
-
-void slopes_free(FormulaSlopes *s)
-{
-    int i;
-    free(s->tape.ops);
-    free(s->tape.outputs);
-    free(s->all);
-    free(s->first);
-    for (i = 0; i < 2; i++) {
-        free(s->rows[i].entries);
-        free(s->rows[i].shares);
-    }
+    return !r->tangent || tangent_alloc_formulas(r, r->tangent);
 }

@@ -1,7 +1,6 @@
 /* The closed form of a mode from packed numbers, and what of its coordinates event functions read. */
 #include "modes.h"
 #include "numbers.h"
-#include "zalloc.h"
 
 static void read_place(Reader *in, Place *p, int shares, int fixed, const Share *all)
 {
@@ -66,7 +65,7 @@ void modal_tune(const Run *r, Modal *m)
     m->window = bounded ? window : UNHURRIED;
 }
 
-static int read_coordinate(Reader *in, const Run *r, Coordinate *c, Terms *terms, int sources, int shifts)
+static void read_coordinate(Reader *in, const Run *r, Coordinate *c, Terms *terms, int sources, int shifts)
 {
     int h;
     c->is_free = read_index(in, 0, 1);
@@ -78,10 +77,10 @@ static int read_coordinate(Reader *in, const Run *r, Coordinate *c, Terms *terms
     c->b = read_double(in);
     c->load = read_double(in);
     terms->load = read_double(in);
-    c->drives = zalloc((size_t)r->harmonic_count, sizeof(Drive));
-    terms->drives = zalloc((size_t)r->harmonic_count, sizeof(Real));
-    if (!c->drives || !terms->drives)
-        return 0;
+    c->drives = room(in, r->harmonic_count, sizeof(Drive));
+    terms->drives = room(in, r->harmonic_count, sizeof(Real));
+    if (in->short_of)
+        return;
     for (h = 0; h < r->harmonic_count; h++)
         c->drives[h].sine = read_double(in);
     for (h = 0; h < r->harmonic_count; h++)
@@ -99,13 +98,12 @@ static int read_coordinate(Reader *in, const Run *r, Coordinate *c, Terms *terms
         drive->size = fabs(drive->sine) + fabs(drive->cosine);
         c->drive_count++;
     }
-    c->series = zalloc(3 * (size_t)(c->drive_count > 0 ? c->drive_count : 1) * SERIES_TERMS, sizeof(Real));
-    if (!c->series)
-        return 0;
+    c->series = room(in, 3 * (c->drive_count > 0 ? c->drive_count : 1) * SERIES_TERMS, sizeof(Real));
+    if (in->short_of)
+        return;
     place_series(c, &c->oscillator, 0);
     for (h = 0; h < c->drive_count; h++)
         place_series(c, &c->drives[h].oscillator, h);
-    return 1;
 }
 
 Modal *modal_read(const Run *r, Reader *in, int pairs, int events)
@@ -117,18 +115,19 @@ Modal *modal_read(const Run *r, Reader *in, int pairs, int events)
     shifts = read_index(in, 0, MOST);
     shares = read_index(in, 0, MOST);
     fixed = read_index(in, 0, MOST);
-    if (in->short_of || (m = zalloc(1, sizeof *m)) == NULL)
+    m = room(in, 1, sizeof *m);
+    if (in->short_of)
         return NULL;
     m->count = count;
-    m->coordinates = zalloc((size_t)count, sizeof(Coordinate));
-    m->sources = zalloc((size_t)sources, sizeof(Source));
-    m->shifts = zalloc((size_t)shifts, sizeof(Shift));
-    m->places = zalloc((size_t)(r->columns + pairs), sizeof(Place));
-    m->shares = zalloc((size_t)shares, sizeof(Share));
-    m->fixed = zalloc((size_t)fixed, sizeof(Fixed));
-    m->terms = zalloc((size_t)count, sizeof(Terms));
-    m->reaches = zalloc((size_t)events, sizeof(Reach));
-    if (!m->coordinates || !m->terms || !m->reaches || !m->sources || !m->shifts || !m->places || !m->shares || !m->fixed)
+    m->coordinates = room(in, count, sizeof(Coordinate));
+    m->sources = room(in, sources, sizeof(Source));
+    m->shifts = room(in, shifts, sizeof(Shift));
+    m->places = room(in, r->columns + pairs, sizeof(Place));
+    m->shares = room(in, shares, sizeof(Share));
+    m->fixed = room(in, fixed, sizeof(Fixed));
+    m->terms = room(in, count, sizeof(Terms));
+    m->reaches = room(in, events, sizeof(Reach));
+    if (in->short_of)
         return m;
     m->pairs = m->places + r->columns;
     for (i = 0; i < sources; i++) {
@@ -151,11 +150,8 @@ Modal *modal_read(const Run *r, Reader *in, int pairs, int events)
     }
     for (i = 0; i < r->columns + pairs; i++)
         read_place(in, &m->places[i], shares, fixed, m->shares);
-    for (i = 0; i < count; i++)
-        if (!read_coordinate(in, r, &m->coordinates[i], &m->terms[i], sources, shifts)) {
-            in->short_of = 1;
-            return m;
-        }
+    for (i = 0; i < count && !in->short_of; i++)
+        read_coordinate(in, r, &m->coordinates[i], &m->terms[i], sources, shifts);
     if (!in->short_of)
         modal_tune(r, m);
     return m;

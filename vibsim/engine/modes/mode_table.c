@@ -16,44 +16,9 @@ static int grown(void **array, size_t before, size_t after, size_t size)
 
 void mode_free(Mode *m)
 {
-    int i;
-    if (!m)
-        return;
-    if (m->modal) {
-        for (i = 0; m->modal->coordinates && i < m->modal->count; i++) {
-            free(m->modal->coordinates[i].drives);
-            free(m->modal->coordinates[i].series);
-        }
-        for (i = 0; m->modal->terms && i < m->modal->count; i++)
-            free(m->modal->terms[i].drives);
-        free(m->modal->coordinates);
-        free(m->modal->terms);
-        free(m->modal->reaches);
-        free(m->modal->sources);
-        free(m->modal->shifts);
-        free(m->modal->places);
-        free(m->modal->shares);
-        free(m->modal->fixed);
-        free(m->modal);
-    }
-    integrals_free(&m->integrals);
-    free(m->tape.ops);
-    free(m->tape.outputs);
-    free(m->base_tape.ops);
-    free(m->base_tape.outputs);
-    free(m->base_values.ops);
-    free(m->base_values.outputs);
-    free(m->formulas);
-    free(m->followers);
-    slopes_free(&m->formula_slopes);
-    free(m->couplings);
-    free(m->events);
-    free(m->terms);
-    free(m->slopes);
-    free(m->mobility);
-    free(m->constants);
-    free(m->leader);
-    free(m);
+    if (m)
+        free(m->terms);
+    free_owner(m);
 }
 
 /* Add a mode; its number, or -1 without memory. Sets how many keys of zeros there are. */

@@ -1,8 +1,5 @@
 /* The rows of a mode from packed numbers, in the order in which vibsim/engine/modes/packing.py writes them. */
-#include <stdlib.h>
-
 #include "modes.h"
-#include "zalloc.h"
 
 /* Where a difference of columns or rates is in the table of Taylor series; the ground is zero and need not be there. */
 static void place_term(const Run *r, Term *t)
@@ -68,10 +65,11 @@ static void take_shape(const Run *r, Mode *m)
 
 Mode *mode_read(Run *r, Reader *in)
 {
-    Mode *m = zalloc(1, sizeof *m);
+    Mode *m = (Mode *)zalloc_for(NULL, 1, sizeof *m);
     int terms, slopes, slope_constants, pairs, ops, base_ops, i;
     if (!m)
         return NULL;
+    in->owner = m;
     m->coupling_count = read_index(in, 0, MOST);
     m->event_count = read_index(in, 0, MOST);
     m->constant_count = read_index(in, 0, MOST);
@@ -83,17 +81,16 @@ Mode *mode_read(Run *r, Reader *in)
     base_ops = read_index(in, 0, r->has_base ? MOST : 0);
     if (in->short_of)
         return m;
-    m->couplings = zalloc((size_t)m->coupling_count, sizeof(Coupling));
-    m->events = zalloc((size_t)m->event_count, sizeof(Event));
-    m->terms = zalloc((size_t)terms, sizeof(Term));
-    m->slopes = zalloc((size_t)slopes, sizeof(Slope));
-    m->mobility = zalloc((size_t)(3 * r->columns), sizeof(Real));
-    m->constants = zalloc((size_t)(m->constant_count + slope_constants), sizeof(Real));
-    m->leader = zalloc((size_t)(r->columns + m->constant_count + r->parts + r->bodies), sizeof(int));
-    if (!m->couplings || !m->events || !m->terms || !m->slopes || !m->mobility || !m->constants || !m->leader) {
-        in->short_of = 1;
+    m->couplings = room(in, m->coupling_count, sizeof(Coupling));
+    m->events = room(in, m->event_count, sizeof(Event));
+    m->terms = zalloc((size_t)terms, sizeof(Term)); /* which may grow */
+    m->slopes = room(in, slopes, sizeof(Slope));
+    m->mobility = room(in, 3 * r->columns, sizeof(Real));
+    m->constants = room(in, m->constant_count + slope_constants, sizeof(Real));
+    m->leader = room(in, r->columns + m->constant_count + r->parts + r->bodies, sizeof(int));
+    in->short_of = in->short_of || !m->terms;
+    if (in->short_of)
         return m;
-    }
     m->group_mass = m->mobility + r->columns;
     m->drift = m->group_mass + r->columns;
     m->slope_constants = m->constants + m->constant_count;

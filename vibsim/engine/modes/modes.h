@@ -7,6 +7,7 @@
 
 int scene_read(Run *r, Reader *in);       /* whether the numbers made a scene */
 int scene_retune(Run *r, Reader *in);     /* the numbers of another scene of that shape; whether they were as many */
+void place_rotors(Rotors *o);             /* what lies behind `sine` and `mass` */
 int named_by(const Run *r, const Mode *m, int kind); /* how many of what a kind of term names by its P a mode has */
 Mode *mode_read(Run *r, Reader *in);      /* NULL without memory; look at the reader for what else was wrong */
 int mode_add(Run *r, Mode *m);
@@ -23,7 +24,6 @@ int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops); /* formul
 
 int slopes_read(Run *r, Reader *in, Mode *m); /* their derivatives; 0 without memory, or look at the reader */
 int alloc_tapes(TapeRoom *tapes, int ops);
-void slopes_free(FormulaSlopes *s);
 
 void mode_free(Mode *m);
 void run_free(Run *r);
@@ -37,6 +37,5 @@ int integrals_read(Run *r, Mode *m, Reader *in);
 int extremes_read(Run *r, Reader *in); /* extremes.c */
 int impacts_read(Run *r, Reader *in);    /* reading_impacts.c */
 void ledger_free(Ledger *l);
-void integrals_free(LedgerIntegrals *m);
 
 #endif

@@ -2,11 +2,14 @@
 #ifndef VIBSIM_READING_H
 #define VIBSIM_READING_H
 
+#include "zalloc.h"
+
 typedef struct {
     const int *ints;
     const Real *doubles;
     long int_count, double_count, next_int, next_double;
-    int short_of; /* whether something was asked for beyond the end, or an index was out of its range */
+    int short_of; /* whether something was asked for beyond the end, an index was out of its range, or there was no memory */
+    void *owner;  /* of the memory for what is read */
 } Reader;
 
 static inline int read_int(Reader *r)
@@ -34,6 +37,18 @@ static inline int read_index(Reader *r, int low, int high)
         return low;
     }
     return value;
+}
+
+/* Zeros for what is read, which are freed with its owner. */
+static inline Memory room(Reader *in, size_t count, size_t size)
+{
+    void *at = zalloc_for(in->owner, count, size);
+    in->short_of = in->short_of || !at;
+#ifdef __cplusplus
+    return Memory{at};
+#else
+    return at;
+#endif
 }
 
 static inline int read_through(const Reader *r)

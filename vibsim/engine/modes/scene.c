@@ -73,6 +73,17 @@ static int alloc_flows(Run *r)
     return 1;
 }
 
+void place_rotors(Rotors *o)
+{
+    o->cosine = series_along(o->sine, o->count);
+    o->acceleration = series_along(o->cosine, o->count);
+    o->speed = series_along(o->acceleration, o->count);
+    o->mobility = o->mass + o->count;
+    o->torque = o->mobility + o->count;
+    o->pulled = o->torque + o->count;
+    o->lean = o->pulled + o->count;
+}
+
 /* Memory for rotors on bodies, columns by themselves, and what formulas read. */
 static int alloc_rotors(Run *r)
 {
@@ -87,13 +98,7 @@ static int alloc_rotors(Run *r)
     r->taylor.acceleration = zalloc(7 * columns, sizeof(Real));
     if (!r->alone || !o->of || !o->sine || !o->mass || !o->leaders || !r->taylor.acceleration)
         return 0;
-    o->cosine = series_along(o->sine, o->count);
-    o->acceleration = series_along(o->cosine, o->count);
-    o->speed = series_along(o->acceleration, o->count);
-    o->mobility = o->mass + count;
-    o->torque = o->mobility + count;
-    o->pulled = o->torque + count;
-    o->lean = o->pulled + count;
+    place_rotors(o);
     at->x = r->taylor.acceleration + columns;
     at->v = at->x + columns;
     blur->x = at->v + columns;

@@ -25,6 +25,33 @@ static inline Memory zalloc(size_t count, size_t size)
 #endif
 }
 
+/* In front of memory that has an owner, or is one: what was begun next. The rest of it only keeps what follows aligned. */
+typedef union Piece {
+    union Piece *next;
+    char aligned[16];
+} Piece;
+
+/* Zeros that are freed with `owner`, which was begun so itself, without an owner; NULL without memory. */
+static inline void *zalloc_for(void *owner, size_t count, size_t size)
+{
+    Piece *piece = (Piece *)calloc(1, sizeof *piece + count * size);
+    if (piece && owner) {
+        piece->next = ((Piece *)owner - 1)->next;
+        ((Piece *)owner - 1)->next = piece;
+    }
+    return piece ? piece + 1 : NULL;
+}
+
+/* Free an owner with all that it owns; nothing where that is NULL. */
+static inline void free_owner(void *owner)
+{
+    Piece *piece = owner ? (Piece *)owner - 1 : NULL, *next;
+    for (; piece; piece = next) {
+        next = piece->next;
+        free(piece);
+    }
+}
+
 /* `old`, grown to so many bytes, or NULL. */
 static inline Memory regrown(void *old, size_t size)
 {

@@ -3,19 +3,18 @@
 #include <string.h>
 
 #include "modes.h"
-#include "zalloc.h"
 #include "tangent.h"
 
 static int *read_indices(Reader *in, int count, int high)
 {
-    int *values = zalloc((size_t)count, sizeof(int)), i;
-    for (i = 0; values && i < count; i++)
+    int *values = room(in, count, sizeof(int)), i;
+    for (i = 0; i < count && !in->short_of; i++)
         values[i] = read_index(in, 0, high);
     return values;
 }
 
 /* A second flow, for expansions within a step. */
-static int alloc_spare(const Run *r, TaylorTangent *of)
+static void alloc_spare(const Run *r, TaylorTangent *of, Reader *in)
 {
     size_t row = 2 * ((size_t)r->bodies + 3), columns = (size_t)r->columns, i;
     Taylor *f = &of->spare;
@@ -23,17 +22,16 @@ static int alloc_spare(const Run *r, TaylorTangent *of)
     f->tapes.series = f->base_tapes.series = NULL;
     f->tapes.values = f->base_tapes.values = NULL;
     f->tapes.ops = f->base_tapes.ops = f->tapes.tape = f->base_tapes.tape = f->tapes.latest = 0;
-    f->table = zalloc((SERIES + 1) * row, sizeof(Real));
-    f->sine = zalloc(4 * (size_t)SERIES, sizeof(Real));
-    f->load = zalloc(columns * SERIES, sizeof(Real));
-    f->loaded_on = zalloc(columns, sizeof(Real *));
+    f->table = room(in, (SERIES + 1) * row, sizeof(Real));
+    f->sine = room(in, 4 * (size_t)SERIES, sizeof(Real));
+    f->load = room(in, columns * SERIES, sizeof(Real));
+    f->loaded_on = room(in, columns, sizeof(Real *));
 #ifdef FIXED_SERIES
     f->fixed = fixed_table_new(SERIES, row); /* the digits of the rotor are of one expansion after the other */
-    if (!f->fixed)
-        return 0;
+    in->short_of = in->short_of || !f->fixed;
 #endif
-    if (!f->table || !f->sine || !f->load || !f->loaded_on)
-        return 0;
+    if (in->short_of)
+        return;
     f->cosine = f->sine + SERIES;
     f->w_back = f->cosine + SERIES;
     f->a1_back = f->w_back + SERIES;
@@ -41,55 +39,46 @@ static int alloc_spare(const Run *r, TaylorTangent *of)
     f->checked = NULL;
     for (i = 0; i < columns; i++)
         f->loaded_on[i] = r->taylor.loaded_on[i] ? f->load + i * SERIES : NULL;
-    return 1;
 }
 
 /* What rotors on bodies need, and a second set of their series. */
-static int alloc_rotors(const Run *r, TaylorTangent *of)
+static void alloc_rotors(const Run *r, TaylorTangent *of, Reader *in)
 {
     const size_t count = (size_t)r->rotors.count;
     Rotors *o = &of->spare_rotors;
     *o = r->rotors;
-    o->sine = zalloc(6 * count * TAPE_WIDTH, sizeof(Real));
-    o->mass = zalloc(5 * count, sizeof(Real));
-    o->leaders = zalloc(count + 1, sizeof(int));
-    of->pushed = zalloc(TANGENT_GROUP * count * SERIES, sizeof *of->pushed);
-    of->torques = zalloc(count, sizeof *of->torques);
-    if (!o->sine || !o->mass || !o->leaders || !of->pushed || !of->torques)
-        return 0;
-    o->cosine = series_along(o->sine, o->count);
-    o->acceleration = series_along(o->cosine, o->count);
-    o->speed = series_along(o->acceleration, o->count);
+    o->sine = room(in, 6 * count * TAPE_WIDTH, sizeof(Real));
+    o->mass = room(in, 5 * count, sizeof(Real));
+    o->leaders = room(in, count + 1, sizeof(int));
+    of->pushed = room(in, TANGENT_GROUP * count * SERIES, sizeof *of->pushed);
+    of->torques = room(in, count, sizeof *of->torques);
+    if (in->short_of)
+        return;
+    place_rotors(o);
     of->turning = series_along(o->speed, o->count);
     of->pull = series_along(of->turning, o->count);
-    o->mobility = o->mass + count;
-    o->torque = o->mobility + count;
-    o->pulled = o->torque + count;
-    o->lean = o->pulled + count;
-    return 1;
 }
 
-static int alloc_all(const Run *r, Tangent *b)
+static void alloc_all(const Run *r, Tangent *b, Reader *in)
 {
     size_t count = (size_t)b->count, size = (size_t)b->size, stride = (size_t)b->stride, columns = (size_t)r->columns;
     size_t coordinates = 2 * columns;
-    b->columns = zalloc(2 * count, sizeof(int));
-    b->lost = zalloc(count, sizeof(int));
-    b->vectors = zalloc(2 * size * stride, sizeof(Real));
-    b->sums = zalloc(2 * count, sizeof(Real));
-    b->rows = zalloc((SPANS + 1) * (1 + count), sizeof(Real));
-    b->fitted = zalloc((count + size + columns + 1) * size, sizeof(Real));
-    b->q = zalloc((2 * coordinates + 2) * stride, sizeof(Real));
-    b->accelerations = zalloc(3 * columns + size, sizeof(Real));
-    b->moving = zalloc(coordinates, sizeof(Moving));
-    b->taylor.series = zalloc(TANGENT_GROUP * (2 * columns + 1) * SERIES, sizeof *b->taylor.series);
-    b->taylor.joint = zalloc(SERIES, sizeof *b->taylor.joint);
-    b->taylor.force = zalloc(2 * columns, sizeof *b->taylor.force);
-    b->seat = zalloc(columns, sizeof(int));
-    b->tangencies.fastest = zalloc(3 * (size_t)b->stop_count, sizeof(Real));
-    if (!b->columns || !b->lost || !b->vectors || !b->sums || !b->rows || !b->fitted || !b->q || !b->accelerations || !b->moving ||
-        !b->taylor.series || !b->taylor.joint || !b->taylor.force || !b->seat || !b->tangencies.fastest)
-        return 0;
+    b->columns = room(in, 2 * count, sizeof(int));
+    b->lost = room(in, count, sizeof(int));
+    b->vectors = room(in, 2 * size * stride, sizeof(Real));
+    b->sums = room(in, 2 * count, sizeof(Real));
+    b->rows = room(in, (SPANS + 1) * (1 + count), sizeof(Real));
+    b->fitted = room(in, (count + size + columns + 1) * size, sizeof(Real));
+    b->q = room(in, (2 * coordinates + 2) * stride, sizeof(Real));
+    b->accelerations = room(in, 3 * columns + size, sizeof(Real));
+    b->moving = room(in, coordinates, sizeof(Moving));
+    b->taylor.series = room(in, TANGENT_GROUP * (2 * columns + 1) * SERIES, sizeof *b->taylor.series);
+    b->taylor.joint = room(in, SERIES, sizeof *b->taylor.joint);
+    b->taylor.force = room(in, 2 * columns, sizeof *b->taylor.force);
+    b->seat = room(in, columns, sizeof(int));
+    b->tangencies.fastest = room(in, 3 * (size_t)b->stop_count, sizeof(Real));
+    if (in->short_of)
+        return;
     b->tangencies.since = b->tangencies.fastest + b->stop_count;
     b->tangencies.struck = b->tangencies.since + b->stop_count;
     b->over_columns = b->columns + count;
@@ -103,29 +92,27 @@ static int alloc_all(const Run *r, Tangent *b)
     b->other_accelerations = b->accelerations + columns;
     b->force = b->other_accelerations + columns;
     b->jump = b->force + columns;
-    return alloc_spare(r, &b->taylor) && alloc_rotors(r, &b->taylor) && tangent_alloc_formulas(r, b);
+    alloc_spare(r, &b->taylor, in);
+    alloc_rotors(r, &b->taylor, in);
 }
 
 /* Ends and laws of stops and frictions. */
-static int read_parts(const Run *r, Tangent *b, Reader *in)
+static void read_parts(const Run *r, Tangent *b, Reader *in)
 {
     int last = r->columns - 1, i;
-    b->stops = zalloc((size_t)b->stop_count, sizeof(StopEnds));
-    b->frictions = zalloc((size_t)b->friction_count, sizeof(FrictionEnds));
-    if (!b->stops || !b->frictions)
-        return 0;
-    for (i = 0; i < b->stop_count; i++) {
+    b->stops = room(in, b->stop_count, sizeof(StopEnds));
+    b->frictions = room(in, b->friction_count, sizeof(FrictionEnds));
+    for (i = 0; i < b->stop_count && !in->short_of; i++) {
         b->stops[i].P = read_index(in, 0, last);
         b->stops[i].Q = read_index(in, 0, last);
         b->stops[i].c = read_double(in);
     }
-    for (i = 0; i < b->friction_count; i++) {
+    for (i = 0; i < b->friction_count && !in->short_of; i++) {
         b->frictions[i].P = read_index(in, 0, last);
         b->frictions[i].Q = read_index(in, 0, last);
         b->frictions[i].forward = read_double(in);
         b->frictions[i].backward = read_double(in);
     }
-    return 1;
 }
 
 static int read_bundle(Run *r, Tangent *b, Reader *in)
@@ -147,9 +134,10 @@ static int read_bundle(Run *r, Tangent *b, Reader *in)
     b->shift_from = read_indices(in, b->shift_count, r->bodies - 1);
     b->shift_to = read_indices(in, b->shift_count, r->bodies - 1);
     b->references = read_indices(in, b->reference_count, r->bodies - 1);
-    b->weights = zalloc((size_t)b->size, sizeof(Real));
-    if (!b->components || !b->shift_from || !b->shift_to || !b->references || !b->weights || !alloc_all(r, b) ||
-        !read_parts(r, b, in))
+    b->weights = room(in, b->size, sizeof(Real));
+    alloc_all(r, b, in);
+    read_parts(r, b, in);
+    if (in->short_of || !tangent_alloc_formulas(r, b))
         return 0;
     b->begin = read_double(in);
     b->taylor.reach = read_double(in);
@@ -180,55 +168,28 @@ int tangent_alloc_formulas(const Run *r, Tangent *b)
 
 int tangent_read(Run *r, Reader *in)
 {
-    r->tangent = zalloc(1, sizeof(Tangent));
+    r->tangent = (Tangent *)zalloc_for(NULL, 1, sizeof(Tangent));
+    in->owner = r->tangent;
     return r->tangent && read_bundle(r, r->tangent, in);
 }
 
 void tangent_free(Tangent *b)
 {
+    TapeRoom *rooms[4];
+    int i;
     if (!b)
         return;
-    free(b->components);
-    free(b->shift_from);
-    free(b->shift_to);
-    free(b->references);
-    free(b->weights);
-    free(b->stops);
-    free(b->frictions);
-    free(b->columns);
-    free(b->lost);
-    free(b->vectors);
-    free(b->sums);
-    free(b->rows);
-    free(b->fitted);
-    free(b->q);
-    free(b->accelerations);
-    free(b->moving);
-    free(b->taylor.series);
-    free(b->taylor.force);
-    free(b->taylor.spare.table);
-    free(b->taylor.spare.sine);
-    free(b->taylor.joint);
+    rooms[0] = &b->taylor.spare.tapes;
+    rooms[1] = &b->taylor.spare.base_tapes;
+    rooms[2] = &b->taylor.step;
+    rooms[3] = &b->taylor.here;
+    for (i = 0; i < 4; i++) {
+        free(rooms[i]->series);
+        free(rooms[i]->values);
+    }
+    free(b->taylor.entries);
 #ifdef FIXED_SERIES
     fixed_table_free(b->taylor.spare.fixed);
 #endif
-    free(b->taylor.spare.load);
-    free(b->taylor.spare.tapes.series);
-    free(b->taylor.spare.tapes.values);
-    free(b->taylor.spare.base_tapes.series);
-    free(b->taylor.spare.base_tapes.values);
-    free(b->taylor.step.series);
-    free(b->taylor.step.values);
-    free(b->taylor.here.series);
-    free(b->taylor.here.values);
-    free(b->taylor.entries);
-    free(b->taylor.spare_rotors.sine);
-    free(b->taylor.spare_rotors.mass);
-    free(b->taylor.spare_rotors.leaders);
-    free(b->taylor.pushed);
-    free(b->taylor.torques);
-    free(b->taylor.spare.loaded_on);
-    free(b->seat);
-    free(b->tangencies.fastest);
-    free(b);
+    free_owner(b);
 }
