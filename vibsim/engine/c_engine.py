@@ -45,12 +45,7 @@ MOST_RECALLED = 16  # modes that a run is told of before it meets them
 SECONDS = 0.1  # between two blocks where Python decides: Ctrl-C is heard there
 FEW = 1 << 13  # numbers of a run that is taken apart from it
 ACCUMULATION, DIVERGED, UNDECIDED, STANDSTILL, SINGULAR = 1, 2, 3, 5, 6
-REASONS = {
-    ACCUMULATION: "accumulation",
-    DIVERGED: "diverged",
-    STANDSTILL: "standstill",
-    SINGULAR: "singular",
-}
+REASONS = {ACCUMULATION: "accumulation", DIVERGED: "diverged", STANDSTILL: "standstill", SINGULAR: "singular"}
 NO_EVENT = -1  # in place of the kind of an event, where nothing is told
 
 

@@ -19,16 +19,7 @@ from typing import Any, Generic
 
 from vibsim.engine.modes.packing import Packer
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import (
-    COUPLING,
-    FORMULA,
-    HOLD,
-    Event,
-    Joined,
-    ModeRows,
-    Term,
-    Terms,
-)
+from vibsim.engine.modes.rows import COUPLING, FORMULA, HOLD, Event, Joined, ModeRows, Term, Terms
 from vibsim.engine.modes.status import CONTACT, STICK, Kept, Status
 from vibsim.engine.modes.ties import Edge, Groups, Tie, beyond
 from vibsim.engine.number_forms import DOUBLES, NumberForm

@@ -96,10 +96,7 @@ def rounded(kit: DigitsKit[Number], state: State[Number]) -> State[float]:
 
 
 def open_truth(
-    exact_scene: Callable[..., Scene[Number]],
-    digits: int,
-    ledger: bool = False,
-    momentum: bool = False,
+    exact_scene: Callable[..., Scene[Number]], digits: int, ledger: bool = False, momentum: bool = False
 ) -> WordsTrajectory:
     """A run of `digits` decimal digits, not yet computed.
 

@@ -6,12 +6,7 @@ from collections.abc import Iterable
 from typing import Generic
 
 from vibsim.engine.errors import State
-from vibsim.engine.flows.base_motion import (
-    base_motion,
-    base_rounding,
-    belt_velocity,
-    fastest_base,
-)
+from vibsim.engine.flows.base_motion import base_motion, base_rounding, belt_velocity, fastest_base
 from vibsim.engine.modes.rows import Joined
 from vibsim.engine.modes.ties import Edge
 from vibsim.physics.numbers import Kit, N, abs
@@ -122,12 +117,7 @@ class RelativeMotion(Generic[N]):
         )
 
     def blurred(
-        self,
-        value: N,
-        part: Stop[N] | RigidStop[N] | Clearance[N],
-        state: State[N],
-        distance: N,
-        met: bool,
+        self, value: N, part: Stop[N] | RigidStop[N] | Clearance[N], state: State[N], distance: N, met: bool
     ) -> bool:
         """Whether the rounding of the base, of x_P - x_Q and of its sum with `distance` could turn the sign
         of `value`, or be what makes it zero; no rounding can where exact numbers say that the ends are met.

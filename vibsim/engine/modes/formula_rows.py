@@ -15,15 +15,7 @@ from itertools import chain, islice
 from threading import RLock
 from typing import Any, Generic, NamedTuple
 
-from vibsim.engine.flows.tape import (
-    POWER,
-    Inputs,
-    Tape,
-    TapeMaker,
-    TapeValues,
-    chosen,
-    motion_tape,
-)
+from vibsim.engine.flows.tape import POWER, Inputs, Tape, TapeMaker, TapeValues, chosen, motion_tape
 from vibsim.engine.modes.depth_comparison import DepthComparison
 from vibsim.engine.modes.rows import (
     DOMAIN,

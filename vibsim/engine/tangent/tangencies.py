@@ -94,11 +94,7 @@ class Jumps(Generic[N]):
         self.run.hand_jump(jump is not None, *told, moved)
 
     def _judged(
-        self,
-        at: EventCrossing[N],
-        jump: Jump[N] | Undefined | None,
-        fastest: Sequence[N],
-        since: Sequence[N],
+        self, at: EventCrossing[N], jump: Jump[N] | Undefined | None, fastest: Sequence[N], since: Sequence[N]
     ) -> tuple[N, bool]:
         """(Square of the rate of an event over that of the whole motion, at most 1, and 1 where it is not
         judged; whether it has no derivative).
