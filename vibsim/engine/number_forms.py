@@ -5,7 +5,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Generic, Protocol
+from typing import TYPE_CHECKING, Any, Generic
 
 import numpy as np
 
@@ -18,73 +18,50 @@ if TYPE_CHECKING:
 LEAST_ROOM = 40  # bytes of a number that rooms for results are measured by
 
 
-class NumberForm(Protocol[N]):
-    """A number type of the engine in C; `kit` is that of the numbers in Python that stand for it."""
+class NumberForm(Generic[N]):
+    """Doubles, or another number type of the engine in C; `kit` is that of the numbers in Python that stand
+    for it.
+    """
 
-    @property
-    def kit(self) -> Kit[N]: ...
+    def __init__(self, kit: Kit[N]) -> None:
+        self.kit = kit
+
     def run(self, ints: bytes, numbers: bytes) -> Run:
         """A run on this type of a packed scene."""
-        ...
-
-    def packed(self, values: Sequence[N]) -> bytes:
-        """Numbers as C takes them."""
-        ...
-
-    def packed_rows(self, rows: Any) -> bytes:
-        """A table of numbers, row by row; of doubles an array."""
-        ...
-
-    def all_taken(self, values: np.ndarray) -> np.ndarray:
-        """Numbers that C filled an array of one row with."""
-        ...
-
-    def empty(self, rows: int, columns: int) -> np.ndarray:
-        """An array for C to fill with numbers."""
-        ...
-
-    def room(self, most: int) -> int:
-        """How many columns such an array may have where it would be `most` of numbers of few words."""
-        ...
-
-
-class DoubleForm:
-    """Doubles."""
-
-    kit = Doubles
-
-    @staticmethod
-    def run(ints: bytes, numbers: bytes) -> Run:
         import vibsim.engine._engine as _engine
 
         return _engine.Run(ints, numbers)
 
-    @staticmethod
-    def packed(values: Sequence[float]) -> bytes:
-        return array("d", values).tobytes()
+    def packed(self, values: Sequence[N]) -> bytes:
+        """Numbers as C takes them."""
+        return array("d", values).tobytes()  # type: ignore[type-var]
 
-    @staticmethod
-    def packed_rows(rows: np.ndarray) -> bytes:
-        return rows.tobytes()
+    def packed_rows(self, rows: Any) -> bytes:
+        """A table of numbers, row by row; of doubles an array."""
+        packed: bytes = rows.tobytes()
+        return packed
 
-    @staticmethod
-    def all_taken(values: np.ndarray) -> np.ndarray:
+    def all_taken(self, values: np.ndarray) -> np.ndarray:
+        """Numbers that C filled an array of one row with."""
         return np.array(values)
 
-    @staticmethod
-    def empty(rows: int, columns: int) -> np.ndarray:
+    def empty(self, rows: int, columns: int) -> np.ndarray:
+        """An array for C to fill with numbers."""
         return np.empty((rows, columns))
 
-    @staticmethod
-    def room(most: int) -> int:
+    def room(self, most: int) -> int:
+        """How many columns such an array may have where it would be `most` of numbers of few words."""
         return most
 
 
-class WordsForm(Generic[N]):
+class WordsForm(NumberForm[N]):
     """Numbers of words, for runs on the numbers of `kit`, which are the same as objects of Python."""
 
+    kit: DigitsKit[N]
+
     def __init__(self, kit: DigitsKit[N]) -> None:
-        self.kit, self.engine = kit, kit.engine
+        super().__init__(kit)
+        self.engine = kit.engine
         before, end = 8 * (kit.room - kit.words), 8 * kit.room  # bytes: where words in use begin and end
         self.type = np.dtype(
             {
@@ -144,4 +121,4 @@ class WordsForm(Generic[N]):
         return numbers
 
 
-DOUBLES = DoubleForm()
+DOUBLES = NumberForm(Doubles)

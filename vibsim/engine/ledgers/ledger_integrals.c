@@ -9,17 +9,17 @@
 int ledger_read(Run *r, Reader *in)
 {
     Ledger *l = &r->ledger;
-    size_t columns = (size_t)r->columns;
     int i;
     l->count = read_index(in, 0, MOST);
     l->jump_count = read_index(in, 0, r->parts);
-    l->entries = zalloc((size_t)l->count, sizeof(Real));
-    l->open = zalloc((size_t)l->count, sizeof(Real));
-    l->jumps = zalloc((size_t)l->jump_count, sizeof(Jump));
-    l->nodes.v = zalloc(columns + (size_t)r->force_count + 1, sizeof *l->nodes.v);
-    if (!l->entries || !l->open || !l->jumps || !l->nodes.v)
+    in->owner = r->masses;
+    l->entries = room(in, l->count, sizeof(Real));
+    l->open = room(in, l->count, sizeof(Real));
+    l->jumps = room(in, l->jump_count, sizeof(Jump));
+    l->nodes.v = room(in, r->columns + r->force_count + 1, sizeof *l->nodes.v);
+    if (in->short_of)
         return 0;
-    l->nodes.force = l->nodes.v + columns;
+    l->nodes.force = l->nodes.v + r->columns;
     for (i = 0; i < l->jump_count; i++) {
         Jump *j = &l->jumps[i];
         j->stop = read_index(in, 0, r->parts - 1);
@@ -117,10 +117,6 @@ int integrals_read(Run *r, Mode *m, Reader *in)
 
 void ledger_free(Ledger *l)
 {
-    free(l->entries);
-    free(l->open);
-    free(l->jumps);
-    free(l->nodes.v);
     free(l->nodes.series);
     free(l->nodes.function);
     free(l->nodes.lengths);

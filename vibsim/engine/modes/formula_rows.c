@@ -234,6 +234,12 @@ int alloc_tapes(TapeRoom *tapes, int ops)
     return 1;
 }
 
+void free_tapes(TapeRoom *tapes)
+{
+    free(tapes->series);
+    free(tapes->values);
+}
+
 int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops)
 {
     int i;

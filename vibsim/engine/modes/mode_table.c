@@ -88,11 +88,10 @@ int mode_renew(Run *r, int number, Mode *m)
 
 void run_free(Run *r)
 {
+    Search *s = &r->closed_form.search;
     int i;
     for (i = 0; i < r->mode_count; i++)
         mode_free(r->modes[i]);
-    for (i = 0; r->forces && i < r->force_count; i++)
-        free(r->forces[i].terms);
     ledger_free(&r->ledger);
     tangent_free(r->tangent);
     extremes_free(&r->extremes);
@@ -100,38 +99,13 @@ void run_free(Run *r)
     free(r->modes);
     free(r->known);
     free(r->behind);
-    free(r->masses);
-    free(r->harmonics);
-    free(r->forces);
-    free(r->base);
-    free(r->force);
-    free(r->state.x);
-    free(r->taylor.table);
+    free(s->watched);
+    free(s->rounding_bounds);
+    free(s->events);
+    free_tapes(&r->taylor.tapes);
+    free_tapes(&r->taylor.base_tapes);
 #ifdef FIXED_SERIES
-    free(r->taylor.rotor);
     fixed_table_free(r->taylor.fixed);
 #endif
-    free(r->taylor.inverse);
-    free(r->taylor.load);
-    free(r->taylor.loaded_on);
-    free(r->taylor.loaded);
-    free(r->taylor.acceleration);
-    free(r->taylor.tapes.series);
-    free(r->taylor.tapes.values);
-    free(r->taylor.base_tapes.series);
-    free(r->taylor.base_tapes.values);
-    free(r->alone);
-    free(r->rotors.of);
-    free(r->rotors.sine);
-    free(r->rotors.mass);
-    free(r->rotors.leaders);
-    free(r->closed_form.motions);
-    free(r->closed_form.responses);
-    free(r->closed_form.sin0);
-    free(r->closed_form.x0);
-    free(r->closed_form.scales[0]);
-    free(r->closed_form.times.cosine);
-    free(r->closed_form.search.watched);
-    free(r->closed_form.search.rounding_bounds);
-    free(r->closed_form.search.events);
+    free_owner(r->masses);
 }

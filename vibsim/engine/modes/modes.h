@@ -24,6 +24,7 @@ int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops); /* formul
 
 int slopes_read(Run *r, Reader *in, Mode *m); /* their derivatives; 0 without memory, or look at the reader */
 int alloc_tapes(TapeRoom *tapes, int ops);
+void free_tapes(TapeRoom *tapes);
 
 void mode_free(Mode *m);
 void run_free(Run *r);

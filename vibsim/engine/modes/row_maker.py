@@ -70,16 +70,12 @@ class TiedColumns(Generic[N]):
 
 
 class RowMaker(Generic[N]):
-    """Makes the rows of the modes of a scene, each once.
+    """Makes the rows of the modes of a scene, each once."""
 
-    base_moves : whether the base has a column of its own; None where its amplitudes tell
-    """
-
-    def __init__(self, scene: Scene[N], kit: Kit[N], base_moves: bool | None = None) -> None:
+    def __init__(self, scene: Scene[N], kit: Kit[N]) -> None:
         self.scene, self.kit = scene, kit
         self.n = len(scene.bodies)
-        moves = scene.base_moves if base_moves is None else base_moves
-        self.columns = {GROUND: self.n, BASE: self.n + moves}
+        self.columns = {end: scene.column(end) for end in (GROUND, BASE)}
         self.zero = kit.number(0)
         self.by_status = Kept[Status, ModeRows[N]](MOST_EVENTS)
         self._tied = Kept[tuple[int, ...], TiedColumns[N]](MOST_MODES)
@@ -303,7 +299,10 @@ class RowMaker(Generic[N]):
         self, rows: ModeRows[N], i: int, stop: Stop[N] | RigidStop[N], state: int
     ) -> list[Event[N]]:
         if isinstance(stop, RigidStop):
-            return [] if state == RESTING else [self._strike_event(i, stop)]
+            if state == RESTING:
+                return []
+            apart: Terms[N] = (Term(DIFFERENCE, stop.sense, *self.ends(stop)),)
+            return [Event(STRIKE, i, -1, (STRIKE, i), apart, stop.gap, abs(stop.gap), turns=True)]
         P, Q = self.ends(stop)
         s, gap, k, c = stop.sense, stop.gap, stop.k, stop.c
 
@@ -330,11 +329,6 @@ class RowMaker(Generic[N]):
             return [push(1)]
         # a formula may come to zero with the depth, and not go through it; or with that alone
         return [depth(1)] if rows.lets_go_with_depth(i) else [push(1), depth(1)]
-
-    def _strike_event(self, i: int, stop: RigidStop[N]) -> Event[N]:
-        P, Q = self.ends(stop)
-        terms: Terms[N] = (Term(DIFFERENCE, stop.sense, P, Q),)
-        return Event(STRIKE, i, -1, (STRIKE, i), terms, stop.gap, abs(stop.gap), turns=True)
 
     def _friction_events(self, rows: ModeRows[N], stuck: Sequence[Tie]) -> None:
         """SLIDE of each slipping friction, HOLD of each cut through a group; in the order of the ties."""

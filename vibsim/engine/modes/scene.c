@@ -2,7 +2,6 @@
 #include "certificate.h"
 #include "modes.h"
 #include "numbers.h"
-#include "zalloc.h"
 
 static void read_harmonic(Reader *in, Harmonic *h)
 {
@@ -13,26 +12,30 @@ static void read_harmonic(Reader *in, Harmonic *h)
     h->phase = read_double(in);
 }
 
-static int alloc_flows(Run *r)
+static void alloc_flows(Run *r, Reader *in)
 {
     Taylor *f = &r->taylor;
     ClosedForm *c = &r->closed_form;
     size_t n = (size_t)r->bodies, columns = n + 2, row = 2 * (n + 3), coordinates = 2 * n + 2, harmonics = (size_t)r->harmonic_count + 1, i;
-    f->table = zalloc((SERIES + 4) * row, sizeof(Real));
-    f->loaded_on = zalloc(columns, sizeof(Real *));
-    f->load = zalloc(columns * SERIES, sizeof(Real));
-    f->inverse = zalloc(5 * (size_t)(SERIES + 1), sizeof(Real));
-    r->force = zalloc(columns, sizeof(Real));
-    r->state.x = zalloc(9 * n, sizeof(Real));
-    c->motions = zalloc(coordinates, sizeof(Motion));
-    c->responses = zalloc(coordinates * harmonics, sizeof(Response));
-    c->sin0 = zalloc(harmonics * 6, sizeof(Real));
-    c->x0 = zalloc(3 * columns, sizeof(Real));
-    c->scales[0] = zalloc(MEASURES * coordinates, sizeof(Scale));
-    c->times.cosine = zalloc(2 * (harmonics + coordinates), sizeof *c->times.cosine);
-    if (!f->table || !f->loaded_on || !f->load || !f->inverse || !r->force || !r->state.x || !c->motions || !c->responses || !c->sin0 || !c->x0 ||
-        !c->scales[0] || !c->times.cosine)
-        return 0;
+    f->table = room(in, (SERIES + 4) * row, sizeof(Real));
+    f->loaded_on = room(in, columns, sizeof(Real *));
+    f->load = room(in, columns * SERIES, sizeof(Real));
+    f->inverse = room(in, 5 * (size_t)(SERIES + 1), sizeof(Real));
+    r->force = room(in, columns, sizeof(Real));
+    r->state.x = room(in, 9 * n, sizeof(Real));
+    c->motions = room(in, coordinates, sizeof(Motion));
+    c->responses = room(in, coordinates * harmonics, sizeof(Response));
+    c->sin0 = room(in, harmonics * 6, sizeof(Real));
+    c->x0 = room(in, 3 * columns, sizeof(Real));
+    c->scales[0] = room(in, MEASURES * coordinates, sizeof(Scale));
+    c->times.cosine = room(in, 2 * (harmonics + coordinates), sizeof *c->times.cosine);
+#ifdef FIXED_SERIES
+    f->rotor = room(in, BLOCKS, sizeof *f->rotor);
+    f->fixed = fixed_table_new(SERIES, row);
+    in->short_of = in->short_of || !f->fixed;
+#endif
+    if (in->short_of)
+        return;
     for (i = 1; i < MEASURES; i++)
         c->scales[i] = c->scales[0] + i * coordinates;
     f->values = f->table + SERIES * row;
@@ -42,12 +45,6 @@ static int alloc_flows(Run *r)
     f->cosine = f->sine + SERIES;
     f->w_back = f->cosine + SERIES;
     f->a1_back = f->w_back + SERIES;
-#ifdef FIXED_SERIES
-    f->fixed = fixed_table_new(SERIES, row);
-    f->rotor = zalloc(BLOCKS, sizeof *f->rotor);
-    if (!f->fixed || !f->rotor)
-        return 0;
-#endif
     r->state.v = r->state.x + n;
     r->next.x = r->state.x + 2 * n;
     r->next.v = r->state.x + 3 * n;
@@ -70,7 +67,6 @@ static int alloc_flows(Run *r)
     c->v0 = c->x0 + columns;
     c->rest = c->v0 + columns;
     c->search.settled = power_of_two(binary_exponent(EPS) / 3.0);
-    return 1;
 }
 
 void place_rotors(Rotors *o)
@@ -85,19 +81,19 @@ void place_rotors(Rotors *o)
 }
 
 /* Memory for rotors on bodies, columns by themselves, and what formulas read. */
-static int alloc_rotors(Run *r)
+static void alloc_rotors(Run *r, Reader *in)
 {
     Rotors *o = &r->rotors;
     TapeInputs *at = &r->taylor.tapes.at, *blur = &r->taylor.tapes.blur, *between = &r->taylor.tapes.between;
     const size_t count = (size_t)o->count, columns = (size_t)r->columns;
-    r->alone = zalloc((size_t)r->alone_count, sizeof(int));
-    o->of = zalloc(count, sizeof(RotorOn));
-    o->sine = zalloc(4 * count * TAPE_WIDTH, sizeof(Real));
-    o->mass = zalloc(5 * count, sizeof(Real));
-    o->leaders = zalloc(count + 1, sizeof(int));
-    r->taylor.acceleration = zalloc(7 * columns, sizeof(Real));
-    if (!r->alone || !o->of || !o->sine || !o->mass || !o->leaders || !r->taylor.acceleration)
-        return 0;
+    r->alone = room(in, r->alone_count, sizeof(int));
+    o->of = room(in, count, sizeof(RotorOn));
+    o->sine = room(in, 4 * count * TAPE_WIDTH, sizeof(Real));
+    o->mass = room(in, 5 * count, sizeof(Real));
+    o->leaders = room(in, count + 1, sizeof(int));
+    r->taylor.acceleration = room(in, 7 * columns, sizeof(Real));
+    if (in->short_of)
+        return;
     place_rotors(o);
     at->x = r->taylor.acceleration + columns;
     at->v = at->x + columns;
@@ -105,7 +101,6 @@ static int alloc_rotors(Run *r)
     blur->v = blur->x + columns;
     between->x = blur->v + columns;
     between->v = between->x + columns;
-    return 1;
 }
 
 /* What a scene counts, and room for it. */
@@ -127,14 +122,17 @@ static int scene_shape(Run *r, Reader *in)
     r->taylor.order = read_index(in, 2, MAX_ORDER);
     r->rotors.count = read_index(in, 0, r->bodies);
     r->alone_count = read_index(in, 0, r->bodies);
-    if (in->short_of)
+    r->masses = (Real *)zalloc_for(NULL, (size_t)r->bodies, sizeof(Real)); /* which own all that has the shape of the scene */
+    in->owner = r->masses;
+    if (in->short_of || !r->masses)
         return 0;
-    r->masses = zalloc((size_t)r->bodies, sizeof(Real));
-    r->harmonics = zalloc((size_t)r->harmonic_count, sizeof(Harmonic));
-    r->forces = zalloc((size_t)r->force_count, sizeof(Force));
-    r->base = zalloc((size_t)r->base_count, sizeof(Harmonic));
-    r->taylor.loaded = zalloc((size_t)r->bodies, sizeof(int));
-    if (!r->masses || !r->harmonics || !r->forces || !r->base || !r->taylor.loaded || !alloc_flows(r) || !alloc_rotors(r))
+    r->harmonics = room(in, r->harmonic_count, sizeof(Harmonic));
+    r->forces = room(in, r->force_count, sizeof(Force));
+    r->base = room(in, r->base_count, sizeof(Harmonic));
+    r->taylor.loaded = room(in, r->bodies, sizeof(int));
+    alloc_flows(r, in);
+    alloc_rotors(r, in);
+    if (in->short_of)
         return 0;
     for (i = 0; i < r->harmonic_count; i++)
         r->harmonics[i].harmonic = i;
@@ -144,10 +142,8 @@ static int scene_shape(Run *r, Reader *in)
         Force *f = &r->forces[i];
         f->on = read_index(in, 0, r->bodies - 1);
         f->count = read_index(in, 0, MOST);
+        f->terms = room(in, f->count, sizeof(Harmonic));
         if (in->short_of)
-            return 0;
-        f->terms = zalloc((size_t)f->count, sizeof(Harmonic));
-        if (!f->terms)
             return 0;
         for (j = 0; j < f->count; j++)
             f->terms[j].harmonic = read_index(in, -1, r->harmonic_count - 1);

@@ -175,18 +175,12 @@ int tangent_read(Run *r, Reader *in)
 
 void tangent_free(Tangent *b)
 {
-    TapeRoom *rooms[4];
-    int i;
     if (!b)
         return;
-    rooms[0] = &b->taylor.spare.tapes;
-    rooms[1] = &b->taylor.spare.base_tapes;
-    rooms[2] = &b->taylor.step;
-    rooms[3] = &b->taylor.here;
-    for (i = 0; i < 4; i++) {
-        free(rooms[i]->series);
-        free(rooms[i]->values);
-    }
+    free_tapes(&b->taylor.spare.tapes);
+    free_tapes(&b->taylor.spare.base_tapes);
+    free_tapes(&b->taylor.step);
+    free_tapes(&b->taylor.here);
     free(b->taylor.entries);
 #ifdef FIXED_SERIES
     fixed_table_free(b->taylor.spare.fixed);
