@@ -16,11 +16,11 @@ from typing import Any
 
 from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
-from vibsim.engine.flows.base_motion import base_motion
+from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.ledger_integrals import Entry
 from vibsim.engine.modes.status import CONTACT, Status
 from vibsim.physics.numbers import Kit, N, abs, total_of
-from vibsim.physics.parts import BODY, EVENT_KINDS, STATE, Scene, Stop
+from vibsim.physics.parts import BODY, EVENT_KINDS, STATE, Scene
 
 
 def struck_entries(
@@ -57,20 +57,11 @@ def struck_entries(
     return added
 
 
-def stop_energy(stop: Stop[N], places: Sequence[N], ground: int) -> N:
-    """Energy [J] that the spring of a stop in contact holds; places: displacements of all columns."""
-    P, Q = (end if end >= 0 else ground - 1 - end for end in (stop.P, stop.Q))
-    depth = -(stop.sense * (places[P] - places[Q])) - stop.gap
-    return stop.k * (depth * depth) / 2
-
-
 def stored_energy(scene: Scene[N], kit: Kit[N], state: State[N], status: Status) -> N:
     """Kinetic and elastic energy [J] of `state` in the mode `status`; the unbalanced mass moves with velocity
     (v - e w sin phi, e w cos phi), from which Eqs. (2.9), (2.10) follow.
     """
-    ground, energy = len(scene.bodies), kit.number(0)
-    X = base_motion(scene, kit, state.t)[0] if scene.has_base else kit.number(0)
-    places = (*state.x, kit.number(0), X)
+    relative, energy = RelativeMotion(scene, kit), kit.number(0)
     for body, v in zip(scene.bodies, state.v, strict=True):
         if body.kind != STATE:
             energy = energy + body.m * (v * v) / 2
@@ -78,12 +69,12 @@ def stored_energy(scene: Scene[N], kit: Kit[N], state: State[N], status: Status)
         turning = one.unbalance * kit.sin(state.x[one.column])
         energy = energy - turning * state.v[one.column] * state.v[one.on]
     for link in scene.links:
-        P, Q = (end if end >= 0 else ground - 1 - end for end in (link.P, link.Q))
-        d = places[P] - places[Q]
-        energy = energy + link.k * (d * d) / 2
+        xP, xQ = relative.ends(link, state, "x")
+        energy = energy + link.k * ((xP - xQ) * (xP - xQ)) / 2
     for i, stop in scene.elastic_stops:
         if status.stops[i] == CONTACT:
-            energy = energy + stop_energy(stop, places, ground)
+            depth = relative.depth(stop, state)
+            energy = energy + stop.k * (depth * depth) / 2
     return energy + rotor_energy(scene, kit, state) if scene.motor else energy
 
 

@@ -121,19 +121,22 @@ PyObject *run_keep_ledger(RunObject *self, PyObject *args)
     return keep_before_start(self, args, self->started || self->run.ledger.entries, ledger_read, NULL, "a ", "ledger");
 }
 
-PyObject *run_set_integrals(RunObject *self, PyObject *args)
+/* Have `read` read packed numbers for a mode; an error says that the mode does not wait for them, or that they are no such numbers. */
+static PyObject *set_of_mode(RunObject *self, PyObject *args, int (*waits)(const Run *, const Mode *), int (*read)(Run *, Mode *, Reader *),
+                             const char *what)
 {
     Py_buffer v[2];
     Reader in;
     int mode, kept = 0;
     if (!PyArg_ParseTuple(args, "iy*y*", &mode, &v[0], &v[1]))
         return NULL;
-    if (!run_is_idle(self))
-        kept = 0;
-    else if (!self->run.ledger.wanted || mode < 0 || mode >= self->run.mode_count || self->run.modes[mode]->integrals.integrals)
-        PyErr_SetString(PyExc_ValueError, "no mode that waits for integrals");
-    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = integrals_read(&self->run, self->run.modes[mode], &in)))
-        PyErr_SetString(PyExc_ValueError, "the packed numbers are no integrals");
+    if (run_is_idle(self)) {
+        Mode *m = mode >= 0 && mode < self->run.mode_count ? self->run.modes[mode] : NULL;
+        if (!m || !waits(&self->run, m))
+            PyErr_Format(PyExc_ValueError, "no mode that waits for %s", what);
+        else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = read(&self->run, m, &in)))
+            PyErr_Format(PyExc_ValueError, "the packed numbers are no %s", what);
+    }
     PyBuffer_Release(&v[0]);
     PyBuffer_Release(&v[1]);
     if (!kept)
@@ -141,27 +144,26 @@ PyObject *run_set_integrals(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
+static int waits_for_integrals(const Run *r, const Mode *m)
+{
+    return r->ledger.wanted && !m->integrals.integrals;
+}
+
+PyObject *run_set_integrals(RunObject *self, PyObject *args)
+{
+    return set_of_mode(self, args, waits_for_integrals, integrals_read, "integrals");
+}
+
+static int waits_for_slopes(const Run *r, const Mode *m)
+{
+    (void)r;
+    return !m->formula_slopes.tape.ops;
+}
+
 /* Derivatives of the formulas of a mode, where disturbances are carried. */
 PyObject *run_set_slopes(RunObject *self, PyObject *args)
 {
-    Py_buffer v[2];
-    Reader in;
-    int mode, kept = 0;
-    if (!PyArg_ParseTuple(args, "iy*y*", &mode, &v[0], &v[1]))
-        return NULL;
-    if (!run_is_idle(self))
-        kept = 0;
-    else if (mode < 0 || mode >= self->run.mode_count || self->run.modes[mode]->formula_slopes.tape.ops)
-        PyErr_SetString(PyExc_ValueError, "no mode that waits for derivatives");
-    else if (reader_of(&v[0], &v[1], &in) == 0 && !(kept = slopes_read(&self->run, &in, self->run.modes[mode]))) {
-        memset(&self->run.modes[mode]->formula_slopes, 0, sizeof(FormulaSlopes));
-        PyErr_SetString(PyExc_ValueError, "the packed numbers are no derivatives");
-    }
-    PyBuffer_Release(&v[0]);
-    PyBuffer_Release(&v[1]);
-    if (!kept)
-        return NULL;
-    Py_RETURN_NONE;
+    return set_of_mode(self, args, waits_for_slopes, slopes_read, "derivatives");
 }
 
 static void drop_tangent(Run *r)

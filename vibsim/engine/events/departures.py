@@ -100,9 +100,13 @@ class DerivativeSigns(Generic[N]):
         """As of `departure`, of a mode that only may come: without doubt."""
         return leading(self._behind(state, status, key, first)[1], first)
 
+    def entered(self, state: State[N], status: Status, key: EventKey) -> Event[N]:
+        """An event function of a mode, whose derivatives at a state are asked for next."""
+        return self.event(self.enter(state, status), key)
+
     def _behind(self, state: State[N], status: Status, key: EventKey, first: int) -> tuple[Event[N], list[N]]:
         """An event function and its derivatives at a state in a mode, see `as_far_as_needed`."""
-        event = self.event(self.enter(state, status), key)
+        event = self.entered(state, status, key)
         return event, self._derivatives(state, event, first)
 
     def is_open(self, state: State[N], event: Event[N], values: Sequence[N], first: int) -> bool:
@@ -188,7 +192,7 @@ class DerivativeSigns(Generic[N]):
 
     def _direct_rate(self, state: State[N], event: Event[N]) -> N:
         """Rate of a function made of differences, from the velocities: no rounding of a flow in it."""
-        v = (*state.v, self.kit.number(0), self.relative.base(state, "v"))
+        v = self.relative.columns_of(state, "v")
         return total_of(self.kit, (term.coefficient * (v[term.P] - v[term.Q]) for term in event.terms))
 
     def passes_now(self, state: State[N], event: Event[N], values: Sequence[N]) -> bool:
@@ -222,8 +226,7 @@ class DerivativeSigns(Generic[N]):
         return values[0] < 0
 
     def _direct_hold(self, state: State[N], rows: ModeRows[N], event: Event[N]) -> N:
-        x = (*state.x, self.kit.number(0), self.relative.base(state, "x"))
-        v = (*state.v, self.kit.number(0), self.relative.base(state, "v"))
+        x, v = (self.relative.columns_of(state, of) for of in ("x", "v"))
 
         def part(term: Term[N]) -> N:
             one = rows.couplings[term.P]

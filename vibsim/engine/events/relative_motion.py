@@ -38,6 +38,10 @@ class RelativeMotion(Generic[N]):
             return (state.x if of == "x" else state.v)[column]
         return self.kit.number(0) if column == self.n else self.base(state, of)
 
+    def columns_of(self, state: State[N], of: str) -> tuple[N, ...]:
+        """Displacements or velocities of all columns."""
+        return *(state.x if of == "x" else state.v), self.kit.number(0), self.base(state, of)
+
     def base(self, state: State[N], of: str) -> N:
         """Displacement or velocity of the base."""
         if self._base is None or self._base[0] is not state.t:

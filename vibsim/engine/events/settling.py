@@ -243,8 +243,7 @@ class StickSlipResolution(Generic[N]):
         their ends has: what the rounding of any force is below some hundred eps of.
         """
         scene, zero = self.scene, self.kit.number(0)
-        x = (*state.x, zero, self.relative.base(state, "x"))
-        v = (*state.v, zero, self.relative.base(state, "v"))
+        x, v = (self.relative.columns_of(state, of) for of in ("x", "v"))
         total = inertia = zero
         for one in rows.couplings:
             places = abs(x[one.P]) + abs(x[one.Q])

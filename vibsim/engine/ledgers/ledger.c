@@ -141,48 +141,32 @@ static void closed_form_nodes(Run *r, const LedgerIntegrals *m, const Real *tau)
         many_nodes(r, m, tau, alone);
 }
 
-/* The integral that `m` names over the nodes, by the length of the piece. */
-static Real integral(const Run *r, const LedgerIntegral *m, const Quadrature *rule)
+/* What `m` integrates, at node n. */
+static Real integrand(const Run *r, const LedgerIntegral *m, int n)
 {
     const Nodes *at = &r->ledger.nodes;
-    const Real *weights = rule->weights;
-    const int count = rule->count;
-    Real total = 0.0;
-    int n;
+    Real u;
     switch (m->kind) {
     case SQUARE:
-        for (n = 0; n < count; n++) {
-            Real u = at->v[m->P][n] - at->v[m->Q][n];
-            total = total + weights[n] * (u * u);
-        }
-        return total;
-    case WORK:
-        for (n = 0; n < count; n++)
-            total = total + weights[n] * (at->force[m->source][n] * at->v[m->P][n]);
-        return total;
-    case TORQUE:
-        for (n = 0; n < count; n++)
-            total = total + weights[n] * ((r->M0 - r->drag * at->w[n]) * at->w[n]);
-        return total;
-    case SLIP:
-        for (n = 0; n < count; n++)
-            total = total + weights[n] * ((at->v[m->P][n] - at->v[m->Q][n]) - m->drift);
-        return total;
-    case RUB:
-        for (n = 0; n < count; n++)
-            total = total + weights[n] * (at->function[m->source][n] * ((at->v[m->P][n] - at->v[m->Q][n]) - m->drift));
-        return total;
-    case IMPULSE:
-        for (n = 0; n < count; n++)
-            total = total + weights[n] * at->force[m->source][n];
-        return total;
-    default:
-        for (n = 0; n < count; n++) {
-            Real value = at->function[m->source][n];
-            total = total + weights[n] * (m->P < 0 ? value : value * at->v[m->P][n]);
-        }
-        return total;
+        u = at->v[m->P][n] - at->v[m->Q][n];
+        return u * u;
+    case WORK: return at->force[m->source][n] * at->v[m->P][n];
+    case TORQUE: return (r->M0 - r->drag * at->w[n]) * at->w[n];
+    case SLIP: return (at->v[m->P][n] - at->v[m->Q][n]) - m->drift;
+    case RUB: return at->function[m->source][n] * ((at->v[m->P][n] - at->v[m->Q][n]) - m->drift);
+    case IMPULSE: return at->force[m->source][n];
+    default: return m->P < 0 ? at->function[m->source][n] : at->function[m->source][n] * at->v[m->P][n];
     }
+}
+
+/* Its integral over the nodes, by the length of the piece. */
+static Real integral(const Run *r, const LedgerIntegral *m, const Quadrature *rule)
+{
+    Real total = 0.0;
+    int n;
+    for (n = 0; n < rule->count; n++)
+        total = total + rule->weights[n] * integrand(r, m, n);
+    return total;
 }
 
 /* Add a piece that begins tau after the start of the flow. The nodes lie where they should, not on the grid of time, whose

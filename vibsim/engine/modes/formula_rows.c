@@ -2,6 +2,7 @@
  * vibsim/engine/modes/packing.py writes them.
  */
 #include <stdlib.h>
+#include <string.h>
 
 #include "modes.h"
 
@@ -318,7 +319,7 @@ static void read_slopes(const Run *r, Reader *in, Mode *m)
     }
 }
 
-int slopes_read(Run *r, Reader *in, Mode *m)
+int slopes_read(Run *r, Mode *m, Reader *in)
 {
     FormulaSlopes *s = &m->formula_slopes;
     int ops, i;
@@ -329,8 +330,10 @@ int slopes_read(Run *r, Reader *in, Mode *m)
     for (i = 0; i < 2; i++)
         read_rows(r, in, m, &s->rows[i]);
     s->known = read_through(in);
-    if (!s->known)
+    if (!s->known) {
+        memset(s, 0, sizeof *s);
         return 0;
+    }
     for (i = 0; i < 2; i++)
         r->slope_entries = s->rows[i].entry_count > r->slope_entries ? s->rows[i].entry_count : r->slope_entries;
     r->slope_ops = ops > r->slope_ops ? ops : r->slope_ops;

@@ -22,7 +22,7 @@ void function_prepare(Mode *m, Event *e); /* in the closed form of its mode, whe
 
 int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops); /* formula_rows.c; 0 without memory */
 
-int slopes_read(Run *r, Reader *in, Mode *m); /* their derivatives; 0 without memory, or look at the reader */
+int slopes_read(Run *r, Mode *m, Reader *in); /* their derivatives; 0 without memory, or look at the reader */
 int alloc_tapes(TapeRoom *tapes, int ops);
 void free_tapes(TapeRoom *tapes);
 

@@ -33,7 +33,6 @@ from vibsim.engine.modes.rows import (
     FORMULA,
     GAP,
     HOLD,
-    LOAD,
     SLIDE,
     STRIKE,
     SWITCH,
@@ -170,21 +169,16 @@ class DisturbedForces(Generic[N]):
         return (c * rate - s * speed * speed) * phi + 2 * c * speed * w
 
     def of(self, event: Event[N]) -> N:
-        """The change of an event function."""
+        """The change of the event function of a tie or a switch."""
         return total_of(self.kit, (term.coefficient * self._term(term) for term in event.terms))
 
     def _term(self, term: Term[N]) -> N:
-        P, Q = term.P, term.Q
+        P = term.P
         if term.kind == ACCELERATION:
             return self.a[P]
         if term.kind == FORMULA:
             return self.formulas[P]
-        if term.kind == COUPLING:
-            return self._coupling(P)
-        if term.kind == LOAD:
-            return self._thrust(P)
-        values = self.x if term.kind == DIFFERENCE else self.v
-        return values[P] - values[Q]
+        return self._coupling(P) if term.kind == COUPLING else self._thrust(P)
 
     def _thrust(self, column: int) -> N:
         """Change of the force of the rotors on a column."""

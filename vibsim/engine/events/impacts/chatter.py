@@ -303,14 +303,13 @@ class Chatter(Generic[N]):
 
     def _halt(self, state: State[N], status: Status, i: int) -> N:
         """When a friction that slips comes to rest [s]; 0 where it gathers speed."""
-        rows = self.departures.enter(state, status)
-        slip, rate = self.departures.expansion.derivatives(self.departures.event(rows, (SLIDE, i)), 1)[:2]
+        event = self.departures.entered(state, status, (SLIDE, i))
+        slip, rate = self.departures.expansion.derivatives(event, 1)[:2]
         return slip / -rate if rate < 0 else self.kit.number(0)
 
     def _drive(self, state: State[N], status: Status, j: int) -> N:
         """Acceleration that drives the ends of an open stop together [m/s^2]."""
-        rows = self.departures.enter(state, status)
-        event = self.departures.event(rows, (STRIKE, j))
+        event = self.departures.entered(state, status, (STRIKE, j))
         return -self.departures.expansion.derivatives(event, 2)[2]
 
     def velocity_uncertainty(self, state: State[N], status: Status, j: int) -> N:
@@ -318,8 +317,7 @@ class Chatter(Generic[N]):
 
         Bodies that pass where their springs are slack bring the rounding of where they came from.
         """
-        rows = self.departures.enter(state, status)
-        event = self.departures.event(rows, (STRIKE, j))
+        event = self.departures.entered(state, status, (STRIKE, j))
         return self.departures.bounds(state, event, 2)[2] * state.t
 
 

@@ -45,7 +45,7 @@ class ImpactLaw(Generic[N]):
         self.beside = {i: {j for j in ends if bodies[i] & bodies[j]} for i in ends}  # with a common body
 
     def velocities(self, state: State[N]) -> list[N]:
-        return [*state.v, self.kit.number(0), self.relative.base(state, "v")]
+        return list(self.relative.columns_of(state, "v"))
 
     def touching(self, state: State[N], status: Status, i: int) -> SimultaneousImpacts[N]:
         """The stops that rest, and those that meet stop `i` within the resolution of time and length.

@@ -243,7 +243,7 @@ class RigidStops(Generic[N]):
         them. That a rest ends there is known from its force alone then, and both are rounding: the first
         later derivative tells.
         """
-        rows = self.departures.enter(state, status)
-        values = self.departures.expansion.derivatives(self.departures.event(rows, (STRIKE, j)), LATEST)
+        event = self.departures.entered(state, status, (STRIKE, j))
+        values = self.departures.expansion.derivatives(event, LATEST)
         order = next((n for n in range(3, LATEST) if values[n] != 0), LATEST)
         return order if values[2] < 0 < values[order] else 2
