@@ -117,25 +117,27 @@ static Real load_bound(const Run *r, int column, int n)
     return total;
 }
 
+/* Bound of the n-th derivative of what a place has of the coordinates up to `reach` ahead, which is added to `total`. */
+static Real shares_bound(const Run *r, Real total, const Place *p, int n, Real reach)
+{
+    int i;
+    for (i = 0; i < p->shares; i++)
+        total = total + fabs(p->share[i].share) * coordinate_bound(r, p->share[i].m, n, reach);
+    return total;
+}
+
 /* Bound of the n-th derivative of x_P - x_Q up to `reach` ahead. */
 static Real difference_bound(const Run *r, int pair, int n, Real reach)
 {
-    const Modal *modal = r->mode->modal;
-    const Place *p = &modal->pairs[pair];
-    Real total = 0.0;
-    int i;
-    for (i = 0; i < p->shares; i++) {
-        const Share *share = &modal->shares[p->first_share + i];
-        Real part = fabs(share->share) * coordinate_bound(r, share->m, n, reach);
-        total = i == 0 ? part : total + part;
-    }
+    const Place *p = &r->mode->modal->pairs[pair];
+    Real total = shares_bound(r, 0.0, p, n, reach);
     return p->base ? total + harmonics_bound(0.0, r->base, r->base_count, n) : total;
 }
 
 /* Bound of the n-th derivative of a term up to `reach` ahead, without its coefficient. */
 static Real term_bound(const Run *r, const Term *t, int n, Real reach)
 {
-    const Modal *modal = r->mode->modal;
+    const Place *place;
     switch (t->kind) {
     case DIFFERENCE:
         return difference_bound(r, t->pair, n, reach);
@@ -148,16 +150,9 @@ static Real term_bound(const Run *r, const Term *t, int n, Real reach)
     }
     case LOAD:
         return load_bound(r, t->P, n);
-    default: {
-        const Place *place = &modal->places[t->P];
-        Real total = place->base ? harmonics_bound(0.0, r->base, r->base_count, n + 2) : 0.0;
-        int i;
-        for (i = 0; i < place->shares; i++) {
-            const Share *share = &modal->shares[place->first_share + i];
-            total = total + fabs(share->share) * coordinate_bound(r, share->m, n + 2, reach);
-        }
-        return total;
-    }
+    default:
+        place = &r->mode->modal->places[t->P];
+        return shares_bound(r, place->base ? harmonics_bound(0.0, r->base, r->base_count, n + 2) : 0.0, place, n + 2, reach);
     }
 }
 
@@ -173,38 +168,37 @@ Real bound_of_sum(const Run *r, int first, int count, int n, Real reach)
     return total;
 }
 
-/* What the rounding of x_P - x_Q (order 0) or of its rate (order 1) is proportional to, by a measure of that of coordinates. */
-static Real difference_scale(const Run *r, int pair, int order, int measure)
+/* What the rounding of the n-th derivative, n < 3, of what a place has of the coordinates is proportional to, by a measure of that of
+ * these; it is added to `total`.
+ */
+static Real shares_scale(const Run *r, Real total, const Place *p, int n, int measure)
 {
-    const ClosedForm *f = &r->closed_form;
-    const Modal *modal = r->mode->modal;
-    const Place *p = &modal->pairs[pair];
-    Real total = 0.0;
     int i;
     for (i = 0; i < p->shares; i++) {
-        const Share *share = &modal->shares[p->first_share + i];
-        const Scale *y = &f->scales[measure][share->m];
-        Real part = fabs(share->share) * (order == 0 ? y->q : y->u);
-        total = i == 0 ? part : total + part;
+        const Scale *y = &r->closed_form.scales[measure][p->share[i].m];
+        total = total + fabs(p->share[i].share) * (n == 0 ? y->q : n == 1 ? y->u : y->a);
     }
+    return total;
+}
+
+/* The same of x_P - x_Q (order 0) or of its rate (order 1). */
+static Real difference_scale(const Run *r, int pair, int order, int measure)
+{
+    const Modal *modal = r->mode->modal;
+    const Place *p = &modal->pairs[pair];
+    Real total = shares_scale(r, 0.0, p, order, measure);
+    int i;
     if (order == 0)
         for (i = 0; i < p->fixed; i++)
-            total = total + fabs(f->x0[modal->fixed[p->first_fixed + i].column]);
+            total = total + fabs(r->closed_form.x0[modal->fixed[p->first_fixed + i].column]);
     return p->base ? total + harmonics_bound(0.0, r->base, r->base_count, order) : total;
 }
 
 /* The same of the acceleration of a column, which the close measure knows. */
 static Real acceleration_scale(const Run *r, const Term *t, int measure)
 {
-    const Modal *modal = r->mode->modal;
-    const Place *place = &modal->places[t->P];
-    Real total = place->base ? harmonics_bound(0.0, r->base, r->base_count, 2) : 0.0;
-    int i;
-    for (i = 0; i < place->shares; i++) {
-        const Share *share = &modal->shares[place->first_share + i];
-        total = total + fabs(share->share) * r->closed_form.scales[measure][share->m].a;
-    }
-    return total;
+    const Place *place = &r->mode->modal->places[t->P];
+    return shares_scale(r, place->base ? harmonics_bound(0.0, r->base, r->base_count, 2) : 0.0, place, 2, measure);
 }
 
 /* The same of a term. The plain measure says nothing of accelerations: of these a bound over the window serves. */

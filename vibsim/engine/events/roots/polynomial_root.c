@@ -227,37 +227,24 @@ static void watch_turns(Certificate *c, const Real *series, int count, Real t0, 
     }
 }
 
-/* Bound of the curvature within h, times h^2. */
-static Magnitude curvature_of(const Real *series, int count, Power h)
+/* Bound of the slope (order 1) or curvature (order 2) within h, times h to that power. */
+static Magnitude bend_of(const Real *series, int count, int order, Power h)
 {
-    Magnitude curvature = 0.0;
+    Magnitude total = 0.0;
     Power power = h;
     int n;
     for (n = 1; n < count; n++) {
-        if (n > 1)
-            curvature = curvature + n * (n - 1) * term_size(series[n], power);
+        if (n >= order)
+            total = total + (order == 1 ? n : n * (n - 1)) * term_size(series[n], power);
         power = next_power(power, h);
     }
-    return curvature * INFLATED;
-}
-
-/* Bound of the slope within h, times h. */
-static Magnitude swing_of(const Real *series, int count, Power h)
-{
-    Magnitude swing = 0.0;
-    Power power = h;
-    int n;
-    for (n = 1; n < count; n++) {
-        swing = swing + n * term_size(series[n], power);
-        power = next_power(power, h);
-    }
-    return swing * INFLATED;
+    return total * INFLATED;
 }
 
 /* Whether f = t^order sum b_n t^n may have a minimum within h; not where it is plainly monotonic. total: sum |b_n| h^n. */
 static int may_turn(const Real *series, int count, int order, Real total, Real h)
 {
-    const Magnitude swing = swing_of(series, count, power_of(h));
+    const Magnitude swing = bend_of(series, count, 1, power_of(h));
     if (order > 0)
         return order * series[0] <= swing + order * (total - series[0]);
     return count > 1 && 2 * fabs(series[1]) * h <= swing;
@@ -338,7 +325,7 @@ int polynomial_first_root(Certificate *c, const Real *coefficients, int count, i
     fall = fall * INFLATED;
     error = 4 * EPS * total + (before + term);
     if (series[0] - error - fall <= 0)
-        outcome = march(c, series, count, error, curvature_of(series, count, step) / (h * h), t0, h, sharp, end);
+        outcome = march(c, series, count, error, bend_of(series, count, 2, step) / (h * h), t0, h, sharp, end);
     if (keep_margin && series[0] - fall < c->margin &&
         may_turn(series, count, order, total, h))
         watch_turns(c, coefficients, count + order, t0, outcome == POSITIVE ? h : *end - t0);
