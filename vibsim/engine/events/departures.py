@@ -107,7 +107,8 @@ class DerivativeSigns(Generic[N]):
     def _behind(self, state: State[N], status: Status, key: EventKey, first: int) -> tuple[Event[N], list[N]]:
         """An event function and its derivatives at a state in a mode, see `as_far_as_needed`."""
         event = self.entered(state, status, key)
-        return event, self._derivatives(state, event, first)
+        direct = {1: self._direct_rate(state, event)} if event.is_made_of(DIFFERENCE) else {}
+        return event, self.as_far_as_needed(event, first, direct)
 
     def is_open(self, state: State[N], event: Event[N], values: Sequence[N], first: int) -> bool:
         """Whether rounding leaves the first of the derivatives `values`, from order `first`, that is not zero
@@ -125,11 +126,6 @@ class DerivativeSigns(Generic[N]):
         return any(
             0 < lost >= abs(value) for value, lost in zip(values[first:], bounds[first:], strict=False)
         )
-
-    def _derivatives(self, state: State[N], event: Event[N], first: int) -> list[N]:
-        """Derivatives of an event function of the mode entered last at `state`, see `as_far_as_needed`."""
-        direct = {1: self._direct_rate(state, event)} if event.is_made_of(DIFFERENCE) else {}
-        return self.as_far_as_needed(event, first, direct)
 
     def as_far_as_needed(self, event: Event[N], first: int, direct: Mapping[int, N]) -> list[N]:
         """Derivatives of an event function of the mode entered last: at least up to the first, from order

@@ -1,11 +1,5 @@
-/* The ledgers of energy and momentum: what goes into a scene, what is lost.
- *
- *     energy    stored: kinetic energy of bodies and rotor, springs of links, stops in contact
- *               in: work of forces, motor, base and belts; out: losses in links, stops and frictions
- *     momentum  of bodies and unbalanced mass; changed by impulses of forces, ground, base and belts alone
- *
- * The integrals are taken stretch by stretch by Gauss-Legendre quadrature of the flow itself, to round-off, so that stored -
- * stored(0) - work + losses is zero but for rounding: a check on every run (first law).
+/* The integrals of the ledgers, stretch by stretch, by Gauss-Legendre quadrature of the flow itself; vibsim/engine/ledger.py says what
+ * the ledgers are.
  */
 #include <string.h>
 

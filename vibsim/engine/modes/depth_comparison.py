@@ -171,15 +171,14 @@ class DepthComparison(Generic[N]):
 
     @cached_property
     def probes(self) -> list[Inputs[float]]:
-        """The inputs of formulas at which functions are compared."""
-        return [self._probe(i) for i in range(len(PROBES))]
-
-    def _probe(self, i: int) -> Inputs[float]:
-        """Numbers of no special meaning for all that formulas read; the ground is at rest."""
-        some = [0.1 + (k + 1) * IRRATIONALS[i] % 1 for k in range(2 * self.n + 7)]
-        x, v, (t, phi, w) = some[: self.n + 2], some[self.n + 2 : -3], some[-3:]
-        x[self.n] = v[self.n] = 0.0
-        return Inputs(t, x, v, phi, w)
+        """The inputs at which formulas are compared: numbers of no special meaning; the ground is at rest."""
+        probes = []
+        for one in IRRATIONALS:
+            some = [0.1 + (k + 1) * one % 1 for k in range(2 * self.n + 7)]
+            x, v, (t, phi, w) = some[: self.n + 2], some[self.n + 2 : -3], some[-3:]
+            x[self.n] = v[self.n] = 0.0
+            probes.append(Inputs(t, x, v, phi, w))
+        return probes
 
     def _value(self, probe: tuple[int, int | None], at: Inputs[float], place: int) -> float:
         """The result at a place that reads the values of a probe, in doubles."""
