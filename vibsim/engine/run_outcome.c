@@ -14,18 +14,8 @@ int run_is_ready(RunObject *self)
 
 PyObject *state_tuple(const Run *r, const State *s)
 {
-    PyObject *x = PyList_New(r->bodies), *v = PyList_New(r->bodies);
-    int c;
-    if (!x || !v) {
-        Py_XDECREF(x);
-        Py_XDECREF(v);
-        return NULL;
-    }
-    for (c = 0; c < r->bodies; c++) {
-        PyList_SET_ITEM(x, c, number_object(s->x[c]));
-        PyList_SET_ITEM(v, c, number_object(s->v[c]));
-    }
-    return Py_BuildValue("NNNNNN", number_object(s->t), x, v, number_object(s->phase), number_object(s->turns), number_object(s->w));
+    return Py_BuildValue("NNNNNN", number_object(s->t), list_of(s->x, r->bodies, 1), list_of(s->v, r->bodies, 1), number_object(s->phase),
+                         number_object(s->turns), number_object(s->w));
 }
 
 PyObject *run_tally(RunObject *self, PyObject *none)

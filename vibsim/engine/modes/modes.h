@@ -20,7 +20,7 @@ void modal_tune(const Run *r, Modal *m);  /* to the frequencies of the drives */
 void modal_prepare(Mode *m);              /* for the event functions */
 void function_prepare(Mode *m, Event *e); /* in the closed form of its mode, where it has one */
 
-int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops); /* formula_rows.c; 0 without memory */
+int formulas_read(Run *r, Reader *in, Mode *m, int ops, int base_ops); /* formula_rows.c; 0 without memory, or look at the reader */
 
 int slopes_read(Run *r, Mode *m, Reader *in); /* their derivatives; 0 without memory, or look at the reader */
 int alloc_tapes(TapeRoom *tapes, int ops);

@@ -44,11 +44,7 @@ static inline Memory room(Reader *in, size_t count, size_t size)
 {
     void *at = zalloc_for(in->owner, count, size);
     in->short_of = in->short_of || !at;
-#ifdef __cplusplus
-    return Memory{at};
-#else
-    return at;
-#endif
+    return MEMORY(at);
 }
 
 static inline int read_through(const Reader *r)

@@ -12,26 +12,24 @@ struct Memory {
     void *at;
     template <class T> operator T *() const { return static_cast<T *>(at); }
 };
+#define MEMORY(at) Memory{at}
 #else
 typedef void *Memory;
+#define MEMORY(at) (at)
 #endif
 
 static inline Memory zalloc(size_t count, size_t size)
 {
-#ifdef __cplusplus
-    return Memory{calloc(count ? count : 1, size)};
-#else
-    return calloc(count ? count : 1, size);
-#endif
+    return MEMORY(calloc(count ? count : 1, size));
 }
 
-/* In front of memory that has an owner, or is one: what was begun next. The rest of it only keeps what follows aligned. */
+/* In front of memory that has an owner, or is one: the next of all that is freed with it. The rest keeps what follows aligned. */
 typedef union Piece {
     union Piece *next;
     char aligned[16];
 } Piece;
 
-/* Zeros that are freed with `owner`, which was begun so itself, without an owner; NULL without memory. */
+/* Zeros that are freed with `owner`; the owner itself is made so too, with NULL for its own. NULL without memory. */
 static inline void *zalloc_for(void *owner, size_t count, size_t size)
 {
     Piece *piece = (Piece *)calloc(1, sizeof *piece + count * size);
@@ -55,11 +53,7 @@ static inline void free_owner(void *owner)
 /* `old`, grown to so many bytes, or NULL. */
 static inline Memory regrown(void *old, size_t size)
 {
-#ifdef __cplusplus
-    return Memory{realloc(old, size)};
-#else
-    return realloc(old, size);
-#endif
+    return MEMORY(realloc(old, size));
 }
 
 #endif
