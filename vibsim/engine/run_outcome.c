@@ -21,14 +21,15 @@ PyObject *state_tuple(const Run *r, const State *s)
 PyObject *run_tally(RunObject *self, PyObject *none)
 {
     const Run *r = &self->run;
-    PyObject *counts;
+    PyObject *counts, *entries;
     int i;
     (void)none;
     if (!run_is_ready(self) || (counts = PyTuple_New(KINDS)) == NULL)
         return NULL;
+    entries = list_of(r->ledger.entries, r->ledger.count, 1);
     for (i = 0; i < KINDS; i++)
         PyTuple_SET_ITEM(counts, i, PyLong_FromDouble((double)r->counts[i]));
-    return Py_BuildValue("{sNsNsNsNsdsdsds(dNNN)sisNsisi}", "state", state_tuple(r, &r->state), "counts", counts, "entries", list_of(r->ledger.entries, r->ledger.count, 1), "worked_to", number_object(run_worked_to(r)), "steps", r->steps, "steps_beside", r->steps_beside,
+    return Py_BuildValue("{sNsNsNsNsdsdsds(dNNN)sisNsisi}", "state", state_tuple(r, &r->state), "counts", counts, "entries", entries, "worked_to", number_object(run_worked_to(r)), "steps", r->steps, "steps_beside", r->steps_beside,
                          "evaluations", r->evaluations, "certificate", r->certificate.uncertified, number_object(r->certificate.first_doubt),
                          number_object(r->certificate.margin), number_object(r->certificate.margin_time), "violated_once", r->violated_once,
                          "first_violation", number_object(r->first_violation), "mode", r->mode_number, "singular", r->singular);
