@@ -418,3 +418,81 @@ def test_a_load_that_a_contact_makes_goes_with_it(load):
     assert result.attrs["uncertified"] == 0 and kinds.count("contact_end") > 3
     expected = vibsim.simulate(PRESSED.replace("LOAD", "-k*x_roller"))
     np.testing.assert_allclose(result.events["t"], expected.events["t"], rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("force", "factor"),
+    [
+        ("F*step(x_a/L)", 0),
+        ("F*min(1, step(x_a/L))", 0),
+        ("F*where(step(x_a/L) < 1, 0, 1)", 0),
+        ("F*abs(step(x_a/L) - 1)", 1),
+        ("F*max(step(x_a/L), step(-2*x_a/L) - 0.5)", 0.5),
+    ],
+)
+def test_a_choice_behind_one_that_is_at_its_zero_at_the_start_takes_its_side_by_it(force, factor):
+    """The body leaves x = 0 backwards: step(x) is 0 from there, and what reads it is on its side for that."""
+    events = run(
+        scene_of(f"""
+bodies: {{a: 1 kg}}
+forces: {{f: {{on: a, force: "{force}", F: 1 N, L: 1 m}}}}
+initial: {{a: {{v: -2 m/s}}}}
+run: {{t_end: 1 s, every: 100 ms}}
+""")
+    ).events
+    assert abs(events["v_a"][-1] - (factor - 2)) < 1e-15
+
+
+BENT_BY_VELOCITY = """
+name: bent
+bodies: {a: 1 kg}
+links: {s: {between: [a, ground], k: 100 N/m}}
+stops: {r: {between: [a, ground], gap: 5 mm, acts: compression, law: rigid, e: 0.8}}
+friction: {f: {between: [a, ground], N: 1 N, mu: "0.1 + 0.2*exp(-s/vs)", vs: 10 mm/s}}
+forces: {f0: {on: a, force: "FORCE", F: 1 N, V: 0.1 m/s}}
+initial: {a: {v: 1 m/s}}
+run: {t_end: 1 s, every: 10 ms}
+"""
+
+
+def test_an_impact_turns_a_switch_whatever_the_law_of_friction_before_it_says_behind():
+    """exp(-s/vs) with the slip of before is 1e34 behind the impact: no measure of what rounding may do."""
+    bent, smooth = (
+        vibsim.simulate(BENT_BY_VELOCITY.replace("FORCE", force))
+        for force in ("F*max(-1, min(1, v_a/V))", "F*sign(v_a)*min(1, abs(v_a)/V)")
+    )
+    assert bent.attrs["uncertified"] == 0 < bent.attrs["impacts"]
+    assert np.abs(bent["x_a"] - smooth["x_a"]).max() < 1e-12
+
+
+ON_A_BASE = """
+bodies: {a: 1 kg}
+links: {s: {between: [a, base], force: "k*d + q*v*abs(v)", k: 100 N/m, q: 3 N s^2/m^2}}
+base: {x: "20 mm*BASE"}
+run: {t_end: T_END, every: 50 ms}
+"""
+
+
+@pytest.mark.parametrize(
+    ("base", "plain"),
+    [
+        ("max(0, sin(1 Hz*t))", "sin(1 Hz*t)"),
+        ("min(0, -sin(1 Hz*t))", "(-sin(1 Hz*t))"),
+        ("mod(-1 1/s*t, 1)", "(1 - 1 1/s*t)"),
+        ("table(-1 1/s*t, [[-1, 1], [0, 0], [1, 4]], 'linear')", "(1 1/s*t)"),
+    ],
+)
+def test_a_base_with_a_kink_at_the_start_moves_as_behind_it(base, plain):
+    """v = v_a - v_base is what the base begins with; with the velocity of before the run was held."""
+    bent, smooth = (
+        run(scene_of(ON_A_BASE.replace("BASE", one).replace("T_END", "0.45 s"))).samples["x_a"]
+        for one in (base, plain)
+    )
+    assert np.abs(bent - smooth).max() < 1e-15
+
+
+def test_a_run_does_not_go_on_beyond_a_kink_of_the_base_at_its_end():
+    """A kink is met where rounding says; the state was recorded one unit in the last place late."""
+    text = ON_A_BASE.replace("BASE", "abs(sin(1 Hz*t))").replace("T_END", "3 s")
+    events = run(scene_of(text + "friction: {f: {between: [a, base], N: 1 N, mu: 0.3}}")).events
+    assert events["t"][-1] == 3.0

@@ -15,10 +15,12 @@ from tests.engine.tied_scenes import tied_scene
 from tests.random_scenes import scenes
 from tests.scenes import CASE_NAMES, paper
 from vibsim.cases import load_case
+from vibsim.engine.resume import rows_to_resume
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import GROUND, Clearance
 from vibsim.physics.rates import common_period
 from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.results.columns import states_at
 from vibsim.results.simulation import simulate
 
 METHODS = ("auto", "taylor")
@@ -32,12 +34,17 @@ def rows_at_each_instant(events):
 
 
 def assert_restarts(scene):
+    """The run goes on from the rows of each instant, but where they do not tell the sides of switches."""
     whole = outcome(scene)
     if not isinstance(whole, Run):
         return
-    for rows in rows_at_each_instant(whole.events):
+    for i, rows in enumerate(rows_at_each_instant(whole.events)):
         t = rows[-1]["t"]
-        if t == whole.events["t"][-1] or rows[0]["kind"] == 0:
+        if t == whole.events["t"][-1] or i == 0:
+            continue
+        last = int(np.flatnonzero(whole.events["t"] == t)[-1])
+        rows = rows_to_resume(scene, whole.events, last)
+        if rows is None or rows[-1]["t"] != t:
             continue
         rest = run(scene, resume=rows)
         after, later = whole.samples["time"] >= t, whole.events["t"] > t
@@ -70,6 +77,45 @@ run: {t_end: 6.366 s, every: 2.122 s}
 @pytest.mark.parametrize("seed", range(14))
 def test_random_formulas_go_on_from_every_event(seed):
     assert_restarts(replace(formula_scene(seed), t_end=0.3))
+
+
+def assert_states(scene):
+    """`states_at` gives the run's own states at its samples."""
+    whole = outcome(scene)
+    if isinstance(whole, Run):
+        states = states_at(scene, whole.events, whole.samples["time"], whole.events["t"][-1])
+        for name, values in whole.samples.items():
+            assert same_bits(states[name], values), name
+
+
+@pytest.mark.parametrize("seed", [67, 146, 165, 194, 255, 273, 378, 403, 559, 655])
+def test_states_of_random_formulas_are_those_of_the_run(seed):
+    """Of each of these scenes a restart had another side of a switch, or turned it once more."""
+    assert_states(formula_scene(seed))
+    assert_restarts(formula_scene(seed))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [*range(700, 900)])
+def test_states_of_more_random_formulas_are_those_of_the_run(seed):
+    assert_states(formula_scene(seed))
+
+
+SWITCHED = """
+bodies: {a: 1 kg}
+links: {s: {between: [a, ground], k: 100 N/m}}
+forces: {f: {on: a, force: "1 N*FORCE"}}
+initial: {a: {v: 0.1 m/s}}
+run: {t_end: 3 s, every: 50 ms}
+"""
+
+
+@pytest.mark.parametrize(
+    "force", ["min(1, step(x_a))", "max(-0.5, -step(-x_a))", "abs(7 1/s*t - 6.3)"], ids=str
+)
+def test_states_are_those_of_the_run_behind_switches(force):
+    """A choice behind one that turns takes its side by it; one that bends at a sample has turned there."""
+    assert_states(scene_of(SWITCHED.replace("FORCE", force)))
 
 
 @pytest.mark.parametrize("seed", [145, 497, 499, 539, 686])

@@ -17,7 +17,6 @@
  */
 #define AS_SOON 8
 #define KICK 0x1p-49 /* 16 unit round-offs of doubles: so far off a computed state may be (tests/flows/test_responses.py) */
-#define MEETING 0x1p-40 /* of a time: so near to an event its rounding may lie, and the motion before it goes on */
 
 /* Enter the mode of now by the flow that suits it: the closed form where the mode has one, else Taylor series. */
 static void flow_enter(Run *r, const State *state)
@@ -514,8 +513,8 @@ Real run_worked_to(const Run *r)
     return r->stage == LEDGER && r->ledger.wanted ? r->t0 + r->ledger.tau : r->state.t;
 }
 
-/* State at t, events on the way taken; 0 where it has to be called again, -1 where Python decides the pending event or no step
- * moves time.
+/* State at t, as a sample there: events up to t are taken; 0 where it has to be called again, -1 where Python decides the pending
+ * event or no step moves time.
  */
 int run_state_at(Run *r, Buffers *b, Real t, State *out)
 {
@@ -526,8 +525,7 @@ int run_state_at(Run *r, Buffers *b, Real t, State *out)
         double steps = r->steps;
         r->pending_end = flow_advance(r, r->t_end, &r->pending_event);
         r->arrived = 0;
-        if (r->pending_end >= t || r->pending_end >= r->t_end || (r->pending_event != NOTHING && t - r->pending_end <= MEETING * t) ||
-            !arrive(r))
+        if (r->pending_end > t || r->pending_end >= r->t_end || !arrive(r))
             break;
         if (r->pending_event == NOTHING) {
             carry_on(r, NULL);

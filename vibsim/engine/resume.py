@@ -1,13 +1,13 @@
 """Going on from a stored event row: the state, status and known zeros that the engine had there."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import groupby
 from math import isfinite
 
 import numpy as np
 
 from vibsim.engine.columns import flags_of_parts, part_columns, state_columns, stored_columns
-from vibsim.engine.errors import State
+from vibsim.engine.errors import EngineError, State
 from vibsim.engine.events.departures import DerivativeSigns, released_parts, zeros_of_touch
 from vibsim.engine.events.impacts.simultaneous import coincident_stops_of
 from vibsim.engine.events.relative_motion import RelativeMotion
@@ -66,15 +66,63 @@ def _with_switches(scene: Scene, state: State, status: Status, known: Known) -> 
     """The mode with the sides of the switches of its formulas, which no row holds: their values tell them,
     and where these are zero the direction in which they leave it.
     """
-    table = mode_table(scene)
-    maker = table.maker
-    if maker.formulas is None or not maker.formulas.switches:
+    departures = _departures(scene, lambda *_: None)
+    if departures is None:
         return status, known
-    relative = RelativeMotion(scene, Doubles)
-    departures = DerivativeSigns(relative, maker, Expansion(scene, table), lambda *_: None)
     assert departures.switches is not None
-    status, zeros = departures.switches.initial(state, departures, status)
+    status, zeros = departures.switches.initial(state, departures, status, late=True)
     return status, known | zeros
+
+
+def _departures(
+    scene: Scene, doubt: Callable[[float, str, Iterable[str]], None]
+) -> DerivativeSigns[float] | None:
+    """What decides the sides of the switches of a scene, and calls `doubt`; None where it has none."""
+    table = mode_table(scene)
+    if table.maker.formulas is None or not table.maker.formulas.switches:
+        return None
+    relative = RelativeMotion(scene, Doubles)
+    return DerivativeSigns(relative, table.maker, Expansion(scene, table), doubt)
+
+
+def rows_to_resume(scene: Scene, events: Mapping[str, np.ndarray], i: int) -> list[Row] | None:
+    """The rows of the last instant of a table of events, up to its row `i`, from which a run goes on bit for
+    bit, see `resume_point`; None for its start.
+
+    Rows do not hold the sides of switches. Where rounding leaves one open, the instant before tells it.
+    """
+    while True:
+        rows = rows_of_instant(events, i)
+        if EVENT_NAMES[int(rows[0]["kind"])] == "start":
+            return None
+        if _tells_sides(scene, rows) or i < len(rows):
+            return rows
+        i -= len(rows)
+
+
+def _tells_sides(scene: Scene, rows: Sequence[Row]) -> bool:
+    """Whether the state at an instant tells the sides of all switches of formulas there: none is at its zero
+    but one that is the event itself, and that the motion leaves to one side alone.
+    """
+    doubts: list[str] = []
+    departures = _departures(scene, lambda t, reason, names: doubts.append(reason))
+    if departures is None:
+        return True
+    switches = departures.switches
+    assert switches is not None
+    state, kinds = _state(scene, rows[-1]), [EVENT_NAMES[int(row["kind"])] for row in rows]
+    try:
+        status, known = switches.initial(state, departures, _status(scene, rows[-1]), late=True)
+    except EngineError:
+        return False
+    near = switches.near(state, status)
+    if "switch" not in kinds:
+        return not near
+    if not len(rows) == len(near) == 1 or list(known.values()) != [1]:
+        return False
+    (i,) = near
+    turned = switches.rows.part_of[i] == rows[0]["part"]
+    return turned and switches.leads_away(state, departures, status, i) and not doubts
 
 
 def _makes_forces_jump(scene: Scene, row: Row) -> bool:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.engine.columns import before_columns, flags_of_parts, part_columns
-from vibsim.engine.resume import rows_of_instant
+from vibsim.engine.resume import Row, rows_to_resume
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.connections import event_parts, switching_parts
 from vibsim.physics.elementary import sine_cosine_of_arrays
@@ -269,10 +269,15 @@ def states_at(
     ascending = flat[order]
     starts = events["t"][events["kind"] != EVENT_KINDS["end"]]  # nothing starts at the end
     last_event = np.searchsorted(starts, ascending, side="right") - 1
-    pieces = []
+    times_behind: dict[float, tuple[list[Row] | None, list[np.ndarray]]] = {}
     for event in np.unique(last_event):
-        rows = rows_of_instant(events, int(event))
-        pieces.append(open_trajectory(scene, resume=rows).state_at(ascending[last_event == event]))
+        rows = rows_to_resume(scene, events, int(event))
+        since = -1.0 if rows is None else rows[-1]["t"]
+        times_behind.setdefault(since, (rows, []))[1].append(ascending[last_event == event])
+    pieces = [
+        open_trajectory(scene, resume=rows).state_at(np.concatenate(behind))
+        for rows, behind in times_behind.values()
+    ]
     columns = {name: [piece[name] for piece in pieces] for name in tables_of(scene).samples}
     return {name: _in_order(parts, order, times.shape) for name, parts in columns.items()}
 

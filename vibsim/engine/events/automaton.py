@@ -104,22 +104,29 @@ class Automaton(Generic[N]):
         Raises EngineError.
         """
         self.struck = False
+        switches = self.departures.switches
         with self._cuts_counted(state):
+            jumps = switches is not None and (event.kind == STRIKE or switches.kinks(event))
+            came = state.copy() if jumps else None
             after, happened, known = self._take(state, status, event, order)
-            if self.departures.switches is not None:
+            if switches is not None:
                 turned = [key[1] for key in known if key[0] == SWITCH and isinstance(key[1], int)]
-                goes_on = event.kind != STRIKE and not self.departures.switches.kinks(event)
-                after = self._sides_behind(state, after, turned, status, goes_on)
+                after = self._sides_behind(state, after, turned, status, came)
             return after, happened, known
 
     def _sides_behind(
-        self, state: State[N], after: Status, fixed: Container[int], before: Status, goes_on: bool
+        self,
+        state: State[N],
+        after: Status,
+        fixed: Container[int],
+        before: Status,
+        came: State[N] | None = None,
     ) -> Status:
         """The mode behind an event with the sides of its switches, see `SwitchSides.completed`."""
         switches = self.departures.switches
         assert switches is not None
         open_ones: dict[int, bool] = {}
-        after = switches.completed(state, after, fixed, open_ones, before, goes_on)
+        after = switches.completed(state, after, fixed, open_ones, before, came)
         switches.doubt(state, self.departures, open_ones, SIDE)
         return after
 
@@ -204,7 +211,7 @@ class Automaton(Generic[N]):
         if crossing <= 0:
             return status, [], {event.key: at}
         after = switches.turned(status, event)
-        after = self._sides_behind(state, after, {i}, status, not switches.kinks(event))
+        after = self._sides_behind(state, after, {i}, status, state if switches.kinks(event) else None)
         known: Known = {event.key: at}
         if switches.base_jumps(state, status, after, i):
             return self._base_turns(state, status, after, event, at)

@@ -28,6 +28,7 @@ NO_JUMP = 2.0**-30  # of its size, below which two sides of a switch give one fo
 LATE = 64  # units of the time, within which a kink of the base is where it was found to be
 MOST_STATUSES = 1000  # whose sides are kept
 MOST_TURNS = 64  # of switches that turn at one instant
+CLEARLY = 4  # times the bounds of the rounding of arguments; as in rules.c
 
 
 class SwitchSides(Generic[N]):
@@ -44,25 +45,30 @@ class SwitchSides(Generic[N]):
         self._guards: dict[Any, list[N]] = {}  # values of arguments of switches there
         self._here: dict[Status, Status] = {}  # statuses there with all their sides
 
-    def inputs(self, state: State[N], before: Status | None = None) -> tuple[Inputs[N], Inputs[N]]:
+    def inputs(
+        self, state: State[N], before: Status | None = None, came: State[N] | None = None
+    ) -> tuple[Inputs[N], Inputs[N]]:
         """Values that formulas read at a state, and their uncertainty by rounding: that of the state, and of
-        the time at which it is taken; before: the mode that led there. Kept for one state, of which several
-        modes are tried.
+        the time at which it is taken. Kept for one state, of which several modes are tried.
+
+        before : the mode that led there; came : the state that it led to, where an impact has changed that
         """
         place = (state.t, *state.x, *state.v, state.phase, state.turns, state.w, before)
         if place != self._place:
-            self._inputs = self._made_inputs(state, before)
+            self._inputs = self._made_inputs(state, before, came or state)
             self._place = place
             self._guards, self._here = {}, {}
         return self._inputs
 
-    def _made_inputs(self, state: State[N], before: Status | None) -> tuple[Inputs[N], Inputs[N]]:
+    def _made_inputs(
+        self, state: State[N], before: Status | None, came: State[N]
+    ) -> tuple[Inputs[N], Inputs[N]]:
         zero = self.kit.number(0)
         x = [*state.x, zero, self.relative.base(state, "x")]
         v = [*state.v, zero, self.relative.base(state, "v")]
         a = [zero] * len(v)
         if before is not None:
-            a, _ = accelerations(self.scene, self.kit, self.maker.rows(before), state)
+            a, _ = accelerations(self.scene, self.kit, self.maker.rows(before), came)
         at = Inputs(state.t, x, v, self.kit.unwind(state.phase, state.turns), state.w)
         return at, left_open(self.kit, state, x, v, a, zero, zero)
 
@@ -73,18 +79,18 @@ class SwitchSides(Generic[N]):
         fixed: Container[int] = (),
         open_ones: dict[int, bool] | None = None,
         before: Status | None = None,
-        continuous: bool = False,
+        came: State[N] | None = None,
     ) -> Status:
         """The status with the sides of its switches by the values of their arguments. `fixed` ones stay as
         they were. So do those within rounding of zero whose argument is the same formula; else, or where the
         value is zero exactly, the upper side holds.
 
-        open_ones : is given the numbers of those within rounding, and whether they are zero exactly; before :
-            the mode that led there
-        continuous : whether the motion and its velocities go on from there as they came. Then no argument
-            jumps, but for those that a switch within them has turned: a side that was known stays until its
-            own zero is an event. The value may tell another one, as of a state that rests at a zero and is
-            there to the time between two doubles
+        open_ones : is given the numbers of those within rounding, and whether they are zero exactly
+        before : the mode that led there; came : the state that it led to, where velocities, also that of the
+            base, have jumped since then. Where they go on from there as they came, no argument jumps, but for
+            those that a switch within them has turned: a side that was known stays until its own zero is an
+            event. The value may tell another one, as of a state that rests at a zero and is there to the time
+            between two doubles
         """
         rows, old = self.rows, status.switches or self.none
         if not rows.switches:
@@ -101,10 +107,10 @@ class SwitchSides(Generic[N]):
             if i not in decided:
                 if led is not None and not self._goes_on(node, sides, led):
                     was = None  # the side of another formula
-                if was is not None and led is not None and continuous:
+                if was is not None and led is not None and came is None:
                     decided[i] = was
                 else:
-                    values = self._guard_values(node, sides, state, before)
+                    values = self._guard_values(node, sides, state, before, came)
                     side, unsure = self._side(node, values, None if was is None else sign * was)
                     decided[i] = sign * side
                     if unsure and open_ones is not None:
@@ -130,10 +136,15 @@ class SwitchSides(Generic[N]):
                 departures.doubt(state, reason, [name_of_switch(self.maker, i)])
 
     def _guard_values(
-        self, node: Node, sides: Mapping[Node, int], state: State[N], before: Status | None
+        self,
+        node: Node,
+        sides: Mapping[Node, int],
+        state: State[N],
+        before: Status | None,
+        came: State[N] | None = None,
     ) -> list[N]:
         """Values of the argument of a switch at a state, with the bounds of their rounding."""
-        at, blur = self.inputs(state, before)
+        at, blur = self.inputs(state, before, came)
         key = node, *map(sides.get, self.rows.behind[node])
         values = self._guards.get(key)
         if values is None:
@@ -233,7 +244,7 @@ class SwitchSides(Generic[N]):
 
     def step_behind_kink(self, state: State[N], after: Status) -> None:
         """Move the time on by its rounding, to where the base has the velocity that it has behind a kink; not
-        where another switch turns at the same instant, which it still has to.
+        where another switch turns at the same instant, which it still has to, nor beyond the end of the run.
         """
         start = state.t
         sides = self.rows.sides(after)
@@ -242,6 +253,8 @@ class SwitchSides(Generic[N]):
             behind = TapeValues(self.kit, tape, *self.inputs(state)).output(0)[0]
             if abs(self.relative.base(state, "v") - behind) <= NO_JUMP * abs(behind):
                 return
+            if state.t >= self.scene.t_end:
+                break
             state.t = self.kit.next_after(state.t, inf)
         state.t = start
 
@@ -270,13 +283,16 @@ class SwitchSides(Generic[N]):
         return found
 
     def initial(
-        self, state: State[N], departures: DerivativeSigns[N], status: Status
+        self, state: State[N], departures: DerivativeSigns[N], status: Status, late: bool = False
     ) -> tuple[Status, Known]:
         """The sides at a start, or at any state, in the mode `status`, and the known zeros: those that are
         zero go where their first derivative leads.
+
+        late : whether the state is one of a motion, which is there to the rounding of the time
         """
         unsure: dict[int, bool] = {}
-        status = self.completed(state, status, (), unsure)
+        before = self.completed(state, status) if late else None
+        status = self.completed(state, status, (), unsure, before, state)
         known: Known = {}
         if not unsure:
             return status, known
@@ -286,13 +302,15 @@ class SwitchSides(Generic[N]):
                 if (
                     event.kind != SWITCH
                     or event.part not in unsure
-                    or not self._is_zero(event, state, status)
+                    or not self._is_zero(event, state, status, before)
                 ):
                     continue
                 sense, order = departures.departure(state, status, event.key)
                 if sense < 0:
-                    status = self.turned(status, event)
-                    status = self.completed(state, status, unsure)
+                    for i in self._reading(event.part):  # whose arguments are others now
+                        unsure.pop(i, None)
+                    fixed = {event.part, *unsure}
+                    status = self.completed(state, self.turned(status, event), fixed, unsure, before, state)
                     break
                 if sense > 0:
                     known[event.key] = order
@@ -303,12 +321,40 @@ class SwitchSides(Generic[N]):
                 return status, known
         raise EngineError("held", state, ", ".join({self.rows.owners[i] for i in unsure}))
 
-    def _is_zero(self, event: Event[N], state: State[N], status: Status) -> bool:
+    def _reading(self, turned: int) -> set[int]:
+        """The switches whose arguments read switch number `turned`."""
+        numbers = {node: i for node, (i, _) in self.rows.same.items()}
+        return {i for node, i in numbers.items() if turned in map(numbers.get, self.rows.behind[node])}
+
+    def near(self, state: State[N], status: Status) -> set[int]:
+        """The switches of a mode whose arguments are not clearly beyond their rounding at a state of it."""
+        sides = self.rows.sides(status)
+        found: set[int] = set()
+        for node, i, _ in self.rows.awake(status, sides):
+            if not self.rows.side_by_stops(node, status):
+                value, bound, *of_step = self._guard_values(node, sides, state, status)
+                if self._side(node, [value, CLEARLY * bound, *of_step], None)[1]:
+                    found.add(i)
+        return found
+
+    def leads_away(self, state: State[N], departures: DerivativeSigns[N], status: Status, i: int) -> bool:
+        """Whether the motion leaves the zero that switch `i` is at to its side in a mode, from the other side
+        too, on which no other switch is at a zero either.
+        """
+        for event in departures.enter(state, status).events:
+            if event.kind == SWITCH and event.part == i and self._is_zero(event, state, status, status):
+                other = self.completed(state, self.turned(status, event), {i}, None, status, state)
+                watched = any(one.key == event.key for one in self.maker.rows(other).events)
+                alone = watched and self.near(state, other) == {i}
+                return alone and departures.departure(state, other, event.key) == (-1, 1)
+        return False
+
+    def _is_zero(self, event: Event[N], state: State[N], status: Status, before: Status | None) -> bool:
         """Whether the zero of an event function is the one that a switch is at: tables and mod have two."""
         node = self.rows.switches[event.part]
         if node[0] == "choose":
             return True
-        at, blur = self.inputs(state)
+        at, blur = self.inputs(state, before)
         values = self.rows.guard_values(node, self.rows.sides(status), at, blur)
         key = event.key[2]
         assert isinstance(key, int)

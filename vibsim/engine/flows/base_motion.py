@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, cast
 
 from vibsim.engine.flows.tape import Inputs, Tape, TapeMaker, TapeValues, motion_tape
-from vibsim.physics.formulas import SWITCHES, Node, walk
+from vibsim.physics.formulas import SWITCHES, TIME, Node, derivative, resolved, walk
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Friction, Harmonic, Scene
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from vibsim.engine.modes.rows import ModeRows
 
 KEPT = 16  # formulas of bases that are kept
+DERIVATIVES = 4  # of the argument of a switch, that tell the piece that begins at its zero
 ROUNDING = 16  # of a product of an amplitude, powers of a rate and a sine, in units of eps
 
 
@@ -55,14 +56,32 @@ class BaseFormula:
         return self.tapes[key]
 
     def _side(self, node: Node, t: Any, sides: dict[Node, int]) -> int:
-        maker, read = TapeMaker(self.kit, {}), node[1 : 3 if node[0] == "mod" else 2]
-        at = _values(self.kit, maker.tape([maker.place(one, sides) for one in read]), t)
-        values = [at.output(k)[0] for k in range(len(read))]
+        at = self._value(node[1], t, sides)
         if node[0] == "choose":
-            return 1 if values[0] >= 0 else -1
+            return 1 if (at or self._departure(node[1], t, sides)) >= 0 else -1
         if node[0] == "mod":
-            return int(float(values[0] / values[1]) // 1)
-        return sum(1 for knot in node[2] if values[0] >= self.kit.number(knot)) - 1
+            turns = float(at / self._value(node[2], t, sides))
+            whole = int(turns // 1)
+            return whole - (turns == whole and self._departure(node[1], t, sides) < 0)
+        knots = [self.kit.number(knot) for knot in node[2]]
+        falls = at in knots and self._departure(node[1], t, sides) < 0
+        return sum(1 for knot in knots if at >= knot) - 1 - falls
+
+    def _value(self, node: Node, t: Any, sides: dict[Node, int]) -> Any:
+        maker = TapeMaker(self.kit, {})
+        return _values(self.kit, maker.tape([maker.place(node, sides)]), t).output(0)[0]
+
+    def _departure(self, node: Node, t: Any, sides: dict[Node, int]) -> Any:
+        """The first derivative by the time that is not zero, of a formula that begins at t [s] at a switch; 0
+        where those up to the order DERIVATIVES are.
+        """
+        formula, value = resolved(node, sides), self.kit.number(0)
+        for _ in range(DERIVATIVES):
+            formula = derivative(formula, TIME)
+            value = self._value(formula, t, sides)
+            if value != 0:
+                break
+        return value
 
     def values(self, t: Any, tape: Tape | None = None) -> list[tuple[Any, Any]]:
         """X, X' and X'' at t [s], each with a bound of its rounding; tape: of the piece that is meant."""
