@@ -496,3 +496,26 @@ def test_a_run_does_not_go_on_beyond_a_kink_of_the_base_at_its_end():
     text = ON_A_BASE.replace("BASE", "abs(sin(1 Hz*t))").replace("T_END", "3 s")
     events = run(scene_of(text + "friction: {f: {between: [a, base], N: 1 N, mu: 0.3}}")).events
     assert events["t"][-1] == 3.0
+
+
+@pytest.mark.parametrize("gap", ["0 m", "1 mm"])
+@pytest.mark.parametrize("sense", [1, -1])
+def test_a_remainder_that_a_contact_holds_on_its_side_turns_as_that_begins(gap, sense):
+    """Both are at zero at once: the mode in contact has no event function of the remainder there."""
+    text = f"""
+bodies: {{a: 1 kg}}
+stops: {{s: {{between: [a, ground], gap: {gap}, acts: compression, k: 16 kN/m, c: 4 N s/m}}}}
+forces: {{f: {{on: a, force: "1 N*FORCE"}}}}
+initial: {{a: {{x: -10 mm, v: 0.1 m/s}}}}
+run: {{t_end: 0.15 s, every: 1 ms}}
+"""
+    place = f"{sense}*(x_a - {gap})/(100 mm)"
+    below = place if sense < 0 else f"1 + {place}"
+    above = f"1 + {place}" if sense < 0 else place
+    remainder, choice = (
+        run(scene_of(text.replace("FORCE", force)))
+        for force in (f"mod({place}, 1)", f"where(x_a < {gap}, {below}, {above})")
+    )
+    assert [kind for kind in remainder.kinds if kind != "switch"] == ["contact_begin", "contact_end"]
+    for name in ("x_a", "v_a"):
+        assert np.abs(remainder.samples[name] - choice.samples[name]).max() < 1e-13

@@ -217,7 +217,9 @@ class Automaton(Generic[N]):
             return self._base_turns(state, status, after, event, at)
         if not switches.jumps(state, status, after, i):
             return after, [], known
-        sense, behind = self.departures.departure(state, after, event.key)
+        sense, behind = 1, at
+        if self.departures.watches(state, after, event.key):
+            sense, behind = self.departures.departure(state, after, event.key)
         if sense < 0:
             raise EngineError("held", state, switches.rows.owners[i])
         after, pressed = self._pressed(state, after)

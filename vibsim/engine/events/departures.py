@@ -84,6 +84,11 @@ class DerivativeSigns(Generic[N]):
     def event(self, rows: ModeRows[N], key: EventKey) -> Event[N]:
         return next(event for event in rows.events if event.key == key)
 
+    def watches(self, state: State[N], status: Status, key: EventKey) -> bool:
+        """Whether a mode has an event function; none of a switch that a stop holds on its side."""
+        rows = self.maker.rows(self.with_sides(state, status))
+        return any(event.key == key for event in rows.events)
+
     def departure(self, state: State[N], status: Status, key: EventKey, first: int = 1) -> tuple[int, int]:
         """(sign, order) of the first derivative, from order `first`, that is not zero, of a function that
         begins at zero: in doubt where rounding could have it leave to the other side, or later than it does.

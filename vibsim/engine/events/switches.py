@@ -344,8 +344,7 @@ class SwitchSides(Generic[N]):
         for event in departures.enter(state, status).events:
             if event.kind == SWITCH and event.part == i and self._is_zero(event, state, status, status):
                 other = self.completed(state, self.turned(status, event), {i}, None, status, state)
-                watched = any(one.key == event.key for one in self.maker.rows(other).events)
-                alone = watched and self.near(state, other) == {i}
+                alone = self.near(state, other) == {i} and departures.watches(state, other, event.key)
                 return alone and departures.departure(state, other, event.key) == (-1, 1)
         return False
 
