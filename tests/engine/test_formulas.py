@@ -519,3 +519,21 @@ run: {{t_end: 0.15 s, every: 1 ms}}
     assert [kind for kind in remainder.kinds if kind != "switch"] == ["contact_begin", "contact_end"]
     for name in ("x_a", "v_a"):
         assert np.abs(remainder.samples[name] - choice.samples[name]).max() < 1e-13
+
+
+@pytest.mark.parametrize(
+    ("force", "load", "v"),
+    [("-1 N*sign(v_a/V)", "10 N", "0.89 m/s"), ("-1 N*step(v_a/V)", "5 N", "0.81 m/s")],
+)
+def test_a_friction_holds_what_comes_to_rest_at_a_switch(force, load, v):
+    """The velocity is zero for both at once; where rounding put the switch first the run was held there."""
+    text = f"""
+bodies: {{a: 1 kg}}
+links: {{s: {{between: [a, ground], k: 100 N/m, c: 0.1 N s/m}}}}
+friction: {{f: {{between: [a, ground], N: {load}, mu: 0.3}}}}
+forces: {{f0: {{on: a, force: "{force}", V: UNIT}}}}
+initial: {{a: {{v: {v}}}}}
+run: {{t_end: 5 s, every: 100 ms}}
+"""
+    ends = [run(scene_of(text.replace("UNIT", V))).final("x_a") for V in ("20 mm/s", "1 m/s", "0.3 m/s")]
+    assert np.ptp(ends) < 1e-12 < abs(ends[0])

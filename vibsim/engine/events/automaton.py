@@ -221,7 +221,7 @@ class Automaton(Generic[N]):
         if self.departures.watches(state, after, event.key):
             sense, behind = self.departures.departure(state, after, event.key)
         if sense < 0:
-            raise EngineError("held", state, switches.rows.owners[i])
+            return self._rest_at_switch(state, status, switches.rows.owners[i])
         after, pressed = self._pressed(state, after)
         happened: Happened = [("switch", switches.rows.part_of[i]), *pressed]
         tied, belts = after, switches.jumping_belts(state, status, after)
@@ -231,6 +231,23 @@ class Automaton(Generic[N]):
         happened += changes(tied, after, known)
         known |= {(SLIDE, k): 0 for k, sense in belts.items() if sense != STICK}
         return after, happened, {**known, event.key: behind}
+
+    def _rest_at_switch(self, state: State[N], status: Status, owner: str) -> Taken:
+        """The mode in which a friction whose ends come to rest at a switch, to rounding, holds them there.
+        Raises EngineError where none does.
+        """
+        switches = self.departures.switches
+        assert switches is not None
+        blur = switches.inputs(state, status)[1].v
+        for event in self.maker.rows(status).events:
+            if event.kind == SLIDE:
+                friction = self.scene.frictions[event.part]
+                open_to = sum(blur[column] for column in self.maker.ends(friction))
+                if abs(self.starts.relative.slip(friction, state)) <= open_to:
+                    taken = self._sliding_ends(state, status, event)
+                    if taken[0].frictions[event.part] == STICK:
+                        return taken
+        raise EngineError("held", state, owner)
 
     def _pressed(self, state: State[N], status: Status, base: bool = False) -> tuple[Status, Happened]:
         """The status with the stops that let go by force as their forces say where these jump: those by
