@@ -8,10 +8,12 @@ from scipy.integrate import solve_ivp
 
 import vibsim
 from tests.engine.many_digits import exact_parts, truth
-from tests.engine.runs import run, scene_of
+from tests.engine.runs import run, same_bits, scene_of, whole
 from tests.engine.test_operations import judged
 from vibsim.engine.errors import EngineError
+from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import EVENT_NAMES
+from vibsim.results.columns import states_at
 
 HYSTERETIC = """
 bodies: {a: 1 kg}
@@ -537,3 +539,31 @@ run: {{t_end: 5 s, every: 100 ms}}
 """
     ends = [run(scene_of(text.replace("UNIT", V))).final("x_a") for V in ("20 mm/s", "1 m/s", "0.3 m/s")]
     assert np.ptp(ends) < 1e-12 < abs(ends[0])
+
+
+@pytest.mark.parametrize(
+    ("force", "start", "reason"),
+    [
+        ("-1 N*sign(v_a) - 100 N/m*x_a", "x: 30 mm, v: 0.5 m/s", "held"),
+        ("1 N*sqrt(1 - x_a/(1 m)) + 1 N", "x: 0 m", "domain"),
+        ("-1 N m^2/x_a**2", "x: 1 m", "singular"),
+    ],
+)
+def test_a_run_that_fails_keeps_what_came_before(force, start, reason):
+    """Where Python decides that it fails, as of "held", all since the last block was lost."""
+    scene = scene_of(f"""
+bodies: {{a: 1 kg}}
+forces: {{f: {{on: a, force: "{force}"}}}}
+initial: {{a: {{{start}}}}}
+run: {{t_end: 9 s, every: 10 ms}}
+""")
+    blocks, trajectory = [], open_trajectory(scene)
+    with pytest.raises(EngineError) as failure:
+        for block in trajectory.blocks():
+            blocks.append(block)
+    samples, events = (whole([getattr(block, name) for block in blocks]) for name in ("samples", "events"))
+    end = failure.value.state
+    assert failure.value.reason == reason and end.t - 0.01 <= samples["time"][-1] <= end.t
+    states = states_at(scene, events, samples["time"], end.t)
+    assert all(same_bits(states[name], values) for name, values in samples.items())
+    assert states_at(scene, events, end.t, end.t)["x_a"] == end.x[0]

@@ -375,6 +375,9 @@ class CRun:
                     self.left_at = State(*values)
                     yield self._block(counts, True)
                     return
+                except EngineError:
+                    yield self._block(counts, True)
+                    raise
                 if not finished and status not in REASONS and monotonic() - last_told < SECONDS:
                     continue
             yield self._block(counts, finished)
@@ -430,19 +433,29 @@ class CRun:
 
     def states_at(self, times: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
         """Columns at ascending times [s]: time, x and v of each body, rotor angle, its speed; and what each
-        part does. Events on the way are taken. Raises EngineError.
+        part does. Events on the way are taken. Raises EngineError of a time behind that at which it fails.
         """
         states = self.form.empty(3 + 2 * self.n, len(times))
         codes = np.empty((len(part_columns(self.scene)), len(times)), dtype="i1")
         packed, made = self.form.packed(times), 0
         while made < len(times):
             made, status = self.run.states_at(packed, states, codes, made)  # here a signal is heard
-            if status == UNDECIDED:
-                number, event, order, values = self.run.pending()
-                if not self._set_rule(number, event):
-                    self._decide(number, event, State(*values), order)
-            elif status in REASONS and status != DIVERGED:
-                raise self._failure(status)
+            try:
+                if status == UNDECIDED:
+                    number, event, order, values = self.run.pending()
+                    if not self._set_rule(number, event):
+                        self._decide(number, event, State(*values), order)
+                elif status in REASONS and status != DIVERGED:
+                    raise self._failure(status)
+            except EngineError as error:
+                end = error.state
+                if end.t < times[made]:
+                    raise
+                moving = (value for pair in zip(end.x, end.v, strict=True) for value in pair)
+                row = self.form.packed([end.t, *moving, self.kit.unwind(end.phase, end.turns), end.w])
+                states[:, made:] = np.frombuffer(row, dtype=states.dtype)[:, None]
+                codes[:, made:] = np.array(self.statuses[self.tally["mode"]].codes)[:, None]
+                break
         return states, codes
 
     def _decide(self, number: int, event: int, state: State, order: int) -> _engine.Progress:
