@@ -20,6 +20,7 @@ from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import GROUND, Clearance
 from vibsim.physics.rates import common_period
 from vibsim.physics.two_blocks import TwoBlocks
+from vibsim.plots.slow_passages import _energies
 from vibsim.results.columns import states_at
 from vibsim.results.simulation import simulate
 
@@ -116,6 +117,18 @@ run: {t_end: 3 s, every: 50 ms}
 def test_states_are_those_of_the_run_behind_switches(force):
     """A choice behind one that turns takes its side by it; one that bends at a sample has turned there."""
     assert_states(scene_of(SWITCHED.replace("FORCE", force)))
+
+
+def test_energies_of_a_picture_are_those_of_the_run_behind_switches():
+    """Those of two spans sum up to those of both, wherever the middle."""
+    scene = scene_of(SWITCHED.replace("FORCE", "min(1, step(x_a))"))
+    events = run(scene).events
+    whole = _energies(scene, events, 0.0, scene.t_end)
+    for begin, end in pairwise(events["t"].tolist()):
+        middle = (begin + end) / 2
+        spans = [_energies(scene, events, *span) for span in ((0.0, middle), (middle, scene.t_end))]
+        for name, energy in whole.items():
+            assert abs(spans[0][name] + spans[1][name] - energy) < 1e-15, (name, middle)
 
 
 @pytest.mark.parametrize("seed", [145, 497, 499, 539, 686])

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 from vibsim.cases.ramps import drive_frequency, no_load_speed
 from vibsim.engine.ledger_integrals import Entry, entries_of
-from vibsim.engine.resume import Row, rows_of_instant
+from vibsim.engine.resume import Row, rows_to_resume
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.parts import EVENT_KINDS, Scene
 from vibsim.physics.rates import motor_columns
@@ -387,19 +387,19 @@ def _edges(subject: Subject, span: Span) -> np.ndarray:
 def _energies(scene: Scene, events: dict[str, np.ndarray], first: float, last: float) -> dict[str, float]:
     """Entries of the ledger and increase of the stored energy from one time to another [J].
 
-    The ledger begins at the last event before: what comes before `first` is taken off.
+    The ledger begins at an event before: what comes before `first` is taken off.
     """
     at = int(np.searchsorted(events["t"], first, side="right")) - 1
-    rows = rows_of_instant(events, at)
+    rows = rows_to_resume(scene, events, at)
     ends = _ledger(scene, rows, last)
-    if float(events["t"][at]) == first:
+    if (0.0 if rows is None else rows[-1]["t"]) == first:
         return ends
     before = _ledger(scene, rows, first)
     return {name: value - before[name] for name, value in ends.items()}
 
 
-def _ledger(scene: Scene, rows: list[Row], end: float) -> dict[str, float]:
-    """The ledger from an instant of events to a later time [s], as the run itself had it."""
+def _ledger(scene: Scene, rows: list[Row] | None, end: float) -> dict[str, float]:
+    """The ledger from an instant of events, or the start, to a later time [s], as the run itself had it."""
     trajectory = open_trajectory(replace(scene, t_end=end).without_samples(), resume=rows, ledger=True)
     for _ in trajectory.blocks():
         pass
