@@ -23,6 +23,7 @@ from vibsim.physics.two_blocks import TwoBlocks
 from vibsim.plots.slow_passages import _energies
 from vibsim.results.columns import states_at
 from vibsim.results.simulation import simulate
+from vibsim.sweeps.sweeping import sweep
 
 METHODS = ("auto", "taylor")
 
@@ -129,6 +130,21 @@ def test_energies_of_a_picture_are_those_of_the_run_behind_switches():
         spans = [_energies(scene, events, *span) for span in ((0.0, middle), (middle, scene.t_end))]
         for name, energy in whole.items():
             assert abs(spans[0][name] + spans[1][name] - energy) < 1e-15, (name, middle)
+
+
+@pytest.mark.parametrize("discard", [3.0, 6.0])
+def test_powers_of_a_sweep_are_those_of_the_run_behind_switches(discard):
+    """They begin at the last event of the transient, which the switch of the force is."""
+    text = "name: switched" + SWITCHED.replace("FORCE", "min(1, step(x_a))").replace(
+        "t_end: 3 s", "t_end: 10 s"
+    )
+    text = text.replace("forces: {", "forces: {g: {on: a, A: 0.3 N, omega: 1 Hz}, ")
+    text = text.replace("k: 100 N/m", "k: 100 N/m, c: 0.05 N s/m")
+    scene = load_case(text).scene()
+    work = [_energies(scene, run(scene).events, 0.0, end)["work.forces.f"] for end in (discard, 10.0)]
+    table = sweep(text, {"g.A": "0.3:0.31:0.01 N"}, compute="power", discard=f"{discard:g} s", jobs=1)
+    power = float(table.to_xarray()["power_force_f"].values.ravel()[0])
+    assert abs(power * (10.0 - discard) - (work[1] - work[0])) < 1e-15
 
 
 @pytest.mark.parametrize("seed", [145, 497, 499, 539, 686])
